@@ -1,0 +1,24 @@
+// Errors of the library: one exception type, whose message says what is wrong, where, and what to do.
+#pragma once
+
+#include <stdexcept>
+#include <string>
+
+namespace springnet {
+
+enum class ErrorKind {
+  simulation,  // the run failed: a step did not settle, a law answered with a non-finite number, …
+  input,       // usage, scene, network: something given is wrong
+  plugin       // a plugin is missing, was refused, or broke its contract
+};
+
+class Error : public std::runtime_error {
+ public:
+  Error(ErrorKind kind, const std::string& message) : std::runtime_error(message), kind_(kind) {}
+  [[nodiscard]] ErrorKind kind() const noexcept { return kind_; }
+
+ private:
+  ErrorKind kind_;
+};
+
+}  // namespace springnet

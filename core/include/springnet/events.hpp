@@ -1,0 +1,19 @@
+#pragma once
+
+#include <cstddef>
+
+#include <springnet/simulation.hpp>
+
+namespace springnet {
+
+// How often each kind of event happened so far.
+struct EventCounts {
+  std::size_t cut = 0;       // springs
+  std::size_t ruptured = 0;  // springs
+  std::size_t touched = 0;   // nodes; each time counts
+  std::size_t released = 0;  // nodes; each time counts
+};
+
+[[nodiscard]] EventCounts count_events(const Simulation& simulation);
+
+}  // namespace springnet

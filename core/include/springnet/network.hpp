@@ -1,0 +1,168 @@
+// A network as its user describes it: nodes and springs in his own numbers, bodies, loads, planes, cuts. It is plain
+// data; Simulation turns it into the engine's memory layout.
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <limits>
+#include <optional>
+#include <string>
+#include <unordered_map>
+#include <unordered_set>
+#include <vector>
+
+#include <Eigen/Core>
+
+#include <springnet/plugin_host.hpp>
+
+namespace springnet {
+
+using Vector3 = Eigen::Vector3d;
+using NodeIndex = std::uint32_t;
+using SpringIndex = std::uint32_t;
+using MaterialIndex = std::uint32_t;
+
+// A component by id, with the parameters that differ from its defaults.
+struct LawUse {
+  std::string id;
+  ParameterValues parameters;
+  friend bool operator==(const LawUse&, const LawUse&) = default;
+};
+
+// What a spring is made of. Both: elastic and viscous; only a viscosity function: a viscous connection.
+struct Material {
+  std::optional<LawUse> spring;
+  std::optional<LawUse> viscosity;
+  friend bool operator==(const Material&, const Material&) = default;
+};
+
+struct Node {
+  Vector3 position = Vector3::Zero();  // m
+  Vector3 velocity = Vector3::Zero();  // m/s
+  double mass = 1.0;                   // kg
+  std::uint32_t neuron = 0;            // index into Network::neurons()
+  bool fixed = false;
+};
+
+struct Spring {
+  NodeIndex first;
+  NodeIndex second;
+  MaterialIndex material;
+  double rest_length;  // m
+};
+
+// Nodes [first_node, first_node + node_count), springs likewise.
+struct Body {
+  std::string name;
+  NodeIndex first_node;
+  NodeIndex node_count;
+  SpringIndex first_spring;
+  SpringIndex spring_count;
+};
+
+// The same force on each of some nodes while from <= time < until.
+struct Load {
+  std::vector<NodeIndex> nodes;
+  Vector3 force = Vector3::Zero();  // N
+  double from = -std::numeric_limits<double>::infinity();
+  double until = std::numeric_limits<double>::infinity();
+};
+
+// The half space on the side of the normal is free. A node that crosses is held where it touched until a reverse force
+// occurs (the paper's rule).
+struct Plane {
+  std::string name;
+  Vector3 point = Vector3::Zero();    // m
+  Vector3 normal = Vector3::UnitZ();  // any length but 0; normalised by add_plane
+};
+
+// Springs removed at a time: those listed, and those that cross the polygon (planar, convex or not, three corners or
+// more) at that time.
+struct Cut {
+  double time = 0.0;  // s
+  std::vector<SpringIndex> springs;
+  std::vector<Vector3> polygon;  // m
+};
+
+enum class Diagonals { none, face, space, all };
+
+// A box of nodes: node (i, j, k) at origin + spacing (i, j, k) has the number i + nodes[0] (j + nodes[1] k) in its
+// body. Axial springs, and diagonals of the faces of cells, through the cells, or both.
+struct Lattice {
+  std::array<std::uint32_t, 3> nodes{2, 2, 2};
+  Vector3 spacing = Vector3::Ones();  // m
+  Vector3 origin = Vector3::Zero();   // m
+  Diagonals diagonals = Diagonals::none;
+};
+
+class Network {
+ public:
+  // Neuron 0 is "point_mass" with its defaults; material 0 does not exist until it is added.
+  Network();
+
+  // Equal descriptions get the same index. Throw Error(input) for an empty id, a parameter that is not a finite number,
+  // a material without any function. Simulation checks them against the plugins.
+  std::uint32_t add_neuron(const LawUse& neuron);
+  MaterialIndex add_material(const Material& material);
+
+  // Throws Error(input) for a non-finite number, a mass that is not above 0 or a neuron that does not exist. A fixed
+  // node has no velocity.
+  NodeIndex add_node(const Node& node);
+  // Rest length: the distance of the nodes unless given. Throws Error(input) for a node that does not exist, a node
+  // joined to itself, a distance of 0 without a rest length, a rest length that is negative or not finite, a material
+  // that does not exist.
+  SpringIndex add_spring(NodeIndex first, NodeIndex second, MaterialIndex material,
+                         std::optional<double> rest_length = std::nullopt);
+  // Nodes and springs added between these two calls form a body. Names are unique; throws Error(input) otherwise.
+  void begin_body(const std::string& name);
+  void end_body();
+  // A body of a lattice. `prototype` gives mass, neuron and velocity. Springs of one direction have the same rest
+  // length to the bit. Throws Error(input) for a number of nodes of 0, a spacing that is not above 0, more nodes or
+  // springs than there are numbers.
+  void add_lattice(const std::string& name, const Lattice& lattice, const Node& prototype, MaterialIndex material);
+
+  void fix(NodeIndex node);
+  // These throw Error(input) for a node or spring that does not exist, a number that is not finite (the ends of a
+  // load's window may be infinite), an empty window, a normal of length 0, a name that is taken, a polygon of fewer
+  // than three corners or that is not planar. A node named twice in a load counts once.
+  void add_load(const Load& load);
+  void add_plane(const Plane& plane);
+  void add_cut(const Cut& cut);
+  void set_gravity(const Vector3& acceleration);  // m/s^2
+
+  [[nodiscard]] const std::vector<Node>& nodes() const noexcept { return nodes_; }
+  [[nodiscard]] const std::vector<Spring>& springs() const noexcept { return springs_; }
+  [[nodiscard]] const std::vector<Material>& materials() const noexcept { return materials_; }
+  [[nodiscard]] const std::vector<LawUse>& neurons() const noexcept { return neurons_; }
+  [[nodiscard]] const std::vector<Body>& bodies() const noexcept { return bodies_; }
+  [[nodiscard]] const std::vector<Load>& loads() const noexcept { return loads_; }
+  [[nodiscard]] const std::vector<Plane>& planes() const noexcept { return planes_; }
+  [[nodiscard]] const std::vector<Cut>& cuts() const noexcept { return cuts_; }
+  [[nodiscard]] const Vector3& gravity() const noexcept { return gravity_; }
+
+  // Changes of what was added, checked like the additions.
+  void set_node(NodeIndex index, const Node& node);
+  void set_spring_material(SpringIndex spring, MaterialIndex material);
+  void set_rest_length(SpringIndex spring, double rest_length);
+
+ private:
+  void check_node(const Node& node, NodeIndex index) const;
+  void check_spring(SpringIndex spring) const;
+  void check_material(MaterialIndex material) const;
+
+  std::vector<Node> nodes_;
+  std::vector<Spring> springs_;
+  std::vector<Material> materials_;
+  std::vector<LawUse> neurons_;
+  std::vector<Body> bodies_;
+  std::vector<Load> loads_;
+  std::vector<Plane> planes_;
+  std::vector<Cut> cuts_;
+  Vector3 gravity_ = Vector3::Zero();
+  bool in_body_ = false;
+  std::unordered_set<std::string> body_names_;
+  std::unordered_map<std::string, std::uint32_t> neuron_index_;  // by a text that is equal where the uses are
+  std::unordered_map<std::string, MaterialIndex> material_index_;
+};
+
+}  // namespace springnet

@@ -1,0 +1,105 @@
+// The components (laws, neurons, integrators) that a program can use: loaded from shared libraries, or registered
+// statically. A component is named by kind and id; its metadata is that of the C ABI (sdk/plugin.h).
+#pragma once
+
+#include <cstddef>
+#include <filesystem>
+#include <map>
+#include <memory>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include <springnet/sdk/plugin.h>
+
+namespace springnet {
+
+// SPRINGNET_SPRING_FUNCTION and so on, as a type.
+enum class ComponentKind : unsigned {
+  spring_function = SPRINGNET_SPRING_FUNCTION,
+  viscosity_function = SPRINGNET_VISCOSITY_FUNCTION,
+  neuron = SPRINGNET_NEURON,
+  integrator = SPRINGNET_INTEGRATOR
+};
+
+// "spring function", "viscosity function", "neuron", "integrator".
+[[nodiscard]] std::string_view name_of(ComponentKind kind) noexcept;
+
+struct Component {
+  const springnet_component* description;
+  const springnet_plugin* plugin;
+  std::filesystem::path file;  // empty if registered statically
+
+  [[nodiscard]] ComponentKind kind() const noexcept { return static_cast<ComponentKind>(description->kind); }
+  [[nodiscard]] std::string_view id() const noexcept { return description->id; }
+  [[nodiscard]] const springnet_law& law() const noexcept {
+    return *static_cast<const springnet_law*>(description->implementation);
+  }
+  [[nodiscard]] const springnet_neuron_model& neuron() const noexcept {
+    return *static_cast<const springnet_neuron_model*>(description->implementation);
+  }
+  [[nodiscard]] const springnet_integrator& integrator() const noexcept {
+    return *static_cast<const springnet_integrator*>(description->implementation);
+  }
+};
+
+// A file or registration that was looked at and not taken.
+struct Refusal {
+  std::filesystem::path file;
+  std::string reason;  // says what is wrong and what to do
+};
+
+// Parameter values by name, as a scene or a program gives them. Choices are given by their index, booleans as 0 or 1;
+// a scene gives names (see choice_index).
+using ParameterValues = std::map<std::string, double, std::less<>>;
+
+class PluginHost {
+ public:
+  // Nothing is loaded yet.
+  PluginHost();
+  ~PluginHost();
+  PluginHost(PluginHost&&) noexcept;
+  PluginHost& operator=(PluginHost&&) noexcept;
+
+  // A host that has searched, in this order: `folders`, those of SPRINGNET_PLUGIN_PATH (separated by ':'), the folders
+  // of the installed library and of the build tree it comes from. Never the working directory. Files that cannot be
+  // taken are kept as refusals; this never throws because of one.
+  [[nodiscard]] static PluginHost with_default_search(const std::vector<std::filesystem::path>& folders = {});
+
+  // All files "*.springnet.so" (.dylib, .dll) of a folder, by name. A component whose kind and id are taken already is
+  // refused with its plugin. A folder that does not exist is recorded as a refusal.
+  void search(const std::filesystem::path& folder);
+  // One file. Returns false if it was refused: the reason is refusals().back().
+  bool load(const std::filesystem::path& file);
+  // A plugin linked into the program; `plugin` has to outlive the host. Returns false as load().
+  bool add(const springnet_plugin& plugin);
+
+  [[nodiscard]] const std::vector<std::shared_ptr<const Component>>& components() const noexcept;
+  [[nodiscard]] const std::vector<Refusal>& refusals() const noexcept;
+
+  // Null if there is none.
+  [[nodiscard]] std::shared_ptr<const Component> find(ComponentKind kind, std::string_view id) const;
+  // Throws Error(plugin) that names the nearest known ids and every refused file with its reason.
+  [[nodiscard]] std::shared_ptr<const Component> require(ComponentKind kind, std::string_view id) const;
+
+ private:
+  struct Impl;
+  std::unique_ptr<Impl> impl_;
+};
+
+// Index of the parameter, or npos (-1).
+[[nodiscard]] std::ptrdiff_t parameter_index(const springnet_component& component, std::string_view name) noexcept;
+// Index of a choice of a SPRINGNET_CHOICE parameter, or -1.
+[[nodiscard]] std::ptrdiff_t choice_index(const springnet_parameter& parameter, std::string_view choice) noexcept;
+// Empty if `value` may be given for the parameter, else what is wrong: "must be above 0 kg, is -1".
+[[nodiscard]] std::string check_value(const springnet_parameter& parameter, double value);
+// Values in the order of the component's parameters, defaults filled in. Throws Error(input) for an unknown name (with
+// the nearest known ones), a missing required value or one out of range; `where` begins the message.
+[[nodiscard]] std::vector<double> complete_parameters(const springnet_component& component,
+                                                      const ParameterValues& given, std::string_view where);
+
+// Of `known`, the one or more names nearest to `name` by edit distance, as "did you mean 'a' or 'b'?"; empty if
+// nothing is near.
+[[nodiscard]] std::string suggestion(std::string_view name, const std::vector<std::string>& known);
+
+}  // namespace springnet

@@ -1,0 +1,127 @@
+// A network in motion.
+#pragma once
+
+#include <cstdint>
+#include <functional>
+#include <map>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include <Eigen/Core>
+
+#include <springnet/network.hpp>
+#include <springnet/plugin_host.hpp>
+
+namespace springnet {
+
+enum class InstructionSet { best, generic, avx2, avx512 };  // all give the same bits
+
+struct SimulationOptions {
+  double time_step = 0.01;  // s: the paper's time constant t_c
+  LawUse integrator{"recurrent", {}};
+  unsigned threads = 0;  // 0: as many as the machine has and the size of the network is worth. 1: starts no thread.
+  InstructionSet instruction_set = InstructionSet::best;
+  bool renumber = true;  // false: node k of the user is column k of positions()
+};
+
+enum class Outcome { settled, oscillating, out_of_sweeps, diverging };
+[[nodiscard]] std::string_view name_of(Outcome outcome) noexcept;  // "settled", "oscillating", "out of sweeps", …
+
+// How the steps since the last call of step() or advance() went.
+struct StepReport {
+  Outcome outcome = Outcome::settled;
+  std::uint64_t steps = 0;
+  std::uint64_t sweeps = 0;       // or evaluations of all springs
+  double force_difference = 0.0;  // N
+  double residual = 0.0;          // N; nan where not evaluated
+  NodeIndex node = 0;             // with the greatest force difference
+  std::int64_t start_node = -1;   // where the last sweep started; -1: it has no start
+};
+
+// Something that happened to a spring or a node.
+struct Event {
+  enum class Kind { cut, ruptured, touched, released };
+  Kind kind;
+  double time;          // s
+  std::uint32_t index;  // spring (cut, ruptured) or node (touched, released)
+};
+
+// Positions and so on without a copy: 3 x nodes, one row a coordinate, in the engine's order of nodes.
+using ConstNodeMap = Eigen::Map<const Eigen::Matrix<double, 3, Eigen::Dynamic, Eigen::RowMajor>, 0, Eigen::OuterStride<>>;
+
+class Simulation {
+ public:
+  // Throws Error(input) or Error(plugin). `plugins` may be shared between simulations.
+  Simulation(const Network& network, std::shared_ptr<const PluginHost> plugins, const SimulationOptions& options = {});
+  ~Simulation();
+  Simulation(Simulation&&) noexcept;
+  Simulation& operator=(Simulation&&) noexcept;
+
+  // One time step. Throws Error(simulation) if it does not settle and the integrator's policy is `error`, or if a
+  // number is not finite; the state is then that before the step.
+  const StepReport& step();
+  // Steps until `time`, the last one shortened to end there.
+  const StepReport& advance_to(double time);
+
+  [[nodiscard]] double time() const noexcept;
+  [[nodiscard]] double time_step() const noexcept;
+  [[nodiscard]] std::uint64_t steps() const noexcept;   // since the beginning
+  [[nodiscard]] std::uint64_t sweeps() const noexcept;  // since the beginning
+  [[nodiscard]] std::size_t node_count() const noexcept;
+  [[nodiscard]] std::size_t spring_count() const noexcept;  // as the user added them, removed ones included
+  [[nodiscard]] std::size_t live_spring_count() const noexcept;
+  [[nodiscard]] unsigned threads() const noexcept;
+  [[nodiscard]] InstructionSet instruction_set() const noexcept;
+  [[nodiscard]] const StepReport& last_report() const noexcept;
+
+  // Valid until the simulation is advanced or changed. Column columns()[k] belongs to the user's node k;
+  // positions()(Eigen::all, columns()) is the user's order.
+  [[nodiscard]] ConstNodeMap positions() const noexcept;   // m
+  [[nodiscard]] ConstNodeMap velocities() const noexcept;  // m/s
+  // Net force of springs and loads on each node, without what holds it; N. After single sweeps: that at the start of
+  // the step.
+  [[nodiscard]] ConstNodeMap forces() const;
+  [[nodiscard]] const std::vector<std::uint32_t>& columns() const noexcept;
+
+  [[nodiscard]] Vector3 position(NodeIndex node) const;
+  [[nodiscard]] Vector3 velocity(NodeIndex node) const;
+  [[nodiscard]] Vector3 force(NodeIndex node) const;
+  // The force that holds a fixed node or one in contact; zero for a free one. N
+  [[nodiscard]] Vector3 reaction(NodeIndex node) const;
+  // Sum of the impulses with which surfaces stopped the node so far. N s
+  [[nodiscard]] Vector3 contact_impulse(NodeIndex node) const;
+  [[nodiscard]] bool held(NodeIndex node) const;  // by a contact
+
+  // Tension of a live spring, N (0 for a removed one); and whether it is there.
+  [[nodiscard]] double tension(SpringIndex spring) const;
+  [[nodiscard]] bool alive(SpringIndex spring) const;
+
+  // J. Potential energy counts the laws that have one, and gravity from the origin.
+  [[nodiscard]] double kinetic_energy() const;
+  [[nodiscard]] double potential_energy() const;
+  [[nodiscard]] Vector3 momentum() const;          // kg m/s
+  [[nodiscard]] Vector3 angular_momentum() const;  // kg m^2/s about the origin
+
+  // A force on a node on top of the scene's loads, from now on until it is set again. N
+  void set_force(NodeIndex node, const Vector3& force);
+  void set_gravity(const Vector3& acceleration);
+  // Changes of the state by the embedding program.
+  void set_position(NodeIndex node, const Vector3& position);
+  void set_velocity(NodeIndex node, const Vector3& velocity);
+  void set_fixed(NodeIndex node, bool fixed);  // fixed: where it is now, velocity zero
+  // Removes springs; those already removed do not matter. Returns how many were removed.
+  std::size_t cut(const std::vector<SpringIndex>& springs);
+  std::size_t cut(const std::vector<Vector3>& polygon);
+
+  // Everything that happened so far, in order.
+  [[nodiscard]] const std::vector<Event>& events() const noexcept;
+  // Numbers that the integrator reports: evaluations, factorisations, …
+  [[nodiscard]] const std::map<std::string, double>& statistics() const noexcept;
+
+ private:
+  struct Impl;
+  std::unique_ptr<Impl> impl_;
+};
+
+}  // namespace springnet

@@ -1,0 +1,115 @@
+// One scene in the recurrent network and in a reference integrator: how far apart they are, and what the time step has
+// to do with it.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <functional>
+#include <limits>
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include <springnet/events.hpp>
+#include <springnet/scene.hpp>
+#include <springnet/simulation.hpp>
+
+namespace springnet {
+
+struct ValidationProgress {
+  double time;      // s, the newest record time that all runs have reached
+  double duration;  // s
+};
+
+struct ValidationOptions {
+  // s; beside the scene's own. Empty: the scene's own, a half and a quarter of it.
+  std::vector<double> time_steps;
+  // Of the reference, and of the second run that certifies it.
+  double relative_tolerance = 1e-8;
+  double certifying_tolerance = 1e-10;
+  std::string scene_name;  // for the report
+  // Called after every record; false stops the validation with an Error(simulation).
+  std::function<bool(const ValidationProgress&)> progress;
+};
+
+// Distances between positions of two runs at common times: Euclidean, in metres.
+struct PositionError {
+  double max = 0.0;  // over all nodes and record times
+  double rms = 0.0;  // root of the mean square over all nodes and record times, the start left out
+  NodeIndex node = 0;
+  double time = 0.0;                // s, node and time of the greatest
+  std::vector<double> max_by_time;  // one a record time, over the nodes
+};
+
+struct ValidationRun {
+  LawUse integrator;
+  double time_step = 0.0;  // s
+  bool of_scene = false;   // its time step is the scene's own
+  PositionError error;     // up to the time the run reached
+  std::uint64_t steps = 0;
+  std::uint64_t sweeps = 0;
+  EventCounts events;
+  double reached = 0.0;  // s
+  double wall = 0.0;     // s
+  std::string outcome;   // that of the worst time step ("settled", …) or "failed"
+  std::string failure;   // why it did not reach the end; empty otherwise
+  // log(e1 / e2) / log(t1 / t2) of rms errors, from the next larger time step to this one; nan where there is none.
+  double order = std::numeric_limits<double>::quiet_NaN();
+
+  [[nodiscard]] bool finished() const noexcept { return failure.empty(); }
+};
+
+struct Validation {
+  std::string scene;
+  std::string title;
+  std::size_t nodes = 0;
+  std::size_t springs = 0;
+  double duration = 0.0;      // s
+  std::vector<double> times;  // s, record times; the first is 0
+
+  std::string reference;              // id of the reference integrator
+  double relative_tolerance = 0.0;    // its own
+  double certifying_tolerance = 0.0;  // of the second run
+  PositionError certification;        // between the two: the reference's own uncertainty
+  EventCounts reference_events;
+  double reference_wall = 0.0;  // s, both runs
+
+  std::vector<ValidationRun> runs;  // by falling time step
+  // Slope of the logarithm of the rms error over that of the time step, by least squares; nan with fewer than two runs.
+  // Runs that did not finish do not count, nor do errors below ten times the reference's uncertainty.
+  double observed_order = std::numeric_limits<double>::quiet_NaN();
+  std::vector<std::string> notes;  // what a reader should know about these numbers
+
+  [[nodiscard]] double uncertainty() const noexcept { return certification.max; }
+  [[nodiscard]] const ValidationRun& run_of_scene() const;
+  // The scene's own time step is within `tolerance` metres of the true solution, the reference's uncertainty included.
+  [[nodiscard]] bool within(double tolerance) const;
+};
+
+// Runs the scene in the reference integrator `cvode` (twice, with different tolerances) and in the scene's integrator
+// (`recurrent` if that is the reference's) with each time step. All runs go on side by side from record time to record
+// time, so that no trajectory has to be kept. A run that fails stays in the result with its outcome. Throws
+// Error(input) for time steps that cannot be used, Error(plugin), and Error(simulation) if the reference fails.
+[[nodiscard]] Validation validate(const Scene& scene, const std::shared_ptr<const PluginHost>& plugins,
+                                  const ValidationOptions& options = {});
+
+// Slope of log(errors) over log(time_steps) by least squares; nan with fewer than two points above `floor`.
+[[nodiscard]] double observed_order(const std::vector<double>& time_steps, const std::vector<double>& errors,
+                                    double floor = 0.0);
+
+// Record times for the given time steps: multiples of an interval that all of them divide, if there is one at or near
+// the wanted interval, and the duration. Throws Error(input) for a time step that is not above 0 or above the duration.
+struct RecordTimes {
+  std::vector<double> times;                 // s, from 0
+  std::vector<double> shortened_time_steps;  // those that do not divide the interval
+};
+[[nodiscard]] RecordTimes common_record_times(double duration, double wanted_interval,
+                                              const std::vector<double>& time_steps);
+
+// The text of validation.json; a page with the table and plots, which needs no other file; the table as text.
+[[nodiscard]] std::string to_json(const Validation& validation);
+[[nodiscard]] std::string to_html(const Validation& validation);
+[[nodiscard]] std::string to_table(const Validation& validation);
+
+}  // namespace springnet

@@ -1,0 +1,154 @@
+#include "layers/elements.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+
+namespace springnet::layers {
+
+springnet_status evaluate_elements(const Layout& layout, InstructionSet set, double time, const NodeArrays& nodes,
+                                   std::size_t group_index, const std::uint32_t* springs, std::size_t count,
+                                   SegmentGeometry& geometry, const LawOutputs& spring, const LawOutputs& viscosity,
+                                   springnet_message& message) {
+  std::uint32_t first[max_segment], second[max_segment], rows[max_segment];
+  for (std::size_t i = 0; i < count; ++i) {
+    first[i] = layout.first(springs[i]);
+    second[i] = layout.second(springs[i]);
+    rows[i] = layout.laws().row[springs[i]];
+  }
+  const SegmentSprings segment{nullptr, 0, 0, static_cast<std::uint32_t>(count), first, second};
+  const Kernels& kernels = kernels_for(set);
+  kernels.lengths_and_rates(segment, nodes, geometry);
+  kernels.relative_speeds(segment, nodes, geometry);
+  const Group& group = layout.laws().groups[group_index];
+  const auto call = [&](const Law& law, const LawOutputs& out) -> springnet_status {
+    if (!law) return SPRINGNET_OK;
+    return call_law(group, law, abi_number(set), time, count, {rows, 0}, law.relative ? geometry.speed : geometry.length,
+                    geometry.rate, out, &message);
+  };
+  const springnet_status status = call(group.spring, spring);
+  return status != SPRINGNET_OK ? status : call(group.viscosity, viscosity);
+}
+
+double tension(const Layout& layout, InstructionSet set, double time, const NodeArrays& nodes, std::uint32_t spring) {
+  const auto geometry = std::make_unique<SegmentGeometry>();
+  const std::size_t group_index = layout.laws().group[spring];
+  const Group& group = layout.laws().groups[group_index];
+  double values[2] = {0.0, 0.0};
+  LawOutputs out[2];
+  out[0].force = &values[0];
+  out[1].force = &values[1];
+  springnet_message message{};
+  static_cast<void>(
+      evaluate_elements(layout, set, time, nodes, group_index, &spring, 1, *geometry, out[0], out[1], message));
+  return (group.spring.relative ? 0.0 : values[0]) + (group.viscosity.relative ? 0.0 : values[1]);
+}
+
+double elastic_energy(const Layout& layout, InstructionSet set, double time, const NodeArrays& nodes) {
+  const auto geometry = std::make_unique<SegmentGeometry>();
+  double sum = 0.0;
+  double energy[max_segment], force[max_segment];
+  for (std::size_t g = 0; g < layout.laws().groups.size(); ++g) {
+    const Group& group = layout.laws().groups[g];
+    if (!group.spring.can(SPRINGNET_HAS_ENERGY)) continue;
+    const std::vector<std::uint32_t>& springs = layout.springs_of(g);
+    for (std::size_t begin = 0; begin < springs.size(); begin += max_segment) {
+      const std::size_t count = std::min(max_segment, springs.size() - begin);
+      LawOutputs out;
+      out.force = force;
+      out.energy = energy;
+      springnet_message message{};
+      LawOutputs unused;
+      double viscous[max_segment];
+      unused.force = viscous;
+      if (evaluate_elements(layout, set, time, nodes, g, springs.data() + begin, count, *geometry, out, unused,
+                            message) != SPRINGNET_OK)
+        return std::nan("");
+      for (std::size_t i = 0; i < count; ++i) sum += energy[i];
+    }
+  }
+  return sum;
+}
+
+std::vector<std::uint32_t> rupturing_springs(const Layout& layout) {
+  std::vector<std::uint32_t> springs;
+  for (std::size_t g = 0; g < layout.laws().groups.size(); ++g) {
+    const Group& group = layout.laws().groups[g];
+    if (group.spring.can(SPRINGNET_HAS_RUPTURE) || group.viscosity.can(SPRINGNET_HAS_RUPTURE))
+      springs.insert(springs.end(), layout.springs_of(g).begin(), layout.springs_of(g).end());
+  }
+  return springs;
+}
+
+springnet_status rupture_margins(const Layout& layout, InstructionSet set, double time, const NodeArrays& nodes,
+                                 const std::vector<std::uint32_t>& springs, double* margins,
+                                 springnet_message& message) {
+  const auto geometry = std::make_unique<SegmentGeometry>();
+  double force[2][max_segment], other[max_segment];
+  for (std::size_t begin = 0; begin < springs.size();) {
+    const std::uint32_t group_index = layout.laws().group[springs[begin]];
+    std::size_t end = begin;
+    while (end < springs.size() && end - begin < max_segment && layout.laws().group[springs[end]] == group_index) ++end;
+    const std::size_t count = end - begin;
+    const Group& group = layout.laws().groups[group_index];
+    const bool first = group.spring.can(SPRINGNET_HAS_RUPTURE), second = group.viscosity.can(SPRINGNET_HAS_RUPTURE);
+    LawOutputs out[2];
+    out[0].force = force[0];
+    out[1].force = force[1];
+    if (first) out[0].margin = margins + begin;
+    if (second) out[1].margin = first ? other : margins + begin;
+    const springnet_status status = evaluate_elements(layout, set, time, nodes, group_index, springs.data() + begin,
+                                                      count, *geometry, out[0], out[1], message);
+    if (status != SPRINGNET_OK) return status;
+    if (first && second)
+      for (std::size_t i = 0; i < count; ++i) margins[begin + i] = std::min(margins[begin + i], other[i]);
+    begin = end;
+  }
+  return SPRINGNET_OK;
+}
+
+std::string explain_non_finite(const Layout& layout, InstructionSet set, double time, const NodeArrays& nodes) {
+  const std::vector<std::uint32_t>& engine = layout.ordering().engine;
+  for (std::size_t user = 0; user < engine.size(); ++user) {
+    const std::uint32_t k = engine[user];
+    const bool position = std::isfinite(nodes.px[k]) && std::isfinite(nodes.py[k]) && std::isfinite(nodes.pz[k]);
+    const bool velocity = std::isfinite(nodes.vx[k]) && std::isfinite(nodes.vy[k]) && std::isfinite(nodes.vz[k]);
+    if (!position || !velocity)
+      return fmt::format("the {} of node {} is not a finite number", position ? "velocity" : "position", user);
+  }
+  const auto geometry = std::make_unique<SegmentGeometry>();
+  std::uint32_t worst = 0xffffffffu;
+  std::string text;
+  double force[2][max_segment];
+  for (std::size_t g = 0; g < layout.laws().groups.size(); ++g) {
+    const Group& group = layout.laws().groups[g];
+    const std::vector<std::uint32_t>& springs = layout.springs_of(g);
+    for (std::size_t begin = 0; begin < springs.size(); begin += max_segment) {
+      const std::size_t count = std::min(max_segment, springs.size() - begin);
+      LawOutputs out[2];
+      out[0].force = force[0];
+      out[1].force = force[1];
+      springnet_message message{};
+      if (evaluate_elements(layout, set, time, nodes, g, springs.data() + begin, count, *geometry, out[0], out[1],
+                            message) != SPRINGNET_OK)
+        continue;
+      for (std::size_t i = 0; i < count; ++i) {
+        const std::uint32_t s = springs[begin + i];
+        if (s >= worst) continue;
+        const Law* law = group.spring && !std::isfinite(force[0][i])         ? &group.spring
+                         : group.viscosity && !std::isfinite(force[1][i]) ? &group.viscosity
+                                                                             : nullptr;
+        if (law == nullptr) continue;
+        worst = s;
+        text = fmt::format("{} '{}' answered {} for spring {} (nodes {} and {}, length {} m, rate {} m/s)",
+                           name_of(law->component->kind()), law->component->id(),
+                           law == &group.spring ? force[0][i] : force[1][i], s, layout.ordering().user[layout.first(s)],
+                           layout.ordering().user[layout.second(s)], geometry->length[i], geometry->rate[i]);
+      }
+    }
+  }
+  return text;
+}
+
+}  // namespace springnet::layers

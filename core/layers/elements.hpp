@@ -1,0 +1,36 @@
+// Questions about chosen springs: lengths, tensions, energies, derivatives, margins. Outside the hot path.
+#pragma once
+
+#include <cstdint>
+#include <string>
+#include <vector>
+
+#include "layers/instruction_set.hpp"
+#include "layers/layout.hpp"
+
+namespace springnet::layers {
+
+// Geometry and laws of `count` <= max_segment springs of one group. Output arrays are [count]; null where not wanted.
+springnet_status evaluate_elements(const Layout& layout, InstructionSet set, double time, const NodeArrays& nodes,
+                                   std::size_t group, const std::uint32_t* springs, std::size_t count,
+                                   SegmentGeometry& geometry, const LawOutputs& spring, const LawOutputs& viscosity,
+                                   springnet_message& message);
+
+// Axial tension of a live spring, N. Laws along the relative velocity do not count.
+[[nodiscard]] double tension(const Layout& layout, InstructionSet set, double time, const NodeArrays& nodes,
+                             std::uint32_t spring);
+// Energy stored in all live springs whose spring function has one, J.
+[[nodiscard]] double elastic_energy(const Layout& layout, InstructionSet set, double time, const NodeArrays& nodes);
+
+// Live springs whose law can rupture, by number, and the smaller margin of their two laws in that order.
+[[nodiscard]] std::vector<std::uint32_t> rupturing_springs(const Layout& layout);
+springnet_status rupture_margins(const Layout& layout, InstructionSet set, double time, const NodeArrays& nodes,
+                                 const std::vector<std::uint32_t>& springs, double* margins,
+                                 springnet_message& message);
+
+// Why forces at this state are not finite: the first node, in the user's numbers, whose position or velocity is not, or
+// the first spring whose law answered so to finite input. Empty if all are finite.
+[[nodiscard]] std::string explain_non_finite(const Layout& layout, InstructionSet set, double time,
+                                             const NodeArrays& nodes);
+
+}  // namespace springnet::layers

@@ -1,0 +1,171 @@
+#include "layers/evaluator.hpp"
+
+#include <omp.h>
+
+#include <algorithm>
+#include <cstring>
+
+namespace springnet::layers {
+
+unsigned useful_threads(unsigned wanted, std::size_t springs, std::size_t units) {
+  constexpr std::size_t springs_worth_a_thread = 8000;
+  const auto machine = static_cast<unsigned>(std::max(1, omp_get_num_procs()));
+  if (wanted == 0) {
+    wanted = springs < springs_worth_a_thread ? 1 : machine;
+  }
+  return std::max(1u, std::min(wanted, static_cast<unsigned>(std::max<std::size_t>(1, units))));
+}
+
+Evaluator::Evaluator(const Layout& layout, const std::vector<double>& mass, InstructionSet set, unsigned threads)
+    : layout_(layout),
+      mass_(mass),
+      set_(choose_instruction_set(set)),
+      kernels_(kernels_for(set_)),
+      threads_(useful_threads(threads, layout.spring_count(), layout.units().size())) {}
+
+springnet_status Evaluator::evaluate(double time, const NodeArrays& nodes, const ExternalForces& external,
+                                     const ForceArrays& force, TileFinished finished,
+                                     springnet_message& message) const {
+  const auto units = static_cast<std::int64_t>(layout_.units().size());
+  if (threads_ == 1) {
+    const FlushDenormals flush;
+    for (std::int64_t u = 0; u < units; ++u) {
+      const springnet_status status =
+          evaluate_unit(static_cast<std::uint32_t>(u), time, nodes, external, force, finished, message);
+      if (status != SPRINGNET_OK) return status;
+    }
+    return SPRINGNET_OK;
+  }
+  std::int64_t failed_unit = units;
+  springnet_status failure = SPRINGNET_OK;
+#pragma omp parallel num_threads(static_cast <int>(threads_))
+  {
+    const FlushDenormals flush;
+#pragma omp for schedule(dynamic, 1)
+    for (std::int64_t u = 0; u < units; ++u) {
+      springnet_message unit_message{};
+      const springnet_status status =
+          evaluate_unit(static_cast<std::uint32_t>(u), time, nodes, external, force, finished, unit_message);
+      if (status != SPRINGNET_OK) {
+#pragma omp critical(springnet_evaluate)
+        if (u < failed_unit) {
+          failed_unit = u;
+          failure = status;
+          message = unit_message;
+        }
+      }
+    }
+  }
+  return failure;
+}
+
+springnet_status Evaluator::evaluate_unit(std::uint32_t index, double time, const NodeArrays& nodes,
+                                          const ExternalForces& external, const ForceArrays& force,
+                                          TileFinished finished, springnet_message& message) const {
+  const Unit& unit = layout_.units()[index];
+  const double* mass = mass_.data();
+  const std::uint32_t begin = unit.first_node, end = unit.first_node + unit.node_count;
+  const Vector3 g = external.gravity;
+  if (external.loads.x == nullptr) {
+    for (std::uint32_t k = begin; k < end; ++k) {
+      force.x[k] = mass[k] * g[0];
+      force.y[k] = mass[k] * g[1];
+      force.z[k] = mass[k] * g[2];
+    }
+  } else {
+    for (std::uint32_t k = begin; k < end; ++k) {
+      force.x[k] = mass[k] * g[0] + external.loads.x[k];
+      force.y[k] = mass[k] * g[1] + external.loads.y[k];
+      force.z[k] = mass[k] * g[2] + external.loads.z[k];
+    }
+  }
+  SegmentGeometry geometry;  // not initialised: written before it is read
+  for (const Tile& tile : unit.tiles) {
+    for (std::uint32_t s = tile.segment_begin; s < tile.segment_end; ++s) {
+      const springnet_status status =
+          evaluate_segment(unit, unit.segments[s], time, nodes, force, geometry, message);
+      if (status != SPRINGNET_OK) return status;
+    }
+    if (finished.call != nullptr) finished.call(finished.user, index, tile.first_node, tile.node_count);
+  }
+  return SPRINGNET_OK;
+}
+
+springnet_status Evaluator::evaluate_segment(const Unit& unit, const Segment& segment, double time,
+                                             const NodeArrays& nodes, const ForceArrays& force,
+                                             SegmentGeometry& geometry, springnet_message& message) const {
+  const Group& group = layout_.laws().groups[segment.group];
+  const SegmentSprings springs{unit.runs.data() + segment.run_begin,
+                               segment.run_count,
+                               segment.run_springs,
+                               segment.count,
+                               unit.first.data() + segment.begin,
+                               unit.second.data() + segment.begin};
+  const RowSelection rows =
+      segment.row == mixed_rows ? RowSelection{unit.row.data() + segment.begin, 0} : RowSelection{nullptr, segment.row};
+  const bool to_second = !segment.boundary;
+  if (group.spring.reads_rate || group.viscosity.reads_rate)
+    kernels_.lengths_and_rates(springs, nodes, geometry);
+  else if ((group.spring && !group.spring.relative) || (group.viscosity && !group.viscosity.relative))
+    kernels_.lengths(springs, nodes, geometry);
+  if (group.spring.relative || group.viscosity.relative) kernels_.relative_speeds(springs, nodes, geometry);
+
+  alignas(64) double values[2][max_segment];
+  const double* axial[2] = {nullptr, nullptr};
+  std::size_t axial_count = 0;
+  for (const Law* law : {&group.spring, &group.viscosity}) {
+    if (!*law) continue;
+    double* value = values[law == &group.viscosity];
+    LawOutputs out;
+    out.force = value;
+    const springnet_status status =
+        call_law(group, *law, abi_number(set_), time, segment.count, rows,
+                 law->relative ? geometry.speed : geometry.length, geometry.rate, out, &message);
+    if (status != SPRINGNET_OK) return status;
+    if (law->relative)
+      kernels_.scatter_relative(springs, geometry, value, to_second, force);
+    else
+      axial[axial_count++] = value;
+  }
+  if (axial_count > 0) kernels_.scatter_axial(springs, geometry, axial[0], axial[1], to_second, force);
+  return SPRINGNET_OK;
+}
+
+springnet_status Evaluator::accelerations(std::uint32_t first, std::uint32_t count, double time,
+                                          const NodeArrays& nodes, const double* const force[3],
+                                          double* const acceleration[3], double* by_force, double* by_position,
+                                          double* by_velocity, springnet_message& message) const {
+  const std::vector<std::uint32_t>& kinds = layout_.neuron_kind();
+  const double* parameters[max_parameters];
+  std::uint32_t strides[max_parameters] = {};
+  for (std::uint32_t begin = 0; begin < count;) {
+    const std::uint32_t node = first + begin;
+    std::uint32_t end = begin + 1;
+    while (end < count && kinds[first + end] == kinds[node]) ++end;
+    const NeuronKind& kind = layout_.laws().neurons[kinds[node]];
+    for (std::size_t p = 0; p < kind.parameters.size(); ++p) parameters[p] = &kind.parameters[p];
+    springnet_neuron_batch batch{};
+    batch.struct_size = sizeof batch;
+    batch.count = end - begin;
+    batch.instruction_set = abi_number(set_);
+    batch.time = time;
+    batch.force = {force[0] + begin, force[1] + begin, force[2] + begin};
+    batch.position = {nodes.px + node, nodes.py + node, nodes.pz + node};
+    batch.velocity = {nodes.vx + node, nodes.vy + node, nodes.vz + node};
+    batch.mass = mass_.data() + node;
+    batch.parameters = parameters;
+    batch.parameter_strides = strides;
+    batch.acceleration = {acceleration[0] + begin, acceleration[1] + begin, acceleration[2] + begin};
+    const auto block = [begin](double* blocks) { return blocks == nullptr ? nullptr : blocks + 9 * begin; };
+    batch.acceleration_by_force = block(by_force);
+    batch.acceleration_by_position = block(by_position);
+    batch.acceleration_by_velocity = block(by_velocity);
+    batch.message = &message;
+    const springnet_status status = kind.component->neuron().evaluate(&batch);
+    if (status != SPRINGNET_OK) return status;
+    begin = end;
+  }
+  return SPRINGNET_OK;
+}
+
+}  // namespace springnet::layers

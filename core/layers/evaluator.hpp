@@ -1,0 +1,65 @@
+// Evaluation of the spring layer and the node layer: from positions and velocities to net forces and accelerations.
+#pragma once
+
+#include <cstdint>
+#include <string>
+#include <vector>
+
+#include "layers/instruction_set.hpp"
+#include "layers/layout.hpp"
+
+namespace springnet::layers {
+
+// Forces that do not depend on springs.
+struct ExternalForces {
+  Vector3 gravity = Vector3::Zero();      // m/s^2
+  ForceArrays loads{};                    // N, [node]; null: none
+};
+
+// A tile whose net forces are final: nodes [first, first + count). Called by the thread that computed them.
+struct TileFinished {
+  void (*call)(void* user, std::uint32_t unit, std::uint32_t first, std::uint32_t count) = nullptr;
+  void* user = nullptr;
+};
+
+class Evaluator {
+ public:
+  // References have to outlive the evaluator. mass: [node] kg.
+  Evaluator(const Layout& layout, const std::vector<double>& mass, InstructionSet set, unsigned threads);
+
+  [[nodiscard]] InstructionSet instruction_set() const noexcept { return set_; }
+  [[nodiscard]] unsigned threads() const noexcept { return threads_; }
+
+  // Net force on every node, in tiles and threads; the sums have the same order for every number of threads. Returns
+  // the status of the first unit in which a law failed. Does not throw.
+  springnet_status evaluate(double time, const NodeArrays& nodes, const ExternalForces& external,
+                            const ForceArrays& force, TileFinished finished, springnet_message& message) const;
+  // Net force on one node: all its springs, evaluated plainly.
+  springnet_status evaluate_node(std::uint32_t node, double time, const NodeArrays& nodes,
+                                 const ExternalForces& external, Vector3& force, springnet_message& message) const;
+  // Acceleration of nodes [first, first + count) of their neurons. `force` and `acceleration` are [count] arrays; blocks
+  // [count][9] may be null.
+  springnet_status accelerations(std::uint32_t first, std::uint32_t count, double time, const NodeArrays& nodes,
+                                 const double* const force[3], double* const acceleration[3], double* by_force,
+                                 double* by_position, double* by_velocity, springnet_message& message) const;
+
+ private:
+  springnet_status evaluate_unit(std::uint32_t unit, double time, const NodeArrays& nodes,
+                                 const ExternalForces& external, const ForceArrays& force, TileFinished finished,
+                                 springnet_message& message) const;
+  springnet_status evaluate_segment(const Unit& unit, const Segment& segment, double time, const NodeArrays& nodes,
+                                    const ForceArrays& force, SegmentGeometry& geometry,
+                                    springnet_message& message) const;
+
+  const Layout& layout_;
+  const std::vector<double>& mass_;
+  InstructionSet set_;
+  const Kernels& kernels_;
+  unsigned threads_;
+};
+
+// Threads worth using for a network of this many springs: one below some thousand, where barriers cost more than they
+// bring. `wanted` 0 means as many as the machine has.
+[[nodiscard]] unsigned useful_threads(unsigned wanted, std::size_t springs, std::size_t units);
+
+}  // namespace springnet::layers

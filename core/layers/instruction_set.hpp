@@ -1,0 +1,31 @@
+// Which kernels run.
+#pragma once
+
+#include <cstdint>
+
+#include <springnet/simulation.hpp>
+
+#include "layers/kernels.hpp"
+
+namespace springnet::layers {
+
+// The set asked for, or the best this processor has for InstructionSet::best. Throws Error(input) if the processor does
+// not have it.
+[[nodiscard]] InstructionSet choose_instruction_set(InstructionSet wanted);
+[[nodiscard]] const Kernels& kernels_for(InstructionSet set);
+[[nodiscard]] std::uint32_t abi_number(InstructionSet set) noexcept;  // SPRINGNET_GENERIC …
+
+// While it lives, numbers too small for full precision count as zero on this thread: a net at rest would otherwise run
+// several times slower. Restores the host's setting.
+class FlushDenormals {
+ public:
+  FlushDenormals() noexcept;
+  ~FlushDenormals();
+  FlushDenormals(const FlushDenormals&) = delete;
+  FlushDenormals& operator=(const FlushDenormals&) = delete;
+
+ private:
+  unsigned saved_ = 0;
+};
+
+}  // namespace springnet::layers

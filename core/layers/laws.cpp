@@ -1,0 +1,169 @@
+#include "layers/laws.hpp"
+
+#include <fmt/format.h>
+
+#include <bit>
+#include <unordered_map>
+
+#include <springnet/error.hpp>
+
+#include "layers/kernels.hpp"
+
+namespace springnet::layers {
+namespace {
+
+struct MaterialLaws {
+  std::uint32_t group;
+  std::vector<double> parameters;  // of both functions
+};
+
+Law resolve(const std::optional<LawUse>& use, ComponentKind kind, std::size_t first_column, const PluginHost& plugins,
+            std::vector<double>& parameters) {
+  Law law;
+  if (!use) return law;
+  law.component = plugins.require(kind, use->id);
+  const springnet_component& description = *law.component->description;
+  const springnet_law& implementation = law.component->law();
+  const std::string where = fmt::format("{} '{}'", name_of(kind), use->id);
+  const auto refuse = [&](std::string_view what) {
+    throw Error(ErrorKind::plugin, fmt::format("{}: {}, which this version of springnet does not evaluate; use a law on "
+                                               "the length or the relative speed of two nodes",
+                                               where, what));
+  };
+  if (implementation.invariant != SPRINGNET_LENGTH && implementation.invariant != SPRINGNET_RELATIVE_SPEED)
+    refuse(fmt::format("reads invariant number {}", implementation.invariant));
+  if (implementation.state_count > 0) refuse("has internal state");
+  if (implementation.input_count > 0) refuse("reads input signals");
+  if (implementation.prepare != nullptr) refuse("prepares a table");
+  if (description.parameter_count > max_parameters)
+    refuse(fmt::format("has {} parameters, more than {}", description.parameter_count, max_parameters));
+  law.relative = implementation.invariant == SPRINGNET_RELATIVE_SPEED;
+  law.reads_rate = !law.relative && (description.capabilities & SPRINGNET_READS_RATE) != 0;
+  law.parameter_count = description.parameter_count;
+  law.first_column = first_column;
+  const std::vector<double> values = complete_parameters(description, use->parameters, where);
+  parameters.insert(parameters.end(), values.begin(), values.end());
+  return law;
+}
+
+// Key of a row: material and the bits of the rest length.
+struct RowKey {
+  std::uint32_t material;
+  std::uint64_t rest_length;
+  bool operator==(const RowKey&) const = default;
+};
+struct RowKeyHash {
+  std::size_t operator()(const RowKey& key) const noexcept {
+    return std::hash<std::uint64_t>{}(key.rest_length * 0x9e3779b97f4a7c15u + key.material);
+  }
+};
+
+}  // namespace
+
+CompiledLaws compile_laws(const Network& network, const PluginHost& plugins) {
+  CompiledLaws compiled;
+  std::vector<MaterialLaws> materials;
+  for (const Material& material : network.materials()) {
+    std::vector<double> parameters;
+    const Law spring = resolve(material.spring, ComponentKind::spring_function, 1, plugins, parameters);
+    const Law viscosity =
+        resolve(material.viscosity, ComponentKind::viscosity_function, 1 + parameters.size(), plugins, parameters);
+    std::uint32_t index = 0;
+    while (index < compiled.groups.size() && (compiled.groups[index].spring.component != spring.component ||
+                                              compiled.groups[index].viscosity.component != viscosity.component))
+      ++index;
+    if (index == compiled.groups.size()) {
+      compiled.groups.push_back({spring, viscosity, std::vector<std::vector<double>>(1 + parameters.size())});
+    }
+    materials.push_back({index, std::move(parameters)});
+  }
+
+  const std::vector<Spring>& springs = network.springs();
+  compiled.group.reserve(springs.size());
+  compiled.row.reserve(springs.size());
+  std::unordered_map<RowKey, std::uint32_t, RowKeyHash> rows;
+  RowKey last_key{0xffffffffu, 0};
+  std::uint32_t last_row = 0;
+  for (const Spring& spring : springs) {
+    const MaterialLaws& material = materials[spring.material];
+    Group& group = compiled.groups[material.group];
+    const RowKey key{spring.material, std::bit_cast<std::uint64_t>(spring.rest_length)};
+    if (key != last_key) {
+      const auto [entry, is_new] = rows.try_emplace(key, static_cast<std::uint32_t>(group.row_count()));
+      if (is_new) {
+        group.columns[0].push_back(spring.rest_length);
+        for (std::size_t k = 0; k < material.parameters.size(); ++k)
+          group.columns[k + 1].push_back(material.parameters[k]);
+      }
+      last_key = key;
+      last_row = entry->second;
+    }
+    compiled.group.push_back(material.group);
+    compiled.row.push_back(last_row);
+  }
+
+  for (const LawUse& use : network.neurons()) {
+    NeuronKind neuron;
+    neuron.component = plugins.require(ComponentKind::neuron, use.id);
+    if (neuron.component->description->parameter_count > max_parameters)
+      throw Error(ErrorKind::plugin, fmt::format("neuron '{}' has more than {} parameters", use.id, max_parameters));
+    neuron.parameters = complete_parameters(*neuron.component->description, use.parameters,
+                                            fmt::format("neuron '{}'", use.id));
+    compiled.neurons.push_back(std::move(neuron));
+  }
+  return compiled;
+}
+
+springnet_status call_law(const Group& group, const Law& law, std::uint32_t instruction_set, double time,
+                          std::size_t count, const RowSelection& rows, const double* q, const double* rate,
+                          const LawOutputs& out, springnet_message* message) {
+  const double* parameters[max_parameters];
+  std::uint32_t strides[max_parameters];
+  const double* reference = nullptr;
+  // Columns that differ between the elements are expanded a few at a time; a law with more of them than fit is answered
+  // in smaller batches, which gives the same bits.
+  alignas(64) double expanded[(max_parameters + 1) * 64];
+  const bool uniform = rows.rows == nullptr || group.row_count() == 1;
+  const std::size_t batch_size = uniform ? count : std::size_t{64};
+
+  springnet_law_batch batch{};
+  batch.struct_size = sizeof batch;
+  batch.instruction_set = instruction_set;
+  batch.time = time;
+  batch.parameters = parameters;
+  batch.parameter_strides = strides;
+  batch.message = message;
+
+  for (std::size_t begin = 0; begin < count; begin += batch_size) {
+    const std::size_t size = count - begin < batch_size ? count - begin : batch_size;
+    const auto column = [&](std::size_t index, std::size_t slot, std::uint32_t& stride) -> const double* {
+      const std::vector<double>& values = group.columns[index];
+      if (uniform) {
+        stride = 0;
+        return values.data() + (rows.rows == nullptr ? rows.row : 0);
+      }
+      double* copy = expanded + slot * 64;
+      for (std::size_t i = 0; i < size; ++i) copy[i] = values[rows.rows[begin + i]];
+      stride = 1;
+      return copy;
+    };
+    reference = column(0, 0, batch.reference_stride);
+    for (std::size_t k = 0; k < law.parameter_count; ++k)
+      parameters[k] = column(law.first_column + k, k + 1, strides[k]);
+    batch.count = static_cast<std::uint32_t>(size);
+    batch.q = q + begin;
+    batch.rate = law.reads_rate && rate != nullptr ? rate + begin : nullptr;
+    batch.reference = reference;
+    const auto at = [begin](double* array) { return array == nullptr ? nullptr : array + begin; };
+    batch.force = at(out.force);
+    batch.energy = at(out.energy);
+    batch.force_by_q = at(out.force_by_q);
+    batch.force_by_rate = at(out.force_by_rate);
+    batch.margin = at(out.margin);
+    const springnet_status status = law.component->law().evaluate(&batch);
+    if (status != SPRINGNET_OK) return status;
+  }
+  return SPRINGNET_OK;
+}
+
+}  // namespace springnet::layers

@@ -1,0 +1,112 @@
+// The network in memory: nodes in units, springs in tiles of their first node, tiles in segments of equal law.
+//
+// A spring between two nodes of a unit stands in the tile of its lower node, so that a node's force is final when its
+// tile is done. A spring between two units stands in both, and adds to its own node only: no two units write to the
+// same node, whatever thread works on them, and the order of every sum is that of the layout.
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+#include <springnet/network.hpp>
+
+#include "layers/kernels.hpp"
+#include "layers/laws.hpp"
+#include "layers/ordering.hpp"
+
+namespace springnet::layers {
+
+inline constexpr std::uint32_t tile_nodes = 64;
+inline constexpr std::uint32_t mixed_rows = 0xffffffffu;
+
+struct Segment {
+  std::uint32_t group;
+  std::uint32_t row;  // of all its springs, or mixed_rows
+  std::uint32_t begin, count;  // slots in the unit
+  std::uint32_t run_begin, run_count, run_springs;
+  bool boundary;  // adds to first ends only
+};
+
+struct Tile {
+  std::uint32_t first_node, node_count;
+  std::uint32_t segment_begin, segment_end;
+};
+
+struct Unit {
+  std::uint32_t first_node = 0, node_count = 0;
+  std::vector<std::uint32_t> springs;  // all that touch it, as long as they are alive when it is laid out
+  std::vector<Tile> tiles;
+  std::vector<Segment> segments;
+  std::vector<Run> runs;
+  // [slot]
+  std::vector<std::uint32_t> first, second, row;
+};
+
+// A spring as one of its ends sees it.
+struct Incident {
+  std::uint32_t other;  // node
+  std::uint32_t group;
+  std::uint32_t row;
+  std::uint32_t spring;
+};
+
+class Layout {
+ public:
+  Layout(const Network& network, const PluginHost& plugins, bool renumber);
+
+  [[nodiscard]] const Ordering& ordering() const noexcept { return ordering_; }
+  [[nodiscard]] const CompiledLaws& laws() const noexcept { return laws_; }
+  [[nodiscard]] const std::vector<Unit>& units() const noexcept { return units_; }
+  [[nodiscard]] std::uint32_t node_count() const noexcept { return static_cast<std::uint32_t>(ordering_.user.size()); }
+  [[nodiscard]] std::size_t spring_count() const noexcept { return alive_.size(); }
+  [[nodiscard]] std::size_t live_count() const noexcept { return live_count_; }
+  [[nodiscard]] bool alive(std::uint32_t spring) const noexcept { return alive_[spring] != 0; }
+  // Ends in the engine's numbers.
+  [[nodiscard]] std::uint32_t first(std::uint32_t spring) const noexcept { return ends_[2 * spring]; }
+  [[nodiscard]] std::uint32_t second(std::uint32_t spring) const noexcept { return ends_[2 * spring + 1]; }
+  [[nodiscard]] const Group& group_of(std::uint32_t spring) const noexcept { return laws_.groups[laws_.group[spring]]; }
+
+  // Live springs at a node, by law, then spring.
+  [[nodiscard]] const Incident* incident_begin(std::uint32_t node) const noexcept {
+    return incident_.data() + incident_start_[node];
+  }
+  [[nodiscard]] const Incident* incident_end(std::uint32_t node) const noexcept {
+    return incident_.data() + incident_stop_[node];
+  }
+  // Live springs of a group, by number.
+  [[nodiscard]] const std::vector<std::uint32_t>& springs_of(std::size_t group) const noexcept {
+    return springs_of_group_[group];
+  }
+  // Nodes of one neuron: kind[node] into laws().neurons.
+  [[nodiscard]] const std::vector<std::uint32_t>& neuron_kind() const noexcept { return neuron_kind_; }
+
+  // Joined nodes, by rising user's number, each once. Made when first asked for after a removal; one thread at a time.
+  [[nodiscard]] const std::vector<std::uint32_t>& neighbour_start() const;
+  [[nodiscard]] const std::vector<std::uint32_t>& neighbours() const;
+
+  // Takes springs out; numbers that are out already do not matter. Returns those that were in.
+  std::vector<std::uint32_t> remove(const std::vector<std::uint32_t>& springs);
+
+ private:
+  void lay_out(Unit& unit);
+  void add_segments(Unit& unit, std::vector<std::uint32_t>& slots, bool boundary);
+  void add_segment(Unit& unit, const std::uint32_t* slots, std::size_t count, bool boundary, bool mixed);
+  void build_incidence();
+  void build_neighbours() const;
+  void build_groups();
+
+  CompiledLaws laws_;
+  Ordering ordering_;
+  std::vector<std::uint32_t> unit_of_;  // [node]
+  std::vector<std::uint32_t> ends_;     // [2 spring]
+  std::vector<std::uint8_t> alive_;
+  std::size_t live_count_ = 0;
+  std::vector<std::uint32_t> neuron_kind_;
+  std::vector<Unit> units_;
+  std::vector<std::uint64_t> incident_start_, incident_stop_;
+  std::vector<Incident> incident_;
+  std::vector<std::vector<std::uint32_t>> springs_of_group_;
+  mutable std::vector<std::uint32_t> neighbour_start_, neighbours_;  // empty: not made
+};
+
+}  // namespace springnet::layers

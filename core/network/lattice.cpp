@@ -1,0 +1,154 @@
+#include <algorithm>
+#include <cmath>
+#include <new>
+#include <stdexcept>
+
+#include <fmt/format.h>
+
+#include <springnet/error.hpp>
+#include <springnet/network.hpp>
+
+namespace springnet {
+namespace {
+
+using Step = std::array<int, 3>;
+
+// From a node to its neighbours of higher number, so that each spring is met once.
+constexpr std::array<Step, 3> axial{{{1, 0, 0}, {0, 1, 0}, {0, 0, 1}}};
+constexpr std::array<Step, 6> across_faces{{{1, 1, 0}, {-1, 1, 0}, {1, 0, 1}, {-1, 0, 1}, {0, 1, 1}, {0, -1, 1}}};
+constexpr std::array<Step, 4> through_cells{{{1, 1, 1}, {-1, 1, 1}, {1, -1, 1}, {-1, -1, 1}}};
+
+struct Direction {
+  Step step;
+  double length;  // m
+};
+
+std::vector<Direction> directions_of(const Lattice& lattice) {
+  std::vector<Direction> directions;
+  const auto add = [&](const auto& steps) {
+    for (const Step& step : steps) {
+      const double length =
+          std::hypot(step[0] * lattice.spacing.x(), step[1] * lattice.spacing.y(), step[2] * lattice.spacing.z());
+      directions.push_back({step, length});
+    }
+  };
+  add(axial);
+  if (lattice.diagonals == Diagonals::face || lattice.diagonals == Diagonals::all) add(across_faces);
+  if (lattice.diagonals == Diagonals::space || lattice.diagonals == Diagonals::all) add(through_cells);
+  return directions;
+}
+
+// Counts as double: products of three 32-bit numbers do not fit an integer, and are exact far beyond the limit.
+double node_count(const Lattice& lattice) {
+  return static_cast<double>(lattice.nodes[0]) * lattice.nodes[1] * lattice.nodes[2];
+}
+
+double spring_count(const Lattice& lattice, const std::vector<Direction>& directions) {
+  double count = 0;
+  for (const Direction& direction : directions) {
+    double places = 1;
+    for (std::size_t axis = 0; axis < 3; ++axis) {
+      places *= static_cast<double>(lattice.nodes[axis]) - std::abs(direction.step[axis]);
+    }
+    count += places;
+  }
+  return count;
+}
+
+void check(const std::string& name, const Lattice& lattice, const std::vector<Direction>& directions,
+           std::size_t nodes_there, std::size_t springs_there) {
+  const auto fail = [&](const std::string& what) {
+    throw Error(ErrorKind::input, fmt::format("lattice '{}': {}", name, what));
+  };
+  for (std::size_t axis = 0; axis < 3; ++axis) {
+    const char letter = "xyz"[axis];
+    if (lattice.nodes[axis] == 0) fail(fmt::format("it needs one node or more along {}", letter));
+    const double spacing = lattice.spacing[static_cast<Eigen::Index>(axis)];
+    if (!(std::isfinite(spacing) && spacing > 0)) {
+      fail(fmt::format("its spacing along {} must be a finite number above 0 m, is {}", letter, spacing));
+    }
+    const double end = lattice.origin[static_cast<Eigen::Index>(axis)] + spacing * (lattice.nodes[axis] - 1.0);
+    if (!std::isfinite(end))
+      fail(fmt::format("origin and spacing must keep it finite, its end along {} is {}", letter, end));
+  }
+  for (const Direction& direction : directions) {
+    if (!std::isfinite(direction.length)) fail("its spacing is so great that its diagonals are not finite");
+  }
+  constexpr double limit = std::numeric_limits<std::uint32_t>::max();
+  const double nodes = static_cast<double>(nodes_there) + node_count(lattice);
+  const double springs = static_cast<double>(springs_there) + spring_count(lattice, directions);
+  if (nodes > limit || springs > limit) {
+    fail(
+        fmt::format("the network would have {:.4g} nodes and {:.4g} springs, at most {:.0f} of each have numbers: use "
+                    "fewer nodes",
+                    nodes, springs, limit));
+  }
+}
+
+// Room for `more` elements; at least half as much again, so that thousands of small bodies are not copied each time.
+template <class Element>
+void reserve(std::vector<Element>& vector, std::size_t more) {
+  const std::size_t needed = vector.size() + more;
+  if (needed > vector.capacity()) vector.reserve(std::max(needed, vector.capacity() + vector.capacity() / 2));
+}
+
+}  // namespace
+
+void Network::add_lattice(const std::string& name, const Lattice& lattice, const Node& prototype,
+                          MaterialIndex material) {
+  const std::vector<Direction> directions = directions_of(lattice);
+  check(name, lattice, directions, nodes_.size(), springs_.size());
+  Node node = prototype;
+  node.position = lattice.origin;
+  check_node(node, static_cast<NodeIndex>(nodes_.size()));
+  if (node.fixed) node.velocity.setZero();
+  check_material(material);
+
+  const double nodes = node_count(lattice), springs = spring_count(lattice, directions);
+  const auto out_of_memory = [&] {
+    const double gigabytes = (nodes * sizeof(Node) + springs * sizeof(Spring)) * 1e-9;
+    throw Error(ErrorKind::input, fmt::format("lattice '{}': its {:.4g} nodes and {:.4g} springs need {:.3g} GB, which "
+                                              "this machine does not give: use fewer nodes",
+                                              name, nodes, springs, gigabytes));
+  };
+  try {
+    reserve(nodes_, static_cast<std::size_t>(nodes));
+    reserve(springs_, static_cast<std::size_t>(springs));
+  } catch (const std::bad_alloc&) {
+    out_of_memory();
+  } catch (const std::length_error&) {
+    out_of_memory();
+  }
+
+  begin_body(name);
+  const auto first = static_cast<NodeIndex>(nodes_.size());
+  const auto [nx, ny, nz] = lattice.nodes;
+  for (std::uint32_t k = 0; k < nz; ++k) {
+    for (std::uint32_t j = 0; j < ny; ++j) {
+      for (std::uint32_t i = 0; i < nx; ++i) {
+        node.position = lattice.origin + lattice.spacing.cwiseProduct(Vector3(i, j, k));
+        nodes_.push_back(node);
+      }
+    }
+  }
+  // A step out of the lattice below 0 wraps to a great number, which is outside as well.
+  const auto inside = [&](std::uint32_t place, int step, std::uint32_t count) {
+    return place + static_cast<std::uint32_t>(step) < count;
+  };
+  NodeIndex here = first;
+  for (std::uint32_t k = 0; k < nz; ++k) {
+    for (std::uint32_t j = 0; j < ny; ++j) {
+      for (std::uint32_t i = 0; i < nx; ++i, ++here) {
+        for (const auto& [step, length] : directions) {
+          if (!inside(i, step[0], nx) || !inside(j, step[1], ny) || !inside(k, step[2], nz)) continue;
+          const std::int64_t ahead =
+              step[0] + static_cast<std::int64_t>(nx) * (step[1] + static_cast<std::int64_t>(ny) * step[2]);
+          springs_.push_back({here, static_cast<NodeIndex>(here + ahead), material, length});
+        }
+      }
+    }
+  }
+  end_body();
+}
+
+}  // namespace springnet

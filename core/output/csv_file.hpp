@@ -1,0 +1,57 @@
+// A text file written through a buffer, with every write checked.
+#pragma once
+
+#include <charconv>
+#include <cstdint>
+#include <cstdio>
+#include <filesystem>
+#include <string_view>
+#include <vector>
+
+namespace springnet {
+
+class CsvFile {
+ public:
+  // Replaces the file. Throws Error(input) if it cannot be created.
+  CsvFile(const std::filesystem::path& file, std::string_view header);
+  ~CsvFile();
+  CsvFile(const CsvFile&) = delete;
+  CsvFile& operator=(const CsvFile&) = delete;
+
+  CsvFile& operator<<(double value) { return number(value); }
+  CsvFile& operator<<(std::uint32_t value) { return number(value); }
+  CsvFile& operator<<(char character) {
+    reserve();
+    buffer_[used_++] = character;
+    return *this;
+  }
+  CsvFile& operator<<(std::string_view text);
+
+  // Both throw Error(simulation) if the file cannot be written.
+  void flush();
+  void close();
+
+ private:
+  // Longest shortest decimal of a double is "-2.2250738585072014e-308": 24 characters.
+  static constexpr std::size_t longest_number = 32;
+
+  void reserve() {
+    if (buffer_.size() - used_ < longest_number) write_buffer();
+  }
+  template <class Number>
+  CsvFile& number(Number value) {
+    reserve();
+    char* const begin = buffer_.data() + used_;
+    used_ += static_cast<std::size_t>(std::to_chars(begin, begin + longest_number, value).ptr - begin);
+    return *this;
+  }
+  void write_buffer();
+  [[noreturn]] void fail(int reason);
+
+  std::filesystem::path path_;
+  std::FILE* file_;
+  std::vector<char> buffer_;
+  std::size_t used_ = 0;
+};
+
+}  // namespace springnet

@@ -1,0 +1,26 @@
+#include <springnet/events.hpp>
+
+namespace springnet {
+
+EventCounts count_events(const Simulation& simulation) {
+  EventCounts counts;
+  for (const Event& event : simulation.events()) {
+    switch (event.kind) {
+      case Event::Kind::cut:
+        ++counts.cut;
+        break;
+      case Event::Kind::ruptured:
+        ++counts.ruptured;
+        break;
+      case Event::Kind::touched:
+        ++counts.touched;
+        break;
+      case Event::Kind::released:
+        ++counts.released;
+        break;
+    }
+  }
+  return counts;
+}
+
+}  // namespace springnet

@@ -1,0 +1,223 @@
+#include "plugin_host/check_plugin.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <cstddef>
+#include <cstdint>
+#include <set>
+#include <utility>
+
+#include <fmt/format.h>
+
+namespace springnet {
+namespace {
+
+// No plugin has as many of anything; a greater number comes from a damaged or foreign struct.
+constexpr std::uint32_t largest_count = 4096;
+
+const char* const rebuild = "rebuild the plugin with the SDK of this springnet";
+
+std::string too_short(std::string_view what, std::uint32_t size, std::size_t needed) {
+  return fmt::format("{} has {} bytes, plugin ABI {}.0 needs {}: {}", what, size, SPRINGNET_ABI_MAJOR, needed, rebuild);
+}
+
+// Struct pointers that are null or too short for ABI 1.0. Every struct but the plugin's begins with its size.
+template <class Struct>
+std::string check_struct(const Struct* pointer, std::size_t needed, std::string_view what) {
+  if (pointer == nullptr) return fmt::format("{} is a null pointer: fill it in", what);
+  if (pointer->struct_size < needed) return too_short(what, pointer->struct_size, needed);
+  return {};
+}
+
+bool is_snake_case(std::string_view name) {
+  const auto allowed = [](char c) { return (c >= 'a' && c <= 'z') || (c >= '0' && c <= '9') || c == '_'; };
+  return !name.empty() && name[0] >= 'a' && name[0] <= 'z' && std::all_of(name.begin(), name.end(), allowed);
+}
+
+// Names that stand beside parameters in a scene's tables.
+bool is_taken_by_scenes(std::string_view name, std::uint32_t kind) {
+  return name == "type" || name == "name" || (kind == SPRINGNET_NEURON && name == "mass");
+}
+
+std::string check_choices(const springnet_parameter& parameter, const std::string& what) {
+  if (parameter.choice_count == 0 || parameter.choice_count > largest_count || parameter.choices == nullptr) {
+    return fmt::format("{} is a choice without a list of choices: give their names", what);
+  }
+  std::set<std::string_view> names;
+  for (std::uint32_t i = 0; i < parameter.choice_count; ++i) {
+    const char* name = parameter.choices[i];
+    if (name == nullptr || *name == '\0') return fmt::format("{}: choice {} has no name: give it one", what, i);
+    if (!names.insert(name).second) return fmt::format("{} has two choices '{}': rename one", what, name);
+  }
+  return {};
+}
+
+std::string check_bounds(const springnet_parameter& parameter, const std::string& what) {
+  const bool has_bounds = parameter.type == SPRINGNET_NUMBER || parameter.type == SPRINGNET_INTEGER;
+  if (has_bounds && !(parameter.smallest <= parameter.largest)) {  // also where one is nan
+    return fmt::format("{}: smallest {} and largest {} leave no value: correct them", what, parameter.smallest,
+                       parameter.largest);
+  }
+  const bool has_scale = parameter.type == SPRINGNET_NUMBER || (parameter.flags & SPRINGNET_LEARNABLE) != 0;
+  if (has_scale && !(parameter.scale > 0 && std::isfinite(parameter.scale))) {
+    return fmt::format("{}: scale must be a finite number above 0, is {}: give a typical magnitude", what,
+                       parameter.scale);
+  }
+  if ((parameter.flags & SPRINGNET_REQUIRED) == 0) {
+    const std::string wrong = check_value(parameter, parameter.default_value);
+    if (!wrong.empty()) return fmt::format("{}: its default {}: correct default or bounds", what, wrong);
+  }
+  return {};
+}
+
+std::string check_parameter(const springnet_parameter* parameter, const std::string& what) {
+  if (std::string wrong = check_struct(parameter, SPRINGNET_PARAMETER_SIZE_1_0, what); !wrong.empty()) return wrong;
+  if (parameter->name == nullptr || !is_snake_case(parameter->name)) {
+    return fmt::format("{} has the name '{}': give it one of lower-case letters, digits and '_' (a key in scenes)",
+                       what, parameter->name == nullptr ? "" : parameter->name);
+  }
+  const std::string named = fmt::format("{} '{}'", what, parameter->name);
+  if (parameter->unit == nullptr || *parameter->unit == '\0') {
+    return fmt::format("{} has no unit: give an SI unit, \"1\" where there is none", named);
+  }
+  if (parameter->summary == nullptr) return fmt::format("{} has no summary: say in one line what it is", named);
+  if (parameter->type > SPRINGNET_CHOICE) {
+    return fmt::format("{} is of type {}, which springnet does not know: {}", named, parameter->type, rebuild);
+  }
+  if (parameter->type == SPRINGNET_CHOICE) {
+    if (std::string wrong = check_choices(*parameter, named); !wrong.empty()) return wrong;
+  }
+  return check_bounds(*parameter, named);
+}
+
+// A list of parameters, states or inputs.
+std::string check_parameters(const springnet_parameter* const* list, std::uint32_t count, std::uint32_t kind,
+                             const std::string& owner, std::string_view noun) {
+  if (count == 0) return {};
+  if (count > largest_count) return fmt::format("{} claims to have {} {}s: {}", owner, count, noun, rebuild);
+  if (list == nullptr) return fmt::format("{}: its list of {}s is a null pointer: fill it in", owner, noun);
+  std::set<std::string_view> names;
+  for (std::uint32_t i = 0; i < count; ++i) {
+    std::string wrong = check_parameter(list[i], fmt::format("{}: {} {}", owner, noun, i));
+    if (!wrong.empty()) return wrong;
+    if (is_taken_by_scenes(list[i]->name, kind)) {
+      return fmt::format("{}: scenes use '{}' for something else: rename the {}", owner, list[i]->name, noun);
+    }
+    if (!names.insert(list[i]->name).second) {
+      return fmt::format("{} has two {}s '{}': rename one", owner, noun, list[i]->name);
+    }
+  }
+  return {};
+}
+
+std::string missing_function(const std::string& owner, std::string_view function) {
+  return fmt::format("{} has no function '{}': give one", owner, function);
+}
+
+std::string check_law(const springnet_component& component, const std::string& owner) {
+  const auto* law = static_cast<const springnet_law*>(component.implementation);
+  if (std::string wrong = check_struct(law, SPRINGNET_LAW_SIZE_1_0, owner + ": its law"); !wrong.empty()) return wrong;
+  if (law->evaluate == nullptr) return missing_function(owner, "evaluate");
+  if (law->prepare != nullptr && law->release == nullptr) return missing_function(owner, "release");
+  if (law->invariant == SPRINGNET_RELATIVE_SPEED && (component.capabilities & SPRINGNET_READS_RATE) != 0) {
+    return fmt::format("{} reads the rate of the relative speed, which has none: drop SPRINGNET_READS_RATE", owner);
+  }
+  std::string wrong = check_parameters(law->states, law->state_count, component.kind, owner, "state");
+  return wrong.empty() ? check_parameters(law->inputs, law->input_count, component.kind, owner, "input") : wrong;
+}
+
+std::string check_neuron(const springnet_component& component, const std::string& owner) {
+  const auto* neuron = static_cast<const springnet_neuron_model*>(component.implementation);
+  std::string wrong = check_struct(neuron, SPRINGNET_NEURON_MODEL_SIZE_1_0, owner + ": its model");
+  if (wrong.empty() && neuron->evaluate == nullptr) wrong = missing_function(owner, "evaluate");
+  return wrong;
+}
+
+std::string check_integrator(const springnet_component& component, const std::string& owner) {
+  const auto* integrator = static_cast<const springnet_integrator*>(component.implementation);
+  std::string wrong = check_struct(integrator, SPRINGNET_INTEGRATOR_SIZE_1_0, owner + ": its implementation");
+  if (!wrong.empty()) return wrong;
+  if (integrator->create == nullptr) return missing_function(owner, "create");
+  if (integrator->destroy == nullptr) return missing_function(owner, "destroy");
+  if (integrator->advance == nullptr) return missing_function(owner, "advance");
+  return {};
+}
+
+std::string check_component(const springnet_component* component, std::uint32_t number) {
+  const std::string what = fmt::format("component {}", number);
+  if (std::string wrong = check_struct(component, SPRINGNET_COMPONENT_SIZE_1_0, what); !wrong.empty()) return wrong;
+  if (component->id == nullptr || !is_snake_case(component->id)) {
+    return fmt::format("{} has the id '{}': give it one of lower-case letters, digits and '_' (its name in scenes)",
+                       what, component->id == nullptr ? "" : component->id);
+  }
+  if (component->kind < SPRINGNET_SPRING_FUNCTION || component->kind > SPRINGNET_INTEGRATOR) {
+    return fmt::format("component '{}' is of kind {}, which springnet does not know: {}", component->id,
+                       component->kind, rebuild);
+  }
+  const std::string owner = fmt::format("{} '{}'", name_of(static_cast<ComponentKind>(component->kind)), component->id);
+  if (std::string_view(component->id) == "none") {
+    return fmt::format("{}: scenes write \"none\" for no function: rename it", owner);
+  }
+  if (component->summary == nullptr || component->reference == nullptr) {
+    return fmt::format("{} has no summary or reference: fill them in, \"\" where there is no literature", owner);
+  }
+  std::string wrong =
+      check_parameters(component->parameters, component->parameter_count, component->kind, owner, "parameter");
+  if (!wrong.empty()) return wrong;
+  switch (component->kind) {
+    case SPRINGNET_NEURON:
+      return check_neuron(*component, owner);
+    case SPRINGNET_INTEGRATOR:
+      return check_integrator(*component, owner);
+    default:
+      return check_law(*component, owner);
+  }
+}
+
+// Magic, version, size, in the order in which they can be read.
+std::string check_header(const springnet_plugin& plugin) {
+  if (plugin.magic != SPRINGNET_MAGIC) {
+    return fmt::format(
+        "{} does not begin with springnet's magic number, so it is not a springnet plugin: declare it "
+        "with the SDK",
+        SPRINGNET_ENTRY_SYMBOL);
+  }
+  constexpr std::size_t up_to_version = SPRINGNET_SIZE_TO(springnet_plugin, abi_minor);
+  if (plugin.struct_size >= up_to_version && plugin.abi_major != SPRINGNET_ABI_MAJOR) {
+    return fmt::format(
+        "built for plugin ABI {}.{}, this springnet reads {}.x (it has {}.{}): {}, or use a springnet "
+        "of ABI {}",
+        plugin.abi_major, plugin.abi_minor, SPRINGNET_ABI_MAJOR, SPRINGNET_ABI_MAJOR, SPRINGNET_ABI_MINOR, rebuild,
+        plugin.abi_major);
+  }
+  if (plugin.struct_size < SPRINGNET_PLUGIN_SIZE_1_0) {
+    return too_short("the plugin's entry", plugin.struct_size, SPRINGNET_PLUGIN_SIZE_1_0);
+  }
+  return {};
+}
+
+}  // namespace
+
+std::string check_plugin(const springnet_plugin& plugin) {
+  if (std::string wrong = check_header(plugin); !wrong.empty()) return wrong;
+  if (plugin.id == nullptr || *plugin.id == '\0') return "the plugin has no id: give it one, as \"org.example.laws\"";
+  if (plugin.version == nullptr || plugin.author == nullptr || plugin.licence == nullptr) {
+    return "version, author or licence of the plugin is a null pointer: fill them in, \"\" where unknown";
+  }
+  if (plugin.component_count == 0 || plugin.component_count > largest_count || plugin.components == nullptr) {
+    return fmt::format("the plugin offers {} components{}: list them", plugin.component_count,
+                       plugin.components == nullptr ? " behind a null pointer" : "");
+  }
+  std::set<std::pair<std::uint32_t, std::string_view>> taken;
+  for (std::uint32_t i = 0; i < plugin.component_count; ++i) {
+    if (std::string wrong = check_component(plugin.components[i], i); !wrong.empty()) return wrong;
+    const springnet_component& component = *plugin.components[i];
+    if (!taken.emplace(component.kind, component.id).second) {
+      return fmt::format("the plugin has two {}s '{}': rename one", name_of(static_cast<ComponentKind>(component.kind)),
+                         component.id);
+    }
+  }
+  return {};
+}
+
+}  // namespace springnet

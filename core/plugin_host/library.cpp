@@ -1,0 +1,75 @@
+#include "plugin_host/library.hpp"
+
+#include <exception>
+#include <map>
+#include <mutex>
+#include <utility>
+
+#define BOOST_DLL_USE_STD_FS
+#include <fmt/format.h>
+#include <boost/dll/runtime_symbol_info.hpp>
+#include <boost/dll/shared_library.hpp>
+
+namespace springnet {
+namespace {
+
+// Components point into the libraries, and threads may outlive every PluginHost, so nothing is ever unloaded; the
+// registry itself is never destroyed either.
+std::map<std::filesystem::path, boost::dll::shared_library>& registry() {
+  static auto& libraries = *new std::map<std::filesystem::path, boost::dll::shared_library>;
+  return libraries;
+}
+
+std::filesystem::path folder_of(const std::filesystem::path& file) {
+  std::error_code failed;
+  const std::filesystem::path real = std::filesystem::weakly_canonical(file, failed);
+  return (failed ? file : real).parent_path();
+}
+
+}  // namespace
+
+OpenedLibrary open_library(const std::filesystem::path& file) {
+  static std::mutex one_at_a_time;
+  const std::lock_guard lock(one_at_a_time);
+  try {
+    const std::filesystem::path real = std::filesystem::canonical(file);
+    auto found = registry().find(real);
+    if (found == registry().end()) {
+      using boost::dll::load_mode::rtld_local;
+      using boost::dll::load_mode::rtld_now;
+      boost::dll::shared_library library(real, rtld_now | rtld_local);
+      found = registry().emplace(real, std::move(library)).first;
+    }
+    if (!found->second.has(SPRINGNET_ENTRY_SYMBOL)) {
+      return {nullptr, fmt::format("it has no symbol {}, so it is not a springnet plugin: declare one with the SDK, "
+                                   "and export it",
+                                   SPRINGNET_ENTRY_SYMBOL)};
+    }
+    return {&found->second.get<const springnet_plugin>(SPRINGNET_ENTRY_SYMBOL), {}};
+  } catch (const std::exception& error) {
+    return {nullptr, fmt::format("cannot be loaded as a library ({}): check that it is a complete library of this "
+                                 "machine's kind and links all that it calls",
+                                 error.what())};
+  }
+}
+
+std::string library_suffix() { return boost::dll::shared_library::suffix().string(); }
+
+std::vector<std::filesystem::path> own_plugin_folders() {
+  const std::filesystem::path plugins = std::filesystem::path("springnet") / "plugins";
+  std::vector<std::filesystem::path> folders;
+  try {
+    folders.push_back(folder_of(boost::dll::this_line_location()) / plugins);
+    // Linked statically, the library is where the program is.
+    const std::filesystem::path program = folder_of(boost::dll::program_location());
+    if (program / plugins == folders.front()) {
+      folders.push_back((program / ".." / "lib" / plugins).lexically_normal());
+      folders.push_back((program / ".." / SPRINGNET_LIBRARY_FOLDER / plugins).lexically_normal());
+    }
+  } catch (const std::exception&) {
+    // A system that does not tell where its code lies: there is no own folder then.
+  }
+  return folders;
+}
+
+}  // namespace springnet

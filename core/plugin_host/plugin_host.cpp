@@ -1,0 +1,179 @@
+#include <algorithm>
+#include <cstdlib>
+#include <set>
+#include <system_error>
+#include <utility>
+
+#include <fmt/format.h>
+
+#include <springnet/error.hpp>
+#include <springnet/plugin_host.hpp>
+
+#include "plugin_host/check_plugin.hpp"
+#include "plugin_host/library.hpp"
+
+namespace springnet {
+
+namespace fs = std::filesystem;
+
+std::string_view name_of(ComponentKind kind) noexcept {
+  switch (kind) {
+    case ComponentKind::spring_function:
+      return "spring function";
+    case ComponentKind::viscosity_function:
+      return "viscosity function";
+    case ComponentKind::neuron:
+      return "neuron";
+    case ComponentKind::integrator:
+      return "integrator";
+  }
+  return "component";
+}
+
+struct PluginHost::Impl {
+  std::vector<std::shared_ptr<const Component>> components;
+  std::vector<Refusal> refusals;
+  std::set<fs::path> seen;  // files that were looked at, by their canonical names
+
+  [[nodiscard]] std::shared_ptr<const Component> find(ComponentKind kind, std::string_view id) const {
+    const auto found = std::find_if(components.begin(), components.end(), [&](const auto& component) {
+      return component->kind() == kind && component->id() == id;
+    });
+    return found == components.end() ? nullptr : *found;
+  }
+
+  bool refuse(const fs::path& file, std::string reason) {
+    refusals.push_back({file, std::move(reason)});
+    return false;
+  }
+
+  // All components of the plugin, or none: half a plugin would hide that something is wrong.
+  bool take(const springnet_plugin& plugin, const fs::path& file) {
+    if (std::string wrong = check_plugin(plugin); !wrong.empty()) return refuse(file, std::move(wrong));
+    std::vector<std::shared_ptr<const Component>> taken;
+    for (std::uint32_t i = 0; i < plugin.component_count; ++i) {
+      taken.push_back(std::make_shared<const Component>(Component{plugin.components[i], &plugin, file}));
+      const auto other = find(taken.back()->kind(), taken.back()->id());
+      if (!other) continue;
+      if (other->plugin == &plugin) return true;  // the same plugin once more
+      const std::string owner = fmt::format("{} {}", other->plugin->id, other->plugin->version);
+      return refuse(file,
+                    fmt::format("{} '{}' is taken already, by {}: rename it, or remove one of the two plugins",
+                                name_of(other->kind()), other->id(),
+                                other->file.empty() ? owner : fmt::format("{} ({})", owner, other->file.string())));
+    }
+    components.insert(components.end(), taken.begin(), taken.end());
+    return true;
+  }
+};
+
+PluginHost::PluginHost() : impl_(std::make_unique<Impl>()) {}
+PluginHost::~PluginHost() = default;
+PluginHost::PluginHost(PluginHost&&) noexcept = default;
+PluginHost& PluginHost::operator=(PluginHost&&) noexcept = default;
+
+PluginHost PluginHost::with_default_search(const std::vector<fs::path>& folders) {
+  PluginHost host;
+  for (const fs::path& folder : folders) host.search(folder);
+
+  const char* listed = std::getenv("SPRINGNET_PLUGIN_PATH");
+  std::string_view rest = listed == nullptr ? "" : listed;
+  while (!rest.empty()) {
+    const std::string_view entry = rest.substr(0, rest.find(':'));
+    rest.remove_prefix(std::min(rest.size(), entry.size() + 1));
+    if (entry.empty()) continue;
+    if (fs::path(entry).is_relative()) {
+      host.impl_->refuse(entry,
+                         "SPRINGNET_PLUGIN_PATH names a relative folder, which depends on the working "
+                         "directory: give the whole path");
+      continue;
+    }
+    host.search(entry);
+  }
+
+  const std::vector<fs::path> own = own_plugin_folders();
+  std::error_code failed;
+  bool found = false;
+  for (const fs::path& folder : own) {
+    if (!fs::is_directory(folder, failed)) continue;
+    host.search(folder);
+    found = true;
+  }
+  if (!found && !own.empty()) host.search(own.front());  // records that it is missing
+  return host;
+}
+
+void PluginHost::search(const fs::path& folder) {
+  std::error_code failed;
+  std::vector<fs::path> files;
+  const std::string ending = ".springnet" + library_suffix();
+  for (fs::directory_iterator entry(folder, failed), end; !failed && entry != end; entry.increment(failed)) {
+    if (entry->path().filename().string().ends_with(ending)) files.push_back(entry->path());
+  }
+  if (failed) {
+    impl_->refuse(folder,
+                  fmt::format("the folder cannot be read ({}): check its name and its permissions", failed.message()));
+    return;
+  }
+  std::sort(files.begin(), files.end());
+  for (const fs::path& file : files) {
+    const fs::path real = fs::weakly_canonical(file, failed);
+    if (impl_->seen.count(failed ? file : real) == 0) load(file);
+  }
+}
+
+bool PluginHost::load(const fs::path& file) {
+  std::error_code failed;
+  const fs::path real = fs::canonical(file, failed);
+  if (failed) {
+    return impl_->refuse(file,
+                         fmt::format("cannot be opened ({}): check its name and its permissions", failed.message()));
+  }
+  impl_->seen.insert(real);
+  OpenedLibrary opened = open_library(file);
+  if (opened.entry == nullptr) return impl_->refuse(file, std::move(opened.reason));
+  return impl_->take(*opened.entry, file);
+}
+
+bool PluginHost::add(const springnet_plugin& plugin) { return impl_->take(plugin, {}); }
+
+const std::vector<std::shared_ptr<const Component>>& PluginHost::components() const noexcept {
+  return impl_->components;
+}
+
+const std::vector<Refusal>& PluginHost::refusals() const noexcept { return impl_->refusals; }
+
+std::shared_ptr<const Component> PluginHost::find(ComponentKind kind, std::string_view id) const {
+  return impl_->find(kind, id);
+}
+
+std::shared_ptr<const Component> PluginHost::require(ComponentKind kind, std::string_view id) const {
+  if (auto found = find(kind, id)) return found;
+  std::vector<std::string> known;
+  std::string elsewhere;
+  for (const auto& component : impl_->components) {
+    if (component->kind() == kind)
+      known.emplace_back(component->id());
+    else if (component->id() == id)
+      elsewhere = fmt::format(" ('{}' is a {})", id, name_of(component->kind()));
+  }
+  std::string message = fmt::format("there is no {} '{}'{}", name_of(kind), id, elsewhere);
+  if (const std::string nearest = suggestion(id, known); !nearest.empty()) message += "; " + nearest;
+  if (known.empty()) {
+    message +=
+        fmt::format("; no plugin offers any {}: set SPRINGNET_PLUGIN_PATH to the folder of the plugins", name_of(kind));
+  } else {
+    std::sort(known.begin(), known.end());
+    message += "; known: ";
+    for (std::size_t i = 0; i < known.size(); ++i) message += (i == 0 ? "" : ", ") + known[i];
+  }
+  for (std::size_t i = 0; i < impl_->refusals.size(); ++i) {
+    const Refusal& refusal = impl_->refusals[i];
+    if (i == 0) message += "\nPlugins that were not taken:";
+    message += fmt::format("\n  {}: {}", refusal.file.empty() ? "(registered in the program)" : refusal.file.string(),
+                           refusal.reason);
+  }
+  throw Error(ErrorKind::plugin, message);
+}
+
+}  // namespace springnet

@@ -1,0 +1,74 @@
+#include "scene/component.hpp"
+
+#include <memory>
+#include <string>
+#include <vector>
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+namespace springnet::scene {
+namespace {
+
+std::shared_ptr<const Component> find_component(const Value& name, ComponentKind kind, const PluginHost& plugins) {
+  try {
+    return plugins.require(kind, name.text());
+  } catch (const Error& error) {
+    // A wrong name in a scene is an error of the scene: it is there that it is corrected.
+    if (error.kind() == ErrorKind::plugin) name.fail(error.what());
+    throw;
+  }
+}
+
+double read_parameter(const Value& value, const springnet_parameter& parameter) {
+  switch (parameter.type) {
+    case SPRINGNET_BOOLEAN:
+      return value.boolean() ? 1.0 : 0.0;
+    case SPRINGNET_CHOICE:
+      return static_cast<double>(value.choice({parameter.choices, parameter.choices + parameter.choice_count}));
+    case SPRINGNET_INTEGER:
+      return static_cast<double>(value.integer());
+    default:
+      return value.number();
+  }
+}
+
+}  // namespace
+
+LawUse read_component(const Table& table, std::string_view name_key, ComponentKind kind, const PluginHost& plugins) {
+  const std::shared_ptr<const Component> component = find_component(table.need(name_key), kind, plugins);
+  const springnet_component& description = *component->description;
+  LawUse use{std::string(component->id()), {}};
+
+  std::vector<std::string> names;
+  for (std::uint32_t i = 0; i < description.parameter_count; ++i) names.emplace_back(description.parameters[i]->name);
+  table.check_keys(names, fmt::format("{} '{}'", name_of(kind), use.id));
+
+  for (std::uint32_t i = 0; i < description.parameter_count; ++i) {
+    const springnet_parameter& parameter = *description.parameters[i];
+    const std::optional<Value> given = table.find_parameter(parameter.name);
+    if (!given) continue;
+    const double value = read_parameter(*given, parameter);
+    if (const std::string wrong = check_value(parameter, value); !wrong.empty()) given->fail(wrong);
+    use.parameters.emplace(parameter.name, value);
+  }
+  static_cast<void>(complete_parameters(description, use.parameters, table.value().where()));
+  return use;
+}
+
+LawUse read_component_name(const Value& name, ComponentKind kind, const PluginHost& plugins) {
+  const std::shared_ptr<const Component> component = find_component(name, kind, plugins);
+  static_cast<void>(complete_parameters(*component->description, {}, name.where()));
+  return {std::string(component->id()), {}};
+}
+
+Material read_material(const Table& table, const PluginHost& plugins) {
+  const auto read = [&](std::string_view key, ComponentKind kind) -> std::optional<LawUse> {
+    const std::optional<Value> value = table.find(key);
+    if (!value) return std::nullopt;
+    return read_component(value->open_table(fmt::format("{}.{}", table.schema(), key)), "type", kind, plugins);
+  };
+  return {read("spring", ComponentKind::spring_function), read("viscosity", ComponentKind::viscosity_function)};
+}
+
+}  // namespace springnet::scene

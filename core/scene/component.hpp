@@ -1,0 +1,25 @@
+// Uses of components in a scene: { type = "linear", stiffness = 3.0 }, checked against the plugin's own description.
+#pragma once
+
+#include <optional>
+#include <string_view>
+
+#include <springnet/network.hpp>
+#include <springnet/plugin_host.hpp>
+
+#include "scene/reader.hpp"
+
+namespace springnet::scene {
+
+// `name_key` is the key of the component's id, "type" or "name"; what the list of keys has beside it is left to the
+// caller, every other key is a parameter.
+[[nodiscard]] LawUse read_component(const Table& table, std::string_view name_key, ComponentKind kind,
+                                    const PluginHost& plugins);
+
+// A component written as no more than its name.
+[[nodiscard]] LawUse read_component_name(const Value& name, ComponentKind kind, const PluginHost& plugins);
+
+// The functions under the keys `spring` and `viscosity` of a table; none of them may be there.
+[[nodiscard]] Material read_material(const Table& table, const PluginHost& plugins);
+
+}  // namespace springnet::scene

@@ -1,0 +1,139 @@
+#include "scene/document.hpp"
+
+#include <algorithm>
+#include <charconv>
+#include <optional>
+
+#include <fmt/format.h>
+
+#include <springnet/error.hpp>
+
+namespace springnet {
+namespace scene {
+namespace {
+
+std::vector<std::string> split(std::string_view path) {
+  std::vector<std::string> steps(1);
+  for (const char c : path) {
+    if (c == '.') {
+      steps.emplace_back();
+    } else {
+      steps.back() += c;
+    }
+  }
+  return steps;
+}
+
+// An override on its way to its place. Its name stands for the file in every later message about its value.
+class Override {
+ public:
+  explicit Override(const SceneOverride& given)
+      : steps_(split(given.key)), name_(fmt::format("--set {}={}", given.key, given.value)) {
+    if (std::find(steps_.begin(), steps_.end(), "") != steps_.end()) {
+      fail("the key has an empty part; write it as body.0.mesh.spacing");
+    }
+    value_ = parse(given.value);
+  }
+
+  void apply(toml::table& root) {
+    toml::node* place = &root;
+    for (std::size_t i = 0; i + 1 < steps_.size(); ++i) place = &child(*place, i);
+    value_.get("value")->visit([&](auto&& value) {
+      if (toml::array* list = place->as_array()) {
+        const std::size_t index = element(*list, steps_.size() - 1);
+        list->replace(list->begin() + static_cast<std::ptrdiff_t>(index), std::move(value));
+      } else {
+        table(*place, steps_.size() - 1).insert_or_assign(steps_.back(), std::move(value));
+      }
+    });
+  }
+
+ private:
+  [[noreturn]] void fail(const std::string& what) const {
+    throw Error(ErrorKind::input, fmt::format("{}: {}", name_, what));
+  }
+
+  [[nodiscard]] toml::table parse(std::string_view text) const {
+    const std::string document = fmt::format("value = {}\n", text);
+    try {
+      toml::table table = toml::parse(std::string_view(document), std::string_view(name_));
+      if (table.size() == 1) return table;
+    } catch (const toml::parse_error&) {
+      // Described below; its column would be one of a text that the user did not write.
+    }
+    fail(fmt::format("the value is not TOML; write a number, true, [1, 2] or a text in quotes: '{}=\"{}\"'",
+                     name_.substr(6, name_.find('=') - 6), text));
+  }
+
+  // The path up to and without step `count`.
+  [[nodiscard]] std::string path(std::size_t count) const {
+    std::string text;
+    for (std::size_t i = 0; i < count; ++i) text += (i == 0 ? "" : ".") + steps_[i];
+    return text;
+  }
+
+  [[nodiscard]] toml::table& table(toml::node& place, std::size_t step) const {
+    if (toml::table* table = place.as_table()) return *table;
+    fail(fmt::format("'{}' is not a table, so it has no '{}'; set '{}' as a whole", path(step), steps_[step],
+                     path(step)));
+  }
+
+  [[nodiscard]] std::size_t element(const toml::array& list, std::size_t step) const {
+    const std::string& text = steps_[step];
+    std::size_t index = 0;
+    const auto [end, failed] = std::from_chars(text.data(), text.data() + text.size(), index);
+    if (failed == std::errc() && end == text.data() + text.size() && index < list.size()) return index;
+    if (list.empty()) fail(fmt::format("'{}' is an empty list; set it as a whole", path(step)));
+    fail(fmt::format("'{}' is a list of {}; write one of the numbers 0 to {} where '{}' stands", path(step),
+                     list.size(), list.size() - 1, text));
+  }
+
+  // The node one step further, made where a table lacks it.
+  [[nodiscard]] toml::node& child(toml::node& place, std::size_t step) const {
+    if (toml::array* list = place.as_array()) return *list->get(element(*list, step));
+    toml::table& parent = table(place, step);
+    if (!parent.contains(steps_[step])) {
+      parent.insert_or_assign(steps_[step], std::move(*parse("{}").get_as<toml::table>("value")));
+    }
+    return *parent.get(steps_[step]);
+  }
+
+  std::vector<std::string> steps_;
+  std::string name_;
+  toml::table value_;
+};
+
+}  // namespace
+
+toml::table parse_document(std::string_view text, std::string_view name, const std::vector<SceneOverride>& overrides) {
+  toml::table root;
+  try {
+    root = toml::parse(text, name);
+  } catch (const toml::parse_error& error) {
+    throw Error(ErrorKind::input,
+                fmt::format("{}:{}:{}: {}; this is not TOML, correct it", name, error.source().begin.line,
+                            error.source().begin.column, error.description()));
+  }
+  for (const SceneOverride& given : overrides) Override(given).apply(root);
+  return root;
+}
+
+}  // namespace scene
+
+SceneOverride parse_override(std::string_view text) {
+  const auto trim = [](std::string_view part) {
+    const std::size_t first = part.find_first_not_of(" \t");
+    if (first == std::string_view::npos) return std::string();
+    return std::string(part.substr(first, part.find_last_not_of(" \t") - first + 1));
+  };
+  const std::size_t equals = text.find('=');
+  SceneOverride result;
+  if (equals != std::string_view::npos) result = {trim(text.substr(0, equals)), trim(text.substr(equals + 1))};
+  if (result.key.empty() || result.value.empty()) {
+    throw Error(ErrorKind::input,
+                fmt::format("'{}' sets nothing; write key=value, as in simulation.time_step=0.01", text));
+  }
+  return result;
+}
+
+}  // namespace springnet

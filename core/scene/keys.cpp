@@ -1,0 +1,137 @@
+#include "scene/keys.hpp"
+
+#include <algorithm>
+#include <array>
+#include <stdexcept>
+
+#include <springnet/scene.hpp>
+
+namespace springnet {
+namespace scene {
+namespace {
+
+struct Key {
+  std::string_view path;
+  std::string_view form;
+};
+
+// "select.…" are the keys of every table that selects nodes or springs: node.select, connect.from, and so on.
+constexpr std::array keys{
+    Key{"title", "a text"},
+    Key{"simulation", "a table"},
+    Key{"simulation.duration", "a number of at least 0, s"},
+    Key{"simulation.time_step", "a number above 0, s"},
+    Key{"simulation.integrator", "the name of an integrator, or a table with its name and options"},
+    Key{"simulation.integrator.name", "the name of an integrator"},
+    Key{"simulation.threads", "a whole number, 0 for as many as useful"},
+    Key{"simulation.instruction_set", "'best', 'generic', 'avx2' or 'avx512'"},
+    Key{"simulation.renumber", "true or false"},
+    Key{"gravity", "a table"},
+    Key{"gravity.acceleration", "three numbers [x, y, z], m/s^2"},
+    Key{"output", "a table"},
+    Key{"output.interval", "a number of at least 0, s"},
+    Key{"output.trajectory", "true or false"},
+    Key{"output.reactions", "true or false"},
+    Key{"body", "tables [[body]]"},
+    Key{"body.name", "a text"},
+    Key{"body.mesh", "a table with a lattice"},
+    Key{"body.mesh.lattice", "three whole numbers [nx, ny, nz]"},
+    Key{"body.mesh.spacing", "a number above 0, or three of them [x, y, z], m"},
+    Key{"body.mesh.origin", "three numbers [x, y, z], m"},
+    Key{"body.mesh.diagonals", "'none', 'face', 'space' or 'all'"},
+    Key{"body.nodes", "a list of positions [x, y, z], m"},
+    Key{"body.springs", "a list of pairs [i, j] of node numbers"},
+    Key{"body.velocity", "three numbers [x, y, z], m/s"},
+    Key{"body.neuron", "a table with type, mass and parameters"},
+    Key{"body.neuron.type", "the name of a neuron"},
+    Key{"body.neuron.mass", "a number above 0, kg"},
+    Key{"body.spring", "a table with type and parameters"},
+    Key{"body.spring.type", "the name of a spring function"},
+    Key{"body.viscosity", "a table with type and parameters"},
+    Key{"body.viscosity.type", "the name of a viscosity function"},
+    Key{"body.rest_length_scale", "a number above 0"},
+    Key{"connect", "tables [[connect]]"},
+    Key{"connect.pairs", "a list of pairs [{ body = \"a\", node = 0 }, { body = \"b\", node = 0 }]"},
+    Key{"connect.pairs.body", "the name of a body"},
+    Key{"connect.pairs.node", "the number of a node"},
+    Key{"connect.from", "a selection of nodes"},
+    Key{"connect.to", "a selection of nodes"},
+    Key{"connect.within", "a number above 0, m"},
+    Key{"connect.nearest", "true or false"},
+    Key{"connect.spring", "a table with type and parameters"},
+    Key{"connect.spring.type", "the name of a spring function"},
+    Key{"connect.viscosity", "a table with type and parameters"},
+    Key{"connect.viscosity.type", "the name of a viscosity function"},
+    Key{"connect.rest_length", "a number of at least 0, m"},
+    Key{"connect.rest_length_scale", "a number above 0"},
+    Key{"node", "tables [[node]]"},
+    Key{"node.select", "a selection of nodes"},
+    Key{"node.mass", "a number above 0, kg"},
+    Key{"node.velocity", "three numbers [x, y, z], m/s"},
+    Key{"node.neuron", "a table with type and parameters"},
+    Key{"node.neuron.type", "the name of a neuron"},
+    Key{"spring", "tables [[spring]]"},
+    Key{"spring.select", "a selection of springs"},
+    Key{"spring.spring", "a table with type and parameters, or 'none'"},
+    Key{"spring.spring.type", "the name of a spring function"},
+    Key{"spring.viscosity", "a table with type and parameters, or 'none'"},
+    Key{"spring.viscosity.type", "the name of a viscosity function"},
+    Key{"spring.rest_length", "a number of at least 0, m"},
+    Key{"spring.rest_length_scale", "a number above 0"},
+    Key{"fix", "tables [[fix]]"},
+    Key{"fix.select", "a selection of nodes"},
+    Key{"force", "tables [[force]]"},
+    Key{"force.select", "a selection of nodes"},
+    Key{"force.force", "three numbers [x, y, z], N"},
+    Key{"force.from", "a number, s"},
+    Key{"force.until", "a number, s"},
+    Key{"plane", "tables [[plane]]"},
+    Key{"plane.name", "a text"},
+    Key{"plane.point", "three numbers [x, y, z], m"},
+    Key{"plane.normal", "three numbers [x, y, z]"},
+    Key{"cut", "tables [[cut]]"},
+    Key{"cut.time", "a number of at least 0, s"},
+    Key{"cut.select", "a selection of springs"},
+    Key{"cut.polygon", "a list of three corners [x, y, z] or more, m"},
+    Key{"select.body", "the name of a body, or a list of them"},
+    Key{"select.nodes", "a list of node numbers"},
+    Key{"select.springs", "a list of spring numbers"},
+    Key{"select.box", "a table with min, max or both"},
+    Key{"select.box.min", "three numbers [x, y, z], m"},
+    Key{"select.box.max", "three numbers [x, y, z], m"},
+    Key{"select.sphere", "a table with center and radius"},
+    Key{"select.sphere.center", "three numbers [x, y, z], m"},
+    Key{"select.sphere.radius", "a number above 0, m"},
+};
+
+}  // namespace
+
+std::string_view form_of(std::string_view key) {
+  const auto* found = std::find_if(keys.begin(), keys.end(), [&](const Key& listed) { return listed.path == key; });
+  if (found == keys.end()) throw std::logic_error("the scene reader asks for the unlisted key " + std::string(key));
+  return found->form;
+}
+
+std::vector<std::string> keys_in(std::string_view table) {
+  const std::string prefix = table.empty() ? "" : std::string(table) + ".";
+  std::vector<std::string> names;
+  for (const Key& key : keys) {
+    if (!key.path.starts_with(prefix)) continue;
+    const std::string_view name = key.path.substr(prefix.size());
+    if (name.find('.') == std::string_view::npos) names.emplace_back(name);
+  }
+  return names;
+}
+
+}  // namespace scene
+
+const std::vector<std::string>& scene_keys() {
+  static const std::vector<std::string> paths = [] {
+    std::vector<std::string> result;
+    for (const scene::Key& key : scene::keys) result.emplace_back(key.path);
+    return result;
+  }();
+  return paths;
+}
+
+}  // namespace springnet

@@ -1,0 +1,201 @@
+#include "scene/reader.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include "scene/keys.hpp"
+
+namespace springnet::scene {
+namespace {
+
+std::string_view describe(const toml::node& node) {
+  switch (node.type()) {
+    case toml::node_type::table:
+      return "a table";
+    case toml::node_type::array:
+      return "a list";
+    case toml::node_type::string:
+      return "a text";
+    case toml::node_type::integer:
+    case toml::node_type::floating_point:
+      return "a number";
+    case toml::node_type::boolean:
+      return "true or false";
+    default:
+      return "a date or time";
+  }
+}
+
+// Values of overrides come from documents of their own, whose names say so.
+std::string location(const toml::source_region& region, std::string_view document) {
+  if (region.path && *region.path != document) return *region.path;
+  if (region.begin.line == 0) return std::string(document);
+  return fmt::format("{}:{}:{}", document, region.begin.line, region.begin.column);
+}
+
+[[noreturn]] void fail_at(const std::string& where, std::string_view path, std::string_view what) {
+  throw Error(ErrorKind::input,
+              path.empty() ? fmt::format("{}: {}", where, what) : fmt::format("{}: {}: {}", where, path, what));
+}
+
+}  // namespace
+
+Value::Value(const toml::node& node, std::string path, std::string_view document)
+    : node_(&node), path_(std::move(path)), document_(document) {}
+
+void Value::fail(std::string_view what) const { fail_at(location(node_->source(), document_), path_, what); }
+
+std::string Value::where() const {
+  const std::string place = location(node_->source(), document_);
+  return path_.empty() ? place : fmt::format("{}: {}", place, path_);
+}
+
+void Value::wrong_type(std::string_view wanted) const {
+  fail(fmt::format("must be {}, is {}", wanted, describe(*node_)));
+}
+
+double Value::coordinate() const {
+  const std::optional<double> value = node_->is_number() ? node_->value<double>() : std::nullopt;
+  if (!value) wrong_type("a number");
+  if (std::isnan(*value)) fail("must be a number, is nan");
+  return *value;
+}
+
+double Value::number() const {
+  const double value = coordinate();
+  if (!std::isfinite(value)) fail(fmt::format("must be a finite number, is {}", value));
+  return value;
+}
+
+double Value::number_above_0(std::string_view unit) const {
+  const double value = number();
+  if (!(value > 0)) fail(fmt::format("must be above 0{}{}, is {}", unit.empty() ? "" : " ", unit, value));
+  return value;
+}
+
+double Value::number_from_0(std::string_view unit) const {
+  const double value = number();
+  if (!(value >= 0)) fail(fmt::format("must be at least 0{}{}, is {}", unit.empty() ? "" : " ", unit, value));
+  return value;
+}
+
+std::int64_t Value::integer(std::int64_t smallest, std::int64_t largest) const {
+  const std::optional<std::int64_t> value = node_->value_exact<std::int64_t>();
+  if (!value) {
+    if (node_->is_floating_point()) fail(fmt::format("must be a whole number, is {}", *node_->value<double>()));
+    wrong_type("a whole number");
+  }
+  if (*value < smallest) fail(fmt::format("must be at least {}, is {}", smallest, *value));
+  if (*value > largest) fail(fmt::format("must be at most {}, is {}", largest, *value));
+  return *value;
+}
+
+bool Value::boolean() const {
+  const std::optional<bool> value = node_->value_exact<bool>();
+  if (!value) wrong_type("true or false");
+  return *value;
+}
+
+std::string Value::text() const {
+  const std::optional<std::string> value = node_->value_exact<std::string>();
+  if (!value) wrong_type("a text in quotes");
+  if (value->empty()) fail("must not be empty");
+  return *value;
+}
+
+std::size_t Value::choice(const std::vector<std::string>& choices) const {
+  const std::string chosen = text();
+  const auto found = std::find(choices.begin(), choices.end(), chosen);
+  if (found == choices.end()) {
+    const std::string nearest = suggestion(chosen, choices);
+    fail(fmt::format("must be one of '{}', is '{}'{}{}", fmt::join(choices, "', '"), chosen,
+                     nearest.empty() ? "" : "; ", nearest));
+  }
+  return static_cast<std::size_t>(found - choices.begin());
+}
+
+std::vector<Value> Value::elements() const {
+  const toml::array* array = node_->as_array();
+  if (array == nullptr) wrong_type("a list");
+  std::vector<Value> values;
+  values.reserve(array->size());
+  for (std::size_t i = 0; i < array->size(); ++i) {
+    values.emplace_back((*array)[i], fmt::format("{}.{}", path_, i), document_);
+  }
+  return values;
+}
+
+std::vector<Value> Value::elements(std::size_t count) const {
+  std::vector<Value> values = elements();
+  if (values.size() != count) fail(fmt::format("must have {} elements, has {}", count, values.size()));
+  return values;
+}
+
+Vector3 Value::vector() const {
+  if (!is_list()) wrong_type("three numbers [x, y, z]");
+  const std::vector<Value> values = elements(3);
+  return {values[0].number(), values[1].number(), values[2].number()};
+}
+
+Table Value::open_table(std::string_view schema) const { return {*this, schema}; }
+
+Table Value::table(std::string_view schema) const {
+  Table result(*this, schema);
+  result.check_keys();
+  return result;
+}
+
+Table::Table(const Value& value, std::string_view schema)
+    : value_(value), table_(value.node_->as_table()), schema_(schema) {
+  if (table_ == nullptr) value.wrong_type(schema.empty() ? "a table" : form_of(schema));
+}
+
+std::string Table::path_of(std::string_view key) const {
+  return value_.path_.empty() ? std::string(key) : fmt::format("{}.{}", value_.path_, key);
+}
+
+std::optional<Value> Table::find_parameter(std::string_view key) const {
+  const toml::node* node = table_->get(key);
+  if (node == nullptr) return std::nullopt;
+  return Value(*node, path_of(key), value_.document_);
+}
+
+std::optional<Value> Table::find(std::string_view key) const {
+  static_cast<void>(form_of(schema_.empty() ? std::string(key) : fmt::format("{}.{}", schema_, key)));
+  return find_parameter(key);
+}
+
+bool Table::has(std::string_view key) const { return find(key).has_value(); }
+
+Value Table::need(std::string_view key) const {
+  if (std::optional<Value> value = find(key)) return *value;
+  const std::string_view form = form_of(schema_.empty() ? std::string(key) : fmt::format("{}.{}", schema_, key));
+  fail(fmt::format("the key '{}' is missing; add it: {}", key, form));
+}
+
+std::vector<Value> Table::tables(std::string_view key) const {
+  const std::optional<Value> value = find(key);
+  if (!value) return {};
+  if (!value->is_list()) {
+    value->fail(fmt::format("must be a list of tables, is {}; write [[{}]]", describe(*value->node_), key));
+  }
+  return value->elements();
+}
+
+void Table::check_keys(const std::vector<std::string>& more, std::string_view owner) const {
+  std::vector<std::string> known = keys_in(schema_);
+  known.insert(known.end(), more.begin(), more.end());
+  for (const auto& [key, node] : *table_) {
+    if (std::find(known.begin(), known.end(), key.str()) != known.end()) continue;
+    const std::string nearest = suggestion(key.str(), known);
+    const bool has_place = key.source().begin.line != 0;
+    fail_at(location(has_place ? key.source() : node.source(), value_.document_), path_of(key.str()),
+            fmt::format("there is no key '{}'{}{}; {}known: {}", key.str(), owner.empty() ? "" : " of ", owner,
+                        nearest.empty() ? "" : nearest + " ", fmt::join(known, ", ")));
+  }
+}
+
+}  // namespace springnet::scene

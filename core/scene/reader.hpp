@@ -1,0 +1,101 @@
+// Values of a TOML document that know where they stand, and read themselves strictly: every error says
+// "file:line:column: key: what; what to do".
+#pragma once
+
+#include <cstdint>
+#include <limits>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include <toml++/toml.h>
+#include <springnet/error.hpp>
+#include <springnet/network.hpp>
+
+namespace springnet::scene {
+
+class Table;
+
+// All of these throw Error(input) if the value is not what is asked for.
+class Value {
+ public:
+  // `path` as in body.0.mesh.spacing; `document` is the name that stands in messages. Both the node and the name
+  // outlive the value.
+  Value(const toml::node& node, std::string path, std::string_view document);
+
+  [[noreturn]] void fail(std::string_view what) const;
+  // "file:line:column: path"
+  [[nodiscard]] std::string where() const;
+  [[nodiscard]] const std::string& path() const noexcept { return path_; }
+
+  [[nodiscard]] double number() const;  // finite
+  [[nodiscard]] double number_above_0(std::string_view unit) const;
+  [[nodiscard]] double number_from_0(std::string_view unit) const;
+  [[nodiscard]] double coordinate() const;  // a number, or an infinity
+  [[nodiscard]] std::int64_t integer(std::int64_t smallest = std::numeric_limits<std::int64_t>::min(),
+                                     std::int64_t largest = std::numeric_limits<std::int64_t>::max()) const;
+  [[nodiscard]] bool boolean() const;
+  [[nodiscard]] std::string text() const;  // not empty
+  [[nodiscard]] std::size_t choice(const std::vector<std::string>& choices) const;
+  [[nodiscard]] Vector3 vector() const;  // [x, y, z]
+
+  [[nodiscard]] bool is_text() const noexcept { return node_->is_string(); }
+  [[nodiscard]] bool is_list() const noexcept { return node_->is_array(); }
+  [[nodiscard]] std::vector<Value> elements() const;
+  [[nodiscard]] std::vector<Value> elements(std::size_t count) const;  // exactly so many
+
+  // A table that has no other keys than those of `schema`.
+  [[nodiscard]] Table table(std::string_view schema) const;
+  // The same without a look at its keys.
+  [[nodiscard]] Table open_table(std::string_view schema) const;
+
+  // Calls `change`, and adds the place to errors of input that it throws.
+  template <class Change>
+  auto at_this_place(Change&& change) const {
+    try {
+      return change();
+    } catch (const Error& error) {
+      if (error.kind() == ErrorKind::input) fail(error.what());
+      throw;
+    }
+  }
+
+ private:
+  friend class Table;
+  [[noreturn]] void wrong_type(std::string_view wanted) const;
+
+  const toml::node* node_;
+  std::string path_;
+  std::string_view document_;
+};
+
+class Table {
+ public:
+  // `schema` is the path of the table in the list of keys: body.mesh for body.0.mesh.
+  Table(const Value& value, std::string_view schema);
+
+  [[noreturn]] void fail(std::string_view what) const { value_.fail(what); }
+  [[nodiscard]] const Value& value() const noexcept { return value_; }
+  [[nodiscard]] std::string_view schema() const noexcept { return schema_; }
+
+  [[nodiscard]] bool has(std::string_view key) const;
+  [[nodiscard]] std::optional<Value> find(std::string_view key) const;
+  [[nodiscard]] Value need(std::string_view key) const;
+  // Elements of a list of tables, none if the key is not there.
+  [[nodiscard]] std::vector<Value> tables(std::string_view key) const;
+  // A key of a component's parameter, which is not in the list of keys.
+  [[nodiscard]] std::optional<Value> find_parameter(std::string_view key) const;
+
+  // Throws for the first key that is neither listed for this table nor among `more`; `owner` describes those.
+  void check_keys(const std::vector<std::string>& more = {}, std::string_view owner = {}) const;
+
+ private:
+  [[nodiscard]] std::string path_of(std::string_view key) const;
+
+  Value value_;
+  const toml::table* table_;
+  std::string schema_;
+};
+
+}  // namespace springnet::scene

@@ -1,0 +1,191 @@
+#include "scene/select.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <numeric>
+
+#include <fmt/format.h>
+
+namespace springnet::scene {
+namespace {
+
+// What lies on the boundary is inside. Positions of a lattice are rounded, so a boundary is this much thicker,
+// relatively to the numbers compared: far above rounding, far below any spacing that a user could mean.
+constexpr double thickness = 1e-9;
+
+struct Region {
+  std::vector<const Body*> bodies;  // none: everywhere
+  std::optional<Vector3> smallest, largest, center;
+  double radius = 0;
+
+  [[nodiscard]] bool has_shape() const { return smallest || largest || center; }
+
+  [[nodiscard]] bool contains(NodeIndex node, const Vector3& p) const {
+    const auto in_body = [&](const Body* body) { return node - body->first_node < body->node_count; };
+    if (!bodies.empty() && std::none_of(bodies.begin(), bodies.end(), in_body)) return false;
+    for (Eigen::Index axis = 0; axis < 3; ++axis) {
+      if (smallest && p[axis] < (*smallest)[axis] - slack((*smallest)[axis], p[axis])) return false;
+      if (largest && p[axis] > (*largest)[axis] + slack((*largest)[axis], p[axis])) return false;
+    }
+    return !center || (p - *center).norm() <= radius + slack(center->norm() + radius, p.norm());
+  }
+
+ private:
+  static double slack(double bound, double coordinate) {
+    return std::isfinite(bound) ? thickness * std::max(std::abs(bound), std::abs(coordinate)) : 0.0;
+  }
+};
+
+Vector3 corner(const Value& value) {
+  const std::vector<Value> values = value.elements(3);
+  return {values[0].coordinate(), values[1].coordinate(), values[2].coordinate()};
+}
+
+Region read_region(const Table& table, const Network& network) {
+  Region region;
+  if (const auto body = table.find("body")) {
+    if (body->is_list()) {
+      for (const Value& name : body->elements()) region.bodies.push_back(&find_body(name, network));
+      if (region.bodies.empty()) body->fail("names no body; leave the key out to select from all of them");
+    } else {
+      region.bodies.push_back(&find_body(*body, network));
+    }
+  }
+  if (const auto value = table.find("box")) {
+    const Table box = value->table("select.box");
+    if (const auto smallest = box.find("min")) region.smallest = corner(*smallest);
+    if (const auto largest = box.find("max")) region.largest = corner(*largest);
+    if (!region.smallest && !region.largest) box.fail("needs 'min', 'max' or both: three numbers [x, y, z], m");
+    if (region.smallest && region.largest && (region.smallest->array() > region.largest->array()).any()) {
+      box.fail("'min' must not be above 'max' in any coordinate; exchange them");
+    }
+  }
+  if (const auto value = table.find("sphere")) {
+    const Table sphere = value->table("select.sphere");
+    region.center = sphere.need("center").vector();
+    region.radius = sphere.need("radius").number_above_0("m");
+  }
+  return region;
+}
+
+// The one body within which numbers count, or null for those of the whole network.
+const Body* body_of_numbers(const Value& numbers, const Region& region) {
+  if (region.bodies.size() > 1) {
+    numbers.fail("numbers count within one body; name one body, or none for the numbers of the whole network");
+  }
+  return region.bodies.empty() ? nullptr : region.bodies.front();
+}
+
+template <class Index>
+void sort_and_unite(std::vector<Index>& indices) {
+  std::sort(indices.begin(), indices.end());
+  indices.erase(std::unique(indices.begin(), indices.end()), indices.end());
+}
+
+template <class Index>
+std::vector<Index> range(Index first, Index count) {
+  std::vector<Index> indices(count);
+  std::iota(indices.begin(), indices.end(), first);
+  return indices;
+}
+
+// Nodes that meet everything but `springs`; may be none.
+std::vector<NodeIndex> nodes_in(const Table& table, const Region& region, const Network& network) {
+  std::vector<NodeIndex> candidates;
+  if (const auto numbers = table.find("nodes")) {
+    const Body* body = body_of_numbers(*numbers, region);
+    for (const Value& number : numbers->elements()) candidates.push_back(read_node(number, body, network));
+    sort_and_unite(candidates);
+  } else if (region.bodies.size() == 1) {
+    candidates = range(region.bodies.front()->first_node, region.bodies.front()->node_count);
+  } else {
+    candidates = range(NodeIndex{0}, static_cast<NodeIndex>(network.nodes().size()));
+  }
+  std::erase_if(candidates, [&](NodeIndex node) { return !region.contains(node, network.nodes()[node].position); });
+  return candidates;
+}
+
+SpringIndex read_spring(const Value& number, const Body* body, const Network& network) {
+  const std::size_t count = body != nullptr ? body->spring_count : network.springs().size();
+  const std::int64_t index = number.integer(0);
+  if (index >= static_cast<std::int64_t>(count)) {
+    number.fail(fmt::format("there is no spring {}{}{}, it has {}, numbered from 0", index,
+                            body != nullptr ? " in body " : " in the network",
+                            body != nullptr ? "'" + body->name + "'" : "", count));
+  }
+  return static_cast<SpringIndex>(index) + (body != nullptr ? body->first_spring : 0);
+}
+
+// Where there is something to select, for who has missed it.
+std::string extent_of(const Region& region, const Network& network) {
+  if (!region.has_shape() || network.nodes().empty()) return "; check the numbers";
+  Vector3 low = network.nodes()[0].position, high = low;
+  for (const Node& node : network.nodes()) {
+    low = low.cwiseMin(node.position);
+    high = high.cwiseMax(node.position);
+  }
+  return fmt::format("; move or widen the region: the nodes of the scene lie between [{}, {}, {}] and [{}, {}, {}]",
+                     low.x(), low.y(), low.z(), high.x(), high.y(), high.z());
+}
+
+}  // namespace
+
+const Body& find_body(const Value& name, const Network& network) {
+  const std::string wanted = name.text();
+  std::vector<std::string> known;
+  for (const Body& body : network.bodies()) {
+    if (body.name == wanted) return body;
+    known.push_back(body.name);
+  }
+  const std::string nearest = suggestion(wanted, known);
+  name.fail(
+      fmt::format("there is no body '{}'; {}", wanted, nearest.empty() ? "write the name of a [[body]]" : nearest));
+}
+
+NodeIndex read_node(const Value& number, const Body* body, const Network& network) {
+  const std::size_t count = body != nullptr ? body->node_count : network.nodes().size();
+  const std::int64_t index = number.integer(0);
+  if (index >= static_cast<std::int64_t>(count)) {
+    const std::string where = body != nullptr ? fmt::format("body '{}'", body->name) : "the network";
+    number.fail(fmt::format("there is no node {} in {}, it has {}, numbered from 0", index, where, count));
+  }
+  return static_cast<NodeIndex>(index) + (body != nullptr ? body->first_node : 0);
+}
+
+std::vector<NodeIndex> select_nodes(const Value& selection, const Network& network) {
+  const Table table = selection.table("select");
+  if (const auto springs = table.find("springs")) {
+    springs->fail("nodes are selected here, not springs; write 'nodes', or select by 'body', 'box' or 'sphere'");
+  }
+  const Region region = read_region(table, network);
+  std::vector<NodeIndex> nodes = nodes_in(table, region, network);
+  if (nodes.empty()) selection.fail("selects no node" + extent_of(region, network));
+  return nodes;
+}
+
+std::vector<SpringIndex> select_springs(const Value& selection, const Network& network) {
+  const Table table = selection.table("select");
+  const Region region = read_region(table, network);
+  std::vector<SpringIndex> springs;
+  if (const auto numbers = table.find("springs")) {
+    const Body* body = body_of_numbers(*numbers, region);
+    for (const Value& number : numbers->elements()) springs.push_back(read_spring(number, body, network));
+    sort_and_unite(springs);
+  } else {
+    springs = range(SpringIndex{0}, static_cast<SpringIndex>(network.springs().size()));
+  }
+  if (region.has_shape() || !region.bodies.empty() || table.has("nodes")) {
+    std::vector<bool> inside(network.nodes().size(), false);
+    for (const NodeIndex node : nodes_in(table, region, network)) inside[node] = true;
+    std::erase_if(springs, [&](SpringIndex index) {
+      const Spring& spring = network.springs()[index];
+      return !inside[spring.first] || !inside[spring.second];
+    });
+  }
+  if (springs.empty()) {
+    selection.fail("selects no spring (both ends have to meet what is given)" + extent_of(region, network));
+  }
+  return springs;
+}
+
+}  // namespace springnet::scene

@@ -1,0 +1,23 @@
+// Selections of nodes and springs: by body, number, box and sphere; what is selected meets all that is given.
+#pragma once
+
+#include <vector>
+
+#include <springnet/network.hpp>
+
+#include "scene/reader.hpp"
+
+namespace springnet::scene {
+
+// User's numbers, rising, each once. Boxes and spheres see the nodes where the scene puts them, before any motion.
+// Throw Error(input) if nothing is selected.
+[[nodiscard]] std::vector<NodeIndex> select_nodes(const Value& selection, const Network& network);
+// Both ends of a spring have to meet what is given.
+[[nodiscard]] std::vector<SpringIndex> select_springs(const Value& selection, const Network& network);
+
+// The body of this name.
+[[nodiscard]] const Body& find_body(const Value& name, const Network& network);
+// A node's number: within the body, or of the whole network if there is none.
+[[nodiscard]] NodeIndex read_node(const Value& number, const Body* body, const Network& network);
+
+}  // namespace springnet::scene

@@ -1,0 +1,118 @@
+// The network at work: memory layout, evaluation, loads, contacts, changes of topology, and the state. Integrators act
+// on it through the host table (host_table.cpp); Simulation is its public face.
+#pragma once
+
+#include <map>
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include <springnet/simulation.hpp>
+
+#include "layers/evaluator.hpp"
+#include "layers/linearisation.hpp"
+#include "simulation/contact.hpp"
+#include "simulation/cutting.hpp"
+#include "simulation/loads.hpp"
+#include "simulation/state.hpp"
+
+namespace springnet {
+
+class Engine {
+ public:
+  Engine(const Network& network, const PluginHost& plugins, const SimulationOptions& options);
+  Engine(const Engine&) = delete;
+  Engine& operator=(const Engine&) = delete;
+
+  // ---- what integrators ask for; statuses and messages as the C ABI wants them ----
+  [[nodiscard]] const springnet_network& network_info();
+  springnet_status begin_step(double from, double until);
+  springnet_status evaluate(const springnet_evaluation& request);
+  springnet_status evaluate_nodes(const springnet_evaluation& request, const std::uint32_t* nodes, std::uint32_t count);
+  springnet_status sweep(const springnet_sweep& sweep);
+  springnet_status linearise(const springnet_evaluation& at);
+  springnet_status event_values(const springnet_evaluation& at, double* values, std::int32_t* directions);
+  springnet_status fire_events(double time, State& state, const std::int32_t* fired);
+  springnet_status commit(double time, State& state);
+  [[nodiscard]] double next_discontinuity(double time) const noexcept;
+  [[nodiscard]] layers::Linearisation& linearisation() noexcept { return linearisation_; }
+  [[nodiscard]] springnet_message& message() noexcept { return message_; }
+  void report(const char* name, double value) { statistics_[name] = value; }
+
+  // ---- what Simulation asks for ----
+  [[nodiscard]] const layers::Layout& layout() const noexcept { return layout_; }
+  [[nodiscard]] const layers::Evaluator& evaluator() const noexcept { return evaluator_; }
+  [[nodiscard]] const Contact& contact() const noexcept { return contact_; }
+  [[nodiscard]] const std::vector<double>& mass() const noexcept { return mass_; }
+  [[nodiscard]] double time() const noexcept { return time_; }
+  // The committed state; its forces are evaluated anew if something changed since they were.
+  [[nodiscard]] const State& state();
+  [[nodiscard]] const State& state_without_forces() const noexcept { return state_; }
+  [[nodiscard]] Loads& loads() noexcept { return loads_; }
+  [[nodiscard]] const std::vector<Event>& events() const noexcept { return events_; }
+  [[nodiscard]] const std::map<std::string, double>& statistics() const noexcept { return statistics_; }
+  // Why numbers were not finite in the evaluations since begin_step(); empty if they were.
+  [[nodiscard]] const std::string& non_finite() const noexcept { return non_finite_; }
+  // Something was changed from outside: a multistep method has to start afresh, forces are stale.
+  void changed() noexcept;
+  void set_node(std::uint32_t node, const std::optional<Vector3>& position, const std::optional<Vector3>& velocity);
+  void set_fixed(std::uint32_t node, bool fixed);
+  std::size_t cut(const std::vector<std::uint32_t>& springs);
+  std::size_t cut(const CuttingPolygon& polygon);
+
+ private:
+  struct ScheduledCut {
+    double time;
+    std::vector<std::uint32_t> springs;
+    std::optional<CuttingPolygon> polygon;
+    bool done = false;
+  };
+  struct EventSource {
+    enum class Kind : std::uint8_t { touch, release, rupture };
+    Kind kind;
+    std::uint32_t index;  // node or spring
+    std::uint32_t plane;
+  };
+
+  void start_contacts();
+  void set_scales();
+  void perform_due_cuts();
+  springnet_status perform_due_ruptures();
+  std::size_t remove(const std::vector<std::uint32_t>& springs, Event::Kind kind, double time);
+  void stop_penetration(double time, State& state);
+  void touch(std::uint32_t node, std::size_t plane, double time, State& state);
+  void note(Event::Kind kind, double time, std::uint32_t user_index) { events_.push_back({kind, time, user_index}); }
+  [[nodiscard]] const std::vector<EventSource>& event_sources();
+  [[nodiscard]] const std::vector<std::uint32_t>& rupturing();
+  void explain(double time, const layers::NodeArrays& nodes);
+
+  layers::Layout layout_;
+  std::vector<double> mass_;
+  layers::Evaluator evaluator_;
+  Loads loads_;
+  Contact contact_;
+  layers::Linearisation linearisation_;
+  State state_;
+  double time_ = 0.0;
+  double time_resolution_;  // s: a cut this close to a committed time is due at it
+  bool forces_stale_ = true;
+  bool swept_ = false;
+  std::vector<ScheduledCut> cuts_;
+  std::vector<Event> events_;
+  std::map<std::string, double> statistics_;
+  std::string non_finite_;
+  springnet_message message_{};
+  springnet_network info_{};
+  std::uint64_t revision_ = 1;
+  std::uint64_t info_revision_ = 0;
+  std::uint64_t sources_revision_ = 0;
+  std::vector<EventSource> sources_;
+  bool rupturing_known_ = false;
+  std::vector<std::uint32_t> rupturing_;
+  std::vector<double> scratch_;  // forces nobody asked for
+};
+
+void set_message(springnet_message& message, const std::string& text) noexcept;
+
+}  // namespace springnet

@@ -1,0 +1,264 @@
+#include <fmt/format.h>
+
+#include <Eigen/Geometry>
+#include <cmath>
+
+#include <springnet/error.hpp>
+#include <springnet/simulation.hpp>
+
+#include "layers/elements.hpp"
+#include "simulation/engine.hpp"
+#include "simulation/host_table.hpp"
+
+namespace springnet {
+
+std::string_view name_of(Outcome outcome) noexcept {
+  switch (outcome) {
+    case Outcome::settled: return "settled";
+    case Outcome::oscillating: return "oscillating";
+    case Outcome::out_of_sweeps: return "out of sweeps";
+    case Outcome::diverging: return "diverging";
+  }
+  return "unknown";
+}
+
+struct Simulation::Impl {
+  Impl(const Network& network, std::shared_ptr<const PluginHost> plugin_host, const SimulationOptions& given)
+      : plugins(std::move(plugin_host)),
+        options(given),
+        component(plugins->require(ComponentKind::integrator, given.integrator.id)),
+        engine(network, *plugins, given),
+        host(make_host_table(engine)) {
+    const std::vector<double> values = complete_parameters(*component->description, given.integrator.parameters,
+                                                           fmt::format("integrator '{}'", given.integrator.id));
+    if (component->integrator().create(&host, values.data(), &integrator) != SPRINGNET_OK)
+      throw Error(ErrorKind::input, fmt::format("integrator '{}': {}", given.integrator.id, engine.message().text));
+  }
+  ~Impl() {
+    if (integrator != nullptr) component->integrator().destroy(integrator);
+  }
+  Impl(const Impl&) = delete;
+  Impl& operator=(const Impl&) = delete;
+
+  void advance(double until);
+  [[nodiscard]] std::uint32_t engine_node(NodeIndex node) const {
+    if (node >= engine.layout().node_count())
+      throw Error(ErrorKind::input, fmt::format("node {} does not exist: the network has nodes 0 to {}", node,
+                                                std::int64_t{engine.layout().node_count()} - 1));
+    return engine.layout().ordering().engine[node];
+  }
+  void check_spring(SpringIndex spring) const {
+    if (spring >= engine.layout().spring_count())
+      throw Error(ErrorKind::input, fmt::format("spring {} does not exist: the network has springs 0 to {}", spring,
+                                                static_cast<std::int64_t>(engine.layout().spring_count()) - 1));
+  }
+  [[nodiscard]] ConstNodeMap map(const springnet_vectors& v) const {
+    const std::uint32_t n = engine.layout().node_count();
+    return {v.x, 3, static_cast<Eigen::Index>(n), Eigen::OuterStride<>(static_cast<Eigen::Index>(pitch_of(n)))};
+  }
+
+  std::shared_ptr<const PluginHost> plugins;
+  SimulationOptions options;
+  std::shared_ptr<const Component> component;
+  mutable Engine engine;  // forces are evaluated when they are asked for
+  springnet_host host;
+  void* integrator = nullptr;
+  StepReport last;
+  std::uint64_t steps = 0, sweeps = 0;
+  // The time grid: the next step ends at grid_start + (grid_steps + 1) time_step, without a growing error.
+  double grid_start = 0.0;
+  std::uint64_t grid_steps = 0;
+};
+
+namespace {
+
+void check_finite(const Vector3& value, std::string_view what) {
+  if (!value.allFinite())
+    throw Error(ErrorKind::input, fmt::format("{}: ({}, {}, {}) is not finite", what, value[0], value[1], value[2]));
+}
+
+Vector3 column(const springnet_vectors& v, std::uint32_t k) { return {v.x[k], v.y[k], v.z[k]}; }
+
+}  // namespace
+
+void Simulation::Impl::advance(double until) {
+  const double from = engine.time();
+  engine.message().text[0] = '\0';
+  springnet_step_report report{};
+  report.struct_size = sizeof report;
+  report.start_node = 0xffffffffu;
+  const springnet_status status = component->integrator().advance(integrator, until, &report);
+  const std::vector<std::uint32_t>& user = engine.layout().ordering().user;
+  last.outcome = static_cast<Outcome>(report.outcome);
+  last.steps += report.steps;
+  last.sweeps += report.sweeps;
+  last.force_difference = report.force_difference;
+  last.residual = report.residual;
+  last.node = report.node < user.size() ? user[report.node] : 0;
+  last.start_node = report.start_node < user.size() ? std::int64_t{user[report.start_node]} : -1;
+  steps += report.steps;
+  sweeps += report.sweeps;
+  if (status == SPRINGNET_OK) return;
+  std::string text = fmt::format("step from {} s to {} s: {}", from, until, engine.message().text);
+  if (!engine.non_finite().empty() && text.find(engine.non_finite()) == std::string::npos)
+    text += fmt::format("; {}", engine.non_finite());
+  throw Error(ErrorKind::simulation, text);
+}
+
+Simulation::Simulation(const Network& network, std::shared_ptr<const PluginHost> plugins,
+                       const SimulationOptions& options) {
+  if (!plugins) throw Error(ErrorKind::input, "a simulation needs a plugin host");
+  if (!(options.time_step > 0.0) || !std::isfinite(options.time_step))
+    throw Error(ErrorKind::input, fmt::format("time step: must be above 0 s, is {} s", options.time_step));
+  if (network.nodes().empty())
+    throw Error(ErrorKind::input, "the network has no nodes; add a body or single nodes before simulating it");
+  impl_ = std::make_unique<Impl>(network, std::move(plugins), options);
+}
+Simulation::~Simulation() = default;
+Simulation::Simulation(Simulation&&) noexcept = default;
+Simulation& Simulation::operator=(Simulation&&) noexcept = default;
+
+const StepReport& Simulation::step() {
+  impl_->last = {};
+  const double until = impl_->grid_start + static_cast<double>(impl_->grid_steps + 1) * impl_->options.time_step;
+  impl_->advance(until);
+  ++impl_->grid_steps;
+  return impl_->last;
+}
+
+const StepReport& Simulation::advance_to(double until) {
+  Impl& impl = *impl_;
+  if (!(until >= time()) || !std::isfinite(until))
+    throw Error(ErrorKind::input, fmt::format("cannot advance from {} s to {} s", time(), until));
+  impl.last = {};
+  const double step = impl.options.time_step;
+  while (true) {
+    const double next = impl.grid_start + static_cast<double>(impl.grid_steps + 1) * step;
+    // A remainder that is only rounding of the times is no step of its own.
+    if (until - next < -1e-6 * step) break;
+    const bool ends_here = std::abs(until - next) <= 1e-6 * step;
+    impl.advance(ends_here ? until : next);
+    ++impl.grid_steps;
+    if (ends_here) return impl.last;
+  }
+  if (until - time() > 1e-6 * step) {
+    impl.advance(until);
+    impl.grid_start = until;
+    impl.grid_steps = 0;
+  }
+  return impl.last;
+}
+
+double Simulation::time() const noexcept { return impl_->engine.time(); }
+double Simulation::time_step() const noexcept { return impl_->options.time_step; }
+std::uint64_t Simulation::steps() const noexcept { return impl_->steps; }
+std::uint64_t Simulation::sweeps() const noexcept { return impl_->sweeps; }
+std::size_t Simulation::node_count() const noexcept { return impl_->engine.layout().node_count(); }
+std::size_t Simulation::spring_count() const noexcept { return impl_->engine.layout().spring_count(); }
+std::size_t Simulation::live_spring_count() const noexcept { return impl_->engine.layout().live_count(); }
+unsigned Simulation::threads() const noexcept { return impl_->engine.evaluator().threads(); }
+InstructionSet Simulation::instruction_set() const noexcept { return impl_->engine.evaluator().instruction_set(); }
+const StepReport& Simulation::last_report() const noexcept { return impl_->last; }
+
+ConstNodeMap Simulation::positions() const noexcept {
+  return impl_->map(impl_->engine.state_without_forces().view.position);
+}
+ConstNodeMap Simulation::velocities() const noexcept {
+  return impl_->map(impl_->engine.state_without_forces().view.velocity);
+}
+ConstNodeMap Simulation::forces() const { return impl_->map(impl_->engine.state().view.force); }
+const std::vector<std::uint32_t>& Simulation::columns() const noexcept {
+  return impl_->engine.layout().ordering().engine;
+}
+
+Vector3 Simulation::position(NodeIndex node) const {
+  return column(impl_->engine.state_without_forces().view.position, impl_->engine_node(node));
+}
+Vector3 Simulation::velocity(NodeIndex node) const {
+  return column(impl_->engine.state_without_forces().view.velocity, impl_->engine_node(node));
+}
+Vector3 Simulation::force(NodeIndex node) const {
+  return column(impl_->engine.state().view.force, impl_->engine_node(node));
+}
+Vector3 Simulation::reaction(NodeIndex node) const {
+  return impl_->engine.contact().constrained()[impl_->engine_node(node)] != 0 ? Vector3(-force(node)) : Vector3::Zero();
+}
+Vector3 Simulation::contact_impulse(NodeIndex node) const {
+  return impl_->engine.contact().impulse(impl_->engine_node(node));
+}
+bool Simulation::held(NodeIndex node) const { return impl_->engine.contact().held()[impl_->engine_node(node)] != 0; }
+
+double Simulation::tension(SpringIndex spring) const {
+  impl_->check_spring(spring);
+  const Engine& engine = impl_->engine;
+  return engine.layout().alive(spring)
+             ? layers::tension(engine.layout(), engine.evaluator().instruction_set(), engine.time(),
+                               engine.state_without_forces().nodes(), spring)
+             : 0.0;
+}
+bool Simulation::alive(SpringIndex spring) const {
+  impl_->check_spring(spring);
+  return impl_->engine.layout().alive(spring);
+}
+
+double Simulation::kinetic_energy() const {
+  const springnet_vectors& v = impl_->engine.state_without_forces().view.velocity;
+  double sum = 0.0;
+  for (std::uint32_t k = 0; k < node_count(); ++k) sum += 0.5 * impl_->engine.mass()[k] * column(v, k).squaredNorm();
+  return sum;
+}
+double Simulation::potential_energy() const {
+  Engine& engine = impl_->engine;
+  const State& state = engine.state_without_forces();
+  double sum = layers::elastic_energy(engine.layout(), engine.evaluator().instruction_set(), engine.time(),
+                                      state.nodes());
+  for (std::uint32_t k = 0; k < node_count(); ++k)
+    sum -= engine.mass()[k] * engine.loads().gravity().dot(column(state.view.position, k));
+  return sum;
+}
+Vector3 Simulation::momentum() const {
+  Vector3 sum = Vector3::Zero();
+  for (std::uint32_t k = 0; k < node_count(); ++k)
+    sum += impl_->engine.mass()[k] * column(impl_->engine.state_without_forces().view.velocity, k);
+  return sum;
+}
+Vector3 Simulation::angular_momentum() const {
+  const springnet_state& state = impl_->engine.state_without_forces().view;
+  Vector3 sum = Vector3::Zero();
+  for (std::uint32_t k = 0; k < node_count(); ++k)
+    sum += impl_->engine.mass()[k] * column(state.position, k).cross(column(state.velocity, k));
+  return sum;
+}
+
+void Simulation::set_force(NodeIndex node, const Vector3& force) {
+  check_finite(force, fmt::format("force on node {}", node));
+  impl_->engine.loads().set_host_force(impl_->engine_node(node), force);
+  impl_->engine.changed();
+}
+void Simulation::set_gravity(const Vector3& acceleration) {
+  check_finite(acceleration, "gravity");
+  impl_->engine.loads().set_gravity(acceleration);
+  impl_->engine.changed();
+}
+void Simulation::set_position(NodeIndex node, const Vector3& position) {
+  check_finite(position, fmt::format("position of node {}", node));
+  impl_->engine.set_node(impl_->engine_node(node), position, std::nullopt);
+}
+void Simulation::set_velocity(NodeIndex node, const Vector3& velocity) {
+  check_finite(velocity, fmt::format("velocity of node {}", node));
+  const std::uint32_t k = impl_->engine_node(node);
+  if (impl_->engine.contact().fixed()[k] != 0)
+    throw Error(ErrorKind::input, fmt::format("node {} is fixed and has no velocity; set_fixed(node, false) first", node));
+  impl_->engine.set_node(k, std::nullopt, velocity);
+}
+void Simulation::set_fixed(NodeIndex node, bool fixed) { impl_->engine.set_fixed(impl_->engine_node(node), fixed); }
+std::size_t Simulation::cut(const std::vector<SpringIndex>& springs) {
+  for (const SpringIndex s : springs) impl_->check_spring(s);
+  return impl_->engine.cut(springs);
+}
+std::size_t Simulation::cut(const std::vector<Vector3>& polygon) { return impl_->engine.cut(CuttingPolygon(polygon)); }
+
+const std::vector<Event>& Simulation::events() const noexcept { return impl_->engine.events(); }
+const std::map<std::string, double>& Simulation::statistics() const noexcept { return impl_->engine.statistics(); }
+
+}  // namespace springnet

@@ -1,0 +1,40 @@
+// States of all nodes in memory that the host owns.
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+#include <springnet/sdk/plugin.h>
+
+#include "layers/kernels.hpp"
+
+namespace springnet {
+
+// `view` is what crosses to integrators; it comes first, so that a pointer to it is a pointer to the state.
+struct State {
+  springnet_state view{};
+  std::vector<double> memory;
+
+  explicit State(std::uint32_t nodes);
+  State(const State&) = delete;
+  State& operator=(const State&) = delete;
+
+  [[nodiscard]] static State& of(springnet_state* view) { return *reinterpret_cast<State*>(view); }
+  // Exchanges the memory; both stay where they are.
+  void swap(State& other) noexcept;
+  [[nodiscard]] layers::NodeArrays nodes() const noexcept;
+  [[nodiscard]] layers::ForceArrays forces() const noexcept {
+    return {view.force.x, view.force.y, view.force.z};
+  }
+};
+
+// Distance between the arrays of two coordinates, in numbers: not a multiple of a page, or the three coordinates of a
+// node would compete for the same cache lines.
+[[nodiscard]] std::uint32_t pitch_of(std::uint32_t nodes) noexcept;
+
+[[nodiscard]] inline layers::NodeArrays node_arrays(const springnet_const_vectors& p, const springnet_const_vectors& v) {
+  return {p.x, p.y, p.z, v.x, v.y, v.z};
+}
+[[nodiscard]] inline springnet_const_vectors read_only(const springnet_vectors& v) { return {v.x, v.y, v.z}; }
+
+}  // namespace springnet

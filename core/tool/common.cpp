@@ -1,0 +1,136 @@
+#include "common.hpp"
+
+#include <csignal>
+#include <cstdio>
+
+#include <fmt/format.h>
+
+namespace springnet::tool {
+
+namespace {
+
+volatile std::sig_atomic_t interrupt_seen = 0;
+
+void note_interrupt(int signal) {
+  interrupt_seen = 1;
+  std::signal(signal, SIG_DFL);
+}
+
+bool concerns_integrator(const SceneOverride& change) {
+  constexpr std::string_view key = "simulation.integrator";
+  return change.key == key || change.key.starts_with(std::string(key) + ".");
+}
+
+}  // namespace
+
+ExitStatus status_of(ErrorKind kind) noexcept {
+  switch (kind) {
+    case ErrorKind::simulation:
+      return failed;
+    case ErrorKind::input:
+      return wrong_usage;
+    case ErrorKind::plugin:
+      return plugin_trouble;
+  }
+  return failed;
+}
+
+CLI::Validator above_zero() { return CLI::Validator(CLI::PositiveNumber).description(""); }
+
+void print_error(std::string_view message) { fmt::print(stderr, "springnet: error: {}\n", message); }
+
+std::string describe(const EventCounts& events) {
+  std::string text;
+  const auto add = [&](std::size_t count, const char* what, const char* happened) {
+    if (count == 0) return;
+    text += fmt::format("{}{} {}{} {}", text.empty() ? "" : ", ", count, what, count == 1 ? "" : "s", happened);
+  };
+  add(events.cut, "spring", "cut");
+  add(events.ruptured, "spring", "ruptured");
+  add(events.touched, "node", "touched a plane");
+  add(events.released, "node", "released");
+  return text.empty() ? "none" : text;
+}
+
+void PluginArguments::add_to(CLI::App& command) {
+  command
+      .add_option(
+          "--plugins", folders,
+          "Folder to search for plugins first; then come those of SPRINGNET_PLUGIN_PATH and the installed ones. "
+          "May be repeated")
+      ->type_name("DIR")
+      ->expected(1)
+      ->multi_option_policy(CLI::MultiOptionPolicy::TakeAll);
+}
+
+std::shared_ptr<const PluginHost> PluginArguments::load() const {
+  return std::make_shared<const PluginHost>(PluginHost::with_default_search(folders));
+}
+
+void SceneArguments::add_to(CLI::App& command, bool simulation) {
+  command.add_option("SCENE", file, "Scene file (TOML)")->type_name("")->required();
+  if (simulation) {
+    command
+        .add_option("--integrator", integrator, "Integrator to use instead of the scene's, with its default options")
+        ->type_name("NAME");
+    command.add_option("--time-step", time_step, "Time step in seconds (the paper's time constant)")
+        ->type_name("S")
+        ->check(above_zero());
+    command.add_option("--duration", duration, "Seconds to simulate")->type_name("S")->check(above_zero());
+    command.add_option("--threads", threads, "Threads; 0: as many as are useful")->type_name("N");
+  }
+  command.add_option("--set", sets, "Another value for a key of the scene, in TOML. May be repeated")
+      ->type_name("KEY=VALUE")
+      ->expected(1)
+      ->multi_option_policy(CLI::MultiOptionPolicy::TakeAll);
+  plugins.add_to(command);
+}
+
+Scene SceneArguments::load(const PluginHost& host) const {
+  std::vector<SceneOverride> changes;
+  if (time_step) changes.push_back({"simulation.time_step", fmt::format("{}", *time_step)});
+  if (duration) changes.push_back({"simulation.duration", fmt::format("{}", *duration)});
+  std::vector<SceneOverride> others = changes;  // without those of the integrator
+  for (const std::string& text : sets) {
+    changes.push_back(parse_override(text));
+    if (!concerns_integrator(changes.back())) others.push_back(changes.back());
+  }
+
+  if (!integrator.empty()) {
+    // Options of one integrator mean nothing to another, so they go when the name changes, and only then.
+    bool same = false;
+    try {
+      same = load_scene(file, host, others).options.integrator.id == integrator;
+    } catch (const Error&) {
+      // Loading it below says what is wrong, if it still is.
+    }
+    if (!same) {
+      static_cast<void>(host.require(ComponentKind::integrator, integrator));
+      changes.insert(changes.begin(), {"simulation.integrator", fmt::format("{{ name = \"{}\" }}", integrator)});
+    }
+  }
+  Scene scene = load_scene(file, host, changes);
+  if (threads) scene.options.threads = *threads;
+  return scene;
+}
+
+void OutputArguments::add_to(CLI::App& command) {
+  command
+      .add_option("-o,--output", folder, "Folder for the files, made if it is not there [results/<name of the scene>]")
+      ->type_name("DIR");
+  command.add_flag("--json", json, "Print the summary as JSON and nothing else");
+  command.add_flag("-q,--quiet", quiet, "Print nothing but errors");
+}
+
+std::filesystem::path OutputArguments::folder_for(const std::filesystem::path& scene) const {
+  return folder.empty() ? std::filesystem::path("results") / scene.stem() : folder;
+}
+
+void catch_interrupts() {
+  std::signal(SIGINT, note_interrupt);
+  std::signal(SIGTERM, note_interrupt);
+}
+
+bool interrupted() noexcept { return interrupt_seen != 0; }
+
+}  // namespace springnet::tool

@@ -1,0 +1,68 @@
+// What several commands share: the scene and its changes, plugins, the place of the output.
+#pragma once
+
+#include <filesystem>
+#include <memory>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include <CLI/CLI.hpp>
+#include <springnet/error.hpp>
+#include <springnet/output.hpp>
+#include <springnet/plugin_host.hpp>
+#include <springnet/scene.hpp>
+
+namespace springnet::tool {
+
+enum ExitStatus { done = 0, failed = 1, wrong_usage = 2, plugin_trouble = 3 };
+[[nodiscard]] ExitStatus status_of(ErrorKind kind) noexcept;
+
+// "springnet: error: …" on stderr.
+void print_error(std::string_view message);
+
+// For options that take a number above 0; says nothing in the help.
+[[nodiscard]] CLI::Validator above_zero();
+
+// "16 nodes touched, 2 springs cut", or "no events".
+[[nodiscard]] std::string describe(const EventCounts& events);
+
+struct PluginArguments {
+  std::vector<std::filesystem::path> folders;
+
+  void add_to(CLI::App& command);
+  [[nodiscard]] std::shared_ptr<const PluginHost> load() const;
+};
+
+struct SceneArguments {
+  std::filesystem::path file;
+  std::vector<std::string> sets;
+  std::string integrator;
+  std::optional<double> time_step;  // s; else the scene's
+  std::optional<double> duration;   // s; else the scene's
+  std::optional<unsigned> threads;  // else the scene's
+  PluginArguments plugins;
+
+  // --set and --plugins; `simulation`: --integrator, --time-step, --duration and --threads as well.
+  void add_to(CLI::App& command, bool simulation);
+  [[nodiscard]] Scene load(const PluginHost& host) const;
+};
+
+struct OutputArguments {
+  std::filesystem::path folder;
+  bool json = false;
+  bool quiet = false;
+
+  void add_to(CLI::App& command);
+  // The folder given, else results/<name of the scene>.
+  [[nodiscard]] std::filesystem::path folder_for(const std::filesystem::path& scene) const;
+  [[nodiscard]] bool silent() const noexcept { return json || quiet; }
+};
+
+// After this, the first interrupt (Ctrl-C) or request to end makes interrupted() true, so that a run can end in order;
+// the second one ends the process at once.
+void catch_interrupts();
+[[nodiscard]] bool interrupted() noexcept;
+
+}  // namespace springnet::tool

@@ -1,0 +1,81 @@
+#include <cstdio>
+#include <exception>
+#include <new>
+
+#include <fmt/format.h>
+#include <springnet/version.hpp>
+
+#include "commands.hpp"
+#include "common.hpp"
+
+namespace {
+
+using namespace springnet;
+
+constexpr const char* footer = R"(Examples:
+  springnet run examples/cube/cube.toml              simulate; files go to results/cube
+  springnet validate examples/cube/cube.toml         compare with CVODE
+  springnet inspect examples/cube/cube.toml          what the network is made of
+  springnet plugin show linear                       what a law does, its parameters and bounds
+
+Exit status:
+  0 done   1 the simulation failed or a tolerance was not met   2 usage or scene   3 plugin
+
+'springnet COMMAND --help' says more about a command.)";
+
+std::string usage_error(const CLI::App* app, const CLI::Error& error) {
+  const CLI::App* command = app;
+  std::string name = "springnet";
+  while (!command->get_subcommands().empty()) {
+    command = command->get_subcommands().front();
+    name += " " + command->get_name();
+  }
+  return fmt::format("springnet: error: {}; '{} --help' shows how it is used\n", error.what(), name);
+}
+
+int run(int argc, char** argv) {
+  CLI::App app(
+      "springnet simulates dynamic spring models: as recurrent neural networks whose neurons, spring laws and\n"
+      "integrators are plugins, and in CVODE as a reference.");
+  app.name("springnet");
+  app.set_version_flag("--version", fmt::format("springnet {}", version()));
+  app.require_subcommand(1);
+  app.failure_message(usage_error);
+  app.footer(footer);
+  tool::Action action;
+  tool::add_run(app, action);
+  tool::add_validate(app, action);
+  tool::add_inspect(app, action);
+  tool::add_plugin(app, action);
+
+  try {
+    app.parse(argc, argv);
+  } catch (const CLI::ParseError& error) {
+    // Help and version are "errors" that end well.
+    return app.exit(error) == 0 ? tool::done : tool::wrong_usage;
+  }
+  return action();
+}
+
+// Results that nobody could read are no results.
+int checked(int status) {
+  if (std::fflush(stdout) == 0 && std::ferror(stdout) == 0) return status;
+  tool::print_error("the standard output cannot be written");
+  return status == tool::done ? tool::failed : status;
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  try {
+    return checked(run(argc, argv));
+  } catch (const Error& error) {
+    tool::print_error(error.what());
+    return tool::status_of(error.kind());
+  } catch (const std::bad_alloc&) {
+    tool::print_error("out of memory: simulate a smaller network, or on a larger machine");
+  } catch (const std::exception& error) {
+    tool::print_error(error.what());
+  }
+  return tool::failed;
+}

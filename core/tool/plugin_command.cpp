@@ -1,0 +1,313 @@
+#include <algorithm>
+#include <array>
+#include <memory>
+
+#include <fmt/format.h>
+#include <nlohmann/json.hpp>
+
+#include "commands.hpp"
+#include "common.hpp"
+#include "text_table.hpp"
+
+namespace springnet::tool {
+
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+constexpr const char* list_examples =
+    R"(Plugins are files <name>.springnet.so in the folders of --plugins, of SPRINGNET_PLUGIN_PATH and of the
+installation. A file that was looked at and not taken is listed with the reason.
+
+Exit status:
+  0 done   2 usage)";
+
+constexpr const char* show_examples = R"(Examples:
+  springnet plugin show linear                    every component of that name
+  springnet plugin show linear --kind viscosity   one kind of it
+  springnet plugin show recurrent --json
+
+Exit status:
+  0 done   2 usage   3 there is no such component)";
+
+struct KindWord {
+  const char* word;
+  ComponentKind kind;
+};
+constexpr std::array<KindWord, 4> kind_words{{{"spring", ComponentKind::spring_function},
+                                              {"viscosity", ComponentKind::viscosity_function},
+                                              {"neuron", ComponentKind::neuron},
+                                              {"integrator", ComponentKind::integrator}}};
+
+struct Capability {
+  std::uint32_t bit;
+  const char* text;
+};
+constexpr std::array<Capability, 7> capabilities{{{SPRINGNET_HAS_ENERGY, "energy"},
+                                                  {SPRINGNET_HAS_DERIVATIVES, "derivatives"},
+                                                  {SPRINGNET_HAS_PARAMETER_DERIVATIVES, "derivatives by parameters"},
+                                                  {SPRINGNET_HAS_RUPTURE, "rupture"},
+                                                  {SPRINGNET_ACTS_IN_COMPRESSION, "acts in compression"},
+                                                  {SPRINGNET_READS_RATE, "reads the rate"},
+                                                  {SPRINGNET_HAS_STATE_DERIVATIVES, "derivatives by state"}}};
+
+std::vector<std::string> capabilities_of(const Component& component) {
+  std::vector<std::string> result;
+  for (const Capability& capability : capabilities) {
+    if ((component.description->capabilities & capability.bit) != 0) result.emplace_back(capability.text);
+  }
+  return result;
+}
+
+std::vector<const springnet_parameter*> parameters_of(const Component& component) {
+  const springnet_component& description = *component.description;
+  return {description.parameters, description.parameters + description.parameter_count};
+}
+
+std::string file_of(const Component& component) {
+  return component.file.empty() ? "(linked into the program)" : component.file.string();
+}
+
+// A parameter's value as a scene writes it.
+std::string value_text(const springnet_parameter& parameter, double value) {
+  switch (parameter.type) {
+    case SPRINGNET_CHOICE:
+      return fmt::format("\"{}\"", parameter.choices[static_cast<std::size_t>(value)]);
+    case SPRINGNET_BOOLEAN:
+      return value != 0.0 ? "true" : "false";
+    default:
+      return fmt::format("{:g}", value);
+  }
+}
+
+bool required(const springnet_parameter& parameter) { return (parameter.flags & SPRINGNET_REQUIRED) != 0; }
+
+// "above 0", "0 to 1", "one of a, b", "any".
+std::string bounds_text(const springnet_parameter& parameter) {
+  if (parameter.type == SPRINGNET_CHOICE) {
+    return fmt::format("{}", fmt::join(parameter.choices, parameter.choices + parameter.choice_count, " | "));
+  }
+  if (parameter.type == SPRINGNET_BOOLEAN) return "true | false";
+  const bool open = (parameter.flags & SPRINGNET_EXCLUDES_SMALLEST) != 0;
+  // The greatest numbers stand for no bound.
+  const bool bounded_below = parameter.smallest > -1e300, bounded_above = parameter.largest < 1e300;
+  const char* const what = parameter.type == SPRINGNET_INTEGER ? "whole, " : "";
+  if (bounded_below && bounded_above) {
+    return fmt::format("{}{}{:g} to {:g}", what, open ? "above " : "", parameter.smallest, parameter.largest);
+  }
+  if (bounded_below) return fmt::format("{}{} {:g}", what, open ? "above" : "at least", parameter.smallest);
+  if (bounded_above) return fmt::format("{}at most {:g}", what, parameter.largest);
+  return parameter.type == SPRINGNET_INTEGER ? "whole" : "any";
+}
+
+// A line for a scene that uses the component.
+std::string scene_line(const Component& component) {
+  std::string key, text;
+  switch (component.kind()) {
+    case ComponentKind::spring_function:
+      key = "spring", text = "type";
+      break;
+    case ComponentKind::viscosity_function:
+      key = "viscosity", text = "type";
+      break;
+    case ComponentKind::neuron:
+      key = "neuron", text = "type";
+      break;
+    case ComponentKind::integrator:
+      key = "integrator", text = "name";
+      break;
+  }
+  text = fmt::format("{} = \"{}\"", text, component.id());
+  if (component.kind() == ComponentKind::neuron) text += ", mass = 1";
+  for (const springnet_parameter* parameter : parameters_of(component)) {
+    const double value = required(*parameter) ? std::clamp(parameter->scale, parameter->smallest, parameter->largest)
+                                              : parameter->default_value;
+    text += fmt::format(", {} = {}", parameter->name, value_text(*parameter, value));
+  }
+  return fmt::format("{} = {{ {} }}", key, text);
+}
+
+Json json_of(const springnet_parameter& parameter) {
+  Json choices = Json::array();
+  for (std::uint32_t k = 0; k < parameter.choice_count; ++k) choices.push_back(parameter.choices[k]);
+  constexpr std::array<const char*, 4> types{"number", "integer", "boolean", "choice"};
+  return {{"name", parameter.name},
+          {"type", types.at(parameter.type)},
+          {"unit", parameter.unit},
+          {"summary", parameter.summary},
+          {"required", required(parameter)},
+          {"default", required(parameter) ? Json(nullptr) : Json(parameter.default_value)},
+          {"smallest", parameter.smallest},
+          {"excludes_smallest", (parameter.flags & SPRINGNET_EXCLUDES_SMALLEST) != 0},
+          {"largest", parameter.largest},
+          {"scale", parameter.scale},
+          {"learnable", (parameter.flags & SPRINGNET_LEARNABLE) != 0},
+          {"choices", choices}};
+}
+
+Json json_of(const Component& component) {
+  const springnet_plugin& plugin = *component.plugin;
+  Json parameters = Json::array();
+  for (const springnet_parameter* parameter : parameters_of(component)) parameters.push_back(json_of(*parameter));
+  return {{"id", component.id()},
+          {"kind", name_of(component.kind())},
+          {"version", plugin.version},
+          {"summary", component.description->summary},
+          {"file", component.file.string()},
+          {"plugin", plugin.id},
+          {"author", plugin.author},
+          {"licence", plugin.licence},
+          {"abi", fmt::format("{}.{}", plugin.abi_major, plugin.abi_minor)},
+          {"reference", component.description->reference},
+          {"capabilities", capabilities_of(component)},
+          {"parameters", parameters}};
+}
+
+void print_json(const Json& document) {
+  fmt::print("{}\n", document.dump(2, ' ', false, Json::error_handler_t::replace));
+}
+
+int list(const PluginArguments& plugins, bool json) {
+  const auto host = plugins.load();
+  if (json) {
+    Json components = Json::array(), refused = Json::array();
+    for (const auto& component : host->components()) components.push_back(json_of(*component));
+    for (const Refusal& refusal : host->refusals()) {
+      refused.push_back({{"file", refusal.file.string()}, {"reason", refusal.reason}});
+    }
+    print_json({{"components", components}, {"refused", refused}});
+    return done;
+  }
+  std::vector<std::vector<std::string>> rows{{"KIND", "ID", "VERSION", "SUMMARY", "FILE"}};
+  for (const KindWord& kind : kind_words) {
+    for (const auto& component : host->components()) {
+      if (component->kind() != kind.kind) continue;
+      rows.push_back({std::string(name_of(kind.kind)), std::string(component->id()), component->plugin->version,
+                      component->description->summary, file_of(*component)});
+    }
+  }
+  if (rows.size() == 1) {
+    fmt::print("no plugin was found; name a folder with --plugins or SPRINGNET_PLUGIN_PATH\n");
+  } else {
+    fmt::print("{}", align_columns(rows, 0));
+  }
+  if (!host->refusals().empty()) fmt::print("\nlooked at and not taken:\n");
+  for (const Refusal& refusal : host->refusals()) fmt::print("  {}\n    {}\n", refusal.file.string(), refusal.reason);
+  return done;
+}
+
+void print_parameters(const Component& component) {
+  if (component.description->parameter_count == 0) {
+    fmt::print("  no parameters\n");
+    return;
+  }
+  std::vector<std::vector<std::string>> rows{{"PARAMETER", "UNIT", "DEFAULT", "VALUES", ""}};
+  for (const springnet_parameter* parameter : parameters_of(component)) {
+    const bool learnable = (parameter->flags & SPRINGNET_LEARNABLE) != 0;
+    rows.push_back({parameter->name, parameter->unit,
+                    required(*parameter) ? "required" : value_text(*parameter, parameter->default_value),
+                    bounds_text(*parameter), fmt::format("{}{}", parameter->summary, learnable ? " (learnable)" : "")});
+  }
+  fmt::print("{}", align_columns(rows));
+}
+
+void print_component(const Component& component) {
+  const springnet_plugin& plugin = *component.plugin;
+  fmt::print("{} ({})\n  {}\n\n", component.id(), name_of(component.kind()), component.description->summary);
+  std::vector<std::vector<std::string>> rows;
+  const std::string reference = component.description->reference;
+  if (!reference.empty()) rows.push_back({"reference", reference});
+  if (component.kind() == ComponentKind::spring_function || component.kind() == ComponentKind::viscosity_function) {
+    const bool speed = component.law().invariant == SPRINGNET_RELATIVE_SPEED;
+    rows.push_back({"reads", speed ? "the relative speed of two nodes, m/s" : "the distance of two nodes, m"});
+  }
+  const std::vector<std::string> can = capabilities_of(component);
+  if (!can.empty()) rows.push_back({"can", fmt::format("{}", fmt::join(can, ", "))});
+  rows.push_back({"plugin", fmt::format("{} {}, {}, {}; ABI {}.{}", plugin.id, plugin.version, plugin.author,
+                                        plugin.licence, plugin.abi_major, plugin.abi_minor)});
+  rows.push_back({"file", file_of(component)});
+  fmt::print("{}\n", align_columns(rows));
+  print_parameters(component);
+  fmt::print("\n  in a scene:\n    {}\n", scene_line(component));
+}
+
+int show(const PluginArguments& plugins, const std::string& id, const std::string& kind_word, bool json) {
+  const auto host = plugins.load();
+  std::vector<std::shared_ptr<const Component>> found;
+  for (const KindWord& kind : kind_words) {
+    if (!kind_word.empty() && kind_word != kind.word) continue;
+    if (!kind_word.empty()) {
+      found.push_back(host->require(kind.kind, id));
+    } else if (auto component = host->find(kind.kind, id)) {
+      found.push_back(std::move(component));
+    }
+  }
+  if (found.empty()) {
+    std::vector<std::string> known;
+    for (const auto& component : host->components()) known.emplace_back(component->id());
+    std::sort(known.begin(), known.end());
+    known.erase(std::unique(known.begin(), known.end()), known.end());
+    const std::string near = suggestion(id, known);
+    throw Error(ErrorKind::plugin,
+                fmt::format("no component is called '{}'{}{}; 'springnet plugin list' shows all, and "
+                            "the files that were refused",
+                            id, near.empty() ? "" : "; ", near));
+  }
+  if (json) {
+    Json components = Json::array();
+    for (const auto& component : found) components.push_back(json_of(*component));
+    print_json(components);
+    return done;
+  }
+  for (std::size_t k = 0; k < found.size(); ++k) {
+    if (k > 0) fmt::print("\n");
+    print_component(*found[k]);
+  }
+  return done;
+}
+
+void add_list(CLI::App& parent, Action& action) {
+  struct Arguments {
+    PluginArguments plugins;
+    bool json = false;
+  };
+  const auto arguments = std::make_shared<Arguments>();
+  CLI::App* const command = parent.add_subcommand("list", "List laws, neurons and integrators, and refused files");
+  arguments->plugins.add_to(*command);
+  command->add_flag("--json", arguments->json, "Print JSON");
+  command->footer(list_examples);
+  command->callback(
+      [arguments, &action] { action = [arguments] { return list(arguments->plugins, arguments->json); }; });
+}
+
+void add_show(CLI::App& parent, Action& action) {
+  struct Arguments {
+    PluginArguments plugins;
+    std::string id, kind;
+    bool json = false;
+  };
+  const auto arguments = std::make_shared<Arguments>();
+  CLI::App* const command = parent.add_subcommand("show", "Show a component: what it does, its parameters and bounds");
+  command->add_option("ID", arguments->id, "Name of the component in a scene")->type_name("")->required();
+  command->add_option("--kind", arguments->kind, "Only this kind: spring, viscosity, neuron or integrator")
+      ->type_name("KIND")
+      ->check(CLI::IsMember({"spring", "viscosity", "neuron", "integrator"}));
+  arguments->plugins.add_to(*command);
+  command->add_flag("--json", arguments->json, "Print JSON");
+  command->footer(show_examples);
+  command->callback([arguments, &action] {
+    action = [arguments] { return show(arguments->plugins, arguments->id, arguments->kind, arguments->json); };
+  });
+}
+
+}  // namespace
+
+void add_plugin(CLI::App& app, Action& action) {
+  CLI::App* const command =
+      app.add_subcommand("plugin", "List the available laws, neurons and integrators, or show one");
+  command->require_subcommand(1);
+  add_list(*command, action);
+  add_show(*command, action);
+}
+
+}  // namespace springnet::tool

@@ -1,0 +1,53 @@
+#include "progress.hpp"
+
+#include <unistd.h>
+
+#include <algorithm>
+#include <cstdio>
+#include <string>
+
+#include <fmt/format.h>
+
+namespace springnet::tool {
+
+namespace {
+
+std::string readable_duration(double seconds) {
+  if (seconds < 90.0) return fmt::format("{:.0f} s", seconds);
+  if (seconds < 5400.0) return fmt::format("{:.0f} min", seconds / 60.0);
+  return fmt::format("{:.1f} h", seconds / 3600.0);
+}
+
+}  // namespace
+
+Progress::Progress(bool silent) : silent_(silent), terminal_(isatty(STDERR_FILENO) == 1) {}
+
+Progress::~Progress() { finish(); }
+
+void Progress::update(double time, double duration) {
+  if (silent_ || !(duration > 0.0)) return;
+  const auto now = Clock::now();
+  const std::chrono::duration<double> since_last = now - last_, since_start = now - start_;
+  if (since_last.count() < (terminal_ ? 0.1 : 5.0)) return;
+  last_ = now;
+  const double share = std::clamp(time / duration, 0.0, 1.0);
+  const std::string left =
+      share > 0.0 ? readable_duration(since_start.count() * (1.0 - share) / share) + " left" : "starting";
+  if (!terminal_) {
+    fmt::print(stderr, "{:.4g} s of {:g} s simulated ({:.0f} %), about {}\n", time, duration, 100.0 * share, left);
+    return;
+  }
+  constexpr std::size_t width = 32;
+  const auto filled = static_cast<std::size_t>(share * static_cast<double>(width));
+  fmt::print(stderr, "\r[{}{}] {:3.0f} %  {:.4g} of {:g} s, {}\033[K", std::string(filled, '='),
+             std::string(width - filled, ' '), 100.0 * share, time, duration, left);
+  std::fflush(stderr);
+  drawn_ = true;
+}
+
+void Progress::finish() {
+  if (drawn_) fmt::print(stderr, "\r\033[K");
+  drawn_ = false;
+}
+
+}  // namespace springnet::tool

@@ -1,0 +1,128 @@
+#include <cstdio>
+#include <fstream>
+#include <memory>
+
+#include <fmt/format.h>
+#include <springnet/validation.hpp>
+
+#include "commands.hpp"
+#include "common.hpp"
+#include "progress.hpp"
+
+namespace springnet::tool {
+
+namespace {
+
+constexpr const char* examples =
+    R"(The scene runs in its own integrator (the recurrent network, usually) with several time steps, and in the
+reference CVODE, which is certified by a second run with a tighter tolerance. Compared are the positions of all
+nodes at common times. The paper's network is a method of first order: half the time step, half the error.
+
+Files (in the folder of the output):
+  validation.json   all numbers
+  report.html       table and plots in one file, for a browser
+
+Examples:
+  springnet validate examples/cube/cube.toml
+  springnet validate cube.toml --time-steps 0.1,0.05,0.01 --tolerance 0.02
+
+Exit status:
+  0 done   1 the reference failed, or the scene's time step is not within the tolerance   2 usage or scene   3 plugin)";
+
+struct ValidateArguments {
+  SceneArguments scene;
+  OutputArguments output;
+  std::vector<double> time_steps;
+  double tolerance = 0.0;             // m
+  double reference_tolerance = 1e-8;  // relative
+};
+
+void write_file(const std::filesystem::path& file, const std::string& text) {
+  std::ofstream out(file, std::ios::binary);
+  out << text;
+  out.close();
+  if (!out) {
+    throw Error(ErrorKind::simulation,
+                fmt::format("{}: cannot be written; make room or name another folder with -o", file.string()));
+  }
+}
+
+void make_folder(const std::filesystem::path& folder) {
+  std::error_code problem;
+  std::filesystem::create_directories(folder, problem);
+  if (problem) {
+    throw Error(ErrorKind::input,
+                fmt::format("{}: the folder for the output cannot be made: {}; name another one with -o",
+                            folder.string(), problem.message()));
+  }
+}
+
+int run(const ValidateArguments& arguments) {
+  const auto host = arguments.scene.plugins.load();
+  const Scene scene = arguments.scene.load(*host);
+  const std::filesystem::path folder = arguments.output.folder_for(arguments.scene.file);
+  make_folder(folder);
+
+  catch_interrupts();
+  Progress progress(arguments.output.silent());
+  ValidationOptions options;
+  options.time_steps = arguments.time_steps;
+  options.relative_tolerance = arguments.reference_tolerance;
+  options.certifying_tolerance = arguments.reference_tolerance / 100.0;
+  options.scene_name = arguments.scene.file.string();
+  options.progress = [&](const ValidationProgress& now) {
+    progress.update(now.time, now.duration);
+    return !interrupted();
+  };
+  const Validation validation = validate(scene, host, options);
+  progress.finish();
+
+  const std::string json = to_json(validation);
+  write_file(folder / "validation.json", json);
+  write_file(folder / "report.html", to_html(validation));
+  if (arguments.output.json) {
+    fmt::print("{}", json);
+  } else if (!arguments.output.quiet) {
+    fmt::print("{}\n  written: validation.json, report.html in {}\n", to_table(validation), folder.string());
+  }
+  std::fflush(stdout);
+
+  if (!(arguments.tolerance > 0.0) || validation.within(arguments.tolerance)) return done;
+  const ValidationRun& own = validation.run_of_scene();
+  print_error(own.finished()
+                  ? fmt::format("the scene's time step of {:g} s is up to {:.3g} m from the reference, which is itself "
+                                "uncertain by {:.2g} m: not within the tolerance of {:g} m. Try a smaller time step",
+                                own.time_step, own.error.max, validation.uncertainty(), arguments.tolerance)
+                  : fmt::format("the run with the scene's time step of {:g} s failed: {}", own.time_step, own.failure));
+  return failed;
+}
+
+}  // namespace
+
+void add_validate(CLI::App& app, Action& action) {
+  const auto arguments = std::make_shared<ValidateArguments>();
+  CLI::App* const command = app.add_subcommand("validate", "Compare a scene's time steps with a reference integrator");
+  arguments->scene.add_to(*command, true);
+  command
+      ->add_option("--time-steps", arguments->time_steps,
+                   "Time steps in seconds, beside the scene's own [a half and a quarter of it]")
+      ->type_name("A,B,C")
+      ->delimiter(',')
+      ->check(above_zero());
+  command
+      ->add_option("--tolerance", arguments->tolerance,
+                   "Exit status 1 unless the scene's own time step is everywhere within M metres")
+      ->type_name("M")
+      ->check(above_zero());
+  command
+      ->add_option("--reference-tolerance", arguments->reference_tolerance,
+                   "Relative tolerance of the reference; the run that certifies it has a hundredth of it")
+      ->type_name("R")
+      ->check(CLI::Range(1e-11, 1e-3).description("from 1e-11 to 1e-3"))
+      ->capture_default_str();
+  arguments->output.add_to(*command);
+  command->footer(examples);
+  command->callback([arguments, &action] { action = [arguments] { return run(*arguments); }; });
+}
+
+}  // namespace springnet::tool

@@ -1,0 +1,106 @@
+# Set-up that examples/quickstart and tests/run share: messages, packages, one build of one preset. Sourced, not run.
+# Both scripts begin with `set -euo pipefail`.
+
+project_root=$(cd "$(dirname "${BASH_SOURCE[0]}")/.." && pwd)
+
+# What the library, the plugins and the tool are built with. Names are those of Debian 12.
+build_packages=(build-essential cmake ninja-build libeigen3-dev libsundials-dev libboost-dev libfmt-dev
+  libtomlplusplus-dev libcli11-dev nlohmann-json3-dev)
+# What the tests, the benchmark program and the checks of the sources need on top.
+test_packages=(doctest-dev libbenchmark-dev clang-format clang-tidy)
+
+say() { printf '== %s\n' "$*"; }
+
+# fail WHAT [LINE …]: ends the script with status 1; the lines say what to do.
+fail() {
+  printf '\nerror: %s\n' "$1" >&2
+  shift
+  (($# == 0)) || printf '  %s\n' "$@" >&2
+  exit 1
+}
+
+# logged FILE WHAT COMMAND …: runs the command with its output in FILE; on failure shows the file's end and stops.
+logged() {
+  local log=$1 what=$2
+  shift 2
+  if ! "$@" >"$log" 2>&1 </dev/null; then
+    tail -n 30 "$log" >&2
+    fail "$what failed." "Above are the last lines of $log."
+  fi
+}
+
+# make_folder FOLDER …: with a message of our own where that is not allowed.
+make_folder() {
+  local folder
+  for folder in "$@"; do
+    mkdir -p "$folder" 2>/dev/null && [[ -w $folder ]] ||
+      fail "cannot write to $folder" "Copy the project to a folder that is yours, and start the script there."
+  done
+}
+
+is_installed() { [[ $(dpkg-query --show --showformat='${db:Status-Status}' "$1" 2>/dev/null) == installed ]]; }
+
+# need_packages NAME …: installs those that are missing. Does nothing, needs no network and no rights where none is.
+need_packages() {
+  local name missing=() as_root=() log
+  command -v dpkg-query >/dev/null && command -v apt-get >/dev/null ||
+    fail "this machine has no apt-get, and this script installs Debian packages." \
+      "With the equivalents of these packages installed by hand:" "  $*" "the project is built by:" \
+      "  cmake --preset release && cmake --build --preset release"
+  for name in "$@"; do
+    is_installed "$name" || missing+=("$name")
+  done
+  ((${#missing[@]})) || return 0
+
+  if ((EUID != 0)); then
+    command -v sudo >/dev/null ||
+      fail "packages are missing, and installing them needs root; there is no sudo here." "Run as root:" \
+        "  apt-get install ${missing[*]}" "and start this script again."
+    as_root=(sudo)
+    # Without a terminal nobody could type a password: better an error than a script that hangs.
+    [[ -t 0 ]] || as_root+=(--non-interactive)
+    "${as_root[@]}" true ||
+      fail "packages are missing, and sudo does not let you install them." "Ask an administrator to run:" \
+        "  apt-get install ${missing[*]}" "and start this script again."
+  fi
+  as_root+=(env DEBIAN_FRONTEND=noninteractive)
+
+  log=$project_root/build/apt.log
+  say "installing ${#missing[@]} missing packages (log: $log): ${missing[*]}"
+  # A list of packages that cannot be renewed is no error yet: another source's may be out of reach, or ours still good.
+  "${as_root[@]}" apt-get update >"$log" 2>&1 </dev/null || true
+  if ! "${as_root[@]}" apt-get install --yes --no-install-recommends "${missing[@]}" >>"$log" 2>&1 </dev/null; then
+    grep -E '^(E|Err|W):' "$log" | tail -n 12 >&2 || true
+    fail "apt-get could not install the missing packages (whole log: $log)." \
+      "If it could not reach its servers: is there a network? If it does not know a package: this script is made for" \
+      "Debian 12, where 'apt-get update' has to know the 'main' component."
+  fi
+}
+
+# How many compilers at a time: one a core, but each may take 1.5 GiB.
+build_jobs() {
+  local cores memory
+  cores=$(nproc)
+  memory=$(awk '/^MemAvailable:/ {print int($2 / 1572864)}' /proc/meminfo)
+  ((memory < cores)) && cores=$((memory > 0 ? memory : 1))
+  echo "$cores"
+}
+
+# configure PRESET [CMAKE_OPTION …]
+configure() {
+  local preset=$1 folder=$project_root/build/$1 home
+  shift
+  make_folder "$folder"
+  if [[ -f $folder/CMakeCache.txt ]]; then
+    home=$(sed -n 's/^CMAKE_HOME_DIRECTORY:INTERNAL=//p' "$folder/CMakeCache.txt")
+    [[ $home == "$project_root" ]] ||
+      fail "$folder was made for the sources in $home, not for those here." "Remove that folder and start again."
+  fi
+  logged "$folder/configure.log" "configuring $preset" cmake -S "$project_root" --preset "$preset" "$@"
+}
+
+# build PRESET: everything in it.
+build() {
+  (cd "$project_root" && cmake --build --preset "$1" --parallel "$(build_jobs)") ||
+    fail "the build of the preset $1 failed; its messages are above."
+}

@@ -1,0 +1,98 @@
+#include "equations.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+namespace springnet::cvode {
+
+// Nothing may be thrown through SUNDIALS, which is C.
+template <class Body>
+int Equations::guarded(const Body& body) noexcept {
+  try {
+    body();
+    return 0;
+  } catch (const sdk::Failure& failure) {
+    failure_ = failure;
+    return failure.recoverable() ? 1 : -1;
+  } catch (...) {
+    failure_.reset();
+    return -1;
+  }
+}
+
+springnet_evaluation Equations::at(double time, N_Vector y) const noexcept {
+  const std::size_t n = node_count();
+  const double* values = data(y);
+  auto evaluation = sdk::sized<springnet_evaluation>();
+  evaluation.time = time;
+  evaluation.position = {values, values + n, values + 2 * n};
+  evaluation.velocity = {values + 3 * n, values + 4 * n, values + 5 * n};
+  return evaluation;
+}
+
+int Equations::right_side(double time, N_Vector y, N_Vector rate) noexcept {
+  return guarded([&] {
+    const std::size_t n = node_count();
+    double* out = data(rate);
+    // p' = v
+    std::copy_n(data(y) + 3 * n, 3 * n, out);
+    // v' = a(F(p, v, t), p, v, t)
+    springnet_evaluation evaluation = at(time, y);
+    evaluation.acceleration = {out + 3 * n, out + 4 * n, out + 5 * n};
+    ++work_.evaluations;
+    host_.evaluate(evaluation);
+  });
+}
+
+int Equations::event_values(double time, N_Vector y, double* values) noexcept {
+  return guarded([&] {
+    ++work_.event_evaluations;
+    host_.event_values(at(time, y), values, event_directions_.data());
+  });
+}
+
+int Equations::error_weights(N_Vector y, N_Vector weights) const noexcept {
+  const std::size_t n = node_count();
+  const double* v = data(y) + 3 * n;
+  double* w = data(weights);
+  std::fill_n(w, 3 * n, 1.0 / tolerances_.position);
+  for (std::size_t i = 0; i < 3 * n; ++i) {
+    w[3 * n + i] = 1.0 / (tolerances_.relative * std::abs(v[i]) + tolerances_.velocity);
+  }
+  return 0;
+}
+
+int Equations::linearise(double time, N_Vector y) noexcept {
+  return guarded([&] {
+    ++work_.linearisations;
+    host_.linearise(at(time, y));
+  });
+}
+
+int Equations::jacobian_times(const double* dp, const double* dv, double* out) noexcept {
+  return guarded([&] {
+    ++work_.jacobian_products;
+    host_.jacobian_times(dp, dv, out);
+  });
+}
+
+int Equations::factorise(double gamma) noexcept {
+  return guarded([&] { host_.factorise(gamma, gamma * gamma); });
+}
+
+int Equations::solve(const double* right_side, double* x) noexcept {
+  return guarded([&] { host_.solve(right_side, x); });
+}
+
+int Equations::diagonal_blocks(double velocity_weight, double position_weight, double* out) noexcept {
+  return guarded([&] { host_.diagonal_blocks(velocity_weight, position_weight, out); });
+}
+
+void Equations::evaluate_force(double time, springnet_state& state) {
+  springnet_evaluation evaluation = sdk::evaluation_at(time, state);
+  evaluation.force = state.force;
+  ++work_.evaluations;
+  host_.evaluate(evaluation);
+}
+
+}  // namespace springnet::cvode

@@ -1,0 +1,73 @@
+// The network as CVODE sees it: y = [px py pz vx vy vz] (structure of arrays, 6 node_count numbers), p' = v, v' = a.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <optional>
+#include <vector>
+
+#include <springnet/sdk/host.hpp>
+
+#include "sundials.hpp"
+
+namespace springnet::cvode {
+
+class Equations {
+ public:
+  explicit Equations(const sdk::Host& host) noexcept : host_(host) {}
+
+  // Error weights 1 / tolerance of a component: `position` m for positions, so that the result does not depend on where
+  // the origin is; relative |v| + `velocity` m/s for velocities.
+  struct Tolerances {
+    double relative;
+    double position;
+    double velocity;
+  };
+  void set_tolerances(const Tolerances& tolerances) noexcept { tolerances_ = tolerances; }
+
+  // Functions for CVODE: 0 done, > 0 a smaller step may succeed, < 0 failed. The reason of the last that was not 0 is
+  // failure().
+  int right_side(double time, N_Vector y, N_Vector rate) noexcept;
+  int event_values(double time, N_Vector y, double* values) noexcept;  // needs event_directions() of the right size
+  int error_weights(N_Vector y, N_Vector weights) const noexcept;
+  // Derivatives of the accelerations at (time, y), for jacobian_times, diagonal_blocks, factorise and solve.
+  int linearise(double time, N_Vector y) noexcept;
+  // out = da/dp dp + da/dv dv, 3 node_count numbers each.
+  int jacobian_times(const double* dp, const double* dv, double* out) noexcept;
+  // Matrix I - gamma da/dv - gamma^2 da/dp.
+  int factorise(double gamma) noexcept;
+  int solve(const double* right_side, double* x) noexcept;
+  int diagonal_blocks(double velocity_weight, double position_weight, double* out) noexcept;
+
+  // Net forces at a state of the host, N.
+  void evaluate_force(double time, springnet_state& state);
+
+  // As many as the network has now; which way each has to cross 0: -1 falling, +1 rising, as of the last evaluation.
+  [[nodiscard]] std::vector<std::int32_t>& event_directions() noexcept { return event_directions_; }
+
+  [[nodiscard]] const sdk::Host& host() const noexcept { return host_; }
+  [[nodiscard]] std::size_t node_count() const noexcept { return host_.network().node_count; }
+  [[nodiscard]] const std::optional<sdk::Failure>& failure() const noexcept { return failure_; }
+  void clear_failure() noexcept { failure_.reset(); }
+
+  struct Work {
+    std::uint64_t evaluations = 0;  // of all springs
+    std::uint64_t linearisations = 0;
+    std::uint64_t jacobian_products = 0;
+    std::uint64_t event_evaluations = 0;
+  };
+  [[nodiscard]] const Work& work() const noexcept { return work_; }
+
+ private:
+  [[nodiscard]] springnet_evaluation at(double time, N_Vector y) const noexcept;
+  template <class Body>
+  int guarded(const Body& body) noexcept;
+
+  sdk::Host host_;
+  Tolerances tolerances_{};
+  std::vector<std::int32_t> event_directions_;
+  std::optional<sdk::Failure> failure_;
+  Work work_;
+};
+
+}  // namespace springnet::cvode

@@ -1,0 +1,60 @@
+#include "failure_text.hpp"
+
+#include <sstream>
+
+#include <cvode/cvode.h>
+
+namespace springnet::cvode {
+
+std::string failure_text(const FailureFacts& facts, const Settings& settings) {
+  std::ostringstream text;
+  text.precision(9);
+  text << "cvode stopped at t = " << facts.reached << " s on the way from " << facts.from << " s to " << facts.until
+       << " s: ";
+  switch (facts.flag) {
+    case CV_TOO_MUCH_WORK:
+      text << settings.max_steps << " internal steps were not enough (the last one was " << facts.last_step
+           << " s long). Raise max_steps or relative_tolerance, or look for a spring that is much stiffer or a node "
+              "that is much lighter than the others";
+      if (settings.method == Method::adams) text << "; for stiff networks choose method = \"bdf\"";
+      break;
+    case CV_TOO_MUCH_ACC:
+      text << "the tolerances are finer than the rounding of the numbers. Raise relative_tolerance, position_tolerance "
+              "or velocity_tolerance, or move the network nearer to the origin";
+      break;
+    case CV_ERR_FAILURE:
+      text << "no step is short enough for the tolerances (the last one was " << facts.last_step
+           << " s long): the forces jump or grow without bound there. Look at the springs and loads at that time, or "
+              "raise relative_tolerance";
+      break;
+    case CV_CONV_FAILURE:
+      text << "the equations of a step could not be solved, however short (the last one was " << facts.last_step
+           << " s long). Look for springs whose derivatives are wrong or jump, or try linear_solver = \"direct\"";
+      break;
+    case CV_FIRST_RHSFUNC_ERR:
+      text << "the forces are not finite in the state that the step starts from";
+      break;
+    case CV_REPTD_RHSFUNC_ERR:
+    case CV_UNREC_RHSFUNC_ERR:
+      text << "the forces are not finite there, however short the step";
+      break;
+    case CV_RHSFUNC_FAIL:
+      text << "the forces could not be evaluated";
+      break;
+    case CV_RTFUNC_FAIL:
+      text << "contacts and ruptures could not be evaluated";
+      break;
+    case CV_LSETUP_FAIL:
+    case CV_LSOLVE_FAIL:
+      text << "the linear system of a step could not be solved";
+      break;
+    default:
+      text << (facts.cvode_message.empty() ? "no reason is known" : facts.cvode_message) << " (CVODE " << facts.flag
+           << ")";
+      return text.str();
+  }
+  if (!facts.reason.empty()) text << ". The last thing that failed: " << facts.reason;
+  return text.str();
+}
+
+}  // namespace springnet::cvode

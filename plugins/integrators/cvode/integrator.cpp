@@ -1,0 +1,322 @@
+#include "integrator.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <new>
+#include <sstream>
+#include <string>
+
+#include "failure_text.hpp"
+
+namespace springnet::cvode {
+namespace {
+
+// Up to this many nodes a sparse factorisation is cheaper than iterating; above it grows faster than the network.
+constexpr std::size_t most_nodes_direct = 1500;
+// Events at one time that are no chain of ruptures or contacts any more, but a contact that flutters.
+constexpr std::uint64_t few_events_at_once = 16;
+
+// Times that are at most so many roundings apart.
+bool same_time(double a, double b, double roundings) noexcept {
+  return std::abs(b - a) <= roundings * std::numeric_limits<double>::epsilon() * std::max(std::abs(a), std::abs(b));
+}
+constexpr double shortest_step = 16.0;    // CVODE cannot step between nearer times
+constexpr double root_accuracy = 1000.0;  // it locates roots to 100 roundings of the time and the step
+
+Callbacks& callbacks_of(void* user_data) noexcept { return *static_cast<Callbacks*>(user_data); }
+
+int right_side(double time, N_Vector y, N_Vector rate, void* user_data) {
+  return callbacks_of(user_data).equations.right_side(time, y, rate);
+}
+int error_weights(N_Vector y, N_Vector weights, void* user_data) {
+  return callbacks_of(user_data).equations.error_weights(y, weights);
+}
+int event_values(double time, N_Vector y, double* values, void* user_data) {
+  return callbacks_of(user_data).equations.event_values(time, y, values);
+}
+
+// y = [px py pz vx vy vz] to a state of the host.
+void unpack(const double* y, springnet_state& state, std::size_t n) noexcept {
+  for (const springnet_vectors& part : {state.position, state.velocity}) {
+    for (double* component : {part.x, part.y, part.z}) {
+      std::copy_n(y, n, component);
+      y += n;
+    }
+  }
+}
+
+void copy(const springnet_state& from, springnet_state& to, std::size_t n) noexcept {
+  for (const auto part : {&springnet_state::position, &springnet_state::velocity}) {
+    for (const auto component : {&springnet_vectors::x, &springnet_vectors::y, &springnet_vectors::z}) {
+      std::copy_n(from.*part.*component, n, to.*part.*component);
+    }
+  }
+}
+
+}  // namespace
+
+ReferenceIntegrator::ReferenceIntegrator(const sdk::Host& host, const Settings& settings)
+    : host_(host),
+      settings_(settings),
+      equations_(host),
+      callbacks_{equations_, nullptr},
+      last_event_time_(-std::numeric_limits<double>::infinity()) {
+  if (settings.method == Method::bdf && settings.max_order > 5) {
+    throw sdk::Failure("cvode: max_order is at most 5 for method \"bdf\", is " + std::to_string(settings.max_order));
+  }
+}
+
+LinearSolverKind ReferenceIntegrator::linear_solver() const {
+  if (settings_.linear_solver != LinearSolverKind::automatic) return settings_.linear_solver;
+  if (settings_.method == Method::adams) return LinearSolverKind::none;
+  return equations_.node_count() <= most_nodes_direct ? LinearSolverKind::direct : LinearSolverKind::krylov;
+}
+
+void ReferenceIntegrator::check(int status) const {
+  if (status < 0) throw sdk::Failure("cvode: " + context_.last_error());
+}
+
+void ReferenceIntegrator::create(double time) {
+  memory_.reset(CVodeCreate(settings_.method == Method::bdf ? CV_BDF : CV_ADAMS, context_.get()));
+  if (!memory_) throw std::bad_alloc();
+  void* memory = memory_.get();
+  context_.watch(memory);
+  check(CVodeSetUserData(memory, &callbacks_));
+  check(CVodeInit(memory, &right_side, time, y_.get()));
+  check(CVodeWFtolerances(memory, &error_weights));
+  switch (linear_solver()) {
+    case LinearSolverKind::direct:
+      attach_direct(memory, callbacks_, context_);
+      break;
+    case LinearSolverKind::krylov:
+      attach_krylov(memory, y_.get(), callbacks_, context_);
+      break;
+    default:
+      fixed_point_.reset(SUNNonlinSol_FixedPoint(y_.get(), 0, context_.get()));
+      if (!fixed_point_) throw std::bad_alloc();
+      check(CVodeSetNonlinearSolver(memory, fixed_point_.get()));
+  }
+  if (settings_.max_order > 0) check(CVodeSetMaxOrd(memory, settings_.max_order));
+  if (settings_.max_step > 0.0) check(CVodeSetMaxStep(memory, settings_.max_step));
+  check(CVodeSetNoInactiveRootWarn(memory));
+}
+
+void ReferenceIntegrator::restart(double time, const springnet_state& state) {
+  const springnet_network& network = host_.network();
+  if (network.internal_count != 0) {
+    throw sdk::Failure("cvode does not integrate laws with internal state; use laws without, or another integrator");
+  }
+  const std::size_t n = network.node_count;
+  if (!y_) {
+    for (Vector* vector : {&y_, &rate_, &probe_, &probe_rate_}) {
+      *vector = make_vector(static_cast<sunindextype>(6 * n), context_);
+    }
+  }
+  double* y = data(y_.get());
+  for (const springnet_vectors& part : {state.position, state.velocity}) {
+    for (const double* component : {part.x, part.y, part.z}) y = std::copy_n(component, n, y);
+  }
+
+  // A network without springs, or one that nothing moves, has no scale: 1 m, 1 m/s then.
+  const auto tolerance = [this](double given, double scale) {
+    if (given > 0.0) return given;
+    return settings_.relative_tolerance * (scale > 0.0 && std::isfinite(scale) ? scale : 1.0);
+  };
+  equations_.set_tolerances({settings_.relative_tolerance,
+                             tolerance(settings_.position_tolerance, network.length_scale),
+                             tolerance(settings_.velocity_tolerance, network.velocity_scale)});
+  if (!memory_) {
+    create(time);
+  } else {
+    total_ += counters();
+    ++restarts_;
+    check(CVodeReInit(memory_.get(), time, y_.get()));
+  }
+  check(CVodeSetInitStep(memory_.get(), first_step(time)));
+  watch_events(time);
+  revision_ = network.revision;
+  restart_ = false;
+}
+
+// The step whose second-order term h^2/2 y'' is a quarter of the tolerance. CVODE's own choice depends on when the
+// first output is due; this one does not, so that outputs change nothing but where the solution is read.
+double ReferenceIntegrator::first_step(double time) {
+  const springnet_network& network = host_.network();
+  const double longest = 0.1 * network.length_scale / network.velocity_scale;
+  N_Vector y = y_.get(), rate = rate_.get(), weights = probe_rate_.get();
+  if (equations_.right_side(time, y, rate) != 0) fail(CV_FIRST_RHSFUNC_ERR, time, time, time);
+  equations_.error_weights(y, weights);
+  const double speed = N_VWrmsNorm(rate, weights);  // tolerances a second
+  if (!(speed > 0.0)) return longest;
+  // y'' from the change of y' while y goes as far as the tolerance.
+  const double probe = std::min(longest, 1.0 / speed);
+  N_VLinearSum(1.0, y, probe, rate, probe_.get());
+  if (equations_.right_side(time + probe, probe_.get(), probe_rate_.get()) != 0) return 0.01 * probe;
+  N_VLinearSum(1.0, probe_rate_.get(), -1.0, rate, rate);
+  equations_.error_weights(y, weights);
+  const double curvature = N_VWrmsNorm(rate, weights) / probe;  // tolerances a second squared
+  return std::min(longest, std::sqrt(0.5 / curvature));
+}
+
+void ReferenceIntegrator::watch_events(double time) {
+  const std::uint32_t count = host_.network().event_count;
+  std::vector<std::int32_t>& directions = equations_.event_directions();
+  if (count != directions.size()) {
+    check(CVodeRootInit(memory_.get(), static_cast<int>(count), count == 0 ? nullptr : &event_values));
+    directions.resize(count);
+    event_values_.resize(count);
+    fired_.resize(count);
+  }
+  if (count == 0) return;
+  if (equations_.event_values(time, y_.get(), event_values_.data()) != 0) fail(CV_RTFUNC_FAIL, time, time, time);
+  check(CVodeSetRootDirection(memory_.get(), directions.data()));
+}
+
+// What rises through 0 is the force that lifts a node from a surface, and a load that is switched on, or a cut, makes
+// it jump: CVODE would wait for a crossing that has been. (Distances and rupture margins do not jump.)
+bool ReferenceIntegrator::mark_past_events() noexcept {
+  bool any = false;
+  const std::vector<std::int32_t>& directions = equations_.event_directions();
+  for (std::size_t i = 0; i < fired_.size(); ++i) {
+    fired_[i] = directions[i] > 0 && event_values_[i] > 0.0 ? 1 : 0;
+    any = any || fired_[i] != 0;
+  }
+  return any;
+}
+
+void ReferenceIntegrator::advance(double until, springnet_step_report& report) {
+  const std::uint64_t evaluations_before = equations_.work().evaluations;
+  steps_before_ = internal_steps();
+  try {
+    while (host_.committed().time < until) step_towards(until);
+  } catch (const sdk::Failure& failure) {
+    restart_ = true;  // CVODE's history is of no use any more
+    if (failure.recoverable()) throw sdk::Failure(failure.what());
+    throw;
+  }
+  report.outcome = SPRINGNET_SETTLED;
+  report.steps = static_cast<std::uint64_t>(internal_steps() - steps_before_);
+  report.sweeps = equations_.work().evaluations - evaluations_before;
+  report.force_difference = 0.0;
+  report.residual = std::numeric_limits<double>::quiet_NaN();
+  report.node = 0;
+  report.start_node = std::numeric_limits<std::uint32_t>::max();
+  report_statistics();
+}
+
+void ReferenceIntegrator::step_towards(double until) {
+  const auto [time, committed] = host_.committed();
+  const double stop = host_.next_discontinuity(time);
+  const double target = std::min(until, stop);
+  host_.begin_step(time, stop);  // loads are constant until then
+  if (!state_) state_ = host_.make_state();
+
+  if (same_time(time, target, shortest_step)) {
+    copy(committed, *state_, host_.network().node_count);
+    commit(target);
+    restart_ = true;
+    return;
+  }
+  if (restart_ || host_.network().revision != revision_) {
+    restart(time, committed);
+    if (mark_past_events()) {
+      copy(committed, *state_, host_.network().node_count);
+      fire_events(time);
+      return;
+    }
+  }
+
+  // CVODE itself would not step past a stop time, but an output before it must not shorten a step.
+  void* memory = memory_.get();
+  check(CVodeSetStopTime(memory, std::min(stop, std::numeric_limits<double>::max())));
+  const long left = settings_.max_steps - (internal_steps() - steps_before_);
+  if (left <= 0) fail(CV_TOO_MUCH_WORK, time, until, time);
+  check(CVodeSetMaxNumSteps(memory, left));
+  context_.clear_error();
+  equations_.clear_failure();
+
+  double reached = time;
+  const int flag = CVode(memory, target, y_.get(), &reached, CV_NORMAL);
+  if (flag < 0) fail(flag, time, until, reached);
+  unpack(data(y_.get()), *state_, host_.network().node_count);
+  if (flag == CV_ROOT_RETURN) {
+    check(CVodeGetRootInfo(memory, fired_.data()));
+    for (std::int32_t& fired : fired_) fired = fired != 0 ? 1 : 0;
+    fire_events(reached);
+  } else {
+    commit(target);
+    if (target == stop) restart_ = true;
+  }
+}
+
+// Carries out the events marked in fired_, on state_, and commits it.
+void ReferenceIntegrator::fire_events(double time) {
+  events_at_once_ = same_time(time, last_event_time_, root_accuracy) ? events_at_once_ + 1 : 0;
+  last_event_time_ = time;
+  if (events_at_once_ > few_events_at_once + fired_.size()) {
+    std::ostringstream text;
+    text.precision(9);
+    text << "cvode stopped at t = " << time << " s: contacts, releases and ruptures follow each other without time "
+         << "going on. Look at what holds and pulls the nodes in contact then";
+    throw sdk::Failure(text.str());
+  }
+  host_.fire_events(time, *state_, fired_.data());
+  commit(time);
+  restart_ = true;
+}
+
+// The state becomes the network's, with the net forces in it.
+void ReferenceIntegrator::commit(double time) {
+  equations_.evaluate_force(time, *state_);
+  host_.commit(time, *state_);
+}
+
+void ReferenceIntegrator::fail(int flag, double from, double until, double reached) const {
+  FailureFacts facts{flag, from, until, reached, 0.0, {}, context_.last_error()};
+  CVodeGetLastStep(memory_.get(), &facts.last_step);
+  if (const auto& failure = equations_.failure()) facts.reason = failure->what();
+  throw sdk::Failure(failure_text(facts, settings_));
+}
+
+Counters ReferenceIntegrator::counters() const {
+  Counters result;
+  void* memory = memory_.get();
+  if (memory == nullptr) return result;
+  CVodeGetNumSteps(memory, &result.internal_steps);
+  CVodeGetNumLinSolvSetups(memory, &result.linear_setups);
+  CVodeGetNumNonlinSolvIters(memory, &result.nonlinear_iterations);
+  CVodeGetNumNonlinSolvConvFails(memory, &result.convergence_failures);
+  CVodeGetNumErrTestFails(memory, &result.error_test_failures);
+  if (callbacks_.newton) CVodeGetNumLinIters(memory, &result.krylov_iterations);
+  return result;
+}
+
+long ReferenceIntegrator::internal_steps() const { return total_.internal_steps + counters().internal_steps; }
+
+void ReferenceIntegrator::report_statistics() const {
+  Counters sum = total_;
+  sum += counters();
+  const Equations::Work& work = equations_.work();
+  const auto report = [this](const char* name, auto value) { host_.report(name, static_cast<double>(value)); };
+  report("internal_steps", sum.internal_steps);
+  report("rhs_evaluations", work.evaluations);
+  report("linear_setups", sum.linear_setups);
+  report("linearisations", work.linearisations);
+  report("jacobian_products", work.jacobian_products);
+  report("krylov_iterations", sum.krylov_iterations);
+  report("nonlinear_iterations", sum.nonlinear_iterations);
+  report("convergence_failures", sum.convergence_failures);
+  report("error_test_failures", sum.error_test_failures);
+  report("root_evaluations", work.event_evaluations);
+  report("restarts", restarts_);
+  if (!memory_) return;
+  double last_step = 0.0;
+  int order = 0;
+  CVodeGetLastStep(memory_.get(), &last_step);
+  CVodeGetLastOrder(memory_.get(), &order);
+  report("last_step_s", last_step);
+  report("order", order);
+}
+
+}  // namespace springnet::cvode

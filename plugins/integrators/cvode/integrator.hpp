@@ -1,0 +1,69 @@
+// CVODE (SUNDIALS) on the network's equations of motion: variable order, variable step, errors below the tolerances
+// asked for. The reference that other integrators are compared with.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <vector>
+
+#include <springnet/sdk/host.hpp>
+
+#include "equations.hpp"
+#include "linear_solver.hpp"
+#include "options.hpp"
+#include "statistics.hpp"
+#include "sundials.hpp"
+
+namespace springnet::cvode {
+
+class ReferenceIntegrator {
+ public:
+  // Throws sdk::Failure for settings that do not fit together.
+  ReferenceIntegrator(const sdk::Host& host, const Settings& settings);
+
+  // Commits the state at `until` (s), and on the way the states at events (contact, release, rupture) and at known
+  // discontinuities (loads that switch, cuts). The internal steps do not depend on where `until` lies between those.
+  // Throws sdk::Failure; the network is then in the state committed last.
+  void advance(double until, springnet_step_report& report);
+
+ private:
+  [[nodiscard]] LinearSolverKind linear_solver() const;
+  void create(double time);
+  // CVODE from the committed state on, with an empty history.
+  void restart(double time, const springnet_state& state);
+  [[nodiscard]] double first_step(double time);  // s
+  void watch_events(double time);
+  // To `until`, an event or a discontinuity, whichever is first, and commits that state.
+  void step_towards(double until);
+  [[nodiscard]] bool mark_past_events() noexcept;
+  void fire_events(double time);
+  void commit(double time);
+  void check(int status) const;
+  [[noreturn]] void fail(int flag, double from, double until, double reached) const;
+  [[nodiscard]] Counters counters() const;  // since the last restart
+  [[nodiscard]] long internal_steps() const;
+  void report_statistics() const;
+
+  sdk::Host host_;
+  Settings settings_;
+  Equations equations_;
+  Context context_;
+  Callbacks callbacks_;
+  NonlinearSolver fixed_point_;
+  Vector y_;
+  Vector rate_, probe_, probe_rate_;  // of first_step
+  Memory memory_;                     // after everything that it points to
+  sdk::State state_;
+
+  bool restart_ = true;
+  std::uint64_t revision_ = 0;        // of the network when CVODE was started
+  std::vector<double> event_values_;  // of the events that CVODE looks for
+  std::vector<std::int32_t> fired_;   // 1: this one
+  double last_event_time_;            // s
+  std::uint64_t events_at_once_ = 0;
+  long steps_before_ = 0;  // internal steps before advance()
+  Counters total_;         // until the last restart
+  std::uint64_t restarts_ = 0;
+};
+
+}  // namespace springnet::cvode

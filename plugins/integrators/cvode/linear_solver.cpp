@@ -1,0 +1,172 @@
+#include "linear_solver.hpp"
+
+#include <algorithm>
+#include <cstddef>
+#include <new>
+#include <vector>
+
+#include <Eigen/Core>
+#include <Eigen/LU>
+
+namespace springnet::cvode {
+namespace {
+
+using Map = Eigen::Map<Eigen::VectorXd>;
+using ConstMap = Eigen::Map<const Eigen::VectorXd>;
+
+class Direct final : public NewtonSystem {
+ public:
+  Direct(void* memory, Equations& equations, const Context& context)
+      : equations_(equations),
+        right_side_(3 * static_cast<Eigen::Index>(equations.node_count())),
+        matrix_(SUNMatNewEmpty(context.get())),
+        solver_(SUNLinSolNewEmpty(context.get())) {
+    if (!matrix_ || !solver_) throw std::bad_alloc();
+    // The matrix is the host's; CVODE hands this object on to the functions below.
+    matrix_->content = this;
+    matrix_->ops->getid = [](SUNMatrix) { return SUNMATRIX_CUSTOM; };
+    solver_->content = this;
+    solver_->ops->gettype = [](SUNLinearSolver) { return SUNLINEARSOLVER_DIRECT; };
+    solver_->ops->getid = [](SUNLinearSolver) { return SUNLINEARSOLVER_CUSTOM; };
+    solver_->ops->setup = [](SUNLinearSolver solver, SUNMatrix) {
+      auto& self = *static_cast<Direct*>(solver->content);
+      return self.equations_.factorise(self.gamma_);
+    };
+    solver_->ops->solve = [](SUNLinearSolver solver, SUNMatrix, N_Vector x, N_Vector b, sunrealtype) {
+      return static_cast<Direct*>(solver->content)->solve(data(b), data(x));
+    };
+    if (CVodeSetLinearSolver(memory, solver_.get(), matrix_.get()) != 0 ||
+        CVodeSetLinSysFn(memory, &Direct::linear_system) != 0) {
+      throw std::bad_alloc();
+    }
+  }
+
+ private:
+  // jok: the derivatives of an earlier state will do, only gamma has changed.
+  static int linear_system(double time, N_Vector y, N_Vector, SUNMatrix matrix, sunbooleantype jok,
+                           sunbooleantype* jcur, double gamma, void*, N_Vector, N_Vector, N_Vector) {
+    auto& self = *static_cast<Direct*>(matrix->content);
+    self.gamma_ = gamma;
+    *jcur = jok == SUNFALSE ? SUNTRUE : SUNFALSE;
+    return jok == SUNFALSE ? self.equations_.linearise(time, y) : 0;
+  }
+
+  int solve(const double* b, double* x) noexcept {
+    const Eigen::Index size = right_side_.size();
+    const ConstMap rp(b, size);
+    const ConstMap rv(b + size, size);
+    Map dp(x, size);
+    Map dv(x + size, size);
+    dv.setZero();
+    if (const int status = equations_.jacobian_times(b, dv.data(), right_side_.data()); status != 0) return status;
+    right_side_ = rv + gamma_ * right_side_;
+    if (const int status = equations_.solve(right_side_.data(), dv.data()); status != 0) return status;
+    dp = rp + gamma_ * dv;
+    return 0;
+  }
+
+  Equations& equations_;
+  double gamma_ = 0.0;  // s
+  Eigen::VectorXd right_side_;
+  Matrix matrix_;
+  CustomLinearSolver solver_;
+};
+
+class Krylov final : public NewtonSystem {
+ public:
+  // Enough for block Jacobi on a lattice at the steps that the default tolerance allows; 6 node_count numbers each.
+  static constexpr int most_vectors = 40;
+
+  Krylov(void* memory, N_Vector y, Equations& equations, const Context& context)
+      : equations_(equations),
+        coupling_(9 * equations.node_count()),
+        inverse_(9 * equations.node_count()),
+        solver_(SUNLinSol_SPGMR(y, SUN_PREC_RIGHT, most_vectors, context.get())) {
+    if (!solver_ || CVodeSetLinearSolver(memory, solver_.get(), nullptr) != 0 ||
+        CVodeSetJacTimes(memory, nullptr, &Krylov::jacobian_times) != 0 ||
+        CVodeSetPreconditioner(memory, &Krylov::set_up, &Krylov::precondition) != 0) {
+      throw std::bad_alloc();
+    }
+  }
+
+ private:
+  using Block = Eigen::Matrix<double, 3, 3, Eigen::RowMajor>;
+
+  static Krylov& of(void* callbacks) noexcept {
+    return static_cast<Krylov&>(*static_cast<Callbacks*>(callbacks)->newton);
+  }
+
+  // J (vp, vv) = (vv, a_p vp + a_v vv)
+  static int jacobian_times(N_Vector v, N_Vector product, double, N_Vector, N_Vector, void* callbacks, N_Vector) {
+    Krylov& self = of(callbacks);
+    const std::size_t size = 3 * self.equations_.node_count();
+    std::copy_n(data(v) + size, size, data(product));
+    return self.equations_.jacobian_times(data(v), data(v) + size, data(product) + size);
+  }
+
+  static int set_up(double time, N_Vector y, N_Vector, sunbooleantype jok, sunbooleantype* jcur, double gamma,
+                    void* callbacks) {
+    Krylov& self = of(callbacks);
+    *jcur = jok == SUNFALSE ? SUNTRUE : SUNFALSE;
+    if (jok == SUNFALSE) {
+      if (const int status = self.equations_.linearise(time, y); status != 0) return status;
+    }
+    return self.invert_blocks(gamma);
+  }
+
+  // coupling = gamma a_p, inverse = (I - gamma a_v - gamma^2 a_p)^-1, of each node alone.
+  int invert_blocks(double gamma) noexcept {
+    gamma_ = gamma;
+    if (const int status = equations_.diagonal_blocks(0.0, gamma, coupling_.data()); status != 0) return status;
+    if (const int status = equations_.diagonal_blocks(gamma, gamma * gamma, inverse_.data()); status != 0)
+      return status;
+    for (std::size_t i = 0; i < coupling_.size(); i += 9) {
+      Eigen::Map<Block> coupling(&coupling_[i]);
+      coupling = Block::Identity() - coupling;
+      Eigen::Map<Block> inverse(&inverse_[i]);
+      inverse = Block(inverse).inverse();
+      if (!inverse.allFinite()) return 1;  // singular: another gamma, from a smaller step, is not
+    }
+    return 0;
+  }
+
+  static int precondition(double, N_Vector, N_Vector, N_Vector r, N_Vector z, double, double, int, void* callbacks) {
+    const Krylov& self = of(callbacks);
+    const std::size_t n = self.equations_.node_count();
+    const double* rp = data(r);
+    const double* rv = rp + 3 * n;
+    double* dp = data(z);
+    double* dv = dp + 3 * n;
+    for (std::size_t k = 0; k < n; ++k) {
+      const Eigen::Vector3d position(rp[k], rp[k + n], rp[k + 2 * n]);
+      const Eigen::Vector3d velocity(rv[k], rv[k + n], rv[k + 2 * n]);
+      const Eigen::Map<const Block> coupling(&self.coupling_[9 * k]);
+      const Eigen::Map<const Block> inverse(&self.inverse_[9 * k]);
+      const Eigen::Vector3d x = inverse * (velocity + coupling * position);
+      for (int c = 0; c < 3; ++c) {
+        const std::size_t i = k + static_cast<std::size_t>(c) * n;
+        dv[i] = x[c];
+        dp[i] = rp[i] + self.gamma_ * x[c];
+      }
+    }
+    return 0;
+  }
+
+  Equations& equations_;
+  double gamma_ = 0.0;            // s, of the blocks
+  std::vector<double> coupling_;  // [node][3][3]
+  std::vector<double> inverse_;   // [node][3][3]
+  LinearSolver solver_;
+};
+
+}  // namespace
+
+void attach_direct(void* memory, Callbacks& callbacks, const Context& context) {
+  callbacks.newton = std::make_unique<Direct>(memory, callbacks.equations, context);
+}
+
+void attach_krylov(void* memory, N_Vector y, Callbacks& callbacks, const Context& context) {
+  callbacks.newton = std::make_unique<Krylov>(memory, y, callbacks.equations, context);
+}
+
+}  // namespace springnet::cvode

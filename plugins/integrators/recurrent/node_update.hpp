@@ -1,0 +1,170 @@
+// The node layer of a sweep: velocity and position neurons, and what is recorded of the forces on the way.
+#pragma once
+
+#include <algorithm>
+#include <cmath>
+#include <cstdint>
+#include <limits>
+#include <vector>
+
+#include <springnet/sdk/plugin.h>
+
+namespace springnet::recurrent {
+
+inline constexpr std::uint32_t no_node = 0xffffffffu;
+
+// U' = v + t_c a and P' = p + t_c U' (v, p frozen; a from the net force at the newest outputs) for the nodes of
+// batches.
+class NodeUpdate {
+ public:
+  // `start` is the state at the beginning of the step, `next` takes the new outputs.
+  NodeUpdate(double time_constant, const springnet_state& start, const springnet_state& next) noexcept
+      : time_constant_(time_constant),
+        position_(start.position),
+        velocity_(start.velocity),
+        next_position_(next.position),
+        next_velocity_(next.velocity) {}
+
+  // Returns whether all new outputs are finite.
+  bool operator()(const springnet_node_batch& batch) const noexcept {
+    const std::uint32_t k = batch.first;
+    std::uint64_t lost = integrate(batch.count, batch.acceleration.x, position_.x + k, velocity_.x + k,
+                                   next_position_.x + k, next_velocity_.x + k);
+    lost += integrate(batch.count, batch.acceleration.y, position_.y + k, velocity_.y + k, next_position_.y + k,
+                      next_velocity_.y + k);
+    lost += integrate(batch.count, batch.acceleration.z, position_.z + k, velocity_.z + k, next_position_.z + k,
+                      next_velocity_.z + k);
+    return lost == 0;
+  }
+
+ private:
+  std::uint64_t integrate(std::uint32_t count, const double* a, const double* p, const double* v, double* next_p,
+                          double* next_v) const noexcept {
+    const double time_constant = time_constant_;
+    std::uint64_t lost = 0;
+    for (std::uint32_t i = 0; i < count; ++i) {
+      const double u = v[i] + time_constant * a[i];
+      const double next = p[i] + time_constant * u;
+      next_v[i] = u;
+      next_p[i] = next;
+      // p + t_c u is not finite where u is not.
+      lost += std::abs(next) <= std::numeric_limits<double>::max() ? 0 : 1;
+    }
+    return lost;
+  }
+
+  double time_constant_;  // s
+  springnet_vectors position_, velocity_;
+  springnet_vectors next_position_, next_velocity_;
+};
+
+// A node with a magnitude; the greatest of some, the lowest user's number among equals. A magnitude that is not finite
+// beats every finite one, and nan counts as infinity, so that neither can hide.
+struct Greatest {
+  double square = 0.0;
+  std::uint32_t node = no_node;
+
+  void offer(double other_square, std::uint32_t other, const std::uint32_t* user_number) noexcept {
+    if (other_square < square) return;
+    if (std::isnan(other_square)) other_square = std::numeric_limits<double>::infinity();
+    if (node == no_node || other_square > square ||
+        (other_square == square && user_number[other] < user_number[node])) {
+      square = other_square;
+      node = other;
+    }
+  }
+};
+
+// The force that accelerates each node, m a: the net force for a mass point; for other neurons what the neuron makes of
+// it, the drag of a medium included. Comparing m a instead of the net force alone means that a neuron which feeds back
+// its own velocity has to settle as well. Differences are recorded a unit, in memory of that unit's own, so that no
+// thread waits for another and the result does not depend on their number.
+class ForceRecord {
+ public:
+  struct Differences {
+    double greatest = 0.0;              // N, over all nodes
+    std::uint32_t node = no_node;       // where
+    std::uint32_t free_node = no_node;  // where it is greatest among nodes that are neither fixed nor held
+  };
+
+  void resize(const springnet_network& network) {
+    for (auto* component : {&x_, &y_, &z_}) component->resize(network.node_count);
+    units_.resize(network.unit_count);
+  }
+
+  // The forces that those of the first sweep are compared with. Where a node is fixed or held, `acceleration` is zero
+  // and its net force stands in for m a.
+  void begin(const springnet_network& network, const springnet_const_vectors& force,
+             const springnet_const_vectors& acceleration) noexcept {
+    for (std::uint32_t k = 0; k < network.node_count; ++k) {
+      const bool stays = network.fixed[k] != 0 || network.held[k] != 0;
+      const double m = network.mass[k];
+      x_[k] = stays ? force.x[k] : m * acceleration.x[k];
+      y_[k] = stays ? force.y[k] : m * acceleration.y[k];
+      z_[k] = stays ? force.z[k] : m * acceleration.z[k];
+    }
+  }
+
+  // Where there is nothing to compare with: the first sweep then records the forces themselves.
+  void begin() noexcept {
+    for (auto* component : {&x_, &y_, &z_}) std::fill(component->begin(), component->end(), 0.0);
+  }
+
+  void begin_sweep() noexcept { std::fill(units_.begin(), units_.end(), Unit{}); }
+
+  void take_finite(const springnet_node_batch& batch, bool finite) noexcept {
+    if (!finite) units_[batch.unit].finite = false;
+  }
+
+  void take(const springnet_network& network, const springnet_node_batch& batch) noexcept {
+    Unit& unit = units_[batch.unit];
+    for (std::uint32_t begin = 0; begin < batch.count; begin += block) {
+      const std::uint32_t count = std::min(block, batch.count - begin);
+      const std::uint32_t first = batch.first + begin;
+      double square[block];
+      exchange(count, network.mass + first, batch.acceleration.x + begin, x_.data() + first, square, false);
+      exchange(count, network.mass + first, batch.acceleration.y + begin, y_.data() + first, square, true);
+      exchange(count, network.mass + first, batch.acceleration.z + begin, z_.data() + first, square, true);
+      for (std::uint32_t i = 0; i < count; ++i) {
+        const std::uint32_t node = first + i;
+        unit.all.offer(square[i], node, network.user_number);
+        if (network.fixed[node] == 0 && network.held[node] == 0) unit.free.offer(square[i], node, network.user_number);
+      }
+    }
+  }
+
+  // Of the sweep just done.
+  [[nodiscard]] bool finite() const noexcept {
+    return std::all_of(units_.begin(), units_.end(), [](const Unit& unit) { return unit.finite; });
+  }
+  [[nodiscard]] Differences differences(const springnet_network& network) const noexcept {
+    Greatest all, free;
+    for (const Unit& unit : units_) {
+      if (unit.all.node != no_node) all.offer(unit.all.square, unit.all.node, network.user_number);
+      if (unit.free.node != no_node) free.offer(unit.free.square, unit.free.node, network.user_number);
+    }
+    return {std::sqrt(all.square), all.node, free.node};
+  }
+
+ private:
+  static constexpr std::uint32_t block = 256;  // nodes, so that the squares stay in the first-level cache
+  struct alignas(64) Unit {                    // a cache line each
+    Greatest all, free;
+    bool finite = true;
+  };
+
+  static void exchange(std::uint32_t count, const double* mass, const double* acceleration, double* last,
+                       double* square, bool add) noexcept {
+    for (std::uint32_t i = 0; i < count; ++i) {
+      const double now = mass[i] * acceleration[i];
+      const double difference = now - last[i];
+      last[i] = now;
+      square[i] = difference * difference + (add ? square[i] : 0.0);
+    }
+  }
+
+  std::vector<double> x_, y_, z_;  // N, [node_count], m a of the sweep before
+  std::vector<Unit> units_;        // [unit_count]
+};
+
+}  // namespace springnet::recurrent

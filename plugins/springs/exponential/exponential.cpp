@@ -1,0 +1,45 @@
+// The stiffening of soft tissue. Fung found that the slope of tension over stretch grows linearly with the tension,
+// dT/de = a (T + b), with the strain e = (l - l0) / l0. Integrated from T = 0 at rest, and written with the stiffness
+// at rest k = a b / l0:
+//   T = (k l0 / a) (exp(a e) - 1),   E = k (l0 / a)^2 (exp(a e) - 1 - a e).
+// In compression the same formula holds: the spring softens and pushes with less than k l0 / a, as strands of tissue
+// do. It does not resist collapse; where a net needs that, other springs or its filling have to give it.
+// The rest length must be above 0.
+#include <springnet/sdk/law.hpp>
+
+namespace {
+using namespace springnet::sdk;
+
+// exp(x) - 1 - x. Near 0, where the terms cancel, by its series x^2/2! + x^3/3! + …; at |x| < 1/2 what is left out
+// after x^15 is below 1e-16 of the sum.
+template <class Real>
+Real expm1_minus_x(const Real& x) {
+  if (!(abs(x) < 0.5)) return expm1(x) - x;
+  Real sum(1.0);
+  for (int n = 15; n > 2; --n) sum = 1.0 + sum * x / static_cast<double>(n);
+  return 0.5 * x * x * sum;
+}
+
+struct Exponential : SpringFunction {
+  enum { stiffness, exponent };
+  static constexpr const char* id = "exponential";
+  static constexpr const char* summary = "soft tissue, T = stiffness l0 / exponent (exp(exponent (l - l0) / l0) - 1)";
+  static constexpr const char* reference =
+      "Y. C. Fung, Elasticity of soft tissues in simple elongation, Am. J. Physiol. 213 (1967) 1532-1544";
+  static constexpr Parameter parameters[] = {
+      number("stiffness", "N/m", "slope of the tension at the rest length").at_least(0).learnable(),
+      number("exponent", "1", "how fast the stiffness grows with the strain").above(0).preset(10).learnable(10)};
+
+  static auto force(const auto& e, const auto& p) {
+    return p[stiffness] * e.reference / p[exponent] * expm1(p[exponent] * e.strain());
+  }
+
+  static auto energy(const auto& e, const auto& p) {
+    const auto length = e.reference / p[exponent];
+    return p[stiffness] * length * length * expm1_minus_x(p[exponent] * e.strain());
+  }
+};
+
+}  // namespace
+
+SPRINGNET_PLUGIN("springnet.spring.exponential", "0.1.0", "springnet", "MIT", Exponential);

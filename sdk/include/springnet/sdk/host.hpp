@@ -1,0 +1,166 @@
+// The host's table of functions as an integrator in C++ sees it: the same calls, with RAII for states and exceptions
+// for failures. Shapes and units are those of plugin.h; node numbers are the engine's.
+#pragma once
+
+#include <atomic>
+#include <cstddef>
+#include <cstdint>
+#include <exception>
+#include <memory>
+#include <new>
+#include <span>
+#include <stdexcept>
+#include <string>
+#include <type_traits>
+#include <utility>
+
+#include <springnet/sdk/plugin.h>
+
+namespace springnet::sdk {
+
+// A failed call, of the host or of the integrator itself; the glue turns it back into `status` and the host's message.
+class Failure : public std::runtime_error {
+ public:
+  explicit Failure(const std::string& message, springnet_status status = SPRINGNET_FAILED)
+      : std::runtime_error(message), status_(status) {}
+  [[nodiscard]] springnet_status status() const noexcept { return status_; }
+  // A smaller step may succeed: the state asked for has no finite answer.
+  [[nodiscard]] bool recoverable() const noexcept { return status_ == SPRINGNET_RECOVERABLE; }
+
+ private:
+  springnet_status status_;
+};
+
+// A struct of the ABI with all fields zero and its size set: auto sweep = sized<springnet_sweep>();
+template <class Struct>
+[[nodiscard]] constexpr Struct sized() noexcept {
+  Struct result{};
+  result.struct_size = sizeof(Struct);
+  return result;
+}
+
+[[nodiscard]] constexpr springnet_const_vectors view(const springnet_vectors& v) noexcept { return {v.x, v.y, v.z}; }
+
+// An evaluation that reads `state` and has no outputs yet.
+[[nodiscard]] inline springnet_evaluation evaluation_at(double time, const springnet_state& state) noexcept {
+  auto evaluation = sized<springnet_evaluation>();
+  evaluation.time = time;
+  evaluation.position = view(state.position);
+  evaluation.velocity = view(state.velocity);
+  evaluation.internal = state.internal;
+  return evaluation;
+}
+
+struct StateDeleter {
+  const springnet_host* host = nullptr;
+  void operator()(springnet_state* state) const noexcept { host->state_destroy(host->context, state); }
+};
+// Owns the state of all nodes, in the host's memory. The pointers inside it change when it is committed.
+using State = std::unique_ptr<springnet_state, StateDeleter>;
+
+struct Committed {
+  double time;  // s
+  const springnet_state& state;
+};
+
+// A view of the table, cheap to copy, valid as long as the integrator. Functions throw Failure with the host's message
+// and status; one that is recoverable has Failure::recoverable().
+class Host {
+ public:
+  explicit Host(const springnet_host& table) noexcept : table_(&table) {}
+
+  [[nodiscard]] const springnet_host& table() const noexcept { return *table_; }
+  // Masses, held nodes, neighbours, scales; valid until `revision` changes.
+  [[nodiscard]] const springnet_network& network() const noexcept { return *table_->network(table_->context); }
+
+  // Throws std::bad_alloc.
+  [[nodiscard]] State make_state() const {
+    springnet_state* state = table_->state_create(table_->context);
+    if (state == nullptr) throw std::bad_alloc();
+    return State(state, StateDeleter{table_});
+  }
+  [[nodiscard]] Committed committed() const noexcept {
+    double time = 0.0;
+    const springnet_state* state = table_->committed(table_->context, &time);
+    return {time, *state};
+  }
+
+  // Loads are averaged over [from, until], s.
+  void begin_step(double from, double until) const { check(table_->begin_step(table_->context, from, until)); }
+  void evaluate(const springnet_evaluation& evaluation) const { check(table_->evaluate(table_->context, &evaluation)); }
+  void evaluate_nodes(const springnet_evaluation& evaluation, std::span<const std::uint32_t> nodes) const {
+    check(table_->evaluate_nodes(table_->context, &evaluation, nodes.data(), static_cast<std::uint32_t>(nodes.size())));
+  }
+  // One sweep. `update(const springnet_node_batch&)` takes the place of sweep.update and sweep.user; it is called from
+  // several threads unless the sweep has an order, with different units. What it throws is thrown again here, after
+  // the sweep.
+  template <class Update>
+  void sweep(springnet_sweep sweep, Update&& update) const {
+    using Callable = std::remove_reference_t<Update>;
+    struct Call {
+      Callable& update;
+      std::atomic_flag caught{};
+      std::exception_ptr error{};
+    } call{update};
+    sweep.user = &call;
+    sweep.update = [](void* user, const springnet_node_batch* batch) {
+      auto& self = *static_cast<Call*>(user);
+      try {
+        self.update(*batch);
+      } catch (...) {
+        if (!self.caught.test_and_set()) self.error = std::current_exception();
+      }
+    };
+    const springnet_status status = table_->sweep(table_->context, &sweep);
+    if (call.error) std::rethrow_exception(call.error);
+    check(status);
+  }
+
+  // Derivatives of the accelerations at a state, for the functions that follow it.
+  void linearise(const springnet_evaluation& at) const { check(table_->linearise(table_->context, &at)); }
+  // out = da/dp dp + da/dv dv; 3 node_count numbers each, x of all nodes, then y, then z.
+  void jacobian_times(const double* dp, const double* dv, double* out) const {
+    check(table_->jacobian_times(table_->context, dp, dv, out));
+  }
+  // Of A = I - velocity_weight da/dv - position_weight da/dp: out[node][3][3].
+  void diagonal_blocks(double velocity_weight, double position_weight, double* out) const {
+    check(table_->diagonal_blocks(table_->context, velocity_weight, position_weight, out));
+  }
+  void factorise(double velocity_weight, double position_weight) const {
+    check(table_->factorise(table_->context, velocity_weight, position_weight));
+  }
+  // A x = right_side, or A^T x = right_side, with the matrix factorised last; x may be right_side.
+  void solve(const double* right_side, double* x) const { check(table_->solve(table_->context, 0, right_side, x)); }
+  void solve_transposed(const double* right_side, double* x) const {
+    check(table_->solve(table_->context, 1, right_side, x));
+  }
+
+  // `values` and `directions` (may be null where a caller does not want them) have network().event_count entries.
+  void event_values(const springnet_evaluation& at, double* values, std::int32_t* directions) const {
+    check(table_->event_values(table_->context, &at, values, directions));
+  }
+  void fire_events(double time, springnet_state& state, const std::int32_t* fired) const {
+    check(table_->fire_events(table_->context, time, &state, fired));
+  }
+  // s; infinity if there is none.
+  [[nodiscard]] double next_discontinuity(double time) const noexcept {
+    return table_->next_discontinuity(table_->context, time);
+  }
+
+  // `state` and the committed state exchange their memory.
+  void commit(double time, springnet_state& state) const { check(table_->commit(table_->context, time, &state)); }
+
+  // A number about the run, in the summary under `name`.
+  void report(const char* name, double value) const noexcept { table_->report(table_->context, name, value); }
+
+ private:
+  void check(springnet_status status) const {
+    if (status == SPRINGNET_OK) return;
+    const springnet_message* message = table_->message(table_->context);
+    throw Failure(message == nullptr ? "the host gave no reason" : message->text, status);
+  }
+
+  const springnet_host* table_;
+};
+
+}  // namespace springnet::sdk

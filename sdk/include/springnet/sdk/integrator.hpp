@@ -1,0 +1,132 @@
+// Integrators in C++. An integrator is a class
+//
+//   class Euler : public springnet::sdk::Integrator {
+//    public:
+//     static constexpr const char* id = "euler";
+//     static constexpr const char* summary = "explicit Euler steps";
+//     static constexpr Parameter parameters[] = {integer("substeps", "steps within a step").preset(1).at_least(1)};
+//     Euler(Host host, Options options);
+//     springnet_status advance(double until, springnet_step_report& report);
+//   };
+//   SPRINGNET_PLUGIN("org.example.euler", "1.0.0", "author", "MIT", Euler);
+//
+// advance() takes the network from the committed state to a committed state at `until` (s) and returns SPRINGNET_OK, or
+// SPRINGNET_UNSETTLED with a report and nothing committed. Constructor and advance() may throw: Failure keeps its
+// status, any other exception becomes SPRINGNET_FAILED; what() becomes the host's message. The destructor must not.
+#pragma once
+
+#include <algorithm>
+#include <cstddef>
+#include <cstdint>
+#include <cstring>
+#include <exception>
+#include <memory>
+#include <span>
+#include <stdexcept>
+#include <string>
+#include <string_view>
+
+#include <springnet/sdk/component.hpp>
+#include <springnet/sdk/host.hpp>
+#include <springnet/sdk/message.hpp>
+
+namespace springnet::sdk {
+
+// The values of an integrator's parameters, read by name in its constructor: options["max_step"].
+class Options {
+ public:
+  Options(std::span<const Parameter> parameters, const double* values) noexcept
+      : parameters_(parameters), values_(values) {}
+
+  // Throws std::logic_error for a name that the class did not declare.
+  [[nodiscard]] double operator[](std::string_view name) const {
+    for (std::size_t i = 0; i < parameters_.size(); ++i) {
+      if (name == parameters_[i].name) return values_[i];
+    }
+    throw std::logic_error("the integrator reads an option that it does not declare: " + std::string(name));
+  }
+  [[nodiscard]] bool boolean(std::string_view name) const { return (*this)[name] != 0.0; }
+  // For SPRINGNET_INTEGER; the host has checked that the value is whole and in its bounds.
+  template <class Integer = std::int64_t>
+  [[nodiscard]] Integer integer(std::string_view name) const {
+    return static_cast<Integer>((*this)[name]);
+  }
+  // For SPRINGNET_CHOICE: an enumeration whose values 0, 1, … are in the order of the declared names.
+  template <class Enumeration>
+  [[nodiscard]] Enumeration choice(std::string_view name) const {
+    return static_cast<Enumeration>(integer<int>(name));
+  }
+
+ private:
+  std::span<const Parameter> parameters_;
+  const double* values_;
+};
+
+template <class Component>
+struct IntegratorGlue {
+  static constexpr std::uint32_t capabilities = 0;
+
+  static springnet_status create(const springnet_host* host, const double* options, void** integrator) noexcept {
+    *integrator = nullptr;
+    return guarded(host, [&] {
+      if (host->struct_size < SPRINGNET_SIZE_TO(springnet_host, message)) {
+        throw Failure("the host's table of functions is smaller than that of ABI 1.0; update the host");
+      }
+      auto made = std::make_unique<Instance>(host, options);
+      *integrator = made.release();
+      return springnet_status{SPRINGNET_OK};
+    });
+  }
+  static void destroy(void* integrator) noexcept { delete static_cast<Instance*>(integrator); }
+  static springnet_status advance(void* integrator, double until, springnet_step_report* report) noexcept {
+    auto& instance = *static_cast<Instance*>(integrator);
+    // A host with a smaller or larger report than this one: only what both know is exchanged.
+    auto full = sized<springnet_step_report>();
+    const std::size_t shared = std::min<std::size_t>(report->struct_size, sizeof full);
+    const std::uint32_t size_of_host = report->struct_size;
+    std::memcpy(&full, report, shared);
+    full.struct_size = sizeof full;
+    const springnet_status status =
+        guarded(instance.host, [&]() -> springnet_status { return instance.component.advance(until, full); });
+    std::memcpy(report, &full, shared);
+    report->struct_size = size_of_host;
+    return status;
+  }
+  static constexpr springnet_integrator implementation{sizeof(springnet_integrator), 0, &create, &destroy, &advance};
+
+ private:
+  struct Instance {
+    Instance(const springnet_host* table, const double* options)
+        : host(table), component(Host(*table), Options(parameters_of<Component>(), options)) {}
+    const springnet_host* host;
+    Component component;
+  };
+
+  static springnet_status fail(const springnet_host* host, const char* why, springnet_status status) noexcept {
+    springnet_message* message =
+        SPRINGNET_HAS_FIELD(springnet_host, host, message) ? host->message(host->context) : nullptr;
+    detail::write_message(message, why);
+    return status;
+  }
+  template <class Body>
+  static springnet_status guarded(const springnet_host* host, const Body& body) noexcept {
+    try {
+      return body();
+    } catch (const Failure& error) {
+      return fail(host, error.what(), error.status());
+    } catch (const std::exception& error) {
+      return fail(host, error.what(), SPRINGNET_FAILED);
+    } catch (...) {
+      return fail(host, "the integrator threw something that is no std::exception", SPRINGNET_FAILED);
+    }
+  }
+};
+
+// Base of integrators; see the top of this file.
+struct Integrator {
+  static constexpr std::uint32_t kind = SPRINGNET_INTEGRATOR;
+  template <class Component>
+  using Glue = IntegratorGlue<Component>;
+};
+
+}  // namespace springnet::sdk

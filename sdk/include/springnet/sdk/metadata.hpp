@@ -1,0 +1,138 @@
+// What a component says about itself, written as constants: its parameters (this file) and, beside them in its class,
+//   static constexpr const char* id, summary;          // the name in a scene; one line
+//   static constexpr const char* reference;            // literature, optional
+//   static constexpr Parameter parameters[] = {…};     // optional; the order is that of p[0], p[1], …
+#pragma once
+
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <initializer_list>
+#include <limits>
+#include <span>
+
+#include <springnet/sdk/plugin.h>
+
+namespace springnet::sdk {
+
+// A parameter, built with one of the functions below and refined by its members:
+//   number("stiffness", "N/m", "tension per elongation").above(0).learnable(100)
+// Without preset() a scene has to give it.
+struct Parameter {
+  static constexpr std::size_t most_choices = 8;
+
+  const char* name = "";
+  const char* unit = "1";
+  const char* summary = "";
+  std::uint32_t type = SPRINGNET_NUMBER;
+  std::uint32_t flags = SPRINGNET_REQUIRED;
+  double default_value = 0.0;
+  double smallest = -std::numeric_limits<double>::infinity();
+  double largest = std::numeric_limits<double>::infinity();
+  double scale = 1.0;
+  std::uint32_t choice_count = 0;
+  std::array<const char*, most_choices> choices{};
+
+  // The value where a scene gives none.
+  [[nodiscard]] constexpr Parameter preset(double value) const {
+    Parameter p = *this;
+    p.default_value = value;
+    p.flags &= ~std::uint32_t{SPRINGNET_REQUIRED};
+    return p;
+  }
+  [[nodiscard]] constexpr Parameter at_least(double value) const {
+    Parameter p = *this;
+    p.smallest = value;
+    return p;
+  }
+  [[nodiscard]] constexpr Parameter above(double value) const {
+    Parameter p = at_least(value);
+    p.flags |= SPRINGNET_EXCLUDES_SMALLEST;
+    return p;
+  }
+  [[nodiscard]] constexpr Parameter at_most(double value) const {
+    Parameter p = *this;
+    p.largest = value;
+    return p;
+  }
+  // Identification may change it; `typical` is its usual magnitude, above 0.
+  [[nodiscard]] constexpr Parameter learnable(double typical = 1.0) const {
+    Parameter p = *this;
+    p.flags |= SPRINGNET_LEARNABLE;
+    p.scale = typical;
+    return p;
+  }
+};
+
+// A number in the SI unit `unit` ("1" where it has none).
+[[nodiscard]] constexpr Parameter number(const char* name, const char* unit, const char* summary) {
+  Parameter p;
+  p.name = name;
+  p.unit = unit;
+  p.summary = summary;
+  return p;
+}
+
+[[nodiscard]] constexpr Parameter integer(const char* name, const char* summary) {
+  Parameter p = number(name, "1", summary);
+  p.type = SPRINGNET_INTEGER;
+  return p;
+}
+
+// false unless preset(1).
+[[nodiscard]] constexpr Parameter boolean(const char* name, const char* summary) {
+  Parameter p = number(name, "1", summary).preset(0).at_least(0).at_most(1);
+  p.type = SPRINGNET_BOOLEAN;
+  return p;
+}
+
+// One of some names, at most eight; the value is the index of the name. The first one unless preset(index).
+[[nodiscard]] constexpr Parameter choice(const char* name, std::initializer_list<const char*> names,
+                                         const char* summary) {
+  Parameter p = number(name, "1", summary).preset(0).at_least(0).at_most(static_cast<double>(names.size()) - 1);
+  p.type = SPRINGNET_CHOICE;
+  for (const char* each : names) p.choices.at(p.choice_count++) = each;
+  return p;
+}
+
+// Parameters of a component class; none if it declares none.
+template <class Component>
+[[nodiscard]] constexpr std::span<const Parameter> parameters_of() {
+  if constexpr (requires { Component::parameters; }) return Component::parameters;
+  return {};
+}
+
+// The C structs of an array of parameters, in constant memory. `List::get()` returns a std::span<const Parameter> of
+// static storage.
+template <class List>
+struct ParameterTable {
+  static constexpr std::size_t count = List::get().size();
+
+  static constexpr springnet_parameter convert(const Parameter& p) {
+    return {sizeof(springnet_parameter),
+            p.type,
+            p.name,
+            p.unit,
+            p.summary,
+            p.default_value,
+            p.smallest,
+            p.largest,
+            p.scale,
+            p.flags,
+            p.choice_count,
+            p.choice_count == 0 ? nullptr : p.choices.data()};
+  }
+  static constexpr auto entries = [] {
+    std::array<springnet_parameter, count> result{};
+    for (std::size_t i = 0; i < count; ++i) result[i] = convert(List::get()[i]);
+    return result;
+  }();
+  static constexpr auto addresses = [] {
+    std::array<const springnet_parameter*, count> result{};
+    for (std::size_t i = 0; i < count; ++i) result[i] = &entries[i];
+    return result;
+  }();
+  static constexpr const springnet_parameter* const* pointer = count == 0 ? nullptr : addresses.data();
+};
+
+}  // namespace springnet::sdk

@@ -1,0 +1,169 @@
+// Neurons in C++: net force to acceleration.
+//
+//   struct PointMass : springnet::sdk::Neuron {
+//     static constexpr const char* id = "point_mass";
+//     static constexpr const char* summary = "mass point: a = F / m";
+//     static auto acceleration(const auto& n, const auto&) { return n.force / n.mass; }
+//   };
+//
+// acceleration() gets a Node<Real> and Parameters<Real> and answers with a Vector<Real>: Real is double, or a dual
+// number for the derivative blocks. It is pure, like a law.
+#pragma once
+
+#include <array>
+#include <cstddef>
+#include <cstdint>
+
+#include <springnet/sdk/component.hpp>
+#include <springnet/sdk/kernel.hpp>
+
+namespace springnet::sdk {
+
+template <class Real>
+struct Vector {
+  Real x, y, z;
+
+  friend SPRINGNET_INLINE constexpr Vector operator+(const Vector& a, const Vector& b) {
+    return {a.x + b.x, a.y + b.y, a.z + b.z};
+  }
+  friend SPRINGNET_INLINE constexpr Vector operator-(const Vector& a, const Vector& b) {
+    return {a.x - b.x, a.y - b.y, a.z - b.z};
+  }
+  friend SPRINGNET_INLINE constexpr Vector operator-(const Vector& a) { return {-a.x, -a.y, -a.z}; }
+  friend SPRINGNET_INLINE constexpr Vector operator*(const Real& s, const Vector& a) {
+    return {s * a.x, s * a.y, s * a.z};
+  }
+  friend SPRINGNET_INLINE constexpr Vector operator*(const Vector& a, const Real& s) { return s * a; }
+  friend SPRINGNET_INLINE constexpr Vector operator/(const Vector& a, const Real& s) {
+    return {a.x / s, a.y / s, a.z / s};
+  }
+  friend SPRINGNET_INLINE constexpr Real dot(const Vector& a, const Vector& b) {
+    return a.x * b.x + a.y * b.y + a.z * b.z;
+  }
+};
+
+// What a neuron reads, beside its parameters.
+template <class Real>
+struct Node {
+  Vector<Real> force;     // net force, N
+  Vector<Real> position;  // m
+  Vector<Real> velocity;  // m/s
+  Real mass;              // kg
+  double time;            // s
+};
+
+template <class Model>
+class NeuronKernel {
+  static constexpr std::size_t P = parameters_of<Model>().size();
+
+ public:
+  SPRINGNET_INLINE static void run(const springnet_neuron_batch& b) {
+    const detail::Streams<P> streams(b.parameters, b.parameter_strides, b.count);
+    for (std::uint32_t begin = 0; begin < b.count; begin += detail::chunk_size) {
+      Chunk chunk{};
+      chunk.begin = begin;
+      chunk.count = std::min(detail::chunk_size, b.count - begin);
+      for (std::size_t j = 0; j < P; ++j) chunk.parameters[j] = streams.at(j, begin);
+      if (streams.uniform()) {
+        evaluate<true>(b, chunk);
+      } else {
+        evaluate<false>(b, chunk);
+      }
+    }
+  }
+
+ private:
+  struct Chunk {
+    std::uint32_t begin, count;
+    std::array<const double*, P> parameters;
+  };
+  enum class By { force, position, velocity };
+
+  template <class Real>
+  SPRINGNET_INLINE static Vector<Real> load(const springnet_const_vectors& v, std::uint32_t i) {
+    return {v.x[i], v.y[i], v.z[i]};
+  }
+  template <class Real, bool uniform>
+  SPRINGNET_INLINE static std::array<Real, P> parameters_at(const Chunk& c, std::uint32_t i) {
+    std::array<Real, P> result{};
+    for (std::size_t j = 0; j < P; ++j) result[j] = uniform ? *c.parameters[j] : c.parameters[j][i];
+    return result;
+  }
+  template <class Real>
+  SPRINGNET_INLINE static Node<Real> node_at(const springnet_neuron_batch& b, std::uint32_t k) {
+    return {load<Real>(b.force, k), load<Real>(b.position, k), load<Real>(b.velocity, k), b.mass[k], b.time};
+  }
+
+  template <bool uniform>
+  SPRINGNET_INLINE static void accelerations(const springnet_neuron_batch& batch, const Chunk& c) {
+    const springnet_neuron_batch b = batch;  // a copy: outputs cannot overlap it
+    double* __restrict x = b.acceleration.x;
+    double* __restrict y = b.acceleration.y;
+    double* __restrict z = b.acceleration.z;
+    const auto fixed = parameters_at<double, uniform>(c, 0);
+    for (std::uint32_t i = 0; i < c.count; ++i) {
+      const std::uint32_t k = c.begin + i;
+      const auto own = uniform ? fixed : parameters_at<double, uniform>(c, i);
+      const Vector<double> a = Model::acceleration(node_at<double>(b, k), Parameters<double>(own.data()));
+      x[k] = a.x;
+      y[k] = a.y;
+      z[k] = a.z;
+    }
+  }
+  // out[node][row][column] = d a_row / d (what)_column.
+  template <By what, bool uniform>
+  SPRINGNET_INLINE static void block(const springnet_neuron_batch& b, const Chunk& c, double* out) {
+    using Real = Dual<3>;
+    for (std::uint32_t i = 0; i < c.count; ++i) {
+      const std::uint32_t k = c.begin + i;
+      Node<Real> node = node_at<Real>(b, k);
+      Vector<Real>& variables = what == By::force ? node.force : (what == By::position ? node.position : node.velocity);
+      variables.x.derivatives[0] = 1.0;
+      variables.y.derivatives[1] = 1.0;
+      variables.z.derivatives[2] = 1.0;
+      const auto own = parameters_at<Real, uniform>(c, i);
+      const Vector<Real> a = Model::acceleration(node, Parameters<Real>(own.data()));
+      double* nine = out + 9 * std::size_t{k};
+      for (std::size_t j = 0; j < 3; ++j) {
+        nine[j] = a.x.derivatives[j];
+        nine[3 + j] = a.y.derivatives[j];
+        nine[6 + j] = a.z.derivatives[j];
+      }
+    }
+  }
+
+  template <bool uniform>
+  SPRINGNET_INLINE static void evaluate(const springnet_neuron_batch& b, const Chunk& c) {
+    if (b.acceleration.x != nullptr) accelerations<uniform>(b, c);
+    if (b.acceleration_by_force != nullptr) block<By::force, uniform>(b, c, b.acceleration_by_force);
+    if (b.acceleration_by_position != nullptr) block<By::position, uniform>(b, c, b.acceleration_by_position);
+    if (b.acceleration_by_velocity != nullptr) block<By::velocity, uniform>(b, c, b.acceleration_by_velocity);
+  }
+};
+
+template <class Model>
+struct NeuronGlue {
+  static_assert(
+      requires(const Node<double>& n, const Parameters<double>& p) { Vector<double>{Model::acceleration(n, p)}; },
+      "a neuron needs: static auto acceleration(const auto& n, const auto& p), which answers with a Vector");
+
+  static constexpr std::uint32_t capabilities = SPRINGNET_HAS_DERIVATIVES;
+
+  static springnet_status evaluate(const springnet_neuron_batch* batch) noexcept {
+    if (batch->struct_size < SPRINGNET_SIZE_TO(springnet_neuron_batch, message)) return SPRINGNET_FAILED;
+    return detail::guarded(batch->message, [batch]() -> springnet_status {
+      detail::run<NeuronKernel<Model>>(*batch);
+      return SPRINGNET_OK;
+    });
+  }
+  static constexpr springnet_neuron_model implementation{sizeof(springnet_neuron_model), 0, &evaluate};
+};
+
+// Base of neurons; see the top of this file.
+struct Neuron {
+  static constexpr std::uint32_t kind = SPRINGNET_NEURON;
+  template <class Model>
+  using Glue = NeuronGlue<Model>;
+};
+
+}  // namespace springnet::sdk

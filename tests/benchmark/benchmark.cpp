@@ -1,0 +1,161 @@
+// Speed of whole time steps, through the interface that a host program has. items_per_second is spring updates a
+// second: springs x steps for a step of one sweep, springs x sweeps (evaluations of all springs) for steps that
+// iterate. Lattices have axial and space-diagonal springs with linear stiffness and axial damping.
+#include <cstdint>
+#include <cstdio>
+#include <memory>
+#include <string>
+
+#include <benchmark/benchmark.h>
+
+#include <springnet/error.hpp>
+#include <springnet/simulation.hpp>
+
+#include "simulation/engine.hpp"  // internal: there is no public way to evaluate without a step
+
+namespace {
+
+using springnet::LawUse;
+using springnet::Vector3;
+
+std::shared_ptr<const springnet::PluginHost> plugins() {
+  static const auto host = std::make_shared<const springnet::PluginHost>(springnet::PluginHost::with_default_search());
+  return host;
+}
+
+// SPRINGNET_CHOICE options are given by the index of the choice.
+double choice(const char* integrator, const char* option, const char* name) {
+  const auto component = plugins()->require(springnet::ComponentKind::integrator, integrator);
+  const std::ptrdiff_t at = springnet::parameter_index(*component->description, option);
+  return static_cast<double>(springnet::choice_index(*component->description->parameters[at], name));
+}
+
+// stiffness N/m, damping N s/m; masses of 1 kg, 1 m apart. Every node starts with a velocity of its own: a lattice at
+// rest would time multiplications with zero.
+springnet::Network lattice(std::uint32_t nodes_a_side, double stiffness, double damping) {
+  springnet::Network network;
+  const auto material = network.add_material(
+      {.spring = LawUse{"linear", {{"stiffness", stiffness}}}, .viscosity = LawUse{"linear", {{"damping", damping}}}});
+  network.add_lattice("lattice",
+                      {.nodes = {nodes_a_side, nodes_a_side, nodes_a_side},
+                       .spacing = Vector3::Ones(),
+                       .origin = Vector3::Zero(),
+                       .diagonals = springnet::Diagonals::space},
+                      {}, material);
+  std::uint64_t random = 1;
+  for (springnet::NodeIndex index = 0; index < network.nodes().size(); ++index) {
+    springnet::Node node = network.nodes()[index];
+    for (double& component : node.velocity) {
+      random = random * 6364136223846793005U + 1442695040888963407U;
+      component = 1e-2 * (static_cast<double>(random >> 11) * 0x1p-53 - 0.5);
+    }
+    network.set_node(index, node);
+  }
+  return network;
+}
+
+// The cube of examples/cube: falls on a plane and is compressed.
+springnet::Network cube() {
+  springnet::Network network;
+  const auto material = network.add_material(
+      {.spring = LawUse{"linear", {{"stiffness", 3.0}}}, .viscosity = LawUse{"linear", {{"damping", 2.0}}}});
+  network.add_lattice("cube",
+                      {.nodes = {4, 4, 4},
+                       .spacing = Vector3::Ones(),
+                       .origin = {0.0, 0.0, 0.081},
+                       .diagonals = springnet::Diagonals::space},
+                      {}, material);
+  network.set_gravity({0.0, 0.0, -0.2});
+  network.add_plane({.name = "ground"});
+  return network;
+}
+
+// Net forces of all nodes, of springs and loads, at a state that does not change.
+void evaluation(benchmark::State& state) {
+  const springnet::SimulationOptions options{.threads = static_cast<unsigned>(state.range(1))};
+  springnet::Engine engine(lattice(static_cast<std::uint32_t>(state.range(0)), 100.0, 0.1), *plugins(), options);
+  const springnet_state& at = engine.state().view;
+  springnet_evaluation request{};
+  request.struct_size = sizeof request;
+  request.position = springnet::read_only(at.position);
+  request.velocity = springnet::read_only(at.velocity);
+  for ([[maybe_unused]] auto iteration : state) {
+    if (engine.evaluate(request) != SPRINGNET_OK) state.SkipWithError(engine.message().text);
+  }
+  const auto springs = static_cast<std::int64_t>(engine.layout().live_count());
+  state.SetItemsProcessed(state.iterations() * springs);
+  state.counters["springs"] = static_cast<double>(springs);
+}
+BENCHMARK(evaluation)
+    ->ArgNames({"nodes_a_side", "threads"})
+    ->ArgsProduct({{4, 32, 100}, {1, 2}})
+    ->UseRealTime()
+    ->Unit(benchmark::kMicrosecond);
+
+// A step of one synchronous sweep: symplectic Euler. The network stays the same size and in motion for any number of
+// steps (t_c^2 k/m = 0.01, far inside the stable range, and little damping), so every step is as dear as the first.
+void single_sweep(benchmark::State& state) {
+  const springnet::SimulationOptions options{
+      .time_step = 0.01,
+      .integrator = {"recurrent", {{"update", choice("recurrent", "update", "synchronous")}, {"sweeps", 1.0}}},
+      .threads = static_cast<unsigned>(state.range(1))};
+  springnet::Simulation simulation(lattice(static_cast<std::uint32_t>(state.range(0)), 100.0, 0.1), plugins(), options);
+  simulation.step();  // the first one touches memory for the first time
+  for ([[maybe_unused]] auto iteration : state) simulation.step();
+  const auto springs = static_cast<std::int64_t>(simulation.spring_count());
+  state.SetItemsProcessed(state.iterations() * springs);
+  state.counters["springs"] = static_cast<double>(springs);
+}
+BENCHMARK(single_sweep)
+    ->ArgNames({"nodes_a_side", "threads"})
+    ->ArgsProduct({{4, 32, 100}, {1, 2}})
+    ->UseRealTime()
+    ->Unit(benchmark::kMicrosecond);
+
+// Runs the cube's fall again and again, 5 s of it (touch down at 0.9 s, deepest at 3.95 s), a step an iteration.
+void cube_steps(benchmark::State& state, const springnet::SimulationOptions& options) {
+  const springnet::Network network = cube();
+  auto simulation = std::make_unique<springnet::Simulation>(network, plugins(), options);
+  std::uint64_t sweeps = 0;
+  for ([[maybe_unused]] auto iteration : state) {
+    sweeps += simulation->step().sweeps;
+    if (simulation->time() > 5.0) {
+      state.PauseTiming();
+      simulation = std::make_unique<springnet::Simulation>(network, plugins(), options);
+      state.ResumeTiming();
+    }
+  }
+  state.SetItemsProcessed(static_cast<std::int64_t>(sweeps * network.springs().size()));
+  state.counters["sweeps_per_step"] =
+      benchmark::Counter(static_cast<double>(sweeps), benchmark::Counter::kAvgIterations);
+}
+
+void cube_recurrent(benchmark::State& state, const char* update) {
+  cube_steps(state, {.time_step = 0.05,
+                     .integrator = {"recurrent", {{"update", choice("recurrent", "update", update)}}},
+                     .threads = 1});
+}
+BENCHMARK_CAPTURE(cube_recurrent, synchronous, "synchronous")->Name("cube_synchronous/nodes_a_side:4/threads:1");
+BENCHMARK_CAPTURE(cube_recurrent, wavefront, "wavefront")->Name("cube_wavefront/nodes_a_side:4/threads:1");
+
+// Output points 0.05 s apart; inside, the method's own steps.
+void cube_cvode(benchmark::State& state) {
+  cube_steps(state, {.time_step = 0.05, .integrator = {"cvode", {}}, .threads = 1});
+}
+BENCHMARK(cube_cvode)->Name("cube_cvode/nodes_a_side:4/threads:1");
+
+}  // namespace
+
+// Errors of the library (a plugin that is missing) end the program with their message and status 1.
+int main(int argc, char** argv) {
+  benchmark::Initialize(&argc, argv);
+  if (benchmark::ReportUnrecognizedArguments(argc, argv)) return 2;
+  try {
+    benchmark::RunSpecifiedBenchmarks();
+  } catch (const springnet::Error& error) {
+    benchmark::Shutdown();
+    std::fprintf(stderr, "springnet_benchmark: %s\n", error.what());
+    return 1;
+  }
+  benchmark::Shutdown();
+}

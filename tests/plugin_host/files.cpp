@@ -1,0 +1,233 @@
+// Plugins as files: what is taken, what is refused and with which words, and where files are looked for.
+#include <algorithm>
+#include <cstdlib>
+#include <filesystem>
+#include <string>
+
+#include <doctest/doctest.h>
+
+#include <springnet/error.hpp>
+#include <springnet/plugin_host.hpp>
+
+namespace fs = std::filesystem;
+using springnet::ComponentKind;
+using springnet::PluginHost;
+
+namespace {
+
+const fs::path fixtures = FIXTURES;
+
+fs::path fixture(const std::string& name) { return fixtures / name / (name + ".springnet" LIBRARY_SUFFIX); }
+
+bool contains(const std::string& text, const std::string& part) { return text.find(part) != std::string::npos; }
+
+// An environment variable for the time of a test.
+class Environment {
+ public:
+  Environment(const char* name, const std::string& value) : name_(name) { setenv(name, value.c_str(), 1); }
+  ~Environment() { unsetenv(name_); }
+  Environment(const Environment&) = delete;
+  Environment& operator=(const Environment&) = delete;
+
+ private:
+  const char* name_;
+};
+
+}  // namespace
+
+TEST_CASE("a good plugin offers its components, with where they come from") {
+  PluginHost host;
+  REQUIRE(host.load(fixture("good")));
+  CHECK(host.refusals().empty());
+  REQUIRE(host.components().size() == 1);
+  const auto component = host.find(ComponentKind::spring_function, "fixture");
+  REQUIRE(component != nullptr);
+  CHECK(component->kind() == ComponentKind::spring_function);
+  CHECK(component->file == fixture("good"));
+  CHECK(std::string(component->plugin->version) == "1.2.3");
+  CHECK(component->law().invariant == SPRINGNET_LENGTH);
+
+  const double length = 2.5;
+  double force = 0;
+  springnet_law_batch batch{};
+  batch.struct_size = sizeof batch;
+  batch.count = 1;
+  batch.q = &length;
+  batch.force = &force;
+  CHECK(component->law().evaluate(&batch) == SPRINGNET_OK);
+  CHECK(force == 2.5);
+}
+
+TEST_CASE("a plugin of a later minor version, whose structs have grown, is taken") {
+  PluginHost host;
+  CHECK(host.load(fixture("newer")));
+  CHECK(host.find(ComponentKind::spring_function, "fixture") != nullptr);
+}
+
+TEST_CASE("every file that is no plugin is refused with the reason and the remedy") {
+  struct Case {
+    std::string name;
+    std::vector<std::string> words;
+  };
+  const std::vector<Case> cases{
+      {"text", {"cannot be loaded as a library", "complete library"}},
+      {"empty", {"cannot be loaded as a library", "complete library"}},
+      {"folder", {"cannot be loaded as a library"}},
+      {"missing_symbol", {"springnet_fixture_nowhere", "links all that it calls"}},
+      {"no_entry", {"no symbol springnet_plugin_entry", "export it"}},
+      {"other_magic", {"magic number", "SDK"}},
+      {"other_major", {"plugin ABI 2.0", "reads 1.x", "rebuild the plugin"}},
+      {"smaller_struct", {"has 48 bytes", "needs 64", "rebuild the plugin"}},
+      {"out_of_range", {"'stiffness'", "default must be at least 0 N/m, is -1", "correct default or bounds"}},
+  };
+  for (const Case& c : cases) {
+    CAPTURE(c.name);
+    PluginHost host;
+    CHECK_FALSE(host.load(fixture(c.name)));
+    CHECK(host.components().empty());
+    REQUIRE(host.refusals().size() == 1);
+    CHECK(host.refusals()[0].file == fixture(c.name));
+    CAPTURE(host.refusals()[0].reason);
+    for (const std::string& word : c.words) CHECK(contains(host.refusals()[0].reason, word));
+  }
+}
+
+TEST_CASE("a file that is not there is refused") {
+  PluginHost host;
+  CHECK_FALSE(host.load(fixtures / "nowhere.springnet.so"));
+  REQUIRE(host.refusals().size() == 1);
+  CHECK(contains(host.refusals()[0].reason, "cannot be opened (No such file"));
+}
+
+TEST_CASE("of two plugins with the same kind and id the first is kept") {
+  PluginHost host;
+  REQUIRE(host.load(fixture("good")));
+  CHECK_FALSE(host.load(fixture("same_id")));
+  CHECK(host.components().size() == 1);
+  const std::string reason = host.refusals().back().reason;
+  CAPTURE(reason);
+  CHECK(contains(reason, "spring function 'fixture' is taken already, by org.example.fixture 1.2.3"));
+  CHECK(contains(reason, fixture("good").string()));
+  CHECK(contains(reason, "rename it, or remove"));
+
+  // The other way round it is the other one that is kept.
+  PluginHost reverse;
+  REQUIRE(reverse.load(fixture("same_id")));
+  CHECK_FALSE(reverse.load(fixture("good")));
+  CHECK(std::string(reverse.components()[0]->plugin->id) == "org.example.rival");
+}
+
+TEST_CASE("the same file twice is one plugin, and no refusal") {
+  PluginHost host;
+  CHECK(host.load(fixture("good")));
+  CHECK(host.load(fixtures / "good" / ".." / "good" / fixture("good").filename()));
+  CHECK(host.components().size() == 1);
+  CHECK(host.refusals().empty());
+}
+
+TEST_CASE("components outlive the host that loaded them") {
+  std::shared_ptr<const springnet::Component> component;
+  {
+    PluginHost host;
+    host.load(fixture("good"));
+    component = host.find(ComponentKind::spring_function, "fixture");
+  }
+  REQUIRE(component != nullptr);
+  CHECK(component->id() == "fixture");
+  springnet_law_batch nothing{};
+  nothing.struct_size = sizeof nothing;
+  CHECK(component->law().evaluate(&nothing) == SPRINGNET_OK);
+}
+
+TEST_CASE("a folder: files by name, those of other endings left alone, a missing folder recorded") {
+  PluginHost host;
+  host.search(fixtures / "other_ending");
+  CHECK(host.refusals().empty());
+  host.search(fixtures / "good");
+  host.search(fixtures / "good" / ".");
+  CHECK(host.components().size() == 1);
+  CHECK(host.refusals().empty());
+  host.search(fixtures / "text");
+  host.search(fixtures / "text");  // not looked at twice
+  CHECK(host.refusals().size() == 1);
+  host.search(fixtures / "nowhere");
+  REQUIRE(host.refusals().size() == 2);
+  CHECK(host.refusals()[1].file == fixtures / "nowhere");
+  CHECK(contains(host.refusals()[1].reason, "folder cannot be read"));
+}
+
+TEST_CASE("default search: folders given, then SPRINGNET_PLUGIN_PATH, then the library's own") {
+  const Environment path("SPRINGNET_PLUGIN_PATH", (fixtures / "good").string() + "::" + (fixtures / "text").string());
+  const PluginHost host = PluginHost::with_default_search({fixtures / "same_id"});
+  const auto fixture_law = host.find(ComponentKind::spring_function, "fixture");
+  REQUIRE(fixture_law != nullptr);
+  CHECK(std::string(fixture_law->plugin->id) == "org.example.rival");  // the folder given came first
+  const auto refused = [&](const fs::path& file) {
+    return std::any_of(host.refusals().begin(), host.refusals().end(),
+                       [&](const springnet::Refusal& refusal) { return refusal.file == file; });
+  };
+  CHECK(refused(fixture("good")));
+  CHECK(refused(fixture("text")));
+
+  const auto linear = host.find(ComponentKind::spring_function, "linear");
+  REQUIRE(linear != nullptr);
+  CHECK(linear->file.parent_path().filename() == "plugins");
+  CHECK(linear->file.parent_path().parent_path().filename() == "springnet");
+}
+
+TEST_CASE("what comes with springnet is taken without a refusal") {
+  const PluginHost host = PluginHost::with_default_search();
+  for (const springnet::Refusal& refusal : host.refusals()) MESSAGE(refusal.file.string(), ": ", refusal.reason);
+  CHECK(host.refusals().empty());
+  for (const char* id : {"linear", "nonlinear", "exponential", "rupturing"}) {
+    CHECK_MESSAGE(host.find(ComponentKind::spring_function, id) != nullptr, id);
+  }
+  for (const char* id : {"linear", "relative", "power"}) {
+    CHECK_MESSAGE(host.find(ComponentKind::viscosity_function, id) != nullptr, id);
+  }
+  for (const char* id : {"point_mass", "dragged"}) {
+    CHECK_MESSAGE(host.find(ComponentKind::neuron, id) != nullptr, id);
+  }
+  for (const char* id : {"recurrent", "cvode"}) {
+    CHECK_MESSAGE(host.find(ComponentKind::integrator, id) != nullptr, id);
+  }
+}
+
+TEST_CASE("the working directory is never searched") {
+  const fs::path before = fs::current_path();
+  fs::current_path(fixtures / "good");
+  const Environment path("SPRINGNET_PLUGIN_PATH", ":.:");
+  const PluginHost host = PluginHost::with_default_search();
+  fs::current_path(before);
+  CHECK(host.find(ComponentKind::spring_function, "fixture") == nullptr);
+  REQUIRE(host.refusals().size() == 1);
+  CHECK(host.refusals()[0].file == ".");
+  CHECK(contains(host.refusals()[0].reason, "give the whole path"));
+}
+
+TEST_CASE("an unknown component: nearest names, all known ones, and what was not taken") {
+  PluginHost host;
+  host.load(fixture("good"));
+  host.load(fixture("other_major"));
+  CHECK(host.require(ComponentKind::spring_function, "fixture") != nullptr);
+  std::string message;
+  try {
+    static_cast<void>(host.require(ComponentKind::spring_function, "fixtrue"));
+  } catch (const springnet::Error& error) {
+    CHECK(error.kind() == springnet::ErrorKind::plugin);
+    message = error.what();
+  }
+  CAPTURE(message);
+  CHECK(contains(message, "there is no spring function 'fixtrue'; did you mean 'fixture'?"));
+  CHECK(contains(message, fixture("other_major").string() + ": built for plugin ABI 2.0"));
+
+  try {
+    static_cast<void>(host.require(ComponentKind::neuron, "fixture"));
+    message.clear();
+  } catch (const springnet::Error& error) {
+    message = error.what();
+  }
+  CAPTURE(message);
+  CHECK(contains(message, "'fixture' is a spring function"));
+  CHECK(contains(message, "SPRINGNET_PLUGIN_PATH"));
+}

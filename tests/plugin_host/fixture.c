@@ -1,0 +1,80 @@
+/* A plugin in C11 against the bare ABI. Each fixture defines one of the macros below to make one thing wrong. */
+#include <springnet/sdk/plugin.h>
+
+#ifndef MAGIC
+#define MAGIC SPRINGNET_MAGIC
+#endif
+#ifndef ABI_MAJOR
+#define ABI_MAJOR SPRINGNET_ABI_MAJOR
+#endif
+#ifndef ABI_MINOR
+#define ABI_MINOR SPRINGNET_ABI_MINOR
+#endif
+#ifndef DEFAULT_STIFFNESS
+#define DEFAULT_STIFFNESS 1
+#endif
+#ifndef PLUGIN_ID
+#define PLUGIN_ID "org.example.fixture"
+#endif
+
+#ifdef CALLS_NOWHERE
+double springnet_fixture_nowhere(double);
+#endif
+
+static springnet_status evaluate(const springnet_law_batch* batch) {
+  for (uint32_t i = 0; i < batch->count; ++i) {
+    batch->force[i] = batch->q[i];
+#ifdef CALLS_NOWHERE
+    batch->force[i] = springnet_fixture_nowhere(batch->q[i]);
+#endif
+  }
+  return SPRINGNET_OK;
+}
+
+static const springnet_parameter stiffness = {.struct_size = sizeof(springnet_parameter),
+                                              .type = SPRINGNET_NUMBER,
+                                              .name = "stiffness",
+                                              .unit = "N/m",
+                                              .summary = "tension per length",
+                                              .default_value = DEFAULT_STIFFNESS,
+                                              .smallest = 0,
+                                              .largest = 1e9,
+                                              .scale = 1};
+static const springnet_parameter* const parameters[] = {&stiffness};
+static const springnet_law law = {
+    .struct_size = sizeof(springnet_law), .invariant = SPRINGNET_LENGTH, .evaluate = evaluate};
+static const springnet_component component = {.struct_size = sizeof(springnet_component),
+                                              .kind = SPRINGNET_SPRING_FUNCTION,
+                                              .id = "fixture",
+                                              .summary = "tension is length",
+                                              .reference = "",
+                                              .parameter_count = 1,
+                                              .parameters = parameters,
+                                              .implementation = &law};
+static const springnet_component* const components[] = {&component};
+
+#ifdef NO_ENTRY
+SPRINGNET_EXPORT const void* const another_symbol = components;
+#else
+/* A struct of a later minor version is longer. */
+typedef struct entry {
+  springnet_plugin plugin;
+#ifdef PLUGIN_TAIL
+  const char* tail[4];
+#endif
+} entry;
+#ifndef PLUGIN_SIZE
+#define PLUGIN_SIZE sizeof(entry)
+#endif
+SPRINGNET_EXPORT extern const entry springnet_plugin_entry;
+const entry springnet_plugin_entry = {.plugin = {.magic = MAGIC,
+                                                 .struct_size = PLUGIN_SIZE,
+                                                 .abi_major = ABI_MAJOR,
+                                                 .abi_minor = ABI_MINOR,
+                                                 .component_count = 1,
+                                                 .id = PLUGIN_ID,
+                                                 .version = "1.2.3",
+                                                 .author = "tests",
+                                                 .licence = "MIT",
+                                                 .components = components}};
+#endif

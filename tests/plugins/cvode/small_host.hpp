@@ -1,0 +1,255 @@
+// A host of a few nodes whose accelerations are a formula of the test, with dense matrices: what the plugin does with
+// its host (which calls, how often, what after a failure) can be seen and provoked here without the engine.
+#pragma once
+
+#include <cmath>
+#include <cstdint>
+#include <cstdio>
+#include <functional>
+#include <limits>
+#include <map>
+#include <memory>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include <Eigen/Dense>
+
+#include <springnet/sdk/plugin.h>
+#include <springnet/plugin_host.hpp>
+
+class SmallHost {
+ public:
+  using Vector = Eigen::VectorXd;  // 3 node_count: x of all nodes, then y, then z
+  using Matrix = Eigen::MatrixXd;
+  struct Event {
+    std::function<double(double time, const Vector& p, const Vector& v)> value;
+    std::int32_t direction;
+    std::function<void(SmallHost& host, Vector& p, Vector& v)> happen;
+  };
+
+  explicit SmallHost(std::uint32_t node_count) : size_(3 * node_count) {
+    network_.struct_size = sizeof network_;
+    network_.node_count = node_count;
+    network_.length_scale = 1.0;
+    network_.velocity_scale = 1.0;
+    network_.force_scale = 1.0;
+    committed_ = std::make_unique<State>(size_);
+    fill_table();
+  }
+  ~SmallHost() {
+    if (integrator_ != nullptr) description().destroy(integrator_);
+  }
+  SmallHost(const SmallHost&) = delete;
+  SmallHost& operator=(const SmallHost&) = delete;
+
+  // The model: a(t, p, v) and its derivatives.
+  std::function<Vector(double, const Vector&, const Vector&)> acceleration;
+  std::function<std::pair<Matrix, Matrix>(double, const Vector&, const Vector&)> derivatives;  // da/dp, da/dv
+  std::vector<Event> events;
+  std::vector<double> discontinuities;  // s
+  std::function<void(double time)> at_commit = [](double) {};
+
+  // What the plugin has done.
+  int evaluations = 0;
+  int linearisations = 0;
+  int factorisations = 0;
+  int products = 0;
+  std::vector<std::pair<double, double>> steps_begun;
+  std::vector<double> commits;
+  std::map<std::string, double> reported;
+
+  void start(const Vector& p, const Vector& v, double time = 0.0) {
+    committed_->p = p;
+    committed_->v = v;
+    time_ = time;
+  }
+  // The program changes the state or the model: a multistep method has to start afresh.
+  void change() { ++network_.revision; }
+  // Creates the integrator with options by name; empty, or why it refused.
+  std::string create(const springnet::ParameterValues& options) {
+    network_.event_count = static_cast<std::uint32_t>(events.size());
+    const auto values = springnet::complete_parameters(*component().description, options, "test");
+    return description().create(&table_, values.data(), &integrator_) == SPRINGNET_OK ? "" : message_.text;
+  }
+  // Empty, or why it failed.
+  std::string advance(double until) {
+    report = {};
+    report.struct_size = sizeof report;
+    message_ = {};
+    return description().advance(integrator_, until, &report) == SPRINGNET_OK ? "" : message_.text;
+  }
+  springnet_step_report report{};
+  springnet_network& network() { return network_; }
+  const Vector& position() const { return committed_->p; }
+  const Vector& velocity() const { return committed_->v; }
+  const Vector& force() const { return committed_->f; }
+  double time() const { return time_; }
+
+ private:
+  struct State : springnet_state {
+    explicit State(Eigen::Index size) : springnet_state{}, p(Vector::Zero(size)), v(p), f(p) {
+      struct_size = sizeof(springnet_state);
+      point();
+    }
+    void point() {
+      const Eigen::Index n = p.size() / 3;
+      position = {p.data(), p.data() + n, p.data() + 2 * n};
+      velocity = {v.data(), v.data() + n, v.data() + 2 * n};
+      force = {f.data(), f.data() + n, f.data() + 2 * n};
+    }
+    void swap(State& other) {
+      p.swap(other.p);
+      v.swap(other.v);
+      f.swap(other.f);
+      point();
+      other.point();
+    }
+    Vector p, v, f;
+  };
+
+  static const springnet::Component& component() {
+    static const springnet::PluginHost plugins = springnet::PluginHost::with_default_search();
+    static const auto found = plugins.require(springnet::ComponentKind::integrator, "cvode");
+    return *found;
+  }
+  static const springnet_integrator& description() { return component().integrator(); }
+  static SmallHost& of(void* context) { return *static_cast<SmallHost*>(context); }
+
+  static Vector read(const springnet_const_vectors& from, Eigen::Index size) {
+    const Eigen::Index n = size / 3;
+    Vector result(size);
+    result << Eigen::Map<const Vector>(from.x, n), Eigen::Map<const Vector>(from.y, n),
+        Eigen::Map<const Vector>(from.z, n);
+    return result;
+  }
+  static void write(const Vector& from, const springnet_vectors& to) {
+    if (to.x == nullptr) return;
+    const Eigen::Index n = from.size() / 3;
+    Eigen::Map<Vector>(to.x, n) = from.head(n);
+    Eigen::Map<Vector>(to.y, n) = from.segment(n, n);
+    Eigen::Map<Vector>(to.z, n) = from.tail(n);
+  }
+  Matrix matrix(double velocity_weight, double position_weight) const {
+    return Matrix::Identity(size_, size_) - velocity_weight * by_velocity_ - position_weight * by_position_;
+  }
+  void fill_table();
+
+  Eigen::Index size_;
+  springnet_network network_{};
+  springnet_host table_{};
+  springnet_message message_{};
+  std::unique_ptr<State> committed_;
+  double time_ = 0.0;
+  Matrix by_position_, by_velocity_;
+  Eigen::PartialPivLU<Matrix> factors_;
+  void* integrator_ = nullptr;
+};
+
+inline void SmallHost::fill_table() {
+  table_.struct_size = sizeof table_;
+  table_.context = this;
+  table_.network = [](void* self) -> const springnet_network* { return &of(self).network_; };
+  table_.state_create = [](void* self) -> springnet_state* { return new State(of(self).size_); };
+  table_.state_destroy = [](void*, springnet_state* state) { delete static_cast<State*>(state); };
+  table_.committed = [](void* self, double* time) -> const springnet_state* {
+    *time = of(self).time_;
+    return of(self).committed_.get();
+  };
+  table_.begin_step = [](void* self, double from, double until) -> springnet_status {
+    of(self).steps_begun.emplace_back(from, until);
+    return SPRINGNET_OK;
+  };
+  table_.evaluate = [](void* self, const springnet_evaluation* e) -> springnet_status {
+    SmallHost& host = of(self);
+    ++host.evaluations;
+    const Vector a = host.acceleration(e->time, read(e->position, host.size_), read(e->velocity, host.size_));
+    if (!a.allFinite()) {
+      std::snprintf(host.message_.text, sizeof host.message_.text, "law 'made up' answered nan for spring 7");
+      return SPRINGNET_RECOVERABLE;
+    }
+    write(a, e->acceleration);
+    write(a, e->force);  // every mass is 1 kg
+    return SPRINGNET_OK;
+  };
+  table_.linearise = [](void* self, const springnet_evaluation* e) -> springnet_status {
+    SmallHost& host = of(self);
+    ++host.linearisations;
+    std::tie(host.by_position_, host.by_velocity_) =
+        host.derivatives(e->time, read(e->position, host.size_), read(e->velocity, host.size_));
+    return SPRINGNET_OK;
+  };
+  table_.jacobian_times = [](void* self, const double* dp, const double* dv, double* out) -> springnet_status {
+    SmallHost& host = of(self);
+    ++host.products;
+    const Eigen::Map<const Vector> p(dp, host.size_);
+    const Eigen::Map<const Vector> v(dv, host.size_);
+    Eigen::Map<Vector>(out, host.size_) = Vector(host.by_position_ * p + host.by_velocity_ * v);
+    return SPRINGNET_OK;
+  };
+  table_.diagonal_blocks = [](void* self, double velocity_weight, double position_weight,
+                              double* out) -> springnet_status {
+    SmallHost& host = of(self);
+    const Matrix all = host.matrix(velocity_weight, position_weight);
+    const Eigen::Index n = host.size_ / 3;
+    for (Eigen::Index node = 0; node < n; ++node) {
+      for (Eigen::Index row = 0; row < 3; ++row) {
+        for (Eigen::Index column = 0; column < 3; ++column) *out++ = all(node + row * n, node + column * n);
+      }
+    }
+    return SPRINGNET_OK;
+  };
+  table_.factorise = [](void* self, double velocity_weight, double position_weight) -> springnet_status {
+    SmallHost& host = of(self);
+    ++host.factorisations;
+    host.factors_.compute(host.matrix(velocity_weight, position_weight));
+    return SPRINGNET_OK;
+  };
+  table_.solve = [](void* self, std::int32_t, const double* right_side, double* x) -> springnet_status {
+    SmallHost& host = of(self);
+    const Vector b = Eigen::Map<const Vector>(right_side, host.size_);
+    Eigen::Map<Vector>(x, host.size_) = host.factors_.solve(b);
+    return SPRINGNET_OK;
+  };
+  table_.event_values = [](void* self, const springnet_evaluation* at, double* values,
+                           std::int32_t* directions) -> springnet_status {
+    SmallHost& host = of(self);
+    const Vector p = read(at->position, host.size_);
+    const Vector v = read(at->velocity, host.size_);
+    for (std::size_t i = 0; i < host.events.size(); ++i) {
+      values[i] = host.events[i].value(at->time, p, v);
+      directions[i] = host.events[i].direction;
+    }
+    return SPRINGNET_OK;
+  };
+  table_.fire_events = [](void* self, double, springnet_state* state, const std::int32_t* fired) -> springnet_status {
+    SmallHost& host = of(self);
+    auto& at = *static_cast<State*>(state);
+    const std::vector<Event> before = host.events;  // an event may change the list
+    for (std::size_t i = 0; i < before.size(); ++i) {
+      if (fired[i] != 0) before[i].happen(host, at.p, at.v);
+    }
+    host.network_.event_count = static_cast<std::uint32_t>(host.events.size());
+    host.change();
+    return SPRINGNET_OK;
+  };
+  table_.next_discontinuity = [](void* self, double time) {
+    for (const double each : of(self).discontinuities) {
+      if (each > time) return each;
+    }
+    return std::numeric_limits<double>::infinity();
+  };
+  table_.commit = [](void* self, double time, springnet_state* state) -> springnet_status {
+    SmallHost& host = of(self);
+    host.committed_->swap(*static_cast<State*>(state));
+    host.time_ = time;
+    host.commits.push_back(time);
+    for (const double each : host.discontinuities) {
+      if (each == time) host.change();
+    }
+    host.at_commit(time);
+    return SPRINGNET_OK;
+  };
+  table_.report = [](void* self, const char* name, double value) { of(self).reported[name] = value; };
+  table_.message = [](void* self) -> springnet_message* { return &of(self).message_; };
+}

@@ -1,0 +1,33 @@
+/* Where the structs of ABI 1.0 end on a 64-bit platform: the last field of each, and the bytes up to its end. Fields
+ * are only ever added behind them, so no number here may change. */
+#include <springnet/sdk/plugin.h>
+
+/* clang-format off */
+#define SPRINGNET_ENDS_1_0(check)                     \
+  check(springnet_message, text, 512)                 \
+  check(springnet_vectors, z, 24)                     \
+  check(springnet_const_vectors, z, 24)               \
+  check(springnet_parameter, choices, 80)             \
+  check(springnet_component, implementation, 56)      \
+  check(springnet_plugin, components, 64)             \
+  check(springnet_law_batch, message, 168)            \
+  check(springnet_table_source, array, 24)            \
+  check(springnet_law, release, 56)                   \
+  check(springnet_neuron_batch, message, 176)         \
+  check(springnet_neuron_model, evaluate, 16)         \
+  check(springnet_state, internal, 88)                \
+  check(springnet_network, neighbours, 120)           \
+  check(springnet_evaluation, internal_rate, 128)     \
+  check(springnet_node_batch, acceleration, 64)       \
+  check(springnet_sweep, user, 208)                   \
+  check(springnet_host, message, 168)                 \
+  check(springnet_step_report, start_node, 48)        \
+  check(springnet_integrator, advance, 32)
+/* clang-format on */
+
+#ifdef __cplusplus
+extern "C"
+#endif
+    /* Number of structs that end elsewhere for the C compiler. */
+    unsigned
+    springnet_ends_wrong_in_c(void);

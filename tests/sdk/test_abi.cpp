@@ -1,0 +1,28 @@
+#include <doctest/doctest.h>
+
+#include <cstdint>
+#include <cstring>
+
+#include "abi_sizes.h"
+
+TEST_CASE("structs of ABI 1.0 end where they always did, in C and in C++") {
+#define CHECK_END(type, last, end)               \
+  {                                              \
+    INFO(#type " up to " #last);                 \
+    CHECK(SPRINGNET_SIZE_TO(type, last) == end); \
+  }
+  SPRINGNET_ENDS_1_0(CHECK_END)
+  CHECK(springnet_ends_wrong_in_c() == 0);
+}
+
+TEST_CASE("the magic number reads SPRNGNET in memory") {
+  const std::uint64_t magic = SPRINGNET_MAGIC;
+  CHECK(std::memcmp(&magic, "SPRNGNET", sizeof magic) == 0);
+}
+
+TEST_CASE("a field that the author of a struct did not know is not there") {
+  springnet_integrator integrator{};
+  integrator.struct_size = SPRINGNET_SIZE_TO(springnet_integrator, destroy);
+  CHECK(SPRINGNET_HAS_FIELD(springnet_integrator, &integrator, destroy));
+  CHECK_FALSE(SPRINGNET_HAS_FIELD(springnet_integrator, &integrator, advance));
+}

@@ -1,0 +1,310 @@
+// What host.hpp and integrator.hpp make of the C table and of a class, with a table that writes down its calls.
+#include <doctest/doctest.h>
+
+#include <array>
+#include <cstdint>
+#include <cstring>
+#include <limits>
+#include <new>
+#include <stdexcept>
+#include <string>
+#include <type_traits>
+#include <vector>
+
+#include <springnet/sdk/integrator.hpp>
+
+namespace {
+using namespace springnet::sdk;
+
+// A host that answers each call with `answer`, and keeps a list of what was asked.
+struct FakeHost {
+  std::vector<std::string> calls;
+  springnet_status answer = SPRINGNET_OK;
+  springnet_message text{};
+  springnet_network net{};
+  springnet_state state{};
+  int states = 0;
+  bool out_of_memory = false;
+  springnet_host table{};
+
+  FakeHost() {
+    net.struct_size = sizeof net;
+    net.node_count = 7;
+    state.struct_size = sizeof state;
+    std::strcpy(text.text, "said the host");
+    table.struct_size = sizeof table;
+    table.context = this;
+    table.network = [](void* c) -> const springnet_network* { return &of(c).net; };
+    table.state_create = [](void* c) -> springnet_state* {
+      if (of(c).out_of_memory) return nullptr;
+      ++of(c).states;
+      return new springnet_state{of(c).state};
+    };
+    table.state_destroy = [](void* c, springnet_state* s) {
+      --of(c).states;
+      delete s;
+    };
+    table.committed = [](void* c, double* time) -> const springnet_state* {
+      *time = 1.5;
+      return &of(c).state;
+    };
+    table.begin_step = [](void* c, double from, double until) {
+      return of(c).note("begin_step", from == 1.0 && until == 2.0);
+    };
+    table.evaluate = [](void* c, const springnet_evaluation* e) { return of(c).note("evaluate", e->time == 3.0); };
+    table.evaluate_nodes = [](void* c, const springnet_evaluation* e, const std::uint32_t* nodes, std::uint32_t n) {
+      return of(c).note("evaluate_nodes", e->time == 3.0 && n == 2 && nodes[1] == 5);
+    };
+    table.sweep = [](void* c, const springnet_sweep* s) {
+      auto batch = sized<springnet_node_batch>();
+      for (batch.first = 0; batch.first < 4; batch.first += 2) {
+        batch.count = 2;
+        s->update(s->user, &batch);
+      }
+      return of(c).note("sweep", s->time == 4.0);
+    };
+    table.linearise = [](void* c, const springnet_evaluation* e) { return of(c).note("linearise", e->time == 3.0); };
+    table.jacobian_times = [](void* c, const double* dp, const double* dv, double* out) {
+      *out = *dp - *dv;
+      return of(c).note("jacobian_times");
+    };
+    table.diagonal_blocks = [](void* c, double v, double p, double* out) {
+      *out = v - p;
+      return of(c).note("diagonal_blocks");
+    };
+    table.factorise = [](void* c, double v, double p) { return of(c).note("factorise", v == 0.1 && p == 0.2); };
+    table.solve = [](void* c, std::int32_t transposed, const double* b, double* x) {
+      *x = *b;
+      return of(c).note(transposed != 0 ? "solve transposed" : "solve");
+    };
+    table.event_values = [](void* c, const springnet_evaluation*, double* values, std::int32_t* directions) {
+      *values = 0.5;
+      *directions = -1;
+      return of(c).note("event_values");
+    };
+    table.fire_events = [](void* c, double time, springnet_state* s, const std::int32_t* fired) {
+      return of(c).note("fire_events", time == 5.0 && s != nullptr && *fired == 1);
+    };
+    table.next_discontinuity = [](void*, double time) { return time + 1.0; };
+    table.commit = [](void* c, double time, springnet_state* s) {
+      return of(c).note("commit", time == 6.0 && s != nullptr);
+    };
+    table.report = [](void* c, const char* name, double value) {
+      of(c).calls.push_back(std::string(name) + " " + std::to_string(static_cast<int>(value)));
+    };
+    table.message = [](void* c) { return &of(c).text; };
+  }
+  static FakeHost& of(void* context) { return *static_cast<FakeHost*>(context); }
+  springnet_status note(const char* name, bool as_expected = true) {
+    calls.push_back(as_expected ? name : std::string(name) + " with other arguments");
+    return answer;
+  }
+};
+
+enum class Method { bdf, adams };
+
+// Does in advance() what the test last asked for.
+class Scripted : public Integrator {
+ public:
+  static constexpr const char* id = "scripted";
+  static constexpr const char* summary = "does what a test asks for";
+  static constexpr Parameter parameters[] = {choice("method", {"bdf", "adams"}, ""), number("tolerance", "1", ""),
+                                             integer("steps", ""), boolean("strict", "")};
+  static inline springnet_status (*script)(Host&, springnet_step_report&) = nullptr;
+  static inline int alive = 0;
+  static inline bool read_undeclared = false;
+
+  Scripted(Host host, Options options) : host_(host), state_(host.make_state()) {
+    CHECK(options.choice<Method>("method") == Method::adams);
+    CHECK(options["tolerance"] == 1e-8);
+    CHECK(options.integer("steps") == 12);
+    CHECK(options.integer<std::uint32_t>("steps") == 12u);
+    CHECK(options.boolean("strict"));
+    if (read_undeclared) static_cast<void>(options["colour"]);
+    ++alive;
+  }
+  Scripted(const Scripted&) = delete;
+  Scripted& operator=(const Scripted&) = delete;
+  ~Scripted() { --alive; }
+
+  springnet_status advance(double until, springnet_step_report& report) {
+    CHECK(until == 8.0);
+    return script(host_, report);
+  }
+
+ private:
+  Host host_;
+  State state_;
+};
+
+constexpr const springnet_component& scripted = ComponentEntry<Scripted>::value;
+const springnet_integrator& functions = *static_cast<const springnet_integrator*>(scripted.implementation);
+constexpr std::array<double, 4> options{1.0, 1e-8, 12.0, 1.0};
+
+// One advance() that runs `script`.
+springnet_status run(FakeHost& host, springnet_status (*script)(Host&, springnet_step_report&),
+                     springnet_step_report* report = nullptr) {
+  void* integrator = nullptr;
+  REQUIRE(functions.create(&host.table, options.data(), &integrator) == SPRINGNET_OK);
+  CHECK(Scripted::alive == 1);
+  Scripted::script = script;
+  auto own = sized<springnet_step_report>();
+  const springnet_status status = functions.advance(integrator, 8.0, report != nullptr ? report : &own);
+  functions.destroy(integrator);
+  CHECK(Scripted::alive == 0);
+  CHECK(host.states == 0);
+  return status;
+}
+
+}  // namespace
+
+TEST_CASE("an integrator reaches every function of the host") {
+  FakeHost host;
+  const springnet_status status = run(host, [](Host& h, springnet_step_report& report) -> springnet_status {
+    CHECK(h.network().node_count == 7);
+    CHECK(h.table().struct_size == sizeof(springnet_host));
+    CHECK(h.committed().time == 1.5);
+    h.begin_step(1.0, 2.0);
+    auto at = evaluation_at(3.0, h.committed().state);
+    CHECK(at.struct_size == sizeof(springnet_evaluation));
+    CHECK(at.force.x == nullptr);
+    h.evaluate(at);
+    const std::uint32_t nodes[] = {3, 5};
+    h.evaluate_nodes(at, nodes);
+    auto sweep = sized<springnet_sweep>();
+    sweep.time = 4.0;
+    std::uint32_t updated = 0;
+    h.sweep(sweep, [&](const springnet_node_batch& batch) { updated += batch.first + batch.count; });
+    CHECK(updated == 6);
+    h.linearise(at);
+    const double one = 1.0, two = 2.0;
+    double out = 0.0;
+    h.jacobian_times(&one, &two, &out);
+    CHECK(out == -1.0);
+    h.diagonal_blocks(0.5, 0.25, &out);
+    CHECK(out == 0.25);
+    h.factorise(0.1, 0.2);
+    h.solve(&two, &out);
+    CHECK(out == 2.0);
+    h.solve_transposed(&one, &out);
+    CHECK(out == 1.0);
+    std::int32_t direction = 0;
+    h.event_values(at, &out, &direction);
+    CHECK(out == 0.5);
+    CHECK(direction == -1);
+    const State state = h.make_state();
+    const std::int32_t fired = 1;
+    h.fire_events(5.0, *state, &fired);
+    CHECK(h.next_discontinuity(7.0) == 8.0);
+    h.commit(6.0, *state);
+    h.report("sweeps", 9.0);
+    report.outcome = SPRINGNET_SETTLED;
+    return SPRINGNET_OK;
+  });
+  CHECK(status == SPRINGNET_OK);
+  CHECK(host.calls == std::vector<std::string>{"begin_step", "evaluate", "evaluate_nodes", "sweep", "linearise",
+                                               "jacobian_times", "diagonal_blocks", "factorise", "solve",
+                                               "solve transposed", "event_values", "fire_events", "commit",
+                                               "sweeps 9"});
+}
+
+TEST_CASE("a failed call of the host becomes an exception, and the status of advance") {
+  FakeHost host;
+  for (const springnet_status answer : {SPRINGNET_FAILED, SPRINGNET_RECOVERABLE}) {
+    host.answer = answer;
+    CHECK(run(host, [](Host& h, springnet_step_report&) -> springnet_status {
+            h.begin_step(1.0, 2.0);
+            return SPRINGNET_OK;
+          }) == answer);
+    CHECK(std::string(host.text.text) == "said the host");
+  }
+  host.answer = SPRINGNET_RECOVERABLE;
+  CHECK(run(host, [](Host& h, springnet_step_report&) -> springnet_status {
+          try {
+            h.begin_step(1.0, 2.0);
+          } catch (const Failure& failure) {
+            CHECK(failure.recoverable());
+            CHECK(std::string(failure.what()) == "said the host");
+          }
+          return SPRINGNET_UNSETTLED;
+        }) == SPRINGNET_UNSETTLED);
+}
+
+TEST_CASE("no exception leaves an integrator; the host's message says why") {
+  FakeHost host;
+  CHECK(run(host, [](Host&, springnet_step_report&) -> springnet_status { throw std::runtime_error("no pivot"); }) ==
+        SPRINGNET_FAILED);
+  CHECK(std::string(host.text.text) == "no pivot");
+  CHECK(run(host, [](Host&, springnet_step_report&) -> springnet_status {
+          throw Failure("too large a step", SPRINGNET_RECOVERABLE);
+        }) == SPRINGNET_RECOVERABLE);
+  CHECK(std::string(host.text.text) == "too large a step");
+  CHECK(run(host, [](Host&, springnet_step_report&) -> springnet_status { throw 1; }) == SPRINGNET_FAILED);
+  CHECK(std::string(host.text.text) == "the integrator threw something that is no std::exception");
+}
+
+TEST_CASE("what a node update throws ends the sweep, not the host") {
+  FakeHost host;
+  CHECK(run(host, [](Host& h, springnet_step_report&) -> springnet_status {
+          auto sweep = sized<springnet_sweep>();
+          sweep.time = 4.0;
+          h.sweep(sweep, [](const springnet_node_batch& batch) {
+            throw std::runtime_error("node " + std::to_string(batch.first));
+          });
+          return SPRINGNET_OK;
+        }) == SPRINGNET_FAILED);
+  CHECK(std::string(host.text.text) == "node 0");          // the first one
+  CHECK(host.calls == std::vector<std::string>{"sweep"});  // which came to its end
+}
+
+TEST_CASE("the report of a host of another minor version is not written beyond its end") {
+  FakeHost host;
+  struct Short {
+    springnet_step_report report;
+  } memory{};
+  std::memset(&memory, 0x7f, sizeof memory);
+  const auto size = static_cast<std::uint32_t>(SPRINGNET_SIZE_TO(springnet_step_report, sweeps));
+  memory.report.struct_size = size;
+  memory.report.steps = 3;
+  CHECK(run(
+            host,
+            [](Host&, springnet_step_report& report) -> springnet_status {
+              CHECK(report.struct_size == sizeof(springnet_step_report));
+              report.steps += 1;
+              report.sweeps = 20;
+              report.residual = 0.0;
+              return SPRINGNET_OK;
+            },
+            &memory.report) == SPRINGNET_OK);
+  CHECK(memory.report.struct_size == size);
+  CHECK(memory.report.steps == 4);
+  CHECK(memory.report.sweeps == 20);
+  std::uint64_t beyond = 0;
+  std::memcpy(&beyond, &memory.report.residual, sizeof beyond);
+  CHECK(beyond == 0x7f7f7f7f7f7f7f7fu);
+}
+
+TEST_CASE("an integrator that cannot be made leaves nothing behind") {
+  FakeHost host;
+  void* integrator = &host;
+  Scripted::read_undeclared = true;
+  CHECK(functions.create(&host.table, options.data(), &integrator) == SPRINGNET_FAILED);
+  Scripted::read_undeclared = false;
+  CHECK(integrator == nullptr);
+  CHECK(host.states == 0);
+  CHECK(std::string(host.text.text) == "the integrator reads an option that it does not declare: colour");
+
+  host.out_of_memory = true;
+  CHECK(functions.create(&host.table, options.data(), &integrator) == SPRINGNET_FAILED);
+  host.out_of_memory = false;
+
+  host.table.struct_size = 64;
+  CHECK(functions.create(&host.table, options.data(), &integrator) == SPRINGNET_FAILED);
+  CHECK(integrator == nullptr);
+}
+
+TEST_CASE("metadata of an integrator follow from its class") {
+  CHECK(scripted.kind == SPRINGNET_INTEGRATOR);
+  CHECK(scripted.parameter_count == 4);
+  CHECK(functions.struct_size == sizeof(springnet_integrator));
+}
