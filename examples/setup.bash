@@ -23,6 +23,7 @@ fail() {
 logged() {
   local log=$1 what=$2
   shift 2
+  rm -f "$log" # it may be another user's
   if ! "$@" >"$log" 2>&1 </dev/null; then
     tail -n 30 "$log" >&2
     fail "$what failed." "Above are the last lines of $log."
@@ -66,7 +67,8 @@ need_packages() {
   as_root+=(env DEBIAN_FRONTEND=noninteractive)
 
   log=$project_root/build/apt.log
-  say "installing ${#missing[@]} missing packages (log: $log): ${missing[*]}"
+  rm -f "$log"
+  say "installing missing packages (log: $log): ${missing[*]}"
   # A list of packages that cannot be renewed is no error yet: another source's may be out of reach, or ours still good.
   "${as_root[@]}" apt-get update >"$log" 2>&1 </dev/null || true
   if ! "${as_root[@]}" apt-get install --yes --no-install-recommends "${missing[@]}" >>"$log" 2>&1 </dev/null; then

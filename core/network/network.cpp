@@ -2,8 +2,8 @@
 #include <bit>
 #include <cmath>
 
-#include <Eigen/Geometry>
 #include <fmt/format.h>
+#include <Eigen/Geometry>
 
 #include <springnet/error.hpp>
 #include <springnet/network.hpp>
@@ -23,13 +23,13 @@ double distance(const Vector3& a, const Vector3& b) { return std::hypot(a.x() - 
 // A text that is equal exactly where the uses are.
 std::string key_of(const LawUse& use, std::string_view what) {
   if (use.id.empty()) fail(fmt::format("a {} has no id: name a component of a plugin", what));
-  std::string key = use.id + ';';
+  std::string key = fmt::format("{}:{};", use.id.size(), use.id);
   for (const auto& [name, value] : use.parameters) {
     if (!std::isfinite(value)) {
       fail(fmt::format("{} '{}': parameter '{}' must be a finite number, is {}", what, use.id, name, value));
     }
     const double positive_zero = value == 0.0 ? 0.0 : value;
-    key += name + fmt::format("={:x};", std::bit_cast<std::uint64_t>(positive_zero));
+    key += fmt::format("{}:{}={:x};", name.size(), name, std::bit_cast<std::uint64_t>(positive_zero));
   }
   return key;
 }

@@ -26,13 +26,25 @@ std::filesystem::path folder_of(const std::filesystem::path& file) {
   return (failed ? file : real).parent_path();
 }
 
+// What the system's loader said. Boost wraps it into words of its own: "… (dlerror system message: F: why): code".
+std::string loader_message(const std::exception& error, const std::filesystem::path& file) {
+  std::string text = error.what();
+  const std::string before = "dlerror system message: ";
+  const std::size_t begin = text.find(before), end = text.rfind("): ");
+  if (begin == std::string::npos || end == std::string::npos || end < begin) return text;
+  text = text.substr(begin + before.size(), end - begin - before.size());
+  const std::string name = file.string() + ": ";
+  return text.starts_with(name) ? text.substr(name.size()) : text;
+}
+
 }  // namespace
 
 OpenedLibrary open_library(const std::filesystem::path& file) {
   static std::mutex one_at_a_time;
   const std::lock_guard lock(one_at_a_time);
+  std::filesystem::path real = file;
   try {
-    const std::filesystem::path real = std::filesystem::canonical(file);
+    real = std::filesystem::canonical(file);
     auto found = registry().find(real);
     if (found == registry().end()) {
       using boost::dll::load_mode::rtld_local;
@@ -49,7 +61,7 @@ OpenedLibrary open_library(const std::filesystem::path& file) {
   } catch (const std::exception& error) {
     return {nullptr, fmt::format("cannot be loaded as a library ({}): check that it is a complete library of this "
                                  "machine's kind and links all that it calls",
-                                 error.what())};
+                                 loader_message(error, real))};
   }
 }
 

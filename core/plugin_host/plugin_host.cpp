@@ -164,7 +164,7 @@ std::shared_ptr<const Component> PluginHost::require(ComponentKind kind, std::st
         fmt::format("; no plugin offers any {}: set SPRINGNET_PLUGIN_PATH to the folder of the plugins", name_of(kind));
   } else {
     std::sort(known.begin(), known.end());
-    message += "; known: ";
+    message += message.ends_with('?') ? " known: " : "; known: ";
     for (std::size_t i = 0; i < known.size(); ++i) message += (i == 0 ? "" : ", ") + known[i];
   }
   for (std::size_t i = 0; i < impl_->refusals.size(); ++i) {

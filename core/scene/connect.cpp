@@ -22,6 +22,10 @@ using Entry = std::pair<Point, NodeIndex>;
 using Tree = index::rtree<Entry, index::quadratic<16>>;
 using Pair = std::pair<NodeIndex, NodeIndex>;
 
+// Positions of lattices are rounded, so what is as far apart as allowed, or equally near, is so to this share of the
+// distance: far above rounding, far below any spacing that a user could mean.
+constexpr double rounding = 1e-9;
+
 Tree make_tree(const std::vector<NodeIndex>& nodes, const Network& network) {
   std::vector<Entry> entries;
   entries.reserve(nodes.size());
@@ -35,15 +39,16 @@ Tree make_tree(const std::vector<NodeIndex>& nodes, const Network& network) {
 // Nodes of the tree at most `distance` from `node`, without itself, by rising number.
 std::vector<NodeIndex> neighbours(const Tree& tree, NodeIndex node, double distance, const Network& network) {
   const Vector3& p = network.nodes()[node].position;
-  // A little wider, so that the box's own rounding leaves nothing out.
-  const Vector3 reach = Vector3::Constant(distance * (1 + 1e-12)) + 1e-15 * p.cwiseAbs();
+  // Wider by the rounding of the box's corners.
+  const Vector3 reach = Vector3::Constant(distance * (1 + rounding)) + 1e-15 * p.cwiseAbs();
   const Vector3 low = p - reach, high = p + reach;
   std::vector<Entry> found;
   tree.query(index::intersects(Box(Point(low.x(), low.y(), low.z()), Point(high.x(), high.y(), high.z()))),
              std::back_inserter(found));
   std::vector<NodeIndex> result;
   for (const auto& [point, other] : found) {
-    if (other != node && (network.nodes()[other].position - p).norm() <= distance) result.push_back(other);
+    if (other != node && (network.nodes()[other].position - p).norm() <= distance * (1 + rounding))
+      result.push_back(other);
   }
   std::sort(result.begin(), result.end());
   return result;

@@ -58,11 +58,12 @@ class Override {
     try {
       toml::table table = toml::parse(std::string_view(document), std::string_view(name_));
       if (table.size() == 1) return table;
-    } catch (const toml::parse_error&) {
-      // Described below; its column would be one of a text that the user did not write.
+    } catch (const toml::parse_error& error) {
+      // Its column would be one of a text that the user did not write.
+      fail(fmt::format("the value is not TOML ({}); write a number, true, [1, 2], or a text in quotes as \"abc\"",
+                       error.description()));
     }
-    fail(fmt::format("the value is not TOML; write a number, true, [1, 2] or a text in quotes: '{}=\"{}\"'",
-                     name_.substr(6, name_.find('=') - 6), text));
+    fail("the value is more than one; set one key at a time");
   }
 
   // The path up to and without step `count`.

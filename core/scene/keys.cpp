@@ -104,12 +104,23 @@ constexpr std::array keys{
     Key{"select.sphere.radius", "a number above 0, m"},
 };
 
+const Key* find_key(std::string_view path) {
+  const auto* found = std::find_if(keys.begin(), keys.end(), [&](const Key& key) { return key.path == path; });
+  return found == keys.end() ? nullptr : found;
+}
+
 }  // namespace
 
 std::string_view form_of(std::string_view key) {
-  const auto* found = std::find_if(keys.begin(), keys.end(), [&](const Key& listed) { return listed.path == key; });
-  if (found == keys.end()) throw std::logic_error("the scene reader asks for the unlisted key " + std::string(key));
+  const Key* found = find_key(key);
+  if (found == nullptr) throw std::logic_error("the scene reader asks for the unlisted key " + std::string(key));
   return found->form;
+}
+
+std::string_view form_of_table(std::string_view table) {
+  if (table == "select") return "a table with a selection";
+  const Key* found = find_key(table);
+  return found != nullptr && found->form.starts_with("a table") ? found->form : "a table";
 }
 
 std::vector<std::string> keys_in(std::string_view table) {

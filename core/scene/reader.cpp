@@ -150,7 +150,7 @@ Table Value::table(std::string_view schema) const {
 
 Table::Table(const Value& value, std::string_view schema)
     : value_(value), table_(value.node_->as_table()), schema_(schema) {
-  if (table_ == nullptr) value.wrong_type(schema.empty() ? "a table" : form_of(schema));
+  if (table_ == nullptr) value.wrong_type(form_of_table(schema));
 }
 
 std::string Table::path_of(std::string_view key) const {

@@ -307,6 +307,8 @@ springnet_status Engine::sweep(const springnet_sweep& sweep) {
       context.force.x[k] = force[0];
       context.force.y[k] = force[1];
       context.force.z[k] = force[2];
+      // Before its update: afterwards the node's own outputs would not be finite either.
+      if (status == SPRINGNET_OK && !force.allFinite()) explain(sweep.time, context.nodes);
       if (status == SPRINGNET_OK) finish_tile(&context, 0, k, 1);
     }
   }

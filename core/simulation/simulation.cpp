@@ -256,7 +256,9 @@ std::size_t Simulation::cut(const std::vector<SpringIndex>& springs) {
   for (const SpringIndex s : springs) impl_->check_spring(s);
   return impl_->engine.cut(springs);
 }
-std::size_t Simulation::cut(const std::vector<Vector3>& polygon) { return impl_->engine.cut(CuttingPolygon(polygon)); }
+std::size_t Simulation::cut_polygon(const std::vector<Vector3>& corners) {
+  return impl_->engine.cut(CuttingPolygon(corners));
+}
 
 const std::vector<Event>& Simulation::events() const noexcept { return impl_->engine.events(); }
 const std::map<std::string, double>& Simulation::statistics() const noexcept { return impl_->engine.statistics(); }

@@ -35,7 +35,15 @@ ExitStatus status_of(ErrorKind kind) noexcept {
   return failed;
 }
 
-CLI::Validator above_zero() { return CLI::Validator(CLI::PositiveNumber).description(""); }
+CLI::Validator number_between(double smallest, double largest) {
+  const auto check = [=](const std::string& text) {
+    double value = 0.0;
+    if (CLI::detail::lexical_cast(text, value) && value >= smallest && value <= largest) return std::string();
+    if (smallest == above_zero && largest == finite) return fmt::format("must be a number above 0, is {}", text);
+    return fmt::format("must be a number from {:g} to {:g}, is {}", smallest, largest, text);
+  };
+  return CLI::Validator(check, "");
+}
 
 void print_error(std::string_view message) { fmt::print(stderr, "springnet: error: {}\n", message); }
 
@@ -75,8 +83,10 @@ void SceneArguments::add_to(CLI::App& command, bool simulation) {
         ->type_name("NAME");
     command.add_option("--time-step", time_step, "Time step in seconds (the paper's time constant)")
         ->type_name("S")
-        ->check(above_zero());
-    command.add_option("--duration", duration, "Seconds to simulate")->type_name("S")->check(above_zero());
+        ->check(number_between(above_zero, finite));
+    command.add_option("--duration", duration, "Seconds to simulate")
+        ->type_name("S")
+        ->check(number_between(above_zero, finite));
     command.add_option("--threads", threads, "Threads; 0: as many as are useful")->type_name("N");
   }
   command.add_option("--set", sets, "Another value for a key of the scene, in TOML. May be repeated")

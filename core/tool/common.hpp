@@ -2,6 +2,7 @@
 #pragma once
 
 #include <filesystem>
+#include <limits>
 #include <memory>
 #include <optional>
 #include <string>
@@ -22,8 +23,10 @@ enum ExitStatus { done = 0, failed = 1, wrong_usage = 2, plugin_trouble = 3 };
 // "springnet: error: …" on stderr.
 void print_error(std::string_view message);
 
-// For options that take a number above 0; says nothing in the help.
-[[nodiscard]] CLI::Validator above_zero();
+// For options that take a number; says nothing in the help.
+[[nodiscard]] CLI::Validator number_between(double smallest, double largest);
+inline constexpr double above_zero = std::numeric_limits<double>::min();
+inline constexpr double finite = std::numeric_limits<double>::max();
 
 // "16 nodes touched, 2 springs cut", or "no events".
 [[nodiscard]] std::string describe(const EventCounts& events);

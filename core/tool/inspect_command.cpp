@@ -54,7 +54,7 @@ void print(const Scene& scene, const Inspection& found, const std::string& name)
       {"damping", text_of(found.damping, "N s/m at rest")},
       {"extent", fmt::format("{:.6g} x {:.6g} x {:.6g} m from ({:.6g}, {:.6g}, {:.6g})", extent.x(), extent.y(),
                              extent.z(), found.lower.x(), found.lower.y(), found.lower.z())},
-      {"changes", fmt::format("{} loads, {} planes, {} cuts", found.loads, found.planes, found.cuts)},
+      {"changes", fmt::format("loads {}, planes {}, cuts {}", found.loads, found.planes, found.cuts)},
       {"time step", fmt::format("{:g} s, {:.0f} of them in {:g} s", scene.options.time_step,
                                 std::ceil(scene.duration / scene.options.time_step - 1e-9), scene.duration)},
       {"synchronous limit",

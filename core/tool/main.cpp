@@ -1,8 +1,12 @@
+#include <algorithm>
 #include <cstdio>
 #include <exception>
 #include <new>
+#include <string>
+#include <vector>
 
 #include <fmt/format.h>
+#include <springnet/plugin_host.hpp>
 #include <springnet/version.hpp>
 
 #include "commands.hpp"
@@ -23,6 +27,17 @@ Exit status:
 
 'springnet COMMAND --help' says more about a command.)";
 
+// "; did you mean '--threads'?" for a word that no option or command of `command` has.
+std::string near(const CLI::App& command, const std::string& word) {
+  std::vector<std::string> known;
+  for (const CLI::Option* option : command.get_options()) {
+    if (!option->get_lnames().empty()) known.push_back("--" + option->get_lnames().front());
+  }
+  for (const CLI::App* inner : command.get_subcommands(nullptr)) known.push_back(inner->get_name());
+  const std::string text = suggestion(word, known);
+  return text.empty() ? "" : "; " + text;
+}
+
 std::string usage_error(const CLI::App* app, const CLI::Error& error) {
   const CLI::App* command = app;
   std::string name = "springnet";
@@ -30,7 +45,17 @@ std::string usage_error(const CLI::App* app, const CLI::Error& error) {
     command = command->get_subcommands().front();
     name += " " + command->get_name();
   }
-  return fmt::format("springnet: error: {}; '{} --help' shows how it is used\n", error.what(), name);
+  std::string what = error.what();
+  // The first word that nothing takes is the cause of whatever else is missing.
+  const std::vector<std::string> unknown = app->remaining(true);
+  if (!unknown.empty()) {
+    const auto option = std::find_if(unknown.begin(), unknown.end(), [](const std::string& w) { return w[0] == '-'; });
+    const std::string& word = option != unknown.end() ? *option : unknown.front();
+    what = fmt::format("'{}' is not known here{}", word, near(*command, word));
+  } else if (error.get_name() == "RequiredError" && !command->get_subcommands(nullptr).empty()) {
+    what = "a command is missing";
+  }
+  return fmt::format("springnet: error: {}; '{} --help' shows how it is used\n", what, name);
 }
 
 int run(int argc, char** argv) {

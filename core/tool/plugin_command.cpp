@@ -167,6 +167,32 @@ void print_json(const Json& document) {
   fmt::print("{}\n", document.dump(2, ' ', false, Json::error_handler_t::replace));
 }
 
+std::string folder_of(const Component& component) {
+  return component.file.empty() ? file_of(component) : component.file.parent_path().string();
+}
+
+// In the order in which they were searched.
+std::vector<std::string> folders_of(const PluginHost& host) {
+  std::vector<std::string> folders;
+  for (const auto& component : host.components()) {
+    std::string folder = folder_of(*component);
+    if (std::find(folders.begin(), folders.end(), folder) == folders.end()) folders.push_back(std::move(folder));
+  }
+  return folders;
+}
+
+void print_folder(const PluginHost& host, const std::string& folder) {
+  std::vector<std::vector<std::string>> rows{{"KIND", "ID", "VERSION", "SUMMARY", "FILE"}};
+  for (const KindWord& kind : kind_words) {
+    for (const auto& component : host.components()) {
+      if (component->kind() != kind.kind || folder_of(*component) != folder) continue;
+      rows.push_back({std::string(name_of(kind.kind)), std::string(component->id()), component->plugin->version,
+                      component->description->summary, component->file.filename().string()});
+    }
+  }
+  fmt::print("{}\n{}", folder, align_columns(rows));
+}
+
 int list(const PluginArguments& plugins, bool json) {
   const auto host = plugins.load();
   if (json) {
@@ -178,19 +204,10 @@ int list(const PluginArguments& plugins, bool json) {
     print_json({{"components", components}, {"refused", refused}});
     return done;
   }
-  std::vector<std::vector<std::string>> rows{{"KIND", "ID", "VERSION", "SUMMARY", "FILE"}};
-  for (const KindWord& kind : kind_words) {
-    for (const auto& component : host->components()) {
-      if (component->kind() != kind.kind) continue;
-      rows.push_back({std::string(name_of(kind.kind)), std::string(component->id()), component->plugin->version,
-                      component->description->summary, file_of(*component)});
-    }
-  }
-  if (rows.size() == 1) {
+  if (host->components().empty()) {
     fmt::print("no plugin was found; name a folder with --plugins or SPRINGNET_PLUGIN_PATH\n");
-  } else {
-    fmt::print("{}", align_columns(rows, 0));
   }
+  for (const std::string& folder : folders_of(*host)) print_folder(*host, folder);
   if (!host->refusals().empty()) fmt::print("\nlooked at and not taken:\n");
   for (const Refusal& refusal : host->refusals()) fmt::print("  {}\n    {}\n", refusal.file.string(), refusal.reason);
   return done;

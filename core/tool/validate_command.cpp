@@ -108,18 +108,19 @@ void add_validate(CLI::App& app, Action& action) {
                    "Time steps in seconds, beside the scene's own [a half and a quarter of it]")
       ->type_name("A,B,C")
       ->delimiter(',')
-      ->check(above_zero());
+      ->allow_extra_args(false)
+      ->check(number_between(above_zero, finite));
   command
       ->add_option("--tolerance", arguments->tolerance,
                    "Exit status 1 unless the scene's own time step is everywhere within M metres")
       ->type_name("M")
-      ->check(above_zero());
+      ->check(number_between(above_zero, finite));
   command
       ->add_option("--reference-tolerance", arguments->reference_tolerance,
-                   "Relative tolerance of the reference; the run that certifies it has a hundredth of it")
+                   "Relative tolerance of the reference; the run that certifies it has a hundredth of it "
+                   "[1e-08]")
       ->type_name("R")
-      ->check(CLI::Range(1e-11, 1e-3).description("from 1e-11 to 1e-3"))
-      ->capture_default_str();
+      ->check(number_between(1e-11, 1e-3));
   arguments->output.add_to(*command);
   command->footer(examples);
   command->callback([arguments, &action] { action = [arguments] { return run(*arguments); }; });

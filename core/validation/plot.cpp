@@ -11,8 +11,11 @@ namespace springnet {
 
 namespace {
 
-constexpr double width = 760.0, height = 420.0;
-constexpr double left = 84.0, right = 20.0, top = 16.0, bottom = 52.0;
+constexpr double width = 760.0, height = 440.0;
+constexpr double left = 84.0, right = 20.0, bottom = 52.0;
+// The legend is above the frame, in lines.
+constexpr double legend_line = 20.0;
+constexpr const char* dashes = " stroke-dasharray=\"6 4\"";
 // Told apart by people who see colours differently as well (Okabe and Ito).
 constexpr std::array<const char*, 7> colours{"#0072b2", "#d55e00", "#009e73", "#cc79a7",
                                              "#e69f00", "#56b4e9", "#6b6b6b"};
@@ -62,7 +65,7 @@ class Scale {
     }
     std::vector<Tick> result;
     for (double k = std::ceil(low_ / step - 1e-9); k * step <= high_ + 1e-9 * step; k += 1.0) {
-      result.push_back({k * step, true});
+      result.push_back({k * step + 0.0, true});  // + 0.0: no "-0"
     }
     return result;
   }
@@ -119,9 +122,13 @@ Bounds bounds_of(const Plot& plot) {
   Bounds bounds;
   for (const PlotSeries& series : plot.series) {
     for (std::size_t k = 0; k < series.x.size(); ++k) {
-      if (!drawable(plot, series.x[k], series.y[k])) continue;
-      bounds.x_low = std::min(bounds.x_low, series.x[k]);
-      bounds.x_high = std::max(bounds.x_high, series.x[k]);
+      const bool drawn = drawable(plot, series.x[k], series.y[k]);
+      // A linear axis shows its whole range, where nothing is drawn as well.
+      if (drawn || (!plot.x.logarithmic && std::isfinite(series.x[k]))) {
+        bounds.x_low = std::min(bounds.x_low, series.x[k]);
+        bounds.x_high = std::max(bounds.x_high, series.x[k]);
+      }
+      if (!drawn) continue;
       bounds.y_low = std::min(bounds.y_low, series.y[k]);
       bounds.y_high = std::max(bounds.y_high, series.y[k]);
     }
@@ -130,7 +137,7 @@ Bounds bounds_of(const Plot& plot) {
   return bounds;
 }
 
-std::string draw_axes(const Plot& plot, const Scale& x, const Scale& y) {
+std::string draw_axes(const Plot& plot, double top, const Scale& x, const Scale& y) {
   std::string svg;
   for (const Scale::Tick& tick : x.ticks()) {
     const double place = x.place(tick.value);
@@ -157,6 +164,30 @@ std::string draw_axes(const Plot& plot, const Scale& x, const Scale& y) {
   return svg;
 }
 
+// Above the frame, whose upper end is `top`.
+std::string draw_legend(const Plot& plot, double& top) {
+  constexpr double key = 34.0, gap = 18.0, letter = 7.2;  // a letter is about so wide
+  std::string svg;
+  double x = left, line = legend_line;
+  for (std::size_t k = 0; k < plot.series.size(); ++k) {
+    const PlotSeries& series = plot.series[k];
+    if (series.label.empty()) continue;
+    const double length = key + letter * static_cast<double>(series.label.size());
+    if (x > left && x + length > width - right) {
+      x = left;
+      line += legend_line;
+    }
+    svg += fmt::format(
+        "<line x1=\"{0}\" y1=\"{1}\" x2=\"{2}\" y2=\"{1}\" stroke=\"{3}\" stroke-width=\"2.5\"{4}/>"
+        "<text x=\"{5}\" y=\"{6}\">{7}</text>\n",
+        x, line - 4.0, x + key - 8.0, colours[k % colours.size()], series.dashed ? dashes : "", x + key, line,
+        escape_html(series.label));
+    x += length + gap;
+  }
+  top = line + 12.0;
+  return svg;
+}
+
 std::string draw_series(const Plot& plot, const PlotSeries& series, const char* colour, const Scale& x,
                         const Scale& y) {
   std::string path, dots;
@@ -173,7 +204,7 @@ std::string draw_series(const Plot& plot, const PlotSeries& series, const char* 
       dots += fmt::format("<circle cx=\"{:.1f}\" cy=\"{:.1f}\" r=\"4\" fill=\"{}\"/>", px, py, colour);
   }
   return fmt::format("<path d=\"{}\" fill=\"none\" stroke=\"{}\" stroke-width=\"1.8\"{}/>{}\n", path, colour,
-                     series.dashed ? " stroke-dasharray=\"6 4\"" : "", dots);
+                     series.dashed ? dashes : "", dots);
 }
 
 }  // namespace
@@ -205,28 +236,19 @@ std::string to_svg(const Plot& plot) {
   const Bounds bounds = bounds_of(plot);
   std::string svg = fmt::format("<svg viewBox=\"0 0 {} {}\" role=\"img\" aria-label=\"{} over {}\">\n", width, height,
                                 escape_html(plot.y.label), escape_html(plot.x.label));
-  if (!(bounds.x_low <= bounds.x_high)) {
+  if (!(bounds.y_low <= bounds.y_high)) {
     return svg + fmt::format("<text x=\"{}\" y=\"{}\" text-anchor=\"middle\">nothing to draw</text></svg>\n",
                              width / 2.0, height / 2.0);
   }
+  double top = 0.0;
+  svg += draw_legend(plot, top);
   const Scale x(plot.x.logarithmic, bounds.x_low, bounds.x_high, left, width - right);
   const Scale y(plot.y.logarithmic, bounds.y_low, bounds.y_high, height - bottom, top);
-  svg += draw_axes(plot, x, y);
-  std::string legend;
-  double line = top + 18.0;
+  svg += draw_axes(plot, top, x, y);
   for (std::size_t k = 0; k < plot.series.size(); ++k) {
-    const PlotSeries series = thinned(plot.series[k]);
-    const char* const colour = colours[k % colours.size()];
-    svg += draw_series(plot, series, colour, x, y);
-    if (series.label.empty()) continue;
-    legend += fmt::format(
-        "<line x1=\"{0}\" y1=\"{1}\" x2=\"{2}\" y2=\"{1}\" stroke=\"{3}\" stroke-width=\"2.5\"{4}/>"
-        "<text x=\"{5}\" y=\"{6}\">{7}</text>\n",
-        left + 12.0, line - 4.0, left + 38.0, colour, series.dashed ? " stroke-dasharray=\"6 4\"" : "", left + 46.0,
-        line, escape_html(series.label));
-    line += 18.0;
+    svg += draw_series(plot, thinned(plot.series[k]), colours[k % colours.size()], x, y);
   }
-  return svg + legend + "</svg>\n";
+  return svg + "</svg>\n";
 }
 
 }  // namespace springnet

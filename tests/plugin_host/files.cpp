@@ -71,9 +71,9 @@ TEST_CASE("every file that is no plugin is refused with the reason and the remed
   };
   const std::vector<Case> cases{
       {"text", {"cannot be loaded as a library", "complete library"}},
-      {"empty", {"cannot be loaded as a library", "complete library"}},
+      {"empty", {"cannot be loaded as a library (file too short)", "complete library"}},
       {"folder", {"cannot be loaded as a library"}},
-      {"missing_symbol", {"springnet_fixture_nowhere", "links all that it calls"}},
+      {"missing_symbol", {"(undefined symbol: springnet_fixture_nowhere)", "links all that it calls"}},
       {"no_entry", {"no symbol springnet_plugin_entry", "export it"}},
       {"other_magic", {"magic number", "SDK"}},
       {"other_major", {"plugin ABI 2.0", "reads 1.x", "rebuild the plugin"}},

@@ -16,7 +16,7 @@ int lines_of(const std::string& file) {
 
 TEST_CASE("a law is at most twenty lines, comments and empty lines included") {
   for (const char* file : {"plugins/springs/linear/linear.cpp", "sdk/template/my_law.cpp"}) {
-    CAPTURE(file);
+    CAPTURE(std::string(file));
     CHECK(lines_of(file) > 0);
     CHECK(lines_of(file) <= 20);
   }

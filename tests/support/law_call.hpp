@@ -1,6 +1,7 @@
 // Calls of a law through the C ABI, as a host makes them: arrays in, every output that the law declares out.
 #pragma once
 
+#include <algorithm>
 #include <array>
 #include <cmath>
 #include <cstdint>

@@ -110,9 +110,10 @@ class Simulation {
   void set_position(NodeIndex node, const Vector3& position);
   void set_velocity(NodeIndex node, const Vector3& velocity);
   void set_fixed(NodeIndex node, bool fixed);  // fixed: where it is now, velocity zero
-  // Removes springs; those already removed do not matter. Returns how many were removed.
+  // Remove springs: those listed, or those that cross a planar polygon (three corners or more). Return how many were
+  // removed; those that were out already do not matter.
   std::size_t cut(const std::vector<SpringIndex>& springs);
-  std::size_t cut(const std::vector<Vector3>& polygon);
+  std::size_t cut_polygon(const std::vector<Vector3>& corners);
 
   // Everything that happened so far, in order.
   [[nodiscard]] const std::vector<Event>& events() const noexcept;

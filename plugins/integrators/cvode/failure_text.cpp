@@ -9,8 +9,7 @@ namespace springnet::cvode {
 std::string failure_text(const FailureFacts& facts, const Settings& settings) {
   std::ostringstream text;
   text.precision(9);
-  text << "cvode stopped at t = " << facts.reached << " s on the way from " << facts.from << " s to " << facts.until
-       << " s: ";
+  text << "cvode stopped at t = " << facts.time << " s: ";
   switch (facts.flag) {
     case CV_TOO_MUCH_WORK:
       text << settings.max_steps << " internal steps were not enough (the last one was " << facts.last_step

@@ -9,9 +9,7 @@ namespace springnet::cvode {
 
 struct FailureFacts {
   int flag = 0;               // what CVode returned
-  double from = 0.0;          // s, committed time
-  double until = 0.0;         // s, time asked for
-  double reached = 0.0;       // s
+  double time = 0.0;          // s
   double last_step = 0.0;     // s
   std::string reason;         // of the host function that failed last, or empty
   std::string cvode_message;  // CVODE's own words

@@ -39,7 +39,7 @@ class ReferenceIntegrator {
   void fire_events(double time);
   void commit(double time);
   void check(int status) const;
-  [[noreturn]] void fail(int flag, double from, double until, double reached) const;
+  [[noreturn]] void fail(int flag, double time) const;
   [[nodiscard]] Counters counters() const;  // since the last restart
   [[nodiscard]] long internal_steps() const;
   void report_statistics() const;

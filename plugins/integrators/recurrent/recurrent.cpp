@@ -316,25 +316,31 @@ std::uint32_t Recurrent::non_finite_node(const Step& step) {
 }
 
 std::string Recurrent::explain(const Step& step, Verdict verdict) const {
-  const char* outcome = "ran out of sweeps";
-  const char* remedy = "raise max_sweeps, use a smaller time_step, or raise force_tolerance";
+  const std::uint32_t node = step.network.user_number[step.differences.node == no_node ? 0 : step.differences.node];
+  const auto sweeps = static_cast<unsigned long long>(step.sweeps);
+  const char* calmer = wavefront_ || exact_sweeps_ > 0 ? "use a smaller time_step, or less stiffness and damping"
+                                                       : "use a smaller time_step or update = \"wavefront\"";
+  std::array<char, 512> text{};
+  if (!step.finite) {
+    std::snprintf(text.data(), text.size(),
+                  "the step diverges: after %llu sweeps numbers are no longer finite, first at node %u; %s", sweeps,
+                  node, calmer);
+    return text.data();
+  }
+  const char* outcome = "diverges";
+  const char* remedy = calmer;
   if (verdict == Verdict::oscillating) {
     outcome = "oscillates";
     remedy =
         "use a smaller time_step or more damping, or raise force_tolerance if it is near the rounding of the forces";
-  } else if (verdict == Verdict::diverging) {
-    outcome = step.finite ? "diverges" : "diverges: numbers are no longer finite";
-    remedy = wavefront_ || exact_sweeps_ > 0 ? "use a smaller time_step, or less stiffness and damping"
-                                             : "use a smaller time_step or update = \"wavefront\"";
+  } else if (verdict == Verdict::out_of_sweeps) {
+    outcome = "ran out of sweeps";
+    remedy = "raise max_sweeps, use a smaller time_step, or raise force_tolerance";
   }
-  const std::uint32_t node = step.differences.node == no_node ? 0 : step.differences.node;
-  std::array<char, 512> text{};
   std::snprintf(text.data(), text.size(),
                 "the step %s after %llu sweeps: the forces still change by %.3g N at node %u, more than "
-                "force_tolerance %.3g N; %s%s",
-                outcome, static_cast<unsigned long long>(step.sweeps), step.differences.greatest,
-                step.network.user_number[node], step.tolerance, remedy,
-                step.finite ? "; unsettled = \"accept\" takes the step as it is" : "");
+                "force_tolerance %.3g N; %s; unsettled = \"accept\" takes the step as it is",
+                outcome, sweeps, step.differences.greatest, node, step.tolerance, remedy);
   return text.data();
 }
 

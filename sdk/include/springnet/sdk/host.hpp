@@ -79,9 +79,10 @@ class Host {
     if (state == nullptr) throw std::bad_alloc();
     return State(state, StateDeleter{table_});
   }
-  [[nodiscard]] Committed committed() const noexcept {
+  [[nodiscard]] Committed committed() const {
     double time = 0.0;
     const springnet_state* state = table_->committed(table_->context, &time);
+    if (state == nullptr) check(SPRINGNET_FAILED);
     return {time, *state};
   }
 

@@ -219,7 +219,8 @@ class LawKernel {
     template <bool uniform>
     SPRINGNET_INLINE Arguments(const Chunk& c, const std::array<double, N>& constants, std::uint32_t i,
                                std::bool_constant<uniform>)
-        : element{c.q[i], 0.0, uniform ? constants[0] : c.streams[0][i], c.time, TableView(c.table), states.data(), inputs.data()} {
+        : element{c.q[i],        0.0,          uniform ? constants[0] : c.streams[0][i], c.time, TableView(c.table),
+                  states.data(), inputs.data()} {
       if constexpr (Traits::reads_rate) element.rate = c.rate[i];
       for (std::size_t j = 0; j < P; ++j) parameters[j] = uniform ? constants[1 + j] : c.streams[1 + j][i];
       for (std::size_t j = 0; j < I; ++j) inputs[j] = uniform ? constants[1 + P + j] : c.streams[1 + P + j][i];

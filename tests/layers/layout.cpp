@@ -1,0 +1,95 @@
+// Renumbering, units, and springs that are taken out.
+
+#include <doctest/doctest.h>
+
+#include <numeric>
+#include <set>
+
+#include "random_net.hpp"
+
+using namespace springnet;
+using namespace springnet::testing;
+
+TEST_CASE("the order of nodes is a permutation, and every live spring stands where its ends are") {
+  const Network net = random_network(20000, 4, 5);
+  const layers::Layout layout(net, *plugins(), true);
+  const layers::Ordering& ordering = layout.ordering();
+  std::vector<std::uint32_t> sorted = ordering.user;
+  std::sort(sorted.begin(), sorted.end());
+  for (std::uint32_t k = 0; k < sorted.size(); ++k) REQUIRE(sorted[k] == k);
+  for (std::uint32_t k = 0; k < sorted.size(); ++k) REQUIRE(ordering.engine[ordering.user[k]] == k);
+
+  std::size_t interior = 0, boundary = 0;
+  for (const layers::Unit& unit : layout.units()) {
+    CHECK(unit.node_count <= layers::max_unit);
+    for (const layers::Segment& segment : unit.segments) {
+      CHECK(segment.count <= layers::max_segment);
+      (segment.boundary ? boundary : interior) += segment.count;
+      for (std::uint32_t i = segment.begin; i < segment.begin + segment.count; ++i) {
+        REQUIRE(unit.first[i] >= unit.first_node);
+        REQUIRE(unit.first[i] < unit.first_node + unit.node_count);
+      }
+    }
+  }
+  CHECK(interior + boundary / 2 == net.springs().size());
+  CHECK(boundary % 2 == 0);
+}
+
+TEST_CASE("a lattice keeps its runs, and shuffled numbers do not spread it in memory") {
+  Lattice lattice;
+  lattice.nodes = {20, 20, 20};
+  lattice.diagonals = Diagonals::space;
+  Network regular, shuffled;
+  const MaterialIndex material = regular.add_material(damped(1.0, 1.0));
+  regular.add_lattice("box", lattice, Node{}, material);
+  std::vector<std::uint32_t> order(regular.nodes().size()), place(order.size());
+  std::iota(order.begin(), order.end(), 0u);
+  std::shuffle(order.begin(), order.end(), std::mt19937(1));
+  for (std::uint32_t k = 0; k < order.size(); ++k) {
+    place[order[k]] = k;
+    shuffled.add_node(regular.nodes()[order[k]]);
+  }
+  shuffled.add_material(damped(1.0, 1.0));
+  for (const Spring& s : regular.springs()) shuffled.add_spring(place[s.first], place[s.second], material, s.rest_length);
+
+  const auto mean_distance = [](const layers::Layout& layout) {
+    double sum = 0.0;
+    for (std::uint32_t s = 0; s < layout.spring_count(); ++s)
+      sum += std::abs(double(layout.first(s)) - double(layout.second(s)));
+    return sum / static_cast<double>(layout.spring_count());
+  };
+  const layers::Layout one(regular, *plugins(), true), two(shuffled, *plugins(), true), raw(shuffled, *plugins(), false);
+  std::size_t in_runs = 0;
+  for (const layers::Unit& unit : one.units())
+    for (const layers::Run& run : unit.runs) in_runs += run.count;
+  CHECK(in_runs > regular.springs().size() / 2);
+  // A random numbering has a mean distance of a third of the nodes; Cuthill-McKee one of about a layer (up to 1.5 x 20^2 nodes).
+  CHECK(mean_distance(raw) > 2000.0);
+  CHECK(mean_distance(two) < 700.0);
+}
+
+TEST_CASE("a network without some springs is the network from which they were removed") {
+  const Network whole = random_network(9000, 3, 9);
+  Network part;
+  std::vector<std::uint32_t> removed;
+  for (const LawUse& neuron : whole.neurons()) part.add_neuron(neuron);
+  for (const Material& material : whole.materials()) part.add_material(material);
+  for (const Node& node : whole.nodes()) part.add_node(node);
+  part.set_gravity(whole.gravity());
+  for (std::uint32_t s = 0; s < whole.springs().size(); ++s) {
+    const Spring& spring = whole.springs()[s];
+    if (s % 7 == 3)
+      removed.push_back(s);
+    else
+      part.add_spring(spring.first, spring.second, spring.material, spring.rest_length);
+  }
+  Laid cut(whole, InstructionSet::best, 1, false), built(part, InstructionSet::best, 1, false);
+  CHECK(cut.layout.remove(removed).size() == removed.size());
+  CHECK(cut.layout.remove(removed).empty());
+  CHECK(cut.layout.live_count() == part.springs().size());
+  cut.evaluate();
+  built.evaluate();
+  for (std::uint32_t k = 0; k < whole.nodes().size(); ++k)
+    REQUIRE((cut.force(k) - built.force(k)).norm() <= 1e-12 * (1.0 + built.force(k).norm()));  // another order of sums
+  CHECK(cut.layout.neighbours() == built.layout.neighbours());
+}

@@ -1,0 +1,91 @@
+// Derivatives of the accelerations against central differences, and the linear systems against dense ones.
+
+#include <doctest/doctest.h>
+
+#include <Eigen/Dense>
+
+#include "layers/linearisation.hpp"
+#include "random_net.hpp"
+
+using namespace springnet;
+using namespace springnet::testing;
+
+namespace {
+
+// Accelerations of all nodes, x of all first.
+Eigen::VectorXd accelerations(Laid& laid, const std::vector<std::uint8_t>& constrained) {
+  laid.evaluate();
+  const auto n = static_cast<Eigen::Index>(laid.layout.node_count());
+  Eigen::VectorXd result(3 * n);
+  const double* force[3] = {laid.f[0].data(), laid.f[1].data(), laid.f[2].data()};
+  double* out[3] = {result.data(), result.data() + n, result.data() + 2 * n};
+  springnet_message message{};
+  REQUIRE(laid.evaluator->accelerations(0, static_cast<std::uint32_t>(n), 0.0, laid.nodes(), force, out, nullptr,
+                                        nullptr, nullptr, message) == SPRINGNET_OK);
+  for (Eigen::Index i = 0; i < 3 * n; ++i)
+    if (constrained[static_cast<std::size_t>(i % n)] != 0) result[i] = 0.0;
+  return result;
+}
+
+}  // namespace
+
+TEST_CASE("the Jacobian is that of the forces, and its systems are solved") {
+  const Network net = random_network(25, 4, 21);
+  Laid laid(net);
+  const std::uint32_t n = laid.layout.node_count();
+  std::vector<std::uint8_t> constrained(n, 0);
+  constrained[3] = constrained[17] = 1;
+  layers::Linearisation linearisation(laid.layout, *laid.evaluator, constrained);
+  springnet_message message{};
+  REQUIRE(linearisation.update(0.0, laid.nodes(), laid.external, message) == SPRINGNET_OK);
+
+  const auto size = static_cast<Eigen::Index>(3 * n);
+  Eigen::MatrixXd by_p(size, size), by_v(size, size);
+  const Eigen::VectorXd zero = Eigen::VectorXd::Zero(size);
+  for (Eigen::Index j = 0; j < size; ++j) {
+    const Eigen::VectorXd unit = Eigen::VectorXd::Unit(size, j);
+    linearisation.times(unit.data(), zero.data(), by_p.col(j).data());
+    linearisation.times(zero.data(), unit.data(), by_v.col(j).data());
+  }
+
+  // Fourth-order central differences: error of h^4 and of rounding / h, both below 1e-8 of entries of order 10.
+  constexpr double h = 4e-4, tolerance = 1e-7;
+  for (Eigen::Index j = 0; j < size; ++j) {
+    for (const bool velocity : {false, true}) {
+      std::vector<double>& array = (velocity ? laid.v : laid.p)[static_cast<std::size_t>(j / n)];
+      const auto k = static_cast<std::size_t>(j % n);
+      const double value = array[k];
+      const auto at = [&](double step) {
+        array[k] = value + step;
+        Eigen::VectorXd a = accelerations(laid, constrained);
+        array[k] = value;
+        return a;
+      };
+      const Eigen::VectorXd difference = (8.0 * (at(h) - at(-h)) - (at(2 * h) - at(-2 * h))) / (12.0 * h);
+      const Eigen::VectorXd analytic = (velocity ? by_v : by_p).col(j);
+      CHECK((difference - analytic).cwiseAbs().maxCoeff() <= tolerance * (1.0 + analytic.cwiseAbs().maxCoeff()));
+    }
+  }
+
+  const double wv = 0.07, wp = 0.0049;
+  Eigen::MatrixXd dense = Eigen::MatrixXd::Identity(size, size) - wv * by_v - wp * by_p;
+  for (Eigen::Index i = 0; i < size; ++i)  // unknowns of nodes that are held stand alone
+    if (constrained[static_cast<std::size_t>(i % n)] != 0) dense.row(i) = Eigen::VectorXd::Unit(size, i).transpose();
+  CHECK((dense - dense.transpose()).cwiseAbs().maxCoeff() > 1e-3);  // so the transposed solve is tested at all
+  REQUIRE(linearisation.factorise(wv, wp, message) == SPRINGNET_OK);
+  const Eigen::VectorXd right_side = Eigen::VectorXd::LinSpaced(size, -1.0, 2.0);
+  Eigen::VectorXd x(size);
+  REQUIRE(linearisation.solve(false, right_side.data(), x.data(), message) == SPRINGNET_OK);
+  // Well conditioned systems of 75 unknowns, solved to rounding.
+  CHECK((dense * x - right_side).norm() <= 1e-11 * right_side.norm());
+  REQUIRE(linearisation.solve(true, right_side.data(), x.data(), message) == SPRINGNET_OK);
+  CHECK((dense.transpose() * x - right_side).norm() <= 1e-11 * right_side.norm());
+
+  std::vector<double> blocks(9 * std::size_t{n});
+  linearisation.diagonal_blocks(wv, wp, blocks.data());
+  for (std::uint32_t k = 0; k < n; ++k)
+    for (Eigen::Index r = 0; r < 3; ++r)
+      for (Eigen::Index c = 0; c < 3; ++c)
+        CHECK(blocks[9 * k + 3 * static_cast<std::size_t>(r) + static_cast<std::size_t>(c)] ==
+              doctest::Approx(dense(r * n + k, c * n + k)).epsilon(1e-12));
+}

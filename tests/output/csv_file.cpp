@@ -1,0 +1,80 @@
+#include "output/csv_file.hpp"
+
+#include <cmath>
+#include <cstdlib>
+#include <cstring>
+#include <limits>
+#include <random>
+
+#include <doctest/doctest.h>
+#include <springnet/error.hpp>
+
+#include "csv.hpp"
+#include "temporary_folder.hpp"
+
+using namespace springnet;
+using testing::TemporaryFolder;
+
+TEST_CASE("numbers in a table read back as the same doubles") {
+  const TemporaryFolder folder;
+  std::mt19937_64 random(7);
+  std::vector<double> values{0.0,      -0.0,
+                             0.1,      1.0 / 3.0,
+                             1e-300,   std::numeric_limits<double>::denorm_min(),
+                             -1.7e308, 1e308,
+                             22.5001,  std::numeric_limits<double>::lowest()};
+  for (int k = 0; k < 20000; ++k) {
+    const std::uint64_t bits = random();
+    double value;
+    static_assert(sizeof value == sizeof bits);
+    std::memcpy(&value, &bits, sizeof value);
+    if (std::isfinite(value)) values.push_back(value);
+  }
+  {
+    CsvFile file(folder.path() / "table.csv", "value,number");
+    for (std::uint32_t k = 0; k < values.size(); ++k) file << values[k] << ',' << k << '\n';
+    file.close();
+  }
+  const testing::Csv csv = testing::read_csv(folder.path() / "table.csv");
+  CHECK(csv.header == "value,number");
+  REQUIRE(csv.rows.size() == values.size());
+  for (std::size_t k = 0; k < values.size(); ++k) {
+    REQUIRE(std::strtod(csv.rows[k][0].c_str(), nullptr) == values[k]);
+    REQUIRE(csv.rows[k][1] == std::to_string(k));
+  }
+}
+
+TEST_CASE("a table left open by an exception keeps what was recorded") {
+  const TemporaryFolder folder;
+  {
+    CsvFile file(folder.path() / "table.csv", "a");
+    file << 1.5 << '\n';
+  }
+  CHECK(testing::read_text(folder.path() / "table.csv") == "a\n1.5\n");
+}
+
+TEST_CASE("a file that cannot be created is an error of the input that names it") {
+  const TemporaryFolder folder;
+  try {
+    CsvFile file(folder.path() / "nowhere" / "table.csv", "a");
+    FAIL("created");
+  } catch (const Error& error) {
+    CHECK(error.kind() == ErrorKind::input);
+    CHECK(std::string(error.what()).find("nowhere") != std::string::npos);
+  }
+}
+
+TEST_CASE("a full disk is an error of the run, with a remedy") {
+  if (!std::filesystem::exists("/dev/full")) return;
+  CsvFile file("/dev/full", "a");
+  file << 1.0;
+  try {
+    file.close();
+    FAIL("written");
+  } catch (const Error& error) {
+    CHECK(error.kind() == ErrorKind::simulation);
+    const std::string message = error.what();
+    CHECK(message.find("No space left") != std::string::npos);
+    CHECK(message.find("output.interval") != std::string::npos);
+  }
+}

@@ -1,0 +1,85 @@
+#include <doctest/doctest.h>
+#include <springnet/output.hpp>
+
+#include "nets.hpp"
+#include "temporary_folder.hpp"
+
+using namespace springnet;
+using testing::plugins;
+using testing::TemporaryFolder;
+
+namespace {
+
+// Nodes that fly on their own: every number has all its digits.
+Scene flying(std::uint32_t side) {
+  Scene scene;
+  const MaterialIndex material = scene.network.add_material({LawUse{"linear", {{"stiffness", 0.3}}}, std::nullopt});
+  Node prototype;
+  prototype.velocity = Vector3(0.1234567, -1.0 / 3.0, 0.777);
+  scene.network.add_lattice("box", {{side, side, side}, Vector3(0.31, 0.37, 0.29), Vector3(-0.11, 0.17, 0.13)},
+                            prototype, material);
+  scene.network.set_gravity({0.1, 0.2, -9.81});
+  scene.duration = 1.0;
+  scene.options.time_step = 0.01;
+  return scene;
+}
+
+}  // namespace
+
+TEST_CASE("the estimate of the output is near the size of the files, on the safe side") {
+  const TemporaryFolder folder;
+  const Scene scene = flying(5);
+  const OutputEstimate estimate = estimate_output(scene);
+  const RunSummary summary = run_scene(scene, plugins(), {folder.path(), "flying", {}});
+  CHECK(summary.outcome == "settled");
+  const auto bytes = static_cast<double>(std::filesystem::file_size(folder.path() / "trajectory.csv"));
+  // Numbers have one or two digits less than the longest, times many less: a fifth of the estimate.
+  CHECK(bytes <= estimate.bytes);
+  CHECK(bytes >= 0.8 * estimate.bytes);
+  CHECK(static_cast<double>(summary.records) <= estimate.records);
+  CHECK(static_cast<double>(summary.records) >= estimate.records - 1.0);
+}
+
+TEST_CASE("the estimate counts what the scene asks for") {
+  Scene scene = flying(2);
+  const double all = estimate_output(scene).bytes;
+  scene.output.interval = 0.1;
+  // 12 records instead of 102.
+  CHECK(estimate_output(scene).bytes == doctest::Approx(all * 12.0 / 102.0));
+  scene.output.trajectory = false;
+  CHECK(estimate_output(scene).bytes == 0.0);
+  scene.output.reactions = true;
+  CHECK(estimate_output(scene).bytes == 0.0);  // nothing is held
+  scene.network.fix(3);
+  const double one_fixed = estimate_output(scene).bytes;
+  CHECK(one_fixed > 0.0);
+  scene.network.add_plane({});
+  // Any of the eight nodes may be held now.
+  CHECK(estimate_output(scene).bytes == doctest::Approx(8.0 * one_fixed));
+}
+
+TEST_CASE("output that does not fit the disk is refused before anything is written") {
+  const TemporaryFolder folder;
+  Scene scene = flying(3);
+  scene.duration = 1e9;
+  scene.options.time_step = 1e-6;
+  try {
+    run_scene(scene, plugins(), {folder.path() / "new", "flying", {}});
+    FAIL("it ran");
+  } catch (const Error& error) {
+    CHECK(error.kind() == ErrorKind::input);
+    const std::string message = error.what();
+    CHECK(message.find("free") != std::string::npos);
+    CHECK(message.find("output.interval") != std::string::npos);
+    CHECK(message.find("output.trajectory") != std::string::npos);
+  }
+  CHECK_FALSE(std::filesystem::exists(folder.path() / "new"));
+}
+
+TEST_CASE("sizes are readable") {
+  CHECK(readable_bytes(0.0) == "0 bytes");
+  CHECK(readable_bytes(999.0) == "999 bytes");
+  CHECK(readable_bytes(1000.0) == "1 kB");
+  CHECK(readable_bytes(4.452e6) == "4.45 MB");
+  CHECK(readable_bytes(2.0e20) == "2e+05 PB");
+}

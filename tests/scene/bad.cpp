@@ -1,0 +1,333 @@
+// Scenes that are wrong in one way each: the message has file, line, column, key and remedy.
+#include <filesystem>
+#include <fstream>
+#include <limits>
+#include <string>
+#include <vector>
+
+#include <doctest/doctest.h>
+#include <fmt/format.h>
+
+#include "scenes.hpp"
+
+namespace {
+
+bool contains(const std::string& text, const std::string& part) { return text.find(part) != std::string::npos; }
+
+// A scene with one mark '^' before the place that the message has to name.
+struct Marked {
+  std::string text, place;
+  explicit Marked(std::string marked) : text(std::move(marked)) {
+    const std::size_t mark = text.find('^');
+    REQUIRE(mark != std::string::npos);
+    text.erase(mark, 1);
+    const std::string before = text.substr(0, mark);
+    const auto line = 1 + std::count(before.begin(), before.end(), '\n');
+    const std::size_t start = before.rfind('\n');
+    place = fmt::format("test.toml:{}:{}: ", line, mark - (start == std::string::npos ? 0 : start + 1) + 1);
+  }
+};
+
+struct Case {
+  std::string scene;
+  std::vector<std::string> words;
+};
+
+void check(const std::vector<Case>& cases) {
+  for (const Case& c : cases) {
+    const Marked marked(c.scene);
+    const std::string message = refusal(marked.text);
+    CAPTURE(c.scene);
+    CAPTURE(message);
+    CAPTURE(marked.place);
+    CHECK(message.starts_with(marked.place));
+    for (const std::string& word : c.words) {
+      CAPTURE(word);
+      CHECK(contains(message, word));
+    }
+  }
+}
+
+// The small scene with another line in place of one of its own.
+std::string replaced(std::size_t line, const std::string& other) {
+  std::string text = small;
+  std::size_t begin = 0;
+  for (std::size_t i = 1; i < line; ++i) begin = text.find('\n', begin) + 1;
+  return text.replace(begin, text.find('\n', begin) - begin, other);
+}
+
+std::string added(const std::string& more) { return small + more + "\n"; }
+
+}  // namespace
+
+TEST_CASE("the small scene is right, so that what refuses it below is the change") { CHECK(refusal(small) == ""); }
+
+TEST_CASE("unknown keys, with the nearest known one") {
+  check({
+      {replaced(2, "^duratoin = 1.0"), {"simulation.duratoin", "no key 'duratoin'", "did you mean 'duration'?"}},
+      {replaced(6, "mesh = { lattice = [3, 3, 3], ^spaceing = 1.0 }"), {"body.0.mesh.spaceing", "'spacing'"}},
+      {replaced(8, "spring = { type = \"linear\", ^stifness = 3.0 }"),
+       {"body.0.spring.stifness", "no key 'stifness' of spring function 'linear'", "did you mean 'stiffness'?",
+        "known: type, stiffness"}},
+      {added("[^gravitation]\nacceleration = [0, 0, -1]"), {"gravitation", "known: title, simulation, gravity"}},
+      {added("[[^bodies]]\nname = \"b\""), {"bodies", "known: "}},
+      {added("[[fix]]\nselect = { ^noeds = [0] }"), {"fix.0.select.noeds", "did you mean 'nodes'?"}},
+      {added("[[node]]\nselect = { nodes = [0] }\nneuron = { type = \"point_mass\", ^mass = 1 }"),
+       {"node.0.neuron.mass", "known: type"}},
+  });
+}
+
+TEST_CASE("wrong types") {
+  check({
+      {replaced(2, "duration = ^\"long\""), {"simulation.duration", "must be a number, is a text"}},
+      {replaced(2, "duration = ^[1]"), {"must be a number, is a list"}},
+      {replaced(2, "duration = ^2020-01-01"), {"must be a number, is a date"}},
+      {replaced(5, "name = ^7"), {"body.0.name", "must be a text in quotes, is a number"}},
+      {replaced(5, "name = ^\"\""), {"must not be empty"}},
+      {replaced(6, "mesh = ^3"), {"body.0.mesh", "must be a table with a lattice, is a number"}},
+      {replaced(6, "mesh = { lattice = ^3, spacing = 1.0 }"), {"must be a list, is a number"}},
+      {replaced(6, "mesh = { lattice = ^[3, 3], spacing = 1.0 }"), {"must have 3 elements, has 2"}},
+      {replaced(6, "mesh = { lattice = [3, ^2.5, 3], spacing = 1.0 }"),
+       {"body.0.mesh.lattice.1", "whole number, is 2.5"}},
+      {replaced(8, "spring = ^\"linear\""), {"must be a table with type and parameters, is a text"}},
+      {replaced(8, "spring = { type = \"linear\", stiffness = ^\"hard\" }"), {"must be a number, is a text"}},
+      {added("^gravity = [0, 0, -1]"), {"body.0.gravity", "no key 'gravity'"}},
+      {"body = ^3\n" + simulation, {"body"}},
+      {added("[gravity]\nacceleration = ^-9.81"),
+       {"gravity.acceleration", "must be three numbers [x, y, z], is a number"}},
+      {added("[gravity]\nacceleration = ^[0, -9.81]"), {"must have 3 elements, has 2"}},
+      {added("[gravity]\nacceleration = [0, 0, ^\"down\"]"), {"gravity.acceleration.2", "must be a number"}},
+      {added("[output]\ntrajectory = ^1"), {"output.trajectory", "must be true or false, is a number"}},
+      {added("^[fix]\nselect = { nodes = [0] }"), {"must be a list of tables, is a table; write [[fix]]"}},
+      {added("[[fix]]\nselect = ^[0]"), {"fix.0.select", "must be a table with a selection, is a list"}},
+      {added("[[spring]]\nselect = {}\nspring = ^\"soft\""), {"\"none\" to remove"}},
+  });
+}
+
+TEST_CASE("missing keys are named, with what they look like") {
+  check({
+      {"^\n", {"the key 'simulation' is missing"}},
+      {"^[simulation]\nduration = 1.0\n", {"simulation: the key 'time_step' is missing; add it: a number above 0, s"}},
+      {"^" + simulation, {"the scene has no body; add a [[body]]"}},
+      {simulation + "^[[body]]\nmesh = {}", {"body.0: the key 'name' is missing; add it: a text"}},
+      {simulation + "^[[body]]\nname = \"a\"\n", {"body.0: has no nodes; add mesh = "}},
+      {replaced(6, "mesh = ^{ spacing = 1.0 }"), {"the key 'lattice' is missing"}},
+      {replaced(6, "mesh = ^{ lattice = [3, 3, 3] }"), {"the key 'spacing' is missing"}},
+      {replaced(7, "neuron = ^{ mass = 1.0 }"), {"the key 'type' is missing; add it: the name of a neuron"}},
+      {replaced(7, "neuron = ^{ type = \"point_mass\" }"), {"the key 'mass' is missing"}},
+      {replaced(8, "spring = ^{ stiffness = 3.0 }"),
+       {"the key 'type' is missing; add it: the name of a spring function"}},
+      {added("^[[fix]]"), {"fix.0: the key 'select' is missing"}},
+      {added("^[[force]]\nselect = {}"), {"the key 'force' is missing"}},
+      {added("^[[plane]]\npoint = [0, 0, 0]"), {"the key 'normal' is missing"}},
+      {added("^[[cut]]\nselect = {}"), {"the key 'time' is missing"}},
+      {added("^[[cut]]\ntime = 1"), {"cuts nothing; add 'select'"}},
+      {added("^[[node]]\nselect = {}"), {"changes nothing; add one or more of 'mass', 'velocity', 'neuron'"}},
+      {added("^[[spring]]\nselect = {}"), {"changes nothing; add one or more of 'spring'"}},
+      {added("[[fix]]\nselect = { box = ^{} }"), {"needs 'min', 'max' or both"}},
+      {added("[[fix]]\nselect = { sphere = ^{ center = [0, 0, 0] } }"), {"the key 'radius' is missing"}},
+  });
+  // A parameter that the law requires.
+  const std::string message = refusal(replaced(8, "spring = { type = \"linear\" }"));
+  CAPTURE(message);
+  CHECK(message.starts_with(
+      "test.toml:8:10: body.0.spring: spring function 'linear' needs a value for 'stiffness' (N/m"));
+}
+
+TEST_CASE("missing laws and unknown components, with the nearest known ones") {
+  check({
+      {simulation + "^[[body]]\nname = \"a\"\nmesh = { lattice = [2, 1, 1], spacing = 1 }\n"
+                    "neuron = { type = \"point_mass\", mass = 1 }",
+       {"body.0: has springs, but neither 'spring' nor 'viscosity'", "add spring = "}},
+      {replaced(8, "spring = { type = ^\"linaer\", stiffness = 3.0 }"),
+       {"body.0.spring.type", "no spring function 'linaer'", "did you mean 'linear'?", "known: exponential, linear"}},
+      {replaced(8, "spring = { type = ^\"relative\", damping = 3.0 }"), {"'relative' is a viscosity function"}},
+      {replaced(7, "neuron = { type = ^\"point\", mass = 1.0 }"), {"no neuron 'point'; did you mean 'point_mass'?"}},
+      {"[simulation]\nintegrator = ^\"newton\"\nduration = 1\ntime_step = 1",
+       {"no integrator 'newton'", "known: cvode"}},
+      {"[simulation]\nintegrator = { name = ^\"cvod\" }\nduration = 1\ntime_step = 1", {"'cvode'"}},
+      {added("^[[connect]]\npairs = [[{ node = 0 }, { node = 5 }]]"), {"add spring = "}},
+  });
+}
+
+TEST_CASE("an unknown law names the plugins that were not taken") {
+  springnet::PluginHost host;
+  host.load("/nowhere/broken.springnet.so");
+  try {
+    static_cast<void>(springnet::parse_scene(small, "s.toml", host));
+    FAIL("taken");
+  } catch (const springnet::Error& error) {
+    const std::string message = error.what();
+    CAPTURE(message);
+    CHECK(error.kind() == springnet::ErrorKind::input);
+    CHECK(message.starts_with("s.toml:7:19: body.0.neuron.type: there is no neuron 'point_mass'"));
+    CHECK(contains(message, "/nowhere/broken.springnet.so: cannot be opened"));
+  }
+}
+
+TEST_CASE("numbers out of range, nan, inf and numbers too great for any") {
+  check({
+      {replaced(7, "neuron = { type = \"point_mass\", mass = ^-1.0 }"),
+       {"body.0.neuron.mass", "must be above 0 kg, is -1"}},
+      {replaced(7, "neuron = { type = \"point_mass\", mass = ^0 }"), {"must be above 0 kg, is 0"}},
+      {replaced(7, "neuron = { type = \"point_mass\", mass = ^nan }"), {"must be a number, is nan"}},
+      {replaced(7, "neuron = { type = \"point_mass\", mass = ^inf }"), {"must be a finite number, is inf"}},
+      {replaced(7, "neuron = { type = \"dragged\", mass = 1, drag = ^-1 }"), {"must be at least 0 kg/s, is -1"}},
+      {replaced(8, "spring = { type = \"linear\", stiffness = ^-3.0 }"),
+       {"body.0.spring.stiffness", "must be at least 0 N/m, is -3"}},
+      {replaced(8, "spring = { type = \"linear\", stiffness = ^nan }"), {"must be a number, is nan"}},
+      {replaced(8, "spring = { type = \"linear\", stiffness = ^-inf }"), {"must be a finite number, is -inf"}},
+      {replaced(8, "spring = { type = \"linear\", stiffness = 1e400^ }"), {"'1e400'", "not TOML"}},
+      {replaced(2, "duration = ^-1"), {"must be at least 0 s, is -1"}},
+      {replaced(3, "time_step = ^0"), {"must be above 0 s, is 0"}},
+      {replaced(3, "time_step = 0.1\nthreads = ^-1"), {"must be at least 0, is -1"}},
+      {replaced(3, "time_step = 0.1\nthreads = ^5000"), {"must be at most 1024, is 5000"}},
+      {replaced(3, "time_step = 0.1\nthreads = ^1.5"), {"must be a whole number, is 1.5"}},
+      {replaced(3, "time_step = 0.1\ninstruction_set = ^\"avx3\""), {"must be one of 'best'", "did you mean"}},
+      {replaced(3, "time_step = 0.1\nintegrator = { name = \"recurrent\", update = ^\"wave\" }"),
+       {"simulation.integrator.update", "must be one of 'synchronous', 'wavefront', is 'wave'; did you mean"}},
+      {replaced(3, "time_step = 0.1\nintegrator = { name = \"recurrent\", max_sweeps = ^10.5 }"),
+       {"whole number, is 10.5"}},
+      {replaced(6, "mesh = { lattice = [3, ^0, 3], spacing = 1.0 }"), {"must be at least 1, is 0"}},
+      {replaced(6, "mesh = { lattice = [3, 3, ^5000000000], spacing = 1.0 }"), {"must be at most 4294967295"}},
+      {replaced(6, "mesh = ^{ lattice = [4000, 4000, 4000], spacing = 1.0 }"), {"6.4e+10 nodes", "use fewer nodes"}},
+      {replaced(6, "mesh = { lattice = [3, 3, 3], spacing = ^0.0 }"), {"must be above 0 m, is 0"}},
+      {replaced(6, "mesh = { lattice = [3, 3, 3], spacing = [1, ^-1, 1] }"), {"body.0.mesh.spacing.1", "is -1"}},
+      {replaced(6, "mesh = ^{ lattice = [3, 3, 3], spacing = 1e308 }"), {"is inf"}},
+      {replaced(6, "mesh = { lattice = [3, 3, 3], spacing = 1, diagonals = ^\"spaces\" }"), {"did you mean 'space'?"}},
+      {added("velocity = [0, ^nan, 0]"), {"body.0.velocity.1", "is nan"}},
+      {added("rest_length_scale = ^0"), {"must be above 0, is 0"}},
+      {added("[gravity]\nacceleration = [0, 0, ^-inf]"), {"is -inf"}},
+      {added("[output]\ninterval = ^-0.1"), {"must be at least 0 s"}},
+      {added("[[node]]\nselect = {}\nmass = ^0"), {"must be above 0 kg"}},
+      {added("[[spring]]\nselect = {}\nrest_length = ^-1"), {"must be at least 0 m"}},
+      {added("[[force]]\nselect = {}\nforce = [0, 0, ^nan]"), {"force.0.force.2"}},
+      {added("[[force]]\nselect = {}\nforce = [0, 0, 1]\nfrom = 2\nuntil = ^1"), {"which is never"}},
+      {added("[[plane]]\npoint = [0, 0, 0]\nnormal = ^[0, 0, 0]"), {"must not be zero"}},
+      {added("[[cut]]\ntime = ^-1\nselect = {}"), {"must be at least 0 s"}},
+      {added("[[cut]]\ntime = 1\npolygon = ^[[0, 0, 0], [1, 0, 0]]"), {"three corners or more, has 2"}},
+      {added("[[cut]]\ntime = 1\npolygon = ^[]"), {"has no corners"}},
+      {added("[[cut]]\ntime = 1\npolygon = ^[[0, 0, 0], [1, 0, 0], [1, 1, 1], [0, 1, 0]]"), {"must be planar"}},
+      {added("[[fix]]\nselect = { box = { min = [0, 0, ^nan] } }"), {"is nan"}},
+      {added("[[fix]]\nselect = { box = ^{ min = [0, 1, 0], max = [1, 0, 1] } }"), {"'min' must not be above 'max'"}},
+      {added("[[fix]]\nselect = { sphere = { center = [0, 0, 0], radius = ^0 } }"), {"must be above 0 m"}},
+  });
+}
+
+TEST_CASE("nodes and springs that cannot be") {
+  const std::string body = simulation + R"([[body]]
+name = "a"
+neuron = { type = "point_mass", mass = 1 }
+spring = { type = "linear", stiffness = 1 }
+)";
+  const std::string plane = "[[plane]]\nname = \"p\"\npoint = [0, 0, 0]\nnormal = [0, 0, 1]\n";
+  check({
+      {body + "nodes = [[0, 0, 0], [1, 0, 0]]\nsprings = [[0, 1], ^[1, 1]]",
+       {"body.0.springs.1", "joins a node to itself"}},
+      {body + "nodes = [[0, 0, 0], [1, 0, 0]]\nsprings = [[0, ^2]]", {"there is no node 2, the body has 2"}},
+      {body + "nodes = [[0, 0, 0], [1, 0, 0]]\nsprings = [[^-1, 0]]", {"must be at least 0, is -1"}},
+      {body + "nodes = [[0, 0, 0], [1, 0, 0]]\nsprings = [^[0]]", {"must have 2 elements, has 1"}},
+      {body + "nodes = [[1, 0, 0], [1, 0, 0]]\nsprings = [^[0, 1]]", {"has length zero", "move one"}},
+      {body + "nodes = [[1, 0, 0], [1, ^inf, 0]]\nsprings = [[0, 1]]", {"must be a finite number, is inf"}},
+      {body + "nodes = ^[]", {"lists no node"}},
+      {simulation + "^[[body]]\nname = \"a\"\nneuron = { type = \"point_mass\", mass = 1 }\n"
+                    "nodes = [[0, 0, 0], [1, 0, 0]]\nsprings = [[0, 1]]",
+       {"has springs, but neither"}},
+      {simulation + "^[[body]]\nname = \"a\"\nmesh = {}\nnodes = [[0, 0, 0]]", {"has both 'mesh' and 'nodes'"}},
+      {added("springs = ^[[0, 1]]"), {"a mesh has springs of its own"}},
+      {added("[[body]]\nname = ^\"a\"\nmesh = {}"), {"body.1.name", "another body has this name"}},
+      {added(plane + "^" + plane), {"two planes 'p'"}},
+  });
+}
+
+TEST_CASE("connections that cannot be") {
+  const std::string law = "spring = { type = \"linear\", stiffness = 1 }\n";
+  check({
+      {added("^[[connect]]\n" + law), {"says not what it joins; add 'pairs'"}},
+      {added("[[connect]]\n" + law + "pairs = ^[]"), {"lists no pair"}},
+      {added("[[connect]]\n" + law + "pairs = [^[{ node = 4 }, { body = \"a\", node = 4 }]]"),
+       {"joins a node to itself"}},
+      {added("[[connect]]\n" + law + "pairs = [[{ node = ^27 }, { node = 4 }]]"),
+       {"no node 27 in the network, it has 27"}},
+      {added("[[connect]]\n" + law + "pairs = [[{ body = ^\"b\", node = 1 }, { node = 4 }]]"),
+       {"there is no body 'b'"}},
+      {added("[[connect]]\n" + law + "pairs = [[^{ body = \"a\" }, { node = 4 }]]"), {"the key 'node' is missing"}},
+      {added("[[connect]]\n" + law + "pairs = [[{ node = 0 }, { node = 4 }]]\nwithin = ^1"),
+       {"no meaning beside 'pairs'"}},
+      {added("^[[connect]]\n" + law + "from = {}\nto = {}"), {"needs either within"}},
+      {added("^[[connect]]\n" + law + "from = {}\nto = {}\nwithin = 1\nnearest = true"), {"needs either within"}},
+      {added("^[[connect]]\n" + law + "from = {}\nto = {}\nnearest = false"), {"needs either within"}},
+      {added("[[connect]]\n" + law + "from = {}\nto = {}\nwithin = ^0.5"), {"no two nodes", "raise the distance"}},
+      {added("[[connect]]\n" + law + "from = {}\nto = {}\nwithin = ^-1"), {"must be above 0 m"}},
+      {added("[[connect]]\n" + law + "from = {}\nto = {}\nwithin = 1\nrest_length = 1\nrest_length_scale = ^1"),
+       {"no meaning beside 'rest_length'"}},
+  });
+}
+
+TEST_CASE("two nodes at one place need a rest length to be connected") {
+  const std::string twice = added(
+      "[[body]]\nname = \"b\"\nnodes = [[0, 0, 0]]\nneuron = { type = \"point_mass\", mass = 1 }\n"
+      "[[connect]]\nspring = { type = \"linear\", stiffness = 1 }\n"
+      "pairs = [[{ body = \"a\", node = 0 }, { body = \"b\", node = 0 }]]\n");
+  const std::string message = refusal(twice);
+  CAPTURE(message);
+  CHECK(message.starts_with("test.toml:13:1: connect.0: "));
+  CHECK(contains(message, "length zero"));
+  CHECK(refusal(twice + "rest_length = 0.5\n") == "");
+}
+
+TEST_CASE("selections that select nothing or what is not there") {
+  check({
+      {added("[[fix]]\nselect = ^{ box = { min = [9, 9, 9], max = [10, 10, 10] } }"),
+       {"fix.0.select: selects no node", "lie between [0, 0, 0] and [2, 2, 2]"}},
+      {added("[[fix]]\nselect = ^{ nodes = [] }"), {"selects no node"}},
+      {added("[[fix]]\nselect = { nodes = [0, ^27] }"), {"there is no node 27 in the network, it has 27"}},
+      {added("[[fix]]\nselect = { body = \"a\", nodes = [0, ^27] }"), {"there is no node 27 in body 'a'"}},
+      {added("[[fix]]\nselect = { nodes = [^-1] }"), {"must be at least 0"}},
+      {added("[[fix]]\nselect = { body = ^\"A\" }"), {"there is no body 'A'; did you mean 'a'?"}},
+      {added("[[fix]]\nselect = { body = ^[] }"), {"names no body"}},
+      {added("[[fix]]\nselect = { body = [\"a\", \"a\"], nodes = ^[0] }"), {"numbers count within one body"}},
+      {added("[[fix]]\nselect = { springs = ^[0] }"), {"nodes are selected here, not springs"}},
+      {added("[[cut]]\ntime = 0\nselect = { springs = [^54] }"), {"there is no spring 54 in the network, it has 54"}},
+      {added("[[cut]]\ntime = 0\nselect = ^{ nodes = [0] }"), {"selects no spring (both ends"}},
+      {added("[[spring]]\nselect = ^{ sphere = { center = [0, 0, 0], radius = 0.5 } }\nrest_length = 1"),
+       {"selects no spring"}},
+  });
+}
+
+TEST_CASE("a spring cannot lose all of its functions") {
+  check({{added("^[[spring]]\nselect = { springs = [5] }\nspring = \"none\""),
+          {"leaves spring 5 without any function", "use [[cut]]"}}});
+}
+
+TEST_CASE("text that is not TOML") {
+  check({
+      {"[simulation]\nduration = 1\nduration = ^2", {"cannot redefine"}},
+      {"[simulation^\nduration = 1", {"not TOML"}},
+  });
+  CHECK(contains(refusal("a = \"\xff\""), "test.toml:1:"));
+}
+
+TEST_CASE("files that cannot be read") {
+  namespace fs = std::filesystem;
+  const auto load = [](const fs::path& file) -> std::string {
+    try {
+      static_cast<void>(springnet::load_scene(file, plugins()));
+    } catch (const springnet::Error& error) {
+      CHECK(error.kind() == springnet::ErrorKind::input);
+      return error.what();
+    }
+    return {};
+  };
+  CHECK(load("nowhere.toml") ==
+        "nowhere.toml: cannot be read (No such file or directory); check its name and its permissions");
+  const fs::path folder = fs::temp_directory_path() / "springnet_scene_test";
+  fs::create_directories(folder);
+  CHECK(contains(load(folder), "it is a folder"));
+  const fs::path file = folder / "wrong.toml";
+  std::ofstream(file) << "[simulation]\nduration = -1\n";
+  CHECK(load(file).starts_with(file.string() + ":2:12: simulation.duration: "));
+  std::ofstream(file, std::ios::trunc) << small;
+  CHECK(load(file) == "");
+  fs::remove_all(folder);
+}

@@ -1,0 +1,97 @@
+// A scene that uses every key there is: it shows that the reader takes each of them.
+#pragma once
+
+inline const char* const everything = R"(
+title = "everything"
+
+[simulation]
+duration = 2.5
+time_step = 0.02
+integrator = { name = "recurrent", update = "synchronous", max_sweeps = 77 }
+threads = 2
+instruction_set = "generic"
+renumber = false
+
+[gravity]
+acceleration = [0, 0, -9.81]
+
+[output]
+interval = 0.1
+trajectory = false
+reactions = true
+
+[[body]]                      # nodes 0 to 7, springs 0 to 11
+name = "block"
+mesh = { lattice = [2, 2, 2], spacing = [1.0, 2.0, 3], origin = [0, 0, 5], diagonals = "none" }
+velocity = [0, 0, -1]
+neuron = { type = "point_mass", mass = 2.0 }
+spring = { type = "linear", stiffness = 3.0 }
+viscosity = { type = "power", damping = 2.0, exponent = 1.5 }
+rest_length_scale = 0.5
+
+[[body]]                      # nodes 8 to 10, springs 12 and 13
+name = "chain"
+nodes = [[10, 0, 0], [11, 0, 0], [13, 0, 0]]
+springs = [[0, 1], [1, 2]]
+neuron = { type = "dragged", mass = 1.0, drag = 0.5 }
+viscosity = { type = "relative", damping = 1.0 }
+
+[[connect]]                   # spring 14
+pairs = [[{ body = "block", node = 1 }, { body = "chain", node = 0 }]]
+spring = { type = "rupturing", stiffness = 5.0, strength = 2.0, breaks_in_compression = true }
+viscosity = { type = "linear", damping = 1.0 }
+rest_length = 4.5
+
+[[connect]]                   # spring 15: nodes 7 and 8 are nearer to one another than any others
+from = { body = "block", nodes = [7] }
+to = { body = "chain" }
+nearest = true
+spring = { type = "linear", stiffness = 5.0 }
+rest_length_scale = 2.0
+
+[[connect]]                   # spring 16: nodes 8 and 10
+from = { nodes = [8] }
+to = { nodes = [10] }
+within = 3.0
+spring = { type = "linear", stiffness = 5.0 }
+
+[[node]]
+select = { body = ["block", "chain"], box = { min = [0, 0, 8], max = [1, 0, 8] } }   # 4 and 5
+mass = 4.0
+velocity = [1, 2, 3]
+neuron = { type = "dragged", drag = 0.25 }
+
+[[spring]]
+select = { springs = [0] }
+spring = { type = "nonlinear", stiffness = 1.0, cubic = 2.0 }
+viscosity = "none"
+rest_length = 0.75
+
+[[spring]]
+select = { body = "chain", springs = [0] }
+spring = { type = "linear", stiffness = 7.0 }
+viscosity = { type = "linear", damping = 7.0 }
+rest_length_scale = 3.0
+
+[[fix]]
+select = { sphere = { center = [13, 0, 0], radius = 0.5 } }                           # 10
+
+[[force]]
+select = { nodes = [3] }
+force = [1, 0, 0]
+from = 0.5
+until = 1.5
+
+[[plane]]
+name = "floor"
+point = [0, 0, -1]
+normal = [0, 0, 2]
+
+[[cut]]
+time = 1.0
+select = { springs = [3] }
+
+[[cut]]
+time = 2.0
+polygon = [[0.5, -1, 0], [0.5, 5, 0], [0.5, 5, 9]]
+)";

@@ -1,0 +1,205 @@
+// Scenes that are right: every key does what the reference page says.
+#include <array>
+#include <limits>
+#include <numeric>
+
+#include <doctest/doctest.h>
+#include <fmt/format.h>
+
+#include "everything.hpp"
+#include "scenes.hpp"
+
+using springnet::LawUse;
+using springnet::Network;
+using springnet::Scene;
+using springnet::Vector3;
+
+TEST_CASE("the paper's cube") {
+  const Scene scene = parse(R"(
+[simulation]
+duration  = 22.5             # s
+time_step = 0.05             # s, the paper's time constant t_c
+integrator = { name = "recurrent", update = "wavefront", force_tolerance = 1e-6 }
+
+[[body]]
+name   = "cube"
+mesh   = { lattice = [4, 4, 4], spacing = 1.0, origin = [0, 0, 0.081], diagonals = "space" }
+neuron = { type = "point_mass", mass = 1.0 }
+spring = { type = "linear", stiffness = 3.0 }
+viscosity = { type = "linear", damping = 2.0 }
+
+[gravity]
+acceleration = [0, 0, -0.2]
+
+[[plane]]
+point  = [0, 0, 0]
+normal = [0, 0, 1]
+)");
+  const Network& network = scene.network;
+  CHECK(network.nodes().size() == 64);
+  CHECK(network.springs().size() == 252);
+  REQUIRE(network.materials().size() == 1);
+  CHECK(network.materials()[0].spring == LawUse{"linear", {{"stiffness", 3.0}}});
+  CHECK(network.materials()[0].viscosity == LawUse{"linear", {{"damping", 2.0}}});
+  CHECK(network.nodes()[63].position == Vector3(3, 3, 3.081));
+  CHECK(network.gravity() == Vector3(0, 0, -0.2));
+  CHECK(network.planes().size() == 1);
+  CHECK(scene.duration == 22.5);
+  CHECK(scene.options.time_step == 0.05);
+  CHECK(scene.options.integrator == LawUse{"recurrent", {{"update", 1.0}, {"force_tolerance", 1e-6}}});
+  CHECK(scene.network.neurons().size() == 1);
+}
+
+TEST_CASE("what is left out has its default") {
+  const Scene scene = parse(small);
+  CHECK(scene.title.empty());
+  CHECK(scene.options.integrator == LawUse{"recurrent", {}});
+  CHECK(scene.options.threads == 0);
+  CHECK(scene.options.instruction_set == springnet::InstructionSet::best);
+  CHECK(scene.options.renumber);
+  CHECK(scene.output.interval == 0);
+  CHECK(scene.output.trajectory);
+  CHECK_FALSE(scene.output.reactions);
+  CHECK(scene.network.gravity() == Vector3::Zero());
+  CHECK(scene.network.nodes()[0].position == Vector3::Zero());
+  CHECK(scene.network.nodes()[0].velocity == Vector3::Zero());
+  CHECK_FALSE(scene.network.materials()[0].viscosity.has_value());
+  CHECK(scene.network.springs().size() == 54);  // no diagonals
+}
+
+TEST_CASE("an integrator may be no more than a name") {
+  const std::string text = "[simulation]\nintegrator = \"cvode\"\n" + small.substr(13);
+  CHECK(parse(text).options.integrator == LawUse{"cvode", {}});
+}
+
+TEST_CASE("a single node needs no law") {
+  const std::string body = simulation + "[[body]]\nname = \"a\"\nneuron = { type = \"point_mass\", mass = 3 }\n";
+  CHECK(parse(body + "nodes = [[1, 2, 3]]").network.nodes()[0].position == Vector3(1, 2, 3));
+  const Scene lattice = parse(body + "mesh = { lattice = [1, 1, 1], spacing = 1, origin = [1, 2, 3] }");
+  REQUIRE(lattice.network.nodes().size() == 1);
+  CHECK(lattice.network.nodes()[0].position == Vector3(1, 2, 3));
+  CHECK(lattice.network.nodes()[0].mass == 3);
+  CHECK(lattice.network.bodies()[0].name == "a");
+}
+
+TEST_CASE("every key: simulation and output") {
+  const Scene scene = parse(everything);
+  CHECK(scene.title == "everything");
+  CHECK(scene.duration == 2.5);
+  CHECK(scene.options.time_step == 0.02);
+  CHECK(scene.options.integrator == LawUse{"recurrent", {{"update", 0.0}, {"max_sweeps", 77.0}}});
+  CHECK(scene.options.threads == 2);
+  CHECK(scene.options.instruction_set == springnet::InstructionSet::generic);
+  CHECK_FALSE(scene.options.renumber);
+  CHECK(scene.output.interval == 0.1);
+  CHECK_FALSE(scene.output.trajectory);
+  CHECK(scene.output.reactions);
+  CHECK(scene.network.gravity() == Vector3(0, 0, -9.81));
+}
+
+TEST_CASE("every key: bodies, in the order of the file") {
+  const Network network = parse(everything).network;
+  REQUIRE(network.bodies().size() == 2);
+  CHECK(network.bodies()[0].name == "block");
+  CHECK(network.bodies()[0].node_count == 8);
+  CHECK(network.bodies()[0].spring_count == 12);
+  CHECK(network.bodies()[1].name == "chain");
+  CHECK(network.bodies()[1].first_node == 8);
+  CHECK(network.bodies()[1].first_spring == 12);
+  CHECK(network.nodes()[7].position == Vector3(1, 2, 8));
+  CHECK(network.nodes()[7].velocity == Vector3(0, 0, -1));
+  CHECK(network.nodes()[7].mass == 2);
+  CHECK(network.nodes()[9].position == Vector3(11, 0, 0));
+  CHECK(network.neurons()[network.nodes()[9].neuron] == LawUse{"dragged", {{"drag", 0.5}}});
+  CHECK(network.springs()[1].rest_length == 1.0);  // y, 2 m, scaled by 0.5
+  CHECK(network.springs()[13].rest_length == 2.0);
+  const springnet::Material& block = network.materials()[network.springs()[1].material];
+  CHECK(block.spring == LawUse{"linear", {{"stiffness", 3.0}}});
+  CHECK(block.viscosity == LawUse{"power", {{"damping", 2.0}, {"exponent", 1.5}}});
+  const springnet::Material& chain = network.materials()[network.springs()[13].material];
+  CHECK_FALSE(chain.spring.has_value());
+  CHECK(chain.viscosity == LawUse{"relative", {{"damping", 1.0}}});
+}
+
+TEST_CASE("every key: connections") {
+  const Network network = parse(everything).network;
+  REQUIRE(network.springs().size() == 17);
+  const springnet::Spring& pair = network.springs()[14];
+  CHECK(pair.first == 1);
+  CHECK(pair.second == 8);
+  CHECK(pair.rest_length == 4.5);
+  CHECK(network.materials()[pair.material].spring ==
+        LawUse{"rupturing", {{"stiffness", 5.0}, {"strength", 2.0}, {"breaks_in_compression", 1.0}}});
+  const springnet::Spring& nearest = network.springs()[15];
+  CHECK(nearest.first == 7);
+  CHECK(nearest.second == 8);
+  // Twice the distance of (1, 2, 8) and (10, 0, 0); a rounding or two.
+  CHECK(nearest.rest_length == doctest::Approx(2 * std::sqrt(81.0 + 4.0 + 64.0)).epsilon(1e-15));
+  const springnet::Spring& within = network.springs()[16];
+  CHECK(within.first == 8);
+  CHECK(within.second == 10);
+  CHECK(within.rest_length == 3);
+}
+
+TEST_CASE("every key: overrides of nodes and springs") {
+  const Network network = parse(everything).network;
+  for (const unsigned node : {4u, 5u}) {
+    CHECK(network.nodes()[node].mass == 4);
+    CHECK(network.nodes()[node].velocity == Vector3(1, 2, 3));
+    CHECK(network.neurons()[network.nodes()[node].neuron] == LawUse{"dragged", {{"drag", 0.25}}});
+  }
+  CHECK(network.nodes()[6].mass == 2);
+  const springnet::Spring& first = network.springs()[0];
+  CHECK(first.rest_length == 0.75);
+  CHECK(network.materials()[first.material].spring == LawUse{"nonlinear", {{"stiffness", 1.0}, {"cubic", 2.0}}});
+  CHECK_FALSE(network.materials()[first.material].viscosity.has_value());
+  const springnet::Spring& link = network.springs()[12];
+  CHECK(link.rest_length == 3);
+  CHECK(network.materials()[link.material].spring == LawUse{"linear", {{"stiffness", 7.0}}});
+  CHECK(network.materials()[link.material].viscosity == LawUse{"linear", {{"damping", 7.0}}});
+  CHECK(network.materials()[network.springs()[13].material].viscosity->id == "relative");
+}
+
+TEST_CASE("every key: what acts on the network") {
+  const Network network = parse(everything).network;
+  for (unsigned node = 0; node < network.nodes().size(); ++node) CHECK(network.nodes()[node].fixed == (node == 10));
+  REQUIRE(network.loads().size() == 1);
+  CHECK(network.loads()[0].nodes == std::vector<springnet::NodeIndex>{3});
+  CHECK(network.loads()[0].force == Vector3(1, 0, 0));
+  CHECK(network.loads()[0].from == 0.5);
+  CHECK(network.loads()[0].until == 1.5);
+  REQUIRE(network.planes().size() == 1);
+  CHECK(network.planes()[0].name == "floor");
+  CHECK(network.planes()[0].point == Vector3(0, 0, -1));
+  CHECK(network.planes()[0].normal == Vector3(0, 0, 1));
+  REQUIRE(network.cuts().size() == 2);
+  CHECK(network.cuts()[0].time == 1);
+  CHECK(network.cuts()[0].springs == std::vector<springnet::SpringIndex>{3});
+  CHECK(network.cuts()[1].polygon.size() == 3);
+  CHECK(network.cuts()[1].polygon[2] == Vector3(0.5, 5, 9));
+}
+
+TEST_CASE("a force without a window acts always") {
+  const Network network = parse(small + "[[force]]\nselect = {}\nforce = [0, 0, 1]\n").network;
+  CHECK(network.loads()[0].from == -std::numeric_limits<double>::infinity());
+  CHECK(network.loads()[0].until == std::numeric_limits<double>::infinity());
+  CHECK(network.loads()[0].nodes.size() == 27);
+}
+
+TEST_CASE("all four kinds of diagonals") {
+  const std::array<std::pair<const char*, std::size_t>, 4> kinds{
+      {{"none", 144}, {"face", 144 + 216}, {"space", 144 + 108}, {"all", 144 + 216 + 108}}};
+  for (const auto& [name, springs] : kinds) {
+    CAPTURE(name);
+    const std::vector<springnet::SceneOverride> set{{"body.0.mesh.lattice", "[4, 4, 4]"},
+                                                    {"body.0.mesh.diagonals", fmt::format("'{}'", name)}};
+    CHECK(parse(small, set).network.springs().size() == springs);
+  }
+}
+
+TEST_CASE("a lattice of a hundred nodes a side is a second's work") {
+  const Scene scene =
+      parse(small, {{"body.0.mesh", "{ lattice = [100, 100, 100], spacing = 0.01, diagonals = 'space' }"}});
+  CHECK(scene.network.nodes().size() == 1'000'000);
+  CHECK(scene.network.springs().size() == 6'851'196);
+}

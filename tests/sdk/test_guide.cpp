@@ -1,0 +1,90 @@
+// The examples of the author's guide at work in the engine.
+#include <doctest/doctest.h>
+
+#include <memory>
+#include <string>
+
+#include <springnet/error.hpp>
+#include <springnet/simulation.hpp>
+
+extern "C" {
+extern const springnet_plugin springnet_plugin_entry_example_1;
+extern const springnet_plugin springnet_plugin_entry_example_3;
+extern const springnet_plugin springnet_plugin_entry_example_4;
+extern const springnet_plugin springnet_plugin_entry_example_5;
+extern const springnet_plugin springnet_plugin_entry_example_6;
+}
+
+namespace {
+using namespace springnet;
+
+std::shared_ptr<const PluginHost> plugins() {
+  auto host = std::make_shared<PluginHost>(PluginHost::with_default_search());
+  for (const springnet_plugin* plugin :
+       {&springnet_plugin_entry_example_1, &springnet_plugin_entry_example_3, &springnet_plugin_entry_example_4,
+        &springnet_plugin_entry_example_5, &springnet_plugin_entry_example_6}) {
+    CAPTURE(std::string(plugin->id));
+    CHECK(host->add(*plugin));
+  }
+  return host;
+}
+
+// A lattice that swings under gravity, held at a corner.
+Network swinging(const LawUse& spring, const LawUse& neuron) {
+  Network network;
+  const MaterialIndex material = network.add_material({spring, LawUse{"linear", {{"damping", 0.3}}}});
+  Node prototype;
+  prototype.neuron = network.add_neuron(neuron);
+  network.add_lattice("net", {{4, 4, 3}, Vector3::Ones(), Vector3::Zero(), Diagonals::space}, prototype, material);
+  network.fix(0);
+  network.set_gravity({0.1, 0.0, -0.2});
+  return network;
+}
+
+}  // namespace
+
+TEST_CASE("the engine takes the laws, the neuron and the integrator of the guide") {
+  const auto host = plugins();
+  SimulationOptions options;
+  options.time_step = 0.02;
+  options.integrator = {"euler", {{"parts", 2.0}}};
+  Simulation simulation(swinging({"tendon", {{"stiffness", 20.0}}}, {"swimmer", {{"drag", 0.5}}}), host, options);
+  simulation.advance_to(1.0);
+  CHECK(simulation.time() == doctest::Approx(1.0));
+  CHECK(simulation.position(47).z() < 2.0);  // it sank
+  CHECK(simulation.sweeps() == 100);         // two parts of fifty steps
+}
+
+TEST_CASE("the guide's integrator is the single synchronous sweep of the recurrent network, bit for bit") {
+  const auto host = plugins();
+  const Network network = swinging({"linear", {{"stiffness", 20.0}}}, {"point_mass", {}});
+  SimulationOptions options;
+  options.time_step = 0.02;
+  options.integrator = {"euler", {}};
+  Simulation guide(network, host, options);
+  options.integrator = {"recurrent", {{"update", 0.0}, {"sweeps", 1.0}}};
+  Simulation recurrent(network, host, options);
+  for (int step = 0; step < 50; ++step) {
+    guide.step();
+    recurrent.step();
+  }
+  CHECK((guide.positions().array() == recurrent.positions().array()).all());
+  CHECK((guide.velocities().array() == recurrent.velocities().array()).all());
+}
+
+TEST_CASE("the engine breaks the guide's brittle spring, and refuses its muscle") {
+  const auto host = plugins();
+  Network network;
+  network.add_node({});
+  network.add_node({.position = {1.0, 0.0, 0.0}, .velocity = {3.0, 0.0, 0.0}});
+  network.fix(0);
+  network.add_spring(0, 1, network.add_material({LawUse{"brittle", {{"stiffness", 4.0}, {"strength", 2.0}}}, {}}));
+  SimulationOptions options;
+  options.integrator = {"euler", {}};
+  Simulation simulation(network, host, options);
+  simulation.advance_to(1.0);
+  CHECK(simulation.live_spring_count() == 0);
+
+  const Network with_memory = swinging({"muscle", {{"relaxation_time", 1.0}}}, {"point_mass", {}});
+  CHECK_THROWS_WITH_AS(Simulation(with_memory, host, options), doctest::Contains("internal state"), Error);
+}

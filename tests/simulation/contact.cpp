@@ -1,0 +1,93 @@
+// Planes: held where it touched until a reverse force occurs, the same in both integrators.
+
+#include <doctest/doctest.h>
+
+#include <springnet/error.hpp>
+
+#include "nets.hpp"
+
+using namespace springnet;
+using namespace springnet::testing;
+
+namespace {
+
+const LawUse integrators[] = {recurrent(synchronous, 1e-12), recurrent(wavefront, 1e-12), single_sweep(), cvode(1e-10)};
+
+Network ball(double height, double gravity) {
+  Network net;
+  net.add_node(point({0, 0, height}, 2.0));
+  net.set_gravity({0, 0, -gravity});
+  net.add_plane({"floor", {0, 0, 0}, {0, 0, 3}});
+  return net;
+}
+
+}  // namespace
+
+TEST_CASE("a falling point is held where it touches, and the floor bears its weight") {
+  for (const LawUse& integrator : integrators) {
+    CAPTURE(integrator.id);
+    Network net = ball(0.5, 10.0);
+    Node node = net.nodes()[0];
+    node.velocity = {1.0, 0.0, 0.0};
+    net.set_node(0, node);
+    Simulation simulation = simulate(net, integrator, 0.001);
+    simulation.advance_to(1.0);
+    // Falls 0.5 m in sqrt(2 h / g) = 0.3162 s, drifting at 1 m/s; the time step shifts the touch by at most two steps.
+    CHECK(simulation.position(0)[0] == doctest::Approx(std::sqrt(0.1)).epsilon(0.007));
+    CHECK(std::abs(simulation.position(0)[2]) <= 1e-12);
+    CHECK(simulation.velocity(0) == Vector3::Zero());
+    CHECK(simulation.held(0));
+    CHECK(simulation.reaction(0)[2] == doctest::Approx(20.0).epsilon(1e-12));
+    // m sqrt(2 g h) upwards; a step's worth of velocity either way.
+    CHECK(simulation.contact_impulse(0)[2] == doctest::Approx(2.0 * std::sqrt(10.0)).epsilon(0.005));
+    CHECK(simulation.contact_impulse(0)[0] == doctest::Approx(-2.0).epsilon(1e-9));
+    REQUIRE(simulation.events().size() == 1);
+    CHECK(simulation.events()[0].kind == Event::Kind::touched);
+    CHECK(simulation.events()[0].time == doctest::Approx(std::sqrt(0.1)).epsilon(0.007));
+  }
+}
+
+TEST_CASE("held from the start with a force into the floor, released by a reverse force, held again") {
+  for (const LawUse& integrator : integrators) {
+    CAPTURE(integrator.id);
+    Network net = ball(0.0, 10.0);
+    net.add_load({{0}, {0, 0, 30.0}, 0.1, 0.3});  // net force 10 N upwards on 2 kg
+    Simulation simulation = simulate(net, integrator, 0.001);
+    CHECK(simulation.held(0));
+    simulation.advance_to(0.1);
+    CHECK(simulation.position(0)[2] == 0.0);
+    simulation.advance_to(0.3);
+    CHECK_FALSE(simulation.held(0));
+    // 5 m/s^2 for 0.2 s: 0.1 m, and first order adds at most a v dt / 2 each step: 0.5 % of it.
+    CHECK(simulation.position(0)[2] == doctest::Approx(0.1).epsilon(0.006));
+    CHECK(simulation.velocity(0)[2] == doctest::Approx(1.0).epsilon(1e-6));
+    simulation.advance_to(1.0);
+    CHECK(simulation.held(0));
+    CHECK(std::abs(simulation.position(0)[2]) <= 1e-12);
+    std::vector<Event::Kind> kinds;
+    for (const Event& event : simulation.events()) kinds.push_back(event.kind);
+    CHECK(kinds == std::vector<Event::Kind>{Event::Kind::touched, Event::Kind::released, Event::Kind::touched});
+  }
+}
+
+TEST_CASE("two planes: a point slides into the corner of neither") {
+  for (const LawUse& integrator : integrators) {
+    Network net;
+    net.add_node(point({0.2, 0, 1.0}, 1.0, {-1.0, 0, 0}));
+    net.add_plane({"wall", {0, 0, 0}, {1, 0, 0}});
+    net.add_plane({"floor", {0, 0, 0}, {0, 0, 1}});
+    net.set_gravity({0, 0, -1});
+    Simulation simulation = simulate(net, integrator, 0.01);
+    simulation.advance_to(3.0);
+    // It meets the wall after 0.2 s and sticks there: gravity does not pull it off.
+    CHECK(simulation.held(0));
+    CHECK(std::abs(simulation.position(0)[0]) <= 1e-12);
+    CHECK(simulation.position(0)[2] == doctest::Approx(1.0 - 0.5 * 0.04).epsilon(0.002));
+  }
+}
+
+TEST_CASE("a node behind a plane is refused with its number") {
+  const Network net = ball(-0.25, 1.0);
+  CHECK_THROWS_WITH_AS(simulate(net, cvode(1e-8), 0.1), doctest::Contains("node 0 starts 0.25 m behind plane 'floor'"),
+                       Error);
+}
