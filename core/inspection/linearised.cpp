@@ -228,7 +228,8 @@ std::optional<double> synchronous_limit(const Network& network, const std::vecto
   Vectors elastic, viscous;
   double limit = 0.0;  // 0: not known yet
   double weight = 1.0;
-  constexpr int largest_count = 2000;
+  // Some seconds at most: sixty products tell the estimate of a net of millions of springs to a few per cent.
+  const int largest_count = static_cast<int>(std::clamp(2e8 / static_cast<double>(springs.size()), 60.0, 5000.0));
   for (int count = 0; count < largest_count; ++count) {
     // Power iteration with t^2 K + t D at the newest estimate of t; the quotients are accurate to the square of x's
     // error.
@@ -239,7 +240,7 @@ std::optional<double> synchronous_limit(const Network& network, const std::vecto
       const double change = std::abs(*next - limit);
       limit = *next;
       // Slow changes add up: with a gap of 1 % between eigenvalues, what is left is about a hundred times the change.
-      if (count > 10 && change <= 1e-6 * limit) return limit;
+      if (count > 10 && change <= 3e-6 * limit) return limit;
       weight = limit;
     }
     x = weight * weight * elastic + weight * viscous;

@@ -21,8 +21,11 @@ void bisect(const Network& network, Nodes& nodes, std::size_t begin, std::size_t
   const std::vector<Node>& all = network.nodes();
   Eigen::AlignedBox3d box;
   for (std::size_t i = begin; i < end; ++i) box.extend(all[nodes[i]].position);
-  Eigen::Index axis = 0;
-  box.sizes().maxCoeff(&axis);
+  // Of equal sides the last one: lattices number their nodes along x first, and long rows of them make long runs.
+  const Vector3 sides = box.sizes();
+  Eigen::Index axis = 2;
+  for (const Eigen::Index other : {1, 0})
+    if (sides[other] > sides[axis] * (1.0 + 1e-9)) axis = other;
   const std::size_t middle = begin + (end - begin) / 2;
   const auto at = [&](std::size_t i) { return nodes.begin() + static_cast<std::ptrdiff_t>(i); };
   std::nth_element(at(begin), at(middle), at(end), [&](std::uint32_t a, std::uint32_t b) {

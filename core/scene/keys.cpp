@@ -139,6 +139,7 @@ std::vector<std::string> keys_in(std::string_view table) {
 const std::vector<std::string>& scene_keys() {
   static const std::vector<std::string> paths = [] {
     std::vector<std::string> result;
+    result.reserve(scene::keys.size());
     for (const scene::Key& key : scene::keys) result.emplace_back(key.path);
     return result;
   }();

@@ -60,7 +60,7 @@ void print(const Scene& scene, const Inspection& found, const std::string& name)
       {"synchronous limit",
        found.synchronous_time_constant
            ? fmt::format(
-                 "about {:.3g} s: the time step above which the synchronous update rule does not settle, linearised "
+                 "about {:.2g} s: the time step above which the synchronous update rule does not settle, linearised "
                  "at the start",
                  *found.synchronous_time_constant)
            : "unknown or none"},

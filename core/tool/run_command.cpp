@@ -47,7 +47,7 @@ void print_result(const RunSummary& summary, const std::filesystem::path& folder
   }
   if (std::isfinite(summary.largest_residual)) fmt::print("  residual   {:.2g} N at most\n", summary.largest_residual);
   fmt::print("  events     {}\n", describe(summary.events));
-  fmt::print("  written    {} ({}) in {}\n", fmt::join(summary.files, ", "),
+  fmt::print("  written    {} ({} and the summary) in {}\n", fmt::join(summary.files, ", "),
              readable_bytes(static_cast<double>(summary.bytes)), folder.string());
 }
 

@@ -66,7 +66,8 @@ void run() {
   // It lets go, and a cut between the second and the third layer sets the lower half free.
   simulation.set_force(middle, Vector3::Zero());
   const double before = height_of_lower_half(simulation);
-  const std::size_t removed = simulation.cut_polygon({{-1, -1, 0.0145}, {1, -1, 0.0145}, {1, 1, 0.0145}, {-1, 1, 0.0145}});
+  const std::size_t removed =
+      simulation.cut_polygon({{-1, -1, 0.0145}, {1, -1, 0.0145}, {1, 1, 0.0145}, {-1, 1, 0.0145}});
   std::printf("springs_cut %zu\nsprings_left %zu\n", removed, simulation.live_spring_count());
   for (int step = 0; step < 100; ++step) simulation.step();
   std::printf("fall_in_100_steps_m %.9g\n", before - height_of_lower_half(simulation));

@@ -42,7 +42,7 @@ bool settles(const Network& network, double time_step) {
   }
 }
 
-// Power iteration ends when its estimate moves by a millionth; what is left is less than a thousandth.
+// Power iteration ends when its estimate moves by three millionths; what is left is less than a thousandth.
 constexpr double tolerance = 1e-3;
 
 }  // namespace

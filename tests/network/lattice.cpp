@@ -59,9 +59,10 @@ TEST_CASE("springs join exactly the nodes whose distance is that of the kind of 
   const std::array<std::uint32_t, 3> nodes{3, 4, 2};
   const std::pair<Diagonals, std::set<int>> kinds[] = {
       {Diagonals::none, {1}}, {Diagonals::face, {1, 2}}, {Diagonals::space, {1, 3}}, {Diagonals::all, {1, 2, 3}}};
-  for (const auto& [diagonals, squares] : kinds) {
-    CAPTURE(static_cast<int>(diagonals));
-    const Network network = lattice_of(nodes, diagonals);
+  for (const auto& kind : kinds) {
+    const std::set<int>& squares = kind.second;
+    CAPTURE(static_cast<int>(kind.first));
+    const Network network = lattice_of(nodes, kind.first);
     std::set<std::pair<unsigned, unsigned>> expected, found;
     for (unsigned a = 0; a < network.nodes().size(); ++a) {
       for (unsigned b = a + 1; b < network.nodes().size(); ++b) {

@@ -1,7 +1,7 @@
 // Changes while it runs: loads in a time window, cuts, ruptures, contact with a plane.
 #include <algorithm>
 #include <cmath>
-#include <limits>
+#include <utility>
 #include <vector>
 
 #include <doctest/doctest.h>
@@ -30,7 +30,8 @@ TEST_CASE("the impulse of a force in a time window does not depend on where the 
   // The window begins and ends within steps, or lies within one.
   constexpr double mass = 0.4, h = 0.03;
   const Vector3 force(2.0, -1.0, 0.5);
-  for (const auto& [from, until] : {std::pair{0.1, 0.47}, {0.2, 0.205}, {0.0, 0.3}, {0.5, 2.0}}) {
+  for (const std::pair<double, double>& window : {std::pair{0.1, 0.47}, {0.2, 0.205}, {0.0, 0.3}, {0.5, 2.0}}) {
+    const double from = window.first, until = window.second;
     for (const Method& method : all_methods(1e-12)) {
       CAPTURE(from);
       CAPTURE(method.name);

@@ -8,6 +8,7 @@
 #include <doctest/doctest.h>
 #include <fmt/format.h>
 
+#include "everything.hpp"
 #include "scenes.hpp"
 
 namespace {
@@ -306,6 +307,25 @@ TEST_CASE("text that is not TOML") {
       {"[simulation^\nduration = 1", {"not TOML"}},
   });
   CHECK(contains(refusal("a = \"\xff\""), "test.toml:1:"));
+}
+
+TEST_CASE("a scene that was cut short or damaged anywhere is taken or refused, and nothing else happens") {
+  const std::string whole = everything;
+  std::size_t taken = 0, refused = 0;
+  const auto count = [&](const std::string& text) {
+    const std::string message = refusal(text);
+    CHECK_FALSE(message.starts_with("not an error of input"));
+    ++(message.empty() ? taken : refused);
+  };
+  for (std::size_t i = 0; i < whole.size(); i += 5) {
+    CAPTURE(i);
+    count(whole.substr(0, i));
+    std::string damaged = whole;
+    damaged[i] = "]0-\"\xff"[i / 5 % 5];
+    count(damaged);
+  }
+  CHECK(taken > 0);  // damage in comments, another digit
+  CHECK(refused > taken);
 }
 
 TEST_CASE("files that cannot be read") {

@@ -25,10 +25,9 @@ class TemporaryFolder {
   TemporaryFolder& operator=(const TemporaryFolder&) = delete;
 
   [[nodiscard]] const std::filesystem::path& path() const { return path_; }
-  // Writes a file in it and returns its path.
-  [[nodiscard]] std::filesystem::path file(const std::string& name, const std::string& text) const {
+  // Makes a file in it.
+  void write(const std::string& name, const std::string& text) const {
     std::ofstream(path_ / name, std::ios::binary) << text;
-    return path_ / name;
   }
 
  private:

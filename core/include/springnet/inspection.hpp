@@ -34,7 +34,7 @@ struct Inspection {
 
   std::size_t parts = 0;                  // sets of nodes that springs connect
   std::size_t nodes_without_springs = 0;  // each is a part
-  double memory_bytes = 0.0;              // about what the engine and the recurrent integrator take
+  double memory_bytes = 0.0;              // about what a run in the recurrent integrator takes in all
 
   // s: above about this time step the synchronous update rule does not settle, below it does: where the spectral radius
   // of t^2 M^-1 K + t M^-1 D, linearised at the start, reaches 1. Empty if there is no such limit, or if a law or

@@ -122,7 +122,7 @@ struct RunSummary {
   std::map<std::string, double> statistics;
 
   std::uint64_t records = 0;
-  std::uintmax_t bytes = 0;
+  std::uintmax_t bytes = 0;        // of the tables
   std::vector<std::string> files;  // names in the folder, summary.json included
 
   std::string outcome;  // that of the worst time step ("settled", …), "failed" or "stopped"

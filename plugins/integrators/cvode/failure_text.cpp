@@ -2,7 +2,7 @@
 
 #include <sstream>
 
-#include <cvode/cvode.h>
+#include "sundials.hpp"
 
 namespace springnet::cvode {
 

@@ -3,7 +3,7 @@
 
 #include <string>
 
-#include "options.hpp"
+#include "settings.hpp"
 
 namespace springnet::cvode {
 

@@ -8,10 +8,10 @@
 
 #include <springnet/sdk/host.hpp>
 
+#include "counters.hpp"
 #include "equations.hpp"
 #include "linear_solver.hpp"
-#include "options.hpp"
-#include "statistics.hpp"
+#include "settings.hpp"
 #include "sundials.hpp"
 
 namespace springnet::cvode {
@@ -29,9 +29,9 @@ class ReferenceIntegrator {
  private:
   [[nodiscard]] LinearSolverKind linear_solver() const;
   void create(double time);
-  // CVODE from the committed state on, with an empty history.
-  void restart(double time, const springnet_state& state);
-  [[nodiscard]] double first_step(double time);  // s
+  // CVODE from the committed state on, with an empty history; the next discontinuity is at `stop`.
+  void restart(double time, const springnet_state& state, double stop);
+  [[nodiscard]] double first_step(double time, double stop);  // s
   void watch_events(double time);
   // To `until`, an event or a discontinuity, whichever is first, and commits that state.
   void step_towards(double until);

@@ -64,4 +64,4 @@ class Cvode : public Integrator {
 
 }  // namespace
 
-SPRINGNET_PLUGIN("org.springnet.integrators.cvode", "0.1.0", "springnet", "MIT", Cvode);
+SPRINGNET_PLUGIN("springnet.integrator.cvode", "0.1.0", "springnet", "MIT", Cvode);

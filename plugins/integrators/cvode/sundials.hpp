@@ -2,6 +2,10 @@
 // errors are reported. Nothing is ever printed; the last error is kept as text.
 #pragma once
 
+// SUNDIALS 7 may include mpi.h, whose C++ bindings would have to be linked.
+#define OMPI_SKIP_MPICXX 1
+#define MPICH_SKIP_MPICXX 1
+
 #include <memory>
 #include <new>
 #include <string>

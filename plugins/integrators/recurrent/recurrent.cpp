@@ -107,7 +107,7 @@ class Recurrent : public springnet::sdk::Integrator {
   void complete(Step& step);
   [[nodiscard]] double residual(const Step& step) const;
   [[nodiscard]] static std::uint32_t non_finite_node(const Step& step);
-  [[nodiscard]] std::string explain(const Step& step, Verdict verdict) const;
+  [[nodiscard]] std::string explain(const Step& step, Verdict verdict, const std::string& law_message) const;
 
   Host host_;
   bool wavefront_;
@@ -161,9 +161,7 @@ springnet_status Recurrent::advance(double until, springnet_step_report& report)
   report.node = step.differences.node == no_node ? 0 : step.differences.node;
   report.start_node = step.start_node;
   if (!settled(verdict) && (!accept_ || !step.finite)) {
-    std::string message = explain(step, verdict);
-    if (!law_message.empty()) message += " (" + law_message + ")";
-    throw Failure(message, SPRINGNET_UNSETTLED);
+    throw Failure(explain(step, verdict, law_message), SPRINGNET_UNSETTLED);
   }
   host_.commit(until, *states_[step.written]);
   if (!settled(verdict)) host_.report("unsettled_steps", ++accepted_);
@@ -275,7 +273,7 @@ void Recurrent::complete(Step& step) {
   for (std::uint64_t i = 0; i < step.network.internal_count; ++i) {
     outputs.internal[i] += step.time_constant * internal_rate_[i];
   }
-  host_.report("evaluations_besides_sweeps", evaluations_);
+  host_.report("evaluations", evaluations_);
   step.residual = residual(step);
   step.finite = std::isfinite(step.residual);
 }
@@ -315,15 +313,20 @@ std::uint32_t Recurrent::non_finite_node(const Step& step) {
   return first == no_node ? step.differences.node : first;
 }
 
-std::string Recurrent::explain(const Step& step, Verdict verdict) const {
+std::string Recurrent::explain(const Step& step, Verdict verdict, const std::string& law_message) const {
   const std::uint32_t node = step.network.user_number[step.differences.node == no_node ? 0 : step.differences.node];
   const auto sweeps = static_cast<unsigned long long>(step.sweeps);
   const char* calmer = wavefront_ || exact_sweeps_ > 0 ? "use a smaller time_step, or less stiffness and damping"
                                                        : "use a smaller time_step or update = \"wavefront\"";
   std::array<char, 512> text{};
+  if (!law_message.empty()) {
+    std::snprintf(text.data(), text.size(), "the step diverges after %llu sweeps: %s; %s", sweeps, law_message.c_str(),
+                  calmer);
+    return text.data();
+  }
   if (!step.finite) {
     std::snprintf(text.data(), text.size(),
-                  "the step diverges: after %llu sweeps numbers are no longer finite, first at node %u; %s", sweeps,
+                  "the step diverges after %llu sweeps: numbers are no longer finite, first at node %u; %s", sweeps,
                   node, calmer);
     return text.data();
   }

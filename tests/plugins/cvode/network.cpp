@@ -36,8 +36,9 @@ TEST_CASE("a network behaves the same with every method and linear solver") {
   const Network network = falling_lattice(3, 200.0, 2.0);
   const double tolerance = 1e-8;
   Eigen::MatrixXd reference;
-  for (const auto& [method, solver] :
-       {std::pair{bdf, direct}, {bdf, krylov}, {bdf, none}, {adams, none}, {adams, direct}}) {
+  for (const auto& choice : {std::pair{bdf, direct}, {bdf, krylov}, {bdf, none}, {adams, none}, {adams, direct}}) {
+    const Method method = choice.first;
+    const Solver solver = choice.second;
     CAPTURE(method);
     CAPTURE(solver);
     Simulation simulation = simulate(network, options(tolerance, 0.25, method, solver));

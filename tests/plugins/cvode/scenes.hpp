@@ -58,7 +58,7 @@ inline Network oscillator(const Material& material, double mass, double stretch,
   return network;
 }
 
-// A lattice with all kinds of springs, in motion: it falls on the plane z = 0 and turns.
+// A lattice with all kinds of springs, in motion: it falls on the plane z = 0 and drifts along it.
 inline Network falling_lattice(std::uint32_t side, double stiffness, double damping) {
   Network network;
   Lattice lattice;

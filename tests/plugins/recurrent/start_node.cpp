@@ -1,5 +1,6 @@
 // Where a wavefront starts, step by step.
 #include <cstdint>
+#include <vector>
 
 #include <doctest/doctest.h>
 
@@ -58,6 +59,43 @@ TEST_CASE("no wave starts at a fixed node while another is free") {
   net.add_load({{5}, {0, 1, 0}});
   Simulation simulation = simulate(net, exactly(1), 0.05);
   CHECK(simulation.step().start_node == 5);
+}
+
+TEST_CASE("a wave does not start at a fixed node, though its force changed most") {
+  // One free node between two walls, pulled up: the wave begins at 1; wall 2 then sees most of its movement.
+  Network net;
+  const MaterialIndex soft = net.add_material(damped(1.0, 0.0)), hard = net.add_material(damped(100.0, 0.0));
+  for (const double x : {0.0, 1.0, 2.0}) net.add_node(point({x, 0, 0}));
+  net.fix(0);
+  net.fix(2);
+  net.add_spring(0, 1, soft);
+  net.add_spring(1, 2, hard);
+  net.add_load({{1}, {5, 0, 0}});
+  Simulation one = simulate(net, exactly(1), 0.05);
+  CHECK(one.step().node == 2);
+  Simulation two = simulate(net, exactly(2), 0.05);
+  CHECK(two.step().start_node == 1);
+}
+
+TEST_CASE("after a cut the wave still reaches every part") {
+  // A string cut in its middle: both halves must go on as if they had never been joined.
+  Network net = string_of_nodes();
+  net.set_gravity({0, 0, -1});
+  constexpr double force_tolerance = 1e-11;
+  Simulation cut = simulate(net, recurrent(wavefront, force_tolerance), 0.05);
+  Simulation plain = simulate(net, recurrent(synchronous, force_tolerance), 0.05);
+  for (int i = 0; i < 10; ++i) {
+    if (i == 4) {
+      CHECK(cut.cut(std::vector<SpringIndex>{3}) == 1);
+      CHECK(plain.cut(std::vector<SpringIndex>{3}) == 1);
+    }
+    cut.step();
+    plain.step();
+  }
+  CHECK(cut.velocity(3)[2] < -0.3);
+  CHECK(cut.velocity(4)[2] < -0.3);
+  // Ten steps, each off by t_c tolerance / m times less than 10.
+  for (NodeIndex k = 0; k < 9; ++k) CHECK((cut.position(k) - plain.position(k)).norm() < 1e-10);
 }
 
 TEST_CASE("ties start at the lowest user's number, renumbered or not") {

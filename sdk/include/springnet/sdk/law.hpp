@@ -29,11 +29,13 @@
 // is not finite in their answer ends the run with an error that names the law and the spring.
 #pragma once
 
+#include <algorithm>
 #include <array>
 #include <cstddef>
 #include <cstdint>
-#include <memory>
 #include <span>
+#include <type_traits>
+#include <utility>
 
 #include <springnet/sdk/component.hpp>
 #include <springnet/sdk/kernel.hpp>
@@ -70,13 +72,16 @@ struct Element {
   [[nodiscard]] SPRINGNET_INLINE const Real& input(std::size_t index) const { return inputs[index]; }
 };
 
-// Laws that do not declare reads_rate are compiled once with this type: a compiler that finds no `rate` here has found
-// a law that reads e.rate without `static constexpr bool reads_rate = true`.
-using RateNotDeclared = Dual<0>;
+// Laws that do not declare `static constexpr bool reads_rate = true` are compiled once with elements whose rate is of
+// this type, which nothing can be done with: an error of the compiler about it has found a law that reads e.rate.
+struct ReadsRateIsNotDeclared {};
+using Rateless = Dual<0>;
 template <>
-struct Element<RateNotDeclared> {
-  using Real = RateNotDeclared;
-  Real q, reference;
+struct Element<Rateless> {
+  using Real = Rateless;
+  Real q;
+  ReadsRateIsNotDeclared rate;
+  Real reference;
   double time;
   TableView table;
   const Real* states;
@@ -136,11 +141,16 @@ struct LawTraits {
   static constexpr bool has_table = requires(const TableSource& source) { Law::prepare(source); };
   static constexpr bool reads_rate = Law::reads_rate && Law::invariant != SPRINGNET_RELATIVE_SPEED;
 
-  // Compiles the formula for elements without a rate.
+  // Compiles the formulas for elements without a rate.
   static constexpr bool rate_is_declared() {
-    using Real = RateNotDeclared;
+    using Real = Rateless;
     if constexpr (!reads_rate) {
-      return +[](const Element<Real>& e, const Parameters<Real>& p) -> Real { return Law::force(e, p); } != nullptr;
+      return +[](const Element<Real>& e, const Parameters<Real>& p) {
+        static_cast<void>(Law::force(e, p));
+        if constexpr (has_energy) static_cast<void>(Law::energy(e, p));
+        if constexpr (has_margin) static_cast<void>(Law::margin(e, p));
+        if constexpr (has_state_rates) static_cast<void>(Law::state_rates(e, p));
+      } != nullptr;
     }
     return true;
   }

@@ -10,6 +10,7 @@
 // number for the derivative blocks. It is pure, like a law.
 #pragma once
 
+#include <algorithm>
 #include <array>
 #include <cstddef>
 #include <cstdint>

@@ -1,0 +1,129 @@
+#include <algorithm>
+
+#include <doctest/doctest.h>
+
+#include "tool.hpp"
+
+using namespace springnet;
+using testing::Answer;
+using testing::TemporaryFolder;
+
+TEST_CASE("plugin list has every component, with plugin and file") {
+  const TemporaryFolder folder;
+  const Answer answer = testing::springnet(folder, "plugin list --json");
+  REQUIRE(answer.status == 0);
+  const auto components = answer.json()["components"];
+  struct Wanted {
+    const char* kind;
+    const char* id;
+  };
+  for (const Wanted& wanted : {Wanted{"spring function", "linear"}, Wanted{"spring function", "rupturing"},
+                               Wanted{"viscosity function", "linear"}, Wanted{"viscosity function", "relative"},
+                               Wanted{"neuron", "point_mass"}, Wanted{"neuron", "dragged"},
+                               Wanted{"integrator", "recurrent"}, Wanted{"integrator", "cvode"}}) {
+    CAPTURE(wanted.kind);
+    CAPTURE(wanted.id);
+    const auto found = std::find_if(components.begin(), components.end(), [&](const auto& component) {
+      return component["kind"] == wanted.kind && component["id"] == wanted.id;
+    });
+    REQUIRE(found != components.end());
+    CHECK_FALSE((*found)["version"].template get<std::string>().empty());
+    CHECK_FALSE((*found)["summary"].template get<std::string>().empty());
+    CHECK(std::filesystem::exists((*found)["file"].template get<std::string>()));
+  }
+  const std::string text = testing::springnet(folder, "plugin list").out;
+  for (const auto& component : components) {
+    CHECK(text.find(component["summary"].get<std::string>()) != std::string::npos);
+  }
+}
+
+TEST_CASE("plugin list tells files that were refused, and why") {
+  const TemporaryFolder folder;
+  folder.write("broken.springnet.so", "this is no library");
+  const Answer answer = testing::springnet(folder, "plugin list --plugins .");
+  CHECK(answer.status == 0);
+  CHECK(answer.out.find("looked at and not taken") != std::string::npos);
+  CHECK(answer.out.find("broken.springnet.so") != std::string::npos);
+  const auto refused = testing::springnet(folder, "plugin list --json --plugins .").json()["refused"];
+  const auto broken = std::find_if(refused.begin(), refused.end(), [](const auto& refusal) {
+    return refusal["file"].template get<std::string>().ends_with("broken.springnet.so");
+  });
+  REQUIRE(broken != refused.end());
+  CHECK_FALSE((*broken)["reason"].get<std::string>().empty());
+}
+
+TEST_CASE("plugin show has parameters with unit, default, bounds and choices") {
+  const TemporaryFolder folder;
+  const Answer answer = testing::springnet(folder, "plugin show recurrent --json");
+  REQUIRE(answer.status == 0);
+  const auto components = answer.json();
+  REQUIRE(components.size() == 1);
+  CHECK(components[0]["kind"] == "integrator");
+  CHECK(components[0]["abi"].get<std::string>().starts_with("1."));
+  const auto& update = components[0]["parameters"][0];
+  CHECK(update["name"] == "update");
+  CHECK(update["type"] == "choice");
+  const std::vector<std::string> choices = update["choices"];
+  CHECK(std::find(choices.begin(), choices.end(), "wavefront") != choices.end());
+
+  const auto linear = testing::springnet(folder, "plugin show linear --kind spring --json").json();
+  REQUIRE(linear.size() == 1);
+  const auto& stiffness = linear[0]["parameters"][0];
+  CHECK(stiffness["name"] == "stiffness");
+  CHECK(stiffness["unit"] == "N/m");
+  CHECK(stiffness["smallest"] == 0.0);
+  const std::vector<std::string> capabilities = linear[0]["capabilities"];
+  CHECK(std::find(capabilities.begin(), capabilities.end(), "energy") != capabilities.end());
+
+  const std::string text = testing::springnet(folder, "plugin show recurrent").out;
+  for (const char* part :
+       {"recurrent (integrator)", "update", "\"wavefront\"", "synchronous | wavefront", "max_sweeps"}) {
+    CAPTURE(part);
+    CHECK(text.find(part) != std::string::npos);
+  }
+}
+
+TEST_CASE("a name that several kinds have is shown for each, or for the kind asked for") {
+  const TemporaryFolder folder;
+  CHECK(testing::springnet(folder, "plugin show linear --json").json().size() == 2);
+  const Answer one = testing::springnet(folder, "plugin show linear --kind viscosity");
+  CHECK(one.status == 0);
+  CHECK(one.out.find("linear (viscosity function)") != std::string::npos);
+  CHECK(one.out.find("linear (spring function)") == std::string::npos);
+}
+
+TEST_CASE("the line that plugin show offers for a scene is one that a scene takes") {
+  const TemporaryFolder folder;
+  folder.write("pair.toml", testing::pair_scene);
+  const auto line_of = [&](const std::string& arguments) {
+    const std::string text = testing::springnet(folder, "plugin show " + arguments).out;
+    const std::size_t line = text.find("= {", text.find("in a scene:"));
+    REQUIRE(line != std::string::npos);
+    return text.substr(line + 2, text.find('\n', line) - line - 2);
+  };
+  struct Place {
+    const char* shown;
+    const char* key;
+  };
+  for (const Place& place :
+       {Place{"linear --kind spring", "body.0.spring"}, Place{"nonlinear", "body.0.spring"},
+        Place{"exponential", "body.0.spring"}, Place{"rupturing", "body.0.spring"},
+        Place{"linear --kind viscosity", "body.0.viscosity"}, Place{"relative", "body.0.viscosity"},
+        Place{"power", "body.0.viscosity"}, Place{"point_mass", "body.0.neuron"}, Place{"dragged", "body.0.neuron"},
+        Place{"recurrent", "simulation.integrator"}, Place{"cvode", "simulation.integrator"}}) {
+    const std::string value = line_of(place.shown);
+    CAPTURE(value);
+    const Answer answer =
+        testing::springnet(folder, "inspect pair.toml --set '" + std::string(place.key) + "=" + value + "'");
+    CAPTURE(answer.err);
+    CHECK(answer.status == 0);
+  }
+}
+
+TEST_CASE("a component that is not there has status 3 and the nearest names") {
+  const TemporaryFolder folder;
+  const Answer any = testing::springnet(folder, "plugin show recurent");
+  CHECK(any.status == 3);
+  CHECK(any.err.find("did you mean 'recurrent'") != std::string::npos);
+  CHECK(testing::springnet(folder, "plugin show recurrent --kind neuron").status == 3);
+}

@@ -1,0 +1,182 @@
+#include <doctest/doctest.h>
+
+#include "csv.hpp"
+#include "tool.hpp"
+
+using namespace springnet;
+using testing::Answer;
+using testing::TemporaryFolder;
+
+namespace {
+
+// At rest until a load pulls at 0.5 s; then the synchronous rule, far beyond its time constant, does not settle.
+constexpr const char* failing_scene = R"(
+[simulation]
+duration = 1.0
+time_step = 0.1
+integrator = { name = "recurrent", update = "synchronous" }
+[[body]]
+name = "pair"
+nodes = [[0, 0, 0], [1, 0, 0]]
+springs = [[0, 1]]
+neuron = { type = "point_mass", mass = 1.0 }
+spring = { type = "linear", stiffness = 1000.0 }
+[[fix]]
+select = { nodes = [0] }
+[[force]]
+select = { nodes = [1] }
+force = [1, 0, 0]
+from = 0.5
+)";
+
+}  // namespace
+
+TEST_CASE("run writes trajectory, events and summary to results/<scene>") {
+  const TemporaryFolder folder;
+  folder.write("pair.toml", testing::pair_scene);
+  const Answer answer = testing::springnet(folder, "run pair.toml");
+  CAPTURE(answer.err);
+  CHECK(answer.status == 0);
+  CHECK(answer.out.find("records) to results/pair") != std::string::npos);
+  CHECK(answer.out.find("outcome    settled") != std::string::npos);
+  CHECK(answer.err.empty());
+
+  const testing::Csv csv = testing::read_csv(folder.path() / "results/pair/trajectory.csv");
+  CHECK(csv.header == "time,node,x,y,z,vx,vy,vz");
+  REQUIRE(csv.rows.size() == 22);
+  CHECK(csv.rows[0] == std::vector<std::string>{"0", "0", "0", "0", "0", "0", "0", "0"});
+  CHECK(csv.rows[1] == std::vector<std::string>{"0", "1", "1", "0", "0", "0", "0", "0"});
+  CHECK(csv.number(21, 0) == 1.0);
+
+  const auto summary = testing::read_json(folder.path() / "results/pair/summary.json");
+  for (const char* key : {"nodes", "springs", "steps", "simulated_s", "wall_s", "spring_updates_per_s",
+                          "sweeps_per_step", "outcome", "ruptured", "cut"}) {
+    CAPTURE(key);
+    CHECK(summary.contains(key));
+  }
+  CHECK(summary["scene"] == "pair.toml");
+  CHECK(summary["title"] == "A pair");
+  CHECK(summary["outcome"] == "settled");
+  CHECK(std::filesystem::exists(folder.path() / "results/pair/events.csv"));
+}
+
+TEST_CASE("--json prints the summary and nothing else") {
+  const TemporaryFolder folder;
+  folder.write("pair.toml", testing::pair_scene);
+  const Answer answer = testing::springnet(folder, "run pair.toml --json -o out");
+  CHECK(answer.status == 0);
+  CHECK(answer.err.empty());
+  CHECK(answer.json() == testing::read_json(folder.path() / "out/summary.json"));
+}
+
+TEST_CASE("--quiet prints nothing") {
+  const TemporaryFolder folder;
+  folder.write("pair.toml", testing::pair_scene);
+  const Answer answer = testing::springnet(folder, "run pair.toml --quiet --output a/b/c");
+  CHECK(answer.status == 0);
+  CHECK(answer.out.empty());
+  CHECK(answer.err.empty());
+  CHECK(std::filesystem::exists(folder.path() / "a/b/c/trajectory.csv"));
+}
+
+TEST_CASE("time step, duration, threads and keys of the scene can be given") {
+  const TemporaryFolder folder;
+  folder.write("pair.toml", testing::pair_scene);
+  const Answer answer = testing::springnet(
+      folder,
+      "run pair.toml --json -o out --time-step 0.05 --duration 2 --threads 1 --set output.interval=0.5 "
+      "--set output.reactions=true --set 'title=\"Other\"'");
+  CAPTURE(answer.err);
+  REQUIRE(answer.status == 0);
+  const auto summary = answer.json();
+  CHECK(summary["time_step_s"] == 0.05);
+  CHECK(summary["duration_s"] == 2.0);
+  CHECK(summary["steps"] == 40);
+  CHECK(summary["threads"] == 1);
+  CHECK(summary["records"] == 5);
+  CHECK(summary["title"] == "Other");
+  CHECK(testing::read_csv(folder.path() / "out/trajectory.csv").rows.size() == 10);
+  CHECK(testing::read_csv(folder.path() / "out/reactions.csv").rows.size() == 5);
+}
+
+TEST_CASE("another integrator starts with its defaults and takes its own options") {
+  const TemporaryFolder folder;
+  folder.write("pair.toml", testing::pair_scene);
+  const Answer answer = testing::springnet(
+      folder, "run pair.toml --json --integrator cvode --set 'simulation.integrator.method=\"adams\"'");
+  CAPTURE(answer.err);
+  REQUIRE(answer.status == 0);
+  CHECK(answer.json()["integrator"]["name"] == "cvode");
+  CHECK(answer.json()["integrator"]["options"] == nlohmann::json{{"method", "adams"}});
+}
+
+TEST_CASE("the integrator that the scene names already keeps its options") {
+  const TemporaryFolder folder;
+  folder.write("pair.toml", testing::pair_scene);
+  const Answer answer = testing::springnet(folder, "run pair.toml --json --integrator recurrent");
+  REQUIRE(answer.status == 0);
+  CHECK(answer.json()["integrator"]["options"]["max_sweeps"] == 500.0);
+}
+
+TEST_CASE("a run that fails midway has status 1 and keeps what was written") {
+  const TemporaryFolder folder;
+  folder.write("failing.toml", failing_scene);
+  const Answer answer = testing::springnet(folder, "run failing.toml");
+  CHECK(answer.status == 1);
+  CHECK(answer.err.starts_with("springnet: error: "));
+  CHECK(answer.err.find("is kept in results/failing") != std::string::npos);
+  const testing::Csv csv = testing::read_csv(folder.path() / "results/failing/trajectory.csv");
+  REQUIRE(csv.rows.size() == 12);  // six records, from 0 to 0.5 s
+  CHECK(csv.number(11, 0) == doctest::Approx(0.5));
+  const auto summary = testing::read_json(folder.path() / "results/failing/summary.json");
+  CHECK(summary["outcome"] != "settled");
+  CHECK(summary["simulated_s"].get<double>() == doctest::Approx(0.5));
+  CHECK(answer.err.find(summary["error"].get<std::string>()) != std::string::npos);
+}
+
+TEST_CASE("a full disk has status 1, and what fitted on it stays") {
+  const TemporaryFolder folder;
+  folder.write("pair.toml", testing::pair_scene);
+  // Files of at most 128 blocks of 512 bytes; about 900 kB would be written.
+  const Answer answer = testing::shell(
+      folder, "trap '' XFSZ; ulimit -f 128; \"$SPRINGNET\" run pair.toml --time-step 0.0001 --duration 0.5 -q -o out");
+  CHECK(answer.status == 1);
+  CHECK(answer.err.find("trajectory.csv: cannot be written") != std::string::npos);
+  CHECK(answer.err.find("output.interval") != std::string::npos);
+  CHECK(std::filesystem::file_size(folder.path() / "out/trajectory.csv") == 128 * 512);
+  const auto summary = testing::read_json(folder.path() / "out/summary.json");
+  CHECK(summary["outcome"] == "failed");
+  CHECK(summary["error"].get<std::string>().find("trajectory.csv") != std::string::npos);
+}
+
+TEST_CASE("output that would not fit the disk is refused with a remedy, status 2") {
+  const TemporaryFolder folder;
+  folder.write("pair.toml", testing::pair_scene);
+  const Answer answer = testing::springnet(folder, "run pair.toml --quiet --time-step 1e-9 --duration 1e7");
+  CHECK(answer.status == 2);
+  CHECK(answer.err.find("output.interval") != std::string::npos);
+  CHECK_FALSE(std::filesystem::exists(folder.path() / "results"));
+}
+
+TEST_CASE("a request to end stops the run in order") {
+  const TemporaryFolder folder;
+  folder.write("pair.toml", testing::pair_scene);
+  // A thousand million time steps: it does not end by itself. events.csv is there when the run has begun.
+  const Answer answer =
+      testing::shell(folder,
+                     "\"$SPRINGNET\" run pair.toml --duration 1e8 --set output.interval=1e6 -q -o out & "
+                     "tool=$!; while [ ! -e out/events.csv ]; do sleep 0.05; done; "
+                     "kill -TERM $tool; wait $tool");
+  CHECK(answer.status == 1);
+  CHECK(answer.err.find("stopped at") != std::string::npos);
+  CHECK(testing::read_json(folder.path() / "out/summary.json")["outcome"] == "stopped");
+}
+
+TEST_CASE("a folder that cannot be made is an error of usage") {
+  const TemporaryFolder folder;
+  folder.write("pair.toml", testing::pair_scene);
+  folder.write("taken", "a file");
+  const Answer answer = testing::springnet(folder, "run pair.toml -q -o taken/out");
+  CHECK(answer.status == 2);
+  CHECK(answer.err.find("taken/out") != std::string::npos);
+}
