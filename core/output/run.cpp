@@ -101,8 +101,7 @@ class Recorder {
 // Adds a time step to the summary; the worst outcome is that of the run.
 class StepCounter {
  public:
-  void count(const StepReport& report, std::size_t live_springs, RunSummary& summary) {
-    summary.spring_updates += static_cast<double>(report.sweeps) * static_cast<double>(live_springs);
+  void count(const StepReport& report, RunSummary& summary) {
     if (report.outcome != Outcome::settled) ++summary.unsettled;
     worst_ = std::max(worst_, report.outcome);
     if (std::isnan(report.residual)) return;
@@ -135,12 +134,25 @@ void simulate(const Scene& scene, Simulation& simulation, Recorder& recorder, co
   double next_record = interval;
   summary.outcome = name_of(counter.worst());
   while (simulation.time() < scene.duration - slack) {
-    const std::size_t live_springs = simulation.live_spring_count();
-    const auto begin = Clock::now();
     const bool last = simulation.time() + time_step >= scene.duration - slack;
-    const StepReport& report = last ? simulation.advance_to(scene.duration) : simulation.step();
-    summary.wall += seconds_since(begin);
-    counter.count(report, live_springs, summary);
+    const double springs = static_cast<double>(simulation.live_spring_count());
+    const auto begin = Clock::now();
+    const auto count_work = [&] {
+      summary.wall += seconds_since(begin);
+      summary.spring_updates += static_cast<double>(simulation.last_report().sweeps) * springs;
+    };
+    try {
+      if (last) {
+        simulation.advance_to(scene.duration);
+      } else {
+        simulation.step();
+      }
+    } catch (const Error&) {
+      count_work();
+      throw;
+    }
+    count_work();
+    counter.count(simulation.last_report(), summary);
     summary.outcome = name_of(counter.worst());
 
     if (last || simulation.time() >= next_record - slack) {

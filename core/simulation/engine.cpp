@@ -56,6 +56,7 @@ Engine::Engine(const Network& network, const PluginHost& plugins, const Simulati
   }
   loads_.set_interval(0.0, std::numeric_limits<double>::infinity());
   perform_due_cuts();
+  if (perform_due_ruptures() != SPRINGNET_OK) throw Error(ErrorKind::simulation, message_.text);
   start_contacts();
   set_scales();
 }

@@ -28,7 +28,8 @@ void ErrorNorm::add(double time, const ConstNodeMap& positions, const std::vecto
 
 PositionError ErrorNorm::result() const {
   PositionError result = error_;
-  result.rms = count_ > 0.0 ? std::sqrt(squares_ / count_) : 0.0;
+  result.rms = std::sqrt(squares_ / count_);  // 0 / 0 is nan
+  if (count_ == 0.0) result.max = std::numeric_limits<double>::quiet_NaN();
   return result;
 }
 

@@ -234,12 +234,10 @@ std::string escape_html(std::string_view text) {
 
 std::string to_svg(const Plot& plot) {
   const Bounds bounds = bounds_of(plot);
-  std::string svg = fmt::format("<svg viewBox=\"0 0 {} {}\" role=\"img\" aria-label=\"{} over {}\">\n", width, height,
-                                escape_html(plot.y.label), escape_html(plot.x.label));
-  if (!(bounds.y_low <= bounds.y_high)) {
-    return svg + fmt::format("<text x=\"{}\" y=\"{}\" text-anchor=\"middle\">nothing to draw</text></svg>\n",
-                             width / 2.0, height / 2.0);
-  }
+  const bool empty = !(bounds.y_low <= bounds.y_high);
+  std::string svg = fmt::format("<svg viewBox=\"0 0 {} {}\" role=\"img\" aria-label=\"{} over {}\">\n", width,
+                                empty ? 30.0 : height, escape_html(plot.y.label), escape_html(plot.x.label));
+  if (empty) return svg + "<text x=\"0\" y=\"20\">nothing to draw</text></svg>\n";
   double top = 0.0;
   svg += draw_legend(plot, top);
   const Scale x(plot.x.logarithmic, bounds.x_low, bounds.x_high, left, width - right);

@@ -11,14 +11,16 @@ namespace springnet {
 
 std::string order_text(double order) { return std::isfinite(order) ? fmt::format("{:.2f}", order) : "-"; }
 
+std::string error_text(double error) { return std::isfinite(error) ? fmt::format("{:.3g} m", error) : "-"; }
+
 std::vector<TableRow> table_rows(const Validation& validation) {
   std::vector<TableRow> rows{
       {"integrator", "time step", "max error", "rms error", "order", "sweeps/step", "wall", "outcome"}};
   for (const ValidationRun& run : validation.runs) {
     const double sweeps = run.steps > 0 ? static_cast<double>(run.sweeps) / static_cast<double>(run.steps) : 0.0;
     rows.push_back({run.integrator.id, fmt::format("{:g} s{}", run.time_step, run.of_scene ? " *" : ""),
-                    fmt::format("{:.3g} m", run.error.max), fmt::format("{:.3g} m", run.error.rms),
-                    order_text(run.order), fmt::format("{:.1f}", sweeps), fmt::format("{:.3g} s", run.wall),
+                    error_text(run.error.max), error_text(run.error.rms), order_text(run.order),
+                    fmt::format("{:.1f}", sweeps), fmt::format("{:.3g} s", run.wall),
                     run.finished() ? run.outcome : fmt::format("{} at {:.4g} s", run.outcome, run.reached)});
   }
   return rows;
@@ -44,12 +46,15 @@ std::string to_table(const Validation& validation) {
     text += '\n';
   }
   const ValidationRun& own = validation.run_of_scene();
+  text += "\n  * the scene's own";
+  if (std::isfinite(own.error.max)) {
+    text += fmt::format("; its greatest error is at node {}, {:g} s", own.error.node, own.error.time);
+  }
   text += fmt::format(
-      "\n  * the scene's own; its greatest error is at node {}, {:g} s\n"
-      "  reference: {}, relative tolerance {:g}, uncertain by {:.2g} m (difference to a run with {:g}), {:.3g} s\n"
+      "\n  reference: {}, relative tolerance {:g}, uncertain by {:.2g} m (difference to a run with {:g}), {:.3g} s\n"
       "  observed order: {}\n",
-      own.error.node, own.error.time, validation.reference, validation.relative_tolerance, validation.uncertainty(),
-      validation.certifying_tolerance, validation.reference_wall, order_text(validation.observed_order));
+      validation.reference, validation.relative_tolerance, validation.uncertainty(), validation.certifying_tolerance,
+      validation.reference_wall, order_text(validation.observed_order));
   for (const std::string& note : validation.notes) text += fmt::format("  note: {}\n", note);
   return text;
 }

@@ -1,12 +1,13 @@
 // Scenes that are wrong in one way each: the message has file, line, column, key and remedy.
+#include <algorithm>
 #include <filesystem>
 #include <fstream>
-#include <limits>
 #include <string>
 #include <vector>
 
 #include <doctest/doctest.h>
 #include <fmt/format.h>
+#include <unistd.h>
 
 #include "everything.hpp"
 #include "scenes.hpp"
@@ -341,7 +342,7 @@ TEST_CASE("files that cannot be read") {
   };
   CHECK(load("nowhere.toml") ==
         "nowhere.toml: cannot be read (No such file or directory); check its name and its permissions");
-  const fs::path folder = fs::temp_directory_path() / "springnet_scene_test";
+  const fs::path folder = fs::temp_directory_path() / fmt::format("springnet_scene_test_{}", getpid());
   fs::create_directories(folder);
   CHECK(contains(load(folder), "it is a folder"));
   const fs::path file = folder / "wrong.toml";

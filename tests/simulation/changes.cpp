@@ -111,3 +111,19 @@ TEST_CASE("nothing that is not there, and no number that is not finite") {
   CHECK_THROWS_AS(simulation.advance_to(-1.0), Error);
   CHECK_THROWS_AS(simulation.advance_to(nan), Error);
 }
+
+TEST_CASE("a spring that is overloaded from the start breaks at the start") {
+  for (const LawUse& integrator : integrators) {
+    Network net;
+    net.add_node(point({0, 0, 0}));
+    net.add_node(point({2, 0, 0}));
+    const LawUse law{"rupturing", {{"stiffness", 10.0}, {"strength", 5.0}}};
+    net.add_spring(0, 1, net.add_material({law, std::nullopt}), 1.0);  // 10 N
+    Simulation simulation = simulate(net, integrator, 0.1);
+    REQUIRE(simulation.events().size() == 1);
+    CHECK(simulation.events()[0].kind == Event::Kind::ruptured);
+    CHECK(simulation.events()[0].time == 0.0);
+    simulation.step();
+    CHECK(simulation.position(1) == Vector3(2, 0, 0));
+  }
+}

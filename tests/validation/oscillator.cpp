@@ -112,6 +112,8 @@ TEST_CASE("a run that fails stays with its outcome, and the others go on") {
   CHECK_FALSE(failed.finished());
   CHECK((failed.outcome == "diverging" || failed.outcome == "out of sweeps" || failed.outcome == "oscillating"));
   CHECK(failed.reached == 0.0);
+  CHECK(std::isnan(failed.error.max));  // nothing could be compared
+  CHECK(std::isnan(failed.error.rms));
   CHECK(validation.runs[1].outcome == "settled");
   CHECK(validation.runs[2].outcome == "settled");
   CHECK(validation.runs[2].error.max_by_time.size() == validation.times.size());

@@ -59,7 +59,8 @@ class Simulation {
   Simulation& operator=(Simulation&&) noexcept;
 
   // One time step. Throws Error(simulation) if it does not settle and the integrator's policy is `error`, or if a
-  // number is not finite; the state is then that before the step.
+  // number is not finite; the state is then the last one that was reached: that before the step, or, with an integrator
+  // that stops at events, that of the last event within it. time() tells.
   const StepReport& step();
   // Steps until `time`, the last one shortened to end there.
   const StepReport& advance_to(double time);

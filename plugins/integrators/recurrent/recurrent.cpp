@@ -349,4 +349,4 @@ std::string Recurrent::explain(const Step& step, Verdict verdict, const std::str
 
 }  // namespace
 
-SPRINGNET_PLUGIN("org.springnet.recurrent", "1.0.0", "springnet", "MIT", Recurrent);
+SPRINGNET_PLUGIN("springnet.integrator.recurrent", "0.1.0", "springnet", "MIT", Recurrent);
