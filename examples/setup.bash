@@ -47,7 +47,7 @@ need_packages() {
   command -v dpkg-query >/dev/null && command -v apt-get >/dev/null ||
     fail "this machine has no apt-get, and this script installs Debian packages." \
       "With the equivalents of these packages installed by hand:" "  $*" "the project is built by:" \
-      "  cmake --preset release && cmake --build --preset release"
+      "  cmake --preset release -DSPRINGNET_BUILD_TESTS=OFF && cmake --build --preset release"
   for name in "$@"; do
     is_installed "$name" || missing+=("$name")
   done

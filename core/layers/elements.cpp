@@ -7,10 +7,12 @@
 
 namespace springnet::layers {
 
-springnet_status evaluate_elements(const Layout& layout, InstructionSet set, double time, const NodeArrays& nodes,
-                                   std::size_t group_index, const std::uint32_t* springs, std::size_t count,
-                                   SegmentGeometry& geometry, const LawOutputs& spring, const LawOutputs& viscosity,
-                                   springnet_message& message) {
+namespace {
+
+springnet_status evaluate_group(const Layout& layout, InstructionSet set, double time, const NodeArrays& nodes,
+                                const Group& group, const std::uint32_t* springs, std::size_t count,
+                                SegmentGeometry& geometry, const LawOutputs& spring, const LawOutputs& viscosity,
+                                springnet_message& message) {
   std::uint32_t first[max_segment], second[max_segment], rows[max_segment];
   for (std::size_t i = 0; i < count; ++i) {
     first[i] = layout.first(springs[i]);
@@ -21,14 +23,23 @@ springnet_status evaluate_elements(const Layout& layout, InstructionSet set, dou
   const Kernels& kernels = kernels_for(set);
   kernels.lengths_and_rates(segment, nodes, geometry);
   kernels.relative_speeds(segment, nodes, geometry);
-  const Group& group = layout.laws().groups[group_index];
   const auto call = [&](const Law& law, const LawOutputs& out) -> springnet_status {
     if (!law) return SPRINGNET_OK;
-    return call_law(group, law, abi_number(set), time, count, {rows, 0}, law.relative ? geometry.speed : geometry.length,
-                    geometry.rate, out, &message);
+    return call_law(group, law, abi_number(set), time, count, {rows, 0},
+                    law.relative ? geometry.speed : geometry.length, geometry.rate, out, &message);
   };
   const springnet_status status = call(group.spring, spring);
   return status != SPRINGNET_OK ? status : call(group.viscosity, viscosity);
+}
+
+}  // namespace
+
+springnet_status evaluate_elements(const Layout& layout, InstructionSet set, double time, const NodeArrays& nodes,
+                                   std::size_t group, const std::uint32_t* springs, std::size_t count,
+                                   SegmentGeometry& geometry, const LawOutputs& spring, const LawOutputs& viscosity,
+                                   springnet_message& message) {
+  return evaluate_group(layout, set, time, nodes, layout.laws().groups[group], springs, count, geometry, spring,
+                        viscosity, message);
 }
 
 double tension(const Layout& layout, InstructionSet set, double time, const NodeArrays& nodes, std::uint32_t spring) {
@@ -108,7 +119,7 @@ springnet_status rupture_margins(const Layout& layout, InstructionSet set, doubl
   return SPRINGNET_OK;
 }
 
-std::string explain_non_finite(const Layout& layout, InstructionSet set, double time, const NodeArrays& nodes) {
+std::string explain_failure(const Layout& layout, InstructionSet set, double time, const NodeArrays& nodes) {
   const std::vector<std::uint32_t>& engine = layout.ordering().engine;
   for (std::size_t user = 0; user < engine.size(); ++user) {
     const std::uint32_t k = engine[user];
@@ -117,38 +128,31 @@ std::string explain_non_finite(const Layout& layout, InstructionSet set, double 
     if (!position || !velocity)
       return fmt::format("the {} of node {} is not a finite number", position ? "velocity" : "position", user);
   }
+  // Spring by spring: only the first that answers nonsense is of interest, and this is not the hot path.
   const auto geometry = std::make_unique<SegmentGeometry>();
-  std::uint32_t worst = 0xffffffffu;
-  std::string text;
-  double force[2][max_segment];
-  for (std::size_t g = 0; g < layout.laws().groups.size(); ++g) {
-    const Group& group = layout.laws().groups[g];
-    const std::vector<std::uint32_t>& springs = layout.springs_of(g);
-    for (std::size_t begin = 0; begin < springs.size(); begin += max_segment) {
-      const std::size_t count = std::min(max_segment, springs.size() - begin);
-      LawOutputs out[2];
-      out[0].force = force[0];
-      out[1].force = force[1];
+  for (std::uint32_t s = 0; s < layout.spring_count(); ++s) {
+    if (!layout.alive(s)) continue;
+    const Group& group = layout.group_of(s);
+    for (const Law* law : {&group.spring, &group.viscosity}) {
+      if (!*law) continue;
+      double force = 0.0;
+      LawOutputs out;
+      out.force = &force;
       springnet_message message{};
-      if (evaluate_elements(layout, set, time, nodes, g, springs.data() + begin, count, *geometry, out[0], out[1],
-                            message) != SPRINGNET_OK)
-        continue;
-      for (std::size_t i = 0; i < count; ++i) {
-        const std::uint32_t s = springs[begin + i];
-        if (s >= worst) continue;
-        const Law* law = group.spring && !std::isfinite(force[0][i])         ? &group.spring
-                         : group.viscosity && !std::isfinite(force[1][i]) ? &group.viscosity
-                                                                             : nullptr;
-        if (law == nullptr) continue;
-        worst = s;
-        text = fmt::format("{} '{}' answered {} for spring {} (nodes {} and {}, length {} m, rate {} m/s)",
-                           name_of(law->component->kind()), law->component->id(),
-                           law == &group.spring ? force[0][i] : force[1][i], s, layout.ordering().user[layout.first(s)],
-                           layout.ordering().user[layout.second(s)], geometry->length[i], geometry->rate[i]);
-      }
+      Group alone = group;  // only this law
+      (law == &group.spring ? alone.viscosity : alone.spring) = {};
+      const springnet_status status =
+          evaluate_group(layout, set, time, nodes, alone, &s, 1, *geometry, out, out, message);
+      if (status == SPRINGNET_OK && std::isfinite(force)) continue;
+      const std::string what =
+          status == SPRINGNET_OK ? fmt::format("answered {}", force) : fmt::format("failed ({})", message.text);
+      return fmt::format("{} '{}' {} for spring {} (nodes {} and {}, length {} m, rate {} m/s)",
+                         name_of(law->component->kind()), law->component->id(), what, s,
+                         layout.ordering().user[layout.first(s)], layout.ordering().user[layout.second(s)],
+                         geometry->length[0], geometry->rate[0]);
     }
   }
-  return text;
+  return {};
 }
 
 }  // namespace springnet::layers

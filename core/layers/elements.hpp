@@ -28,9 +28,10 @@ springnet_status rupture_margins(const Layout& layout, InstructionSet set, doubl
                                  const std::vector<std::uint32_t>& springs, double* margins,
                                  springnet_message& message);
 
-// Why forces at this state are not finite: the first node, in the user's numbers, whose position or velocity is not, or
-// the first spring whose law answered so to finite input. Empty if all are finite.
-[[nodiscard]] std::string explain_non_finite(const Layout& layout, InstructionSet set, double time,
-                                             const NodeArrays& nodes);
+// Why forces at this state are not finite or could not be evaluated: the first node, in the user's numbers, whose
+// position or velocity is not finite, or the first spring whose law answered so, or failed, at finite input. Empty if
+// there is no such node or spring.
+[[nodiscard]] std::string explain_failure(const Layout& layout, InstructionSet set, double time,
+                                          const NodeArrays& nodes);
 
 }  // namespace springnet::layers

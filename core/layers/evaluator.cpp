@@ -1,9 +1,12 @@
 #include "layers/evaluator.hpp"
 
+#include <fmt/format.h>
 #include <omp.h>
 
 #include <algorithm>
-#include <cstring>
+#include <string>
+
+#include "layers/message.hpp"
 
 namespace springnet::layers {
 
@@ -82,11 +85,12 @@ springnet_status Evaluator::evaluate_unit(std::uint32_t index, double time, cons
   SegmentGeometry geometry;  // not initialised: written before it is read
   for (const Tile& tile : unit.tiles) {
     for (std::uint32_t s = tile.segment_begin; s < tile.segment_end; ++s) {
-      const springnet_status status =
-          evaluate_segment(unit, unit.segments[s], time, nodes, force, geometry, message);
+      const springnet_status status = evaluate_segment(unit, unit.segments[s], time, nodes, force, geometry, message);
       if (status != SPRINGNET_OK) return status;
     }
-    if (finished.call != nullptr) finished.call(finished.user, index, tile.first_node, tile.node_count);
+    if (finished.call == nullptr) continue;
+    const springnet_status status = finished.call(finished.user, index, tile.first_node, tile.node_count, message);
+    if (status != SPRINGNET_OK) return status;
   }
   return SPRINGNET_OK;
 }
@@ -162,7 +166,12 @@ springnet_status Evaluator::accelerations(std::uint32_t first, std::uint32_t cou
     batch.acceleration_by_velocity = block(by_velocity);
     batch.message = &message;
     const springnet_status status = kind.component->neuron().evaluate(&batch);
-    if (status != SPRINGNET_OK) return status;
+    if (status != SPRINGNET_OK) {
+      const std::string reason = message.text;
+      set_message(message, fmt::format("neuron '{}' failed for node {} or {} after it: {}", kind.component->id(),
+                                       layout_.ordering().user[node], end - begin - 1, reason));
+      return status;
+    }
     begin = end;
   }
   return SPRINGNET_OK;

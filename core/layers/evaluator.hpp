@@ -12,13 +12,15 @@ namespace springnet::layers {
 
 // Forces that do not depend on springs.
 struct ExternalForces {
-  Vector3 gravity = Vector3::Zero();      // m/s^2
-  ForceArrays loads{};                    // N, [node]; null: none
+  Vector3 gravity = Vector3::Zero();  // m/s^2
+  ForceArrays loads{};                // N, [node]; null: none
 };
 
-// A tile whose net forces are final: nodes [first, first + count). Called by the thread that computed them.
+// A tile whose net forces are final: nodes [first, first + count). Called by the thread that computed them; a status
+// other than SPRINGNET_OK ends the evaluation like that of a law.
 struct TileFinished {
-  void (*call)(void* user, std::uint32_t unit, std::uint32_t first, std::uint32_t count) = nullptr;
+  springnet_status (*call)(void* user, std::uint32_t unit, std::uint32_t first, std::uint32_t count,
+                           springnet_message& message) = nullptr;
   void* user = nullptr;
 };
 
@@ -37,8 +39,8 @@ class Evaluator {
   // Net force on one node: all its springs, evaluated plainly.
   springnet_status evaluate_node(std::uint32_t node, double time, const NodeArrays& nodes,
                                  const ExternalForces& external, Vector3& force, springnet_message& message) const;
-  // Acceleration of nodes [first, first + count) of their neurons. `force` and `acceleration` are [count] arrays; blocks
-  // [count][9] may be null.
+  // Acceleration of nodes [first, first + count) of their neurons. `force` and `acceleration` are [count] arrays;
+  // blocks [count][9] may be null.
   springnet_status accelerations(std::uint32_t first, std::uint32_t count, double time, const NodeArrays& nodes,
                                  const double* const force[3], double* const acceleration[3], double* by_force,
                                  double* by_position, double* by_velocity, springnet_message& message) const;

@@ -28,7 +28,8 @@ InstructionSet choose_instruction_set(InstructionSet wanted) {
       if (!has_avx2)
         throw Error(ErrorKind::input, "instruction set 'avx2' is not available on this processor; use 'best'");
       break;
-    case InstructionSet::generic: break;
+    case InstructionSet::generic:
+      break;
   }
   return wanted;
 }

@@ -38,10 +38,10 @@ struct ForceArrays {
 
 // Directions are zero where the ends coincide, so that no law can push such a spring.
 struct alignas(64) SegmentGeometry {
-  double length[max_segment];  // l = |dp|, m
-  double rate[max_segment];    // u = n.dv, m/s
+  double length[max_segment];                                // l = |dp|, m
+  double rate[max_segment];                                  // u = n.dv, m/s
   double nx[max_segment], ny[max_segment], nz[max_segment];  // n = dp / l
-  double speed[max_segment];   // |dv|, m/s
+  double speed[max_segment];                                 // |dv|, m/s
   double sx[max_segment], sy[max_segment], sz[max_segment];  // dv / |dv|
 };
 

@@ -63,8 +63,8 @@ void gather(const SegmentSprings& springs, const NodeArrays& node_arrays, Segmen
 }
 
 // One component of the forces of a run. Ends are added in two loops: within a loop no node occurs twice.
-[[gnu::always_inline]] inline void scatter_run(const Run& run, const double* RESTRICT tension,
-                                               const double* RESTRICT n, bool to_second, double* force) {
+[[gnu::always_inline]] inline void scatter_run(const Run& run, const double* RESTRICT tension, const double* RESTRICT n,
+                                               bool to_second, double* force) {
   const std::size_t count = run.count;
   double* RESTRICT first = force + run.first;
   for (std::size_t i = 0; i < count; ++i) first[i] -= tension[i] * n[i];

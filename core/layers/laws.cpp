@@ -26,9 +26,10 @@ Law resolve(const std::optional<LawUse>& use, ComponentKind kind, std::size_t fi
   const springnet_law& implementation = law.component->law();
   const std::string where = fmt::format("{} '{}'", name_of(kind), use->id);
   const auto refuse = [&](std::string_view what) {
-    throw Error(ErrorKind::plugin, fmt::format("{}: {}, which this version of springnet does not evaluate; use a law on "
-                                               "the length or the relative speed of two nodes",
-                                               where, what));
+    throw Error(ErrorKind::plugin,
+                fmt::format("{}: {}, which this version of springnet does not evaluate; use a law on "
+                            "the length or the relative speed of two nodes",
+                            where, what));
   };
   if (implementation.invariant != SPRINGNET_LENGTH && implementation.invariant != SPRINGNET_RELATIVE_SPEED)
     refuse(fmt::format("reads invariant number {}", implementation.invariant));
@@ -107,8 +108,8 @@ CompiledLaws compile_laws(const Network& network, const PluginHost& plugins) {
     neuron.component = plugins.require(ComponentKind::neuron, use.id);
     if (neuron.component->description->parameter_count > max_parameters)
       throw Error(ErrorKind::plugin, fmt::format("neuron '{}' has more than {} parameters", use.id, max_parameters));
-    neuron.parameters = complete_parameters(*neuron.component->description, use.parameters,
-                                            fmt::format("neuron '{}'", use.id));
+    neuron.parameters =
+        complete_parameters(*neuron.component->description, use.parameters, fmt::format("neuron '{}'", use.id));
     compiled.neurons.push_back(std::move(neuron));
   }
   return compiled;

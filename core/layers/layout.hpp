@@ -21,7 +21,7 @@ inline constexpr std::uint32_t mixed_rows = 0xffffffffu;
 
 struct Segment {
   std::uint32_t group;
-  std::uint32_t row;  // of all its springs, or mixed_rows
+  std::uint32_t row;           // of all its springs, or mixed_rows
   std::uint32_t begin, count;  // slots in the unit
   std::uint32_t run_begin, run_count, run_springs;
   bool boundary;  // adds to first ends only

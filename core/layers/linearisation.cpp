@@ -3,21 +3,12 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <atomic>
 #include <cmath>
 
 #include "layers/elements.hpp"
+#include "layers/message.hpp"
 
 namespace springnet::layers {
-namespace {
-
-void set_message(springnet_message& message, const std::string& text) {
-  const auto result = fmt::format_to_n(message.text, sizeof message.text - 1, "{}", text);
-  *result.out = '\0';
-}
-
-}  // namespace
-
 Linearisation::Linearisation(const Layout& layout, const Evaluator& evaluator,
                              const std::vector<std::uint8_t>& constrained)
     : layout_(layout), evaluator_(evaluator), constrained_(constrained) {}
@@ -25,6 +16,7 @@ Linearisation::Linearisation(const Layout& layout, const Evaluator& evaluator,
 springnet_status Linearisation::update(double time, const NodeArrays& nodes, const ExternalForces& external,
                                        springnet_message& message) {
   const std::size_t n = layout_.node_count();
+  known_ = false;
   stiffness_.resize(9 * layout_.spring_count());
   damping_.resize(9 * layout_.spring_count());
   const auto geometry = std::make_unique<SegmentGeometry>();
@@ -47,9 +39,9 @@ springnet_status Linearisation::update(double time, const NodeArrays& nodes, con
     const std::vector<std::uint32_t>& springs = layout_.springs_of(g);
     for (std::size_t begin = 0; begin < springs.size(); begin += max_segment) {
       const std::size_t count = std::min(max_segment, springs.size() - begin);
-      const springnet_status status = evaluate_elements(layout_, evaluator_.instruction_set(), time, nodes, g,
-                                                        springs.data() + begin, count, *geometry, out[0], out[1],
-                                                        message);
+      const springnet_status status =
+          evaluate_elements(layout_, evaluator_.instruction_set(), time, nodes, g, springs.data() + begin, count,
+                            *geometry, out[0], out[1], message);
       if (status != SPRINGNET_OK) return status;
       for (std::size_t i = 0; i < count; ++i) {
         const std::uint32_t s = springs[begin + i];
@@ -100,13 +92,16 @@ springnet_status Linearisation::update(double time, const NodeArrays& nodes, con
   by_force_.assign(9 * n, 0.0);
   by_position_.assign(9 * n, 0.0);
   by_velocity_.assign(9 * n, 0.0);
-  const springnet_status status = evaluator_.evaluate(
-      time, nodes, external, {force_[0].data(), force_[1].data(), force_[2].data()}, {}, message);
+  const springnet_status status =
+      evaluator_.evaluate(time, nodes, external, {force_[0].data(), force_[1].data(), force_[2].data()}, {}, message);
   if (status != SPRINGNET_OK) return status;
   const double* force[3] = {force_[0].data(), force_[1].data(), force_[2].data()};
   double* acceleration[3] = {acceleration_[0].data(), acceleration_[1].data(), acceleration_[2].data()};
-  return evaluator_.accelerations(0, static_cast<std::uint32_t>(n), time, nodes, force, acceleration, by_force_.data(),
-                                  by_position_.data(), by_velocity_.data(), message);
+  const springnet_status neurons =
+      evaluator_.accelerations(0, static_cast<std::uint32_t>(n), time, nodes, force, acceleration, by_force_.data(),
+                               by_position_.data(), by_velocity_.data(), message);
+  known_ = neurons == SPRINGNET_OK;
+  return neurons;
 }
 
 void Linearisation::times(const double* dp, const double* dv, double* out) const {
@@ -122,8 +117,8 @@ void Linearisation::times(const double* dp, const double* dv, double* out) const
       const Vector3 p = at(dp, k), v = at(dv, k);
       Vector3 force = Vector3::Zero();
       for (const Incident* i = layout_.incident_begin(k); i != layout_.incident_end(k); ++i)
-        force -= block(stiffness_, i->spring) * (p - at(dp, i->other)) +
-                 block(damping_, i->spring) * (v - at(dv, i->other));
+        force -=
+            block(stiffness_, i->spring) * (p - at(dp, i->other)) + block(damping_, i->spring) * (v - at(dv, i->other));
       result = block(by_force_, k) * force + block(by_position_, k) * p + block(by_velocity_, k) * v;
     }
     out[k] = result[0];
@@ -171,6 +166,10 @@ void Linearisation::make_pattern() {
 }
 
 springnet_status Linearisation::factorise(double velocity_weight, double position_weight, springnet_message& message) {
+  if (!known_) {
+    set_message(message, "factorise was called before linearise");
+    return SPRINGNET_FAILED;
+  }
   if (!pattern_known_) make_pattern();
   const std::uint32_t n = layout_.node_count();
   double* values = matrix_.valuePtr();
@@ -189,8 +188,8 @@ springnet_status Linearisation::factorise(double velocity_weight, double positio
     add(j, block(diagonal, j));
     for (const Incident* i = layout_.incident_begin(j); i != layout_.incident_end(j); ++i) {
       if (constrained_[i->other] != 0) continue;
-      add(i->other, -(block(by_force_, i->other) * (velocity_weight * block(damping_, i->spring) +
-                                                    position_weight * block(stiffness_, i->spring))));
+      add(i->other, -(block(by_force_, i->other) *
+                      (velocity_weight * block(damping_, i->spring) + position_weight * block(stiffness_, i->spring))));
     }
   }
   factors_.factorize(matrix_);

@@ -1,5 +1,5 @@
-// Derivatives of the accelerations with respect to positions and velocities, from those of the laws and neurons, and the
-// linear systems of implicit methods.
+// Derivatives of the accelerations with respect to positions and velocities, from those of the laws and neurons, and
+// the linear systems of implicit methods.
 #pragma once
 
 #include <Eigen/SparseCore>
@@ -25,6 +25,8 @@ class Linearisation {
   // Computes all blocks at a state. SPRINGNET_FAILED if a law or neuron has no derivatives.
   springnet_status update(double time, const NodeArrays& nodes, const ExternalForces& external,
                           springnet_message& message);
+  // Whether there is a state that the functions below speak of: update() succeeded, no spring was removed since.
+  [[nodiscard]] bool known() const noexcept { return known_; }
   // out = da/dp dp + da/dv dv; 3n numbers each, x of all nodes first.
   void times(const double* dp, const double* dv, double* out) const;
   // Diagonal blocks of I - velocity_weight da/dv - position_weight da/dp, [node][9].
@@ -32,7 +34,7 @@ class Linearisation {
   springnet_status factorise(double velocity_weight, double position_weight, springnet_message& message);
   springnet_status solve(bool transposed, const double* right_side, double* x, springnet_message& message);
   // To be called after springs were removed.
-  void topology_changed() noexcept { pattern_known_ = false; }
+  void topology_changed() noexcept { pattern_known_ = known_ = false; }
 
  private:
   using Block = Eigen::Matrix<double, 3, 3, Eigen::RowMajor>;
@@ -45,9 +47,10 @@ class Linearisation {
   const Layout& layout_;
   const Evaluator& evaluator_;
   const std::vector<std::uint8_t>& constrained_;
-  Blocks stiffness_, damping_;                     // [spring]
-  Blocks by_force_, by_position_, by_velocity_;    // [node]
+  Blocks stiffness_, damping_;                   // [spring]
+  Blocks by_force_, by_position_, by_velocity_;  // [node]
   std::vector<double> force_[3], acceleration_[3];
+  bool known_ = false;
   bool pattern_known_ = false;
   Eigen::SparseMatrix<double> matrix_;  // 3n x 3n, unknown 3 node + coordinate
   Eigen::SparseLU<Eigen::SparseMatrix<double>, Eigen::COLAMDOrdering<int>> factors_;

@@ -13,7 +13,8 @@ using Nodes = std::vector<std::uint32_t>;
 
 // Halves [begin, end) of `nodes` along the longest side of its box until the parts are small enough. Ties go by the
 // user's number, so the result is a function of the network.
-void bisect(const Network& network, Nodes& nodes, std::size_t begin, std::size_t end, std::vector<std::uint32_t>& starts) {
+void bisect(const Network& network, Nodes& nodes, std::size_t begin, std::size_t end,
+            std::vector<std::uint32_t>& starts) {
   if (end - begin <= max_unit) {
     starts.push_back(static_cast<std::uint32_t>(begin));
     return;

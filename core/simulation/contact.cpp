@@ -101,10 +101,8 @@ void Contact::commit_sweep(std::vector<std::uint32_t>& touched, std::vector<std:
   if (planes_.empty()) return;
   for (std::uint32_t k = 0; k < plane_of_.size(); ++k) {
     if (fixed_[k] != 0 || next_plane_[k] == plane_of_[k]) continue;
-    if (next_plane_[k] >= 0)
-      touched.push_back(k);
-    else
-      released.push_back(k);
+    if (plane_of_[k] >= 0) released.push_back(k);
+    if (next_plane_[k] >= 0) touched.push_back(k);
     hold(k, next_plane_[k], next_plane_[k] >= 0 ? sweep_impulse_[k] : Vector3::Zero());
   }
 }

@@ -6,8 +6,8 @@
 #include <string>
 #include <vector>
 
-#include <springnet/network.hpp>
 #include <springnet/sdk/plugin.h>
+#include <springnet/network.hpp>
 
 #include "simulation/state.hpp"
 
@@ -34,12 +34,17 @@ class Contact {
   void hold(std::uint32_t node, std::int32_t plane, const Vector3& impulse);
   void release(std::uint32_t node);
 
+  // Whether a node cannot move freely: as committed, or, once a sweep was done, as that sweep left it.
+  [[nodiscard]] bool stays(std::uint32_t node, bool swept) const noexcept {
+    if (!swept || planes_.empty()) return constrained_[node] != 0;
+    return fixed_[node] != 0 || next_plane_[node] >= 0;
+  }
   // Within a sweep: puts the outputs of nodes [first, first + count) where fixation and surfaces allow. `force` is
   // [count]; the others are of all nodes. The decisions become the state of the contacts with commit_sweep().
   void constrain(std::uint32_t first, std::uint32_t count, const double* const force[3],
                  const springnet_const_vectors& start, const springnet_vectors& position,
                  const springnet_vectors& velocity);
-  // Nodes touched and released by the last sweep.
+  // Nodes touched and released by the last sweep; one that went from a plane to another is both.
   void commit_sweep(std::vector<std::uint32_t>& touched, std::vector<std::uint32_t>& released);
 
  private:

@@ -5,15 +5,19 @@
 #include <algorithm>
 #include <atomic>
 #include <cmath>
-#include <cstring>
 #include <limits>
 
 #include <springnet/error.hpp>
 
 #include "layers/elements.hpp"
+#include "layers/message.hpp"
 
 namespace springnet {
 namespace {
+
+constexpr std::uint32_t no_node = 0xffffffffu;
+// A node this close to a surface, in units of the length scale, lies on it.
+constexpr double coincidence = 1e-10;
 
 std::vector<double> masses(const Network& network, const std::vector<std::uint32_t>& user) {
   std::vector<double> mass;
@@ -23,12 +27,6 @@ std::vector<double> masses(const Network& network, const std::vector<std::uint32
 }
 
 }  // namespace
-
-void set_message(springnet_message& message, const std::string& text) noexcept {
-  const std::size_t size = std::min(text.size(), sizeof message.text - 1);
-  std::memcpy(message.text, text.data(), size);
-  message.text[size] = '\0';
-}
 
 Engine::Engine(const Network& network, const PluginHost& plugins, const SimulationOptions& options)
     : layout_(network, plugins, options.renumber),
@@ -57,13 +55,14 @@ Engine::Engine(const Network& network, const PluginHost& plugins, const Simulati
   loads_.set_interval(0.0, std::numeric_limits<double>::infinity());
   perform_due_cuts();
   if (perform_due_ruptures() != SPRINGNET_OK) throw Error(ErrorKind::simulation, message_.text);
-  start_contacts();
   set_scales();
+  start_contacts();
 }
 
 void Engine::changed() noexcept {
   ++revision_;
   forces_stale_ = true;
+  unsettled_ = true;
 }
 
 const State& Engine::state() {
@@ -75,33 +74,34 @@ const State& Engine::state() {
   return state_;
 }
 
+double Engine::contact_tolerance() const noexcept {
+  // Rounding of positions far from the origin, beside the part of the length scale that does not matter.
+  double size = 0.0;
+  const springnet_vectors& p = state_.view.position;
+  for (const double* component : {p.x, p.y, p.z})
+    for (std::uint32_t k = 0; k < layout_.node_count(); ++k) size = std::max(size, std::abs(component[k]));
+  return coincidence * info_.length_scale + 8.0 * std::numeric_limits<double>::epsilon() * size;
+}
+
 // A node that starts on a surface with a force into it is held from the start.
 void Engine::start_contacts() {
   const std::vector<Plane>& planes = contact_.planes();
   if (planes.empty()) return;
-  double size = 0.0;
-  for (std::uint32_t k = 0; k < layout_.node_count(); ++k)
-    for (const double* p : {state_.view.position.x, state_.view.position.y, state_.view.position.z})
-      size = std::max(size, std::abs(p[k]));
-  const double tolerance = 1e-9 * std::max(size, 1e-300);
-  static_cast<void>(state());
+  const double tolerance = contact_tolerance();
   for (std::uint32_t k = 0; k < layout_.node_count(); ++k) {
     if (contact_.fixed()[k] != 0) continue;
-    const springnet_state& s = state_.view;
-    const Vector3 position(s.position.x[k], s.position.y[k], s.position.z[k]);
-    const Vector3 velocity(s.velocity.x[k], s.velocity.y[k], s.velocity.z[k]);
-    const Vector3 force(s.force.x[k], s.force.y[k], s.force.z[k]);
+    const springnet_vectors& p = state_.view.position;
     for (std::size_t j = 0; j < planes.size(); ++j) {
-      const double distance = contact_.distance(j, position);
+      const double distance = contact_.distance(j, {p.x[k], p.y[k], p.z[k]});
       if (distance < -tolerance)
-        throw Error(ErrorKind::input,
-                    fmt::format("node {} starts {} m behind plane '{}' (number {}), where no node can be; move the body "
-                                "or the plane, or turn the plane's normal towards the body",
-                                layout_.ordering().user[k], -distance, planes[j].name, j));
-      if (distance > tolerance || planes[j].normal.dot(velocity) > 0.0) continue;
-      if (planes[j].normal.dot(velocity) < 0.0 || planes[j].normal.dot(force) < 0.0) touch(k, j, 0.0, state_);
+        throw Error(
+            ErrorKind::input,
+            fmt::format("node {} starts {} m behind plane '{}' (number {}), where no node can be; move the body "
+                        "or the plane, or turn the plane's normal towards the body",
+                        layout_.ordering().user[k], -distance, planes[j].name, j));
     }
   }
+  settle_contacts(time_, state_);
 }
 
 // Typical length, velocity and force, from which tolerances are made: mean rest length; the greatest initial speed or
@@ -130,7 +130,9 @@ void Engine::set_scales() {
     acceleration = std::max(acceleration, f / mass_[k]);
     force = std::max({force, f, mass_[k] * loads_.gravity().norm(), mass_[k] * v * v / length});
   }
-  const auto or_one = [](double value, double fallback) { return std::isfinite(value) && value > 0.0 ? value : fallback; };
+  const auto or_one = [](double value, double fallback) {
+    return std::isfinite(value) && value > 0.0 ? value : fallback;
+  };
   info_.length_scale = length;
   info_.velocity_scale = or_one(std::max(speed, std::sqrt(acceleration * length)), length);
   info_.force_scale = or_one(force, or_one(mass * length, 1.0));
@@ -160,11 +162,25 @@ const springnet_network& Engine::network_info() {
 springnet_status Engine::begin_step(double from, double until) {
   non_finite_.clear();
   if (loads_.set_interval(from, until)) changed();
-  return SPRINGNET_OK;
+  if (!unsettled_) return SPRINGNET_OK;
+  // A load that was switched, a cut, a change by the embedding program: the same nodes are held, and the same springs
+  // broken, whatever the integrator and the length of its steps.
+  unsettled_ = false;
+  const springnet_status status = perform_due_ruptures();
+  if (status == SPRINGNET_OK) settle_contacts(time_, state_);
+  return status;
 }
 
 void Engine::explain(double time, const layers::NodeArrays& nodes) {
-  if (non_finite_.empty()) non_finite_ = explain_non_finite(layout_, evaluator_.instruction_set(), time, nodes);
+  if (non_finite_.empty()) non_finite_ = explain_failure(layout_, evaluator_.instruction_set(), time, nodes);
+}
+
+// What is known of an evaluation that a law or a neuron ended: which spring it was, if it was a law.
+springnet_status Engine::failed(springnet_status status, double time, const layers::NodeArrays& nodes) {
+  const std::string reason = explain_failure(layout_, evaluator_.instruction_set(), time, nodes);
+  if (!reason.empty()) set_message(message_, reason);
+  non_finite_ = message_.text;
+  return status;
 }
 
 namespace {
@@ -174,29 +190,43 @@ struct TileContext {
   const layers::Evaluator* evaluator;
   const springnet_sweep* sweep = nullptr;
   Contact* contact = nullptr;
-  const std::vector<std::uint8_t>* constrained = nullptr;
+  bool swept = false;
   springnet_vectors acceleration{};
   double time;
   layers::NodeArrays nodes;
   layers::ForceArrays force;
   std::atomic<bool> finite{true};
-  std::atomic<springnet_status> status{SPRINGNET_OK};
+  std::atomic<std::uint32_t> bad_neuron{no_node};  // first node whose force is finite and its acceleration is not
 };
 
-bool all_finite(const double* const force[3], std::uint32_t count) {
+bool all_finite(const double* const values[3], std::uint32_t count) {
   double sum = 0.0;
   for (int c = 0; c < 3; ++c)
-    for (std::uint32_t i = 0; i < count; ++i) sum += force[c][i] * 0.0;
+    for (std::uint32_t i = 0; i < count; ++i) sum += values[c][i] * 0.0;
   return sum == 0.0;
 }
 
+void note_bad_neuron(TileContext& context, std::uint32_t first, std::uint32_t count,
+                     const double* const acceleration[3]) {
+  for (std::uint32_t i = 0; i < count; ++i) {
+    if (std::isfinite(acceleration[0][i]) && std::isfinite(acceleration[1][i]) && std::isfinite(acceleration[2][i]))
+      continue;
+    std::uint32_t least = context.bad_neuron.load();
+    while (first + i < least && !context.bad_neuron.compare_exchange_weak(least, first + i)) {
+    }
+    return;
+  }
+}
+
 // Accelerations of a tile, then the integrator's update of its nodes, then fixation and contact.
-void finish_tile(void* user, std::uint32_t unit, std::uint32_t first, std::uint32_t count) {
+springnet_status finish_tile(void* user, std::uint32_t unit, std::uint32_t first, std::uint32_t count,
+                             springnet_message& message) {
   TileContext& context = *static_cast<TileContext*>(user);
   const double* force[3] = {context.force.x + first, context.force.y + first, context.force.z + first};
-  if (!all_finite(force, count)) context.finite.store(false, std::memory_order_relaxed);
+  const bool finite = all_finite(force, count);
+  if (!finite) context.finite.store(false, std::memory_order_relaxed);
   const bool in_place = context.sweep == nullptr;
-  if (in_place && context.acceleration.x == nullptr) return;
+  if (in_place && context.acceleration.x == nullptr) return SPRINGNET_OK;
   alignas(64) double local[3][layers::tile_nodes];
   double* acceleration[3] = {local[0], local[1], local[2]};
   if (in_place) {
@@ -204,17 +234,15 @@ void finish_tile(void* user, std::uint32_t unit, std::uint32_t first, std::uint3
     acceleration[1] = context.acceleration.y + first;
     acceleration[2] = context.acceleration.z + first;
   }
-  springnet_message message{};
-  const springnet_status status = context.evaluator->accelerations(
-      first, count, context.time, context.nodes, force, acceleration, nullptr, nullptr, nullptr, message);
-  if (status != SPRINGNET_OK) {
-    context.status.store(status, std::memory_order_relaxed);
-    return;
-  }
+  const springnet_status status = context.evaluator->accelerations(first, count, context.time, context.nodes, force,
+                                                                   acceleration, nullptr, nullptr, nullptr, message);
+  if (status != SPRINGNET_OK) return status;
+  if (finite && !all_finite(acceleration, count)) note_bad_neuron(context, first, count, acceleration);
   if (in_place) {
     for (std::uint32_t i = 0; i < count; ++i)
-      if ((*context.constrained)[first + i] != 0) acceleration[0][i] = acceleration[1][i] = acceleration[2][i] = 0.0;
-    return;
+      if (context.contact->stays(first + i, context.swept))
+        acceleration[0][i] = acceleration[1][i] = acceleration[2][i] = 0.0;
+    return SPRINGNET_OK;
   }
   springnet_node_batch batch{};
   batch.struct_size = sizeof batch;
@@ -226,14 +254,29 @@ void finish_tile(void* user, std::uint32_t unit, std::uint32_t first, std::uint3
   context.sweep->update(context.sweep->user, &batch);
   context.contact->constrain(first, count, force, context.sweep->start_position, context.sweep->next_position,
                              context.sweep->next_velocity);
+  return SPRINGNET_OK;
 }
 
 }  // namespace
 
+// Remembers why the answers of an evaluation are not finite. True if they are.
+bool Engine::check_finite(bool forces, std::uint32_t bad_neuron, double time, const layers::NodeArrays& nodes) {
+  if (forces && bad_neuron == no_node) return true;
+  if (!forces) {
+    explain(time, nodes);
+  } else if (non_finite_.empty()) {
+    non_finite_ = fmt::format("neuron '{}' answered an acceleration that is not finite for node {}",
+                              layout_.laws().neurons[layout_.neuron_kind()[bad_neuron]].component->id(),
+                              layout_.ordering().user[bad_neuron]);
+  }
+  return false;
+}
+
 springnet_status Engine::evaluate(const springnet_evaluation& request) {
   TileContext context{};
   context.evaluator = &evaluator_;
-  context.constrained = &contact_.constrained();
+  context.contact = &contact_;
+  context.swept = swept_;
   context.acceleration = request.acceleration;
   context.time = request.time;
   context.nodes = node_arrays(request.position, request.velocity);
@@ -244,15 +287,12 @@ springnet_status Engine::evaluate(const springnet_evaluation& request) {
     scratch_.resize(3 * pitch);
     context.force = {scratch_.data(), scratch_.data() + pitch, scratch_.data() + 2 * pitch};
   }
-  springnet_status status = evaluator_.evaluate(request.time, context.nodes, loads_.external(), context.force,
-                                                {finish_tile, &context}, message_);
-  if (status == SPRINGNET_OK) status = context.status.load();
-  if (status == SPRINGNET_OK && !context.finite.load()) {
-    explain(request.time, context.nodes);
-    set_message(message_, non_finite_);
-    status = SPRINGNET_RECOVERABLE;
-  }
-  return status;
+  const springnet_status status = evaluator_.evaluate(request.time, context.nodes, loads_.external(), context.force,
+                                                      {finish_tile, &context}, message_);
+  if (status != SPRINGNET_OK) return failed(status, request.time, context.nodes);
+  if (check_finite(context.finite, context.bad_neuron, request.time, context.nodes)) return SPRINGNET_OK;
+  set_message(message_, non_finite_);
+  return SPRINGNET_RECOVERABLE;
 }
 
 springnet_status Engine::evaluate_nodes(const springnet_evaluation& request, const std::uint32_t* nodes,
@@ -262,25 +302,26 @@ springnet_status Engine::evaluate_nodes(const springnet_evaluation& request, con
   const layers::ExternalForces external = loads_.external();
   for (std::uint32_t i = 0; i < count; ++i) {
     const std::uint32_t k = nodes[i];
-    Vector3 force;
+    Vector3 force, a = Vector3::Zero();
     springnet_status status = evaluator_.evaluate_node(k, request.time, arrays, external, force, message_);
-    if (status != SPRINGNET_OK) return status;
-    if (request.force.x != nullptr) {
-      request.force.x[k] = force[0];
-      request.force.y[k] = force[1];
-      request.force.z[k] = force[2];
-    }
-    if (request.acceleration.x == nullptr) continue;
-    Vector3 a = Vector3::Zero();
-    if (contact_.constrained()[k] == 0) {
+    if (status == SPRINGNET_OK && request.acceleration.x != nullptr && !contact_.stays(k, swept_)) {
       const double* f[3] = {&force[0], &force[1], &force[2]};
       double* const out[3] = {&a[0], &a[1], &a[2]};
       status = evaluator_.accelerations(k, 1, request.time, arrays, f, out, nullptr, nullptr, nullptr, message_);
-      if (status != SPRINGNET_OK) return status;
     }
-    request.acceleration.x[k] = a[0];
-    request.acceleration.y[k] = a[1];
-    request.acceleration.z[k] = a[2];
+    if (status != SPRINGNET_OK) return failed(status, request.time, arrays);
+    if (!check_finite(force.allFinite(), a.allFinite() ? no_node : k, request.time, arrays)) {
+      set_message(message_, non_finite_);
+      return SPRINGNET_RECOVERABLE;
+    }
+    const auto put = [k](const springnet_vectors& v, const Vector3& value) {
+      if (v.x == nullptr) return;
+      v.x[k] = value[0];
+      v.y[k] = value[1];
+      v.z[k] = value[2];
+    };
+    put(request.force, force);
+    put(request.acceleration, a);
   }
   return SPRINGNET_OK;
 }
@@ -310,13 +351,13 @@ springnet_status Engine::sweep(const springnet_sweep& sweep) {
       context.force.z[k] = force[2];
       // Before its update: afterwards the node's own outputs would not be finite either.
       if (status == SPRINGNET_OK && !force.allFinite()) explain(sweep.time, context.nodes);
-      if (status == SPRINGNET_OK) finish_tile(&context, 0, k, 1);
+      if (status == SPRINGNET_OK) status = finish_tile(&context, 0, k, 1, message_);
     }
   }
-  if (status == SPRINGNET_OK) status = context.status.load();
+  if (status != SPRINGNET_OK) return failed(status, sweep.time, context.nodes);
   // The integrator sees for itself that the sweep diverged; the host remembers why.
-  if (status == SPRINGNET_OK && !context.finite.load()) explain(sweep.time, context.nodes);
-  return status;
+  static_cast<void>(check_finite(context.finite, context.bad_neuron, sweep.time, context.nodes));
+  return SPRINGNET_OK;
 }
 
 springnet_status Engine::linearise(const springnet_evaluation& at) {
@@ -334,7 +375,19 @@ void Engine::set_node(std::uint32_t node, const std::optional<Vector3>& position
     put(state_.view.position, *position);
     contact_.release(node);
   }
-  if (velocity) put(state_.view.velocity, *velocity);
+  if (velocity) {
+    put(state_.view.velocity, *velocity);
+    if (contact_.held()[node] != 0) {
+      // What lifts it releases it; along the surface and into it the surface holds it.
+      const Plane& plane = contact_.planes()[static_cast<std::size_t>(contact_.plane_of(node))];
+      if (plane.normal.dot(*velocity) > 0.0) {
+        contact_.release(node);
+        note(Event::Kind::released, time_, layout_.ordering().user[node]);
+      } else {
+        put(state_.view.velocity, Vector3::Zero());
+      }
+    }
+  }
   changed();
 }
 

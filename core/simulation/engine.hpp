@@ -52,7 +52,7 @@ class Engine {
   [[nodiscard]] Loads& loads() noexcept { return loads_; }
   [[nodiscard]] const std::vector<Event>& events() const noexcept { return events_; }
   [[nodiscard]] const std::map<std::string, double>& statistics() const noexcept { return statistics_; }
-  // Why numbers were not finite in the evaluations since begin_step(); empty if they were.
+  // Why numbers were not finite or could not be evaluated since begin_step(); empty if all went well.
   [[nodiscard]] const std::string& non_finite() const noexcept { return non_finite_; }
   // Something was changed from outside: a multistep method has to start afresh, forces are stale.
   void changed() noexcept;
@@ -76,6 +76,9 @@ class Engine {
   };
 
   void start_contacts();
+  // Holds free nodes that lie on a surface and move or are pushed into it.
+  void settle_contacts(double time, State& state);
+  [[nodiscard]] double contact_tolerance() const noexcept;
   void set_scales();
   void perform_due_cuts();
   springnet_status perform_due_ruptures();
@@ -86,6 +89,8 @@ class Engine {
   [[nodiscard]] const std::vector<EventSource>& event_sources();
   [[nodiscard]] const std::vector<std::uint32_t>& rupturing();
   void explain(double time, const layers::NodeArrays& nodes);
+  bool check_finite(bool forces, std::uint32_t bad_neuron, double time, const layers::NodeArrays& nodes);
+  springnet_status failed(springnet_status status, double time, const layers::NodeArrays& nodes);
 
   layers::Layout layout_;
   std::vector<double> mass_;
@@ -97,6 +102,7 @@ class Engine {
   double time_ = 0.0;
   double time_resolution_;  // s: a cut this close to a committed time is due at it
   bool forces_stale_ = true;
+  bool unsettled_ = false;  // something changed after which contacts and ruptures are looked at anew
   bool swept_ = false;
   std::vector<ScheduledCut> cuts_;
   std::vector<Event> events_;
@@ -108,11 +114,10 @@ class Engine {
   std::uint64_t info_revision_ = 0;
   std::uint64_t sources_revision_ = 0;
   std::vector<EventSource> sources_;
+  double touch_depth_ = 0.0;  // m
   bool rupturing_known_ = false;
   std::vector<std::uint32_t> rupturing_;
   std::vector<double> scratch_;  // forces nobody asked for
 };
-
-void set_message(springnet_message& message, const std::string& text) noexcept;
 
 }  // namespace springnet

@@ -16,8 +16,6 @@ void put(const springnet_vectors& v, std::uint32_t k, const Vector3& value) {
   v.z[k] = value[2];
 }
 
-// A node this close to a surface, in units of the length scale, touches it together with another that is there.
-constexpr double coincidence = 1e-10;
 // A node this far behind a surface was not seen to cross it: twice within one step of the reference, say.
 constexpr double penetration = 1e-9;
 
@@ -43,6 +41,7 @@ const std::vector<Engine::EventSource>& Engine::event_sources() {
         for (std::uint32_t j = 0; j < planes; ++j) sources_.push_back({EventSource::Kind::touch, k, j});
     }
     for (const std::uint32_t s : rupturing()) sources_.push_back({EventSource::Kind::rupture, s, 0});
+    touch_depth_ = planes > 0 ? contact_tolerance() : 0.0;
     sources_revision_ = revision_;
   }
   return sources_;
@@ -55,22 +54,22 @@ springnet_status Engine::event_values(const springnet_evaluation& request, doubl
   for (std::size_t e = 0; e < sources.size(); ++e) {
     const EventSource& source = sources[e];
     const std::uint32_t k = source.index;
-    directions[e] = source.kind == EventSource::Kind::release ? 1 : -1;
+    if (directions != nullptr) directions[e] = source.kind == EventSource::Kind::release ? 1 : -1;
     if (source.kind == EventSource::Kind::touch) {
-      values[e] = contact_.distance(source.plane, {nodes.px[k], nodes.py[k], nodes.pz[k]});
+      // From the contact tolerance on: a node that lies on the surface, up to rounding, has a value above 0 that falls
+      // through it when the node sinks in. A value of 0 would not count as a crossing.
+      values[e] = contact_.distance(source.plane, {nodes.px[k], nodes.py[k], nodes.pz[k]}) + touch_depth_;
     } else if (source.kind == EventSource::Kind::release) {
       Vector3 force;
-      const springnet_status status =
-          evaluator_.evaluate_node(k, request.time, nodes, external, force, message_);
+      const springnet_status status = evaluator_.evaluate_node(k, request.time, nodes, external, force, message_);
       if (status != SPRINGNET_OK) return status;
       values[e] = contact_.planes()[source.plane].normal.dot(force);
     }
   }
   const std::vector<std::uint32_t>& springs = rupturing();
-  return springs.empty()
-             ? SPRINGNET_OK
-             : layers::rupture_margins(layout_, evaluator_.instruction_set(), request.time, nodes, springs,
-                                       values + (sources.size() - springs.size()), message_);
+  return springs.empty() ? SPRINGNET_OK
+                         : layers::rupture_margins(layout_, evaluator_.instruction_set(), request.time, nodes, springs,
+                                                   values + (sources.size() - springs.size()), message_);
 }
 
 void Engine::touch(std::uint32_t node, std::size_t plane, double time, State& state) {
@@ -80,6 +79,26 @@ void Engine::touch(std::uint32_t node, std::size_t plane, double time, State& st
   contact_.hold(node, static_cast<std::int32_t>(plane), -mass_[node] * velocity);
   note(Event::Kind::touched, time, layout_.ordering().user[node]);
   changed();
+}
+
+void Engine::settle_contacts(double time, State& state) {
+  const std::vector<Plane>& planes = contact_.planes();
+  if (planes.empty()) return;
+  const double tolerance = contact_tolerance();
+  // A force this small, in units of the force scale, is rounding: a node was just released by it, say.
+  const double least_force = 1e-9 * info_.force_scale;
+  for (std::uint32_t k = 0; k < layout_.node_count(); ++k) {
+    for (std::size_t j = 0; j < planes.size() && contact_.constrained()[k] == 0; ++j) {
+      if (contact_.distance(j, at(state.view.position, k)) > tolerance) continue;
+      const double speed = planes[j].normal.dot(at(state.view.velocity, k));
+      Vector3 force = Vector3::Zero();
+      springnet_message message{};
+      if (speed > 0.0 || (speed == 0.0 && evaluator_.evaluate_node(k, time, state.nodes(), loads_.external(), force,
+                                                                   message) != SPRINGNET_OK))
+        continue;
+      if (speed < 0.0 || planes[j].normal.dot(force) < -least_force) touch(k, j, time, state);
+    }
+  }
 }
 
 springnet_status Engine::fire_events(double time, State& state, const std::int32_t* fired) {
@@ -93,7 +112,7 @@ springnet_status Engine::fire_events(double time, State& state, const std::int32
       if (contact_.held()[k] != 0) continue;  // two planes at once: the first holds it
       const Plane& plane = contact_.planes()[source.plane];
       const double distance = contact_.distance(source.plane, at(state.view.position, k));
-      now = now || (distance <= coincidence * info_.length_scale && plane.normal.dot(at(state.view.velocity, k)) < 0.0);
+      now = now || (distance <= touch_depth_ && plane.normal.dot(at(state.view.velocity, k)) < 0.0);
       if (now) {
         touch(k, source.plane, time, state);
         touched.push_back(k);
@@ -145,15 +164,13 @@ std::size_t Engine::remove(const std::vector<std::uint32_t>& springs, Event::Kin
   return removed.size();
 }
 
-std::size_t Engine::cut(const std::vector<std::uint32_t>& springs) {
-  return remove(springs, Event::Kind::cut, time_);
-}
+std::size_t Engine::cut(const std::vector<std::uint32_t>& springs) { return remove(springs, Event::Kind::cut, time_); }
 
 std::size_t Engine::cut(const CuttingPolygon& polygon) {
   std::vector<std::uint32_t> crossed;
   for (std::uint32_t s = 0; s < layout_.spring_count(); ++s)
-    if (layout_.alive(s) && polygon.crosses(at(state_.view.position, layout_.first(s)),
-                                            at(state_.view.position, layout_.second(s))))
+    if (layout_.alive(s) &&
+        polygon.crosses(at(state_.view.position, layout_.first(s)), at(state_.view.position, layout_.second(s))))
       crossed.push_back(s);
   return cut(crossed);
 }
@@ -191,7 +208,12 @@ double Engine::next_discontinuity(double time) const noexcept {
 springnet_status Engine::commit(double time, State& state) {
   state_.swap(state);
   time_ = time;
-  forces_stale_ = false;
+  forces_stale_ = state_.view.force_is_current == 0;
+  for (std::uint32_t k = 0; !swept_ && k < layout_.node_count(); ++k) {
+    // What a solver left of rounding in unknowns that do not move.
+    if (contact_.fixed()[k] != 0) put(state_.view.position, k, at(state.view.position, k));
+    if (contact_.constrained()[k] != 0) put(state_.view.velocity, k, Vector3::Zero());
+  }
   if (swept_) {
     swept_ = false;
     std::vector<std::uint32_t> touched, released;

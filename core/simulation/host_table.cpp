@@ -1,8 +1,14 @@
 #include "simulation/host_table.hpp"
 
+#include <fmt/format.h>
+
 #include <exception>
 #include <limits>
 #include <new>
+
+#include <springnet/error.hpp>
+
+#include "layers/message.hpp"
 
 namespace springnet {
 namespace {
@@ -20,6 +26,25 @@ springnet_status guarded(void* context, Action action) noexcept {
     set_message(engine_of(context).message(), "unknown failure in the host");
   }
   return SPRINGNET_FAILED;
+}
+
+// The same for an action on the derivatives, once there are any.
+template <class Action>
+springnet_status linearised(void* context, Action action) noexcept {
+  return guarded(context, [&](Engine& engine) -> springnet_status {
+    if (!engine.linearisation().known()) throw Error(ErrorKind::plugin, "derivatives were asked for before linearise");
+    action(engine);
+    return SPRINGNET_OK;
+  });
+}
+
+// A request of an integrator, which has to be as large as ABI 1.0 made it.
+template <class Request>
+const Request& checked(const Request* request, const char* name) {
+  if (request == nullptr || request->struct_size < sizeof(Request))
+    throw Error(ErrorKind::plugin, fmt::format("a {} of {} bytes was given where ABI 1.0 has {}; set its struct_size",
+                                               name, request == nullptr ? 0 : request->struct_size, sizeof(Request)));
+  return *request;
 }
 
 const springnet_network* network(void* context) {
@@ -46,7 +71,7 @@ void state_destroy(void*, springnet_state* state) {
 const springnet_state* committed(void* context, double* time) {
   const springnet_state* state = nullptr;
   static_cast<void>(guarded(context, [&](Engine& engine) -> springnet_status {
-    state = &engine.state().view;
+    state = &engine.state_without_forces().view;
     if (time != nullptr) *time = engine.time();
     return SPRINGNET_OK;
   }));
@@ -57,29 +82,26 @@ springnet_status begin_step(void* context, double from, double until) {
   return guarded(context, [&](Engine& engine) { return engine.begin_step(from, until); });
 }
 springnet_status evaluate(void* context, const springnet_evaluation* evaluation) {
-  return guarded(context, [&](Engine& engine) { return engine.evaluate(*evaluation); });
+  return guarded(context, [&](Engine& engine) { return engine.evaluate(checked(evaluation, "springnet_evaluation")); });
 }
 springnet_status evaluate_nodes(void* context, const springnet_evaluation* evaluation, const std::uint32_t* nodes,
                                 std::uint32_t count) {
-  return guarded(context, [&](Engine& engine) { return engine.evaluate_nodes(*evaluation, nodes, count); });
+  return guarded(context, [&](Engine& engine) {
+    return engine.evaluate_nodes(checked(evaluation, "springnet_evaluation"), nodes, count);
+  });
 }
 springnet_status sweep(void* context, const springnet_sweep* request) {
-  return guarded(context, [&](Engine& engine) { return engine.sweep(*request); });
+  return guarded(context, [&](Engine& engine) { return engine.sweep(checked(request, "springnet_sweep")); });
 }
 springnet_status linearise(void* context, const springnet_evaluation* at) {
-  return guarded(context, [&](Engine& engine) { return engine.linearise(*at); });
+  return guarded(context, [&](Engine& engine) { return engine.linearise(checked(at, "springnet_evaluation")); });
 }
 springnet_status jacobian_times(void* context, const double* dp, const double* dv, double* out) {
-  return guarded(context, [&](Engine& engine) -> springnet_status {
-    engine.linearisation().times(dp, dv, out);
-    return SPRINGNET_OK;
-  });
+  return linearised(context, [&](Engine& engine) { engine.linearisation().times(dp, dv, out); });
 }
 springnet_status diagonal_blocks(void* context, double velocity_weight, double position_weight, double* out) {
-  return guarded(context, [&](Engine& engine) -> springnet_status {
-    engine.linearisation().diagonal_blocks(velocity_weight, position_weight, out);
-    return SPRINGNET_OK;
-  });
+  return linearised(
+      context, [&](Engine& engine) { engine.linearisation().diagonal_blocks(velocity_weight, position_weight, out); });
 }
 springnet_status factorise(void* context, double velocity_weight, double position_weight) {
   return guarded(context, [&](Engine& engine) {
@@ -91,9 +113,10 @@ springnet_status solve(void* context, std::int32_t transposed, const double* rig
     return engine.linearisation().solve(transposed != 0, right_side, x, engine.message());
   });
 }
-springnet_status event_values(void* context, const springnet_evaluation* at, double* values,
-                              std::int32_t* directions) {
-  return guarded(context, [&](Engine& engine) { return engine.event_values(*at, values, directions); });
+springnet_status event_values(void* context, const springnet_evaluation* at, double* values, std::int32_t* directions) {
+  return guarded(context, [&](Engine& engine) {
+    return engine.event_values(checked(at, "springnet_evaluation"), values, directions);
+  });
 }
 springnet_status fire_events(void* context, double time, springnet_state* state, const std::int32_t* fired) {
   return guarded(context, [&](Engine& engine) { return engine.fire_events(time, State::of(state), fired); });

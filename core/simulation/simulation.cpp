@@ -14,10 +14,14 @@ namespace springnet {
 
 std::string_view name_of(Outcome outcome) noexcept {
   switch (outcome) {
-    case Outcome::settled: return "settled";
-    case Outcome::oscillating: return "oscillating";
-    case Outcome::out_of_sweeps: return "out of sweeps";
-    case Outcome::diverging: return "diverging";
+    case Outcome::settled:
+      return "settled";
+    case Outcome::oscillating:
+      return "oscillating";
+    case Outcome::out_of_sweeps:
+      return "out of sweeps";
+    case Outcome::diverging:
+      return "diverging";
   }
   return "unknown";
 }
@@ -89,16 +93,22 @@ void Simulation::Impl::advance(double until) {
   report.start_node = 0xffffffffu;
   const springnet_status status = component->integrator().advance(integrator, until, &report);
   const std::vector<std::uint32_t>& user = engine.layout().ordering().user;
-  last.outcome = static_cast<Outcome>(report.outcome);
-  last.steps += report.steps;
+  // Whatever an integrator says: a step that failed is not settled.
+  const bool known = report.outcome >= SPRINGNET_SETTLED && report.outcome <= SPRINGNET_DIVERGING;
+  Outcome outcome = known ? static_cast<Outcome>(report.outcome) : Outcome::diverging;
+  if (status != SPRINGNET_OK && outcome == Outcome::settled) outcome = Outcome::diverging;
+  if (outcome != Outcome::settled) last.outcome = outcome;
   last.sweeps += report.sweeps;
   last.force_difference = report.force_difference;
   last.residual = report.residual;
   last.node = report.node < user.size() ? user[report.node] : 0;
   last.start_node = report.start_node < user.size() ? std::int64_t{user[report.start_node]} : -1;
-  steps += report.steps;
   sweeps += report.sweeps;
-  if (status == SPRINGNET_OK) return;
+  if (status == SPRINGNET_OK) {
+    last.steps += report.steps;
+    steps += report.steps;
+    return;
+  }
   std::string text = fmt::format("step from {} s to {} s: {}", from, until, engine.message().text);
   if (!engine.non_finite().empty() && text.find(engine.non_finite()) == std::string::npos)
     text += fmt::format("; {}", engine.non_finite());
@@ -191,10 +201,9 @@ bool Simulation::held(NodeIndex node) const { return impl_->engine.contact().hel
 double Simulation::tension(SpringIndex spring) const {
   impl_->check_spring(spring);
   const Engine& engine = impl_->engine;
-  return engine.layout().alive(spring)
-             ? layers::tension(engine.layout(), engine.evaluator().instruction_set(), engine.time(),
-                               engine.state_without_forces().nodes(), spring)
-             : 0.0;
+  return engine.layout().alive(spring) ? layers::tension(engine.layout(), engine.evaluator().instruction_set(),
+                                                         engine.time(), engine.state_without_forces().nodes(), spring)
+                                       : 0.0;
 }
 bool Simulation::alive(SpringIndex spring) const {
   impl_->check_spring(spring);
@@ -210,8 +219,8 @@ double Simulation::kinetic_energy() const {
 double Simulation::potential_energy() const {
   Engine& engine = impl_->engine;
   const State& state = engine.state_without_forces();
-  double sum = layers::elastic_energy(engine.layout(), engine.evaluator().instruction_set(), engine.time(),
-                                      state.nodes());
+  double sum =
+      layers::elastic_energy(engine.layout(), engine.evaluator().instruction_set(), engine.time(), state.nodes());
   for (std::uint32_t k = 0; k < node_count(); ++k)
     sum -= engine.mass()[k] * engine.loads().gravity().dot(column(state.view.position, k));
   return sum;
@@ -242,13 +251,22 @@ void Simulation::set_gravity(const Vector3& acceleration) {
 }
 void Simulation::set_position(NodeIndex node, const Vector3& position) {
   check_finite(position, fmt::format("position of node {}", node));
-  impl_->engine.set_node(impl_->engine_node(node), position, std::nullopt);
+  const std::uint32_t k = impl_->engine_node(node);
+  const Contact& contact = impl_->engine.contact();
+  for (std::size_t j = 0; j < contact.planes().size() && contact.fixed()[k] == 0; ++j)
+    if (const double distance = contact.distance(j, position); distance < 0.0)
+      throw Error(ErrorKind::input,
+                  fmt::format("position of node {}: {} m behind plane '{}' (number {}), where no node "
+                              "can be; keep it in front of the plane, or fix the node first",
+                              node, -distance, contact.planes()[j].name, j));
+  impl_->engine.set_node(k, position, std::nullopt);
 }
 void Simulation::set_velocity(NodeIndex node, const Vector3& velocity) {
   check_finite(velocity, fmt::format("velocity of node {}", node));
   const std::uint32_t k = impl_->engine_node(node);
   if (impl_->engine.contact().fixed()[k] != 0)
-    throw Error(ErrorKind::input, fmt::format("node {} is fixed and has no velocity; set_fixed(node, false) first", node));
+    throw Error(ErrorKind::input,
+                fmt::format("node {} is fixed and has no velocity; set_fixed(node, false) first", node));
   impl_->engine.set_node(k, std::nullopt, velocity);
 }
 void Simulation::set_fixed(NodeIndex node, bool fixed) { impl_->engine.set_fixed(impl_->engine_node(node), fixed); }

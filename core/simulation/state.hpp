@@ -23,16 +23,15 @@ struct State {
   // Exchanges the memory; both stay where they are.
   void swap(State& other) noexcept;
   [[nodiscard]] layers::NodeArrays nodes() const noexcept;
-  [[nodiscard]] layers::ForceArrays forces() const noexcept {
-    return {view.force.x, view.force.y, view.force.z};
-  }
+  [[nodiscard]] layers::ForceArrays forces() const noexcept { return {view.force.x, view.force.y, view.force.z}; }
 };
 
 // Distance between the arrays of two coordinates, in numbers: not a multiple of a page, or the three coordinates of a
 // node would compete for the same cache lines.
 [[nodiscard]] std::uint32_t pitch_of(std::uint32_t nodes) noexcept;
 
-[[nodiscard]] inline layers::NodeArrays node_arrays(const springnet_const_vectors& p, const springnet_const_vectors& v) {
+[[nodiscard]] inline layers::NodeArrays node_arrays(const springnet_const_vectors& p,
+                                                    const springnet_const_vectors& v) {
   return {p.x, p.y, p.z, v.x, v.y, v.z};
 }
 [[nodiscard]] inline springnet_const_vectors read_only(const springnet_vectors& v) { return {v.x, v.y, v.z}; }

@@ -65,7 +65,8 @@ TEST_CASE("tiles, runs and units give the forces of the formulas") {
     regular.set_node(k, node);
   }
   for (const bool renumber : {true, false}) {
-    for (const Network& net : {random_network(300, 4, 1), random_network(20000, 4, 2), regular, random_network(2, 1, 4)}) {
+    for (const Network& net :
+         {random_network(300, 4, 1), random_network(20000, 4, 2), regular, random_network(2, 1, 4)}) {
       const std::vector<Vector3> expected = plain_forces(net);
       const double scale = greatest(expected);
       Laid laid(net, InstructionSet::best, 2, renumber);
@@ -75,8 +76,8 @@ TEST_CASE("tiles, runs and units give the forces of the formulas") {
         worst = std::max(worst, (laid.force(k) - expected[k]).norm());
         Vector3 single;
         springnet_message message{};
-        REQUIRE(laid.evaluator->evaluate_node(laid.layout.ordering().engine[k], 0.0, laid.nodes(), laid.external, single,
-                                              message) == SPRINGNET_OK);
+        REQUIRE(laid.evaluator->evaluate_node(laid.layout.ordering().engine[k], 0.0, laid.nodes(), laid.external,
+                                              single, message) == SPRINGNET_OK);
         worst_single = std::max(worst_single, (single - expected[k]).norm());
       }
       CHECK(worst <= rounding * scale);

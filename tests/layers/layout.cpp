@@ -50,7 +50,8 @@ TEST_CASE("a lattice keeps its runs, and shuffled numbers do not spread it in me
     shuffled.add_node(regular.nodes()[order[k]]);
   }
   shuffled.add_material(damped(1.0, 1.0));
-  for (const Spring& s : regular.springs()) shuffled.add_spring(place[s.first], place[s.second], material, s.rest_length);
+  for (const Spring& s : regular.springs())
+    shuffled.add_spring(place[s.first], place[s.second], material, s.rest_length);
 
   const auto mean_distance = [](const layers::Layout& layout) {
     double sum = 0.0;
@@ -58,12 +59,14 @@ TEST_CASE("a lattice keeps its runs, and shuffled numbers do not spread it in me
       sum += std::abs(double(layout.first(s)) - double(layout.second(s)));
     return sum / static_cast<double>(layout.spring_count());
   };
-  const layers::Layout one(regular, *plugins(), true), two(shuffled, *plugins(), true), raw(shuffled, *plugins(), false);
+  const layers::Layout one(regular, *plugins(), true), two(shuffled, *plugins(), true),
+      raw(shuffled, *plugins(), false);
   std::size_t in_runs = 0;
   for (const layers::Unit& unit : one.units())
     for (const layers::Run& run : unit.runs) in_runs += run.count;
   CHECK(in_runs > regular.springs().size() / 2);
-  // A random numbering has a mean distance of a third of the nodes; Cuthill-McKee one of about a layer (up to 1.5 x 20^2 nodes).
+  // A random numbering has a mean distance of a third of the nodes; Cuthill-McKee one of about a layer (up to 1.5 x
+  // 20^2 nodes).
   CHECK(mean_distance(raw) > 2000.0);
   CHECK(mean_distance(two) < 700.0);
 }

@@ -52,7 +52,9 @@ TEST_CASE("the Jacobian is that of the forces, and its systems are solved") {
   constexpr double h = 4e-4, tolerance = 1e-7;
   for (Eigen::Index j = 0; j < size; ++j) {
     for (const bool velocity : {false, true}) {
-      std::vector<double>& array = (velocity ? laid.v : laid.p)[static_cast<std::size_t>(j / n)];
+      // Not (velocity ? laid.v : laid.p)[c]: GCC 12 with -fsanitize=bounds reads a wrong index there.
+      const auto c = static_cast<std::size_t>(j / n);
+      std::vector<double>& array = velocity ? laid.v[c] : laid.p[c];
       const auto k = static_cast<std::size_t>(j % n);
       const double value = array[k];
       const auto at = [&](double step) {

@@ -91,3 +91,82 @@ TEST_CASE("a node behind a plane is refused with its number") {
   CHECK_THROWS_WITH_AS(simulate(net, cvode(1e-8), 0.1), doctest::Contains("node 0 starts 0.25 m behind plane 'floor'"),
                        Error);
 }
+
+TEST_CASE("a load that comes on presses a resting node down, wherever steps and outputs lie") {
+  // Two masses on a spring stand on the floor without weight; the upper one is pressed from 0.505 s on.
+  Network net;
+  net.add_node(point({0, 0, 0}));
+  net.add_node(point({0, 0, 1}));
+  net.add_spring(0, 1, net.add_material(damped(20.0, 3.0)));
+  net.add_plane({"floor", {0, 0, 0}, {0, 0, 1}});
+  net.add_load({{1}, {0, 0, -5.0}, 0.505});
+  Simulation coarse = simulate(net, cvode(1e-10), 1.0), fine = simulate(net, cvode(1e-10), 0.01);
+  coarse.advance_to(4.0);
+  fine.advance_to(4.0);
+  // The same internal steps, but for the rounding of output times.
+  CHECK((coarse.position(1) - fine.position(1)).norm() <= 1e-9);
+  for (const LawUse& integrator : integrators) {
+    CAPTURE(integrator.id);
+    Simulation simulation = simulate(net, integrator, 0.005);
+    simulation.advance_to(10.0);
+    CHECK(simulation.held(0));
+    CHECK(std::abs(simulation.position(0)[2]) <= 1e-10);
+    CHECK(simulation.position(1)[2] ==
+          doctest::Approx(0.75).epsilon(1e-5));  // 5 N on 20 N/m, settled for 14 decay times
+    CHECK(simulation.reaction(0)[2] == doctest::Approx(5.0).epsilon(1e-4));
+    // Nothing but the start of the load makes the node touch, and it weighs nothing: no impulse.
+    CHECK(simulation.contact_impulse(0).norm() <= 1e-3);
+  }
+}
+
+TEST_CASE("a load on a resting node makes it touch when it comes on") {
+  Network net = ball(0.0, 0.0);
+  net.add_load({{0}, {0, 0, -1.0}, 1.05});
+  for (const double step : {0.5, 0.1, 0.01}) {
+    Simulation simulation = simulate(net, cvode(1e-10), step);
+    simulation.advance_to(2.0);
+    REQUIRE(simulation.events().size() == 1);
+    CHECK(simulation.events()[0].time == 1.05);
+    CHECK(simulation.contact_impulse(0).norm() == 0.0);
+  }
+}
+
+TEST_CASE("pulled off one plane of a corner, a node does not sink into the other") {
+  for (const LawUse& integrator : integrators) {
+    CAPTURE(integrator.id);
+    Network net;
+    net.add_node(point({0, 0, 0}));
+    net.add_plane({"wall", {0, 0, 0}, {1, 0, 0}});
+    net.add_plane({"floor", {0, 0, 0}, {0, 0, 1}});
+    net.set_gravity({-1, 0, -2});
+    net.add_load({{0}, {4.0, 0, 0}, 0.33});
+    Simulation simulation = simulate(net, integrator, 0.2);
+    CHECK(simulation.events().size() == 1);  // held by one plane, though it touches two
+    simulation.advance_to(2.0);
+    CHECK(simulation.held(0));
+    CHECK(std::abs(simulation.position(0)[2]) <= 1e-9);
+  }
+}
+
+TEST_CASE("a host lifts a held node, or does not move it; places behind a plane are refused") {
+  for (const LawUse& integrator : integrators) {
+    CAPTURE(integrator.id);
+    Simulation simulation = simulate(ball(0.0, 10.0), integrator, 0.001);
+    REQUIRE(simulation.held(0));
+    simulation.set_velocity(0, {1, 0, -2});
+    simulation.advance_to(0.1);
+    CHECK(simulation.held(0));
+    CHECK(simulation.position(0).norm() <= 1e-12);
+    simulation.set_velocity(0, {0, 0, 2});
+    CHECK_FALSE(simulation.held(0));
+    simulation.advance_to(0.2);
+    // v t - g t^2 / 2, first order adds g t dt / 2.
+    CHECK(simulation.position(0)[2] == doctest::Approx(0.15).epsilon(0.005));
+    CHECK_THROWS_WITH_AS(simulation.set_position(0, {0, 0, -1}), doctest::Contains("1 m behind plane 'floor'"), Error);
+    simulation.set_position(0, {0, 0, 0});
+    simulation.set_velocity(0, {0, 0, 0});
+    simulation.advance_to(0.3);
+    CHECK(simulation.held(0));
+    CHECK(std::abs(simulation.position(0)[2]) <= 1e-12);
+  }
+}

@@ -39,6 +39,6 @@ TEST_CASE("a polygon that is not convex and stands askew") {
 TEST_CASE("polygons that cannot cut are refused") {
   CHECK_THROWS_AS(CuttingPolygon({{0, 0, 0}, {1, 0, 0}}), Error);
   CHECK_THROWS_AS(CuttingPolygon({{0, 0, 0}, {1, 0, 0}, {2, 0, 0}}), Error);
-  CHECK_THROWS_WITH_AS(CuttingPolygon({{0, 0, 0}, {1, 0, 0}, {1, 1, 0.5}, {0, 1, 0}}), doctest::Contains("outside the plane"),
-                       Error);
+  CHECK_THROWS_WITH_AS(CuttingPolygon({{0, 0, 0}, {1, 0, 0}, {1, 1, 0.5}, {0, 1, 0}}),
+                       doctest::Contains("outside the plane"), Error);
 }

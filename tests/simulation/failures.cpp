@@ -9,6 +9,7 @@
 
 #define SPRINGNET_STATIC_PLUGIN failures
 #include <springnet/sdk/law.hpp>
+#include <springnet/sdk/neuron.hpp>
 
 #include "nets.hpp"
 
@@ -44,9 +45,24 @@ struct Remembers : sdk::SpringFunction {
   }
 };
 
+struct NanNeuron : sdk::Neuron {
+  static constexpr const char* id = "nan_neuron";
+  static constexpr const char* summary = "not a number beyond a place";
+  static auto acceleration(const auto& n, const auto&) { return n.force * (sqrt(1.5 - n.position.x) * 0.0); }
+};
+
+struct ThrowingNeuron : sdk::Neuron {
+  static constexpr const char* id = "throwing_neuron";
+  static constexpr const char* summary = "fails with a message";
+  static auto acceleration(const auto& n, const auto&) {
+    if (n.position.x > 1.5) throw std::runtime_error("the axon is cut");
+    return n.force / n.mass;
+  }
+};
+
 }  // namespace
 
-SPRINGNET_PLUGIN("test.failures", "1.0.0", "springnet", "MIT", NanBeyond, Throws, Remembers);
+SPRINGNET_PLUGIN("test.failures", "1.0.0", "springnet", "MIT", NanBeyond, Throws, Remembers, NanNeuron, ThrowingNeuron);
 
 using namespace springnet;
 using namespace springnet::testing;
@@ -133,4 +149,67 @@ TEST_CASE("laws, neurons and integrators that are not there, parameters out of r
   CHECK_THROWS_WITH_AS(Simulation(fine, host(), options), doctest::Contains("recurrent"), Error);
   options.integrator = {"recurrent", {{"sweps", 1}}};
   CHECK_THROWS_WITH_AS(Simulation(fine, host(), options), doctest::Contains("sweeps"), Error);
+}
+
+TEST_CASE("a neuron that answers nonsense or throws is named, with its node") {
+  for (const LawUse& integrator :
+       {recurrent(synchronous, 1e-9), recurrent(wavefront, 1e-9), single_sweep(), cvode(1e-6)}) {
+    for (const char* id : {"nan_neuron", "throwing_neuron"}) {
+      Network net;
+      net.add_node(point({0, 5, 0}));
+      Node node = point({1, 0, 0}, 1.0, {1, 0, 0});
+      node.neuron = net.add_neuron({id, {}});
+      net.add_node(node);
+      SimulationOptions options;
+      options.time_step = 0.1;
+      options.integrator = integrator;
+      Simulation simulation(net, host(), options);
+      std::string text;
+      try {
+        simulation.advance_to(2.0);
+      } catch (const Error& error) {
+        text = error.what();
+      }
+      CAPTURE(integrator.id);
+      CAPTURE(text);
+      CHECK(text.find(id) != std::string::npos);
+      CHECK(text.find("node 1") != std::string::npos);
+      CHECK((id == std::string("nan_neuron") || text.find("the axon is cut") != std::string::npos));
+      CHECK(simulation.last_report().outcome == Outcome::diverging);
+      CHECK(simulation.time() < 0.75);
+    }
+  }
+}
+
+TEST_CASE("of several laws that fail in several threads the first spring is named, whatever the number of threads") {
+  for (const unsigned threads : {1u, 2u, 4u}) {
+    Lattice lattice;
+    lattice.nodes = {2, 2, 6000};  // three units
+    Network net;
+    net.add_lattice("rod", lattice, Node{}, net.add_material({LawUse{"throws", {}}, std::nullopt}));
+    for (const NodeIndex k : {5000u, 23000u, 12000u}) {
+      Node node = net.nodes()[k];
+      node.velocity = {0, 30, 0};
+      net.set_node(k, node);
+    }
+    SimulationOptions options;
+    options.time_step = 0.1;
+    options.threads = threads;
+    options.integrator = single_sweep();
+    Simulation simulation(net, host(), options);
+    CHECK(simulation.threads() == std::min(threads, 4u));
+    simulation.step();
+    std::string text;
+    try {
+      simulation.step();
+    } catch (const Error& error) {
+      text = error.what();
+    }
+    CAPTURE(text);
+    CHECK(text.find("the tissue is torn") != std::string::npos);
+    CHECK(text.find("'throws' failed") != std::string::npos);
+    static std::string first;
+    if (first.empty()) first = text;
+    CHECK(text == first);
+  }
 }

@@ -28,15 +28,15 @@ struct SimulationOptions {
 enum class Outcome { settled, oscillating, out_of_sweeps, diverging };
 [[nodiscard]] std::string_view name_of(Outcome outcome) noexcept;  // "settled", "oscillating", "out of sweeps", …
 
-// How the steps since the last call of step() or advance() went.
+// How the steps of the last call of step() or advance_to() went.
 struct StepReport {
-  Outcome outcome = Outcome::settled;
-  std::uint64_t steps = 0;
-  std::uint64_t sweeps = 0;       // or evaluations of all springs
-  double force_difference = 0.0;  // N
-  double residual = 0.0;          // N; nan where not evaluated
-  NodeIndex node = 0;             // with the greatest force difference
-  std::int64_t start_node = -1;   // where the last sweep started; -1: it has no start
+  Outcome outcome = Outcome::settled;  // settled if all of them did, else that of the last one that did not
+  std::uint64_t steps = 0;             // committed
+  std::uint64_t sweeps = 0;            // or evaluations of all springs
+  double force_difference = 0.0;       // N; nan where not compared: exactly one sweep was asked for
+  double residual = 0.0;               // N; nan where not evaluated
+  NodeIndex node = 0;                  // with the greatest force difference
+  std::int64_t start_node = -1;        // where the last sweep started; -1: it has no start
 };
 
 // Something that happened to a spring or a node.
@@ -48,7 +48,8 @@ struct Event {
 };
 
 // Positions and so on without a copy: 3 x nodes, one row a coordinate, in the engine's order of nodes.
-using ConstNodeMap = Eigen::Map<const Eigen::Matrix<double, 3, Eigen::Dynamic, Eigen::RowMajor>, 0, Eigen::OuterStride<>>;
+using ConstNodeMap =
+    Eigen::Map<const Eigen::Matrix<double, 3, Eigen::Dynamic, Eigen::RowMajor>, 0, Eigen::OuterStride<>>;
 
 class Simulation {
  public:
@@ -80,8 +81,8 @@ class Simulation {
   // positions()(Eigen::all, columns()) is the user's order.
   [[nodiscard]] ConstNodeMap positions() const noexcept;   // m
   [[nodiscard]] ConstNodeMap velocities() const noexcept;  // m/s
-  // Net force of springs and loads on each node, without what holds it; N. After single sweeps: that at the start of
-  // the step.
+  // Net force of springs and loads on each node, without what holds it; N. Evaluated when asked for where the
+  // integrator did not leave it, as after single sweeps.
   [[nodiscard]] ConstNodeMap forces() const;
   [[nodiscard]] const std::vector<std::uint32_t>& columns() const noexcept;
 
@@ -107,7 +108,8 @@ class Simulation {
   // A force on a node on top of the scene's loads, from now on until it is set again. N
   void set_force(NodeIndex node, const Vector3& force);
   void set_gravity(const Vector3& acceleration);
-  // Changes of the state by the embedding program.
+  // Changes of the state by the embedding program. A position behind a plane is refused (Error(input)). A velocity that
+  // lifts a node held by a contact releases it; any other leaves it held, at rest.
   void set_position(NodeIndex node, const Vector3& position);
   void set_velocity(NodeIndex node, const Vector3& velocity);
   void set_fixed(NodeIndex node, bool fixed);  // fixed: where it is now, velocity zero

@@ -33,8 +33,8 @@ struct ValidationOptions {
   std::function<bool(const ValidationProgress&)> progress;
 };
 
-// Distances between positions of two runs at common times: Euclidean, in metres. max and rms are nan if the runs have no
-// time in common but the start.
+// Distances between positions of two runs at common times: Euclidean, in metres. max and rms are nan if the runs have
+// no time in common but the start.
 struct PositionError {
   double max = 0.0;  // over all nodes and record times
   double rms = 0.0;  // root of the mean square over all nodes and record times, the start left out

@@ -171,8 +171,10 @@ double ReferenceIntegrator::first_step(double time, double stop) {
 void ReferenceIntegrator::watch_events(double time) {
   const std::uint32_t count = host_.network().event_count;
   std::vector<std::int32_t>& directions = equations_.event_directions();
+  // From scratch each time: CVODE would keep a root switched off that was 0 once, though it may be another's by now.
+  check(CVodeRootInit(memory_.get(), 0, nullptr));
+  if (count > 0) check(CVodeRootInit(memory_.get(), static_cast<int>(count), &event_values));
   if (count != directions.size()) {
-    check(CVodeRootInit(memory_.get(), static_cast<int>(count), count == 0 ? nullptr : &event_values));
     directions.resize(count);
     event_values_.resize(count);
     fired_.resize(count);
@@ -197,21 +199,25 @@ bool ReferenceIntegrator::mark_past_events() noexcept {
 void ReferenceIntegrator::advance(double until, springnet_step_report& report) {
   const std::uint64_t evaluations_before = equations_.work().evaluations;
   steps_before_ = internal_steps();
+  const auto tell = [&](std::int32_t outcome) {
+    report.outcome = outcome;
+    report.steps = static_cast<std::uint64_t>(internal_steps() - steps_before_);
+    report.sweeps = equations_.work().evaluations - evaluations_before;
+    report.force_difference = 0.0;
+    report.residual = std::numeric_limits<double>::quiet_NaN();
+    report.node = 0;
+    report.start_node = std::numeric_limits<std::uint32_t>::max();
+    report_statistics();
+  };
   try {
     while (host_.committed().time < until) step_towards(until);
   } catch (const sdk::Failure& failure) {
     restart_ = true;  // CVODE's history is of no use any more
+    tell(SPRINGNET_DIVERGING);
     if (failure.recoverable()) throw sdk::Failure(failure.what());
     throw;
   }
-  report.outcome = SPRINGNET_SETTLED;
-  report.steps = static_cast<std::uint64_t>(internal_steps() - steps_before_);
-  report.sweeps = equations_.work().evaluations - evaluations_before;
-  report.force_difference = 0.0;
-  report.residual = std::numeric_limits<double>::quiet_NaN();
-  report.node = 0;
-  report.start_node = std::numeric_limits<std::uint32_t>::max();
-  report_statistics();
+  tell(SPRINGNET_SETTLED);
 }
 
 void ReferenceIntegrator::step_towards(double until) {
@@ -278,6 +284,7 @@ void ReferenceIntegrator::fire_events(double time) {
 // The state becomes the network's, with the net forces in it.
 void ReferenceIntegrator::commit(double time) {
   equations_.evaluate_force(time, *state_);
+  (*state_).force_is_current = 1;
   host_.commit(time, *state_);
 }
 

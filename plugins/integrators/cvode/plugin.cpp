@@ -36,7 +36,10 @@ class Cvode : public Integrator {
           .at_least(0)
           .at_most(12),
       number("max_step", "s", "longest internal step; 0: no limit").preset(0).at_least(0),
-      integer("max_steps", "internal steps between two outputs after which it gives up").preset(100000).at_least(1)};
+      integer("max_steps", "internal steps between two outputs after which it gives up")
+          .preset(100000)
+          .at_least(1)
+          .at_most(1e9)};
 
   Cvode(Host host, Options options) : integrator_(host, read(options)) {}
 

@@ -57,7 +57,7 @@ class Recurrent : public springnet::sdk::Integrator {
           .preset(0)
           .at_least(0),
       integer("max_sweeps", "sweeps in a time step at most").preset(1000).at_least(2).at_most(1e9),
-      integer("sweeps", "exactly so many sweeps in a time step, settled or not; 0: until settled")
+      integer("sweeps", "exactly so many sweeps a step; 0: until settled; 1 with update synchronous: symplectic Euler")
           .preset(0)
           .at_least(0)
           .at_most(1e9),
@@ -156,14 +156,17 @@ springnet_status Recurrent::advance(double until, springnet_step_report& report)
   report.outcome = static_cast<std::int32_t>(settled(verdict) ? Verdict::settled : verdict);
   report.steps = 1;
   report.sweeps = step.sweeps;
-  report.force_difference = step.differences.greatest;
+  const bool compared = wavefront_ || exact_sweeps_ != 1;
+  report.force_difference = compared ? step.differences.greatest : std::numeric_limits<double>::quiet_NaN();
   report.residual = step.residual;
   report.node = step.differences.node == no_node ? 0 : step.differences.node;
   report.start_node = step.start_node;
   if (!settled(verdict) && (!accept_ || !step.finite)) {
     throw Failure(explain(step, verdict, law_message), SPRINGNET_UNSETTLED);
   }
-  host_.commit(until, *states_[step.written]);
+  springnet_state& result = *states_[step.written];
+  result.force_is_current = std::isfinite(step.residual) ? 1 : 0;  // complete() evaluated it
+  host_.commit(until, result);
   if (!settled(verdict)) host_.report("unsettled_steps", ++accepted_);
   return SPRINGNET_OK;
 }
@@ -292,7 +295,7 @@ double Recurrent::residual(const Step& step) const {
   };
   Greatest greatest;
   for (std::uint32_t k = 0; k < step.network.node_count; ++k) {
-    if (step.network.fixed[k] != 0 || step.network.held[k] != 0) continue;
+    if (step.network.fixed[k] != 0) continue;
     if (step.network.plane_count > 0 && stopped(k)) continue;
     const double m = step.network.mass[k];
     const double x = m * ((u.x[k] - v.x[k]) / t_c - acceleration_[0][k]);

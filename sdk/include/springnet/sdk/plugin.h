@@ -78,20 +78,25 @@ enum {
 typedef struct springnet_parameter {
   uint32_t struct_size;
   uint32_t type;        /* SPRINGNET_NUMBER … */
-  const char *name;     /* key in a scene, snake_case */
-  const char *unit;     /* SI, "1" where it has none */
-  const char *summary;  /* one line */
+  const char* name;     /* key in a scene, snake_case */
+  const char* unit;     /* SI, "1" where it has none */
+  const char* summary;  /* one line */
   double default_value; /* ignored where SPRINGNET_REQUIRED */
   double smallest;
   double largest;
   double scale;               /* typical magnitude, for learning; > 0 */
   uint32_t flags;             /* SPRINGNET_LEARNABLE … */
   uint32_t choice_count;      /* SPRINGNET_CHOICE */
-  const char *const *choices; /* names */
+  const char* const* choices; /* names */
 } springnet_parameter;
 
 /* Component kinds. */
-enum { SPRINGNET_SPRING_FUNCTION = 1, SPRINGNET_VISCOSITY_FUNCTION = 2, SPRINGNET_NEURON = 3, SPRINGNET_INTEGRATOR = 4 };
+enum {
+  SPRINGNET_SPRING_FUNCTION = 1,
+  SPRINGNET_VISCOSITY_FUNCTION = 2,
+  SPRINGNET_NEURON = 3,
+  SPRINGNET_INTEGRATOR = 4
+};
 
 /* What a component can do beyond its force (or acceleration). */
 enum {
@@ -106,9 +111,9 @@ enum {
 
 /* What a law reads of its element's nodes. */
 enum {
-  SPRINGNET_LENGTH = 1,          /* q = |p1 - p2|, rate n.(v1 - v2); reference: rest length */
-  SPRINGNET_RELATIVE_SPEED = 2,  /* q = |v1 - v2|, no rate; the force acts along v1 - v2 */
-  SPRINGNET_ANGLE = 3,           /* 3 to 6: room, no host of ABI 1.0 evaluates them */
+  SPRINGNET_LENGTH = 1,         /* q = |p1 - p2|, rate n.(v1 - v2); reference: rest length */
+  SPRINGNET_RELATIVE_SPEED = 2, /* q = |v1 - v2|, no rate; the force acts along v1 - v2 */
+  SPRINGNET_ANGLE = 3,          /* 3 to 6: room, no host of ABI 1.0 evaluates them */
   SPRINGNET_AREA = 4,
   SPRINGNET_VOLUME = 5,
   SPRINGNET_ENCLOSED_VOLUME = 6
@@ -117,13 +122,13 @@ enum {
 typedef struct springnet_component {
   uint32_t struct_size;
   uint32_t kind;         /* SPRINGNET_SPRING_FUNCTION … */
-  const char *id;        /* the name in a scene; unique within a kind */
-  const char *summary;   /* one line */
-  const char *reference; /* literature, or "" */
+  const char* id;        /* the name in a scene; unique within a kind */
+  const char* summary;   /* one line */
+  const char* reference; /* literature, or "" */
   uint32_t capabilities; /* SPRINGNET_HAS_ENERGY … */
   uint32_t parameter_count;
-  const springnet_parameter *const *parameters;
-  const void *implementation; /* springnet_law, springnet_neuron_model or springnet_integrator, by kind */
+  const springnet_parameter* const* parameters;
+  const void* implementation; /* springnet_law, springnet_neuron_model or springnet_integrator, by kind */
 } springnet_component;
 
 typedef struct springnet_plugin {
@@ -132,11 +137,11 @@ typedef struct springnet_plugin {
   uint32_t abi_major;
   uint32_t abi_minor;
   uint32_t component_count;
-  const char *id; /* e.g. "org.example.my_laws" */
-  const char *version;
-  const char *author;
-  const char *licence; /* SPDX expression */
-  const springnet_component *const *components;
+  const char* id; /* e.g. "org.example.my_laws" */
+  const char* version;
+  const char* author;
+  const char* licence; /* SPDX expression */
+  const springnet_component* const* components;
 } springnet_plugin;
 
 /* The one symbol a plugin exports; it is data, so that a host reads it before it runs any code of the plugin. */
@@ -155,34 +160,34 @@ typedef struct springnet_law_batch {
   uint32_t count;
   uint32_t instruction_set; /* SPRINGNET_GENERIC … */
   uint32_t reference_stride;
-  double time;                          /* s */
-  const double *q;                      /* invariant: m (length), m/s (relative speed) */
-  const double *rate;                   /* dq/dt; null unless SPRINGNET_READS_RATE */
-  const double *reference;              /* reference value of the invariant: rest length, m */
-  const double *const *parameters;      /* [parameter_count] */
-  const uint32_t *parameter_strides;    /* [parameter_count], 0 or 1 */
-  const double *const *states;          /* [state_count] internal state */
-  const double *const *inputs;          /* [input_count] input signals */
-  const uint32_t *input_strides;        /* [input_count], 0 or 1 */
-  const void *table;                    /* what springnet_law::prepare made, or null */
-  double *force;                        /* Q, the generalised force: N; > 0 is tension */
-  double *energy;                       /* J */
-  double *force_by_q;                   /* dQ/dq */
-  double *force_by_rate;                /* dQ/dq' */
-  double *const *force_by_parameters;   /* [parameter_count] or null; each may be null */
-  double *margin;                       /* rupture margin, dimensionless, 1 when unloaded; <= 0 breaks */
-  double *const *state_rates;           /* [state_count] dz/dt */
-  double *const *force_by_states;       /* [state_count] dQ/dz */
-  springnet_message *message;           /* filled on failure; may be null */
+  double time;                        /* s */
+  const double* q;                    /* invariant: m (length), m/s (relative speed) */
+  const double* rate;                 /* dq/dt; null unless SPRINGNET_READS_RATE */
+  const double* reference;            /* reference value of the invariant: rest length, m */
+  const double* const* parameters;    /* [parameter_count] */
+  const uint32_t* parameter_strides;  /* [parameter_count], 0 or 1 */
+  const double* const* states;        /* [state_count] internal state */
+  const double* const* inputs;        /* [input_count] input signals */
+  const uint32_t* input_strides;      /* [input_count], 0 or 1 */
+  const void* table;                  /* what springnet_law::prepare made, or null */
+  double* force;                      /* Q, the generalised force: N; > 0 is tension */
+  double* energy;                     /* J */
+  double* force_by_q;                 /* dQ/dq */
+  double* force_by_rate;              /* dQ/dq' */
+  double* const* force_by_parameters; /* [parameter_count] or null; each may be null */
+  double* margin;                     /* rupture margin, dimensionless, 1 when unloaded; <= 0 breaks */
+  double* const* state_rates;         /* [state_count] dz/dt */
+  double* const* force_by_states;     /* [state_count] dQ/dz */
+  springnet_message* message;         /* filled on failure; may be null */
 } springnet_law_batch;
 
 /* Where a law finds the data of its table in a scene: named arrays of numbers. */
 typedef struct springnet_table_source {
   uint32_t struct_size;
   uint32_t reserved;
-  void *context;
+  void* context;
   /* Values under `name`, *count of them; null if the scene has none. */
-  const double *(*array)(void *context, const char *name, uint64_t *count);
+  const double* (*array)(void* context, const char* name, uint64_t* count);
 } springnet_table_source;
 
 typedef struct springnet_law {
@@ -190,12 +195,12 @@ typedef struct springnet_law {
   uint32_t invariant; /* SPRINGNET_LENGTH … */
   uint32_t state_count;
   uint32_t input_count;
-  const springnet_parameter *const *states; /* name, unit, default = value at the start */
-  const springnet_parameter *const *inputs;
-  springnet_status (*evaluate)(const springnet_law_batch *batch);
+  const springnet_parameter* const* states; /* name, unit, default = value at the start */
+  const springnet_parameter* const* inputs;
+  springnet_status (*evaluate)(const springnet_law_batch* batch);
   /* Immutable table data made once for a material; null where the law has none. */
-  springnet_status (*prepare)(const springnet_table_source *source, void **table, springnet_message *message);
-  void (*release)(void *table);
+  springnet_status (*prepare)(const springnet_table_source* source, void** table, springnet_message* message);
+  void (*release)(void* table);
 } springnet_law;
 
 /* ---- neurons ---------------------------------------------------------------------------------------------------- */
@@ -210,20 +215,20 @@ typedef struct springnet_neuron_batch {
   springnet_const_vectors force;     /* net force, N */
   springnet_const_vectors position;  /* m */
   springnet_const_vectors velocity;  /* m/s */
-  const double *mass;                /* kg, count values */
-  const double *const *parameters;   /* [parameter_count] */
-  const uint32_t *parameter_strides; /* 0 or 1 */
+  const double* mass;                /* kg, count values */
+  const double* const* parameters;   /* [parameter_count] */
+  const uint32_t* parameter_strides; /* 0 or 1 */
   springnet_vectors acceleration;    /* m/s^2, output */
-  double *acceleration_by_force;     /* [count][3][3] 1/kg */
-  double *acceleration_by_position;  /* [count][3][3] 1/s^2 */
-  double *acceleration_by_velocity;  /* [count][3][3] 1/s */
-  springnet_message *message;
+  double* acceleration_by_force;     /* [count][3][3] 1/kg */
+  double* acceleration_by_position;  /* [count][3][3] 1/s^2 */
+  double* acceleration_by_velocity;  /* [count][3][3] 1/s */
+  springnet_message* message;
 } springnet_neuron_batch;
 
 typedef struct springnet_neuron_model {
   uint32_t struct_size;
   uint32_t reserved;
-  springnet_status (*evaluate)(const springnet_neuron_batch *batch);
+  springnet_status (*evaluate)(const springnet_neuron_batch* batch);
 } springnet_neuron_model;
 
 /* ---- integrators ------------------------------------------------------------------------------------------------ */
@@ -231,11 +236,11 @@ typedef struct springnet_neuron_model {
 /* The state of all nodes in the host's memory. Made by springnet_host::state_create. */
 typedef struct springnet_state {
   uint32_t struct_size;
-  uint32_t reserved;
+  uint32_t force_is_current;  /* 1: `force` is that at this state; 0: the host evaluates it when it is asked for */
   springnet_vectors position; /* [node_count] m */
   springnet_vectors velocity; /* [node_count] m/s */
-  springnet_vectors force;    /* [node_count] net force at this state, N: springs and loads, without what holds a node */
-  double *internal;           /* [internal_count] internal state of laws */
+  springnet_vectors force; /* [node_count] net force at this state, N: springs and loads, without what holds a node */
+  double* internal;        /* [internal_count] internal state of laws */
 } springnet_state;
 
 /* What an integrator may know of the network. `revision` rises with everything after which a multistep method has to
@@ -246,19 +251,20 @@ typedef struct springnet_network {
   uint64_t spring_count; /* live springs */
   uint64_t internal_count;
   uint64_t revision;
-  uint32_t unit_count;   /* units of nodes that threads work on; does not depend on the number of threads */
-  uint32_t event_count;  /* changes only together with `revision` */
+  uint32_t unit_count;  /* units of nodes that threads work on; does not depend on the number of threads */
+  uint32_t event_count; /* changes only together with `revision` */
   uint32_t plane_count;
   uint32_t reserved;
+  /* Typical magnitudes of the network as it was at the beginning, for tolerances; all above 0. */
   double length_scale;   /* m: mean rest length */
-  double velocity_scale; /* m/s: see Simulation */
-  double force_scale;    /* N: greatest weight or load of a node */
-  const double *mass;             /* [node_count] kg */
-  const uint8_t *fixed;           /* [node_count] 1: held by the scene */
-  const uint8_t *held;            /* [node_count] 1: held by a contact */
-  const uint32_t *user_number;    /* [node_count] */
-  const uint32_t *neighbour_start; /* [node_count + 1] */
-  const uint32_t *neighbours;     /* nodes joined by a live spring, by rising user number, each once */
+  double velocity_scale; /* m/s: greatest speed, or the one that the greatest acceleration reaches over length_scale */
+  double force_scale;    /* N: greatest weight, load or net force of a node, or m v^2 / length_scale */
+  const double* mass;    /* [node_count] kg */
+  const uint8_t* fixed;  /* [node_count] 1: held by the scene */
+  const uint8_t* held;   /* [node_count] 1: held by a contact */
+  const uint32_t* user_number;     /* [node_count] */
+  const uint32_t* neighbour_start; /* [node_count + 1] */
+  const uint32_t* neighbours;      /* nodes joined by a live spring, by rising user number, each once */
 } springnet_network;
 
 /* Evaluation of the layers at a state: springs, loads, neurons. Outputs that are not wanted are null (all three). */
@@ -268,10 +274,10 @@ typedef struct springnet_evaluation {
   double time; /* s */
   springnet_const_vectors position;
   springnet_const_vectors velocity;
-  const double *internal;
+  const double* internal;
   springnet_vectors force;        /* out: net force N, without what holds a node */
   springnet_vectors acceleration; /* out: m/s^2, 0 where a node is fixed or held */
-  double *internal_rate;          /* out */
+  double* internal_rate;          /* out */
 } springnet_evaluation;
 
 /* Nodes whose net force is final, handed to the integrator's node update while they are in cache. Element i of the
@@ -280,11 +286,11 @@ typedef struct springnet_node_batch {
   uint32_t struct_size;
   uint32_t first; /* nodes first … first + count - 1 */
   uint32_t count;
-  uint32_t unit; /* only one thread at a time works on a unit */
+  uint32_t unit;                        /* only one thread at a time works on a unit */
   springnet_const_vectors force;        /* [count] net force, N */
   springnet_const_vectors acceleration; /* [count] of the node's neuron, m/s^2, whether or not the node is held */
 } springnet_node_batch;
-typedef void (*springnet_node_update)(void *user, const springnet_node_batch *batch);
+typedef void (*springnet_node_update)(void* user, const springnet_node_batch* batch);
 
 /* One sweep of the recurrent network: springs read (position, velocity); each node's update writes its new outputs;
  * the host then puts nodes that are fixed, held or cross a surface where they belong.
@@ -294,8 +300,8 @@ typedef void (*springnet_node_update)(void *user, const springnet_node_batch *ba
 typedef struct springnet_sweep {
   uint32_t struct_size;
   uint32_t order_count;
-  const uint32_t *order; /* null, or nodes in the order of their update */
-  double time;           /* s, end of the step */
+  const uint32_t* order;                  /* null, or nodes in the order of their update */
+  double time;                            /* s, end of the step */
   springnet_const_vectors start_position; /* frozen activities at the beginning of the step */
   springnet_const_vectors start_velocity;
   springnet_const_vectors position; /* outputs that springs read */
@@ -304,56 +310,56 @@ typedef struct springnet_sweep {
   springnet_vectors next_velocity;
   springnet_vectors force; /* out: net forces, N */
   springnet_node_update update;
-  void *user;
+  void* user;
 } springnet_sweep;
 
-/* Matrices I - velocity_weight da/dv - position_weight da/dp in 3n unknowns, x of all nodes, then y, then z, at the state
- * last given to `linearise`. Rows of fixed and held nodes are those of the identity. */
+/* Matrices I - velocity_weight da/dv - position_weight da/dp in 3n unknowns, x of all nodes, then y, then z, at the
+ * state last given to `linearise`. Rows of fixed and held nodes are those of the identity. */
 typedef struct springnet_host {
   uint32_t struct_size;
   uint32_t abi_minor;
-  void *context; /* first argument of every function below */
+  void* context; /* first argument of every function below */
 
-  const springnet_network *(*network)(void *context);
-  springnet_state *(*state_create)(void *context); /* null: out of memory */
-  void (*state_destroy)(void *context, springnet_state *state);
-  const springnet_state *(*committed)(void *context, double *time);
+  const springnet_network* (*network)(void* context);
+  springnet_state* (*state_create)(void* context); /* null: out of memory */
+  void (*state_destroy)(void* context, springnet_state* state);
+  const springnet_state* (*committed)(void* context, double* time);
 
   /* Loads are averaged over [from, until], which makes their impulse exact whatever the step. */
-  springnet_status (*begin_step)(void *context, double from, double until);
-  springnet_status (*evaluate)(void *context, const springnet_evaluation *evaluation);
+  springnet_status (*begin_step)(void* context, double from, double until);
+  springnet_status (*evaluate)(void* context, const springnet_evaluation* evaluation);
   /* The same for some nodes; the arrays are still those of all nodes. */
-  springnet_status (*evaluate_nodes)(void *context, const springnet_evaluation *evaluation, const uint32_t *nodes,
+  springnet_status (*evaluate_nodes)(void* context, const springnet_evaluation* evaluation, const uint32_t* nodes,
                                      uint32_t count);
-  springnet_status (*sweep)(void *context, const springnet_sweep *sweep);
+  springnet_status (*sweep)(void* context, const springnet_sweep* sweep);
 
   /* Derivatives of the accelerations. */
-  springnet_status (*linearise)(void *context, const springnet_evaluation *at);
+  springnet_status (*linearise)(void* context, const springnet_evaluation* at);
   /* out = da/dp dp + da/dv dv, 3n numbers each. */
-  springnet_status (*jacobian_times)(void *context, const double *dp, const double *dv, double *out);
+  springnet_status (*jacobian_times)(void* context, const double* dp, const double* dv, double* out);
   /* Diagonal 3x3 blocks of the matrix above, row-major, [node_count][9]. */
-  springnet_status (*diagonal_blocks)(void *context, double velocity_weight, double position_weight, double *out);
-  springnet_status (*factorise)(void *context, double velocity_weight, double position_weight);
+  springnet_status (*diagonal_blocks)(void* context, double velocity_weight, double position_weight, double* out);
+  springnet_status (*factorise)(void* context, double velocity_weight, double position_weight);
   /* x may be right_side. */
-  springnet_status (*solve)(void *context, int32_t transposed, const double *right_side, double *x);
+  springnet_status (*solve)(void* context, int32_t transposed, const double* right_side, double* x);
 
   /* Events: contact made (a distance falls through 0), contact released (a normal force rises through 0), rupture (a
    * margin falls through 0). directions: -1 falling, +1 rising; both arrays have network()->event_count entries. */
-  springnet_status (*event_values)(void *context, const springnet_evaluation *at, double *values, int32_t *directions);
-  /* Carries out the events marked 1 in `fired`, and those that coincide with them, on the given state: positions are put
-   * on the surface, velocities changed, springs removed. */
-  springnet_status (*fire_events)(void *context, double time, springnet_state *state, const int32_t *fired);
+  springnet_status (*event_values)(void* context, const springnet_evaluation* at, double* values, int32_t* directions);
+  /* Carries out the events marked 1 in `fired`, and those that coincide with them, on the given state: positions are
+   * put on the surface, velocities changed, springs removed. */
+  springnet_status (*fire_events)(void* context, double time, springnet_state* state, const int32_t* fired);
   /* The next time after `time` at which a load switches or a cut is due; infinity if there is none. */
-  double (*next_discontinuity)(void *context, double time);
+  double (*next_discontinuity)(void* context, double time);
 
   /* Makes `state` the state of the network at `time`: the two exchange their memory, ruptures and cuts that are due are
    * carried out. Pointers into either are invalid after it. */
-  springnet_status (*commit)(void *context, double time, springnet_state *state);
+  springnet_status (*commit)(void* context, double time, springnet_state* state);
 
   /* A number about the run, by name, in the summary: the last one reported counts. */
-  void (*report)(void *context, const char *name, double value);
+  void (*report)(void* context, const char* name, double value);
   /* Why the last host function failed, and a place to say why the integrator does. */
-  springnet_message *(*message)(void *context);
+  springnet_message* (*message)(void* context);
 } springnet_host;
 
 /* How a time step ended. */
@@ -374,15 +380,15 @@ typedef struct springnet_integrator {
   uint32_t struct_size;
   uint32_t reserved;
   /* Options arrive in the order of the component's parameters. */
-  springnet_status (*create)(const springnet_host *host, const double *options, void **integrator);
-  void (*destroy)(void *integrator);
+  springnet_status (*create)(const springnet_host* host, const double* options, void** integrator);
+  void (*destroy)(void* integrator);
   /* From the committed state to a committed state at time `until`, in one time step where the method has steps of its
    * user's. On SPRINGNET_UNSETTLED the report says how the step ended and nothing of it was committed. */
-  springnet_status (*advance)(void *integrator, double until, springnet_step_report *report);
+  springnet_status (*advance)(void* integrator, double until, springnet_step_report* report);
 } springnet_integrator;
 
 /* Sizes that a host of ABI 1.x requires at least: frozen, whatever is appended later. */
-#define SPRINGNET_SIZE_TO(type, last) (offsetof(type, last) + sizeof(((type *)0)->last))
+#define SPRINGNET_SIZE_TO(type, last) (offsetof(type, last) + sizeof(((type*)0)->last))
 #define SPRINGNET_PLUGIN_SIZE_1_0 SPRINGNET_SIZE_TO(springnet_plugin, components)
 #define SPRINGNET_COMPONENT_SIZE_1_0 SPRINGNET_SIZE_TO(springnet_component, implementation)
 #define SPRINGNET_PARAMETER_SIZE_1_0 SPRINGNET_SIZE_TO(springnet_parameter, choices)
