@@ -4,6 +4,12 @@
 #include "layers/kernels.hpp"
 
 #define RESTRICT __restrict
+// No iteration of the loop that follows reads what another one writes.
+#if defined(__clang__)
+#define INDEPENDENT_ITERATIONS _Pragma("clang loop vectorize(assume_safety)")
+#else
+#define INDEPENDENT_ITERATIONS _Pragma("GCC ivdep")
+#endif
 
 namespace springnet::layers::KERNEL_NAMESPACE {
 namespace {
@@ -51,14 +57,14 @@ void gather(const SegmentSprings& springs, const NodeArrays& node_arrays, Segmen
     const std::size_t a = springs.runs[r].first;
     const std::size_t b = springs.runs[r].second;
     const std::size_t count = springs.runs[r].count;
-#pragma GCC ivdep
+    INDEPENDENT_ITERATIONS
     for (std::size_t i = 0; i < count; ++i) element<reads>(nodes, a + i, b + i, out, at + i);
     at += count;
   }
   const std::uint32_t* RESTRICT first = springs.first;
   const std::uint32_t* RESTRICT second = springs.second;
   const std::size_t count = springs.count;
-#pragma GCC ivdep
+  INDEPENDENT_ITERATIONS
   for (std::size_t i = at; i < count; ++i) element<reads>(nodes, first[i], second[i], out, i);
 }
 

@@ -71,7 +71,11 @@ class Host {
 
   [[nodiscard]] const springnet_host& table() const noexcept { return *table_; }
   // Masses, held nodes, neighbours, scales; valid until `revision` changes.
-  [[nodiscard]] const springnet_network& network() const noexcept { return *table_->network(table_->context); }
+  [[nodiscard]] const springnet_network& network() const {
+    const springnet_network* network = table_->network(table_->context);
+    if (network == nullptr) throw Failure(table_->message(table_->context)->text);
+    return *network;
+  }
 
   // Throws std::bad_alloc.
   [[nodiscard]] State make_state() const {

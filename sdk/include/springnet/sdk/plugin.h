@@ -344,7 +344,8 @@ typedef struct springnet_host {
   springnet_status (*solve)(void* context, int32_t transposed, const double* right_side, double* x);
 
   /* Events: contact made (a distance falls through 0), contact released (a normal force rises through 0), rupture (a
-   * margin falls through 0). directions: -1 falling, +1 rising; both arrays have network()->event_count entries. */
+   * margin falls through 0). directions: -1 falling, +1 rising, may be null; both arrays have network()->event_count
+   * entries. */
   springnet_status (*event_values)(void* context, const springnet_evaluation* at, double* values, int32_t* directions);
   /* Carries out the events marked 1 in `fired`, and those that coincide with them, on the given state: positions are
    * put on the surface, velocities changed, springs removed. */
