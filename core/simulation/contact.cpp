@@ -1,7 +1,12 @@
 #include "simulation/contact.hpp"
 
+#include <algorithm>
+
 namespace springnet {
 namespace {
+
+// Of mind, within a step, after which a node is held.
+constexpr std::uint8_t most_changes = 8;
 
 Vector3 at(const springnet_const_vectors& v, std::uint32_t k) { return {v.x[k], v.y[k], v.z[k]}; }
 Vector3 at(const springnet_vectors& v, std::uint32_t k) { return {v.x[k], v.y[k], v.z[k]}; }
@@ -23,6 +28,10 @@ Contact::Contact(const Network& network, const std::vector<std::uint32_t>& user_
   plane_of_.assign(nodes, -1);
   if (!planes_.empty()) {
     next_plane_.assign(nodes, -1);
+    last_plane_.assign(nodes, -1);
+    changes_.assign(nodes, 0);
+    place_.assign(nodes, Vector3::Zero());
+    stayed_.assign(nodes, 0);
     impulse_.assign(nodes, Vector3::Zero());
     sweep_impulse_.assign(nodes, Vector3::Zero());
   }
@@ -48,6 +57,21 @@ void Contact::release(std::uint32_t node) {
   hold(node, -1, Vector3::Zero());
 }
 
+void Contact::begin_step() {
+  std::fill(changes_.begin(), changes_.end(), std::uint8_t{0});
+  std::copy(held_flag_.begin(), held_flag_.begin() + static_cast<std::ptrdiff_t>(stayed_.size()), stayed_.begin());
+}
+
+// The rule is discontinuous: a node that touches stops, which changes the forces on it by what dampers did, so that it
+// may not touch any more; then it moves, and touches. No state is a fixed point of that. After some changes of mind the
+// node is held for the rest of the step, where it last touched; that is off by no more than it moves in a step.
+bool Contact::undecided(std::uint32_t node, bool stays) {
+  if (changes_[node] >= most_changes) return true;
+  if ((stayed_[node] != 0) != stays) ++changes_[node];
+  stayed_[node] = stays ? 1 : 0;
+  return changes_[node] >= most_changes;
+}
+
 void Contact::constrain(std::uint32_t first, std::uint32_t count, const double* const force[3],
                         const springnet_const_vectors& start, const springnet_vectors& position,
                         const springnet_vectors& velocity) {
@@ -63,7 +87,8 @@ void Contact::constrain(std::uint32_t first, std::uint32_t count, const double* 
     if (plane >= 0) {
       const std::uint32_t i = k - first;
       const Vector3 net(force[0][i], force[1][i], force[2][i]);
-      if (planes_[static_cast<std::size_t>(plane)].normal.dot(net) <= 0.0) {
+      const bool stays = planes_[static_cast<std::size_t>(plane)].normal.dot(net) <= 0.0;
+      if (undecided(k, stays) || stays) {
         next_plane_[k] = plane;
         put(position, k, at(start, k));
         put(velocity, k, Vector3::Zero());
@@ -88,6 +113,20 @@ void Contact::constrain_free(std::uint32_t node, const Vector3& start, const spr
       earliest = share;
       touched = static_cast<std::int32_t>(j);
     }
+  }
+  if (touched >= 0) last_plane_[node] = touched;
+  // A node that was held and leaves its plane was counted where that was decided.
+  const bool was_undecided = changes_[node] >= most_changes;
+  if (plane_of_[node] < 0 && undecided(node, touched >= 0)) {
+    const auto j = static_cast<std::size_t>(last_plane_[node]);
+    if (!was_undecided)
+      place_[node] = touched >= 0 ? Vector3(start + earliest * (end - start))
+                                  : Vector3(end - distance(j, end) * planes_[j].normal);
+    sweep_impulse_[node] = -mass_[node] * at(velocity, node);
+    put(position, node, place_[node]);
+    put(velocity, node, Vector3::Zero());
+    next_plane_[node] = last_plane_[node];
+    return;
   }
   next_plane_[node] = touched;
   if (touched < 0) return;

@@ -44,10 +44,14 @@ class Contact {
   void constrain(std::uint32_t first, std::uint32_t count, const double* const force[3],
                  const springnet_const_vectors& start, const springnet_vectors& position,
                  const springnet_vectors& velocity);
+  // Before the sweeps of a step.
+  void begin_step();
   // Nodes touched and released by the last sweep; one that went from a plane to another is both.
   void commit_sweep(std::vector<std::uint32_t>& touched, std::vector<std::uint32_t>& released);
 
  private:
+  // What a sweep decided for a node, against the sweep before. True: it cannot make up its mind, and is held.
+  bool undecided(std::uint32_t node, bool stays);
   void constrain_free(std::uint32_t node, const Vector3& start, const springnet_vectors& position,
                       const springnet_vectors& velocity);
 
@@ -55,6 +59,10 @@ class Contact {
   const std::vector<double>& mass_;
   std::vector<std::uint8_t> fixed_, held_flag_, constrained_;
   std::vector<std::int32_t> plane_of_, next_plane_;
+  // Within a step: how often the sweeps changed their mind on a node, what they last decided, and its last plane.
+  std::vector<std::uint8_t> changes_, stayed_;
+  std::vector<std::int32_t> last_plane_;
+  std::vector<Vector3> place_;                    // where a node that could not make up its mind is held
   std::vector<Vector3> impulse_, sweep_impulse_;  // empty without planes
 };
 

@@ -162,12 +162,16 @@ const springnet_network& Engine::network_info() {
 springnet_status Engine::begin_step(double from, double until) {
   non_finite_.clear();
   if (loads_.set_interval(from, until)) changed();
-  if (!unsettled_) return SPRINGNET_OK;
+  if (!unsettled_) {
+    contact_.begin_step();
+    return SPRINGNET_OK;
+  }
   // A load that was switched, a cut, a change by the embedding program: the same nodes are held, and the same springs
   // broken, whatever the integrator and the length of its steps.
   unsettled_ = false;
   const springnet_status status = perform_due_ruptures();
   if (status == SPRINGNET_OK) settle_contacts(time_, state_);
+  contact_.begin_step();
   return status;
 }
 

@@ -88,4 +88,6 @@ TEST_CASE("a run that diverges stands in the table and the others are judged") {
   // It is the scene's own run that a tolerance judges.
   CHECK(testing::springnet(folder, "validate pair.toml -q --duration 2 --time-steps 0.05 --time-step 1 --tolerance 10")
             .status == 1);
+  // Without one, too, nothing was validated if that run failed.
+  CHECK(testing::springnet(folder, "validate pair.toml -q --duration 2 --time-steps 0.05 --time-step 1").status == 1);
 }

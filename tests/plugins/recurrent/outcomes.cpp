@@ -204,7 +204,8 @@ TEST_CASE("a wavefront settles where synchronous diverges, and diverges in its t
     return outcome;
   };
   double sweeps = 0.0;
-  CHECK(outcome_of(20, 4, synchronous, sweeps) == Outcome::diverging);
+  // On the floor held nodes bound the growth; in the air it diverges.
+  CHECK(outcome_of(20, 4, synchronous, sweeps) != Outcome::settled);
   CHECK(outcome_of(20, 4, wavefront, sweeps) == Outcome::settled);
   // 110 a step in flight, 250 on the ground; a prototype, which counted other steps, had 136.
   CHECK(sweeps > 100);
