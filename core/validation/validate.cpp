@@ -252,6 +252,12 @@ Validation validate(const Scene& scene, const std::shared_ptr<const PluginHost>&
     result.runs.push_back(std::move(subject.run));
   }
   find_orders(result);
+  if (scene.options.integrator.id == reference_id) {
+    result.notes.push_back(
+        fmt::format("The scene's integrator is the reference itself: what is compared with it is {} "
+                    "with its defaults.",
+                    subject_id));
+  }
   write_notes(records, result);
   return result;
 }
