@@ -24,6 +24,12 @@ struct TileFinished {
   void* user = nullptr;
 };
 
+// How one node's acceleration depends on its own velocity and position, the other nodes staying as they are; row-major.
+struct NodeDerivatives {
+  double by_velocity[9];  // da/dv, 1/s
+  double by_position[9];  // da/dp, 1/s^2
+};
+
 class Evaluator {
  public:
   // References have to outlive the evaluator. mass: [node] kg.
@@ -39,6 +45,13 @@ class Evaluator {
   // Net force on one node: all its springs, evaluated plainly.
   springnet_status evaluate_node(std::uint32_t node, double time, const NodeArrays& nodes,
                                  const ExternalForces& external, Vector3& force, springnet_message& message) const;
+  // The same, the acceleration by the node's neuron, and what is wanted of its derivatives and its energy (J): that of
+  // its springs less the work of gravity and loads, nan where no potential exists (a law without energy or one that
+  // reads the rate, a neuron other than force over mass). SPRINGNET_FAILED if derivatives are wanted and a law or the
+  // neuron has none.
+  springnet_status evaluate_node(std::uint32_t node, double time, const NodeArrays& nodes,
+                                 const ExternalForces& external, Vector3& force, Vector3& acceleration,
+                                 NodeDerivatives* derivatives, double* energy, springnet_message& message) const;
   // Acceleration of nodes [first, first + count) of their neurons. `force` and `acceleration` are [count] arrays;
   // blocks [count][9] may be null.
   springnet_status accelerations(std::uint32_t first, std::uint32_t count, double time, const NodeArrays& nodes,
@@ -52,6 +65,10 @@ class Evaluator {
   springnet_status evaluate_segment(const Unit& unit, const Segment& segment, double time, const NodeArrays& nodes,
                                     const ForceArrays& force, SegmentGeometry& geometry,
                                     springnet_message& message) const;
+
+  struct NodeSums;
+  springnet_status add_springs(std::uint32_t node, double time, const NodeArrays& nodes, NodeSums& sums,
+                               springnet_message& message) const;
 
   const Layout& layout_;
   const std::vector<double>& mass_;

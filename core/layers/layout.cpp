@@ -23,6 +23,11 @@ Layout::Layout(const Network& network, const PluginHost& plugins, bool renumber)
     ends_[2 * s] = ordering_.engine[springs[s].first];
     ends_[2 * s + 1] = ordering_.engine[springs[s].second];
   }
+  for (const Rigid& rigid : network.rigids()) {
+    const std::uint32_t a = ordering_.engine[rigid.first], b = ordering_.engine[rigid.second];
+    rigid_.insert(rigid_.end(), {{a, b}, {b, a}});
+  }
+  std::sort(rigid_.begin(), rigid_.end());
   neuron_kind_.resize(nodes);
   for (std::size_t k = 0; k < nodes; ++k) neuron_kind_[k] = network.nodes()[ordering_.user[k]].neuron;
 
@@ -211,9 +216,11 @@ void Layout::build_neighbours() const {
   neighbour_start_.assign(1, 0);
   neighbours_.clear();
   std::vector<std::uint32_t> joined;
+  auto rigid = rigid_.begin();
   for (std::uint32_t k = 0; k < nodes; ++k) {
     joined.clear();
     for (const Incident* i = incident_begin(k); i != incident_end(k); ++i) joined.push_back(i->other);
+    for (; rigid != rigid_.end() && rigid->first == k; ++rigid) joined.push_back(rigid->second);
     std::sort(joined.begin(), joined.end(),
               [this](std::uint32_t a, std::uint32_t b) { return ordering_.user[a] < ordering_.user[b]; });
     joined.erase(std::unique(joined.begin(), joined.end()), joined.end());

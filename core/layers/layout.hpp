@@ -6,6 +6,7 @@
 #pragma once
 
 #include <cstdint>
+#include <utility>
 #include <vector>
 
 #include <springnet/network.hpp>
@@ -80,7 +81,8 @@ class Layout {
   // Nodes of one neuron: kind[node] into laws().neurons.
   [[nodiscard]] const std::vector<std::uint32_t>& neuron_kind() const noexcept { return neuron_kind_; }
 
-  // Joined nodes, by rising user's number, each once. Made when first asked for after a removal; one thread at a time.
+  // Nodes joined by a live spring or rigidly, by rising user's number, each once. Made when first asked for after a
+  // removal; one thread at a time.
   [[nodiscard]] const std::vector<std::uint32_t>& neighbour_start() const;
   [[nodiscard]] const std::vector<std::uint32_t>& neighbours() const;
 
@@ -97,8 +99,9 @@ class Layout {
 
   CompiledLaws laws_;
   Ordering ordering_;
-  std::vector<std::uint32_t> unit_of_;  // [node]
-  std::vector<std::uint32_t> ends_;     // [2 spring]
+  std::vector<std::uint32_t> unit_of_;                          // [node]
+  std::vector<std::uint32_t> ends_;                             // [2 spring]
+  std::vector<std::pair<std::uint32_t, std::uint32_t>> rigid_;  // both ways, sorted
   std::vector<std::uint8_t> alive_;
   std::size_t live_count_ = 0;
   std::vector<std::uint32_t> neuron_kind_;

@@ -9,6 +9,16 @@
 #include "layers/message.hpp"
 
 namespace springnet::layers {
+
+springnet_status require_derivatives(const Component& component, springnet_message& message) {
+  if ((component.description->capabilities & SPRINGNET_HAS_DERIVATIVES) != 0) return SPRINGNET_OK;
+  const char* header = component.kind() == ComponentKind::neuron ? "neuron" : "law";
+  set_message(message, fmt::format("{} '{}' offers no derivatives, which implicit methods need; write it with "
+                                   "springnet/sdk/{}.hpp, or choose an explicit method",
+                                   name_of(component.kind()), component.id(), header));
+  return SPRINGNET_FAILED;
+}
+
 Linearisation::Linearisation(const Layout& layout, const Evaluator& evaluator,
                              const std::vector<std::uint8_t>& constrained)
     : layout_(layout), evaluator_(evaluator), constrained_(constrained) {}
@@ -17,6 +27,7 @@ springnet_status Linearisation::update(double time, const NodeArrays& nodes, con
                                        springnet_message& message) {
   const std::size_t n = layout_.node_count();
   known_ = false;
+  bonds_.clear();
   stiffness_.resize(9 * layout_.spring_count());
   damping_.resize(9 * layout_.spring_count());
   const auto geometry = std::make_unique<SegmentGeometry>();
@@ -26,12 +37,7 @@ springnet_status Linearisation::update(double time, const NodeArrays& nodes, con
     LawOutputs out[2];
     const Law* laws[2] = {&group.spring, &group.viscosity};
     for (int i = 0; i < 2; ++i) {
-      if (*laws[i] && !laws[i]->can(SPRINGNET_HAS_DERIVATIVES)) {
-        set_message(message, fmt::format("{} '{}' offers no derivatives, which implicit methods need; write it with "
-                                         "springnet/sdk/law.hpp, or choose an explicit method",
-                                         name_of(laws[i]->component->kind()), laws[i]->component->id()));
-        return SPRINGNET_FAILED;
-      }
+      if (*laws[i] && require_derivatives(*laws[i]->component, message) != SPRINGNET_OK) return SPRINGNET_FAILED;
       out[i].force = q[i];
       out[i].force_by_q = by_q[i];
       if (laws[i]->reads_rate) out[i].force_by_rate = by_rate[i];
@@ -47,43 +53,18 @@ springnet_status Linearisation::update(double time, const NodeArrays& nodes, con
         const std::uint32_t s = springs[begin + i];
         const Vector3 normal(geometry->nx[i], geometry->ny[i], geometry->nz[i]);
         const Vector3 along(geometry->sx[i], geometry->sy[i], geometry->sz[i]);
-        const double length = geometry->length[i], speed = geometry->speed[i];
-        double tension = 0.0, by_length = 0.0, by_u = 0.0;
-        Block damping = Block::Zero();
+        SpringForces forces{};
         for (int j = 0; j < 2; ++j) {
-          if (!*laws[j]) continue;
-          if (laws[j]->relative) {
-            if (speed > 0.0)
-              damping += by_q[j][i] * along * along.transpose() +
-                         (q[j][i] / speed) * (Block::Identity() - along * along.transpose());
-            else
-              damping += by_q[j][i] * Block::Identity();
-          } else {
-            tension += q[j][i];
-            by_length += by_q[j][i];
-            if (laws[j]->reads_rate) by_u += by_rate[j][i];
-          }
+          if (*laws[j]) forces.add(*laws[j], q[j][i], by_q[j][i], &by_rate[j][i]);
         }
-        const Block projector = normal * normal.transpose();
-        damping += by_u * projector;
-        Block stiffness = by_length * projector;
-        if (length > 0.0) {
-          stiffness += (tension / length) * (Block::Identity() - projector);
-          const Vector3 across = (speed * along - geometry->rate[i] * normal) / length;
-          stiffness += by_u * normal * across.transpose();
-        }
-        Eigen::Map<Block>(stiffness_.data() + 9 * std::size_t{s}) = stiffness;
-        Eigen::Map<Block>(damping_.data() + 9 * std::size_t{s}) = damping;
+        const SpringBlocks blocks(forces, geometry->length[i], normal, geometry->rate[i], geometry->speed[i], along);
+        Eigen::Map<Block>(stiffness_.data() + 9 * std::size_t{s}) = blocks.stiffness;
+        Eigen::Map<Block>(damping_.data() + 9 * std::size_t{s}) = blocks.damping;
       }
     }
   }
   for (const NeuronKind& neuron : layout_.laws().neurons) {
-    if ((neuron.component->description->capabilities & SPRINGNET_HAS_DERIVATIVES) == 0) {
-      set_message(message, fmt::format("neuron '{}' offers no derivatives, which implicit methods need; write it with "
-                                       "springnet/sdk/neuron.hpp, or choose an explicit method",
-                                       neuron.component->id()));
-      return SPRINGNET_FAILED;
-    }
+    if (require_derivatives(*neuron.component, message) != SPRINGNET_OK) return SPRINGNET_FAILED;
   }
   for (int c = 0; c < 3; ++c) {
     force_[c].resize(n);
@@ -125,6 +106,14 @@ void Linearisation::times(const double* dp, const double* dv, double* out) const
     out[n + k] = result[1];
     out[2 * n + k] = result[2];
   }
+  for (const Bond& bond : bonds_) {
+    const Vector3 force = bond.stiffness * (at(dp, bond.first) - at(dp, bond.second));
+    for (const std::uint32_t k : {bond.first, bond.second}) {
+      if (constrained_[k] != 0) continue;
+      const Vector3 change = block(by_force_, k) * (k == bond.first ? Vector3(-force) : force);
+      for (std::size_t c = 0; c < 3; ++c) out[c * n + k] += change[static_cast<Eigen::Index>(c)];
+    }
+  }
 }
 
 void Linearisation::diagonal_blocks(double velocity_weight, double position_weight, double* out) const {
@@ -137,6 +126,12 @@ void Linearisation::diagonal_blocks(double velocity_weight, double position_weig
     if (constrained_[k] == 0)
       result += block(by_force_, k) * sum - velocity_weight * block(by_velocity_, k) -
                 position_weight * block(by_position_, k);
+  }
+  for (const Bond& bond : bonds_) {
+    for (const std::uint32_t k : {bond.first, bond.second}) {
+      if (constrained_[k] != 0) continue;
+      Eigen::Map<Block>(out + 9 * std::size_t{k}) += position_weight * block(by_force_, k) * bond.stiffness;
+    }
   }
 }
 
@@ -165,7 +160,48 @@ void Linearisation::make_pattern() {
   pattern_known_ = true;
 }
 
-springnet_status Linearisation::factorise(double velocity_weight, double position_weight, springnet_message& message) {
+// The border keeps its pattern as long as the rows join the same nodes.
+void Linearisation::factorise_bound(const std::vector<ConstraintRow>& rows) {
+  const auto same = [](const ConstraintRow& a, const ConstraintRow& b) {
+    return a.first == b.first && a.second == b.second;
+  };
+  if (!std::equal(rows.begin(), rows.end(), rows_.begin(), rows_.end(), same)) bordered_known_ = false;
+  rows_ = rows;
+  const Eigen::Index size = matrix_.rows(), count = static_cast<Eigen::Index>(rows.size());
+  std::vector<Eigen::Triplet<double>> entries;
+  entries.reserve(static_cast<std::size_t>(matrix_.nonZeros() + 13 * count));
+  for (Eigen::Index column = 0; column < size; ++column)
+    for (Eigen::SparseMatrix<double>::InnerIterator entry(matrix_, column); entry; ++entry)
+      entries.emplace_back(static_cast<int>(entry.row()), static_cast<int>(column), entry.value());
+  double trace = 0.0;
+  for (Eigen::Index r = 0; r < count; ++r) {
+    const ConstraintRow& row = rows[static_cast<std::size_t>(r)];
+    const int border = static_cast<int>(size + r);
+    for (const std::uint32_t node : {row.first, row.second}) {
+      if (node == ConstraintRow::no_node) continue;
+      const Vector3 direction = node == row.first ? row.direction : Vector3(-row.direction);
+      const Vector3 moved = constrained_[node] != 0 ? Vector3::Zero() : Vector3(block(by_force_, node) * direction);
+      trace += direction.dot(moved);
+      for (int c = 0; c < 3; ++c) {
+        entries.emplace_back(static_cast<int>(3 * node) + c, border, moved[c]);
+        entries.emplace_back(border, static_cast<int>(3 * node) + c, direction[c]);
+      }
+    }
+  }
+  // Redundant rows would have no factorisation without this; it lets the rows' velocities off by 1e-12 of themselves.
+  const double shift = -1e-12 * (trace > 0.0 ? trace / static_cast<double>(count) : 1.0);
+  for (Eigen::Index r = 0; r < count; ++r)
+    entries.emplace_back(static_cast<int>(size + r), static_cast<int>(size + r), shift);
+  bordered_.resize(size + count, size + count);
+  bordered_.setFromTriplets(entries.begin(), entries.end());
+  bordered_.makeCompressed();
+  if (!bordered_known_) bordered_factors_.analyzePattern(bordered_);
+  bordered_known_ = true;
+  bordered_factors_.factorize(bordered_);
+}
+
+springnet_status Linearisation::factorise(double velocity_weight, double position_weight,
+                                          const std::vector<ConstraintRow>& rows, springnet_message& message) {
   if (!known_) {
     set_message(message, "factorise was called before linearise");
     return SPRINGNET_FAILED;
@@ -176,25 +212,38 @@ springnet_status Linearisation::factorise(double velocity_weight, double positio
   std::fill_n(values, matrix_.nonZeros(), 0.0);
   std::vector<double> diagonal(9 * std::size_t{n});
   diagonal_blocks(velocity_weight, position_weight, diagonal.data());
-  for (std::uint32_t j = 0; j < n; ++j) {
+  const auto add = [&](std::uint32_t i, std::uint32_t j, const Block& value) {
     const int column = matrix_.outerIndexPtr()[3 * j];
     const int height = matrix_.outerIndexPtr()[3 * j + 1] - column;
-    const int* rows = matrix_.innerIndexPtr() + column;
-    const auto add = [&](std::uint32_t i, const Block& value) {
-      const auto place = static_cast<int>(std::lower_bound(rows, rows + height, static_cast<int>(3 * i)) - rows);
-      for (int c = 0; c < 3; ++c)
-        for (int r = 0; r < 3; ++r) values[column + c * height + place + r] += value(r, c);
-    };
-    add(j, block(diagonal, j));
+    const int* places = matrix_.innerIndexPtr() + column;
+    const auto place = static_cast<int>(std::lower_bound(places, places + height, static_cast<int>(3 * i)) - places);
+    for (int c = 0; c < 3; ++c)
+      for (int r = 0; r < 3; ++r) values[column + c * height + place + r] += value(r, c);
+  };
+  for (std::uint32_t j = 0; j < n; ++j) {
+    add(j, j, block(diagonal, j));
     for (const Incident* i = layout_.incident_begin(j); i != layout_.incident_end(j); ++i) {
       if (constrained_[i->other] != 0) continue;
-      add(i->other, -(block(by_force_, i->other) *
-                      (velocity_weight * block(damping_, i->spring) + position_weight * block(stiffness_, i->spring))));
+      add(i->other, j,
+          -(block(by_force_, i->other) *
+            (velocity_weight * block(damping_, i->spring) + position_weight * block(stiffness_, i->spring))));
     }
   }
-  factors_.factorize(matrix_);
-  if (factors_.info() != Eigen::Success) {
-    set_message(message, fmt::format("the linear system of the step is singular: {}", factors_.lastErrorMessage()));
+  for (const Bond& bond : bonds_) {
+    if (constrained_[bond.first] == 0)
+      add(bond.first, bond.second, -position_weight * block(by_force_, bond.first) * bond.stiffness);
+    if (constrained_[bond.second] == 0)
+      add(bond.second, bond.first, -position_weight * block(by_force_, bond.second) * bond.stiffness);
+  }
+  if (rows.empty()) {
+    rows_.clear();
+    factors_.factorize(matrix_);
+  } else {
+    factorise_bound(rows);
+  }
+  const auto& factors = rows.empty() ? factors_ : bordered_factors_;
+  if (factors.info() != Eigen::Success) {
+    set_message(message, fmt::format("the linear system of the step is singular: {}", factors.lastErrorMessage()));
     return SPRINGNET_RECOVERABLE;
   }
   return SPRINGNET_OK;
@@ -203,17 +252,35 @@ springnet_status Linearisation::factorise(double velocity_weight, double positio
 springnet_status Linearisation::solve(bool transposed, const double* right_side, double* x,
                                       springnet_message& message) {
   const std::size_t n = layout_.node_count();
-  work_.resize(static_cast<Eigen::Index>(3 * n));
-  for (std::size_t k = 0; k < n; ++k)
-    for (std::size_t c = 0; c < 3; ++c) work_[static_cast<Eigen::Index>(3 * k + c)] = right_side[c * n + k];
-  if (factors_.info() != Eigen::Success || static_cast<std::size_t>(factors_.rows()) != 3 * n) {
+  auto& factors = rows_.empty() ? factors_ : bordered_factors_;
+  const auto size = static_cast<Eigen::Index>(3 * n + rows_.size());
+  if (factors.info() != Eigen::Success || factors.rows() != size) {
     set_message(message, "solve was called without a factorisation");
     return SPRINGNET_FAILED;
   }
-  const Eigen::VectorXd solution =
-      transposed ? Eigen::VectorXd(factors_.transpose().solve(work_)) : Eigen::VectorXd(factors_.solve(work_));
+  work_.resize(size);
+  const auto at = [](std::size_t k, std::size_t c) { return static_cast<Eigen::Index>(3 * k + c); };
   for (std::size_t k = 0; k < n; ++k)
-    for (std::size_t c = 0; c < 3; ++c) x[c * n + k] = solution[static_cast<Eigen::Index>(3 * k + c)];
+    for (std::size_t c = 0; c < 3; ++c) work_[at(k, c)] = right_side[c * n + k];
+  for (std::size_t r = 0; r < rows_.size(); ++r) {
+    const ConstraintRow& row = rows_[r];
+    double rate = row.direction.dot(Vector3(work_.segment<3>(at(row.first, 0))));
+    if (row.second != ConstraintRow::no_node) rate -= row.direction.dot(Vector3(work_.segment<3>(at(row.second, 0))));
+    work_[static_cast<Eigen::Index>(3 * n + r)] = transposed ? 0.0 : rate;
+  }
+  Eigen::VectorXd solution =
+      transposed ? Eigen::VectorXd(factors.transpose().solve(work_)) : Eigen::VectorXd(factors.solve(work_));
+  if (transposed) {
+    // x^T b with b = (r, G r): what the rows of the right side carry comes back to the nodes.
+    for (std::size_t r = 0; r < rows_.size(); ++r) {
+      const ConstraintRow& row = rows_[r];
+      const double value = solution[static_cast<Eigen::Index>(3 * n + r)];
+      solution.segment<3>(at(row.first, 0)) += value * row.direction;
+      if (row.second != ConstraintRow::no_node) solution.segment<3>(at(row.second, 0)) -= value * row.direction;
+    }
+  }
+  for (std::size_t k = 0; k < n; ++k)
+    for (std::size_t c = 0; c < 3; ++c) x[c * n + k] = solution[at(k, c)];
   return SPRINGNET_OK;
 }
 

@@ -7,16 +7,13 @@
 #include <cstdint>
 #include <vector>
 
+#include "layers/constraint_row.hpp"
 #include "layers/evaluator.hpp"
+#include "layers/spring_blocks.hpp"
 
 namespace springnet::layers {
 
-// With dp, dv the relative position and velocity of a spring's ends, F the force on its first end:
-//   K = -dF/d(dp) = T' n n^T + (T / l)(I - n n^T) + T_u n w^T,   w = (dv - u n) / l
-//   D = -dF/d(dv) = T_u n n^T + Q' s s^T + (Q / |dv|)(I - s s^T)
-// (T, T', T_u: axial tension and its derivatives with respect to length and rate; Q, Q': force along the relative
-// velocity, direction s, and its derivative). Both are the same seen from either end. K is not symmetric where the
-// viscosity is axial.
+// The blocks of springs are those of spring_blocks.hpp.
 class Linearisation {
  public:
   // References have to outlive it. constrained: [node] 1 where a node is fixed or held: its acceleration is 0.
@@ -25,35 +22,57 @@ class Linearisation {
   // Computes all blocks at a state. SPRINGNET_FAILED if a law or neuron has no derivatives.
   springnet_status update(double time, const NodeArrays& nodes, const ExternalForces& external,
                           springnet_message& message);
+  // Adds to da/dv of one node, 1/s, after update().
+  void add_to_velocity_block(std::uint32_t node, const Block& block) {
+    Eigen::Map<Block>(by_velocity_.data() + 9 * std::size_t{node}) += block;
+  }
+  // Adds the stiffness (N/m) of a force between two nodes that are neighbours, after update().
+  void add_bond(std::uint32_t first, std::uint32_t second, const Block& stiffness) {
+    bonds_.push_back({first, second, stiffness});
+  }
   // Whether there is a state that the functions below speak of: update() succeeded, no spring was removed since.
   [[nodiscard]] bool known() const noexcept { return known_; }
   // out = da/dp dp + da/dv dv; 3n numbers each, x of all nodes first.
   void times(const double* dp, const double* dv, double* out) const;
   // Diagonal blocks of I - velocity_weight da/dv - position_weight da/dp, [node][9].
   void diagonal_blocks(double velocity_weight, double position_weight, double* out) const;
-  springnet_status factorise(double velocity_weight, double position_weight, springnet_message& message);
+  // Of A = I - velocity_weight da/dv - position_weight da/dp, and, where `rows` bind the motion, of
+  //   [A  W G^T; G  0], G the rows, W the derivatives of the accelerations with respect to forces.
+  springnet_status factorise(double velocity_weight, double position_weight, const std::vector<ConstraintRow>& rows,
+                             springnet_message& message);
+  // A x = b; with rows the x for which A x + W G^T (multipliers) = b and G x = G b.
   springnet_status solve(bool transposed, const double* right_side, double* x, springnet_message& message);
   // To be called after springs were removed.
-  void topology_changed() noexcept { pattern_known_ = known_ = false; }
+  void topology_changed() noexcept { pattern_known_ = known_ = bordered_known_ = false; }
 
  private:
-  using Block = Eigen::Matrix<double, 3, 3, Eigen::RowMajor>;
   using Blocks = std::vector<double>;
+  struct Bond {
+    std::uint32_t first, second;
+    Block stiffness;
+  };
   [[nodiscard]] static Eigen::Map<const Block> block(const Blocks& blocks, std::size_t index) {
     return Eigen::Map<const Block>(blocks.data() + 9 * index);
   }
   void make_pattern();
+  void factorise_bound(const std::vector<ConstraintRow>& rows);
 
   const Layout& layout_;
   const Evaluator& evaluator_;
   const std::vector<std::uint8_t>& constrained_;
   Blocks stiffness_, damping_;                   // [spring]
   Blocks by_force_, by_position_, by_velocity_;  // [node]
+  std::vector<Bond> bonds_;
   std::vector<double> force_[3], acceleration_[3];
   bool known_ = false;
   bool pattern_known_ = false;
   Eigen::SparseMatrix<double> matrix_;  // 3n x 3n, unknown 3 node + coordinate
   Eigen::SparseLU<Eigen::SparseMatrix<double>, Eigen::COLAMDOrdering<int>> factors_;
+  // With rows: the same matrix bordered by them.
+  std::vector<ConstraintRow> rows_;
+  Eigen::SparseMatrix<double> bordered_;
+  bool bordered_known_ = false;  // its pattern
+  Eigen::SparseLU<Eigen::SparseMatrix<double>, Eigen::COLAMDOrdering<int>> bordered_factors_;
   Eigen::VectorXd work_;
 };
 

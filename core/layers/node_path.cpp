@@ -1,13 +1,24 @@
 // One node at a time: the wavefront reads the newest outputs of its neighbours.
 
 #include <algorithm>
+#include <cmath>
+#include <limits>
 
 #include "layers/evaluator.hpp"
+#include "layers/spring_blocks.hpp"
 
 namespace springnet::layers {
 namespace {
 
 constexpr std::size_t chunk = 64;
+constexpr double rounding = 1e-12;  // of m times the derivative 1/m
+
+Vector3 external_force(std::uint32_t node, double mass, const ExternalForces& external) {
+  Vector3 force = mass * external.gravity;
+  if (external.loads.x != nullptr)
+    force += Vector3(external.loads.x[node], external.loads.y[node], external.loads.z[node]);
+  return force;
+}
 
 // Geometry of `count` springs of one node, as the kernels define it.
 struct NodeGeometry {
@@ -45,14 +56,20 @@ void read(const Incident* springs, std::size_t count, std::uint32_t k, const Nod
 
 }  // namespace
 
-springnet_status Evaluator::evaluate_node(std::uint32_t node, double time, const NodeArrays& nodes,
-                                          const ExternalForces& external, Vector3& force,
-                                          springnet_message& message) const {
-  force = mass_[node] * external.gravity;
-  if (external.loads.x != nullptr)
-    force += Vector3(external.loads.x[node], external.loads.y[node], external.loads.z[node]);
+// What is summed over a node's springs; null where it is not wanted.
+struct Evaluator::NodeSums {
+  Vector3& force;              // N
+  Block* stiffness = nullptr;  // N/m
+  Block* damping = nullptr;    // N s/m
+  double* energy = nullptr;    // J
+};
+
+springnet_status Evaluator::add_springs(std::uint32_t node, double time, const NodeArrays& nodes, NodeSums& sums,
+                                        springnet_message& message) const {
+  const bool blocks = sums.stiffness != nullptr;
   NodeGeometry geometry;
-  double value[chunk];
+  SpringForces forces[chunk];  // not initialised: written before it is read
+  double value[chunk], by_q[chunk], by_rate[chunk], energy[chunk];
   const Incident* end = layout_.incident_end(node);
   for (const Incident* begin = layout_.incident_begin(node); begin != end;) {
     const Incident* stop = begin + 1;
@@ -61,13 +78,21 @@ springnet_status Evaluator::evaluate_node(std::uint32_t node, double time, const
     const Group& group = layout_.laws().groups[begin->group];
     const bool relative = group.spring.relative || group.viscosity.relative;
     const bool axial = (group.spring && !group.spring.relative) || (group.viscosity && !group.viscosity.relative);
-    read(begin, count, node, nodes, axial, relative, geometry);
+    read(begin, count, node, nodes, axial || blocks, relative || blocks, geometry);
     const bool one_row = std::all_of(begin, stop, [&](const Incident& i) { return i.row == begin->row; });
     const RowSelection rows = one_row ? RowSelection{nullptr, begin->row} : RowSelection{geometry.rows, 0};
+    if (blocks) std::fill_n(forces, count, SpringForces{});
     for (const Law* law : {&group.spring, &group.viscosity}) {
       if (!*law) continue;
       LawOutputs out;
       out.force = value;
+      if (blocks) {
+        if (require_derivatives(*law->component, message) != SPRINGNET_OK) return SPRINGNET_FAILED;
+        out.force_by_q = by_q;
+        if (law->reads_rate) out.force_by_rate = by_rate;
+      }
+      const bool potential = law->can(SPRINGNET_HAS_ENERGY) && !law->reads_rate && !law->relative;
+      if (sums.energy != nullptr && potential) out.energy = energy;
       const springnet_status status =
           call_law(group, *law, abi_number(set_), time, count, rows, law->relative ? geometry.speed : geometry.length,
                    geometry.rate, out, &message);
@@ -75,9 +100,68 @@ springnet_status Evaluator::evaluate_node(std::uint32_t node, double time, const
       const double* x = law->relative ? geometry.sx : geometry.nx;
       const double* y = law->relative ? geometry.sy : geometry.ny;
       const double* z = law->relative ? geometry.sz : geometry.nz;
-      for (std::size_t i = 0; i < count; ++i) force -= value[i] * Vector3(x[i], y[i], z[i]);
+      for (std::size_t i = 0; i < count; ++i) sums.force -= value[i] * Vector3(x[i], y[i], z[i]);
+      if (blocks) {
+        for (std::size_t i = 0; i < count; ++i) forces[i].add(*law, value[i], by_q[i], &by_rate[i]);
+      }
+      if (sums.energy != nullptr) {
+        for (std::size_t i = 0; i < count; ++i)
+          *sums.energy += potential ? energy[i] : std::numeric_limits<double>::quiet_NaN();
+      }
+    }
+    if (blocks) {
+      for (std::size_t i = 0; i < count; ++i) {
+        const NodeGeometry& g = geometry;
+        const SpringBlocks spring(forces[i], g.length[i], {g.nx[i], g.ny[i], g.nz[i]}, g.rate[i], g.speed[i],
+                                  {g.sx[i], g.sy[i], g.sz[i]});
+        *sums.stiffness += spring.stiffness;
+        *sums.damping += spring.damping;
+      }
     }
     begin = stop;
+  }
+  return SPRINGNET_OK;
+}
+
+springnet_status Evaluator::evaluate_node(std::uint32_t node, double time, const NodeArrays& nodes,
+                                          const ExternalForces& external, Vector3& force,
+                                          springnet_message& message) const {
+  force = external_force(node, mass_[node], external);
+  NodeSums sums{force};
+  return add_springs(node, time, nodes, sums, message);
+}
+
+springnet_status Evaluator::evaluate_node(std::uint32_t node, double time, const NodeArrays& nodes,
+                                          const ExternalForces& external, Vector3& force, Vector3& acceleration,
+                                          NodeDerivatives* derivatives, double* energy,
+                                          springnet_message& message) const {
+  const NeuronKind& neuron = layout_.laws().neurons[layout_.neuron_kind()[node]];
+  const bool differentiable = (neuron.component->description->capabilities & SPRINGNET_HAS_DERIVATIVES) != 0;
+  if (derivatives != nullptr && require_derivatives(*neuron.component, message) != SPRINGNET_OK)
+    return SPRINGNET_FAILED;
+  force = external_force(node, mass_[node], external);
+  if (energy != nullptr) *energy = -force.dot(Vector3(nodes.px[node], nodes.py[node], nodes.pz[node]));
+  Block stiffness = Block::Zero(), damping = Block::Zero();
+  NodeSums sums{force, derivatives != nullptr ? &stiffness : nullptr, derivatives != nullptr ? &damping : nullptr,
+                energy};
+  springnet_status status = add_springs(node, time, nodes, sums, message);
+  if (status != SPRINGNET_OK) return status;
+
+  Block by_force = Block::Zero(), by_position = Block::Zero(), by_velocity = Block::Zero();
+  const bool blocks = differentiable && (derivatives != nullptr || energy != nullptr);
+  const double* f[3] = {&force[0], &force[1], &force[2]};
+  double* const a[3] = {&acceleration[0], &acceleration[1], &acceleration[2]};
+  status = accelerations(node, 1, time, nodes, f, a, blocks ? by_force.data() : nullptr,
+                         blocks ? by_position.data() : nullptr, blocks ? by_velocity.data() : nullptr, message);
+  if (status != SPRINGNET_OK) return status;
+  if (derivatives != nullptr) {
+    Eigen::Map<Block>(derivatives->by_velocity) = by_velocity - by_force * damping;
+    Eigen::Map<Block>(derivatives->by_position) = by_position - by_force * stiffness;
+  }
+  if (energy != nullptr) {
+    const bool point_mass = differentiable && by_position.isZero(0.0) && by_velocity.isZero(0.0) &&
+                            (mass_[node] * by_force).isIdentity(rounding);
+    if (!point_mass) *energy = std::numeric_limits<double>::quiet_NaN();
   }
   return SPRINGNET_OK;
 }

@@ -74,7 +74,7 @@ TEST_CASE("the Jacobian is that of the forces, and its systems are solved") {
   for (Eigen::Index i = 0; i < size; ++i)  // unknowns of nodes that are held stand alone
     if (constrained[static_cast<std::size_t>(i % n)] != 0) dense.row(i) = Eigen::VectorXd::Unit(size, i).transpose();
   CHECK((dense - dense.transpose()).cwiseAbs().maxCoeff() > 1e-3);  // so the transposed solve is tested at all
-  REQUIRE(linearisation.factorise(wv, wp, message) == SPRINGNET_OK);
+  REQUIRE(linearisation.factorise(wv, wp, {}, message) == SPRINGNET_OK);
   const Eigen::VectorXd right_side = Eigen::VectorXd::LinSpaced(size, -1.0, 2.0);
   Eigen::VectorXd x(size);
   REQUIRE(linearisation.solve(false, right_side.data(), x.data(), message) == SPRINGNET_OK);

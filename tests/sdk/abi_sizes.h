@@ -23,6 +23,14 @@
   check(springnet_host, message, 168)                 \
   check(springnet_step_report, start_node, 48)        \
   check(springnet_integrator, advance, 32)
+/* What ABI 1.1 added behind them. */
+#define SPRINGNET_ENDS_1_1(check)                        \
+  check(springnet_network, rigid_count, 144)             \
+  check(springnet_evaluation, energy, 152)               \
+  check(springnet_node_batch, acceleration_by_position, 80) \
+  check(springnet_sweep, constraint_force, 272)          \
+  check(springnet_host, note, 200)                       \
+  check(springnet_step_report, stages, 64)
 /* clang-format on */
 
 #ifdef __cplusplus

@@ -155,10 +155,35 @@ class Host {
   // `state` and the committed state exchange their memory.
   void commit(double time, springnet_state& state) const { check(table_->commit(table_->context, time, &state)); }
 
+  // Functions of ABI 1.1. They throw Failure where the host is older.
+  // The end of a sweep by itself; see plugin.h.
+  void constrain(const springnet_sweep& sweep) const {
+    require(SPRINGNET_HAS_FIELD(springnet_host, table_, constrain));
+    check(table_->constrain(table_->context, &sweep));
+  }
+  // values -= W G^T (G W G^T)^-1 G values; mobility: [node_count][3][3] 1/kg, or null: the neurons' own.
+  void project(const double* mobility, double* values) const {
+    require(SPRINGNET_HAS_FIELD(springnet_host, table_, project));
+    check(table_->project(table_->context, mobility, values));
+  }
+  // Puts positions and velocities of `state` where the constraints at `time` (s) allow.
+  void project_state(double time, springnet_state& state) const { project_state(time, state.position, state.velocity); }
+  void project_state(double time, const springnet_vectors& position, const springnet_vectors& velocity) const {
+    require(SPRINGNET_HAS_FIELD(springnet_host, table_, project_state));
+    check(table_->project_state(table_->context, time, position, velocity));
+  }
+  // Something the user should know, once. Nothing where the host is older.
+  void note(const std::string& text) const noexcept {
+    if (SPRINGNET_HAS_FIELD(springnet_host, table_, note)) table_->note(table_->context, text.c_str());
+  }
+
   // A number about the run, in the summary under `name`.
   void report(const char* name, double value) const noexcept { table_->report(table_->context, name, value); }
 
  private:
+  static void require(bool available) {
+    if (!available) throw Failure("the host is older than ABI 1.1, which this integrator needs; update the host");
+  }
   void check(springnet_status status) const {
     if (status == SPRINGNET_OK) return;
     const springnet_message* message = table_->message(table_->context);

@@ -25,7 +25,7 @@ extern "C" {
 
 #define SPRINGNET_MAGIC UINT64_C(0x54454e474e525053) /* "SPRNGNET" in little-endian memory */
 #define SPRINGNET_ABI_MAJOR 1u
-#define SPRINGNET_ABI_MINOR 0u
+#define SPRINGNET_ABI_MINOR 1u
 
 #if defined(_WIN32)
 #define SPRINGNET_EXPORT __declspec(dllexport)
@@ -251,23 +251,29 @@ typedef struct springnet_network {
   uint64_t spring_count; /* live springs */
   uint64_t internal_count;
   uint64_t revision;
-  uint32_t unit_count;  /* units of nodes that threads work on; does not depend on the number of threads */
-  uint32_t event_count; /* changes only together with `revision` */
-  uint32_t plane_count;
+  uint32_t unit_count;    /* units of nodes that threads work on; does not depend on the number of threads */
+  uint32_t event_count;   /* changes only together with `revision` */
+  uint32_t surface_count; /* planes and instruments */
   uint32_t reserved;
   /* Typical magnitudes of the network as it was at the beginning, for tolerances; all above 0. */
   double length_scale;   /* m: mean rest length */
   double velocity_scale; /* m/s: greatest speed, or the one that the greatest acceleration reaches over length_scale */
   double force_scale;    /* N: greatest weight, load or net force of a node, or m v^2 / length_scale */
   const double* mass;    /* [node_count] kg */
-  const uint8_t* fixed;  /* [node_count] 1: held by the scene */
-  const uint8_t* held;   /* [node_count] 1: held by a contact */
+  const uint8_t* fixed;  /* [node_count] 1: the scene says where it is: fixed, or moved over time */
+  const uint8_t* held;   /* [node_count] 1: a surface holds it where it touched, and takes it along */
   const uint32_t* user_number;     /* [node_count] */
   const uint32_t* neighbour_start; /* [node_count + 1] */
-  const uint32_t* neighbours;      /* nodes joined by a live spring, by rising user number, each once */
+  const uint32_t* neighbours;      /* nodes joined by a live spring or rigidly, by rising user number, each once */
+  /* since 1.1 */
+  const uint8_t* touching; /* [node_count] 1: a surface holds it, or it slides on one */
+  const uint32_t* cluster; /* [node_count] the same number for nodes that rigid connections join; 0xffffffff: none */
+  uint64_t rigid_count;    /* rigid connections */
 } springnet_network;
 
-/* Evaluation of the layers at a state: springs, loads, neurons. Outputs that are not wanted are null (all three). */
+/* Evaluation of the layers at a state: springs, loads, neurons. Outputs that are not wanted are null (all three).
+ * Accelerations are those of the constrained motion: what fixes, moves or holds a node, rigid connections, surfaces and
+ * their friction act on them; `force` is without all of that. */
 typedef struct springnet_evaluation {
   uint32_t struct_size;
   uint32_t reserved;
@@ -276,8 +282,13 @@ typedef struct springnet_evaluation {
   springnet_const_vectors velocity;
   const double* internal;
   springnet_vectors force;        /* out: net force N, without what holds a node */
-  springnet_vectors acceleration; /* out: m/s^2, 0 where a node is fixed or held */
+  springnet_vectors acceleration; /* out: m/s^2 */
   double* internal_rate;          /* out */
+  /* since 1.1, for evaluate_nodes alone; null where not wanted. Of a node by itself, as if nothing held it. */
+  double* acceleration_by_velocity; /* out: [node_count][3][3] 1/s, with respect to the node's own velocity */
+  double* acceleration_by_position; /* out: [node_count][3][3] 1/s^2 */
+  double* energy; /* out: [node_count] J, of the node's springs less the work of its loads; nan where no potential
+                     exists: a law without energy, or one that reads the rate */
 } springnet_evaluation;
 
 /* Nodes whose net force is final, handed to the integrator's node update while they are in cache. Element i of the
@@ -288,7 +299,10 @@ typedef struct springnet_node_batch {
   uint32_t count;
   uint32_t unit;                        /* only one thread at a time works on a unit */
   springnet_const_vectors force;        /* [count] net force, N */
-  springnet_const_vectors acceleration; /* [count] of the node's neuron, m/s^2, whether or not the node is held */
+  springnet_const_vectors acceleration; /* [count] of the node's neuron, m/s^2, as if nothing held the node */
+  /* since 1.1: with springnet_sweep::want_blocks, else null; as in springnet_evaluation, [count][3][3] */
+  const double* acceleration_by_velocity;
+  const double* acceleration_by_position;
 } springnet_node_batch;
 typedef void (*springnet_node_update)(void* user, const springnet_node_batch* batch);
 
@@ -296,7 +310,10 @@ typedef void (*springnet_node_update)(void* user, const springnet_node_batch* ba
  * the host then puts nodes that are fixed, held or cross a surface where they belong.
  * Without an order all springs are evaluated before any output is replaced: `next` must differ from (position,
  * velocity), and updates come tile by tile, from several threads. With an order the nodes are updated one by one in it,
- * on the calling thread, each reading the newest outputs: `next` must equal (position, velocity). */
+ * on the calling thread, each reading the newest outputs: `next` must equal (position, velocity). Nodes of one cluster
+ * are updated together, when the first of them has its turn. Where `set_start` divides the order into sets, the nodes
+ * of a set stand in it by rising number and are updated by several threads: no node of it may be joined to one of
+ * another cluster or, if it is in none, to another of the set. */
 typedef struct springnet_sweep {
   uint32_t struct_size;
   uint32_t order_count;
@@ -311,10 +328,24 @@ typedef struct springnet_sweep {
   springnet_vectors force; /* out: net forces, N */
   springnet_node_update update;
   void* user;
+  /* since 1.1 */
+  double time_constant;      /* s, length of the step; needed where the network has rigid connections or surfaces */
+  double theta;              /* P = p + time_constant ((1 - theta) v + theta U); 0 stands for 1 */
+  const uint32_t* set_start; /* null, or [set_count + 1] places in `order` */
+  uint32_t set_count;
+  uint32_t want_blocks; /* with an order; 1: batches have derivatives */
+  /* [node_count][3][3] kg, symmetric positive definite, or null: an impulse on a node changes its new velocity by the
+   * inverse of this, as the update made it. Null: the neurons' own (mass). The update writes that of its nodes. */
+  const double* inertia;
+  /* out, N: what rigid connections, surfaces and friction add to the net force of each node at the end of the step,
+   * so that m (U - v) / time_constant = (1 - theta) m a_start + theta (force + this); 0 for nodes that are fixed or
+   * held. Null: not wanted. */
+  springnet_vectors constraint_force;
 } springnet_sweep;
 
 /* Matrices I - velocity_weight da/dv - position_weight da/dp in 3n unknowns, x of all nodes, then y, then z, at the
- * state last given to `linearise`. Rows of fixed and held nodes are those of the identity. */
+ * state last given to `linearise`. Rows of fixed and held nodes are those of the identity. With rigid connections or
+ * nodes that slide, `solve` answers with the x for which A x + W G^T (multipliers) = b and G x = G b. */
 typedef struct springnet_host {
   uint32_t struct_size;
   uint32_t abi_minor;
@@ -328,7 +359,8 @@ typedef struct springnet_host {
   /* Loads are averaged over [from, until], which makes their impulse exact whatever the step. */
   springnet_status (*begin_step)(void* context, double from, double until);
   springnet_status (*evaluate)(void* context, const springnet_evaluation* evaluation);
-  /* The same for some nodes; the arrays are still those of all nodes. */
+  /* The same for some nodes, each by itself: accelerations are those of their neurons, as if nothing held them. The
+   * arrays are still those of all nodes. */
   springnet_status (*evaluate_nodes)(void* context, const springnet_evaluation* evaluation, const uint32_t* nodes,
                                      uint32_t count);
   springnet_status (*sweep)(void* context, const springnet_sweep* sweep);
@@ -361,6 +393,20 @@ typedef struct springnet_host {
   void (*report)(void* context, const char* name, double value);
   /* Why the last host function failed, and a place to say why the integrator does. */
   springnet_message* (*message)(void* context);
+
+  /* Since 1.1. */
+  /* The end of a sweep by itself: puts the outputs `next` where fixation, surfaces and rigid connections allow.
+   * `force` is read: net forces at (position, velocity), N. No update is called. */
+  springnet_status (*constrain)(void* context, const springnet_sweep* sweep);
+  /* values -= W G^T (G W G^T)^-1 G values, 3n numbers, with G the derivatives of rigid connections and surfaces that
+   * nodes slide on at the state last given to `linearise`, and 0 for nodes that are fixed or held. W: `mobility`
+   * [node_count][3][3] 1/kg, or null: the neurons' own. Velocities so projected fit the constraints. */
+  springnet_status (*project)(void* context, const double* mobility, double* values);
+  /* Moves positions and velocities at `time` by as little as possible, weighted with the masses, to where they fit
+   * the nodes' fixation and prescribed motion, rigid connections and surfaces that nodes touch. */
+  springnet_status (*project_state)(void* context, double time, springnet_vectors position, springnet_vectors velocity);
+  /* Something the user should know, once: printed by the tool, kept in the summary. */
+  void (*note)(void* context, const char* text);
 } springnet_host;
 
 /* How a time step ended. */
@@ -375,6 +421,9 @@ typedef struct springnet_step_report {
   double residual;         /* N, of the equation of motion over the step; nan where not evaluated */
   uint32_t node;           /* where the force difference was greatest */
   uint32_t start_node;     /* where the last sweep started, 0xffffffff where it has no start */
+  /* since 1.1 */
+  uint64_t substeps; /* smaller time steps made in place of steps that did not settle */
+  uint64_t stages;   /* smaller time constants passed on the way to the full one */
 } springnet_step_report;
 
 typedef struct springnet_integrator {
@@ -384,7 +433,8 @@ typedef struct springnet_integrator {
   springnet_status (*create)(const springnet_host* host, const double* options, void** integrator);
   void (*destroy)(void* integrator);
   /* From the committed state to a committed state at time `until`, in one time step where the method has steps of its
-   * user's. On SPRINGNET_UNSETTLED the report says how the step ended and nothing of it was committed. */
+   * user's. On SPRINGNET_UNSETTLED the report says how the step ended and nothing of it was committed, but by a
+   * method that divides steps the smaller ones before that. */
   springnet_status (*advance)(void* integrator, double until, springnet_step_report* report);
 } springnet_integrator;
 
