@@ -2,23 +2,17 @@
 #include <bit>
 #include <cmath>
 
-#include <fmt/format.h>
-#include <Eigen/Geometry>
-
-#include <springnet/error.hpp>
-#include <springnet/network.hpp>
+#include "network/checks.hpp"
 
 namespace springnet {
 namespace {
 
+using namespace checks;
+
 // Numbers of nodes and springs have 32 bits; the greatest stands for "none".
 constexpr std::size_t largest_count = std::numeric_limits<std::uint32_t>::max();
 
-[[noreturn]] void fail(const std::string& message) { throw Error(ErrorKind::input, message); }
-
-std::string text(const Vector3& v) { return fmt::format("[{}, {}, {}]", v.x(), v.y(), v.z()); }
-
-double distance(const Vector3& a, const Vector3& b) { return std::hypot(a.x() - b.x(), a.y() - b.y(), a.z() - b.z()); }
+constexpr double length_accuracy = 1e-8;  // of a rigid connection's length: what the integrators keep
 
 // A text that is equal exactly where the uses are.
 std::string key_of(const LawUse& use, std::string_view what) {
@@ -37,37 +31,6 @@ std::string key_of(const LawUse& use, std::string_view what) {
 void check_rest_length(double length) {
   if (!(std::isfinite(length) && length >= 0)) {
     fail(fmt::format("a rest length must be a finite number of at least 0 m, is {}", length));
-  }
-}
-
-void check_finite(const Vector3& v, std::string_view what) {
-  if (!v.allFinite()) fail(fmt::format("{} must be finite, is {}", what, text(v)));
-}
-
-void check_polygon(const std::vector<Vector3>& polygon) {
-  if (polygon.size() < 3) {
-    fail(fmt::format("a cutting polygon needs three corners or more, has {}", polygon.size()));
-  }
-  for (const Vector3& corner : polygon) check_finite(corner, "a corner of a cutting polygon");
-  // Newell's normal, of twice the area's length, also right for polygons that are not convex.
-  Vector3 normal = Vector3::Zero();
-  double extent = 0;
-  for (std::size_t i = 0; i < polygon.size(); ++i) {
-    const Vector3 a = polygon[i] - polygon[0];
-    normal += a.cross(Vector3(polygon[(i + 1) % polygon.size()] - polygon[0]));
-    extent = std::max(extent, a.norm());
-  }
-  constexpr double flatness = 1e-6;  // of the extent: far above rounding, far below what a user could mean
-  if (!(normal.norm() > flatness * extent * extent)) {
-    fail("the corners of a cutting polygon lie on a line: give corners that span an area");
-  }
-  normal.normalize();
-  for (std::size_t i = 0; i < polygon.size(); ++i) {
-    const double height = normal.dot(polygon[i] - polygon[0]);
-    if (std::abs(height) > flatness * extent) {
-      fail(fmt::format("a cutting polygon must be planar; corner {} lies {} m off the plane: move it, or use triangles",
-                       i, std::abs(height)));
-    }
   }
 }
 
@@ -120,8 +83,10 @@ NodeIndex Network::add_node(const Node& node) {
 void Network::set_node(NodeIndex index, const Node& node) {
   if (index >= nodes_.size()) fail(fmt::format("there is no node {}, only {}", index, nodes_.size()));
   check_node(node, index);
+  if (node.position != nodes_[index].position) check_lengths(index, node.position);
   nodes_[index] = node;
-  if (node.fixed) nodes_[index].velocity.setZero();
+  if (moving_nodes_.contains(index)) nodes_[index].fixed = true;
+  if (nodes_[index].fixed) nodes_[index].velocity.setZero();
 }
 
 void Network::fix(NodeIndex node) {
@@ -140,16 +105,20 @@ void Network::check_spring(SpringIndex spring) const {
   if (spring >= springs_.size()) fail(fmt::format("there is no spring {}, only {}", spring, springs_.size()));
 }
 
-SpringIndex Network::add_spring(NodeIndex first, NodeIndex second, MaterialIndex material,
-                                std::optional<double> rest_length) {
-  if (springs_.size() >= largest_count) fail(fmt::format("a network has at most {} springs", largest_count));
+void Network::check_ends(NodeIndex first, NodeIndex second, std::string_view what) const {
   for (const NodeIndex end : {first, second}) {
     if (end >= nodes_.size()) {
-      fail(fmt::format("a spring from node {} to node {}: there is no node {}, only {}", first, second, end,
+      fail(fmt::format("a {} from node {} to node {}: there is no node {}, only {}", what, first, second, end,
                        nodes_.size()));
     }
   }
-  if (first == second) fail(fmt::format("a spring joins node {} to itself: give two different nodes", first));
+  if (first == second) fail(fmt::format("a {} joins node {} to itself: give two different nodes", what, first));
+}
+
+SpringIndex Network::add_spring(NodeIndex first, NodeIndex second, MaterialIndex material,
+                                std::optional<double> rest_length) {
+  if (springs_.size() >= largest_count) fail(fmt::format("a network has at most {} springs", largest_count));
+  check_ends(first, second, "spring");
   check_material(material);
   const double length = rest_length ? *rest_length : distance(nodes_[first].position, nodes_[second].position);
   if (!rest_length && length == 0) {
@@ -161,6 +130,46 @@ SpringIndex Network::add_spring(NodeIndex first, NodeIndex second, MaterialIndex
   check_rest_length(length);
   springs_.push_back({first, second, material, length});
   return static_cast<SpringIndex>(springs_.size() - 1);
+}
+
+void Network::check_lengths(NodeIndex node, const Vector3& position) const {
+  for (const auto& [first, second, length] : rigids_) {
+    if (first != node && second != node) continue;
+    const NodeIndex other = first == node ? second : first;
+    const double apart = distance(position, nodes_[other].position);
+    if (std::abs(length - apart) <= length_accuracy * length) continue;
+    fail(
+        fmt::format("node {} cannot be placed at {}: it is joined rigidly to node {}, at {} m, and would be {} m away; "
+                    "place nodes before they are joined",
+                    node, text(position), other, length, apart));
+  }
+}
+
+RigidIndex Network::add_rigid(NodeIndex first, NodeIndex second, std::optional<double> length) {
+  if (rigids_.size() >= largest_count) fail(fmt::format("a network has at most {} rigid connections", largest_count));
+  check_ends(first, second, "rigid connection");
+  const auto what = [&] { return fmt::format("the rigid connection from node {} to node {}", first, second); };
+  const double apart = distance(nodes_[first].position, nodes_[second].position);
+  if (!std::isfinite(apart)) fail(fmt::format("{}: their distance is too great to be a number", what()));
+  if (!(apart > 0)) {
+    fail(fmt::format("{} has length zero: both are at {}; move one, or use one node in place of two", what(),
+                     text(nodes_[first].position)));
+  }
+  if (length && !(std::isfinite(*length) && *length > 0)) {
+    fail(fmt::format("{}: its length must be a finite number above 0 m, is {}", what(), *length));
+  }
+  if (length && std::abs(*length - apart) > length_accuracy * *length) {
+    fail(
+        fmt::format("{}: its length is {} m, but the nodes are {} m apart: place them at that distance, or leave the "
+                    "length out",
+                    what(), *length, apart));
+  }
+  const auto [lower, upper] = std::minmax(first, second);
+  if (!rigid_ends_.insert(std::uint64_t{lower} << 32 | upper).second) {
+    fail(fmt::format("there are two rigid connections between node {} and node {}: one is enough", first, second));
+  }
+  rigids_.push_back({first, second, length.value_or(apart)});
+  return static_cast<RigidIndex>(rigids_.size() - 1);
 }
 
 void Network::set_spring_material(SpringIndex spring, MaterialIndex material) {
@@ -189,49 +198,6 @@ void Network::end_body() {
   body.node_count = static_cast<NodeIndex>(nodes_.size()) - body.first_node;
   body.spring_count = static_cast<SpringIndex>(springs_.size()) - body.first_spring;
   in_body_ = false;
-}
-
-void Network::add_load(const Load& load) {
-  check_finite(load.force, "a load's force");
-  if (!(load.from < load.until)) {
-    fail(fmt::format("a load acts from {} s until {} s, which is never: `from` must be less than `until`", load.from,
-                     load.until));
-  }
-  loads_.push_back(load);
-  std::vector<NodeIndex>& nodes = loads_.back().nodes;
-  std::sort(nodes.begin(), nodes.end());
-  nodes.erase(std::unique(nodes.begin(), nodes.end()), nodes.end());
-  if (!nodes.empty() && nodes.back() >= nodes_.size()) {
-    const NodeIndex missing = nodes.back();
-    loads_.pop_back();
-    fail(fmt::format("a load on node {}: there are only {} nodes", missing, nodes_.size()));
-  }
-}
-
-void Network::add_plane(const Plane& plane) {
-  check_finite(plane.point, "a plane's point");
-  check_finite(plane.normal, "a plane's normal");
-  const Vector3 normal = plane.normal.stableNormalized();
-  if (normal.isZero(0)) fail("a plane's normal must not be zero");
-  for (const Plane& other : planes_) {
-    if (!plane.name.empty() && plane.name == other.name) {
-      fail(fmt::format("there are two planes '{}': rename one", plane.name));
-    }
-  }
-  planes_.push_back({plane.name, plane.point, normal});
-}
-
-void Network::add_cut(const Cut& cut) {
-  if (!std::isfinite(cut.time)) fail(fmt::format("a cut's time must be finite, is {}", cut.time));
-  if (cut.springs.empty() && cut.polygon.empty()) fail("a cut needs springs or a polygon");
-  for (const SpringIndex spring : cut.springs) check_spring(spring);
-  if (!cut.polygon.empty()) check_polygon(cut.polygon);
-  cuts_.push_back(cut);
-}
-
-void Network::set_gravity(const Vector3& acceleration) {
-  check_finite(acceleration, "gravity");
-  gravity_ = acceleration;
 }
 
 }  // namespace springnet

@@ -9,6 +9,16 @@
 
 namespace springnet {
 
+std::string csv_cell(std::string_view text) {
+  if (text.find_first_of(",\"\r\n") == std::string_view::npos) return std::string(text);
+  std::string quoted = "\"";
+  for (const char character : text) {
+    if (character == '"') quoted += '"';
+    quoted += character;
+  }
+  return quoted + '"';
+}
+
 CsvFile::CsvFile(const std::filesystem::path& file, std::string_view header)
     : path_(file), file_(std::fopen(file.c_str(), "wb")), buffer_(std::size_t{1} << 16) {
   if (file_ == nullptr) {

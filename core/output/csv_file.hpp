@@ -5,10 +5,16 @@
 #include <cstdint>
 #include <cstdio>
 #include <filesystem>
+#include <string>
 #include <string_view>
 #include <vector>
 
+#include <springnet/network.hpp>
+
 namespace springnet {
+
+// A text as it stands in a cell: in quotes where a comma, a quote or an end of line would end it early.
+[[nodiscard]] std::string csv_cell(std::string_view text);
 
 class CsvFile {
  public:
@@ -26,6 +32,11 @@ class CsvFile {
     return *this;
   }
   CsvFile& operator<<(std::string_view text);
+  // A comma and each coordinate.
+  CsvFile& operator<<(const Vector3& vector) {
+    for (const double coordinate : vector) *this << ',' << coordinate;
+    return *this;
+  }
 
   // Both throw Error(simulation) if the file cannot be written.
   void flush();

@@ -18,6 +18,12 @@ EventCounts count_events(const Simulation& simulation) {
       case Event::Kind::released:
         ++counts.released;
         break;
+      case Event::Kind::slipped:
+        ++counts.slipped;
+        break;
+      case Event::Kind::stuck:
+        ++counts.stuck;
+        break;
     }
   }
   return counts;

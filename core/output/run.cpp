@@ -18,6 +18,8 @@ double seconds_since(Clock::time_point start) { return std::chrono::duration<dou
 
 constexpr const char* trajectory_file = "trajectory.csv";
 constexpr const char* reactions_file = "reactions.csv";
+constexpr const char* surfaces_file = "surfaces.csv";
+constexpr const char* rigid_file = "rigid.csv";
 constexpr const char* events_file = "events.csv";
 constexpr const char* summary_file = "summary.json";
 
@@ -59,7 +61,7 @@ void prepare_folder(const std::filesystem::path& folder) {
                                               folder.string(), failed ? failed.message() : "a file is in the way"));
   }
   // Files of an earlier run would be taken for those of this one.
-  for (const char* name : {trajectory_file, reactions_file, events_file, summary_file}) {
+  for (const char* name : {trajectory_file, reactions_file, surfaces_file, rigid_file, events_file, summary_file}) {
     std::filesystem::remove(folder / name, failed);
   }
 }
@@ -78,24 +80,39 @@ class Recorder {
       reactions_.emplace(folder / reactions_file, scene.network);
       files.emplace_back(reactions_file);
     }
+    if (scene.output.surfaces && scene.network.planes().size() + scene.network.instruments().size() > 0) {
+      surfaces_.emplace(folder / surfaces_file);
+      files.emplace_back(surfaces_file);
+    }
+    if (scene.output.rigid && !scene.network.rigids().empty()) {
+      rigid_.emplace(folder / rigid_file, scene.network);
+      files.emplace_back(rigid_file);
+    }
   }
 
   void record(const Simulation& simulation) {
-    if (trajectory_) trajectory_->record(simulation);
-    if (reactions_) reactions_->record(simulation);
-    events_.record(simulation);
+    each([&](auto& writer) { writer.record(simulation); });
   }
 
   void close() {
-    if (trajectory_) trajectory_->close();
-    if (reactions_) reactions_->close();
-    events_.close();
+    each([](auto& writer) { writer.close(); });
   }
 
  private:
+  template <class Work>
+  void each(const Work& work) {
+    if (trajectory_) work(*trajectory_);
+    if (reactions_) work(*reactions_);
+    if (surfaces_) work(*surfaces_);
+    if (rigid_) work(*rigid_);
+    work(events_);
+  }
+
   EventWriter events_;
   std::optional<TrajectoryWriter> trajectory_;
   std::optional<ReactionWriter> reactions_;
+  std::optional<SurfaceWriter> surfaces_;
+  std::optional<RigidWriter> rigid_;
 };
 
 // Adds a time step to the summary; the worst outcome is that of the run.
@@ -103,6 +120,9 @@ class StepCounter {
  public:
   void count(const StepReport& report, RunSummary& summary) {
     if (report.outcome != Outcome::settled) ++summary.unsettled;
+    if (report.substeps > 0) ++summary.divided;
+    summary.substeps += report.substeps;
+    summary.stages += report.stages;
     worst_ = std::max(worst_, report.outcome);
     if (std::isnan(report.residual)) return;
     summary.last_residual = report.residual;
@@ -251,6 +271,10 @@ RunSummary run_scene(const Scene& scene, const std::shared_ptr<const PluginHost>
   summary.simulated = simulation.time();
   summary.statistics = simulation.statistics();
   summary.events = count_events(simulation);
+  summary.notes = options.notes;
+  for (const auto& notes : {notes_of(scene), simulation.notes()}) {
+    summary.notes.insert(summary.notes.end(), notes.begin(), notes.end());
+  }
   std::error_code ignored;
   for (const std::string& file : summary.files)
     summary.bytes += std::filesystem::file_size(options.folder / file, ignored);

@@ -109,16 +109,6 @@ void read_force(const Table& table, Network& network) {
   (table.has("until") ? *table.find("until") : table.value()).at_this_place([&] { network.add_load(load); });
 }
 
-void read_plane(const Table& table, Network& network) {
-  Plane plane;
-  if (const auto name = table.find("name")) plane.name = name->text();
-  plane.point = table.need("point").vector();
-  const Value normal = table.need("normal");
-  plane.normal = normal.vector();
-  if (plane.normal.isZero(0)) normal.fail("must not be zero; it points to the free side");
-  table.value().at_this_place([&] { network.add_plane(plane); });
-}
-
 void read_cut(const Table& table, Network& network) {
   Cut cut;
   cut.time = table.need("time").number_from_0("s");
@@ -140,7 +130,6 @@ void read_changes(const Table& root, const PluginHost& plugins, Network& network
   for (const Value& value : root.tables("spring")) read_spring_change(value.table("spring"), plugins, network);
   for (const Value& value : root.tables("fix")) read_fix(value.table("fix"), network);
   for (const Value& value : root.tables("force")) read_force(value.table("force"), network);
-  for (const Value& value : root.tables("plane")) read_plane(value.table("plane"), network);
   for (const Value& value : root.tables("cut")) read_cut(value.table("cut"), network);
 }
 

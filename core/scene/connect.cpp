@@ -1,134 +1,14 @@
-#include <algorithm>
-#include <cmath>
-#include <iterator>
 #include <set>
-#include <utility>
 
 #include <fmt/format.h>
-#include <boost/geometry.hpp>
-#include <boost/geometry/index/rtree.hpp>
 
 #include "scene/component.hpp"
+#include "scene/pairs.hpp"
 #include "scene/parts.hpp"
 #include "scene/select.hpp"
 
 namespace springnet::scene {
 namespace {
-
-namespace index = boost::geometry::index;
-using Point = boost::geometry::model::point<double, 3, boost::geometry::cs::cartesian>;
-using Box = boost::geometry::model::box<Point>;
-using Entry = std::pair<Point, NodeIndex>;
-using Tree = index::rtree<Entry, index::quadratic<16>>;
-using Pair = std::pair<NodeIndex, NodeIndex>;
-
-// Positions of lattices are rounded, so what is as far apart as allowed, or equally near, is so to this share of the
-// distance: far above rounding, far below any spacing that a user could mean.
-constexpr double rounding = 1e-9;
-
-Tree make_tree(const std::vector<NodeIndex>& nodes, const Network& network) {
-  std::vector<Entry> entries;
-  entries.reserve(nodes.size());
-  for (const NodeIndex node : nodes) {
-    const Vector3& p = network.nodes()[node].position;
-    entries.emplace_back(Point(p.x(), p.y(), p.z()), node);
-  }
-  return Tree(entries);
-}
-
-// Nodes of the tree at most `distance` from `node`, without itself, by rising number.
-std::vector<NodeIndex> neighbours(const Tree& tree, NodeIndex node, double distance, const Network& network) {
-  const Vector3& p = network.nodes()[node].position;
-  // Wider by the rounding of the box's corners.
-  const Vector3 reach = Vector3::Constant(distance * (1 + rounding)) + 1e-15 * p.cwiseAbs();
-  const Vector3 low = p - reach, high = p + reach;
-  std::vector<Entry> found;
-  tree.query(index::intersects(Box(Point(low.x(), low.y(), low.z()), Point(high.x(), high.y(), high.z()))),
-             std::back_inserter(found));
-  std::vector<NodeIndex> result;
-  for (const auto& [point, other] : found) {
-    if (other != node && (network.nodes()[other].position - p).norm() <= distance * (1 + rounding))
-      result.push_back(other);
-  }
-  std::sort(result.begin(), result.end());
-  return result;
-}
-
-std::vector<Pair> pairs_within(const std::vector<NodeIndex>& from, const std::vector<NodeIndex>& to, double distance,
-                               const Network& network) {
-  const Tree tree = make_tree(to, network);
-  const auto in = [](const std::vector<NodeIndex>& sorted, NodeIndex node) {
-    return std::binary_search(sorted.begin(), sorted.end(), node);
-  };
-  std::vector<Pair> pairs;
-  for (const NodeIndex a : from) {
-    for (const NodeIndex b : neighbours(tree, a, distance, network)) {
-      // Where the selections overlap a pair would be found from both of its ends.
-      if (b < a && in(from, b) && in(to, a)) continue;
-      pairs.emplace_back(a, b);
-    }
-  }
-  return pairs;
-}
-
-// For each node of `from` the nearest of `to` but itself; the lowest number where several are equally near.
-std::vector<Pair> nearest_pairs(const std::vector<NodeIndex>& from, const std::vector<NodeIndex>& to,
-                                const Network& network) {
-  const Tree tree = make_tree(to, network);
-  std::vector<Pair> pairs;
-  std::set<Pair> known;
-  for (const NodeIndex a : from) {
-    const Vector3& p = network.nodes()[a].position;
-    std::vector<Entry> found;
-    tree.query(index::nearest(Point(p.x(), p.y(), p.z()), 1) &&
-                   index::satisfies([&](const Entry& entry) { return entry.second != a; }),
-               std::back_inserter(found));
-    if (found.empty()) continue;
-    const double distance = (network.nodes()[found.front().second].position - p).norm();
-    const NodeIndex b = neighbours(tree, a, distance, network).front();
-    // Where the selections overlap two nodes may be each other's nearest.
-    if (known.insert(std::minmax(a, b)).second) pairs.emplace_back(a, b);
-  }
-  return pairs;
-}
-
-NodeIndex read_end(const Value& value, const Network& network) {
-  const Table end = value.table("connect.pairs");
-  const auto name = end.find("body");
-  return read_node(end.need("node"), name ? &find_body(*name, network) : nullptr, network);
-}
-
-std::vector<Pair> read_pairs(const Value& list, const Network& network) {
-  std::vector<Pair> pairs;
-  for (const Value& pair : list.elements()) {
-    const std::vector<Value> ends = pair.elements(2);
-    pairs.emplace_back(read_end(ends[0], network), read_end(ends[1], network));
-    if (pairs.back().first == pairs.back().second) pair.fail("joins a node to itself; give two different nodes");
-  }
-  if (pairs.empty()) list.fail("lists no pair; give one or more, or remove the key");
-  return pairs;
-}
-
-std::vector<Pair> find_pairs(const Table& connect, const Network& network) {
-  if (const auto pairs = connect.find("pairs")) {
-    for (const char* key : {"from", "to", "within", "nearest"}) {
-      if (connect.has(key)) connect.find(key)->fail("has no meaning beside 'pairs'; remove one of them");
-    }
-    return read_pairs(*pairs, network);
-  }
-  if (!connect.has("from")) connect.fail("says not what it joins; add 'pairs', or 'from', 'to' and 'within'");
-  const std::vector<NodeIndex> from = select_nodes(connect.need("from"), network);
-  const std::vector<NodeIndex> to = select_nodes(connect.need("to"), network);
-  const auto within = connect.find("within");
-  const auto nearest = connect.find("nearest");
-  if (within.has_value() == (nearest && nearest->boolean())) {
-    connect.fail("needs either within = a distance in m, or nearest = true");
-  }
-  if (!within) return nearest_pairs(from, to, network);
-  std::vector<Pair> pairs = pairs_within(from, to, within->number_above_0("m"), network);
-  if (pairs.empty()) within->fail("no two nodes of 'from' and 'to' are that near; raise the distance");
-  return pairs;
-}
 
 void read_connection(const Table& connect, const PluginHost& plugins, Network& network) {
   const Material material = read_material(connect, plugins);
@@ -151,12 +31,42 @@ void read_connection(const Table& connect, const PluginHost& plugins, Network& n
   }
 }
 
+// The ends of springs, each pair once.
+std::vector<Pair> ends_of(const std::vector<SpringIndex>& springs, const Network& network) {
+  std::vector<Pair> pairs;
+  std::set<Pair> known;
+  for (const SpringIndex index : springs) {
+    const Spring& spring = network.springs()[index];
+    if (known.insert(std::minmax(spring.first, spring.second)).second) pairs.emplace_back(spring.first, spring.second);
+  }
+  return pairs;
+}
+
+void read_rigid(const Table& rigid, Network& network) {
+  std::vector<Pair> pairs;
+  if (const auto springs = rigid.find("springs")) {
+    for (const char* key : {"pairs", "from", "to", "within", "nearest"}) {
+      if (rigid.has(key)) rigid.find(key)->fail("has no meaning beside 'springs'; remove one of them");
+    }
+    pairs = ends_of(select_springs(*springs, network), network);
+  } else {
+    pairs = find_pairs(rigid, network);
+  }
+  const auto length = rigid.find("length");
+  std::optional<double> given;
+  if (length) given = length->number_above_0("m");
+  for (const auto& [first, second] : pairs) {
+    (length ? *length : rigid.value()).at_this_place([&, a = first, b = second] { network.add_rigid(a, b, given); });
+  }
+}
+
 }  // namespace
 
 void read_connections(const Table& root, const PluginHost& plugins, Network& network) {
   for (const Value& connection : root.tables("connect")) {
     read_connection(connection.table("connect"), plugins, network);
   }
+  for (const Value& rigid : root.tables("rigid")) read_rigid(rigid.table("rigid"), network);
 }
 
 }  // namespace springnet::scene

@@ -15,7 +15,8 @@ struct Key {
   std::string_view form;
 };
 
-// "select.…" are the keys of every table that selects nodes or springs: node.select, connect.from, and so on.
+// "select.…" are the keys of every table that selects nodes or springs: node.select, connect.from, and so on;
+// "motion.…" those of plane.motion and instrument.motion.
 constexpr std::array keys{
     Key{"title", "a text"},
     Key{"simulation", "a table"},
@@ -32,6 +33,8 @@ constexpr std::array keys{
     Key{"output.interval", "a number of at least 0, s"},
     Key{"output.trajectory", "true or false"},
     Key{"output.reactions", "true or false"},
+    Key{"output.surfaces", "true or false"},
+    Key{"output.rigid", "true or false"},
     Key{"body", "tables [[body]]"},
     Key{"body.name", "a text"},
     Key{"body.mesh", "a table with a lattice"},
@@ -64,6 +67,16 @@ constexpr std::array keys{
     Key{"connect.viscosity.type", "the name of a viscosity function"},
     Key{"connect.rest_length", "a number of at least 0, m"},
     Key{"connect.rest_length_scale", "a number above 0"},
+    Key{"rigid", "tables [[rigid]]"},
+    Key{"rigid.pairs", "a list of pairs [{ body = \"a\", node = 0 }, { body = \"b\", node = 0 }]"},
+    Key{"rigid.pairs.body", "the name of a body"},
+    Key{"rigid.pairs.node", "the number of a node"},
+    Key{"rigid.from", "a selection of nodes"},
+    Key{"rigid.to", "a selection of nodes"},
+    Key{"rigid.within", "a number above 0, m"},
+    Key{"rigid.nearest", "true or false"},
+    Key{"rigid.springs", "a selection of springs"},
+    Key{"rigid.length", "a number above 0, m"},
     Key{"node", "tables [[node]]"},
     Key{"node.select", "a selection of nodes"},
     Key{"node.mass", "a number above 0, kg"},
@@ -85,10 +98,33 @@ constexpr std::array keys{
     Key{"force.force", "three numbers [x, y, z], N"},
     Key{"force.from", "a number, s"},
     Key{"force.until", "a number, s"},
+    Key{"move", "tables [[move]]"},
+    Key{"move.select", "a selection of nodes"},
+    Key{"move.table", "a list of rows [t, x, y, z], s and m"},
+    Key{"move.interpolation", "'smooth' or 'linear'"},
+    Key{"move.sinusoid", "a table with amplitude and frequency"},
+    Key{"move.sinusoid.amplitude", "three numbers [x, y, z], m"},
+    Key{"move.sinusoid.frequency", "a number above 0, Hz"},
+    Key{"move.sinusoid.phase", "a number, rad"},
+    Key{"move.from", "a number, s"},
+    Key{"move.until", "a number, s"},
     Key{"plane", "tables [[plane]]"},
     Key{"plane.name", "a text"},
     Key{"plane.point", "three numbers [x, y, z], m"},
     Key{"plane.normal", "three numbers [x, y, z]"},
+    Key{"plane.friction", "'held', 'none' or a number of at least 0"},
+    Key{"plane.motion", "a table with table or sinusoid"},
+    Key{"instrument", "tables [[instrument]]"},
+    Key{"instrument.name", "a text"},
+    Key{"instrument.sphere", "a table with center and radius"},
+    Key{"instrument.sphere.center", "three numbers [x, y, z], m"},
+    Key{"instrument.sphere.radius", "a number above 0, m"},
+    Key{"instrument.capsule", "a table with from, to and radius"},
+    Key{"instrument.capsule.from", "three numbers [x, y, z], m"},
+    Key{"instrument.capsule.to", "three numbers [x, y, z], m"},
+    Key{"instrument.capsule.radius", "a number above 0, m"},
+    Key{"instrument.friction", "'held', 'none' or a number of at least 0"},
+    Key{"instrument.motion", "a table with table or sinusoid"},
     Key{"cut", "tables [[cut]]"},
     Key{"cut.time", "a number of at least 0, s"},
     Key{"cut.select", "a selection of springs"},
@@ -102,6 +138,14 @@ constexpr std::array keys{
     Key{"select.sphere", "a table with center and radius"},
     Key{"select.sphere.center", "three numbers [x, y, z], m"},
     Key{"select.sphere.radius", "a number above 0, m"},
+    Key{"motion.table", "a list of rows [t, x, y, z], s and m"},
+    Key{"motion.interpolation", "'smooth' or 'linear'"},
+    Key{"motion.sinusoid", "a table with amplitude and frequency"},
+    Key{"motion.sinusoid.amplitude", "three numbers [x, y, z], m"},
+    Key{"motion.sinusoid.frequency", "a number above 0, Hz"},
+    Key{"motion.sinusoid.phase", "a number, rad"},
+    Key{"motion.from", "a number, s"},
+    Key{"motion.until", "a number, s"},
 };
 
 const Key* find_key(std::string_view path) {
@@ -119,6 +163,7 @@ std::string_view form_of(std::string_view key) {
 
 std::string_view form_of_table(std::string_view table) {
   if (table == "select") return "a table with a selection";
+  if (table == "motion") return "a table with table or sinusoid";
   const Key* found = find_key(table);
   return found != nullptr && found->form.starts_with("a table") ? found->form : "a table";
 }

@@ -10,8 +10,9 @@ namespace springnet::scene {
 
 // Each takes the whole document, and throws Error(input) with the place of what is wrong.
 void read_bodies(const Table& root, const PluginHost& plugins, Network& network);       // [[body]]
-void read_connections(const Table& root, const PluginHost& plugins, Network& network);  // [[connect]]
-// [[node]], [[spring]], [[fix]], [[force]], [[plane]], [[cut]]
+void read_connections(const Table& root, const PluginHost& plugins, Network& network);  // [[connect]], [[rigid]]
+// [[node]], [[spring]], [[fix]], [[force]], [[cut]]
 void read_changes(const Table& root, const PluginHost& plugins, Network& network);
+void read_surroundings(const Table& root, Network& network);  // [[move]], [[plane]], [[instrument]]
 
 }  // namespace springnet::scene

@@ -25,6 +25,8 @@ class Value {
   Value(const toml::node& node, std::string path, std::string_view document);
 
   [[noreturn]] void fail(std::string_view what) const;
+  // "must be <wanted>, is a list"
+  [[noreturn]] void wrong_type(std::string_view wanted) const;
   // "file:line:column: path"
   [[nodiscard]] std::string where() const;
   [[nodiscard]] const std::string& path() const noexcept { return path_; }
@@ -41,6 +43,7 @@ class Value {
   [[nodiscard]] Vector3 vector() const;  // [x, y, z]
 
   [[nodiscard]] bool is_text() const noexcept { return node_->is_string(); }
+  [[nodiscard]] bool is_number() const noexcept { return node_->is_number(); }
   [[nodiscard]] bool is_list() const noexcept { return node_->is_array(); }
   [[nodiscard]] std::vector<Value> elements() const;
   [[nodiscard]] std::vector<Value> elements(std::size_t count) const;  // exactly so many
@@ -63,7 +66,6 @@ class Value {
 
  private:
   friend class Table;
-  [[noreturn]] void wrong_type(std::string_view wanted) const;
 
   const toml::node* node_;
   std::string path_;

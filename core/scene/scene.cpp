@@ -45,6 +45,8 @@ void read_output(const Table& root, OutputOptions& output) {
   if (const auto interval = table.find("interval")) output.interval = interval->number_from_0("s");
   if (const auto trajectory = table.find("trajectory")) output.trajectory = trajectory->boolean();
   if (const auto reactions = table.find("reactions")) output.reactions = reactions->boolean();
+  if (const auto surfaces = table.find("surfaces")) output.surfaces = surfaces->boolean();
+  if (const auto rigid = table.find("rigid")) output.rigid = rigid->boolean();
 }
 
 }  // namespace
@@ -66,6 +68,7 @@ Scene parse_scene(std::string_view text, std::string_view name, const PluginHost
   scene::read_bodies(root, plugins, result.network);
   scene::read_connections(root, plugins, result.network);
   scene::read_changes(root, plugins, result.network);
+  scene::read_surroundings(root, result.network);
   return result;
 }
 

@@ -55,8 +55,10 @@ std::string describe(const EventCounts& events) {
   };
   add(events.cut, "spring", "cut");
   add(events.ruptured, "spring", "ruptured");
-  add(events.touched, "node", "touched a plane");
+  add(events.touched, "node", "touched a surface");
   add(events.released, "node", "released");
+  add(events.slipped, "node", "slipped");
+  add(events.stuck, "node", "stuck again");
   return text.empty() ? "none" : text;
 }
 
@@ -73,6 +75,31 @@ void PluginArguments::add_to(CLI::App& command) {
 
 std::shared_ptr<const PluginHost> PluginArguments::load() const {
   return std::make_shared<const PluginHost>(PluginHost::with_default_search(folders));
+}
+
+std::vector<std::string> PluginArguments::empty_folders() const {
+  std::vector<std::string> notes;
+  for (const std::filesystem::path& folder : folders) {
+    std::error_code unreadable;  // then the host has refused the folder itself
+    bool found = false;
+    for (std::filesystem::directory_iterator entry(folder, unreadable), end; !unreadable && entry != end;
+         entry.increment(unreadable)) {
+      found = found || entry->path().stem().extension() == ".springnet";
+    }
+    if (!found && !unreadable) {
+      notes.push_back(
+          fmt::format("There is no plugin (*.springnet.so) in {}, which --plugins names.", folder.string()));
+    }
+  }
+  return notes;
+}
+
+std::vector<std::string> PluginArguments::notes(const PluginHost& host) const {
+  std::vector<std::string> notes = empty_folders();
+  for (const Refusal& refusal : host.refusals()) {
+    notes.push_back(fmt::format("Plugin not taken: {}: {}.", refusal.file.string(), refusal.reason));
+  }
+  return notes;
 }
 
 void SceneArguments::add_to(CLI::App& command, bool simulation) {

@@ -28,7 +28,7 @@ void print_error(std::string_view message);
 inline constexpr double above_zero = std::numeric_limits<double>::min();
 inline constexpr double finite = std::numeric_limits<double>::max();
 
-// "16 nodes touched, 2 springs cut", or "no events".
+// "16 nodes touched a surface, 2 springs cut", or "none".
 [[nodiscard]] std::string describe(const EventCounts& events);
 
 struct PluginArguments {
@@ -36,6 +36,11 @@ struct PluginArguments {
 
   void add_to(CLI::App& command);
   [[nodiscard]] std::shared_ptr<const PluginHost> load() const;
+  // A sentence for each of the folders that holds no plugin.
+  [[nodiscard]] std::vector<std::string> empty_folders() const;
+  // These, and one for each file or folder that was looked at and not taken: a user's plugin that offers what another
+  // one offers as well comes before it, and the other one is refused.
+  [[nodiscard]] std::vector<std::string> notes(const PluginHost& host) const;
 };
 
 struct SceneArguments {

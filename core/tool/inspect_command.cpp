@@ -1,4 +1,8 @@
+#include <algorithm>
+#include <cmath>
 #include <memory>
+#include <string>
+#include <vector>
 
 #include <fmt/format.h>
 #include <springnet/inspection.hpp>
@@ -11,7 +15,13 @@ namespace springnet::tool {
 
 namespace {
 
-constexpr const char* examples = R"(Examples:
+constexpr const char* examples =
+    R"(It tells for each update rule of the recurrent network the largest time step under which it settles, found by power
+iteration on the network linearised at the start, and which node and spring set it; counts mechanisms (motions that no
+spring resists); and lists what looks like a slip: springs far stiffer than the rest, nodes without springs, parts that
+nothing fixes. core/docs/inspect.md explains the numbers.
+
+Examples:
   springnet inspect examples/cube/cube.toml
   springnet inspect cube.toml --set 'body.0.spring.stiffness=20' --json
 
@@ -23,8 +33,8 @@ struct InspectArguments {
   bool json = false;
 };
 
-std::string text_of(const std::optional<Range>& range, const char* unit) {
-  if (!range) return "unknown";
+std::string text_of(const std::optional<Range>& range, const char* unit, bool all_known = true) {
+  if (!range) return all_known ? "none" : "unknown";
   if (range->smallest == range->largest) return fmt::format("{:.6g} {}", range->smallest, unit);
   return fmt::format("{:.6g} to {:.6g} {}", range->smallest, range->largest, unit);
 }
@@ -35,50 +45,188 @@ std::string text_of(const std::map<std::string, std::size_t>& counts) {
   return text.empty() ? "none" : text;
 }
 
-void print(const Scene& scene, const Inspection& found, const std::string& name) {
-  fmt::print("{}{}{}\n", name, scene.title.empty() ? "" : ": ", scene.title);
+std::string plural(std::size_t count, const char* singular, const char* several) {
+  return fmt::format("{} {}", count, count == 1 ? singular : several);
+}
+
+std::vector<std::vector<std::string>> facts(const Scene& scene, const Inspection& found) {
   const Vector3 extent = found.upper - found.lower;
-  std::vector<std::vector<std::string>> rows{
-      {"nodes", fmt::format("{}, {} of them fixed; in {} bod{}", found.nodes, found.fixed_nodes, found.bodies,
-                            found.bodies == 1 ? "y" : "ies")},
+  return {
+      {"nodes", fmt::format("{}, {} of them fixed{}; in {}", found.nodes, found.fixed_nodes,
+                            found.moved_nodes > 0 ? fmt::format(" ({} moved)", found.moved_nodes) : "",
+                            plural(found.bodies, "body", "bodies"))},
       {"neurons", text_of(found.neurons)},
       {"springs",
        fmt::format("{}, {} of them not at rest length at the start", found.springs, found.springs_under_load)},
       {"spring functions", text_of(found.spring_functions)},
       {"viscosity functions", text_of(found.viscosity_functions)},
-      {"connected parts", fmt::format("{}, nodes without springs: {}", found.parts, found.nodes_without_springs)},
+      {"connected parts",
+       fmt::format("{}, nodes without springs: {}", found.parts.size(), found.nodes_without_springs)},
       {"mass of a node", fmt::format("{}; {:.6g} kg in all", text_of(found.mass, "kg"), found.total_mass)},
       {"length", text_of(found.length, "m")},
       {"rest length", text_of(found.rest_length, "m")},
-      {"stiffness", text_of(found.stiffness, "N/m at the start")},
-      {"damping", text_of(found.damping, "N s/m at rest")},
+      {"stiffness", text_of(found.stiffness, "N/m at the start", found.unknown_because.empty())},
+      {"damping", text_of(found.damping, "N s/m at rest", found.unknown_because.empty())},
       {"extent", fmt::format("{:.6g} x {:.6g} x {:.6g} m from ({:.6g}, {:.6g}, {:.6g})", extent.x(), extent.y(),
                              extent.z(), found.lower.x(), found.lower.y(), found.lower.z())},
-      {"changes", fmt::format("loads {}, planes {}, cuts {}", found.loads, found.planes, found.cuts)},
+      {"changes", fmt::format("loads {}, planes {}, instruments {}, cuts {}", found.loads, found.planes,
+                              found.instruments, found.cuts)},
+      {"rigid connections", fmt::format("{}{}", found.rigids,
+                                        found.mobility.redundant_rigids == 0
+                                            ? ""
+                                            : fmt::format(", {} of them redundant", found.mobility.redundant_rigids))},
+      {"mechanisms", found.mobility.known ? fmt::format("{}, and {}", found.mobility.mechanisms,
+                                                        plural(found.mobility.rigid_body_motions,
+                                                               "motion as a rigid body", "motions as a rigid body"))
+                                          : "not counted, the network is too large for that"},
       {"time step", fmt::format("{:g} s, {:.0f} of them in {:g} s", scene.options.time_step,
                                 std::ceil(scene.duration / scene.options.time_step - 1e-9), scene.duration)},
-      {"synchronous limit",
-       found.synchronous_time_constant
-           ? fmt::format(
-                 "about {:.2g} s: the time step above which the synchronous update rule does not settle, linearised "
-                 "at the start",
-                 *found.synchronous_time_constant)
-           : "unknown or none"},
       {"memory", fmt::format("about {}", readable_bytes(found.memory_bytes))},
       {"output of a run", fmt::format("about {}", readable_bytes(estimate_output(scene).bytes))},
   };
+}
+
+std::string text_of(const Network& network, const std::optional<Bottleneck>& set_by) {
+  if (!set_by) return "";
+  std::string text = fmt::format("node {} ({:.3g} kg)", set_by->node, set_by->mass);
+  if (!set_by->spring) return text;
+  const Spring& spring = network.springs()[*set_by->spring];
+  text += fmt::format(", spring {} to node {} (k {:.3g} N/m", *set_by->spring,
+                      spring.first == set_by->node ? spring.second : spring.first, set_by->stiffness);
+  if (set_by->damping != 0.0) text += fmt::format(", d {:.3g} N s/m", set_by->damping);
+  return text + fmt::format("): t^2 k/m {:.2g}, t d/m {:.2g}", set_by->elastic_share, set_by->viscous_share);
+}
+
+void print_limits(const Scene& scene, const Inspection& found) {
+  fmt::print("\nLargest time step of each update rule, linearised at the start{}:\n",
+             found.options.theta == 1.0 ? "" : fmt::format(", theta {:g}", found.options.theta));
+  std::vector<std::vector<std::string>> rows{{"update", "largest time step", "the scene's", "set by"}};
+  for (const TimeConstantLimit& limit : found.limits) {
+    std::vector<std::string> row{std::string(name_of(limit.rule))};
+    switch (limit.kind) {
+      case TimeConstantLimit::Kind::none:
+        row.insert(row.end(), {"no limit", "", ""});
+        break;
+      case TimeConstantLimit::Kind::unknown:
+        row.insert(row.end(), {"unknown", "", ""});
+        break;
+      default:
+        row.push_back(fmt::format("{}{:.3g} s", limit.kind == TimeConstantLimit::Kind::estimate ? "roughly " : "",
+                                  limit.time_constant));
+        row.push_back(fmt::format("{:.2g} of it", scene.options.time_step / limit.time_constant));
+        row.push_back(text_of(scene.network, limit.set_by));
+    }
+    rows.push_back(row);
+  }
   fmt::print("{}", align_columns(rows));
+  if (!found.unknown_because.empty()) fmt::print("  unknown because {}\n", found.unknown_because);
+  if (found.unique_time_constant) {
+    fmt::print("  above {:.3g} s a time step may have several solutions: springs push or soften (buckling)\n",
+               *found.unique_time_constant);
+  }
+}
+
+// One sentence a finding, then the worst springs.
+class Findings {
+ public:
+  void add(const std::string& text) { text_ += fmt::format("  - {}\n", text); }
+  void add(const UnusualSprings& springs, const char* what, const char* unit) {
+    if (springs.count == 0) return;
+    const std::string bound =
+        springs.median > 0.0 ? fmt::format("over {:g} times the median {:.3g}{}", unusual_factor, springs.median, unit)
+                             : fmt::format("over {:g}{}", springs.bound, unit);
+    add(fmt::format("{}: {} {}; {}:", plural(springs.count, "spring", "springs"), what, bound,
+                    springs.count > springs.worst.size() ? "the worst" : "namely"));
+    for (const UnusualSpring& spring : springs.worst) {
+      text_ += fmt::format("      spring {} (nodes {}, {}): {:.3g}{}\n", spring.spring, spring.first, spring.second,
+                           spring.value, unit);
+    }
+  }
+  void print() const { fmt::print("\nWorth a look:\n{}", text_.empty() ? std::string("  nothing unusual\n") : text_); }
+
+ private:
+  std::string text_;
+};
+
+void add_parts(const Inspection& found, Findings& findings) {
+  if (found.nodes_without_springs > 0) {
+    std::string numbers;
+    for (const NodeIndex node : found.suspicions.nodes_without_springs) {
+      numbers += fmt::format("{}{}", numbers.empty() ? "" : ", ", node);
+    }
+    findings.add(fmt::format("{} without springs: {}{}", plural(found.nodes_without_springs, "node", "nodes"), numbers,
+                             found.nodes_without_springs > listed_at_most ? ", …" : ""));
+  }
+  if (found.parts.size() < 2) return;
+  std::string list;
+  for (std::size_t i = 0; i < std::min(found.parts.size(), parts_listed_at_most); ++i) {
+    const Part& part = found.parts[i];
+    list += fmt::format("\n      {} from node {}{}", plural(part.nodes, "node", "nodes"), part.first_node,
+                        part.fixed_nodes > 0 ? fmt::format(", {} fixed", part.fixed_nodes) : ", nothing fixes it");
+  }
+  if (found.parts.size() > parts_listed_at_most) list += "\n      …";
+  findings.add(fmt::format("{} parts that nothing connects:{}", found.parts.size(), list));
+}
+
+void print_findings(const Network& network, const Inspection& found) {
+  const Suspicions& suspicions = found.suspicions;
+  Findings findings;
+  findings.add(suspicions.stiffness, "stiffness", " N/m");
+  findings.add(suspicions.damping, "damping", " N s/m");
+  findings.add(suspicions.elastic_rate, "stiffness over mass of the ends", " 1/s^2");
+  findings.add(suspicions.viscous_rate, "damping over mass of the ends", " 1/s");
+  findings.add(suspicions.strain, "strain at the start", "");
+  if (suspicions.springs_without_direction > 0) {
+    findings.add(fmt::format("{} with both ends in one place: no law can push there",
+                             plural(suspicions.springs_without_direction, "spring", "springs")));
+  }
+  if (suspicions.springs_that_soften > 0) {
+    findings.add(fmt::format("{} whose tension falls with the length",
+                             plural(suspicions.springs_that_soften, "spring", "springs")));
+  }
+  if (suspicions.lightest) {
+    const double light = network.nodes()[*suspicions.lightest].mass, heavy = network.nodes()[*suspicions.heaviest].mass;
+    findings.add(fmt::format("masses lie {:.3g} times apart: node {} has {:.3g} kg, node {} {:.3g} kg", heavy / light,
+                             *suspicions.lightest, light, *suspicions.heaviest, heavy));
+  }
+  add_parts(found, findings);
+  const Mobility& mobility = found.mobility;
+  if (mobility.known && mobility.mechanisms > 0) {
+    findings.add(fmt::format("{} that no spring resists to first order{}",
+                             plural(mobility.mechanisms, "motion (mechanism)", "motions (mechanisms)"),
+                             mobility.springs_under_tension > 0
+                                 ? fmt::format("; tension, as {} have it, may hold them",
+                                               plural(mobility.springs_under_tension, "spring", "springs"))
+                                 : ""));
+  }
+  if (mobility.redundant_rigids > 0) {
+    findings.add(fmt::format("{} that others make superfluous: their forces are not determined one by one",
+                             plural(mobility.redundant_rigids, "rigid connection", "rigid connections")));
+  }
+  findings.print();
+}
+
+InspectionOptions options_of(const Scene& scene) {
+  InspectionOptions options;
+  options.time_step = scene.options.time_step;
+  const ParameterValues& given = scene.options.integrator.parameters;
+  const auto theta = given.find("theta");
+  if (theta != given.end() && theta->second > 0.0) options.theta = theta->second;
+  return options;
 }
 
 int run(const InspectArguments& arguments) {
   const auto host = arguments.scene.plugins.load();
   const Scene scene = arguments.scene.load(*host);
-  const Inspection found = inspect(scene.network, *host);
+  const Inspection found = inspect(scene.network, *host, options_of(scene));
   if (arguments.json) {
     fmt::print("{}", to_json(found));
-  } else {
-    print(scene, found, arguments.scene.file.string());
+    return done;
   }
+  fmt::print("{}{}{}\n", arguments.scene.file.string(), scene.title.empty() ? "" : ": ", scene.title);
+  fmt::print("{}", align_columns(facts(scene, found)));
+  print_limits(scene, found);
+  print_findings(scene.network, found);
   return done;
 }
 

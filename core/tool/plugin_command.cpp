@@ -201,13 +201,14 @@ int list(const PluginArguments& plugins, bool json) {
     for (const Refusal& refusal : host->refusals()) {
       refused.push_back({{"file", refusal.file.string()}, {"reason", refusal.reason}});
     }
-    print_json({{"components", components}, {"refused", refused}});
+    print_json({{"components", components}, {"refused", refused}, {"notes", plugins.empty_folders()}});
     return done;
   }
   if (host->components().empty()) {
     fmt::print("no plugin was found; name a folder with --plugins or SPRINGNET_PLUGIN_PATH\n");
   }
   for (const std::string& folder : folders_of(*host)) print_folder(*host, folder);
+  for (const std::string& note : plugins.empty_folders()) fmt::print("\n{}\n", note);
   if (!host->refusals().empty()) fmt::print("\nlooked at and not taken:\n");
   for (const Refusal& refusal : host->refusals()) fmt::print("  {}\n    {}\n", refusal.file.string(), refusal.reason);
   return done;

@@ -14,7 +14,9 @@ namespace {
 
 constexpr const char* examples = R"(Files (in the folder of the output):
   trajectory.csv   time,node,x,y,z,vx,vy,vz   s, m, m/s; the scene's [output] says how often
-  reactions.csv    time,node,fx,fy,fz         N, if output.reactions = true
+  reactions.csv    time,node,fx,fy,fz,tx,…    N, N m: what holds nodes, if output.reactions = true
+  surfaces.csv     time,surface,x,y,z,fx,…    forces and torques on planes and instruments
+  rigid.csv        time,rigid,force           N: tension of rigid connections
   events.csv       time,event,element,index   cuts, ruptures, contacts
   summary.json     how the run went
 
@@ -32,7 +34,8 @@ struct RunArguments {
   OutputArguments output;
 };
 
-void print_result(const RunSummary& summary, const std::filesystem::path& folder) {
+// Notes from number `first` on; those before stood on the terminal before the run.
+void print_result(const RunSummary& summary, const std::filesystem::path& folder, std::size_t first) {
   const auto steps = static_cast<double>(summary.steps);
   fmt::print("{}: {}, {} nodes, {} springs\n", summary.scene, summary.integrator.id, summary.nodes, summary.springs);
   fmt::print("  outcome    {}\n", summary.outcome);
@@ -45,17 +48,30 @@ void print_result(const RunSummary& summary, const std::filesystem::path& folder
     fmt::print("  warning    {} of {} time steps were accepted without having settled\n", summary.unsettled,
                summary.steps);
   }
+  if (summary.divided > 0) {
+    fmt::print("  substeps   {} of {} time steps were divided, {} smaller steps in all\n", summary.divided,
+               summary.steps, summary.substeps);
+  }
+  if (summary.stages > 0) {
+    fmt::print("  stages     {} smaller time constants on the way to the full one\n", summary.stages);
+  }
   if (std::isfinite(summary.largest_residual)) fmt::print("  residual   {:.2g} N at most\n", summary.largest_residual);
   fmt::print("  events     {}\n", describe(summary.events));
   fmt::print("  written    {} ({} and the summary) in {}\n", fmt::join(summary.files, ", "),
              readable_bytes(static_cast<double>(summary.bytes)), folder.string());
+  for (std::size_t k = first; k < summary.notes.size(); ++k) fmt::print("  note       {}\n", summary.notes[k]);
 }
 
 int run(const RunArguments& arguments) {
   const auto host = arguments.scene.plugins.load();
   const Scene scene = arguments.scene.load(*host);
   const std::filesystem::path folder = arguments.output.folder_for(arguments.scene.file);
+  RunOptions options;
+  options.notes = arguments.scene.plugins.notes(*host);
+  std::vector<std::string> notes = options.notes;
+  for (const std::string& note : notes_of(scene)) notes.push_back(note);
   if (!arguments.output.silent()) {
+    for (const std::string& note : notes) fmt::print("note: {}\n", note);
     const OutputEstimate estimate = estimate_output(scene);
     fmt::print("writing about {} ({:.0f} records) to {}\n", readable_bytes(estimate.bytes), estimate.records,
                folder.string());
@@ -64,7 +80,6 @@ int run(const RunArguments& arguments) {
 
   catch_interrupts();
   Progress progress(arguments.output.silent());
-  RunOptions options;
   options.folder = folder;
   options.scene_name = arguments.scene.file.string();
   options.progress = [&](const RunProgress& now) {
@@ -77,7 +92,7 @@ int run(const RunArguments& arguments) {
   if (arguments.output.json) {
     fmt::print("{}", to_json(summary));
   } else if (!arguments.output.quiet) {
-    print_result(summary, folder);
+    print_result(summary, folder, notes.size());
   }
   std::fflush(stdout);
   if (summary.failure) {

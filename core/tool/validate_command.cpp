@@ -75,8 +75,11 @@ int run(const ValidateArguments& arguments) {
     progress.update(now.time, now.duration);
     return !interrupted();
   };
-  const Validation validation = validate(scene, host, options);
+  Validation validation = validate(scene, host, options);
   progress.finish();
+  std::vector<std::string> notes = arguments.scene.plugins.notes(*host);
+  for (const std::string& note : notes_of(scene)) notes.push_back(note);
+  validation.notes.insert(validation.notes.begin(), notes.begin(), notes.end());
 
   const std::string json = to_json(validation);
   write_file(folder / "validation.json", json);

@@ -15,6 +15,14 @@
 using namespace springnet;
 using testing::TemporaryFolder;
 
+TEST_CASE("texts stand in one cell, whatever is in them") {
+  CHECK(csv_cell("floor") == "floor");
+  CHECK(csv_cell("") == "");
+  CHECK(csv_cell("left, lower") == "\"left, lower\"");
+  CHECK(csv_cell("4\" pipe") == "\"4\"\" pipe\"");
+  CHECK(csv_cell("two\nlines") == "\"two\nlines\"");
+}
+
 TEST_CASE("numbers in a table read back as the same doubles") {
   const TemporaryFolder folder;
   std::mt19937_64 random(7);

@@ -106,7 +106,7 @@ TEST_CASE("reactions balance what pulls at a fixed node") {
   scene.network.set_gravity({1.5, 0.0, 0.0});
   run(scene, folder);
   const testing::Csv csv = testing::read_csv(folder.path() / "reactions.csv");
-  CHECK(csv.header == "time,node,fx,fy,fz");
+  CHECK(csv.header == "time,node,fx,fy,fz,tx,ty,tz");
   REQUIRE(csv.rows.size() == 1201);  // the fixed node only
   const std::size_t last = csv.rows.size() - 1;
   CHECK(csv.rows[last][1] == "0");
@@ -170,7 +170,7 @@ TEST_CASE("a run that fails midway keeps what was written, and says so") {
   const TemporaryFolder folder;
   Scene scene = pair();
   // At rest until a load pulls at 0.5 s; then one step needs more sweeps than allowed.
-  scene.options.integrator = {"recurrent", {{"max_sweeps", 2.0}}};
+  scene.options.integrator = {"recurrent", {{"update", testing::wavefront}, {"max_sweeps", 2.0}}};
   Load load;
   load.nodes = {1};
   load.force = Vector3(100.0, 0.0, 0.0);
@@ -191,7 +191,8 @@ TEST_CASE("a run that fails midway keeps what was written, and says so") {
 TEST_CASE("time steps accepted without having settled show in outcome and count") {
   const TemporaryFolder folder;
   Scene scene = pair();
-  scene.options.integrator = {"recurrent", {{"max_sweeps", 2.0}, {"unsettled", 1.0}}};
+  scene.options.integrator = {
+      "recurrent", {{"update", testing::wavefront}, {"max_sweeps", 2.0}, {"unsettled", testing::on_unsettled_accept}}};
   Load load;
   load.nodes = {1};
   load.force = Vector3(1.0, 0.0, 0.0);
@@ -203,6 +204,38 @@ TEST_CASE("time steps accepted without having settled show in outcome and count"
   CHECK(summary.outcome == "out of sweeps");
   CHECK(summary.unsettled >= 3);
   CHECK(summary.choices.at("unsettled") == "accept");
+}
+
+TEST_CASE("time steps that were divided are counted, with the smaller steps") {
+  const TemporaryFolder folder;
+  Scene scene = pair();
+  // t^2 k / m is 4 in the first step: far beyond what synchronous propagation settles with.
+  scene.options.time_step = 1.0;
+  scene.duration = 3.0;
+  scene.network.set_gravity({1.0, 0.0, 0.0});
+  scene.options.integrator = {"recurrent",
+                              {{"update", testing::synchronous}, {"unsettled", testing::on_unsettled_adapt}}};
+  const RunSummary summary = run(scene, folder);
+  CHECK_FALSE(summary.failure);
+  CHECK(summary.steps == 3);
+  CHECK(summary.divided > 0);
+
+  Simulation simulation(scene.network, plugins(), scene.options);
+  std::uint64_t divided = 0, substeps = 0, stages = 0;
+  for (int k = 0; k < 3; ++k) {
+    const StepReport& report = simulation.step();
+    divided += report.substeps > 0 ? 1 : 0;
+    substeps += report.substeps;
+    stages += report.stages;
+  }
+  CHECK(summary.divided == divided);
+  CHECK(summary.substeps == substeps);
+  CHECK(summary.substeps >= 2 * divided);
+  CHECK(summary.stages == stages);
+  const auto json = nlohmann::json::parse(testing::read_text(folder.path() / "summary.json"));
+  CHECK(json["divided_steps"] == divided);
+  CHECK(json["substeps"] == substeps);
+  CHECK(json["stages"] == stages);
 }
 
 TEST_CASE("the summary has what a reader of it needs") {

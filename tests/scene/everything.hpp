@@ -19,6 +19,8 @@ acceleration = [0, 0, -9.81]
 interval = 0.1
 trajectory = false
 reactions = true
+surfaces = false
+rigid = false
 
 [[body]]                      # nodes 0 to 7, springs 0 to 11
 name = "block"
@@ -55,6 +57,23 @@ to = { nodes = [10] }
 within = 3.0
 spring = { type = "linear", stiffness = 5.0 }
 
+[[rigid]]                     # 8 and 9
+pairs = [[{ body = "chain", node = 0 }, { body = "chain", node = 1 }]]
+length = 1.0
+
+[[rigid]]                     # 0 and 1: of nodes 0 to 2 only these two are that near
+from = { nodes = [0] }
+to = { nodes = [1, 2] }
+within = 1.5
+
+[[rigid]]                     # 2 and 3
+from = { nodes = [2] }
+to = { body = "block", nodes = [3, 7] }
+nearest = true
+
+[[rigid]]                     # 9 and 10
+springs = { body = "chain", springs = [1] }
+
 [[node]]
 select = { body = ["block", "chain"], box = { min = [0, 0, 8], max = [1, 0, 8] } }   # 4 and 5
 mass = 4.0
@@ -82,10 +101,33 @@ force = [1, 0, 0]
 from = 0.5
 until = 1.5
 
+[[move]]
+select = { nodes = [0, 1] }
+table = [[0, 0, 0, 0], [1, 0, 0, 0.5], [2.5, -1, 0, 0.5]]
+interpolation = "linear"
+
+[[move]]
+select = { nodes = [6] }
+sinusoid = { amplitude = [0, 0.1, 0], frequency = 2.5, phase = 0.5 }
+from = 0.25
+until = 2.25
+
 [[plane]]
 name = "floor"
 point = [0, 0, -1]
 normal = [0, 0, 2]
+friction = 0.3
+motion = { table = [[0, 0, 0, 0], [1, 0, 0, 0.25]], interpolation = "smooth" }
+
+[[instrument]]
+name = "ball"
+sphere = { center = [5, 5, 5], radius = 0.5 }
+friction = "none"
+motion = { sinusoid = { amplitude = [1, 0, 0], frequency = 0.5, phase = 1.5 }, from = 0.5, until = 1.5 }
+
+[[instrument]]
+name = "probe"
+capsule = { from = [0, 0, 20], to = [0, 0, 30], radius = 0.25 }
 
 [[cut]]
 time = 1.0

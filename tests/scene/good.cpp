@@ -2,6 +2,7 @@
 #include <array>
 #include <limits>
 #include <numeric>
+#include <set>
 
 #include <doctest/doctest.h>
 #include <fmt/format.h>
@@ -60,6 +61,8 @@ TEST_CASE("what is left out has its default") {
   CHECK(scene.output.interval == 0);
   CHECK(scene.output.trajectory);
   CHECK_FALSE(scene.output.reactions);
+  CHECK(scene.output.surfaces);
+  CHECK(scene.output.rigid);
   CHECK(scene.network.gravity() == Vector3::Zero());
   CHECK(scene.network.nodes()[0].position == Vector3::Zero());
   CHECK(scene.network.nodes()[0].velocity == Vector3::Zero());
@@ -94,6 +97,8 @@ TEST_CASE("every key: simulation and output") {
   CHECK(scene.output.interval == 0.1);
   CHECK_FALSE(scene.output.trajectory);
   CHECK(scene.output.reactions);
+  CHECK_FALSE(scene.output.surfaces);
+  CHECK_FALSE(scene.output.rigid);
   CHECK(scene.network.gravity() == Vector3(0, 0, -9.81));
 }
 
@@ -162,7 +167,10 @@ TEST_CASE("every key: overrides of nodes and springs") {
 
 TEST_CASE("every key: what acts on the network") {
   const Network network = parse(everything).network;
-  for (unsigned node = 0; node < network.nodes().size(); ++node) CHECK(network.nodes()[node].fixed == (node == 10));
+  const std::set<springnet::NodeIndex> fixed{0, 1, 6, 10};  // 10 by [[fix]], the others move
+  for (springnet::NodeIndex node = 0; node < network.nodes().size(); ++node) {
+    CHECK(network.nodes()[node].fixed == (fixed.count(node) == 1));
+  }
   REQUIRE(network.loads().size() == 1);
   CHECK(network.loads()[0].nodes == std::vector<springnet::NodeIndex>{3});
   CHECK(network.loads()[0].force == Vector3(1, 0, 0));
@@ -177,6 +185,117 @@ TEST_CASE("every key: what acts on the network") {
   CHECK(network.cuts()[0].springs == std::vector<springnet::SpringIndex>{3});
   CHECK(network.cuts()[1].polygon.size() == 3);
   CHECK(network.cuts()[1].polygon[2] == Vector3(0.5, 5, 9));
+}
+
+TEST_CASE("every key: rigid connections") {
+  const Network network = parse(everything).network;
+  const std::vector<std::array<unsigned, 2>> ends{{8, 9}, {0, 1}, {2, 3}, {9, 10}};
+  REQUIRE(network.rigids().size() == ends.size());
+  for (std::size_t k = 0; k < ends.size(); ++k) {
+    CAPTURE(k);
+    CHECK(network.rigids()[k].first == ends[k][0]);
+    CHECK(network.rigids()[k].second == ends[k][1]);
+    CHECK(network.rigids()[k].length == (k == 3 ? 2.0 : 1.0));
+  }
+  CHECK(network.springs().size() == 17);  // none goes, none comes
+}
+
+TEST_CASE("every key: motions") {
+  const Network network = parse(everything).network;
+  REQUIRE(network.moves().size() == 2);
+  CHECK(network.moves()[0].nodes == std::vector<springnet::NodeIndex>{0, 1});
+  const springnet::Motion& table = network.moves()[0].motion;
+  CHECK(table.interpolation == springnet::Motion::Interpolation::linear);
+  CHECK(table.times == std::vector<double>{0, 1, 2.5});
+  REQUIRE(table.displacements.size() == 3);
+  CHECK(table.displacements[2] == Vector3(-1, 0, 0.5));
+  CHECK(table.amplitude == Vector3::Zero());
+  const springnet::Motion& sinusoid = network.moves()[1].motion;
+  CHECK(network.moves()[1].nodes == std::vector<springnet::NodeIndex>{6});
+  CHECK(sinusoid.times.empty());
+  CHECK(sinusoid.amplitude == Vector3(0, 0.1, 0));
+  CHECK(sinusoid.frequency == 2.5);
+  CHECK(sinusoid.phase == 0.5);
+  CHECK(sinusoid.from == 0.25);
+  CHECK(sinusoid.until == 2.25);
+}
+
+TEST_CASE("every key: surfaces") {
+  using springnet::Friction;
+  const Network network = parse(everything).network;
+  const springnet::Plane& floor = network.planes().at(0);
+  CHECK(floor.friction.kind == Friction::Kind::coulomb);
+  CHECK(floor.friction.coefficient == 0.3);
+  REQUIRE(floor.motion.has_value());
+  CHECK(floor.motion->interpolation == springnet::Motion::Interpolation::smooth);
+  CHECK(floor.motion->displacements.at(1) == Vector3(0, 0, 0.25));
+  REQUIRE(network.instruments().size() == 2);
+  const springnet::Instrument& ball = network.instruments()[0];
+  CHECK(ball.name == "ball");
+  CHECK(ball.first == Vector3(5, 5, 5));
+  CHECK(ball.second == Vector3(5, 5, 5));
+  CHECK(ball.radius == 0.5);
+  CHECK(ball.friction.kind == Friction::Kind::none);
+  REQUIRE(ball.motion.has_value());
+  CHECK(ball.motion->frequency == 0.5);
+  CHECK(ball.motion->until == 1.5);
+  const springnet::Instrument& probe = network.instruments()[1];
+  CHECK(probe.first == Vector3(0, 0, 20));
+  CHECK(probe.second == Vector3(0, 0, 30));
+  CHECK(probe.radius == 0.25);
+  CHECK(probe.friction.kind == Friction::Kind::held);
+  CHECK_FALSE(probe.motion.has_value());
+}
+
+TEST_CASE("friction, interpolation and windows that are left out") {
+  const std::string plane = small + "[[plane]]\npoint = [0, 0, -1]\nnormal = [0, 0, 1]\n";
+  CHECK(parse(plane).network.planes()[0].friction.kind == springnet::Friction::Kind::held);
+  CHECK(parse(plane + "friction = \"held\"").network.planes()[0].friction.kind == springnet::Friction::Kind::held);
+  const springnet::Friction smooth = parse(plane + "friction = 0").network.planes()[0].friction;
+  CHECK(smooth.kind == springnet::Friction::Kind::coulomb);
+  CHECK(smooth.coefficient == 0);
+  const Network network = parse(small +
+                                "[[move]]\nselect = { nodes = [0] }\ntable = [[0, 0, 0, 0], [1, 1, 0, 0]]\n"
+                                "[[move]]\nselect = { nodes = [1] }\n"
+                                "sinusoid = { amplitude = [0, 0, 1], frequency = 1 }\n")
+                              .network;
+  CHECK(network.moves()[0].motion.interpolation == springnet::Motion::Interpolation::smooth);
+  CHECK(network.moves()[1].motion.phase == 0);
+  CHECK(network.moves()[1].motion.from == 0);
+  CHECK(network.moves()[1].motion.until == std::numeric_limits<double>::infinity());
+}
+
+TEST_CASE("springs are made rigid once where several join the same nodes") {
+  const std::string twice =
+      small + "[[connect]]\npairs = [[{ node = 1 }, { node = 0 }]]\nspring = { type = \"linear\", stiffness = 1 }\n";
+  const Network network = parse(twice + "[[rigid]]\nsprings = { nodes = [0, 1, 2] }\n").network;
+  REQUIRE(network.rigids().size() == 2);  // 0 to 1, 1 to 2
+  CHECK(network.rigids()[1].second == 2);
+}
+
+TEST_CASE("what lies outside of the simulated time is noted") {
+  CHECK(springnet::notes_of(parse(everything)).empty());
+  const std::string load = "[[force]]\nselect = {}\nforce = [0, 0, 1]\n";
+  const std::string table = "table = [[2, 0, 0, 0], [3, 0, 0, 1]]";
+  const Scene scene = parse(small + load + "from = 1\n" + load + "until = 0\n" + load + "from = 0.9\n" +
+                            "[[cut]]\ntime = 1\nselect = {}\n[[cut]]\ntime = 1.5\nselect = {}\n" +
+                            "[[move]]\nselect = { nodes = [0] }\n" + table +
+                            "\n[[plane]]\npoint = [0, 0, -1]\nnormal = [0, 0, 1]\nmotion = { " + table +
+                            " }\n[[instrument]]\nname = \"tip\"\nsphere = { center = [9, 9, 9], radius = 1 }\n" +
+                            "motion = { sinusoid = { amplitude = [1, 0, 0], frequency = 1 }, from = 7 }\n");
+  const std::string end = " is outside of the simulated time, 0 to 1 s.";
+  const std::vector<std::string> expected{"Force 0, which starts at 1 s," + end,
+                                          "Force 1, which ends at 0 s," + end,
+                                          "Cut 1 at 1.5 s" + end,
+                                          "The motion of the nodes of move 0, which starts at 2 s," + end,
+                                          "The motion of plane 0, which starts at 2 s," + end,
+                                          "The motion of instrument 'tip', which starts at 7 s," + end};
+  CHECK(springnet::notes_of(scene) == expected);
+  Scene longer = scene;
+  longer.duration = 8;
+  CHECK(springnet::notes_of(longer).size() == 1);  // the force that ends at 0 s
+  longer.duration = 0;
+  CHECK(springnet::notes_of(longer).empty());
 }
 
 TEST_CASE("a force without a window acts always") {

@@ -22,9 +22,15 @@ std::string read_page() {
 
 std::set<std::string> listed() { return {springnet::scene_keys().begin(), springnet::scene_keys().end()}; }
 
-// Selections have their keys listed once, as "select.…".
-bool is_selection(const std::string& path) {
-  return path.ends_with(".select") || path == "connect.from" || path == "connect.to";
+// Where the keys of a table are listed: those of selections once, as "select.…", those of surfaces' motions likewise.
+std::string listed_path(const std::string& path) {
+  if (path.ends_with(".select") || path == "rigid.springs") return "select";
+  for (const char* joined : {"connect", "rigid"}) {
+    for (const char* end : {".from", ".to"}) {
+      if (path == std::string(joined) + end) return "select";
+    }
+  }
+  return path.ends_with(".motion") ? "motion" : path;
 }
 
 void collect(const toml::node& node, const std::string& path, std::set<std::string>& keys) {
@@ -33,7 +39,7 @@ void collect(const toml::node& node, const std::string& path, std::set<std::stri
   }
   const toml::table* table = node.as_table();
   if (table == nullptr) return;
-  const std::string prefix = path.empty() ? "" : (is_selection(path) ? "select" : path) + ".";
+  const std::string prefix = path.empty() ? "" : listed_path(path) + ".";
   for (const auto& [key, value] : *table) {
     keys.insert(prefix + std::string(key.str()));
     collect(value, prefix + std::string(key.str()), keys);
@@ -83,6 +89,7 @@ TEST_CASE("a date is refused where the value of any key is expected, so that eve
       places.clear();
       for (const char* place : {"fix", "node", "cut", "spring", "force"}) places.push_back(place + ("." + key));
     }
+    if (key.starts_with("motion.")) places = {"plane." + key, "instrument." + key};
     toml::table table = toml::parse(std::string_view(everything));
     CAPTURE(key);
     REQUIRE(std::any_of(places.begin(), places.end(), [&](const std::string& place) { return spoil(table, place); }));

@@ -1,3 +1,5 @@
+#include <cmath>
+
 #include <doctest/doctest.h>
 
 #include "tool.hpp"
@@ -6,17 +8,52 @@ using namespace springnet;
 using testing::Answer;
 using testing::TemporaryFolder;
 
-TEST_CASE("inspect says what a scene is made of, and writes nothing") {
-  const TemporaryFolder folder;
-  folder.write("pair.toml", testing::pair_scene);
-  const Answer answer = testing::springnet(folder, "inspect pair.toml");
+namespace {
+
+void check_says(const Answer& answer, std::initializer_list<const char*> parts) {
   CHECK(answer.status == 0);
   CHECK(answer.err.empty());
-  for (const char* part : {"A pair", "2, 1 of them fixed", "linear (1)", "4 N/m", "0.5 N s/m", "synchronous limit"}) {
+  CAPTURE(answer.out);
+  for (const char* part : parts) {
     CAPTURE(part);
     CHECK(answer.out.find(part) != std::string::npos);
   }
+}
+
+}  // namespace
+
+TEST_CASE("inspect says what a scene is made of, and writes nothing") {
+  const TemporaryFolder folder;
+  folder.write("pair.toml", testing::pair_scene);
+  // t^2 k / m + t d / m = 1 with k / m = 2, d / m = 0.25: t = (-0.25 + sqrt(0.0625 + 8)) / 4 = 0.647.
+  check_says(
+      testing::springnet(folder, "inspect pair.toml"),
+      {"A pair", "2, 1 of them fixed", "linear (1)", "4 N/m", "0.5 N s/m", "synchronous  0.64", "wavefront    0.64",
+       "0.15 of it", "newton       no limit", "node 1 (2 kg), spring 0 to node 0 (k 4 N/m, d 0.5 N s/m)",
+       "nothing unusual", "0, and 2 motions as a rigid body"});
   CHECK_FALSE(std::filesystem::exists(folder.path() / "results"));
+}
+
+TEST_CASE("inspect says what looks like a slip, in the scene's numbers") {
+  const TemporaryFolder folder;
+  folder.write("slips.toml", R"(
+[simulation]
+duration = 1.0
+time_step = 0.1
+[[body]]
+name = "row"
+nodes = [[0, 0, 0], [1, 0, 0], [2, 0, 0], [3, 0, 0], [9, 9, 9]]
+springs = [[0, 1], [1, 2], [2, 3]]
+neuron = { type = "point_mass", mass = 1.0 }
+spring = { type = "linear", stiffness = 4.0 }
+[[spring]]
+select = { body = "row", springs = [2] }
+spring = { type = "linear", stiffness = 4000.0 }
+)");
+  check_says(testing::springnet(folder, "inspect slips.toml"),
+             {"1 spring: stiffness over 100 times the median 4 N/m; namely:", "spring 2 (nodes 2, 3): 4e+03 N/m",
+              "1 node without springs: 4", "2 parts that nothing connects", "4 nodes from node 0, nothing fixes it",
+              "4 motions (mechanisms) that no spring resists"});
 }
 
 TEST_CASE("inspect --json has the same as numbers, and sees --set") {
@@ -31,5 +68,9 @@ TEST_CASE("inspect --json has the same as numbers, and sees --set") {
   CHECK(json["fixed_nodes"] == 1);
   CHECK(json["total_mass_kg"] == 0.5);
   CHECK(json["stiffness_n_per_m"]["largest"] == 6.0);
-  CHECK(json["parts"] == 1);
+  CHECK(json["part_count"] == 1);
+  CHECK(json["time_step_s"] == 0.1);
+  // t^2 24 + t 2 = 1; the search is accurate to a thousandth.
+  const double t = json["time_constants"]["wavefront"]["time_constant_s"];
+  CHECK(t == doctest::Approx((-2.0 + std::sqrt(100.0)) / 48.0).epsilon(2e-3));
 }

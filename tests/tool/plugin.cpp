@@ -77,7 +77,7 @@ TEST_CASE("plugin show has parameters with unit, default, bounds and choices") {
 
   const std::string text = testing::springnet(folder, "plugin show recurrent").out;
   for (const char* part :
-       {"recurrent (integrator)", "update", "\"wavefront\"", "synchronous | wavefront", "max_sweeps"}) {
+       {"recurrent (integrator)", "update", "\"automatic\"", "synchronous | wavefront", "max_sweeps"}) {
     CAPTURE(part);
     CHECK(text.find(part) != std::string::npos);
   }

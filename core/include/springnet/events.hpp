@@ -12,6 +12,8 @@ struct EventCounts {
   std::size_t ruptured = 0;  // springs
   std::size_t touched = 0;   // nodes; each time counts
   std::size_t released = 0;  // nodes; each time counts
+  std::size_t slipped = 0;   // nodes; each time counts
+  std::size_t stuck = 0;     // nodes; each time counts
 };
 
 [[nodiscard]] EventCounts count_events(const Simulation& simulation);

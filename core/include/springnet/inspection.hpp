@@ -1,10 +1,15 @@
-// What a network is made of, before it moves: counts, ranges, parts, and how large a time step may be.
+// What a network is made of, before it moves: counts, ranges, parts, how large a time step may be, and what looks like
+// a slip. Nothing is simulated; springs and neurons are linearised where they are at the start, at rest.
+// core/docs/inspect.md explains the numbers.
 #pragma once
 
+#include <array>
 #include <cstddef>
 #include <map>
 #include <optional>
 #include <string>
+#include <string_view>
+#include <vector>
 
 #include <springnet/network.hpp>
 #include <springnet/plugin_host.hpp>
@@ -16,8 +21,102 @@ struct Range {
   double largest;
 };
 
+// The ways in which the recurrent network propagates.
+enum class UpdateRule { synchronous, wavefront, block, coloured, newton };
+inline constexpr std::array update_rules{UpdateRule::synchronous, UpdateRule::wavefront, UpdateRule::block,
+                                         UpdateRule::coloured, UpdateRule::newton};
+[[nodiscard]] std::string_view name_of(UpdateRule rule) noexcept;
+
+// What sets a limit: the node that moves most in the motion that grows first, and what acts on it most. At the limit t
+// (times theta).
+struct Bottleneck {
+  NodeIndex node;
+  double mass;                        // kg
+  std::optional<SpringIndex> spring;  // of the node's springs that with the greatest share; none: the neuron itself
+  double stiffness;                   // N/m, of the spring
+  double damping;                     // N s/m
+  double elastic_share;               // t^2 k / m
+  double viscous_share;               // t d / m
+};
+
+// The time step from which on local propagation under a rule does not settle any more: where the spectral radius of a
+// linearised sweep reaches 1.
+struct TimeConstantLimit {
+  enum class Kind {
+    known,     // to about a per cent
+    estimate,  // the iteration ended before it was that accurate, as in nets of a million nodes
+    none,      // there is no such time step, or only one thousands of times above those of other rules
+    unknown    // a law or neuron cannot be linearised
+  };
+  UpdateRule rule;
+  Kind kind = Kind::unknown;
+  double time_constant = 0.0;  // s; 0 where there is none or it is unknown
+  std::optional<Bottleneck> set_by;
+};
+
+// Nodes that springs and rigid connections join.
+struct Part {
+  NodeIndex first_node;  // the lowest
+  std::size_t nodes = 0;
+  std::size_t springs = 0;
+  std::size_t fixed_nodes = 0;  // moved ones count as fixed
+};
+
+// A spring that differs from the rest, with what it was compared with.
+struct UnusualSpring {
+  SpringIndex spring;
+  NodeIndex first, second;
+  double value;
+};
+// Springs over a bound: how many, and the worst of them, at most `listed_at_most`, worst first.
+struct UnusualSprings {
+  double median = 0.0;  // of all springs that have such a value
+  double bound = 0.0;
+  std::size_t count = 0;
+  std::vector<UnusualSpring> worst;
+};
+inline constexpr std::size_t listed_at_most = 5;
+// Parts in the JSON and on the terminal.
+inline constexpr std::size_t parts_listed_at_most = 10;
+// Springs count as unusual above this many times the median,
+inline constexpr double unusual_factor = 100.0;
+// or if their length differs from the rest length by more than this part of it.
+inline constexpr double unusual_strain = 0.2;
+// Masses count as unusual if the greatest is more than this many times the smallest.
+inline constexpr double unusual_mass_ratio = 1e4;
+
+struct Suspicions {
+  UnusualSprings stiffness;                      // N/m
+  UnusualSprings damping;                        // N s/m
+  UnusualSprings elastic_rate;                   // k (1/m1 + 1/m2), 1/s^2; a fixed end adds nothing
+  UnusualSprings viscous_rate;                   // d (1/m1 + 1/m2), 1/s
+  UnusualSprings strain;                         // |l - l0| / l0, of spring functions with a rest length above 0
+  std::size_t springs_without_direction = 0;     // their ends coincide: no law can push them
+  std::size_t springs_that_soften = 0;           // the tension falls with the length
+  std::vector<NodeIndex> nodes_without_springs;  // the first of them, at most listed_at_most
+  std::optional<NodeIndex> lightest, heaviest;   // free nodes, where masses are unusual
+};
+
+// Motions that no spring with a spring function and no rigid connection resists, to first order: the null space of the
+// matrix of directions. Springs under tension may resist them all the same.
+struct Mobility {
+  bool known = false;                  // false: left out, the net is too large
+  std::size_t mechanisms = 0;          // besides motions as a rigid body
+  std::size_t rigid_body_motions = 0;  // 6 for each part that nothing fixes, 3 for a node by itself, …
+  std::size_t redundant_rigids = 0;    // rigid connections that others make superfluous
+  std::size_t springs_under_tension = 0;
+  std::size_t springs_under_compression = 0;
+};
+
+struct InspectionOptions {
+  double theta = 1.0;                 // of the integrator: limits are those of the spectral radius, over theta
+  std::optional<double> time_step{};  // s: that which the scene asks for
+};
+
 struct Inspection {
   std::size_t nodes = 0, springs = 0, bodies = 0, fixed_nodes = 0, planes = 0, loads = 0, cuts = 0;
+  std::size_t rigids = 0, instruments = 0;
+  std::size_t moved_nodes = 0;                             // by a motion of the scene; they count as fixed as well
   std::map<std::string, std::size_t> spring_functions;     // springs by id; "none": viscous connections
   std::map<std::string, std::size_t> viscosity_functions;  // springs by id; "none": undamped springs
   std::map<std::string, std::size_t> neurons;              // nodes by id
@@ -32,18 +131,28 @@ struct Inspection {
   Vector3 lower = Vector3::Zero();     // m, corners of the box around all nodes
   Vector3 upper = Vector3::Zero();
 
-  std::size_t parts = 0;                  // sets of nodes that springs connect
-  std::size_t nodes_without_springs = 0;  // each is a part
+  std::vector<Part> parts;                // by falling number of nodes, then rising first node
+  std::size_t nodes_without_springs = 0;  // and without rigid connections; each is a part
   double memory_bytes = 0.0;              // about what a run in the recurrent integrator takes in all
 
-  // s: above about this time step the synchronous update rule does not settle, below it does: where the spectral radius
-  // of t^2 M^-1 K + t M^-1 D, linearised at the start, reaches 1. Empty if there is no such limit, or if a law or
-  // neuron cannot be linearised.
-  std::optional<double> synchronous_time_constant;
+  InspectionOptions options;
+  std::vector<TimeConstantLimit> limits;  // one for each of update_rules
+  std::string unknown_because;            // why limits are unknown; else empty
+  // s: up to here the equation of a time step, linearised at the start, has one solution; springs that push or soften
+  // make it have several beyond (buckling). Empty: one for every time step, or not known.
+  std::optional<double> unique_time_constant;
+
+  Mobility mobility;
+  Suspicions suspicions;
+
+  [[nodiscard]] const TimeConstantLimit& limit(UpdateRule rule) const {
+    return limits.at(static_cast<std::size_t>(rule));
+  }
 };
 
 // Throws Error(plugin) for a component that `plugins` does not have, Error(input) for parameters it does not take.
-[[nodiscard]] Inspection inspect(const Network& network, const PluginHost& plugins);
+[[nodiscard]] Inspection inspect(const Network& network, const PluginHost& plugins,
+                                 const InspectionOptions& options = {});
 
 // As JSON.
 [[nodiscard]] std::string to_json(const Inspection& inspection);

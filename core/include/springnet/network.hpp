@@ -1,4 +1,4 @@
-// A network as its user describes it: nodes and springs in his own numbers, bodies, loads, planes, cuts. It is plain
+// A network as its user describes it: nodes and springs in his own numbers, bodies, loads, surfaces, cuts. It is plain
 // data; Simulation turns it into the engine's memory layout.
 #pragma once
 
@@ -7,6 +7,7 @@
 #include <limits>
 #include <optional>
 #include <string>
+#include <string_view>
 #include <unordered_map>
 #include <unordered_set>
 #include <vector>
@@ -21,6 +22,7 @@ using Vector3 = Eigen::Vector3d;
 using NodeIndex = std::uint32_t;
 using SpringIndex = std::uint32_t;
 using MaterialIndex = std::uint32_t;
+using RigidIndex = std::uint32_t;
 
 // A component by id, with the parameters that differ from its defaults.
 struct LawUse {
@@ -68,12 +70,68 @@ struct Load {
   double until = std::numeric_limits<double>::infinity();
 };
 
+// A connection whose length stays what it is, to 1e-8 of itself. The ends must not be closer than that length allows:
+// at the start their distance is the length.
+struct Rigid {
+  NodeIndex first;
+  NodeIndex second;
+  double length;  // m
+};
+
+// A displacement over time, in m from where something starts: a table, or a sinusoid.
+struct Motion {
+  // linear: straight from one entry to the next, the velocity jumps there. smooth: cubic between entries with
+  // continuous velocity that overshoots no entry (Fritsch and Carlson, SIAM J. Numer. Anal. 17, 1980), each coordinate
+  // by itself.
+  enum class Interpolation { linear, smooth };
+  Interpolation interpolation = Interpolation::smooth;
+  std::vector<double> times;           // s, rising; before the first and after the last entry it rests
+  std::vector<Vector3> displacements;  // m, as many; empty: no table
+
+  // amplitude (sin(2 pi frequency (t - from) + phase) - sin(phase)) while from <= t < until, at rest before and after.
+  Vector3 amplitude = Vector3::Zero();  // m
+  double frequency = 0.0;               // Hz
+  double phase = 0.0;                   // rad
+  double from = 0.0;                    // s
+  double until = std::numeric_limits<double>::infinity();
+};
+
+// Nodes that a motion carries, as an instrument's tip or a grip does: fixed, but where the motion says.
+struct Move {
+  std::vector<NodeIndex> nodes;
+  Motion motion;
+};
+
+// What a surface does to a node in contact along itself.
+struct Friction {
+  enum class Kind {
+    held,    // the paper: where it touched, until a force lifts it
+    none,    // it slides
+    coulomb  // it sticks up to `coefficient` times the normal force, and slides against that force beyond
+  };
+  Kind kind = Kind::held;
+  double coefficient = 0.0;  // 1
+};
+
 // The half space on the side of the normal is free. A node that crosses is held where it touched until a reverse force
-// occurs (the paper's rule).
+// occurs (the paper's rule), or slides with friction.
 struct Plane {
   std::string name;
   Vector3 point = Vector3::Zero();    // m
   Vector3 normal = Vector3::UnitZ();  // any length but 0; normalised by add_plane
+  Friction friction{};
+  std::optional<Motion> motion{};  // a plane that moves, without turning
+};
+
+// A sphere, or a capsule: all points within `radius` of the segment from `first` to `second`. Nodes stay outside. It
+// moves without turning. Its forces and torques (about `first`) are outputs.
+struct Instrument {
+  std::string name;
+  Vector3 first = Vector3::Zero();   // m
+  Vector3 second = Vector3::Zero();  // m; equal to first: a sphere
+  double radius = 1.0;               // m
+  Friction friction{};
+  std::optional<Motion> motion{};
 };
 
 // Springs removed at a time: those listed, and those that cross the polygon (planar, convex or not, three corners or
@@ -127,6 +185,16 @@ class Network {
   // than three corners or that is not planar. A node named twice in a load counts once.
   void add_load(const Load& load);
   void add_plane(const Plane& plane);
+  // Names of planes and instruments are unique together. Throw Error(input) as above, and for a radius that is not
+  // above 0, a negative coefficient of friction, a motion that is no motion: neither table nor sinusoid, or both, times
+  // that do not rise, tables of different lengths, a negative frequency.
+  void add_instrument(const Instrument& instrument);
+  // A node may be in one motion only; it counts as fixed, and its own velocity is ignored.
+  void add_move(const Move& move);
+  // Length: the distance of the nodes unless given. Throws Error(input) for a node that does not exist or is joined to
+  // itself, two connections between the same nodes, a length that is not above 0 or differs from the distance by more
+  // than 1e-8 of it.
+  RigidIndex add_rigid(NodeIndex first, NodeIndex second, std::optional<double> length = std::nullopt);
   void add_cut(const Cut& cut);
   void set_gravity(const Vector3& acceleration);  // m/s^2
 
@@ -137,10 +205,14 @@ class Network {
   [[nodiscard]] const std::vector<Body>& bodies() const noexcept { return bodies_; }
   [[nodiscard]] const std::vector<Load>& loads() const noexcept { return loads_; }
   [[nodiscard]] const std::vector<Plane>& planes() const noexcept { return planes_; }
+  [[nodiscard]] const std::vector<Instrument>& instruments() const noexcept { return instruments_; }
+  [[nodiscard]] const std::vector<Move>& moves() const noexcept { return moves_; }
+  [[nodiscard]] const std::vector<Rigid>& rigids() const noexcept { return rigids_; }
   [[nodiscard]] const std::vector<Cut>& cuts() const noexcept { return cuts_; }
   [[nodiscard]] const Vector3& gravity() const noexcept { return gravity_; }
 
-  // Changes of what was added, checked like the additions.
+  // Changes of what was added, checked like the additions. A node that moves stays so; one that is joined rigidly keeps
+  // its distances.
   void set_node(NodeIndex index, const Node& node);
   void set_spring_material(SpringIndex spring, MaterialIndex material);
   void set_rest_length(SpringIndex spring, double rest_length);
@@ -149,6 +221,10 @@ class Network {
   void check_node(const Node& node, NodeIndex index) const;
   void check_spring(SpringIndex spring) const;
   void check_material(MaterialIndex material) const;
+  void check_lengths(NodeIndex node, const Vector3& position) const;
+  void check_ends(NodeIndex first, NodeIndex second, std::string_view what) const;
+  void check_surface(std::string_view what, const std::string& name, const Friction& friction,
+                     const std::optional<Motion>& motion) const;
 
   std::vector<Node> nodes_;
   std::vector<Spring> springs_;
@@ -157,9 +233,14 @@ class Network {
   std::vector<Body> bodies_;
   std::vector<Load> loads_;
   std::vector<Plane> planes_;
+  std::vector<Instrument> instruments_;
+  std::vector<Move> moves_;
+  std::vector<Rigid> rigids_;
   std::vector<Cut> cuts_;
   Vector3 gravity_ = Vector3::Zero();
   bool in_body_ = false;
+  std::unordered_set<NodeIndex> moving_nodes_;    // those of all moves
+  std::unordered_set<std::uint64_t> rigid_ends_;  // lower node number 2^32 + upper one
   std::unordered_set<std::string> body_names_;
   std::unordered_map<std::string, std::uint32_t> neuron_index_;  // by a text that is equal where the uses are
   std::unordered_map<std::string, MaterialIndex> material_index_;

@@ -38,7 +38,8 @@ class TrajectoryWriter {
   std::unique_ptr<CsvFile> file_;
 };
 
-// "time,node,fx,fy,fz" in s, N: the force that holds a node, for each node that is fixed or in contact at the time.
+// "time,node,fx,fy,fz,tx,ty,tz" in s, N, N m: the force that holds or moves a node, and its torque about the origin,
+// for each node that is fixed, moved or in contact at the time.
 class ReactionWriter {
  public:
   ReactionWriter(const std::filesystem::path& file, const Network& network);
@@ -51,7 +52,35 @@ class ReactionWriter {
   std::vector<bool> fixed_;  // by the user's node
 };
 
-// "time,event,element,index" in s: cut and ruptured springs, nodes that touched a surface or were released from it.
+// "time,surface,x,y,z,fx,fy,fz,tx,ty,tz,nodes" in s, m, N, N m: where each plane and instrument is (its point, its
+// first end), the force of the nodes in contact on it, the torque of that about the place, and how many nodes there
+// are. The surface's name stands in its column, or its number if it has none: planes first, then instruments.
+class SurfaceWriter {
+ public:
+  explicit SurfaceWriter(const std::filesystem::path& file);
+  ~SurfaceWriter();
+  void record(const Simulation& simulation);
+  void close();
+
+ private:
+  std::unique_ptr<CsvFile> file_;
+};
+
+// "time,rigid,force" in s, N: the force in each rigid connection, > 0 is tension.
+class RigidWriter {
+ public:
+  RigidWriter(const std::filesystem::path& file, const Network& network);
+  ~RigidWriter();
+  void record(const Simulation& simulation);
+  void close();
+
+ private:
+  std::unique_ptr<CsvFile> file_;
+  RigidIndex count_;
+};
+
+// "time,event,element,index" in s: cut and ruptured springs; nodes that touched a surface or were released from it,
+// that slipped on it or stuck again.
 class EventWriter {
  public:
   explicit EventWriter(const std::filesystem::path& file);
@@ -84,6 +113,8 @@ struct RunOptions {
   std::string scene_name;        // for the summary
   // Called after every time step; false stops the run.
   std::function<bool(const RunProgress&)> progress;
+  // What the program that embeds the run has to tell, for the summary: first of its notes.
+  std::vector<std::string> notes{};
 };
 
 // A plugin that a run took components from.
@@ -116,10 +147,14 @@ struct RunSummary {
   double wall = 0.0;              // s, simulating
   double output_wall = 0.0;       // s, writing
   std::uint64_t unsettled = 0;    // time steps that were accepted without having settled
+  std::uint64_t divided = 0;      // time steps that were made as several smaller ones
+  std::uint64_t substeps = 0;     // those smaller ones
+  std::uint64_t stages = 0;       // smaller time constants passed on the way to the full one
   double largest_residual = 0.0;  // N, over the time steps; nan if it was never evaluated
   double last_residual = 0.0;     // N
   EventCounts events;
   std::map<std::string, double> statistics;
+  std::vector<std::string> notes;  // of RunOptions, of the scene (notes_of), of the simulation
 
   std::uint64_t records = 0;
   std::uintmax_t bytes = 0;        // of the tables
@@ -130,10 +165,11 @@ struct RunSummary {
   std::optional<ErrorKind> failure;
 };
 
-// Runs a scene and writes trajectory.csv, reactions.csv (both if the scene asks for them), events.csv and summary.json.
-// A record is made at the start, at the first time step that ends at or after each multiple of the output interval, and
-// at the end. Throws Error(input) or Error(plugin), before anything is written, if the scene cannot be simulated or its
-// output would not fit the disk. A failure later is told in the summary.
+// Runs a scene and writes trajectory.csv, reactions.csv, surfaces.csv, rigid.csv (those that the scene asks for; the
+// last two if it has surfaces and rigid connections), events.csv and summary.json. A record is made at the start, at
+// the first time step that ends at or after each multiple of the output interval, and at the end. Throws Error(input)
+// or Error(plugin), before anything is written, if the scene cannot be simulated or its output would not fit the disk.
+// A failure later is told in the summary.
 RunSummary run_scene(const Scene& scene, const std::shared_ptr<const PluginHost>& plugins, const RunOptions& options);
 
 // The text of summary.json.

@@ -16,6 +16,8 @@ struct OutputOptions {
   double interval = 0.0;  // s between records; 0: every time step
   bool trajectory = true;
   bool reactions = false;  // reactions.csv
+  bool surfaces = true;    // surfaces.csv, if there are planes or instruments
+  bool rigid = true;       // rigid.csv, if there are rigid connections
 };
 
 struct Scene {
@@ -41,6 +43,9 @@ struct SceneOverride {
 // The same from text; `name` stands for the file in messages.
 [[nodiscard]] Scene parse_scene(std::string_view text, std::string_view name, const PluginHost& plugins,
                                 const std::vector<SceneOverride>& overrides = {});
+
+// What in a scene is likely not meant: cuts, loads and motions wholly outside of the simulated time. Plain sentences.
+[[nodiscard]] std::vector<std::string> notes_of(const Scene& scene);
 
 // Every key a scene may have, as "body.mesh.lattice": the reference page is checked against it.
 [[nodiscard]] const std::vector<std::string>& scene_keys();

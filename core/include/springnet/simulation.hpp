@@ -37,14 +37,16 @@ struct StepReport {
   double residual = 0.0;               // N; nan where not evaluated
   NodeIndex node = 0;                  // with the greatest force difference
   std::int64_t start_node = -1;        // where the last sweep started; -1: it has no start
+  std::uint64_t substeps = 0;          // smaller steps made in place of time steps that did not settle
+  std::uint64_t stages = 0;            // smaller time constants passed on the way to the full one
 };
 
 // Something that happened to a spring or a node.
 struct Event {
-  enum class Kind { cut, ruptured, touched, released };
+  enum class Kind { cut, ruptured, touched, released, slipped, stuck };
   Kind kind;
   double time;          // s
-  std::uint32_t index;  // spring (cut, ruptured) or node (touched, released)
+  std::uint32_t index;  // spring (cut, ruptured) or node (touched, released; slipped, stuck: Coulomb friction)
 };
 
 // Positions and so on without a copy: 3 x nodes, one row a coordinate, in the engine's order of nodes.
@@ -89,11 +91,27 @@ class Simulation {
   [[nodiscard]] Vector3 position(NodeIndex node) const;
   [[nodiscard]] Vector3 velocity(NodeIndex node) const;
   [[nodiscard]] Vector3 force(NodeIndex node) const;
-  // The force that holds a fixed node or one in contact; zero for a free one. N
+  // The force that holds or moves a fixed node, or that a surface puts on one in contact, friction included; zero for a
+  // free one. Rigid connections at the node are not part of it. N
   [[nodiscard]] Vector3 reaction(NodeIndex node) const;
+  // Force in a rigid connection at the present state, > 0 is tension. Where connections are redundant only their sum is
+  // determined; this is the smallest set. N
+  [[nodiscard]] double rigid_force(RigidIndex rigid) const;
+
+  // Planes and then instruments, numbered as they were added.
+  [[nodiscard]] std::size_t surface_count() const noexcept;
+  [[nodiscard]] const std::string& surface_name(std::size_t surface) const;
+  // A plane's point, an instrument's first point, now. m, m/s
+  [[nodiscard]] Vector3 surface_position(std::size_t surface) const;
+  [[nodiscard]] Vector3 surface_velocity(std::size_t surface) const;
+  // What the nodes in contact do to the surface together: force N, torque about surface_position() N m.
+  [[nodiscard]] Vector3 surface_force(std::size_t surface) const;
+  [[nodiscard]] Vector3 surface_torque(std::size_t surface) const;
+  [[nodiscard]] std::size_t nodes_touching(std::size_t surface) const;
   // Sum of the impulses with which surfaces stopped the node so far. N s
   [[nodiscard]] Vector3 contact_impulse(NodeIndex node) const;
-  [[nodiscard]] bool held(NodeIndex node) const;  // by a contact
+  [[nodiscard]] bool held(NodeIndex node) const;      // by a surface
+  [[nodiscard]] bool touching(NodeIndex node) const;  // held by a surface, or sliding on one
 
   // Tension of a live spring, N (0 for a removed one); and whether it is there.
   [[nodiscard]] double tension(SpringIndex spring) const;
@@ -118,10 +136,17 @@ class Simulation {
   std::size_t cut(const std::vector<SpringIndex>& springs);
   std::size_t cut_polygon(const std::vector<Vector3>& corners);
 
+  // From now on the surface, or the node (fixed from then on), moves straight and evenly to `position`, where it
+  // arrives at `time` (above now) and stays: how a host hands on what a tracked tool does. A motion of the scene ends.
+  void move_surface(std::size_t surface, const Vector3& position, double time);
+  void move_node(NodeIndex node, const Vector3& position, double time);
+
   // Everything that happened so far, in order.
   [[nodiscard]] const std::vector<Event>& events() const noexcept;
   // Numbers that the integrator reports: evaluations, factorisations, …
   [[nodiscard]] const std::map<std::string, double>& statistics() const noexcept;
+  // What the engine or the integrator decided that the user should know, in plain sentences: the update rule chosen, …
+  [[nodiscard]] const std::vector<std::string>& notes() const noexcept;
 
  private:
   struct Impl;

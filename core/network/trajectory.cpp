@@ -1,0 +1,107 @@
+#include "network/trajectory.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+
+namespace springnet {
+
+Trajectory::Trajectory(const Motion& motion) : motion_(motion) {
+  if (motion_.displacements.empty()) {
+    moves_ = !motion_.amplitude.isZero(0) && motion_.frequency > 0;
+    return;
+  }
+  moves_ = std::any_of(motion_.displacements.begin(), motion_.displacements.end(),
+                       [](const Vector3& displacement) { return !displacement.isZero(0); });
+  if (motion_.interpolation == Motion::Interpolation::smooth) find_slopes();
+}
+
+// Fritsch and Carlson: a cubic between two entries is monotone where its end slopes, divided by the secant, lie in the
+// disc of radius 3 around 0 and are not negative. Slopes start as those of the parabola through three entries, and are
+// shortened onto the disc. The first and the last are 0: it starts and ends at rest.
+void Trajectory::find_slopes() {
+  const std::vector<double>& t = motion_.times;
+  const std::vector<Vector3>& y = motion_.displacements;
+  const std::size_t count = t.size();
+  slopes_.assign(count, Vector3::Zero());
+  for (Eigen::Index axis = 0; axis < 3; ++axis) {
+    const auto secant = [&](std::size_t k) { return (y[k + 1][axis] - y[k][axis]) / (t[k + 1] - t[k]); };
+    for (std::size_t k = 1; k + 1 < count; ++k) {
+      const double before = secant(k - 1), after = secant(k);
+      if (!(before * after > 0)) continue;  // a turning point, or a level piece beside it
+      const double share = (t[k + 1] - t[k]) / (t[k + 1] - t[k - 1]);
+      slopes_[k][axis] = share * before + (1 - share) * after;
+    }
+    for (std::size_t k = 0; k + 1 < count; ++k) {
+      const double slope = secant(k);
+      if (slope == 0) continue;  // both end slopes are 0 already
+      const double size = std::hypot(slopes_[k][axis] / slope, slopes_[k + 1][axis] / slope);
+      if (size <= 3) continue;
+      slopes_[k][axis] *= 3 / size;
+      slopes_[k + 1][axis] *= 3 / size;
+    }
+  }
+}
+
+Trajectory::Sample Trajectory::at(double time) const {
+  if (!moves_) return {};
+  return motion_.displacements.empty() ? on_sinusoid(time) : on_table(time);
+}
+
+Trajectory::Sample Trajectory::on_table(double time) const {
+  const std::vector<double>& t = motion_.times;
+  const std::vector<Vector3>& y = motion_.displacements;
+  Sample sample;
+  if (time < t.front()) {
+    sample.displacement = y.front();
+    return sample;
+  }
+  const auto after = static_cast<std::size_t>(std::upper_bound(t.begin(), t.end(), time) - t.begin());
+  if (after == t.size()) {
+    sample.displacement = y.back();
+    return sample;
+  }
+  const std::size_t k = after - 1;
+  const double h = t[after] - t[k], s = (time - t[k]) / h;
+  const Vector3 step = y[after] - y[k];
+  if (motion_.interpolation == Motion::Interpolation::linear) {
+    sample.displacement = y[k] + s * step;
+    sample.velocity = step / h;
+    return sample;
+  }
+  // Hermite's cubic, y = y_k + h m_k s + (3 Δ - h (2 m_k + m_k+1)) s^2 + (h (m_k + m_k+1) - 2 Δ) s^3.
+  const Vector3 linear = h * slopes_[k];
+  const Vector3 square = 3 * step - h * (2 * slopes_[k] + slopes_[after]);
+  const Vector3 cube = h * (slopes_[k] + slopes_[after]) - 2 * step;
+  sample.displacement = y[k] + s * (linear + s * (square + s * cube));
+  sample.velocity = (linear + s * (2 * square + 3 * s * cube)) / h;
+  sample.acceleration = (2 * square + 6 * s * cube) / (h * h);
+  return sample;
+}
+
+Trajectory::Sample Trajectory::on_sinusoid(double time) const {
+  Sample sample;
+  if (time < motion_.from) return sample;
+  const double rate = 2 * std::numbers::pi * motion_.frequency;  // rad/s
+  const bool over = time >= motion_.until;
+  const double angle = rate * ((over ? motion_.until : time) - motion_.from) + motion_.phase;
+  sample.displacement = motion_.amplitude * (std::sin(angle) - std::sin(motion_.phase));
+  if (over) return sample;
+  sample.velocity = motion_.amplitude * (rate * std::cos(angle));
+  sample.acceleration = motion_.amplitude * (-rate * rate * std::sin(angle));
+  return sample;
+}
+
+double Trajectory::next_change(double time) const {
+  constexpr double never = std::numeric_limits<double>::infinity();
+  if (!moves_) return never;
+  if (motion_.displacements.empty()) {
+    if (time < motion_.from) return motion_.from;
+    return time < motion_.until ? motion_.until : never;
+  }
+  if (motion_.times.size() == 1) return never;
+  const auto next = std::upper_bound(motion_.times.begin(), motion_.times.end(), time);
+  return next == motion_.times.end() ? never : *next;
+}
+
+}  // namespace springnet

@@ -1,0 +1,38 @@
+// Where a motion is, how fast, and how it is accelerated, at any time.
+#pragma once
+
+#include <vector>
+
+#include <springnet/network.hpp>
+
+namespace springnet {
+
+class Trajectory {
+ public:
+  Trajectory() = default;  // rests where it starts
+  // The motion must be one that Network accepts.
+  explicit Trajectory(const Motion& motion);
+
+  struct Sample {
+    Vector3 displacement = Vector3::Zero();  // m
+    Vector3 velocity = Vector3::Zero();      // m/s
+    Vector3 acceleration = Vector3::Zero();  // m/s^2
+  };
+  // Where velocity or acceleration jump: their values just after.
+  [[nodiscard]] Sample at(double time) const;
+  // The next time after `time` at which velocity or acceleration may jump; infinity if there is none. s
+  [[nodiscard]] double next_change(double time) const;
+  // False where the displacement is 0 at all times.
+  [[nodiscard]] bool moves() const noexcept { return moves_; }
+
+ private:
+  void find_slopes();
+  [[nodiscard]] Sample on_table(double time) const;
+  [[nodiscard]] Sample on_sinusoid(double time) const;
+
+  Motion motion_;
+  std::vector<Vector3> slopes_;  // m/s, at the entries of a smooth table
+  bool moves_ = false;
+};
+
+}  // namespace springnet

@@ -1,0 +1,67 @@
+#include <fmt/format.h>
+
+#include <springnet/scene.hpp>
+
+namespace springnet {
+namespace {
+
+std::string named(const std::string& what, const std::string& name, std::size_t index) {
+  return name.empty() ? fmt::format("{} {}", what, index) : fmt::format("{} '{}'", what, name);
+}
+
+// Collects what never happens between 0 and `duration`.
+class Unreached {
+ public:
+  explicit Unreached(double duration) : duration_(duration) {}
+
+  void cut(double time, std::size_t index) {
+    if (time > duration_) add(fmt::format("Cut {} at {:g} s", index, time));
+  }
+  void window(const std::string& what, double from, double until) {
+    if (from >= duration_) add(fmt::format("{}, which starts at {:g} s,", what, from));
+    if (until <= 0) add(fmt::format("{}, which ends at {:g} s,", what, until));
+  }
+  void motion(const std::string& what, const Motion& motion) {
+    if (motion.times.empty()) {
+      window("The motion of " + what, motion.from, motion.until);
+    } else {
+      window("The motion of " + what, motion.times.front(), motion.times.back());
+    }
+  }
+  [[nodiscard]] std::vector<std::string> take() { return std::move(notes_); }
+
+ private:
+  void add(const std::string& what) {
+    notes_.push_back(fmt::format("{} is outside of the simulated time, 0 to {:g} s.", what, duration_));
+  }
+
+  double duration_;  // s
+  std::vector<std::string> notes_;
+};
+
+}  // namespace
+
+std::vector<std::string> notes_of(const Scene& scene) {
+  if (!(scene.duration > 0)) return {};  // no more than a look at the start
+  const Network& network = scene.network;
+  Unreached unreached(scene.duration);
+  for (std::size_t k = 0; k < network.loads().size(); ++k) {
+    const Load& load = network.loads()[k];
+    unreached.window(fmt::format("Force {}", k), load.from, load.until);
+  }
+  for (std::size_t k = 0; k < network.cuts().size(); ++k) unreached.cut(network.cuts()[k].time, k);
+  for (std::size_t k = 0; k < network.moves().size(); ++k) {
+    unreached.motion(fmt::format("the nodes of move {}", k), network.moves()[k].motion);
+  }
+  for (std::size_t k = 0; k < network.planes().size(); ++k) {
+    const Plane& plane = network.planes()[k];
+    if (plane.motion) unreached.motion(named("plane", plane.name, k), *plane.motion);
+  }
+  for (std::size_t k = 0; k < network.instruments().size(); ++k) {
+    const Instrument& instrument = network.instruments()[k];
+    if (instrument.motion) unreached.motion(named("instrument", instrument.name, k), *instrument.motion);
+  }
+  return unreached.take();
+}
+
+}  // namespace springnet

@@ -1,0 +1,125 @@
+#include <fmt/format.h>
+
+#include "scene/parts.hpp"
+#include "scene/select.hpp"
+
+namespace springnet::scene {
+namespace {
+
+void read_table(const Value& table, Motion& motion) {
+  const std::vector<Value> rows = table.elements();
+  if (rows.size() < 2) table.fail(fmt::format("needs two rows [t, x, y, z] or more, has {}", rows.size()));
+  for (const Value& row : rows) {
+    const std::vector<Value> numbers = row.elements(4);
+    const double time = numbers[0].number();
+    if (!motion.times.empty() && !(motion.times.back() < time)) {
+      numbers[0].fail(fmt::format("times must rise, but {} s follows {} s; sort the rows, and give each time once",
+                                  time, motion.times.back()));
+    }
+    motion.times.push_back(time);
+    motion.displacements.emplace_back(numbers[1].number(), numbers[2].number(), numbers[3].number());
+  }
+}
+
+void read_sinusoid(const Table& table, Motion& motion) {
+  const Value amplitude = table.need("amplitude");
+  motion.amplitude = amplitude.vector();
+  if (motion.amplitude.isZero(0)) amplitude.fail("must not be zero in all directions; nothing would move");
+  motion.frequency = table.need("frequency").number_above_0("Hz");
+  if (const auto phase = table.find("phase")) motion.phase = phase->number();
+}
+
+// The keys of a motion, those of [[move]] or of a table `motion`.
+Motion read_motion(const Table& table) {
+  const auto refuse = [&](std::initializer_list<std::string_view> keys, std::string_view other) {
+    for (const std::string_view key : keys) {
+      if (const auto value = table.find(key)) value->fail(fmt::format("has no meaning beside '{}'; remove it", other));
+    }
+  };
+  Motion motion;
+  if (const auto rows = table.find("table")) {
+    refuse({"sinusoid", "from", "until"}, "table");
+    read_table(*rows, motion);
+    if (const auto interpolation = table.find("interpolation")) {
+      motion.interpolation = interpolation->choice({"smooth", "linear"}) == 0 ? Motion::Interpolation::smooth
+                                                                              : Motion::Interpolation::linear;
+    }
+    return motion;
+  }
+  const auto sinusoid = table.find("sinusoid");
+  if (!sinusoid) {
+    table.fail("says not how it moves; add table = [[t, x, y, z], …], or sinusoid = { amplitude = …, frequency = … }");
+  }
+  refuse({"interpolation"}, "sinusoid");
+  read_sinusoid(sinusoid->table(fmt::format("{}.sinusoid", table.schema())), motion);
+  if (const auto from = table.find("from")) motion.from = from->number();
+  if (const auto until = table.find("until")) {
+    motion.until = until->number();
+    if (!(motion.from < motion.until)) {
+      until->fail(fmt::format("must be above 'from', {} s, is {} s", motion.from, motion.until));
+    }
+  }
+  return motion;
+}
+
+Friction read_friction(const Value& value) {
+  if (value.is_number()) return {Friction::Kind::coulomb, value.number_from_0("")};
+  if (!value.is_text()) value.wrong_type("'held', 'none' or a coefficient of friction");
+  return {value.choice({"held", "none"}) == 0 ? Friction::Kind::held : Friction::Kind::none, 0.0};
+}
+
+// What planes and instruments have in common.
+template <class Surface>
+void read_surface(const Table& table, Surface& surface) {
+  if (const auto name = table.find("name")) surface.name = name->text();
+  if (const auto friction = table.find("friction")) surface.friction = read_friction(*friction);
+  if (const auto motion = table.find("motion")) surface.motion = read_motion(motion->table("motion"));
+}
+
+void read_move(const Table& table, Network& network) {
+  const Value selection = table.need("select");
+  const Move move{select_nodes(selection, network), read_motion(table)};
+  selection.at_this_place([&] { network.add_move(move); });
+}
+
+void read_plane(const Table& table, Network& network) {
+  Plane plane;
+  plane.point = table.need("point").vector();
+  const Value normal = table.need("normal");
+  plane.normal = normal.vector();
+  if (plane.normal.isZero(0)) normal.fail("must not be zero; it points to the free side");
+  read_surface(table, plane);
+  table.value().at_this_place([&] { network.add_plane(plane); });
+}
+
+void read_instrument(const Table& table, Network& network) {
+  Instrument instrument;
+  const auto sphere = table.find("sphere"), capsule = table.find("capsule");
+  if (sphere.has_value() == capsule.has_value()) {
+    table.fail(
+        "needs either sphere = { center = [x, y, z], radius = … } or capsule = { from = [x, y, z], to = [x, y, z], "
+        "radius = … }");
+  }
+  if (sphere) {
+    const Table shape = sphere->table("instrument.sphere");
+    instrument.first = instrument.second = shape.need("center").vector();
+    instrument.radius = shape.need("radius").number_above_0("m");
+  } else {
+    const Table shape = capsule->table("instrument.capsule");
+    instrument.first = shape.need("from").vector();
+    instrument.second = shape.need("to").vector();
+    instrument.radius = shape.need("radius").number_above_0("m");
+  }
+  read_surface(table, instrument);
+  table.value().at_this_place([&] { network.add_instrument(instrument); });
+}
+
+}  // namespace
+
+void read_surroundings(const Table& root, Network& network) {
+  for (const Value& value : root.tables("move")) read_move(value.table("move"), network);
+  for (const Value& value : root.tables("plane")) read_plane(value.table("plane"), network);
+  for (const Value& value : root.tables("instrument")) read_instrument(value.table("instrument"), network);
+}
+
+}  // namespace springnet::scene

@@ -1,0 +1,285 @@
+// Surfaces, motions and rigid connections: what a network takes and what it refuses.
+#include <cmath>
+#include <limits>
+#include <string>
+#include <vector>
+
+#include <doctest/doctest.h>
+
+#include <springnet/error.hpp>
+#include <springnet/network.hpp>
+
+using springnet::Friction;
+using springnet::Instrument;
+using springnet::Motion;
+using springnet::Network;
+using springnet::NodeIndex;
+using springnet::Vector3;
+
+namespace {
+
+const double nan_value = std::numeric_limits<double>::quiet_NaN();
+const double inf = std::numeric_limits<double>::infinity();
+
+// Four nodes at the corners of a square of 1 m.
+Network square() {
+  Network network;
+  for (const Vector3& p : {Vector3(0, 0, 0), Vector3(1, 0, 0), Vector3(1, 1, 0), Vector3(0, 1, 0)}) {
+    network.add_node({p, Vector3(1, 2, 3), 2.0, 0, false});
+  }
+  return network;
+}
+
+Motion table(std::vector<double> times, std::vector<Vector3> displacements) {
+  Motion motion;
+  motion.times = std::move(times);
+  motion.displacements = std::move(displacements);
+  return motion;
+}
+
+const Motion lift = table({0, 1}, {Vector3::Zero(), Vector3::UnitZ()});
+
+Motion sinusoid(const Vector3& amplitude, double frequency) {
+  Motion motion;
+  motion.amplitude = amplitude;
+  motion.frequency = frequency;
+  return motion;
+}
+
+// The change is refused with an Error(input) that has these words.
+template <class Change>
+void refused(const Change& change, const std::string& words) {
+  Network network = square();
+  std::string message;
+  try {
+    change(network);
+  } catch (const springnet::Error& error) {
+    CHECK(error.kind() == springnet::ErrorKind::input);
+    message = error.what();
+  }
+  CAPTURE(message);
+  CAPTURE(words);
+  CHECK(message.find(words) != std::string::npos);
+  // What was refused left nothing behind.
+  CHECK(network.planes().empty());
+  CHECK(network.instruments().empty());
+  CHECK(network.moves().empty());
+  CHECK(network.rigids().empty());
+  for (const springnet::Node& node : network.nodes()) CHECK_FALSE(node.fixed);
+}
+
+void motion_refused(const Motion& motion, const std::string& words) {
+  refused([&](Network& n) { n.add_move({{0, 1}, motion}); }, "a motion of nodes");
+  refused([&](Network& n) { n.add_move({{0, 1}, motion}); }, words);
+  refused(
+      [&](Network& n) {
+        n.add_plane({"floor", Vector3::Zero(), Vector3::UnitZ(), {}, motion});
+      },
+      "the motion of plane 'floor'");
+  refused([&](Network& n) { n.add_plane({"floor", Vector3::Zero(), Vector3::UnitZ(), {}, motion}); }, words);
+  refused(
+      [&](Network& n) {
+        n.add_instrument({"", Vector3::Zero(), Vector3::Zero(), 1.0, {}, motion});
+      },
+      "the motion of an instrument");
+}
+
+}  // namespace
+
+TEST_CASE("a plane keeps its friction and its motion") {
+  Network network = square();
+  network.add_plane({"floor", Vector3::Zero(), {0, 0, 2}, {Friction::Kind::coulomb, 0.4}, lift});
+  network.add_plane({"wall", Vector3::Zero(), {1, 0, 0}});
+  CHECK(network.planes()[0].normal == Vector3::UnitZ());
+  CHECK(network.planes()[0].friction.kind == Friction::Kind::coulomb);
+  CHECK(network.planes()[0].friction.coefficient == 0.4);
+  REQUIRE(network.planes()[0].motion.has_value());
+  CHECK(network.planes()[0].motion->times == lift.times);
+  CHECK(network.planes()[1].friction.kind == Friction::Kind::held);
+  CHECK_FALSE(network.planes()[1].motion.has_value());
+}
+
+TEST_CASE("instruments: spheres and capsules") {
+  Network network = square();
+  network.add_instrument({"ball", {1, 2, 3}, {1, 2, 3}, 0.5, {Friction::Kind::none, 0.0}, std::nullopt});
+  network.add_instrument({"probe", {0, 0, 1}, {0, 0, 5}, 0.1, {}, sinusoid({0, 0, 1}, 2.0)});
+  REQUIRE(network.instruments().size() == 2);
+  CHECK(network.instruments()[0].friction.kind == Friction::Kind::none);
+  CHECK(network.instruments()[1].second == Vector3(0, 0, 5));
+  CHECK(network.instruments()[1].motion->frequency == 2);
+
+  const auto with_radius = [](double radius) {
+    return [=](Network& n) { n.add_instrument({"ball", Vector3::Zero(), Vector3::Zero(), radius, {}, std::nullopt}); };
+  };
+  refused(with_radius(0), "instrument 'ball': its radius must be a finite number above 0 m, is 0");
+  refused(with_radius(-1), "is -1");
+  refused(with_radius(inf), "is inf");
+  refused(with_radius(nan_value), "is nan");
+  refused(
+      [](Network& n) {
+        n.add_instrument({"", {nan_value, 0, 0}, Vector3::Zero(), 1.0, {}, std::nullopt});
+      },
+      "an end of an instrument must be finite");
+  refused(
+      [](Network& n) {
+        n.add_instrument({"", Vector3::Zero(), {0, inf, 0}, 1.0, {}, std::nullopt});
+      },
+      "an end of an instrument must be finite");
+}
+
+TEST_CASE("names of surfaces are unique among planes and instruments") {
+  Network network = square();
+  network.add_plane({"floor", Vector3::Zero(), Vector3::UnitZ()});
+  Instrument tip;
+  tip.name = "tip";
+  network.add_instrument(tip);
+  CHECK_THROWS_WITH_AS(network.add_instrument(tip), "there are two instruments 'tip': rename one", springnet::Error);
+  CHECK_THROWS_WITH_AS(network.add_plane({"tip", Vector3::Zero(), Vector3::UnitZ()}),
+                       "there is a plane 'tip' and an instrument 'tip': rename one", springnet::Error);
+  tip.name = "floor";
+  CHECK_THROWS_WITH_AS(network.add_instrument(tip), "there is a plane 'floor' and an instrument 'floor': rename one",
+                       springnet::Error);
+  // Several may have none.
+  tip.name = "";
+  network.add_instrument(tip);
+  network.add_instrument(tip);
+  network.add_plane({"", Vector3::Zero(), Vector3::UnitZ()});
+  CHECK(network.instruments().size() == 3);
+  CHECK(network.planes().size() == 2);
+}
+
+TEST_CASE("coefficients of friction are at least 0") {
+  for (const double coefficient : {-0.1, nan_value, inf}) {
+    refused(
+        [&](Network& n) {
+          n.add_plane({"floor", Vector3::Zero(), Vector3::UnitZ(), {Friction::Kind::coulomb, coefficient}});
+        },
+        "plane 'floor': its coefficient of friction must be a finite number of at least 0");
+    refused(
+        [&](Network& n) {
+          n.add_instrument(
+              {"", Vector3::Zero(), Vector3::Zero(), 1.0, {Friction::Kind::coulomb, coefficient}, std::nullopt});
+        },
+        "an instrument: its coefficient of friction");
+  }
+}
+
+TEST_CASE("nodes that move count as fixed") {
+  Network network = square();
+  network.add_move({{2, 0, 2}, lift});
+  network.add_move({{1}, sinusoid(Vector3::UnitX(), 3)});
+  REQUIRE(network.moves().size() == 2);
+  CHECK(network.moves()[0].nodes == std::vector<NodeIndex>{0, 2});
+  for (const NodeIndex node : {0u, 1u, 2u}) {
+    CHECK(network.nodes()[node].fixed);
+    CHECK(network.nodes()[node].velocity == Vector3::Zero());
+  }
+  CHECK_FALSE(network.nodes()[3].fixed);
+
+  // What is changed of it later does not let it go.
+  springnet::Node heavier = network.nodes()[0];
+  heavier.mass = 9;
+  heavier.fixed = false;
+  heavier.velocity = Vector3::UnitX();
+  network.set_node(0, heavier);
+  CHECK(network.nodes()[0].mass == 9);
+  CHECK(network.nodes()[0].fixed);
+  CHECK(network.nodes()[0].velocity == Vector3::Zero());
+  network.fix(0);
+
+  CHECK_THROWS_WITH_AS(network.add_move({{3, 2}, lift}),
+                       "node 2 is moved twice: a node can follow one motion only; put the sum of both into one",
+                       springnet::Error);
+  CHECK_FALSE(network.nodes()[3].fixed);
+  refused([](Network& n) { n.add_move({{0, 4}, lift}); }, "there is no node 4 to move, only 4");
+}
+
+TEST_CASE("motions that are none") {
+  motion_refused({}, "has neither a table nor a sinusoid with an amplitude: give one of them");
+  motion_refused(sinusoid(Vector3::Zero(), 2), "has neither a table nor a sinusoid");
+  Motion both = lift;
+  both.amplitude = Vector3::UnitX();
+  both.frequency = 1;
+  motion_refused(both, "has a table and a sinusoid: give one of them");
+
+  motion_refused(table({0, 1, 2}, {Vector3::Zero(), Vector3::Zero()}), "has 3 times and 2 displacements");
+  motion_refused(table({}, {Vector3::Zero()}), "has 0 times and 1 displacements");
+  motion_refused(table({1}, {Vector3::Zero()}), "needs two entries or more, has 1");
+  motion_refused(table({0, 0}, {Vector3::Zero(), Vector3::UnitX()}),
+                 "must rise, but entry 0 is at 0 s and entry 1 at 0");
+  motion_refused(table({0, 2, 1}, {Vector3::Zero(), Vector3::UnitX(), Vector3::Zero()}),
+                 "entry 1 is at 2 s and entry 2 at 1 s");
+  motion_refused(table({0, inf}, {Vector3::Zero(), Vector3::UnitX()}), "entry 1 of its table has inf s");
+  motion_refused(table({nan_value, 1}, {Vector3::Zero(), Vector3::UnitX()}), "entry 0 of its table has nan s");
+  motion_refused(table({0, 1}, {Vector3::Zero(), {0, nan_value, 0}}), "entry 1 of its table has [0, nan, 0]");
+
+  motion_refused(sinusoid({0, 0, inf}, 1), "its amplitude must be finite, is [0, 0, inf]");
+  for (const double frequency : {0.0, -2.0, nan_value, inf}) {
+    motion_refused(sinusoid(Vector3::UnitX(), frequency), "its frequency must be a finite number above 0 Hz");
+  }
+  Motion wrong = sinusoid(Vector3::UnitX(), 1);
+  wrong.phase = nan_value;
+  motion_refused(wrong, "its phase must be finite");
+  wrong.phase = 0;
+  wrong.from = -inf;
+  motion_refused(wrong, "its start must be finite");
+  wrong.from = 2;
+  wrong.until = 2;
+  motion_refused(wrong, "goes from 2 s until 2 s, which is never");
+}
+
+TEST_CASE("rigid connections: the length is the distance") {
+  Network network = square();
+  CHECK(network.add_rigid(0, 1) == 0);
+  CHECK(network.add_rigid(2, 0) == 1);
+  CHECK(network.add_rigid(2, 3, 1.0) == 2);
+  CHECK(network.add_rigid(1, 2, 1.0 + 0.9e-8) == 3);  // within the accuracy to which it is kept
+  CHECK(network.add_rigid(0, 3, 1.0 - 0.9e-8) == 4);
+  REQUIRE(network.rigids().size() == 5);
+  CHECK(network.rigids()[0].length == 1);
+  CHECK(network.rigids()[1].first == 2);
+  CHECK(network.rigids()[1].second == 0);
+  CHECK(network.rigids()[1].length == doctest::Approx(std::sqrt(2.0)).epsilon(1e-15));  // one rounding
+  CHECK(network.rigids()[3].length == 1.0 + 0.9e-8);
+
+  CHECK_THROWS_WITH_AS(network.add_rigid(0, 2),
+                       "there are two rigid connections between node 0 and node 2: one is enough", springnet::Error);
+  CHECK(network.rigids().size() == 5);
+}
+
+TEST_CASE("a node that is joined rigidly keeps its distances") {
+  Network network = square();
+  network.add_rigid(0, 1);
+  springnet::Node node = network.nodes()[1];
+  node.mass = 5;
+  node.position = Vector3(0, 1, 0);  // as far from node 0
+  network.set_node(1, node);
+  CHECK(network.nodes()[1].mass == 5);
+  node.position = Vector3(0, 2, 0);
+  CHECK_THROWS_WITH_AS(network.set_node(1, node),
+                       "node 1 cannot be placed at [0, 2, 0]: it is joined rigidly to node 0, at 1 m, and would be 2 m "
+                       "away; place nodes before they are joined",
+                       springnet::Error);
+  node = network.nodes()[3];
+  node.position = Vector3(7, 7, 7);
+  network.set_node(3, node);
+  CHECK(network.nodes()[3].position == Vector3(7, 7, 7));
+}
+
+TEST_CASE("rigid connections that cannot be") {
+  refused([](Network& n) { n.add_rigid(0, 4); },
+          "a rigid connection from node 0 to node 4: there is no node 4, only 4");
+  refused([](Network& n) { n.add_rigid(2, 2); }, "a rigid connection joins node 2 to itself");
+  for (const double length : {0.0, -1.0, nan_value, inf}) {
+    refused([&](Network& n) { n.add_rigid(0, 1, length); }, "its length must be a finite number above 0 m");
+  }
+  refused([](Network& n) { n.add_rigid(0, 1, 2.0); },
+          "the rigid connection from node 0 to node 1: its length is 2 m, but the nodes are 1 m apart: place them");
+  refused([](Network& n) { n.add_rigid(0, 1, 1.0 + 1.1e-8); }, "apart");
+  refused(
+      [](Network& n) {
+        n.add_node({Vector3(1, 0, 0), Vector3::Zero(), 1, 0, false});
+        n.add_rigid(1, 4);
+      },
+      "from node 1 to node 4 has length zero: both are at [1, 0, 0]");
+}

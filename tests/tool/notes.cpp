@@ -1,0 +1,100 @@
+// What a user should know stands on the terminal and in the files: about plugins, about the scene, about the run.
+#include <doctest/doctest.h>
+
+#include "tool.hpp"
+
+using namespace springnet;
+using testing::Answer;
+using testing::TemporaryFolder;
+
+namespace {
+
+std::string late_scene() {
+  return std::string(testing::pair_scene) +
+         "[[force]]\nselect = { nodes = [1] }\nforce = [1, 0, 0]\nfrom = 3\n"
+         "[[cut]]\ntime = 2\nselect = { springs = [0] }\n";
+}
+
+constexpr const char* late_force = "Force 0, which starts at 3 s, is outside of the simulated time, 0 to 1 s.";
+constexpr const char* late_cut = "Cut 0 at 2 s is outside of the simulated time, 0 to 1 s.";
+
+bool has(const nlohmann::json& notes, const std::string& part) {
+  for (const auto& note : notes) {
+    if (note.get<std::string>().find(part) != std::string::npos) return true;
+  }
+  return false;
+}
+
+}  // namespace
+
+TEST_CASE("run and validate tell of what lies outside of the simulated time") {
+  const TemporaryFolder folder;
+  folder.write("late.toml", late_scene());
+  const Answer run = testing::springnet(folder, "run late.toml");
+  CAPTURE(run.err);
+  CHECK(run.status == 0);
+  const auto summary = testing::read_json(folder.path() / "results/late/summary.json");
+  for (const char* note : {late_force, late_cut}) {
+    // Once, and before the run.
+    const std::size_t place = run.out.find(std::string("note: ") + note);
+    CHECK(place < run.out.find("writing about"));
+    CHECK(run.out.find(note, place + 10) == std::string::npos);
+    CHECK(has(summary["notes"], note));
+  }
+  const auto validation = testing::springnet(folder, "validate late.toml --json --time-steps 0.05").json();
+  CHECK(has(validation["notes"], late_force));
+  CHECK(has(validation["notes"], late_cut));
+  CHECK(testing::springnet(folder, "validate late.toml --time-steps 0.05").out.find(late_cut) != std::string::npos);
+  // With a longer run they are none.
+  CHECK_FALSE(has(testing::springnet(folder, "run late.toml --duration 4 --json").json()["notes"], "outside"));
+  CHECK(testing::springnet(folder, "run late.toml --quiet").out.empty());
+}
+
+TEST_CASE("time steps that had to be divided are told of") {
+  const TemporaryFolder folder;
+  folder.write("pair.toml", testing::pair_scene);
+  const std::string arguments =
+      "run pair.toml --time-step 2 --duration 4 --set 'simulation.integrator.unsettled=\"adapt\"' "
+      "--set 'simulation.integrator.update=\"synchronous\"'";
+  const Answer answer = testing::springnet(folder, arguments);
+  CAPTURE(answer.err);
+  CAPTURE(answer.out);
+  CHECK(answer.status == 0);
+  const auto summary = testing::read_json(folder.path() / "results/pair/summary.json");
+  const std::string substeps = summary["substeps"].dump(), divided = summary["divided_steps"].dump();
+  CHECK(summary["substeps"].get<int>() > 2);
+  CHECK(answer.out.find(divided + " of 2 time steps were divided, " + substeps + " smaller steps in all") !=
+        std::string::npos);
+}
+
+TEST_CASE("a folder without plugins is told of") {
+  const TemporaryFolder folder;
+  folder.write("pair.toml", testing::pair_scene);
+  std::filesystem::create_directory(folder.path() / "mine");
+  folder.write("mine/readme.txt", "to come");
+  const std::string note = "There is no plugin (*.springnet.so) in mine, which --plugins names.";
+  CHECK(testing::springnet(folder, "run pair.toml --plugins mine").out.find("note: " + note) != std::string::npos);
+  CHECK(testing::springnet(folder, "plugin list --plugins mine").out.find(note) != std::string::npos);
+  CHECK(has(testing::springnet(folder, "run pair.toml --json --plugins mine").json()["notes"], note));
+  // One that is not there at all as well.
+  CHECK(testing::springnet(folder, "run pair.toml --plugins nowhere").out.find("nowhere: the folder cannot be read") !=
+        std::string::npos);
+  CHECK(testing::springnet(folder, "run pair.toml").out.find("no plugin") == std::string::npos);
+}
+
+TEST_CASE("a user's plugin that takes the place of one that comes with springnet is told of") {
+  const TemporaryFolder folder;
+  folder.write("pair.toml", testing::pair_scene);
+  const auto shown = testing::springnet(folder, "plugin show linear --kind spring --json").json();
+  const std::filesystem::path own = shown[0]["file"].get<std::string>();
+  std::filesystem::create_directory(folder.path() / "mine");
+  std::filesystem::copy_file(own, folder.path() / "mine/mine.springnet.so");
+  const auto notes = testing::springnet(folder, "run pair.toml --json --plugins mine").json()["notes"];
+  CAPTURE(notes);
+  CHECK(has(notes, own.string() + ": spring function 'linear' is taken already, by"));
+  CHECK(has(notes, "mine/mine.springnet.so"));
+  CHECK(
+      testing::springnet(folder, "run pair.toml --plugins mine").out.find("note: Plugin not taken: " + own.string()) !=
+      std::string::npos);
+  CHECK_FALSE(has(testing::springnet(folder, "run pair.toml --json").json()["notes"], "not taken"));
+}
