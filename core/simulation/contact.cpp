@@ -2,147 +2,168 @@
 
 #include <algorithm>
 
+#include "simulation/vectors.hpp"
+
 namespace springnet {
-namespace {
 
-// Of mind, within a step, after which a node is held.
-constexpr std::uint8_t most_changes = 8;
-
-Vector3 at(const springnet_const_vectors& v, std::uint32_t k) { return {v.x[k], v.y[k], v.z[k]}; }
-Vector3 at(const springnet_vectors& v, std::uint32_t k) { return {v.x[k], v.y[k], v.z[k]}; }
-void put(const springnet_vectors& v, std::uint32_t k, const Vector3& value) {
-  v.x[k] = value[0];
-  v.y[k] = value[1];
-  v.z[k] = value[2];
-}
-
-}  // namespace
-
-Contact::Contact(const Network& network, const std::vector<std::uint32_t>& user_number, const std::vector<double>& mass)
-    : planes_(network.planes()), mass_(mass) {
+Contact::Contact(const Network& network, const std::vector<std::uint32_t>& user_number,
+                 const std::vector<std::uint32_t>& engine_number, const std::vector<double>& mass)
+    : mass_(mass), prescribed_(network, engine_number) {
+  for (const Plane& plane : network.planes()) surfaces_.emplace_back(plane);
+  for (const Instrument& instrument : network.instruments()) surfaces_.emplace_back(instrument);
+  placement_.resize(surfaces_.size());
+  start_placement_.resize(surfaces_.size());
   const std::size_t nodes = user_number.size();
   fixed_.resize(nodes);
   for (std::size_t k = 0; k < nodes; ++k) fixed_[k] = network.nodes()[user_number[k]].fixed ? 1 : 0;
   constrained_ = fixed_;
-  held_flag_.assign(nodes, 0);
-  plane_of_.assign(nodes, -1);
-  if (!planes_.empty()) {
-    next_plane_.assign(nodes, -1);
-    last_plane_.assign(nodes, -1);
-    changes_.assign(nodes, 0);
-    place_.assign(nodes, Vector3::Zero());
-    stayed_.assign(nodes, 0);
-    impulse_.assign(nodes, Vector3::Zero());
-    sweep_impulse_.assign(nodes, Vector3::Zero());
-  }
+  held_.assign(nodes, 0);
+  touching_.assign(nodes, 0);
+  committed_.assign(nodes, {});
+  now_.assign(nodes, {});
+  if (surfaces_.empty()) return;
+  changes_.assign(nodes, 0);
+  stayed_.assign(nodes, 0);
+  last_surface_.assign(nodes, -1);
+  for (auto* vectors : {&place_, &slip_, &impulse_, &sweep_impulse_}) vectors->assign(nodes, Vector3::Zero());
+}
+
+std::string Contact::name_of(std::size_t surface) const {
+  const auto planes = static_cast<std::size_t>(
+      std::count_if(surfaces_.begin(), surfaces_.end(), [](const Surface& s) { return s.is_plane(); }));
+  return surfaces_[surface].description(surface < planes ? surface : surface - planes);
+}
+
+void Contact::set_trajectory(std::size_t surface, Trajectory trajectory) {
+  surfaces_[surface].set_trajectory(std::move(trajectory));
+  time_.time = std::numeric_limits<double>::quiet_NaN();
+}
+
+void Contact::set_time(const SampleTime& time) {
+  prescribed_.set_time(time);
+  if (time == time_) return;
+  time_ = time;
+  for (std::size_t j = 0; j < surfaces_.size(); ++j) placement_[j] = sample(surfaces_[j].trajectory(), time);
+}
+
+double Contact::next_change(double time) const {
+  double next = prescribed_.next_change(time);
+  for (const Surface& surface : surfaces_) next = std::min(next, surface.trajectory().next_change(time));
+  return next;
 }
 
 Vector3 Contact::impulse(std::uint32_t node) const { return impulse_.empty() ? Vector3::Zero() : impulse_[node]; }
 
+double Contact::turning(std::size_t surface, const Vector3& position, const Vector3& relative) const {
+  if (surfaces_[surface].is_plane()) return 0.0;
+  return relative.dot(surfaces_[surface].curvature(position - placement_[surface].displacement) * relative);
+}
+
+Vector3 Contact::onto(std::size_t surface, const Vector3& position) const {
+  return position - distance(surface, position) * normal(surface, position);
+}
+
+void Contact::refresh(std::uint32_t node) {
+  held_[node] = committed_[node].surface >= 0 && !committed_[node].slides ? 1 : 0;
+  touching_[node] = committed_[node].surface >= 0 ? 1 : 0;
+  constrained_[node] = fixed_[node] | static_cast<std::uint8_t>(now_[node].surface >= 0 && !now_[node].slides ? 1 : 0);
+}
+
 void Contact::set_fixed(std::uint32_t node, bool fixed) {
   fixed_[node] = fixed ? 1 : 0;
   if (fixed) release(node);
-  constrained_[node] = fixed_[node] | held_flag_[node];
+  refresh(node);
 }
 
-void Contact::hold(std::uint32_t node, std::int32_t plane, const Vector3& impulse) {
-  plane_of_[node] = next_plane_[node] = plane;
-  held_flag_[node] = plane >= 0 ? 1 : 0;
-  constrained_[node] = fixed_[node] | held_flag_[node];
+void Contact::touch(std::uint32_t node, const Touch& touch, const Vector3& impulse) {
+  committed_[node] = now_[node] = touch;
   impulse_[node] += impulse;
+  refresh(node);
 }
 
 void Contact::release(std::uint32_t node) {
-  if (planes_.empty()) return;
-  hold(node, -1, Vector3::Zero());
+  if (surfaces_.empty()) return;
+  touch(node, {}, Vector3::Zero());
 }
 
 void Contact::begin_step() {
+  start_placement_ = placement_;
   std::fill(changes_.begin(), changes_.end(), std::uint8_t{0});
-  std::copy(held_flag_.begin(), held_flag_.begin() + static_cast<std::ptrdiff_t>(stayed_.size()), stayed_.begin());
+  for (std::size_t k = 0; k < stayed_.size(); ++k) stayed_[k] = touching_[k];
+  forget_sweep();
 }
 
-// The rule is discontinuous: a node that touches stops, which changes the forces on it by what dampers did, so that it
-// may not touch any more; then it moves, and touches. No state is a fixed point of that. After some changes of mind the
-// node is held for the rest of the step, where it last touched; that is off by no more than it moves in a step.
-bool Contact::undecided(std::uint32_t node, bool stays) {
-  if (changes_[node] >= most_changes) return true;
-  if ((stayed_[node] != 0) != stays) ++changes_[node];
-  stayed_[node] = stays ? 1 : 0;
-  return changes_[node] >= most_changes;
+void Contact::forget_sweep() {
+  if (surfaces_.empty()) return;
+  for (std::uint32_t k = 0; k < now_.size(); ++k) {
+    if (now_[k] == committed_[k]) continue;
+    now_[k] = committed_[k];
+    refresh(k);
+  }
 }
 
-void Contact::constrain(std::uint32_t first, std::uint32_t count, const double* const force[3],
-                        const springnet_const_vectors& start, const springnet_vectors& position,
-                        const springnet_vectors& velocity) {
-  for (std::uint32_t k = first; k < first + count; ++k) {
+void Contact::commit_sweep(ContactChanges& changes) {
+  if (surfaces_.empty()) return;
+  for (std::uint32_t k = 0; k < now_.size(); ++k) {
+    const Touch before = committed_[k], after = now_[k];
+    if (fixed_[k] != 0 || before == after) continue;
+    if (before.surface == after.surface) {
+      (after.slides ? changes.slipped : changes.stuck).push_back(k);
+    } else {
+      if (before.surface >= 0) changes.released.push_back(k);
+      if (after.surface >= 0) changes.touched.push_back(k);
+    }
+    touch(k, after, before.surface != after.surface && after.surface >= 0 ? sweep_impulse_[k] : Vector3::Zero());
+  }
+}
+
+Vector3 Contact::slip_vector(std::uint32_t node, const Vector3& normal, const Vector3& relative) const {
+  // At rest, and from there on until the slip is more than rounding: the direction in which it began.
+  const Vector3 kept = slip_[node] - normal * normal.dot(slip_[node]);
+  return relative - normal * normal.dot(relative) + 0.1 * rest_speed_ * kept;
+}
+
+Vector3 Contact::slip_direction(std::uint32_t node, const Vector3& normal, const Vector3& relative) const {
+  const Vector3 slip = slip_vector(node, normal, relative);
+  const double length = slip.norm();
+  return length > 0.0 ? Vector3(slip / length) : Vector3::Zero();
+}
+
+void Contact::note_slips(const springnet_const_vectors& position, const springnet_const_vectors& velocity) {
+  for (std::uint32_t k = 0; !surfaces_.empty() && k < committed_.size(); ++k) {
+    if (!committed_[k].slides) continue;
+    const auto j = static_cast<std::size_t>(committed_[k].surface);
+    const Vector3 n = normal(j, vector_at(position, k)), relative = vector_at(velocity, k) - placement_[j].velocity;
+    const Vector3 along = relative - n * n.dot(relative);
+    if (along.norm() > 2.0 * rest_speed_) slip_[k] = along.normalized();
+  }
+}
+
+void Contact::accelerate(std::uint32_t first, std::uint32_t count, const springnet_const_vectors& position,
+                         const springnet_const_vectors& velocity, double* const acceleration[3],
+                         const std::uint32_t* cluster) const {
+  for (std::uint32_t i = 0; i < count; ++i) {
+    const std::uint32_t k = first + i;
+    const Touch& touch = now_[k];
+    if (fixed_[k] == 0 && touch.surface < 0) continue;
+    Vector3 result = Vector3::Zero();
     if (fixed_[k] != 0) {
-      put(position, k, at(start, k));
-      put(velocity, k, Vector3::Zero());
-      continue;
+      if (prescribed_.moves(k)) result = prescribed_.acceleration(k);
+    } else if (!touch.slides) {
+      result = placement_[static_cast<std::size_t>(touch.surface)].acceleration;
+    } else {
+      if (cluster != nullptr && cluster[k] != 0xffffffffu) continue;
+      const auto j = static_cast<std::size_t>(touch.surface);
+      const Vector3 p = vector_at(position, k), relative = vector_at(velocity, k) - placement_[j].velocity;
+      result = {acceleration[0][i], acceleration[1][i], acceleration[2][i]};
+      const Vector3 n = normal(j, p);
+      // d^2 (distance) / dt^2 = 0; the force for that is the normal force, and friction a share of it.
+      const double pressing = -(n.dot(result - placement_[j].acceleration) + turning(j, p, relative));
+      result += pressing * n;
+      if (surfaces_[j].friction().kind == Friction::Kind::coulomb && pressing > 0.0)
+        result -= surfaces_[j].friction().coefficient * pressing * slip_direction(k, n, relative);
     }
-    if (planes_.empty()) continue;
-    sweep_impulse_[k].setZero();
-    const std::int32_t plane = plane_of_[k];
-    if (plane >= 0) {
-      const std::uint32_t i = k - first;
-      const Vector3 net(force[0][i], force[1][i], force[2][i]);
-      const bool stays = planes_[static_cast<std::size_t>(plane)].normal.dot(net) <= 0.0;
-      if (undecided(k, stays) || stays) {
-        next_plane_[k] = plane;
-        put(position, k, at(start, k));
-        put(velocity, k, Vector3::Zero());
-        continue;
-      }
-    }
-    constrain_free(k, at(start, k), position, velocity);
-  }
-}
-
-void Contact::constrain_free(std::uint32_t node, const Vector3& start, const springnet_vectors& position,
-                             const springnet_vectors& velocity) {
-  const Vector3 end = at(position, node);
-  double earliest = 2.0;
-  std::int32_t touched = -1;
-  for (std::size_t j = 0; j < planes_.size(); ++j) {
-    const double after = distance(j, end);
-    if (after >= 0.0) continue;
-    const double before = distance(j, start);
-    const double share = before > 0.0 ? before / (before - after) : 0.0;
-    if (share < earliest) {
-      earliest = share;
-      touched = static_cast<std::int32_t>(j);
-    }
-  }
-  if (touched >= 0) last_plane_[node] = touched;
-  // A node that was held and leaves its plane was counted where that was decided.
-  const bool was_undecided = changes_[node] >= most_changes;
-  if (plane_of_[node] < 0 && undecided(node, touched >= 0)) {
-    const auto j = static_cast<std::size_t>(last_plane_[node]);
-    if (!was_undecided)
-      place_[node] = touched >= 0 ? Vector3(start + earliest * (end - start))
-                                  : Vector3(end - distance(j, end) * planes_[j].normal);
-    sweep_impulse_[node] = -mass_[node] * at(velocity, node);
-    put(position, node, place_[node]);
-    put(velocity, node, Vector3::Zero());
-    next_plane_[node] = last_plane_[node];
-    return;
-  }
-  next_plane_[node] = touched;
-  if (touched < 0) return;
-  // The touch is new unless the node lies on the surface already and its release failed.
-  if (plane_of_[node] != touched) sweep_impulse_[node] = -mass_[node] * at(velocity, node);
-  put(position, node, start + earliest * (end - start));
-  put(velocity, node, Vector3::Zero());
-}
-
-void Contact::commit_sweep(std::vector<std::uint32_t>& touched, std::vector<std::uint32_t>& released) {
-  if (planes_.empty()) return;
-  for (std::uint32_t k = 0; k < plane_of_.size(); ++k) {
-    if (fixed_[k] != 0 || next_plane_[k] == plane_of_[k]) continue;
-    if (plane_of_[k] >= 0) released.push_back(k);
-    if (next_plane_[k] >= 0) touched.push_back(k);
-    hold(k, next_plane_[k], next_plane_[k] >= 0 ? sweep_impulse_[k] : Vector3::Zero());
+    for (int c = 0; c < 3; ++c) acceleration[c][i] = result[c];
   }
 }
 

@@ -2,8 +2,10 @@
 // on it through the host table (host_table.cpp); Simulation is its public face.
 #pragma once
 
+#include <limits>
 #include <map>
 #include <memory>
+#include <mutex>
 #include <optional>
 #include <string>
 #include <vector>
@@ -15,6 +17,7 @@
 #include "simulation/contact.hpp"
 #include "simulation/cutting.hpp"
 #include "simulation/loads.hpp"
+#include "simulation/rigid.hpp"
 #include "simulation/state.hpp"
 
 namespace springnet {
@@ -31,7 +34,12 @@ class Engine {
   springnet_status evaluate(const springnet_evaluation& request);
   springnet_status evaluate_nodes(const springnet_evaluation& request, const std::uint32_t* nodes, std::uint32_t count);
   springnet_status sweep(const springnet_sweep& sweep);
+  springnet_status constrain(const springnet_sweep& sweep);
   springnet_status linearise(const springnet_evaluation& at);
+  springnet_status jacobian_times(const double* dp, const double* dv, double* out);
+  springnet_status factorise(double velocity_weight, double position_weight);
+  springnet_status project(const double* mobility, double* values);
+  springnet_status project_state(double time, const springnet_vectors& position, const springnet_vectors& velocity);
   springnet_status event_values(const springnet_evaluation& at, double* values, std::int32_t* directions);
   springnet_status fire_events(double time, State& state, const std::int32_t* fired);
   springnet_status commit(double time, State& state);
@@ -39,11 +47,14 @@ class Engine {
   [[nodiscard]] layers::Linearisation& linearisation() noexcept { return linearisation_; }
   [[nodiscard]] springnet_message& message() noexcept { return message_; }
   void report(const char* name, double value) { statistics_[name] = value; }
+  void note(const std::string& text);
 
   // ---- what Simulation asks for ----
   [[nodiscard]] const layers::Layout& layout() const noexcept { return layout_; }
   [[nodiscard]] const layers::Evaluator& evaluator() const noexcept { return evaluator_; }
   [[nodiscard]] const Contact& contact() const noexcept { return contact_; }
+  [[nodiscard]] const RigidConnections& rigid() const noexcept { return rigid_; }
+  [[nodiscard]] const std::vector<std::string>& notes() const noexcept { return notes_; }
   [[nodiscard]] const std::vector<double>& mass() const noexcept { return mass_; }
   [[nodiscard]] double time() const noexcept { return time_; }
   // The committed state; its forces are evaluated anew if something changed since they were.
@@ -52,6 +63,14 @@ class Engine {
   [[nodiscard]] Loads& loads() noexcept { return loads_; }
   [[nodiscard]] const std::vector<Event>& events() const noexcept { return events_; }
   [[nodiscard]] const std::map<std::string, double>& statistics() const noexcept { return statistics_; }
+  // What holds, moves or stops nodes at the committed state.
+  struct Reactions {
+    std::vector<Vector3> node;  // N, of fixation and surfaces; empty where nothing could ever hold a node
+    std::vector<double> rigid;  // N, > 0 is tension
+  };
+  [[nodiscard]] const Reactions& reactions();
+  void move_surface(std::size_t surface, const Vector3& position, double time);
+  void move_node(std::uint32_t node, const Vector3& position, double time);
   // Why numbers were not finite or could not be evaluated since begin_step(); empty if all went well.
   [[nodiscard]] const std::string& non_finite() const noexcept { return non_finite_; }
   // Something was changed from outside: a multistep method has to start afresh, forces are stale.
@@ -69,22 +88,48 @@ class Engine {
     bool done = false;
   };
   struct EventSource {
-    enum class Kind : std::uint8_t { touch, release, rupture };
+    enum class Kind : std::uint8_t { touch, release, slip, stick, rupture };
     Kind kind;
     std::uint32_t index;  // node or spring
-    std::uint32_t plane;
+    std::uint32_t surface;
   };
+  class ReactionsAt;
+  struct NodeEvaluation;
 
-  void start_contacts();
-  // Holds free nodes that lie on a surface and move or are pushed into it.
-  void settle_contacts(double time, State& state);
+  void start_constraints();
+  // Where surfaces and moved nodes are at a time of the present step, or right after `time`.
+  void set_time(double time) { contact_.set_time(sample_time(time)); }
+  [[nodiscard]] SampleTime sample_time(double time) const noexcept;
+  // Puts moved nodes where they are, right after the committed time, and all that hangs on them.
+  springnet_status follow_motions();
+  // Holds free nodes that lie on a surface and move or are pushed into it; lets go those that friction cannot hold.
+  springnet_status settle_contacts(double time, State& state);
   [[nodiscard]] double contact_tolerance() const noexcept;
   void set_scales();
   void perform_due_cuts();
   springnet_status perform_due_ruptures();
   std::size_t remove(const std::vector<std::uint32_t>& springs, Event::Kind kind, double time);
-  void stop_penetration(double time, State& state);
-  void touch(std::uint32_t node, std::size_t plane, double time, State& state);
+  springnet_status stop_penetration(double time, State& state);
+  void touch(std::uint32_t node, std::size_t surface, double time, State& state);
+  // Lets slip what friction cannot hold any more.
+  springnet_status release_grip(double time, const State& state);
+  void let_go(std::uint32_t node, double time);
+  void slip(std::uint32_t node, const Vector3& reaction, double time, const State& state);
+  springnet_status stick(std::uint32_t node, double time, State& state);
+  springnet_status fire(const EventSource& source, double time, State& state, std::vector<std::uint32_t>& touched);
+  // Of a sweep in an order; `tile_context` is that of the sweep.
+  springnet_status sweep_in_order(const springnet_sweep& sweep, void* tile_context);
+  springnet_status update_range(std::uint32_t begin, std::uint32_t end, std::uint32_t unit, void* tile_context,
+                                springnet_message& message);
+  springnet_status update_cluster(std::size_t cluster, std::uint32_t unit, void* tile_context,
+                                  springnet_message& message);
+  springnet_status evaluate_for_update(std::uint32_t node, void* tile_context, NodeEvaluation& result,
+                                       springnet_message& message);
+  springnet_status update_node(std::uint32_t node, std::uint32_t unit, void* tile_context,
+                               const NodeEvaluation& evaluation, springnet_message& message);
+  springnet_status linearise_rigid(const springnet_evaluation& at);
+  springnet_status linearise_friction(const springnet_evaluation& at);
+  springnet_status constrain_clusters(const springnet_sweep& sweep);
   void note(Event::Kind kind, double time, std::uint32_t user_index) { events_.push_back({kind, time, user_index}); }
   [[nodiscard]] const std::vector<EventSource>& event_sources();
   [[nodiscard]] const std::vector<std::uint32_t>& rupturing();
@@ -97,7 +142,9 @@ class Engine {
   layers::Evaluator evaluator_;
   Loads loads_;
   Contact contact_;
+  RigidConnections rigid_;
   layers::Linearisation linearisation_;
+  std::vector<std::uint32_t> no_cluster_;  // [node] of network_info without rigid connections
   State state_;
   double time_ = 0.0;
   double time_resolution_;  // s: a cut this close to a committed time is due at it
@@ -114,7 +161,18 @@ class Engine {
   std::uint64_t info_revision_ = 0;
   std::uint64_t sources_revision_ = 0;
   std::vector<EventSource> sources_;
-  double touch_depth_ = 0.0;  // m
+  double touch_depth_ = 0.0;                // m
+  std::mutex failure_lock_;                 // of messages, where nodes are evaluated by several threads
+  bool in_sets_ = false;                    // several threads write outputs
+  std::vector<std::uint8_t> cluster_done_;  // within a sweep in an order
+  double interval_from_ = 0.0, interval_until_ = std::numeric_limits<double>::infinity();  // s, of begin_step
+  std::vector<ConstraintRow> linear_rows_;                                                 // of linearise
+  std::vector<double> project_mobility_;                                                   // of project_system_
+  bool project_known_ = false;
+  ConstraintSystem project_system_;
+  std::vector<std::string> notes_;
+  Reactions reactions_;
+  bool reactions_known_ = false;
   bool rupturing_known_ = false;
   std::vector<std::uint32_t> rupturing_;
   std::vector<double> scratch_;  // forces nobody asked for

@@ -33,19 +33,26 @@ template <class Action>
 springnet_status linearised(void* context, Action action) noexcept {
   return guarded(context, [&](Engine& engine) -> springnet_status {
     if (!engine.linearisation().known()) throw Error(ErrorKind::plugin, "derivatives were asked for before linearise");
-    action(engine);
-    return SPRINGNET_OK;
+    return action(engine);
   });
 }
 
-// A request of an integrator, which has to be as large as ABI 1.0 made it.
+// Where the structs of ABI 1.0 ended: an integrator compiled against it gives no more.
+constexpr std::size_t evaluation_size = SPRINGNET_SIZE_TO(springnet_evaluation, internal_rate);
+constexpr std::size_t sweep_size = SPRINGNET_SIZE_TO(springnet_sweep, user);
+
+// A request of an integrator, which has to be at least as large as ABI 1.0 made it.
 template <class Request>
-const Request& checked(const Request* request, const char* name) {
-  if (request == nullptr || request->struct_size < sizeof(Request))
+const Request& checked(const Request* request, const char* name, std::size_t least) {
+  if (request == nullptr || request->struct_size < least)
     throw Error(ErrorKind::plugin, fmt::format("a {} of {} bytes was given where ABI 1.0 has {}; set its struct_size",
-                                               name, request == nullptr ? 0 : request->struct_size, sizeof(Request)));
+                                               name, request == nullptr ? 0 : request->struct_size, least));
   return *request;
 }
+const springnet_evaluation& checked(const springnet_evaluation* evaluation) {
+  return checked(evaluation, "springnet_evaluation", evaluation_size);
+}
+const springnet_sweep& checked(const springnet_sweep* sweep) { return checked(sweep, "springnet_sweep", sweep_size); }
 
 const springnet_network* network(void* context) {
   const springnet_network* info = nullptr;
@@ -82,31 +89,29 @@ springnet_status begin_step(void* context, double from, double until) {
   return guarded(context, [&](Engine& engine) { return engine.begin_step(from, until); });
 }
 springnet_status evaluate(void* context, const springnet_evaluation* evaluation) {
-  return guarded(context, [&](Engine& engine) { return engine.evaluate(checked(evaluation, "springnet_evaluation")); });
+  return guarded(context, [&](Engine& engine) { return engine.evaluate(checked(evaluation)); });
 }
 springnet_status evaluate_nodes(void* context, const springnet_evaluation* evaluation, const std::uint32_t* nodes,
                                 std::uint32_t count) {
-  return guarded(context, [&](Engine& engine) {
-    return engine.evaluate_nodes(checked(evaluation, "springnet_evaluation"), nodes, count);
-  });
+  return guarded(context, [&](Engine& engine) { return engine.evaluate_nodes(checked(evaluation), nodes, count); });
 }
 springnet_status sweep(void* context, const springnet_sweep* request) {
-  return guarded(context, [&](Engine& engine) { return engine.sweep(checked(request, "springnet_sweep")); });
+  return guarded(context, [&](Engine& engine) { return engine.sweep(checked(request)); });
 }
 springnet_status linearise(void* context, const springnet_evaluation* at) {
-  return guarded(context, [&](Engine& engine) { return engine.linearise(checked(at, "springnet_evaluation")); });
+  return guarded(context, [&](Engine& engine) { return engine.linearise(checked(at)); });
 }
 springnet_status jacobian_times(void* context, const double* dp, const double* dv, double* out) {
-  return linearised(context, [&](Engine& engine) { engine.linearisation().times(dp, dv, out); });
+  return linearised(context, [&](Engine& engine) { return engine.jacobian_times(dp, dv, out); });
 }
 springnet_status diagonal_blocks(void* context, double velocity_weight, double position_weight, double* out) {
-  return linearised(
-      context, [&](Engine& engine) { engine.linearisation().diagonal_blocks(velocity_weight, position_weight, out); });
+  return linearised(context, [&](Engine& engine) -> springnet_status {
+    engine.linearisation().diagonal_blocks(velocity_weight, position_weight, out);
+    return SPRINGNET_OK;
+  });
 }
 springnet_status factorise(void* context, double velocity_weight, double position_weight) {
-  return guarded(context, [&](Engine& engine) {
-    return engine.linearisation().factorise(velocity_weight, position_weight, engine.message());
-  });
+  return guarded(context, [&](Engine& engine) { return engine.factorise(velocity_weight, position_weight); });
 }
 springnet_status solve(void* context, std::int32_t transposed, const double* right_side, double* x) {
   return guarded(context, [&](Engine& engine) {
@@ -114,9 +119,7 @@ springnet_status solve(void* context, std::int32_t transposed, const double* rig
   });
 }
 springnet_status event_values(void* context, const springnet_evaluation* at, double* values, std::int32_t* directions) {
-  return guarded(context, [&](Engine& engine) {
-    return engine.event_values(checked(at, "springnet_evaluation"), values, directions);
-  });
+  return guarded(context, [&](Engine& engine) { return engine.event_values(checked(at), values, directions); });
 }
 springnet_status fire_events(void* context, double time, springnet_state* state, const std::int32_t* fired) {
   return guarded(context, [&](Engine& engine) { return engine.fire_events(time, State::of(state), fired); });
@@ -128,6 +131,21 @@ springnet_status commit(void* context, double time, springnet_state* state) {
 void report(void* context, const char* name, double value) {
   static_cast<void>(guarded(context, [&](Engine& engine) -> springnet_status {
     engine.report(name, value);
+    return SPRINGNET_OK;
+  }));
+}
+springnet_status constrain(void* context, const springnet_sweep* request) {
+  return guarded(context, [&](Engine& engine) { return engine.constrain(checked(request)); });
+}
+springnet_status project(void* context, const double* mobility, double* values) {
+  return linearised(context, [&](Engine& engine) { return engine.project(mobility, values); });
+}
+springnet_status project_state(void* context, double time, springnet_vectors position, springnet_vectors velocity) {
+  return guarded(context, [&](Engine& engine) { return engine.project_state(time, position, velocity); });
+}
+void note(void* context, const char* text) {
+  static_cast<void>(guarded(context, [&](Engine& engine) -> springnet_status {
+    engine.note(text);
     return SPRINGNET_OK;
   }));
 }
@@ -159,6 +177,10 @@ springnet_host make_host_table(Engine& engine) {
   host.commit = commit;
   host.report = report;
   host.message = message;
+  host.constrain = constrain;
+  host.project = project;
+  host.project_state = project_state;
+  host.note = note;
   return host;
 }
 

@@ -56,6 +56,32 @@ struct Simulation::Impl {
       throw Error(ErrorKind::input, fmt::format("spring {} does not exist: the network has springs 0 to {}", spring,
                                                 static_cast<std::int64_t>(engine.layout().spring_count()) - 1));
   }
+  void check_surface(std::size_t surface) const {
+    if (surface >= engine.contact().surfaces().size())
+      throw Error(ErrorKind::input, fmt::format("surface {} does not exist: the network has {} planes and instruments",
+                                                surface, engine.contact().surfaces().size()));
+  }
+  void check_arrival(const Vector3& position, double until) const {
+    if (!position.allFinite() || !std::isfinite(until) || !(until > engine.time()))
+      throw Error(ErrorKind::input,
+                  fmt::format("a motion to ({}, {}, {}) that ends at {} s: the position must be finite, and the time "
+                              "after {} s, which is now",
+                              position[0], position[1], position[2], until, engine.time()));
+  }
+  [[nodiscard]] const Surface& surface(std::size_t index) const {
+    check_surface(index);
+    return engine.contact().surfaces()[index];
+  }
+  // At the present time.
+  [[nodiscard]] Trajectory::Sample placement(std::size_t index) const {
+    return surface(index).trajectory().at(engine.time());
+  }
+  template <class Visit>
+  void for_each_touching(std::size_t index, Visit visit) const {
+    check_surface(index);
+    for (std::uint32_t k = 0; k < engine.layout().node_count(); ++k)
+      if (engine.contact().committed(k).surface == static_cast<std::int32_t>(index)) visit(k);
+  }
   [[nodiscard]] ConstNodeMap map(const springnet_vectors& v) const {
     const std::uint32_t n = engine.layout().node_count();
     return {v.x, 3, static_cast<Eigen::Index>(n), Eigen::OuterStride<>(static_cast<Eigen::Index>(pitch_of(n)))};
@@ -103,6 +129,8 @@ void Simulation::Impl::advance(double until) {
   last.residual = report.residual;
   last.node = report.node < user.size() ? user[report.node] : 0;
   last.start_node = report.start_node < user.size() ? std::int64_t{user[report.start_node]} : -1;
+  last.substeps += report.substeps;
+  last.stages += report.stages;
   sweeps += report.sweeps;
   if (status == SPRINGNET_OK) {
     last.steps += report.steps;
@@ -190,13 +218,49 @@ Vector3 Simulation::velocity(NodeIndex node) const {
 Vector3 Simulation::force(NodeIndex node) const {
   return column(impl_->engine.state().view.force, impl_->engine_node(node));
 }
-Vector3 Simulation::reaction(NodeIndex node) const {
-  return impl_->engine.contact().constrained()[impl_->engine_node(node)] != 0 ? Vector3(-force(node)) : Vector3::Zero();
+Vector3 Simulation::reaction(NodeIndex node) const { return impl_->engine.reactions().node[impl_->engine_node(node)]; }
+double Simulation::rigid_force(RigidIndex rigid) const {
+  if (rigid >= impl_->engine.rigid().rods().size())
+    throw Error(ErrorKind::input, fmt::format("rigid connection {} does not exist: the network has {}", rigid,
+                                              impl_->engine.rigid().rods().size()));
+  return impl_->engine.reactions().rigid[rigid];
+}
+
+std::size_t Simulation::surface_count() const noexcept { return impl_->engine.contact().surfaces().size(); }
+const std::string& Simulation::surface_name(std::size_t surface) const {
+  impl_->check_surface(surface);
+  return impl_->engine.contact().surfaces()[surface].name();
+}
+Vector3 Simulation::surface_position(std::size_t surface) const {
+  return impl_->surface(surface).origin() + impl_->placement(surface).displacement;
+}
+Vector3 Simulation::surface_velocity(std::size_t surface) const { return impl_->placement(surface).velocity; }
+Vector3 Simulation::surface_force(std::size_t surface) const {
+  Vector3 sum = Vector3::Zero();
+  impl_->for_each_touching(surface, [&](std::uint32_t k) { sum -= impl_->engine.reactions().node[k]; });
+  return sum;
+}
+Vector3 Simulation::surface_torque(std::size_t surface) const {
+  const Vector3 about = surface_position(surface);
+  Vector3 sum = Vector3::Zero();
+  impl_->for_each_touching(surface, [&](std::uint32_t k) {
+    const Vector3 arm = column(impl_->engine.state_without_forces().view.position, k) - about;
+    sum -= arm.cross(impl_->engine.reactions().node[k]);
+  });
+  return sum;
+}
+std::size_t Simulation::nodes_touching(std::size_t surface) const {
+  std::size_t count = 0;
+  impl_->for_each_touching(surface, [&](std::uint32_t) { ++count; });
+  return count;
 }
 Vector3 Simulation::contact_impulse(NodeIndex node) const {
   return impl_->engine.contact().impulse(impl_->engine_node(node));
 }
 bool Simulation::held(NodeIndex node) const { return impl_->engine.contact().held()[impl_->engine_node(node)] != 0; }
+bool Simulation::touching(NodeIndex node) const {
+  return impl_->engine.contact().touching()[impl_->engine_node(node)] != 0;
+}
 
 double Simulation::tension(SpringIndex spring) const {
   impl_->check_spring(spring);
@@ -253,12 +317,15 @@ void Simulation::set_position(NodeIndex node, const Vector3& position) {
   check_finite(position, fmt::format("position of node {}", node));
   const std::uint32_t k = impl_->engine_node(node);
   const Contact& contact = impl_->engine.contact();
-  for (std::size_t j = 0; j < contact.planes().size() && contact.fixed()[k] == 0; ++j)
-    if (const double distance = contact.distance(j, position); distance < 0.0)
-      throw Error(ErrorKind::input,
-                  fmt::format("position of node {}: {} m behind plane '{}' (number {}), where no node "
-                              "can be; keep it in front of the plane, or fix the node first",
-                              node, -distance, contact.planes()[j].name, j));
+  for (std::size_t j = 0; j < contact.surfaces().size() && contact.fixed()[k] == 0; ++j) {
+    const double distance = contact.surfaces()[j].distance(position - impl_->placement(j).displacement);
+    if (distance < 0.0)
+      throw Error(
+          ErrorKind::input,
+          fmt::format("position of node {}: {} m {} {}, where no node can be; keep it outside, or fix the node "
+                      "first",
+                      node, -distance, contact.surfaces()[j].is_plane() ? "behind" : "inside", contact.name_of(j)));
+  }
   impl_->engine.set_node(k, position, std::nullopt);
 }
 void Simulation::set_velocity(NodeIndex node, const Vector3& velocity) {
@@ -270,6 +337,15 @@ void Simulation::set_velocity(NodeIndex node, const Vector3& velocity) {
   impl_->engine.set_node(k, std::nullopt, velocity);
 }
 void Simulation::set_fixed(NodeIndex node, bool fixed) { impl_->engine.set_fixed(impl_->engine_node(node), fixed); }
+void Simulation::move_surface(std::size_t surface, const Vector3& position, double time) {
+  impl_->check_surface(surface);
+  impl_->check_arrival(position, time);
+  impl_->engine.move_surface(surface, position, time);
+}
+void Simulation::move_node(NodeIndex node, const Vector3& position, double time) {
+  impl_->check_arrival(position, time);
+  impl_->engine.move_node(impl_->engine_node(node), position, time);
+}
 std::size_t Simulation::cut(const std::vector<SpringIndex>& springs) {
   for (const SpringIndex s : springs) impl_->check_spring(s);
   return impl_->engine.cut(springs);
@@ -280,5 +356,6 @@ std::size_t Simulation::cut_polygon(const std::vector<Vector3>& corners) {
 
 const std::vector<Event>& Simulation::events() const noexcept { return impl_->engine.events(); }
 const std::map<std::string, double>& Simulation::statistics() const noexcept { return impl_->engine.statistics(); }
+const std::vector<std::string>& Simulation::notes() const noexcept { return impl_->engine.notes(); }
 
 }  // namespace springnet

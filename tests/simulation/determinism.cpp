@@ -11,7 +11,7 @@ using namespace springnet::testing;
 
 namespace {
 
-Network block() {
+Network soft_block() {
   Lattice lattice;
   lattice.nodes = {24, 24, 48};  // four units of nodes
   lattice.diagonals = Diagonals::space;
@@ -41,7 +41,7 @@ Eigen::MatrixXd run(const Network& net, const LawUse& integrator, unsigned threa
 }  // namespace
 
 TEST_CASE("bit-identical motion for 1, 2, 3 and 4 threads") {
-  const Network net = block();
+  const Network net = soft_block();
   for (const LawUse& integrator : {single_sweep(), recurrent(synchronous, 1e-6)}) {
     const Eigen::MatrixXd one = run(net, integrator, 1, InstructionSet::best, 12);
     for (const unsigned threads : {2u, 3u, 4u}) CHECK(run(net, integrator, threads, InstructionSet::best, 12) == one);

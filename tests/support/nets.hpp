@@ -20,8 +20,8 @@ inline std::shared_ptr<const PluginHost> plugins() {
 }
 
 // Options of the integrator "recurrent" as it numbers its choices.
-inline constexpr double synchronous = 0, wavefront = 1;
-inline constexpr double on_unsettled_error = 0, on_unsettled_accept = 1;
+inline constexpr double synchronous = 0, wavefront = 1, block = 2, coloured = 3, newton = 4, automatic = 5;
+inline constexpr double on_unsettled_error = 0, on_unsettled_accept = 1, on_unsettled_adapt = 2;
 
 inline LawUse recurrent(double update, double force_tolerance, ParameterValues more = {}) {
   more["update"] = update;

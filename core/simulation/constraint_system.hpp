@@ -1,0 +1,51 @@
+// Linear systems with the matrix G W G^T of constraints on nodes, where a row of G is a direction at one node, or the
+// opposite directions at the two ends of a rigid connection.
+#pragma once
+
+#include <cstdint>
+#include <functional>
+#include <vector>
+
+#include <Eigen/Cholesky>
+#include <Eigen/Core>
+#include <Eigen/SparseCholesky>
+
+#include "layers/constraint_row.hpp"
+
+namespace springnet {
+
+class ConstraintSystem {
+ public:
+  // Mobility of a node, 1/kg: its velocity changes by that times an impulse. Zero for a node that cannot move.
+  using Mobility = std::function<Eigen::Matrix3d(std::uint32_t)>;
+
+  // Factorises G W G^T. Redundant rows, and rows between nodes that cannot move, are allowed: see solve().
+  void set(std::vector<ConstraintRow> rows, const Mobility& mobility);
+  [[nodiscard]] const std::vector<ConstraintRow>& rows() const noexcept { return rows_; }
+  // The multipliers x of G W G^T x = b. Where rows are redundant the right side has to fit, as it does if it comes from
+  // velocities or lengths; of the many answers it is the smallest.
+  [[nodiscard]] Eigen::VectorXd solve(const Eigen::VectorXd& b) const;
+  // The change of a node's velocity (m/s) by multipliers (N s); calls `add(node, change)` for both ends of every row.
+  template <class Add>
+  void for_each_change(const Eigen::VectorXd& multipliers, Add&& add) const {
+    for (std::size_t r = 0; r < rows_.size(); ++r) {
+      const double x = multipliers[static_cast<Eigen::Index>(r)];
+      add(rows_[r].first, Vector3(mobilities_[2 * r] * rows_[r].direction * x));
+      if (rows_[r].second != ConstraintRow::no_node)
+        add(rows_[r].second, Vector3(mobilities_[2 * r + 1] * rows_[r].direction * -x));
+    }
+  }
+
+ private:
+  [[nodiscard]] Eigen::VectorXd solve_shifted(const Eigen::VectorXd& b) const;
+
+  std::vector<ConstraintRow> rows_;
+  std::vector<Eigen::Matrix3d> mobilities_;  // [row][2]
+  double shift_ = 0.0;
+  Eigen::SparseMatrix<double> matrix_;
+  Eigen::SimplicialLDLT<Eigen::SparseMatrix<double>> sparse_;
+  Eigen::MatrixXd dense_matrix_;
+  Eigen::LDLT<Eigen::MatrixXd> dense_;
+};
+
+}  // namespace springnet

@@ -1,0 +1,284 @@
+// Contacts made, released, slipping and sticking, as an integrator with events sees them.
+
+#include <algorithm>
+#include <cmath>
+
+#include "layers/elements.hpp"
+#include "simulation/engine.hpp"
+#include "simulation/reactions_at.hpp"
+#include "simulation/vectors.hpp"
+
+namespace springnet {
+namespace {
+
+// A node this far behind a surface was not seen to cross it: twice within one step of the reference, say.
+constexpr double penetration = 1e-9;
+// A node that a surface stopped has no speed against it but rounding, in units of the velocity scale.
+constexpr double rounding_of_speed = 1e-13;
+
+}  // namespace
+
+const std::vector<Engine::EventSource>& Engine::event_sources() {
+  if (sources_revision_ != revision_) {
+    sources_.clear();
+    const auto surfaces = static_cast<std::uint32_t>(contact_.surfaces().size());
+    for (std::uint32_t k = 0; surfaces > 0 && k < layout_.node_count(); ++k) {
+      if (contact_.fixed()[k] != 0) continue;
+      const Touch touch = contact_.committed(k);
+      const auto j = static_cast<std::uint32_t>(touch.surface);
+      if (touch.surface >= 0) {
+        sources_.push_back({EventSource::Kind::release, k, j});
+        if (contact_.surfaces()[j].friction().kind == Friction::Kind::coulomb)
+          sources_.push_back({touch.slides ? EventSource::Kind::stick : EventSource::Kind::slip, k, j});
+        if (!touch.slides) continue;
+      }
+      for (std::uint32_t other = 0; other < surfaces; ++other)
+        if (touch.surface < 0 || other != j) sources_.push_back({EventSource::Kind::touch, k, other});
+    }
+    for (const std::uint32_t s : rupturing()) sources_.push_back({EventSource::Kind::rupture, s, 0});
+    touch_depth_ = surfaces > 0 ? contact_tolerance() : 0.0;
+    sources_revision_ = revision_;
+  }
+  return sources_;
+}
+
+springnet_status Engine::event_values(const springnet_evaluation& request, double* values, std::int32_t* directions) {
+  const std::vector<EventSource>& sources = event_sources();
+  ReactionsAt reactions(*this, request.time, request.position, request.velocity);
+  for (std::size_t e = 0; e < sources.size(); ++e) {
+    const EventSource& source = sources[e];
+    const std::uint32_t k = source.index;
+    if (directions != nullptr) directions[e] = source.kind == EventSource::Kind::release ? 1 : -1;
+    if (source.kind == EventSource::Kind::rupture) continue;
+    const Vector3 p = vector_at(request.position, k);
+    const Vector3 n = contact_.normal(source.surface, p);
+    if (source.kind == EventSource::Kind::touch) {
+      // From the contact tolerance on: a node that lies on the surface, up to rounding, has a value above 0 that falls
+      // through it when the node sinks in. A value of 0 would not count as a crossing.
+      values[e] = contact_.distance(source.surface, p) + touch_depth_;
+    } else if (source.kind == EventSource::Kind::stick) {
+      // The slip in the direction that it had when the state was last committed.
+      values[e] = contact_.slip(k).dot(vector_at(request.velocity, k) - contact_.placement(source.surface).velocity) -
+                  contact_.rest_speed();
+    } else {
+      Vector3 reaction;
+      const springnet_status status = reactions.of(k, reaction);
+      if (status != SPRINGNET_OK) return status;
+      const double pressing = n.dot(reaction);
+      values[e] = source.kind == EventSource::Kind::release
+                      ? -pressing
+                      : contact_.surfaces()[source.surface].friction().coefficient * pressing -
+                            (reaction - pressing * n).norm();
+    }
+  }
+  const std::vector<std::uint32_t>& springs = rupturing();
+  return springs.empty() ? SPRINGNET_OK
+                         : layers::rupture_margins(layout_, evaluator_.instruction_set(), request.time,
+                                                   node_arrays(request.position, request.velocity), springs,
+                                                   values + (sources.size() - springs.size()), message_);
+}
+
+// Contact without restitution: the node loses what its velocity has against the surface, by friction also along it.
+void Engine::touch(std::uint32_t node, std::size_t surface, double time, State& state) {
+  const Vector3 position = contact_.onto(surface, vector_at(state.view.position, node));
+  const Vector3 velocity = vector_at(state.view.velocity, node), w = contact_.placement(surface).velocity;
+  const Touch before = contact_.committed(node);
+  Friction friction = contact_.surfaces()[surface].friction();
+  // A node that slides into a second surface is held there: it has nowhere to go but along both.
+  if (before.surface >= 0) friction.kind = Friction::Kind::held;
+  const ContactAnswer answer =
+      answer_contact(Matrix3::Identity() / mass_[node], velocity - w, contact_.normal(surface, position), friction);
+  // At rest along the surface friction holds it, for as long as it can.
+  const bool sticks =
+      answer.sticks || (friction.kind == Friction::Kind::coulomb && answer.velocity.norm() <= contact_.rest_speed());
+  put_vector(state.view.position, node, position);
+  put_vector(state.view.velocity, node, sticks ? w : Vector3(w + answer.velocity));
+  contact_.touch(node, {static_cast<std::int32_t>(surface), !sticks}, answer.impulse);
+  if (!sticks) contact_.set_slip(node, answer.velocity.normalized());
+  note(Event::Kind::touched, time, layout_.ordering().user[node]);
+  changed();
+}
+
+void Engine::let_go(std::uint32_t node, double time) {
+  contact_.release(node);
+  note(Event::Kind::released, time, layout_.ordering().user[node]);
+  changed();
+}
+
+// A node that friction cannot hold: it goes where that force does not let it go.
+void Engine::slip(std::uint32_t node, const Vector3& reaction, double time, const State& state) {
+  const Touch touch = contact_.committed(node);
+  const Vector3 n = contact_.normal(static_cast<std::size_t>(touch.surface), vector_at(state.view.position, node));
+  contact_.set_slip(node, -(reaction - n * n.dot(reaction)).normalized());
+  contact_.touch(node, {touch.surface, true}, Vector3::Zero());
+  note(Event::Kind::slipped, time, layout_.ordering().user[node]);
+  changed();
+}
+
+// A node whose slip came to an end, turned round within a step, or turned by a right angle since its direction was
+// noted. In the first two cases it sticks, if friction can hold it.
+springnet_status Engine::stick(std::uint32_t node, double time, State& state) {
+  const Touch touch = contact_.committed(node);
+  const auto j = static_cast<std::size_t>(touch.surface);
+  const Vector3 n = contact_.normal(j, vector_at(state.view.position, node));
+  const Vector3 relative = vector_at(state.view.velocity, node) - contact_.placement(j).velocity;
+  const Vector3 along = relative - n * n.dot(relative);
+  changed();
+  // At the root of the event there is nothing left along the old direction; anything else is what a step that went past
+  // it made of the slip.
+  const double rest = contact_.rest_speed();
+  if (along.norm() > 2.0 * rest && std::abs(contact_.slip(node).dot(along) - rest) <= rest) {
+    contact_.set_slip(node, along.normalized());
+    return SPRINGNET_OK;
+  }
+  put_vector(state.view.velocity, node, contact_.placement(j).velocity);
+  contact_.touch(node, {touch.surface, false}, Vector3::Zero());
+  note(Event::Kind::stuck, time, layout_.ordering().user[node]);
+  Vector3 reaction;
+  ReactionsAt reactions(*this, time, read_only(state.view.position), read_only(state.view.velocity));
+  if (const springnet_status status = reactions.of(node, reaction); status != SPRINGNET_OK) return status;
+  const double pressing = n.dot(reaction);
+  if ((reaction - pressing * n).norm() > contact_.surfaces()[j].friction().coefficient * pressing)
+    slip(node, reaction, time, state);
+  return SPRINGNET_OK;
+}
+
+springnet_status Engine::settle_contacts(double time, State& state) {
+  const std::size_t surfaces = contact_.surfaces().size();
+  if (surfaces == 0) return SPRINGNET_OK;
+  const double tolerance = contact_tolerance();
+  // A force this small, in units of the force scale, is rounding: a node was just released by it, say.
+  const double least_force = 1e-9 * info_.force_scale;
+  const double no_speed = rounding_of_speed * info_.velocity_scale;
+  for (std::uint32_t k = 0; k < layout_.node_count(); ++k) {
+    if (contact_.fixed()[k] != 0) continue;
+    for (std::size_t j = 0; j < surfaces && contact_.committed(k).surface < 0; ++j) {
+      const Vector3 p = vector_at(state.view.position, k);
+      if (contact_.distance(j, p) > tolerance) continue;
+      const Vector3 n = contact_.normal(j, p);
+      const Vector3 relative = vector_at(state.view.velocity, k) - contact_.placement(j).velocity;
+      const double speed = n.dot(relative);
+      Vector3 force = Vector3::Zero();
+      springnet_message message{};
+      if (speed > no_speed || (speed >= -no_speed && evaluator_.evaluate_node(k, time, state.nodes(), loads_.external(),
+                                                                              force, message) != SPRINGNET_OK))
+        continue;
+      // The force beside the one that keeps a node with its velocity along the surface at its distance.
+      const double needed = mass_[k] * (n.dot(contact_.placement(j).acceleration) - contact_.turning(j, p, relative));
+      if (speed < -no_speed || n.dot(force) - needed < -least_force) touch(k, j, time, state);
+    }
+  }
+  return release_grip(time, state);
+}
+
+springnet_status Engine::release_grip(double time, const State& state) {
+  // A force this small, in units of the force scale, is rounding.
+  const double least_force = 1e-9 * info_.force_scale;
+  for (std::uint32_t k = 0; k < layout_.node_count(); ++k) {
+    const Touch touch = contact_.committed(k);
+    if (touch.surface < 0 || touch.slides) continue;
+    const auto j = static_cast<std::size_t>(touch.surface);
+    if (contact_.surfaces()[j].friction().kind != Friction::Kind::coulomb) continue;
+    Vector3 reaction;
+    ReactionsAt reactions(*this, time, read_only(state.view.position), read_only(state.view.velocity));
+    if (const springnet_status status = reactions.of(k, reaction); status != SPRINGNET_OK) return status;
+    const Vector3 n = contact_.normal(j, vector_at(state.view.position, k));
+    const double pressing = n.dot(reaction);
+    if (pressing > 0.0 &&
+        (reaction - pressing * n).norm() > contact_.surfaces()[j].friction().coefficient * pressing + least_force)
+      slip(k, reaction, time, state);
+  }
+  return SPRINGNET_OK;
+}
+
+springnet_status Engine::fire(const EventSource& source, double time, State& state,
+                              std::vector<std::uint32_t>& touched) {
+  const std::uint32_t k = source.index;
+  const Touch now = contact_.committed(k);
+  const bool same = now.surface == static_cast<std::int32_t>(source.surface);
+  switch (source.kind) {
+    case EventSource::Kind::touch:
+      if (now.surface >= 0 && !now.slides) break;  // two surfaces at once: the first holds it
+      touch(k, source.surface, time, state);
+      touched.push_back(k);
+      break;
+    case EventSource::Kind::release:
+      if (same) let_go(k, time);
+      break;
+    case EventSource::Kind::stick:
+      if (same && now.slides) return stick(k, time, state);
+      break;
+    case EventSource::Kind::slip:
+      if (same && !now.slides) {
+        Vector3 reaction;
+        ReactionsAt reactions(*this, time, read_only(state.view.position), read_only(state.view.velocity));
+        if (const springnet_status status = reactions.of(k, reaction); status != SPRINGNET_OK) return status;
+        slip(k, reaction, time, state);
+      }
+      break;
+    case EventSource::Kind::rupture:
+      break;
+  }
+  return SPRINGNET_OK;
+}
+
+springnet_status Engine::fire_events(double time, State& state, const std::int32_t* fired) {
+  set_time(time);
+  const std::vector<EventSource> sources = event_sources();
+  std::vector<std::uint32_t> broken, touched;
+  for (std::size_t e = 0; e < sources.size(); ++e) {
+    const EventSource& source = sources[e];
+    const std::uint32_t k = source.index;
+    bool now = fired[e] != 0;
+    if (source.kind == EventSource::Kind::touch && !now) {
+      const Vector3 p = vector_at(state.view.position, k);
+      now = contact_.distance(source.surface, p) <= touch_depth_ &&
+            contact_.normal(source.surface, p)
+                    .dot(vector_at(state.view.velocity, k) - contact_.placement(source.surface).velocity) <
+                -rounding_of_speed * info_.velocity_scale;
+    }
+    if (!now) continue;
+    if (source.kind == EventSource::Kind::rupture)
+      broken.push_back(k);
+    else if (const springnet_status status = fire(source, time, state, touched); status != SPRINGNET_OK)
+      return status;
+  }
+  if (!broken.empty()) remove(broken, Event::Kind::ruptured, time);
+  // What was stopped stops, with its share, what hangs rigidly on it.
+  if (rigid_.any() && !touched.empty()) {
+    const springnet_status status = rigid_.project(state.view.position, state.view.velocity, message_, touched);
+    if (status != SPRINGNET_OK) return status;
+  }
+  // A node that is pulled away where it touches does not stay.
+  ReactionsAt reactions(*this, time, read_only(state.view.position), read_only(state.view.velocity));
+  std::vector<std::uint32_t> lifted;
+  for (const std::uint32_t k : touched) {
+    const Touch touch = contact_.committed(k);
+    if (touch.surface < 0) continue;
+    Vector3 reaction;
+    const springnet_status status = reactions.of(k, reaction);
+    if (status != SPRINGNET_OK) return status;
+    const auto j = static_cast<std::size_t>(touch.surface);
+    if (contact_.normal(j, vector_at(state.view.position, k)).dot(reaction) < 0.0) lifted.push_back(k);
+  }
+  for (const std::uint32_t k : lifted) let_go(k, time);
+  if (!touched.empty())
+    if (const springnet_status status = release_grip(time, state); status != SPRINGNET_OK) return status;
+  return evaluator_.evaluate(time, state.nodes(), loads_.external(), state.forces(), {}, message_);
+}
+
+springnet_status Engine::stop_penetration(double time, State& state) {
+  std::vector<std::uint32_t> stopped;
+  for (std::size_t j = 0; j < contact_.surfaces().size(); ++j) {
+    for (std::uint32_t k = 0; k < layout_.node_count(); ++k) {
+      if (contact_.constrained()[k] != 0 || contact_.committed(k).surface == static_cast<std::int32_t>(j)) continue;
+      if (contact_.distance(j, vector_at(state.view.position, k)) >= -penetration * info_.length_scale) continue;
+      touch(k, j, time, state);
+      stopped.push_back(k);
+    }
+  }
+  return stopped.empty() || !rigid_.any() ? SPRINGNET_OK
+                                          : rigid_.project(state.view.position, state.view.velocity, message_, stopped);
+}
+
+}  // namespace springnet

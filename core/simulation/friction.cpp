@@ -1,0 +1,69 @@
+#include "simulation/friction.hpp"
+
+#include <Eigen/Geometry>
+#include <Eigen/LU>
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+
+namespace springnet {
+
+ContactAnswer answer_contact(const Eigen::Matrix3d& mobility, const Vector3& relative, const Vector3& n,
+                             const Friction& friction) {
+  const auto smooth = [&] {
+    const double impulse = -n.dot(relative) / n.dot(mobility * n);
+    return ContactAnswer{relative + mobility * n * impulse, n * impulse, impulse, false};
+  };
+  if (friction.kind == Friction::Kind::none) return smooth();
+  const Vector3 stop = -(mobility.inverse() * relative);
+  const double pressing = n.dot(stop);
+  Vector3 along = stop - pressing * n;
+  if (friction.kind == Friction::Kind::held) return {Vector3::Zero(), stop, pressing, true};
+  ContactAnswer without = smooth();
+  if (without.normal <= 0.0) return without;
+  if (pressing > 0.0 && along.norm() <= friction.coefficient * pressing) return {Vector3::Zero(), stop, pressing, true};
+  // It slips: impulse p (n - mu t) with t the direction of the slip that is left, which the impulse itself may turn
+  // where the mobility has directions of its own. With one mobility for all directions the first t is the right one.
+  const auto with = [&](const Vector3& t) {
+    const Vector3 direction = n - friction.coefficient * t;
+    const double impulse = -n.dot(relative) / n.dot(mobility * direction);
+    return ContactAnswer{relative + mobility * direction * impulse, direction * impulse, impulse, false};
+  };
+  const auto slip_of = [&](const ContactAnswer& answer) {
+    return Vector3(answer.velocity - n * n.dot(answer.velocity));
+  };
+  const Vector3 slip = slip_of(without);
+  Vector3 t = slip.norm() > 0.0 ? Vector3(slip.normalized()) : Vector3(-along.normalized());
+  constexpr int most_turns = 50;
+  for (int i = 0; i < most_turns; ++i) {
+    const ContactAnswer answer = with(t);
+    const Vector3 left = slip_of(answer);
+    if (!(answer.normal > 0.0) || left.dot(t) <= 0.0) break;
+    const double turned = (left.normalized() - t).norm();
+    t = left.normalized();
+    if (turned <= 1e-14) return answer;
+  }
+  // Directions all round: where the slip that is left crosses the one assumed, halved down.
+  const Vector3 e = n.unitOrthogonal(), f = n.cross(e);
+  const auto at = [&](double angle) { return Vector3(std::cos(angle) * e + std::sin(angle) * f); };
+  const auto crossing = [&](double angle) {
+    const Vector3 assumed = at(angle);
+    return n.dot(assumed.cross(slip_of(with(assumed))));
+  };
+  constexpr int directions = 128;
+  for (int i = 0; i < directions; ++i) {
+    double low = 2.0 * std::numbers::pi * i / directions, high = 2.0 * std::numbers::pi * (i + 1) / directions;
+    const double sign = crossing(low);
+    if (sign * crossing(high) > 0.0) continue;
+    for (int halving = 0; halving < 60; ++halving) {
+      const double middle = 0.5 * (low + high);
+      (crossing(middle) * sign > 0.0 ? low : high) = middle;
+    }
+    const ContactAnswer answer = with(at(low));
+    if (answer.normal > 0.0 && slip_of(answer).dot(at(low)) > 0.0) return answer;
+  }
+  // So much friction on so odd a mobility that no direction of slip fits: it is stopped.
+  return {Vector3::Zero(), stop, std::max(pressing, 0.0), true};
+}
+
+}  // namespace springnet

@@ -1,0 +1,55 @@
+#include "simulation/prescribed.hpp"
+
+#include <algorithm>
+
+namespace springnet {
+
+Prescribed::Prescribed(const Network& network, const std::vector<std::uint32_t>& engine_number)
+    : node_count_(engine_number.size()) {
+  for (const Move& move : network.moves()) {
+    trajectories_.emplace_back(move.motion);
+    for (const NodeIndex user : move.nodes) {
+      motion_of_.resize(node_count_, none);
+      start_.resize(node_count_);
+      const std::uint32_t k = engine_number[user];
+      motion_of_[k] = static_cast<std::uint32_t>(trajectories_.size() - 1);
+      start_[k] = network.nodes()[user].position;
+    }
+  }
+  if (motion_of_.empty()) trajectories_.clear();  // motions of no node
+  samples_.resize(trajectories_.size());
+}
+
+void Prescribed::set_time(const SampleTime& time) {
+  if (time == time_) return;
+  time_ = time;
+  for (std::size_t i = 0; i < trajectories_.size(); ++i) samples_[i] = sample(trajectories_[i], time);
+}
+
+double Prescribed::next_change(double time) const {
+  double next = std::numeric_limits<double>::infinity();
+  for (const Trajectory& trajectory : trajectories_) next = std::min(next, trajectory.next_change(time));
+  return next;
+}
+
+void Prescribed::set(std::uint32_t node, const Vector3& start, Trajectory trajectory) {
+  motion_of_.resize(node_count_, none);
+  start_.resize(node_count_);
+  // A node that a host moves at every frame takes the place of its own last motion.
+  const std::uint32_t old = motion_of_[node];
+  const bool alone = old != none && std::count(motion_of_.begin(), motion_of_.end(), old) == 1;
+  if (!alone) {
+    motion_of_[node] = static_cast<std::uint32_t>(trajectories_.size());
+    trajectories_.emplace_back();
+    samples_.emplace_back();
+  }
+  trajectories_[motion_of_[node]] = std::move(trajectory);
+  start_[node] = start;
+  time_.time = std::numeric_limits<double>::quiet_NaN();
+}
+
+void Prescribed::stop(std::uint32_t node) {
+  if (any()) motion_of_[node] = none;
+}
+
+}  // namespace springnet

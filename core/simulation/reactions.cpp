@@ -1,0 +1,86 @@
+#include "simulation/reactions_at.hpp"
+
+#include <springnet/error.hpp>
+
+#include "simulation/vectors.hpp"
+
+namespace springnet {
+
+Engine::ReactionsAt::ReactionsAt(Engine& engine, double time, const springnet_const_vectors& position,
+                                 const springnet_const_vectors& velocity)
+    : engine_(engine),
+      time_(time),
+      position_(position),
+      velocity_(velocity),
+      external_(engine.loads_.external()),
+      cluster_known_(engine.rigid_.cluster_count(), 0) {
+  engine.set_time(time);
+  if (!cluster_known_.empty()) {
+    const std::size_t n = engine.layout_.node_count();
+    for (auto* values : {&free_, &bound_}) values->resize(3 * n);
+    tension_.resize(engine.rigid_.rods().size());
+  }
+}
+
+springnet_status Engine::ReactionsAt::free_acceleration(std::uint32_t node, Vector3& acceleration) {
+  Vector3 force;
+  return engine_.evaluator_.evaluate_node(node, time_, node_arrays(position_, velocity_), external_, force,
+                                          acceleration, nullptr, nullptr, engine_.message_);
+}
+
+springnet_status Engine::ReactionsAt::of(std::uint32_t node, Vector3& reaction) {
+  const std::uint32_t* clusters = engine_.rigid_.cluster_of();
+  if (clusters != nullptr && clusters[node] != 0xffffffffu) return of_cluster(clusters[node], node, reaction);
+  Vector3 free;
+  if (const springnet_status status = free_acceleration(node, free); status != SPRINGNET_OK) return status;
+  Vector3 bound = free;
+  double* const values[3] = {&bound[0], &bound[1], &bound[2]};
+  engine_.contact_.accelerate(node, 1, position_, velocity_, values, nullptr);
+  reaction = engine_.mass_[node] * (bound - free);
+  return SPRINGNET_OK;
+}
+
+springnet_status Engine::ReactionsAt::know(std::uint32_t cluster) {
+  if (cluster_known_[cluster] != 0) return SPRINGNET_OK;
+  const std::size_t n = engine_.layout_.node_count();
+  const springnet_vectors free{free_.data(), free_.data() + n, free_.data() + 2 * n};
+  const springnet_vectors bound{bound_.data(), bound_.data() + n, bound_.data() + 2 * n};
+  for (const std::uint32_t k : engine_.rigid_.nodes_of(cluster)) {
+    Vector3 a;
+    if (const springnet_status status = free_acceleration(k, a); status != SPRINGNET_OK) return status;
+    put_vector(free, k, a);
+    double* const values[3] = {&a[0], &a[1], &a[2]};
+    engine_.contact_.accelerate(k, 1, position_, velocity_, values, engine_.rigid_.cluster_of());
+    put_vector(bound, k, a);
+  }
+  engine_.rigid_.accelerate(cluster, position_, velocity_, bound, tension_.data());
+  cluster_known_[cluster] = 1;
+  return SPRINGNET_OK;
+}
+
+springnet_status Engine::ReactionsAt::of_cluster(std::uint32_t cluster, std::uint32_t node, Vector3& reaction) {
+  if (const springnet_status status = know(cluster); status != SPRINGNET_OK) return status;
+  const std::size_t n = engine_.layout_.node_count();
+  for (std::size_t c = 0; c < 3; ++c)
+    reaction[static_cast<Eigen::Index>(c)] = engine_.mass_[node] * (bound_[c * n + node] - free_[c * n + node]);
+  reaction -= engine_.rigid_.pull(node, position_, tension_.data());
+  return SPRINGNET_OK;
+}
+
+const Engine::Reactions& Engine::reactions() {
+  if (reactions_known_) return reactions_;
+  const std::uint32_t n = layout_.node_count();
+  reactions_.node.assign(n, Vector3::Zero());
+  reactions_.rigid.assign(rigid_.rods().size(), 0.0);
+  ReactionsAt at(*this, time_, read_only(state_.view.position), read_only(state_.view.velocity));
+  springnet_status status = SPRINGNET_OK;
+  for (std::uint32_t k = 0; k < n && status == SPRINGNET_OK; ++k)
+    if (contact_.fixed()[k] != 0 || contact_.touching()[k] != 0) status = at.of(k, reactions_.node[k]);
+  for (std::uint32_t c = 0; c < rigid_.cluster_count() && status == SPRINGNET_OK; ++c) status = at.know(c);
+  if (status != SPRINGNET_OK) throw Error(ErrorKind::simulation, message_.text);
+  reactions_.rigid = at.tensions();
+  reactions_known_ = true;
+  return reactions_;
+}
+
+}  // namespace springnet

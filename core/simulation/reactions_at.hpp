@@ -1,0 +1,34 @@
+// Reactions of nodes at some state, evaluated as they are asked for; a cluster's all at once.
+#pragma once
+
+#include <vector>
+
+#include "simulation/engine.hpp"
+
+namespace springnet {
+
+class Engine::ReactionsAt {
+ public:
+  // At the time of the state surfaces and moved nodes are where the engine says. The arrays have to outlive it.
+  ReactionsAt(Engine& engine, double time, const springnet_const_vectors& position,
+              const springnet_const_vectors& velocity);
+  // The force of fixation or a surface on the node, N.
+  springnet_status of(std::uint32_t node, Vector3& reaction);
+  // Evaluates a cluster, so that its tensions are known.
+  springnet_status know(std::uint32_t cluster);
+  [[nodiscard]] const std::vector<double>& tensions() const noexcept { return tension_; }  // [rod] N
+
+ private:
+  springnet_status free_acceleration(std::uint32_t node, Vector3& acceleration);
+  springnet_status of_cluster(std::uint32_t cluster, std::uint32_t node, Vector3& reaction);
+
+  Engine& engine_;
+  double time_;
+  springnet_const_vectors position_, velocity_;
+  layers::ExternalForces external_;
+  std::vector<std::uint8_t> cluster_known_;
+  std::vector<double> free_, bound_;  // [3 node] m/s^2
+  std::vector<double> tension_;       // [rod] N
+};
+
+}  // namespace springnet

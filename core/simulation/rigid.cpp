@@ -1,0 +1,298 @@
+#include "simulation/rigid.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <boost/pending/disjoint_sets.hpp>
+#include <cmath>
+#include <map>
+#include <numeric>
+
+#include "layers/message.hpp"
+#include "simulation/vectors.hpp"
+
+namespace springnet {
+namespace {
+
+constexpr std::uint32_t no_cluster = 0xffffffffu;
+// Of its length, to which a connection is brought back: far below the 1e-8 that it promises, above rounding.
+constexpr double length_accuracy = 1e-12;
+constexpr int most_corrections = 30;
+// Friction of nodes that slide depends on normal forces that depend on friction.
+constexpr int most_friction_rounds = 50;
+
+}  // namespace
+
+RigidConnections::RigidConnections(const Network& network, const std::vector<std::uint32_t>& user_number,
+                                   const std::vector<std::uint32_t>& engine_number, const std::vector<double>& mass,
+                                   Contact& contact)
+    : mass_(mass), contact_(contact), user_number_(user_number) {
+  if (network.rigids().empty()) return;
+  const std::size_t nodes = engine_number.size();
+  std::vector<std::uint32_t> rank(nodes), parent(nodes);
+  boost::disjoint_sets<std::uint32_t*, std::uint32_t*> sets(rank.data(), parent.data());
+  for (std::uint32_t k = 0; k < nodes; ++k) sets.make_set(k);
+  for (const Rigid& rigid : network.rigids()) {
+    rods_.push_back({engine_number[rigid.first], engine_number[rigid.second], rigid.length});
+    sets.union_set(rods_.back().first, rods_.back().second);
+  }
+  cluster_of_.assign(nodes, no_cluster);
+  member_of_.assign(nodes, 0);
+  std::vector<std::uint8_t> joined(nodes, 0);
+  for (const Rod& rod : rods_) joined[rod.first] = joined[rod.second] = 1;
+  std::map<std::uint32_t, std::uint32_t> number;
+  for (std::uint32_t k = 0; k < nodes; ++k) {
+    if (joined[k] == 0) continue;
+    const auto [found, is_new] = number.emplace(sets.find_set(k), static_cast<std::uint32_t>(clusters_.size()));
+    if (is_new) clusters_.emplace_back();
+    Cluster& cluster = clusters_[found->second];
+    cluster_of_[k] = found->second;
+    member_of_[k] = static_cast<std::uint32_t>(cluster.nodes.size());
+    cluster.nodes.push_back(k);
+  }
+  for (std::uint32_t r = 0; r < rods_.size(); ++r) clusters_[cluster_of_[rods_[r].first]].rods.push_back(r);
+}
+
+Eigen::Matrix3d RigidConnections::mobility(std::uint32_t node) const {
+  if (contact_.constrained()[node] != 0) return Eigen::Matrix3d::Zero();
+  return Eigen::Matrix3d::Identity() / mass_[node];
+}
+
+std::vector<ConstraintRow> RigidConnections::rows_of(const Cluster& cluster, const std::vector<Touch>& touches,
+                                                     const std::vector<Vector3>& positions) const {
+  std::vector<ConstraintRow> rows;
+  rows.reserve(cluster.rods.size());
+  for (const std::uint32_t r : cluster.rods) {
+    const Rod& rod = rods_[r];
+    const Vector3 d = positions[member_of_[rod.first]] - positions[member_of_[rod.second]];
+    const double length = d.norm();
+    rows.push_back({rod.first, rod.second, length > 0.0 ? Vector3(d / length) : Vector3::UnitX()});
+  }
+  for (std::size_t i = 0; i < cluster.nodes.size(); ++i) {
+    if (touches[i].surface < 0 || !touches[i].slides) continue;
+    rows.push_back({cluster.nodes[i], ConstraintRow::no_node,
+                    contact_.normal(static_cast<std::size_t>(touches[i].surface), positions[i])});
+  }
+  return rows;
+}
+
+bool RigidConnections::correct_positions(const Cluster& cluster, const std::vector<Touch>& touches,
+                                         std::vector<Vector3>& positions,
+                                         const std::vector<std::uint8_t>& movable) const {
+  double scale = 0.0;
+  for (const std::uint32_t r : cluster.rods) scale = std::max(scale, rods_[r].length);
+  const auto mobility = [&](std::uint32_t node) -> Eigen::Matrix3d {
+    if (movable[member_of_[node]] == 0) return Eigen::Matrix3d::Zero();
+    return Eigen::Matrix3d::Identity() / mass_[node];
+  };
+  ConstraintSystem system;
+  double last = std::numeric_limits<double>::infinity();
+  for (int turn = 0; turn < most_corrections; ++turn) {
+    std::vector<ConstraintRow> rows = rows_of(cluster, touches, positions);
+    Eigen::VectorXd gap(static_cast<Eigen::Index>(rows.size()));
+    double worst = 0.0;  // in units of a length, or of the longest for surfaces
+    for (std::size_t r = 0; r < rows.size(); ++r) {
+      const auto at = static_cast<Eigen::Index>(r);
+      if (r < cluster.rods.size()) {
+        const Rod& rod = rods_[cluster.rods[r]];
+        gap[at] = (positions[member_of_[rod.first]] - positions[member_of_[rod.second]]).norm() - rod.length;
+        worst = std::max(worst, std::abs(gap[at]) / rod.length);
+      } else {
+        const std::uint32_t i = member_of_[rows[r].first];
+        gap[at] = contact_.distance(static_cast<std::size_t>(touches[i].surface), positions[i]);
+        worst = std::max(worst, std::abs(gap[at]) / scale);
+      }
+    }
+    if (!std::isfinite(worst)) return false;
+    if (worst <= length_accuracy) return true;
+    // Far from the origin rounding is all that is left.
+    if (worst <= 1e-10 && worst >= 0.5 * last) return true;
+    last = worst;
+    system.set(std::move(rows), mobility);
+    system.for_each_change(system.solve(-gap),
+                           [&](std::uint32_t node, const Vector3& change) { positions[member_of_[node]] += change; });
+  }
+  return last <= 1e-9;
+}
+
+springnet_status RigidConnections::cannot_keep(const Cluster& cluster, springnet_message& message) const {
+  const Rod& rod = rods_[cluster.rods.front()];
+  set_message(
+      message,
+      fmt::format("the rigid connections of the {} nodes that hang together with connection {} (nodes {} and "
+                  "{}) cannot keep their lengths: what is fixed, moved or in contact pulls them apart; look at "
+                  "what moves there, or use a smaller time step",
+                  cluster.nodes.size(), cluster.rods.front(), user_number_[rod.first], user_number_[rod.second]));
+  return SPRINGNET_RECOVERABLE;
+}
+
+void RigidConnections::accelerate(const springnet_const_vectors& position, const springnet_const_vectors& velocity,
+                                  const springnet_vectors& acceleration, double* force) const {
+  for (const Cluster& cluster : clusters_) accelerate(cluster, position, velocity, acceleration, force);
+}
+
+void RigidConnections::accelerate(const Cluster& cluster, const springnet_const_vectors& position,
+                                  const springnet_const_vectors& velocity, const springnet_vectors& acceleration,
+                                  double* force) const {
+  const std::size_t count = cluster.nodes.size();
+  std::vector<Vector3> p(count), free(count), a(count);
+  std::vector<Touch> touches(count);
+  for (std::size_t i = 0; i < count; ++i) {
+    const std::uint32_t k = cluster.nodes[i];
+    p[i] = vector_at(position, k);
+    free[i] = vector_at(acceleration, k);
+    touches[i] = contact_.now(k);
+  }
+  ConstraintSystem system;
+  system.set(rows_of(cluster, touches, p), [this](std::uint32_t node) { return mobility(node); });
+  const std::vector<ConstraintRow>& rows = system.rows();
+  const std::size_t rods = cluster.rods.size();
+  // d^2 g / dt^2 = G a + turning; for a rod of length l: (|dv|^2 - (n dv)^2) / l.
+  Eigen::VectorXd turning(static_cast<Eigen::Index>(rows.size()));
+  for (std::size_t r = 0; r < rows.size(); ++r) {
+    const auto at = static_cast<Eigen::Index>(r);
+    const Vector3 n = rows[r].direction;
+    if (r < rods) {
+      const Vector3 dv = vector_at(velocity, rows[r].first) - vector_at(velocity, rows[r].second);
+      const double length = (p[member_of_[rows[r].first]] - p[member_of_[rows[r].second]]).norm();
+      turning[at] = (dv.squaredNorm() - n.dot(dv) * n.dot(dv)) / length;
+    } else {
+      const std::uint32_t i = member_of_[rows[r].first];
+      const auto j = static_cast<std::size_t>(touches[i].surface);
+      turning[at] = contact_.turning(j, p[i], vector_at(velocity, rows[r].first) - contact_.placement(j).velocity) -
+                    n.dot(contact_.placement(j).acceleration);
+    }
+  }
+  Eigen::VectorXd multipliers;
+  std::vector<double> pressing(count, 0.0);
+  for (int round = 0; round < most_friction_rounds; ++round) {
+    a = free;
+    bool friction = false;
+    double changed = 0.0, greatest = 0.0;
+    for (std::size_t r = rods; r < rows.size(); ++r) {
+      const std::uint32_t i = member_of_[rows[r].first];
+      const auto j = static_cast<std::size_t>(touches[i].surface);
+      const Friction& law = contact_.surfaces()[j].friction();
+      if (law.kind != Friction::Kind::coulomb) continue;
+      friction = true;
+      if (round > 0) {
+        const double now = std::max(0.0, multipliers[static_cast<Eigen::Index>(r)]);
+        changed = std::max(changed, std::abs(now - pressing[i]));
+        greatest = std::max(greatest, now);
+        pressing[i] = now;
+      }
+      a[i] -= law.coefficient * pressing[i] / mass_[rows[r].first] *
+              contact_.slip_direction(rows[r].first, rows[r].direction,
+                                      vector_at(velocity, rows[r].first) - contact_.placement(j).velocity);
+    }
+    if (round > 0 && (!friction || changed <= 1e-14 * greatest)) break;
+    Eigen::VectorXd wanted = -turning;
+    for (std::size_t r = 0; r < rows.size(); ++r) {
+      Vector3 relative = a[member_of_[rows[r].first]];
+      if (rows[r].second != ConstraintRow::no_node) relative -= a[member_of_[rows[r].second]];
+      wanted[static_cast<Eigen::Index>(r)] -= rows[r].direction.dot(relative);
+    }
+    multipliers = system.solve(wanted);
+  }
+  system.for_each_change(multipliers,
+                         [&](std::uint32_t node, const Vector3& change) { a[member_of_[node]] += change; });
+  for (std::size_t i = 0; i < count; ++i) put_vector(acceleration, cluster.nodes[i], a[i]);
+  // A multiplier above 0 pushes the ends apart.
+  for (std::size_t r = 0; force != nullptr && r < rods; ++r)
+    force[cluster.rods[r]] = -multipliers[static_cast<Eigen::Index>(r)];
+}
+
+Vector3 RigidConnections::pull(std::uint32_t node, const springnet_const_vectors& position, const double* force) const {
+  Vector3 sum = Vector3::Zero();
+  for (const std::uint32_t r : clusters_[cluster_of_[node]].rods) {
+    const Rod& rod = rods_[r];
+    if (rod.first != node && rod.second != node) continue;
+    const std::uint32_t other = rod.first == node ? rod.second : rod.first;
+    sum += force[r] * (vector_at(position, other) - vector_at(position, node)).normalized();
+  }
+  return sum;
+}
+
+springnet_status RigidConnections::project(const Cluster& cluster, const springnet_vectors& position,
+                                           const springnet_vectors& velocity, springnet_message& message,
+                                           const std::vector<std::uint32_t>& stopped) const {
+  const std::size_t count = cluster.nodes.size();
+  std::vector<Vector3> p(count);
+  std::vector<Touch> touches(count), sliding(count);
+  std::vector<std::uint8_t> movable(count);
+  for (std::size_t i = 0; i < count; ++i) {
+    const std::uint32_t k = cluster.nodes[i];
+    p[i] = vector_at(position, k);
+    touches[i] = sliding[i] = contact_.now(k);
+    movable[i] = contact_.constrained()[k] == 0 ? 1 : 0;
+    if (contact_.fixed()[k] != 0 || std::find(stopped.begin(), stopped.end(), k) == stopped.end()) continue;
+    sliding[i].slides = true;
+    movable[i] = 1;
+  }
+  if (!correct_positions(cluster, sliding, p, movable)) return cannot_keep(cluster, message);
+  for (std::size_t i = 0; i < count; ++i) put_vector(position, cluster.nodes[i], p[i]);
+  ConstraintSystem system;
+  system.set(rows_of(cluster, touches, p), [this](std::uint32_t node) { return mobility(node); });
+  Eigen::VectorXd rate(static_cast<Eigen::Index>(system.rows().size()));
+  for (std::size_t r = 0; r < system.rows().size(); ++r) {
+    const ConstraintRow& row = system.rows()[r];
+    const Vector3 other = row.second != ConstraintRow::no_node
+                              ? vector_at(velocity, row.second)
+                              : contact_.placement(static_cast<std::size_t>(contact_.now(row.first).surface)).velocity;
+    rate[static_cast<Eigen::Index>(r)] = row.direction.dot(vector_at(velocity, row.first) - other);
+  }
+  system.for_each_change(system.solve(-rate), [&](std::uint32_t node, const Vector3& change) {
+    put_vector(velocity, node, vector_at(velocity, node) + change);
+  });
+  return SPRINGNET_OK;
+}
+
+springnet_status RigidConnections::project(const springnet_vectors& position, const springnet_vectors& velocity,
+                                           springnet_message& message,
+                                           const std::vector<std::uint32_t>& stopped) const {
+  for (const Cluster& cluster : clusters_) {
+    const springnet_status status = project(cluster, position, velocity, message, stopped);
+    if (status != SPRINGNET_OK) return status;
+  }
+  if (contact_.surfaces().empty()) return SPRINGNET_OK;
+  for (std::uint32_t k = 0; k < mass_.size(); ++k) {
+    const Touch& touch = contact_.now(k);
+    if (!touch.slides || (any() && cluster_of_[k] != no_cluster)) continue;
+    const auto j = static_cast<std::size_t>(touch.surface);
+    const Vector3 p = contact_.onto(j, vector_at(position, k)), v = vector_at(velocity, k);
+    const Vector3 n = contact_.normal(j, p);
+    put_vector(position, k, p);
+    put_vector(velocity, k, v - n * n.dot(v - contact_.placement(j).velocity));
+  }
+  return SPRINGNET_OK;
+}
+
+double RigidConnections::greatest_rate(const springnet_const_vectors& position,
+                                       const springnet_const_vectors& velocity) const {
+  double greatest = 0.0;
+  for (const Rod& rod : rods_) {
+    const Vector3 d = vector_at(position, rod.first) - vector_at(position, rod.second);
+    const Vector3 dv = vector_at(velocity, rod.first) - vector_at(velocity, rod.second);
+    greatest = std::max(greatest, std::abs(d.dot(dv)) / d.norm());
+  }
+  return greatest;
+}
+
+std::vector<ConstraintRow> RigidConnections::rows(const springnet_const_vectors& position) const {
+  std::vector<ConstraintRow> rows;
+  for (const Rod& rod : rods_) {
+    const Vector3 d = vector_at(position, rod.first) - vector_at(position, rod.second);
+    const double length = d.norm();
+    rows.push_back({rod.first, rod.second, length > 0.0 ? Vector3(d / length) : Vector3::UnitX()});
+  }
+  if (contact_.surfaces().empty()) return rows;
+  for (std::uint32_t k = 0; k < mass_.size(); ++k) {
+    const Touch& touch = contact_.now(k);
+    if (!touch.slides || contact_.fixed()[k] != 0) continue;
+    rows.push_back(
+        {k, ConstraintRow::no_node, contact_.normal(static_cast<std::size_t>(touch.surface), vector_at(position, k))});
+  }
+  return rows;
+}
+
+}  // namespace springnet

@@ -1,0 +1,381 @@
+// Evaluations and sweeps on behalf of an integrator: springs, loads and neurons, then what holds nodes.
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <atomic>
+#include <cmath>
+#include <cstring>
+#include <mutex>
+
+#include "layers/elements.hpp"
+#include "layers/message.hpp"
+#include "simulation/engine.hpp"
+#include "simulation/vectors.hpp"
+
+namespace springnet {
+namespace {
+
+constexpr std::uint32_t no_node = 0xffffffffu, no_cluster = 0xffffffffu;
+// More clusters than this are worth threads.
+constexpr std::size_t clusters_worth_threads = 256;
+
+// What the finished tiles of an evaluation or a sweep need.
+struct TileContext {
+  const layers::Evaluator* evaluator;
+  const springnet_sweep* sweep = nullptr;
+  Contact* contact = nullptr;
+  const std::uint32_t* cluster = nullptr;
+  springnet_vectors acceleration{};
+  double time;
+  layers::NodeArrays nodes;
+  layers::ForceArrays force;
+  std::atomic<bool> finite{true};
+  std::atomic<std::uint32_t> bad_neuron{no_node};  // first node whose force is finite and its acceleration is not
+};
+
+bool all_finite(const double* const values[3], std::uint32_t count) {
+  double sum = 0.0;
+  for (int c = 0; c < 3; ++c)
+    for (std::uint32_t i = 0; i < count; ++i) sum += values[c][i] * 0.0;
+  return sum == 0.0;
+}
+
+void note_bad_neuron(TileContext& context, std::uint32_t first, std::uint32_t count,
+                     const double* const acceleration[3]) {
+  for (std::uint32_t i = 0; i < count; ++i) {
+    if (std::isfinite(acceleration[0][i]) && std::isfinite(acceleration[1][i]) && std::isfinite(acceleration[2][i]))
+      continue;
+    std::uint32_t least = context.bad_neuron.load();
+    while (first + i < least && !context.bad_neuron.compare_exchange_weak(least, first + i)) {
+    }
+    return;
+  }
+}
+
+// Accelerations of a tile; within an evaluation what they become where something holds the nodes.
+springnet_status accelerate_tile(TileContext& context, std::uint32_t first, std::uint32_t count, bool finite,
+                                 springnet_message& message) {
+  const double* force[3] = {context.force.x + first, context.force.y + first, context.force.z + first};
+  double* acceleration[3] = {context.acceleration.x + first, context.acceleration.y + first,
+                             context.acceleration.z + first};
+  const springnet_status status = context.evaluator->accelerations(first, count, context.time, context.nodes, force,
+                                                                   acceleration, nullptr, nullptr, nullptr, message);
+  if (status != SPRINGNET_OK) return status;
+  if (finite && !all_finite(acceleration, count)) note_bad_neuron(context, first, count, acceleration);
+  context.contact->accelerate(first, count, {context.nodes.px, context.nodes.py, context.nodes.pz},
+                              {context.nodes.vx, context.nodes.vy, context.nodes.vz}, acceleration, context.cluster);
+  return SPRINGNET_OK;
+}
+
+// The integrator's update of nodes, then fixation and contact.
+springnet_status update_tile(TileContext& context, std::uint32_t unit, std::uint32_t first, std::uint32_t count,
+                             bool finite, const layers::NodeDerivatives* derivatives, springnet_message& message) {
+  const double* force[3] = {context.force.x + first, context.force.y + first, context.force.z + first};
+  alignas(64) double local[3][layers::tile_nodes];
+  double* acceleration[3] = {local[0], local[1], local[2]};
+  const springnet_status status = context.evaluator->accelerations(first, count, context.time, context.nodes, force,
+                                                                   acceleration, nullptr, nullptr, nullptr, message);
+  if (status != SPRINGNET_OK) return status;
+  if (finite && !all_finite(acceleration, count)) note_bad_neuron(context, first, count, acceleration);
+  springnet_node_batch batch{};
+  batch.struct_size = sizeof batch;
+  batch.first = first;
+  batch.count = count;
+  batch.unit = unit;
+  batch.force = {force[0], force[1], force[2]};
+  batch.acceleration = {acceleration[0], acceleration[1], acceleration[2]};
+  if (derivatives != nullptr) {
+    batch.acceleration_by_velocity = derivatives->by_velocity;
+    batch.acceleration_by_position = derivatives->by_position;
+  }
+  context.sweep->update(context.sweep->user, &batch);
+  context.contact->constrain(first, count, force, *context.sweep, context.cluster);
+  return SPRINGNET_OK;
+}
+
+springnet_status finish_tile(void* user, std::uint32_t unit, std::uint32_t first, std::uint32_t count,
+                             springnet_message& message) {
+  TileContext& context = *static_cast<TileContext*>(user);
+  const double* force[3] = {context.force.x + first, context.force.y + first, context.force.z + first};
+  const bool finite = all_finite(force, count);
+  if (!finite) context.finite.store(false, std::memory_order_relaxed);
+  if (context.sweep != nullptr) return update_tile(context, unit, first, count, finite, nullptr, message);
+  if (context.acceleration.x == nullptr) return SPRINGNET_OK;
+  return accelerate_tile(context, first, count, finite, message);
+}
+
+// A request as this host knows it, whatever the integrator was compiled against.
+springnet_sweep complete(const springnet_sweep& request) {
+  springnet_sweep sweep{};
+  std::memcpy(&sweep, &request, std::min<std::size_t>(sizeof sweep, request.struct_size));
+  sweep.struct_size = sizeof sweep;
+  return sweep;
+}
+
+}  // namespace
+
+void Engine::explain(double time, const layers::NodeArrays& nodes) {
+  if (non_finite_.empty()) non_finite_ = explain_failure(layout_, evaluator_.instruction_set(), time, nodes);
+}
+
+// What is known of an evaluation that a law or a neuron ended: which spring it was, if it was a law.
+springnet_status Engine::failed(springnet_status status, double time, const layers::NodeArrays& nodes) {
+  const std::string reason = explain_failure(layout_, evaluator_.instruction_set(), time, nodes);
+  if (!reason.empty()) set_message(message_, reason);
+  non_finite_ = message_.text;
+  return status;
+}
+
+// Remembers why the answers of an evaluation are not finite. True if they are.
+bool Engine::check_finite(bool forces, std::uint32_t bad_neuron, double time, const layers::NodeArrays& nodes) {
+  if (forces && bad_neuron == no_node) return true;
+  if (!forces) {
+    explain(time, nodes);
+  } else if (non_finite_.empty()) {
+    non_finite_ = fmt::format("neuron '{}' answered an acceleration that is not finite for node {}",
+                              layout_.laws().neurons[layout_.neuron_kind()[bad_neuron]].component->id(),
+                              layout_.ordering().user[bad_neuron]);
+  }
+  return false;
+}
+
+springnet_status Engine::evaluate(const springnet_evaluation& request) {
+  set_time(request.time);
+  TileContext context{};
+  context.evaluator = &evaluator_;
+  context.contact = &contact_;
+  context.cluster = rigid_.cluster_of();
+  context.acceleration = request.acceleration;
+  context.time = request.time;
+  context.nodes = node_arrays(request.position, request.velocity);
+  if (request.force.x != nullptr) {
+    context.force = {request.force.x, request.force.y, request.force.z};
+  } else {
+    const std::size_t pitch = pitch_of(layout_.node_count());
+    scratch_.resize(3 * pitch);
+    context.force = {scratch_.data(), scratch_.data() + pitch, scratch_.data() + 2 * pitch};
+  }
+  const springnet_status status = evaluator_.evaluate(request.time, context.nodes, loads_.external(), context.force,
+                                                      {finish_tile, &context}, message_);
+  if (status != SPRINGNET_OK) return failed(status, request.time, context.nodes);
+  if (!check_finite(context.finite, context.bad_neuron, request.time, context.nodes)) {
+    set_message(message_, non_finite_);
+    return SPRINGNET_RECOVERABLE;
+  }
+  if (request.acceleration.x != nullptr && rigid_.any())
+    rigid_.accelerate(request.position, request.velocity, request.acceleration, nullptr);
+  return SPRINGNET_OK;
+}
+
+springnet_status Engine::evaluate_nodes(const springnet_evaluation& request, const std::uint32_t* nodes,
+                                        std::uint32_t count) {
+  springnet_evaluation wanted{};
+  std::memcpy(&wanted, &request, std::min<std::size_t>(sizeof wanted, request.struct_size));
+  const layers::FlushDenormals flush;
+  const layers::NodeArrays arrays = node_arrays(wanted.position, wanted.velocity);
+  const layers::ExternalForces external = loads_.external();
+  contact_.set_time(sample_time(wanted.time));  // the same for all threads of a sweep, and known by then
+  for (std::uint32_t i = 0; i < count; ++i) {
+    const std::uint32_t k = nodes[i];
+    Vector3 force, a = Vector3::Zero();
+    layers::NodeDerivatives derivatives;
+    const bool blocks = wanted.acceleration_by_velocity != nullptr || wanted.acceleration_by_position != nullptr;
+    springnet_message message{};
+    const springnet_status status =
+        wanted.acceleration.x == nullptr && !blocks && wanted.energy == nullptr
+            ? evaluator_.evaluate_node(k, wanted.time, arrays, external, force, message)
+            : evaluator_.evaluate_node(k, wanted.time, arrays, external, force, a, blocks ? &derivatives : nullptr,
+                                       wanted.energy == nullptr ? nullptr : wanted.energy + k, message);
+    if (status != SPRINGNET_OK) {
+      const std::lock_guard guard(failure_lock_);
+      message_ = message;
+      return in_sets_ ? status : failed(status, wanted.time, arrays);
+    }
+    if (!force.allFinite() || !a.allFinite()) {
+      const std::lock_guard guard(failure_lock_);
+      if (!in_sets_) static_cast<void>(check_finite(force.allFinite(), k, wanted.time, arrays));
+      set_message(message_, non_finite_);
+      return SPRINGNET_RECOVERABLE;
+    }
+    if (wanted.force.x != nullptr) put_vector(wanted.force, k, force);
+    if (wanted.acceleration.x != nullptr) put_vector(wanted.acceleration, k, a);
+    if (wanted.acceleration_by_velocity != nullptr)
+      std::copy_n(derivatives.by_velocity, 9, wanted.acceleration_by_velocity + 9 * std::size_t{k});
+    if (wanted.acceleration_by_position != nullptr)
+      std::copy_n(derivatives.by_position, 9, wanted.acceleration_by_position + 9 * std::size_t{k});
+  }
+  return SPRINGNET_OK;
+}
+
+struct Engine::NodeEvaluation {
+  layers::NodeDerivatives derivatives;
+  bool finite;
+};
+
+// A node's springs at the newest outputs.
+springnet_status Engine::evaluate_for_update(std::uint32_t node, void* tile_context, NodeEvaluation& result,
+                                             springnet_message& message) {
+  TileContext& context = *static_cast<TileContext*>(tile_context);
+  const layers::ExternalForces external = loads_.external();
+  Vector3 force, acceleration;
+  const springnet_status status =
+      context.sweep->want_blocks != 0
+          ? evaluator_.evaluate_node(node, context.time, context.nodes, external, force, acceleration,
+                                     &result.derivatives, nullptr, message)
+          : evaluator_.evaluate_node(node, context.time, context.nodes, external, force, message);
+  context.force.x[node] = force[0];
+  context.force.y[node] = force[1];
+  context.force.z[node] = force[2];
+  if (status != SPRINGNET_OK) return status;
+  result.finite = force.allFinite();
+  if (!result.finite) {
+    context.finite.store(false, std::memory_order_relaxed);
+    // Before its update: afterwards the node's own outputs would not be finite either. Not while other threads write
+    // theirs.
+    if (!in_sets_) explain(context.time, context.nodes);
+  }
+  return SPRINGNET_OK;
+}
+
+// Then its update.
+springnet_status Engine::update_node(std::uint32_t node, std::uint32_t unit, void* tile_context,
+                                     const NodeEvaluation& evaluation, springnet_message& message) {
+  TileContext& context = *static_cast<TileContext*>(tile_context);
+  return update_tile(context, unit, node, 1, evaluation.finite,
+                     context.sweep->want_blocks != 0 ? &evaluation.derivatives : nullptr, message);
+}
+
+// All nodes of a cluster read outputs that fit its connections, which those of its first nodes do not before the end.
+springnet_status Engine::update_cluster(std::size_t cluster, std::uint32_t unit, void* tile_context,
+                                        springnet_message& message) {
+  const std::vector<std::uint32_t>& nodes = rigid_.nodes_of(cluster);
+  std::vector<NodeEvaluation> evaluations(nodes.size());
+  for (std::size_t i = 0; i < nodes.size(); ++i)
+    if (const springnet_status status = evaluate_for_update(nodes[i], tile_context, evaluations[i], message);
+        status != SPRINGNET_OK)
+      return status;
+  for (std::size_t i = 0; i < nodes.size(); ++i)
+    if (const springnet_status status = update_node(nodes[i], unit, tile_context, evaluations[i], message);
+        status != SPRINGNET_OK)
+      return status;
+  return rigid_.constrain(cluster, *static_cast<TileContext*>(tile_context)->sweep, message);
+}
+
+// Nodes [begin, end) of the order, one after another; a cluster when the first of its nodes has its turn.
+springnet_status Engine::update_range(std::uint32_t begin, std::uint32_t end, std::uint32_t unit, void* tile_context,
+                                      springnet_message& message) {
+  const springnet_sweep& sweep = *static_cast<TileContext*>(tile_context)->sweep;
+  const std::uint32_t* clusters = rigid_.cluster_of();
+  for (std::uint32_t i = begin; i < end; ++i) {
+    const std::uint32_t k = sweep.order[i];
+    const std::uint32_t cluster = clusters == nullptr ? no_cluster : clusters[k];
+    springnet_status status = SPRINGNET_OK;
+    if (cluster == no_cluster) {
+      NodeEvaluation evaluation;
+      status = evaluate_for_update(k, tile_context, evaluation, message);
+      if (status == SPRINGNET_OK) status = update_node(k, unit, tile_context, evaluation, message);
+    } else if (sweep.set_start != nullptr ? k == rigid_.nodes_of(cluster).front() : cluster_done_[cluster] == 0) {
+      cluster_done_[cluster] = 1;
+      status = update_cluster(cluster, unit, tile_context, message);
+    }
+    if (status != SPRINGNET_OK) return status;
+  }
+  return SPRINGNET_OK;
+}
+
+springnet_status Engine::sweep_in_order(const springnet_sweep& sweep, void* tile_context) {
+  cluster_done_.assign(rigid_.cluster_count(), 0);
+  if (sweep.set_start == nullptr) {
+    const layers::FlushDenormals flush;
+    return update_range(0, sweep.order_count, 0, tile_context, message_);
+  }
+  // A set's nodes rise, so those of a unit of the layout stand together; a unit belongs to one thread at a time.
+  const std::vector<layers::Unit>& units = layout_.units();
+  const auto unit_count = static_cast<std::int64_t>(units.size());
+  for (std::uint32_t s = 0; s < sweep.set_count; ++s) {
+    const std::uint32_t* begin = sweep.order + sweep.set_start[s];
+    const std::uint32_t* end = sweep.order + sweep.set_start[s + 1];
+    std::int64_t failed_unit = unit_count;
+    springnet_status failure = SPRINGNET_OK;
+    in_sets_ = true;
+#pragma omp parallel for schedule(dynamic, 1) num_threads(static_cast <int>(evaluator_.threads()))
+    for (std::int64_t u = 0; u < unit_count; ++u) {
+      const layers::FlushDenormals flush;
+      const layers::Unit& unit = units[static_cast<std::size_t>(u)];
+      const auto first = static_cast<std::uint32_t>(std::lower_bound(begin, end, unit.first_node) - sweep.order);
+      const auto last =
+          static_cast<std::uint32_t>(std::lower_bound(begin, end, unit.first_node + unit.node_count) - sweep.order);
+      springnet_message message{};
+      const springnet_status status = update_range(first, last, static_cast<std::uint32_t>(u), tile_context, message);
+      if (status == SPRINGNET_OK) continue;
+      const std::lock_guard guard(failure_lock_);
+      if (u < failed_unit) {
+        failed_unit = u;
+        failure = status;
+        message_ = message;
+      }
+    }
+    in_sets_ = false;
+    if (failure != SPRINGNET_OK) return failure;
+  }
+  return SPRINGNET_OK;
+}
+
+springnet_status Engine::constrain_clusters(const springnet_sweep& sweep) {
+  const auto count = static_cast<std::int64_t>(rigid_.cluster_count());
+  const bool threads = rigid_.cluster_count() >= clusters_worth_threads && evaluator_.threads() > 1;
+  std::int64_t failed_cluster = count;
+  springnet_status failure = SPRINGNET_OK;
+#pragma omp parallel for schedule(dynamic, 64) num_threads(static_cast <int>(evaluator_.threads())) if (threads)
+  for (std::int64_t c = 0; c < count; ++c) {
+    springnet_message message{};
+    const springnet_status status = rigid_.constrain(static_cast<std::size_t>(c), sweep, message);
+    if (status == SPRINGNET_OK) continue;
+#pragma omp critical(springnet_clusters)
+    if (c < failed_cluster) {
+      failed_cluster = c;
+      failure = status;
+      message_ = message;
+    }
+  }
+  return failure;
+}
+
+springnet_status Engine::sweep(const springnet_sweep& request) {
+  const springnet_sweep sweep = complete(request);
+  set_time(sweep.time);
+  swept_ = true;
+  TileContext context{};
+  context.evaluator = &evaluator_;
+  context.sweep = &sweep;
+  context.contact = &contact_;
+  context.cluster = rigid_.cluster_of();
+  context.time = sweep.time;
+  context.nodes = node_arrays(sweep.position, sweep.velocity);
+  context.force = {sweep.force.x, sweep.force.y, sweep.force.z};
+  if (sweep.order != nullptr) {
+    const springnet_status status = sweep_in_order(sweep, &context);
+    if (status != SPRINGNET_OK) return failed(status, sweep.time, context.nodes);
+  } else {
+    springnet_status status = evaluator_.evaluate(sweep.time, context.nodes, loads_.external(), context.force,
+                                                  {finish_tile, &context}, message_);
+    if (status != SPRINGNET_OK) return failed(status, sweep.time, context.nodes);
+    status = constrain_clusters(sweep);
+    if (status != SPRINGNET_OK) return failed(status, sweep.time, context.nodes);
+  }
+  // The integrator sees for itself that the sweep diverged; the host remembers why.
+  static_cast<void>(check_finite(context.finite, context.bad_neuron, sweep.time, context.nodes));
+  return SPRINGNET_OK;
+}
+
+springnet_status Engine::constrain(const springnet_sweep& request) {
+  const springnet_sweep sweep = complete(request);
+  set_time(sweep.time);
+  swept_ = true;
+  const double* force[3] = {sweep.force.x, sweep.force.y, sweep.force.z};
+  contact_.constrain(0, layout_.node_count(), force, sweep, rigid_.cluster_of());
+  return constrain_clusters(sweep);
+}
+
+}  // namespace springnet

@@ -1,0 +1,78 @@
+// A rigid pendulum at great angles: its period is 4 sqrt(L/g) K(sin(angle / 2)), K the complete elliptic integral of
+// the first kind, and the force in its rod m (v^2 / L + g cos(angle)).
+
+#include <doctest/doctest.h>
+
+#include "ways.hpp"
+
+using namespace springnet;
+using namespace springnet::testing;
+
+namespace {
+
+constexpr double gravity = 9.81, length = 1.3, start = 2.0, mass = 0.7;  // m/s^2, m, rad, kg
+
+Network pendulum() {
+  Network net;
+  Node pivot = point(Vector3::Zero());
+  pivot.fixed = true;
+  net.add_node(pivot);
+  net.add_node(point({length * std::sin(start), 0, -length * std::cos(start)}, mass));
+  net.add_rigid(0, 1);
+  net.set_gravity({0, 0, -gravity});
+  return net;
+}
+
+double period() { return 4.0 * std::sqrt(length / gravity) * std::comp_ellint_1(std::sin(start / 2.0)); }
+
+// How far from its start the pendulum is after one period, rad.
+double angle_after_a_period(const LawUse& integrator, double time_step) {
+  const Network net = pendulum();
+  Simulation simulation = simulate(net, integrator, time_step);
+  simulation.advance_to(period());
+  CHECK(worst_length(net, simulation) <= 1e-8);  // what rigid connections promise
+  const Vector3 p = simulation.position(1);
+  return std::atan2(p[0], -p[2]) - start;
+}
+
+}  // namespace
+
+TEST_CASE("a rigid pendulum has the period of the elliptic integral") {
+  SUBCASE("in the reference") {
+    for (const Way& way : reference_ways()) {
+      INFO(way.name);
+      // Some 1,000 internal steps with errors of at most 1e-9 of the length and velocity scales each.
+      CHECK(std::abs(angle_after_a_period(way.integrator, 0.1)) < 1e-6);
+    }
+  }
+  SUBCASE("in steps, with the error of their order") {
+    for (const Way& way : stepping_ways(1e-9)) {
+      INFO(way.name);
+      const double coarse = std::abs(angle_after_a_period(way.integrator, 0.004));
+      const double fine = std::abs(angle_after_a_period(way.integrator, 0.002));
+      CHECK(fine < 0.55 * coarse);
+      // 1500 steps a period. Theta 1 loses energy at first order, and the swing gets smaller by that.
+      CHECK(fine < (way.order == 1.0 ? 0.12 : 2e-4));
+    }
+  }
+}
+
+TEST_CASE("the force in a pendulum's rod, and what its pivot bears") {
+  for (const Way& way : all_ways(1e-9)) {
+    INFO(way.name);
+    const Network net = pendulum();
+    Simulation simulation = simulate(net, way.integrator, 0.002);
+    // At the start, at rest: the weight's part along the rod.
+    CHECK(simulation.rigid_force(0) == doctest::Approx(mass * gravity * std::cos(start)).epsilon(1e-12));
+    simulation.advance_to(period() / 3.0);
+    const Vector3 p = simulation.position(1), v = simulation.velocity(1);
+    const double angle = std::atan2(p[0], -p[2]);
+    // From the state that was reached, whatever its error: an identity of the state, so to rounding.
+    const double tension = mass * (v.squaredNorm() / length + gravity * std::cos(angle));
+    CHECK(simulation.rigid_force(0) == doctest::Approx(tension).epsilon(1e-9));
+    // The rod pulls the pivot towards the bob; the pivot's own weight (1 kg) hangs on it too.
+    const Vector3 borne = -tension * p / length + Vector3(0, 0, gravity);
+    CHECK((simulation.reaction(0) - borne).norm() <= 1e-9 * borne.norm());
+    CHECK(simulation.reaction(1).norm() == 0.0);
+  }
+}
