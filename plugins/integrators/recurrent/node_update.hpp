@@ -14,15 +14,16 @@ namespace springnet::recurrent {
 
 inline constexpr std::uint32_t no_node = 0xffffffffu;
 
-// U' = v + t_c a and P' = p + t_c U' (v, p frozen; a from the net force at the newest outputs) for the nodes of
+// U' = v* + w a and P' = p* + w U' (v*, p* of the step; a from the net force at the newest outputs) for the nodes of
 // batches.
 class NodeUpdate {
  public:
-  // `start` is the state at the beginning of the step, `next` takes the new outputs.
-  NodeUpdate(double time_constant, const springnet_state& start, const springnet_state& next) noexcept
-      : time_constant_(time_constant),
-        position_(start.position),
-        velocity_(start.velocity),
+  // `next` takes the new outputs. weight: w, s.
+  NodeUpdate(double weight, const springnet_const_vectors& free_position, const springnet_const_vectors& free_velocity,
+             const springnet_state& next) noexcept
+      : weight_(weight),
+        position_(free_position),
+        velocity_(free_velocity),
         next_position_(next.position),
         next_velocity_(next.velocity) {}
 
@@ -45,11 +46,11 @@ class NodeUpdate {
                           const double* __restrict v, double* __restrict next_p,
                           double* __restrict next_v) const noexcept {
     constexpr std::uint64_t magnitude = ~std::uint64_t{0} >> 1, least_exponent = std::uint64_t{1} << 52;
-    const double time_constant = time_constant_;
+    const double weight = weight_;
     std::uint64_t top = 0;
     for (std::uint32_t i = 0; i < count; ++i) {
-      const double u = v[i] + time_constant * a[i];
-      const double next = p[i] + time_constant * u;
+      const double u = v[i] + weight * a[i];
+      const double next = p[i] + weight * u;
       next_v[i] = u;
       next_p[i] = next;
       top |= (std::bit_cast<std::uint64_t>(next) & magnitude) + least_exponent;
@@ -57,8 +58,8 @@ class NodeUpdate {
     return top;
   }
 
-  double time_constant_;  // s
-  springnet_vectors position_, velocity_;
+  double weight_;  // s
+  springnet_const_vectors position_, velocity_;
   springnet_vectors next_position_, next_velocity_;
 };
 
@@ -130,10 +131,23 @@ class ForceRecord {
       exchange(count, network.mass + first, batch.acceleration.y + begin, y_.data() + first, square, true);
       exchange(count, network.mass + first, batch.acceleration.z + begin, z_.data() + first, square, true);
       for (std::uint32_t i = 0; i < count; ++i) {
-        const std::uint32_t node = first + i;
-        unit.all.offer(square[i], node, network.user_number);
-        if (network.fixed[node] == 0 && network.held[node] == 0) unit.free.offer(square[i], node, network.user_number);
+        offer(unit, network, first + i, square[i]);
       }
+    }
+  }
+
+  // All nodes at once, of a sweep that evaluates them together; stays: [node_count] 1 where the net force stands in for
+  // m a.
+  void take_all(const springnet_network& network, const springnet_const_vectors& force,
+                const springnet_const_vectors& acceleration, const std::vector<std::uint8_t>& stays) noexcept {
+    Unit& unit = units_[0];
+    for (std::uint32_t k = 0; k < network.node_count; ++k) {
+      const double m = network.mass[k];
+      const bool all = stays[k] != 0;
+      const double x = exchange(x_[k], all ? force.x[k] : m * acceleration.x[k]);
+      const double y = exchange(y_[k], all ? force.y[k] : m * acceleration.y[k]);
+      const double z = exchange(z_[k], all ? force.z[k] : m * acceleration.z[k]);
+      offer(unit, network, k, x * x + y * y + z * z);
     }
   }
 
@@ -157,6 +171,16 @@ class ForceRecord {
     bool finite = true;
   };
 
+  static void offer(Unit& unit, const springnet_network& network, std::uint32_t node, double square) noexcept {
+    unit.all.offer(square, node, network.user_number);
+    if (network.fixed[node] == 0 && network.held[node] == 0) unit.free.offer(square, node, network.user_number);
+  }
+  // Returns the difference.
+  static double exchange(double& last, double now) noexcept {
+    const double difference = now - last;
+    last = now;
+    return difference;
+  }
   static void exchange(std::uint32_t count, const double* mass, const double* acceleration, double* last,
                        double* square, bool add) noexcept {
     for (std::uint32_t i = 0; i < count; ++i) {

@@ -7,51 +7,55 @@
 //
 // until the forces stop changing; then the outputs become the activities. The fixed point is the backward Euler step,
 // a single synchronous sweep is the symplectic Euler step. The paper: Nürnberger, Radetzky, Kruse, "A Problem Specific
-// Recurrent Neural Network for the Description and Simulation of Dynamic Spring Models", section 3.4.
-#include <algorithm>
+// Recurrent Neural Network for the Description and Simulation of Dynamic Spring Models", section 3.4. Other update
+// rules reach the same fixed point (rule.hpp), theta weighs old and new activities (step.hpp).
 #include <array>
 #include <cmath>
-#include <cstdio>
+#include <cstdint>
 #include <limits>
+#include <memory>
 #include <optional>
-#include <span>
 #include <string>
-#include <vector>
 
 #include <springnet/sdk/integrator.hpp>
 
-#include "monitor.hpp"
-#include "node_update.hpp"
-#include "wavefront.hpp"
+#include "automatic.hpp"
+#include "explanation.hpp"
+#include "propagation.hpp"
 
 namespace {
 
 using namespace springnet::recurrent;
 using springnet::sdk::choice;
-using springnet::sdk::evaluation_at;
 using springnet::sdk::Failure;
 using springnet::sdk::Host;
 using springnet::sdk::integer;
 using springnet::sdk::number;
 using springnet::sdk::Options;
 using springnet::sdk::Parameter;
-using springnet::sdk::sized;
 using springnet::sdk::State;
 using springnet::sdk::view;
 
 constexpr double automatic_tolerance = 1e-6;  // of the network's force scale
+constexpr int rules = 5;
+// Sweeps after which a rule that was picked gives way to a stronger one.
+constexpr std::uint64_t automatic_patience = 200;
+
+enum class Unsettled : int { error, accept, adapt };
 
 class Recurrent : public springnet::sdk::Integrator {
  public:
   static constexpr const char* id = "recurrent";
-  static constexpr const char* summary = "the recurrent network: sweeps until the forces settle (backward Euler)";
+  static constexpr const char* summary =
+      "the recurrent network: sweeps until the forces settle (backward Euler, or trapezoidal)";
   static constexpr const char* reference =
       "Nürnberger, Radetzky, Kruse: A Problem Specific Recurrent Neural Network for the Description and Simulation of "
       "Dynamic Spring Models, section 3.4";
   static constexpr Parameter parameters[] = {
-      choice("update", {"synchronous", "wavefront"},
-             "all nodes at once, or one after another from the node with the greatest force")
-          .preset(1),
+      choice("update", {"synchronous", "wavefront", "block", "coloured", "newton", "automatic"},
+             "all nodes at once; one after another from the node with the greatest force; the same, each to its own "
+             "equilibrium; that by colours, in threads; Newton's method; what fits the time step")
+          .preset(5),
       number("force_tolerance", "N",
              "a step has settled when no force changes by more; 0: 1e-6 of the network's force scale")
           .preset(0)
@@ -61,293 +65,260 @@ class Recurrent : public springnet::sdk::Integrator {
           .preset(0)
           .at_least(0)
           .at_most(1e9),
-      choice("unsettled", {"error", "accept"}, "what follows when a step does not settle")};
+      choice("unsettled", {"error", "accept", "adapt"},
+             "when a step does not settle: the run ends; it is taken as it is; a smaller time constant leads to it, or "
+             "smaller steps replace it"),
+      number("theta", "1", "weight of the new activities: 1 backward Euler (the paper), 0.5 trapezoidal, second order")
+          .preset(1)
+          .at_least(0.5)
+          .at_most(1)};
 
   Recurrent(Host host, Options options)
-      : host_(host),
-        wavefront_(options.choice<int>("update") == 1),
+      : update_(options.choice<Update>("update")),
         tolerance_(options["force_tolerance"]),
-        max_sweeps_(options.integer<std::uint64_t>("max_sweeps")),
-        exact_sweeps_(options.integer<std::uint64_t>("sweeps")),
-        accept_(options.choice<int>("unsettled") == 1),
-        states_{host.make_state(), host.make_state()} {}
+        limits_{options.integer<std::uint64_t>("max_sweeps"), options.integer<std::uint64_t>("sweeps")},
+        unsettled_(options.choice<Unsettled>("unsettled")),
+        theta_(options["theta"]),
+        work_(host) {}
 
   springnet_status advance(double until, springnet_step_report& report);
 
  private:
-  // One time step: what it starts from and how far it has come.
-  struct Step {
-    double until;          // s
-    double time_constant;  // s
-    double tolerance;      // N
-    const springnet_state& start;
-    const springnet_network& network;
-    const springnet_state* outputs;  // of the last sweep, in states_[written]
-    std::size_t written = 0;
-    ForceRecord::Differences differences{};
-    std::uint64_t sweeps = 0;
-    std::uint32_t start_node = no_node;
-    bool finite = true;
-    double residual = std::numeric_limits<double>::quiet_NaN();
-  };
+  static constexpr int most_halvings = 12;     // of a time step
+  static constexpr int most_small_stages = 6;  // halvings of the time constant, to begin with
+  static constexpr double least_raise = 1.05;  // of the time constant from stage to stage
+  static constexpr double first_raise = 2.0;
 
-  // Exactly so many sweeps as were asked for settle a step by definition.
-  [[nodiscard]] static bool settled(Verdict verdict) noexcept {
-    return verdict == Verdict::settled || verdict == Verdict::go_on;
+  [[nodiscard]] Step make_step(double until);
+  [[nodiscard]] Rule& rule(Update update);
+  // A propagation from step.outputs (none: the start) with the step's time constant.
+  Attempt propagate_with(Update update, Step& step, std::uint64_t max_sweeps);
+  // From the start: the rule of the scene, or the one picked, and stronger ones in its place.
+  Attempt propagate_from_start(Step& step);
+  Attempt propagate_again(Update update, Step& step);
+  // With smaller time constants from the frozen activities, each from the outputs of the last.
+  Attempt raise_time_constant(Step& step, const Attempt& last);
+  void take(const Step& step, bool is_settled);
+  void subdivide(double until, int halvings, springnet_step_report& report);
+  void fill(springnet_step_report& report, const Step& step, const Attempt& attempt) const;
+  [[nodiscard]] bool single_sweep(const Step& step) const {
+    return limits_.exact_sweeps == 1 && update_ == Update::synchronous && step.network.internal_count == 0;
   }
-  void prepare(const springnet_network& network);
-  // The sweeps of a step; Verdict::go_on where so many sweeps were asked for and done.
-  Verdict propagate(Step& step);
-  void begin_wavefront(Step& step);
-  void sweep_synchronous(Step& step);
-  void sweep_wavefront(Step& step);
-  // From the outputs `read` to step.outputs; compares forces with those of the sweep before where asked.
-  void sweep(Step& step, const springnet_state& read, std::span<const std::uint32_t> order, bool compare);
-  // Forces at the new outputs, internal state of laws, residual.
-  void complete(Step& step);
-  [[nodiscard]] double residual(const Step& step) const;
-  [[nodiscard]] static std::uint32_t non_finite_node(const Step& step);
-  [[nodiscard]] std::string explain(const Step& step, Verdict verdict, const std::string& law_message) const;
 
-  Host host_;
-  bool wavefront_;
+  Update update_;
   double tolerance_;  // N, 0: automatic
-  std::uint64_t max_sweeps_;
-  std::uint64_t exact_sweeps_;  // 0: until settled
-  bool accept_;
-
-  std::array<State, 2> states_;
-  ForceRecord record_;
-  Wavefront order_;
-  std::optional<std::uint64_t> revision_;  // of the network that the buffers fit
-  std::vector<double> acceleration_[3];    // [node_count] m/s^2
-  std::vector<double> internal_rate_;      // [internal_count]
-  double evaluations_ = 0.0;               // besides the sweeps
-  double accepted_ = 0.0;                  // steps that had not settled
+  Limits limits_;
+  Unsettled unsettled_;
+  double theta_;
+  Workspace work_;
+  Automatic automatic_;
+  std::array<std::unique_ptr<Rule>, rules> rules_;
+  std::array<std::optional<std::uint64_t>, rules> attached_;  // revision of the network that they know
+  std::optional<std::uint64_t> revision_;                     // that the workspace knows
+  State stage_;                                               // outputs of the last stage that settled
+  std::uint64_t sweeps_ = 0, stages_ = 0, substeps_ = 0;      // in this call
+  double all_stages_ = 0.0, all_substeps_ = 0.0, accepted_ = 0.0;
 };
 
 springnet_status Recurrent::advance(double until, springnet_step_report& report) {
-  const auto [from, start] = host_.committed();
-  if (!(until > from)) {
-    throw Failure("a time step has to end after " + std::to_string(from) + " s, where the network stands");
+  sweeps_ = stages_ = substeps_ = 0;
+  Step step = make_step(until);
+  Attempt attempt = propagate_from_start(step);
+  // A rule that the scene did not ask for may come to the same state in its own way.
+  const bool may_raise = unsettled_ == Unsettled::adapt || update_ == Update::automatic;
+  if (!settled(attempt.verdict) && may_raise) {
+    attempt = raise_time_constant(step, attempt);
+    // What is told, or accepted, is the step with its own time constant.
+    if (!settled(attempt.verdict) && unsettled_ != Unsettled::adapt) attempt = propagate_again(attempt.update, step);
   }
-  host_.begin_step(from, until);
-  const springnet_network& network = host_.network();
-  prepare(network);
-  const double tolerance = tolerance_ > 0.0 ? tolerance_ : automatic_tolerance * network.force_scale;
-  Step step{until, until - from, tolerance, start, network, nullptr};
-
-  Verdict verdict = Verdict::diverging;
-  std::string law_message;
-  try {
-    verdict = propagate(step);
-    const bool single_sweep = exact_sweeps_ == 1 && !wavefront_ && network.internal_count == 0;
-    if (step.finite && (settled(verdict) || accept_) && !single_sweep) complete(step);
-  } catch (const Failure& failure) {
-    if (!failure.recoverable()) throw;
-    step.finite = false;  // some law or neuron has no finite answer where the outputs went
-    law_message = failure.what();
+  fill(report, step, attempt);
+  if (settled(attempt.verdict) || (unsettled_ == Unsettled::accept && step.finite)) {
+    take(step, settled(attempt.verdict));
+    return SPRINGNET_OK;
   }
-  if (!step.finite) {
-    verdict = Verdict::diverging;
-    if (law_message.empty()) step.differences.node = non_finite_node(step);
-  }
-
-  report.outcome = static_cast<std::int32_t>(settled(verdict) ? Verdict::settled : verdict);
-  report.steps = 1;
-  report.sweeps = step.sweeps;
-  const bool compared = wavefront_ || exact_sweeps_ != 1;
-  report.force_difference = compared ? step.differences.greatest : std::numeric_limits<double>::quiet_NaN();
-  report.residual = step.residual;
-  report.node = step.differences.node == no_node ? 0 : step.differences.node;
-  report.start_node = step.start_node;
-  if (!settled(verdict) && (!accept_ || !step.finite)) {
-    throw Failure(explain(step, verdict, law_message), SPRINGNET_UNSETTLED);
-  }
-  springnet_state& result = *states_[step.written];
-  result.force_is_current = std::isfinite(step.residual) ? 1 : 0;  // complete() evaluated it
-  host_.commit(until, result);
-  if (!settled(verdict)) host_.report("unsettled_steps", ++accepted_);
+  if (unsettled_ != Unsettled::adapt)
+    throw Failure(explain(step, attempt, update_ != Update::automatic, limits_.exact_sweeps > 0), SPRINGNET_UNSETTLED);
+  const double middle = step.from + 0.5 * (until - step.from);
+  subdivide(middle, 1, report);
+  subdivide(until, 1, report);
   return SPRINGNET_OK;
 }
 
-void Recurrent::prepare(const springnet_network& network) {
-  if (revision_ == network.revision) return;
-  record_.resize(network);
-  internal_rate_.resize(network.internal_count);
-  for (auto& component : acceleration_) component.resize(network.node_count);
-  if (wavefront_) order_.attach(network);
-  revision_ = network.revision;
+Step Recurrent::make_step(double until) {
+  const auto [from, start] = work_.host.committed();
+  if (!(until > from)) {
+    throw Failure("a time step has to end after " + std::to_string(from) + " s, where the network stands");
+  }
+  work_.host.begin_step(from, until);
+  const springnet_network& network = work_.host.network();
+  if (revision_ != network.revision) {
+    work_.attach(network);
+    revision_ = network.revision;
+  }
+  const double tolerance = tolerance_ > 0.0 ? tolerance_ : automatic_tolerance * network.force_scale;
+  const bool compares = !(limits_.exact_sweeps == 1 && update_ == Update::synchronous);
+  Step step{from, until, until - from, theta_, tolerance, start, network, compares};
+  return step;
 }
 
-Verdict Recurrent::propagate(Step& step) {
-  if (wavefront_) {
-    begin_wavefront(step);
-  } else if (exact_sweeps_ != 1) {
-    record_.begin();
+Rule& Recurrent::rule(Update update) {
+  const auto i = static_cast<std::size_t>(update);
+  if (!rules_[i]) rules_[i] = make_rule(update, work_);
+  if (attached_[i] != revision_) {
+    rules_[i]->attach(work_.host.network());
+    attached_[i] = revision_;
   }
-  Monitor monitor(step.tolerance, max_sweeps_);
-  Verdict verdict = Verdict::go_on;
-  while (verdict == Verdict::go_on) {
-    if (exact_sweeps_ > 0 && step.sweeps == exact_sweeps_) break;
-    if (wavefront_) {
-      sweep_wavefront(step);
-    } else {
-      sweep_synchronous(step);
+  return *rules_[i];
+}
+
+Attempt Recurrent::propagate_with(Update update, Step& step, std::uint64_t max_sweeps) {
+  Attempt attempt;
+  attempt.update = update;
+  step.sweeps = 0;
+  step.differences = {};
+  step.start_node = no_node;
+  step.finite = true;
+  step.evaluated = false;
+  step.residual = std::numeric_limits<double>::quiet_NaN();
+  try {
+    work_.know_start_acceleration(step);
+    work_.set_free_motion(step);
+    attempt.verdict = propagate(rule(update), work_, step, {max_sweeps, limits_.exact_sweeps});
+    const bool taken = settled(attempt.verdict) || unsettled_ == Unsettled::accept;
+    if (step.finite && taken && !single_sweep(step)) work_.complete(step);
+    // Rules that may diverge.
+    const bool explicit_rule = update == Update::synchronous || update == Update::wavefront;
+    if (attempt.verdict == Verdict::settled && explicit_rule) {
+      if (const std::uint32_t node = work_.thrown_node(step); node != no_node) {
+        attempt.verdict = Verdict::diverging;
+        attempt.law_message = "the sweeps threw node " + std::to_string(step.network.user_number[node]) +
+                              " against a surface that it does not reach";
+      }
     }
-    step.finite = record_.finite() && std::isfinite(step.differences.greatest);
-    if (!step.finite) return Verdict::diverging;
-    if (exact_sweeps_ == 0) verdict = monitor.judge(step.differences.greatest);
-  }
-  return verdict;
-}
-
-void Recurrent::sweep_synchronous(Step& step) {
-  const springnet_state& read = step.outputs == nullptr ? step.start : *step.outputs;
-  step.written = step.sweeps % 2;
-  const springnet_state& write = *states_[step.written];
-  ++step.sweeps;
-  step.outputs = &write;
-  sweep(step, read, {}, exact_sweeps_ != 1);
-}
-
-// "During the first propagation, the node with the greatest force vector is identified": the springs are evaluated at
-// the frozen activities, with the loads of the new step, so that a load which moved takes the start node with it.
-void Recurrent::begin_wavefront(Step& step) {
-  const springnet_state& outputs = *states_[0];
-  const std::uint32_t count = step.network.node_count;
-  const auto copy = [count](const springnet_vectors& from, const springnet_vectors& to) {
-    std::copy_n(from.x, count, to.x);
-    std::copy_n(from.y, count, to.y);
-    std::copy_n(from.z, count, to.z);
-  };
-  copy(step.start.position, outputs.position);
-  copy(step.start.velocity, outputs.velocity);
-  springnet_evaluation evaluation = evaluation_at(step.until, step.start);
-  evaluation.force = outputs.force;
-  evaluation.acceleration = {acceleration_[0].data(), acceleration_[1].data(), acceleration_[2].data()};
-  host_.evaluate(evaluation);
-  ++evaluations_;
-  record_.begin(step.network, view(outputs.force), view(evaluation.acceleration));
-  step.start_node = order_.strongest(step.network, view(outputs.force));
-}
-
-void Recurrent::sweep_wavefront(Step& step) {
-  const springnet_state& outputs = *states_[0];
-  if (step.differences.free_node != no_node) step.start_node = step.differences.free_node;
-  const auto order = order_.order(step.network, step.start_node, view(outputs.force));
-  ++step.sweeps;
-  step.outputs = &outputs;
-  sweep(step, outputs, order, true);
-}
-
-void Recurrent::sweep(Step& step, const springnet_state& read, std::span<const std::uint32_t> order, bool compare) {
-  const springnet_state& write = *step.outputs;
-  auto call = sized<springnet_sweep>();
-  call.order = order.empty() ? nullptr : order.data();
-  call.order_count = static_cast<std::uint32_t>(order.size());
-  call.time = step.until;
-  call.start_position = view(step.start.position);
-  call.start_velocity = view(step.start.velocity);
-  call.position = view(read.position);
-  call.velocity = view(read.velocity);
-  call.next_position = write.position;
-  call.next_velocity = write.velocity;
-  call.force = write.force;
-  const NodeUpdate update(step.time_constant, step.start, write);
-  record_.begin_sweep();
-  host_.sweep(call, [&](const springnet_node_batch& batch) {
-    record_.take_finite(batch, update(batch));
-    if (compare) record_.take(step.network, batch);
-  });
-  if (compare) step.differences = record_.differences(step.network);
-}
-
-void Recurrent::complete(Step& step) {
-  const springnet_state& outputs = *step.outputs;
-  // Laws with memory: z is frozen during the propagation like any activity, then Z = z + t_c r.
-  for (std::uint64_t i = 0; i < step.network.internal_count; ++i) outputs.internal[i] = step.start.internal[i];
-  springnet_evaluation evaluation = evaluation_at(step.until, outputs);
-  evaluation.force = outputs.force;
-  evaluation.acceleration = {acceleration_[0].data(), acceleration_[1].data(), acceleration_[2].data()};
-  evaluation.internal_rate = step.network.internal_count > 0 ? internal_rate_.data() : nullptr;
-  host_.evaluate(evaluation);
-  ++evaluations_;
-  for (std::uint64_t i = 0; i < step.network.internal_count; ++i) {
-    outputs.internal[i] += step.time_constant * internal_rate_[i];
-  }
-  host_.report("evaluations", evaluations_);
-  step.residual = residual(step);
-  step.finite = std::isfinite(step.residual);
-}
-
-// max_k m_k |(U_k - v_k) / t_c - a_k| over the nodes that moved freely: how far the outputs are from the equation of
-// motion of the backward Euler step. A node that a surface stopped is none of them: it is not where its velocity would
-// have taken it, or, if it started on the surface, has no velocity.
-double Recurrent::residual(const Step& step) const {
-  const springnet_vectors &p = step.start.position, &v = step.start.velocity;
-  const springnet_vectors &next = step.outputs->position, &u = step.outputs->velocity;
-  const double t_c = step.time_constant;
-  const auto stopped = [&](std::uint32_t k) {
-    const bool resting = u.x[k] == 0.0 && u.y[k] == 0.0 && u.z[k] == 0.0;
-    return resting || next.x[k] != p.x[k] + t_c * u.x[k] || next.y[k] != p.y[k] + t_c * u.y[k] ||
-           next.z[k] != p.z[k] + t_c * u.z[k];
-  };
-  Greatest greatest;
-  for (std::uint32_t k = 0; k < step.network.node_count; ++k) {
-    if (step.network.fixed[k] != 0) continue;
-    if (step.network.plane_count > 0 && stopped(k)) continue;
-    const double m = step.network.mass[k];
-    const double x = m * ((u.x[k] - v.x[k]) / t_c - acceleration_[0][k]);
-    const double y = m * ((u.y[k] - v.y[k]) / t_c - acceleration_[1][k]);
-    const double z = m * ((u.z[k] - v.z[k]) / t_c - acceleration_[2][k]);
-    greatest.offer(x * x + y * y + z * z, k, step.network.user_number);
-  }
-  return std::sqrt(greatest.square);
-}
-
-std::uint32_t Recurrent::non_finite_node(const Step& step) {
-  const springnet_vectors& p = step.outputs->position;
-  std::uint32_t first = no_node;
-  for (std::uint32_t k = 0; k < step.network.node_count; ++k) {
-    if (std::isfinite(p.x[k]) && std::isfinite(p.y[k]) && std::isfinite(p.z[k])) continue;
-    if (first == no_node || step.network.user_number[k] < step.network.user_number[first]) first = k;
-  }
-  return first == no_node ? step.differences.node : first;
-}
-
-std::string Recurrent::explain(const Step& step, Verdict verdict, const std::string& law_message) const {
-  const std::uint32_t node = step.network.user_number[step.differences.node == no_node ? 0 : step.differences.node];
-  const auto sweeps = static_cast<unsigned long long>(step.sweeps);
-  const char* calmer = wavefront_ || exact_sweeps_ > 0 ? "use a smaller time_step, or less stiffness and damping"
-                                                       : "use a smaller time_step or update = \"wavefront\"";
-  std::array<char, 512> text{};
-  if (!law_message.empty()) {
-    std::snprintf(text.data(), text.size(), "the step diverges after %llu sweeps: %s; %s", sweeps, law_message.c_str(),
-                  calmer);
-    return text.data();
+  } catch (const Failure& failure) {
+    if (!failure.recoverable()) throw;
+    step.finite = false;  // some law or neuron has no finite answer where the outputs went
+    attempt.law_message = failure.what();
   }
   if (!step.finite) {
-    std::snprintf(text.data(), text.size(),
-                  "the step diverges after %llu sweeps: numbers are no longer finite, first at node %u; %s", sweeps,
-                  node, calmer);
-    return text.data();
+    attempt.verdict = Verdict::diverging;
+    if (attempt.law_message.empty()) step.differences.node = non_finite_node(step);
   }
-  const char* outcome = "diverges";
-  const char* remedy = calmer;
-  if (verdict == Verdict::oscillating) {
-    outcome = "oscillates";
-    remedy =
-        "use a smaller time_step or more damping, or raise force_tolerance if it is near the rounding of the forces";
-  } else if (verdict == Verdict::out_of_sweeps) {
-    outcome = "ran out of sweeps";
-    remedy = "raise max_sweeps, use a smaller time_step, or raise force_tolerance";
+  sweeps_ += step.sweeps;
+  return attempt;
+}
+
+Attempt Recurrent::propagate_from_start(Step& step) {
+  if (update_ != Update::automatic) return propagate_with(update_, step, limits_.max_sweeps);
+  // Where the number of sweeps is given, the paper's rule.
+  if (limits_.exact_sweeps > 0) {
+    work_.host.note("update rule wavefront: the number of sweeps is given");
+    return propagate_with(Update::wavefront, step, limits_.max_sweeps);
   }
-  std::snprintf(text.data(), text.size(),
-                "the step %s after %llu sweeps: the forces still change by %.3g N at node %u, more than "
-                "force_tolerance %.3g N; %s; unsettled = \"accept\" takes the step as it is",
-                outcome, sweeps, step.differences.greatest, node, step.tolerance, remedy);
-  return text.data();
+  const Update chosen = automatic_.choose(work_, step);
+  const std::uint64_t most = std::min(limits_.max_sweeps, automatic_patience);
+  Attempt attempt = propagate_with(chosen, step, most);
+  for (std::optional<Update> next = Automatic::after(chosen); next && !settled(attempt.verdict);
+       next = Automatic::after(*next)) {
+    attempt = propagate_again(*next, step);
+  }
+  if (settled(attempt.verdict) && attempt.update != chosen) automatic_.escalated(work_, chosen, attempt.update);
+  return attempt;
+}
+
+Attempt Recurrent::propagate_again(Update update, Step& step) {
+  work_.host.begin_step(step.from, step.until);  // forgets what the sweeps decided about contacts
+  step.outputs = nullptr;
+  return propagate_with(update, step, limits_.max_sweeps);
+}
+
+Attempt Recurrent::raise_time_constant(Step& step, const Attempt& last) {
+  if (limits_.exact_sweeps > 0) return last;
+  if (!stage_) stage_ = work_.host.make_state();
+  const double full = step.until - step.from;
+  double reached = 0.0, raise = first_raise;
+  double next = full / raise;
+  Attempt attempt = last;
+  int small = 1;
+  while (true) {
+    work_.host.begin_step(step.from, step.until);
+    step.outputs = nullptr;
+    if (reached > 0.0) {
+      step.outputs = &work_.state_beside(nullptr);
+      copy(view(stage_->position), step.outputs->position, step.network.node_count);
+      copy(view(stage_->velocity), step.outputs->velocity, step.network.node_count);
+    }
+    step.time_constant = next;
+    attempt = propagate_with(last.update, step, limits_.max_sweeps);
+    if (settled(attempt.verdict)) {
+      if (next == full) break;
+      ++stages_;
+      copy(view(step.outputs->position), stage_->position, step.network.node_count);
+      copy(view(step.outputs->velocity), stage_->velocity, step.network.node_count);
+      reached = next;
+    } else if (reached == 0.0) {
+      if (++small > most_small_stages) break;
+      next *= 0.5;
+      continue;
+    } else {
+      raise = std::sqrt(raise);
+      if (raise < least_raise) break;
+    }
+    next = reached * raise < full ? reached * raise : full;
+  }
+  step.time_constant = full;
+  work_.host.report("stages", all_stages_ += static_cast<double>(stages_));
+  return attempt;
+}
+
+void Recurrent::take(const Step& step, bool is_settled) {
+  springnet_state& result = *step.outputs;
+  result.force_is_current = step.evaluated ? 1 : 0;
+  work_.committed(step);
+  work_.host.commit(step.until, result);
+  if (!is_settled) work_.host.report("unsettled_steps", ++accepted_);
+}
+
+void Recurrent::subdivide(double until, int halvings, springnet_step_report& report) {
+  Step step = make_step(until);
+  const Attempt attempt = propagate_from_start(step);
+  const springnet_step_report before = report;
+  fill(report, step, attempt);
+  if (settled(attempt.verdict)) {
+    // The worst of the smaller steps stands for the step.
+    if (substeps_ > 0 && before.residual > report.residual) {
+      report.residual = before.residual;
+      report.force_difference = before.force_difference;
+      report.node = before.node;
+    }
+    take(step, true);
+    report.substeps = ++substeps_;
+    work_.host.report("substeps", ++all_substeps_);
+    return;
+  }
+  if (halvings == most_halvings) {
+    std::string reason = explain(step, attempt, update_ != Update::automatic, limits_.exact_sweeps > 0);
+    for (const char* advice : {"; unsettled = ", ", or unsettled = "})  // which was followed
+      if (const std::size_t at = reason.find(advice); at != std::string::npos) reason.erase(at);
+    throw Failure("smaller and smaller steps, the last from " + std::to_string(step.from) + " s, where the network " +
+                      "stands, did not help: " + reason,
+                  SPRINGNET_UNSETTLED);
+  }
+  const double middle = step.from + 0.5 * (until - step.from);
+  subdivide(middle, halvings + 1, report);
+  subdivide(until, halvings + 1, report);
+}
+
+void Recurrent::fill(springnet_step_report& report, const Step& step, const Attempt& attempt) const {
+  report.outcome = static_cast<std::int32_t>(settled(attempt.verdict) ? Verdict::settled : attempt.verdict);
+  report.steps = 1;
+  report.sweeps = sweeps_;
+  report.force_difference = step.compares ? step.differences.greatest : std::numeric_limits<double>::quiet_NaN();
+  report.residual = step.residual;
+  report.node = step.differences.node == no_node ? 0 : step.differences.node;
+  report.start_node = step.start_node;
+  report.stages = stages_;
+  report.substeps = substeps_;
 }
 
 }  // namespace

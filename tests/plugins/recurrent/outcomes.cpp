@@ -63,7 +63,7 @@ TEST_CASE("oscillating") {
     CHECK(simulation.last_report().outcome == Outcome::oscillating);
     CHECK(contains(why, "oscillates after"));
     CHECK(contains(why, "time_step"));
-    CHECK(contains(why, "unsettled = \"accept\""));
+    CHECK(contains(why, "\"accept\" takes them as they are"));
     check_untouched(simulation);
   }
 }

@@ -1,0 +1,81 @@
+#include "automatic.hpp"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstdio>
+
+#include "critical_time.hpp"
+
+namespace springnet::recurrent {
+namespace {
+
+// Up to this share of the critical weight synchronous sweeps settle in some tens.
+constexpr double synchronous_share = 0.75;
+// A new estimate at the earliest after so many steps, unless a step failed.
+constexpr std::uint64_t least_steps = 32;
+constexpr std::uint64_t most_patience = 1024;  // steps
+
+}  // namespace
+
+std::optional<Update> Automatic::after(Update update) noexcept {
+  // Friction that depends on the force that it acts against may be too much for Newton's method, which takes it as it
+  // was; a node by itself finds it.
+  if (update == Update::block) return std::nullopt;
+  return update == Update::newton ? Update::block : Update::newton;
+}
+
+Update Automatic::choose(const Workspace& workspace, const Step& step) {
+  ++steps_;
+  if (kept_ > 0) {
+    --kept_;
+    return kept_rule_;
+  }
+  const bool changed = step.network.revision != revision_ && steps_ >= least_steps;
+  // Steps of one length differ by the rounding of their ends.
+  const bool same_step = std::abs(step.time_constant - time_constant_) <= 1e-6 * time_constant_;
+  if (!chosen_ || changed || !same_step) estimate(workspace, step);
+  return *chosen_;
+}
+
+void Automatic::estimate(const Workspace& workspace, const Step& step) {
+  steps_ = 0;
+  revision_ = step.network.revision;
+  time_constant_ = step.time_constant;
+  std::array<char, 256> text{};
+  try {
+    weight_ = critical_weight(workspace.host, step);
+  } catch (const sdk::Failure& failure) {
+    if (failure.recoverable()) throw;
+    chosen_ = Update::wavefront;
+    std::snprintf(text.data(), text.size(), "update rule wavefront: %s", failure.what());
+    if (noted_ != chosen_) workspace.host.note(text.data());
+    noted_ = chosen_;
+    return;
+  }
+  chosen_ = step.weight() <= synchronous_share * weight_ ? Update::synchronous : Update::newton;
+  // The critical time constant changes from step to step; what it leads to is news.
+  if (noted_ == chosen_) return;
+  noted_ = chosen_;
+  std::snprintf(text.data(), text.size(),
+                "update rule %s: the time step is about %.2g times the critical time constant of synchronous "
+                "propagation, %.2g s",
+                name_of(*chosen_), step.weight() / weight_, weight_ / step.theta);
+  workspace.host.note(text.data());
+}
+
+void Automatic::escalated(const Workspace& workspace, Update chosen, Update needed) {
+  workspace.host.report("escalated_steps", ++escalations_);
+  if (escalations_ == 1.0) {
+    std::array<char, 160> text{};
+    std::snprintf(text.data(), text.size(), "a step did not settle with update rule %s, but did with %s",
+                  name_of(chosen), name_of(needed));
+    workspace.host.note(text.data());
+  }
+  chosen_.reset();
+  kept_rule_ = needed;
+  kept_ = patience_;
+  patience_ = std::min(2 * patience_, most_patience);
+}
+
+}  // namespace springnet::recurrent

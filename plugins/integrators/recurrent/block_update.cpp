@@ -1,0 +1,161 @@
+#include "block_update.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include <Eigen/Dense>
+
+namespace springnet::recurrent {
+namespace {
+
+using Block = Eigen::Matrix<double, 3, 3, Eigen::RowMajor>;
+using Vector = Eigen::Vector3d;
+
+// Eigenvalues of B below this are taken for flat or negative. The mass contributes 1.
+constexpr double least_eigenvalue = 0.05;
+// A step is too long where the slope at its end is this part of that at its beginning, the other way.
+constexpr double overshoot = 0.5;
+constexpr int most_halvings = 4;
+
+bool is_definite(const Block& symmetric) {
+  const Block s = symmetric - least_eigenvalue * Block::Identity();
+  return s(0, 0) > 0.0 && s(0, 0) * s(1, 1) - s(0, 1) * s(1, 0) > 0.0 && s.determinant() > 0.0;
+}
+
+// The symmetric part of B with its eigenvalues made positive: where the node's potential is a hill, its height decides
+// how far a step goes down.
+Block made_definite(const Block& symmetric) {
+  const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> modes(symmetric);
+  const Vector values = modes.eigenvalues().cwiseAbs().cwiseMax(least_eigenvalue);
+  return modes.eigenvectors() * values.asDiagonal() * modes.eigenvectors().transpose();
+}
+
+}  // namespace
+
+void BlockMemory::attach(const springnet_network& network) {
+  acceleration.resize(network.node_count);
+  const bool constrained = network.surface_count > 0 || network.rigid_count > 0;
+  inertia.assign(constrained ? 9 * std::size_t{network.node_count} : 0, 0.0);
+  free.resize(constrained ? network.node_count : 0);
+}
+
+void BlockMemory::begin(const springnet_state& outputs) {
+  const std::size_t count = inertia.size() / 9;
+  const springnet_vectors to = free.view();
+  std::copy_n(outputs.velocity.x, count, to.x);
+  std::copy_n(outputs.velocity.y, count, to.y);
+  std::copy_n(outputs.velocity.z, count, to.z);
+}
+
+BlockUpdate::BlockUpdate(const sdk::Host& host, const Step& step, BlockMemory& memory) noexcept
+    : host_(host),
+      step_(step),
+      memory_(memory),
+      position_(step.outputs->position),
+      velocity_(step.outputs->velocity),
+      weight_(step.weight()),
+      constrained_(step.constrained()) {}
+
+void BlockUpdate::request(springnet_sweep& call) const noexcept {
+  call.want_blocks = 1;
+  if (constrained_) call.inertia = memory_.inertia.data();
+}
+
+bool BlockUpdate::operator()(const springnet_node_batch& batch) const {
+  bool finite = true;
+  for (std::uint32_t i = 0; i < batch.count; ++i) finite = update(batch, i) && finite;
+  return finite;
+}
+
+NodeStep::NodeStep(const Step& step, const springnet_state& from, const springnet_node_batch& batch, std::uint32_t i,
+                   bool guided)
+    : velocity(at(from.velocity, batch.first + i)) {
+  const std::uint32_t k = batch.first + i;
+  const double w = step.weight();
+  const Eigen::Map<const Block> by_velocity(batch.acceleration_by_velocity + 9 * std::size_t{i});
+  const Eigen::Map<const Block> by_position(batch.acceleration_by_position + 9 * std::size_t{i});
+  // A node that is not where its velocity takes it, at the start of the propagation, will be; one that something puts
+  // elsewhere will not.
+  const Vector gap = guided ? Vector(Vector::Zero()) : at(step.free_position, k) + w * velocity - at(from.position, k);
+  residual = velocity - at(step.free_velocity, k) - w * (at(batch.acceleration, i) + by_position * gap);
+  matrix = Block::Identity() - w * by_velocity - (w * w) * by_position;
+  positive = 0.5 * (matrix + matrix.transpose());
+  finite = positive.allFinite() && residual.allFinite();
+  definite = finite && is_definite(positive);
+  if (finite && !definite) positive = made_definite(positive);
+}
+
+bool BlockUpdate::update(const springnet_node_batch& batch, std::uint32_t i) const {
+  const std::uint32_t k = batch.first + i;
+  const bool guided = is_guided(k);
+  const NodeStep node(step_, *step_.outputs, batch, i, guided);
+  if (!node.finite) {
+    put(k, node.velocity - node.residual);
+    return false;
+  }
+  // An impulse has to change the velocity by the inverse of what the step was made with.
+  if (constrained_)
+    Eigen::Map<Block>(memory_.inertia.data() + 9 * std::size_t{k}) = step_.network.mass[k] * node.positive;
+  const Block& matrix = node.definite && !constrained_ ? node.matrix : node.positive;
+  const Vector direction = -(matrix.inverse() * node.residual);
+  put(k, node.velocity + direction);
+  if (!guided && step_.network.fixed[k] == 0) search(k, node.velocity, node.residual, direction);
+  return at(position_, k).allFinite();
+}
+
+bool BlockUpdate::is_guided(std::uint32_t node) const noexcept {
+  if (!constrained_) return false;
+  const springnet_network& network = step_.network;
+  const Columns& f = memory_.free;
+  return network.cluster[node] != no_node || network.touching[node] != 0 || velocity_.x[node] != f.x[node] ||
+         velocity_.y[node] != f.y[node] || velocity_.z[node] != f.z[node];
+}
+
+void BlockUpdate::put(std::uint32_t node, const Vector& velocity) const noexcept {
+  const Vector position = at(step_.free_position, node) + weight_ * velocity;
+  velocity_.x[node] = velocity[0];
+  velocity_.y[node] = velocity[1];
+  velocity_.z[node] = velocity[2];
+  position_.x[node] = position[0];
+  position_.y[node] = position[1];
+  position_.z[node] = position[2];
+  if (!constrained_) return;
+  memory_.free.x[node] = velocity[0];
+  memory_.free.y[node] = velocity[1];
+  memory_.free.z[node] = velocity[2];
+}
+
+BlockUpdate::Vector BlockUpdate::acceleration_at(std::uint32_t node) const {
+  auto evaluation = sdk::sized<springnet_evaluation>();
+  evaluation.time = step_.until;
+  evaluation.position = sdk::view(position_);
+  evaluation.velocity = sdk::view(velocity_);
+  evaluation.acceleration = memory_.acceleration.view();
+  host_.evaluate_nodes(evaluation, {&node, 1});
+  return at(sdk::view(evaluation.acceleration), node);
+}
+
+// The outputs stand at start + direction.
+void BlockUpdate::search(std::uint32_t node, const Vector& start, const Vector& residual,
+                         const Vector& direction) const {
+  const double slope = residual.dot(direction);
+  if (!(slope < 0.0)) return;
+  double share = 1.0;
+  for (int halving = 0; halving < most_halvings; ++halving) {
+    const Vector u = start + share * direction;
+    double end = std::numeric_limits<double>::infinity();
+    try {
+      end = (u - at(step_.free_velocity, node) - weight_ * acceleration_at(node)).dot(direction);
+    } catch (const sdk::Failure& failure) {
+      if (!failure.recoverable()) throw;
+    }
+    if (end <= -overshoot * slope) return;
+    // Where a straight line between the slopes is zero, but neither on the spot nor where it went.
+    const double zero = std::isfinite(end) ? slope / (slope - end) : 0.0;
+    share *= zero < 0.1 ? 0.1 : zero > 0.5 ? 0.5 : zero;
+    put(node, start + share * direction);
+  }
+}
+
+}  // namespace springnet::recurrent

@@ -1,0 +1,317 @@
+#include "newton.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <utility>
+
+#include "columns.hpp"
+
+namespace springnet::recurrent {
+namespace {
+
+constexpr double infinite = std::numeric_limits<double>::infinity();
+// A share of the direction is good where the slope at its end is less than this part of that at the beginning, the
+// other way, unless the residual grew by this factor, or where it fell to this part.
+constexpr double overshoot = 0.5, most_growth = 3.0, good_fall = 0.5;
+constexpr int most_shares = 5, most_shifts = 12;
+constexpr double first_shift = 1.0, shift_growth = 10.0, least_shift = 0.05;
+// Derivatives are used for another sweep while the residual falls to this part in one.
+constexpr double fast = 0.05;
+constexpr double roughest = 0.03, finest = 1e-4;  // accuracy of iterative solutions
+// Steps and corrections this small, relative to the positions, are rounding.
+constexpr double negligible = 1e-14;
+
+// How much faster a node has to be to get where its velocity would take it from `start`, p* (m), in the weight w (s).
+double gap_of(double start, double w, double velocity, double position) noexcept {
+  const double gap = (start - position) / w + velocity;
+  const double rounding = 4.0 * std::numeric_limits<double>::epsilon() * (std::abs(start) + std::abs(position)) / w;
+  return std::abs(gap) <= rounding ? 0.0 : gap;
+}
+
+}  // namespace
+
+void Newton::attach(const springnet_network& network) {
+  system_.attach(network);
+  const std::size_t n = network.node_count;
+  for (auto* values :
+       {&here_.free, &here_.residual, &there_.free, &there_.residual, &right_side_, &direction_, &gap_, &work_values_})
+    values->assign(3 * n, 0.0);
+  stays_.assign(n, 0);
+  guided_.assign(n, 0);
+  linearised_ = false;
+  rubs_.clear();
+  for (std::size_t k = 0; k < n; ++k) {
+    if (network.cluster[k] != no_node && network.cluster[k] >= rubs_.size())
+      rubs_.resize(network.cluster[k] + std::size_t{1});
+  }
+  if (network.surface_count == 0) return;
+  contacts_.clear();
+  contacts_.reserve(n);
+  inertia_.assign(9 * n, 0.0);
+  for (std::size_t k = 0; k < n; ++k)
+    for (std::size_t i = 0; i < 9; i += 4) inertia_[9 * k + i] = network.mass[k];
+  contact_acceleration_.resize(n);
+  by_velocity_.resize(9 * n);
+  by_position_.resize(9 * n);
+}
+
+void Newton::begin(Step& step) {
+  const springnet_state& outputs = work_.outputs_in_place(step);
+  const springnet_network& network = step.network;
+  work_.forget_constraint_force();
+  work_.evaluate(step, outputs);
+  work_.record.begin(network, sdk::view(outputs.force), work_.acceleration().view());
+  linearised_ = fresh_ = false;
+  first_ = true;
+  shift_ = 0.0;
+  rate_ = 1.0;
+  moved_ = 0;
+  work_.free_accelerations(step, outputs);
+  std::fill(guided_.begin(), guided_.end(), std::uint8_t{0});
+  std::fill(rubs_.begin(), rubs_.end(), std::uint8_t{0});
+  for (std::uint32_t k = 0; k < network.node_count; ++k) {
+    stays_[k] = network.fixed[k] | network.held[k];
+    if (network.touching[k] != 0 && network.cluster[k] != no_node) rubs_[network.cluster[k]] = 1;
+  }
+  assess(step, outputs, here_);
+  settle(step, nullptr);
+}
+
+void Newton::assess(const Step& step, const springnet_state& state, Assessment& result) {
+  const std::size_t n = step.network.node_count;
+  const bool constrained = step.constrained();
+  const double w = step.weight();
+  const ThreeConst a = axes(constrained ? work_.free_acceleration() : work_.acceleration());
+  // Where nodes only hang on rigid connections, these act along the lines in which they are now.
+  const ThreeConst constrained_a = axes(work_.acceleration());
+  const ThreeConst c = axes(work_.constraint_force()), v = axes(step.free_velocity);
+  const Three u = axes(state.velocity);
+  for (std::size_t axis = 0; axis < 3; ++axis) {
+    for (std::size_t k = 0; k < n; ++k) {
+      const std::size_t i = axis * n + k;
+      const double acceleration = hangs(step, k) ? constrained_a[axis][k] : a[axis][k];
+      result.free[i] = u[axis][k] - v[axis][k] - w * acceleration;
+      const bool pulled = constrained && !hangs(step, k);
+      const double r = pulled ? result.free[i] - w / step.network.mass[k] * c[axis][k] : result.free[i];
+      result.residual[i] = stays_[k] != 0 ? 0.0 : r;
+    }
+  }
+  // The forces of constraints are those at the outputs before: what they lack is no residual.
+  if (linearised_) system_.project(result.residual);
+  double square = 0.0, slope = 0.0;
+  for (std::size_t i = 0; i < 3 * n; ++i) {
+    const double impulse = step.network.mass[i % n] * result.residual[i];
+    square += impulse * result.residual[i];
+    slope += impulse * direction_[i];
+  }
+  result.norm = std::isfinite(square) ? std::sqrt(square) : infinite;
+  result.slope = slope;
+}
+
+void Newton::linearise(const Step& step) {
+  system_.linearise(sdk::evaluation_at(step.until, *step.outputs));
+  linearised_ = fresh_ = true;
+}
+
+void Newton::set_up(const Step& step) {
+  const std::size_t n = step.network.node_count;
+  const springnet_state& outputs = *step.outputs;
+  const double w = step.weight();
+  const bool reuse = linearised_ && (fresh_ || (shift_ == 0.0 && rate_ < fast));
+  if (!reuse) linearise(step);
+  // Nodes that are not where their velocities take them will be: w^2 da/dp (p* + w U - P) / w.
+  double greatest = 0.0;
+  for (std::size_t axis = 0; axis < 3; ++axis) {
+    const double *start = axes(step.free_position)[axis], *u = axes(outputs.velocity)[axis];
+    const double* p = axes(outputs.position)[axis];
+    for (std::size_t k = 0; k < n; ++k) {
+      const bool free = stays_[k] == 0 && !is_guided(step, k);
+      const double gap = free ? gap_of(start[k], w, u[k], p[k]) : 0.0;
+      gap_[axis * n + k] = gap;
+      greatest = std::max(greatest, std::abs(gap));
+    }
+  }
+  std::fill(right_side_.begin(), right_side_.end(), 0.0);
+  if (greatest > 0.0) {
+    for (std::size_t i = 0; i < 3 * n; ++i) work_values_[i] = w * w * gap_[i];
+    std::fill(direction_.begin(), direction_.end(), 0.0);
+    work_.host.jacobian_times(work_values_.data(), direction_.data(), right_side_.data());
+  }
+  for (std::size_t i = 0; i < 3 * n; ++i)
+    right_side_[i] = stays_[i % n] != 0 ? 0.0 : right_side_[i] - here_.residual[i];
+  system_.project(right_side_);
+}
+
+void Newton::find_direction(const Step& step, double accuracy) {
+  answered_ = system_.solve(step.weight(), shift_, right_side_, accuracy, direction_);
+  const std::size_t n = step.network.node_count;
+  here_.slope = 0.0;
+  for (std::size_t i = 0; answered_ && i < 3 * n; ++i)
+    here_.slope -= step.network.mass[i % n] * right_side_[i] * direction_[i];
+}
+
+void Newton::go(const Step& step, double share, const springnet_state& candidate) {
+  const std::size_t n = step.network.node_count;
+  const springnet_state& outputs = *step.outputs;
+  const double w = step.weight();
+  const Three u = axes(outputs.velocity), next_u = axes(candidate.velocity);
+  const Three p = axes(outputs.position), next_p = axes(candidate.position);
+  const ThreeConst start = axes(step.free_position);
+  for (std::size_t axis = 0; axis < 3; ++axis) {
+    for (std::size_t k = 0; k < n; ++k) {
+      const std::size_t i = axis * n + k;
+      const double change = stays_[k] != 0 ? 0.0 : share * direction_[i];
+      next_u[axis][k] = u[axis][k] + change;
+      // Free nodes exactly, so that rounding does not add up.
+      if (share == 1.0 && stays_[k] == 0 && !is_guided(step, k))
+        next_p[axis][k] = start[axis][k] + w * next_u[axis][k];
+      else
+        next_p[axis][k] = p[axis][k] + w * (change + (stays_[k] != 0 ? 0.0 : share * gap_[i]));
+    }
+  }
+  there_.norm = there_.slope = infinite;
+  try {
+    work_.evaluate(step, candidate);
+    work_.free_accelerations(step, candidate);
+    assess(step, candidate, there_);
+  } catch (const sdk::Failure& failure) {
+    if (!failure.recoverable()) throw;
+  }
+}
+
+bool Newton::is_good(const Step& step, double slope) const {
+  if (!std::isfinite(there_.norm)) return false;
+  const bool falls = there_.slope <= -overshoot * slope && there_.norm <= most_growth * here_.norm;
+  if (falls || there_.norm <= good_fall * here_.norm) return true;
+  // Steps that are only rounding end where they are.
+  const std::size_t n = step.network.node_count;
+  double greatest = 0.0, size = 0.0;
+  for (std::size_t axis = 0; axis < 3; ++axis) {
+    const double* p = axes(step.outputs->position)[axis];
+    for (std::size_t k = 0; k < n; ++k) {
+      greatest = std::max(greatest, std::abs(step.weight() * direction_[axis * n + k]));
+      size = std::max(size, std::abs(p[k]));
+    }
+  }
+  return greatest <= negligible * size;
+}
+
+void Newton::search(Step& step, const springnet_state& candidate) {
+  const double accuracy = std::clamp(rate_ * rate_, finest, roughest);
+  for (int shifts = 0; shifts < most_shifts; ++shifts) {
+    find_direction(step, accuracy);
+    if (answered_ && here_.slope <= 0.0) {
+      const double slope = here_.slope;
+      double share = 1.0;
+      for (int tries = 0; tries < most_shares; ++tries) {
+        go(step, share, candidate);
+        if (is_good(step, slope)) {
+          if (tries == 0) shift_ = shift_ / shift_growth < least_shift ? 0.0 : shift_ / shift_growth;
+          return;
+        }
+        // Where a straight line between the slopes is zero, but neither on the spot nor where it went.
+        const double zero = std::isfinite(there_.slope) ? slope / (slope - there_.slope) : 0.0;
+        share *= std::clamp(zero, 0.1, 0.6);
+      }
+    }
+    shift_ = std::max(first_shift, shift_growth * shift_);
+  }
+  if (!std::isfinite(there_.norm))
+    throw sdk::Failure("no step of Newton's method from here has finite forces", SPRINGNET_RECOVERABLE);
+}
+
+void Newton::start_at_rest(const Step& step, const springnet_state& candidate) {
+  const std::size_t n = step.network.node_count;
+  const Three u = axes(step.outputs->velocity), next_u = axes(candidate.velocity);
+  const Three p = axes(step.outputs->position), next_p = axes(candidate.position);
+  const ThreeConst start = axes(step.free_position);
+  for (std::size_t axis = 0; axis < 3; ++axis) {
+    for (std::size_t k = 0; k < n; ++k) {
+      const bool free = stays_[k] == 0 && !is_guided(step, k);
+      next_p[axis][k] = p[axis][k];
+      next_u[axis][k] = free ? (p[axis][k] - start[axis][k]) / step.weight() : u[axis][k];
+    }
+  }
+  linearised_ = false;
+  work_.evaluate(step, candidate);
+  work_.free_accelerations(step, candidate);
+  assess(step, candidate, there_);
+}
+
+void Newton::sweep(Step& step) {
+  springnet_state& start = *step.outputs;
+  springnet_state& candidate = work_.state_beside(&start);
+  for (int tries = 1;; ++tries) {
+    advance(step, candidate);
+    try {
+      settle(step, &start);
+      break;
+    } catch (const sdk::Failure& failure) {
+      if (!failure.recoverable() || tries == most_shifts) throw;
+    }
+    // So far the constraints cannot follow: less far.
+    std::swap(here_, there_);
+
+    step.outputs = &start;
+    linearised_ = fresh_ = false;
+    shift_ = std::max(first_shift, shift_growth * shift_);
+  }
+  step.residual = residual(step);
+  ++step.sweeps;
+  step.evaluated = true;
+  step.finite = std::isfinite(here_.norm) && std::isfinite(step.residual);
+  compare_forces(step);
+}
+
+void Newton::advance(Step& step, springnet_state& candidate) {
+  set_up(step);
+  if (first_) {
+    // The step of the system linearised at the start, which needs no P = p* + w U there.
+    find_direction(step, finest);
+    if (answered_) go(step, 1.0, candidate);
+    if (!answered_ || !(there_.norm <= here_.norm)) start_at_rest(step, candidate);
+    first_ = false;
+  } else {
+    search(step, candidate);
+  }
+  rate_ = here_.norm > 0.0 ? there_.norm / here_.norm : 0.0;
+  std::swap(here_, there_);
+
+  step.outputs = &candidate;
+  fresh_ = false;
+}
+
+// As Workspace::residual(), and what is left to go of shortened steps.
+double Newton::residual(const Step& step) const {
+  const springnet_network& network = step.network;
+  const std::size_t n = network.node_count;
+  const double w = step.weight();
+  const springnet_state& outputs = *step.outputs;
+  const auto square = [](double x, double y, double z) { return x * x + y * y + z * z; };
+  Greatest greatest;
+  for (std::uint32_t k = 0; k < n; ++k) {
+    if (stays_[k] != 0) continue;
+    const double* r = here_.residual.data() + k;
+    double left = square(r[0], r[n], r[2 * n]);
+    if (!is_guided(step, k)) {
+      left = std::max(left, square(gap_of(step.free_position.x[k], w, outputs.velocity.x[k], outputs.position.x[k]),
+                                   gap_of(step.free_position.y[k], w, outputs.velocity.y[k], outputs.position.y[k]),
+                                   gap_of(step.free_position.z[k], w, outputs.velocity.z[k], outputs.position.z[k])));
+    }
+    const double scale = network.mass[k] / step.time_constant;
+    greatest.offer(scale * scale * left, k, network.user_number);
+  }
+  return std::sqrt(greatest.square);
+}
+
+// Those on nodes that stay too, as in the other rules.
+void Newton::compare_forces(Step& step) {
+  ForceRecord& record = work_.record;
+  record.begin_sweep();
+  const Columns& a = step.constrained() ? work_.free_acceleration() : work_.acceleration();
+  record.take_all(step.network, sdk::view(step.outputs->force), a.view(), stays_);
+  step.differences = record.differences(step.network);
+}
+
+}  // namespace springnet::recurrent

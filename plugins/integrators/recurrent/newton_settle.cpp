@@ -1,0 +1,198 @@
+// What surfaces and rigid connections make of the outputs of Newton's method.
+#include <algorithm>
+#include <cmath>
+
+#include <Eigen/Dense>
+
+#include "block_update.hpp"
+#include "columns.hpp"
+#include "newton.hpp"
+
+namespace springnet::recurrent {
+namespace {
+
+// Corrections this small, relative to the positions, are rounding.
+constexpr double negligible = 1e-14;
+// Nodes that are held move this share of the length scale, to see whether they leave.
+constexpr double least_way = 1e-3;
+// Sweeps of a step that change contacts, after which nodes are held where they are.
+constexpr int patience = 6;
+
+// Whether outputs differ by more than rounding.
+bool differ(const springnet_vectors& a, const springnet_vectors& b, std::size_t n) noexcept {
+  double size = 0.0, difference = 0.0;
+  for (std::size_t axis = 0; axis < 3; ++axis) {
+    const double *first = axes(a)[axis], *second = axes(b)[axis];
+    for (std::size_t k = 0; k < n; ++k) {
+      size = std::max(size, std::abs(first[k]));
+      difference = std::max(difference, std::abs(first[k] - second[k]));
+    }
+  }
+  return !(difference <= negligible * size);
+}
+
+}  // namespace
+
+bool Newton::is_guided(const Step& step, std::size_t node) const noexcept {
+  const springnet_network& network = step.network;
+  if (stays_[node] != 0 || !step.constrained()) return false;
+  const Columns& c = work_.constraint_force();
+  return network.cluster[node] != no_node || network.touching[node] != 0 || c.x[node] != 0.0 || c.y[node] != 0.0 ||
+         c.z[node] != 0.0;
+}
+
+bool Newton::hangs(const Step& step, std::size_t node) const noexcept {
+  const std::uint32_t cluster = step.network.cluster[node];
+  return cluster != no_node && stays_[node] == 0 && rubs_[cluster] == 0;
+}
+
+void Newton::settle(Step& step, const springnet_state* before) {
+  const springnet_network& network = step.network;
+  const std::size_t n = network.node_count;
+  springnet_state& outputs = *step.outputs;
+  springnet_state& put = work_.state_beside(&outputs, before);
+  const Three u = axes(outputs.velocity), next_u = axes(put.velocity);
+  const Three p = axes(outputs.position), next_p = axes(put.position);
+  const ThreeConst start = axes(step.free_position);
+  for (std::size_t axis = 0; axis < 3; ++axis) {
+    std::copy_n(u[axis], n, next_u[axis]);
+    std::copy_n(p[axis], n, next_p[axis]);
+    if (!step.constrained()) continue;
+    for (std::size_t k = 0; k < n; ++k) {
+      if (!is_guided(step, k)) continue;
+      // Back to what forces alone make of it: the host knows from that how strong the constraint is.
+      const std::size_t i = axis * n + k;
+      if (!hangs(step, k)) next_u[axis][k] -= here_.free[i] - here_.residual[i];
+      // Rigid connections are where they are now: from elsewhere the host would have to find their directions.
+      if (network.cluster[k] == no_node) next_p[axis][k] = start[axis][k] + step.weight() * next_u[axis][k];
+    }
+  }
+  if (network.surface_count > 0) free_contacts(step, outputs, put);
+  for (std::size_t axis = 0; axis < 3; ++axis) std::copy_n(next_u[axis], n, work_values_.data() + axis * n);
+  springnet_sweep call = work_.sweep_call(step, outputs, put);
+  call.force = outputs.force;
+  if (network.surface_count > 0) call.inertia = inertia_.data();
+  work_.host.constrain(call);
+  was_held_ = stays_;
+  const bool switched = find_stays(step, put);
+  for (const std::uint32_t k : contacts_) {
+    // Nodes that leave go on from where they were held: their free motion tells that they do, not how far. And where a
+    // node touched depends on its free motion there: an iteration of its own, which may not converge.
+    const Columns& c = work_.constraint_force();
+    const bool left = stays_[k] == 0 && c.x[k] == 0.0 && c.y[k] == 0.0 && c.z[k] == 0.0;
+    const bool moves_on = stays_[k] != 0 && moved_ >= patience;
+    if (was_held_[k] == 0 || network.cluster[k] != no_node || !(left || moves_on)) continue;
+    for (std::size_t axis = 0; axis < 3; ++axis) {
+      next_u[axis][k] = u[axis][k];
+      next_p[axis][k] = p[axis][k];
+    }
+  }
+  const bool changed = differ(put.position, outputs.position, n) || differ(put.velocity, outputs.velocity, n);
+  if (changed) {
+    work_.evaluate(step, put);
+    work_.free_accelerations(step, put);
+    step.outputs = &put;
+  }
+  if (network.rigid_count > 0) linearise(step);
+  if (switched || changed) ++moved_;
+  if (!changed && !switched && !step.constrained()) return;
+  // The derivatives may speak of other nodes than those that are free now.
+  if (switched && network.rigid_count == 0) linearised_ = false;
+  assess(step, *step.outputs, here_);
+  if (switched) rate_ = 1.0;
+}
+
+// Held is what the host put elsewhere than it was proposed, work_values_, without a force that goes on acting. Returns
+// whether others stay than before.
+bool Newton::find_stays(const Step& step, const springnet_state& put) {
+  const springnet_network& network = step.network;
+  const std::size_t n = network.node_count;
+  const Columns& c = work_.constraint_force();
+  const Three u = axes(put.velocity);
+  bool switched = false;
+  for (std::size_t k = 0; k < n; ++k) {
+    std::uint8_t stays = network.fixed[k];
+    const bool guided = step.constrained() && (c.x[k] != 0.0 || c.y[k] != 0.0 || c.z[k] != 0.0);
+    if (stays == 0 && network.surface_count > 0 && !guided) {
+      for (std::size_t axis = 0; axis < 3; ++axis)
+        if (u[axis][k] != work_values_[axis * n + k]) stays = 1;
+    }
+    switched = switched || stays != stays_[k] || guided != (guided_[k] != 0);
+    stays_[k] = stays;
+    guided_[k] = guided ? 1 : 0;
+    const std::uint32_t cluster = network.cluster[k];
+    if (cluster == no_node || network.surface_count == 0 || rubs_[cluster] != 0) continue;
+    // Rigid connections that turned change the velocity a little, a surface that was met by much.
+    double change = 0.0, speed = 0.0;
+    for (std::size_t axis = 0; axis < 3; ++axis) {
+      const double before = work_values_[axis * n + k];
+      change += (u[axis][k] - before) * (u[axis][k] - before);
+      speed += before * before;
+    }
+    if (change > 0.01 * speed) rubs_[cluster] = 1;
+  }
+  return switched;
+}
+
+void Newton::free_contacts(const Step& step, const springnet_state& outputs, const springnet_state& free) {
+  const springnet_network& network = step.network;
+  const std::size_t n = network.node_count;
+  const double w = step.weight();
+  for (const std::uint32_t k : contacts_)
+    Eigen::Map<NodeStep::Block>(inertia_.data() + 9 * std::size_t{k}) = network.mass[k] * NodeStep::Block::Identity();
+  contacts_.clear();
+  for (std::uint32_t k = 0; k < network.node_count; ++k) {
+    const bool slides = is_guided(step, k) && !hangs(step, k);
+    if ((stays_[k] != 0 || slides) && network.fixed[k] == 0) contacts_.push_back(k);
+  }
+  if (contacts_.empty()) return;
+  springnet_evaluation evaluation = sdk::evaluation_at(step.until, outputs);
+  evaluation.acceleration = contact_acceleration_.view();
+  evaluation.acceleration_by_velocity = by_velocity_.data();
+  evaluation.acceleration_by_position = by_position_.data();
+  work_.host.evaluate_nodes(evaluation, contacts_);
+  for (const std::uint32_t k : contacts_) {
+    springnet_node_batch batch = sdk::sized<springnet_node_batch>();
+    batch.first = k;
+    batch.count = 1;
+    batch.acceleration = {&contact_acceleration_.x[k], &contact_acceleration_.y[k], &contact_acceleration_.z[k]};
+    batch.acceleration_by_velocity = &by_velocity_[9 * std::size_t{k}];
+    batch.acceleration_by_position = &by_position_[9 * std::size_t{k}];
+    const NodeStep node(step, outputs, batch, 0, true);
+    const bool rigid = network.cluster[k] != no_node;
+    Eigen::Map<NodeStep::Block> inertia(inertia_.data() + 9 * std::size_t{k});
+    inertia = node.positive;
+    Eigen::Vector3d leap = -node.residual;
+    const bool stays = stays_[k] != 0;
+    if (rigid || !stays) {
+      // As inert as it is in its stiffest direction: connections under tension turn little then, and friction finds its
+      // direction.
+      const double most = node.positive.operatorNorm();
+      inertia = most * NodeStep::Block::Identity();
+      if (rigid && !stays) {
+        const double* f = here_.free.data() + k;
+        const double* r = here_.residual.data() + k;
+        leap = -Eigen::Vector3d(f[0] - r[0], f[n] - r[n], f[2 * n] - r[2 * n]);
+      }
+      leap /= most;
+    } else {
+      leap = node.positive.inverse() * leap;
+      // No further than it moved in this step: where it cannot make up its mind, the host holds it there.
+      const double way = (at(outputs.position, k) - at(step.start.position, k)).norm();
+      const double speed = at(step.start.velocity, k).norm();
+      const double most = std::max({way, speed * step.time_constant, least_way * network.length_scale}) / w;
+      if (leap.norm() > most) leap *= most / leap.norm();
+    }
+    inertia *= network.mass[k];
+    const Eigen::Vector3d u = node.velocity + leap;
+    Eigen::Vector3d p = at(outputs.position, k);
+    if (!rigid && stays) p += w * leap;
+    if (!rigid && !stays) p = at(step.free_position, k) + w * u;
+    for (std::size_t axis = 0; axis < 3; ++axis) {
+      axes(free.velocity)[axis][k] = u[static_cast<Eigen::Index>(axis)];
+      axes(free.position)[axis][k] = p[static_cast<Eigen::Index>(axis)];
+    }
+  }
+}
+
+}  // namespace springnet::recurrent

@@ -1,0 +1,62 @@
+#include "ordered.hpp"
+
+namespace springnet::recurrent {
+
+void Ordered::begin(Step& step) {
+  const springnet_state& outputs = work_.outputs_in_place(step);
+  work_.evaluate(step, outputs);
+  work_.record.begin(step.network, sdk::view(outputs.force), work_.acceleration().view());
+}
+
+void WavefrontRule::attach(const springnet_network& network) {
+  order_.attach(network);
+  if (block_) memory_.attach(network);
+}
+
+// "During the first propagation, the node with the greatest force vector is identified": the springs are evaluated at
+// the frozen activities, with the loads of the new step, so that a load which moved takes the start node with it.
+void WavefrontRule::begin(Step& step) {
+  Ordered::begin(step);
+  if (block_) memory_.begin(*step.outputs);
+  step.start_node = order_.strongest(step.network, sdk::view(step.outputs->force));
+}
+
+void WavefrontRule::sweep(Step& step) {
+  const springnet_state& outputs = *step.outputs;
+  if (step.differences.free_node != no_node) step.start_node = step.differences.free_node;
+  const auto order = order_.order(step.network, step.start_node, sdk::view(outputs.force));
+  springnet_sweep call = work_.sweep_call(step, outputs, outputs);
+  call.order = order.data();
+  call.order_count = static_cast<std::uint32_t>(order.size());
+  if (!block_) {
+    sweep_with(step, call, NodeUpdate(step.weight(), step.free_position, step.free_velocity, outputs));
+    return;
+  }
+  const BlockUpdate update(work_.host, step, memory_);
+  update.request(call);
+  sweep_with(step, call, update);
+}
+
+void Coloured::attach(const springnet_network& network) {
+  colours_.attach(network);
+  memory_.attach(network);
+}
+
+void Coloured::begin(Step& step) {
+  Ordered::begin(step);
+  memory_.begin(*step.outputs);
+}
+
+void Coloured::sweep(Step& step) {
+  const springnet_state& outputs = *step.outputs;
+  springnet_sweep call = work_.sweep_call(step, outputs, outputs);
+  call.order = colours_.order().data();
+  call.order_count = static_cast<std::uint32_t>(colours_.order().size());
+  call.set_start = colours_.set_start().data();
+  call.set_count = static_cast<std::uint32_t>(colours_.set_start().size() - 1);
+  const BlockUpdate update(work_.host, step, memory_);
+  update.request(call);
+  sweep_with(step, call, update);
+}
+
+}  // namespace springnet::recurrent

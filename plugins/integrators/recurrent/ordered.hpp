@@ -1,0 +1,64 @@
+// Rules in which each node reads the newest outputs of the others, one node after another or one colour after another.
+#pragma once
+
+#include "block_update.hpp"
+#include "colouring.hpp"
+#include "rule.hpp"
+#include "wavefront.hpp"
+
+namespace springnet::recurrent {
+
+// What both have in common: outputs are changed in place, forces are compared with those of the start.
+class Ordered : public Rule {
+ public:
+  void begin(Step& step) override;
+
+ protected:
+  explicit Ordered(Workspace& workspace) noexcept : work_(workspace) {}
+  // Sweeps with a call that has its order; update(batch) tells whether the new outputs are finite.
+  template <class Update>
+  void sweep_with(Step& step, const springnet_sweep& call, Update&& update) {
+    ForceRecord& record = work_.record;
+    record.begin_sweep();
+    work_.host.sweep(call, [&](const springnet_node_batch& batch) {
+      record.take_finite(batch, update(batch));
+      record.take(step.network, batch);
+    });
+    ++step.sweeps;
+    step.evaluated = false;
+    step.differences = record.differences(step.network);
+    step.finite = record.finite();
+  }
+
+  Workspace& work_;
+};
+
+// The paper's order: breadth first from the node with the greatest force, then from that with the greatest force
+// difference. Each node goes where its force takes it, or (block) to its own equilibrium.
+class WavefrontRule final : public Ordered {
+ public:
+  WavefrontRule(Workspace& workspace, bool block) noexcept : Ordered(workspace), block_(block) {}
+  void attach(const springnet_network& network) override;
+  void begin(Step& step) override;
+  void sweep(Step& step) override;
+
+ private:
+  bool block_;
+  Wavefront order_;
+  BlockMemory memory_;
+};
+
+// Nodes to their own equilibria, those of one colour at once.
+class Coloured final : public Ordered {
+ public:
+  explicit Coloured(Workspace& workspace) noexcept : Ordered(workspace) {}
+  void attach(const springnet_network& network) override;
+  void begin(Step& step) override;
+  void sweep(Step& step) override;
+
+ private:
+  Colouring colours_;
+  BlockMemory memory_;
+};
+
+}  // namespace springnet::recurrent

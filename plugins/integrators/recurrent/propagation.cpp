@@ -1,0 +1,57 @@
+#include "propagation.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+namespace springnet::recurrent {
+namespace {
+
+constexpr double residual_limit = 2.0;      // of the tolerance
+constexpr std::uint64_t most_between = 16;  // sweeps from one look at the residual to the next
+constexpr std::uint64_t most_stalled = 12;  // looks without a smaller residual
+constexpr double noticeable = 0.9;          // of the smallest residual so far
+
+// Whether and when the residual is looked at once the forces have settled.
+class ResidualCheck {
+ public:
+  // After a sweep whose forces had settled.
+  [[nodiscard]] bool is_due() noexcept { return ++sweeps_ >= next_; }
+  [[nodiscard]] Verdict judge(double residual, double tolerance) noexcept {
+    if (residual <= residual_limit * tolerance) return Verdict::settled;
+    if (!std::isfinite(residual)) return Verdict::diverging;
+    stalled_ = residual > noticeable * smallest_ ? stalled_ + 1 : 0;
+    smallest_ = std::min(smallest_, residual);
+    next_ = sweeps_ + between_;
+    between_ = std::min(2 * between_, most_between);
+    return stalled_ >= most_stalled ? Verdict::oscillating : Verdict::go_on;
+  }
+
+ private:
+  std::uint64_t sweeps_ = 0, next_ = 1, between_ = 1, stalled_ = 0;
+  double smallest_ = std::numeric_limits<double>::infinity();
+};
+
+}  // namespace
+
+Verdict propagate(Rule& rule, Workspace& workspace, Step& step, const Limits& limits) {
+  rule.begin(step);
+  Monitor monitor(step.tolerance, limits.max_sweeps);
+  ResidualCheck check;
+  while (limits.exact_sweeps == 0 || step.sweeps < limits.exact_sweeps) {
+    rule.sweep(step);
+    step.finite = step.finite && std::isfinite(step.differences.greatest);
+    if (!step.finite) return Verdict::diverging;
+    if (limits.exact_sweeps > 0) continue;
+    Verdict verdict = monitor.judge(step.differences.greatest);
+    if (verdict == Verdict::settled) {
+      if (!check.is_due() && monitor.sweeps() < limits.max_sweeps) continue;
+      workspace.complete(step);
+      verdict = check.judge(step.residual, step.tolerance);
+      if (verdict == Verdict::go_on && monitor.sweeps() >= limits.max_sweeps) verdict = Verdict::out_of_sweeps;
+    }
+    if (verdict != Verdict::go_on) return verdict;
+  }
+  return Verdict::go_on;
+}
+
+}  // namespace springnet::recurrent

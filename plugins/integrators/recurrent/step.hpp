@@ -1,0 +1,44 @@
+// One time step on its way.
+#pragma once
+
+#include <cstdint>
+#include <limits>
+
+#include <springnet/sdk/plugin.h>
+
+#include "node_update.hpp"
+
+namespace springnet::recurrent {
+
+// With h the time constant and the weight w = theta h, the outputs of every node that moves freely obey
+//
+//   U = v* + w a(P, U),   v* = v + (1 - theta) h a_start
+//   P = p* + w U,         p* = p + (1 - theta) h v
+//
+// at the fixed point, whatever the update rule: theta = 1 is the backward Euler step, 1/2 the trapezoidal rule.
+struct Step {
+  double from;           // s
+  double until;          // s
+  double time_constant;  // s: until - from, or a stage on the way to it
+  double theta;          // 1
+  double tolerance;      // N
+  const springnet_state& start;
+  const springnet_network& network;
+  bool compares;  // forces of successive sweeps are compared; a single synchronous sweep has nothing to compare
+
+  springnet_const_vectors free_position{}, free_velocity{};  // p*, v*: where nodes go that nothing accelerates
+  springnet_state* outputs = nullptr;                        // the newest; null: the start
+  bool evaluated = false;                                    // Workspace::complete() was done for them
+  ForceRecord::Differences differences{};                    // of the last sweep
+  std::uint64_t sweeps = 0;                                  // of this attempt
+  std::uint32_t start_node = no_node;
+  bool finite = true;
+  double residual = std::numeric_limits<double>::quiet_NaN();  // N
+
+  [[nodiscard]] double weight() const noexcept { return theta * time_constant; }
+  [[nodiscard]] const springnet_state& newest() const noexcept { return outputs == nullptr ? start : *outputs; }
+  // Whether anything but fixation can act on outputs after their update.
+  [[nodiscard]] bool constrained() const noexcept { return network.surface_count > 0 || network.rigid_count > 0; }
+};
+
+}  // namespace springnet::recurrent

@@ -1,0 +1,221 @@
+#include "workspace.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <utility>
+
+#include <springnet/sdk/integrator.hpp>
+
+namespace springnet::recurrent {
+namespace {
+
+constexpr double plausible_way = 4.0;    // of a node to a surface, in units of what it begins with
+constexpr double negligible_way = 1e-6;  // of the length scale
+
+// An acceleration this close to force over mass, relatively, is that of a mass point that nothing holds.
+constexpr double rounding = 1e-12;
+
+bool near(double a, double b, double scale) noexcept {
+  return std::abs(a - b) <= rounding * (std::abs(a) + std::abs(b) + scale);
+}
+bool same(double a, double b) noexcept { return near(a, b, 0.0); }
+
+}  // namespace
+
+void copy(const springnet_const_vectors& from, const springnet_vectors& to, std::uint32_t count) noexcept {
+  std::copy_n(from.x, count, to.x);
+  std::copy_n(from.y, count, to.y);
+  std::copy_n(from.z, count, to.z);
+}
+
+void Workspace::attach(const springnet_network& network) {
+  record.resize(network);
+  internal_rate_.resize(network.internal_count);
+  acceleration_.resize(network.node_count);
+  if (network.surface_count > 0 || network.rigid_count > 0) {
+    free_acceleration_.resize(network.node_count);
+    constraint_force_.resize(network.node_count);
+    stays_.resize(network.node_count);
+    suspects_.reserve(network.node_count);
+  }
+}
+
+void Workspace::set_free_motion(Step& step) {
+  step.free_position = sdk::view(step.start.position);
+  step.free_velocity = sdk::view(step.start.velocity);
+  const double rest = (1.0 - step.theta) * step.time_constant;
+  if (rest == 0.0) return;
+  const std::uint32_t count = step.network.node_count;
+  free_position_.resize(count);
+  free_velocity_.resize(count);
+  const auto move = [&](const double* from, const double* rate, double* to) {
+    for (std::uint32_t k = 0; k < count; ++k) to[k] = from[k] + rest * rate[k];
+  };
+  const springnet_vectors &p = step.start.position, &v = step.start.velocity;
+  const springnet_const_vectors a = std::as_const(start_acceleration_).view();
+  const springnet_vectors moved = free_position_.view(), sped = free_velocity_.view();
+  move(p.x, v.x, moved.x);
+  move(p.y, v.y, moved.y);
+  move(p.z, v.z, moved.z);
+  move(v.x, a.x, sped.x);
+  move(v.y, a.y, sped.y);
+  move(v.z, a.z, sped.z);
+  step.free_position = sdk::view(moved);
+  step.free_velocity = sdk::view(sped);
+}
+
+void Workspace::know_start_acceleration(const Step& step) {
+  if (step.theta == 1.0 || known_revision_ == step.network.revision) return;
+  start_acceleration_.resize(step.network.node_count);
+  springnet_evaluation evaluation = sdk::evaluation_at(step.from, step.start);
+  evaluation.acceleration = start_acceleration_.view();
+  host.evaluate(evaluation);
+  host.report("evaluations", ++evaluations_);
+  known_revision_ = step.network.revision;
+}
+
+void Workspace::committed(const Step& step) noexcept {
+  known_revision_.reset();
+  if (!step.evaluated || step.theta == 1.0) return;
+  std::swap(start_acceleration_, acceleration_);
+  known_revision_ = step.network.revision;  // what the commit changed, if anything, is a later revision
+}
+
+springnet_state& Workspace::outputs_in_place(Step& step) const noexcept {
+  if (step.outputs == nullptr) {
+    step.outputs = states_[0].get();
+    copy(sdk::view(step.start.position), step.outputs->position, step.network.node_count);
+    copy(sdk::view(step.start.velocity), step.outputs->velocity, step.network.node_count);
+  }
+  return *step.outputs;
+}
+
+springnet_sweep Workspace::sweep_call(const Step& step, const springnet_state& read, const springnet_state& write) {
+  auto call = sdk::sized<springnet_sweep>();
+  call.time = step.until;
+  call.time_constant = step.time_constant;
+  call.theta = step.theta;
+  call.start_position = sdk::view(step.start.position);
+  call.start_velocity = sdk::view(step.start.velocity);
+  call.position = sdk::view(read.position);
+  call.velocity = sdk::view(read.velocity);
+  call.next_position = write.position;
+  call.next_velocity = write.velocity;
+  call.force = write.force;
+  if (step.constrained()) call.constraint_force = constraint_force_.view();
+  return call;
+}
+
+void Workspace::evaluate(const Step& step, const springnet_state& at) {
+  springnet_evaluation evaluation = sdk::evaluation_at(step.until, at);
+  evaluation.force = at.force;
+  evaluation.acceleration = acceleration_.view();
+  evaluation.internal_rate = step.network.internal_count > 0 ? internal_rate_.data() : nullptr;
+  host.evaluate(evaluation);
+  host.report("evaluations", ++evaluations_);
+}
+
+void Workspace::forget_constraint_force() noexcept {
+  for (auto* component : {&constraint_force_.x, &constraint_force_.y, &constraint_force_.z})
+    std::fill(component->begin(), component->end(), 0.0);
+}
+
+void Workspace::complete(Step& step) {
+  if (step.evaluated) return;
+  const springnet_state& outputs = *step.outputs;
+  // Laws with memory: z is frozen during the propagation like any activity, then Z = z + t_c r.
+  for (std::uint64_t i = 0; i < step.network.internal_count; ++i) outputs.internal[i] = step.start.internal[i];
+  evaluate(step, outputs);
+  for (std::uint64_t i = 0; i < step.network.internal_count; ++i) {
+    outputs.internal[i] += step.time_constant * internal_rate_[i];
+  }
+  step.residual = std::sqrt(residual(step, outputs).square);
+  step.finite = std::isfinite(step.residual);
+  step.evaluated = true;
+}
+
+void Workspace::find_free_accelerations(const Step& step, const springnet_state& at) {
+  const springnet_network& network = step.network;
+  const springnet_const_vectors a = std::as_const(acceleration_).view();
+  const springnet_vectors free = free_acceleration_.view();
+  copy(a, free, network.node_count);
+  // Whether the position is where the velocity takes it.
+  const auto follows = [&](std::uint32_t k) {
+    const double w = step.weight();
+    const auto goes = [w](double p, double start, double u) { return near(p, start + w * u, std::abs(w * u)); };
+    return goes(at.position.x[k], step.free_position.x[k], at.velocity.x[k]) &&
+           goes(at.position.y[k], step.free_position.y[k], at.velocity.y[k]) &&
+           goes(at.position.z[k], step.free_position.z[k], at.velocity.z[k]);
+  };
+  suspects_.clear();
+  for (std::uint32_t k = 0; k < network.node_count; ++k) {
+    const double m = network.mass[k];
+    stays_[k] = network.fixed[k];
+    const bool point_mass =
+        same(m * a.x[k], at.force.x[k]) && same(m * a.y[k], at.force.y[k]) && same(m * a.z[k], at.force.z[k]);
+    if (!point_mass || !follows(k)) suspects_.push_back(k);
+  }
+  if (suspects_.empty()) return;
+  springnet_evaluation evaluation = sdk::evaluation_at(step.until, at);
+  evaluation.acceleration = free;
+  host.evaluate_nodes(evaluation, suspects_);
+  const Columns& c = constraint_force_;
+  for (const std::uint32_t k : suspects_) {
+    const bool moves_freely = same(a.x[k], free.x[k]) && same(a.y[k], free.y[k]) && same(a.z[k], free.z[k]);
+    // Where a node slides or hangs on rigid connections, the last sweep said what acts on it; where it said nothing,
+    // the node is held.
+    const bool unexplained = c.x[k] == 0.0 && c.y[k] == 0.0 && c.z[k] == 0.0;
+    if (unexplained && (!moves_freely || !follows(k))) stays_[k] = 1;
+  }
+}
+
+std::uint32_t Workspace::thrown_node(const Step& step) {
+  const springnet_network& network = step.network;
+  if (network.surface_count == 0) return no_node;
+  suspects_.clear();
+  for (std::uint32_t k = 0; k < network.node_count; ++k)
+    if (stays_[k] != 0 && network.fixed[k] == 0 && network.touching[k] == 0) suspects_.push_back(k);
+  if (suspects_.empty()) return no_node;
+  springnet_evaluation evaluation = sdk::evaluation_at(step.from, step.start);
+  evaluation.force = free_acceleration_.view();
+  host.evaluate_nodes(evaluation, suspects_);
+  const auto norm = [](double x, double y, double z) { return std::sqrt(x * x + y * y + z * z); };
+  for (const std::uint32_t k : suspects_) {
+    const springnet_vectors &p = step.start.position, &v = step.start.velocity, &next = step.outputs->position;
+    const springnet_vectors& u = step.outputs->velocity;  // the surface's
+    const Columns& f = free_acceleration_;
+    const double way = norm(next.x[k] - p.x[k], next.y[k] - p.y[k], next.z[k] - p.z[k]);
+    const double speed = norm(v.x[k], v.y[k], v.z[k]) + norm(u.x[k], u.y[k], u.z[k]) +
+                         step.time_constant * norm(f.x[k], f.y[k], f.z[k]) / network.mass[k];
+    // Forces may grow on the way, but not to many times what they were.
+    if (way > plausible_way * step.time_constant * speed + negligible_way * network.length_scale) return k;
+  }
+  return no_node;
+}
+
+Greatest Workspace::residual(const Step& step, const springnet_state& at) {
+  const springnet_network& network = step.network;
+  const bool constrained = step.constrained();
+  if (constrained) find_free_accelerations(step, at);
+  const Columns& a = constrained ? free_acceleration_ : acceleration_;
+  const springnet_const_vectors& v = step.free_velocity;
+  const springnet_vectors& u = at.velocity;
+  const double h = step.time_constant, theta = step.theta;
+  Greatest greatest;
+  for (std::uint32_t k = 0; k < network.node_count; ++k) {
+    if (constrained ? stays_[k] != 0 : network.fixed[k] != 0) continue;
+    const double m = network.mass[k];
+    double x = m * ((u.x[k] - v.x[k]) / h - theta * a.x[k]);
+    double y = m * ((u.y[k] - v.y[k]) / h - theta * a.y[k]);
+    double z = m * ((u.z[k] - v.z[k]) / h - theta * a.z[k]);
+    if (constrained) {
+      x -= theta * constraint_force_.x[k];
+      y -= theta * constraint_force_.y[k];
+      z -= theta * constraint_force_.z[k];
+    }
+    greatest.offer(x * x + y * y + z * z, k, network.user_number);
+  }
+  return greatest;
+}
+
+}  // namespace springnet::recurrent

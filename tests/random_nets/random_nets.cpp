@@ -1,0 +1,204 @@
+// A thousand random irregular networks under the options that a scene has when it names none: a step that is said to
+// have settled fulfils its equation of motion when evaluated again by other code, and nearly all of them settle.
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+#include <vector>
+
+#include <doctest/doctest.h>
+#include <springnet/error.hpp>
+#include <springnet/simulation.hpp>
+
+#include "generator.hpp"
+#include "nets.hpp"
+#include "plain.hpp"
+
+using namespace springnet;
+using testing::PlainState;
+using testing::plugins;
+
+namespace {
+
+#ifndef SPRINGNET_RANDOM_NETS
+#define SPRINGNET_RANDOM_NETS 1000
+#endif
+constexpr std::uint64_t net_count = SPRINGNET_RANDOM_NETS;
+constexpr int step_count = 3;
+constexpr double time_step = 0.01;  // s
+
+PlainState state_of(const Simulation& simulation) {
+  PlainState state;
+  for (NodeIndex k = 0; k < simulation.node_count(); ++k) {
+    state.position.push_back(simulation.position(k));
+    state.velocity.push_back(simulation.velocity(k));
+  }
+  return state;
+}
+
+std::vector<bool> live_springs(const Simulation& simulation) {
+  std::vector<bool> alive;
+  for (SpringIndex s = 0; s < simulation.spring_count(); ++s) alive.push_back(simulation.alive(s));
+  return alive;
+}
+
+// The scale of forces that the tolerance is relative to, as the SDK defines it: greatest weight, load, net force at the
+// start or m v^2 / l, N.
+double force_scale(const Network& network) {
+  PlainState start;
+  double mean_length = 0.0;
+  for (const Node& node : network.nodes()) {
+    start.position.push_back(node.position);
+    start.velocity.push_back(node.fixed ? Vector3(Vector3::Zero()) : node.velocity);
+  }
+  for (const Spring& spring : network.springs()) mean_length += spring.rest_length;
+  mean_length /= static_cast<double>(network.springs().size());
+  double scale = 0.0;
+  for (const Vector3& force : plain_forces(network, start, std::vector<bool>(network.springs().size(), true))) {
+    scale = std::max(scale, force.norm());
+  }
+  for (const Load& load : network.loads()) scale = std::max(scale, load.force.norm());
+  for (std::size_t k = 0; k < network.nodes().size(); ++k) {
+    const double mass = network.nodes()[k].mass;
+    scale = std::max(scale, mass * std::max(network.gravity().norm(), start.velocity[k].squaredNorm() / mean_length));
+  }
+  return scale;
+}
+
+enum class Kind { free, prescribed, touching };
+
+// How wrong a step is that was said to have settled: the greatest residual over its bound; above 1 it is wrong.
+class Judge {
+ public:
+  Judge(const Network& network, double tolerance) : network_(network), tolerance_(tolerance) {
+    rigid_.resize(network.nodes().size());
+    for (const Rigid& rigid : network.rigids()) rigid_[rigid.first] = rigid_[rigid.second] = true;
+    for (const Move& move : network.moves()) moved_.insert(moved_.end(), move.nodes.begin(), move.nodes.end());
+  }
+
+  void begin(const Simulation& simulation) {
+    start_ = state_of(simulation);
+    alive_ = live_springs(simulation);
+    start_forces_ = plain_forces(network_, start_, alive_);
+  }
+
+  [[nodiscard]] double end(const Simulation& simulation) const {
+    const PlainState state = state_of(simulation);
+    const std::vector<Vector3> forces = plain_forces(network_, state, alive_);
+    std::vector<Vector3> residual(forces.size());
+    std::vector<Kind> kinds;
+    for (NodeIndex k = 0; k < forces.size(); ++k) {
+      const Node& node = network_.nodes()[k];
+      residual[k] = node.mass * (state.velocity[k] - start_.velocity[k]) / time_step - forces[k];
+      const bool prescribed = node.fixed || std::find(moved_.begin(), moved_.end(), k) != moved_.end();
+      kinds.push_back(prescribed ? Kind::prescribed : simulation.touching(k) ? Kind::touching : Kind::free);
+    }
+    std::vector<bool> counts;
+    for (const Kind kind : kinds) counts.push_back(kind == Kind::free);
+    residual = without_tensions(network_, state, counts, residual);
+    double worst = std::max(lengths(state), placing(simulation, state, kinds));
+    for (NodeIndex k = 0; k < residual.size(); ++k) {
+      // The tensions found here are the best in the sum of squares over the (at most three) nodes that hang together,
+      // not in the greatest residual.
+      const double bound = (rigid_[k] ? std::sqrt(3.0) : 1.0) * 2.0 * tolerance_ + rounding(k, state);
+      if (counts[k]) worst = std::max(worst, residual[k].norm() / bound);
+      if (kinds[k] != Kind::touching || rigid_[k]) continue;
+      worst = std::max(worst, against_floor(residual[k]) / bound);
+      worst = std::max(worst, jump(k, state.position[k], forces[k]));
+    }
+    return worst;
+  }
+
+ private:
+  // What rounding leaves of m (U - v) / h: of velocities that are sums of larger terms.
+  [[nodiscard]] double rounding(NodeIndex k, const PlainState& state) const {
+    return 1e-13 * network_.nodes()[k].mass * (state.velocity[k].norm() + start_.velocity[k].norm()) / time_step;
+  }
+  // How far the force that the floor puts on a node is from one that it can put on it, N. Under the paper's rule a node
+  // that would touch if it moved on, and move on if it touched, is held for the step: the force may pull then.
+  [[nodiscard]] double against_floor(const Vector3& force) const {
+    const Friction& friction = network_.planes()[0].friction;
+    if (friction.kind == Friction::Kind::held) return 0.0;
+    const double pull = std::max(0.0, -force.z()), along = force.head<2>().norm();
+    return std::max(pull, along - friction.coefficient * std::max(0.0, force.z()));
+  }
+  // A node came to the floor by its velocity and the forces on it, not because sweeps threw it there: its way over
+  // twice what both explain.
+  [[nodiscard]] double jump(NodeIndex k, const Vector3& position, const Vector3& force) const {
+    const double acceleration = std::max(force.norm(), start_forces_[k].norm()) / network_.nodes()[k].mass;
+    const double way = time_step * (start_.velocity[k].norm() + time_step * acceleration);
+    return (position - start_.position[k]).norm() / (2.0 * way + 1e-12);
+  }
+  // Rigid connections keep their lengths to 1e-8.
+  [[nodiscard]] double lengths(const PlainState& state) const {
+    double worst = 0.0;
+    for (const Rigid& rigid : network_.rigids()) {
+      const double length = (state.position[rigid.first] - state.position[rigid.second]).norm();
+      worst = std::max(worst, std::abs(length / rigid.length - 1.0) / 1e-8);
+    }
+    return worst;
+  }
+  // Fixed nodes are where they were, moved ones where the sinusoid puts them, nobody is below the floor, and free nodes
+  // went where their velocity took them.
+  [[nodiscard]] double placing(const Simulation& simulation, const PlainState& state,
+                               const std::vector<Kind>& kinds) const {
+    double worst = 0.0;
+    for (NodeIndex k = 0; k < kinds.size(); ++k) {
+      const double scale = 1e-12 * (1.0 + state.position[k].norm());  // m, some roundings
+      Vector3 off = Vector3::Zero();
+      if (kinds[k] == Kind::prescribed) {
+        off = state.position[k] - network_.nodes()[k].position - displacement(k, simulation.time());
+      } else if (kinds[k] == Kind::free && network_.rigids().empty()) {
+        off = state.position[k] - start_.position[k] - time_step * state.velocity[k];
+      }
+      worst = std::max(worst, off.norm() / scale);
+      if (network_.planes().empty() || kinds[k] == Kind::prescribed) continue;
+      worst = std::max(worst, (network_.planes()[0].point.z() - state.position[k].z()) / scale);
+    }
+    return worst;
+  }
+  [[nodiscard]] Vector3 displacement(NodeIndex k, double time) const {
+    if (std::find(moved_.begin(), moved_.end(), k) == moved_.end()) return Vector3::Zero();
+    const Motion& motion = network_.moves()[0].motion;
+    return motion.amplitude * std::sin(2.0 * std::numbers::pi * motion.frequency * time);
+  }
+
+  const Network& network_;
+  double tolerance_;
+  std::vector<NodeIndex> moved_;
+  PlainState start_;
+  std::vector<Vector3> start_forces_;
+  std::vector<bool> alive_, rigid_;
+};
+
+}  // namespace
+
+TEST_CASE("a thousand random networks: no wrong answer without a word, and nearly all settle") {
+  std::size_t settled_nets = 0;
+  for (std::uint64_t seed = 1; seed <= net_count; ++seed) {
+    const testing::RandomNet random(seed);
+    const double tolerance = 1e-6 * force_scale(random.network);
+    CAPTURE(seed);
+    CAPTURE(random.network.nodes().size());
+    SimulationOptions options;
+    options.time_step = time_step;
+    options.integrator.parameters["force_tolerance"] = tolerance;
+    options.threads = 1;
+    Simulation simulation(random.network, plugins(), options);
+    Judge judge(random.network, tolerance);
+    bool settled = true;
+    for (int step = 0; step < step_count && settled; ++step) {
+      CAPTURE(step);
+      judge.begin(simulation);
+      try {
+        settled = simulation.step().outcome == Outcome::settled;
+        if (settled) CHECK(judge.end(simulation) <= 1.0);
+      } catch (const Error& error) {
+        settled = false;
+        CHECK(error.kind() == ErrorKind::simulation);
+      }
+    }
+    settled_nets += settled ? 1 : 0;
+  }
+  CHECK(settled_nets >= net_count * 95 / 100);
+  MESSAGE(settled_nets << " of " << net_count << " networks settled");
+}
