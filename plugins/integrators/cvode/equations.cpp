@@ -88,6 +88,30 @@ int Equations::diagonal_blocks(double velocity_weight, double position_weight, d
   return guarded([&] { host_.diagonal_blocks(velocity_weight, position_weight, out); });
 }
 
+int Equations::project(const double* mobility, double* values) noexcept {
+  return guarded([&] { host_.project(mobility, values); });
+}
+
+int Equations::correction(double time, N_Vector y, N_Vector correction) noexcept {
+  return guarded([&] {
+    const std::size_t n = node_count();
+    const double* before = data(y);
+    double* after = data(correction);
+    std::copy_n(before, 6 * n, after);
+    ++work_.projections;
+    host_.project_state(time, {after, after + n, after + 2 * n}, {after + 3 * n, after + 4 * n, after + 5 * n});
+    for (std::size_t i = 0; i < 6 * n; ++i) after[i] -= before[i];
+  });
+}
+
+bool Equations::bound() const {
+  const springnet_network& network = host_.network();
+  if (network.rigid_count > 0) return true;
+  for (std::size_t k = 0; network.surface_count > 0 && k < network.node_count; ++k)
+    if (network.touching[k] != 0 && network.held[k] == 0) return true;
+  return false;
+}
+
 void Equations::evaluate_force(double time, springnet_state& state) {
   springnet_evaluation evaluation = sdk::evaluation_at(time, state);
   evaluation.force = state.force;

@@ -38,12 +38,19 @@ class Equations {
   int factorise(double gamma) noexcept;
   int solve(const double* right_side, double* x) noexcept;
   int diagonal_blocks(double velocity_weight, double position_weight, double* out) noexcept;
+  // Takes out of 3 node_count velocities what rigid connections and surfaces do not allow; mobility: see plugin.h.
+  int project(const double* mobility, double* values) noexcept;
+  // correction = the nearest (p, v) that rigid connections and surfaces allow at `time`, less y.
+  int correction(double time, N_Vector y, N_Vector correction) noexcept;
 
   // Net forces at a state of the host, N.
   void evaluate_force(double time, springnet_state& state);
 
   // As many as the network has now; which way each has to cross 0: -1 falling, +1 rising, as of the last evaluation.
   [[nodiscard]] std::vector<std::int32_t>& event_directions() noexcept { return event_directions_; }
+
+  // Whether rigid connections or surfaces that nodes slide on bind the motion now.
+  [[nodiscard]] bool bound() const;
 
   [[nodiscard]] const sdk::Host& host() const noexcept { return host_; }
   [[nodiscard]] std::size_t node_count() const noexcept { return host_.network().node_count; }
@@ -55,6 +62,7 @@ class Equations {
     std::uint64_t linearisations = 0;
     std::uint64_t jacobian_products = 0;
     std::uint64_t event_evaluations = 0;
+    std::uint64_t projections = 0;
   };
   [[nodiscard]] const Work& work() const noexcept { return work_; }
 

@@ -43,6 +43,11 @@ std::string failure_text(const FailureFacts& facts, const Settings& settings) {
     case CV_RTFUNC_FAIL:
       text << "contacts and ruptures could not be evaluated";
       break;
+    case CV_PROJ_MEM_NULL:
+    case CV_PROJFUNC_FAIL:
+    case CV_REPTD_PROJFUNC_ERR:
+      text << "rigid connections, or surfaces that nodes slide on, could not be kept to";
+      break;
     case CV_LSETUP_FAIL:
     case CV_LSOLVE_FAIL:
       text << "the linear system of a step could not be solved";

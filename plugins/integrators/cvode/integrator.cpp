@@ -43,6 +43,10 @@ int event_values(double time, N_Vector y, double* values, void* user_data) {
   return callbacks_of(user_data).equations.event_values(time, y, values);
 }
 
+int correction(double time, N_Vector y, N_Vector correction, double, N_Vector, void* user_data) {
+  return callbacks_of(user_data).equations.correction(time, y, correction);
+}
+
 // y = [px py pz vx vy vz] to a state of the host.
 void unpack(const double* y, springnet_state& state, std::size_t n) noexcept {
   for (const springnet_vectors& part : {state.position, state.velocity}) {
@@ -141,10 +145,30 @@ void ReferenceIntegrator::restart(double time, const springnet_state& state, dou
     ++restarts_;
     check(CVodeReInit(memory_.get(), time, y_.get()));
   }
+  bind(network);
   check(CVodeSetInitStep(memory_.get(), first_step(time, stop)));
   watch_events(time);
   revision_ = network.revision;
   restart_ = false;
+}
+
+// The accelerations keep the constraints up to the error of integration; the projection brings every step back to them.
+// CVODE has it for BDF only.
+void ReferenceIntegrator::bind(const springnet_network& network) {
+  if (settings_.method != Method::bdf) {
+    if (network.rigid_count > 0)
+      throw sdk::Failure("cvode keeps rigid connections with method \"bdf\" only; set method = \"bdf\"");
+    return;
+  }
+  const bool bound = equations_.bound();
+  if (bound && !projects_) {
+    check(CVodeSetProjFn(memory_.get(), &correction));
+    // Nodes, not constraints, are what errors are tested on: their error stays that before the projection.
+    check(CVodeSetProjErrEst(memory_.get(), SUNFALSE));
+    check(CVodeSetEpsProj(memory_.get(), 0.1));
+  }
+  if (bound || projects_) check(CVodeSetProjFrequency(memory_.get(), bound ? 1 : 0));
+  projects_ = projects_ || bound;
 }
 
 // The step whose second-order term h^2/2 y'' is a quarter of the tolerance. CVODE's own choice depends on when the
@@ -325,6 +349,7 @@ void ReferenceIntegrator::report_statistics() const {
   report("convergence_failures", sum.convergence_failures);
   report("error_test_failures", sum.error_test_failures);
   report("root_evaluations", work.event_evaluations);
+  if (projects_) report("projections", work.projections);
   report("restarts", restarts_);
   if (!memory_) return;
   double last_step = 0.0;

@@ -31,6 +31,7 @@ class ReferenceIntegrator {
   void create(double time);
   // CVODE from the committed state on, with an empty history; the next discontinuity is at `stop`.
   void restart(double time, const springnet_state& state, double stop);
+  void bind(const springnet_network& network);
   [[nodiscard]] double first_step(double time, double stop);  // s
   void watch_events(double time);
   // To `until`, an event or a discontinuity, whichever is first, and commits that state.
@@ -56,6 +57,7 @@ class ReferenceIntegrator {
   sdk::State state_;
 
   bool restart_ = true;
+  bool projects_ = false;             // CVODE has a projection, used where something binds the motion
   std::uint64_t revision_ = 0;        // of the network when CVODE was started
   std::vector<double> event_values_;  // of the events that CVODE looks for
   std::vector<std::int32_t> fired_;   // 1: this one

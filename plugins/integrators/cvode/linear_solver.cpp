@@ -111,7 +111,21 @@ class Krylov final : public NewtonSystem {
     if (jok == SUNFALSE) {
       if (const int status = self.equations_.linearise(time, y); status != 0) return status;
     }
-    return self.invert_blocks(gamma);
+    if (const int status = self.invert_blocks(gamma); status != 0) return status;
+    self.bound_ = self.equations_.bound();
+    if (self.bound_) self.set_mobilities();
+    return 0;
+  }
+
+  // The mobility of a node within the preconditioner, for the projection on what binds the motion.
+  void set_mobilities() {
+    const springnet_network& network = equations_.host().network();
+    mobility_.resize(inverse_.size());
+    for (std::size_t k = 0; k < network.node_count; ++k) {
+      const Block inverse = Eigen::Map<const Block>(&inverse_[9 * k]) / network.mass[k];
+      Eigen::Map<Block> mobility(&mobility_[9 * k]);
+      mobility = 0.5 * (inverse + inverse.transpose());
+    }
   }
 
   // coupling = gamma a_p, inverse = (I - gamma a_v - gamma^2 a_p)^-1, of each node alone.
@@ -131,7 +145,7 @@ class Krylov final : public NewtonSystem {
   }
 
   static int precondition(double, N_Vector, N_Vector, N_Vector r, N_Vector z, double, double, int, void* callbacks) {
-    const Krylov& self = of(callbacks);
+    Krylov& self = of(callbacks);
     const std::size_t n = self.equations_.node_count();
     const double* rp = data(r);
     const double* rv = rp + 3 * n;
@@ -143,12 +157,15 @@ class Krylov final : public NewtonSystem {
       const Eigen::Map<const Block> coupling(&self.coupling_[9 * k]);
       const Eigen::Map<const Block> inverse(&self.inverse_[9 * k]);
       const Eigen::Vector3d x = inverse * (velocity + coupling * position);
-      for (int c = 0; c < 3; ++c) {
-        const std::size_t i = k + static_cast<std::size_t>(c) * n;
-        dv[i] = x[c];
-        dp[i] = rp[i] + self.gamma_ * x[c];
-      }
+      for (int c = 0; c < 3; ++c) dv[k + static_cast<std::size_t>(c) * n] = x[c];
     }
+    if (self.bound_) {
+      // The answer moves against the constraints as the right side does, not more.
+      for (std::size_t i = 0; i < 3 * n; ++i) dv[i] -= rv[i];
+      if (const int status = self.equations_.project(self.mobility_.data(), dv); status != 0) return status;
+      for (std::size_t i = 0; i < 3 * n; ++i) dv[i] += rv[i];
+    }
+    for (std::size_t i = 0; i < 3 * n; ++i) dp[i] = rp[i] + self.gamma_ * dv[i];
     return 0;
   }
 
@@ -156,6 +173,8 @@ class Krylov final : public NewtonSystem {
   double gamma_ = 0.0;            // s, of the blocks
   std::vector<double> coupling_;  // [node][3][3]
   std::vector<double> inverse_;   // [node][3][3]
+  bool bound_ = false;
+  std::vector<double> mobility_;  // [node][3][3] 1/kg, where the motion is bound
   LinearSolver solver_;
 };
 
