@@ -1,0 +1,206 @@
+// Velocity Verlet, in the form of
+//
+//   v_1/2 = v + h/2 a(p, v)
+//   p'    = p + h v_1/2
+//   v'    = v_1/2 + h/2 a(p', v_1/2 + h/2 a)
+//
+// Second order; symplectic where forces depend on positions alone. Explicit: stable for h below 2 / omega, omega the
+// greatest angular frequency of the network. Rigid connections, moved nodes and surfaces are the host's, which puts
+// positions and velocities where they allow. Swope, Andersen, Berens, Wilson, J. Chem. Phys. 76 (1982) 637; for the
+// constraints Andersen, J. Comput. Phys. 52 (1983) 24.
+//
+// It is also the example of how an integrator is made: see "Integrators" in sdk/README.md.
+#include <algorithm>
+#include <cmath>
+#include <cstdint>
+#include <cstdio>
+#include <limits>
+#include <optional>
+#include <vector>
+
+#include <springnet/sdk/integrator.hpp>
+
+namespace {
+
+using namespace springnet::sdk;
+
+// The three components of a vector quantity one after the other, as the host's functions on 3n numbers have them.
+struct Field {
+  std::vector<double> values;
+  explicit Field(std::size_t nodes) : values(3 * nodes) {}
+  [[nodiscard]] springnet_vectors vectors() noexcept {
+    const std::size_t n = values.size() / 3;
+    return {values.data(), values.data() + n, values.data() + 2 * n};
+  }
+};
+
+// to = base + factor times change, for n nodes.
+void advance_by(const springnet_vectors& to, const springnet_vectors& base, double factor,
+                const springnet_vectors& change, std::size_t n) noexcept {
+  for (const auto component : {&springnet_vectors::x, &springnet_vectors::y, &springnet_vectors::z})
+    for (std::size_t k = 0; k < n; ++k) (to.*component)[k] = (base.*component)[k] + factor * (change.*component)[k];
+}
+
+class Verlet : public Integrator {
+ public:
+  static constexpr const char* id = "verlet";
+  static constexpr const char* summary = "velocity Verlet: explicit, second order, one evaluation a step";
+  static constexpr const char* reference =
+      "Swope, Andersen, Berens, Wilson, Journal of Chemical Physics 76 (1982) 637-649";
+  static constexpr Parameter parameters[] = {
+      integer("substeps", "equal steps within a time step").preset(1).at_least(1).at_most(1e9)};
+
+  Verlet(Host host, Options options)
+      : host_(host),
+        substeps_(options.integer("substeps")),
+        state_(host.make_state()),
+        acceleration_(host.network().node_count),
+        change_(host.network().node_count),
+        probe_(host.network().node_count) {}
+
+  springnet_status advance(double until, springnet_step_report& report) {
+    const double from = host_.committed().time;
+    const double h = (until - from) / static_cast<double>(substeps_);
+    // Steps of one length differ by the rounding of their ends.
+    if (std::abs(h - checked_step_) > 1e-6 * checked_step_ || host_.network().revision != checked_revision_ ||
+        ++steps_since_check_ >= steps_per_check)
+      check_stability(h);
+    report.residual = report.force_difference = std::numeric_limits<double>::quiet_NaN();
+    try {
+      for (std::int64_t i = 1; i <= substeps_; ++i) step(i == substeps_ ? until : from + static_cast<double>(i) * h);
+    } catch (const Failure& failure) {
+      if (!failure.recoverable()) throw;
+      report.outcome = SPRINGNET_DIVERGING;
+      throw Failure(std::string(failure.what()) + "; use a smaller time_step or more substeps", SPRINGNET_UNSETTLED);
+    }
+    report.outcome = SPRINGNET_SETTLED;
+    report.steps = 1;
+    report.sweeps = static_cast<std::uint64_t>(substeps_);
+    return SPRINGNET_OK;
+  }
+
+ private:
+  void step(double until) {
+    const auto [from, start] = host_.committed();
+    host_.begin_step(from, until);
+    const springnet_network& network = host_.network();
+    const std::size_t n = network.node_count;
+    const double h = until - from;
+    // The acceleration at the end of the last step, unless something changed since then.
+    if (revision_ != network.revision || network.rigid_count > 0) {
+      springnet_evaluation at_start = evaluation_at(from, start);
+      at_start.acceleration = acceleration_.vectors();
+      host_.evaluate(at_start);
+      revision_ = network.revision;
+      watch(at_start);
+    }
+
+    springnet_state& next = *state_;
+    advance_by(next.velocity, start.velocity, 0.5 * h, acceleration_.vectors(), n);  // v_1/2
+    advance_by(next.position, start.position, h, next.velocity, n);
+    advance_by(next.velocity, next.velocity, 0.5 * h, acceleration_.vectors(), n);  // v', as well as it is known
+    host_.project_state(until, next);
+    mark_events(until, next, false);  // friction that turns a node round turns back before the step ends
+
+    change_.values = acceleration_.values;
+    springnet_evaluation at_end = evaluation_at(until, next);
+    at_end.force = next.force;
+    at_end.acceleration = acceleration_.vectors();
+    host_.evaluate(at_end);
+    for (std::size_t i = 0; i < 3 * n; ++i) change_.values[i] = acceleration_.values[i] - change_.values[i];
+    advance_by(next.velocity, next.velocity, 0.5 * h, change_.vectors(), n);
+    host_.project_state(until, next);
+
+    next.force_is_current = 0;  // forces that depend on the velocity are those of the one before
+    fire_events(until, next);
+    host_.commit(until, next);
+  }
+
+  // Above the limit of stability numbers grow without end, and before that they are wrong: it is an error to begin. A
+  // step x' of the linearised network is stable while h^2/4 times the eigenvalues of -da/dp, with h/2 times those of
+  // -da/dv, stay below 1; the greatest by power iteration.
+  void check_stability(double h) {
+    checked_step_ = h;
+    checked_revision_ = host_.network().revision;
+    steps_since_check_ = 0;
+    // The derivative of friction turns its direction, however stiff it is; it is no matter of stability.
+    const springnet_network& network = host_.network();
+    for (std::uint32_t k = 0; network.surface_count > 0 && k < network.node_count; ++k)
+      if (network.touching[k] != 0 && network.held[k] == 0) return;
+    const auto [from, start] = host_.committed();
+    try {
+      host_.linearise(evaluation_at(from, start));
+    } catch (const Failure&) {
+      host_.note(
+          "verlet: a law or neuron has no derivatives, so the limit of stability of the time step is not checked");
+      return;
+    }
+    std::vector<double>&x = probe_.values, &image = change_.values;
+    // A vector with a part in every direction, the same on every machine.
+    for (std::size_t i = 0; i < x.size(); ++i) x[i] = std::sin(1.0 + 1.7 * static_cast<double>(i % 1009));
+    double growth = 0.0;
+    for (int iteration = 0; iteration < 30; ++iteration) {
+      double square = 0.0;
+      for (const double value : x) square += value * value;
+      const double length = std::sqrt(square);
+      growth = iteration == 0 ? 0.0 : length;
+      if (!(length > 0.0) || !std::isfinite(length)) break;
+      for (std::size_t i = 0; i < x.size(); ++i) image[i] = x[i] / length;
+      std::vector<double>& dp = work_;
+      dp.resize(2 * x.size());
+      for (std::size_t i = 0; i < x.size(); ++i) {
+        dp[i] = 0.25 * h * h * image[i];
+        dp[x.size() + i] = 0.5 * h * image[i];
+      }
+      host_.jacobian_times(dp.data(), dp.data() + x.size(), x.data());
+    }
+    // The iteration comes from below: what it finds above 1 is above 1.
+    if (growth <= 1.0) return;
+    char text[256];
+    std::snprintf(
+        text, sizeof text,
+        "verlet: steps of %.3g s are above the limit of stability, about %.3g s for this network; use a smaller "
+        "time_step, substeps = %.0f or more, or another integrator",
+        h, h / std::sqrt(growth), std::ceil(std::sqrt(growth) * static_cast<double>(substeps_)) + 1.0);
+    throw Failure(text);
+  }
+
+  // Contacts made and released, slip and rupture are noticed where a step ends.
+  void watch(const springnet_evaluation& at) {
+    const std::size_t count = host_.network().event_count;
+    values_.resize(count);
+    directions_.resize(count);
+    fired_.resize(count);
+    if (count > 0) host_.event_values(at, values_.data(), directions_.data());
+  }
+  // Those that have crossed their zero, beside those that were marked before where `more`.
+  void mark_events(double time, const springnet_state& state, bool more) {
+    if (values_.empty()) return;
+    host_.event_values(evaluation_at(time, state), values_.data(), directions_.data());
+    for (std::size_t i = 0; i < values_.size(); ++i)
+      fired_[i] = directions_[i] * values_[i] > 0.0 || (more && fired_[i] != 0) ? 1 : 0;
+  }
+  void fire_events(double time, springnet_state& state) {
+    mark_events(time, state, true);
+    if (std::any_of(fired_.begin(), fired_.end(), [](std::int32_t fired) { return fired != 0; }))
+      host_.fire_events(time, state, fired_.data());
+  }
+
+  Host host_;
+  std::int64_t substeps_;
+  State state_;
+  Field acceleration_;  // m/s^2, at the committed state
+  Field change_, probe_;
+  std::vector<double> work_;
+  std::optional<std::uint64_t> revision_;  // of the network that acceleration_ belongs to
+  std::vector<double> values_;             // of events
+  std::vector<std::int32_t> directions_, fired_;
+  static constexpr std::uint64_t steps_per_check = 256;  // laws may stiffen
+  double checked_step_ = 0.0;                            // s
+  std::uint64_t checked_revision_ = 0;
+  std::uint64_t steps_since_check_ = 0;
+};
+
+}  // namespace
+
+SPRINGNET_PLUGIN("springnet.integrator.verlet", "0.1.0", "springnet", "MIT", Verlet);
