@@ -2,10 +2,9 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstdint>
 #include <limits>
-#include <string>
-
-#include <Eigen/Core>
+#include <optional>
 
 namespace springnet {
 
@@ -106,79 +105,52 @@ struct MaterialAtRest {
   std::optional<LawAtRest> spring, viscosity;
 };
 
-using Vectors = Eigen::Matrix<double, 3, Eigen::Dynamic>;
-
-// Products with K and D in coordinates scaled by the roots of the masses, where M^-1 K becomes symmetric.
-class ScaledOperators {
+// The linear system of a node in its neuron: derivative blocks where it starts, at rest.
+class NeuronAtRest {
  public:
-  ScaledOperators(const Network& network, const std::vector<LinearSpring>& springs)
-      : network_(network), springs_(springs), roots_(network.nodes().size()), directions_(3, springs.size()) {
-    for (std::size_t k = 0; k < roots_.size(); ++k) {
-      const Node& node = network.nodes()[k];
-      roots_[k] = node.fixed ? 0.0 : 1.0 / std::sqrt(node.mass);
-    }
-    for (std::size_t s = 0; s < springs.size(); ++s) {
-      const Spring& spring = network.springs()[s];
-      const Vector3 difference = network.nodes()[spring.first].position - network.nodes()[spring.second].position;
-      directions_.col(static_cast<Eigen::Index>(s)) =
-          springs[s].length > 0.0 ? Vector3(difference / springs[s].length) : Vector3::Zero();
-    }
+  NeuronAtRest(const Component& component, const LawUse& use)
+      : component_(component),
+        values_(complete_parameters(*component.description, use.parameters, "neuron '" + use.id + "'")),
+        strides_(values_.size(), 0) {
+    for (const double& value : values_) parameters_.push_back(&value);
   }
 
-  // elastic = K x, viscous = D x.
-  void multiply(const Vectors& x, Vectors& elastic, Vectors& viscous) const {
-    elastic.setZero(3, x.cols());
-    viscous.setZero(3, x.cols());
-    for (std::size_t s = 0; s < springs_.size(); ++s) {
-      const LinearSpring& law = springs_[s];
-      const Spring& ends = network_.springs()[s];
-      const double root_first = roots_[ends.first], root_second = roots_[ends.second];
-      const Vector3 n = directions_.col(static_cast<Eigen::Index>(s));
-      const Vector3 difference = root_first * x.col(ends.first) - root_second * x.col(ends.second);
-      const Vector3 along = n * n.dot(difference);
-      const double across_stiffness = law.length > 0.0 ? law.tension / law.length : 0.0;
-      const Vector3 by_position = law.stiffness * along + across_stiffness * (difference - along);
-      const Vector3 by_velocity = law.axial_damping * along + law.general_damping * difference;
-      elastic.col(ends.first) += root_first * by_position;
-      elastic.col(ends.second) -= root_second * by_position;
-      viscous.col(ends.first) += root_first * by_velocity;
-      viscous.col(ends.second) -= root_second * by_velocity;
-    }
+  [[nodiscard]] bool differentiable() const {
+    return (component_.description->capabilities & SPRINGNET_HAS_DERIVATIVES) != 0;
+  }
+
+  // False if the neuron fails there.
+  bool answer(const Node& node, const Vector3& net_force, LinearNode& out) const {
+    const double zero = 0.0;
+    Vector3 acceleration;
+    springnet_message message{};
+    springnet_neuron_batch batch{};
+    batch.struct_size = sizeof batch;
+    batch.count = 1;
+    batch.instruction_set = SPRINGNET_GENERIC;
+    batch.force = {&net_force[0], &net_force[1], &net_force[2]};
+    batch.position = {&node.position[0], &node.position[1], &node.position[2]};
+    batch.velocity = {&zero, &zero, &zero};
+    batch.mass = &node.mass;
+    batch.parameters = parameters_.data();
+    batch.parameter_strides = strides_.data();
+    batch.acceleration = {&acceleration[0], &acceleration[1], &acceleration[2]};
+    batch.acceleration_by_force = out.by_force.data();
+    batch.acceleration_by_position = out.by_position.data();
+    batch.acceleration_by_velocity = out.by_velocity.data();
+    batch.message = &message;
+    return component_.neuron().evaluate(&batch) == SPRINGNET_OK && out.by_force.allFinite() &&
+           out.by_position.allFinite() && out.by_velocity.allFinite();
   }
 
  private:
-  const Network& network_;
-  const std::vector<LinearSpring>& springs_;
-  std::vector<double> roots_;
-  Vectors directions_;
+  const Component& component_;
+  std::vector<double> values_;
+  std::vector<const double*> parameters_;
+  std::vector<std::uint32_t> strides_;
 };
 
-// A vector with a part in every direction, the same on every machine.
-Vectors start_vector(std::size_t nodes) {
-  Vectors x(3, static_cast<Eigen::Index>(nodes));
-  std::uint64_t state = 0x9e3779b97f4a7c15u;
-  for (Eigen::Index k = 0; k < x.size(); ++k) {
-    state = state * 6364136223846793005u + 1442695040888963407u;
-    x.data()[k] = static_cast<double>(state >> 11) * 0x1p-53 - 0.5;
-  }
-  return x / x.norm();
-}
-
-// The positive root of |a t^2 + b t| = 1, where a and b are Rayleigh quotients of K and D.
-std::optional<double> crossing(double a, double b) {
-  if (a < 0.0) {  // the greatest eigenvalue in size is a negative one
-    a = -a;
-    b = -b;
-  }
-  const double root = std::sqrt(b * b + 4.0 * a);
-  const double denominator = b + root;  // t = 2 / (b + sqrt(b^2 + 4 a)): exact for a = 0 as well
-  if (!(denominator > 0.0)) return std::nullopt;
-  return 2.0 / denominator;
-}
-
-}  // namespace
-
-std::vector<LinearSpring> linearise(const Network& network, const PluginHost& plugins) {
+std::vector<LinearSpring> linear_springs(const Network& network, const PluginHost& plugins) {
   std::vector<MaterialAtRest> materials;
   materials.reserve(network.materials().size());
   for (const Material& material : network.materials()) materials.emplace_back(material, plugins);
@@ -186,9 +158,10 @@ std::vector<LinearSpring> linearise(const Network& network, const PluginHost& pl
   std::vector<LinearSpring> result;
   result.reserve(network.springs().size());
   for (const Spring& spring : network.springs()) {
-    const double length = (network.nodes()[spring.first].position - network.nodes()[spring.second].position).norm();
+    const Vector3 difference = network.nodes()[spring.first].position - network.nodes()[spring.second].position;
+    const double length = difference.norm();
     MaterialAtRest& material = materials[spring.material];
-    LinearSpring linear{length, 0.0, 0.0, 0.0, 0.0};
+    LinearSpring linear{length, length > 0.0 ? Vector3(difference / length) : Vector3(Vector3::Zero()), 0, 0, 0, 0};
     if (material.spring) {
       const LawAnswer answer = material.spring->answer(length, spring.rest_length);
       linear.tension += answer.force;
@@ -210,45 +183,65 @@ std::vector<LinearSpring> linearise(const Network& network, const PluginHost& pl
   return result;
 }
 
-std::optional<double> synchronous_limit(const Network& network, const std::vector<LinearSpring>& springs) {
-  const auto finite = [](const LinearSpring& s) {
-    return std::isfinite(s.tension) && std::isfinite(s.stiffness) && std::isfinite(s.axial_damping) &&
-           std::isfinite(s.general_damping);
-  };
-  const auto mass_point = [&](const Node& node) {
-    return node.fixed || network.neurons()[node.neuron].id == "point_mass";
-  };
-  if (springs.empty() || !std::all_of(springs.begin(), springs.end(), finite) ||
-      !std::all_of(network.nodes().begin(), network.nodes().end(), mass_point)) {
-    return std::nullopt;
+bool known(const LinearSpring& spring) {
+  return std::isfinite(spring.tension) && std::isfinite(spring.stiffness) && std::isfinite(spring.axial_damping) &&
+         std::isfinite(spring.general_damping);
+}
+
+// Net forces of springs, gravity and the loads of time 0, N.
+std::vector<Vector3> forces_at_start(const Network& network, const std::vector<LinearSpring>& springs) {
+  std::vector<Vector3> forces;
+  forces.reserve(network.nodes().size());
+  for (const Node& node : network.nodes()) forces.emplace_back(node.mass * network.gravity());
+  for (const Load& load : network.loads()) {
+    if (!(load.from <= 0.0 && 0.0 < load.until)) continue;
+    for (const NodeIndex node : load.nodes) forces[node] += load.force;
+  }
+  for (std::size_t s = 0; s < springs.size(); ++s) {
+    if (!(springs[s].length > 0.0) || !std::isfinite(springs[s].tension)) continue;
+    const Spring& spring = network.springs()[s];
+    const Vector3 force = springs[s].tension * springs[s].direction;
+    forces[spring.first] -= force;
+    forces[spring.second] += force;
+  }
+  return forces;
+}
+
+}  // namespace
+
+LinearNetwork linearise(const Network& network, const PluginHost& plugins) {
+  LinearNetwork result;
+  result.springs = linear_springs(network, plugins);
+  const auto stranger = std::find_if_not(result.springs.begin(), result.springs.end(), known);
+  if (stranger != result.springs.end()) {
+    const auto index = static_cast<std::size_t>(stranger - result.springs.begin());
+    result.unknown_because = "a law of spring " + std::to_string(index) +
+                             " offers no derivatives where it starts, or none without the tables of a scene";
   }
 
-  const ScaledOperators operators(network, springs);
-  Vectors x = start_vector(network.nodes().size());
-  Vectors elastic, viscous;
-  double limit = 0.0;  // 0: not known yet
-  double weight = 1.0;
-  // Some seconds at most: sixty products tell the estimate of a net of millions of springs to a few per cent.
-  const int largest_count = static_cast<int>(std::clamp(2e8 / static_cast<double>(springs.size()), 60.0, 5000.0));
-  for (int count = 0; count < largest_count; ++count) {
-    // Power iteration with t^2 K + t D at the newest estimate of t; the quotients are accurate to the square of x's
-    // error.
-    operators.multiply(x, elastic, viscous);
-    const double a = x.cwiseProduct(elastic).sum(), b = x.cwiseProduct(viscous).sum();
-    const std::optional<double> next = crossing(a, b);
-    if (next) {
-      const double change = std::abs(*next - limit);
-      limit = *next;
-      // Slow changes add up: with a gap of 1 % between eigenvalues, what is left is about a hundred times the change.
-      if (count > 10 && change <= 3e-6 * limit) return limit;
-      weight = limit;
-    }
-    x = weight * weight * elastic + weight * viscous;
-    const double norm = x.norm();
-    if (!(norm > 0.0) || !std::isfinite(norm)) return std::nullopt;
-    x /= norm;
+  std::vector<NeuronAtRest> neurons;
+  neurons.reserve(network.neurons().size());
+  for (const LawUse& use : network.neurons()) {
+    neurons.emplace_back(*plugins.require(ComponentKind::neuron, use.id), use);
   }
-  return limit > 0.0 ? std::optional(limit) : std::nullopt;
+  const std::vector<Vector3> forces = forces_at_start(network, result.springs);
+  result.nodes.resize(network.nodes().size());
+  for (std::size_t k = 0; k < result.nodes.size(); ++k) {
+    const Node& node = network.nodes()[k];
+    LinearNode& linear = result.nodes[k];
+    linear.free = !node.fixed;
+    linear.force = forces[k];
+    const NeuronAtRest& neuron = neurons[node.neuron];
+    if (node.fixed || (neuron.differentiable() && neuron.answer(node, forces[k], linear))) continue;
+    if (result.unknown_because.empty()) {
+      result.unknown_because = "the neuron of node " + std::to_string(k) + ", '" + network.neurons()[node.neuron].id +
+                               "', offers no derivatives where it starts";
+    }
+  }
+  for (const Move& move : network.moves()) {
+    for (const NodeIndex node : move.nodes) result.nodes[node].free = false;
+  }
+  return result;
 }
 
 }  // namespace springnet

@@ -42,9 +42,14 @@ class Lane {
   [[nodiscard]] const Simulation& simulation() const { return simulation_; }
   [[nodiscard]] double wall() const { return wall_; }
   [[nodiscard]] Outcome worst() const { return worst_; }
+  // Time steps that did not settle, and were made in smaller ones.
+  [[nodiscard]] std::uint64_t divided() const { return divided_; }
 
  private:
-  void note(const StepReport& report) { worst_ = std::max(worst_, report.outcome); }
+  void note(const StepReport& report) {
+    worst_ = std::max(worst_, report.outcome);
+    divided_ += report.substeps > 0 ? 1 : 0;
+  }
   static SimulationOptions options_for(const Scene& scene, const LawUse& integrator, double time_step) {
     SimulationOptions options = scene.options;
     options.integrator = integrator;
@@ -54,6 +59,7 @@ class Lane {
   Simulation simulation_;
   double wall_ = 0.0;  // s
   Outcome worst_ = Outcome::settled;
+  std::uint64_t divided_ = 0;
 };
 
 // A run of the integrator that is examined.
@@ -249,6 +255,13 @@ Validation validate(const Scene& scene, const std::shared_ptr<const PluginHost>&
   result.reference_events = count_events(reference.simulation());
   for (Subject& subject : subjects) {
     finish(subject);
+    if (subject.lane.divided() > 0)
+      result.notes.push_back(
+          fmt::format("With {:g} s: {} of {} time steps were divided; their error is that of the "
+                      "smaller steps, and tells nothing of the order.",
+                      subject.run.time_step, subject.lane.divided(), subject.run.steps));
+    for (const std::string& note : subject.lane.simulation().notes())
+      result.notes.push_back(fmt::format("With {:g} s: {}.", subject.run.time_step, note));
     result.runs.push_back(std::move(subject.run));
   }
   find_orders(result);

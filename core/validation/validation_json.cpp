@@ -9,8 +9,8 @@ namespace {
 using Json = nlohmann::ordered_json;
 
 Json json_of(const EventCounts& events) {
-  return {
-      {"cut", events.cut}, {"ruptured", events.ruptured}, {"touched", events.touched}, {"released", events.released}};
+  return {{"cut", events.cut},           {"ruptured", events.ruptured}, {"touched", events.touched},
+          {"released", events.released}, {"slipped", events.slipped},   {"stuck", events.stuck}};
 }
 
 Json json_of(const ValidationRun& run) {

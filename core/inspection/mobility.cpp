@@ -1,0 +1,161 @@
+#include "inspection/mobility.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <optional>
+#include <utility>
+
+#include <Eigen/Eigenvalues>
+#include <Eigen/SparseCholesky>
+
+namespace springnet {
+
+namespace {
+
+using Matrix = Eigen::SparseMatrix<double>;
+
+// A motion counts as free if its stiffness is below this, where a spring's along itself is 1. Bending of a beam of 100
+// cells has about 1e-8; rounding leaves 1e-16.
+constexpr double no_stiffness = 1e-12;
+// What is tried: some seconds, of which the pattern of the factors alone takes a part.
+constexpr Eigen::Index most_columns = 30000;
+constexpr double most_operations = 1e10;
+
+// Sylvester: a symmetric matrix has as many negative eigenvalues as its factorisation has negative pivots.
+class Inertia : public Eigen::SimplicialLDLT<Matrix> {
+ public:
+  // The dimension of the null space of a positive semidefinite matrix; empty if it would take too long. Without
+  // pivoting that is sound here: a part of such a matrix is only singular where the rest does not touch it.
+  std::optional<std::size_t> nullity(Matrix matrix) {
+    if (matrix.rows() == 0) return 0;
+    if (matrix.rows() > most_columns) return std::nullopt;
+    for (Eigen::Index k = 0; k < matrix.rows(); ++k) matrix.coeffRef(k, k) -= no_stiffness;
+    matrix.makeCompressed();
+    analyzePattern(matrix);
+    const double operations = m_nonZerosPerCol.head(matrix.rows()).cast<double>().squaredNorm();
+    if (operations > most_operations) return std::nullopt;
+    factorize(matrix);
+    if (info() != Eigen::Success) return std::nullopt;
+    return static_cast<std::size_t>((vectorD().array() < 0.0).count());
+  }
+};
+
+// One row a connection, with its direction in the columns of its free ends.
+class Directions {
+ public:
+  Directions(const Network& network, const LinearNetwork& linear)
+      : network_(network), column_(linear.nodes.size(), -1) {
+    for (std::size_t k = 0; k < column_.size(); ++k) {
+      if (!linear.nodes[k].free) continue;
+      column_[k] = columns_;
+      columns_ += 3;
+    }
+  }
+  void add(NodeIndex first, NodeIndex second) {
+    const Vector3 difference = network_.nodes()[first].position - network_.nodes()[second].position;
+    const double length = difference.norm();
+    for (const auto& [node, sign] : {std::pair{first, 1.0}, std::pair{second, -1.0}}) {
+      if (column_[node] < 0 || !(length > 0.0)) continue;
+      for (int c = 0; c < 3; ++c) {
+        const double value = sign * difference[c] / length;
+        if (value != 0.0) entries_.emplace_back(rows_, column_[node] + c, value);
+      }
+    }
+    ++rows_;
+  }
+  [[nodiscard]] Matrix matrix() const {
+    Matrix result(rows_, columns_);
+    result.setFromTriplets(entries_.begin(), entries_.end());
+    return result;
+  }
+
+ private:
+  const Network& network_;
+  std::vector<int> column_;
+  int rows_ = 0, columns_ = 0;
+  std::vector<Eigen::Triplet<double>> entries_;
+};
+
+// How many motions as a rigid body a part has: of the six, those that leave its fixed nodes where they are and move
+// another.
+class RigidBody {
+ public:
+  void add(const Vector3& position) {
+    sum_ += position;
+    ++count_;
+    lower_ = lower_.cwiseMin(position);
+    upper_ = upper_.cwiseMax(position);
+  }
+  // Once all are added, again for each.
+  void add_motion(const Vector3& position, bool free) {
+    const double extent = (upper_ - lower_).norm();
+    const Vector3 arm = (position - sum_ / static_cast<double>(count_)) / (extent > 0.0 ? extent : 1.0);
+    Eigen::Matrix<double, 3, 6> motion;
+    motion << Eigen::Matrix3d::Identity(),
+        (Eigen::Matrix3d() << 0, arm.z(), -arm.y(), -arm.z(), 0, arm.x(), arm.y(), -arm.x(), 0).finished();
+    (free ? moving_ : resisting_) += motion.transpose() * motion;
+  }
+  [[nodiscard]] std::size_t motions() const {
+    // Squares of offsets relative to the extent: a line or a plane may be bent by a millionth.
+    constexpr double none = 1e-11;
+    const Eigen::SelfAdjointEigenSolver<Eigen::Matrix<double, 6, 6>> held(resisting_);
+    const auto kept = (held.eigenvalues().array() <= none).count();
+    const Eigen::MatrixXd allowed = held.eigenvectors().leftCols(kept);
+    if (kept == 0) return 0;
+    const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> seen(allowed.transpose() * moving_ * allowed);
+    return static_cast<std::size_t>((seen.eigenvalues().array() > none).count());
+  }
+
+ private:
+  Vector3 sum_ = Vector3::Zero();
+  Vector3 lower_ = Vector3::Constant(std::numeric_limits<double>::infinity());
+  Vector3 upper_ = Vector3::Constant(-std::numeric_limits<double>::infinity());
+  std::size_t count_ = 0;
+  Eigen::Matrix<double, 6, 6> moving_ = Eigen::Matrix<double, 6, 6>::Zero();
+  Eigen::Matrix<double, 6, 6> resisting_ = Eigen::Matrix<double, 6, 6>::Zero();
+};
+
+std::size_t rigid_body_motions(const Network& network, const LinearNetwork& linear,
+                               const std::vector<std::uint32_t>& part, std::size_t parts) {
+  std::vector<RigidBody> bodies(parts);
+  for (std::size_t k = 0; k < part.size(); ++k) bodies[part[k]].add(network.nodes()[k].position);
+  for (std::size_t k = 0; k < part.size(); ++k) {
+    bodies[part[k]].add_motion(network.nodes()[k].position, linear.nodes[k].free);
+  }
+  std::size_t sum = 0;
+  for (const RigidBody& body : bodies) sum += body.motions();
+  return sum;
+}
+
+}  // namespace
+
+void count_mechanisms(const Network& network, const LinearNetwork& linear, const std::vector<std::uint32_t>& part,
+                      Inspection& result) {
+  Mobility& found = result.mobility;
+  Directions all(network, linear), rigid(network, linear);
+  for (std::size_t s = 0; s < linear.springs.size(); ++s) {
+    const LinearSpring& spring = linear.springs[s];
+    if (!network.materials()[network.springs()[s].material].spring) continue;
+    if (spring.stiffness != 0.0) all.add(network.springs()[s].first, network.springs()[s].second);
+    // What rounding leaves at the rest length is no tension.
+    const double rounding = 1e-12 * std::abs(spring.stiffness) * spring.length;
+    found.springs_under_tension += spring.tension > rounding ? 1 : 0;
+    found.springs_under_compression += spring.tension < -rounding ? 1 : 0;
+  }
+  for (const Rigid& connection : network.rigids()) {
+    all.add(connection.first, connection.second);
+    rigid.add(connection.first, connection.second);
+  }
+  found.rigid_body_motions = rigid_body_motions(network, linear, part, result.parts.size());
+  const Matrix directions = all.matrix();
+  const std::optional<std::size_t> motions = Inertia().nullity(directions.transpose() * directions);
+  const Matrix constraints = rigid.matrix();
+  const std::optional<std::size_t> redundant = Inertia().nullity(constraints * constraints.transpose());
+  found.known = motions.has_value() && redundant.has_value();
+  if (!found.known) return;
+  found.redundant_rigids = *redundant;
+  found.mechanisms = *motions - std::min(*motions, found.rigid_body_motions);
+}
+
+}  // namespace springnet

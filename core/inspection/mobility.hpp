@@ -1,0 +1,15 @@
+// Mechanisms: motions that nothing resists to first order.
+#pragma once
+
+#include <springnet/inspection.hpp>
+
+#include "inspection/linearised.hpp"
+#include "inspection/orders.hpp"
+
+namespace springnet {
+
+// Fills result.mobility; result.parts have to be known. part: [node] index into result.parts.
+void count_mechanisms(const Network& network, const LinearNetwork& linear, const std::vector<std::uint32_t>& part,
+                      Inspection& result);
+
+}  // namespace springnet

@@ -1,0 +1,115 @@
+// The table of core/docs/propagation.md: sweeps a step that each update rule needs on the paper's cube, from soft to
+// stiff. Prints Markdown. Counts, not times: the same everywhere.
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstdio>
+#include <random>
+#include <string>
+#include <vector>
+
+#include <fmt/format.h>
+#include <springnet/error.hpp>
+#include <springnet/inspection.hpp>
+#include <springnet/simulation.hpp>
+
+#include "nets.hpp"
+
+namespace {
+
+using namespace springnet;
+
+constexpr double time_step = 0.05;            // s
+constexpr double gravity = 0.2;               // m/s^2
+constexpr double tolerance = 1e-6 * gravity;  // N: a millionth of a node's weight
+constexpr int step_count = 10;
+constexpr double most_sweeps = 5000;
+constexpr std::array ratios{0.01, 0.1, 1.0, 10.0, 100.0};
+
+// The cube with masses of 1 kg standing on the floor, its nodes with velocities of a few mm/s at random, so that every
+// motion is there for a sweep to damp or to raise.
+Network standing_cube(double elastic_ratio, double viscous_ratio) {
+  Network net = testing::cube(elastic_ratio / (time_step * time_step), viscous_ratio / time_step, gravity, 0.0);
+  std::mt19937 random(1);
+  const auto speed = [&] { return 1e-2 * (static_cast<double>(random()) * 0x1p-32 - 0.5); };
+  for (NodeIndex k = 0; k < net.nodes().size(); ++k) {
+    Node node = net.nodes()[k];
+    const double x = speed(), y = speed(), z = speed();
+    node.velocity = {x, y, node.position.z() > 0.0 ? z : -std::abs(z)};
+    net.set_node(k, node);
+  }
+  return net;
+}
+
+struct Run {
+  Outcome outcome = Outcome::settled;
+  double sweeps = 0.0;    // a step; those of the last step if it did not settle
+  double residual = 0.0;  // N, the greatest of all steps
+  std::vector<Vector3> positions{};
+};
+
+Run run(const Network& net, UpdateRule rule) {
+  // The integrator numbers its choices as UpdateRule does.
+  Simulation simulation = testing::simulate(
+      net, testing::recurrent(static_cast<double>(rule), tolerance, {{"max_sweeps", most_sweeps}}), time_step);
+  Run result;
+  for (int step = 0; step < step_count; ++step) {
+    try {
+      result.residual = std::max(result.residual, simulation.step().residual);
+    } catch (const Error&) {
+      const StepReport& report = simulation.last_report();
+      return {report.outcome, static_cast<double>(report.sweeps)};
+    }
+  }
+  result.sweeps = static_cast<double>(simulation.sweeps()) / step_count;
+  for (NodeIndex k = 0; k < net.nodes().size(); ++k) result.positions.push_back(simulation.position(k));
+  return result;
+}
+
+// "12 (0.3)": sweeps a step, and the greatest residual in units of the threshold. Or how it ended, after how many
+// sweeps.
+std::string text_of(const Run& run, const Run& newton) {
+  if (run.outcome != Outcome::settled) return fmt::format("{}, {:.0f}", name_of(run.outcome), run.sweeps);
+  // A force off by the threshold moves a node by t^2 F / m in a step; this is far above what ten steps add up to.
+  constexpr double alike = 1e-6;  // m
+  double distance = 0.0;
+  for (std::size_t k = 0; k < run.positions.size() && newton.outcome == Outcome::settled; ++k) {
+    distance = std::max(distance, (run.positions[k] - newton.positions[k]).norm());
+  }
+  if (distance > alike) return fmt::format("elsewhere, {:.0f}", run.sweeps);
+  return fmt::format("{:.{}f} ({:.2g})", run.sweeps, run.sweeps < 10.0 ? 1 : 0, run.residual / tolerance);
+}
+
+// The time step over the largest one of a rule, for the cube with its lowest layer held.
+std::string over_limit(Network net, UpdateRule rule) {
+  for (NodeIndex k = 0; k < 16; ++k) net.fix(k);
+  return fmt::format("{:.2g}", time_step / inspect(net, *testing::plugins()).limit(rule).time_constant);
+}
+
+void print_table() {
+  fmt::print("| t²k/m | t d/m | t over limit, synchronous | wavefront |");
+  for (const UpdateRule rule : update_rules) fmt::print(" {} |", name_of(rule));
+  fmt::print("\n|---|---|---|---|---|---|---|---|---|\n");
+  for (const double elastic : ratios) {
+    for (const double viscous : ratios) {
+      const Network net = standing_cube(elastic, viscous);
+      fmt::print("| {:g} | {:g} | {} | {} |", elastic, viscous, over_limit(net, UpdateRule::synchronous),
+                 over_limit(net, UpdateRule::wavefront));
+      const Run newton = run(net, UpdateRule::newton);
+      for (const UpdateRule rule : update_rules) fmt::print(" {} |", text_of(run(net, rule), newton));
+      fmt::print("\n");
+      std::fflush(stdout);
+    }
+  }
+}
+
+}  // namespace
+
+int main() {
+  try {
+    print_table();
+  } catch (const springnet::Error& error) {
+    fmt::print(stderr, "springnet_sweeps_table: {}\n", error.what());
+    return 1;
+  }
+}
