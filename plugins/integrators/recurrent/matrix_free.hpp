@@ -49,7 +49,7 @@ struct Action {
     return *this;
   }
   template <class Matrix>
-  Action& analyzePattern(const Matrix&) noexcept {
+  Action& analyzePattern(const Matrix&) noexcept {  // NOLINT(readability-identifier-naming): Eigen calls it so
     return *this;
   }
   template <class Matrix>
@@ -74,7 +74,8 @@ struct Eigen::internal::generic_product_impl<springnet::recurrent::MatrixFree, R
           springnet::recurrent::MatrixFree, Right,
           Eigen::internal::generic_product_impl<springnet::recurrent::MatrixFree, Right>> {
   template <class Result>
-  static void scaleAndAddTo(Result& result, const springnet::recurrent::MatrixFree& left, const Right& right,
+  static void scaleAndAddTo(Result& result, const springnet::recurrent::MatrixFree& left,
+                            const Right& right,  // NOLINT(readability-identifier-naming)
                             const double& factor) {
     Eigen::VectorXd product(right.size());
     left.multiply(right, product);

@@ -129,7 +129,8 @@ springnet_status Recurrent::advance(double until, springnet_step_report& report)
   if (!settled(attempt.verdict) && may_raise) {
     attempt = raise_time_constant(step, attempt);
     // What is told, or accepted, is the step with its own time constant.
-    if (!settled(attempt.verdict) && unsettled_ != Unsettled::adapt) attempt = propagate_again(attempt.update, step);
+    if (!settled(attempt.verdict) && unsettled_ != Unsettled::adapt)
+      attempt = propagate_again(update_ == Update::automatic ? Update::newton : attempt.update, step);
   }
   fill(report, step, attempt);
   if (settled(attempt.verdict) || (unsettled_ == Unsettled::accept && step.finite)) {
