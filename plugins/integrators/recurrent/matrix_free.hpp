@@ -74,8 +74,8 @@ struct Eigen::internal::generic_product_impl<springnet::recurrent::MatrixFree, R
           springnet::recurrent::MatrixFree, Right,
           Eigen::internal::generic_product_impl<springnet::recurrent::MatrixFree, Right>> {
   template <class Result>
-  static void scaleAndAddTo(Result& result, const springnet::recurrent::MatrixFree& left,
-                            const Right& right,  // NOLINT(readability-identifier-naming)
+  // NOLINTNEXTLINE(readability-identifier-naming): Eigen calls it so
+  static void scaleAndAddTo(Result& result, const springnet::recurrent::MatrixFree& left, const Right& right,
                             const double& factor) {
     Eigen::VectorXd product(right.size());
     left.multiply(right, product);
