@@ -56,6 +56,53 @@ double tension(const Layout& layout, InstructionSet set, double time, const Node
   return (group.spring.relative ? 0.0 : values[0]) + (group.viscosity.relative ? 0.0 : values[1]);
 }
 
+namespace {
+
+// Live springs a batch of one group at a time: what(springs, count, group, outputs of the two laws).
+template <class What>
+void for_each_batch(const Layout& layout, InstructionSet set, double time, const NodeArrays& nodes, bool energy,
+                    const What& what) {
+  const auto geometry = std::make_unique<SegmentGeometry>();
+  double force[2][max_segment], stored[max_segment];
+  for (std::size_t g = 0; g < layout.laws().groups.size(); ++g) {
+    const Group& group = layout.laws().groups[g];
+    const std::vector<std::uint32_t>& springs = layout.springs_of(g);
+    for (std::size_t begin = 0; begin < springs.size(); begin += max_segment) {
+      const std::size_t count = std::min(max_segment, springs.size() - begin);
+      LawOutputs out[2];
+      out[0].force = force[0];
+      out[1].force = force[1];
+      const bool has_energy = group.spring.can(SPRINGNET_HAS_ENERGY);
+      if (energy && has_energy) out[0].energy = stored;
+      springnet_message message{};
+      if (evaluate_elements(layout, set, time, nodes, g, springs.data() + begin, count, *geometry, out[0], out[1],
+                            message) != SPRINGNET_OK) {
+        for (auto* values : {force[0], force[1], stored}) std::fill_n(values, count, std::nan(""));
+      } else if (energy && !has_energy) {
+        std::fill_n(stored, count, group.spring ? std::nan("") : 0.0);
+      }
+      for (std::size_t i = 0; i < count; ++i) what(springs[begin + i], group, force[0][i], force[1][i], stored[i]);
+    }
+  }
+}
+
+}  // namespace
+
+void all_tensions(const Layout& layout, InstructionSet set, double time, const NodeArrays& nodes, double* out) {
+  std::fill_n(out, layout.spring_count(), 0.0);
+  for_each_batch(layout, set, time, nodes, false,
+                 [&](std::uint32_t s, const Group& group, double spring, double viscous, double) {
+                   if (group.spring && !group.spring.relative) out[s] += spring;
+                   if (group.viscosity && !group.viscosity.relative) out[s] += viscous;
+                 });
+}
+
+void all_energies(const Layout& layout, InstructionSet set, double time, const NodeArrays& nodes, double* out) {
+  std::fill_n(out, layout.spring_count(), 0.0);
+  for_each_batch(layout, set, time, nodes, true,
+                 [&](std::uint32_t s, const Group&, double, double, double stored) { out[s] = stored; });
+}
+
 double elastic_energy(const Layout& layout, InstructionSet set, double time, const NodeArrays& nodes) {
   const auto geometry = std::make_unique<SegmentGeometry>();
   double sum = 0.0;

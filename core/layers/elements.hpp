@@ -19,6 +19,11 @@ springnet_status evaluate_elements(const Layout& layout, InstructionSet set, dou
 // Axial tension of a live spring, N. Laws along the relative velocity do not count.
 [[nodiscard]] double tension(const Layout& layout, InstructionSet set, double time, const NodeArrays& nodes,
                              std::uint32_t spring);
+// The same of all springs, by number; 0 for those that were removed. out: [spring_count]
+void all_tensions(const Layout& layout, InstructionSet set, double time, const NodeArrays& nodes, double* out);
+// What each spring's function has stored, J: 0 for removed springs and viscous connections, nan for a law without an
+// energy. out: [spring_count]
+void all_energies(const Layout& layout, InstructionSet set, double time, const NodeArrays& nodes, double* out);
 // Energy stored in all live springs whose spring function has one, J.
 [[nodiscard]] double elastic_energy(const Layout& layout, InstructionSet set, double time, const NodeArrays& nodes);
 

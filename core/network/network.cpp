@@ -188,7 +188,13 @@ void Network::begin_body(const std::string& name) {
   if (in_body_) fail(fmt::format("body '{}' begins before body '{}' has ended", name, bodies_.back().name));
   if (name.empty()) fail("a body needs a name");
   if (!body_names_.insert(name).second) fail(fmt::format("there are two bodies '{}': rename one", name));
-  bodies_.push_back({name, static_cast<NodeIndex>(nodes_.size()), 0, static_cast<SpringIndex>(springs_.size()), 0});
+  bodies_.push_back({.name = name,
+                     .first_node = static_cast<NodeIndex>(nodes_.size()),
+                     .node_count = 0,
+                     .first_spring = static_cast<SpringIndex>(springs_.size()),
+                     .spring_count = 0,
+                     .first_element = static_cast<ElementIndex>(elements_.size()),
+                     .first_face = faces_.size()});
   in_body_ = true;
 }
 
@@ -197,6 +203,8 @@ void Network::end_body() {
   Body& body = bodies_.back();
   body.node_count = static_cast<NodeIndex>(nodes_.size()) - body.first_node;
   body.spring_count = static_cast<SpringIndex>(springs_.size()) - body.first_spring;
+  body.element_count = static_cast<ElementIndex>(elements_.size()) - body.first_element;
+  body.face_count = faces_.size() - body.first_face;
   in_body_ = false;
 }
 

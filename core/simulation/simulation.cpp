@@ -269,6 +269,18 @@ double Simulation::tension(SpringIndex spring) const {
                                                          engine.time(), engine.state_without_forces().nodes(), spring)
                                        : 0.0;
 }
+void Simulation::tensions(std::vector<double>& out) const {
+  const Engine& engine = impl_->engine;
+  out.resize(spring_count());
+  layers::all_tensions(engine.layout(), engine.evaluator().instruction_set(), engine.time(),
+                       engine.state_without_forces().nodes(), out.data());
+}
+void Simulation::spring_energies(std::vector<double>& out) const {
+  const Engine& engine = impl_->engine;
+  out.resize(spring_count());
+  layers::all_energies(engine.layout(), engine.evaluator().instruction_set(), engine.time(),
+                       engine.state_without_forces().nodes(), out.data());
+}
 bool Simulation::alive(SpringIndex spring) const {
   impl_->check_spring(spring);
   return impl_->engine.layout().alive(spring);

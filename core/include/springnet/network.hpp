@@ -23,6 +23,7 @@ using NodeIndex = std::uint32_t;
 using SpringIndex = std::uint32_t;
 using MaterialIndex = std::uint32_t;
 using RigidIndex = std::uint32_t;
+using ElementIndex = std::uint32_t;
 
 // A component by id, with the parameters that differ from its defaults.
 struct LawUse {
@@ -53,13 +54,49 @@ struct Spring {
   double rest_length;  // m
 };
 
-// Nodes [first_node, first_node + node_count), springs likewise.
+// What a law reads of an element's nodes in place of the length of a spring: the scalar q. Laws that read a length (and
+// its rate) may be used on any of them; their units change with q: a stiffness in N/m stands for N m/rad on an angle,
+// N/m^3 on an area, N/m^5 on a volume.
+enum class Invariant {
+  angle,     // three nodes a, b, c: the angle at b between the directions to a and c, 0 to pi, rad
+  dihedral,  // four: the edge a b, then the tips c and d of the triangles (a, b, c) and (b, a, d): the angle between
+             // their normals, 0 where flat, > 0 where the tips lie on the side the normals point away from; rad
+  area,      // three: area of the triangle, m^2
+  volume,    // four: signed volume (b - a) . ((c - a) x (d - a)) / 6 of the tetrahedron, m^3
+  enclosed_volume  // three a triangle of a closed surface, counterclockwise seen from outside: enclosed volume, m^3
+};
+[[nodiscard]] std::string_view name_of(Invariant invariant) noexcept;  // "angle", …
+[[nodiscard]] std::string_view unit_of(Invariant invariant) noexcept;  // "rad", "m^2", "m^3"
+
+// A law on an invariant of some nodes: bending, area, filling. The nodes get the forces -Q dq/dp.
+struct Element {
+  Invariant invariant;
+  std::vector<NodeIndex> nodes;
+  MaterialIndex material;
+  double reference;  // value at which the law rests, in the unit of the invariant
+};
+
+// A triangle of a body's surface: for pictures and outputs alone, it has no mechanics.
+using Face = std::array<NodeIndex, 3>;
+
+// Nodes with a name: a physical group of a mesh, for selections.
+struct NodeGroup {
+  std::string name;
+  std::vector<NodeIndex> nodes;  // rising, each once
+};
+
+// Nodes [first_node, first_node + node_count), springs, elements and faces likewise.
 struct Body {
   std::string name;
   NodeIndex first_node;
   NodeIndex node_count;
   SpringIndex first_spring;
   SpringIndex spring_count;
+  ElementIndex first_element = 0;
+  ElementIndex element_count = 0;
+  std::size_t first_face = 0;
+  std::size_t face_count = 0;
+  std::vector<NodeGroup> groups{};
 };
 
 // The same force on each of some nodes while from <= time < until.
@@ -171,7 +208,19 @@ class Network {
   // that does not exist.
   SpringIndex add_spring(NodeIndex first, NodeIndex second, MaterialIndex material,
                          std::optional<double> rest_length = std::nullopt);
-  // Nodes and springs added between these two calls form a body. Names are unique; throws Error(input) otherwise.
+  // Reference: the present value of the invariant unless given. Throws Error(input) for a number of nodes that does not
+  // fit the invariant, a node that does not exist or is twice in an angle, hinge, triangle or tetrahedron, a surface
+  // that is not closed or not consistently oriented (every edge belongs to two triangles, once in each direction), a
+  // material that does not exist, a reference that is not finite.
+  ElementIndex add_element(Invariant invariant, std::vector<NodeIndex> nodes, MaterialIndex material,
+                           std::optional<double> reference = std::nullopt);
+  // Throws Error(input) for a node that does not exist or is twice in it.
+  void add_face(const Face& face);
+  // A group of the body that was begun. Throws Error(input) without one, for a name that is empty or that the body has
+  // already, a node that does not exist or is of another body.
+  void add_group(const std::string& name, std::vector<NodeIndex> nodes);
+  // Nodes, springs, elements and faces added between these two calls form a body. Names are unique; throws Error(input)
+  // otherwise.
   void begin_body(const std::string& name);
   void end_body();
   // A body of a lattice. `prototype` gives mass, neuron and velocity. Springs of one direction have the same rest
@@ -200,6 +249,8 @@ class Network {
 
   [[nodiscard]] const std::vector<Node>& nodes() const noexcept { return nodes_; }
   [[nodiscard]] const std::vector<Spring>& springs() const noexcept { return springs_; }
+  [[nodiscard]] const std::vector<Element>& elements() const noexcept { return elements_; }
+  [[nodiscard]] const std::vector<Face>& faces() const noexcept { return faces_; }
   [[nodiscard]] const std::vector<Material>& materials() const noexcept { return materials_; }
   [[nodiscard]] const std::vector<LawUse>& neurons() const noexcept { return neurons_; }
   [[nodiscard]] const std::vector<Body>& bodies() const noexcept { return bodies_; }
@@ -216,6 +267,10 @@ class Network {
   void set_node(NodeIndex index, const Node& node);
   void set_spring_material(SpringIndex spring, MaterialIndex material);
   void set_rest_length(SpringIndex spring, double rest_length);
+  void set_reference(ElementIndex element, double reference);
+
+  // The invariant of an element with the nodes where the network has them, in its unit.
+  [[nodiscard]] double value_of(const Element& element) const;
 
  private:
   void check_node(const Node& node, NodeIndex index) const;
@@ -228,6 +283,8 @@ class Network {
 
   std::vector<Node> nodes_;
   std::vector<Spring> springs_;
+  std::vector<Element> elements_;
+  std::vector<Face> faces_;
   std::vector<Material> materials_;
   std::vector<LawUse> neurons_;
   std::vector<Body> bodies_;

@@ -116,6 +116,16 @@ class Simulation {
   // Tension of a live spring, N (0 for a removed one); and whether it is there.
   [[nodiscard]] double tension(SpringIndex spring) const;
   [[nodiscard]] bool alive(SpringIndex spring) const;
+  // The same of all springs, by the user's number, faster than one by one: tensions N, and what their spring functions
+  // have stored, J (0 for removed springs; nan for laws without an energy). Replace what is in the vector.
+  void tensions(std::vector<double>& out) const;
+  void spring_energies(std::vector<double>& out) const;
+
+  // Of an element: the invariant now, in its unit; the law's answer Q, > 0 where it pulls the invariant down (N m, N/m,
+  // Pa for an angle, an area, a volume: a filling's pressure is -Q); and whether it is there.
+  [[nodiscard]] double element_value(ElementIndex element) const;
+  [[nodiscard]] double element_force(ElementIndex element) const;
+  [[nodiscard]] bool element_alive(ElementIndex element) const;
 
   // J. Potential energy counts the laws that have one, and gravity from the origin.
   [[nodiscard]] double kinetic_energy() const;

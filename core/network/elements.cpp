@@ -1,0 +1,184 @@
+#include <algorithm>
+#include <cmath>
+#include <unordered_map>
+
+#include <Eigen/Geometry>
+
+#include "network/checks.hpp"
+
+namespace springnet {
+namespace {
+
+using namespace checks;
+
+constexpr std::size_t largest_count = std::numeric_limits<std::uint32_t>::max();
+
+std::size_t nodes_of(Invariant invariant) {
+  switch (invariant) {
+    case Invariant::angle:
+    case Invariant::area:
+      return 3;
+    case Invariant::dihedral:
+    case Invariant::volume:
+      return 4;
+    case Invariant::enclosed_volume:
+      break;
+  }
+  return 0;  // three a triangle
+}
+
+std::uint64_t directed(NodeIndex from, NodeIndex to) { return std::uint64_t{from} << 32 | to; }
+
+// Every edge has to be that of two triangles, once in each direction.
+void check_closed(const std::vector<NodeIndex>& nodes) {
+  std::unordered_map<std::uint64_t, std::size_t> triangle_of;  // by directed edge
+  const auto corner = [&](std::size_t triangle, std::size_t k) { return nodes[3 * triangle + k % 3]; };
+  for (std::size_t t = 0; t < nodes.size() / 3; ++t) {
+    for (std::size_t k = 0; k < 3; ++k) {
+      const auto [other, is_new] = triangle_of.emplace(directed(corner(t, k), corner(t, k + 1)), t);
+      if (is_new) continue;
+      fail(
+          fmt::format("an enclosed volume: triangles {} and {} both run from node {} to node {}: turn one of them, so "
+                      "that all are counterclockwise seen from outside, or leave out what is there twice",
+                      other->second, t, corner(t, k), corner(t, k + 1)));
+    }
+  }
+  for (std::size_t t = 0; t < nodes.size() / 3; ++t) {
+    for (std::size_t k = 0; k < 3; ++k) {
+      if (triangle_of.contains(directed(corner(t, k + 1), corner(t, k)))) continue;
+      fail(
+          fmt::format("an enclosed volume: the surface is open at the edge from node {} to node {} of triangle {}: "
+                      "close it, or use areas or the volumes of tetrahedra",
+                      corner(t, k), corner(t, k + 1), t));
+    }
+  }
+}
+
+}  // namespace
+
+std::string_view name_of(Invariant invariant) noexcept {
+  switch (invariant) {
+    case Invariant::angle:
+      return "angle";
+    case Invariant::dihedral:
+      return "dihedral";
+    case Invariant::area:
+      return "area";
+    case Invariant::volume:
+      return "volume";
+    case Invariant::enclosed_volume:
+      break;
+  }
+  return "enclosed_volume";
+}
+
+std::string_view unit_of(Invariant invariant) noexcept {
+  switch (invariant) {
+    case Invariant::angle:
+    case Invariant::dihedral:
+      return "rad";
+    case Invariant::area:
+      return "m^2";
+    case Invariant::volume:
+    case Invariant::enclosed_volume:
+      break;
+  }
+  return "m^3";
+}
+
+ElementIndex Network::add_element(Invariant invariant, std::vector<NodeIndex> nodes, MaterialIndex material,
+                                  std::optional<double> reference) {
+  if (elements_.size() >= largest_count) fail(fmt::format("a network has at most {} elements", largest_count));
+  const std::string what = fmt::format("an element of {}", name_of(invariant));
+  const std::size_t wanted = nodes_of(invariant);
+  if (wanted > 0 ? nodes.size() != wanted : nodes.size() < 12 || nodes.size() % 3 != 0) {
+    fail(fmt::format("{} has {} nodes, needs {}", what, nodes.size(),
+                     wanted > 0 ? std::to_string(wanted) : "three for each triangle, of four triangles or more"));
+  }
+  for (const NodeIndex node : nodes) {
+    if (node >= nodes_.size()) fail(fmt::format("{}: there is no node {}, only {}", what, node, nodes_.size()));
+  }
+  const std::size_t corners = wanted > 0 ? wanted : 3;
+  for (std::size_t begin = 0; begin < nodes.size(); begin += corners) {
+    for (std::size_t i = begin; i < begin + corners; ++i) {
+      for (std::size_t j = begin; j < i; ++j) {
+        if (nodes[i] == nodes[j]) {
+          fail(fmt::format("{}: node {} is twice in it: give different nodes", what, nodes[i]));
+        }
+      }
+    }
+  }
+  if (wanted == 0) check_closed(nodes);
+  check_material(material);
+  Element element{invariant, std::move(nodes), material, 0.0};
+  element.reference = reference ? *reference : value_of(element);
+  if (!std::isfinite(element.reference)) {
+    fail(fmt::format("{}: its reference must be a finite number, is {}", what, element.reference));
+  }
+  elements_.push_back(std::move(element));
+  return static_cast<ElementIndex>(elements_.size() - 1);
+}
+
+void Network::set_reference(ElementIndex element, double reference) {
+  if (element >= elements_.size()) fail(fmt::format("there is no element {}, only {}", element, elements_.size()));
+  if (!std::isfinite(reference)) {
+    fail(fmt::format("the reference of an element must be a finite number, is {}", reference));
+  }
+  elements_[element].reference = reference;
+}
+
+double Network::value_of(const Element& element) const {
+  const auto p = [&](std::size_t k) -> const Vector3& { return nodes_[element.nodes[k]].position; };
+  switch (element.invariant) {
+    case Invariant::angle: {
+      const Vector3 u = p(0) - p(1), w = p(2) - p(1);
+      return std::atan2(u.cross(w).norm(), u.dot(w));
+    }
+    case Invariant::dihedral: {
+      const Vector3 edge = p(1) - p(0);
+      const Vector3 m = edge.cross(p(2) - p(0)), n = (p(3) - p(0)).cross(edge);  // normals of (a, b, c), (b, a, d)
+      return std::atan2(m.cross(n).dot(edge.normalized()), m.dot(n));
+    }
+    case Invariant::area:
+      return 0.5 * (p(1) - p(0)).cross(p(2) - p(0)).norm();
+    case Invariant::volume:
+      return (p(1) - p(0)).dot((p(2) - p(0)).cross(p(3) - p(0))) / 6.0;
+    case Invariant::enclosed_volume:
+      break;
+  }
+  // From a node of the surface: far from the origin its coordinates would lose the digits that matter.
+  const Vector3 origin = p(0);
+  double sum = 0.0;
+  for (std::size_t k = 0; k < element.nodes.size(); k += 3)
+    sum += (p(k) - origin).dot((p(k + 1) - origin).cross(p(k + 2) - origin));
+  return sum / 6.0;
+}
+
+void Network::add_face(const Face& face) {
+  for (const NodeIndex node : face) {
+    if (node >= nodes_.size()) fail(fmt::format("a face: there is no node {}, only {}", node, nodes_.size()));
+  }
+  if (face[0] == face[1] || face[1] == face[2] || face[2] == face[0]) {
+    fail(fmt::format("a face of nodes {}, {} and {}: give three different nodes", face[0], face[1], face[2]));
+  }
+  faces_.push_back(face);
+}
+
+void Network::add_group(const std::string& name, std::vector<NodeIndex> nodes) {
+  if (!in_body_) fail(fmt::format("group '{}' is outside of a body: add it between begin_body and end_body", name));
+  Body& body = bodies_.back();
+  if (name.empty()) fail(fmt::format("body '{}': a group needs a name", body.name));
+  for (const NodeGroup& group : body.groups) {
+    if (group.name == name) fail(fmt::format("body '{}': there are two groups '{}': rename one", body.name, name));
+  }
+  for (const NodeIndex node : nodes) {
+    if (node < body.first_node || node >= nodes_.size()) {
+      fail(fmt::format("body '{}', group '{}': node {} is not one of the body", body.name, name, node));
+    }
+  }
+  std::sort(nodes.begin(), nodes.end());
+  nodes.erase(std::unique(nodes.begin(), nodes.end()), nodes.end());
+  body.groups.push_back({name, std::move(nodes)});
+}
+
+}  // namespace springnet
