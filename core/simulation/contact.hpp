@@ -100,6 +100,10 @@ class Contact {
     double share = 0.0;
   };
   [[nodiscard]] Meeting first_meeting(const Vector3& start, const Vector3& end, std::int32_t except = -1) const;
+  // A node that slides on `surface` to `end`, with its velocity there: the other surface that it runs into; -1: none.
+  // It is held there, having nowhere to go but along both.
+  [[nodiscard]] Meeting second_meeting(const Vector3& start, const Vector3& end, const Vector3& velocity,
+                                       std::int32_t surface) const;
   // Whether a node that was undecided may be held at its last surface, though it does not meet it on its way.
   [[nodiscard]] bool could_reach(std::uint32_t node, const Vector3& start, const Vector3& end) const;
   [[nodiscard]] bool leaves(std::int32_t surface, const Vector3& velocity, const Vector3& position) const;
@@ -135,6 +139,8 @@ class Contact {
   void meet(std::uint32_t node, const Candidate& candidate, const springnet_sweep& sweep);
   void slide(std::uint32_t node, std::int32_t surface, const ContactAnswer& answer, const Candidate& candidate,
              const springnet_sweep& sweep, bool is_new);
+  void stop_between(std::uint32_t node, std::int32_t surface, const Meeting& second, const Vector3& end,
+                    const Candidate& candidate, const springnet_sweep& sweep);
   [[nodiscard]] ContactAnswer answer(std::int32_t surface, const Candidate& candidate, const Vector3& position) const;
   void refresh(std::uint32_t node);
 

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <optional>
 
 #include "layers/elements.hpp"
 #include "simulation/engine.hpp"
@@ -174,19 +175,22 @@ springnet_status Engine::settle_contacts(double time, State& state) {
 springnet_status Engine::release_grip(double time, const State& state) {
   // A force this small, in units of the force scale, is rounding.
   const double least_force = 1e-9 * info_.force_scale;
+  std::optional<ReactionsAt> reactions;
   for (std::uint32_t k = 0; k < layout_.node_count(); ++k) {
     const Touch touch = contact_.committed(k);
     if (touch.surface < 0 || touch.slides) continue;
     const auto j = static_cast<std::size_t>(touch.surface);
     if (contact_.surfaces()[j].friction().kind != Friction::Kind::coulomb) continue;
     Vector3 reaction;
-    ReactionsAt reactions(*this, time, read_only(state.view.position), read_only(state.view.velocity));
-    if (const springnet_status status = reactions.of(k, reaction); status != SPRINGNET_OK) return status;
+    if (!reactions) reactions.emplace(*this, time, read_only(state.view.position), read_only(state.view.velocity));
+    if (const springnet_status status = reactions->of(k, reaction); status != SPRINGNET_OK) return status;
     const Vector3 n = contact_.normal(j, vector_at(state.view.position, k));
     const double pressing = n.dot(reaction);
     if (pressing > 0.0 &&
-        (reaction - pressing * n).norm() > contact_.surfaces()[j].friction().coefficient * pressing + least_force)
+        (reaction - pressing * n).norm() > contact_.surfaces()[j].friction().coefficient * pressing + least_force) {
       slip(k, reaction, time, state);
+      reactions.reset();  // what hangs on the node rigidly has other reactions now
+    }
   }
   return SPRINGNET_OK;
 }

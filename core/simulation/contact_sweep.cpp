@@ -11,6 +11,8 @@ namespace {
 
 // Of mind, within a step, after which a node stays in contact.
 constexpr std::uint8_t most_changes = 8;
+// Of its way within the step: a node that slides along a second surface may be this far behind it by rounding.
+constexpr double beside = 1e-9;
 constexpr std::uint32_t no_cluster = 0xffffffffu;
 
 double theta_of(const springnet_sweep& sweep) { return sweep.theta > 0.0 ? sweep.theta : 1.0; }
@@ -62,6 +64,14 @@ Contact::Meeting Contact::first_meeting(const Vector3& start, const Vector3& end
     if (share && *share < first.share) first = {static_cast<std::int32_t>(j), *share};
   }
   return first;
+}
+
+Contact::Meeting Contact::second_meeting(const Vector3& start, const Vector3& end, const Vector3& velocity,
+                                         std::int32_t surface) const {
+  const Meeting second = first_meeting(start, end, surface);
+  if (second.surface < 0 || leaves(second.surface, velocity, end)) return {};
+  const bool behind = distance(static_cast<std::size_t>(second.surface), end) < -beside * (end - start).norm();
+  return behind || second.share > 0.0 ? second : Meeting{};
 }
 
 Vector3 Contact::taken_along(const Vector3& start, const Vector3& end, const Meeting& meeting) const {
@@ -214,11 +224,31 @@ void Contact::slide(std::uint32_t node, std::int32_t surface, const ContactAnswe
     if (surfaces_[j].is_plane() || (position - last).norm() <= 1e-14 * position.norm()) break;
     reaction = answer(surface, candidate, position);
   }
+  const Meeting second = second_meeting(candidate.start, position, velocity, surface);
+  if (second.surface >= 0) {
+    stop_between(node, surface, second, position, candidate, sweep);
+    return;
+  }
   if (!reaction.sticks) slip_[node] = reaction.velocity;
   decide(node, {surface, !reaction.sticks}, is_new ? reaction.impulse : Vector3::Zero());
   put_vector(sweep.next_position, node, position);
   put_vector(sweep.next_velocity, node, velocity);
   if (!reaction.sticks && h > 0.0) put_force(sweep, node, reaction.impulse / (h * theta));
+}
+
+// Where it met the second surface, and with it from there on.
+void Contact::stop_between(std::uint32_t node, std::int32_t surface, const Meeting& second, const Vector3& end,
+                           const Candidate& candidate, const springnet_sweep& sweep) {
+  // One that is held between them already stays with the surface that held it first.
+  const Touch before = committed_[node];
+  const bool held = before.surface >= 0 && !before.slides;
+  const std::int32_t by = held && before.surface == surface ? surface : second.surface;
+  const Vector3 velocity = placement_[static_cast<std::size_t>(by)].velocity;
+  const bool is_new = before.surface != by;
+  decide(node, {by, false}, is_new ? Vector3(mass_[node] * (velocity - candidate.velocity)) : Vector3::Zero());
+  put_vector(sweep.next_position, node,
+             is_new ? taken_along(candidate.start, end, second) : carried(candidate.start, by));
+  put_vector(sweep.next_velocity, node, velocity);
 }
 
 }  // namespace springnet

@@ -94,9 +94,9 @@ double Engine::contact_tolerance() const noexcept {
 // Lengths and velocities fit the rigid connections from the start; a node that starts on a surface with a force into it
 // is held from the start.
 void Engine::start_constraints() {
+  const double tolerance = contact_.surfaces().empty() ? 0.0 : contact_tolerance();
   for (std::uint32_t k = 0; k < layout_.node_count(); ++k) {
     if (contact_.fixed()[k] != 0) continue;
-    const double tolerance = contact_.surfaces().empty() ? 0.0 : contact_tolerance();
     for (std::size_t j = 0; j < contact_.surfaces().size(); ++j) {
       const double distance = contact_.distance(j, vector_at(state_.view.position, k));
       if (distance >= -tolerance) continue;

@@ -65,7 +65,7 @@ class Engine {
   [[nodiscard]] const std::map<std::string, double>& statistics() const noexcept { return statistics_; }
   // What holds, moves or stops nodes at the committed state.
   struct Reactions {
-    std::vector<Vector3> node;  // N, of fixation and surfaces; empty where nothing could ever hold a node
+    std::vector<Vector3> node;  // N, of fixation and surfaces; 0 for one that nothing holds
     std::vector<double> rigid;  // N, > 0 is tension
   };
   [[nodiscard]] const Reactions& reactions();
@@ -101,7 +101,7 @@ class Engine {
   void set_time(double time) { contact_.set_time(sample_time(time)); }
   [[nodiscard]] SampleTime sample_time(double time) const noexcept;
   // Puts moved nodes where they are, right after the committed time, and all that hangs on them.
-  springnet_status follow_motions();
+  void follow_motions();
   // Holds free nodes that lie on a surface and move or are pushed into it; lets go those that friction cannot hold.
   springnet_status settle_contacts(double time, State& state);
   [[nodiscard]] double contact_tolerance() const noexcept;

@@ -68,8 +68,8 @@ double Engine::next_discontinuity(double time) const noexcept {
   return next;
 }
 
-springnet_status Engine::follow_motions() {
-  if (!contact_.prescribed().any() && contact_.surfaces().empty()) return SPRINGNET_OK;
+void Engine::follow_motions() {
+  if (!contact_.prescribed().any() && contact_.surfaces().empty()) return;
   contact_.set_time(just_after(time_));
   for (std::uint32_t k = 0; k < layout_.node_count(); ++k) {
     const Touch& touch = contact_.committed(k);
@@ -80,7 +80,6 @@ springnet_status Engine::follow_motions() {
       put_vector(state_.view.velocity, k, contact_.placement(static_cast<std::size_t>(touch.surface)).velocity);
     }
   }
-  return SPRINGNET_OK;
 }
 
 springnet_status Engine::commit(double time, State& state) {
@@ -115,13 +114,13 @@ springnet_status Engine::commit(double time, State& state) {
       }
       put_vector(state_.view.velocity, k, Vector3::Zero());
     }
-    status = follow_motions();
-    if (status == SPRINGNET_OK) status = stop_penetration(time, state_);
+    follow_motions();
+    status = stop_penetration(time, state_);
     if (status == SPRINGNET_OK) status = rigid_.project(state_.view.position, state_.view.velocity, message_);
     contact_.note_slips(read_only(state_.view.position), read_only(state_.view.velocity));
   }
   // A velocity that jumped takes along what hangs on it.
-  if (status == SPRINGNET_OK) status = follow_motions();
+  if (status == SPRINGNET_OK) follow_motions();
   if (status == SPRINGNET_OK && contact_.next_change(from) <= time) {
     changed();
     if (rigid_.any() || !contact_.surfaces().empty())
@@ -141,7 +140,7 @@ void Engine::move_surface(std::size_t surface, const Vector3& position, double t
   motion.times = {time_, time};
   motion.displacements = {now, position - contact_.surfaces()[surface].origin()};
   contact_.set_trajectory(surface, Trajectory(motion));
-  static_cast<void>(follow_motions());
+  follow_motions();
   changed();
 }
 
@@ -153,7 +152,7 @@ void Engine::move_node(std::uint32_t node, const Vector3& position, double time)
   motion.displacements = {Vector3::Zero(), position - now};
   contact_.set_fixed(node, true);
   contact_.prescribed().set(node, now, Trajectory(motion));
-  static_cast<void>(follow_motions());
+  follow_motions();
   changed();
 }
 

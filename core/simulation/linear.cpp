@@ -1,6 +1,7 @@
 // Derivatives and linear systems on behalf of an integrator, and the motion that the constraints leave.
 
 #include <algorithm>
+#include <optional>
 
 #include "simulation/engine.hpp"
 #include "simulation/reactions_at.hpp"
@@ -41,7 +42,7 @@ springnet_status Engine::linearise_rigid(const springnet_evaluation& at) {
 // Friction turns with the slip: a = -mu N / m t(v), whose derivative is -mu N / m (1 - n n^T - t t^T) / |slip|. Stiff
 // where the slip is slow, so that implicit methods need it; how N changes is left out.
 springnet_status Engine::linearise_friction(const springnet_evaluation& at) {
-  ReactionsAt reactions(*this, at.time, at.position, at.velocity);
+  std::optional<ReactionsAt> reactions;
   for (const ConstraintRow& row : linear_rows_) {
     if (row.second != ConstraintRow::no_node) continue;
     const std::uint32_t k = row.first;
@@ -49,7 +50,8 @@ springnet_status Engine::linearise_friction(const springnet_evaluation& at) {
     const Friction& friction = contact_.surfaces()[j].friction();
     if (friction.kind != Friction::Kind::coulomb) continue;
     Vector3 reaction;
-    if (const springnet_status status = reactions.of(k, reaction); status != SPRINGNET_OK) return status;
+    if (!reactions) reactions.emplace(*this, at.time, at.position, at.velocity);
+    if (const springnet_status status = reactions->of(k, reaction); status != SPRINGNET_OK) return status;
     const Vector3 n = row.direction;
     const Vector3 slip = contact_.slip_vector(k, n, vector_at(at.velocity, k) - contact_.placement(j).velocity);
     const double speed = slip.norm();

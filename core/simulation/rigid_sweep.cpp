@@ -157,6 +157,19 @@ bool RigidConnections::revise_contact(Step& step, std::size_t member) const {
     ++m.changes;
     return true;
   };
+  if (touch.slides && !forced) {
+    const Contact::Meeting second = contact_.second_meeting(m.start, step.positions[member], m.velocity, touch.surface);
+    if (second.surface >= 0) {
+      const auto other = static_cast<std::size_t>(second.surface);
+      m.is_new = contact_.committed(m.node).surface != second.surface;
+      m.place = contact_.onto(other, contact_.taken_along(m.start, step.positions[member], second));
+      m.place_velocity = contact_.placement(other).velocity;
+      m.friction.setZero();
+      touch = {second.surface, false};
+      ++m.changes;
+      return true;
+    }
+  }
   if (!touch.slides) {
     const Vector3 impulse = m.inertia * (m.place_velocity - m.free) - tension_at(step, member);
     const double pressing = n.dot(impulse);

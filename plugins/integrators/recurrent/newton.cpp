@@ -252,7 +252,6 @@ void Newton::sweep(Step& step) {
     }
     // So far the constraints cannot follow: less far.
     std::swap(here_, there_);
-
     step.outputs = &start;
     linearised_ = fresh_ = false;
     shift_ = std::max(first_shift, shift_growth * shift_);
@@ -277,7 +276,6 @@ void Newton::advance(Step& step, springnet_state& candidate) {
   }
   rate_ = here_.norm > 0.0 ? there_.norm / here_.norm : 0.0;
   std::swap(here_, there_);
-
   step.outputs = &candidate;
   fresh_ = false;
 }
