@@ -1,0 +1,139 @@
+#include "mesh/builder.hpp"
+
+#include <algorithm>
+#include <limits>
+
+#include <fmt/format.h>
+
+namespace springnet::meshes {
+namespace {
+
+constexpr std::size_t largest_count = std::numeric_limits<std::uint32_t>::max();
+
+void sort_unique(std::vector<std::uint32_t>& numbers) {
+  std::sort(numbers.begin(), numbers.end());
+  numbers.erase(std::unique(numbers.begin(), numbers.end()), numbers.end());
+}
+
+}  // namespace
+
+std::uint32_t Builder::add_point(const Vector3& position, Place place) {
+  if (!position.allFinite()) {
+    source_.fail(place, fmt::format("point [{}, {}, {}] is not finite; correct the mesh where it was made",
+                                    position.x(), position.y(), position.z()));
+  }
+  if (mesh_.points.size() >= largest_count)
+    source_.fail(place, fmt::format("a mesh has at most {} points", largest_count));
+  mesh_.points.push_back(position);
+  return static_cast<std::uint32_t>(mesh_.points.size() - 1);
+}
+
+void Builder::add_cell(CellType type, std::span<const std::uint32_t> corners, Place place) {
+  for (std::size_t i = 0; i < corners.size(); ++i) {
+    for (std::size_t j = 0; j < i; ++j) {
+      if (corners[i] != corners[j]) continue;
+      source_.fail(place, fmt::format("corners {} and {} of this {} are the same point; correct or remove the cell",
+                                      j + 1, i + 1, name_of(type)));
+    }
+  }
+  if (mesh_.cell_count() >= largest_count)
+    source_.fail(place, fmt::format("a mesh has at most {} cells", largest_count));
+  mesh_.add_cell(type, corners);
+}
+
+void Builder::add_polygon(std::span<const std::uint32_t> corners, Place place) {
+  if (corners.size() < 3) {
+    source_.fail(place, fmt::format("a polygon of {} corners; it needs three or more", corners.size()));
+  }
+  if (corners.size() <= 4) {
+    add_cell(corners.size() == 3 ? CellType::triangle : CellType::quadrilateral, corners, place);
+    return;
+  }
+  std::vector<std::uint32_t> sorted(corners.begin(), corners.end());
+  sort_unique(sorted);
+  if (sorted.size() != corners.size()) {
+    source_.fail(place, "a point is twice in this polygon; correct or remove it");
+  }
+  for (std::size_t i = 1; i + 1 < corners.size(); ++i) {
+    add_cell(CellType::triangle, std::array{corners[0], corners[i], corners[i + 1]}, place);
+  }
+  count_note("polygons of more than four corners are divided into triangles around their first corner");
+}
+
+std::size_t Builder::group(const std::string& name) {
+  const auto [entry, is_new] = group_of_name_.emplace(name, mesh_.groups.size());
+  if (is_new) mesh_.groups.push_back({name, {}, {}});
+  return entry->second;
+}
+
+void Builder::add_cells_to_group(std::size_t group, std::size_t first_cell, std::size_t end_cell) {
+  for (std::size_t cell = first_cell; cell < end_cell; ++cell) {
+    mesh_.groups[group].cells.push_back(static_cast<std::uint32_t>(cell));
+  }
+}
+
+void Builder::add_point_to_group(std::size_t group, std::uint32_t point) {
+  mesh_.groups[group].points.push_back(point);
+}
+
+std::vector<bool> Builder::used_points() const {
+  std::vector<bool> used(mesh_.points.size(), false);
+  for (const std::uint32_t corner : mesh_.corners) used[corner] = true;
+  return used;
+}
+
+void Builder::note(std::string sentence) {
+  std::vector<std::string>& notes = mesh_.notes;
+  if (std::find(notes.begin(), notes.end(), sentence) == notes.end()) notes.push_back(std::move(sentence));
+}
+
+void Builder::leave_out_unused_points() {
+  const std::vector<bool> used = used_points();
+  std::vector<std::uint32_t> number(mesh_.points.size());
+  std::uint32_t count = 0;
+  for (std::size_t point = 0; point < number.size(); ++point) {
+    if (!used[point]) continue;
+    number[point] = count;
+    mesh_.points[count++] = mesh_.points[point];
+  }
+  const std::size_t left_out = mesh_.points.size() - count;
+  mesh_.points.resize(count);
+  for (std::uint32_t& corner : mesh_.corners) corner = number[corner];
+  for (MeshGroup& group : mesh_.groups) {
+    std::erase_if(group.points, [&](std::uint32_t point) { return !used[point]; });
+    for (std::uint32_t& point : group.points) point = number[point];
+  }
+  if (left_out > 0) count_note("points that no cell uses are left out", left_out);
+}
+
+Mesh Builder::finish() && {
+  if (mesh_.cell_count() == 0) {
+    std::string why;
+    for (const auto& [sentence, times] : counted_)
+      why += fmt::format("{}{} {}", why.empty() ? " (" : "; ", times, sentence);
+    for (const std::string& sentence : mesh_.notes) why += fmt::format("{}{}", why.empty() ? " (" : "; ", sentence);
+    if (!why.empty()) why += ")";
+    source_.fail(fmt::format(
+        "there is no cell in it that could be used{}; export lines, triangles, quadrilaterals, tetrahedra, hexahedra, "
+        "wedges or pyramids",
+        why));
+  }
+  leave_out_unused_points();
+  for (MeshGroup& group : mesh_.groups) {
+    sort_unique(group.cells);
+    for (const std::uint32_t cell : group.cells) {
+      const auto corners = mesh_.cell(cell);
+      group.points.insert(group.points.end(), corners.begin(), corners.end());
+    }
+    sort_unique(group.points);
+  }
+  std::erase_if(mesh_.groups, [&](const MeshGroup& group) {
+    if (group.points.empty())
+      note(fmt::format("group '{}' has no cell and no point that is used, and is left out", group.name));
+    return group.points.empty();
+  });
+  for (const auto& [sentence, times] : counted_) mesh_.notes.push_back(fmt::format("{} {}", times, sentence));
+  return std::move(mesh_);
+}
+
+}  // namespace springnet::meshes

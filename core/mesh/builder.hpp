@@ -1,0 +1,58 @@
+// What all formats share in making a mesh: checks, groups, notes, and leaving out points that nothing uses.
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <map>
+#include <span>
+#include <string>
+#include <unordered_map>
+#include <vector>
+
+#include <springnet/mesh.hpp>
+
+#include "mesh/source.hpp"
+
+namespace springnet::meshes {
+
+class Builder {
+ public:
+  explicit Builder(const Source& source) : source_(source) {}
+
+  [[nodiscard]] const Source& source() const noexcept { return source_; }
+  [[nodiscard]] std::size_t point_count() const noexcept { return mesh_.points.size(); }
+  [[nodiscard]] std::size_t cell_count() const noexcept { return mesh_.cell_count(); }
+
+  void reserve_points(std::size_t more) { mesh_.points.reserve(mesh_.points.size() + more); }
+  // Throws Error(input) for coordinates that are not finite, and for too many points.
+  std::uint32_t add_point(const Vector3& position, Place place);
+  // Corners are points already added. Throws Error(input) for a point that is twice in it.
+  void add_cell(CellType type, std::span<const std::uint32_t> corners, Place place);
+  // Cells of three corners are triangles, of four quadrilaterals, of more triangles around the first corner.
+  void add_polygon(std::span<const std::uint32_t> corners, Place place);
+
+  // Groups of the same name are one.
+  std::size_t group(const std::string& name);
+  void add_cells_to_group(std::size_t group, std::size_t first_cell, std::size_t end_cell);
+  void add_point_to_group(std::size_t group, std::uint32_t point);
+
+  // [point]: whether a cell has it.
+  [[nodiscard]] std::vector<bool> used_points() const;
+
+  void note(std::string sentence);
+  // A note that is told once with the number of times; `sentence` begins after the number.
+  void count_note(const std::string& sentence, std::size_t times = 1) { counted_[sentence] += times; }
+
+  // Throws Error(input) if there is no cell.
+  [[nodiscard]] Mesh finish() &&;
+
+ private:
+  void leave_out_unused_points();
+
+  const Source& source_;
+  Mesh mesh_;
+  std::unordered_map<std::string, std::size_t> group_of_name_;
+  std::map<std::string, std::size_t> counted_;
+};
+
+}  // namespace springnet::meshes

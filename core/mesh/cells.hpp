@@ -1,0 +1,26 @@
+// Faces and tetrahedra of a cell, as places among its corners.
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <span>
+
+#include <springnet/mesh.hpp>
+
+namespace springnet::meshes {
+
+constexpr std::uint8_t no_corner = 255;
+
+// Of a solid cell whose volume (solid_volume) is positive: corners counterclockwise seen from outside; triangles end
+// with no_corner. Empty for others.
+[[nodiscard]] std::span<const std::array<std::uint8_t, 4>> face_places(CellType type) noexcept;
+// Tetrahedra that fill a solid cell, of positive volume where its volume is. Empty for others.
+[[nodiscard]] std::span<const std::array<std::uint8_t, 4>> tetrahedron_places(CellType type) noexcept;
+
+// (b - a) . ((c - a) x (d - a)) / 6, m^3.
+[[nodiscard]] double tetrahedron_volume(const Vector3& a, const Vector3& b, const Vector3& c, const Vector3& d);
+// Volume within the faces of a solid cell, m^3; negative if it is turned inside out. Faces that are not plane count as
+// the mean of their two divisions into triangles, which is the bilinear patch on them.
+[[nodiscard]] double solid_volume(const Mesh& mesh, std::size_t cell);
+
+}  // namespace springnet::meshes

@@ -1,0 +1,410 @@
+// Gmsh's MSH 4.0 and 4.1 (Gmsh reference manual, "File formats").
+#include <algorithm>
+#include <array>
+#include <cstdlib>
+#include <map>
+#include <optional>
+#include <vector>
+
+#include <fmt/format.h>
+
+#include "mesh/builder.hpp"
+#include "mesh/cursor.hpp"
+#include "mesh/formats.hpp"
+
+namespace springnet::meshes {
+namespace {
+
+struct ElementType {
+  int number;
+  std::size_t nodes;
+  std::optional<CellType> cell;  // whose corners are its first nodes
+};
+// Of higher order than two: the number of nodes alone, to step over them.
+constexpr std::array element_types{ElementType{15, 1, CellType::vertex},
+                                   ElementType{1, 2, CellType::line},
+                                   ElementType{2, 3, CellType::triangle},
+                                   ElementType{3, 4, CellType::quadrilateral},
+                                   ElementType{4, 4, CellType::tetrahedron},
+                                   ElementType{5, 8, CellType::hexahedron},
+                                   ElementType{6, 6, CellType::wedge},
+                                   ElementType{7, 5, CellType::pyramid},
+                                   ElementType{8, 3, CellType::line},
+                                   ElementType{9, 6, CellType::triangle},
+                                   ElementType{10, 9, CellType::quadrilateral},
+                                   ElementType{11, 10, CellType::tetrahedron},
+                                   ElementType{12, 27, CellType::hexahedron},
+                                   ElementType{13, 18, CellType::wedge},
+                                   ElementType{14, 14, CellType::pyramid},
+                                   ElementType{16, 8, CellType::quadrilateral},
+                                   ElementType{17, 20, CellType::hexahedron},
+                                   ElementType{18, 15, CellType::wedge},
+                                   ElementType{19, 13, CellType::pyramid},
+                                   ElementType{20, 9, {}},
+                                   ElementType{21, 10, {}},
+                                   ElementType{22, 12, {}},
+                                   ElementType{23, 15, {}},
+                                   ElementType{24, 15, {}},
+                                   ElementType{25, 21, {}},
+                                   ElementType{26, 4, {}},
+                                   ElementType{27, 5, {}},
+                                   ElementType{28, 6, {}},
+                                   ElementType{29, 20, {}},
+                                   ElementType{30, 35, {}},
+                                   ElementType{31, 56, {}},
+                                   ElementType{92, 64, {}},
+                                   ElementType{93, 125, {}}};
+constexpr std::size_t most_nodes = 125;
+
+constexpr std::array dimension_names{"point", "curve", "surface", "volume"};
+
+using EntityKey = std::pair<int, int>;  // dimension, number
+
+// Points by the numbers that the file gives them, which may have gaps.
+class Tags {
+ public:
+  void add(std::uint64_t tag, std::uint32_t point) { entries_.emplace_back(tag, point); }
+  // The first tag that is there twice.
+  std::optional<std::uint64_t> sort() {
+    if (!std::is_sorted(entries_.begin(), entries_.end())) std::sort(entries_.begin(), entries_.end());
+    for (std::size_t i = 1; i < entries_.size(); ++i) {
+      if (entries_[i].first == entries_[i - 1].first) return entries_[i].first;
+    }
+    first_ = entries_.empty() ? 0 : entries_.front().first;
+    if (entries_.empty() || entries_.back().first - first_ >= 8 * entries_.size()) return std::nullopt;
+    dense_.assign(entries_.back().first - first_ + 1, none);
+    for (const auto& [tag, point] : entries_) dense_[tag - first_] = point;
+    return std::nullopt;
+  }
+  [[nodiscard]] std::optional<std::uint32_t> find(std::uint64_t tag) const {
+    if (!dense_.empty()) {
+      if (tag < first_ || tag - first_ >= dense_.size() || dense_[tag - first_] == none) return std::nullopt;
+      return dense_[tag - first_];
+    }
+    const auto found = std::lower_bound(entries_.begin(), entries_.end(), std::pair{tag, std::uint32_t{0}});
+    if (found == entries_.end() || found->first != tag) return std::nullopt;
+    return found->second;
+  }
+  [[nodiscard]] bool empty() const { return entries_.empty(); }
+
+ private:
+  static constexpr std::uint32_t none = UINT32_MAX;
+  std::vector<std::pair<std::uint64_t, std::uint32_t>> entries_;
+  std::vector<std::uint32_t> dense_;  // [tag - first_], where there are few gaps
+  std::uint64_t first_ = 0;
+};
+
+class GmshReader {
+ public:
+  explicit GmshReader(const Source& source) : in_(source), builder_(source) {}
+
+  Mesh read() {
+    format();
+    bool has_elements = false;
+    while (!in_.at_end()) {
+      const std::string section(in_.word("a section"));
+      if (section.size() < 2 || section[0] != '$' || section.starts_with("$End")) {
+        in_.fail(
+            fmt::format("'{}' should be the beginning of a section, as $Nodes; export the mesh again", shown(section)));
+      }
+      in_.line();
+      in_.set_binary(binary_);
+      if (section == "$PhysicalNames") {
+        in_.set_binary(false);
+        physical_names();
+      } else if (section == "$Entities") {
+        entities();
+      } else if (section == "$Nodes") {
+        nodes();
+      } else if (section == "$Elements") {
+        elements();
+        has_elements = true;
+      } else {
+        skip(section);
+        continue;
+      }
+      end(section);
+    }
+    if (tags_.empty()) in_.fail("there is no $Nodes section; the file is cut off, export the mesh again");
+    if (!has_elements) in_.fail("there is no $Elements section; the file is cut off, export the mesh again");
+    single_points();
+    return std::move(builder_).finish();
+  }
+
+ private:
+  // Numbers as text or bytes.
+  int small(std::string_view what) {
+    return binary_ ? in_.binary<std::int32_t>(swap_, what) : in_.integer<std::int32_t>(what);
+  }
+  std::uint64_t large(std::string_view what) {
+    return binary_ ? in_.binary<std::uint64_t>(swap_, what) : in_.integer<std::uint64_t>(what);
+  }
+  double real(std::string_view what) {
+    if (!binary_) return in_.real(what);
+    return in_.binary<double>(swap_, what);
+  }
+  std::size_t count(std::string_view what, std::size_t text_bytes, std::size_t binary_bytes) {
+    const std::uint64_t value = large(what);
+    in_.check_count(value, binary_ ? binary_bytes : text_bytes, what);
+    return static_cast<std::size_t>(value);
+  }
+  // Numbers of nodes and elements are wide since 4.1.
+  std::uint64_t tag(std::string_view what) {
+    if (!old_) return large(what);
+    const int value = small(what);
+    if (value < 0) in_.fail(fmt::format("{} is {}, below 0; export the mesh again", what, value));
+    return static_cast<std::uint64_t>(value);
+  }
+  std::size_t tag_size() const { return old_ ? sizeof(std::int32_t) : sizeof(std::uint64_t); }
+
+  void format() {
+    if (in_.word("$MeshFormat") != "$MeshFormat") {
+      in_.fail(
+          "a Gmsh file begins with $MeshFormat; this is another format (give the file its own ending), or MSH 1: "
+          "save it as version 4 (gmsh -save -format msh41)");
+    }
+    const std::string_view version = in_.word("the version");
+    if (version != "4.1" && version != "4" && version != "4.0") {
+      in_.fail(
+          fmt::format("this is MSH version {}, 4.0 and 4.1 are read; save it as version 4: gmsh FILE -save -format "
+                      "msh41 -o NEW.msh",
+                      shown(version)));
+    }
+    old_ = version != "4.1";
+    const int kind = in_.integer<std::int32_t>("the kind of file");
+    if (kind != 0 && kind != 1)
+      in_.fail(fmt::format("the kind of file is {}, not 0 (text) or 1 (binary); export the mesh again", kind));
+    binary_ = kind == 1;
+    const int size = in_.integer<std::int32_t>("the size of numbers");
+    if (size != 8) in_.fail(fmt::format("numbers are of {} bytes, 8 are read; save it by a 64-bit Gmsh", size));
+    if (binary_) {
+      in_.line();
+      const std::string_view one = in_.bytes(sizeof(std::int32_t), "the order of bytes");
+      swap_ = from_bytes<std::int32_t>(one.data(), false) != 1;
+      if (from_bytes<std::int32_t>(one.data(), swap_) != 1) {
+        in_.set_binary(true);
+        in_.fail("the order of bytes cannot be told; the file is damaged, export the mesh again");
+      }
+    }
+    end("$MeshFormat");
+  }
+
+  void end(std::string_view section) {
+    const std::string_view word = in_.word("the end of a section");
+    if (word.substr(0, 4) == "$End" && word.substr(4) == section.substr(1)) return in_.set_binary(false);
+    in_.fail(fmt::format("'{}' should be $End{}; counts in this section do not fit what it has, export the mesh again",
+                         shown(word), section.substr(1)));
+  }
+
+  void skip(const std::string& section) {
+    const std::string wanted = "$End" + section.substr(1);
+    const std::size_t found = in_.source().text().find(wanted, in_.offset());
+    if (found == std::string_view::npos) {
+      in_.fail(fmt::format("there is no {}; the file is cut off, export the mesh again", wanted));
+    }
+    in_.skip_to(found + wanted.size());
+    in_.set_binary(false);
+    if (section == "$PartitionedEntities") {
+      builder_.note(
+          "the mesh is divided into partitions: their physical groups are not read (save it without partitions)");
+    } else if (section != "$Comments") {
+      builder_.note(fmt::format("section {} is not read", shown(section)));
+    }
+  }
+
+  void physical_names() {
+    const std::size_t names = in_.count("the number of physical names", 6);
+    for (std::size_t i = 0; i < names; ++i) {
+      const int dimension = in_.integer<std::int32_t>("the dimension of a physical name");
+      if (dimension < 0 || dimension > 3)
+        in_.fail(fmt::format("dimension {} of a physical name is not 0 to 3; export the mesh again", dimension));
+      const int number = in_.integer<std::int32_t>("the number of a physical name");
+      const std::string_view rest = in_.line();
+      const std::size_t open = rest.find('"'), close = rest.rfind('"');
+      if (open == std::string_view::npos || close < open + 2) {
+        in_.fail(fmt::format("physical group {} has no name in quotes; write it as {} {} \"name\"", number, dimension,
+                             number));
+      }
+      names_[{dimension, number}] = rest.substr(open + 1, close - open - 1);
+    }
+  }
+
+  void entities() {
+    std::array<std::uint64_t, 4> counts{};
+    for (std::uint64_t& value : counts) value = count("a number of entities", 8, 12);
+    for (int dimension = 0; dimension < 4; ++dimension) {
+      for (std::uint64_t i = 0; i < counts[static_cast<std::size_t>(dimension)]; ++i) {
+        const int number = small("the number of an entity");
+        const int reals = dimension == 0 && !old_ ? 3 : 6;
+        for (int k = 0; k < reals; ++k) real("a bound of an entity");
+        const std::size_t physicals = count("the number of physical groups", 2, 4);
+        for (std::size_t k = 0; k < physicals; ++k) {
+          // Negative ones are of entities that count as turned.
+          const std::int64_t physical = small("the number of a physical group");
+          physicals_[{dimension, number}].push_back(static_cast<int>(std::abs(physical) & INT32_MAX));
+        }
+        if (dimension == 0) continue;
+        const std::size_t bounds = count("the number of bounding entities", 2, 4);
+        for (std::size_t k = 0; k < bounds; ++k) small("the number of a bounding entity");
+      }
+    }
+  }
+
+  struct Block {
+    int dimension;
+    int entity;
+    int kind;  // parametric, or type of elements
+  };
+  Block block(std::string_view what) {
+    int dimension = small("the dimension of an entity"), entity = 0;
+    if (old_) {
+      entity = dimension;
+      dimension = small("the dimension of an entity");
+    } else {
+      entity = small("the number of an entity");
+    }
+    if (dimension < 0 || dimension > 3) {
+      in_.fail(fmt::format("dimension {} of an entity is not 0 to 3; the file is damaged, export it again", dimension));
+    }
+    return {dimension, entity, small(what)};
+  }
+
+  struct Totals {
+    std::size_t blocks;
+    std::uint64_t things;
+  };
+  Totals totals(std::string_view what) {
+    const Totals result{count("the number of blocks", 8, 20), large(what)};
+    if (!old_) {
+      large("the lowest number");
+      large("the highest number");
+    }
+    return result;
+  }
+  void check_total(std::string_view what, std::uint64_t promised, std::uint64_t found) const {
+    if (promised == found) return;
+    in_.fail(
+        fmt::format("there are {} {}, {} were promised; the file is damaged, export it again", found, what, promised));
+  }
+
+  void nodes() {
+    if (!tags_.empty()) in_.fail("there are two $Nodes sections; export the mesh again");
+    const auto [blocks, promised] = totals("the number of nodes");
+    std::uint64_t found = 0;
+    std::vector<std::uint64_t> tags;
+    for (std::size_t i = 0; i < blocks; ++i) {
+      const auto [dimension, entity, parametric] = block("whether nodes are parametric");
+      const std::size_t more = parametric == 0 ? 0 : static_cast<std::size_t>(dimension);
+      const std::size_t size = count("the number of nodes of a block", 8 + 2 * more, tag_size() + 8 * (3 + more));
+      builder_.reserve_points(size);
+      if (!old_) {
+        tags.clear();
+        tags.reserve(size);
+        for (std::size_t k = 0; k < size; ++k) tags.push_back(tag("the number of a node"));
+      }
+      for (std::size_t k = 0; k < size; ++k) {
+        const std::uint64_t number = old_ ? tag("the number of a node") : tags[k];
+        const Place place = in_.here();
+        Vector3 position;
+        for (double& coordinate : position) coordinate = real("a coordinate");
+        for (std::size_t p = 0; p < more; ++p) real("a parameter of a node");
+        tags_.add(number, builder_.add_point(position, place));
+      }
+      found += size;
+    }
+    check_total("nodes", promised, found);
+    if (const auto twice = tags_.sort())
+      in_.fail(fmt::format("two nodes have the number {}; export the mesh again", *twice));
+  }
+
+  // Groups that the entity is in, made where they are new.
+  std::vector<std::size_t> groups_of(int dimension, int entity) {
+    std::vector<std::size_t> groups;
+    const auto found = physicals_.find({dimension, entity});
+    if (found == physicals_.end()) return groups;
+    for (const int number : found->second) {
+      const auto name = names_.find({dimension, number});
+      groups.push_back(builder_.group(
+          name != names_.end() ? name->second
+                               : fmt::format("{} {}", dimension_names[static_cast<std::size_t>(dimension)], number)));
+    }
+    return groups;
+  }
+
+  void elements() {
+    if (tags_.empty()) in_.fail("$Elements stands before $Nodes; export the mesh again");
+    const auto [blocks, promised] = totals("the number of elements");
+    std::uint64_t found = 0;
+    for (std::size_t i = 0; i < blocks; ++i) {
+      const auto [dimension, entity, number] = block("the type of elements");
+      const auto type = std::find_if(element_types.begin(), element_types.end(),
+                                     [number = number](const ElementType& t) { return t.number == number; });
+      if (type == element_types.end()) {
+        in_.fail(
+            fmt::format("elements are of type {}, which is not known here; save the mesh with elements of first order "
+                        "(gmsh -order 1)",
+                        number));
+      }
+      const std::size_t size =
+          count("the number of elements of a block", 2 * (type->nodes + 1), tag_size() * (type->nodes + 1));
+      element_block(*type, size, groups_of(dimension, entity));
+      found += size;
+    }
+    check_total("elements", promised, found);
+  }
+
+  void element_block(const ElementType& type, std::size_t size, const std::vector<std::size_t>& groups) {
+    const std::size_t first = builder_.cell_count();
+    std::array<std::uint32_t, most_nodes> points{};
+    for (std::size_t k = 0; k < size; ++k) {
+      tag("the number of an element");
+      const Place place = in_.place();
+      for (std::size_t n = 0; n < type.nodes; ++n) {
+        const std::uint64_t number = tag("a node of an element");
+        const auto point = tags_.find(number);
+        if (!point) {
+          in_.fail(fmt::format("an element has node {}, which $Nodes does not have; export the mesh again", number));
+        }
+        points[n] = *point;
+      }
+      if (!type.cell) continue;
+      if (*type.cell == CellType::vertex && groups.empty()) {
+        singles_.emplace_back(points[0], place);
+      } else {
+        builder_.add_cell(*type.cell, std::span(points.data(), corner_count(*type.cell)), place);
+      }
+    }
+    for (const std::size_t group : groups) builder_.add_cells_to_group(group, first, builder_.cell_count());
+    if (!type.cell) {
+      builder_.count_note(fmt::format("elements of a higher order (Gmsh's type {}) are left out", type.number), size);
+    } else if (type.nodes > corner_count(*type.cell)) {
+      builder_.count_note("elements of second order are read without their middle nodes", size);
+    }
+  }
+
+  // Point elements of no group: Gmsh writes one for each point of the geometry, also for centres of arcs, where nothing
+  // of the body is.
+  void single_points() {
+    const bool alone = builder_.cell_count() == 0;
+    const std::vector<bool> used = builder_.used_points();
+    for (const auto& [point, place] : singles_) {
+      if (alone || used[point]) builder_.add_cell(CellType::vertex, std::array{point}, place);
+    }
+  }
+
+  Cursor in_;
+  Builder builder_;
+  bool old_ = false;  // 4.0
+  bool binary_ = false;
+  bool swap_ = false;
+  Tags tags_;
+  std::map<EntityKey, std::string> names_;           // by dimension and number of the physical group
+  std::map<EntityKey, std::vector<int>> physicals_;  // of an entity
+  std::vector<std::pair<std::uint32_t, Place>> singles_;
+};
+
+}  // namespace
+
+Mesh read_gmsh(const Source& source) { return GmshReader(source).read(); }
+
+}  // namespace springnet::meshes

@@ -1,0 +1,48 @@
+#include <cmath>
+
+#include <Eigen/Geometry>
+
+#include <springnet/mesh.hpp>
+
+#include "mesh/cells.hpp"
+
+namespace springnet {
+
+double measure_of(const Mesh& mesh, std::size_t cell) {
+  const auto corners = mesh.cell(cell);
+  const auto p = [&](std::size_t k) -> const Vector3& { return mesh.points[corners[k]]; };
+  switch (mesh.types[cell]) {
+    case CellType::vertex:
+      return 0.0;
+    case CellType::line:
+      return (p(1) - p(0)).norm();
+    case CellType::triangle:
+      return 0.5 * (p(1) - p(0)).cross(p(2) - p(0)).norm();
+    case CellType::quadrilateral:  // half the product of the diagonals; exact where it is plane, convex or not
+      return 0.5 * (p(2) - p(0)).cross(p(3) - p(1)).norm();
+    case CellType::tetrahedron:
+    case CellType::hexahedron:
+    case CellType::wedge:
+    case CellType::pyramid:
+      break;
+  }
+  return std::abs(meshes::solid_volume(mesh, cell));
+}
+
+std::vector<std::array<std::uint32_t, 4>> tetrahedra_of(const Mesh& mesh) {
+  std::vector<std::array<std::uint32_t, 4>> result;
+  for (std::size_t cell = 0; cell < mesh.cell_count(); ++cell) {
+    const auto corners = mesh.cell(cell);
+    for (const auto& places : meshes::tetrahedron_places(mesh.types[cell])) {
+      std::array nodes{corners[places[0]], corners[places[1]], corners[places[2]], corners[places[3]]};
+      const double volume = meshes::tetrahedron_volume(mesh.points[nodes[0]], mesh.points[nodes[1]],
+                                                       mesh.points[nodes[2]], mesh.points[nodes[3]]);
+      if (volume == 0.0) continue;
+      if (volume < 0.0) std::swap(nodes[2], nodes[3]);
+      result.push_back(nodes);
+    }
+  }
+  return result;
+}
+
+}  // namespace springnet

@@ -1,0 +1,178 @@
+// Wavefront OBJ: points, faces, lines and groups.
+#include <algorithm>
+#include <array>
+#include <vector>
+
+#include <fmt/format.h>
+
+#include "mesh/builder.hpp"
+#include "mesh/cursor.hpp"
+#include "mesh/formats.hpp"
+
+namespace springnet::meshes {
+namespace {
+
+// What says nothing of points and cells: texture, normals, materials, smoothing, levels of detail.
+constexpr std::array without_geometry{"vt",         "vn",        "vp",     "s",        "usemtl",
+                                      "mtllib",     "lod",       "bevel",  "c_interp", "d_interp",
+                                      "shadow_obj", "trace_obj", "maplib", "usemap",   "mg"};
+
+class ObjReader {
+ public:
+  explicit ObjReader(const Source& source) : in_(source), builder_(source) {}
+
+  Mesh read() {
+    while (!in_.at_end()) {
+      words_of_line();
+      if (!words_.empty()) statement();
+    }
+    if (farthest_ > builder_.point_count()) {
+      builder_.source().fail(farthest_place_,
+                             fmt::format("there is no point {}, only {}; correct the number or add points", farthest_,
+                                         builder_.point_count()));
+    }
+    // Cells may name points that come later in the file, so they are made when all are known.
+    for (const Cell& cell : cells_) add(cell);
+    return std::move(builder_).finish();
+  }
+
+ private:
+  struct Cell {
+    char kind;  // f, l, p
+    std::size_t first_corner;
+    std::size_t end_corner;
+    Place place;
+    std::size_t named_as;  // index into named_
+  };
+
+  // The words up to a comment or the end of the line; a backslash at the end goes on in the next one.
+  void words_of_line() {
+    words_.clear();
+    line_ = in_.here();
+    bool goes_on = true;
+    while (goes_on) {
+      std::string_view line = in_.line();
+      line = line.substr(0, line.find('#'));
+      const std::size_t last = line.find_last_not_of(" \t");
+      goes_on = last != std::string_view::npos && line[last] == '\\' && in_.left() > 0;
+      if (last != std::string_view::npos && line[last] == '\\') line = line.substr(0, last);
+      for (std::size_t begin = 0; (begin = line.find_first_not_of(" \t\r\v\f", begin)) != std::string_view::npos;) {
+        const std::size_t end = std::min(line.find_first_of(" \t\r\v\f", begin), line.size());
+        words_.push_back(line.substr(begin, end - begin));
+        begin = end;
+      }
+    }
+  }
+
+  [[noreturn]] void fail(std::string_view message) const { builder_.source().fail(line_, message); }
+
+  void statement() {
+    const std::string_view keyword = words_[0];
+    if (keyword == "v") {
+      point();
+    } else if (keyword == "f" || keyword == "l" || keyword == "p") {
+      cell(keyword[0]);
+    } else if (keyword == "g" || keyword == "o") {
+      name(keyword[0]);
+    } else if (std::find(without_geometry.begin(), without_geometry.end(), keyword) == without_geometry.end()) {
+      if (keyword.find_first_not_of("abcdefghijklmnopqrstuvwxyz_") != std::string_view::npos) {
+        fail(fmt::format("'{}' is no statement of OBJ; correct the line", shown(keyword)));
+      }
+      builder_.count_note(fmt::format("statements '{}' are not read", shown(keyword)));
+    }
+  }
+
+  void point() {
+    if (words_.size() < 4) fail("a point needs three coordinates; write it as v x y z");
+    Vector3 position;
+    for (std::size_t k = 0; k < 3; ++k) {
+      if (parse_real(words_[k + 1], position[static_cast<Eigen::Index>(k)])) continue;
+      fail(fmt::format("'{}' should be a coordinate; correct it or export the mesh again", shown(words_[k + 1])));
+    }
+    builder_.add_point(position, line_);
+  }
+
+  void cell(char kind) {
+    Cell cell{kind, corners_.size(), 0, line_, named_.size() - 1};
+    for (std::size_t k = 1; k < words_.size(); ++k) {
+      const std::string_view word = words_[k].substr(0, words_[k].find('/'));
+      std::int64_t number = 0;
+      if (!parse_integer(word, number) || number == 0) {
+        fail(fmt::format(
+            "'{}' should be the number of a point, 1 or more, or below 0 to count from the last one; correct it",
+            shown(words_[k])));
+      }
+      const auto count = static_cast<std::int64_t>(builder_.point_count());
+      if (number < -count) {
+        fail(fmt::format("there is no point {}, only {} are above this line; correct the number", number, count));
+      }
+      if (number < 0) number += count + 1;
+      if (static_cast<std::uint64_t>(number) > farthest_) {
+        farthest_ = static_cast<std::uint64_t>(number);
+        farthest_place_ = line_;
+      }
+      corners_.push_back(static_cast<std::uint32_t>(number - 1));
+    }
+    cell.end_corner = corners_.size();
+    const std::size_t least = kind == 'f' ? 3 : kind == 'l' ? 2 : 1;
+    if (cell.end_corner - cell.first_corner < least) {
+      fail(fmt::format("'{}' has {} points and needs {} or more; correct the line", kind,
+                       cell.end_corner - cell.first_corner, least));
+    }
+    cells_.push_back(cell);
+  }
+
+  void name(char kind) {
+    std::vector<std::string>& names = kind == 'g' ? groups_ : object_;
+    names.clear();
+    if (kind == 'g') {
+      for (std::size_t k = 1; k < words_.size(); ++k) names.emplace_back(words_[k]);
+    } else if (words_.size() > 1) {
+      // One name, which may have spaces.
+      names.emplace_back(words_[1]);
+      for (std::size_t k = 2; k < words_.size(); ++k) names.back().append(" ").append(words_[k]);
+    }
+    std::vector<std::size_t> all;
+    for (const auto* list : {&object_, &groups_}) {
+      for (const std::string& text : *list) {
+        const std::size_t group = builder_.group(text);
+        if (std::find(all.begin(), all.end(), group) == all.end()) all.push_back(group);
+      }
+    }
+    named_.push_back(std::move(all));
+  }
+
+  void add(const Cell& cell) {
+    const std::size_t first = builder_.cell_count();
+    const std::span<const std::uint32_t> corners(corners_.data() + cell.first_corner,
+                                                 cell.end_corner - cell.first_corner);
+    if (cell.kind == 'f') {
+      builder_.add_polygon(corners, cell.place);
+    } else if (cell.kind == 'l') {
+      for (std::size_t k = 1; k < corners.size(); ++k)
+        builder_.add_cell(CellType::line, corners.subspan(k - 1, 2), cell.place);
+    } else {
+      for (std::size_t k = 0; k < corners.size(); ++k)
+        builder_.add_cell(CellType::vertex, corners.subspan(k, 1), cell.place);
+    }
+    for (const std::size_t group : named_[cell.named_as])
+      builder_.add_cells_to_group(group, first, builder_.cell_count());
+  }
+
+  Cursor in_;
+  Builder builder_;
+  std::vector<std::string_view> words_;
+  Place line_;
+  std::vector<Cell> cells_;
+  std::vector<std::uint32_t> corners_;
+  std::uint64_t farthest_ = 0;  // greatest number of a point that was named, counted from 1
+  Place farthest_place_;
+  std::vector<std::string> groups_, object_;
+  std::vector<std::vector<std::size_t>> named_{{}};  // groups of the builder after each g and o
+};
+
+}  // namespace
+
+Mesh read_obj(const Source& source) { return ObjReader(source).read(); }
+
+}  // namespace springnet::meshes

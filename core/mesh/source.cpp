@@ -1,0 +1,53 @@
+#include "mesh/source.hpp"
+
+#include <algorithm>
+#include <cerrno>
+#include <cstring>
+#include <fstream>
+#include <system_error>
+
+#include <fmt/format.h>
+
+#include <springnet/error.hpp>
+
+namespace springnet::meshes {
+
+Source::Source(const std::filesystem::path& file) : name_(file.string()) {
+  std::error_code failed;
+  const std::filesystem::file_status status = std::filesystem::status(file, failed);
+  if (!std::filesystem::exists(status)) fail("there is no such mesh file; check the path");
+  // Pipes and devices may never end.
+  if (!std::filesystem::is_regular_file(status)) fail("this is not a file; name a mesh file");
+  const std::uintmax_t size = std::filesystem::file_size(file, failed);
+  std::ifstream in(file, std::ios::binary);
+  if (failed || !in) fail(fmt::format("the file cannot be opened ({}); check its permissions", std::strerror(errno)));
+  text_.resize(static_cast<std::size_t>(size));
+  in.read(text_.data(), static_cast<std::streamsize>(text_.size()));
+  if (static_cast<std::uintmax_t>(in.gcount()) != size) fail("the file cannot be read to its end; copy it again");
+  if (text_.empty()) fail("the file is empty; export the mesh again");
+}
+
+void Source::fail(Place place, std::string_view message) const {
+  if (place.binary) throw Error(ErrorKind::input, fmt::format("{}: byte {}: {}", name_, place.offset, message));
+  const auto end = text_.begin() + static_cast<std::ptrdiff_t>(std::min(place.offset, text_.size()));
+  throw Error(ErrorKind::input, fmt::format("{}:{}: {}", name_, 1 + std::count(text_.begin(), end, '\n'), message));
+}
+
+void Source::fail(std::string_view message) const {
+  throw Error(ErrorKind::input, fmt::format("{}: {}", name_, message));
+}
+
+std::string shown(std::string_view text) {
+  constexpr std::size_t longest = 40;
+  std::string result;
+  for (const char c : text.substr(0, longest)) result += c >= ' ' && c <= '~' ? c : '?';
+  if (text.size() > longest) result += "...";
+  return result;
+}
+
+bool equal_ignoring_case(std::string_view a, std::string_view b) noexcept {
+  const auto lower = [](char c) { return c >= 'A' && c <= 'Z' ? static_cast<char>(c - 'A' + 'a') : c; };
+  return std::equal(a.begin(), a.end(), b.begin(), b.end(), [&](char x, char y) { return lower(x) == lower(y); });
+}
+
+}  // namespace springnet::meshes

@@ -1,0 +1,232 @@
+#include <algorithm>
+#include <array>
+#include <limits>
+#include <tuple>
+
+#include <fmt/format.h>
+#include <Eigen/Geometry>
+
+#include <springnet/error.hpp>
+#include <springnet/mesh.hpp>
+
+#include "mesh/cells.hpp"
+
+namespace springnet {
+namespace {
+
+constexpr std::uint32_t none = std::numeric_limits<std::uint32_t>::max();
+
+// Points of a face by number: equal for all cells that have the face.
+using FaceKey = std::array<std::uint32_t, 4>;
+
+FaceKey key_of(std::span<const std::uint32_t> corners) {
+  FaceKey key{none, none, none, none};
+  std::copy(corners.begin(), corners.end(), key.begin());
+  std::sort(key.begin(), key.end());
+  return key;
+}
+
+void divide(const std::array<std::uint32_t, 4>& corners, const std::vector<Vector3>& points, std::vector<Face>& faces) {
+  const auto& [a, b, c, d] = corners;
+  const double first = (points[c] - points[a]).squaredNorm(), second = (points[d] - points[b]).squaredNorm();
+  // Of two equal ones that at the lowest point, however the corners are listed.
+  if (first < second || (first == second && std::min(a, c) < std::min(b, d))) {
+    faces.insert(faces.end(), {Face{a, b, c}, Face{a, c, d}});
+  } else {
+    faces.insert(faces.end(), {Face{a, b, d}, Face{b, c, d}});
+  }
+}
+
+// An edge of a triangle, from corner `side` to the next one.
+struct Side {
+  std::uint32_t lower;
+  std::uint32_t upper;
+  std::size_t face;
+  std::uint8_t side;
+  bool rising;  // from lower to upper
+};
+
+bool same_edge(const Side& a, const Side& b) { return a.lower == b.lower && a.upper == b.upper; }
+
+// Sides of all triangles, those of an edge one after the other, in the order of the triangles.
+std::vector<Side> sides_of(std::span<const Face> faces) {
+  std::vector<Side> sides;
+  sides.reserve(3 * faces.size());
+  for (std::size_t face = 0; face < faces.size(); ++face) {
+    for (std::uint8_t k = 0; k < 3; ++k) {
+      const std::uint32_t from = faces[face][k], to = faces[face][(k + 1U) % 3];
+      sides.push_back({std::min(from, to), std::max(from, to), face, k, from < to});
+    }
+  }
+  std::sort(sides.begin(), sides.end(), [](const Side& a, const Side& b) {
+    return std::tie(a.lower, a.upper, a.face, a.side) < std::tie(b.lower, b.upper, b.face, b.side);
+  });
+  return sides;
+}
+
+// Calls with the sides of each edge.
+template <class Function>
+void for_each_edge(std::span<const Side> sides, const Function& function) {
+  for (std::size_t begin = 0, end = 0; begin < sides.size(); begin = end) {
+    while (end < sides.size() && same_edge(sides[begin], sides[end])) ++end;
+    function(sides.subspan(begin, end - begin));
+  }
+}
+
+struct Neighbour {
+  std::size_t face = std::numeric_limits<std::size_t>::max();  // that: none
+  bool agrees = false;
+};
+
+[[noreturn]] void fail(const std::string& message) { throw Error(ErrorKind::input, message); }
+
+std::vector<std::array<Neighbour, 3>> neighbours_of(std::span<const Face> faces) {
+  std::vector<std::array<Neighbour, 3>> result(faces.size());
+  const std::vector<Side> sides = sides_of(faces);
+  for_each_edge(sides, [&](std::span<const Side> edge) {
+    if (edge.size() > 2) {
+      fail(
+          fmt::format("a surface: the edge from point {} to point {} belongs to {} triangles ({}, {}, {}, ...), so it "
+                      "has no inside: remove those that are too many",
+                      edge[0].lower, edge[0].upper, edge.size(), edge[0].face, edge[1].face, edge[2].face));
+    }
+    if (edge.size() < 2) return;
+    const bool agrees = edge[0].rising != edge[1].rising;
+    result[edge[0].face][edge[0].side] = {edge[1].face, agrees};
+    result[edge[1].face][edge[1].side] = {edge[0].face, agrees};
+  });
+  return result;
+}
+
+}  // namespace
+
+std::vector<Face> surface_of(const Mesh& mesh) {
+  struct SolidFace {
+    FaceKey key;
+    std::size_t cell;
+    std::uint8_t face;
+  };
+  std::vector<SolidFace> solid;
+  for (std::size_t cell = 0; cell < mesh.cell_count(); ++cell) {
+    const auto corners = mesh.cell(cell);
+    const auto places = meshes::face_places(mesh.types[cell]);
+    for (std::uint8_t face = 0; face < places.size(); ++face) {
+      FaceKey key{none, none, none, none};
+      for (std::size_t k = 0; k < 4 && places[face][k] != meshes::no_corner; ++k) key[k] = corners[places[face][k]];
+      std::sort(key.begin(), key.end());
+      solid.push_back({key, cell, face});
+    }
+  }
+  std::sort(solid.begin(), solid.end(), [](const SolidFace& a, const SolidFace& b) {
+    return std::tie(a.key, a.cell, a.face) < std::tie(b.key, b.cell, b.face);
+  });
+  std::vector<FaceKey> keys;  // rising
+  std::vector<SolidFace> outer;
+  for (std::size_t begin = 0, end = 0; begin < solid.size(); begin = end) {
+    while (end < solid.size() && solid[end].key == solid[begin].key) ++end;
+    keys.push_back(solid[begin].key);
+    if (end == begin + 1) outer.push_back(solid[begin]);
+  }
+  std::sort(outer.begin(), outer.end(),
+            [](const SolidFace& a, const SolidFace& b) { return std::tie(a.cell, a.face) < std::tie(b.cell, b.face); });
+
+  std::vector<Face> faces;
+  for (const SolidFace& face : outer) {
+    const auto corners = mesh.cell(face.cell);
+    const auto& places = meshes::face_places(mesh.types[face.cell])[face.face];
+    const bool inside_out = meshes::solid_volume(mesh, face.cell) < 0.0;
+    if (places[3] == meshes::no_corner) {
+      Face triangle{corners[places[0]], corners[places[1]], corners[places[2]]};
+      if (inside_out) std::swap(triangle[1], triangle[2]);
+      faces.push_back(triangle);
+    } else {
+      std::array four{corners[places[0]], corners[places[1]], corners[places[2]], corners[places[3]]};
+      if (inside_out) std::swap(four[1], four[3]);
+      divide(four, mesh.points, faces);
+    }
+  }
+  for (std::size_t cell = 0; cell < mesh.cell_count(); ++cell) {
+    const auto corners = mesh.cell(cell);
+    if (dimension_of(mesh.types[cell]) != 2) continue;
+    if (std::binary_search(keys.begin(), keys.end(), key_of(corners))) continue;
+    if (corners.size() == 3) {
+      faces.push_back({corners[0], corners[1], corners[2]});
+    } else {
+      divide({corners[0], corners[1], corners[2], corners[3]}, mesh.points, faces);
+    }
+  }
+  return faces;
+}
+
+std::vector<Face> oriented(std::vector<Face> faces, std::span<const Vector3> points) {
+  for (std::size_t face = 0; face < faces.size(); ++face) {
+    const auto& [a, b, c] = faces[face];
+    if (std::max({a, b, c}) >= points.size()) {
+      fail(fmt::format("a surface: triangle {} has point {}, there are only {}", face, std::max({a, b, c}),
+                       points.size()));
+    }
+    if (a == b || b == c || c == a) fail(fmt::format("a surface: triangle {} has a point twice: remove it", face));
+  }
+  const auto neighbours = neighbours_of(faces);
+  enum class Turn : std::uint8_t { unknown, kept, turned };
+  std::vector<Turn> turns(faces.size(), Turn::unknown);
+  std::vector<std::size_t> part;
+  for (std::size_t start = 0; start < faces.size(); ++start) {
+    if (turns[start] != Turn::unknown) continue;
+    turns[start] = Turn::kept;
+    part.assign(1, start);
+    bool closed = true;
+    for (std::size_t next = 0; next < part.size(); ++next) {
+      const std::size_t face = part[next];
+      for (const Neighbour& neighbour : neighbours[face]) {
+        if (neighbour.face >= faces.size()) {
+          closed = false;
+          continue;
+        }
+        const Turn wanted = neighbour.agrees == (turns[face] == Turn::kept) ? Turn::kept : Turn::turned;
+        Turn& turn = turns[neighbour.face];
+        if (turn == Turn::unknown) {
+          turn = wanted;
+          part.push_back(neighbour.face);
+        } else if (turn != wanted) {
+          fail(
+              fmt::format("a surface: triangles {} and {} cannot be turned so that all neighbours agree: it has one "
+                          "side only (a Moebius strip); cut it open",
+                          face, neighbour.face));
+        }
+      }
+    }
+    double volume = 0.0;
+    const Vector3& origin = points[faces[start][0]];
+    for (const std::size_t face : part) {
+      if (turns[face] == Turn::turned) std::swap(faces[face][1], faces[face][2]);
+      const auto& [a, b, c] = faces[face];
+      volume += meshes::tetrahedron_volume(origin, points[a], points[b], points[c]);
+    }
+    if (!closed || volume >= 0.0) continue;
+    for (const std::size_t face : part) std::swap(faces[face][1], faces[face][2]);
+  }
+  return faces;
+}
+
+bool is_closed(std::span<const Face> faces) {
+  bool closed = !faces.empty();
+  const std::vector<Side> sides = sides_of(faces);
+  for_each_edge(sides, [&](std::span<const Side> edge) { closed = closed && edge.size() == 2; });
+  return closed;
+}
+
+std::vector<std::array<std::uint32_t, 4>> hinges_of(std::span<const Face> faces) {
+  std::vector<std::array<std::uint32_t, 4>> hinges;
+  const std::vector<Side> sides = sides_of(faces);
+  for_each_edge(sides, [&](std::span<const Side> edge) {
+    if (edge.size() != 2) return;
+    const auto tip = [&](const Side& side) { return faces[side.face][(side.side + 2U) % 3]; };
+    const auto& [lower, upper, face, side, rising] = edge[0];
+    if (tip(edge[0]) == tip(edge[1])) return;  // the same triangle twice
+    hinges.push_back({rising ? lower : upper, rising ? upper : lower, tip(edge[0]), tip(edge[1])});
+  });
+  return hinges;
+}
+
+}  // namespace springnet

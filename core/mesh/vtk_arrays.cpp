@@ -1,0 +1,216 @@
+#include "mesh/vtk_arrays.hpp"
+
+#include <algorithm>
+#include <array>
+
+#include <fmt/format.h>
+#include <zlib.h>
+
+#include "mesh/cursor.hpp"
+
+namespace springnet::meshes {
+namespace {
+
+constexpr std::array scalar_names{"Int8",   "UInt8", "Int16",  "UInt16",  "Int32",
+                                  "UInt32", "Int64", "UInt64", "Float32", "Float64"};
+
+// zlib makes at most so many bytes of one.
+constexpr std::uint64_t most_expansion = 1032;
+
+int base64_digit(char c) noexcept {
+  if (c >= 'A' && c <= 'Z') return c - 'A';
+  if (c >= 'a' && c <= 'z') return c - 'a' + 26;
+  if (c >= '0' && c <= '9') return c - '0' + 52;
+  if (c == '+') return 62;
+  return c == '/' ? 63 : -1;
+}
+
+// Up to the first character that is not of it. VTK ends pieces with padding and goes on: header and data of compressed
+// arrays are two such pieces.
+std::string from_base64(std::string_view text) {
+  std::string bytes;
+  bytes.reserve(text.size() / 4 * 3);
+  std::uint32_t group = 0;
+  int digits = 0, padding = 0;
+  for (const char c : text) {
+    if (c == ' ' || (c >= '\t' && c <= '\r')) continue;
+    const int digit = base64_digit(c);
+    if (c != '=' && (digit < 0 || padding > 0)) break;
+    if (c == '=') ++padding;
+    group = group << 6U | static_cast<std::uint32_t>(c == '=' ? 0 : digit);
+    if (++digits < 4) continue;
+    for (int k = 0; k < 3 - padding; ++k) bytes += static_cast<char>(group >> (16 - 8 * k) & 0xFFU);
+    group = 0;
+    digits = padding = 0;
+  }
+  return bytes;
+}
+
+}  // namespace
+
+Place ArrayReader::place(pugi::xml_node node) {
+  return {static_cast<std::size_t>(std::max<std::ptrdiff_t>(node.offset_debug(), 0)), false};
+}
+
+std::uint64_t ArrayReader::number(pugi::xml_node node, const char* attribute) const {
+  const pugi::xml_attribute found = node.attribute(attribute);
+  if (!found) fail(node, fmt::format("<{}> has no {}; export the mesh again", node.name(), attribute));
+  std::string_view text = found.value();
+  const std::size_t begin = text.find_first_not_of(' ');
+  text = begin == std::string_view::npos ? "" : text.substr(begin, text.find_last_not_of(' ') + 1 - begin);
+  std::uint64_t value = 0;
+  if (!parse_integer(text, value)) {
+    fail(node, fmt::format("{} of <{}> is '{}' and should be a whole number; correct it or export the mesh again",
+                           attribute, node.name(), shown(text)));
+  }
+  return value;
+}
+
+Scalar ArrayReader::type(pugi::xml_node array) const {
+  const std::string_view name = array.attribute("type").value();
+  const auto found = std::find(scalar_names.begin(), scalar_names.end(), name);
+  if (found == scalar_names.end()) {
+    fail(array, fmt::format("array '{}' is of type '{}', which is not read; export the mesh again",
+                            shown(array.attribute("Name").value()), shown(name)));
+  }
+  return static_cast<Scalar>(found - scalar_names.begin());
+}
+
+std::vector<double> ArrayReader::reals(pugi::xml_node array, std::uint64_t count) const {
+  return values<double>(array, count);
+}
+std::vector<std::int64_t> ArrayReader::integers(pugi::xml_node array, std::uint64_t count) const {
+  if (!is_integer(type(array))) {
+    fail(array, fmt::format("array '{}' must be of whole numbers; export the mesh again",
+                            shown(array.attribute("Name").value())));
+  }
+  return values<std::int64_t>(array, count);
+}
+
+template <class To>
+std::vector<To> ArrayReader::values(pugi::xml_node array, std::uint64_t count) const {
+  if (count == 0) return {};
+  const std::string_view format = array.attribute("format").as_string("ascii");
+  if (format == "ascii") return text_values<To>(array, count);
+  const Scalar scalar = type(array);
+  // Whatever is claimed, the file has to be of a size to hold it.
+  if (count > source_.text().size() * most_expansion) {
+    fail(array,
+         fmt::format("{} values are promised, more than the file can hold; it is damaged, export it again", count));
+  }
+  return decode<To>(scalar, data(array, count * size_of(scalar)), encoding_.swap);
+}
+
+template <class To>
+std::vector<To> ArrayReader::text_values(pugi::xml_node array, std::uint64_t count) const {
+  const std::string_view text = array.child_value();
+  const pugi::xml_node content = array.first_child();
+  const std::size_t begin = content ? place(content).offset : place(array).offset;
+  std::vector<To> result;
+  result.reserve(static_cast<std::size_t>(std::min<std::uint64_t>(count, text.size() / 2 + 1)));
+  constexpr std::string_view spaces = " \t\n\r\v\f";
+  for (std::size_t at = 0; (at = text.find_first_not_of(spaces, at)) != std::string_view::npos;) {
+    const std::size_t end = std::min(text.find_first_of(spaces, at), text.size());
+    const std::string_view word = text.substr(at, end - at);
+    To value{};
+    bool fine = false;
+    if constexpr (std::is_same_v<To, double>) {
+      fine = parse_real(word, value);
+    } else {
+      fine = parse_integer(word, value);
+    }
+    if (!fine) {
+      source_.fail({begin + at, false}, fmt::format("'{}' should be a{} number; correct it or export the mesh again",
+                                                    shown(word), std::is_same_v<To, double> ? "" : " whole"));
+    }
+    result.push_back(value);
+    at = end;
+  }
+  if (result.size() != count) {
+    fail(array, fmt::format("array '{}' has {} values and should have {}; the counts are wrong or the file is damaged, "
+                            "export it again",
+                            shown(array.attribute("Name").value()), result.size(), count));
+  }
+  return result;
+}
+
+std::uint64_t ArrayReader::header_number(std::string_view encoded, std::size_t index) const {
+  if (encoding_.wide_header) return from_bytes<std::uint64_t>(encoded.data() + 8 * index, encoding_.swap);
+  return from_bytes<std::uint32_t>(encoded.data() + 4 * index, encoding_.swap);
+}
+
+std::string ArrayReader::data(pugi::xml_node array, std::uint64_t bytes) const {
+  const std::string_view format = array.attribute("format").value();
+  const std::string name = shown(array.attribute("Name").value());
+  std::string decoded;
+  std::string_view encoded;
+  if (format == "binary") {
+    decoded = from_base64(array.child_value());
+    encoded = decoded;
+  } else if (format == "appended") {
+    const std::uint64_t offset = number(array, "offset");
+    if (offset >= encoding_.appended.size()) {
+      fail(array,
+           fmt::format("array '{}' begins at {} of the appended data, which has {} bytes; the file is cut off, export "
+                       "it again",
+                       name, offset, encoding_.appended.size()));
+    }
+    encoded = encoding_.appended.substr(static_cast<std::size_t>(offset));
+    if (!encoding_.appended_raw) {
+      // Four characters for three bytes; what is compressed is hardly longer than what it was, but for its header.
+      const std::uint64_t enough = bytes < encoded.size() ? 2 * bytes + bytes / 64 + 4096 : encoded.size();
+      decoded = from_base64(encoded.substr(0, static_cast<std::size_t>(enough)));
+      encoded = decoded;
+    }
+  } else {
+    fail(array,
+         fmt::format("array '{}' has the format '{}'; 'ascii', 'binary' and 'appended' are read", name, shown(format)));
+  }
+  if (encoding_.compressed) return decompressed(array, encoded, bytes);
+
+  const std::size_t header = encoding_.wide_header ? 8 : 4;
+  if (encoded.size() < header) fail(array, fmt::format("array '{}' is cut off; export the mesh again", name));
+  const std::uint64_t size = header_number(encoded, 0);
+  if (size != bytes || encoded.size() - header < bytes) {
+    fail(array,
+         fmt::format("array '{}' should have {} bytes; it says {}, and there are {}; the file is damaged, export it "
+                     "again",
+                     name, bytes, size, encoded.size() - header));
+  }
+  return std::string(encoded.substr(header, static_cast<std::size_t>(bytes)));
+}
+
+// Number of blocks, size of a block, size of the last one (0: as the others), compressed size of each; then the blocks.
+std::string ArrayReader::decompressed(pugi::xml_node array, std::string_view encoded, std::uint64_t bytes) const {
+  const auto check = [&](bool fine) {
+    if (fine) return;
+    fail(array,
+         fmt::format("array '{}': its compressed data are damaged or do not fit the {} bytes that the counts say; "
+                     "export the mesh again",
+                     shown(array.attribute("Name").value()), bytes));
+  };
+  const std::size_t word = encoding_.wide_header ? 8 : 4;
+  check(encoded.size() >= 3 * word && bytes <= encoded.size() * most_expansion);
+  const std::uint64_t blocks = header_number(encoded, 0), block_size = header_number(encoded, 1);
+  const std::uint64_t last_size = header_number(encoded, 2);
+  check(blocks > 0 && blocks <= encoded.size() / word - 3 && block_size > 0 && block_size <= bytes + (1U << 30U));
+  check(last_size <= block_size);
+  const std::uint64_t full_blocks = last_size == 0 ? blocks : blocks - 1;
+  check(full_blocks <= bytes / block_size && full_blocks * block_size + last_size == bytes);
+  std::string result(static_cast<std::size_t>(bytes), '\0');
+  std::size_t at = static_cast<std::size_t>(3 + blocks) * word, done = 0;
+  for (std::uint64_t block = 0; block < blocks; ++block) {
+    const std::uint64_t size = header_number(encoded, static_cast<std::size_t>(3 + block));
+    check(size <= encoded.size() - at);
+    const std::uint64_t wanted = block < full_blocks ? block_size : last_size;
+    auto made = static_cast<uLongf>(wanted);
+    const int status = uncompress(reinterpret_cast<Bytef*>(result.data() + done), &made,
+                                  reinterpret_cast<const Bytef*>(encoded.data() + at), static_cast<uLong>(size));
+    check(status == Z_OK && made == wanted);
+    at += static_cast<std::size_t>(size);
+    done += static_cast<std::size_t>(wanted);
+  }
+  return result;
+}
+
+}  // namespace springnet::meshes

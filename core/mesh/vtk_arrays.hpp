@@ -1,0 +1,54 @@
+// The DataArray elements of VTK's XML files, however they are encoded.
+#pragma once
+
+#include <cstdint>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include <pugixml.hpp>
+
+#include "mesh/source.hpp"
+#include "mesh/vtk_cells.hpp"
+
+namespace springnet::meshes {
+
+// How a file encodes its arrays.
+struct ArrayEncoding {
+  bool swap = false;         // bytes are in the other order
+  bool wide_header = false;  // numbers before the data have 64 bits, not 32
+  bool compressed = false;   // zlib
+  bool appended_raw = false;
+  std::string_view appended{};     // what follows the underscore of AppendedData
+  std::size_t appended_begin = 0;  // where that is in the file
+};
+
+class ArrayReader {
+ public:
+  ArrayReader(const Source& source, const ArrayEncoding& encoding) : source_(source), encoding_(encoding) {}
+
+  // `count` values in all. Throw Error(input) for another number, for values that do not fit and for damaged data.
+  [[nodiscard]] std::vector<double> reals(pugi::xml_node array, std::uint64_t count) const;
+  [[nodiscard]] std::vector<std::int64_t> integers(pugi::xml_node array, std::uint64_t count) const;
+
+  [[nodiscard]] static Place place(pugi::xml_node node);
+  [[noreturn]] void fail(pugi::xml_node node, std::string_view message) const { source_.fail(place(node), message); }
+  // An attribute that is a whole number from 0 on.
+  [[nodiscard]] std::uint64_t number(pugi::xml_node node, const char* attribute) const;
+  [[nodiscard]] Scalar type(pugi::xml_node array) const;
+
+ private:
+  template <class To>
+  std::vector<To> values(pugi::xml_node array, std::uint64_t count) const;
+  template <class To>
+  std::vector<To> text_values(pugi::xml_node array, std::uint64_t count) const;
+  // The bytes of an array, without what stands before them.
+  std::string data(pugi::xml_node array, std::uint64_t bytes) const;
+  std::string decompressed(pugi::xml_node array, std::string_view encoded, std::uint64_t bytes) const;
+  [[nodiscard]] std::uint64_t header_number(std::string_view encoded, std::size_t index) const;
+
+  const Source& source_;
+  ArrayEncoding encoding_;
+};
+
+}  // namespace springnet::meshes

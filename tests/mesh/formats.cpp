@@ -1,0 +1,268 @@
+// What is read of each format and variant.
+#include <doctest/doctest.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include <fmt/format.h>
+
+#include "samples.hpp"
+
+namespace springnet::testing {
+namespace {
+
+using Numbers = std::vector<std::uint32_t>;
+
+void check_body(const Mesh& mesh) {
+  REQUIRE(mesh.points.size() == 12);
+  for (std::size_t i = 0; i < 12; ++i) CHECK(mesh.points[i] == body_points()[i]);
+  REQUIRE(mesh.cell_count() == body_cells().size());
+  for (std::size_t i = 0; i < mesh.cell_count(); ++i) {
+    CHECK(mesh.types[i] == body_cells()[i].type);
+    const auto corners = mesh.cell(i);
+    CHECK(Numbers(corners.begin(), corners.end()) == body_cells()[i].points);
+  }
+  CHECK(has_note(mesh, "1 points that no cell uses are left out"));
+}
+
+std::size_t count_of(const Mesh& mesh, CellType type) {
+  return static_cast<std::size_t>(std::count(mesh.types.begin(), mesh.types.end(), type));
+}
+
+TEST_CASE("the same body in Gmsh's variants") {
+  for (const Sample& sample : gmsh_samples()) {
+    CAPTURE(sample.name);
+    const Mesh mesh = read_text_mesh(sample.name, sample.bytes);
+    check_body(mesh);
+    REQUIRE(mesh.groups.size() == 3);
+    CHECK(group_of(mesh, "volume 9").cells == Numbers{0, 1, 2, 3});
+    CHECK(group_of(mesh, "volume 9").points == Numbers{0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11});
+    CHECK(group_of(mesh, "the bottom").cells == Numbers{4});
+    CHECK(group_of(mesh, "the bottom").points == Numbers{0, 1, 2, 3});
+    CHECK(group_of(mesh, "pin").cells == Numbers{4, 5});  // a point's and a surface's
+    CHECK(mesh.notes.size() == 1);
+  }
+}
+
+TEST_CASE("the same body in VTK's variants, text and XML") {
+  std::vector<Sample> samples = vtk_legacy_samples();
+  CHECK(samples.size() == 4);
+  const std::vector<Sample> xml = vtk_xml_samples();
+  CHECK(xml.size() == 25);
+  samples.insert(samples.end(), xml.begin(), xml.end());
+  for (const Sample& sample : samples) {
+    CAPTURE(sample.name);
+    const Mesh mesh = read_text_mesh(sample.name, sample.bytes);
+    check_body(mesh);
+    REQUIRE(mesh.groups.size() == 2);
+    CHECK(group_of(mesh, "material 7").cells == Numbers{0, 1, 2, 3});
+    CHECK(group_of(mesh, "material 2").cells == Numbers{4, 5});
+    CHECK(group_of(mesh, "material 2").points == Numbers{0, 1, 2, 3});
+    CHECK(mesh.notes.size() == 1);
+  }
+}
+
+TEST_CASE("line ends of other systems") {
+  for (const Sample& sample :
+       {gmsh_samples()[0], vtk_legacy_samples()[0], vtk_xml_samples()[0], vtk_xml_samples()[1]}) {
+    CAPTURE(sample.name);
+    std::string bytes;
+    for (const char c : sample.bytes) bytes += c == '\n' ? std::string("\r\n") : std::string(1, c);
+    check_body(read_text_mesh(sample.name, bytes));
+  }
+}
+
+TEST_CASE("polygons, lines, strips and vertices of VTK") {
+  for (const Sample& sample : vtk_polygon_samples()) {
+    CAPTURE(sample.name);
+    const Mesh mesh = read_text_mesh(sample.name, sample.bytes);
+    CHECK(mesh.points.size() == 9);  // all
+    CHECK(mesh.types == std::vector<CellType>{CellType::vertex, CellType::line, CellType::line, CellType::triangle,
+                                              CellType::triangle, CellType::triangle, CellType::triangle,
+                                              CellType::triangle});
+    CHECK(group_of(mesh, "group 1").cells == Numbers{0});
+    CHECK(group_of(mesh, "group 2").cells == Numbers{1, 2});
+    CHECK(group_of(mesh, "group 3").cells == Numbers{3, 4, 5});  // the pentagon
+    CHECK(group_of(mesh, "group 4").cells == Numbers{6, 7});
+    CHECK(has_note(mesh, "1 polygons of more than four corners"));
+    // A square with a gable of base 1 and height 1.
+    CHECK(measure_of(mesh, 3) + measure_of(mesh, 4) + measure_of(mesh, 5) == doctest::Approx(1.5));
+    // Both triangles of the strip are turned alike: their common edge is run through in both directions.
+    const std::vector<Face> strip{{mesh.cell(6)[0], mesh.cell(6)[1], mesh.cell(6)[2]},
+                                  {mesh.cell(7)[0], mesh.cell(7)[1], mesh.cell(7)[2]}};
+    CHECK(oriented(strip, mesh.points) == strip);
+    CHECK(area_of(mesh, strip) == doctest::Approx(1.0));
+  }
+}
+
+TEST_CASE("structured grids of VTK") {
+  for (const Sample& sample : grid_samples()) {
+    CAPTURE(sample.name);
+    const Mesh mesh = read_text_mesh(sample.name, sample.bytes);
+    CHECK(mesh.points.size() == 12);
+    CHECK(mesh.types == std::vector<CellType>{CellType::hexahedron, CellType::hexahedron});
+    CHECK(volume_of(mesh) == doctest::Approx(24.0));  // 2 x 3 x 4
+    const std::vector<Face> surface = surface_of(mesh);
+    CHECK(surface.size() == 20);
+    CHECK(enclosed_volume(mesh, surface) == doctest::Approx(24.0));
+    if (sample.name == "points.vtk") {
+      CHECK(mesh.points[11] == Vector3{3, 4, 5});
+      CHECK(group_of(mesh, "Material 3").cells == Numbers{1});
+    }
+  }
+  const std::string flat = replaced(grid_samples()[0].bytes, "3 2 2", "3 1 2");
+  const Mesh sheet = read_text_mesh("flat.vtk", flat);
+  CHECK(count_of(sheet, CellType::quadrilateral) == 2);
+  CHECK(area_of(sheet, surface_of(sheet)) == doctest::Approx(8.0));  // 2 x 4
+  const Mesh row = read_text_mesh("row.vtk", replaced(grid_samples()[0].bytes, "3 2 2", "3 1 1"));
+  CHECK(count_of(row, CellType::line) == 2);
+}
+
+TEST_CASE("pixels and voxels turn into VTK's other order") {
+  const Mesh mesh = read_text_mesh("voxel.vtk",
+                                   "# vtk DataFile Version 3.0\nt\nASCII\nDATASET UNSTRUCTURED_GRID\nPOINTS 8 float\n0 "
+                                   "0 0 1 0 0 0 1 0 1 1 0 0 0 1 1 0 1 "
+                                   "0 1 1 1 1 1\nCELLS 2 14\n8 0 1 2 3 4 5 6 7\n4 0 1 2 3\nCELL_TYPES 2\n11 8\n");
+  CHECK(measure_of(mesh, 0) == doctest::Approx(1.0));
+  CHECK(measure_of(mesh, 1) == doctest::Approx(1.0));
+  CHECK(edges_of(mesh).size() == 12);  // those of the pixel are among them
+}
+
+TEST_CASE("OBJ") {
+  const Mesh mesh = read_text_mesh(obj_sample().name, obj_sample().bytes);
+  CHECK(mesh.points.size() == 8);
+  CHECK(mesh.types == std::vector<CellType>{CellType::quadrilateral, CellType::triangle, CellType::triangle,
+                                            CellType::triangle, CellType::triangle, CellType::line, CellType::line,
+                                            CellType::vertex});
+  const auto corners = mesh.cell(1);
+  CHECK(Numbers(corners.begin(), corners.end()) == Numbers{1, 4, 5});  // -6 -3 -2 of seven
+  CHECK(mesh.cell(4)[0] == 7);                                         // a point that comes after the face
+  CHECK(group_of(mesh, "left").cells == Numbers{0});
+  CHECK(group_of(mesh, "both").cells == Numbers{0, 1, 2, 3});
+  CHECK(group_of(mesh, "right").cells == Numbers{1, 2, 3});
+  CHECK(group_of(mesh, "sheet one").cells == Numbers{0, 1, 2, 3, 4, 5, 6, 7});
+  CHECK(mesh.groups.size() == 4);
+  CHECK(has_note(mesh, "1 polygons of more than four corners"));
+  CHECK(has_note(mesh, "1 statements 'curv'"));
+  CHECK(has_note(mesh, "1 points that no cell uses"));
+}
+
+TEST_CASE("STL: equal corners become one point") {
+  for (const Sample& sample : stl_samples()) {
+    CAPTURE(sample.name);
+    const Mesh mesh = read_text_mesh(sample.name, sample.bytes);
+    CHECK(mesh.points.size() == 4);
+    const std::vector<Face> surface = surface_of(mesh);
+    CHECK(is_closed(surface));
+    CHECK(enclosed_volume(mesh, surface) == doctest::Approx(1.0 / 6.0));
+    CHECK(mesh.groups.size() == (sample.name == "two.stl" ? 2 : 0));
+  }
+  const Mesh text = read_text_mesh("two.STL", stl_samples()[0].bytes);  // the ending in any case
+  CHECK(group_of(text, "first part").cells == Numbers{0, 1});
+  CHECK(group_of(text, "second part").cells == Numbers{2, 3});
+  const Mesh thin = read_text_mesh("thin.stl", replaced(stl_samples()[0].bytes, "vertex 0 1 0", "vertex 0 0 0"));
+  CHECK(thin.cell_count() == 3);
+  CHECK(has_note(thin, "1 triangles with two equal corners are left out"));
+}
+
+TEST_CASE("second order: corners alone; higher and unknown types are left out") {
+  const std::string head = "# vtk DataFile Version 3.0\nt\nASCII\nDATASET UNSTRUCTURED_GRID\nPOINTS 11 float\n";
+  std::string points = "0 0 0 1 0 0 0 1 0 0 0 1 ";
+  for (int k = 0; k < 7; ++k) points += "0.5 0.5 0 ";
+  const Mesh mesh = read_text_mesh(
+      "second.vtk", head + points + "\nCELLS 2 15\n10 0 1 2 3 4 5 6 7 8 9\n3 0 1 2\nCELL_TYPES 2\n24 69\n");
+  CHECK(mesh.points.size() == 4);
+  CHECK(mesh.types == std::vector<CellType>{CellType::tetrahedron});
+  CHECK(has_note(mesh, "1 cells of second order are read without their middle points"));
+  CHECK(has_note(mesh, "1 cells of VTK's type 69 are left out"));
+  CHECK(has_note(mesh, "7 points that no cell uses"));
+}
+
+TEST_CASE("arrays of points give groups of points, reals none") {
+  const std::string text = vtk_legacy_samples()[0].bytes;
+  std::string values;
+  for (int k = 0; k < 13; ++k) values += k < 2 || k == 12 ? "4 " : "5 ";
+  const Mesh mesh =
+      read_text_mesh("a.vtk", text + "POINT_DATA 13\nSCALARS PhysicalIds long\nLOOKUP_TABLE default\n" + values +
+                                  "\nSCALARS group float\nLOOKUP_TABLE default\n" + values + "\nUNHEARD_OF x\n!");
+  CHECK(group_of(mesh, "PhysicalIds 4").cells.empty());
+  CHECK(group_of(mesh, "PhysicalIds 4").points == Numbers{0, 1});  // and not the one that is left out
+  CHECK(group_of(mesh, "PhysicalIds 5").points.size() == 10);
+  CHECK(has_note(mesh, "array 'group' is not of whole numbers"));
+  CHECK(has_note(mesh, "data from 'UNHEARD_OF' on are not read"));
+}
+
+TEST_CASE("points of a geometry that no cell has are left out, named ones stay") {
+  const std::string text = gmsh_samples()[0].bytes;
+  // The vertex to the point that nothing else uses; with its group, then without.
+  const std::string far_away = replaced(text, "6 100 \n$EndElements", "6 136 \n$EndElements");
+  CHECK(read_text_mesh("a.msh", far_away).points.size() == 13);
+  const Mesh without = read_text_mesh("b.msh", replaced(far_away, "1 0.5 0.5 0.5 1 6 \n", "1 0.5 0.5 0.5 0 \n"));
+  CHECK(without.points.size() == 12);
+  CHECK(without.cell_count() == 5);
+}
+
+constexpr const char* written_by_vtk =
+    R"(<VTKFile type="UnstructuredGrid" version="0.1" byte_order="LittleEndian" header_type="UInt32" compressor="vtkZLibDataCompressor">
+<UnstructuredGrid>
+<Piece NumberOfPoints="13" NumberOfCells="6">
+<CellData>
+<DataArray type="Int32" Name="material" format="binary">
+AQAAAACAAAAYAAAAEQAAAA==eF5jZ2BgYEfCTFAMAAIoACE=
+</DataArray>
+</CellData>
+<Points>
+<DataArray type="Float32" Name="Points" NumberOfComponents="3" format="binary">
+AQAAAACAAACcAAAAKwAAAA==eF5jYEAGDfaobHQ+ulqYGIyNTYwBhh2gGAYckMwEqd0P4Qs4wjAA1EYOIg==
+</DataArray>
+</Points>
+<Cells>
+<DataArray type="Int64" Name="connectivity" format="binary">
+AQAAAACAAADgAAAAPgAAAA==eF5jYIAARijNBKWZoTQLlGaF0mxQmh1Kw/TB5DmhNMwcmHouKE3IPA4c6mDi3AyoAOZOmH0w98AAADgoAH4=
+</DataArray>
+<DataArray type="Int64" Name="offsets" format="binary">
+AQAAAACAAAAwAAAAGAAAAA==eF7jYIAAPigtDKXFobQ0lJaB0gAK+AB4
+</DataArray>
+<DataArray type="UInt8" Name="types" format="binary">
+AQAAAACAAAAGAAAADgAAAA==eF7j4eXj4mQEAAD4ADw=
+</DataArray>
+</Cells>
+</Piece>
+</UnstructuredGrid>
+</VTKFile>
+)";
+
+constexpr const char* appended_by_vtk = R"(<?xml version="1.0"?>
+<VTKFile type="UnstructuredGrid" version="1.0" byte_order="LittleEndian" header_type="UInt64" compressor="vtkZLibDataCompressor">
+<UnstructuredGrid>
+<Piece NumberOfPoints="13"                   NumberOfCells="6"                   >
+<CellData>
+<DataArray type="Int32" Name="material" format="appended"                                       offset="140"                 >
+</DataArray>
+</CellData>
+<Points>
+<DataArray type="Float32" Name="Points" NumberOfComponents="3" format="appended"                            offset="208"                 >
+</DataArray>
+</Points>
+<Cells>
+<DataArray type="Int64" Name="connectivity" format="appended"                                         offset="312"                 />
+<DataArray type="Int64" Name="offsets" format="appended"                                         offset="440"                 />
+<DataArray type="UInt8" Name="types" format="appended"                                         offset="516"                 >
+</DataArray>
+</Cells>
+</Piece>
+</UnstructuredGrid>
+<AppendedData encoding="base64">
+_AQAAAAAAAAAAgAAAAAAAANAAAAAAAAAARwAAAAAAAAA=eF5jYMAGPthD6AdQmsEBVZwDyv8B5Qs4oKoTgdIsUFoCSsP0yUBpHiitAKVh5ihBaSEorQKlYeaqQWkxKK0BpSUcAPegC0U=AQAAAAAAAAAAgAAAAAAAABgAAAAAAAAAEQAAAAAAAAA=eF5jZ2BgYEfCTFAMAAIoACE=AQAAAAAAAAAAgAAAAAAAAJwAAAAAAAAAKwAAAAAAAAA=eF5jYEAGDfaobHQ+ulqYGIyNTYwBhh2gGAYckMwEqd0P4Qs4wjAA1EYOIg==AQAAAAAAAAAAgAAAAAAAAOAAAAAAAAAAPgAAAAAAAAA=eF5jYIAARijNBKWZoTQLlGaF0mxQmh1Kw/TB5DmhNMwcmHouKE3IPA4c6mDi3AyoAOZOmH0w98AAADgoAH4=AQAAAAAAAAAAgAAAAAAAADAAAAAAAAAAGAAAAAAAAAA=eF7jYIAAPigtDKXFobQ0lJaB0gAK+AB4AQAAAAAAAAAAgAAAAAAAAAYAAAAAAAAADgAAAAAAAAA=eF7j4eXj4mQEAAD4ADw=
+</AppendedData>
+</VTKFile>
+)";
+
+TEST_CASE("files that VTK 9.1 wrote") {
+  check_body(read_text_mesh("vtk.vtu", written_by_vtk));
+  check_body(read_text_mesh("appended.vtu", appended_by_vtk));
+  CHECK(group_of(read_text_mesh("vtk.vtu", written_by_vtk), "material 7").cells.size() == 4);
+}
+
+}  // namespace
+}  // namespace springnet::testing
