@@ -3,13 +3,14 @@
 
 #include <charconv>
 #include <cstdint>
-#include <cstdio>
 #include <filesystem>
 #include <string>
 #include <string_view>
 #include <vector>
 
 #include <springnet/network.hpp>
+
+#include "output/checked_file.hpp"
 
 namespace springnet {
 
@@ -25,6 +26,7 @@ class CsvFile {
   CsvFile& operator=(const CsvFile&) = delete;
 
   CsvFile& operator<<(double value) { return number(value); }
+  CsvFile& operator<<(float value) { return number(value); }
   CsvFile& operator<<(std::uint32_t value) { return number(value); }
   CsvFile& operator<<(char character) {
     reserve();
@@ -57,10 +59,8 @@ class CsvFile {
     return *this;
   }
   void write_buffer();
-  [[noreturn]] void fail(int reason);
 
-  std::filesystem::path path_;
-  std::FILE* file_;
+  CheckedFile file_;
   std::vector<char> buffer_;
   std::size_t used_ = 0;
 };

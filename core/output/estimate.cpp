@@ -2,11 +2,14 @@
 #include <array>
 #include <cmath>
 #include <string>
+#include <utility>
 
 #include <fmt/format.h>
 #include <springnet/output.hpp>
 
 #include "output/csv_file.hpp"
+#include "output/table_file.hpp"
+#include "output/vtk_series.hpp"
 
 namespace springnet {
 
@@ -35,33 +38,88 @@ double name_lengths(const Network& network) {
 
 }  // namespace
 
-OutputEstimate estimate_output(const Scene& scene) {
-  const double interval = std::max(scene.output.interval, scene.options.time_step);
-  // One at the start, one each interval, and one at the end where that falls between.
-  const double intervals = scene.duration / interval;
-  const double whole = std::floor(intervals * (1.0 + 1e-12));
-  const double records = whole + 1.0 + (intervals - whole > 1e-9 * intervals ? 1.0 : 0.0);
-  const auto nodes = static_cast<double>(scene.network.nodes().size());
-  const auto fixed = static_cast<double>(
-      std::count_if(scene.network.nodes().begin(), scene.network.nodes().end(), [](const Node& n) { return n.fixed; }));
-  const auto surfaces = static_cast<double>(scene.network.planes().size() + scene.network.instruments().size());
-  const double row_start = time_length + digits_of(nodes) + 1.0;
+namespace {
 
-  double record = 0.0;
-  if (scene.output.trajectory) record += nodes * (row_start + 6.0 * number_length + 1.0);
-  if (scene.output.reactions) {
+// One at the start, one each interval, and one at the end where that falls between.
+double count_records(double duration, double interval) {
+  const double intervals = duration / interval;
+  const double whole = std::floor(intervals * (1.0 + 1e-12));
+  return whole + 1.0 + (intervals - whole > 1e-9 * intervals ? 1.0 : 0.0);
+}
+
+class Estimate {
+ public:
+  explicit Estimate(const Scene& scene) : options_(scene.output) {
+    result_.records = count_records(scene.duration, std::max(options_.interval, scene.options.time_step));
+  }
+
+  void add(const std::string& file, double bytes, bool exact) {
+    result_.files.push_back({file, bytes, exact});
+    result_.bytes += bytes;
+  }
+  // `record`: characters of a record.
+  void add_text(const std::string& file, double record) { add(file, result_.records * record, false); }
+  // `cells`: characters of the numbers of a row but time and row number, commas included.
+  void add_table(const std::string& stem, const TableForm& form, double cells) {
+    const std::string file = table_name(stem, options_);
+    if (options_.format == OutputOptions::Format::csv) {
+      const auto rows = static_cast<double>(form.numbers.size());
+      add_text(file, rows == 0.0 ? 0.0 : rows * (time_length + digits_of(form.numbers.back() + 1.0) + 2.0 + cells));
+    } else {
+      const auto header = static_cast<double>(binary_header(form, options_.precision).size());
+      add(file, header + result_.records * static_cast<double>(record_bytes(form, options_.precision)), true);
+    }
+  }
+  [[nodiscard]] double records() const { return result_.records; }
+  [[nodiscard]] OutputEstimate take() { return std::move(result_); }
+
+ private:
+  const OutputOptions& options_;
+  OutputEstimate result_;
+};
+
+}  // namespace
+
+OutputEstimate estimate_output(const Scene& scene) {
+  const Network& network = scene.network;
+  const OutputOptions& options = scene.output;
+  Estimate estimate(scene);
+  const TableForm trajectory = trajectory_form(network, options);
+  if (options.trajectory) {
+    estimate.add_table("trajectory", trajectory, static_cast<double>(trajectory.columns.size()) * number_length);
+  }
+  const auto surfaces = static_cast<double>(network.planes().size() + network.instruments().size());
+  if (options.reactions) {
     // Any node may come to rest on a surface.
-    const double rows = surfaces > 0 ? nodes : fixed;
-    record += rows * (row_start + 6.0 * number_length + 1.0);
+    const auto rows =
+        static_cast<double>(std::count_if(trajectory.numbers.begin(), trajectory.numbers.end(), [&](NodeIndex node) {
+          return surfaces > 0.0 || network.nodes()[node].fixed;
+        }));
+    const double nodes = static_cast<double>(network.nodes().size());
+    estimate.add_text("reactions.csv", rows * (time_length + digits_of(nodes) + 6.0 * number_length + 2.0));
   }
-  if (scene.output.surfaces) {
-    record += surfaces * (time_length + 9.0 * number_length + digits_of(nodes) + 2.0) + name_lengths(scene.network);
+  if (options.surfaces && surfaces > 0.0) {
+    const auto nodes = static_cast<double>(network.nodes().size());
+    estimate.add_text("surfaces.csv",
+                      surfaces * (time_length + 9.0 * number_length + digits_of(nodes) + 2.0) + name_lengths(network));
   }
-  if (scene.output.rigid) {
-    const auto rigids = static_cast<double>(scene.network.rigids().size());
-    record += rigids * (time_length + digits_of(rigids) + number_length + 2.0);
+  if (options.rigid && !network.rigids().empty()) {
+    const auto rigids = static_cast<double>(network.rigids().size());
+    estimate.add_text("rigid.csv", rigids * (time_length + digits_of(rigids) + number_length + 2.0));
   }
-  return {records, records * record};
+  if (!options.springs.empty()) {
+    estimate.add_table("springs", spring_form(options), 3.0 * number_length + 2.0);
+  }
+  if (options.elements && !network.elements().empty()) {
+    estimate.add_table("elements", element_form(network), 2.0 * number_length + 2.0);
+  }
+  if (options.vtk) {
+    const double interval = std::max({options.vtk_interval, options.interval, scene.options.time_step});
+    const double records = std::min(estimate.records(), count_records(scene.duration, interval));
+    estimate.add(std::string(vtk_folder) + "/",
+                 records * vtk_record_bytes(network, options) + vtk_index_bytes(network, records), false);
+  }
+  return estimate.take();
 }
 
 std::string readable_bytes(double bytes) {

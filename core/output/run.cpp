@@ -1,5 +1,4 @@
 #include <algorithm>
-#include <chrono>
 #include <cmath>
 #include <fstream>
 #include <limits>
@@ -8,20 +7,12 @@
 #include <fmt/format.h>
 #include <springnet/output.hpp>
 
+#include "output/pace.hpp"
+#include "output/recorder.hpp"
+
 namespace springnet {
 
 namespace {
-
-using Clock = std::chrono::steady_clock;
-
-double seconds_since(Clock::time_point start) { return std::chrono::duration<double>(Clock::now() - start).count(); }
-
-constexpr const char* trajectory_file = "trajectory.csv";
-constexpr const char* reactions_file = "reactions.csv";
-constexpr const char* surfaces_file = "surfaces.csv";
-constexpr const char* rigid_file = "rigid.csv";
-constexpr const char* events_file = "events.csv";
-constexpr const char* summary_file = "summary.json";
 
 // Share of the free space that a run leaves to others.
 constexpr double space_kept = 0.02;
@@ -43,77 +34,19 @@ void require_space(const Scene& scene, const std::filesystem::path& folder) {
   const double available = static_cast<double>(space.available) * (1.0 - space_kept);
   if (estimate.bytes <= available) return;
   const double interval = std::max(scene.output.interval, scene.options.time_step);
+  const auto largest = std::max_element(estimate.files.begin(), estimate.files.end(),
+                                        [](const FileEstimate& a, const FileEstimate& b) { return a.bytes < b.bytes; });
   throw Error(
       ErrorKind::input,
-      fmt::format("the output would be about {} ({:.3g} records), but only {} are free in {}; record less often "
-                  "(output.interval above {:.2g} s), leave out the trajectory (output.trajectory = false), or "
-                  "write to another disk",
-                  readable_bytes(estimate.bytes), estimate.records,
-                  readable_bytes(static_cast<double>(space.available)), folder.string(),
-                  interval * estimate.bytes / std::max(available, 1.0)));
+      fmt::format(
+          "the output would be about {} ({:.3g} records, most of it {}), but only {} are free in {}; record less often "
+          "(output.interval above {:.2g} s), of fewer nodes (output.nodes), in binary form (output.format), {}"
+          "leave out the trajectory (output.trajectory = false), or write to another disk",
+          readable_bytes(estimate.bytes), estimate.records, largest->file,
+          readable_bytes(static_cast<double>(space.available)), folder.string(),
+          interval * estimate.bytes / std::max(available, 1.0),
+          scene.output.vtk ? "with fewer pictures (output.vtk_interval), " : ""));
 }
-
-void prepare_folder(const std::filesystem::path& folder) {
-  std::error_code failed;
-  std::filesystem::create_directories(folder, failed);
-  if (failed || !std::filesystem::is_directory(folder)) {
-    throw Error(ErrorKind::input, fmt::format("{}: the folder for the output cannot be made: {}; name another one",
-                                              folder.string(), failed ? failed.message() : "a file is in the way"));
-  }
-  // Files of an earlier run would be taken for those of this one.
-  for (const char* name : {trajectory_file, reactions_file, surfaces_file, rigid_file, events_file, summary_file}) {
-    std::filesystem::remove(folder / name, failed);
-  }
-}
-
-// The tables of one run.
-class Recorder {
- public:
-  Recorder(const Scene& scene, const std::filesystem::path& folder, std::vector<std::string>& files)
-      : events_(folder / events_file) {
-    files = {events_file};
-    if (scene.output.trajectory) {
-      trajectory_.emplace(folder / trajectory_file);
-      files.emplace_back(trajectory_file);
-    }
-    if (scene.output.reactions) {
-      reactions_.emplace(folder / reactions_file, scene.network);
-      files.emplace_back(reactions_file);
-    }
-    if (scene.output.surfaces && scene.network.planes().size() + scene.network.instruments().size() > 0) {
-      surfaces_.emplace(folder / surfaces_file);
-      files.emplace_back(surfaces_file);
-    }
-    if (scene.output.rigid && !scene.network.rigids().empty()) {
-      rigid_.emplace(folder / rigid_file, scene.network);
-      files.emplace_back(rigid_file);
-    }
-  }
-
-  void record(const Simulation& simulation) {
-    each([&](auto& writer) { writer.record(simulation); });
-  }
-
-  void close() {
-    each([](auto& writer) { writer.close(); });
-  }
-
- private:
-  template <class Work>
-  void each(const Work& work) {
-    if (trajectory_) work(*trajectory_);
-    if (reactions_) work(*reactions_);
-    if (surfaces_) work(*surfaces_);
-    if (rigid_) work(*rigid_);
-    work(events_);
-  }
-
-  EventWriter events_;
-  std::optional<TrajectoryWriter> trajectory_;
-  std::optional<ReactionWriter> reactions_;
-  std::optional<SurfaceWriter> surfaces_;
-  std::optional<RigidWriter> rigid_;
-};
 
 // Adds a time step to the summary; the worst outcome is that of the run.
 class StepCounter {
@@ -137,28 +70,43 @@ class StepCounter {
 
 void simulate(const Scene& scene, Simulation& simulation, Recorder& recorder, const RunOptions& options,
               RunSummary& summary) {
+  const RunClock clock = clock_of(options);
   const double time_step = scene.options.time_step;
   // A remainder as small as this is rounding of the times (Simulation::advance_to takes it so).
   const double slack = 1e-6 * time_step;
   const double interval = std::max(scene.output.interval, time_step);
   StepCounter counter;
-  const auto start = Clock::now();
+  const double start = clock.now();
   const auto write_record = [&] {
-    const auto begin = Clock::now();
+    const double begin = clock.now();
     recorder.record(simulation);
     ++summary.records;
-    summary.output_wall += seconds_since(begin);
+    summary.output_wall += clock.now() - begin;
+  };
+  const auto wanted = [&] {
+    return !options.progress ||
+           options.progress({simulation.time(), scene.duration, simulation.steps(), clock.now() - start});
   };
 
   write_record();
   double next_record = interval;
   summary.outcome = name_of(counter.worst());
+  std::optional<Pace> pace;
+  if (options.realtime != 0.0) pace.emplace(options.realtime, simulation.time(), clock);
+  const auto keep_report = [&] {
+    if (pace) summary.pace = pace->report();
+  };
+  keep_report();
   while (simulation.time() < scene.duration - slack) {
+    if (pace && !pace->wait(simulation.time(), wanted)) {
+      summary.outcome = "stopped";
+      return;
+    }
     const bool last = simulation.time() + time_step >= scene.duration - slack;
     const double springs = static_cast<double>(simulation.live_spring_count());
-    const auto begin = Clock::now();
+    const double begin = clock.now();
     const auto count_work = [&] {
-      summary.wall += seconds_since(begin);
+      summary.wall += clock.now() - begin;
       summary.spring_updates += static_cast<double>(simulation.last_report().sweeps) * springs;
     };
     try {
@@ -172,6 +120,8 @@ void simulate(const Scene& scene, Simulation& simulation, Recorder& recorder, co
       throw;
     }
     count_work();
+    if (pace) pace->finished(simulation.time());
+    keep_report();
     counter.count(simulation.last_report(), summary);
     summary.outcome = name_of(counter.worst());
 
@@ -179,8 +129,7 @@ void simulate(const Scene& scene, Simulation& simulation, Recorder& recorder, co
       write_record();
       next_record = interval * (std::floor((simulation.time() + slack) / interval) + 1.0);
     }
-    if (options.progress &&
-        !options.progress({simulation.time(), scene.duration, simulation.steps(), seconds_since(start)})) {
+    if (!wanted()) {
       if (!last) summary.outcome = "stopped";
       return;
     }
@@ -254,15 +203,16 @@ RunSummary describe(const Scene& scene, const Simulation& simulation, const Plug
 
 RunSummary run_scene(const Scene& scene, const std::shared_ptr<const PluginHost>& plugins, const RunOptions& options) {
   require_space(scene, options.folder);
+  if (options.realtime != 0.0) static_cast<void>(Pace(options.realtime, 0.0, clock_of(options)));  // refuses nonsense
   Simulation simulation(scene.network, plugins, scene.options);
   RunSummary summary = describe(scene, simulation, *plugins, options.scene_name);
-  prepare_folder(options.folder);
-  Recorder recorder(scene, options.folder, summary.files);
+  Recorder recorder(scene, options.folder);
 
   keep_failure(summary, [&] { simulate(scene, simulation, recorder, options, summary); });
   if (summary.failure == ErrorKind::simulation && simulation.last_report().outcome != Outcome::settled) {
     summary.outcome = name_of(simulation.last_report().outcome);
   }
+  if (summary.failure) recorder.note("The run failed: " + summary.error);
   keep_failure(summary, [&] { recorder.close(); });
 
   summary.springs_left = simulation.live_spring_count();
@@ -272,12 +222,11 @@ RunSummary run_scene(const Scene& scene, const std::shared_ptr<const PluginHost>
   summary.statistics = simulation.statistics();
   summary.events = count_events(simulation);
   summary.notes = options.notes;
-  for (const auto& notes : {notes_of(scene), simulation.notes()}) {
+  for (const auto& notes : {notes_of(scene), simulation.notes(), recorder.notes()}) {
     summary.notes.insert(summary.notes.end(), notes.begin(), notes.end());
   }
-  std::error_code ignored;
-  for (const std::string& file : summary.files)
-    summary.bytes += std::filesystem::file_size(options.folder / file, ignored);
+  summary.bytes = recorder.bytes();
+  summary.files = recorder.files();
   summary.files.emplace_back(summary_file);
   write_summary(options.folder / summary_file, summary);
   return summary;

@@ -21,6 +21,16 @@ Json json_of_integrator(const RunSummary& summary) {
   return {{"name", summary.integrator.id}, {"options", options}};
 }
 
+Json json_of_pace(const RunSummary& summary) {
+  if (!summary.pace) return nullptr;
+  const PaceReport& pace = *summary.pace;
+  return {{"factor", pace.factor},
+          {"frames_per_s", ratio(pace.factor, summary.time_step)},
+          {"frames", pace.frames},
+          {"missed_frames", pace.missed},
+          {"greatest_delay_s", pace.greatest_delay}};
+}
+
 }  // namespace
 
 std::vector<PluginUse> plugins_used(const Scene& scene, const PluginHost& plugins) {
@@ -76,6 +86,8 @@ std::string to_json(const RunSummary& summary) {
       {"stuck", summary.events.stuck},
       {"wall_s", summary.wall},
       {"output_wall_s", summary.output_wall},
+      {"times_real_time", ratio(summary.simulated, summary.wall)},
+      {"pace", json_of_pace(summary)},
       {"spring_updates_per_s", ratio(summary.spring_updates, summary.wall)},
       {"statistics", summary.statistics},
       {"notes", summary.notes},

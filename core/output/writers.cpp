@@ -5,40 +5,100 @@
 #include <springnet/output.hpp>
 
 #include "output/csv_file.hpp"
+#include "output/table_file.hpp"
 
 namespace springnet {
 
-TrajectoryWriter::TrajectoryWriter(const std::filesystem::path& file)
-    : file_(std::make_unique<CsvFile>(file, "time,node,x,y,z,vx,vy,vz")) {}
+TrajectoryWriter::TrajectoryWriter(const std::filesystem::path& file, const Network& network,
+                                   const OutputOptions& options)
+    : position_(options.position), velocity_(options.velocity), force_(options.force) {
+  TableForm form = trajectory_form(network, options);
+  nodes_ = form.numbers;
+  values_.resize(nodes_.size() * form.columns.size());
+  file_ = create_table(file, std::move(form), options);
+}
 
 TrajectoryWriter::~TrajectoryWriter() = default;
 
 void TrajectoryWriter::record(const Simulation& simulation) {
-  const double time = simulation.time();
-  const ConstNodeMap positions = simulation.positions();
-  const ConstNodeMap velocities = simulation.velocities();
   const std::vector<std::uint32_t>& columns = simulation.columns();
-  CsvFile& out = *file_;
-  for (NodeIndex node = 0; node < columns.size(); ++node) {
-    const auto column = static_cast<Eigen::Index>(columns[node]);
-    out << time << ',' << node << Vector3(positions.col(column)) << Vector3(velocities.col(column)) << '\n';
-  }
+  const std::size_t width = nodes_.empty() ? 0 : values_.size() / nodes_.size();
+  std::size_t first = 0;  // column of the quantity
+  const auto fill = [&](const ConstNodeMap& quantity) {
+    double* row = values_.data() + first;
+    for (const NodeIndex node : nodes_) {
+      const auto column = static_cast<Eigen::Index>(columns[node]);
+      for (Eigen::Index axis = 0; axis < 3; ++axis) row[axis] = quantity(axis, column);
+      row += width;
+    }
+    first += 3;
+  };
+  if (position_) fill(simulation.positions());
+  if (velocity_) fill(simulation.velocities());
+  if (force_) fill(simulation.forces());
+  file_->record(simulation.time(), values_);
 }
 
 void TrajectoryWriter::close() { file_->close(); }
 
-ReactionWriter::ReactionWriter(const std::filesystem::path& file, const Network& network)
-    : file_(std::make_unique<CsvFile>(file, "time,node,fx,fy,fz,tx,ty,tz")) {
-  fixed_.reserve(network.nodes().size());
-  for (const Node& node : network.nodes()) fixed_.push_back(node.fixed);
+SpringWriter::SpringWriter(const std::filesystem::path& file, const Network& network, const OutputOptions& options)
+    : file_(create_table(file, spring_form(options), options)) {
+  springs_.reserve(options.springs.size());
+  for (const SpringIndex index : options.springs) {
+    const Spring& spring = network.springs().at(index);
+    springs_.push_back({index, spring.first, spring.second});
+  }
+  values_.resize(springs_.size() * 4);
+}
+
+SpringWriter::~SpringWriter() = default;
+
+void SpringWriter::record(const Simulation& simulation) {
+  simulation.tensions(tensions_);
+  simulation.spring_energies(energies_);
+  double* value = values_.data();
+  for (const Ends& ends : springs_) {
+    *value++ = (simulation.position(ends.second) - simulation.position(ends.first)).norm();
+    *value++ = tensions_[ends.spring];
+    *value++ = energies_[ends.spring];
+    *value++ = simulation.alive(ends.spring) ? 1.0 : 0.0;
+  }
+  file_->record(simulation.time(), values_);
+}
+
+void SpringWriter::close() { file_->close(); }
+
+ElementWriter::ElementWriter(const std::filesystem::path& file, const Network& network, const OutputOptions& options)
+    : file_(create_table(file, element_form(network), options)), values_(network.elements().size() * 3) {}
+
+ElementWriter::~ElementWriter() = default;
+
+void ElementWriter::record(const Simulation& simulation) {
+  for (ElementIndex element = 0; element < values_.size() / 3; ++element) {
+    double* const value = values_.data() + std::size_t{3} * element;
+    value[0] = simulation.element_value(element);
+    value[1] = simulation.element_force(element);
+    value[2] = simulation.element_alive(element) ? 1.0 : 0.0;
+  }
+  file_->record(simulation.time(), values_);
+}
+
+void ElementWriter::close() { file_->close(); }
+
+ReactionWriter::ReactionWriter(const std::filesystem::path& file, const Network& network, const OutputOptions& options)
+    : file_(std::make_unique<CsvFile>(file, "time,node,fx,fy,fz,tx,ty,tz")),
+      nodes_(trajectory_form(network, options).numbers) {
+  fixed_.reserve(nodes_.size());
+  for (const NodeIndex node : nodes_) fixed_.push_back(network.nodes().at(node).fixed);
 }
 
 ReactionWriter::~ReactionWriter() = default;
 
 void ReactionWriter::record(const Simulation& simulation) {
   CsvFile& out = *file_;
-  for (NodeIndex node = 0; node < fixed_.size(); ++node) {
-    if (!fixed_[node] && !simulation.touching(node)) continue;
+  for (std::size_t k = 0; k < nodes_.size(); ++k) {
+    const NodeIndex node = nodes_[k];
+    if (!fixed_[k] && !simulation.touching(node)) continue;
     const Vector3 reaction = simulation.reaction(node);
     const Vector3 torque = simulation.position(node).cross(reaction);
     out << simulation.time() << ',' << node << reaction << torque << '\n';

@@ -3,6 +3,7 @@
 
 #include <springnet/network.hpp>
 #include <springnet/plugin_host.hpp>
+#include <springnet/scene.hpp>
 
 #include "scene/reader.hpp"
 
@@ -14,5 +15,7 @@ void read_connections(const Table& root, const PluginHost& plugins, Network& net
 // [[node]], [[spring]], [[fix]], [[force]], [[cut]]
 void read_changes(const Table& root, const PluginHost& plugins, Network& network);
 void read_surroundings(const Table& root, Network& network);  // [[move]], [[plane]], [[instrument]]
+// [output], whose selections see the whole network.
+void read_output(const Table& root, const Network& network, OutputOptions& output);
 
 }  // namespace springnet::scene

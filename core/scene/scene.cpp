@@ -38,17 +38,6 @@ void read_simulation(const Table& root, const PluginHost& plugins, Scene& result
   if (const auto renumber = table.find("renumber")) options.renumber = renumber->boolean();
 }
 
-void read_output(const Table& root, OutputOptions& output) {
-  const auto value = root.find("output");
-  if (!value) return;
-  const Table table = value->table("output");
-  if (const auto interval = table.find("interval")) output.interval = interval->number_from_0("s");
-  if (const auto trajectory = table.find("trajectory")) output.trajectory = trajectory->boolean();
-  if (const auto reactions = table.find("reactions")) output.reactions = reactions->boolean();
-  if (const auto surfaces = table.find("surfaces")) output.surfaces = surfaces->boolean();
-  if (const auto rigid = table.find("rigid")) output.rigid = rigid->boolean();
-}
-
 }  // namespace
 }  // namespace scene
 
@@ -61,7 +50,6 @@ Scene parse_scene(std::string_view text, std::string_view name, const PluginHost
   Scene result;
   if (const auto title = root.find("title")) result.title = title->text();
   scene::read_simulation(root, plugins, result);
-  scene::read_output(root, result.output);
   if (const auto gravity = root.find("gravity")) {
     result.network.set_gravity(gravity->table("gravity").need("acceleration").vector());
   }
@@ -69,6 +57,7 @@ Scene parse_scene(std::string_view text, std::string_view name, const PluginHost
   scene::read_connections(root, plugins, result.network);
   scene::read_changes(root, plugins, result.network);
   scene::read_surroundings(root, result.network);
+  scene::read_output(root, result.network, result.output);
   return result;
 }
 

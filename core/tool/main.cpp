@@ -71,6 +71,7 @@ int run(int argc, char** argv) {
   tool::add_run(app, action);
   tool::add_validate(app, action);
   tool::add_inspect(app, action);
+  tool::add_convert(app, action);
   tool::add_plugin(app, action);
 
   try {

@@ -12,19 +12,25 @@ namespace springnet::tool {
 
 namespace {
 
-constexpr const char* examples = R"(Files (in the folder of the output):
-  trajectory.csv   time,node,x,y,z,vx,vy,vz   s, m, m/s; the scene's [output] says how often
+constexpr const char* examples =
+    R"(Files (in the folder of the output; the scene's [output] says which, what of and how often):
+  trajectory.csv   time,node,x,y,z,vx,vy,vz   s, m, m/s; also forces, or only some of these
   reactions.csv    time,node,fx,fy,fz,tx,…    N, N m: what holds nodes, if output.reactions = true
   surfaces.csv     time,surface,x,y,z,fx,…    forces and torques on planes and instruments
   rigid.csv        time,rigid,force           N: tension of rigid connections
+  springs.csv      time,spring,length,…       tensions and energies of the springs of output.springs
+  elements.csv     time,element,value,force   angles, areas, volumes and what acts on them
   events.csv       time,event,element,index   cuts, ruptures, contacts
+  vtk/run.pvd      for ParaView, if output.vtk = true
   summary.json     how the run went
+With output.format = "binary", trajectory, springs and elements are .bin files; 'springnet convert' turns them into text.
 
 Examples:
   springnet run examples/cube/cube.toml
   springnet run cube.toml --time-step 0.01 --duration 5 -o /tmp/cube
   springnet run cube.toml --integrator cvode --set simulation.integrator.method=\"adams\"
-  springnet run cube.toml --set output.interval=0.5 --set output.reactions=true
+  springnet run cube.toml --set output.interval=0.5 --set output.vtk=true
+  springnet run cube.toml --realtime                 as fast as in reality; counts the time steps that came late
 
 Exit status:
   0 done   1 the simulation failed (what it wrote until then is kept)   2 usage or scene   3 plugin)";
@@ -32,7 +38,34 @@ Exit status:
 struct RunArguments {
   SceneArguments scene;
   OutputArguments output;
+  std::string realtime;  // simulated seconds to one of the clock, "true": 1; empty: as fast as it goes
 };
+
+// A flag that is given without a value has the value "true".
+CLI::Validator factor_or_true() {
+  const CLI::Validator number = number_between(above_zero, finite);
+  return CLI::Validator([number](const std::string& text) { return text == "true" ? std::string() : number(text); },
+                        "");
+}
+
+// What computing alone would reach.
+std::string multiple_of_real_time(const RunSummary& summary) {
+  if (!(summary.wall > 0.0)) return "no time";
+  return fmt::format("{:.3g} times real time", summary.simulated / summary.wall);
+}
+
+std::string readable_delay(double seconds) {
+  return seconds < 1.0 ? fmt::format("{:.3g} ms", 1000.0 * seconds) : fmt::format("{:.3g} s", seconds);
+}
+
+void print_estimate(const OutputEstimate& estimate, const std::filesystem::path& folder) {
+  fmt::print("writing about {} ({:.0f} records) to {}\n", readable_bytes(estimate.bytes), estimate.records,
+             folder.string());
+  for (const FileEstimate& file : estimate.files) {
+    fmt::print("  {:15}  {}{}\n", file.file, file.exact ? "" : "at most ", readable_bytes(file.bytes));
+  }
+  std::fflush(stdout);
+}
 
 // Notes from number `first` on; those before stood on the terminal before the run.
 void print_result(const RunSummary& summary, const std::filesystem::path& folder, std::size_t first) {
@@ -40,10 +73,17 @@ void print_result(const RunSummary& summary, const std::filesystem::path& folder
   fmt::print("{}: {}, {} nodes, {} springs\n", summary.scene, summary.integrator.id, summary.nodes, summary.springs);
   fmt::print("  outcome    {}\n", summary.outcome);
   fmt::print(
-      "  simulated  {:g} s of {:g} s in {:.3g} s: {} steps, {:.1f} sweeps a step, {:.3g} million springs a second\n",
-      summary.simulated, summary.duration, summary.wall, summary.steps,
+      "  simulated  {:g} s of {:g} s in {:.3g} s ({}): {} steps, {:.1f} sweeps a step, {:.3g} million springs a "
+      "second\n",
+      summary.simulated, summary.duration, summary.wall, multiple_of_real_time(summary), summary.steps,
       steps > 0.0 ? static_cast<double>(summary.sweeps) / steps : 0.0,
       summary.wall > 0.0 ? summary.spring_updates / summary.wall / 1e6 : 0.0);
+  if (summary.pace) {
+    const PaceReport& pace = *summary.pace;
+    fmt::print("  pace       {:g} times real time, {:.3g} frames a second: {} frames, {} missed{}\n", pace.factor,
+               pace.factor / summary.time_step, pace.frames, pace.missed,
+               pace.missed > 0 ? fmt::format(", at most {} late", readable_delay(pace.greatest_delay)) : "");
+  }
   if (summary.unsettled > 0) {
     fmt::print("  warning    {} of {} time steps were accepted without having settled\n", summary.unsettled,
                summary.steps);
@@ -72,16 +112,16 @@ int run(const RunArguments& arguments) {
   for (const std::string& note : notes_of(scene)) notes.push_back(note);
   if (!arguments.output.silent()) {
     for (const std::string& note : notes) fmt::print("note: {}\n", note);
-    const OutputEstimate estimate = estimate_output(scene);
-    fmt::print("writing about {} ({:.0f} records) to {}\n", readable_bytes(estimate.bytes), estimate.records,
-               folder.string());
-    std::fflush(stdout);
+    print_estimate(estimate_output(scene), folder);
   }
 
   catch_interrupts();
   Progress progress(arguments.output.silent());
   options.folder = folder;
   options.scene_name = arguments.scene.file.string();
+  if (!arguments.realtime.empty()) {
+    options.realtime = arguments.realtime == "true" ? 1.0 : std::stod(arguments.realtime);
+  }
   options.progress = [&](const RunProgress& now) {
     progress.update(now.time, now.duration);
     return !interrupted();
@@ -115,6 +155,12 @@ void add_run(CLI::App& app, Action& action) {
   CLI::App* const command = app.add_subcommand("run", "Simulate a scene and write its course");
   arguments->scene.add_to(*command, true);
   arguments->output.add_to(*command);
+  command
+      ->add_flag("--realtime", arguments->realtime,
+                 "Keep pace with the clock, or with a multiple of it: --realtime=0.5 at half the speed. Each time step "
+                 "is a frame that starts when it is due; late ones are counted, none is left out")
+      ->type_name("[=FACTOR]")
+      ->check(factor_or_true());
   command->footer(examples);
   command->callback([arguments, &action] { action = [arguments] { return run(*arguments); }; });
 }

@@ -91,6 +91,66 @@ TEST_CASE("the estimate of forces is on the safe side as well") {
   CHECK(summary.bytes > 0);
 }
 
+TEST_CASE("binary tables and their headers have the size that was told, to the byte; pictures all but their index") {
+  const TemporaryFolder folder;
+  Scene scene = flying(4);
+  scene.duration = 0.055;
+  scene.network.add_face({0, 1, 5});
+  scene.network.add_plane({"floor", Vector3(0, 0, -9), Vector3::UnitZ(), {}, std::nullopt});
+  scene.output.format = OutputOptions::Format::binary;
+  scene.output.nodes = {1, 5, 17};
+  scene.output.springs = {0, 1, 2, 100};
+  scene.output.vtk = true;
+  scene.output.vtk_interval = 0.02;
+  for (const auto precision : {OutputOptions::Precision::float64, OutputOptions::Precision::float32}) {
+    scene.output.precision = precision;
+    const OutputEstimate estimate = estimate_output(scene);
+    const RunSummary summary = run_scene(scene, plugins(), {folder.path(), "flying", {}});
+    CHECK(summary.records == 7);
+    CHECK(static_cast<double>(summary.records) == estimate.records);
+    double sum = 0.0;
+    std::size_t exact = 0;
+    for (const FileEstimate& file : estimate.files) {
+      CAPTURE(file.file);
+      sum += file.bytes;
+      double bytes = 0.0;
+      if (file.file == "vtk/") {
+        std::size_t pictures = 0;
+        for (const auto& entry : std::filesystem::directory_iterator(folder.path() / "vtk")) {
+          bytes += static_cast<double>(entry.file_size());
+          if (entry.path().extension() == ".vtu") ++pictures;
+        }
+        CHECK(pictures == 4);
+        // 0, 0.02, 0.04 and 0.055 s; a time takes 24 characters at most, two entries a picture, two digits more in
+        // names.
+        CHECK(bytes > file.bytes - 4 * 2 * 26);
+      } else {
+        bytes = static_cast<double>(std::filesystem::file_size(folder.path() / file.file));
+      }
+      CHECK(bytes <= file.bytes);
+      if (file.exact) CHECK(bytes == file.bytes);
+      exact += file.exact ? 1 : 0;
+    }
+    CHECK(exact == 2);
+    CHECK(sum == estimate.bytes);
+  }
+}
+
+TEST_CASE("the estimate of springs as text is near the size of the file, on the safe side") {
+  const TemporaryFolder folder;
+  Scene scene = flying(4);
+  scene.output.trajectory = false;
+  for (SpringIndex spring = 0; spring < scene.network.springs().size(); ++spring) {
+    scene.output.springs.push_back(spring);
+  }
+  const OutputEstimate estimate = estimate_output(scene);
+  run_scene(scene, plugins(), {folder.path(), "flying", {}});
+  const auto bytes = static_cast<double>(std::filesystem::file_size(folder.path() / "springs.csv"));
+  CHECK(bytes <= estimate.bytes);
+  // The net flies without load: lengths are short, tensions nearly zero with long exponents.
+  CHECK(bytes >= 0.7 * estimate.bytes);
+}
+
 TEST_CASE("output that does not fit the disk is refused before anything is written") {
   const TemporaryFolder folder;
   Scene scene = flying(3);
@@ -105,8 +165,18 @@ TEST_CASE("output that does not fit the disk is refused before anything is writt
     CHECK(message.find("free") != std::string::npos);
     CHECK(message.find("output.interval") != std::string::npos);
     CHECK(message.find("output.trajectory") != std::string::npos);
+    CHECK(message.find("most of it trajectory.csv") != std::string::npos);
   }
   CHECK_FALSE(std::filesystem::exists(folder.path() / "new"));
+
+  scene.output.vtk = true;
+  try {
+    run_scene(scene, plugins(), {folder.path() / "new", "flying", {}});
+    FAIL("it ran");
+  } catch (const Error& error) {
+    CHECK(std::string(error.what()).find("most of it vtk/") != std::string::npos);
+    CHECK(std::string(error.what()).find("output.vtk_interval") != std::string::npos);
+  }
 }
 
 TEST_CASE("sizes are readable") {

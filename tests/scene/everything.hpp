@@ -21,6 +21,14 @@ trajectory = false
 reactions = true
 surfaces = false
 rigid = false
+elements = false
+nodes = { body = "chain" }
+springs = { body = "block", springs = [0, 5] }
+quantities = ["force", "position"]
+format = "binary"
+precision = "single"
+vtk = true
+vtk_interval = 0.5
 
 [[body]]                      # nodes 0 to 7, springs 0 to 11
 name = "block"

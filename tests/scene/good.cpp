@@ -63,6 +63,16 @@ TEST_CASE("what is left out has its default") {
   CHECK_FALSE(scene.output.reactions);
   CHECK(scene.output.surfaces);
   CHECK(scene.output.rigid);
+  CHECK(scene.output.elements);
+  CHECK(scene.output.nodes.empty());
+  CHECK(scene.output.springs.empty());
+  CHECK(scene.output.position);
+  CHECK(scene.output.velocity);
+  CHECK_FALSE(scene.output.force);
+  CHECK(scene.output.format == springnet::OutputOptions::Format::csv);
+  CHECK(scene.output.precision == springnet::OutputOptions::Precision::float64);
+  CHECK_FALSE(scene.output.vtk);
+  CHECK(scene.output.vtk_interval == 0);
   CHECK(scene.network.gravity() == Vector3::Zero());
   CHECK(scene.network.nodes()[0].position == Vector3::Zero());
   CHECK(scene.network.nodes()[0].velocity == Vector3::Zero());
@@ -99,6 +109,16 @@ TEST_CASE("every key: simulation and output") {
   CHECK(scene.output.reactions);
   CHECK_FALSE(scene.output.surfaces);
   CHECK_FALSE(scene.output.rigid);
+  CHECK_FALSE(scene.output.elements);
+  CHECK(scene.output.nodes == std::vector<springnet::NodeIndex>{8, 9, 10});
+  CHECK(scene.output.springs == std::vector<springnet::SpringIndex>{0, 5});
+  CHECK(scene.output.position);
+  CHECK_FALSE(scene.output.velocity);
+  CHECK(scene.output.force);
+  CHECK(scene.output.format == springnet::OutputOptions::Format::binary);
+  CHECK(scene.output.precision == springnet::OutputOptions::Precision::float32);
+  CHECK(scene.output.vtk);
+  CHECK(scene.output.vtk_interval == 0.5);
   CHECK(scene.network.gravity() == Vector3(0, 0, -9.81));
 }
 

@@ -24,7 +24,9 @@ std::set<std::string> listed() { return {springnet::scene_keys().begin(), spring
 
 // Where the keys of a table are listed: those of selections once, as "select.…", those of surfaces' motions likewise.
 std::string listed_path(const std::string& path) {
-  if (path.ends_with(".select") || path == "rigid.springs") return "select";
+  if (path.ends_with(".select") || path == "rigid.springs" || path == "output.nodes" || path == "output.springs") {
+    return "select";
+  }
   for (const char* joined : {"connect", "rigid"}) {
     for (const char* end : {".from", ".to"}) {
       if (path == std::string(joined) + end) return "select";

@@ -1,4 +1,7 @@
+#include <chrono>
+
 #include <doctest/doctest.h>
+#include <springnet/output.hpp>
 
 #include "csv.hpp"
 #include "tool.hpp"
@@ -179,4 +182,73 @@ TEST_CASE("a folder that cannot be made is an error of usage") {
   const Answer answer = testing::springnet(folder, "run pair.toml -q -o taken/out");
   CHECK(answer.status == 2);
   CHECK(answer.err.find("taken/out") != std::string::npos);
+}
+
+TEST_CASE("the size of each file is told before the run") {
+  const TemporaryFolder folder;
+  folder.write("pair.toml", testing::pair_scene);
+  const Answer answer = testing::springnet(
+      folder, "run pair.toml --set 'output.format=\"binary\"' --set output.vtk=true --set output.reactions=true");
+  CAPTURE(answer.out);
+  REQUIRE(answer.status == 0);
+  const auto size = std::filesystem::file_size(folder.path() / "results/pair/trajectory.bin");
+  const std::size_t line = answer.out.find("  trajectory.bin   ");
+  REQUIRE(line != std::string::npos);
+  CHECK(answer.out.substr(line + 19).starts_with(readable_bytes(static_cast<double>(size)) + "\n"));
+  for (const char* file : {"  reactions.csv    at most ", "  vtk/             at most "}) {
+    CHECK(answer.out.find(file) != std::string::npos);
+  }
+  CHECK(answer.out.find("times real time") != std::string::npos);
+}
+
+TEST_CASE("a run in real time takes as long as it simulates, and says how it kept pace") {
+  const TemporaryFolder folder;
+  folder.write("pair.toml", testing::pair_scene);
+  const auto begin = std::chrono::steady_clock::now();
+  const Answer answer = testing::springnet(folder, "run --realtime=5 pair.toml -o out");
+  const std::chrono::duration<double> wall = std::chrono::steady_clock::now() - begin;
+  CAPTURE(answer.out);
+  CHECK(answer.status == 0);
+  // Ten steps of 0.1 s; the last one starts at 0.9 s / 5. A slow machine takes longer, no machine less.
+  CHECK(wall.count() >= 0.18);
+  CHECK(answer.out.find("pace       5 times real time, 50 frames a second: 10 frames, ") != std::string::npos);
+  const auto summary = testing::read_json(folder.path() / "out/summary.json");
+  CHECK(summary["pace"]["frames"] == 10);
+  CHECK(summary["pace"]["factor"] == 5.0);
+  // Computing alone: what passes while waiting does not count.
+  CHECK(summary["times_real_time"].get<double>() ==
+        doctest::Approx(1.0 / summary["wall_s"].get<double>()).epsilon(1e-12));
+}
+
+TEST_CASE("a run that waits for the clock ends when asked to") {
+  const TemporaryFolder folder;
+  folder.write("pair.toml", testing::pair_scene);
+  // Without the request it would take a thousand seconds.
+  const Answer answer =
+      testing::shell(folder,
+                     "\"$SPRINGNET\" run pair.toml --realtime=0.001 -q -o out & tool=$!; "
+                     "while [ ! -e out/events.csv ]; do sleep 0.05; done; kill -TERM $tool; wait $tool");
+  CHECK(answer.status == 1);
+  CHECK(answer.err.find("stopped at") != std::string::npos);
+  const auto summary = testing::read_json(folder.path() / "out/summary.json");
+  CHECK(summary["outcome"] == "stopped");
+  CHECK(summary["pace"]["factor"] == 0.001);
+}
+
+TEST_CASE("convert turns a binary table into the text that the run would have written") {
+  const TemporaryFolder folder;
+  folder.write("pair.toml", testing::pair_scene);
+  REQUIRE(testing::springnet(folder, "run pair.toml -q -o text").status == 0);
+  REQUIRE(testing::springnet(folder, "run pair.toml -q -o binary --set 'output.format=\"binary\"'").status == 0);
+  const Answer answer = testing::springnet(folder, "convert binary/trajectory.bin");
+  CHECK(answer.status == 0);
+  CHECK(answer.out == "binary/trajectory.csv: 11 records of 2 rows\n");
+  const std::string text = testing::read_text(folder.path() / "text/trajectory.csv");
+  CHECK(testing::read_text(folder.path() / "binary/trajectory.csv") == text);
+  CHECK(testing::springnet(folder, "convert binary/trajectory.bin -q -o other.csv").out.empty());
+  CHECK(testing::read_text(folder.path() / "other.csv") == text);
+  const Answer same = testing::springnet(folder, "convert binary/trajectory.bin -o binary/trajectory.bin");
+  CHECK(same.status == 2);
+  CHECK(same.err.find("another one with -o") != std::string::npos);
+  CHECK(testing::springnet(folder, "convert text/trajectory.csv").status == 2);
 }

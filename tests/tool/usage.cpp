@@ -17,7 +17,7 @@ TEST_CASE("the version is printed") {
 
 TEST_CASE("every command has a help that says what it does and how it ends") {
   const TemporaryFolder folder;
-  for (const char* command : {"", "run", "validate", "inspect", "plugin list", "plugin show"}) {
+  for (const char* command : {"", "run", "validate", "inspect", "convert", "plugin list", "plugin show"}) {
     CAPTURE(command);
     const Answer answer = testing::springnet(folder, std::string(command) + " --help");
     CHECK(answer.status == 0);
@@ -36,20 +36,28 @@ TEST_CASE("wrong usage has status 2 and names what is wrong") {
     const char* arguments;
     const char* message;
   };
-  for (const Wrong& wrong :
-       {Wrong{"", "a command is missing"}, Wrong{"vaidate pair.toml", "did you mean 'validate'"},
-        Wrong{"run", "SCENE is required"}, Wrong{"run --thrads 2 pair.toml", "did you mean '--threads'"},
-        Wrong{"run pair.toml --time-step 0", "--time-step: must be a number above 0, is 0"},
-        Wrong{"run pair.toml --duration nan", "--duration: must be a number above 0"},
-        Wrong{"run pair.toml --threads -2", "--threads"}, Wrong{"run pair.toml --set output", "output"},
-        Wrong{"run pair.toml --set output.intervall=1", "did you mean 'interval'"},
-        Wrong{"run nowhere.toml", "nowhere.toml"}, Wrong{"inspect nowhere.toml", "nowhere.toml"},
-        Wrong{"validate pair.toml --time-steps 0.1,x", "must be a number above 0, is x"},
-        Wrong{"validate pair.toml --time-steps 7", "at most the duration"},
-        Wrong{"validate pair.toml --tolerance -1", "--tolerance"},
-        Wrong{"validate pair.toml --reference-tolerance 1", "from 1e-11 to 0.001"},
-        Wrong{"plugin", "a command is missing"}, Wrong{"plugin shw", "did you mean 'show'"},
-        Wrong{"plugin show linear --kind springs", "springs"}}) {
+  for (const Wrong& wrong : {Wrong{"", "a command is missing"},
+                             Wrong{"vaidate pair.toml", "did you mean 'validate'"},
+                             Wrong{"run", "SCENE is required"},
+                             Wrong{"run --thrads 2 pair.toml", "did you mean '--threads'"},
+                             Wrong{"run pair.toml --time-step 0", "--time-step: must be a number above 0, is 0"},
+                             Wrong{"run pair.toml --duration nan", "--duration: must be a number above 0"},
+                             Wrong{"run pair.toml --threads -2", "--threads"},
+                             Wrong{"run pair.toml --set output", "output"},
+                             Wrong{"run pair.toml --set output.intervall=1", "did you mean 'interval'"},
+                             Wrong{"run pair.toml --realtime=0", "--realtime: must be a number above 0, is 0"},
+                             Wrong{"run pair.toml --realtime=fast", "must be a number above 0, is fast"},
+                             Wrong{"convert", "FILE is required"},
+                             Wrong{"convert nowhere.bin", "nowhere.bin: cannot be read"},
+                             Wrong{"run nowhere.toml", "nowhere.toml"},
+                             Wrong{"inspect nowhere.toml", "nowhere.toml"},
+                             Wrong{"validate pair.toml --time-steps 0.1,x", "must be a number above 0, is x"},
+                             Wrong{"validate pair.toml --time-steps 7", "at most the duration"},
+                             Wrong{"validate pair.toml --tolerance -1", "--tolerance"},
+                             Wrong{"validate pair.toml --reference-tolerance 1", "from 1e-11 to 0.001"},
+                             Wrong{"plugin", "a command is missing"},
+                             Wrong{"plugin shw", "did you mean 'show'"},
+                             Wrong{"plugin show linear --kind springs", "springs"}}) {
     CAPTURE(wrong.arguments);
     const Answer answer = testing::springnet(folder, wrong.arguments);
     CAPTURE(answer.err);

@@ -20,36 +20,79 @@
 namespace springnet {
 
 class CsvFile;
+class TableFile;
+class VtkSeries;
 
 // Tables of comma separated values with a header line. Numbers are the shortest decimals that read back as the same
 // double. Nodes and springs have the user's numbers. Constructors replace a file that is there and throw Error(input)
 // if it cannot be created; record() and close() throw Error(simulation) if the file cannot be written, the disk being
-// full for instance. What was written until then stays.
+// full for instance. What was written until then stays. Those that take OutputOptions write the binary form of
+// springnet/records.hpp if the options say so.
 
-// "time,node,x,y,z,vx,vy,vz" in s, m, m/s; a row for every node and record, by rising node.
+// "time,node" and the quantities of the options: "x,y,z" m, "vx,vy,vz" m/s, "fx,fy,fz" N (net force of springs and
+// loads); a row for every node of the options and record, by rising node.
 class TrajectoryWriter {
  public:
-  explicit TrajectoryWriter(const std::filesystem::path& file);
+  TrajectoryWriter(const std::filesystem::path& file, const Network& network, const OutputOptions& options = {});
   ~TrajectoryWriter();
   void record(const Simulation& simulation);
   void close();
 
  private:
-  std::unique_ptr<CsvFile> file_;
+  std::unique_ptr<TableFile> file_;
+  std::vector<NodeIndex> nodes_;
+  bool position_, velocity_, force_;
+  std::vector<double> values_;  // [node][column]
+};
+
+// "time,spring,length,tension,energy,alive" in s, m, N, J: of the springs of the options, the distance of their ends,
+// their tension (> 0 pulls the ends together) and the energy stored in them (nan where the law has none); 0 once they
+// are removed, alive being 0 then.
+class SpringWriter {
+ public:
+  SpringWriter(const std::filesystem::path& file, const Network& network, const OutputOptions& options);
+  ~SpringWriter();
+  void record(const Simulation& simulation);
+  void close();
+
+ private:
+  struct Ends {
+    SpringIndex spring;
+    NodeIndex first, second;
+  };
+  std::unique_ptr<TableFile> file_;
+  std::vector<Ends> springs_;
+  std::vector<double> tensions_, energies_;  // of all springs
+  std::vector<double> values_;               // [spring][column]
+};
+
+// "time,element,value,force,alive": of every element, in the units of its invariant (Simulation::element_value,
+// element_force).
+class ElementWriter {
+ public:
+  ElementWriter(const std::filesystem::path& file, const Network& network, const OutputOptions& options = {});
+  ~ElementWriter();
+  void record(const Simulation& simulation);
+  void close();
+
+ private:
+  std::unique_ptr<TableFile> file_;
+  std::vector<double> values_;  // [element][column]
 };
 
 // "time,node,fx,fy,fz,tx,ty,tz" in s, N, N m: the force that holds or moves a node, and its torque about the origin,
-// for each node that is fixed, moved or in contact at the time.
+// for each node of the options that is fixed, moved or in contact at the time.
 class ReactionWriter {
  public:
-  ReactionWriter(const std::filesystem::path& file, const Network& network);
+  ReactionWriter(const std::filesystem::path& file, const Network& network, const OutputOptions& options = {});
   ~ReactionWriter();
   void record(const Simulation& simulation);
   void close();
 
  private:
   std::unique_ptr<CsvFile> file_;
-  std::vector<bool> fixed_;  // by the user's node
+  std::vector<NodeIndex> nodes_;
+  std::vector<bool> fixed_;  // of nodes_
 };
 
 // "time,surface,x,y,z,fx,fy,fz,tx,ty,tz,nodes" in s, m, N, N m: where each plane and instrument is (its point, its
@@ -94,10 +137,32 @@ class EventWriter {
   std::size_t written_ = 0;
 };
 
-// How large the files of a run become, rather too large: rows are shorter where numbers have few digits.
+// Files for ParaView and other programs that read VTK's XML formats, in a folder that is made if it is not there: for
+// each record net_<number>.vtu, with surfaces_<number>.vtp beside it if there are planes or instruments, and run.pvd,
+// which lists them with their times and is complete after each record. core/docs/output.md lists the data. Throws as
+// the tables do.
+class VtkWriter {
+ public:
+  VtkWriter(const std::filesystem::path& folder, const Network& network, const OutputOptions& options = {});
+  ~VtkWriter();
+  void record(const Simulation& simulation);
+  void close();
+  [[nodiscard]] std::uintmax_t bytes() const noexcept;  // of all files
+
+ private:
+  std::unique_ptr<VtkSeries> series_;
+};
+
+// How large the files of a run become. Tables of text rather too large: rows are shorter where numbers have few digits.
+struct FileEstimate {
+  std::string file;    // name in the folder
+  double bytes = 0.0;  // at most
+  bool exact = false;
+};
 struct OutputEstimate {
   double records = 0.0;  // the one at the start included
-  double bytes = 0.0;
+  double bytes = 0.0;    // of all files
+  std::vector<FileEstimate> files;
 };
 [[nodiscard]] OutputEstimate estimate_output(const Scene& scene);
 
@@ -108,13 +173,32 @@ struct RunProgress {
   double wall;  // s
 };
 
+// The time that a run is measured with and that it keeps pace with.
+struct RunClock {
+  std::function<double()> now;              // s, from any start; never falls
+  std::function<void(double)> sleep_until;  // until now() is this, or somewhat earlier
+};
+
 struct RunOptions {
   std::filesystem::path folder;  // made if it is not there
   std::string scene_name;        // for the summary
-  // Called after every time step; false stops the run.
+  // Called after every time step, and ten times a second of waiting for the clock; false stops the run.
   std::function<bool(const RunProgress&)> progress;
   // What the program that embeds the run has to tell, for the summary: first of its notes.
   std::vector<std::string> notes{};
+  // Keeps pace with the clock: so many simulated seconds to one of the clock. 0: as fast as it goes.
+  double realtime = 0.0;
+  RunClock clock{};  // empty: the machine's
+};
+
+// How a run kept pace. A time step is a frame: it starts when the clock reaches the time at which it begins, and is due
+// at that at which it ends. None is left out: after one that was late the next ones start at once until they have
+// caught up.
+struct PaceReport {
+  double factor = 1.0;          // simulated seconds to one of the clock
+  std::uint64_t frames = 0;     // time steps
+  std::uint64_t missed = 0;     // of these, done after they were due
+  double greatest_delay = 0.0;  // s, of the missed ones
 };
 
 // A plugin that a run took components from.
@@ -142,16 +226,17 @@ struct RunSummary {
   std::size_t springs_left = 0;
   std::uint64_t steps = 0;
   std::uint64_t sweeps = 0;
-  double spring_updates = 0.0;    // springs evaluated
-  double simulated = 0.0;         // s, reached
-  double wall = 0.0;              // s, simulating
-  double output_wall = 0.0;       // s, writing
-  std::uint64_t unsettled = 0;    // time steps that were accepted without having settled
-  std::uint64_t divided = 0;      // time steps that were made as several smaller ones
-  std::uint64_t substeps = 0;     // those smaller ones
-  std::uint64_t stages = 0;       // smaller time constants passed on the way to the full one
-  double largest_residual = 0.0;  // N, over the time steps; nan if it was never evaluated
-  double last_residual = 0.0;     // N
+  double spring_updates = 0.0;     // springs evaluated
+  double simulated = 0.0;          // s, reached
+  double wall = 0.0;               // s, simulating
+  double output_wall = 0.0;        // s, writing
+  std::optional<PaceReport> pace;  // of a run that kept pace with the clock
+  std::uint64_t unsettled = 0;     // time steps that were accepted without having settled
+  std::uint64_t divided = 0;       // time steps that were made as several smaller ones
+  std::uint64_t substeps = 0;      // those smaller ones
+  std::uint64_t stages = 0;        // smaller time constants passed on the way to the full one
+  double largest_residual = 0.0;   // N, over the time steps; nan if it was never evaluated
+  double last_residual = 0.0;      // N
   EventCounts events;
   std::map<std::string, double> statistics;
   std::vector<std::string> notes;  // of RunOptions, of the scene (notes_of), of the simulation
@@ -165,11 +250,10 @@ struct RunSummary {
   std::optional<ErrorKind> failure;
 };
 
-// Runs a scene and writes trajectory.csv, reactions.csv, surfaces.csv, rigid.csv (those that the scene asks for; the
-// last two if it has surfaces and rigid connections), events.csv and summary.json. A record is made at the start, at
-// the first time step that ends at or after each multiple of the output interval, and at the end. Throws Error(input)
-// or Error(plugin), before anything is written, if the scene cannot be simulated or its output would not fit the disk.
-// A failure later is told in the summary.
+// Runs a scene and writes the files that it asks for (core/docs/output.md), events.csv and summary.json. A record is
+// made at the start, at the first time step that ends at or after each multiple of the output interval, and at the end.
+// Throws Error(input) or Error(plugin), before anything is written, if the scene cannot be simulated or its output
+// would not fit the disk. A failure later is told in the summary.
 RunSummary run_scene(const Scene& scene, const std::shared_ptr<const PluginHost>& plugins, const RunOptions& options);
 
 // The text of summary.json.

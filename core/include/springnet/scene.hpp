@@ -12,12 +12,28 @@
 
 namespace springnet {
 
+// What a run records. core/docs/output.md describes the files.
 struct OutputOptions {
+  enum class Format { csv, binary };
+  // Numbers of binary files and pictures: as the engine has them, or with half the size and seven digits.
+  enum class Precision { float64, float32 };
+
   double interval = 0.0;  // s between records; 0: every time step
   bool trajectory = true;
-  bool reactions = false;  // reactions.csv
-  bool surfaces = true;    // surfaces.csv, if there are planes or instruments
-  bool rigid = true;       // rigid.csv, if there are rigid connections
+  bool reactions = false;            // if nodes are held
+  bool surfaces = true;              // if there are planes or instruments
+  bool rigid = true;                 // if there are rigid connections
+  bool elements = true;              // if there are any
+  std::vector<NodeIndex> nodes;      // of trajectory and reactions, rising; empty: all
+  std::vector<SpringIndex> springs;  // whose forces are recorded, rising; empty: none
+  // Columns of the trajectory.
+  bool position = true;
+  bool velocity = true;
+  bool force = false;
+  Format format = Format::csv;  // of trajectory, springs and elements
+  Precision precision = Precision::float64;
+  bool vtk = false;           // pictures for ParaView
+  double vtk_interval = 0.0;  // s between them at least; 0: at every record
 };
 
 struct Scene {

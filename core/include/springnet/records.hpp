@@ -1,0 +1,51 @@
+// Binary tables that a run leaves behind (output.format = "binary"): the same rows of numbers at each of many times.
+// The layout stands in core/docs/output.md; whatever maps files into memory can read it.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <filesystem>
+#include <fstream>
+#include <string>
+#include <vector>
+
+namespace springnet {
+
+// Reads a table as far as it was written: that of a run that failed or still runs ends with its last whole record.
+class RecordReader {
+ public:
+  // Throws Error(input) if the file cannot be read or is no such table.
+  explicit RecordReader(const std::filesystem::path& file);
+
+  [[nodiscard]] const std::string& row_name() const noexcept { return row_; }  // "node", "spring", "element"
+  [[nodiscard]] const std::vector<std::uint32_t>& rows() const noexcept { return numbers_; }  // the scene's numbers
+  [[nodiscard]] const std::vector<std::string>& columns() const noexcept { return columns_; }
+  [[nodiscard]] const std::vector<std::string>& units() const noexcept { return units_; }
+  [[nodiscard]] bool single_precision() const noexcept { return single_; }
+  [[nodiscard]] std::size_t records() const noexcept { return records_; }
+
+  // Replaces `values` by [row][column] of a record and returns its time, s. Throws Error(input) for a record that is
+  // not there, or if the file cannot be read any more.
+  double read(std::size_t record, std::vector<double>& values);
+
+ private:
+  [[noreturn]] void refuse(const std::string& reason) const;
+
+  std::filesystem::path path_;
+  std::ifstream file_;
+  std::string row_;
+  std::vector<std::uint32_t> numbers_;
+  std::vector<std::string> columns_;
+  std::vector<std::string> units_;
+  bool single_ = false;
+  std::size_t header_bytes_ = 0;
+  std::size_t record_bytes_ = 0;
+  std::size_t records_ = 0;
+  std::vector<char> buffer_;
+};
+
+// The table as text: what the run would have written with output.format = "csv", numbers of single precision with the
+// digits these have. Replaces a file that is there. Throws Error(input) or, if it cannot be written, Error(simulation).
+void write_csv(RecordReader& records, const std::filesystem::path& file);
+
+}  // namespace springnet

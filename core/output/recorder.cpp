@@ -1,0 +1,143 @@
+#include "output/recorder.hpp"
+
+#include <cmath>
+#include <exception>
+#include <system_error>
+
+#include <fmt/format.h>
+#include <springnet/output.hpp>
+
+#include "output/table_file.hpp"
+#include "output/vtk_series.hpp"
+
+namespace springnet {
+
+namespace {
+
+// A writer of one file.
+template <class Writer>
+class FileSink : public Sink {
+ public:
+  template <class... Arguments>
+  explicit FileSink(const std::filesystem::path& file, const Arguments&... arguments)
+      : file_(file), writer_(file, arguments...) {}
+
+  void record(const Simulation& simulation) override { writer_.record(simulation); }
+  void close() override { writer_.close(); }
+  [[nodiscard]] std::uintmax_t bytes() const override {
+    std::error_code unknown;
+    const std::uintmax_t size = std::filesystem::file_size(file_, unknown);
+    return unknown ? 0 : size;
+  }
+
+ private:
+  std::filesystem::path file_;
+  Writer writer_;
+};
+
+class VtkSink : public Sink {
+ public:
+  VtkSink(const std::filesystem::path& folder, const Scene& scene)
+      : writer_(folder, scene.network, scene.output),
+        interval_(scene.output.vtk_interval),
+        slack_(1e-6 * scene.options.time_step),  // as small as this is rounding
+        end_(scene.duration) {}
+
+  void record(const Simulation& simulation) override {
+    if (simulation.time() < next_ - slack_ && simulation.time() < end_ - slack_) return;
+    writer_.record(simulation);
+    if (interval_ > 0.0) next_ = interval_ * (std::floor((simulation.time() + slack_) / interval_) + 1.0);
+  }
+  void close() override { writer_.close(); }
+  [[nodiscard]] std::uintmax_t bytes() const override { return writer_.bytes(); }
+
+ private:
+  VtkWriter writer_;
+  double interval_, slack_, end_;  // s
+  double next_ = 0.0;              // s
+};
+
+// Files of an earlier run would be taken for those of this one.
+void clear(const std::filesystem::path& folder) {
+  std::error_code ignored;
+  for (const char* name : {"trajectory", "reactions", "surfaces", "rigid", "springs", "elements", "events"}) {
+    for (const char* ending : {".csv", ".bin"}) std::filesystem::remove(folder / (std::string(name) + ending), ignored);
+  }
+  std::filesystem::remove(folder / summary_file, ignored);
+  remove_vtk_series(folder / vtk_folder);
+}
+
+void make_folder(const std::filesystem::path& folder) {
+  std::error_code failed;
+  std::filesystem::create_directories(folder, failed);
+  if (failed || !std::filesystem::is_directory(folder)) {
+    throw Error(ErrorKind::input, fmt::format("{}: the folder for the output cannot be made: {}; name another one",
+                                              folder.string(), failed ? failed.message() : "a file is in the way"));
+  }
+}
+
+}  // namespace
+
+Recorder::Recorder(const Scene& scene, const std::filesystem::path& folder) {
+  make_folder(folder);
+  clear(folder);
+  const Network& network = scene.network;
+  const OutputOptions& options = scene.output;
+  const auto table = [&]<class Writer>(const std::string& name, const auto&... arguments) {
+    add(name, std::make_unique<FileSink<Writer>>(folder / name, arguments...));
+  };
+  table.operator()<EventWriter>("events.csv");
+  if (options.trajectory) table.operator()<TrajectoryWriter>(table_name("trajectory", options), network, options);
+  if (options.reactions) table.operator()<ReactionWriter>("reactions.csv", network, options);
+  if (options.surfaces && network.planes().size() + network.instruments().size() > 0) {
+    table.operator()<SurfaceWriter>("surfaces.csv");
+  }
+  if (options.rigid && !network.rigids().empty()) table.operator()<RigidWriter>("rigid.csv", network);
+  if (!options.springs.empty()) table.operator()<SpringWriter>(table_name("springs", options), network, options);
+  if (options.elements && !network.elements().empty()) {
+    table.operator()<ElementWriter>(table_name("elements", options), network, options);
+  }
+  if (options.vtk) add(vtk_index_name(), std::make_unique<VtkSink>(folder / vtk_folder, scene));
+}
+
+void Recorder::add(std::string file, std::unique_ptr<Sink> sink) {
+  files_.push_back(std::move(file));
+  sinks_.push_back(std::move(sink));
+}
+
+void Recorder::record(const Simulation& simulation) {
+  for (const auto& sink : sinks_) sink->record(simulation);
+}
+
+void Recorder::note(const std::string& text) {
+  for (const auto& sink : sinks_) sink->note(text);
+}
+
+std::vector<std::string> Recorder::notes() const {
+  std::vector<std::string> all;
+  for (const auto& sink : sinks_) {
+    const std::vector<std::string> notes = sink->notes();
+    all.insert(all.end(), notes.begin(), notes.end());
+  }
+  return all;
+}
+
+void Recorder::close() {
+  std::exception_ptr first;
+  for (const auto& sink : sinks_) {
+    try {
+      sink->close();
+    } catch (const Error&) {
+      if (!first) first = std::current_exception();
+    }
+  }
+  if (first) std::rethrow_exception(first);
+}
+
+std::uintmax_t Recorder::bytes() const {
+  std::uintmax_t sum = 0;
+  for (const auto& sink : sinks_) sum += sink->bytes();
+  return sum;
+}
+
+}  // namespace springnet

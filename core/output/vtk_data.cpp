@@ -1,0 +1,167 @@
+// The state of a simulation in the arrays of VTK files.
+#include <limits>
+
+#include "output/vtk_series.hpp"
+
+namespace springnet {
+
+namespace {
+
+using Place = VtkArray::Place;
+using Type = VtkArray::Type;
+
+constexpr std::uint8_t line_type = 3, triangle_type = 5;  // VTK_LINE, VTK_TRIANGLE
+constexpr std::uint8_t spring_kind = 0, face_kind = 1, rigid_kind = 2;
+constexpr double none = std::numeric_limits<double>::quiet_NaN();  // of cells that have no such quantity
+
+Type real_of(const OutputOptions& options) {
+  return options.precision == OutputOptions::Precision::float64 ? Type::float64 : Type::float32;
+}
+
+}  // namespace
+
+VtkNet::VtkNet(const Network& network)
+    : nodes(network.nodes().size()),
+      springs(network.springs().size()),
+      rigids(network.rigids().size()),
+      faces(network.faces().size()),
+      time(1),
+      places(3 * nodes),
+      velocities(3 * nodes),
+      forces(3 * nodes),
+      contact(nodes),
+      tension(springs, 0.0),
+      energy(springs, 0.0),
+      strain(springs, 0.0) {
+  for (std::size_t k = 0; k < nodes; ++k) {
+    node.push_back(static_cast<std::int64_t>(k));
+    fixed.push_back(network.nodes()[k].fixed ? 1 : 0);
+  }
+  const auto add = [&](std::uint8_t type, std::uint8_t what, std::size_t index, std::initializer_list<NodeIndex> ends) {
+    connectivity.insert(connectivity.end(), ends.begin(), ends.end());
+    offsets.push_back(static_cast<std::int64_t>(connectivity.size()));
+    types.push_back(type);
+    kind.push_back(what);
+    number.push_back(static_cast<std::int64_t>(index));
+  };
+  for (std::size_t k = 0; k < springs; ++k) {
+    const Spring& spring = network.springs()[k];
+    add(line_type, spring_kind, k, {spring.first, spring.second});
+    rest_lengths_.push_back(spring.rest_length);
+  }
+  for (std::size_t k = 0; k < rigids; ++k) {
+    add(line_type, rigid_kind, k, {network.rigids()[k].first, network.rigids()[k].second});
+  }
+  for (std::size_t k = 0; k < faces; ++k) {
+    const Face& face = network.faces()[k];
+    add(triangle_type, face_kind, k, {face[0], face[1], face[2]});
+  }
+  tension.resize(types.size(), none);
+  energy.resize(types.size(), none);
+  strain.resize(types.size(), none);
+  broken.resize(types.size());
+}
+
+void VtkNet::take(const Simulation& simulation) {
+  time[0] = simulation.time();
+  const std::vector<std::uint32_t>& columns = simulation.columns();
+  const auto fill = [&](const ConstNodeMap& from, std::vector<double>& to) {
+    for (std::size_t k = 0; k < nodes; ++k) {
+      const auto column = static_cast<Eigen::Index>(columns[k]);
+      for (Eigen::Index axis = 0; axis < 3; ++axis) to[3 * k + static_cast<std::size_t>(axis)] = from(axis, column);
+    }
+  };
+  fill(simulation.positions(), places);
+  fill(simulation.velocities(), velocities);
+  fill(simulation.forces(), forces);
+  for (NodeIndex k = 0; k < nodes; ++k) contact[k] = simulation.held(k) ? 2 : simulation.touching(k) ? 1 : 0;
+
+  simulation.tensions(tensions_);
+  simulation.spring_energies(energies_);
+  for (SpringIndex k = 0; k < springs; ++k) {
+    tension[k] = tensions_[k];
+    energy[k] = energies_[k];
+    broken[k] = simulation.alive(k) ? 0 : 1;
+    const auto end = [&](std::size_t which) {
+      return Eigen::Map<const Vector3>(&places[3 * static_cast<std::size_t>(connectivity[std::size_t{2} * k + which])]);
+    };
+    const double length = (end(1) - end(0)).norm();
+    strain[k] = rest_lengths_[k] > 0.0 ? length / rest_lengths_[k] - 1.0 : none;
+  }
+  for (RigidIndex k = 0; k < rigids; ++k) tension[springs + k] = simulation.rigid_force(k);
+}
+
+VtkFile VtkNet::file(const OutputOptions& options) const {
+  const Type real = real_of(options);
+  const std::size_t cells = types.size();
+  return {VtkKind::unstructured,
+          nodes,
+          cells,
+          {{Place::field, "TimeValue", Type::float64, 1, 1, time.data()},
+           {Place::points, "Points", real, 3, nodes, places.data()},
+           {Place::cells, "connectivity", Type::int64, 1, connectivity.size(), connectivity.data()},
+           {Place::cells, "offsets", Type::int64, 1, cells, offsets.data()},
+           {Place::cells, "types", Type::uint8, 1, cells, types.data()},
+           {Place::point_data, "velocity", real, 3, nodes, velocities.data()},
+           {Place::point_data, "force", real, 3, nodes, forces.data()},
+           {Place::point_data, "contact", Type::uint8, 1, nodes, contact.data()},
+           {Place::point_data, "fixed", Type::uint8, 1, nodes, fixed.data()},
+           {Place::point_data, "node", Type::int64, 1, nodes, node.data()},
+           {Place::cell_data, "tension", real, 1, cells, tension.data()},
+           {Place::cell_data, "energy", real, 1, cells, energy.data()},
+           {Place::cell_data, "strain", real, 1, cells, strain.data()},
+           {Place::cell_data, "broken", Type::uint8, 1, cells, broken.data()},
+           {Place::cell_data, "kind", Type::uint8, 1, cells, kind.data()},
+           {Place::cell_data, "number", Type::int64, 1, cells, number.data()}}};
+}
+
+VtkSurfaces::VtkSurfaces(const Network& network)
+    : shapes(shapes_of(network)),
+      time(1),
+      places(3 * shapes.points.size()),
+      forces(3 * shapes.triangles.size()),
+      touching(shapes.triangles.size()) {
+  for (const Plane& plane : network.planes()) starts_.push_back(plane.point);
+  for (const Instrument& instrument : network.instruments()) starts_.push_back(instrument.first);
+  for (std::size_t k = 0; k < shapes.triangles.size(); ++k) {
+    connectivity.insert(connectivity.end(), shapes.triangles[k].begin(), shapes.triangles[k].end());
+    offsets.push_back(static_cast<std::int64_t>(connectivity.size()));
+    surface.push_back(shapes.triangle_surface[k]);
+  }
+}
+
+void VtkSurfaces::take(const Simulation& simulation) {
+  time[0] = simulation.time();
+  std::vector<Vector3> moved, force;
+  for (std::size_t k = 0; k < starts_.size(); ++k) {
+    moved.emplace_back(simulation.surface_position(k) - starts_[k]);
+    force.push_back(simulation.surface_force(k));
+  }
+  for (std::size_t k = 0; k < shapes.points.size(); ++k) {
+    Eigen::Map<Vector3> place(&places[3 * k]);
+    place = shapes.points[k] + moved[shapes.point_surface[k]];
+  }
+  for (std::size_t k = 0; k < shapes.triangles.size(); ++k) {
+    const std::uint32_t which = shapes.triangle_surface[k];
+    Eigen::Map<Vector3> triangle_force(&forces[3 * k]);
+    triangle_force = force[which];
+    touching[k] = static_cast<std::int64_t>(simulation.nodes_touching(which));
+  }
+}
+
+VtkFile VtkSurfaces::file(const OutputOptions& options) const {
+  const Type real = real_of(options);
+  const std::size_t cells = shapes.triangles.size();
+  return {VtkKind::polygons,
+          shapes.points.size(),
+          cells,
+          {{Place::field, "TimeValue", Type::float64, 1, 1, time.data()},
+           {Place::points, "Points", real, 3, shapes.points.size(), places.data()},
+           {Place::cells, "connectivity", Type::int64, 1, connectivity.size(), connectivity.data()},
+           {Place::cells, "offsets", Type::int64, 1, cells, offsets.data()},
+           {Place::cell_data, "surface", Type::int64, 1, cells, surface.data()},
+           {Place::cell_data, "force", real, 3, cells, forces.data()},
+           {Place::cell_data, "nodes", Type::int64, 1, cells, touching.data()}}};
+}
+
+}  // namespace springnet

@@ -1,0 +1,38 @@
+// One file of VTK's XML formats with its data appended as raw bytes. What the header says depends on the sizes alone,
+// so that the size of a file is known before there is data.
+#pragma once
+
+#include <cstdint>
+#include <filesystem>
+#include <string>
+#include <string_view>
+#include <vector>
+
+namespace springnet {
+
+struct VtkArray {
+  enum class Place { field, points, cells, point_data, cell_data };  // cells: connectivity, offsets, types
+  enum class Type { float64, float32, int64, uint8 };
+  Place place;
+  std::string_view name;
+  Type type;
+  int components;              // 1 or 3
+  std::size_t count;           // of tuples
+  const void* data = nullptr;  // doubles for both kinds of floats, std::int64_t, std::uint8_t; count x components
+};
+
+enum class VtkKind { unstructured, polygons };  // .vtu, .vtp
+
+struct VtkFile {
+  VtkKind kind;
+  std::size_t points;
+  std::size_t cells;
+  std::vector<VtkArray> arrays;
+};
+
+[[nodiscard]] std::uint64_t vtk_bytes(const VtkFile& file);
+// Replaces the file, and removes it again if it cannot be written as a whole. Throws Error(input) if it cannot be
+// created, Error(simulation) if it cannot be written.
+void write_vtk(const std::filesystem::path& path, const VtkFile& file);
+
+}  // namespace springnet

@@ -1,0 +1,81 @@
+// What VtkWriter writes, and how much of it.
+#pragma once
+
+#include <filesystem>
+#include <string>
+#include <vector>
+
+#include <springnet/scene.hpp>
+#include <springnet/simulation.hpp>
+
+#include "output/checked_file.hpp"
+#include "output/surface_shapes.hpp"
+#include "output/vtk_file.hpp"
+
+namespace springnet {
+
+inline constexpr const char* vtk_folder = "vtk";
+[[nodiscard]] std::string vtk_index_name();  // run.pvd in that folder
+
+// Removes the files of an earlier series, and nothing else that may be in the folder.
+void remove_vtk_series(const std::filesystem::path& folder);
+
+// Bytes of one record, and of the index at most.
+[[nodiscard]] double vtk_record_bytes(const Network& network, const OutputOptions& options);
+[[nodiscard]] double vtk_index_bytes(const Network& network, double records);
+
+// Data that belongs to a simulation's state, in arrays that stay.
+struct VtkNet {
+  explicit VtkNet(const Network& network);
+  void take(const Simulation& simulation);
+  // Without data where the state has not been taken.
+  [[nodiscard]] VtkFile file(const OutputOptions& options) const;
+
+  // Points: nodes.
+  std::size_t nodes, springs, rigids, faces;
+  std::vector<double> time, places, velocities, forces;
+  std::vector<std::uint8_t> contact, fixed;
+  std::vector<std::int64_t> node;
+  // Cells: springs, rigid connections, faces.
+  std::vector<std::int64_t> connectivity, offsets, number;
+  std::vector<std::uint8_t> types, kind, broken;
+  std::vector<double> tension, energy, strain;
+
+ private:
+  std::vector<double> rest_lengths_;  // m
+  std::vector<double> tensions_, energies_;
+};
+
+struct VtkSurfaces {
+  explicit VtkSurfaces(const Network& network);
+  void take(const Simulation& simulation);
+  [[nodiscard]] VtkFile file(const OutputOptions& options) const;
+  [[nodiscard]] bool empty() const noexcept { return shapes.triangles.empty(); }
+
+  SurfaceShapes shapes;
+  std::vector<double> time, places, forces;
+  std::vector<std::int64_t> connectivity, offsets, surface, touching;
+
+ private:
+  std::vector<Vector3> starts_;  // m, where surface_position is when the surface is where the scene puts it
+};
+
+class VtkSeries {
+ public:
+  VtkSeries(const std::filesystem::path& folder, const Network& network, const OutputOptions& options);
+  void record(const Simulation& simulation);
+  void close() { index_.close(); }
+  [[nodiscard]] std::uintmax_t bytes() const noexcept { return bytes_; }
+
+ private:
+  std::filesystem::path folder_;
+  OutputOptions options_;
+  VtkNet net_;
+  VtkSurfaces surfaces_;
+  CheckedFile index_;
+  std::uint64_t index_end_ = 0;  // where the next entry goes
+  std::uintmax_t bytes_ = 0;
+  std::size_t records_ = 0;
+};
+
+}  // namespace springnet

@@ -1,0 +1,47 @@
+#include "scene/parts.hpp"
+#include "scene/select.hpp"
+
+namespace springnet::scene {
+namespace {
+
+void read_quantities(const Value& value, OutputOptions& output) {
+  output.position = output.velocity = output.force = false;
+  for (const Value& quantity : value.elements()) {
+    bool* const wanted[] = {&output.position, &output.velocity, &output.force};
+    *wanted[quantity.choice({"position", "velocity", "force"})] = true;
+  }
+  if (!output.position && !output.velocity && !output.force) {
+    value.fail(
+        "names no quantity; write 'position', 'velocity', 'force', or leave out the file: output.trajectory = false");
+  }
+}
+
+}  // namespace
+
+void read_output(const Table& root, const Network& network, OutputOptions& output) {
+  const auto value = root.find("output");
+  if (!value) return;
+  const Table table = value->table("output");
+  if (const auto interval = table.find("interval")) output.interval = interval->number_from_0("s");
+  const auto read_flag = [&](const char* key, bool& flag) {
+    if (const auto wanted = table.find(key)) flag = wanted->boolean();
+  };
+  read_flag("trajectory", output.trajectory);
+  read_flag("reactions", output.reactions);
+  read_flag("surfaces", output.surfaces);
+  read_flag("rigid", output.rigid);
+  read_flag("elements", output.elements);
+  read_flag("vtk", output.vtk);
+  if (const auto nodes = table.find("nodes")) output.nodes = select_nodes(*nodes, network);
+  if (const auto springs = table.find("springs")) output.springs = select_springs(*springs, network);
+  if (const auto quantities = table.find("quantities")) read_quantities(*quantities, output);
+  if (const auto format = table.find("format")) {
+    output.format = static_cast<OutputOptions::Format>(format->choice({"csv", "binary"}));
+  }
+  if (const auto precision = table.find("precision")) {
+    output.precision = static_cast<OutputOptions::Precision>(precision->choice({"double", "single"}));
+  }
+  if (const auto interval = table.find("vtk_interval")) output.vtk_interval = interval->number_from_0("s");
+}
+
+}  // namespace springnet::scene

@@ -1,0 +1,58 @@
+#include <cstdio>
+#include <filesystem>
+#include <memory>
+#include <system_error>
+
+#include <fmt/format.h>
+#include <springnet/records.hpp>
+
+#include "commands.hpp"
+#include "common.hpp"
+
+namespace springnet::tool {
+
+namespace {
+
+constexpr const char* examples = R"(Examples:
+  springnet convert results/cube/trajectory.bin             writes results/cube/trajectory.csv
+  springnet convert results/cube/springs.bin -o springs.csv
+
+Exit status:
+  0 done   1 the text cannot be written   2 usage, or no such file)";
+
+struct ConvertArguments {
+  std::filesystem::path file;
+  std::filesystem::path output;
+  bool quiet = false;
+};
+
+int convert(const ConvertArguments& arguments) {
+  RecordReader records(arguments.file);
+  std::filesystem::path text = arguments.output;
+  if (text.empty()) text = std::filesystem::path(arguments.file).replace_extension(".csv");
+  std::error_code unknown;
+  if (std::filesystem::equivalent(text, arguments.file, unknown)) {
+    throw Error(ErrorKind::input, fmt::format("{}: is the file to read; name another one with -o", text.string()));
+  }
+  write_csv(records, text);
+  if (!arguments.quiet) {
+    fmt::print("{}: {} records of {} rows\n", text.string(), records.records(), records.rows().size());
+  }
+  return done;
+}
+
+}  // namespace
+
+void add_convert(CLI::App& app, Action& action) {
+  const auto arguments = std::make_shared<ConvertArguments>();
+  CLI::App* const command = app.add_subcommand("convert", "Turn a binary table of a run into text");
+  command->add_option("FILE", arguments->file, "A .bin file that a run with output.format = \"binary\" wrote")
+      ->type_name("")
+      ->required();
+  command->add_option("-o,--output", arguments->output, "File to write [the same name with .csv]")->type_name("FILE");
+  command->add_flag("-q,--quiet", arguments->quiet, "Print nothing but errors");
+  command->footer(examples);
+  command->callback([arguments, &action] { action = [arguments] { return convert(*arguments); }; });
+}
+
+}  // namespace springnet::tool
