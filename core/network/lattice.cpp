@@ -85,6 +85,41 @@ void check(const std::string& name, const Lattice& lattice, const std::vector<Di
   }
 }
 
+// The boundary of a lattice as triangles, outward; both halves of each quadrilateral of one that is a node thick, and
+// nothing of a row. Quadrilaterals are divided along the diagonal from their lowest corner.
+class Boundary {
+ public:
+  Boundary(const Lattice& lattice, NodeIndex first) : nodes_(lattice.nodes), first_(first) {}
+
+  void add_to(Network& network) const {
+    const auto thick = std::count_if(nodes_.begin(), nodes_.end(), [](std::uint32_t count) { return count > 1; });
+    if (thick < 2) return;
+    for (std::size_t axis = 0; axis < 3; ++axis) {
+      if (thick == 2 && nodes_[axis] > 1) continue;
+      add_side(network, axis, nodes_[axis] - 1, true);
+      if (thick == 3) add_side(network, axis, 0, false);
+    }
+  }
+
+ private:
+  // The side at `place` along `axis`, seen from its upper end or from its lower one.
+  void add_side(Network& network, std::size_t axis, std::uint32_t place, bool from_above) const {
+    const std::size_t u = (axis + 1) % 3, v = (axis + 2) % 3;
+    const std::array<NodeIndex, 3> strides{1, nodes_[0], nodes_[0] * nodes_[1]};
+    for (std::uint32_t j = 0; j + 1 < nodes_[v]; ++j) {
+      for (std::uint32_t i = 0; i + 1 < nodes_[u]; ++i) {
+        const NodeIndex a = first_ + place * strides[axis] + i * strides[u] + j * strides[v];
+        const NodeIndex b = a + strides[u], c = b + strides[v], d = a + strides[v];
+        network.add_face(from_above ? Face{a, b, c} : Face{a, c, b});
+        network.add_face(from_above ? Face{a, c, d} : Face{a, d, c});
+      }
+    }
+  }
+
+  std::array<std::uint32_t, 3> nodes_;
+  NodeIndex first_;
+};
+
 // Room for `more` elements; at least half as much again, so that thousands of small bodies are not copied each time.
 template <class Element>
 void reserve(std::vector<Element>& vector, std::size_t more) {
@@ -148,6 +183,7 @@ void Network::add_lattice(const std::string& name, const Lattice& lattice, const
       }
     }
   }
+  Boundary(lattice, first).add_to(*this);
   end_body();
 }
 

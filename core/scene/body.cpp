@@ -1,138 +1,185 @@
+#include <algorithm>
 #include <set>
 
 #include <fmt/format.h>
 
+#include <springnet/material.hpp>
+
 #include "scene/component.hpp"
+#include "scene/material.hpp"
 #include "scene/parts.hpp"
+#include "scene/shape.hpp"
 
 namespace springnet::scene {
 namespace {
 
 const char* const needs_a_law =
-    "has springs, but neither 'spring' nor 'viscosity' says what they are made of; add spring = { type = …, … }";
+    "has springs, but none of 'spring', 'viscosity' and 'material' says what they are made of; add spring = { type = "
+    "…, … }";
 
+// With the mass, unless that follows from a density.
 Node read_prototype(const Table& body, const PluginHost& plugins, Network& network) {
   Node node;
   const Table neuron = body.need("neuron").open_table("body.neuron");
   const LawUse use = read_component(neuron, "type", ComponentKind::neuron, plugins);
-  node.mass = neuron.need("mass").number_above_0("kg");
+  if (!body.has("density")) {
+    node.mass = neuron.need("mass").number_above_0("kg");
+  } else if (const auto mass = neuron.find("mass")) {
+    mass->fail("has no meaning beside 'density', which gives the masses; remove one of them");
+  }
   node.neuron = network.add_neuron(use);
   if (const auto velocity = body.find("velocity")) node.velocity = velocity->vector();
   return node;
 }
 
-Lattice read_lattice(const Table& mesh) {
-  Lattice lattice;
-  const std::vector<Value> nodes = mesh.need("lattice").elements(3);
-  for (std::size_t axis = 0; axis < 3; ++axis) {
-    constexpr std::int64_t largest = std::numeric_limits<std::uint32_t>::max();
-    lattice.nodes[axis] = static_cast<std::uint32_t>(nodes[axis].integer(1, largest));
-  }
-  const Value spacing = mesh.need("spacing");
-  if (spacing.is_list()) {
-    const std::vector<Value> spacings = spacing.elements(3);
-    for (std::size_t axis = 0; axis < 3; ++axis) {
-      lattice.spacing[static_cast<Eigen::Index>(axis)] = spacings[axis].number_above_0("m");
-    }
-  } else {
-    lattice.spacing.setConstant(spacing.number_above_0("m"));
-  }
-  if (const auto origin = mesh.find("origin")) lattice.origin = origin->vector();
-  if (const auto diagonals = mesh.find("diagonals")) {
-    lattice.diagonals = static_cast<Diagonals>(diagonals->choice({"none", "face", "space", "all"}));
-  }
-  return lattice;
+// A value that is made when it is first asked for.
+template <class Result, class Make>
+auto lazily(Make make) {
+  return [make, made = std::make_shared<std::optional<Result>>()]() -> const Result& {
+    if (!*made) *made = make();
+    return **made;
+  };
 }
 
-void add_lattice_body(const Table& body, const std::string& name, const Node& prototype,
-                      std::optional<MaterialIndex> material, Network& network) {
-  const Table mesh = body.need("mesh").table("body.mesh");
-  const Lattice lattice = read_lattice(mesh);
-  const bool one_node = lattice.nodes == std::array<std::uint32_t, 3>{1, 1, 1};
-  if (!material && !one_node) body.fail(needs_a_law);
-  mesh.value().at_this_place([&] {
-    if (material) {
-      network.add_lattice(name, lattice, prototype, *material);
-      return;
+struct BodyReader {
+  const Table& body;
+  std::string name;
+  const PluginHost& plugins;
+  const std::filesystem::path& folder;
+  Network& network;
+  std::vector<std::string>& notes;
+
+  // Gives the springs of the body, which is the last one, the materials of the edges that they lie on.
+  void set_materials(const std::vector<Edge>& edges, const std::vector<MaterialIndex>& materials) const {
+    const Body& added = network.bodies().back();
+    for (SpringIndex i = added.first_spring; i < added.first_spring + added.spring_count; ++i) {
+      const Spring& spring = network.springs()[i];
+      const Edge edge = std::minmax(spring.first - added.first_node, spring.second - added.first_node);
+      const auto found = std::lower_bound(edges.begin(), edges.end(), edge);
+      network.set_spring_material(i, materials[static_cast<std::size_t>(found - edges.begin())]);
     }
-    Node node = prototype;
-    node.position = lattice.origin;
+  }
+
+  void set_masses(const std::vector<double>& masses) const {
+    const NodeIndex first = network.bodies().back().first_node;
+    for (std::size_t k = 0; k < masses.size(); ++k) {
+      Node node = network.nodes()[first + k];
+      node.mass = masses[k];
+      network.set_node(first + static_cast<NodeIndex>(k), node);
+    }
+  }
+
+  Shape read_lattice_body(const Table& mesh) {
+    const Lattice lattice = read_lattice(mesh);
+    const auto cells = lazily<Mesh>([&] { return mesh_of(lattice); });
+    const auto edges = lazily<std::vector<Edge>>([&] { return edges_of(cells(), edge_options(lattice.diagonals)); });
+    const Node prototype = read_prototype(body, plugins, network);
+    const std::vector<double> masses = read_masses(body, cells);
+    const std::vector<MaterialIndex> materials = read_materials(body, cells, edges, plugins, network, notes);
+    const bool one_node = lattice.nodes == std::array<std::uint32_t, 3>{1, 1, 1};
+    if (materials.empty() && !one_node) body.fail(needs_a_law);
+    mesh.value().at_this_place([&] {
+      if (!materials.empty()) {
+        network.add_lattice(name, lattice, prototype, materials.front());
+        return;
+      }
+      Node node = prototype;
+      node.position = lattice.origin;
+      network.begin_body(name);
+      network.add_node(node);
+      network.end_body();
+    });
+    if (materials.size() > 1) set_materials(edges(), materials);
+    set_masses(masses);
+    return lattice;
+  }
+
+  Shape read_file_body(const Table& table) {
+    MeshBody read = read_mesh_body(table, name, folder, notes);
+    const Mesh& mesh = read.mesh;
+    const std::vector<Edge> edges = edges_of(mesh, read.edges);
+    const auto cells = [&]() -> const Mesh& { return mesh; };
+    const auto springs = [&]() -> const std::vector<Edge>& { return edges; };
+    const Node prototype = read_prototype(body, plugins, network);
+    const std::vector<double> masses = read_masses(body, cells);
+    const std::vector<MaterialIndex> materials = read_materials(body, cells, springs, plugins, network, notes);
+    if (materials.empty() && !edges.empty()) body.fail(needs_a_law);
+    table.value().at_this_place(
+        [&] { add_mesh_body(name, mesh, edges, prototype, masses, materials, network, notes); });
+    return std::move(read.mesh);
+  }
+
+  void read_listed_body() {
+    const Mesh mesh = read_listed(body);
+    const std::vector<Edge> edges = edges_of(mesh);
+    if (body.has("material") && edges.size() < mesh.cell_count()) {
+      body.find("springs")->fail("joins two nodes twice, so that 'material' has no one stiffness for them; remove one");
+    }
+    const auto cells = [&]() -> const Mesh& { return mesh; };
+    const auto sorted_edges = [&]() -> const std::vector<Edge>& { return edges; };
+    const Node prototype = read_prototype(body, plugins, network);
+    const std::vector<double> masses = read_masses(body, cells);
+    const std::vector<MaterialIndex> materials = read_materials(body, cells, sorted_edges, plugins, network, notes);
+    if (materials.empty() && mesh.cell_count() > 0) body.fail(needs_a_law);
+
     network.begin_body(name);
-    network.add_node(node);
-    network.end_body();
-  });
-}
-
-void add_explicit_spring(const Value& pair, std::size_t node_count, MaterialIndex material, NodeIndex first_node,
-                         Network& network) {
-  const std::vector<Value> ends = pair.elements(2);
-  std::array<NodeIndex, 2> nodes{};
-  for (std::size_t end = 0; end < 2; ++end) {
-    const std::int64_t node = ends[end].integer(0);
-    if (node >= static_cast<std::int64_t>(node_count)) {
-      ends[end].fail(fmt::format("there is no node {}, the body has {}, numbered from 0", node, node_count));
+    const auto first = static_cast<NodeIndex>(network.nodes().size());
+    const std::vector<Value> places = body.need("nodes").elements();
+    Node node = prototype;
+    for (std::size_t k = 0; k < mesh.points.size(); ++k) {
+      node.position = mesh.points[k];
+      places[k].at_this_place([&] { network.add_node(node); });
     }
-    nodes[end] = first_node + static_cast<NodeIndex>(node);
+    for (std::size_t c = 0; c < mesh.cell_count(); ++c) {
+      body.find("springs")->at_this_place(
+          [&] { network.add_spring(first + mesh.cell(c)[0], first + mesh.cell(c)[1], materials.front()); });
+    }
+    network.end_body();
+    if (materials.size() > 1) set_materials(edges, materials);
+    set_masses(masses);
   }
-  if (nodes[0] == nodes[1]) pair.fail("joins a node to itself; give two different nodes");
-  if (network.nodes()[nodes[0]].position == network.nodes()[nodes[1]].position) {
-    pair.fail("has length zero, both nodes are at the same place; move one, or leave the spring out");
+
+  Shape read() {
+    const bool has_mesh = body.has("mesh"), has_nodes = body.has("nodes");
+    if (has_mesh && has_nodes) body.fail("has both 'mesh' and 'nodes'; leave one out");
+    if (!has_mesh && !has_nodes) {
+      body.fail("has no nodes; add mesh = { lattice = [4, 4, 4], spacing = 1.0 }, mesh = { file = … } or 'nodes'");
+    }
+    if (has_mesh && body.has("springs")) body.find("springs")->fail("a mesh has springs of its own; remove this key");
+    if (!has_mesh) {
+      read_listed_body();
+      return {};
+    }
+    const Table mesh = body.need("mesh").table("body.mesh");
+    if (mesh.has("file") && mesh.has("lattice")) mesh.fail("has both 'file' and 'lattice'; leave one out");
+    return mesh.has("file") ? read_file_body(mesh) : read_lattice_body(mesh);
   }
-  pair.at_this_place([&] { network.add_spring(nodes[0], nodes[1], material); });
-}
+};
 
-void add_explicit_body(const Table& body, const std::string& name, Node node, std::optional<MaterialIndex> material,
-                       Network& network) {
-  const Value nodes = body.need("nodes");
-  const std::vector<Value> positions = nodes.elements();
-  if (positions.empty()) nodes.fail("lists no node; give one position [x, y, z] or more");
-  const std::optional<Value> springs = body.find("springs");
-  const std::vector<Value> pairs = springs ? springs->elements() : std::vector<Value>();
-  if (!pairs.empty() && !material) body.fail(needs_a_law);
-
-  network.begin_body(name);
-  const auto first_node = static_cast<NodeIndex>(network.nodes().size());
-  for (const Value& position : positions) {
-    node.position = position.vector();
-    position.at_this_place([&] { network.add_node(node); });
-  }
-  for (const Value& pair : pairs) add_explicit_spring(pair, positions.size(), *material, first_node, network);
-  network.end_body();
-}
-
-void read_body(const Table& body, const PluginHost& plugins, std::set<std::string>& names, Network& network) {
-  const Value name = body.need("name");
-  if (!names.insert(name.text()).second) name.fail("another body has this name; names are unique");
-  const bool has_mesh = body.has("mesh"), has_nodes = body.has("nodes");
-  if (has_mesh && has_nodes) body.fail("has both 'mesh' and 'nodes'; leave one out");
-  if (!has_mesh && !has_nodes) body.fail("has no nodes; add mesh = { lattice = [4, 4, 4], spacing = 1.0 } or 'nodes'");
-  if (has_mesh && body.has("springs")) body.find("springs")->fail("a mesh has springs of its own; remove this key");
-
-  const Node prototype = read_prototype(body, plugins, network);
-  const Material material = read_material(body, plugins);
-  std::optional<MaterialIndex> index;
-  if (material.spring || material.viscosity) index = network.add_material(material);
-  const auto scale = body.find("rest_length_scale");
-  const double factor = scale ? scale->number_above_0("") : 1.0;
-
-  if (has_mesh) {
-    add_lattice_body(body, name.text(), prototype, index, network);
-  } else {
-    add_explicit_body(body, name.text(), prototype, index, network);
-  }
-  if (!scale) return;
+void scale_rest_lengths(const Value& scale, Network& network) {
+  const double factor = scale.number_above_0("");
   const Body& added = network.bodies().back();
   for (SpringIndex i = added.first_spring; i < added.first_spring + added.spring_count; ++i) {
-    scale->at_this_place([&] { network.set_rest_length(i, factor * network.springs()[i].rest_length); });
+    scale.at_this_place([&] { network.set_rest_length(i, factor * network.springs()[i].rest_length); });
   }
 }
 
 }  // namespace
 
-void read_bodies(const Table& root, const PluginHost& plugins, Network& network) {
+std::vector<Shape> read_bodies(const Table& root, const PluginHost& plugins, const std::filesystem::path& folder,
+                               Scene& scene) {
+  Network& network = scene.network;
+  std::vector<Shape> shapes;
   std::set<std::string> names;
-  for (const Value& body : root.tables("body")) read_body(body.table("body"), plugins, names, network);
+  for (const Value& value : root.tables("body")) {
+    const Table body = value.table("body");
+    const Value name = body.need("name");
+    if (!names.insert(name.text()).second) name.fail("another body has this name; names are unique");
+    shapes.push_back(BodyReader{body, name.text(), plugins, folder, network, scene.notes}.read());
+    if (const auto scale = body.find("rest_length_scale")) scale_rest_lengths(*scale, network);
+  }
   if (network.nodes().empty()) root.fail("the scene has no body; add a [[body]]");
+  return shapes;
 }
 
 }  // namespace springnet::scene

@@ -1,5 +1,6 @@
 #include "scene/component.hpp"
 
+#include <algorithm>
 #include <memory>
 #include <string>
 #include <vector>
@@ -33,21 +34,40 @@ double read_parameter(const Value& value, const springnet_parameter& parameter) 
   }
 }
 
-}  // namespace
-
-LawUse read_component(const Table& table, std::string_view name_key, ComponentKind kind, const PluginHost& plugins) {
-  const std::shared_ptr<const Component> component = find_component(table.need(name_key), kind, plugins);
-  const springnet_component& description = *component->description;
-  LawUse use{std::string(component->id()), {}};
-
+std::vector<std::string> parameters_of(const springnet_component& description) {
   std::vector<std::string> names;
   for (std::uint32_t i = 0; i < description.parameter_count; ++i) names.emplace_back(description.parameters[i]->name);
+  return names;
+}
+
+// A use that has the supplied parameters, which the component has to know.
+LawUse begin_use(const Value& name, const Component& component, ComponentKind kind, const ParameterValues& supplied) {
+  const std::vector<std::string> names = parameters_of(*component.description);
+  for (const auto& [parameter, value] : supplied) {
+    if (std::find(names.begin(), names.end(), parameter) != names.end()) continue;
+    name.fail(fmt::format("{} '{}' has no parameter '{}', which is set here; take one that has it", name_of(kind),
+                          component.id(), parameter));
+  }
+  return {std::string(component.id()), supplied};
+}
+
+}  // namespace
+
+LawUse read_component(const Table& table, std::string_view name_key, ComponentKind kind, const PluginHost& plugins,
+                      const ParameterValues& supplied) {
+  const Value name = table.need(name_key);
+  const std::shared_ptr<const Component> component = find_component(name, kind, plugins);
+  const springnet_component& description = *component->description;
+  LawUse use = begin_use(name, *component, kind, supplied);
+
+  const std::vector<std::string> names = parameters_of(description);
   table.check_keys(names, fmt::format("{} '{}'", name_of(kind), use.id));
 
   for (std::uint32_t i = 0; i < description.parameter_count; ++i) {
     const springnet_parameter& parameter = *description.parameters[i];
     const std::optional<Value> given = table.find_parameter(parameter.name);
     if (!given) continue;
+    if (supplied.contains(parameter.name)) given->fail("is set by the material here; remove it");
     const double value = read_parameter(*given, parameter);
     if (const std::string wrong = check_value(parameter, value); !wrong.empty()) given->fail(wrong);
     use.parameters.emplace(parameter.name, value);
@@ -56,10 +76,12 @@ LawUse read_component(const Table& table, std::string_view name_key, ComponentKi
   return use;
 }
 
-LawUse read_component_name(const Value& name, ComponentKind kind, const PluginHost& plugins) {
+LawUse read_component_name(const Value& name, ComponentKind kind, const PluginHost& plugins,
+                           const ParameterValues& supplied) {
   const std::shared_ptr<const Component> component = find_component(name, kind, plugins);
-  static_cast<void>(complete_parameters(*component->description, {}, name.where()));
-  return {std::string(component->id()), {}};
+  LawUse use = begin_use(name, *component, kind, supplied);
+  static_cast<void>(complete_parameters(*component->description, use.parameters, name.where()));
+  return use;
 }
 
 Material read_material(const Table& table, const PluginHost& plugins) {

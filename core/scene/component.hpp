@@ -12,12 +12,14 @@
 namespace springnet::scene {
 
 // `name_key` is the key of the component's id, "type" or "name"; what the list of keys has beside it is left to the
-// caller, every other key is a parameter.
+// caller, every other key is a parameter. Those in `supplied` come from elsewhere: the component needs to have them,
+// the table must not.
 [[nodiscard]] LawUse read_component(const Table& table, std::string_view name_key, ComponentKind kind,
-                                    const PluginHost& plugins);
+                                    const PluginHost& plugins, const ParameterValues& supplied = {});
 
 // A component written as no more than its name.
-[[nodiscard]] LawUse read_component_name(const Value& name, ComponentKind kind, const PluginHost& plugins);
+[[nodiscard]] LawUse read_component_name(const Value& name, ComponentKind kind, const PluginHost& plugins,
+                                         const ParameterValues& supplied = {});
 
 // The functions under the keys `spring` and `viscosity` of a table; none of them may be there.
 [[nodiscard]] Material read_material(const Table& table, const PluginHost& plugins);

@@ -42,7 +42,8 @@ class Unreached {
 }  // namespace
 
 std::vector<std::string> notes_of(const Scene& scene) {
-  if (!(scene.duration > 0)) return {};  // no more than a look at the start
+  std::vector<std::string> notes = scene.notes;
+  if (!(scene.duration > 0)) return notes;  // no more than a look at the start
   const Network& network = scene.network;
   Unreached unreached(scene.duration);
   for (std::size_t k = 0; k < network.loads().size(); ++k) {
@@ -61,7 +62,8 @@ std::vector<std::string> notes_of(const Scene& scene) {
     const Instrument& instrument = network.instruments()[k];
     if (instrument.motion) unreached.motion(named("instrument", instrument.name, k), *instrument.motion);
   }
-  return unreached.take();
+  for (std::string& note : unreached.take()) notes.push_back(std::move(note));
+  return notes;
 }
 
 }  // namespace springnet

@@ -1,6 +1,12 @@
 // The parts of a scene that make its network, in the order in which they are read.
 #pragma once
 
+#include <filesystem>
+#include <optional>
+#include <variant>
+#include <vector>
+
+#include <springnet/mesh.hpp>
 #include <springnet/network.hpp>
 #include <springnet/plugin_host.hpp>
 #include <springnet/scene.hpp>
@@ -9,8 +15,16 @@
 
 namespace springnet::scene {
 
+// What a body was made of, for what needs its cells: a mesh, a lattice, or neither.
+using Shape = std::variant<std::monostate, Mesh, Lattice>;
+
 // Each takes the whole document, and throws Error(input) with the place of what is wrong.
-void read_bodies(const Table& root, const PluginHost& plugins, Network& network);       // [[body]]
+
+// [[body]]. Returns the shape of each. Meshes whose path is not absolute are in `folder`.
+[[nodiscard]] std::vector<Shape> read_bodies(const Table& root, const PluginHost& plugins,
+                                             const std::filesystem::path& folder, Scene& scene);
+// [[element]]
+void read_elements(const Table& root, const PluginHost& plugins, const std::vector<Shape>& shapes, Scene& scene);
 void read_connections(const Table& root, const PluginHost& plugins, Network& network);  // [[connect]], [[rigid]]
 // [[node]], [[spring]], [[fix]], [[force]], [[cut]]
 void read_changes(const Table& root, const PluginHost& plugins, Network& network);

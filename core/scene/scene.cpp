@@ -42,7 +42,7 @@ void read_simulation(const Table& root, const PluginHost& plugins, Scene& result
 }  // namespace scene
 
 Scene parse_scene(std::string_view text, std::string_view name, const PluginHost& plugins,
-                  const std::vector<SceneOverride>& overrides) {
+                  const std::vector<SceneOverride>& overrides, const std::filesystem::path& folder) {
   const std::string document(name.empty() ? "scene" : name);
   const toml::table content = scene::parse_document(text, document, overrides);
   const scene::Table root = scene::Value(content, "", document).table("");
@@ -53,8 +53,9 @@ Scene parse_scene(std::string_view text, std::string_view name, const PluginHost
   if (const auto gravity = root.find("gravity")) {
     result.network.set_gravity(gravity->table("gravity").need("acceleration").vector());
   }
-  scene::read_bodies(root, plugins, result.network);
+  const std::vector<scene::Shape> shapes = scene::read_bodies(root, plugins, folder, result);
   scene::read_connections(root, plugins, result.network);
+  scene::read_elements(root, plugins, shapes, result);
   scene::read_changes(root, plugins, result.network);
   scene::read_surroundings(root, result.network);
   scene::read_output(root, result.network, result.output);
@@ -74,7 +75,8 @@ Scene load_scene(const std::filesystem::path& file, const PluginHost& plugins,
   if (!stream) fail(std::generic_category().message(errno));
   const std::string text{std::istreambuf_iterator<char>(stream), std::istreambuf_iterator<char>()};
   if (stream.bad()) fail(std::generic_category().message(errno));
-  return parse_scene(text, file.string(), plugins, overrides);
+  const std::filesystem::path folder = file.parent_path();
+  return parse_scene(text, file.string(), plugins, overrides, folder.empty() ? "." : folder);
 }
 
 }  // namespace springnet

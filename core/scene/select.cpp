@@ -5,6 +5,7 @@
 #include <numeric>
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 namespace springnet::scene {
 namespace {
@@ -14,15 +15,18 @@ namespace {
 constexpr double thickness = 1e-9;
 
 struct Region {
-  std::vector<const Body*> bodies;  // none: everywhere
+  std::vector<const Body*> bodies;                // none: everywhere
+  std::optional<std::vector<NodeIndex>> grouped;  // rising
   std::optional<Vector3> smallest, largest, center;
   double radius = 0;
 
   [[nodiscard]] bool has_shape() const { return smallest || largest || center; }
+  [[nodiscard]] bool restricts() const { return has_shape() || grouped || !bodies.empty(); }
 
   [[nodiscard]] bool contains(NodeIndex node, const Vector3& p) const {
     const auto in_body = [&](const Body* body) { return node - body->first_node < body->node_count; };
     if (!bodies.empty() && std::none_of(bodies.begin(), bodies.end(), in_body)) return false;
+    if (grouped && !std::binary_search(grouped->begin(), grouped->end(), node)) return false;
     for (Eigen::Index axis = 0; axis < 3; ++axis) {
       if (smallest && p[axis] < (*smallest)[axis] - slack((*smallest)[axis], p[axis])) return false;
       if (largest && p[axis] > (*largest)[axis] + slack((*largest)[axis], p[axis])) return false;
@@ -41,6 +45,53 @@ Vector3 corner(const Value& value) {
   return {values[0].coordinate(), values[1].coordinate(), values[2].coordinate()};
 }
 
+template <class Element>
+void sort_and_unite(std::vector<Element>& elements) {
+  std::sort(elements.begin(), elements.end());
+  elements.erase(std::unique(elements.begin(), elements.end()), elements.end());
+}
+
+// Adds the nodes of the groups of this name, those of the bodies given or of all.
+void add_group(const Value& name, const std::vector<const Body*>& bodies, std::vector<NodeIndex>& nodes) {
+  const std::string wanted = name.text();
+  std::vector<std::string> known;
+  bool found = false;
+  for (const Body* body : bodies) {
+    for (const NodeGroup& group : body->groups) {
+      known.push_back(group.name);
+      if (group.name != wanted) continue;
+      found = true;
+      nodes.insert(nodes.end(), group.nodes.begin(), group.nodes.end());
+    }
+  }
+  if (found) return;
+  const std::string where = bodies.size() == 1 ? fmt::format("body '{}'", bodies.front()->name) : "the bodies";
+  if (known.empty()) {
+    name.fail(fmt::format("there is no group '{}': {} {} no groups; they come from the named parts of a mesh file",
+                          wanted, where, bodies.size() == 1 ? "has" : "have"));
+  }
+  sort_and_unite(known);
+  const std::string nearest = suggestion(wanted, known);
+  name.fail(fmt::format("there is no group '{}' in {}{}{}; known: {}", wanted, where, nearest.empty() ? "" : "; ",
+                        nearest, fmt::join(known, ", ")));
+}
+
+std::vector<NodeIndex> read_groups(const Value& groups, std::vector<const Body*> bodies, const Network& network) {
+  if (bodies.empty()) {
+    for (const Body& body : network.bodies()) bodies.push_back(&body);
+  }
+  std::vector<NodeIndex> nodes;
+  if (groups.is_list()) {
+    const std::vector<Value> names = groups.elements();
+    if (names.empty()) groups.fail("names no group; leave the key out to select whole bodies");
+    for (const Value& name : names) add_group(name, bodies, nodes);
+  } else {
+    add_group(groups, bodies, nodes);
+  }
+  sort_and_unite(nodes);
+  return nodes;
+}
+
 Region read_region(const Table& table, const Network& network) {
   Region region;
   if (const auto body = table.find("body")) {
@@ -51,6 +102,7 @@ Region read_region(const Table& table, const Network& network) {
       region.bodies.push_back(&find_body(*body, network));
     }
   }
+  if (const auto groups = table.find("group")) region.grouped = read_groups(*groups, region.bodies, network);
   if (const auto value = table.find("box")) {
     const Table box = value->table("select.box");
     if (const auto smallest = box.find("min")) region.smallest = corner(*smallest);
@@ -77,12 +129,6 @@ const Body* body_of_numbers(const Value& numbers, const Region& region) {
 }
 
 template <class Index>
-void sort_and_unite(std::vector<Index>& indices) {
-  std::sort(indices.begin(), indices.end());
-  indices.erase(std::unique(indices.begin(), indices.end()), indices.end());
-}
-
-template <class Index>
 std::vector<Index> range(Index first, Index count) {
   std::vector<Index> indices(count);
   std::iota(indices.begin(), indices.end(), first);
@@ -96,6 +142,8 @@ std::vector<NodeIndex> nodes_in(const Table& table, const Region& region, const 
     const Body* body = body_of_numbers(*numbers, region);
     for (const Value& number : numbers->elements()) candidates.push_back(read_node(number, body, network));
     sort_and_unite(candidates);
+  } else if (region.grouped) {
+    candidates = *region.grouped;
   } else if (region.bodies.size() == 1) {
     candidates = range(region.bodies.front()->first_node, region.bodies.front()->node_count);
   } else {
@@ -174,7 +222,7 @@ std::vector<SpringIndex> select_springs(const Value& selection, const Network& n
   } else {
     springs = range(SpringIndex{0}, static_cast<SpringIndex>(network.springs().size()));
   }
-  if (region.has_shape() || !region.bodies.empty() || table.has("nodes")) {
+  if (region.restricts() || table.has("nodes")) {
     std::vector<bool> inside(network.nodes().size(), false);
     for (const NodeIndex node : nodes_in(table, region, network)) inside[node] = true;
     std::erase_if(springs, [&](SpringIndex index) {

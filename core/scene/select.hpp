@@ -1,4 +1,4 @@
-// Selections of nodes and springs: by body, number, box and sphere; what is selected meets all that is given.
+// Selections of nodes and springs: by body, group, number, box and sphere; what is selected meets all that is given.
 #pragma once
 
 #include <vector>

@@ -227,6 +227,7 @@ int run(const InspectArguments& arguments) {
   fmt::print("{}", align_columns(facts(scene, found)));
   print_limits(scene, found);
   print_findings(scene.network, found);
+  for (const std::string& note : notes_of(scene)) fmt::print("note: {}\n", note);
   return done;
 }
 

@@ -86,7 +86,7 @@ TEST_CASE("wrong types") {
       {replaced(2, "duration = ^2020-01-01"), {"must be a number, is a date"}},
       {replaced(5, "name = ^7"), {"body.0.name", "must be a text in quotes, is a number"}},
       {replaced(5, "name = ^\"\""), {"must not be empty"}},
-      {replaced(6, "mesh = ^3"), {"body.0.mesh", "must be a table with a lattice, is a number"}},
+      {replaced(6, "mesh = ^3"), {"body.0.mesh", "must be a table with a lattice or a file, is a number"}},
       {replaced(6, "mesh = { lattice = ^3, spacing = 1.0 }"), {"must be a list, is a number"}},
       {replaced(6, "mesh = { lattice = ^[3, 3], spacing = 1.0 }"), {"must have 3 elements, has 2"}},
       {replaced(6, "mesh = { lattice = [3, ^2.5, 3], spacing = 1.0 }"),
@@ -148,7 +148,7 @@ TEST_CASE("missing laws and unknown components, with the nearest known ones") {
   check({
       {simulation + "^[[body]]\nname = \"a\"\nmesh = { lattice = [2, 1, 1], spacing = 1 }\n"
                     "neuron = { type = \"point_mass\", mass = 1 }",
-       {"body.0: has springs, but neither 'spring' nor 'viscosity'", "add spring = "}},
+       {"body.0: has springs, but none of 'spring', 'viscosity' and 'material'", "add spring = "}},
       {replaced(8, "spring = { type = ^\"linaer\", stiffness = 3.0 }"),
        {"body.0.spring.type", "no spring function 'linaer'", "did you mean 'linear'?", "known: exponential, linear"}},
       {replaced(8, "spring = { type = ^\"relative\", damping = 3.0 }"), {"'relative' is a viscosity function"}},
@@ -242,7 +242,7 @@ spring = { type = "linear", stiffness = 1 }
       {body + "nodes = ^[]", {"lists no node"}},
       {simulation + "^[[body]]\nname = \"a\"\nneuron = { type = \"point_mass\", mass = 1 }\n"
                     "nodes = [[0, 0, 0], [1, 0, 0]]\nsprings = [[0, 1]]",
-       {"has springs, but neither"}},
+       {"has springs, but none of"}},
       {simulation + "^[[body]]\nname = \"a\"\nmesh = {}\nnodes = [[0, 0, 0]]", {"has both 'mesh' and 'nodes'"}},
       {added("springs = ^[[0, 1]]"), {"a mesh has springs of its own"}},
       {added("[[body]]\nname = ^\"a\"\nmesh = {}"), {"body.1.name", "another body has this name"}},

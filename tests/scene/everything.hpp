@@ -1,4 +1,4 @@
-// A scene that uses every key there is: it shows that the reader takes each of them.
+// Two scenes that together use every key there is: they show that the reader takes each of them.
 #pragma once
 
 inline const char* const everything = R"(
@@ -144,4 +144,45 @@ select = { springs = [3] }
 [[cut]]
 time = 2.0
 polygon = [[0.5, -1, 0], [0.5, 5, 0], [0.5, 5, 9]]
+)";
+
+// Meshes, materials and elements.
+inline const char* const everything_of_meshes = R"(
+[simulation]
+duration = 1.0
+time_step = 0.01
+
+[[body]]
+name = "bar"
+mesh = { file = "bar.msh", scale = 0.001, rotation = { axis = [0, 0, 2], angle = 0.5 }, origin = [0, 0, 40] }
+neuron = { type = "point_mass" }
+density = 1000.0
+thickness = 0.001
+cross_section = 1e-6
+material = { youngs_modulus = 1e4, poisson_ratio = 0.45, damping_time = 0.01, law = { type = "nonlinear", cubic = 2 } }
+
+[[body]]
+name = "chain"
+nodes = [[10, 0, 0], [11, 0, 0], [13, 1, 0]]
+springs = [[0, 1], [1, 2]]
+neuron = { type = "point_mass", mass = 1.0 }
+spring = { type = "linear", stiffness = 1.0 }
+
+[[element]]
+name = "filling"
+invariant = "enclosed_volume"
+select = { body = "bar", group = "skin" }
+spring = { type = "linear", stiffness = 1e9 }
+viscosity = { type = "linear", damping = 1e3 }
+reference_scale = 1.1
+
+[[element]]
+invariant = "angle"
+body = "chain"
+nodes = [[0, 1, 2]]
+spring = { type = "linear", stiffness = 0.1 }
+reference = 3.0
+
+[[fix]]
+select = { group = ["left", "right"] }
 )";

@@ -12,8 +12,10 @@ inline const springnet::PluginHost& plugins() {
   return host;
 }
 
+// Meshes are those of this folder: bar.msh, 100 x 20 x 20 mm, of tetrahedra, with the groups left, right (x 0 and 100),
+// skin and tissue.
 inline springnet::Scene parse(const std::string& text, const std::vector<springnet::SceneOverride>& overrides = {}) {
-  return springnet::parse_scene(text, "test.toml", plugins(), overrides);
+  return springnet::parse_scene(text, "test.toml", plugins(), overrides, SCENE_FOLDER);
 }
 
 // The message of the Error(input) with which the scene is refused, "" if it is taken.

@@ -36,10 +36,19 @@ struct OutputOptions {
   double vtk_interval = 0.0;  // s between them at least; 0: at every record
 };
 
+// The elements of one [[element]], in a row.
+struct ElementSet {
+  std::string name;  // may be empty
+  ElementIndex first;
+  ElementIndex count;
+};
+
 struct Scene {
   std::string title;
   double duration = 0.0;  // s
   Network network;
+  std::vector<ElementSet> elements;
+  std::vector<std::string> notes;  // of reading: what a mesh has and this does not, what a material becomes
   SimulationOptions options;
   OutputOptions output;
 };
@@ -56,11 +65,14 @@ struct SceneOverride {
 // the message then has the nearest names and the plugins that were not taken.
 [[nodiscard]] Scene load_scene(const std::filesystem::path& file, const PluginHost& plugins,
                                const std::vector<SceneOverride>& overrides = {});
-// The same from text; `name` stands for the file in messages.
+// The same from text; `name` stands for the file in messages. Meshes are looked for in `folder`; where that is empty, a
+// mesh whose path is not absolute is an error.
 [[nodiscard]] Scene parse_scene(std::string_view text, std::string_view name, const PluginHost& plugins,
-                                const std::vector<SceneOverride>& overrides = {});
+                                const std::vector<SceneOverride>& overrides = {},
+                                const std::filesystem::path& folder = {});
 
-// What in a scene is likely not meant: cuts, loads and motions wholly outside of the simulated time. Plain sentences.
+// Scene::notes, and what is likely not meant: cuts, loads and motions wholly outside of the simulated time. Plain
+// sentences.
 [[nodiscard]] std::vector<std::string> notes_of(const Scene& scene);
 
 // Every key a scene may have, as "body.mesh.lattice": the reference page is checked against it.

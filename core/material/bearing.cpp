@@ -1,0 +1,101 @@
+#include <algorithm>
+#include <cstdint>
+#include <limits>
+#include <unordered_set>
+
+#include "material/bearing.hpp"
+
+namespace springnet {
+namespace {
+
+using Corners = std::array<std::uint32_t, 4>;  // rising; the last one of a triangle or edge is `none`
+constexpr std::uint32_t none = std::numeric_limits<std::uint32_t>::max();
+
+struct CornersHash {
+  std::size_t operator()(const Corners& corners) const noexcept {
+    std::uint64_t hash = 0;
+    for (const std::uint32_t corner : corners) hash = (hash ^ corner) * 0x9e3779b97f4a7c15u;
+    return static_cast<std::size_t>(hash ^ (hash >> 29));
+  }
+};
+
+// Faces of solid cells as places among the corners, in no particular turn.
+std::span<const std::array<std::uint8_t, 4>> face_places(CellType type) {
+  constexpr std::uint8_t no = 255;
+  static constexpr std::array<std::array<std::uint8_t, 4>, 4> tetrahedron{
+      {{0, 1, 2, no}, {0, 1, 3, no}, {1, 2, 3, no}, {0, 2, 3, no}}};
+  static constexpr std::array<std::array<std::uint8_t, 4>, 6> hexahedron{
+      {{0, 1, 2, 3}, {4, 5, 6, 7}, {0, 1, 5, 4}, {1, 2, 6, 5}, {2, 3, 7, 6}, {3, 0, 4, 7}}};
+  static constexpr std::array<std::array<std::uint8_t, 4>, 5> wedge{
+      {{0, 1, 2, no}, {3, 4, 5, no}, {0, 1, 4, 3}, {1, 2, 5, 4}, {2, 0, 3, 5}}};
+  static constexpr std::array<std::array<std::uint8_t, 4>, 5> pyramid{
+      {{0, 1, 2, 3}, {0, 1, 4, no}, {1, 2, 4, no}, {2, 3, 4, no}, {3, 0, 4, no}}};
+  switch (type) {
+    case CellType::tetrahedron:
+      return tetrahedron;
+    case CellType::hexahedron:
+      return hexahedron;
+    case CellType::wedge:
+      return wedge;
+    case CellType::pyramid:
+      return pyramid;
+    default:
+      return {};
+  }
+}
+
+Corners sorted(std::span<const std::uint32_t> points) {
+  Corners corners{none, none, none, none};
+  std::copy(points.begin(), points.end(), corners.begin());
+  std::sort(corners.begin(), corners.end());
+  return corners;
+}
+
+}  // namespace
+
+std::vector<std::size_t> bearing_cells(const Mesh& mesh) {
+  // Faces and edges of cells of a higher dimension, where cells of a lower one are there to lie on them.
+  bool has_surface = false, has_line = false;
+  for (const CellType type : mesh.types) {
+    has_surface = has_surface || dimension_of(type) == 2;
+    has_line = has_line || dimension_of(type) == 1;
+  }
+  std::unordered_set<Corners, CornersHash> sides;
+  for (std::size_t c = 0; c < mesh.cell_count(); ++c) {
+    const auto cell = mesh.cell(c);
+    if (has_line && dimension_of(mesh.types[c]) > 1) {
+      for (const auto& [a, b] : edge_places(mesh.types[c])) sides.insert(sorted(std::array{cell[a], cell[b]}));
+    }
+    if (!has_surface) continue;
+    for (const auto& face : face_places(mesh.types[c])) {
+      Corners corners{none, none, none, none};
+      for (std::size_t k = 0; k < 4 && face[k] != 255; ++k) corners[k] = cell[face[k]];
+      std::sort(corners.begin(), corners.end());
+      sides.insert(corners);
+    }
+  }
+  std::vector<std::size_t> bearing;
+  for (std::size_t c = 0; c < mesh.cell_count(); ++c) {
+    const int dimension = dimension_of(mesh.types[c]);
+    if (dimension == 3 || (dimension > 0 && !sides.contains(sorted(mesh.cell(c))))) bearing.push_back(c);
+  }
+  return bearing;
+}
+
+namespace material {
+
+double volume_of(const Mesh& mesh, std::size_t cell, const Section& section) {
+  const double measure = measure_of(mesh, cell);
+  const int dimension = dimension_of(mesh.types[cell]);
+  if (dimension == 3) return measure;
+  const std::optional<double>& factor = dimension == 2 ? section.thickness : section.cross_section;
+  const std::string_view what = dimension == 2 ? "a thickness, in m" : "a cross section, in m^2";
+  if (!factor) {
+    fail(fmt::format("{} {} has no volume without {}: give it", name_of(mesh.types[cell]), cell, what));
+  }
+  if (!(std::isfinite(*factor) && *factor > 0)) fail(fmt::format("{} must be above 0, is {}", what, *factor));
+  return measure * *factor;
+}
+
+}  // namespace material
+}  // namespace springnet

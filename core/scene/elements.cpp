@@ -1,0 +1,196 @@
+#include <algorithm>
+#include <set>
+
+#include <fmt/format.h>
+
+#include <springnet/material.hpp>
+#include <springnet/mesh.hpp>
+
+#include "scene/component.hpp"
+#include "scene/parts.hpp"
+#include "scene/select.hpp"
+
+namespace springnet::scene {
+namespace {
+
+using NodeLists = std::vector<std::vector<NodeIndex>>;
+
+template <std::size_t Count>
+bool all_inside(const std::array<NodeIndex, Count>& nodes, const std::vector<bool>& inside) {
+  return std::all_of(nodes.begin(), nodes.end(), [&](NodeIndex node) { return inside[node]; });
+}
+
+// At each node inside with exactly two springs, to two different nodes: from the lower one over the node to the upper.
+NodeLists find_angles(const Network& network, const std::vector<bool>& inside) {
+  std::vector<std::vector<NodeIndex>> neighbours(network.nodes().size());
+  const auto add = [&](NodeIndex node, NodeIndex other) {
+    if (inside[node] && neighbours[node].size() < 3) neighbours[node].push_back(other);
+  };
+  for (const Spring& spring : network.springs()) {
+    add(spring.first, spring.second);
+    add(spring.second, spring.first);
+  }
+  NodeLists angles;
+  for (NodeIndex node = 0; node < neighbours.size(); ++node) {
+    const std::vector<NodeIndex>& ends = neighbours[node];
+    if (ends.size() != 2 || ends[0] == ends[1]) continue;
+    angles.push_back({std::min(ends[0], ends[1]), node, std::max(ends[0], ends[1])});
+  }
+  return angles;
+}
+
+NodeLists find_hinges(const Network& network, const std::vector<bool>& inside) {
+  NodeLists hinges;
+  for (const Body& body : network.bodies()) {
+    const auto first = network.faces().begin() + static_cast<std::ptrdiff_t>(body.first_face);
+    const std::vector<Face> faces(first, first + static_cast<std::ptrdiff_t>(body.face_count));
+    for (const auto& hinge : hinges_of(faces)) {
+      if (all_inside(hinge, inside)) hinges.emplace_back(hinge.begin(), hinge.end());
+    }
+  }
+  return hinges;
+}
+
+NodeLists find_triangles(const Network& network, const std::vector<bool>& inside) {
+  NodeLists triangles;
+  for (const Face& face : network.faces()) {
+    if (all_inside(face, inside)) triangles.emplace_back(face.begin(), face.end());
+  }
+  return triangles;
+}
+
+NodeLists find_tetrahedra(const Network& network, const std::vector<bool>& inside, const std::vector<Shape>& shapes) {
+  NodeLists tetrahedra;
+  for (std::size_t k = 0; k < shapes.size(); ++k) {
+    const NodeIndex first = network.bodies()[k].first_node;
+    const auto add = [&](const Mesh& mesh) {
+      for (std::array<std::uint32_t, 4> nodes : tetrahedra_of(mesh)) {
+        for (NodeIndex& node : nodes) node += first;
+        if (all_inside(nodes, inside)) tetrahedra.emplace_back(nodes.begin(), nodes.end());
+      }
+    };
+    if (const auto* mesh = std::get_if<Mesh>(&shapes[k])) add(*mesh);
+    if (const auto* lattice = std::get_if<Lattice>(&shapes[k])) add(mesh_of(*lattice));
+  }
+  return tetrahedra;
+}
+
+std::string text(const Vector3& p) { return fmt::format("[{:g}, {:g}, {:g}]", p.x(), p.y(), p.z()); }
+
+// All triangles inside as one closed surface, seen from outside.
+NodeLists find_surface(const Value& selection, const Network& network, const std::vector<bool>& inside) {
+  std::vector<NodeIndex> surface;
+  std::set<Edge> edges;  // directed
+  for (const std::vector<NodeIndex>& face : find_triangles(network, inside)) {
+    for (std::size_t k = 0; k < 3; ++k) edges.emplace(face[k], face[(k + 1) % 3]);
+    surface.insert(surface.end(), face.begin(), face.end());
+  }
+  if (surface.empty()) return {};
+  for (const auto& [from, to] : edges) {
+    if (edges.contains({to, from})) continue;
+    selection.fail(
+        fmt::format("the surface of these nodes is open at the edge from {} to {} (nodes {} and {}); select all of a "
+                    "closed surface, or mend the mesh there",
+                    text(network.nodes()[from].position), text(network.nodes()[to].position), from, to));
+  }
+  // The wall of a cavity in a solid is turned into the cavity.
+  if (network.value_of({Invariant::enclosed_volume, surface, 0, 0.0}) < 0) std::reverse(surface.begin(), surface.end());
+  return {surface};
+}
+
+NodeLists find_elements(const Value& selection, Invariant invariant, const Network& network,
+                        const std::vector<Shape>& shapes) {
+  std::vector<bool> inside(network.nodes().size(), false);
+  for (const NodeIndex node : select_nodes(selection, network)) inside[node] = true;
+  NodeLists found;
+  std::string_view what;
+  switch (invariant) {
+    case Invariant::angle:
+      found = find_angles(network, inside);
+      what = "has no node with exactly two springs";
+      break;
+    case Invariant::dihedral:
+      found = find_hinges(network, inside);
+      what = "has no two triangles with a common edge among the faces of a body";
+      break;
+    case Invariant::area:
+      found = find_triangles(network, inside);
+      what = "has no triangle among the faces of a body";
+      break;
+    case Invariant::volume:
+      found = find_tetrahedra(network, inside, shapes);
+      what = "has no solid cell of a mesh";
+      break;
+    case Invariant::enclosed_volume:
+      found = find_surface(selection, network, inside);
+      what = "has no triangle among the faces of a body";
+      break;
+  }
+  if (found.empty()) {
+    selection.fail(fmt::format(
+        "{}, all of whose nodes are selected; select more, or list the elements one by one with 'nodes'", what));
+  }
+  return found;
+}
+
+NodeLists read_lists(const Value& lists, const Table& table, const Network& network) {
+  const Body* body = nullptr;
+  if (const auto name = table.find("body")) body = &find_body(*name, network);
+  NodeLists result;
+  for (const Value& list : lists.elements()) {
+    result.emplace_back();
+    for (const Value& number : list.elements()) result.back().push_back(read_node(number, body, network));
+  }
+  if (result.empty()) lists.fail("lists no element; give the nodes of one or more, as [[0, 1, 2], [1, 2, 3]]");
+  return result;
+}
+
+void read_element(const Table& table, const PluginHost& plugins, const std::vector<Shape>& shapes,
+                  std::set<std::string>& names, Scene& scene) {
+  Network& network = scene.network;
+  const auto name = table.find("name");
+  if (name && !names.insert(name->text()).second) name->fail("another [[element]] has this name; names are unique");
+  const auto invariant = static_cast<Invariant>(
+      table.need("invariant").choice({"angle", "dihedral", "area", "volume", "enclosed_volume"}));
+  const Material material = read_material(table, plugins);
+  if (!material.spring && !material.viscosity) {
+    table.fail("neither 'spring' nor 'viscosity' says what the elements do; add spring = { type = …, … }");
+  }
+  const auto selection = table.find("select");
+  const auto lists = table.find("nodes");
+  if (selection && lists) table.fail("has both 'select' and 'nodes'; leave one out");
+  if (!selection && !lists) table.fail("has no nodes; add 'select', or 'nodes' as [[0, 1, 2], [1, 2, 3]]");
+  if (selection && table.has("body")) {
+    table.find("body")->fail("goes with 'nodes'; write select = { body = … } instead");
+  }
+  const auto reference = table.find("reference");
+  const auto scale = table.find("reference_scale");
+  if (reference && scale) scale->fail("has no meaning beside 'reference'; remove one of them");
+  std::optional<double> given;
+  if (reference) given = reference->number();
+  const double factor = scale ? scale->number() : 1.0;
+
+  const NodeLists elements =
+      lists ? read_lists(*lists, table, network) : find_elements(*selection, invariant, network, shapes);
+  const MaterialIndex index = network.add_material(material);
+  const auto first = static_cast<ElementIndex>(network.elements().size());
+  const std::vector<Value> places = lists ? lists->elements() : std::vector<Value>();
+  for (std::size_t k = 0; k < elements.size(); ++k) {
+    (lists ? places[k] : *selection).at_this_place([&] {
+      const ElementIndex element = network.add_element(invariant, elements[k], index, given);
+      if (scale) network.set_reference(element, factor * network.elements()[element].reference);
+    });
+  }
+  scene.elements.push_back({name ? name->text() : "", first, static_cast<ElementIndex>(elements.size())});
+}
+
+}  // namespace
+
+void read_elements(const Table& root, const PluginHost& plugins, const std::vector<Shape>& shapes, Scene& scene) {
+  std::set<std::string> names;
+  for (const Value& value : root.tables("element")) {
+    read_element(value.table("element"), plugins, shapes, names, scene);
+  }
+}
+
+}  // namespace springnet::scene

@@ -1,0 +1,126 @@
+#include "scene/material.hpp"
+
+#include <cmath>
+
+#include <fmt/format.h>
+
+#include <springnet/material.hpp>
+
+#include "scene/component.hpp"
+
+namespace springnet::scene {
+namespace {
+
+constexpr const char* stiffness = "stiffness";
+
+Section read_section(const Table& body) {
+  Section section;
+  if (const auto thickness = body.find("thickness")) section.thickness = thickness->number_above_0("m");
+  if (const auto area = body.find("cross_section")) section.cross_section = area->number_above_0("m^2");
+  return section;
+}
+
+// The laws of a body's springs but for the stiffness, which is each spring's own.
+struct Springs {
+  Material material;
+  double damping_time = 0.0;  // s
+
+  [[nodiscard]] Material of(double k) const {
+    Material result = material;
+    result.spring->parameters[stiffness] = k;
+    if (damping_time > 0) result.viscosity->parameters["damping"] = damping_time * k;
+    return result;
+  }
+};
+
+Springs read_springs(const Table& body, const Table& table, const PluginHost& plugins) {
+  Springs springs{read_material(body, plugins)};
+  if (springs.material.spring) {
+    body.find("spring")->fail("has no meaning beside 'material', which says what springs are made of; remove one");
+  }
+  const ParameterValues supplied{{stiffness, 1.0}};
+  const auto law = table.find("law");
+  if (!law) {
+    springs.material.spring = LawUse{"linear", supplied};
+  } else if (law->is_text()) {
+    springs.material.spring = read_component_name(*law, ComponentKind::spring_function, plugins, supplied);
+  } else {
+    springs.material.spring =
+        read_component(law->open_table("body.material.law"), "type", ComponentKind::spring_function, plugins, supplied);
+  }
+  if (const auto time = table.find("damping_time")) {
+    springs.damping_time = time->number_from_0("s");
+    if (springs.material.viscosity) {
+      time->fail("has no meaning beside 'viscosity', which says what damps the springs; remove one of them");
+    }
+    if (springs.damping_time > 0) springs.material.viscosity = LawUse{"linear", {}};
+  }
+  return springs;
+}
+
+// What is asked for that a net of springs cannot have, and what it has.
+void check_poisson_ratio(const Table& table, const std::string& body, int dimension, std::vector<std::string>& notes) {
+  const auto asked = table.find("poisson_ratio");
+  const double ratio = asked ? asked->number() : 0.0;
+  if (asked && !(ratio > -1.0 && ratio < 0.5)) asked->fail(fmt::format("must lie between -1 and 0.5, is {}", ratio));
+  if (dimension < 2) return;  // lines have none
+  const bool solid = dimension == 3;
+  const double of_net = poisson_ratio_of_net(dimension);
+  constexpr double alike = 0.005;  // 0.33 means 1/3
+  notes.push_back(
+      fmt::format("Body '{}': its springs make {} of Poisson ratio {}, the one that a net of springs can have{}.", body,
+                  solid ? "a solid" : "a sheet", solid ? "1/4" : "1/3",
+                  asked && std::abs(ratio - of_net) > alike
+                      ? fmt::format("; not {:g} as asked. {}", ratio,
+                                    solid ? "An [[element]] on volumes can resist changes of volume more"
+                                          : "An [[element]] on areas can resist changes of area more")
+                      : ""));
+}
+
+}  // namespace
+
+std::vector<double> read_masses(const Table& body, const Cells& cells) {
+  const auto density = body.find("density");
+  if (!density) return {};
+  const double value = density->number_above_0("kg/m^3");
+  return density->at_this_place([&] { return masses_of(cells(), value, read_section(body)); });
+}
+
+std::vector<MaterialIndex> read_materials(const Table& body, const Cells& cells,
+                                          const std::function<const std::vector<Edge>&()>& edges,
+                                          const PluginHost& plugins, Network& network,
+                                          std::vector<std::string>& notes) {
+  const auto value = body.find("material");
+  if (!value) {
+    for (const char* key : {"thickness", "cross_section"}) {
+      if (body.has(key) && !body.has("density")) {
+        body.find(key)->fail("has no meaning without 'density' or 'material'; remove it, or add one of them");
+      }
+      if (body.has(key)) static_cast<void>(body.find(key)->number_above_0(""));
+    }
+    const Material material = read_material(body, plugins);
+    if (!material.spring && !material.viscosity) return {};
+    return {network.add_material(material)};
+  }
+  const Table table = value->table("body.material");
+  const Springs springs = read_springs(body, table, plugins);
+  const double modulus = table.need("youngs_modulus").number_above_0("Pa");
+  const std::string name = body.need("name").text();
+  const NetStiffness net =
+      value->at_this_place([&] { return stiffness_of(cells(), edges(), modulus, read_section(body)); });
+  check_poisson_ratio(table, name, net.dimension, notes);
+  if (net.lacks_shear) {
+    notes.push_back(
+        fmt::format("Body '{}': quadrilaterals or hexahedra without diagonals resist no shear; add diagonals to its "
+                    "mesh, best \"all\".",
+                    name));
+  }
+  std::vector<MaterialIndex> materials;
+  materials.reserve(net.stiffness.size());
+  for (const double k : net.stiffness) {
+    value->at_this_place([&] { materials.push_back(network.add_material(springs.of(k))); });
+  }
+  return materials;
+}
+
+}  // namespace springnet::scene

@@ -1,0 +1,29 @@
+// Masses and laws of a body from what it is made of: density, Young's modulus.
+#pragma once
+
+#include <functional>
+#include <string>
+#include <vector>
+
+#include <springnet/mesh.hpp>
+#include <springnet/network.hpp>
+#include <springnet/plugin_host.hpp>
+
+#include "scene/reader.hpp"
+
+namespace springnet::scene {
+
+// Cells of the body, made when they are needed.
+using Cells = std::function<const Mesh&()>;
+
+// Masses of the points by body.density; empty without it.
+[[nodiscard]] std::vector<double> read_masses(const Table& body, const Cells& cells);
+
+// Materials of springs along `edges`: one for all by body.spring and body.viscosity, none if neither is there, or one
+// each by body.material. `edges` are sorted and each once. Notes name the body.
+[[nodiscard]] std::vector<MaterialIndex> read_materials(const Table& body, const Cells& cells,
+                                                        const std::function<const std::vector<Edge>&()>& edges,
+                                                        const PluginHost& plugins, Network& network,
+                                                        std::vector<std::string>& notes);
+
+}  // namespace springnet::scene

@@ -1,0 +1,159 @@
+#include "scene/shape.hpp"
+
+#include <algorithm>
+
+#include <fmt/format.h>
+
+#include <Eigen/Geometry>
+
+namespace springnet::scene {
+namespace {
+
+Diagonals read_diagonals(const Table& mesh) {
+  const auto diagonals = mesh.find("diagonals");
+  return diagonals ? static_cast<Diagonals>(diagonals->choice({"none", "face", "space", "all"})) : Diagonals::none;
+}
+
+void refuse(const Table& mesh, std::initializer_list<const char*> keys, std::string_view owner) {
+  for (const char* key : keys) {
+    if (mesh.has(key)) mesh.find(key)->fail(fmt::format("has no meaning with a {}; remove it", owner));
+  }
+}
+
+// Points p become origin + rotation (scale p).
+void place(const Table& table, Mesh& mesh) {
+  const auto scale = table.find("scale");
+  const double factor = scale ? scale->number_above_0("") : 1.0;
+  Eigen::Matrix3d turn = Eigen::Matrix3d::Identity();
+  if (const auto value = table.find("rotation")) {
+    const Table rotation = value->table("body.mesh.rotation");
+    const Value axis = rotation.need("axis");
+    const Vector3 direction = axis.vector();
+    if (!(direction.stableNorm() > 0)) axis.fail("has length zero; give a direction, as [0, 0, 1]");
+    turn = Eigen::AngleAxisd(rotation.need("angle").number(), direction.stableNormalized()).toRotationMatrix();
+  }
+  const auto origin = table.find("origin");
+  const Vector3 move = origin ? origin->vector() : Vector3::Zero();
+  if (!scale && !table.has("rotation") && !origin) return;
+  for (Vector3& point : mesh.points) point = move + turn * (factor * point);
+}
+
+std::filesystem::path find_mesh(const Value& file, const std::filesystem::path& folder) {
+  const std::filesystem::path path = file.text();
+  if (path.is_absolute()) return path;
+  if (folder.empty()) {
+    file.fail("is relative, but this scene is not in a folder; give an absolute path, or read the scene from a file");
+  }
+  return folder / path;
+}
+
+}  // namespace
+
+EdgeOptions edge_options(Diagonals diagonals) {
+  return {.face_diagonals = diagonals == Diagonals::face || diagonals == Diagonals::all,
+          .space_diagonals = diagonals == Diagonals::space || diagonals == Diagonals::all};
+}
+
+Lattice read_lattice(const Table& mesh) {
+  refuse(mesh, {"scale", "rotation"}, "lattice");
+  Lattice lattice;
+  const std::vector<Value> nodes = mesh.need("lattice").elements(3);
+  for (std::size_t axis = 0; axis < 3; ++axis) {
+    constexpr std::int64_t largest = std::numeric_limits<std::uint32_t>::max();
+    lattice.nodes[axis] = static_cast<std::uint32_t>(nodes[axis].integer(1, largest));
+  }
+  const Value spacing = mesh.need("spacing");
+  if (spacing.is_list()) {
+    const std::vector<Value> spacings = spacing.elements(3);
+    for (std::size_t axis = 0; axis < 3; ++axis) {
+      lattice.spacing[static_cast<Eigen::Index>(axis)] = spacings[axis].number_above_0("m");
+    }
+  } else {
+    lattice.spacing.setConstant(spacing.number_above_0("m"));
+  }
+  if (const auto origin = mesh.find("origin")) lattice.origin = origin->vector();
+  lattice.diagonals = read_diagonals(mesh);
+  return lattice;
+}
+
+MeshBody read_mesh_body(const Table& table, const std::string& body, const std::filesystem::path& folder,
+                        std::vector<std::string>& notes) {
+  refuse(table, {"spacing"}, "file");
+  const Value file = table.need("file");
+  const std::filesystem::path path = find_mesh(file, folder);
+  MeshBody result{file.at_this_place([&] { return read_mesh(path); }), edge_options(read_diagonals(table))};
+  for (const std::string& note : result.mesh.notes) notes.push_back(fmt::format("Body '{}': {}", body, note));
+  place(table, result.mesh);
+  return result;
+}
+
+Mesh read_listed(const Table& body) {
+  Mesh mesh;
+  const Value nodes = body.need("nodes");
+  for (const Value& position : nodes.elements()) mesh.points.push_back(position.vector());
+  if (mesh.points.empty()) nodes.fail("lists no node; give one position [x, y, z] or more");
+  const auto springs = body.find("springs");
+  if (!springs) return mesh;
+  for (const Value& pair : springs->elements()) {
+    const std::vector<Value> ends = pair.elements(2);
+    std::array<std::uint32_t, 2> line{};
+    for (std::size_t end = 0; end < 2; ++end) {
+      const std::int64_t node = ends[end].integer(0);
+      if (node >= static_cast<std::int64_t>(mesh.points.size())) {
+        ends[end].fail(fmt::format("there is no node {}, the body has {}, numbered from 0", node, mesh.points.size()));
+      }
+      line[end] = static_cast<std::uint32_t>(node);
+    }
+    if (line[0] == line[1]) pair.fail("joins a node to itself; give two different nodes");
+    if (mesh.points[line[0]] == mesh.points[line[1]]) {
+      pair.fail("has length zero, both nodes are at the same place; move one, or leave the spring out");
+    }
+    mesh.add_cell(CellType::line, line);
+  }
+  return mesh;
+}
+
+namespace {
+
+// A surface that branches or has one side is drawn as its file turns it.
+std::vector<Face> faces_of(const Mesh& mesh, const std::string& name, std::vector<std::string>& notes) {
+  std::vector<Face> faces = surface_of(mesh);
+  const bool solid = std::any_of(mesh.types.begin(), mesh.types.end(), [](CellType t) { return dimension_of(t) == 3; });
+  if (solid || faces.empty()) return faces;
+  try {
+    return oriented(faces, mesh.points);
+  } catch (const Error& error) {
+    if (error.kind() != ErrorKind::input) throw;
+    notes.push_back(fmt::format("Body '{}': its triangles stay turned as the file has them: {}.", name, error.what()));
+    return faces;
+  }
+}
+
+}  // namespace
+
+void add_mesh_body(const std::string& name, const Mesh& mesh, const std::vector<Edge>& edges, const Node& prototype,
+                   const std::vector<double>& masses, const std::vector<MaterialIndex>& materials, Network& network,
+                   std::vector<std::string>& notes) {
+  network.begin_body(name);
+  const auto first = static_cast<NodeIndex>(network.nodes().size());
+  Node node = prototype;
+  for (std::size_t k = 0; k < mesh.points.size(); ++k) {
+    node.position = mesh.points[k];
+    if (!masses.empty()) node.mass = masses[k];
+    network.add_node(node);
+  }
+  for (std::size_t k = 0; k < edges.size(); ++k) {
+    network.add_spring(first + edges[k].first, first + edges[k].second, materials[materials.size() > 1 ? k : 0]);
+  }
+  for (const Face& face : faces_of(mesh, name, notes)) {
+    network.add_face({first + face[0], first + face[1], first + face[2]});
+  }
+  for (const MeshGroup& group : mesh.groups) {
+    std::vector<NodeIndex> nodes = group.points;
+    for (NodeIndex& index : nodes) index += first;
+    network.add_group(group.name, std::move(nodes));
+  }
+  network.end_body();
+}
+
+}  // namespace springnet::scene

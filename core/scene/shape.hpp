@@ -1,0 +1,35 @@
+// What a body is made of, as its table says it: a lattice, a mesh file, or nodes and springs one by one.
+#pragma once
+
+#include <filesystem>
+
+#include <springnet/mesh.hpp>
+
+#include "scene/parts.hpp"
+#include "scene/reader.hpp"
+
+namespace springnet::scene {
+
+// The keys of body.mesh with a lattice.
+[[nodiscard]] Lattice read_lattice(const Table& mesh);
+
+[[nodiscard]] EdgeOptions edge_options(Diagonals diagonals);
+
+struct MeshBody {
+  Mesh mesh;  // scaled, turned and moved
+  EdgeOptions edges;
+};
+// The keys of body.mesh with a file; `folder` as in parse_scene. Notes name the body.
+[[nodiscard]] MeshBody read_mesh_body(const Table& mesh, const std::string& body, const std::filesystem::path& folder,
+                                      std::vector<std::string>& notes);
+
+// The keys nodes and springs as points, and lines in the order of the springs.
+[[nodiscard]] Mesh read_listed(const Table& body);
+
+// Nodes, springs, faces and groups of a mesh body, of given masses; springs along `edges`, of material `materials[i]`,
+// or all of materials[0]. The body is begun and ended.
+void add_mesh_body(const std::string& name, const Mesh& mesh, const std::vector<Edge>& edges, const Node& prototype,
+                   const std::vector<double>& masses, const std::vector<MaterialIndex>& materials, Network& network,
+                   std::vector<std::string>& notes);
+
+}  // namespace springnet::scene

@@ -1,0 +1,134 @@
+// Masses from densities and springs from materials, as a scene says them.
+#include <cmath>
+#include <string>
+
+#include <doctest/doctest.h>
+#include <springnet/material.hpp>
+
+#include "scenes.hpp"
+
+using namespace springnet;
+
+namespace {
+
+bool contains(const std::string& text, const std::string& part) { return text.find(part) != std::string::npos; }
+
+std::string body(const std::string& mesh, const std::string& keys, const std::string& neuron = "") {
+  return simulation + "[[body]]\nname = \"b\"\n" + mesh + "\nneuron = { type = \"point_mass\"" + neuron + " }\n" +
+         keys + "\n";
+}
+const std::string bar = "mesh = { file = \"bar.msh\", scale = 0.001 }";
+const std::string box = "mesh = { lattice = [3, 4, 5], spacing = 0.5, diagonals = \"all\" }";
+const std::string sheet = "mesh = { lattice = [3, 4, 1], spacing = 0.5, diagonals = \"face\" }";
+const std::string rope = "nodes = [[0, 0, 0], [0, 0, 2], [0, 0, 3]]\nsprings = [[1, 0], [1, 2]]";
+const std::string spring = "spring = { type = \"linear\", stiffness = 1.0 }\n";
+
+double mass_of(const std::string& text) {
+  const Network network = parse(text).network;
+  double sum = 0;
+  for (const Node& node : network.nodes()) sum += node.mass;
+  return sum;
+}
+
+double parameter(const Network& net, std::size_t spring_index, const char* name) {
+  return net.materials()[net.springs()[spring_index].material].spring->parameters.at(name);
+}
+
+}  // namespace
+
+TEST_CASE("masses from a density") {
+  // Sums of some hundred rounded numbers.
+  CHECK(mass_of(body(bar, "density = 1000.0\n" + spring)) == doctest::Approx(0.04).epsilon(1e-12));
+  CHECK(mass_of(body(box, "density = 10.0\n" + spring)) == doctest::Approx(10 * 1.0 * 1.5 * 2.0).epsilon(1e-12));
+  CHECK(mass_of(body(sheet, "density = 10.0\nthickness = 0.1\n" + spring)) == doctest::Approx(1.5).epsilon(1e-12));
+  const Network net = parse(body(rope, "density = 10.0\ncross_section = 0.1\n" + spring)).network;
+  CHECK(net.nodes()[0].mass == doctest::Approx(1.0));
+  CHECK(net.nodes()[1].mass == doctest::Approx(1.5));
+  CHECK(net.nodes()[2].mass == doctest::Approx(0.5));
+}
+
+TEST_CASE("each spring gets the stiffness of its edge, and its share of damping") {
+  const std::string keys =
+      "density = 1.0\nmaterial = { youngs_modulus = 1e4, damping_time = 0.01, law = { type = "
+      "\"nonlinear\", cubic = 7.0 } }";
+  const Network net = parse(body(bar, keys)).network;
+  Mesh mesh = read_mesh(std::filesystem::path(SCENE_FOLDER) / "bar.msh");
+  for (Vector3& point : mesh.points) point *= 0.001;
+  const NetStiffness expected = stiffness_of(mesh, edges_of(mesh), 1e4, {});
+  REQUIRE(expected.stiffness.size() == net.springs().size());
+  for (std::size_t k = 0; k < expected.stiffness.size(); ++k) {
+    CHECK(parameter(net, k, "stiffness") == expected.stiffness[k]);
+    CHECK(parameter(net, k, "cubic") == 7.0);
+    const LawUse& viscosity = *net.materials()[net.springs()[k].material].viscosity;
+    CHECK(viscosity.id == "linear");
+    CHECK(viscosity.parameters.at("damping") == 0.01 * expected.stiffness[k]);
+  }
+
+  // Lines: E A / l, also where the springs are not in the order of the edges.
+  const Network lines =
+      parse(body(rope, "cross_section = 0.1\nmaterial = { youngs_modulus = 50.0 }", ", mass = 1.0")).network;
+  CHECK(parameter(lines, 0, "stiffness") == doctest::Approx(50.0 * 0.1 / 2.0).epsilon(1e-15));
+  CHECK(parameter(lines, 1, "stiffness") == doctest::Approx(50.0 * 0.1 / 1.0).epsilon(1e-15));
+
+  // A lattice numbers its springs in another order than edges_of.
+  const Network lattice = parse(body(box, "density = 1.0\nmaterial = { youngs_modulus = 100.0 }")).network;
+  double trace = 0;  // sum of k l^2 is 6 E V
+  for (std::size_t k = 0; k < lattice.springs().size(); ++k) {
+    const double l = lattice.springs()[k].rest_length;
+    trace += parameter(lattice, k, "stiffness") * l * l;
+    // Axial springs at the four long edges of the box are in one cell, those within in four.
+    if (lattice.springs()[k].first == 0) CHECK(parameter(lattice, k, "stiffness") > 0);
+  }
+  CHECK(trace == doctest::Approx(6 * 100.0 * 3.0).epsilon(1e-9));  // shares are exact to 1e-10
+}
+
+TEST_CASE("what a net cannot have is noted") {
+  const auto notes = [](const std::string& mesh, const std::string& material) {
+    std::string all;
+    for (const std::string& note : notes_of(parse(
+             body(mesh, "density = 1.0\nthickness = 0.1\nmaterial = { youngs_modulus = 1.0" + material + " }")))) {
+      all += note + "\n";
+    }
+    return all;
+  };
+  CHECK(contains(notes(box, ""), "Body 'b': its springs make a solid of Poisson ratio 1/4"));
+  CHECK_FALSE(contains(notes(box, ", poisson_ratio = 0.25"), "as asked"));
+  CHECK(contains(notes(box, ", poisson_ratio = 0.45"), "not 0.45 as asked"));
+  CHECK(contains(notes(sheet, ", poisson_ratio = 0.25"), "a sheet of Poisson ratio 1/3"));
+  CHECK(contains(notes(sheet, ", poisson_ratio = 0.25"), "not 0.25 as asked"));
+  CHECK_FALSE(contains(notes(box, ""), "shear"));
+  CHECK(contains(notes("mesh = { lattice = [3, 3, 3], spacing = 1.0 }", ""), "resist no shear"));
+}
+
+TEST_CASE("what is wrong with a material is said with its place") {
+  const auto refused = [](const std::string& keys, const std::string& neuron = "") {
+    return refusal(body(bar, keys, neuron));
+  };
+  const std::string material = "density = 1.0\nmaterial = { youngs_modulus = 1.0";
+  CHECK(contains(refused("density = 1.0\n" + spring, ", mass = 1.0"),
+                 "test.toml:7:40: body.0.neuron.mass: has no meaning beside 'density'"));
+  CHECK(contains(refused(spring), "the key 'mass' is missing"));
+  CHECK(contains(refused("density = 0\n" + spring), "test.toml:8:11: body.0.density: must be above 0"));
+  CHECK(contains(refused(material + " }\n" + spring), "body.0.spring: has no meaning beside 'material'"));
+  CHECK(contains(refused("density = 1.0\nmaterial = { }"), "the key 'youngs_modulus' is missing"));
+  CHECK(contains(refused(material + ", poisson_ratio = 0.5 }"), "must lie between -1 and 0.5, is 0.5"));
+  CHECK(contains(refused(material + ", damping_time = 1.0 }\nviscosity = { type = \"linear\", damping = 1.0 }"),
+                 "damping_time: has no meaning beside 'viscosity'"));
+  CHECK(contains(refused(material + ", law = \"liner\" }"), "did you mean 'linear'"));
+  CHECK(contains(refused(material + ", law = { type = \"linear\", stiffness = 1.0 } }"),
+                 "body.0.material.law.stiffness: is set by the material"));
+  CHECK(contains(refused(material + ", law = \"rupturing\" }"), "strength"));
+  CHECK(contains(refused("thickness = 1.0\n" + spring, ", mass = 1.0"), "body.0.thickness: has no meaning without"));
+  CHECK(contains(refusal(body(sheet, material + " }")),
+                 "body.0.density: quadrilateral 0 has no volume without a thickness"));
+  CHECK(contains(refusal(body(rope, material + " }")), "a cross section"));
+  CHECK(contains(refusal(body("nodes = [[0, 0, 0], [1, 0, 0], [2, 0, 0]]\nsprings = [[0, 1]]",
+                              "cross_section = 1.0\n" + material + " }")),
+                 "point 2 at [2, 0, 0] gets no mass"));
+  CHECK(contains(refusal(body("nodes = [[0, 0, 0], [1, 0, 0]]\nsprings = [[0, 1], [1, 0]]",
+                              "cross_section = 1.0\n" + material + " }")),
+                 "joins two nodes twice"));
+  CHECK(contains(
+      refusal(body("mesh = { lattice = [100000, 100000, 100000], spacing = 1.0 }", "density = 1.0\n" + spring)),
+      "body.0.density: a lattice of 1e+15 nodes is too large"));
+}
