@@ -182,4 +182,21 @@ std::vector<Shape> read_bodies(const Table& root, const PluginHost& plugins, con
   return shapes;
 }
 
+void read_starts(const Table& root, const std::filesystem::path& folder, Network& network) {
+  std::size_t index = 0;
+  for (const Value& value : root.tables("body")) {
+    const Body& body = network.bodies()[index++];
+    const auto mesh = value.table("body").find("mesh");
+    if (!mesh) continue;
+    const Table table = mesh->table("body.mesh");
+    const std::vector<Vector3> places = read_start(table, body.node_count, folder);
+    for (std::size_t k = 0; k < places.size(); ++k) {
+      const auto number = body.first_node + static_cast<NodeIndex>(k);
+      Node node = network.nodes()[number];
+      node.position = places[k];
+      table.need("start").at_this_place([&] { network.set_node(number, node); });
+    }
+  }
+}
+
 }  // namespace springnet::scene

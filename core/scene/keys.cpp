@@ -49,6 +49,7 @@ constexpr std::array keys{
     Key{"body.mesh.lattice", "three whole numbers [nx, ny, nz]"},
     Key{"body.mesh.spacing", "a number above 0, or three of them [x, y, z], m"},
     Key{"body.mesh.file", "the name of a mesh file"},
+    Key{"body.mesh.start", "the name of a mesh file"},
     Key{"body.mesh.scale", "a number above 0"},
     Key{"body.mesh.rotation", "a table with axis and angle"},
     Key{"body.mesh.rotation.axis", "three numbers [x, y, z]"},

@@ -23,6 +23,8 @@ using Shape = std::variant<std::monostate, Mesh, Lattice>;
 // [[body]]. Returns the shape of each. Meshes whose path is not absolute are in `folder`.
 [[nodiscard]] std::vector<Shape> read_bodies(const Table& root, const PluginHost& plugins,
                                              const std::filesystem::path& folder, Scene& scene);
+// body.mesh.start: moves nodes to where they begin, after all that takes lengths from where they rest.
+void read_starts(const Table& root, const std::filesystem::path& folder, Network& network);
 // [[element]]
 void read_elements(const Table& root, const PluginHost& plugins, const std::vector<Shape>& shapes, Scene& scene);
 void read_connections(const Table& root, const PluginHost& plugins, Network& network);  // [[connect]], [[rigid]]

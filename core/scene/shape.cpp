@@ -55,7 +55,7 @@ EdgeOptions edge_options(Diagonals diagonals) {
 }
 
 Lattice read_lattice(const Table& mesh) {
-  refuse(mesh, {"scale", "rotation"}, "lattice");
+  refuse(mesh, {"scale", "rotation", "start"}, "lattice");
   Lattice lattice;
   const std::vector<Value> nodes = mesh.need("lattice").elements(3);
   for (std::size_t axis = 0; axis < 3; ++axis) {
@@ -85,6 +85,19 @@ MeshBody read_mesh_body(const Table& table, const std::string& body, const std::
   for (const std::string& note : result.mesh.notes) notes.push_back(fmt::format("Body '{}': {}", body, note));
   place(table, result.mesh);
   return result;
+}
+
+std::vector<Vector3> read_start(const Table& table, std::size_t count, const std::filesystem::path& folder) {
+  const auto start = table.find("start");
+  if (!start) return {};
+  const std::filesystem::path path = find_mesh(*start, folder);
+  Mesh mesh = start->at_this_place([&] { return read_mesh(path); });
+  if (mesh.points.size() != count) {
+    start->fail(fmt::format("has {} points, the body has {} nodes; give a mesh of the same points, in the same order",
+                            mesh.points.size(), count));
+  }
+  place(table, mesh);
+  return std::move(mesh.points);
 }
 
 Mesh read_listed(const Table& body) {

@@ -23,6 +23,11 @@ struct MeshBody {
 [[nodiscard]] MeshBody read_mesh_body(const Table& mesh, const std::string& body, const std::filesystem::path& folder,
                                       std::vector<std::string>& notes);
 
+// The key start: another mesh with the places where the nodes begin, by number. Nothing without the key; throws
+// Error(input) if it has another number of points.
+[[nodiscard]] std::vector<Vector3> read_start(const Table& mesh, std::size_t count,
+                                              const std::filesystem::path& folder);
+
 // The keys nodes and springs as points, and lines in the order of the springs.
 [[nodiscard]] Mesh read_listed(const Table& body);
 

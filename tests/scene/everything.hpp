@@ -154,7 +154,7 @@ time_step = 0.01
 
 [[body]]
 name = "bar"
-mesh = { file = "bar.msh", scale = 0.001, rotation = { axis = [0, 0, 2], angle = 0.5 }, origin = [0, 0, 40] }
+mesh = { file = "bar.msh", start = "bar.msh", scale = 0.001, rotation = { axis = [0, 0, 2], angle = 0.5 }, origin = [0, 0, 40] }
 neuron = { type = "point_mass" }
 density = 1000.0
 thickness = 0.001

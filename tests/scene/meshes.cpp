@@ -120,6 +120,33 @@ TEST_CASE("a mesh is looked for beside the scene, wherever the program runs") {
   CHECK(load_scene(folder.path() / "scene.toml", plugins()).network.nodes().size() == file().points.size());
 }
 
+TEST_CASE("a body may begin where another mesh has its nodes, with the rest lengths of its own") {
+  const testing::TemporaryFolder folder;
+  folder.write("rest.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n");
+  folder.write("start.obj", "v 0 0 0\nv 3 0 0\nv 0 2 0\nf 1 2 3\n");
+  folder.write("other.obj", "v 0 0 0\nv 3 0 0\nv 0 2 0\nv 1 1 1\nf 1 2 3\nf 2 3 4\n");
+  const auto scene = [&](const std::string& mesh) {
+    return parse_scene(simulation + "[[body]]\nname = \"b\"\nmesh = { " + mesh + " }\n" + springs +
+                           "[[element]]\ninvariant = \"area\"\nselect = {}\nspring = { type = \"linear\", "
+                           "stiffness = 1.0 }\n[[fix]]\nselect = { box = { min = [0.5, 0, 0], max = [1.5, 1, 9] } }\n",
+                       "test.toml", plugins(), {}, folder.path());
+  };
+  const Scene begun = scene("file = \"rest.obj\", start = \"start.obj\", origin = [0, 0, 5]");
+  CHECK(begun.network.nodes()[1].position == Vector3(3, 0, 5));
+  CHECK(begun.network.nodes()[2].position == Vector3(0, 2, 5));
+  CHECK(begun.network.springs()[0].rest_length == 1.0);
+  CHECK(begun.network.elements()[0].reference == 0.5);
+  const Scene rests = scene("file = \"rest.obj\", start = \"start.obj\"");
+  CHECK(rests.network.nodes()[1].fixed);  // the box sees it at [1, 0, 0]
+  std::string message;
+  try {
+    static_cast<void>(scene("file = \"rest.obj\", start = \"other.obj\""));
+  } catch (const Error& error) {
+    message = error.what();
+  }
+  CHECK(contains(message, "body.0.mesh.start: has 4 points, the body has 3 nodes"));
+}
+
 TEST_CASE("what a file has and a body does not becomes a note of the scene") {
   const testing::TemporaryFolder folder;
   const auto notes = [&](const std::string& obj) {
