@@ -7,6 +7,7 @@
 
 #include <fmt/format.h>
 #include <springnet/output.hpp>
+#include <springnet/view.hpp>
 
 namespace springnet {
 
@@ -21,6 +22,7 @@ constexpr const char* reactions_file = "reactions.csv";
 constexpr const char* surfaces_file = "surfaces.csv";
 constexpr const char* rigid_file = "rigid.csv";
 constexpr const char* events_file = "events.csv";
+constexpr const char* view_file = "view.html";
 constexpr const char* summary_file = "summary.json";
 
 // Share of the free space that a run leaves to others.
@@ -37,20 +39,20 @@ std::filesystem::path nearest_existing(std::filesystem::path folder) {
 
 void require_space(const Scene& scene, const std::filesystem::path& folder) {
   const OutputEstimate estimate = estimate_output(scene);
+  const double bytes = estimate.bytes + estimate_view(scene);
   std::error_code unknown;
   const std::filesystem::space_info space = std::filesystem::space(nearest_existing(folder), unknown);
   if (unknown) return;  // a file system that does not say how much is free is not a reason to refuse
   const double available = static_cast<double>(space.available) * (1.0 - space_kept);
-  if (estimate.bytes <= available) return;
+  if (bytes <= available) return;
   const double interval = std::max(scene.output.interval, scene.options.time_step);
   throw Error(
       ErrorKind::input,
       fmt::format("the output would be about {} ({:.3g} records), but only {} are free in {}; record less often "
                   "(output.interval above {:.2g} s), leave out the trajectory (output.trajectory = false), or "
                   "write to another disk",
-                  readable_bytes(estimate.bytes), estimate.records,
-                  readable_bytes(static_cast<double>(space.available)), folder.string(),
-                  interval * estimate.bytes / std::max(available, 1.0)));
+                  readable_bytes(bytes), estimate.records, readable_bytes(static_cast<double>(space.available)),
+                  folder.string(), interval * bytes / std::max(available, 1.0)));
 }
 
 void prepare_folder(const std::filesystem::path& folder) {
@@ -61,7 +63,8 @@ void prepare_folder(const std::filesystem::path& folder) {
                                               folder.string(), failed ? failed.message() : "a file is in the way"));
   }
   // Files of an earlier run would be taken for those of this one.
-  for (const char* name : {trajectory_file, reactions_file, surfaces_file, rigid_file, events_file, summary_file}) {
+  for (const char* name :
+       {trajectory_file, reactions_file, surfaces_file, rigid_file, events_file, view_file, summary_file}) {
     std::filesystem::remove(folder / name, failed);
   }
 }
@@ -88,10 +91,26 @@ class Recorder {
       rigid_.emplace(folder / rigid_file, scene.network);
       files.emplace_back(rigid_file);
     }
+    if (scene.output.view) {
+      view_.emplace(folder / view_file, scene, ViewOptions{scene.output.view_size});
+      files.emplace_back(view_file);
+    }
   }
 
   void record(const Simulation& simulation) {
     each([&](auto& writer) { writer.record(simulation); });
+  }
+
+  // For the reader of view.html.
+  void note(const std::string& text) {
+    if (view_) view_->note(text);
+  }
+  // What was left out of the files, for the summary.
+  [[nodiscard]] std::vector<std::string> notes() const {
+    std::vector<std::string> notes;
+    if (view_) notes = view_->left_out();
+    for (std::string& note : notes) note = fmt::format("{}: {}", view_file, note);
+    return notes;
   }
 
   void close() {
@@ -105,6 +124,7 @@ class Recorder {
     if (reactions_) work(*reactions_);
     if (surfaces_) work(*surfaces_);
     if (rigid_) work(*rigid_);
+    if (view_) work(*view_);
     work(events_);
   }
 
@@ -113,6 +133,7 @@ class Recorder {
   std::optional<ReactionWriter> reactions_;
   std::optional<SurfaceWriter> surfaces_;
   std::optional<RigidWriter> rigid_;
+  std::optional<ViewWriter> view_;
 };
 
 // Adds a time step to the summary; the worst outcome is that of the run.
@@ -263,6 +284,7 @@ RunSummary run_scene(const Scene& scene, const std::shared_ptr<const PluginHost>
   if (summary.failure == ErrorKind::simulation && simulation.last_report().outcome != Outcome::settled) {
     summary.outcome = name_of(simulation.last_report().outcome);
   }
+  if (summary.failure) recorder.note("The run failed: " + summary.error);
   keep_failure(summary, [&] { recorder.close(); });
 
   summary.springs_left = simulation.live_spring_count();
@@ -272,7 +294,7 @@ RunSummary run_scene(const Scene& scene, const std::shared_ptr<const PluginHost>
   summary.statistics = simulation.statistics();
   summary.events = count_events(simulation);
   summary.notes = options.notes;
-  for (const auto& notes : {notes_of(scene), simulation.notes()}) {
+  for (const auto& notes : {notes_of(scene), simulation.notes(), recorder.notes()}) {
     summary.notes.insert(summary.notes.end(), notes.begin(), notes.end());
   }
   std::error_code ignored;

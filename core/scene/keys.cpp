@@ -35,6 +35,8 @@ constexpr std::array keys{
     Key{"output.reactions", "true or false"},
     Key{"output.surfaces", "true or false"},
     Key{"output.rigid", "true or false"},
+    Key{"output.view", "true or false"},
+    Key{"output.view_size", "a number above 0, bytes"},
     Key{"body", "tables [[body]]"},
     Key{"body.name", "a text"},
     Key{"body.mesh", "a table with a lattice"},

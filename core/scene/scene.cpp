@@ -47,6 +47,8 @@ void read_output(const Table& root, OutputOptions& output) {
   if (const auto reactions = table.find("reactions")) output.reactions = reactions->boolean();
   if (const auto surfaces = table.find("surfaces")) output.surfaces = surfaces->boolean();
   if (const auto rigid = table.find("rigid")) output.rigid = rigid->boolean();
+  if (const auto view = table.find("view")) output.view = view->boolean();
+  if (const auto size = table.find("view_size")) output.view_size = size->number_above_0("bytes");
 }
 
 }  // namespace

@@ -21,6 +21,8 @@ trajectory = false
 reactions = true
 surfaces = false
 rigid = false
+view = false
+view_size = 1e7
 
 [[body]]                      # nodes 0 to 7, springs 0 to 11
 name = "block"

@@ -34,7 +34,7 @@ TEST_CASE("the page about output is complete") {
                                "[output]\nreactions = true\n[[rigid]]\nsprings = {}\n"
                                "[[plane]]\npoint = [0, 0, -9]\nnormal = [0, 0, 1]\n");
   const auto files = testing::springnet(folder, "run all.toml --json").json()["files"];
-  CHECK(files.size() == 6);
+  CHECK(files.size() == 7);
   for (const std::string file : files) {
     CAPTURE(file);
     CHECK(page.find(file) != std::string::npos);

@@ -157,7 +157,7 @@ struct RunSummary {
   std::vector<std::string> notes;  // of RunOptions, of the scene (notes_of), of the simulation
 
   std::uint64_t records = 0;
-  std::uintmax_t bytes = 0;        // of the tables
+  std::uintmax_t bytes = 0;        // of the tables and the page
   std::vector<std::string> files;  // names in the folder, summary.json included
 
   std::string outcome;  // that of the worst time step ("settled", …), "failed" or "stopped"
@@ -166,10 +166,10 @@ struct RunSummary {
 };
 
 // Runs a scene and writes trajectory.csv, reactions.csv, surfaces.csv, rigid.csv (those that the scene asks for; the
-// last two if it has surfaces and rigid connections), events.csv and summary.json. A record is made at the start, at
-// the first time step that ends at or after each multiple of the output interval, and at the end. Throws Error(input)
-// or Error(plugin), before anything is written, if the scene cannot be simulated or its output would not fit the disk.
-// A failure later is told in the summary.
+// last two if it has surfaces and rigid connections), events.csv, view.html and summary.json. A record is made at the
+// start, at the first time step that ends at or after each multiple of the output interval, and at the end. Throws
+// Error(input) or Error(plugin), before anything is written, if the scene cannot be simulated or its output would not
+// fit the disk. A failure later is told in the summary.
 RunSummary run_scene(const Scene& scene, const std::shared_ptr<const PluginHost>& plugins, const RunOptions& options);
 
 // The text of summary.json.

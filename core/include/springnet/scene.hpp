@@ -15,9 +15,11 @@ namespace springnet {
 struct OutputOptions {
   double interval = 0.0;  // s between records; 0: every time step
   bool trajectory = true;
-  bool reactions = false;  // reactions.csv
-  bool surfaces = true;    // surfaces.csv, if there are planes or instruments
-  bool rigid = true;       // rigid.csv, if there are rigid connections
+  bool reactions = false;   // reactions.csv
+  bool surfaces = true;     // surfaces.csv, if there are planes or instruments
+  bool rigid = true;        // rigid.csv, if there are rigid connections
+  bool view = true;         // view.html
+  double view_size = 16e6;  // bytes that view.html should not exceed
 };
 
 struct Scene {
