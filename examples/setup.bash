@@ -5,10 +5,10 @@ project_root=$(cd "$(dirname "${BASH_SOURCE[0]}")/.." && pwd)
 
 # What the library, the plugins and the tool are built with. Names are those of Debian 12.
 build_packages=(build-essential cmake ninja-build libeigen3-dev libsundials-dev libboost-dev libfmt-dev
-  libtomlplusplus-dev libcli11-dev nlohmann-json3-dev libpugixml-dev zlib1g-dev)
+  libtomlplusplus-dev libcli11-dev nlohmann-json3-dev libpugixml-dev zlib1g-dev libjs-three libjs-dygraphs)
 # What the tests, the benchmark program and the checks of the sources need on top (libomp-dev: clang-tidy reads omp.h;
-# gmsh: makes meshes for tests).
-test_packages=(doctest-dev libbenchmark-dev clang-format clang-tidy libomp-dev gmsh)
+# gmsh: makes meshes; chromium: opens the pages that are written; python3-numpy: reads binary files as users do).
+test_packages=(doctest-dev libbenchmark-dev clang-format clang-tidy libomp-dev gmsh chromium python3-numpy)
 
 say() { printf '== %s\n' "$*"; }
 

@@ -6,8 +6,10 @@
 
 #include <fmt/format.h>
 #include <springnet/output.hpp>
+#include <springnet/view.hpp>
 
 #include "output/csv_file.hpp"
+#include "output/recorder.hpp"
 #include "output/table_file.hpp"
 #include "output/vtk_series.hpp"
 
@@ -113,6 +115,7 @@ OutputEstimate estimate_output(const Scene& scene) {
   if (options.elements && !network.elements().empty()) {
     estimate.add_table("elements", element_form(network), 2.0 * number_length + 2.0);
   }
+  if (options.view) estimate.add(view_file, estimate_view(scene), false);
   if (options.vtk) {
     const double interval = std::max({options.vtk_interval, options.interval, scene.options.time_step});
     const double records = std::min(estimate.records(), count_records(scene.duration, interval));

@@ -6,6 +6,7 @@
 
 #include <fmt/format.h>
 #include <springnet/output.hpp>
+#include <springnet/view.hpp>
 
 #include "output/table_file.hpp"
 #include "output/vtk_series.hpp"
@@ -13,6 +14,12 @@
 namespace springnet {
 
 namespace {
+
+std::uintmax_t size_of(const std::filesystem::path& file) {
+  std::error_code unknown;
+  const std::uintmax_t size = std::filesystem::file_size(file, unknown);
+  return unknown ? 0 : size;
+}
 
 // A writer of one file.
 template <class Writer>
@@ -24,11 +31,7 @@ class FileSink : public Sink {
 
   void record(const Simulation& simulation) override { writer_.record(simulation); }
   void close() override { writer_.close(); }
-  [[nodiscard]] std::uintmax_t bytes() const override {
-    std::error_code unknown;
-    const std::uintmax_t size = std::filesystem::file_size(file_, unknown);
-    return unknown ? 0 : size;
-  }
+  [[nodiscard]] std::uintmax_t bytes() const override { return size_of(file_); }
 
  private:
   std::filesystem::path file_;
@@ -57,13 +60,33 @@ class VtkSink : public Sink {
   double next_ = 0.0;              // s
 };
 
+class ViewSink : public Sink {
+ public:
+  ViewSink(const std::filesystem::path& file, const Scene& scene)
+      : file_(file), writer_(file, scene, ViewOptions{scene.output.view_size}) {}
+
+  void record(const Simulation& simulation) override { writer_.record(simulation); }
+  void close() override { writer_.close(); }
+  [[nodiscard]] std::uintmax_t bytes() const override { return size_of(file_); }
+  void note(const std::string& text) override { writer_.note(text); }
+  [[nodiscard]] std::vector<std::string> notes() const override {
+    std::vector<std::string> notes = writer_.left_out();
+    for (std::string& note : notes) note = fmt::format("{}: {}", view_file, note);
+    return notes;
+  }
+
+ private:
+  std::filesystem::path file_;
+  ViewWriter writer_;
+};
+
 // Files of an earlier run would be taken for those of this one.
 void clear(const std::filesystem::path& folder) {
   std::error_code ignored;
   for (const char* name : {"trajectory", "reactions", "surfaces", "rigid", "springs", "elements", "events"}) {
     for (const char* ending : {".csv", ".bin"}) std::filesystem::remove(folder / (std::string(name) + ending), ignored);
   }
-  std::filesystem::remove(folder / summary_file, ignored);
+  for (const char* name : {view_file, summary_file}) std::filesystem::remove(folder / name, ignored);
   remove_vtk_series(folder / vtk_folder);
 }
 
@@ -97,6 +120,7 @@ Recorder::Recorder(const Scene& scene, const std::filesystem::path& folder) {
   if (options.elements && !network.elements().empty()) {
     table.operator()<ElementWriter>(table_name("elements", options), network, options);
   }
+  if (options.view) add(view_file, std::make_unique<ViewSink>(folder / view_file, scene));
   if (options.vtk) add(vtk_index_name(), std::make_unique<VtkSink>(folder / vtk_folder, scene));
 }
 

@@ -47,6 +47,7 @@ class Recorder {
   std::vector<std::unique_ptr<Sink>> sinks_;
 };
 
+inline constexpr const char* view_file = "view.html";
 inline constexpr const char* summary_file = "summary.json";
 
 }  // namespace springnet

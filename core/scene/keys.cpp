@@ -43,6 +43,8 @@ constexpr std::array keys{
     Key{"output.precision", "'double' or 'single'"},
     Key{"output.vtk", "true or false"},
     Key{"output.vtk_interval", "a number of at least 0, s"},
+    Key{"output.view", "true or false"},
+    Key{"output.view_size", "a number above 0, bytes"},
     Key{"body", "tables [[body]]"},
     Key{"body.name", "a text"},
     Key{"body.mesh", "a table with a lattice or a file"},

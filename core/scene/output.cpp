@@ -32,6 +32,8 @@ void read_output(const Table& root, const Network& network, OutputOptions& outpu
   read_flag("rigid", output.rigid);
   read_flag("elements", output.elements);
   read_flag("vtk", output.vtk);
+  read_flag("view", output.view);
+  if (const auto size = table.find("view_size")) output.view_size = size->number_above_0("bytes");
   if (const auto nodes = table.find("nodes")) output.nodes = select_nodes(*nodes, network);
   if (const auto springs = table.find("springs")) output.springs = select_springs(*springs, network);
   if (const auto quantities = table.find("quantities")) read_quantities(*quantities, output);

@@ -82,6 +82,7 @@ TEST_CASE("the estimate of forces is on the safe side as well") {
   scene.network.add_plane(
       {"floor", Vector3(0.1, 0.2, -0.3), Vector3(0.01, 0.02, 1.0), {Friction::Kind::none, 0.0}, std::nullopt});
   scene.network.add_instrument({"", Vector3(0.3, 0.3, 1.3), Vector3(0.3, 0.3, 1.7), 0.1, {}, std::nullopt});
+  scene.output.view = false;
   const OutputEstimate estimate = estimate_output(scene);
   const RunSummary summary = run_scene(scene, plugins(), {folder.path(), "flying", {}});
   CAPTURE(summary.error);

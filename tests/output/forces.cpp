@@ -125,7 +125,8 @@ TEST_CASE("rigid connections: what hangs from one pulls at it") {
   scene.network.add_rigid(0, 1);
   scene.network.add_rigid(2, 1);
   const RunSummary summary = run(scene, folder);
-  CHECK(summary.files == std::vector<std::string>{"events.csv", "trajectory.csv", "rigid.csv", "summary.json"});
+  CHECK(summary.files ==
+        std::vector<std::string>{"events.csv", "trajectory.csv", "rigid.csv", "view.html", "summary.json"});
   const Csv csv = testing::read_csv(folder.path() / "rigid.csv");
   CHECK(csv.header == "time,rigid,force");
   REQUIRE(csv.rows.size() == 10);
@@ -186,9 +187,11 @@ TEST_CASE("tables of forces are left out on request, and old ones go") {
   CHECK(std::filesystem::exists(folder.path() / "rigid.csv"));
   scene.output.surfaces = false;
   scene.output.rigid = false;
+  scene.output.view = false;
   CHECK(run(scene, folder).files == std::vector<std::string>{"events.csv", "trajectory.csv", "summary.json"});
   CHECK_FALSE(std::filesystem::exists(folder.path() / "surfaces.csv"));
   CHECK_FALSE(std::filesystem::exists(folder.path() / "rigid.csv"));
+  CHECK_FALSE(std::filesystem::exists(folder.path() / "view.html"));
 }
 
 TEST_CASE("the summary has the notes of the program, of the scene and of the simulation") {

@@ -148,8 +148,10 @@ TEST_CASE("files that the scene does not ask for are not there, not even old one
   CHECK(std::filesystem::exists(folder.path() / "reactions.csv"));
   scene.output.reactions = false;
   scene.output.trajectory = false;
+  scene.output.view = false;
   const RunSummary summary = run(scene, folder);
   CHECK_FALSE(std::filesystem::exists(folder.path() / "reactions.csv"));
+  CHECK_FALSE(std::filesystem::exists(folder.path() / "view.html"));
   CHECK_FALSE(std::filesystem::exists(folder.path() / "trajectory.csv"));
   CHECK(summary.files == std::vector<std::string>{"events.csv", "summary.json"});
 }

@@ -29,6 +29,8 @@ format = "binary"
 precision = "single"
 vtk = true
 vtk_interval = 0.5
+view = false
+view_size = 1e7
 
 [[body]]                      # nodes 0 to 7, springs 0 to 11
 name = "block"

@@ -41,7 +41,7 @@ TEST_CASE("the page about output is complete") {
                           "[[plane]]\npoint = [0, 0, -9]\nnormal = [0, 0, 1]\n";
   folder.write("all.toml", all);
   const auto files = testing::springnet(folder, "run all.toml --json").json()["files"];
-  CHECK(files.size() == 8);
+  CHECK(files.size() == 9);
   for (const std::string file : files) {
     CAPTURE(file);
     CHECK(page.find(file) != std::string::npos);

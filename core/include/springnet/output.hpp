@@ -242,7 +242,7 @@ struct RunSummary {
   std::vector<std::string> notes;  // of RunOptions, of the scene (notes_of), of the simulation
 
   std::uint64_t records = 0;
-  std::uintmax_t bytes = 0;        // of the tables
+  std::uintmax_t bytes = 0;        // of the tables and the page
   std::vector<std::string> files;  // names in the folder, summary.json included
 
   std::string outcome;  // that of the worst time step ("settled", …), "failed" or "stopped"

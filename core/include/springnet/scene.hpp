@@ -34,6 +34,8 @@ struct OutputOptions {
   Precision precision = Precision::float64;
   bool vtk = false;           // pictures for ParaView
   double vtk_interval = 0.0;  // s between them at least; 0: at every record
+  bool view = true;           // view.html
+  double view_size = 16e6;    // bytes that view.html should not exceed
 };
 
 // The elements of one [[element]], in a row.

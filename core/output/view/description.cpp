@@ -1,0 +1,131 @@
+#include "output/view/description.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+#include <fmt/format.h>
+#include <nlohmann/json.hpp>
+#include <springnet/version.hpp>
+
+namespace springnet::view {
+
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+Json json_of(const Vector3& vector) { return {vector.x(), vector.y(), vector.z()}; }
+
+std::string text_of(const LawUse& use) {
+  std::string text = use.id;
+  const char* separator = " (";
+  for (const auto& [name, value] : use.parameters) {
+    text += fmt::format("{}{} {:g}", separator, name, value);
+    separator = ", ";
+  }
+  return use.parameters.empty() ? text : text + ")";
+}
+
+std::string text_of(const Material& material) {
+  std::string text;
+  if (material.spring) text = "spring " + text_of(*material.spring);
+  if (material.viscosity) text += (text.empty() ? "viscosity " : ", viscosity ") + text_of(*material.viscosity);
+  return text;
+}
+
+std::string text_of(const Friction& friction) {
+  switch (friction.kind) {
+    case Friction::Kind::held:
+      return "holds what touches it";
+    case Friction::Kind::none:
+      return "without friction";
+    case Friction::Kind::coulomb:
+      break;
+  }
+  return fmt::format("friction {:g}", friction.coefficient);
+}
+
+Json bodies_of(const Network& network) {
+  Json bodies = Json::array();
+  for (const Body& body : network.bodies()) {
+    bodies.push_back({{"name", body.name},
+                      {"first_node", body.first_node},
+                      {"nodes", body.node_count},
+                      {"first_spring", body.first_spring},
+                      {"springs", body.spring_count}});
+  }
+  return bodies;
+}
+
+Json surfaces_of(const Network& network) {
+  Json surfaces = Json::array();
+  for (const Plane& plane : network.planes()) {
+    surfaces.push_back({{"kind", "plane"},
+                        {"name", plane.name},
+                        {"point", json_of(plane.point)},
+                        {"normal", json_of(plane.normal)},
+                        {"friction", text_of(plane.friction)},
+                        {"moves", plane.motion.has_value()}});
+  }
+  for (const Instrument& instrument : network.instruments()) {
+    surfaces.push_back({{"kind", instrument.first == instrument.second ? "sphere" : "capsule"},
+                        {"name", instrument.name},
+                        {"point", json_of(instrument.first)},
+                        {"to", json_of(instrument.second)},
+                        {"radius", instrument.radius},
+                        {"friction", text_of(instrument.friction)},
+                        {"moves", instrument.motion.has_value()}});
+  }
+  return surfaces;
+}
+
+Json elements_of(const Content& content) {
+  const Network& network = content.scene.network;
+  Json elements = Json::array();
+  for (const ElementIndex k : content.elements) {
+    const Element& element = network.elements()[k];
+    const auto body = std::find_if(network.bodies().begin(), network.bodies().end(), [&](const Body& each) {
+      return k >= each.first_element && k - each.first_element < each.element_count;
+    });
+    std::string label(name_of(element.invariant));
+    std::replace(label.begin(), label.end(), '_', ' ');
+    if (body != network.bodies().end()) label += " of " + body->name;
+    if (element.invariant != Invariant::enclosed_volume) label += fmt::format(" (element {})", k);
+    elements.push_back({{"label", label}, {"unit", unit_of(element.invariant)}, {"reference", element.reference}});
+  }
+  return elements;
+}
+
+}  // namespace
+
+std::string describe(const Content& content, bool rounded) {
+  const Scene& scene = content.scene;
+  const Network& network = scene.network;
+  Json materials = Json::array();
+  for (const Material& material : network.materials()) materials.push_back(text_of(material));
+  Json json{{"title", scene.title},
+            {"version", version()},
+            {"integrator", scene.options.integrator.id},
+            {"time_step", scene.options.time_step},
+            {"duration", scene.duration},
+            {"gravity", json_of(network.gravity())},
+            {"nodes", network.nodes().size()},
+            {"springs", network.springs().size()},
+            {"elements", network.elements().size()},
+            {"shown_nodes", content.selection.nodes.size()},
+            {"shown_springs", content.selection.springs.size()},
+            {"frames", content.frames.count()},
+            {"records", content.frames.recorded()},
+            {"rounded", rounded},
+            {"bodies", bodies_of(network)},
+            {"materials", std::move(materials)},
+            {"surfaces", surfaces_of(network)},
+            {"curves", elements_of(content)},
+            {"notes", content.notes}};
+  std::string text = json.dump(1, ' ', true, Json::error_handler_t::replace);
+  // A title with "</script>" in it must not end the element.
+  for (std::size_t at = text.find('<'); at != std::string::npos; at = text.find('<', at))
+    text.replace(at, 1, "\\u003c");
+  return text;
+}
+
+}  // namespace springnet::view

@@ -1,0 +1,73 @@
+// The records of a run, thinned where there are more than fit.
+#pragma once
+
+#include <algorithm>
+#include <cstdint>
+#include <span>
+#include <vector>
+
+namespace springnet::view {
+
+// Rows of equal width, one a frame.
+template <class Number>
+class Rows {
+ public:
+  Rows(std::size_t width, std::size_t expected) : width_(width) { numbers_.reserve(width * expected); }
+
+  void append() { numbers_.resize(numbers_.size() + width_); }
+  [[nodiscard]] std::span<Number> last() { return std::span(numbers_).last(width_); }
+  void pop() { numbers_.resize(numbers_.size() - width_); }
+  void copy(std::size_t from, std::size_t to) {
+    if (from != to) std::copy_n(numbers_.begin() + at(from), width_, numbers_.begin() + at(to));
+  }
+  void shrink(std::size_t frames) { numbers_.resize(frames * width_); }
+  [[nodiscard]] const std::vector<Number>& numbers() const noexcept { return numbers_; }
+
+ private:
+  [[nodiscard]] std::ptrdiff_t at(std::size_t frame) const { return static_cast<std::ptrdiff_t>(frame * width_); }
+  std::size_t width_;
+  std::vector<Number> numbers_;
+};
+
+struct FrameWidths {
+  std::size_t scalars, nodes, springs, surfaces;
+};
+
+// Records 0, stride, 2 stride, … and the last one. At most `capacity` frames (2 or more): beyond, the stride doubles.
+class Frames {
+ public:
+  Frames(const FrameWidths& widths, std::size_t capacity, std::size_t expected);
+
+  // Makes room for the next record: the last row of each of these.
+  void begin();
+
+  Rows<double> scalars;
+  Rows<float> positions;       // x, y, z of each node, m
+  Rows<float> speeds;          // of each node, m/s
+  Rows<float> tensions;        // of each spring, N
+  Rows<float> surfaces;        // x, y, z of each surface, m
+  Rows<std::uint8_t> contact;  // a bit a node
+
+  [[nodiscard]] std::size_t count() const noexcept { return count_; }
+  [[nodiscard]] std::uint64_t stride() const noexcept { return stride_; }
+  [[nodiscard]] std::uint64_t recorded() const noexcept { return recorded_; }
+
+ private:
+  template <class Work>
+  void each(const Work& work) {
+    work(scalars);
+    work(positions);
+    work(speeds);
+    work(tensions);
+    work(surfaces);
+    work(contact);
+  }
+  void halve();
+
+  std::size_t capacity_;
+  std::size_t count_ = 0;
+  std::uint64_t stride_ = 1;
+  std::uint64_t recorded_ = 0;  // also those that were dropped
+};
+
+}  // namespace springnet::view

@@ -1,0 +1,136 @@
+// The run as the page holds it: numbers in base64, one element a block.
+(function (s) {
+  const about = JSON.parse(document.getElementById("description").textContent);
+
+  function block(name, Type) {
+    const element = document.getElementById(name);
+    const text = atob(element.textContent);
+    element.textContent = "";
+    const bytes = new Uint8Array(text.length);
+    for (let k = 0; k < bytes.length; ++k) bytes[k] = text.charCodeAt(k);
+    return new Type(bytes.buffer);
+  }
+
+  // Rows of `width` numbers, one a frame; row(frame) is valid until the next call.
+  function rows(name, width) {
+    if (!about.rounded) {
+      const numbers = block(name, Float32Array);
+      return {
+        row: function (frame) { return numbers.subarray(frame * width, (frame + 1) * width); },
+        numbers: numbers.length, at: function (k) { return numbers[k]; }
+      };
+    }
+    const range = block(name + "_range", Float32Array);
+    const shares = block(name, Uint16Array);
+    const scale = (range[1] - range[0]) / 65535;
+    // A symmetric range has no share that is 0 itself: what is within rounding of it is 0.
+    const middle = range[0] === -range[1] && range[1] > 0;
+    function at(k) {
+      const value = range[0] + shares[k] * scale;
+      return middle && Math.abs(value) < 0.51 * scale ? 0 : value;
+    }
+    const out = new Float32Array(width);
+    let held = -1;
+    return {
+      row: function (frame) {
+        if (frame !== held) {
+          const first = frame * width;
+          for (let k = 0; k < width; ++k) out[k] = at(first + k);
+          held = frame;
+        }
+        return out;
+      },
+      numbers: shares.length, at: at
+    };
+  }
+
+  const nodes = about.shown_nodes, springs = about.shown_springs, surfaces = about.surfaces.length;
+  const run = {
+    about: about, frames: about.frames, nodes: nodes, springs: springs,
+    node_numbers: block("node_numbers", Uint32Array), masses: block("node_masses", Float32Array),
+    kinds: block("node_kinds", Uint8Array),  // 0 free, 1 fixed, 2 moved
+    spring_numbers: block("spring_numbers", Uint32Array), ends: block("spring_ends", Uint32Array),
+    rests: block("spring_rests", Float32Array), materials: block("spring_materials", Uint32Array),
+    rigids: block("rigid_ends", Uint32Array),
+    faces: block("faces", Uint32Array), face_frames: block("face_frames", Uint32Array),
+    positions: rows("positions", 3 * nodes), speeds: rows("speeds", nodes), tensions: rows("tensions", springs)
+  };
+  const contact = block("contact", Uint8Array), contact_width = Math.ceil(nodes / 8);
+  run.touches = function (frame, node) { return (contact[frame * contact_width + (node >> 3)] >> (node & 7) & 1) === 1; };
+  run.has_contact = contact.some(function (byte) { return byte !== 0; });
+  const places = block("surface_positions", Float32Array);
+  run.surface = function (frame, k) { return places.subarray(3 * (frame * surfaces + k), 3 * (frame * surfaces + k) + 3); };
+
+  const scalars = block("scalars", Float64Array), width = scalars.length / run.frames;
+  function column(k) { return Array.from({ length: run.frames }, function (_, frame) { return scalars[frame * width + k]; }); }
+  run.times = column(0);
+  run.kinetic = column(1);
+  run.potential = column(2);
+  run.steps = column(3);
+  run.sweeps = column(4);
+  run.events = ["cut", "ruptured", "touched", "released", "slipped", "stuck"].map(function (name, k) {
+    return { name: name, counts: column(5 + k) };
+  });
+  run.curves = about.curves.map(function (curve, k) { return { label: curve.label, unit: curve.unit, values: column(11 + k) }; });
+
+  // The first frame without the spring; `never` for those that stay.
+  run.never = 0xffffffff;
+  run.gone = new Uint32Array(springs).fill(run.never);
+  run.removals = new Map();
+  const removed = block("removed_springs", Uint32Array), frames = block("removed_frames", Uint32Array);
+  const times = block("removed_times", Float64Array), kinds = block("removed_kinds", Uint8Array);
+  for (let k = 0; k < removed.length; ++k) {
+    run.gone[removed[k]] = frames[k];
+    run.removals.set(removed[k], { time: times[k], how: kinds[k] ? "ruptured" : "cut" });
+  }
+
+  // Frames with all nodes within 15 sizes from where the network began: where a run diverges, the others are no measure
+  // of what is usual.
+  function frames_near() {
+    let low = Infinity, high = -Infinity;
+    run.positions.row(0).forEach(function (value) { low = Math.min(low, value); high = Math.max(high, value); });
+    const reach = 15 * (high - low), width = 3 * nodes;
+    return run.times.map(function (_, frame) {
+      for (let k = frame * width; reach > 0 && k < (frame + 1) * width; ++k) {
+        const value = run.positions.at(k);
+        if (value < low - reach || value > high + reach) return false;
+      }
+      return true;
+    });
+  }
+  const near = frames_near();
+
+  // Value that all but a few are below: single peaks shall not take the colours from the rest.
+  function usual(values, share) {
+    const sample = [];
+    const stride = Math.max(1, Math.floor(values.numbers / 200000));
+    const width = values.numbers / run.frames;
+    for (let k = 0; k < values.numbers; k += stride) {
+      if (near[Math.floor(k / width)]) sample.push(Math.abs(values.at(k)));
+    }
+    sample.sort(function (a, b) { return a - b; });
+    return sample.length ? sample[Math.min(sample.length - 1, Math.floor(share * sample.length))] : 0;
+  }
+  function largest(values) {
+    let most = 0;
+    for (let k = 0; k < values.numbers; ++k) most = Math.max(most, Math.abs(values.at(k)));
+    return most;
+  }
+  function range(values) {
+    const most = largest(values), common = usual(values, 0.995);
+    return { most: most, shown: most > 0 ? s.round_up(common > 0 ? common : most) : 0 };
+  }
+  run.tension_range = range(run.tensions);
+  run.speed_range = range(run.speeds);
+
+  // The last frame that is not after the time.
+  run.frame_at = function (time) {
+    let low = 0, high = run.frames - 1;
+    while (low < high) {
+      const middle = (low + high + 1) >> 1;
+      if (run.times[middle] <= time + 1e-9 * Math.abs(time)) low = middle; else high = middle - 1;
+    }
+    return low;
+  };
+  s.run = run;
+})(springnet);

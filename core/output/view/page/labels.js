@@ -1,0 +1,80 @@
+// Words on the picture: time, what the colours mean, how long a metre is, where the axes point.
+(function (s) {
+  const run = s.run;
+  function element(id) { return document.getElementById(id); }
+
+  function show_legend() {
+    const way = s.shown.colour;
+    element("legend").hidden = false;
+    element("legend-bar").hidden = way === "contact";
+    element("legend-ticks").textContent = "";
+    element("legend-note").textContent = "";
+    if (way === "contact") {
+      element("legend-title").textContent = "orange: in contact";
+      return;
+    }
+    const tension = way === "tension", kind = s.colours[way];
+    const range = tension ? run.tension_range : run.speed_range, unit = tension ? "N" : "m/s";
+    element("legend-title").textContent = tension ? "tension of springs, N" : "speed, m/s";
+    const bar = element("legend-bar"), context = bar.getContext("2d");
+    for (let x = 0; x < bar.width; ++x) {
+      const at = 3 * Math.round(255 * x / (bar.width - 1));
+      context.fillStyle = "rgb(" + kind.table.slice(at, at + 3).join(",") + ")";
+      context.fillRect(x, 0, 1, bar.height);
+    }
+    const ticks = tension ? [-range.shown, 0, range.shown] : [0, range.shown / 2, range.shown];
+    ticks.forEach(function (value) {
+      const tick = document.createElement("span");
+      tick.textContent = (tension && value > 0 ? "+" : "") + s.number(value);
+      element("legend-ticks").append(tick);
+    });
+    let note = tension ? "blue pushed together, grey slack, red pulled" : "";
+    if (range.most > range.shown) note += (note ? "; " : "") + "beyond: up to " + s.number(range.most, 3) + " " + unit;
+    element("legend-note").textContent = note;
+  }
+
+  function show_scale(cell) {
+    const camera = s.camera.camera, view = element("view");
+    const distance = camera.position.distanceTo(s.camera.target);
+    const pixel = 2 * distance * Math.tan(camera.fov * Math.PI / 360) / Math.max(1, view.clientHeight);
+    const length = s.round_down(150 * pixel);
+    element("scale-bar").style.width = length / pixel + "px";
+    element("scale-text").textContent = s.length_text(length) + (cell ? "; squares of the plane: " + s.length_text(cell) : "");
+  }
+
+  function show_axes() {
+    const canvas = element("axes"), context = canvas.getContext("2d"), middle = canvas.width / 2;
+    context.clearRect(0, 0, canvas.width, canvas.height);
+    context.font = "26px system-ui, sans-serif";
+    context.textAlign = "center";
+    context.textBaseline = "middle";
+    context.lineWidth = 4;
+    const toward = s.camera.camera.matrixWorldInverse;
+    const arms = ["x", "y", "z"].map(function (name, k) {
+      const arm = new THREE.Vector3().setComponent(k, 1).transformDirection(toward);
+      return { name: name, arm: arm, colour: ["#b3342d", "#2f7d3b", "#2a5caa"][k] };
+    }).sort(function (a, b) { return a.arm.z - b.arm.z; });
+    arms.forEach(function (each) {
+      const x = middle + 58 * each.arm.x, y = middle - 58 * each.arm.y;
+      context.strokeStyle = context.fillStyle = each.colour;
+      context.beginPath();
+      context.moveTo(middle, middle);
+      context.lineTo(x, y);
+      context.stroke();
+      if (Math.hypot(each.arm.x, each.arm.y) > 0.15) context.fillText(each.name, middle + 76 * each.arm.x, middle - 76 * each.arm.y);
+    });
+  }
+
+  // As many decimals as tell one record from the next.
+  const last = run.times[run.frames - 1];
+  const gap = run.frames > 1 ? (last - run.times[0]) / (run.frames - 1) : 1;
+  const decimals = Math.min(9, Math.max(0, Math.ceil(-Math.log10(gap || 1) + 0.3)));
+  s.labels = {
+    legend: show_legend,
+    eye: function (cell) { show_scale(cell); show_axes(); },
+    clock: function (frame) {
+      element("clock").textContent = "t = " + run.times[frame].toFixed(decimals) + " s";
+      element("time").textContent = run.times[frame].toFixed(decimals) + " of " + last.toFixed(decimals) + " s";
+    }
+  };
+})(springnet);

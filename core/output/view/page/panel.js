@@ -1,0 +1,103 @@
+// The words above and beside the picture, and the switches.
+(function (s) {
+  const run = s.run, about = run.about;
+  function element(id) { return document.getElementById(id); }
+
+  function count(number, what) { return number + " " + what + (number === 1 ? "" : "s"); }
+
+  function show_words() {
+    const title = about.title || "A network of springs";
+    element("title").textContent = title;
+    document.title = title + " – springnet";
+    const facts = [count(about.nodes, "node"), count(about.springs, "spring")];
+    if (about.elements > 0) facts.push(count(about.elements, "element"));
+    facts.push("integrator " + about.integrator, "time step " + s.number(about.time_step) + " s", count(run.frames, "record"));
+    element("facts").textContent = facts.join(" · ");
+
+    const notes = about.notes.slice(), last = run.times[run.frames - 1];
+    if (last < about.duration * (1 - 1e-6)) {
+      notes.unshift("The run ended at " + s.number(last, 5) + " s of the " + s.number(about.duration, 5) + " s asked for.");
+    }
+    notes.forEach(function (text) {
+      const item = document.createElement("li");
+      item.textContent = text;
+      element("notes").append(item);
+    });
+    element("notes-title").hidden = notes.length === 0;
+  }
+
+  function show_key() {
+    const kinds = [["free", "free node", true], ["fixed", "fixed node", run.kinds.indexOf(1) >= 0],
+                   ["moved", "node moved by the scene", run.kinds.indexOf(2) >= 0],
+                   ["contact", "node in contact", run.has_contact]];
+    const dots = kinds.filter(function (kind) { return kind[2]; }).map(function (kind) {
+      return [s.colours[kind[0]], kind[1]];
+    });
+    const names = { cut: "springs cut", ruptured: "springs ruptured", touched: "first touches" };
+    const happened = Object.keys(names).filter(function (name) { return s.marks.some(function (m) { return m.name === name; }); });
+    function add(colour, text, square) {
+      const line = document.createElement("div"), dot = document.createElement("i");
+      dot.style.background = colour;
+      if (square) { dot.style.borderRadius = "0"; dot.style.width = "3px"; dot.style.margin = "0 9px 0 3px"; }
+      line.append(dot, text);
+      element("key").append(line);
+    }
+    dots.forEach(function (each) { add("rgb(" + each[0].join(",") + ")", each[1], false); });
+    happened.forEach(function (name) { add(s.mark_colours[name], "time line: " + names[name], true); });
+  }
+
+  function hide_what_is_not_there() {
+    const there = { springs: run.springs > 0, broken: run.removals.size > 0, nodes: run.nodes > 0,
+                    faces: run.face_frames.length > 0, instruments: about.surfaces.length > 0 };
+    document.querySelectorAll("#panel [data-for]").forEach(function (label) {
+      label.style.display = there[label.dataset.for] ? "" : "none";
+    });
+    if (!run.has_contact) element("colour").querySelector("[value=contact]").remove();
+  }
+
+  s.make_panel = function (scene, player, refresh) {
+    show_words();
+    show_key();
+    hide_what_is_not_there();
+    ["springs", "broken", "nodes", "faces", "instruments"].forEach(function (what) {
+      const box = element("show-" + what);
+      box.checked = s.shown[what];
+      box.addEventListener("change", function () { s.shown[what] = box.checked; refresh(); });
+    });
+    element("colour").value = s.shown.colour;
+    element("colour").addEventListener("change", function (event) {
+      s.shown.colour = event.target.value;
+      s.labels.legend();
+      refresh();
+    });
+    element("opacity").addEventListener("input", function (event) { scene.opacity(Number(event.target.value)); refresh(); });
+
+    const scrub = element("scrub"), speed = element("speed");
+    scrub.max = run.frames - 1;
+    scrub.addEventListener("input", function () { player.pause(); player.go(Number(scrub.value)); });
+    player.speeds.forEach(function (each) { speed.append(new Option(each + " ×", each)); });
+    speed.value = player.speed;
+    speed.addEventListener("change", function () { player.speed = Number(speed.value); });
+    element("loop").addEventListener("change", function (event) { player.loop = event.target.checked; });
+    element("play").addEventListener("click", player.toggle);
+    element("back").addEventListener("click", function () { player.step(-1); });
+    element("forward").addEventListener("click", function () { player.step(1); });
+    player.changed = function () { element("play").textContent = player.playing ? "pause" : "play"; };
+  };
+
+  s.make_keys = function (player, reset) {
+    const actions = {
+      " ": player.toggle, ArrowLeft: function (event) { player.step(event.shiftKey ? -10 : -1); },
+      ArrowRight: function (event) { player.step(event.shiftKey ? 10 : 1); },
+      Home: function () { player.step(-run.frames); }, End: function () { player.step(run.frames); },
+      r: reset, b: function () { element("show-broken").click(); }, l: function () { element("loop").click(); }
+    };
+    window.addEventListener("keydown", function (event) {
+      // Menus and buttons keep the keys that work them.
+      const own = event.target.tagName === "SELECT" || (event.key === " " && /BUTTON|INPUT/.test(event.target.tagName));
+      if (own || event.ctrlKey || event.altKey || event.metaKey || !actions[event.key]) return;
+      event.preventDefault();
+      actions[event.key](event);
+    });
+  };
+})(springnet);

@@ -1,0 +1,145 @@
+// What is drawn of a frame.
+(function (s) {
+  const run = s.run, colours = s.colours, few = Math.max(run.springs, run.nodes);
+  const spring_width = few < 800 ? 3.2 : few < 4000 ? 2.2 : few < 20000 ? 1.5 : 1;
+  const dot_size = few < 800 ? 7 : few < 4000 ? 5 : few < 20000 ? 3.4 : 2.2;
+
+  s.shown = { springs: true, broken: true, nodes: run.nodes <= 20000, faces: true, instruments: true, colour: "tension" };
+
+  function make_renderer() {
+    try {
+      return new THREE.WebGLRenderer({ canvas: document.getElementById("canvas"), antialias: true, alpha: true });
+    } catch (failure) {
+      return null;
+    }
+  }
+
+  s.Scene = function () {
+    const renderer = make_renderer();
+    this.works = renderer !== null;
+    const camera = s.camera.camera, scene = new THREE.Scene();
+    const springs = new s.Segments(run.springs, { width: spring_width });
+    const broken = new s.Segments(run.removals.size, { width: Math.max(1, 0.5 * spring_width), opacity: 0.45, dash: 5 });
+    const rigids = new s.Segments(run.rigids.length / 2, { width: spring_width + 1.6 });
+    const dots = new s.Dots(run.nodes);
+    const chosen_spring = new s.Segments(1, { width: spring_width + 3, above: true });
+    const chosen_node = new s.Dots(1, 0.72);
+    const faces = new s.Faces(), surfaces = new s.Surfaces();
+    const layers = [springs, broken, rigids, dots, chosen_spring, chosen_node];
+    layers.forEach(function (layer) { scene.add(layer.mesh); });
+    scene.add(faces.mesh, surfaces.group);
+    scene.add(new THREE.HemisphereLight(0xffffff, 0x9aa2ad, 0.72));
+    const lamp = new THREE.DirectionalLight(0xffffff, 0.48);
+    camera.add(lamp);
+    lamp.position.set(-0.4, 0.8, 1);
+    scene.add(camera);
+    this.cell = surfaces.cell;
+    this.opacity = faces.opacity;
+    faces.opacity(0.8);
+
+    // Torn pieces drift apart: lines between them from end to end of the picture would hide it.
+    function near(positions, a, b, reach) {
+      const x = positions[3 * a] - positions[3 * b], y = positions[3 * a + 1] - positions[3 * b + 1];
+      return reach === 0 || Math.hypot(x, y, positions[3 * a + 2] - positions[3 * b + 2]) < reach;
+    }
+
+    function show_springs(frame, positions) {
+      const way = s.shown.colour, ends = run.ends;
+      const values = way === "tension" ? run.tensions.row(frame) : run.speeds.row(frame);
+      const range = way === "tension" ? run.tension_range.shown : run.speed_range.shown;
+      const kind = colours[way] || colours.speed;
+      springs.begin();
+      broken.begin();
+      for (let k = 0; k < run.springs; ++k) {
+        const a = ends[2 * k], b = ends[2 * k + 1];
+        if (frame >= run.gone[k]) {
+          if (s.shown.broken && near(positions, a, b, 3 * run.rests[k])) broken.add(positions, a, b, colours.plain, 0);
+        } else if (!s.shown.springs) {
+          continue;
+        } else if (way === "contact") {
+          springs.add(positions, a, b, run.touches(frame, a) && run.touches(frame, b) ? colours.contact : colours.plain, 0);
+        } else {
+          const value = way === "tension" ? values[k] : 0.5 * (values[a] + values[b]);
+          springs.add(positions, a, b, kind.table, colours.offset(value, range, kind.symmetric));
+        }
+      }
+      springs.end();
+      broken.end();
+      rigids.begin();
+      for (let k = 0; k < run.rigids.length; k += 2) rigids.add(positions, run.rigids[k], run.rigids[k + 1], colours.rigid, 0);
+      rigids.end();
+    }
+
+    function show_nodes(frame, positions) {
+      dots.mesh.visible = s.shown.nodes;
+      if (!s.shown.nodes) return;
+      dots.positions.set(positions);
+      const by_speed = s.shown.colour === "speed", speeds = by_speed ? run.speeds.row(frame) : null;
+      for (let k = 0; k < run.nodes; ++k) {
+        const touches = run.touches(frame, k), kind = run.kinds[k];
+        let table = touches ? colours.contact : kind === 1 ? colours.fixed : kind === 2 ? colours.moved : colours.free, offset = 0;
+        if (by_speed && !touches && kind === 0) {
+          table = colours.speed.table;
+          offset = colours.offset(speeds[k], run.speed_range.shown, false);
+        }
+        for (let c = 0; c < 3; ++c) dots.tints[3 * k + c] = table[offset + c];
+        dots.sizes[k] = touches || kind !== 0 ? 1.45 * dot_size : dot_size;
+      }
+      dots.update();
+    }
+
+    function show_chosen(frame, positions) {
+      const picked = s.picked;
+      chosen_spring.begin();
+      if (picked && picked.spring !== undefined) {
+        chosen_spring.add(positions, run.ends[2 * picked.spring], run.ends[2 * picked.spring + 1], [250, 200, 0], 0);
+      }
+      chosen_spring.end();
+      chosen_node.mesh.visible = Boolean(picked) && picked.node !== undefined;
+      if (!chosen_node.mesh.visible) return;
+      chosen_node.positions.set(positions.subarray(3 * picked.node, 3 * picked.node + 3));
+      chosen_node.tints.set([230, 150, 0]);
+      chosen_node.sizes[0] = dot_size + 11;
+      chosen_node.update();
+    }
+
+    this.show = function (frame) {
+      const positions = run.positions.row(frame);
+      show_springs(frame, positions);
+      show_nodes(frame, positions);
+      show_chosen(frame, positions);
+      faces.mesh.visible = s.shown.faces && faces.count > 0;
+      if (faces.mesh.visible) faces.show(frame);
+      surfaces.group.visible = s.shown.instruments;
+      surfaces.show(frame);
+      this.draw();
+    };
+    this.draw = function () {
+      s.camera.measure();
+      if (renderer) renderer.render(scene, camera);
+    };
+    this.resize = function () {
+      const place = document.getElementById("view");
+      const width = Math.max(1, place.clientWidth), height = Math.max(1, place.clientHeight);
+      const ratio = Math.min(window.devicePixelRatio || 1, 2);
+      camera.aspect = width / height;
+      camera.updateProjectionMatrix();
+      layers.forEach(function (layer) { layer.resize(width, height, ratio); });
+      if (!renderer) return;
+      renderer.setPixelRatio(ratio);
+      renderer.setSize(width, height, false);
+    };
+    // Pixels that are not background, of a frame drawn just now.
+    this.pixels_drawn = function () {
+      if (!renderer) return 0;
+      this.draw();
+      const gl = renderer.getContext(), width = gl.drawingBufferWidth, height = gl.drawingBufferHeight;
+      const pixels = new Uint8Array(4 * width * height);
+      gl.readPixels(0, 0, width, height, gl.RGBA, gl.UNSIGNED_BYTE, pixels);
+      let drawn = 0;
+      for (let k = 3; k < pixels.length; k += 4) if (pixels[k] > 0) ++drawn;
+      return drawn;
+    };
+    if (renderer) renderer.setClearColor(0xffffff, 0);
+  };
+})(springnet);

@@ -1,0 +1,72 @@
+// With #selftest=1 the page tries itself as a user would, and writes what it found as JSON into its end.
+(function (s) {
+  s.selftest = function (scene, player) {
+    const run = s.run, last = run.frames - 1, scrub = document.getElementById("scrub");
+    function node_places() { return Array.from(run.positions.row(player.frame)); }
+    function scrub_to(frame) {
+      scrub.value = frame;
+      scrub.dispatchEvent(new Event("input", { bubbles: true }));
+      return { frame: player.frame, time: run.times[player.frame], clock: document.getElementById("clock").textContent,
+               pixels: scene.pixels_drawn(), places: node_places() };
+    }
+    function key(name) { window.dispatchEvent(new KeyboardEvent("keydown", { key: name, bubbles: true })); return player.frame; }
+    function toggled(id, action) {
+      const box = document.getElementById(id);
+      const before = scene.pixels_drawn();
+      box.click();
+      const after = scene.pixels_drawn();
+      box.click();
+      return [before, after];
+    }
+    const result = { frames: run.frames, works: scene.works, stops: [0, last >> 1, last].map(scrub_to) };
+    // As a mouse does it: press and let go on the picture; drag; click on a curve.
+    const view = document.getElementById("view"), place = view.getBoundingClientRect();
+    function mouse(target, name, x, y) {
+      const Kind = name.startsWith("pointer") ? PointerEvent : MouseEvent;
+      target.dispatchEvent(new Kind(name, { clientX: x, clientY: y, button: 0, buttons: 1, bubbles: true, cancelable: true, view: window, detail: 1 }));
+    }
+    const screen = new THREE.Vector3().fromArray(result.stops[2].places).project(s.camera.camera);
+    const x = place.left + 0.5 * (1 + screen.x) * place.width, y = place.top + 0.5 * (1 - screen.y) * place.height;
+    mouse(view, "pointerdown", x, y);
+    mouse(view, "pointerup", x, y);
+    result.picked = s.picked;
+    result.picked_text = document.getElementById("picked").textContent;
+    result.keys = [key("Home"), key("ArrowRight"), key("End"), key("ArrowLeft")];
+    result.springs_hidden = toggled("show-springs");
+    result.broken_hidden = (player.go(last), toggled("show-broken"));
+    const eye = s.camera.camera.position.clone();
+    mouse(view, "mousedown", x, y);
+    mouse(document, "mousemove", x + 60, y);
+    mouse(document, "mouseup", x + 60, y);
+    result.eye_moved = eye.distanceTo(s.camera.camera.position) / s.camera.radius;
+    const area = document.querySelector(".plot-area"), graph = area && area.getBoundingClientRect();
+    if (graph) {
+      const canvas = area.querySelectorAll("canvas")[1], middle = [graph.left + 0.5 * graph.width, graph.top + 40];
+      mouse(canvas, "mousemove", middle[0], middle[1]);
+      mouse(canvas, "mousedown", middle[0], middle[1]);
+      mouse(document, "mouseup", middle[0], middle[1]);
+      result.curve_clicked = player.frame;
+    }
+    result.plots = document.querySelectorAll(".plot canvas").length;
+    result.notes = Array.from(document.querySelectorAll("#notes li")).map(function (item) { return item.textContent; });
+    result.legend = document.getElementById("legend").textContent;
+    player.go(0);
+    player.toggle();
+    let waited = 0;
+    const timer = setInterval(function () {
+      if (player.frame === 0 && ++waited < 60) return;
+      clearInterval(timer);
+      result.played = player.frame;
+      result.errors = s.errors;
+      write(result);
+    }, 50);
+  };
+
+  function write(result) {
+    const out = document.createElement("script");
+    out.type = "application/json";
+    out.id = "selftest";
+    out.textContent = JSON.stringify(result).replace(/</g, "\\u003c");
+    document.body.append(out);
+  }
+})(springnet);

@@ -1,0 +1,34 @@
+// Which nodes, springs and faces of a network a page draws.
+#pragma once
+
+#include <cstdint>
+#include <limits>
+#include <string>
+#include <vector>
+
+#include <springnet/network.hpp>
+
+namespace springnet::view {
+
+inline constexpr std::uint32_t not_shown = std::numeric_limits<std::uint32_t>::max();
+
+struct Selection {
+  std::vector<NodeIndex> nodes;                         // shown, rising
+  std::vector<SpringIndex> springs;                     // shown, rising
+  std::vector<std::uint32_t> node_place, spring_place;  // by the user's number: place in the two above, or not_shown
+  bool faces = true;
+  std::vector<std::string> notes;  // what is left out
+};
+
+// All of it where `frames` frames take at most `bytes` (before base64). Otherwise the springs on the faces if there are
+// any, and of these as many as fit, spread over all.
+[[nodiscard]] Selection select(const Network& network, double frames, double bytes);
+
+// Bytes that are the same in every frame and those of each frame, with 16 bit numbers for what moves.
+struct Cost {
+  double once = 0.0;
+  double frame = 0.0;
+};
+[[nodiscard]] Cost cost_of(double nodes, double springs);
+
+}  // namespace springnet::view

@@ -1,0 +1,225 @@
+#include <algorithm>
+#include <array>
+#include <cerrno>
+#include <cmath>
+#include <cstring>
+#include <fstream>
+#include <limits>
+#include <optional>
+
+#include <fmt/format.h>
+#include <springnet/error.hpp>
+#include <springnet/output.hpp>
+#include <springnet/view.hpp>
+
+#include "output/view/content.hpp"
+
+namespace springnet {
+
+namespace {
+
+using view::Content;
+using view::Frames;
+
+// A run that diverges has numbers that no float holds.
+float to_float(double number) {
+  constexpr double most = std::numeric_limits<float>::max();
+  return static_cast<float>(std::clamp(number, -most, most));
+}
+
+// Frames that a motion should have at least to be seen as one, before springs are left out for their sake.
+constexpr double wanted_frames = 60.0;
+
+double expected_records(const Scene& scene) {
+  return std::floor(scene.duration / std::max(scene.output.interval, scene.options.time_step)) + 2.0;
+}
+
+view::Selection select(const Scene& scene, double size) {
+  const double frames = std::min(expected_records(scene), wanted_frames);
+  return view::select(scene.network, frames, 0.75 * std::max(size - view::program_size(), 0.0));
+}
+
+view::FrameWidths widths_of(const Network& network, const view::Selection& selection, std::size_t elements) {
+  return {view::fixed_scalars + elements, selection.nodes.size(), selection.springs.size(),
+          network.planes().size() + network.instruments().size()};
+}
+
+Content make_content(const Scene& scene, double size) {
+  Content content{scene, select(scene, size), view::plotted_elements(scene.network), Frames({0, 0, 0, 0}, 2, 0), {},
+                  {}};
+  const double room = (size - view::size_once(content)) / view::size_of_frame(content, true);
+  const auto capacity = static_cast<std::size_t>(std::clamp(room, 2.0, 1e9));
+  content.frames = Frames(widths_of(scene.network, content.selection, content.elements.size()), capacity,
+                          static_cast<std::size_t>(std::min(expected_records(scene), 1e6)));
+  return content;
+}
+
+constexpr const char* not_ended = R"(<!DOCTYPE html>
+<meta charset="utf-8"><title>springnet: no page yet</title>
+<p>The run that writes this page has not ended, or was ended from outside. The page is written when a run ends, also
+when it fails; springnet run again makes it.</p>
+)";
+
+}  // namespace
+
+struct ViewWriter::Impl {
+  Impl(const std::filesystem::path& path, const Scene& scene, const ViewOptions& options)
+      : file(path), size(options.size), content(make_content(scene, size)) {
+    left_out = content.selection.notes;
+  }
+
+  void take_events(const Simulation& simulation) {
+    const std::vector<Event>& all = simulation.events();
+    for (; seen < all.size(); ++seen) {
+      const Event& event = all[seen];
+      ++counts.at(static_cast<std::size_t>(event.kind));
+      const bool ruptured = event.kind == Event::Kind::ruptured;
+      if (ruptured || event.kind == Event::Kind::cut) {
+        content.removed.push_back({event.index, event.time, content.frames.recorded() - 1, ruptured});
+      }
+    }
+  }
+
+  void take_scalars(const Simulation& simulation) {
+    const auto row = content.frames.scalars.last();
+    row[view::time] = simulation.time();
+    row[view::kinetic] = simulation.kinetic_energy();
+    row[view::potential] = simulation.potential_energy();
+    row[view::steps] = static_cast<double>(simulation.steps());
+    row[view::sweeps] = static_cast<double>(simulation.sweeps());
+    for (std::size_t k = 0; k < counts.size(); ++k) row[view::events + k] = static_cast<double>(counts[k]);
+    for (std::size_t k = 0; k < content.elements.size(); ++k) {
+      row[view::fixed_scalars + k] = simulation.element_value(content.elements[k]);
+    }
+  }
+
+  void take_nodes(const Simulation& simulation) {
+    const auto positions = content.frames.positions.last();
+    const auto speeds = content.frames.speeds.last();
+    const auto contact = content.frames.contact.last();
+    std::fill(contact.begin(), contact.end(), std::uint8_t{0});
+    const ConstNodeMap all_positions = simulation.positions(), velocities = simulation.velocities();
+    const bool surfaces = simulation.surface_count() > 0;
+    for (std::size_t k = 0; k < content.selection.nodes.size(); ++k) {
+      const NodeIndex node = content.selection.nodes[k];
+      const auto column = static_cast<Eigen::Index>(simulation.columns()[node]);
+      for (std::size_t axis = 0; axis < 3; ++axis) {
+        positions[3 * k + axis] = to_float(all_positions(static_cast<Eigen::Index>(axis), column));
+      }
+      speeds[k] = to_float(velocities.col(column).norm());
+      if (surfaces && simulation.touching(node)) {
+        contact[k / 8] = static_cast<std::uint8_t>(contact[k / 8] | 1U << k % 8);
+      }
+    }
+  }
+
+  void take_springs(const Simulation& simulation) {
+    simulation.tensions(tensions);
+    const auto row = content.frames.tensions.last();
+    for (std::size_t k = 0; k < row.size(); ++k) row[k] = to_float(tensions[content.selection.springs[k]]);
+  }
+
+  void take_surfaces(const Simulation& simulation) {
+    const auto row = content.frames.surfaces.last();
+    for (std::size_t k = 0; k < simulation.surface_count(); ++k) {
+      const Vector3 position = simulation.surface_position(k);
+      for (std::size_t axis = 0; axis < 3; ++axis) {
+        row[3 * k + axis] = to_float(position[static_cast<Eigen::Index>(axis)]);
+      }
+    }
+  }
+
+  void tell_what_is_missing(const std::optional<view::Ranges>& rounded) {
+    const Frames& frames = content.frames;
+    if (frames.count() < frames.recorded()) {
+      left_out.push_back(
+          fmt::format("{} of {} records are shown, one in {} and the last; a larger "
+                      "output.view_size shows more",
+                      frames.count(), frames.recorded(), frames.stride()));
+    }
+    if (!rounded) return;
+    const std::vector<std::string> notes = view::notes_of(*rounded);
+    left_out.insert(left_out.end(), notes.begin(), notes.end());
+  }
+
+  [[noreturn]] void fail(int reason) const {
+    throw Error(ErrorKind::simulation, fmt::format("{}: cannot be written: {}; make room or write to another disk",
+                                                   file.string(), std::strerror(reason)));
+  }
+
+  std::filesystem::path file;
+  double size;
+  Content content;
+  std::array<std::uint64_t, 6> counts{};  // of each kind of event
+  std::size_t seen = 0;                   // events
+  std::vector<double> tensions;           // N, by the user's spring
+  std::vector<std::string> told;          // by the program
+  std::vector<std::string> left_out;
+  bool closed = false;
+};
+
+ViewWriter::ViewWriter(const std::filesystem::path& file, const Scene& scene, const ViewOptions& options)
+    : impl_(std::make_unique<Impl>(file, scene, options)) {
+  std::ofstream out(file, std::ios::binary);
+  out << not_ended;
+  out.close();
+  if (!out) {
+    throw Error(ErrorKind::input, fmt::format("{}: cannot be created: {}; name another folder for the output",
+                                              file.string(), std::strerror(errno)));
+  }
+}
+
+ViewWriter::~ViewWriter() {
+  try {
+    close();
+  } catch (...) {  // nobody is there to hear of it
+  }
+}
+
+void ViewWriter::record(const Simulation& simulation) {
+  Impl& impl = *impl_;
+  impl.content.frames.begin();
+  impl.take_events(simulation);
+  impl.take_scalars(simulation);
+  impl.take_nodes(simulation);
+  impl.take_springs(simulation);
+  impl.take_surfaces(simulation);
+}
+
+void ViewWriter::note(const std::string& text) { impl_->told.push_back(text); }
+
+void ViewWriter::close() {
+  Impl& impl = *impl_;
+  if (impl.closed || impl.content.frames.count() == 0) return;
+  impl.closed = true;
+  std::optional<view::Ranges> rounded;
+  if (view::must_round(impl.content, impl.size)) rounded = view::ranges_of(impl.content.frames);
+  impl.tell_what_is_missing(rounded);
+  impl.content.notes = impl.told;
+  impl.content.notes.insert(impl.content.notes.end(), impl.left_out.begin(), impl.left_out.end());
+  // Under another name until it is whole: half a page would show nothing.
+  std::filesystem::path part = impl.file;
+  part += ".part";
+  std::ofstream out(part, std::ios::binary);
+  view::write_page(out, impl.content, rounded);
+  out.close();
+  const int reason = errno;
+  std::error_code failed;
+  if (out) std::filesystem::rename(part, impl.file, failed);
+  if (out && !failed) return;
+  std::filesystem::remove(part, failed);
+  impl.fail(reason);
+}
+
+const std::vector<std::string>& ViewWriter::left_out() const noexcept { return impl_->left_out; }
+
+double estimate_view(const Scene& scene) {
+  if (!scene.output.view) return 0.0;
+  const Content content = make_content(scene, scene.output.view_size);
+  const double all = view::size_once(content) + expected_records(scene) * view::size_of_frame(content, false);
+  // The first and the last record stand in the page whatever its size.
+  const double least = view::size_once(content) + 2.0 * view::size_of_frame(content, true);
+  return std::min(all, std::max(least, scene.output.view_size));
+}
+
+}  // namespace springnet

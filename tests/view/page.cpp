@@ -1,0 +1,266 @@
+// The page as a file; tests/view/browser.cpp opens it.
+#include <algorithm>
+#include <cstring>
+
+#include <doctest/doctest.h>
+#include <nlohmann/json.hpp>
+
+#include "output/view/content.hpp"
+#include "scenes.hpp"
+#include "temporary_folder.hpp"
+
+using namespace springnet;
+using testing::plugins;
+using testing::TemporaryFolder;
+
+namespace {
+
+RunSummary run(const Scene& scene, const TemporaryFolder& folder) {
+  return run_scene(scene, plugins(), {folder.path(), "everything", {}});
+}
+
+std::string page_in(const TemporaryFolder& folder) { return testing::read_text(folder.path() / "view.html"); }
+
+std::string element(const std::string& page, const std::string& id) {
+  const std::string start = " id=\"" + id + "\">";
+  const std::size_t begin = page.find(start);
+  if (begin == std::string::npos) return "";
+  return page.substr(begin + start.size(), page.find("</script>", begin) - begin - start.size());
+}
+
+nlohmann::json description(const std::string& page) { return nlohmann::json::parse(element(page, "description")); }
+
+std::size_t count(const std::string& text, const std::string& part) {
+  std::size_t found = 0;
+  for (std::size_t at = text.find(part); at != std::string::npos; at = text.find(part, at + 1)) ++found;
+  return found;
+}
+
+std::vector<unsigned char> decode(const std::string& text) {
+  const std::string digits = "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/";
+  std::vector<unsigned char> bytes;
+  unsigned held = 0, bits = 0;
+  for (const char digit : text) {
+    if (digit == '=') break;
+    held = held << 6U | static_cast<unsigned>(digits.find(digit));
+    bits += 6;
+    if (bits < 8) continue;
+    bits -= 8;
+    bytes.push_back(static_cast<unsigned char>(held >> bits & 255U));
+  }
+  return bytes;
+}
+
+template <class Number>
+std::vector<Number> block(const std::string& page, const std::string& id) {
+  const std::vector<unsigned char> bytes = decode(element(page, id));
+  std::vector<Number> numbers(bytes.size() / sizeof(Number));
+  std::memcpy(numbers.data(), bytes.data(), numbers.size() * sizeof(Number));
+  return numbers;
+}
+
+}  // namespace
+
+TEST_CASE("the page has its libraries in it, with their licence, and refers to nothing outside") {
+  const TemporaryFolder folder;
+  const RunSummary summary = run(testing::everything_to_see(), folder);
+  CHECK(std::count(summary.files.begin(), summary.files.end(), "view.html") == 1);
+  const std::string page = page_in(folder);
+  CHECK(page.find("REVISION=\"111\"") != std::string::npos);
+  CHECK(page.find("OrbitControls") != std::string::npos);
+  CHECK(page.find("Dygraph") != std::string::npos);
+  CHECK(page.find("MIT licence") != std::string::npos);
+  CHECK(page.find("Content-Security-Policy\" content=\"default-src 'none'") != std::string::npos);
+  for (const char* reference : {"src=\"http", "src='http", "href=", "@import", "url(http", "src=\"//", "<link"}) {
+    CAPTURE(reference);
+    CHECK(page.find(reference) == std::string::npos);
+  }
+  for (const char* marker : {"@style@", "@libraries@", "@program@", "@data@", "@notices@"}) {
+    CHECK(page.find(marker) == std::string::npos);
+  }
+}
+
+TEST_CASE("nothing of the scene ends an element of the page early") {
+  const TemporaryFolder folder;
+  run(testing::everything_to_see(), folder);
+  const std::string page = page_in(folder);
+  CHECK(description(page)["title"] == testing::bad_title);
+  CHECK(page.find("<b id=\"broken\">") == std::string::npos);
+  CHECK(count(page, "</script>") == count(page, "<script"));
+}
+
+TEST_CASE("positions, tensions, events and energies are those of the run") {
+  const TemporaryFolder folder;
+  const Scene scene = testing::everything_to_see();
+  run(scene, folder);
+  const std::string page = page_in(folder);
+  const nlohmann::json about = description(page);
+  CHECK(about["rounded"] == false);
+  const std::size_t frames = about["frames"];
+  REQUIRE(frames == 61);
+  const auto positions = block<float>(page, "positions");
+  const auto speeds = block<float>(page, "speeds");
+  const auto tensions = block<float>(page, "tensions");
+  const auto scalars = block<double>(page, "scalars");
+  const auto contact = block<std::uint8_t>(page, "contact");
+  const auto places = block<float>(page, "surface_positions");
+  REQUIRE(positions.size() == frames * 3 * 65);
+  REQUIRE(tensions.size() == frames * scene.network.springs().size());
+  const std::size_t width = scalars.size() / frames;
+
+  Simulation simulation(scene.network, plugins(), scene.options);
+  std::size_t touching = 0;
+  for (std::size_t frame = 0; frame < frames; ++frame) {
+    if (frame + 1 == frames) {
+      simulation.advance_to(scene.duration);
+    } else if (frame > 0) {
+      simulation.step();
+    }
+    CHECK(scalars[frame * width] == doctest::Approx(simulation.time()).epsilon(1e-15));
+    if (frame + 1 == frames) break;  // the run's last step ends at the duration itself
+    CHECK(scalars[frame * width + 1] == simulation.kinetic_energy());
+    CHECK(scalars[frame * width + 2] == simulation.potential_energy());
+    CHECK(scalars[frame * width + 4] == static_cast<double>(simulation.sweeps()));
+    for (NodeIndex node = 0; node < 65; ++node) {
+      for (std::size_t axis = 0; axis < 3; ++axis) {
+        CHECK(positions[(frame * 65 + node) * 3 + axis] ==
+              static_cast<float>(simulation.position(node)[static_cast<Eigen::Index>(axis)]));
+      }
+      CHECK(speeds[frame * 65 + node] == static_cast<float>(simulation.velocity(node).norm()));
+      const bool touches = (contact[frame * 9 + node / 8] >> node % 8 & 1) != 0;
+      CHECK(touches == simulation.touching(node));
+      touching += touches ? 1 : 0;
+    }
+    for (SpringIndex k = 0; k < scene.network.springs().size(); ++k) {
+      CHECK(tensions[frame * scene.network.springs().size() + k] == static_cast<float>(simulation.tension(k)));
+    }
+    CHECK(places[frame * 6 + 5] == static_cast<float>(simulation.surface_position(1).z()));
+  }
+  CHECK(touching > 0);  // the ground was reached
+  const auto removed = block<std::uint32_t>(page, "removed_springs");
+  const auto gone = block<std::uint32_t>(page, "removed_frames");
+  REQUIRE(removed.size() == count_events(simulation).cut);
+  REQUIRE_FALSE(removed.empty());
+  for (std::size_t k = 0; k < removed.size(); ++k) {
+    CHECK_FALSE(simulation.alive(removed[k]));
+    CHECK(scalars[gone[k] * width] == doctest::Approx(0.5).epsilon(1e-9));  // the time of the cut
+  }
+  // The one triangle that the spring listed in the cut is an edge of.
+  const auto torn = block<std::uint32_t>(page, "face_frames");
+  REQUIRE(torn.size() == scene.network.faces().size());
+  CHECK(torn[0] == gone[0]);
+  for (std::size_t k = 1; k < torn.size(); ++k) CHECK(torn[k] == view::not_shown);
+}
+
+TEST_CASE("a long run is rounded and thinned to the size that is asked for, with notes on page and in the summary") {
+  const TemporaryFolder folder;
+  Scene scene = testing::everything_to_see();
+  scene.options.time_step = 0.005;  // far more records than the 60 for which springs would be left out
+  run(scene, folder);
+  const std::string whole = page_in(folder);
+  // A third of what the data take: 16 bits would give a half.
+  const double program = view::program_size();
+  scene.output.view_size = program + (static_cast<double>(whole.size()) - program) / 3.0;
+  const RunSummary summary = run(scene, folder);
+  const std::string page = page_in(folder);
+  CHECK(static_cast<double>(page.size()) <= scene.output.view_size);
+  const nlohmann::json about = description(page);
+  CHECK(about["rounded"] == true);
+  CHECK(about["frames"] < 301);
+  CHECK(about["frames"] >= 100);
+  CHECK(about["records"] == 301);
+  std::string notes, told;
+  for (const std::string note : about["notes"]) notes += note + "\n";
+  for (const std::string& note : summary.notes) told += note + "\n";
+  CHECK(notes.find("of 301 records are shown") != std::string::npos);
+  CHECK(notes.find("rounded to 16 bits") != std::string::npos);
+  CHECK(told.find("view.html: ") != std::string::npos);
+  CHECK(told.find("of 301 records are shown") != std::string::npos);
+
+  // The last record is in both, there rounded to half of a 65535th of the range.
+  const auto exact = block<float>(whole, "positions");
+  const auto shares = block<std::uint16_t>(page, "positions");
+  const auto range = block<float>(page, "positions_range");
+  const float step = (range[1] - range[0]) / 65535.0F;
+  REQUIRE(shares.size() == about["frames"].get<std::size_t>() * 195);
+  for (std::size_t k = 0; k < 195; ++k) {
+    const float value = range[0] + static_cast<float>(shares[shares.size() - 195 + k]) * step;
+    CHECK(std::abs(value - exact[exact.size() - 195 + k]) <= 0.51F * step);
+  }
+}
+
+TEST_CASE("the estimate is near the size of the page, on the safe side") {
+  const TemporaryFolder folder;
+  Scene scene = testing::everything_to_see();
+  run(scene, folder);
+  const auto bytes = static_cast<double>(page_in(folder).size());
+  CHECK(bytes <= estimate_view(scene));
+  CHECK(bytes >= 0.9 * estimate_view(scene));
+  scene.output.view_size = 1.2e6;
+  CHECK(estimate_view(scene) == 1.2e6);
+  scene.output.view = false;
+  CHECK(estimate_view(scene) == 0.0);
+  run(scene, folder);
+  CHECK_FALSE(std::filesystem::exists(folder.path() / "view.html"));
+}
+
+TEST_CASE("a run that fails leaves a page with what was computed, and says why") {
+  const TemporaryFolder folder;
+  Scene scene = testing::everything_to_see();
+  // A load throws a node some hundred metres in one step: that does not settle.
+  scene.options.time_step = 0.005;
+  scene.options.integrator = {"recurrent",
+                              {{"update", testing::wavefront}, {"unsettled", testing::on_unsettled_error}}};
+  scene.network.add_load({{55}, Vector3(1e6, 0.0, 0.0), 0.7, 10.0});
+  const RunSummary summary = run(scene, folder);
+  REQUIRE(summary.failure);
+  const std::string page = page_in(folder);
+  const nlohmann::json about = description(page);
+  CHECK(about["frames"] == summary.records);
+  CHECK(about["frames"] > 20);
+  REQUIRE_FALSE(about["notes"].empty());
+  CHECK(about["notes"][0].get<std::string>() == "The run failed: " + summary.error);
+  CHECK(page.find("</html>") != std::string::npos);
+}
+
+TEST_CASE("while a run goes on the page says so, and a writer that is left writes what it has") {
+  const TemporaryFolder folder;
+  const Scene scene = testing::everything_to_see();
+  Simulation simulation(scene.network, plugins(), scene.options);
+  {
+    ViewWriter writer(folder.path() / "view.html", scene);
+    CHECK(page_in(folder).find("has not ended") != std::string::npos);
+    writer.record(simulation);
+  }
+  CHECK(description(page_in(folder))["frames"] == 1);
+  CHECK_THROWS_WITH_AS(ViewWriter(folder.path() / "no" / "view.html", scene), doctest::Contains("cannot be created"),
+                       Error);
+}
+
+TEST_CASE("a page that cannot be written is told, and no half of it is left") {
+  const TemporaryFolder folder;
+  const Scene scene = testing::everything_to_see();
+  const Simulation simulation(scene.network, plugins(), scene.options);
+  ViewWriter writer(folder.path() / "view.html", scene);
+  writer.record(simulation);
+  // What the page is written to first is in the way.
+  std::filesystem::create_directories(folder.path() / "view.html.part" / "full");
+  CHECK_THROWS_WITH_AS(writer.close(), doctest::Contains("view.html: cannot be written"), Error);
+  CHECK(page_in(folder).find("has not ended") != std::string::npos);
+}
+
+TEST_CASE("curves are drawn of all elements if they are few, else of enclosed volumes") {
+  Network network;
+  const MaterialIndex material = network.add_material({LawUse{"linear", {{"stiffness", 1.0}}}, std::nullopt});
+  for (const Vector3& place : {Vector3(0, 0, 0), Vector3(1, 0, 0), Vector3(0, 1, 0), Vector3(0, 0, 1)}) {
+    Node node;
+    node.position = place;
+    network.add_node(node);
+  }
+  network.add_element(Invariant::volume, {0, 1, 2, 3}, material);
+  CHECK(view::plotted_elements(network) == std::vector<ElementIndex>{0});
+  for (int k = 0; k < 8; ++k) network.add_element(Invariant::area, {0, 1, 2}, material);
+  CHECK(view::plotted_elements(network).empty());
+  network.add_element(Invariant::enclosed_volume, {0, 2, 1, 0, 1, 3, 1, 2, 3, 2, 0, 3}, material);
+  CHECK(view::plotted_elements(network) == std::vector<ElementIndex>{9});
+}

@@ -1,0 +1,56 @@
+// Runs that have everything a page can show, and are over in a moment.
+#pragma once
+
+#include <springnet/output.hpp>
+#include <springnet/view.hpp>
+
+#include "nets.hpp"
+
+namespace springnet::testing {
+
+inline constexpr const char* bad_title = "A </script><b id=\"broken\"> title & \"quotes\"";
+
+// A box of 4 x 4 x 4 nodes falls on a plane, a ball comes from above, a corner is held, another cut off; a weight on
+// a rigid connection; triangles on the upper side.
+inline Scene everything_to_see() {
+  Scene scene;
+  scene.title = bad_title;
+  Network& network = scene.network;
+  const MaterialIndex material =
+      network.add_material({LawUse{"linear", {{"stiffness", 30.0}}}, LawUse{"linear", {{"damping", 1.0}}}});
+  Node prototype;
+  prototype.mass = 0.1;
+  network.add_lattice("box", {{4, 4, 4}, Vector3::Ones(), Vector3(0.0, 0.0, 0.05), Diagonals::space}, prototype,
+                      material);
+  const auto upper = [](NodeIndex i, NodeIndex j) { return i + 4 * (j + 4 * 3); };
+  for (NodeIndex i = 0; i < 3; ++i) {
+    for (NodeIndex j = 0; j < 3; ++j) {
+      network.add_face({upper(i, j), upper(i + 1, j), upper(i + 1, j + 1)});
+      network.add_face({upper(i, j), upper(i + 1, j + 1), upper(i, j + 1)});
+    }
+  }
+  Node weight;
+  weight.position = Vector3(4.0, 3.0, 3.05);
+  weight.mass = 0.1;
+  network.add_rigid(upper(3, 3), network.add_node(weight));
+  network.fix(upper(0, 3));
+  network.set_gravity({0.0, 0.0, -1.0});
+  network.add_plane({"ground", Vector3::Zero(), Vector3::UnitZ(), {}, std::nullopt});
+  Motion down;
+  down.times = {0.0, 1.0};
+  down.displacements = {Vector3::Zero(), Vector3(0.0, 0.0, -1.0)};
+  network.add_instrument({"ball", Vector3(1.5, 1.5, 4.6), Vector3(1.5, 1.5, 4.6), 0.8, {}, down});
+  Cut cut{0.5, {}, {Vector3(2.5, -1.0, 2.4), Vector3(4.0, -1.0, 2.4), Vector3(4.0, 1.5, 2.4), Vector3(2.5, 1.5, 2.4)}};
+  for (SpringIndex k = 0; k < network.springs().size(); ++k) {
+    const Spring& spring = network.springs()[k];
+    // Along an edge of the first triangle.
+    if (spring.first == upper(0, 0) && spring.second == upper(1, 0)) cut.springs.push_back(k);
+  }
+  network.add_cut(cut);
+  scene.duration = 1.5;
+  scene.options.time_step = 0.025;
+  scene.options.threads = 1;
+  return scene;
+}
+
+}  // namespace springnet::testing
