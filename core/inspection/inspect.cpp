@@ -125,6 +125,7 @@ Inspection inspect(const Network& network, const PluginHost& plugins, const Insp
   result.loads = network.loads().size();
   result.cuts = network.cuts().size();
   for (const Move& move : network.moves()) result.moved_nodes += move.nodes.size();
+  for (const Element& element : network.elements()) ++result.elements[std::string(name_of(element.invariant))];
   const LinearNetwork linear = linearise(network, plugins);
   const Joints joints(network);
   inspect_nodes(network, linear, result);

@@ -42,8 +42,11 @@ Json json_of(const TimeConstantLimit& limit, const std::optional<double>& time_s
               {"set_by", nullptr}};
   if (limit.set_by) {
     const Bottleneck& set_by = *limit.set_by;
-    result["set_by"] = {{"node", set_by.node}, {"mass_kg", set_by.mass}, {"spring", json_of(set_by.spring)}};
-    if (set_by.spring) {
+    result["set_by"] = {{"node", set_by.node},
+                        {"mass_kg", set_by.mass},
+                        {"spring", json_of(set_by.spring)},
+                        {"element", json_of(set_by.element)}};
+    if (set_by.spring || set_by.element) {
       result["set_by"]["stiffness_n_per_m"] = set_by.stiffness;
       result["set_by"]["damping_ns_per_m"] = set_by.damping;
       result["set_by"]["elastic_share"] = set_by.elastic_share;
@@ -122,6 +125,7 @@ std::string to_json(const Inspection& inspection) {
       {"loads", inspection.loads},
       {"cuts", inspection.cuts},
       {"neurons", inspection.neurons},
+      {"elements", inspection.elements},
       {"spring_functions", inspection.spring_functions},
       {"viscosity_functions", inspection.viscosity_functions},
       {"total_mass_kg", inspection.total_mass},

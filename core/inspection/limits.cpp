@@ -31,6 +31,8 @@ std::optional<double> first_guess(const Network& network, const LinearNetwork& l
       stiffness += std::abs(spring.stiffness) + std::abs(spring.across_stiffness());
       damping += std::abs(spring.axial_damping) + std::abs(spring.general_damping);
     }
+    stiffness += linear.elements.stiffness_bound(k);
+    damping += linear.elements.damping_bound(k);
     const LinearNode& node = linear.nodes[k];
     const double t = crossing(stiffness / network.nodes()[k].mass + node.by_position.norm(),
                               damping / network.nodes()[k].mass + node.by_velocity.norm());
@@ -51,6 +53,7 @@ bool plainly_definite(const LinearNetwork& linear) {
                        return s.stiffness >= 0.0 && s.across_stiffness() >= -1e-12 * s.stiffness &&
                               s.axial_damping >= 0.0 && s.general_damping >= 0.0;
                      }) &&
+         linear.elements.plainly_definite() &&
          std::all_of(linear.nodes.begin(), linear.nodes.end(), [&](const LinearNode& node) {
            return !node.free || (dissipative(node.by_position) && dissipative(node.by_velocity));
          });
@@ -145,7 +148,7 @@ std::optional<double> Search::run(double guess) {
   return std::isfinite(above) && below > 0.0 ? std::sqrt(above * below) : t;
 }
 
-// The node that moves most, and the spring that acts on it most.
+// The node that moves most, and the spring or element that acts on it most.
 std::optional<Bottleneck> bottleneck(const Network& network, const LinearNetwork& linear, const Joints& joints,
                                      const LinearSweep& sweep, const Dominant& mode, double t) {
   if (mode.real.size() == 0) return std::nullopt;
@@ -159,7 +162,7 @@ std::optional<Bottleneck> bottleneck(const Network& network, const LinearNetwork
     node = k;
   }
   if (!node) return std::nullopt;
-  Bottleneck result{*node, network.nodes()[*node].mass, std::nullopt, 0.0, 0.0, 0.0, 0.0};
+  Bottleneck result{*node, network.nodes()[*node].mass, std::nullopt, std::nullopt, 0.0, 0.0, 0.0, 0.0};
   double share = 0.0;
   for (const Joint& joint : joints.of(*node)) {
     if (joint.spring == no_spring) continue;
@@ -171,6 +174,20 @@ std::optional<Bottleneck> bottleneck(const Network& network, const LinearNetwork
     result.spring = joint.spring;
     result.stiffness = spring.stiffness;
     result.damping = damping;
+    result.elastic_share = elastic;
+    result.viscous_share = viscous;
+  }
+  for (const LinearShare& seen : linear.elements.of(*node)) {
+    const LinearElement& element = linear.elements.all()[seen.element];
+    const double square = element.gradient[seen.place].squaredNorm();
+    const double elastic = t * t * element.stiffness * square / result.mass;
+    const double viscous = t * element.damping * square / result.mass;
+    if ((std::abs(elastic) + std::abs(viscous)) * alike <= share) continue;
+    share = std::abs(elastic) + std::abs(viscous);
+    result.spring = std::nullopt;
+    result.element = seen.element;
+    result.stiffness = element.stiffness * square;
+    result.damping = element.damping * square;
     result.elastic_share = elastic;
     result.viscous_share = viscous;
   }

@@ -150,11 +150,7 @@ class NeuronAtRest {
   std::vector<std::uint32_t> strides_;
 };
 
-std::vector<LinearSpring> linear_springs(const Network& network, const PluginHost& plugins) {
-  std::vector<MaterialAtRest> materials;
-  materials.reserve(network.materials().size());
-  for (const Material& material : network.materials()) materials.emplace_back(material, plugins);
-
+std::vector<LinearSpring> linear_springs(const Network& network, std::vector<MaterialAtRest>& materials) {
   std::vector<LinearSpring> result;
   result.reserve(network.springs().size());
   for (const Spring& spring : network.springs()) {
@@ -183,13 +179,38 @@ std::vector<LinearSpring> linear_springs(const Network& network, const PluginHos
   return result;
 }
 
+LinearElements linear_elements(const Network& network, std::vector<MaterialAtRest>& materials) {
+  std::vector<LinearElement> result;
+  result.reserve(network.elements().size());
+  for (const Element& element : network.elements()) {
+    double value = 0.0;
+    LinearElement linear = element_at_rest(network, element, value);
+    MaterialAtRest& material = materials[element.material];
+    for (std::optional<LawAtRest>* law : {&material.spring, &material.viscosity}) {
+      if (!*law) continue;
+      const LawAnswer answer = (*law)->answer(value, element.reference);
+      linear.force += answer.force;
+      linear.stiffness += answer.by_q;
+      linear.damping += answer.by_rate;
+    }
+    linearise_element(network, element, linear);
+    result.push_back(std::move(linear));
+  }
+  return {network, std::move(result)};
+}
+
+bool known(const LinearElement& element) {
+  return std::isfinite(element.force) && std::isfinite(element.stiffness) && std::isfinite(element.damping);
+}
+
 bool known(const LinearSpring& spring) {
   return std::isfinite(spring.tension) && std::isfinite(spring.stiffness) && std::isfinite(spring.axial_damping) &&
          std::isfinite(spring.general_damping);
 }
 
-// Net forces of springs, gravity and the loads of time 0, N.
-std::vector<Vector3> forces_at_start(const Network& network, const std::vector<LinearSpring>& springs) {
+// Net forces of springs, elements, gravity and the loads of time 0, N.
+std::vector<Vector3> forces_at_start(const Network& network, const std::vector<LinearSpring>& springs,
+                                     const LinearElements& elements) {
   std::vector<Vector3> forces;
   forces.reserve(network.nodes().size());
   for (const Node& node : network.nodes()) forces.emplace_back(node.mass * network.gravity());
@@ -204,6 +225,11 @@ std::vector<Vector3> forces_at_start(const Network& network, const std::vector<L
     forces[spring.first] -= force;
     forces[spring.second] += force;
   }
+  for (const LinearElement& element : elements.all()) {
+    if (!std::isfinite(element.force)) continue;
+    for (std::size_t i = 0; i < element.nodes.size(); ++i)
+      forces[element.nodes[i]] -= element.force * element.gradient[i];
+  }
   return forces;
 }
 
@@ -211,11 +237,22 @@ std::vector<Vector3> forces_at_start(const Network& network, const std::vector<L
 
 LinearNetwork linearise(const Network& network, const PluginHost& plugins) {
   LinearNetwork result;
-  result.springs = linear_springs(network, plugins);
-  const auto stranger = std::find_if_not(result.springs.begin(), result.springs.end(), known);
+  std::vector<MaterialAtRest> materials;
+  materials.reserve(network.materials().size());
+  for (const Material& material : network.materials()) materials.emplace_back(material, plugins);
+  result.springs = linear_springs(network, materials);
+  result.elements = linear_elements(network, materials);
+  const auto stranger =
+      std::find_if_not(result.springs.begin(), result.springs.end(), [](const LinearSpring& s) { return known(s); });
   if (stranger != result.springs.end()) {
     const auto index = static_cast<std::size_t>(stranger - result.springs.begin());
     result.unknown_because = "a law of spring " + std::to_string(index) +
+                             " offers no derivatives where it starts, or none without the tables of a scene";
+  }
+  const std::vector<LinearElement>& elements = result.elements.all();
+  const auto strange = std::find_if_not(elements.begin(), elements.end(), [](const auto& e) { return known(e); });
+  if (strange != elements.end() && result.unknown_because.empty()) {
+    result.unknown_because = "a law of element " + std::to_string(strange - elements.begin()) +
                              " offers no derivatives where it starts, or none without the tables of a scene";
   }
 
@@ -224,7 +261,7 @@ LinearNetwork linearise(const Network& network, const PluginHost& plugins) {
   for (const LawUse& use : network.neurons()) {
     neurons.emplace_back(*plugins.require(ComponentKind::neuron, use.id), use);
   }
-  const std::vector<Vector3> forces = forces_at_start(network, result.springs);
+  const std::vector<Vector3> forces = forces_at_start(network, result.springs, result.elements);
   result.nodes.resize(network.nodes().size());
   for (std::size_t k = 0; k < result.nodes.size(); ++k) {
     const Node& node = network.nodes()[k];

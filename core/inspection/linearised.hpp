@@ -1,4 +1,4 @@
-// The network's springs and neurons, linearised where they are at the start and at rest.
+// The network's springs, elements and neurons, linearised where they are at the start and at rest.
 #pragma once
 
 #include <string>
@@ -7,6 +7,8 @@
 #include <Eigen/Core>
 #include <springnet/network.hpp>
 #include <springnet/plugin_host.hpp>
+
+#include "inspection/linear_elements.hpp"
 
 namespace springnet {
 
@@ -28,7 +30,7 @@ struct LinearSpring {
 // a = by_force F + by_position p + by_velocity v, around the start.
 struct LinearNode {
   bool free = false;                  // neither fixed nor moved
-  Vector3 force = Vector3::Zero();    // net force of springs, gravity and loads at the start, N
+  Vector3 force = Vector3::Zero();    // net force of springs, elements, gravity and loads at the start, N
   Block by_force = Block::Zero();     // 1/kg
   Block by_position = Block::Zero();  // 1/s^2
   Block by_velocity = Block::Zero();  // 1/s
@@ -36,6 +38,7 @@ struct LinearNode {
 
 struct LinearNetwork {
   std::vector<LinearSpring> springs;  // as the network's
+  LinearElements elements;            // likewise
   std::vector<LinearNode> nodes;      // likewise
   std::string unknown_because;        // empty unless some law or neuron cannot be linearised
 };

@@ -27,21 +27,36 @@ class Inertia : public Eigen::SimplicialLDLT<Matrix> {
  public:
   // The dimension of the null space of a positive semidefinite matrix; empty if it would take too long. Without
   // pivoting that is sound here: a part of such a matrix is only singular where the rest does not touch it.
-  std::optional<std::size_t> nullity(Matrix matrix) {
-    if (matrix.rows() == 0) return 0;
-    if (matrix.rows() > most_columns) return std::nullopt;
-    for (Eigen::Index k = 0; k < matrix.rows(); ++k) matrix.coeffRef(k, k) -= no_stiffness;
-    matrix.makeCompressed();
+  // more: further rows r, whose r^T r would fill the matrix: M + r^T r is what the pivot -1 of [M r^T; r -1] leaves,
+  // and so that has one negative pivot more.
+  std::optional<std::size_t> nullity(const Matrix& square, const Matrix& more) {
+    if (square.rows() == 0) return 0;
+    const Eigen::Index size = square.rows() + more.rows();
+    if (size > most_columns) return std::nullopt;
+    std::vector<Eigen::Triplet<double>> entries;
+    for (Eigen::Index column = 0; column < square.cols(); ++column)
+      for (Matrix::InnerIterator entry(square, column); entry; ++entry)
+        entries.emplace_back(static_cast<int>(entry.row()), static_cast<int>(column), entry.value());
+    for (Eigen::Index column = 0; column < more.cols(); ++column)
+      for (Matrix::InnerIterator entry(more, column); entry; ++entry) {
+        const int row = static_cast<int>(square.rows() + entry.row());
+        entries.emplace_back(row, static_cast<int>(column), entry.value());
+        entries.emplace_back(static_cast<int>(column), row, entry.value());
+      }
+    for (Eigen::Index k = 0; k < size; ++k)
+      entries.emplace_back(static_cast<int>(k), static_cast<int>(k), k < square.rows() ? -no_stiffness : -1.0);
+    Matrix matrix(size, size);
+    matrix.setFromTriplets(entries.begin(), entries.end());
     analyzePattern(matrix);
     const double operations = m_nonZerosPerCol.head(matrix.rows()).cast<double>().squaredNorm();
     if (operations > most_operations) return std::nullopt;
     factorize(matrix);
     if (info() != Eigen::Success) return std::nullopt;
-    return static_cast<std::size_t>((vectorD().array() < 0.0).count());
+    return static_cast<std::size_t>((vectorD().array() < 0.0).count()) - static_cast<std::size_t>(more.rows());
   }
 };
 
-// One row a connection, with its direction in the columns of its free ends.
+// One row a connection or element, with its direction in the columns of its free nodes.
 class Directions {
  public:
   Directions(const Network& network, const LinearNetwork& linear)
@@ -51,6 +66,16 @@ class Directions {
       column_[k] = columns_;
       columns_ += 3;
     }
+  }
+  // One row of an element: derivatives by its nodes, of any size.
+  void add(const std::vector<NodeIndex>& nodes, const Vector3* by_node) {
+    double greatest = 0.0;
+    for (std::size_t i = 0; i < nodes.size(); ++i) greatest = std::max(greatest, by_node[i].norm());
+    for (std::size_t i = 0; i < nodes.size(); ++i) {
+      if (column_[nodes[i]] < 0 || !(greatest > 0.0)) continue;
+      for (int c = 0; c < 3; ++c) entries_.emplace_back(rows_, column_[nodes[i]] + c, by_node[i][c] / greatest);
+    }
+    ++rows_;
   }
   void add(NodeIndex first, NodeIndex second) {
     const Vector3 difference = network_.nodes()[first].position - network_.nodes()[second].position;
@@ -133,7 +158,7 @@ std::size_t rigid_body_motions(const Network& network, const LinearNetwork& line
 void count_mechanisms(const Network& network, const LinearNetwork& linear, const std::vector<std::uint32_t>& part,
                       Inspection& result) {
   Mobility& found = result.mobility;
-  Directions all(network, linear), rigid(network, linear);
+  Directions all(network, linear), rigid(network, linear), volumes(network, linear);
   for (std::size_t s = 0; s < linear.springs.size(); ++s) {
     const LinearSpring& spring = linear.springs[s];
     if (!network.materials()[network.springs()[s].material].spring) continue;
@@ -143,15 +168,26 @@ void count_mechanisms(const Network& network, const LinearNetwork& linear, const
     found.springs_under_tension += spring.tension > rounding ? 1 : 0;
     found.springs_under_compression += spring.tension < -rounding ? 1 : 0;
   }
+  for (std::size_t e = 0; e < linear.elements.all().size(); ++e) {
+    const LinearElement& element = linear.elements.all()[e];
+    if (!network.materials()[network.elements()[e].material].spring || element.stiffness == 0.0) continue;
+    if (element.is_surface()) {
+      volumes.add(element.nodes, element.gradient.data());
+      continue;
+    }
+    all.add(element.nodes, element.blocks.row[0]);
+    all.add(element.nodes, element.blocks.row[1]);
+  }
   for (const Rigid& connection : network.rigids()) {
     all.add(connection.first, connection.second);
     rigid.add(connection.first, connection.second);
   }
   found.rigid_body_motions = rigid_body_motions(network, linear, part, result.parts.size());
   const Matrix directions = all.matrix();
-  const std::optional<std::size_t> motions = Inertia().nullity(directions.transpose() * directions);
+  const std::optional<std::size_t> motions = Inertia().nullity(directions.transpose() * directions, volumes.matrix());
   const Matrix constraints = rigid.matrix();
-  const std::optional<std::size_t> redundant = Inertia().nullity(constraints * constraints.transpose());
+  const std::optional<std::size_t> redundant =
+      Inertia().nullity(constraints * constraints.transpose(), Matrix(0, constraints.rows()));
   found.known = motions.has_value() && redundant.has_value();
   if (!found.known) return;
   found.redundant_rigids = *redundant;

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <numeric>
+#include <utility>
 
 namespace springnet {
 
@@ -25,7 +26,28 @@ void spread(const Joints& joints, NodeIndex start, std::vector<bool>& reached, s
 
 }  // namespace
 
+namespace {
+
+// Pairs of nodes, both ways, that elements join: of an enclosed volume the sides of its triangles.
+std::vector<std::pair<NodeIndex, NodeIndex>> joined_by_elements(const Network& network) {
+  std::vector<std::pair<NodeIndex, NodeIndex>> pairs;
+  for (const Element& element : network.elements()) {
+    const std::size_t corners = element.invariant == Invariant::enclosed_volume ? 3 : element.nodes.size();
+    for (std::size_t begin = 0; begin < element.nodes.size(); begin += corners)
+      for (std::size_t i = begin; i < begin + corners; ++i)
+        for (std::size_t j = begin; j < begin + corners; ++j)
+          if (i != j) pairs.emplace_back(element.nodes[i], element.nodes[j]);
+  }
+  std::sort(pairs.begin(), pairs.end());
+  pairs.erase(std::unique(pairs.begin(), pairs.end()), pairs.end());
+  return pairs;
+}
+
+}  // namespace
+
 Joints::Joints(const Network& network) : start_(network.nodes().size() + 1) {
+  const std::vector<std::pair<NodeIndex, NodeIndex>> elements = joined_by_elements(network);
+  for (const auto& [from, to] : elements) ++start_[from + 1];
   for (const Spring& spring : network.springs()) ++start_[spring.first + 1], ++start_[spring.second + 1];
   for (const Rigid& rigid : network.rigids()) ++start_[rigid.first + 1], ++start_[rigid.second + 1];
   std::partial_sum(start_.begin(), start_.end(), start_.begin());
@@ -40,6 +62,7 @@ Joints::Joints(const Network& network) : start_(network.nodes().size() + 1) {
     joints_[at[rigid.first]++] = {rigid.second, no_spring};
     joints_[at[rigid.second]++] = {rigid.first, no_spring};
   }
+  for (const auto& [from, to] : elements) joints_[at[from]++] = {to, no_spring};
   for (std::size_t k = 0; k + 1 < start_.size(); ++k) {
     std::stable_sort(joints_.begin() + static_cast<std::ptrdiff_t>(start_[k]),
                      joints_.begin() + static_cast<std::ptrdiff_t>(start_[k + 1]),

@@ -13,10 +13,10 @@ namespace springnet {
 
 inline constexpr std::uint32_t no_cluster = 0xffffffffu;
 
-// One end of a spring or of a rigid connection, seen from the node there.
+// One end of a spring or of a rigid connection, or another node of an element, seen from the node there.
 struct Joint {
   NodeIndex other;
-  SpringIndex spring;  // no_spring: rigid
+  SpringIndex spring;  // no_spring: rigid, or by an element
 };
 inline constexpr SpringIndex no_spring = 0xffffffffu;
 

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include <Eigen/Geometry>
 #include <Eigen/LU>
 
 namespace springnet {
@@ -20,6 +21,9 @@ LinearSweep::LinearSweep(const Network& network, const LinearNetwork& linear, co
       diagonal_(network.nodes().size()) {
   if (rule == UpdateRule::wavefront || rule == UpdateRule::block) order_ = wave_order(joints, linear.nodes);
   if (rule == UpdateRule::coloured) order_ = colour_order(joints, cluster_);
+  const std::vector<LinearElement>& elements = linear.elements.all();
+  if (std::any_of(elements.begin(), elements.end(), [](const LinearElement& e) { return e.is_surface(); }))
+    rates_.resize(elements.size());
   for (std::size_t k = 0; k < free_.size(); ++k) {
     const LinearNode& node = linear.nodes[k];
     free_[k] = node.free ? 1 : 0;
@@ -51,6 +55,7 @@ LinearSweep::LinearSweep(const Network& network, const LinearNetwork& linear, co
 }
 
 void LinearSweep::set_time_constant(double t) {
+  time_constant_ = t;
   for (std::size_t s = 0; s < along_.size(); ++s) {
     const LinearSpring& spring = linear_.springs[s];
     const double across = spring.across_stiffness();
@@ -60,7 +65,7 @@ void LinearSweep::set_time_constant(double t) {
   for (NodeIndex k = 0; k < free_.size(); ++k) {
     diagonal_[k].setZero();
     if (free_[k] == 0) continue;
-    Block sum = Block::Zero();
+    Block sum = linear_.elements.diagonal(k, t);
     for (const Joint& joint : joints_.of(k)) {
       if (joint.spring == no_spring) continue;
       const Vector3& n = linear_.springs[joint.spring].direction;
@@ -87,7 +92,7 @@ void LinearSweep::restrict(Eigen::VectorXd& u) const {
 }
 
 Vector3 LinearSweep::updated(NodeIndex node, const Eigen::VectorXd& u) const {
-  Vector3 others = Vector3::Zero();
+  Vector3 others = -pulled_by_elements(node, u);
   for (const Joint& joint : joints_.of(node)) {
     if (joint.spring == no_spring) continue;
     const Vector3& n = linear_.springs[joint.spring].direction;
@@ -99,14 +104,57 @@ Vector3 LinearSweep::updated(NodeIndex node, const Eigen::VectorXd& u) const {
   return diagonal_[node] * Vector3(u.segment<3>(at(node))) + others;
 }
 
+Vector3 LinearSweep::pulled_by_elements(NodeIndex node, const Eigen::VectorXd& u) const {
+  const double t = time_constant_;
+  Vector3 sum = Vector3::Zero();
+  for (const LinearShare& share : linear_.elements.of(node)) {
+    const LinearElement& e = linear_.elements.all()[share.element];
+    if (e.is_surface()) {
+      const Vector3& g = e.gradient[share.place];
+      sum += e.of_volume(t) * (rates_[share.element] - g.dot(velocity(u, node))) * g;
+      const auto spokes = e.surface[0].spokes(share.place);
+      for (std::size_t i = 0; i < spokes.size(); ++i)
+        sum += t * t * e.across[share.place][i].cross(velocity(u, spokes[i].other));
+      continue;
+    }
+    for (std::size_t j = 0; j < e.nodes.size(); ++j)
+      if (j != share.place) sum += e.between(share.place, j, t) * velocity(u, e.nodes[j]);
+  }
+  return sum;
+}
+
+void LinearSweep::sum_rates(const Eigen::VectorXd& u) {
+  for (std::size_t e = 0; e < rates_.size(); ++e) {
+    const LinearElement& element = linear_.elements.all()[e];
+    rates_[e] = 0.0;
+    for (std::size_t i = 0; element.is_surface() && i < element.nodes.size(); ++i)
+      rates_[e] += element.gradient[i].dot(velocity(u, element.nodes[i]));
+  }
+}
+
+void LinearSweep::change_rates(NodeIndex node, const Vector3& change) {
+  if (rates_.empty()) return;
+  for (const LinearShare& share : linear_.elements.of(node)) {
+    const LinearElement& e = linear_.elements.all()[share.element];
+    if (e.is_surface()) rates_[share.element] += inverse_root_[node] * e.gradient[share.place].dot(change);
+  }
+}
+
+void LinearSweep::put(NodeIndex node, const Vector3& value, Eigen::VectorXd& u) {
+  change_rates(node, value - Vector3(u.segment<3>(at(node))));
+  u.segment<3>(at(node)) = value;
+}
+
 void LinearSweep::update_cluster(RigidProjection& cluster, Eigen::VectorXd& u) {
   members_.clear();
   for (const NodeIndex node : cluster.nodes()) members_.push_back(updated(node, u));
   for (std::size_t i = 0; i < members_.size(); ++i) u.segment<3>(at(cluster.nodes()[i])) = members_[i];
   cluster.apply(u);
+  sum_rates(u);
 }
 
 void LinearSweep::apply(Eigen::VectorXd& u) {
+  sum_rates(u);
   if (order_.empty()) {
     old_ = u;
     for (NodeIndex k = 0; k < free_.size(); ++k) {
@@ -120,7 +168,7 @@ void LinearSweep::apply(Eigen::VectorXd& u) {
   for (const NodeIndex node : order_) {
     const std::uint32_t cluster = cluster_[node];
     if (cluster == no_cluster) {
-      if (free_[node] != 0) u.segment<3>(at(node)) = updated(node, u);
+      if (free_[node] != 0) put(node, updated(node, u), u);
     } else if (done_[cluster] == 0) {
       done_[cluster] = 1;
       update_cluster(projections_[cluster], u);

@@ -40,7 +40,7 @@ class LinearSweep {
 
   [[nodiscard]] Eigen::Index size() const { return static_cast<Eigen::Index>(3 * free_.size()); }
   // What apply() visits: for budgets.
-  [[nodiscard]] std::size_t work() const { return joints_.count() + free_.size(); }
+  [[nodiscard]] std::size_t work() const { return joints_.count() + 4 * linear_.elements.all().size() + free_.size(); }
   // Velocity error of a node, from a vector. Any unit.
   [[nodiscard]] Vector3 velocity(const Eigen::VectorXd& u, NodeIndex node) const {
     return inverse_root_[node] * u.segment<3>(at(node));
@@ -52,6 +52,12 @@ class LinearSweep {
   static Eigen::Index at(NodeIndex node) { return 3 * static_cast<Eigen::Index>(node); }
   [[nodiscard]] bool blocks() const { return rule_ == UpdateRule::block || rule_ == UpdateRule::coloured; }
   [[nodiscard]] Vector3 updated(NodeIndex node, const Eigen::VectorXd& u) const;
+  // (t^2 K + t D) of elements between a node and all others, times their velocities.
+  [[nodiscard]] Vector3 pulled_by_elements(NodeIndex node, const Eigen::VectorXd& u) const;
+  // Sum of dV/dp times velocities over the nodes of each enclosed volume: of all, and as one node changes.
+  void sum_rates(const Eigen::VectorXd& u);
+  void change_rates(NodeIndex node, const Vector3& change);
+  void put(NodeIndex node, const Vector3& value, Eigen::VectorXd& u);
   void update_cluster(RigidProjection& cluster, Eigen::VectorXd& u);
 
   const LinearNetwork& linear_;
@@ -68,6 +74,8 @@ class LinearSweep {
   std::vector<RigidProjection> projections_;  // [cluster]
   std::vector<std::uint8_t> done_;            // [cluster]
   std::vector<Vector3> members_;              // new outputs of a cluster's nodes
+  double time_constant_ = 0.0;                // s
+  std::vector<double> rates_;                 // [element] of enclosed volumes; empty: there are none
   Eigen::VectorXd old_;
 };
 

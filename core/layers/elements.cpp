@@ -5,6 +5,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "layers/element_questions.hpp"
+
 namespace springnet::layers {
 
 namespace {
@@ -199,7 +201,7 @@ std::string explain_failure(const Layout& layout, InstructionSet set, double tim
                          geometry->length[0], geometry->rate[0]);
     }
   }
-  return {};
+  return explain_element_failure(layout, set, time, nodes);
 }
 
 }  // namespace springnet::layers

@@ -34,8 +34,8 @@ springnet_status rupture_margins(const Layout& layout, InstructionSet set, doubl
                                  springnet_message& message);
 
 // Why forces at this state are not finite or could not be evaluated: the first node, in the user's numbers, whose
-// position or velocity is not finite, or the first spring whose law answered so, or failed, at finite input. Empty if
-// there is no such node or spring.
+// position or velocity is not finite, or the first spring, then element, whose law answered so, or failed, at finite
+// input. Empty if there is none.
 [[nodiscard]] std::string explain_failure(const Layout& layout, InstructionSet set, double time,
                                           const NodeArrays& nodes);
 

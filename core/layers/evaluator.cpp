@@ -9,6 +9,11 @@
 #include "layers/message.hpp"
 
 namespace springnet::layers {
+namespace {
+
+constexpr std::size_t springs_in_an_element = 4;  // as the time of an evaluation goes
+
+}  // namespace
 
 unsigned useful_threads(unsigned wanted, std::size_t springs, std::size_t units) {
   constexpr std::size_t springs_worth_a_thread = 8000;
@@ -24,11 +29,25 @@ Evaluator::Evaluator(const Layout& layout, const std::vector<double>& mass, Inst
       mass_(mass),
       set_(choose_instruction_set(set)),
       kernels_(kernels_for(set_)),
-      threads_(useful_threads(threads, layout.spring_count(), layout.units().size())) {}
+      threads_(useful_threads(threads, layout.spring_count() + springs_in_an_element * layout.elements().count(),
+                              layout.units().size())) {
+  const ElementLayout& elements = layout.elements();
+  element_gradient_.resize(elements.slot_count(), Vector3::Zero());
+  element_force_.resize(elements.count());
+  for (std::uint32_t s = 0; s < elements.surfaces().size(); ++s) {
+    const auto size = static_cast<std::uint32_t>(elements.surfaces()[s].surface.size());
+    for (std::uint32_t begin = 0; begin < size; begin += surface_chunk)
+      chunks_.push_back({s, begin, std::min(size, begin + static_cast<std::uint32_t>(surface_chunk))});
+  }
+  surface_shares_.resize(chunks_.size());
+}
 
 springnet_status Evaluator::evaluate(double time, const NodeArrays& nodes, const ExternalForces& external,
                                      const ForceArrays& force, TileFinished finished,
                                      springnet_message& message) const {
+  if (layout_.elements().live_count() > 0) {
+    if (const springnet_status status = evaluate_elements(time, nodes, message); status != SPRINGNET_OK) return status;
+  }
   const auto units = static_cast<std::int64_t>(layout_.units().size());
   if (threads_ == 1) {
     const FlushDenormals flush;
@@ -82,6 +101,7 @@ springnet_status Evaluator::evaluate_unit(std::uint32_t index, double time, cons
       force.z[k] = mass[k] * g[2] + external.loads.z[k];
     }
   }
+  if (layout_.elements().live_count() > 0) add_elements(begin, end, force);
   SegmentGeometry geometry;  // not initialised: written before it is read
   for (const Tile& tile : unit.tiles) {
     for (std::uint32_t s = tile.segment_begin; s < tile.segment_end; ++s) {

@@ -1,4 +1,5 @@
-// Evaluation of the spring layer and the node layer: from positions and velocities to net forces and accelerations.
+// Evaluation of the spring layer, elements and the node layer: from positions and velocities to net forces and
+// accelerations.
 #pragma once
 
 #include <cstdint>
@@ -7,6 +8,7 @@
 
 #include "layers/instruction_set.hpp"
 #include "layers/layout.hpp"
+#include "layers/surface_volumes.hpp"
 
 namespace springnet::layers {
 
@@ -39,19 +41,23 @@ class Evaluator {
   [[nodiscard]] unsigned threads() const noexcept { return threads_; }
 
   // Net force on every node, in tiles and threads; the sums have the same order for every number of threads. Returns
-  // the status of the first unit in which a law failed. Does not throw.
+  // the status of the first unit in which a law failed. Does not throw. One call at a time: elements are evaluated into
+  // memory of the evaluator first.
   springnet_status evaluate(double time, const NodeArrays& nodes, const ExternalForces& external,
                             const ForceArrays& force, TileFinished finished, springnet_message& message) const;
-  // Net force on one node: all its springs, evaluated plainly.
+  // Net force on one node: all its springs and elements, evaluated plainly. volumes: those of closed surfaces at this
+  // state; null: they are computed here, from all their nodes.
   springnet_status evaluate_node(std::uint32_t node, double time, const NodeArrays& nodes,
-                                 const ExternalForces& external, Vector3& force, springnet_message& message) const;
+                                 const ExternalForces& external, const SurfaceVolumes* volumes, Vector3& force,
+                                 springnet_message& message) const;
   // The same, the acceleration by the node's neuron, and what is wanted of its derivatives and its energy (J): that of
-  // its springs less the work of gravity and loads, nan where no potential exists (a law without energy or one that
-  // reads the rate, a neuron other than force over mass). SPRINGNET_FAILED if derivatives are wanted and a law or the
-  // neuron has none.
+  // its springs and elements less the work of gravity and loads, nan where no potential exists (a law without energy or
+  // one that reads the rate, a neuron other than force over mass). SPRINGNET_FAILED if derivatives are wanted and a law
+  // or the neuron has none.
   springnet_status evaluate_node(std::uint32_t node, double time, const NodeArrays& nodes,
-                                 const ExternalForces& external, Vector3& force, Vector3& acceleration,
-                                 NodeDerivatives* derivatives, double* energy, springnet_message& message) const;
+                                 const ExternalForces& external, const SurfaceVolumes* volumes, Vector3& force,
+                                 Vector3& acceleration, NodeDerivatives* derivatives, double* energy,
+                                 springnet_message& message) const;
   // Acceleration of nodes [first, first + count) of their neurons. `force` and `acceleration` are [count] arrays;
   // blocks [count][9] may be null.
   springnet_status accelerations(std::uint32_t first, std::uint32_t count, double time, const NodeArrays& nodes,
@@ -66,19 +72,36 @@ class Evaluator {
                                     const ForceArrays& force, SegmentGeometry& geometry,
                                     springnet_message& message) const;
 
+  // Of all elements: dq/dp of each node and Q, before the units add them up.
+  springnet_status evaluate_elements(double time, const NodeArrays& nodes, springnet_message& message) const;
+  springnet_status evaluate_batch(const ElementBatch& batch, double time, const NodeArrays& nodes,
+                                  springnet_message& message) const;
+  springnet_status evaluate_surfaces(double time, springnet_message& message) const;
+  void add_elements(std::uint32_t begin, std::uint32_t end, const ForceArrays& force) const noexcept;
+
   struct NodeSums;
   springnet_status add_springs(std::uint32_t node, double time, const NodeArrays& nodes, NodeSums& sums,
                                springnet_message& message) const;
+  springnet_status add_elements_of(std::uint32_t node, double time, const NodeArrays& nodes,
+                                   const SurfaceVolumes* volumes, NodeSums& sums, springnet_message& message) const;
 
   const Layout& layout_;
   const std::vector<double>& mass_;
   InstructionSet set_;
   const Kernels& kernels_;
   unsigned threads_;
+  // What an evaluation knows of elements: it is made and used within one call.
+  struct Chunk {
+    std::uint32_t surface, begin, end;  // places
+  };
+  std::vector<Chunk> chunks_;                                  // of all closed surfaces
+  mutable std::vector<Vector3> element_gradient_;              // [slot] dq/dp
+  mutable std::vector<double> element_force_;                  // [element] Q
+  mutable std::vector<ClosedSurface::Values> surface_shares_;  // [chunk]
 };
 
-// Threads worth using for a network of this many springs: one below some thousand, where barriers cost more than they
-// bring. `wanted` 0 means as many as the machine has.
+// Threads worth using for a network of this many springs (an element counts as several): one below some thousand, where
+// barriers cost more than they bring. `wanted` 0 means as many as the machine has.
 [[nodiscard]] unsigned useful_threads(unsigned wanted, std::size_t springs, std::size_t units);
 
 }  // namespace springnet::layers

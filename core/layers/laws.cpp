@@ -27,17 +27,16 @@ Law resolve(const std::optional<LawUse>& use, ComponentKind kind, std::size_t fi
   const std::string where = fmt::format("{} '{}'", name_of(kind), use->id);
   const auto refuse = [&](std::string_view what) {
     throw Error(ErrorKind::plugin,
-                fmt::format("{}: {}, which this version of springnet does not evaluate; use a law on "
-                            "the length or the relative speed of two nodes",
-                            where, what));
+                fmt::format("{}: {}, which this version of springnet does not evaluate; use another law", where, what));
   };
-  if (implementation.invariant != SPRINGNET_LENGTH && implementation.invariant != SPRINGNET_RELATIVE_SPEED)
+  if (implementation.invariant < SPRINGNET_LENGTH || implementation.invariant > SPRINGNET_ENCLOSED_VOLUME)
     refuse(fmt::format("reads invariant number {}", implementation.invariant));
   if (implementation.state_count > 0) refuse("has internal state");
   if (implementation.input_count > 0) refuse("reads input signals");
   if (implementation.prepare != nullptr) refuse("prepares a table");
   if (description.parameter_count > max_parameters)
     refuse(fmt::format("has {} parameters, more than {}", description.parameter_count, max_parameters));
+  law.invariant = implementation.invariant;
   law.relative = implementation.invariant == SPRINGNET_RELATIVE_SPEED;
   law.reads_rate = !law.relative && (description.capabilities & SPRINGNET_READS_RATE) != 0;
   law.parameter_count = description.parameter_count;
@@ -47,7 +46,59 @@ Law resolve(const std::optional<LawUse>& use, ComponentKind kind, std::size_t fi
   return law;
 }
 
-// Key of a row: material and the bits of the rest length.
+// What a law says that it reads.
+std::string_view reading(std::uint32_t invariant) {
+  switch (invariant) {
+    case SPRINGNET_RELATIVE_SPEED:
+      return "the relative speed of two nodes";
+    case SPRINGNET_ANGLE:
+      return "an angle";
+    case SPRINGNET_AREA:
+      return "an area";
+    case SPRINGNET_VOLUME:
+      return "a volume";
+    case SPRINGNET_ENCLOSED_VOLUME:
+      return "an enclosed volume";
+    default:
+      return "a length";
+  }
+}
+
+// A law on the length is a formula in a number and its rate: it may be used on any element.
+bool fits(const Law& law, Invariant invariant) {
+  switch (law.invariant) {
+    case SPRINGNET_LENGTH:
+      return true;
+    case SPRINGNET_ANGLE:
+      return invariant == Invariant::angle || invariant == Invariant::dihedral;
+    case SPRINGNET_AREA:
+      return invariant == Invariant::area;
+    case SPRINGNET_VOLUME:
+      return invariant == Invariant::volume || invariant == Invariant::enclosed_volume;
+    case SPRINGNET_ENCLOSED_VOLUME:
+      return invariant == Invariant::enclosed_volume;
+    default:
+      return false;
+  }
+}
+
+void check_use(const Law& law, std::size_t spring) {
+  if (!law || law.invariant == SPRINGNET_LENGTH || law.invariant == SPRINGNET_RELATIVE_SPEED) return;
+  throw Error(ErrorKind::input,
+              fmt::format("spring {}: {} '{}' reads {}; use a law on the length or the relative speed of two nodes",
+                          spring, name_of(law.component->kind()), law.component->id(), reading(law.invariant)));
+}
+void check_use(const Law& law, Invariant invariant, std::size_t element) {
+  if (!law || fits(law, invariant)) return;
+  throw Error(
+      ErrorKind::input,
+      fmt::format("element {} ({}): {} '{}' reads {}; use a law on the length, which may read any invariant, or "
+                  "one made for this",
+                  element, name_of(invariant), name_of(law.component->kind()), law.component->id(),
+                  reading(law.invariant)));
+}
+
+// Key of a row: material and the bits of the rest length or reference.
 struct RowKey {
   std::uint32_t material;
   std::uint64_t rest_length;
@@ -85,22 +136,36 @@ CompiledLaws compile_laws(const Network& network, const PluginHost& plugins) {
   std::unordered_map<RowKey, std::uint32_t, RowKeyHash> rows;
   RowKey last_key{0xffffffffu, 0};
   std::uint32_t last_row = 0;
-  for (const Spring& spring : springs) {
-    const MaterialLaws& material = materials[spring.material];
+  const auto row_of = [&](MaterialIndex index, double reference) {
+    const MaterialLaws& material = materials[index];
     Group& group = compiled.groups[material.group];
-    const RowKey key{spring.material, std::bit_cast<std::uint64_t>(spring.rest_length)};
+    const RowKey key{index, std::bit_cast<std::uint64_t>(reference)};
     if (key != last_key) {
       const auto [entry, is_new] = rows.try_emplace(key, static_cast<std::uint32_t>(group.row_count()));
       if (is_new) {
-        group.columns[0].push_back(spring.rest_length);
+        group.columns[0].push_back(reference);
         for (std::size_t k = 0; k < material.parameters.size(); ++k)
           group.columns[k + 1].push_back(material.parameters[k]);
       }
       last_key = key;
       last_row = entry->second;
     }
-    compiled.group.push_back(material.group);
-    compiled.row.push_back(last_row);
+    return last_row;
+  };
+  for (std::size_t s = 0; s < springs.size(); ++s) {
+    const std::uint32_t group = materials[springs[s].material].group;
+    check_use(compiled.groups[group].spring, s);
+    check_use(compiled.groups[group].viscosity, s);
+    compiled.group.push_back(group);
+    compiled.row.push_back(row_of(springs[s].material, springs[s].rest_length));
+  }
+  const std::vector<Element>& elements = network.elements();
+  for (std::size_t e = 0; e < elements.size(); ++e) {
+    const std::uint32_t group = materials[elements[e].material].group;
+    check_use(compiled.groups[group].spring, elements[e].invariant, e);
+    check_use(compiled.groups[group].viscosity, elements[e].invariant, e);
+    compiled.element_group.push_back(group);
+    compiled.element_row.push_back(row_of(elements[e].material, elements[e].reference));
   }
 
   for (const LawUse& use : network.neurons()) {

@@ -20,7 +20,8 @@ struct Law {
   std::size_t parameter_count = 0;
   std::size_t first_column = 0;  // of its parameters in Group::columns
   bool reads_rate = false;
-  bool relative = false;  // reads the relative speed, acts along the relative velocity
+  bool relative = false;        // reads the relative speed, acts along the relative velocity
+  std::uint32_t invariant = 0;  // SPRINGNET_LENGTH …
 
   explicit operator bool() const noexcept { return component != nullptr; }
   [[nodiscard]] bool can(std::uint32_t capability) const noexcept {
@@ -28,8 +29,8 @@ struct Law {
   }
 };
 
-// Springs of the same laws. columns[0] is the rest length, then come the parameters of the spring function and of the
-// viscosity function; a row is a distinct combination of them.
+// Springs and elements of the same laws. columns[0] is the rest length or reference, then come the parameters of the
+// spring function and of the viscosity function; a row is a distinct combination of them.
 struct Group {
   Law spring;
   Law viscosity;
@@ -44,13 +45,15 @@ struct NeuronKind {
   std::vector<double> parameters;
 };
 
-// Groups and rows of all springs of a network, neurons of all nodes. Throws Error if a component is not there, a
-// parameter is out of range, or a law needs what this engine does not evaluate.
+// Groups and rows of all springs and elements of a network, neurons of all nodes. Throws Error if a component is not
+// there, a parameter is out of range, a law needs what this engine does not evaluate, or is used on what it does not
+// read.
 struct CompiledLaws {
   std::vector<Group> groups;
-  std::vector<std::uint32_t> group;  // [spring]
-  std::vector<std::uint32_t> row;    // [spring] row in its group
-  std::vector<NeuronKind> neurons;   // as Network::neurons()
+  std::vector<std::uint32_t> group;                       // [spring]
+  std::vector<std::uint32_t> row;                         // [spring] row in its group
+  std::vector<std::uint32_t> element_group, element_row;  // [element]
+  std::vector<NeuronKind> neurons;                        // as Network::neurons()
 };
 [[nodiscard]] CompiledLaws compile_laws(const Network& network, const PluginHost& plugins);
 

@@ -13,7 +13,9 @@ constexpr std::size_t smallest_uniform = 24;
 }  // namespace
 
 Layout::Layout(const Network& network, const PluginHost& plugins, bool renumber)
-    : laws_(compile_laws(network, plugins)), ordering_(order_nodes(network, renumber)) {
+    : laws_(compile_laws(network, plugins)),
+      ordering_(order_nodes(network, renumber)),
+      elements_(network, laws_, ordering_.engine) {
   const std::vector<Spring>& springs = network.springs();
   const std::size_t nodes = ordering_.user.size();
   alive_.assign(springs.size(), 1);
@@ -221,6 +223,7 @@ void Layout::build_neighbours() const {
     joined.clear();
     for (const Incident* i = incident_begin(k); i != incident_end(k); ++i) joined.push_back(i->other);
     for (; rigid != rigid_.end() && rigid->first == k; ++rigid) joined.push_back(rigid->second);
+    elements_.add_neighbours(k, joined);
     std::sort(joined.begin(), joined.end(),
               [this](std::uint32_t a, std::uint32_t b) { return ordering_.user[a] < ordering_.user[b]; });
     joined.erase(std::unique(joined.begin(), joined.end()), joined.end());
@@ -268,6 +271,12 @@ std::vector<std::uint32_t> Layout::remove(const std::vector<std::uint32_t>& spri
   for (std::size_t g = 0; g < springs_of_group_.size(); ++g)
     if (group_changed[g] != 0) std::erase_if(springs_of_group_[g], [this](std::uint32_t s) { return !alive(s); });
   neighbour_start_.clear();
+  return removed;
+}
+
+std::vector<std::uint32_t> Layout::remove_elements(const std::vector<std::uint32_t>& elements) {
+  const std::vector<std::uint32_t> removed = elements_.remove(elements);
+  if (!removed.empty()) neighbour_start_.clear();
   return removed;
 }
 

@@ -21,7 +21,7 @@ springnet_status require_derivatives(const Component& component, springnet_messa
 
 Linearisation::Linearisation(const Layout& layout, const Evaluator& evaluator,
                              const std::vector<std::uint8_t>& constrained)
-    : layout_(layout), evaluator_(evaluator), constrained_(constrained) {}
+    : layout_(layout), evaluator_(evaluator), constrained_(constrained), elements_(layout, evaluator) {}
 
 springnet_status Linearisation::update(double time, const NodeArrays& nodes, const ExternalForces& external,
                                        springnet_message& message) {
@@ -63,6 +63,8 @@ springnet_status Linearisation::update(double time, const NodeArrays& nodes, con
       }
     }
   }
+  if (const springnet_status elements = elements_.update(time, nodes, message); elements != SPRINGNET_OK)
+    return elements;
   for (const NeuronKind& neuron : layout_.laws().neurons) {
     if (require_derivatives(*neuron.component, message) != SPRINGNET_OK) return SPRINGNET_FAILED;
   }
@@ -85,8 +87,10 @@ springnet_status Linearisation::update(double time, const NodeArrays& nodes, con
   return neurons;
 }
 
-void Linearisation::times(const double* dp, const double* dv, double* out) const {
+void Linearisation::times(const double* dp, const double* dv, double* out) {
   const std::size_t n = layout_.node_count();
+  const bool elements = layout_.elements().live_count() > 0;
+  if (elements) elements_.prepare(dp, dv);
   const auto at = [n](const double* values, std::size_t k) {
     return Vector3(values[k], values[n + k], values[2 * n + k]);
   };
@@ -97,6 +101,7 @@ void Linearisation::times(const double* dp, const double* dv, double* out) const
     if (constrained_[k] == 0) {
       const Vector3 p = at(dp, k), v = at(dv, k);
       Vector3 force = Vector3::Zero();
+      if (elements) force = elements_.force(k, dp, dv);
       for (const Incident* i = layout_.incident_begin(k); i != layout_.incident_end(k); ++i)
         force -=
             block(stiffness_, i->spring) * (p - at(dp, i->other)) + block(damping_, i->spring) * (v - at(dv, i->other));
@@ -117,8 +122,12 @@ void Linearisation::times(const double* dp, const double* dv, double* out) const
 }
 
 void Linearisation::diagonal_blocks(double velocity_weight, double position_weight, double* out) const {
+  diagonal_blocks(velocity_weight, position_weight, true, out);
+}
+
+void Linearisation::diagonal_blocks(double velocity_weight, double position_weight, bool vectors, double* out) const {
   for (std::uint32_t k = 0; k < layout_.node_count(); ++k) {
-    Block sum = Block::Zero();
+    Block sum = elements_.diagonal(k, velocity_weight, position_weight, vectors);
     for (const Incident* i = layout_.incident_begin(k); i != layout_.incident_end(k); ++i)
       sum += velocity_weight * block(damping_, i->spring) + position_weight * block(stiffness_, i->spring);
     Eigen::Map<Block> result(out + 9 * std::size_t{k});
@@ -211,7 +220,7 @@ springnet_status Linearisation::factorise(double velocity_weight, double positio
   double* values = matrix_.valuePtr();
   std::fill_n(values, matrix_.nonZeros(), 0.0);
   std::vector<double> diagonal(9 * std::size_t{n});
-  diagonal_blocks(velocity_weight, position_weight, diagonal.data());
+  diagonal_blocks(velocity_weight, position_weight, false, diagonal.data());
   const auto add = [&](std::uint32_t i, std::uint32_t j, const Block& value) {
     const int column = matrix_.outerIndexPtr()[3 * j];
     const int height = matrix_.outerIndexPtr()[3 * j + 1] - column;
@@ -235,6 +244,12 @@ springnet_status Linearisation::factorise(double velocity_weight, double positio
     if (constrained_[bond.second] == 0)
       add(bond.second, bond.first, -position_weight * block(by_force_, bond.second) * bond.stiffness);
   }
+  if (layout_.elements().live_count() > 0) {
+    elements_.for_each_block(velocity_weight, position_weight,
+                             [&](std::uint32_t i, std::uint32_t j, const Block& value) {
+                               if (constrained_[i] == 0) add(i, j, block(by_force_, i) * value);
+                             });
+  }
   if (rows.empty()) {
     rows_.clear();
     factors_.factorize(matrix_);
@@ -246,13 +261,47 @@ springnet_status Linearisation::factorise(double velocity_weight, double positio
     set_message(message, fmt::format("the linear system of the step is singular: {}", factors.lastErrorMessage()));
     return SPRINGNET_RECOVERABLE;
   }
+  set_vectors(velocity_weight, position_weight);
   return SPRINGNET_OK;
+}
+
+// What closed surfaces add to the factorised matrix.
+void Linearisation::set_vectors(double velocity_weight, double position_weight) {
+  const std::size_t live = layout_.elements().live_surfaces();
+  const Eigen::Index size = matrix_.rows() + static_cast<Eigen::Index>(rows_.size());
+  const auto count = static_cast<Eigen::Index>(live > 0 ? elements_.vector_count() : 0);
+  Eigen::MatrixXd columns = Eigen::MatrixXd::Zero(size, count), weights = columns;
+  if (count > 0) {
+    elements_.for_each_vector(
+        velocity_weight, position_weight,
+        [&](std::size_t surface, std::uint32_t node, const Vector3& gradient, const Vector3& weight) {
+          const auto column = static_cast<Eigen::Index>(surface), at = 3 * static_cast<Eigen::Index>(node);
+          if (constrained_[node] == 0) columns.block<3, 1>(at, column) = block(by_force_, node) * gradient;
+          weights.block<3, 1>(at, column) = weight;
+        });
+  }
+  vectors_.set(std::move(columns), std::move(weights));
+}
+
+Eigen::VectorXd Linearisation::solve_factorised(bool transposed, const Eigen::VectorXd& right_side) {
+  auto& factors = rows_.empty() ? factors_ : bordered_factors_;
+  const LowRank::Solve plain = [&factors](bool turned, const Eigen::MatrixXd& b) -> Eigen::MatrixXd {
+    return turned ? Eigen::MatrixXd(factors.transpose().solve(b)) : Eigen::MatrixXd(factors.solve(b));
+  };
+  if (vectors_.empty()) return plain(transposed, right_side);
+  // The part without the surfaces may be far worse conditioned than the whole: what its solution is off by is solved
+  // for once more.
+  const Eigen::SparseMatrix<double>& matrix = rows_.empty() ? matrix_ : bordered_;
+  Eigen::VectorXd x = vectors_.solve(transposed, right_side, plain);
+  const Eigen::VectorXd product = transposed ? Eigen::VectorXd(matrix.transpose() * x) : Eigen::VectorXd(matrix * x);
+  x += vectors_.solve(transposed, right_side - product - vectors_.times(transposed, x), plain);
+  return x;
 }
 
 springnet_status Linearisation::solve(bool transposed, const double* right_side, double* x,
                                       springnet_message& message) {
   const std::size_t n = layout_.node_count();
-  auto& factors = rows_.empty() ? factors_ : bordered_factors_;
+  const auto& factors = rows_.empty() ? factors_ : bordered_factors_;
   const auto size = static_cast<Eigen::Index>(3 * n + rows_.size());
   if (factors.info() != Eigen::Success || factors.rows() != size) {
     set_message(message, "solve was called without a factorisation");
@@ -268,8 +317,7 @@ springnet_status Linearisation::solve(bool transposed, const double* right_side,
     if (row.second != ConstraintRow::no_node) rate -= row.direction.dot(Vector3(work_.segment<3>(at(row.second, 0))));
     work_[static_cast<Eigen::Index>(3 * n + r)] = transposed ? 0.0 : rate;
   }
-  Eigen::VectorXd solution =
-      transposed ? Eigen::VectorXd(factors.transpose().solve(work_)) : Eigen::VectorXd(factors.solve(work_));
+  Eigen::VectorXd solution = solve_factorised(transposed, work_);
   if (transposed) {
     // x^T b with b = (r, G r): what the rows of the right side carry comes back to the nodes.
     for (std::size_t r = 0; r < rows_.size(); ++r) {

@@ -8,12 +8,15 @@
 #include <vector>
 
 #include "layers/constraint_row.hpp"
+#include "layers/element_linearisation.hpp"
 #include "layers/evaluator.hpp"
+#include "layers/low_rank.hpp"
 #include "layers/spring_blocks.hpp"
 
 namespace springnet::layers {
 
-// The blocks of springs are those of spring_blocks.hpp.
+// The blocks of springs are those of spring_blocks.hpp, those of elements of element_linearisation.hpp. What a closed
+// surface does to all of its nodes at once is no part of the sparse matrix: it would fill it.
 class Linearisation {
  public:
   // References have to outlive it. constrained: [node] 1 where a node is fixed or held: its acceleration is 0.
@@ -33,7 +36,7 @@ class Linearisation {
   // Whether there is a state that the functions below speak of: update() succeeded, no spring was removed since.
   [[nodiscard]] bool known() const noexcept { return known_; }
   // out = da/dp dp + da/dv dv; 3n numbers each, x of all nodes first.
-  void times(const double* dp, const double* dv, double* out) const;
+  void times(const double* dp, const double* dv, double* out);
   // Diagonal blocks of I - velocity_weight da/dv - position_weight da/dp, [node][9].
   void diagonal_blocks(double velocity_weight, double position_weight, double* out) const;
   // Of A = I - velocity_weight da/dv - position_weight da/dp, and, where `rows` bind the motion, of
@@ -42,7 +45,7 @@ class Linearisation {
                              springnet_message& message);
   // A x = b; with rows the x for which A x + W G^T (multipliers) = b and G x = G b.
   springnet_status solve(bool transposed, const double* right_side, double* x, springnet_message& message);
-  // To be called after springs were removed.
+  // To be called after springs or elements were removed.
   void topology_changed() noexcept { pattern_known_ = known_ = bordered_known_ = false; }
 
  private:
@@ -55,6 +58,11 @@ class Linearisation {
     return Eigen::Map<const Block>(blocks.data() + 9 * index);
   }
   void make_pattern();
+  // vectors: with what closed surfaces do to all of their nodes.
+  void diagonal_blocks(double velocity_weight, double position_weight, bool vectors, double* out) const;
+  // Of the factorised matrix and right sides of its size.
+  [[nodiscard]] Eigen::VectorXd solve_factorised(bool transposed, const Eigen::VectorXd& right_side);
+  void set_vectors(double velocity_weight, double position_weight);
   void factorise_bound(const std::vector<ConstraintRow>& rows);
 
   const Layout& layout_;
@@ -63,6 +71,8 @@ class Linearisation {
   Blocks stiffness_, damping_;                   // [spring]
   Blocks by_force_, by_position_, by_velocity_;  // [node]
   std::vector<Bond> bonds_;
+  ElementLinearisation elements_;
+  LowRank vectors_;  // of closed surfaces, as factorised
   std::vector<double> force_[3], acceleration_[3];
   bool known_ = false;
   bool pattern_known_ = false;

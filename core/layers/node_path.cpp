@@ -4,7 +4,7 @@
 #include <cmath>
 #include <limits>
 
-#include "layers/evaluator.hpp"
+#include "layers/node_sums.hpp"
 #include "layers/spring_blocks.hpp"
 
 namespace springnet::layers {
@@ -55,14 +55,6 @@ void read(const Incident* springs, std::size_t count, std::uint32_t k, const Nod
 }
 
 }  // namespace
-
-// What is summed over a node's springs; null where it is not wanted.
-struct Evaluator::NodeSums {
-  Vector3& force;              // N
-  Block* stiffness = nullptr;  // N/m
-  Block* damping = nullptr;    // N s/m
-  double* energy = nullptr;    // J
-};
 
 springnet_status Evaluator::add_springs(std::uint32_t node, double time, const NodeArrays& nodes, NodeSums& sums,
                                         springnet_message& message) const {
@@ -124,16 +116,19 @@ springnet_status Evaluator::add_springs(std::uint32_t node, double time, const N
 }
 
 springnet_status Evaluator::evaluate_node(std::uint32_t node, double time, const NodeArrays& nodes,
-                                          const ExternalForces& external, Vector3& force,
+                                          const ExternalForces& external, const SurfaceVolumes* volumes, Vector3& force,
                                           springnet_message& message) const {
   force = external_force(node, mass_[node], external);
   NodeSums sums{force};
+  if (const springnet_status status = add_elements_of(node, time, nodes, volumes, sums, message);
+      status != SPRINGNET_OK)
+    return status;
   return add_springs(node, time, nodes, sums, message);
 }
 
 springnet_status Evaluator::evaluate_node(std::uint32_t node, double time, const NodeArrays& nodes,
-                                          const ExternalForces& external, Vector3& force, Vector3& acceleration,
-                                          NodeDerivatives* derivatives, double* energy,
+                                          const ExternalForces& external, const SurfaceVolumes* volumes, Vector3& force,
+                                          Vector3& acceleration, NodeDerivatives* derivatives, double* energy,
                                           springnet_message& message) const {
   const NeuronKind& neuron = layout_.laws().neurons[layout_.neuron_kind()[node]];
   const bool differentiable = (neuron.component->description->capabilities & SPRINGNET_HAS_DERIVATIVES) != 0;
@@ -144,7 +139,8 @@ springnet_status Evaluator::evaluate_node(std::uint32_t node, double time, const
   Block stiffness = Block::Zero(), damping = Block::Zero();
   NodeSums sums{force, derivatives != nullptr ? &stiffness : nullptr, derivatives != nullptr ? &damping : nullptr,
                 energy};
-  springnet_status status = add_springs(node, time, nodes, sums, message);
+  springnet_status status = add_elements_of(node, time, nodes, volumes, sums, message);
+  if (status == SPRINGNET_OK) status = add_springs(node, time, nodes, sums, message);
   if (status != SPRINGNET_OK) return status;
 
   Block by_force = Block::Zero(), by_position = Block::Zero(), by_velocity = Block::Zero();

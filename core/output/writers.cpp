@@ -164,7 +164,8 @@ void EventWriter::record(const Simulation& simulation) {
   for (; written_ < events.size(); ++written_) {
     const Event& event = events[written_];
     const Words& what = words.at(static_cast<std::size_t>(event.kind));
-    out << event.time << ',' << what.event << ',' << what.element << ',' << event.index << '\n';
+    out << event.time << ',' << what.event << ',' << (event.element ? "element" : what.element) << ',' << event.index
+        << '\n';
   }
 }
 

@@ -36,7 +36,8 @@ const std::vector<Engine::EventSource>& Engine::event_sources() {
       for (std::uint32_t other = 0; other < surfaces; ++other)
         if (touch.surface < 0 || other != j) sources_.push_back({EventSource::Kind::touch, k, other});
     }
-    for (const std::uint32_t s : rupturing()) sources_.push_back({EventSource::Kind::rupture, s, 0});
+    for (const std::uint32_t s : rupturing().springs) sources_.push_back({EventSource::Kind::rupture, s, 0});
+    for (const std::uint32_t e : rupturing().elements) sources_.push_back({EventSource::Kind::element_rupture, e, 0});
     touch_depth_ = surfaces > 0 ? contact_tolerance() : 0.0;
     sources_revision_ = revision_;
   }
@@ -50,7 +51,7 @@ springnet_status Engine::event_values(const springnet_evaluation& request, doubl
     const EventSource& source = sources[e];
     const std::uint32_t k = source.index;
     if (directions != nullptr) directions[e] = source.kind == EventSource::Kind::release ? 1 : -1;
-    if (source.kind == EventSource::Kind::rupture) continue;
+    if (source.kind == EventSource::Kind::rupture || source.kind == EventSource::Kind::element_rupture) continue;
     const Vector3 p = vector_at(request.position, k);
     const Vector3 n = contact_.normal(source.surface, p);
     if (source.kind == EventSource::Kind::touch) {
@@ -72,11 +73,10 @@ springnet_status Engine::event_values(const springnet_evaluation& request, doubl
                             (reaction - pressing * n).norm();
     }
   }
-  const std::vector<std::uint32_t>& springs = rupturing();
-  return springs.empty() ? SPRINGNET_OK
-                         : layers::rupture_margins(layout_, evaluator_.instruction_set(), request.time,
-                                                   node_arrays(request.position, request.velocity), springs,
-                                                   values + (sources.size() - springs.size()), message_);
+  const std::size_t breaking = rupturing().count();
+  return breaking == 0 ? SPRINGNET_OK
+                       : rupture_margins(request.time, node_arrays(request.position, request.velocity),
+                                         values + (sources.size() - breaking));
 }
 
 // Contact without restitution: the node loses what its velocity has against the surface, by friction also along it.
@@ -162,7 +162,7 @@ springnet_status Engine::settle_contacts(double time, State& state) {
       Vector3 force = Vector3::Zero();
       springnet_message message{};
       if (speed > no_speed || (speed >= -no_speed && evaluator_.evaluate_node(k, time, state.nodes(), loads_.external(),
-                                                                              force, message) != SPRINGNET_OK))
+                                                                              nullptr, force, message) != SPRINGNET_OK))
         continue;
       // The force beside the one that keeps a node with its velocity along the surface at its distance.
       const double needed = mass_[k] * (n.dot(contact_.placement(j).acceleration) - contact_.turning(j, p, relative));
@@ -221,6 +221,7 @@ springnet_status Engine::fire(const EventSource& source, double time, State& sta
       }
       break;
     case EventSource::Kind::rupture:
+    case EventSource::Kind::element_rupture:
       break;
   }
   return SPRINGNET_OK;
@@ -229,7 +230,7 @@ springnet_status Engine::fire(const EventSource& source, double time, State& sta
 springnet_status Engine::fire_events(double time, State& state, const std::int32_t* fired) {
   set_time(time);
   const std::vector<EventSource> sources = event_sources();
-  std::vector<std::uint32_t> broken, touched;
+  std::vector<std::uint32_t> broken, broken_elements, touched;
   for (std::size_t e = 0; e < sources.size(); ++e) {
     const EventSource& source = sources[e];
     const std::uint32_t k = source.index;
@@ -244,10 +245,12 @@ springnet_status Engine::fire_events(double time, State& state, const std::int32
     if (!now) continue;
     if (source.kind == EventSource::Kind::rupture)
       broken.push_back(k);
+    else if (source.kind == EventSource::Kind::element_rupture)
+      broken_elements.push_back(k);
     else if (const springnet_status status = fire(source, time, state, touched); status != SPRINGNET_OK)
       return status;
   }
-  if (!broken.empty()) remove(broken, Event::Kind::ruptured, time);
+  if (!broken.empty() || !broken_elements.empty()) remove(broken, broken_elements, Event::Kind::ruptured, time);
   // What was stopped stops, with its share, what hangs rigidly on it.
   if (rigid_.any() && !touched.empty()) {
     const springnet_status status = rigid_.project(state.view.position, state.view.velocity, message_, touched);

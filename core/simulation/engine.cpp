@@ -123,7 +123,8 @@ void Engine::start_constraints() {
     throw Error(ErrorKind::input, message_.text);
 }
 
-// Typical length, velocity and force, from which tolerances are made: mean rest length; the greatest initial speed or
+// Typical length, velocity and force, from which tolerances are made: mean rest length, or where there is no
+// spring the distance of two nodes of an element; the greatest initial speed or
 // the speed that the greatest initial acceleration reaches over that length; the greatest weight, load, net force or
 // force that holds the greatest initial speed on a circle of that length.
 void Engine::set_scales() {
@@ -135,6 +136,11 @@ void Engine::set_scales() {
       length += rest;
       ++count;
     }
+  }
+  for (std::uint32_t e = 0; length == 0.0 && e < layout_.elements().count(); ++e) {
+    const std::span<const std::uint32_t> nodes = layout_.elements().nodes(e);
+    length = (vector_at(state_.view.position, nodes[1]) - vector_at(state_.view.position, nodes[0])).norm();
+    count = length > 0.0 ? 1 : 0;
   }
   length = count > 0 ? length / static_cast<double>(count) : 1.0;
   double speed = 0.0, acceleration = 0.0, force = 0.0, mass = 0.0;

@@ -88,9 +88,9 @@ class Engine {
     bool done = false;
   };
   struct EventSource {
-    enum class Kind : std::uint8_t { touch, release, slip, stick, rupture };
+    enum class Kind : std::uint8_t { touch, release, slip, stick, rupture, element_rupture };
     Kind kind;
-    std::uint32_t index;  // node or spring
+    std::uint32_t index;  // node, spring or element
     std::uint32_t surface;
   };
   class ReactionsAt;
@@ -108,7 +108,9 @@ class Engine {
   void set_scales();
   void perform_due_cuts();
   springnet_status perform_due_ruptures();
-  std::size_t remove(const std::vector<std::uint32_t>& springs, Event::Kind kind, double time);
+  // Springs, and what goes with them; elements besides. Returns the number of springs.
+  std::size_t remove(const std::vector<std::uint32_t>& springs, const std::vector<std::uint32_t>& elements,
+                     Event::Kind kind, double time);
   springnet_status stop_penetration(double time, State& state);
   void touch(std::uint32_t node, std::size_t surface, double time, State& state);
   // Lets slip what friction cannot hold any more.
@@ -119,8 +121,11 @@ class Engine {
   springnet_status fire(const EventSource& source, double time, State& state, std::vector<std::uint32_t>& touched);
   // Of a sweep in an order; `tile_context` is that of the sweep.
   springnet_status sweep_in_order(const springnet_sweep& sweep, void* tile_context);
-  springnet_status update_range(std::uint32_t begin, std::uint32_t end, std::uint32_t unit, void* tile_context,
-                                springnet_message& message);
+  springnet_status sweep_set(std::uint32_t set, void* tile_context);
+  enum class Turn : std::uint8_t { all, others, joined_to_all };  // of which nodes of a range
+  [[nodiscard]] bool is_joined_to_all(std::uint32_t node) const;
+  springnet_status update_range(std::uint32_t begin, std::uint32_t end, std::uint32_t unit, Turn turn,
+                                void* tile_context, springnet_message& message);
   springnet_status update_cluster(std::size_t cluster, std::uint32_t unit, void* tile_context,
                                   springnet_message& message);
   springnet_status evaluate_for_update(std::uint32_t node, void* tile_context, NodeEvaluation& result,
@@ -132,7 +137,13 @@ class Engine {
   springnet_status constrain_clusters(const springnet_sweep& sweep);
   void note(Event::Kind kind, double time, std::uint32_t user_index) { events_.push_back({kind, time, user_index}); }
   [[nodiscard]] const std::vector<EventSource>& event_sources();
-  [[nodiscard]] const std::vector<std::uint32_t>& rupturing();
+  struct Rupturing {
+    std::vector<std::uint32_t> springs, elements;
+    [[nodiscard]] std::size_t count() const noexcept { return springs.size() + elements.size(); }
+  };
+  [[nodiscard]] const Rupturing& rupturing();
+  // [count()] margins of the springs, then of the elements.
+  springnet_status rupture_margins(double time, const layers::NodeArrays& nodes, double* margins);
   void explain(double time, const layers::NodeArrays& nodes);
   bool check_finite(bool forces, std::uint32_t bad_neuron, double time, const layers::NodeArrays& nodes);
   springnet_status failed(springnet_status status, double time, const layers::NodeArrays& nodes);
@@ -164,6 +175,8 @@ class Engine {
   double touch_depth_ = 0.0;                // m
   std::mutex failure_lock_;                 // of messages, where nodes are evaluated by several threads
   bool in_sets_ = false;                    // several threads write outputs
+  layers::SurfaceVolumes swept_volumes_;    // of closed surfaces within a sweep in an order,
+  layers::SurfaceVolumes asked_volumes_;    // and of a call of evaluate_nodes outside
   std::vector<std::uint8_t> cluster_done_;  // within a sweep in an order
   double interval_from_ = 0.0, interval_until_ = std::numeric_limits<double>::infinity();  // s, of begin_step
   std::vector<ConstraintRow> linear_rows_;                                                 // of linearise
@@ -174,7 +187,7 @@ class Engine {
   Reactions reactions_;
   bool reactions_known_ = false;
   bool rupturing_known_ = false;
-  std::vector<std::uint32_t> rupturing_;
+  Rupturing rupturing_;
   std::vector<double> scratch_;  // forces nobody asked for
 };
 

@@ -3,23 +3,44 @@
 #include <algorithm>
 #include <cmath>
 
+#include "layers/element_questions.hpp"
 #include "layers/elements.hpp"
 #include "simulation/engine.hpp"
 #include "simulation/vectors.hpp"
 
 namespace springnet {
-const std::vector<std::uint32_t>& Engine::rupturing() {
+const Engine::Rupturing& Engine::rupturing() {
   if (!rupturing_known_) {
-    rupturing_ = layers::rupturing_springs(layout_);
+    rupturing_ = {layers::rupturing_springs(layout_), layers::rupturing_elements(layout_)};
     rupturing_known_ = true;
   }
   return rupturing_;
 }
 
-std::size_t Engine::remove(const std::vector<std::uint32_t>& springs, Event::Kind kind, double time) {
+springnet_status Engine::rupture_margins(double time, const layers::NodeArrays& nodes, double* margins) {
+  const Rupturing& some = rupturing();
+  const InstructionSet set = evaluator_.instruction_set();
+  const springnet_status status = layers::rupture_margins(layout_, set, time, nodes, some.springs, margins, message_);
+  return status != SPRINGNET_OK ? status
+                                : layers::element_margins(layout_, set, time, nodes, some.elements,
+                                                          margins + some.springs.size(), message_);
+}
+
+std::size_t Engine::remove(const std::vector<std::uint32_t>& springs, const std::vector<std::uint32_t>& elements,
+                           Event::Kind kind, double time) {
   const std::vector<std::uint32_t> removed = layout_.remove(springs);
   for (const std::uint32_t s : removed) note(kind, time, s);
-  if (!removed.empty()) {
+  std::vector<std::uint32_t> broken;
+  if (layout_.elements().live_count() > 0) {
+    std::vector<std::pair<std::uint32_t, std::uint32_t>> ends;
+    for (const std::uint32_t s : removed) ends.emplace_back(layout_.first(s), layout_.second(s));
+    broken = layout_.elements().broken_by(ends);
+    broken.insert(broken.end(), elements.begin(), elements.end());
+    std::sort(broken.begin(), broken.end());
+    broken = layout_.remove_elements(broken);
+    for (const std::uint32_t e : broken) events_.push_back({kind, time, e, true});
+  }
+  if (!removed.empty() || !broken.empty()) {
     rupturing_known_ = false;
     linearisation_.topology_changed();
     changed();
@@ -27,15 +48,18 @@ std::size_t Engine::remove(const std::vector<std::uint32_t>& springs, Event::Kin
   return removed.size();
 }
 
-std::size_t Engine::cut(const std::vector<std::uint32_t>& springs) { return remove(springs, Event::Kind::cut, time_); }
+std::size_t Engine::cut(const std::vector<std::uint32_t>& springs) {
+  return remove(springs, {}, Event::Kind::cut, time_);
+}
 
 std::size_t Engine::cut(const CuttingPolygon& polygon) {
+  const auto crosses = [&](std::uint32_t a, std::uint32_t b) {
+    return polygon.crosses(vector_at(state_.view.position, a), vector_at(state_.view.position, b));
+  };
   std::vector<std::uint32_t> crossed;
   for (std::uint32_t s = 0; s < layout_.spring_count(); ++s)
-    if (layout_.alive(s) && polygon.crosses(vector_at(state_.view.position, layout_.first(s)),
-                                            vector_at(state_.view.position, layout_.second(s))))
-      crossed.push_back(s);
-  return cut(crossed);
+    if (layout_.alive(s) && crosses(layout_.first(s), layout_.second(s))) crossed.push_back(s);
+  return remove(crossed, layout_.elements().crossed_by(crosses), Event::Kind::cut, time_);
 }
 
 void Engine::perform_due_cuts() {
@@ -48,16 +72,20 @@ void Engine::perform_due_cuts() {
 }
 
 springnet_status Engine::perform_due_ruptures() {
-  const std::vector<std::uint32_t>& springs = rupturing();
-  if (springs.empty()) return SPRINGNET_OK;
-  std::vector<double> margins(springs.size());
-  const springnet_status status = layers::rupture_margins(layout_, evaluator_.instruction_set(), time_, state_.nodes(),
-                                                          springs, margins.data(), message_);
+  const Rupturing& some = rupturing();
+  if (some.count() == 0) return SPRINGNET_OK;
+  std::vector<double> margins(some.count());
+  const springnet_status status = rupture_margins(time_, state_.nodes(), margins.data());
   if (status != SPRINGNET_OK) return status;
-  std::vector<std::uint32_t> broken;
-  for (std::size_t i = 0; i < springs.size(); ++i)
-    if (margins[i] <= 0.0) broken.push_back(springs[i]);
-  remove(broken, Event::Kind::ruptured, time_);
+  std::vector<std::uint32_t> springs, elements;
+  for (std::size_t i = 0; i < margins.size(); ++i) {
+    if (margins[i] > 0.0) continue;
+    if (i < some.springs.size())
+      springs.push_back(some.springs[i]);
+    else
+      elements.push_back(some.elements[i - some.springs.size()]);
+  }
+  remove(springs, elements, Event::Kind::ruptured, time_);
   return SPRINGNET_OK;
 }
 

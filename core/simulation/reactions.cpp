@@ -15,6 +15,8 @@ Engine::ReactionsAt::ReactionsAt(Engine& engine, double time, const springnet_co
       external_(engine.loads_.external()),
       cluster_known_(engine.rigid_.cluster_count(), 0) {
   engine.set_time(time);
+  if (engine.layout_.elements().live_surfaces() > 0)
+    volumes_.compute(engine.layout_.elements(), node_arrays(position, velocity));
   if (!cluster_known_.empty()) {
     const std::size_t n = engine.layout_.node_count();
     for (auto* values : {&free_, &bound_}) values->resize(3 * n);
@@ -24,7 +26,7 @@ Engine::ReactionsAt::ReactionsAt(Engine& engine, double time, const springnet_co
 
 springnet_status Engine::ReactionsAt::free_acceleration(std::uint32_t node, Vector3& acceleration) {
   Vector3 force;
-  return engine_.evaluator_.evaluate_node(node, time_, node_arrays(position_, velocity_), external_, force,
+  return engine_.evaluator_.evaluate_node(node, time_, node_arrays(position_, velocity_), external_, &volumes_, force,
                                           acceleration, nullptr, nullptr, engine_.message_);
 }
 

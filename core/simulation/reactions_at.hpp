@@ -26,6 +26,7 @@ class Engine::ReactionsAt {
   double time_;
   springnet_const_vectors position_, velocity_;
   layers::ExternalForces external_;
+  layers::SurfaceVolumes volumes_;
   std::vector<std::uint8_t> cluster_known_;
   std::vector<double> free_, bound_;  // [3 node] m/s^2
   std::vector<double> tension_;       // [rod] N

@@ -6,6 +6,7 @@
 #include <springnet/error.hpp>
 #include <springnet/simulation.hpp>
 
+#include "layers/element_questions.hpp"
 #include "layers/elements.hpp"
 #include "simulation/engine.hpp"
 #include "simulation/host_table.hpp"
@@ -55,6 +56,11 @@ struct Simulation::Impl {
     if (spring >= engine.layout().spring_count())
       throw Error(ErrorKind::input, fmt::format("spring {} does not exist: the network has springs 0 to {}", spring,
                                                 static_cast<std::int64_t>(engine.layout().spring_count()) - 1));
+  }
+  void check_element(ElementIndex element) const {
+    if (element >= engine.layout().elements().count())
+      throw Error(ErrorKind::input, fmt::format("element {} does not exist: the network has {} elements", element,
+                                                engine.layout().elements().count()));
   }
   void check_surface(std::size_t surface) const {
     if (surface >= engine.contact().surfaces().size())
@@ -194,6 +200,7 @@ std::uint64_t Simulation::sweeps() const noexcept { return impl_->sweeps; }
 std::size_t Simulation::node_count() const noexcept { return impl_->engine.layout().node_count(); }
 std::size_t Simulation::spring_count() const noexcept { return impl_->engine.layout().spring_count(); }
 std::size_t Simulation::live_spring_count() const noexcept { return impl_->engine.layout().live_count(); }
+std::size_t Simulation::element_count() const noexcept { return impl_->engine.layout().elements().count(); }
 unsigned Simulation::threads() const noexcept { return impl_->engine.evaluator().threads(); }
 InstructionSet Simulation::instruction_set() const noexcept { return impl_->engine.evaluator().instruction_set(); }
 const StepReport& Simulation::last_report() const noexcept { return impl_->last; }
@@ -286,6 +293,21 @@ bool Simulation::alive(SpringIndex spring) const {
   return impl_->engine.layout().alive(spring);
 }
 
+double Simulation::element_value(ElementIndex element) const {
+  impl_->check_element(element);
+  return layers::element_state(impl_->engine.layout(), impl_->engine.state_without_forces().nodes(), element).value;
+}
+double Simulation::element_force(ElementIndex element) const {
+  if (!element_alive(element)) return 0.0;
+  const Engine& engine = impl_->engine;
+  return layers::element_force(engine.layout(), engine.evaluator().instruction_set(), engine.time(),
+                               engine.state_without_forces().nodes(), element);
+}
+bool Simulation::element_alive(ElementIndex element) const {
+  impl_->check_element(element);
+  return impl_->engine.layout().elements().alive(element);
+}
+
 double Simulation::kinetic_energy() const {
   const springnet_vectors& v = impl_->engine.state_without_forces().view.velocity;
   double sum = 0.0;
@@ -296,7 +318,8 @@ double Simulation::potential_energy() const {
   Engine& engine = impl_->engine;
   const State& state = engine.state_without_forces();
   double sum =
-      layers::elastic_energy(engine.layout(), engine.evaluator().instruction_set(), engine.time(), state.nodes());
+      layers::elastic_energy(engine.layout(), engine.evaluator().instruction_set(), engine.time(), state.nodes()) +
+      layers::element_energy(engine.layout(), engine.evaluator().instruction_set(), engine.time(), state.nodes());
   for (std::uint32_t k = 0; k < node_count(); ++k)
     sum -= engine.mass()[k] * engine.loads().gravity().dot(column(state.view.position, k));
   return sum;

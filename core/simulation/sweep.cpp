@@ -176,6 +176,15 @@ springnet_status Engine::evaluate_nodes(const springnet_evaluation& request, con
   const layers::NodeArrays arrays = node_arrays(wanted.position, wanted.velocity);
   const layers::ExternalForces external = loads_.external();
   contact_.set_time(sample_time(wanted.time));  // the same for all threads of a sweep, and known by then
+  const layers::SurfaceVolumes* volumes = nullptr;
+  if (layout_.elements().live_surfaces() > 0) {
+    if (swept_volumes_.follows(arrays)) {
+      volumes = &swept_volumes_;
+    } else if (!in_sets_) {
+      asked_volumes_.compute(layout_.elements(), arrays);
+      volumes = &asked_volumes_;
+    }
+  }
   for (std::uint32_t i = 0; i < count; ++i) {
     const std::uint32_t k = nodes[i];
     Vector3 force, a = Vector3::Zero();
@@ -184,8 +193,9 @@ springnet_status Engine::evaluate_nodes(const springnet_evaluation& request, con
     springnet_message message{};
     const springnet_status status =
         wanted.acceleration.x == nullptr && !blocks && wanted.energy == nullptr
-            ? evaluator_.evaluate_node(k, wanted.time, arrays, external, force, message)
-            : evaluator_.evaluate_node(k, wanted.time, arrays, external, force, a, blocks ? &derivatives : nullptr,
+            ? evaluator_.evaluate_node(k, wanted.time, arrays, external, volumes, force, message)
+            : evaluator_.evaluate_node(k, wanted.time, arrays, external, volumes, force, a,
+                                       blocks ? &derivatives : nullptr,
                                        wanted.energy == nullptr ? nullptr : wanted.energy + k, message);
     if (status != SPRINGNET_OK) {
       const std::lock_guard guard(failure_lock_);
@@ -221,9 +231,9 @@ springnet_status Engine::evaluate_for_update(std::uint32_t node, void* tile_cont
   Vector3 force, acceleration;
   const springnet_status status =
       context.sweep->want_blocks != 0
-          ? evaluator_.evaluate_node(node, context.time, context.nodes, external, force, acceleration,
+          ? evaluator_.evaluate_node(node, context.time, context.nodes, external, &swept_volumes_, force, acceleration,
                                      &result.derivatives, nullptr, message)
-          : evaluator_.evaluate_node(node, context.time, context.nodes, external, force, message);
+          : evaluator_.evaluate_node(node, context.time, context.nodes, external, &swept_volumes_, force, message);
   context.force.x[node] = force[0];
   context.force.y[node] = force[1];
   context.force.z[node] = force[2];
@@ -262,62 +272,95 @@ springnet_status Engine::update_cluster(std::size_t cluster, std::uint32_t unit,
   return rigid_.constrain(cluster, *static_cast<TileContext*>(tile_context)->sweep, message);
 }
 
+// Whether a node, or one of its cluster, is one of a closed surface, whose nodes all see each other.
+bool Engine::is_joined_to_all(std::uint32_t node) const {
+  const layers::ElementLayout& elements = layout_.elements();
+  if (elements.live_surfaces() == 0) return false;
+  const auto on_surface = [&](std::uint32_t k) {
+    const std::span<const layers::ElementShare> shares = elements.shares(k);
+    return !shares.empty() && shares.back().surface != layers::no_surface;
+  };
+  const std::uint32_t* clusters = rigid_.cluster_of();
+  if (clusters == nullptr || clusters[node] == no_cluster) return on_surface(node);
+  const std::vector<std::uint32_t>& members = rigid_.nodes_of(clusters[node]);
+  return std::any_of(members.begin(), members.end(), on_surface);
+}
+
 // Nodes [begin, end) of the order, one after another; a cluster when the first of its nodes has its turn.
-springnet_status Engine::update_range(std::uint32_t begin, std::uint32_t end, std::uint32_t unit, void* tile_context,
-                                      springnet_message& message) {
+springnet_status Engine::update_range(std::uint32_t begin, std::uint32_t end, std::uint32_t unit, Turn turn,
+                                      void* tile_context, springnet_message& message) {
   const springnet_sweep& sweep = *static_cast<TileContext*>(tile_context)->sweep;
   const std::uint32_t* clusters = rigid_.cluster_of();
+  const bool surfaces = layout_.elements().live_surfaces() > 0;
   for (std::uint32_t i = begin; i < end; ++i) {
     const std::uint32_t k = sweep.order[i];
+    if (surfaces && turn != Turn::all && is_joined_to_all(k) != (turn == Turn::joined_to_all)) continue;
     const std::uint32_t cluster = clusters == nullptr ? no_cluster : clusters[k];
     springnet_status status = SPRINGNET_OK;
     if (cluster == no_cluster) {
       NodeEvaluation evaluation;
       status = evaluate_for_update(k, tile_context, evaluation, message);
       if (status == SPRINGNET_OK) status = update_node(k, unit, tile_context, evaluation, message);
+      if (surfaces && turn != Turn::others) swept_volumes_.commit(k);
     } else if (sweep.set_start != nullptr ? k == rigid_.nodes_of(cluster).front() : cluster_done_[cluster] == 0) {
       cluster_done_[cluster] = 1;
       status = update_cluster(cluster, unit, tile_context, message);
+      if (surfaces && turn != Turn::others)
+        for (const std::uint32_t member : rigid_.nodes_of(cluster)) swept_volumes_.commit(member);
     }
     if (status != SPRINGNET_OK) return status;
   }
   return SPRINGNET_OK;
 }
 
-springnet_status Engine::sweep_in_order(const springnet_sweep& sweep, void* tile_context) {
-  cluster_done_.assign(rigid_.cluster_count(), 0);
-  if (sweep.set_start == nullptr) {
-    const layers::FlushDenormals flush;
-    return update_range(0, sweep.order_count, 0, tile_context, message_);
-  }
+// One set of a sweep: by threads what sees none but its neighbours, then one after another the nodes of closed
+// surfaces.
+springnet_status Engine::sweep_set(std::uint32_t set, void* tile_context) {
+  const springnet_sweep& sweep = *static_cast<TileContext*>(tile_context)->sweep;
   // A set's nodes rise, so those of a unit of the layout stand together; a unit belongs to one thread at a time.
   const std::vector<layers::Unit>& units = layout_.units();
   const auto unit_count = static_cast<std::int64_t>(units.size());
-  for (std::uint32_t s = 0; s < sweep.set_count; ++s) {
-    const std::uint32_t* begin = sweep.order + sweep.set_start[s];
-    const std::uint32_t* end = sweep.order + sweep.set_start[s + 1];
-    std::int64_t failed_unit = unit_count;
-    springnet_status failure = SPRINGNET_OK;
-    in_sets_ = true;
+  const std::uint32_t* begin = sweep.order + sweep.set_start[set];
+  const std::uint32_t* end = sweep.order + sweep.set_start[set + 1];
+  std::int64_t failed_unit = unit_count;
+  springnet_status failure = SPRINGNET_OK;
+  in_sets_ = true;
 #pragma omp parallel for schedule(dynamic, 1) num_threads(static_cast <int>(evaluator_.threads()))
-    for (std::int64_t u = 0; u < unit_count; ++u) {
-      const layers::FlushDenormals flush;
-      const layers::Unit& unit = units[static_cast<std::size_t>(u)];
-      const auto first = static_cast<std::uint32_t>(std::lower_bound(begin, end, unit.first_node) - sweep.order);
-      const auto last =
-          static_cast<std::uint32_t>(std::lower_bound(begin, end, unit.first_node + unit.node_count) - sweep.order);
-      springnet_message message{};
-      const springnet_status status = update_range(first, last, static_cast<std::uint32_t>(u), tile_context, message);
-      if (status == SPRINGNET_OK) continue;
-      const std::lock_guard guard(failure_lock_);
-      if (u < failed_unit) {
-        failed_unit = u;
-        failure = status;
-        message_ = message;
-      }
+  for (std::int64_t u = 0; u < unit_count; ++u) {
+    const layers::FlushDenormals flush;
+    const layers::Unit& unit = units[static_cast<std::size_t>(u)];
+    const auto first = static_cast<std::uint32_t>(std::lower_bound(begin, end, unit.first_node) - sweep.order);
+    const auto last =
+        static_cast<std::uint32_t>(std::lower_bound(begin, end, unit.first_node + unit.node_count) - sweep.order);
+    springnet_message message{};
+    const springnet_status status =
+        update_range(first, last, static_cast<std::uint32_t>(u), Turn::others, tile_context, message);
+    if (status == SPRINGNET_OK) continue;
+    const std::lock_guard guard(failure_lock_);
+    if (u < failed_unit) {
+      failed_unit = u;
+      failure = status;
+      message_ = message;
     }
-    in_sets_ = false;
-    if (failure != SPRINGNET_OK) return failure;
+  }
+  in_sets_ = false;
+  if (failure != SPRINGNET_OK || layout_.elements().live_surfaces() == 0) return failure;
+  const layers::FlushDenormals flush;
+  return update_range(sweep.set_start[set], sweep.set_start[set + 1], 0, Turn::joined_to_all, tile_context, message_);
+}
+
+springnet_status Engine::sweep_in_order(const springnet_sweep& sweep, void* tile_context) {
+  cluster_done_.assign(rigid_.cluster_count(), 0);
+  struct Following {
+    layers::SurfaceVolumes& volumes;
+    ~Following() { volumes.stop(); }
+  } const following{swept_volumes_};
+  const layers::FlushDenormals flush;
+  if (layout_.elements().live_surfaces() > 0)
+    swept_volumes_.follow(layout_.elements(), static_cast<TileContext*>(tile_context)->nodes);
+  if (sweep.set_start == nullptr) return update_range(0, sweep.order_count, 0, Turn::all, tile_context, message_);
+  for (std::uint32_t set = 0; set < sweep.set_count; ++set) {
+    if (const springnet_status status = sweep_set(set, tile_context); status != SPRINGNET_OK) return status;
   }
   return SPRINGNET_OK;
 }

@@ -58,6 +58,7 @@ std::vector<std::vector<std::string>> facts(const Scene& scene, const Inspection
       {"neurons", text_of(found.neurons)},
       {"springs",
        fmt::format("{}, {} of them not at rest length at the start", found.springs, found.springs_under_load)},
+      {"elements", text_of(found.elements)},
       {"spring functions", text_of(found.spring_functions)},
       {"viscosity functions", text_of(found.viscosity_functions)},
       {"connected parts",
@@ -89,6 +90,12 @@ std::vector<std::vector<std::string>> facts(const Scene& scene, const Inspection
 std::string text_of(const Network& network, const std::optional<Bottleneck>& set_by) {
   if (!set_by) return "";
   std::string text = fmt::format("node {} ({:.3g} kg)", set_by->node, set_by->mass);
+  if (set_by->element) {
+    text += fmt::format(", element {} ({}; k {:.3g} N/m", *set_by->element,
+                        name_of(network.elements()[*set_by->element].invariant), set_by->stiffness);
+    if (set_by->damping != 0.0) text += fmt::format(", d {:.3g} N s/m", set_by->damping);
+    return text + fmt::format("): t^2 k/m {:.2g}, t d/m {:.2g}", set_by->elastic_share, set_by->viscous_share);
+  }
   if (!set_by->spring) return text;
   const Spring& spring = network.springs()[*set_by->spring];
   text += fmt::format(", spring {} to node {} (k {:.3g} N/m", *set_by->spring,

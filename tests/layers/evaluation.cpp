@@ -77,7 +77,7 @@ TEST_CASE("tiles, runs and units give the forces of the formulas") {
         Vector3 single;
         springnet_message message{};
         REQUIRE(laid.evaluator->evaluate_node(laid.layout.ordering().engine[k], 0.0, laid.nodes(), laid.external,
-                                              single, message) == SPRINGNET_OK);
+                                              nullptr, single, message) == SPRINGNET_OK);
         worst_single = std::max(worst_single, (single - expected[k]).norm());
       }
       CHECK(worst <= rounding * scale);

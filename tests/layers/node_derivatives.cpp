@@ -26,9 +26,10 @@ TEST_CASE("a node's own derivatives are the diagonal blocks of the whole net's")
   for (std::uint32_t k = 0; k < n; ++k) {
     Vector3 plain, force, acceleration;
     layers::NodeDerivatives derivatives{};
-    REQUIRE(laid.evaluator->evaluate_node(k, 0.0, laid.nodes(), laid.external, plain, message) == SPRINGNET_OK);
-    REQUIRE(laid.evaluator->evaluate_node(k, 0.0, laid.nodes(), laid.external, force, acceleration, &derivatives,
-                                          nullptr, message) == SPRINGNET_OK);
+    REQUIRE(laid.evaluator->evaluate_node(k, 0.0, laid.nodes(), laid.external, nullptr, plain, message) ==
+            SPRINGNET_OK);
+    REQUIRE(laid.evaluator->evaluate_node(k, 0.0, laid.nodes(), laid.external, nullptr, force, acceleration,
+                                          &derivatives, nullptr, message) == SPRINGNET_OK);
     CHECK(force == plain);
     for (std::size_t i = 0; i < 9; ++i) {
       const double one = i % 4 == 0 ? 1.0 : 0.0;
@@ -71,8 +72,8 @@ TEST_CASE("a node's energy falls by the work of its force, and is nan where ther
   Vector3 force, acceleration;
   const auto energy = [&] {
     double value = 0.0;
-    REQUIRE(laid.evaluator->evaluate_node(node, 0.0, laid.nodes(), laid.external, force, acceleration, nullptr, &value,
-                                          message) == SPRINGNET_OK);
+    REQUIRE(laid.evaluator->evaluate_node(node, 0.0, laid.nodes(), laid.external, nullptr, force, acceleration, nullptr,
+                                          &value, message) == SPRINGNET_OK);
     return value;
   };
   constexpr double h = 1e-4;
@@ -97,7 +98,7 @@ TEST_CASE("a node's energy falls by the work of its force, and is nan where ther
                      viscous ? "point_mass" : "dragged"));
     double value = 0.0;
     REQUIRE(without.evaluator->evaluate_node(without.layout.ordering().engine[0], 0.0, without.nodes(),
-                                             without.external, force, acceleration, nullptr, &value,
+                                             without.external, nullptr, force, acceleration, nullptr, &value,
                                              message) == SPRINGNET_OK);
     CHECK(std::isnan(value));
   }

@@ -1,10 +1,11 @@
-// Irregular networks at random, the same on every platform: all shipped laws, parameters over six decades, fixed and
-// moved nodes, loads, planes, rigid connections.
+// Irregular networks at random, the same on every platform: all shipped laws, parameters over six decades, elements of
+// all invariants, fixed and moved nodes, loads, planes, rigid connections.
 #pragma once
 
 #include <algorithm>
 #include <cmath>
 #include <cstdint>
+#include <utility>
 #include <vector>
 
 #include <springnet/network.hpp>
@@ -40,6 +41,10 @@ class RandomNet {
   explicit RandomNet(std::uint64_t seed) : dice_(seed) {
     add_nodes();
     add_springs();
+    Dice own(seed + 1000000);  // so that the rest of the net is that of a generator without elements
+    std::swap(own, dice_);
+    if (dice_.chance(0.3)) add_elements();
+    std::swap(own, dice_);
     if (dice_.chance(0.25)) add_rigids();
     if (dice_.chance(0.4)) add_plane();
     if (dice_.chance(0.2)) move_some();
@@ -116,6 +121,31 @@ class RandomNet {
       }
     }
   }
+  // Forces of the order of springs', for shapes of about a metre: the same stiffness in N m/rad, N/m^3, N/m^5.
+  void add_elements() {
+    const auto count = static_cast<std::uint32_t>(network.nodes().size());
+    if (count < 5) return;
+    for (std::uint32_t i = 0; i < 1 + count / 4; ++i) {
+      const std::vector<NodeIndex> near = nearest(dice_.below(count));
+      Material material{LawUse{"linear", {{"stiffness", dice_.decades(range * stiffest, 1e-2 * stiffest)}}},
+                        std::nullopt};
+      if (dice_.chance(0.5))
+        material.viscosity = LawUse{"linear", {{"damping", dice_.decades(range * most_damped, 1e-2 * most_damped)}}};
+      const MaterialIndex index = network.add_material(material);
+      static constexpr Invariant kinds[] = {Invariant::angle, Invariant::dihedral, Invariant::area, Invariant::volume,
+                                            Invariant::enclosed_volume};
+      const Invariant kind = kinds[dice_.below(5)];
+      std::vector<NodeIndex> nodes(near.begin(), near.begin() + 4);
+      if (kind == Invariant::angle || kind == Invariant::area) nodes.resize(3);
+      if (kind == Invariant::enclosed_volume) {
+        const NodeIndex a = nodes[0], b = nodes[1], c = nodes[2], d = nodes[3];
+        nodes = {a, c, b, a, b, d, b, c, d, c, a, d};
+      }
+      const ElementIndex e = network.add_element(kind, nodes, index);
+      if (dice_.chance(0.5)) network.set_reference(e, network.elements()[e].reference * dice_.between(0.8, 1.2));
+    }
+  }
+
   // The others, by rising distance.
   [[nodiscard]] std::vector<NodeIndex> nearest(NodeIndex node) const {
     std::vector<NodeIndex> others;

@@ -1,14 +1,16 @@
-// Forces of a network and residuals of its steps by the formulas of the laws, spring by spring, without any of the
-// library's evaluation.
+// Forces of a network and residuals of its steps by the formulas of the laws, spring by spring and element by element,
+// without any of the library's evaluation.
 #pragma once
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <stdexcept>
 #include <vector>
 
 #include <Eigen/Dense>
 #include <springnet/network.hpp>
+#include <springnet/sdk/dual.hpp>
 
 namespace springnet::testing {
 
@@ -43,8 +45,68 @@ inline Vector3 plain_viscosity(const LawUse& law, const Vector3& direction, cons
   throw std::logic_error("no formula for " + law.id);
 }
 
-// Net forces of springs, loads (those that act for ever), gravity and the neurons' drag, N.
-inline std::vector<Vector3> plain_forces(const Network& network, const PlainState& at, const std::vector<bool>& alive) {
+// The invariant of three or four points as a formula of its value alone; its gradient comes from dual numbers.
+template <class T>
+T plain_value(Invariant invariant, const std::array<std::array<T, 3>, 4>& p) {
+  using sdk::atan2, sdk::sqrt;
+  using Triple = std::array<T, 3>;
+  const auto minus = [](const Triple& a, const Triple& b) { return Triple{a[0] - b[0], a[1] - b[1], a[2] - b[2]}; };
+  const auto dot = [](const Triple& a, const Triple& b) { return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]; };
+  const auto cross = [](const Triple& a, const Triple& b) {
+    return Triple{a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]};
+  };
+  const Triple u = minus(p[1], p[0]), w = minus(p[2], p[0]);
+  if (invariant == Invariant::angle) {
+    const Triple back = minus(p[2], p[1]), n = cross(u, back);
+    return atan2(sqrt(dot(n, n)), -dot(u, back));
+  }
+  const Triple normal = cross(u, w);
+  if (invariant == Invariant::area) return 0.5 * sqrt(dot(normal, normal));
+  const Triple d = minus(p[3], p[0]);
+  if (invariant == Invariant::volume) return dot(normal, d) / 6.0;
+  // The second tip over the plane of the first triangle, below it > 0, against its way beyond the edge.
+  const T below = -dot(normal, d) / sqrt(dot(normal, normal));
+  const Triple inward = cross(normal, u);
+  return atan2(below, -dot(inward, d) / sqrt(dot(inward, inward)));
+}
+
+// q, q' and dq/dp of each of an element's nodes, as it lists them.
+struct PlainInvariant {
+  double value = 0.0, rate = 0.0;
+  std::vector<Vector3> gradient;
+};
+inline PlainInvariant plain_invariant_of(const Element& element, const PlainState& at) {
+  PlainInvariant found;
+  found.gradient.assign(element.nodes.size(), Vector3::Zero());
+  if (element.invariant == Invariant::enclosed_volume) {
+    // Triangle by triangle: a . (b x c) / 6 from one of the nodes.
+    const Vector3 origin = at.position[element.nodes[0]];
+    for (std::size_t t = 0; t < element.nodes.size(); t += 3)
+      for (std::size_t k = 0; k < 3; ++k) {
+        const Vector3 a = at.position[element.nodes[t + k]] - origin;
+        const Vector3 b = at.position[element.nodes[t + (k + 1) % 3]] - origin;
+        const Vector3 c = at.position[element.nodes[t + (k + 2) % 3]] - origin;
+        found.gradient[t + k] = b.cross(c) / 6.0;
+        found.value += a.dot(found.gradient[t + k]) / 3.0;
+      }
+  } else {
+    std::array<std::array<sdk::Dual<12>, 3>, 4> p;
+    for (std::size_t i = 0; i < element.nodes.size(); ++i)
+      for (std::size_t c = 0; c < 3; ++c)
+        p[i][c] = sdk::Dual<12>::variable(at.position[element.nodes[i]][static_cast<Eigen::Index>(c)], 3 * i + c);
+    const sdk::Dual<12> q = plain_value(element.invariant, p);
+    found.value = q.value;
+    for (std::size_t i = 0; i < element.nodes.size(); ++i)
+      found.gradient[i] = {q.derivatives[3 * i], q.derivatives[3 * i + 1], q.derivatives[3 * i + 2]};
+  }
+  for (std::size_t i = 0; i < element.nodes.size(); ++i)
+    found.rate += found.gradient[i].dot(at.velocity[element.nodes[i]]);
+  return found;
+}
+
+// Net forces of springs, elements, loads (those that act for ever), gravity and the neurons' drag, N.
+inline std::vector<Vector3> plain_forces(const Network& network, const PlainState& at, const std::vector<bool>& alive,
+                                         const std::vector<bool>& elements_alive) {
   std::vector<Vector3> forces(network.nodes().size());
   for (std::size_t k = 0; k < forces.size(); ++k) {
     const Node& node = network.nodes()[k];
@@ -69,6 +131,19 @@ inline std::vector<Vector3> plain_forces(const Network& network, const PlainStat
     }
     forces[spring.first] += force;
     forces[spring.second] -= force;
+  }
+  for (std::size_t e = 0; e < network.elements().size(); ++e) {
+    if (!elements_alive[e]) continue;
+    const Element& element = network.elements()[e];
+    const Material& material = network.materials()[element.material];
+    const PlainInvariant found = plain_invariant_of(element, at);
+    double force = 0.0;
+    if (material.spring) force += plain_tension(*material.spring, found.value, element.reference);
+    if (material.viscosity) {
+      // In one dimension: the force on the first end along x of ends that part with this rate.
+      force -= plain_viscosity(*material.viscosity, Vector3::UnitX(), found.rate * Vector3::UnitX()).x();
+    }
+    for (std::size_t i = 0; i < element.nodes.size(); ++i) forces[element.nodes[i]] -= force * found.gradient[i];
   }
   return forces;
 }

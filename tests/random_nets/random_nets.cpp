@@ -35,6 +35,12 @@ PlainState state_of(const Simulation& simulation) {
   return state;
 }
 
+std::vector<bool> live_elements(const Simulation& simulation) {
+  std::vector<bool> alive;
+  for (ElementIndex e = 0; e < simulation.element_count(); ++e) alive.push_back(simulation.element_alive(e));
+  return alive;
+}
+
 std::vector<bool> live_springs(const Simulation& simulation) {
   std::vector<bool> alive;
   for (SpringIndex s = 0; s < simulation.spring_count(); ++s) alive.push_back(simulation.alive(s));
@@ -53,7 +59,8 @@ double force_scale(const Network& network) {
   for (const Spring& spring : network.springs()) mean_length += spring.rest_length;
   mean_length /= static_cast<double>(network.springs().size());
   double scale = 0.0;
-  for (const Vector3& force : plain_forces(network, start, std::vector<bool>(network.springs().size(), true))) {
+  for (const Vector3& force : plain_forces(network, start, std::vector<bool>(network.springs().size(), true),
+                                           std::vector<bool>(network.elements().size(), true))) {
     scale = std::max(scale, force.norm());
   }
   for (const Load& load : network.loads()) scale = std::max(scale, load.force.norm());
@@ -78,12 +85,13 @@ class Judge {
   void begin(const Simulation& simulation) {
     start_ = state_of(simulation);
     alive_ = live_springs(simulation);
-    start_forces_ = plain_forces(network_, start_, alive_);
+    elements_alive_ = live_elements(simulation);
+    start_forces_ = plain_forces(network_, start_, alive_, elements_alive_);
   }
 
   [[nodiscard]] double end(const Simulation& simulation) const {
     const PlainState state = state_of(simulation);
-    const std::vector<Vector3> forces = plain_forces(network_, state, alive_);
+    const std::vector<Vector3> forces = plain_forces(network_, state, alive_, elements_alive_);
     std::vector<Vector3> residual(forces.size());
     std::vector<Kind> kinds;
     for (NodeIndex k = 0; k < forces.size(); ++k) {
@@ -167,7 +175,7 @@ class Judge {
   std::vector<NodeIndex> moved_;
   PlainState start_;
   std::vector<Vector3> start_forces_;
-  std::vector<bool> alive_, rigid_;
+  std::vector<bool> alive_, elements_alive_, rigid_;
 };
 
 }  // namespace

@@ -1,5 +1,5 @@
 // What a network is made of, before it moves: counts, ranges, parts, how large a time step may be, and what looks like
-// a slip. Nothing is simulated; springs and neurons are linearised where they are at the start, at rest.
+// a slip. Nothing is simulated; springs, elements and neurons are linearised where they are at the start, at rest.
 // core/docs/inspect.md explains the numbers.
 #pragma once
 
@@ -32,11 +32,14 @@ inline constexpr std::array update_rules{UpdateRule::synchronous, UpdateRule::wa
 struct Bottleneck {
   NodeIndex node;
   double mass;                        // kg
-  std::optional<SpringIndex> spring;  // of the node's springs that with the greatest share; none: the neuron itself
-  double stiffness;                   // N/m, of the spring
-  double damping;                     // N s/m
-  double elastic_share;               // t^2 k / m
-  double viscous_share;               // t d / m
+  std::optional<SpringIndex> spring;  // of the node's springs that with the greatest share,
+  // or the element with a greater one; neither: the neuron itself. Its stiffness is that of the node's motion along
+  // dq/dp, the other nodes staying.
+  std::optional<ElementIndex> element;
+  double stiffness;      // N/m
+  double damping;        // N s/m
+  double elastic_share;  // t^2 k / m
+  double viscous_share;  // t d / m
 };
 
 // The time step from which on local propagation under a rule does not settle any more: where the spectral radius of a
@@ -54,7 +57,7 @@ struct TimeConstantLimit {
   std::optional<Bottleneck> set_by;
 };
 
-// Nodes that springs and rigid connections join.
+// Nodes that springs, elements and rigid connections join.
 struct Part {
   NodeIndex first_node;  // the lowest
   std::size_t nodes = 0;
@@ -97,8 +100,8 @@ struct Suspicions {
   std::optional<NodeIndex> lightest, heaviest;   // free nodes, where masses are unusual
 };
 
-// Motions that no spring with a spring function and no rigid connection resists, to first order: the null space of the
-// matrix of directions. Springs under tension may resist them all the same.
+// Motions that no spring or element with a spring function and no rigid connection resists, to first order: the null
+// space of the matrix of directions (of elements dq/dp). Springs under tension may resist them all the same.
 struct Mobility {
   bool known = false;                  // false: left out, the net is too large
   std::size_t mechanisms = 0;          // besides motions as a rigid body
@@ -120,6 +123,7 @@ struct Inspection {
   std::map<std::string, std::size_t> spring_functions;     // springs by id; "none": viscous connections
   std::map<std::string, std::size_t> viscosity_functions;  // springs by id; "none": undamped springs
   std::map<std::string, std::size_t> neurons;              // nodes by id
+  std::map<std::string, std::size_t> elements;             // by the name of their invariant
 
   double total_mass = 0.0;             // kg
   std::optional<Range> mass;           // kg, one node
@@ -132,7 +136,7 @@ struct Inspection {
   Vector3 upper = Vector3::Zero();
 
   std::vector<Part> parts;                // by falling number of nodes, then rising first node
-  std::size_t nodes_without_springs = 0;  // and without rigid connections; each is a part
+  std::size_t nodes_without_springs = 0;  // nor elements nor rigid connections; each is a part
   double memory_bytes = 0.0;              // about what a run in the recurrent integrator takes in all
 
   InspectionOptions options;

@@ -41,12 +41,14 @@ struct StepReport {
   std::uint64_t stages = 0;            // smaller time constants passed on the way to the full one
 };
 
-// Something that happened to a spring or a node.
+// Something that happened to a spring, an element or a node.
 struct Event {
   enum class Kind { cut, ruptured, touched, released, slipped, stuck };
   Kind kind;
-  double time;          // s
-  std::uint32_t index;  // spring (cut, ruptured) or node (touched, released; slipped, stuck: Coulomb friction)
+  double time;  // s
+  // Spring or element (cut, ruptured) or node (touched, released; slipped, stuck: Coulomb friction).
+  std::uint32_t index;
+  bool element = false;  // cut or ruptured, by its own law or because a spring between its nodes was: an element
 };
 
 // Positions and so on without a copy: 3 x nodes, one row a coordinate, in the engine's order of nodes.
@@ -75,6 +77,7 @@ class Simulation {
   [[nodiscard]] std::size_t node_count() const noexcept;
   [[nodiscard]] std::size_t spring_count() const noexcept;  // as the user added them, removed ones included
   [[nodiscard]] std::size_t live_spring_count() const noexcept;
+  [[nodiscard]] std::size_t element_count() const noexcept;  // likewise
   [[nodiscard]] unsigned threads() const noexcept;
   [[nodiscard]] InstructionSet instruction_set() const noexcept;
   [[nodiscard]] const StepReport& last_report() const noexcept;
@@ -122,7 +125,7 @@ class Simulation {
   void spring_energies(std::vector<double>& out) const;
 
   // Of an element: the invariant now, in its unit; the law's answer Q, > 0 where it pulls the invariant down (N m, N/m,
-  // Pa for an angle, an area, a volume: a filling's pressure is -Q); and whether it is there.
+  // Pa for an angle, an area, a volume: a filling's pressure is -Q), 0 for a removed one; and whether it is there.
   [[nodiscard]] double element_value(ElementIndex element) const;
   [[nodiscard]] double element_force(ElementIndex element) const;
   [[nodiscard]] bool element_alive(ElementIndex element) const;
@@ -142,7 +145,9 @@ class Simulation {
   void set_velocity(NodeIndex node, const Vector3& velocity);
   void set_fixed(NodeIndex node, bool fixed);  // fixed: where it is now, velocity zero
   // Remove springs: those listed, or those that cross a planar polygon (three corners or more). Return how many were
-  // removed; those that were out already do not matter.
+  // removed; those that were out already do not matter. With a spring go the elements that have both its ends; with a
+  // polygon also those that it crosses between two of their nodes. An enclosed volume goes as a whole when a side of
+  // one of its triangles does: the filling leaks.
   std::size_t cut(const std::vector<SpringIndex>& springs);
   std::size_t cut_polygon(const std::vector<Vector3>& corners);
 

@@ -64,6 +64,13 @@ TEST_CASE("a step allocates nothing") {
   net.add_lattice("one", lattice, Node{}, material);
   lattice.origin = {20, 0, 0};
   net.add_lattice("two", lattice, Node{}, material);  // a second part for the wave to go on to
+  for (NodeIndex k = 0; k + 50 < 216; k += 3) {
+    net.add_element(Invariant::angle, {k, k + 1, k + 2}, material);
+    net.add_element(Invariant::volume, {k, k + 1, k + 6, k + 36}, material);
+    net.add_element(Invariant::dihedral, {k, k + 36, k + 6, k + 1}, material);
+    net.add_element(Invariant::area, {k, k + 1, k + 6}, material);
+  }
+  net.add_element(Invariant::enclosed_volume, {0, 6, 1, 0, 1, 36, 1, 6, 36, 6, 0, 36}, material);
   net.fix(0);
   net.set_gravity({0, 0, -1});
   // The count is live: building a network has counted.

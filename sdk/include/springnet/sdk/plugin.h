@@ -109,14 +109,17 @@ enum {
   SPRINGNET_HAS_STATE_DERIVATIVES = 1u << 6
 };
 
-/* What a law reads of its element's nodes. */
+/* What a law reads of its element's nodes: an invariant q and its rate. The nodes get the forces -Q dq/dp. A law on
+ * SPRINGNET_LENGTH is a formula in a number, its rate and a reference: hosts take it for springs and, with the units of
+ * that invariant, for every element of more than two nodes. A law on one of the others is taken for those elements
+ * alone. 3 to 6 are evaluated by hosts of ABI 1.1; those of 1.0 refuse them. */
 enum {
   SPRINGNET_LENGTH = 1,         /* q = |p1 - p2|, rate n.(v1 - v2); reference: rest length */
-  SPRINGNET_RELATIVE_SPEED = 2, /* q = |v1 - v2|, no rate; the force acts along v1 - v2 */
-  SPRINGNET_ANGLE = 3,          /* 3 to 6: room, no host of ABI 1.0 evaluates them */
-  SPRINGNET_AREA = 4,
-  SPRINGNET_VOLUME = 5,
-  SPRINGNET_ENCLOSED_VOLUME = 6
+  SPRINGNET_RELATIVE_SPEED = 2, /* q = |v1 - v2|, no rate; the force acts along v1 - v2; of springs alone */
+  SPRINGNET_ANGLE = 3,          /* rad: between two edges, 0 to pi, or of a hinge between two triangles, -pi to pi */
+  SPRINGNET_AREA = 4,           /* m^2, of a triangle */
+  SPRINGNET_VOLUME = 5,         /* m^3, of a tetrahedron (signed), or enclosed by a surface */
+  SPRINGNET_ENCLOSED_VOLUME = 6 /* m^3, enclosed by a surface of triangles */
 };
 
 typedef struct springnet_component {
@@ -161,7 +164,7 @@ typedef struct springnet_law_batch {
   uint32_t instruction_set; /* SPRINGNET_GENERIC … */
   uint32_t reference_stride;
   double time;                        /* s */
-  const double* q;                    /* invariant: m (length), m/s (relative speed) */
+  const double* q;                    /* invariant: m (length), m/s (relative speed), rad, m^2, m^3 */
   const double* rate;                 /* dq/dt; null unless SPRINGNET_READS_RATE */
   const double* reference;            /* reference value of the invariant: rest length, m */
   const double* const* parameters;    /* [parameter_count] */
@@ -170,7 +173,7 @@ typedef struct springnet_law_batch {
   const double* const* inputs;        /* [input_count] input signals */
   const uint32_t* input_strides;      /* [input_count], 0 or 1 */
   const void* table;                  /* what springnet_law::prepare made, or null */
-  double* force;                      /* Q, the generalised force: N; > 0 is tension */
+  double* force;                      /* Q, the generalised force: N; > 0 is tension; N m, N/m, Pa for 3 to 6 */
   double* energy;                     /* J */
   double* force_by_q;                 /* dQ/dq */
   double* force_by_rate;              /* dQ/dq' */
@@ -264,7 +267,7 @@ typedef struct springnet_network {
   const uint8_t* held;   /* [node_count] 1: a surface holds it where it touched, and takes it along */
   const uint32_t* user_number;     /* [node_count] */
   const uint32_t* neighbour_start; /* [node_count + 1] */
-  const uint32_t* neighbours;      /* nodes joined by a live spring or rigidly, by rising user number, each once */
+  const uint32_t* neighbours; /* nodes joined by a live spring, element or rigidly, by rising user number, each once */
   /* since 1.1 */
   const uint8_t* touching; /* [node_count] 1: a surface holds it, or it slides on one */
   const uint32_t* cluster; /* [node_count] the same number for nodes that rigid connections join; 0xffffffff: none */
@@ -313,7 +316,8 @@ typedef void (*springnet_node_update)(void* user, const springnet_node_batch* ba
  * on the calling thread, each reading the newest outputs: `next` must equal (position, velocity). Nodes of one cluster
  * are updated together, when the first of them has its turn. Where `set_start` divides the order into sets, the nodes
  * of a set stand in it by rising number and are updated by several threads: no node of it may be joined to one of
- * another cluster or, if it is in none, to another of the set. */
+ * another cluster or, if it is in none, to another of the set. An enclosed volume joins only those of its nodes that
+ * share a triangle; all of them see it, and so the host updates them one after another, last in their set. */
 typedef struct springnet_sweep {
   uint32_t struct_size;
   uint32_t order_count;

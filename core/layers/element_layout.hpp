@@ -1,0 +1,122 @@
+// The elements in memory: which nodes they have, who has a share in them, and in which batches their laws are called.
+#pragma once
+
+#include <cstdint>
+#include <span>
+#include <utility>
+#include <vector>
+
+#include <springnet/network.hpp>
+
+#include "layers/closed_surface.hpp"
+#include "layers/invariant.hpp"
+#include "layers/laws.hpp"
+
+namespace springnet::layers {
+
+// Elements of one batch: their geometry fits the first-level cache.
+inline constexpr std::size_t element_batch = 32;
+
+// An element as one of its nodes sees it.
+struct ElementShare {
+  std::uint32_t element;
+  std::uint32_t place;    // which of the element's nodes this is
+  std::uint32_t group;    // of laws
+  std::uint32_t surface;  // number of the closed surface; no_surface: an element of three or four nodes
+};
+inline constexpr std::uint32_t no_surface = 0xffffffffu;
+
+// Live elements of three or four nodes with one invariant and the same laws: batched()[begin, begin + count).
+struct ElementBatch {
+  Invariant invariant;
+  std::uint32_t group;
+  std::uint32_t begin, count;
+};
+
+class ElementLayout {
+ public:
+  // engine: [user's node]
+  ElementLayout(const Network& network, const CompiledLaws& laws, const std::vector<std::uint32_t>& engine);
+
+  [[nodiscard]] std::size_t count() const noexcept { return alive_.size(); }
+  [[nodiscard]] std::size_t live_count() const noexcept { return live_count_; }
+  [[nodiscard]] bool alive(std::uint32_t element) const noexcept { return alive_[element] != 0; }
+  [[nodiscard]] Invariant invariant(std::uint32_t element) const noexcept { return invariant_[element]; }
+  [[nodiscard]] std::uint32_t group(std::uint32_t element) const noexcept { return laws_.element_group[element]; }
+  [[nodiscard]] std::uint32_t row(std::uint32_t element) const noexcept { return laws_.element_row[element]; }
+  // Nodes of an element in the engine's numbers, each once: its corners, or those of its surface.
+  [[nodiscard]] std::span<const std::uint32_t> nodes(std::uint32_t element) const noexcept {
+    return {nodes_.data() + start_[element], nodes_.data() + start_[element + 1]};
+  }
+  // Place of the first of an element's nodes in arrays over all nodes of all elements.
+  [[nodiscard]] std::size_t slot(std::uint32_t element) const noexcept { return start_[element]; }
+  [[nodiscard]] std::size_t slot_count() const noexcept { return nodes_.size(); }
+
+  // Live elements at a node: those of three or four nodes by laws, then closed surfaces.
+  [[nodiscard]] std::span<const ElementShare> shares(std::uint32_t node) const noexcept {
+    if (live_count_ == 0) return {};
+    return {shares_.data() + share_start_[node], shares_.data() + share_stop_[node]};
+  }
+  [[nodiscard]] const std::vector<ElementBatch>& batches() const noexcept { return batches_; }
+  [[nodiscard]] const std::vector<std::uint32_t>& batched() const noexcept { return batched_; }
+
+  struct Surface {
+    std::uint32_t element;
+    ClosedSurface surface;
+  };
+  // Those of removed elements included.
+  [[nodiscard]] const std::vector<Surface>& surfaces() const noexcept { return surfaces_; }
+  [[nodiscard]] std::size_t live_surfaces() const noexcept { return live_surfaces_; }
+
+  // Adds nodes that share an element with a node, of a closed surface those that share a triangle with it.
+  void add_neighbours(std::uint32_t node, std::vector<std::uint32_t>& neighbours) const;
+  // Live elements that lose a spring between two nodes: those that have both among their nodes, and closed surfaces
+  // one of whose triangles has that side. By number, each once.
+  [[nodiscard]] std::vector<std::uint32_t> broken_by(
+      const std::vector<std::pair<std::uint32_t, std::uint32_t>>& springs) const;
+  // Live elements of which `crosses(node, node)` is true for two corners, or for a side of a triangle of a surface.
+  template <class Crosses>
+  [[nodiscard]] std::vector<std::uint32_t> crossed_by(const Crosses& crosses) const;
+
+  // Numbers that are out already do not matter. Returns those that were in.
+  std::vector<std::uint32_t> remove(const std::vector<std::uint32_t>& elements);
+
+ private:
+  void make_batches();
+
+  const CompiledLaws& laws_;
+  std::vector<Invariant> invariant_;
+  std::vector<std::uint8_t> alive_;
+  std::size_t live_count_ = 0, live_surfaces_ = 0;
+  std::vector<std::size_t> start_;
+  std::vector<std::uint32_t> nodes_;
+  std::vector<Surface> surfaces_;
+  std::vector<std::size_t> share_start_, share_stop_;  // [node]; empty without elements
+  std::vector<ElementShare> shares_;
+  std::vector<ElementBatch> batches_;
+  std::vector<std::uint32_t> batched_;
+};
+
+template <class Crosses>
+std::vector<std::uint32_t> ElementLayout::crossed_by(const Crosses& crosses) const {
+  std::vector<std::uint32_t> found;
+  std::size_t next_surface = 0;
+  for (std::uint32_t e = 0; e < count(); ++e) {
+    bool is_crossed = false;
+    if (invariant_[e] == Invariant::enclosed_volume) {
+      const ClosedSurface& surface = surfaces_[next_surface++].surface;
+      for (std::size_t place = 0; place < surface.size() && alive(e) && !is_crossed; ++place)
+        for (const ClosedSurface::Spoke& spoke : surface.spokes(place))
+          is_crossed =
+              is_crossed || (surface.nodes()[place] < spoke.other && crosses(surface.nodes()[place], spoke.other));
+    } else {
+      const std::span<const std::uint32_t> corners = nodes(e);
+      for (std::size_t i = 0; i < corners.size() && alive(e); ++i)
+        for (std::size_t j = 0; j < i; ++j) is_crossed = is_crossed || crosses(corners[j], corners[i]);
+    }
+    if (is_crossed) found.push_back(e);
+  }
+  return found;
+}
+
+}  // namespace springnet::layers

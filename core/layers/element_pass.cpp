@@ -1,0 +1,121 @@
+// All elements at a state. Each writes for each of its nodes dq/dp, and its Q; a node adds up what its elements wrote,
+// in the order of its own list. So no two threads write to the same place, and the sums do not depend on their number.
+
+#include <algorithm>
+
+#include "layers/evaluator.hpp"
+
+namespace springnet::layers {
+
+springnet_status Evaluator::evaluate_batch(const ElementBatch& batch, double time, const NodeArrays& nodes,
+                                           springnet_message& message) const {
+  const ElementLayout& elements = layout_.elements();
+  const Group& group = layout_.laws().groups[batch.group];
+  double q[element_batch], rate[element_batch], value[element_batch];
+  std::uint32_t rows[element_batch];
+  const std::uint32_t* members = elements.batched().data() + batch.begin;
+  for (std::size_t i = 0; i < batch.count; ++i) {
+    const std::span<const std::uint32_t> own = elements.nodes(members[i]);
+    Corners corners;  // not initialised: written before it is read
+    FirstOrder geometry;
+    gather(own.data(), own.size(), nodes, corners);
+    first_order(batch.invariant, corners, geometry);
+    q[i] = geometry.value;
+    rate[i] = geometry.rate;
+    rows[i] = elements.row(members[i]);
+    element_force_[members[i]] = 0.0;
+    std::copy_n(geometry.gradient, own.size(), element_gradient_.data() + elements.slot(members[i]));
+  }
+  for (const Law* law : {&group.spring, &group.viscosity}) {
+    if (!*law) continue;
+    LawOutputs out;
+    out.force = value;
+    const springnet_status status =
+        call_law(group, *law, abi_number(set_), time, batch.count, {rows, 0}, q, rate, out, &message);
+    if (status != SPRINGNET_OK) return status;
+    for (std::size_t i = 0; i < batch.count; ++i) element_force_[members[i]] += value[i];
+  }
+  return SPRINGNET_OK;
+}
+
+springnet_status Evaluator::evaluate_surfaces(double time, springnet_message& message) const {
+  const ElementLayout& elements = layout_.elements();
+  std::size_t next = 0;
+  for (std::uint32_t s = 0; s < elements.surfaces().size(); ++s) {
+    const std::uint32_t e = elements.surfaces()[s].element;
+    ClosedSurface::Values sum;
+    for (; next < chunks_.size() && chunks_[next].surface == s; ++next) {
+      sum.volume += surface_shares_[next].volume;
+      sum.rate += surface_shares_[next].rate;
+    }
+    if (!elements.alive(e)) continue;
+    element_force_[e] = 0.0;
+    const Group& group = layout_.laws().groups[elements.group(e)];
+    for (const Law* law : {&group.spring, &group.viscosity}) {
+      if (!*law) continue;
+      double value = 0.0;
+      LawOutputs out;
+      out.force = &value;
+      const springnet_status status = call_law(group, *law, abi_number(set_), time, 1, {nullptr, elements.row(e)},
+                                               &sum.volume, &sum.rate, out, &message);
+      if (status != SPRINGNET_OK) return status;
+      element_force_[e] += value;
+    }
+  }
+  return SPRINGNET_OK;
+}
+
+springnet_status Evaluator::evaluate_elements(double time, const NodeArrays& nodes, springnet_message& message) const {
+  const ElementLayout& elements = layout_.elements();
+  const auto batches = static_cast<std::int64_t>(elements.batches().size());
+  const auto pieces = batches + static_cast<std::int64_t>(elements.live_surfaces() > 0 ? chunks_.size() : 0);
+  const auto evaluate_piece = [&](std::int64_t i, springnet_message& own_message) -> springnet_status {
+    if (i < batches) return evaluate_batch(elements.batches()[static_cast<std::size_t>(i)], time, nodes, own_message);
+    const auto c = static_cast<std::size_t>(i - batches);
+    const ElementLayout::Surface& surface = elements.surfaces()[chunks_[c].surface];
+    if (elements.alive(surface.element))
+      surface_shares_[c] = surface.surface.share(chunks_[c].begin, chunks_[c].end, nodes,
+                                                 element_gradient_.data() + elements.slot(surface.element));
+    return SPRINGNET_OK;
+  };
+  const FlushDenormals flush;
+  if (threads_ == 1) {
+    for (std::int64_t i = 0; i < pieces; ++i) {
+      if (const springnet_status status = evaluate_piece(i, message); status != SPRINGNET_OK) return status;
+    }
+    return evaluate_surfaces(time, message);
+  }
+  std::int64_t failed = pieces;
+  springnet_status failure = SPRINGNET_OK;
+#pragma omp parallel num_threads(static_cast <int>(threads_))
+  {
+    const FlushDenormals flush_thread;
+#pragma omp for schedule(static)
+    for (std::int64_t i = 0; i < pieces; ++i) {
+      springnet_message own_message{};
+      const springnet_status status = evaluate_piece(i, own_message);
+      if (status == SPRINGNET_OK) continue;
+#pragma omp critical(springnet_evaluate_elements)
+      if (i < failed) {
+        failed = i;
+        failure = status;
+        message = own_message;
+      }
+    }
+  }
+  return failure == SPRINGNET_OK ? evaluate_surfaces(time, message) : failure;
+}
+
+void Evaluator::add_elements(std::uint32_t begin, std::uint32_t end, const ForceArrays& force) const noexcept {
+  const ElementLayout& elements = layout_.elements();
+  for (std::uint32_t k = begin; k < end; ++k) {
+    Vector3 sum = Vector3::Zero();
+    for (const ElementShare& share : elements.shares(k))
+      sum -= element_force_[share.element] * element_gradient_[elements.slot(share.element) + share.place];
+    force.x[k] += sum[0];
+    force.y[k] += sum[1];
+    force.z[k] += sum[2];
+  }
+}
+
+}  // namespace springnet::layers

@@ -1,0 +1,290 @@
+#include "layers/invariant.hpp"
+
+#include <springnet/sdk/dual.hpp>
+
+#include <Eigen/Geometry>
+#include <cmath>
+
+namespace springnet::layers {
+namespace {
+
+// Below this sine an angle counts as straight: half the digits of its Hessian are gone there.
+constexpr double least_sine = 1e-7;
+
+// A vector over any number type: formulas below are evaluated with double, and with duals for their derivatives.
+template <class T>
+struct Triple {
+  T x{}, y{}, z{};
+};
+template <class T>
+Triple<T> operator+(const Triple<T>& a, const Triple<T>& b) {
+  return {a.x + b.x, a.y + b.y, a.z + b.z};
+}
+template <class T>
+Triple<T> operator-(const Triple<T>& a, const Triple<T>& b) {
+  return {a.x - b.x, a.y - b.y, a.z - b.z};
+}
+template <class T, class S>
+Triple<T> operator*(const S& s, const Triple<T>& a) {
+  return {s * a.x, s * a.y, s * a.z};
+}
+template <class T>
+T dot(const Triple<T>& a, const Triple<T>& b) {
+  return a.x * b.x + a.y * b.y + a.z * b.z;
+}
+template <class T>
+Triple<T> cross(const Triple<T>& a, const Triple<T>& b) {
+  return {a.y * b.z - a.z * b.y, a.z * b.x - a.x * b.z, a.x * b.y - a.y * b.x};
+}
+
+using sdk::value_of;
+
+// u = a - b, w = c - b, n = u x w: dq/da = u x n / (|u|^2 |n|), dq/dc = n x w / (|w|^2 |n|).
+template <class T>
+void angle(const Triple<T>* p, Triple<T>* g) {
+  using std::sqrt;
+  const Triple<T> u = p[0] - p[1], w = p[2] - p[1], n = cross(u, w);
+  const T square = dot(n, n);
+  if (!(value_of(square) > 0.0)) return;
+  const T size = sqrt(square);
+  g[0] = (1.0 / (dot(u, u) * size)) * cross(u, n);
+  g[2] = (1.0 / (dot(w, w) * size)) * cross(n, w);
+  g[1] = -1.0 * (g[0] + g[2]);
+}
+
+// e = b - a, normals m = e x (c - a), n = (d - a) x e: dq/dc = -|e| m / |m|^2, dq/dd = -|e| n / |n|^2. What the tips
+// take the ends of the edge give by the rule of the lever, at the feet of the tips on it.
+template <class T>
+void dihedral(const Triple<T>* p, Triple<T>* g) {
+  using std::sqrt;
+  const Triple<T> e = p[1] - p[0], c = p[2] - p[0], d = p[3] - p[0];
+  const Triple<T> m = cross(e, c), n = cross(d, e);
+  const T ee = dot(e, e), mm = dot(m, m), nn = dot(n, n);
+  if (!(value_of(mm) > 0.0) || !(value_of(nn) > 0.0)) return;
+  const T length = sqrt(ee);
+  g[2] = (-1.0 * length / mm) * m;
+  g[3] = (-1.0 * length / nn) * n;
+  const T at_c = dot(c, e) / ee, at_d = dot(d, e) / ee;
+  g[1] = -1.0 * (at_c * g[2] + at_d * g[3]);
+  g[0] = -1.0 * (g[1] + g[2] + g[3]);
+}
+
+// dq/da = n x (c - b) / 2 with the unit normal n, and so on round.
+template <class T>
+void area(const Triple<T>* p, Triple<T>* g) {
+  using std::sqrt;
+  const Triple<T> b = p[1] - p[0], c = p[2] - p[0], n = cross(b, c);
+  const T square = dot(n, n);
+  if (!(value_of(square) > 0.0)) return;
+  const Triple<T> half = (0.5 / sqrt(square)) * n;
+  g[1] = cross(c, half);
+  g[2] = cross(half, b);
+  g[0] = -1.0 * (g[1] + g[2]);
+}
+
+template <class T>
+void volume(const Triple<T>* p, Triple<T>* g) {
+  const Triple<T> b = p[1] - p[0], c = p[2] - p[0], d = p[3] - p[0];
+  g[1] = (1.0 / 6.0) * cross(c, d);
+  g[2] = (1.0 / 6.0) * cross(d, b);
+  g[3] = (1.0 / 6.0) * cross(b, c);
+  g[0] = -1.0 * (g[1] + g[2] + g[3]);
+}
+
+template <class T>
+void gradients(Invariant invariant, const Triple<T>* p, Triple<T>* g) {
+  switch (invariant) {
+    case Invariant::angle:
+      return angle(p, g);
+    case Invariant::dihedral:
+      return dihedral(p, g);
+    case Invariant::area:
+      return area(p, g);
+    case Invariant::volume:
+      return volume(p, g);
+    case Invariant::enclosed_volume:
+      return;
+  }
+}
+
+double value(Invariant invariant, const Triple<double>* p) {
+  switch (invariant) {
+    case Invariant::angle: {
+      const Triple<double> u = p[0] - p[1], w = p[2] - p[1], n = cross(u, w);
+      return std::atan2(std::sqrt(dot(n, n)), dot(u, w));
+    }
+    case Invariant::dihedral: {
+      const Triple<double> e = p[1] - p[0], m = cross(e, p[2] - p[0]), n = cross(p[3] - p[0], e);
+      const double length = std::sqrt(dot(e, e));
+      return length > 0.0 ? std::atan2(dot(cross(m, n), e) / length, dot(m, n)) : 0.0;
+    }
+    case Invariant::area: {
+      const Triple<double> n = cross(p[1] - p[0], p[2] - p[0]);
+      return 0.5 * std::sqrt(dot(n, n));
+    }
+    case Invariant::volume:
+      return dot(p[1] - p[0], cross(p[2] - p[0], p[3] - p[0])) / 6.0;
+    case Invariant::enclosed_volume:
+      break;
+  }
+  return 0.0;
+}
+
+// Corner positions as variables number 3 i + c of a dual.
+template <std::size_t Count>
+void second_order_of(Invariant invariant, const Corners& corners, SecondOrder& out) {
+  using Number = sdk::Dual<3 * Count>;
+  Triple<Number> p[most_corners], g[most_corners];
+  for (std::size_t i = 0; i < Count; ++i) {
+    const Vector3& at = corners.position[i];
+    p[i] = {Number::variable(at[0], 3 * i), Number::variable(at[1], 3 * i + 1), Number::variable(at[2], 3 * i + 2)};
+  }
+  gradients(invariant, p, g);
+  for (std::size_t i = 0; i < Count; ++i) {
+    out.rate_gradient[i].setZero();
+    for (std::size_t j = 0; j < Count; ++j) {
+      Block& block = out.hessian[i][j];
+      for (std::size_t c = 0; c < 3; ++c) {
+        const auto column = static_cast<Eigen::Index>(c);
+        block(0, column) = g[i].x.derivatives[3 * j + c];
+        block(1, column) = g[i].y.derivatives[3 * j + c];
+        block(2, column) = g[i].z.derivatives[3 * j + c];
+      }
+      out.rate_gradient[i] += block * corners.velocity[j];
+    }
+  }
+}
+
+}  // namespace
+
+std::size_t corners_of(Invariant invariant) noexcept {
+  switch (invariant) {
+    case Invariant::angle:
+    case Invariant::area:
+      return 3;
+    case Invariant::dihedral:
+    case Invariant::volume:
+      return 4;
+    case Invariant::enclosed_volume:
+      break;
+  }
+  return 0;
+}
+
+void gather(const std::uint32_t* corners, std::size_t count, const NodeArrays& nodes, Corners& out) noexcept {
+  for (std::size_t i = 0; i < count; ++i) {
+    const std::uint32_t k = corners[i];
+    out.position[i] = {nodes.px[k], nodes.py[k], nodes.pz[k]};
+    out.velocity[i] = {nodes.vx[k], nodes.vy[k], nodes.vz[k]};
+  }
+}
+
+void first_order(Invariant invariant, const Corners& corners, FirstOrder& out) noexcept {
+  const std::size_t count = corners_of(invariant);
+  Triple<double> p[most_corners], g[most_corners];
+  for (std::size_t i = 0; i < count; ++i)
+    p[i] = {corners.position[i][0], corners.position[i][1], corners.position[i][2]};
+  gradients(invariant, p, g);
+  out.value = value(invariant, p);
+  out.rate = 0.0;
+  for (std::size_t i = 0; i < count; ++i) {
+    out.gradient[i] = {g[i].x, g[i].y, g[i].z};
+    // Against the first corner: the motion of all together does not count, to the last digit.
+    out.rate += out.gradient[i].dot(corners.velocity[i] - corners.velocity[0]);
+  }
+}
+
+void second_order(Invariant invariant, const Corners& corners, SecondOrder& out) noexcept {
+  if (corners_of(invariant) == 3)
+    second_order_of<3>(invariant, corners, out);
+  else
+    second_order_of<4>(invariant, corners, out);
+}
+
+OwnSecondOrder own_second_order(Invariant invariant, const Corners& corners, std::size_t corner) noexcept {
+  using Number = sdk::Dual<4>;  // the corner's coordinates, and the motion of all
+  const std::size_t count = corners_of(invariant);
+  Triple<Number> p[most_corners], g[most_corners];
+  for (std::size_t i = 0; i < count; ++i) {
+    Number* const to[3] = {&p[i].x, &p[i].y, &p[i].z};
+    for (std::size_t c = 0; c < 3; ++c) {
+      const auto k = static_cast<Eigen::Index>(c);
+      to[c]->value = corners.position[i][k];
+      to[c]->derivatives[3] = corners.velocity[i][k];
+      if (i == corner) to[c]->derivatives[c] = 1.0;
+    }
+  }
+  gradients(invariant, p, g);
+  OwnSecondOrder out;
+  const Number* const from[3] = {&g[corner].x, &g[corner].y, &g[corner].z};
+  for (std::size_t r = 0; r < 3; ++r) {
+    for (std::size_t c = 0; c < 3; ++c)
+      out.hessian(static_cast<Eigen::Index>(r), static_cast<Eigen::Index>(c)) = from[r]->derivatives[c];
+    out.rate_gradient[static_cast<Eigen::Index>(r)] = from[r]->derivatives[3];
+  }
+  return out;
+}
+
+bool is_straight(Invariant invariant, const Corners& corners, BentDirections& out) noexcept {
+  if (invariant != Invariant::angle) return false;
+  const Vector3 u = corners.position[0] - corners.position[1], w = corners.position[2] - corners.position[1];
+  const double u_size = u.norm(), w_size = w.norm();
+  if (!(u_size > 0.0) || !(w_size > 0.0) || u.cross(w).norm() > least_sine * u_size * w_size) return false;
+  const Vector3 along = u / u_size;
+  Eigen::Index axis = 0;
+  along.cwiseAbs().minCoeff(&axis);
+  const Vector3 across = along.cross(Vector3(Vector3::Unit(axis))).normalized();
+  const double side = u.dot(w) < 0.0 ? 1.0 : -1.0;
+  for (int r = 0; r < 2; ++r) {
+    const Vector3 direction = r == 0 ? across : Vector3(along.cross(across));
+    out.row[r][0] = direction / u_size;
+    out.row[r][2] = side / w_size * direction;
+    out.row[r][1] = -(out.row[r][0] + out.row[r][2]);
+  }
+  return true;
+}
+
+void linearise(Invariant invariant, const Corners& corners, const FirstOrder& geometry, const ElementForce& law,
+               ElementBlocks& out) noexcept {
+  const std::size_t count = corners_of(invariant);
+  out.damping = law.by_rate;
+  BentDirections bent;
+  if (is_straight(invariant, corners, bent)) {
+    for (std::size_t i = 0; i < count; ++i) {
+      for (int r = 0; r < 2; ++r) out.row[r][i] = bent.row[r][i];
+      for (std::size_t j = 0; j < count; ++j)
+        out.stiffness[i][j] =
+            law.by_q * (bent.row[0][i] * bent.row[0][j].transpose() + bent.row[1][i] * bent.row[1][j].transpose());
+    }
+    return;
+  }
+  SecondOrder second;
+  second_order(invariant, corners, second);
+  for (std::size_t i = 0; i < count; ++i) {
+    out.row[0][i] = geometry.gradient[i];
+    out.row[1][i].setZero();
+    for (std::size_t j = 0; j < count; ++j) {
+      const Vector3 change = law.by_q * geometry.gradient[j] + law.by_rate * second.rate_gradient[j];
+      out.stiffness[i][j] = law.force * second.hessian[i][j] + geometry.gradient[i] * change.transpose();
+    }
+  }
+}
+
+void linearise_own(Invariant invariant, const Corners& corners, const FirstOrder& geometry, const ElementForce& law,
+                   std::size_t corner, Block& stiffness, Block& damping) noexcept {
+  BentDirections bent;
+  if (is_straight(invariant, corners, bent)) {
+    const Block square =
+        bent.row[0][corner] * bent.row[0][corner].transpose() + bent.row[1][corner] * bent.row[1][corner].transpose();
+    stiffness = law.by_q * square;
+    damping = law.by_rate * square;
+    return;
+  }
+  const OwnSecondOrder second = own_second_order(invariant, corners, corner);
+  const Vector3& g = geometry.gradient[corner];
+  const Vector3 change = law.by_q * g + law.by_rate * second.rate_gradient;
+  stiffness = law.force * second.hessian + g * change.transpose();
+  damping = law.by_rate * g * g.transpose();
+}
+
+}  // namespace springnet::layers

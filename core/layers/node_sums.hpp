@@ -1,0 +1,17 @@
+// What is summed over the springs and elements of one node.
+#pragma once
+
+#include "layers/evaluator.hpp"
+#include "layers/spring_blocks.hpp"
+
+namespace springnet::layers {
+
+// Null where it is not wanted.
+struct Evaluator::NodeSums {
+  Vector3& force;              // N
+  Block* stiffness = nullptr;  // N/m
+  Block* damping = nullptr;    // N s/m
+  double* energy = nullptr;    // J
+};
+
+}  // namespace springnet::layers

@@ -1,0 +1,70 @@
+#include "layers/surface_volumes.hpp"
+
+#include <algorithm>
+#include <array>
+
+namespace springnet::layers {
+namespace {
+
+// The arrays of a state, as those of the copy are ordered.
+std::array<const double*, 6> arrays_of(const NodeArrays& nodes) {
+  return {nodes.px, nodes.py, nodes.pz, nodes.vx, nodes.vy, nodes.vz};
+}
+
+}  // namespace
+
+void SurfaceVolumes::compute(const ElementLayout& elements, const NodeArrays& nodes) {
+  elements_ = &elements;
+  following_ = false;
+  values_.resize(elements.surfaces().size());
+  for (std::size_t s = 0; s < values_.size(); ++s) {
+    const ElementLayout::Surface& surface = elements.surfaces()[s];
+    if (elements.alive(surface.element)) values_[s] = surface.surface.values(nodes);
+  }
+}
+
+void SurfaceVolumes::follow(const ElementLayout& elements, const NodeArrays& nodes) {
+  compute(elements, nodes);
+  const std::array<const double*, 6> from = arrays_of(nodes);
+  std::uint32_t end = 0;
+  for (const ElementLayout::Surface& surface : elements.surfaces()) end = std::max(end, surface.surface.nodes().back());
+  for (std::size_t c = 0; c < 6; ++c) base_[c].assign(from[c], from[c] + end + 1);
+  now_ = nodes;
+  following_ = true;
+}
+
+void SurfaceVolumes::moved(std::uint32_t node, Vector3& position, Vector3& velocity) const noexcept {
+  const std::array<const double*, 6> now = arrays_of(now_);
+  for (std::size_t c = 0; c < 3; ++c) {
+    const auto row = static_cast<Eigen::Index>(c);
+    position[row] = now[c][node] - base_[c][node];
+    velocity[row] = now[c + 3][node] - base_[c + 3][node];
+  }
+}
+
+ClosedSurface::Values SurfaceVolumes::seen_by(std::uint32_t node, std::uint32_t surface, const Vector3& gradient,
+                                              const Vector3& rate_gradient) const noexcept {
+  ClosedSurface::Values seen = values_[surface];
+  if (!following_) return seen;
+  Vector3 position, velocity;
+  moved(node, position, velocity);
+  seen.volume += gradient.dot(position);
+  seen.rate += rate_gradient.dot(position) + gradient.dot(velocity);
+  return seen;
+}
+
+void SurfaceVolumes::commit(std::uint32_t node) {
+  bool is_base_old = false;
+  for (const ElementShare& share : elements_->shares(node)) {
+    if (share.surface == no_surface) continue;
+    const ClosedSurface& surface = elements_->surfaces()[share.surface].surface;
+    values_[share.surface] =
+        seen_by(node, share.surface, surface.gradient(share.place, base()), surface.rate_gradient(share.place, base()));
+    is_base_old = true;
+  }
+  if (!is_base_old) return;
+  const std::array<const double*, 6> now = arrays_of(now_);
+  for (std::size_t c = 0; c < 6; ++c) base_[c][node] = now[c][node];
+}
+
+}  // namespace springnet::layers
