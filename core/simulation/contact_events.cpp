@@ -159,14 +159,16 @@ springnet_status Engine::settle_contacts(double time, State& state) {
       const Vector3 n = contact_.normal(j, p);
       const Vector3 relative = vector_at(state.view.velocity, k) - contact_.placement(j).velocity;
       const double speed = n.dot(relative);
-      Vector3 force = Vector3::Zero();
+      Vector3 force = Vector3::Zero(), acceleration = Vector3::Zero();
       springnet_message message{};
-      if (speed > no_speed || (speed >= -no_speed && evaluator_.evaluate_node(k, time, state.nodes(), loads_.external(),
-                                                                              nullptr, force, message) != SPRINGNET_OK))
+      if (speed > no_speed ||
+          (speed >= -no_speed && evaluator_.evaluate_node(k, time, state.nodes(), loads_.external(), nullptr, force,
+                                                          acceleration, nullptr, nullptr, message) != SPRINGNET_OK))
         continue;
-      // The force beside the one that keeps a node with its velocity along the surface at its distance.
-      const double needed = mass_[k] * (n.dot(contact_.placement(j).acceleration) - contact_.turning(j, p, relative));
-      if (speed < -no_speed || n.dot(force) - needed < -least_force) touch(k, j, time, state);
+      // Beside the acceleration that keeps a node with its velocity along the surface at its distance. Its own is its
+      // neuron's: in a viscous medium it is not that of the net force alone.
+      const double needed = n.dot(contact_.placement(j).acceleration) - contact_.turning(j, p, relative);
+      if (speed < -no_speed || mass_[k] * (n.dot(acceleration) - needed) < -least_force) touch(k, j, time, state);
     }
   }
   return release_grip(time, state);
@@ -203,6 +205,10 @@ springnet_status Engine::fire(const EventSource& source, double time, State& sta
   switch (source.kind) {
     case EventSource::Kind::touch:
       if (now.surface >= 0 && !now.slides) break;  // two surfaces at once: the first holds it
+      // Just released, and off already: rounding of the distance crossed the tolerance once more.
+      if (contact_.normal(source.surface, vector_at(state.view.position, k))
+              .dot(vector_at(state.view.velocity, k) - contact_.placement(source.surface).velocity) > 0.0)
+        break;
       touch(k, source.surface, time, state);
       touched.push_back(k);
       break;
