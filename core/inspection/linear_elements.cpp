@@ -39,7 +39,7 @@ layers::Corners corners_of(const Network& network, const std::vector<NodeIndex>&
 
 LinearElement element_at_rest(const Network& network, const Element& element, double& value) {
   LinearElement linear{};
-  value = network.value_of(element);
+  value = layers::nearest_turn(element.invariant, network.value_of(element), element.reference);
   const bool is_angle = element.invariant == Invariant::angle || element.invariant == Invariant::dihedral;
   linear.scale = is_angle ? 1.0 : std::abs(value);
   if (element.invariant != Invariant::enclosed_volume) {

@@ -44,6 +44,9 @@ class ElementLayout {
   [[nodiscard]] Invariant invariant(std::uint32_t element) const noexcept { return invariant_[element]; }
   [[nodiscard]] std::uint32_t group(std::uint32_t element) const noexcept { return laws_.element_group[element]; }
   [[nodiscard]] std::uint32_t row(std::uint32_t element) const noexcept { return laws_.element_row[element]; }
+  [[nodiscard]] double reference(std::uint32_t element) const noexcept {
+    return laws_.groups[group(element)].columns[0][row(element)];
+  }
   // Nodes of an element in the engine's numbers, each once: its corners, or those of its surface.
   [[nodiscard]] std::span<const std::uint32_t> nodes(std::uint32_t element) const noexcept {
     return {nodes_.data() + start_[element], nodes_.data() + start_[element + 1]};

@@ -49,7 +49,7 @@ springnet_status ElementLinearisation::update(double time, const NodeArrays& nod
       const std::span<const std::uint32_t> own = elements.nodes(members[i]);
       gather(own.data(), own.size(), nodes, corners[i]);
       first_order(batch.invariant, corners[i], geometry[i]);
-      q[i] = geometry[i].value;
+      q[i] = nearest_turn(batch.invariant, geometry[i].value, elements.reference(members[i]));
       rate[i] = geometry[i].rate;
     }
     const springnet_status status = ask(batch, time, members, q, rate, forces, message);

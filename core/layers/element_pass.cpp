@@ -20,7 +20,7 @@ springnet_status Evaluator::evaluate_batch(const ElementBatch& batch, double tim
     FirstOrder geometry;
     gather(own.data(), own.size(), nodes, corners);
     first_order(batch.invariant, corners, geometry);
-    q[i] = geometry.value;
+    q[i] = nearest_turn(batch.invariant, geometry.value, elements.reference(members[i]));
     rate[i] = geometry.rate;
     rows[i] = elements.row(members[i]);
     element_force_[members[i]] = 0.0;

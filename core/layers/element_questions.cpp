@@ -49,7 +49,8 @@ ElementState element_state(const Layout& layout, const NodeArrays& nodes, std::u
   FirstOrder geometry;
   gather(own.data(), own.size(), nodes, corners);
   first_order(elements.invariant(element), corners, geometry);
-  return {geometry.value, geometry.rate};
+  const Invariant invariant = elements.invariant(element);
+  return {nearest_turn(invariant, geometry.value, elements.reference(element)), geometry.rate};
 }
 
 double element_force(const Layout& layout, InstructionSet set, double time, const NodeArrays& nodes,

@@ -10,7 +10,7 @@
 
 namespace springnet::layers {
 
-// The invariant and its rate; of a removed element too.
+// The invariant as its law reads it, and its rate; of a removed element too.
 struct ElementState {
   double value;
   double rate;

@@ -4,6 +4,7 @@
 
 #include <Eigen/Geometry>
 #include <cmath>
+#include <numbers>
 
 namespace springnet::layers {
 namespace {
@@ -192,6 +193,11 @@ void first_order(Invariant invariant, const Corners& corners, FirstOrder& out) n
     // Against the first corner: the motion of all together does not count, to the last digit.
     out.rate += out.gradient[i].dot(corners.velocity[i] - corners.velocity[0]);
   }
+}
+
+double nearest_turn(Invariant invariant, double value, double reference) noexcept {
+  constexpr double turn = 2.0 * std::numbers::pi;
+  return invariant == Invariant::dihedral ? value + turn * std::round((reference - value) / turn) : value;
 }
 
 void second_order(Invariant invariant, const Corners& corners, SecondOrder& out) noexcept {

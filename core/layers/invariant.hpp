@@ -32,6 +32,9 @@ struct FirstOrder {
   Vector3 gradient[most_corners];
 };
 void first_order(Invariant invariant, const Corners& corners, FirstOrder& out) noexcept;
+// What a law reads for a value: that of a dihedral angle which is nearest to its reference, whole turns apart, so that
+// it jumps where it is half a turn from there and not where wings that rest folded pass through one another.
+[[nodiscard]] double nearest_turn(Invariant invariant, double value, double reference) noexcept;
 
 // d2q / dp_i dp_j and dq'/dp_i = sum_j (d2q / dp_i dp_j) v_j.
 struct SecondOrder {

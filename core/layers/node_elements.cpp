@@ -52,7 +52,7 @@ springnet_status Evaluator::add_elements_of(std::uint32_t node, double time, con
         gather(corners.data(), corners.size(), nodes, own.corners);
         first_order(elements.invariant(share.element), own.corners, own.geometry);
         own.gradient = own.geometry.gradient[share.place];
-        q[i] = own.geometry.value;
+        q[i] = nearest_turn(elements.invariant(share.element), own.geometry.value, elements.reference(share.element));
         rate[i] = own.geometry.rate;
       }
       rows[i] = elements.row(share.element);

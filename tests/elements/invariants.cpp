@@ -138,6 +138,13 @@ TEST_CASE("a dihedral angle is signed, and smooth through flat") {
   }
 }
 
+TEST_CASE("a law reads the turn of a dihedral angle that is nearest to its reference") {
+  CHECK(layers::nearest_turn(Invariant::dihedral, -3.1, 3.0) == doctest::Approx(2.0 * std::numbers::pi - 3.1));
+  CHECK(layers::nearest_turn(Invariant::dihedral, 0.5, 0.4) == 0.5);
+  CHECK(layers::nearest_turn(Invariant::dihedral, 2.0, -3.0) == doctest::Approx(2.0 - 2.0 * std::numbers::pi));
+  CHECK(layers::nearest_turn(Invariant::volume, 20.0, 1.0) == 20.0);
+}
+
 TEST_CASE("an invariant without direction pushes nobody") {
   Corners corners;
   for (auto& p : corners.position) p = {0.3, 0.2, 0.1};

@@ -41,7 +41,7 @@ class RandomNet {
   explicit RandomNet(std::uint64_t seed) : dice_(seed) {
     add_nodes();
     add_springs();
-    Dice own(seed + 1000000);  // so that the rest of the net is that of a generator without elements
+    Dice own(seed + 3000000);  // so that the rest of the net is that of a generator without elements
     std::swap(own, dice_);
     if (dice_.chance(0.3)) add_elements();
     std::swap(own, dice_);

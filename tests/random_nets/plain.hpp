@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <numbers>
 #include <stdexcept>
 #include <vector>
 
@@ -96,6 +97,9 @@ inline PlainInvariant plain_invariant_of(const Element& element, const PlainStat
         p[i][c] = sdk::Dual<12>::variable(at.position[element.nodes[i]][static_cast<Eigen::Index>(c)], 3 * i + c);
     const sdk::Dual<12> q = plain_value(element.invariant, p);
     found.value = q.value;
+    // Of all turns the one nearest to the reference.
+    if (element.invariant == Invariant::dihedral)
+      found.value = element.reference + std::remainder(q.value - element.reference, 2.0 * std::numbers::pi);
     for (std::size_t i = 0; i < element.nodes.size(); ++i)
       found.gradient[i] = {q.derivatives[3 * i], q.derivatives[3 * i + 1], q.derivatives[3 * i + 2]};
   }
