@@ -21,6 +21,7 @@ Scene flying(std::uint32_t side) {
   scene.network.set_gravity(Vector3(0.1, 0.2, -9.81) / 1.3);
   scene.duration = 1.0;
   scene.options.time_step = 0.01;
+  scene.output.view = false;  // tests of tables
   return scene;
 }
 
@@ -37,6 +38,16 @@ TEST_CASE("the estimate of the output is near the size of the files, on the safe
   CHECK(bytes <= estimate.bytes);
   CHECK(bytes >= 0.8 * estimate.bytes);
   CHECK(static_cast<double>(summary.records) == estimate.records);
+}
+
+TEST_CASE("the estimate of the page is on the safe side") {
+  const TemporaryFolder folder;
+  Scene scene = flying(5);
+  scene.output.trajectory = false;
+  scene.output.view = true;
+  const OutputEstimate estimate = estimate_output(scene);
+  run_scene(scene, plugins(), {folder.path(), "flying", {}});
+  CHECK(static_cast<double>(std::filesystem::file_size(folder.path() / "view.html")) <= estimate.bytes);
 }
 
 TEST_CASE("the estimate counts what the scene asks for") {

@@ -150,6 +150,7 @@ TEST_CASE("a table of another form from an earlier run is removed") {
   const TemporaryFolder folder;
   Scene scene = chain_scene();
   scene.output.springs = {0};
+  scene.output.view = false;
   run(scene, folder);
   scene.output.format = OutputOptions::Format::binary;
   const RunSummary summary = run(scene, folder);
