@@ -77,8 +77,10 @@ void simulate(const Scene& scene, Simulation& simulation, Recorder& recorder, co
   const double interval = std::max(scene.output.interval, time_step);
   StepCounter counter;
   const double start = clock.now();
+  double recorded = -std::numeric_limits<double>::infinity();  // s, when last
   const auto write_record = [&] {
     const double begin = clock.now();
+    recorded = simulation.time();
     recorder.record(simulation);
     ++summary.records;
     summary.output_wall += clock.now() - begin;
@@ -117,6 +119,12 @@ void simulate(const Scene& scene, Simulation& simulation, Recorder& recorder, co
       }
     } catch (const Error&) {
       count_work();
+      // How far it came, and what happened until then.
+      try {
+        if (simulation.time() > recorded) write_record();
+      } catch (const Error&) {
+        // What ended the run is told, not what could not be written of it.
+      }
       throw;
     }
     count_work();

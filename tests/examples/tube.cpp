@@ -48,15 +48,16 @@ TEST_CASE("a grasper draws the tube and a probe presses it; both feel it, alike 
     CHECK(course->most_touching >= 2);
     CHECK(course->pushed_from > 1.0);  // the probe starts to move then
     CHECK(course->pushed_from < 3.0);
-    // Let go, it comes back: less than a tenth of how far it was moved is left.
     double farthest = 0.0;
     for (const Positions& p : course->positions) farthest = std::max(farthest, greatest(p, course->positions.front()));
     CHECK(farthest > 0.01);
+    // Let go, it comes back.
+    CHECK(greatest(course->positions.back(), course->positions.front()) < 0.05 * farthest);
   }
   double apart = 0.0;
   for (std::size_t i = 0; i < network.positions.size(); ++i)
     apart = std::max(apart, greatest(network.positions[i], reference.positions[i]));
-  CHECK(apart < 2e-3);
-  CHECK(network.greatest_pull == doctest::Approx(reference.greatest_pull).epsilon(0.1));
-  CHECK(network.greatest_push == doctest::Approx(reference.greatest_push).epsilon(0.2));
+  CHECK(apart < 3e-4);  // 0.03 mm were seen; nodes are caught at the end of steps in which the probe goes 0.3 mm
+  CHECK(network.greatest_pull == doctest::Approx(reference.greatest_pull).epsilon(0.01));
+  CHECK(network.greatest_push == doctest::Approx(reference.greatest_push).epsilon(0.05));
 }
