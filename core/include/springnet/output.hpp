@@ -251,9 +251,9 @@ struct RunSummary {
 };
 
 // Runs a scene and writes the files that it asks for (core/docs/output.md), events.csv and summary.json. A record is
-// made at the start, at the first time step that ends at or after each multiple of the output interval, and at the end.
-// Throws Error(input) or Error(plugin), before anything is written, if the scene cannot be simulated or its output
-// would not fit the disk. A failure later is told in the summary.
+// made at the start, at the first time step that ends at or after each multiple of the output interval, and at the end,
+// also that of a failure. Throws Error(input) or Error(plugin), before anything is written, if the scene cannot be
+// simulated or its output would not fit the disk. A failure later is told in the summary.
 RunSummary run_scene(const Scene& scene, const std::shared_ptr<const PluginHost>& plugins, const RunOptions& options);
 
 // The text of summary.json.
