@@ -22,15 +22,17 @@ struct Visit {
   std::string dom, log;
 };
 
+// A page that tries itself gets 25 s of the browser's clock: on a busy machine it waits long for a picture.
 // --no-sandbox: tests run as root in containers. swiftshader: there is no graphics card.
 Visit visit(const TemporaryFolder& folder, const std::string& address, const std::string& action) {
+  const int patience = address.find("selftest") == std::string::npos ? 4000 : 25000;  // ms
   const std::string line =
       fmt::format("cd '{}' && timeout 120 '" SPRINGNET_CHROMIUM
                   "' --headless --no-sandbox --enable-unsafe-swiftshader --disable-quic --no-first-run "
                   "--disable-background-networking --disable-component-update --disable-sync --disable-extensions "
-                  "--hide-scrollbars --window-size=1280,800 --user-data-dir=profile --virtual-time-budget=4000 "
+                  "--hide-scrollbars --window-size=1280,800 --user-data-dir=profile --virtual-time-budget={} "
                   "--enable-logging=stderr --v=0 {} '{}' > dom.txt 2> log.txt",
-                  folder.path().string(), action, address);
+                  folder.path().string(), patience, action, address);
   const int status = std::system(line.c_str());
   return {status, testing::read_text(folder.path() / "dom.txt"), testing::read_text(folder.path() / "log.txt")};
 }
@@ -120,8 +122,11 @@ TEST_CASE("the page draws the network; scrub bar, keys, switches and picking wor
   CHECK((found["picked"].contains("node") || found["picked"].contains("spring")));
   CHECK(found["picked_text"].get<std::string>().find("of box") != std::string::npos);
   CHECK(found["keys"] == nlohmann::json::array({0, 1, 60, 59}));
-  CHECK(found["springs_hidden"][0].get<int>() > found["springs_hidden"][1].get<int>());
-  CHECK(found["broken_hidden"][0].get<int>() > found["broken_hidden"][1].get<int>());
+  // Each switch takes away what can be seen; the broken springs lie where triangles are torn.
+  for (const char* what : {"springs", "broken", "nodes", "faces", "instruments"}) {
+    CAPTURE(what);
+    CHECK(found["toggled"][what].get<int>() > 100);
+  }
   CHECK(found["plots"].get<int>() >= 2);
   CHECK(found["legend"].get<std::string>().find("tension of springs, N") != std::string::npos);
   // A drag of 60 pixels turns the eye by some degrees; a click in the middle of a curve goes near the middle.

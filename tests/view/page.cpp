@@ -3,6 +3,7 @@
 #include <cstring>
 
 #include <doctest/doctest.h>
+#include <Eigen/Geometry>
 #include <nlohmann/json.hpp>
 
 #include "output/view/content.hpp"
@@ -145,11 +146,78 @@ TEST_CASE("positions, tensions, events and energies are those of the run") {
     CHECK_FALSE(simulation.alive(removed[k]));
     CHECK(scalars[gone[k] * width] == doctest::Approx(0.5).epsilon(1e-9));  // the time of the cut
   }
-  // The one triangle that the spring listed in the cut is an edge of.
+  // Triangles are torn where the spring along an edge is gone: all of them in the one cut.
   const auto torn = block<std::uint32_t>(page, "face_frames");
-  REQUIRE(torn.size() == scene.network.faces().size());
-  CHECK(torn[0] == gone[0]);
-  for (std::size_t k = 1; k < torn.size(); ++k) CHECK(torn[k] == view::not_shown);
+  REQUIRE(torn.size() == 6 * 9 * 2);
+  std::size_t cut_off = 0;
+  for (std::size_t k = 0; k < torn.size(); ++k) {
+    const bool tears = std::any_of(removed.begin(), removed.end(), [&](std::uint32_t each) {
+      const Face& face = scene.network.faces()[k];
+      const Spring& spring = scene.network.springs()[each];
+      return std::count(face.begin(), face.end(), spring.first) + std::count(face.begin(), face.end(), spring.second) ==
+             2;
+    });
+    CHECK(torn[k] == (tears ? gone[0] : view::not_shown));
+    cut_off += tears ? 1 : 0;
+  }
+  // The two beside the spring listed in the cut, and those about the edges along z that its square crosses.
+  CHECK(cut_off > 4);
+  CHECK(cut_off < torn.size() / 4);
+}
+
+TEST_CASE("the curves of elements are their values in the run") {
+  Scene scene;
+  const MaterialIndex springs = scene.network.add_material({LawUse{"linear", {{"stiffness", 20.0}}}, std::nullopt});
+  const MaterialIndex filling = scene.network.add_material({LawUse{"linear", {{"stiffness", 300.0}}}, std::nullopt});
+  for (const Vector3& place : {Vector3(0, 0, 0), Vector3(1, 0, 0), Vector3(0, 1, 0), Vector3(0, 0, 1)}) {
+    Node node;
+    node.position = place;
+    node.mass = 0.1;
+    scene.network.add_node(node);
+  }
+  for (NodeIndex a = 0; a < 4; ++a) {
+    for (NodeIndex b = a + 1; b < 4; ++b) scene.network.add_spring(a, b, springs);
+  }
+  scene.network.add_element(Invariant::volume, {0, 1, 2, 3}, filling, 0.25);  // more than is there: it swells
+  scene.network.add_element(Invariant::area, {1, 2, 3}, filling, 0.5);
+  scene.duration = 0.5;
+  scene.options.time_step = 0.01;
+  scene.options.threads = 1;
+  const TemporaryFolder folder;
+  REQUIRE_FALSE(run(scene, folder).failure);
+  const std::string page = page_in(folder);
+  const nlohmann::json about = description(page);
+  REQUIRE(about["curves"].size() == 2);
+  CHECK(about["curves"][0]["label"] == "volume (element 0)");
+  CHECK(about["curves"][0]["unit"] == "m^3");
+  CHECK(about["curves"][1]["unit"] == "m^2");
+  CHECK(about["curves"][0]["reference"] == 0.25);
+
+  const auto scalars = block<double>(page, "scalars");
+  const auto positions = block<float>(page, "positions");
+  const std::size_t frames = about["frames"];
+  REQUIRE(frames == 51);
+  const std::size_t width = scalars.size() / frames;
+  REQUIRE(width == view::fixed_scalars + 2);
+  Simulation simulation(scene.network, plugins(), scene.options);
+  double least = 1.0, most = 0.0;
+  for (std::size_t frame = 0; frame + 1 < frames; ++frame) {  // the run's last step ends at the duration itself
+    if (frame > 0) simulation.step();
+    const double volume = scalars[frame * width + view::fixed_scalars];
+    CHECK(volume == simulation.element_value(0));
+    CHECK(scalars[frame * width + view::fixed_scalars + 1] == simulation.element_value(1));
+    const auto place = [&](std::size_t node) {
+      const float* at = positions.data() + (frame * 4 + node) * 3;
+      return Vector3(at[0], at[1], at[2]);
+    };
+    const Vector3 a = place(1) - place(0), b = place(2) - place(0), c = place(3) - place(0);
+    CHECK(volume == doctest::Approx(a.dot(b.cross(c)) / 6.0).epsilon(1e-6));  // of positions in 32 bits
+    CHECK(scalars[frame * width + view::fixed_scalars + 1] ==
+          doctest::Approx((b - a).cross(c - a).norm() / 2.0).epsilon(1e-6));
+    least = std::min(least, volume);
+    most = std::max(most, volume);
+  }
+  CHECK(most > 1.1 * least);  // it moved
 }
 
 TEST_CASE("a long run is rounded and thinned to the size that is asked for, with notes on page and in the summary") {

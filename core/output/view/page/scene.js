@@ -1,7 +1,7 @@
 // What is drawn of a frame.
 (function (s) {
   const run = s.run, colours = s.colours, few = Math.max(run.springs, run.nodes);
-  const spring_width = few < 800 ? 3.2 : few < 4000 ? 2.2 : few < 20000 ? 1.5 : 1;
+  const spring_width = few < 400 ? 4 : few < 800 ? 3.2 : few < 4000 ? 2.2 : few < 20000 ? 1.5 : 1;
   const dot_size = few < 800 ? 7 : few < 4000 ? 5 : few < 20000 ? 3.4 : 2.2;
 
   s.shown = { springs: true, broken: true, nodes: run.nodes <= 20000, faces: true, instruments: true, colour: "tension" };
@@ -28,10 +28,13 @@
     const layers = [springs, broken, rigids, dots, chosen_spring, chosen_node];
     layers.forEach(function (layer) { scene.add(layer.mesh); });
     scene.add(faces.mesh, surfaces.group);
-    scene.add(new THREE.HemisphereLight(0xffffff, 0x9aa2ad, 0.72));
-    const lamp = new THREE.DirectionalLight(0xffffff, 0.48);
-    camera.add(lamp);
-    lamp.position.set(-0.4, 0.8, 1);
+    const sky = new THREE.HemisphereLight(0xffffff, 0x9aa2ad, 0.66);
+    sky.position.copy(s.camera.upward);
+    scene.add(sky);
+    // From the upper left behind the eye, wherever that is.
+    const lamp = new THREE.DirectionalLight(0xffffff, 0.5);
+    lamp.position.set(-0.9, 0.7, 1);
+    camera.add(lamp, lamp.target);
     scene.add(camera);
     this.cell = surfaces.cell;
     this.opacity = faces.opacity;
@@ -83,7 +86,7 @@
           offset = colours.offset(speeds[k], run.speed_range.shown, false);
         }
         for (let c = 0; c < 3; ++c) dots.tints[3 * k + c] = table[offset + c];
-        dots.sizes[k] = touches || kind !== 0 ? 1.45 * dot_size : dot_size;
+        dots.sizes[k] = touches || kind === 2 ? 1.4 * dot_size : kind === 1 ? 1.15 * dot_size : dot_size;
       }
       dots.update();
     }
@@ -129,16 +132,17 @@
       renderer.setPixelRatio(ratio);
       renderer.setSize(width, height, false);
     };
-    // Pixels that are not background, of a frame drawn just now.
-    this.pixels_drawn = function () {
-      if (!renderer) return 0;
+    // The picture, drawn just now: one number a pixel, its highest byte 0 where nothing is.
+    this.pixels = function () {
+      if (!renderer) return new Uint32Array(0);
       this.draw();
       const gl = renderer.getContext(), width = gl.drawingBufferWidth, height = gl.drawingBufferHeight;
       const pixels = new Uint8Array(4 * width * height);
       gl.readPixels(0, 0, width, height, gl.RGBA, gl.UNSIGNED_BYTE, pixels);
-      let drawn = 0;
-      for (let k = 3; k < pixels.length; k += 4) if (pixels[k] > 0) ++drawn;
-      return drawn;
+      return new Uint32Array(pixels.buffer);
+    };
+    this.pixels_drawn = function () {
+      return this.pixels().reduce(function (drawn, pixel) { return drawn + (pixel >>> 24 > 0 ? 1 : 0); }, 0);
     };
     if (renderer) renderer.setClearColor(0xffffff, 0);
   };

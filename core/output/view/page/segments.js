@@ -15,8 +15,9 @@
       if (b.z > -near && a.z < -near) b = mix(b, a, (b.z + near) / (b.z - a.z));
       // Paler the farther: else a dense network is a tangle.
       float far_share = clamp((-(position.x < 0.5 ? a : b).z - depth.x) / (depth.y - depth.x), 0.0, 1.0);
-      a = projectionMatrix * a;
-      b = projectionMatrix * b;
+      // A little nearer on the line of sight: springs of a surface lie on it, not half in it.
+      a = projectionMatrix * vec4(0.996 * a.xyz, 1.0);
+      b = projectionMatrix * vec4(0.996 * b.xyz, 1.0);
       vec2 run = (b.xy / b.w - a.xy / a.w) * 0.5 * pixels;
       float far = length(run);
       vec2 ahead = far > 0.0 ? run / far : vec2(1.0, 0.0);
@@ -92,7 +93,8 @@
     varying vec3 colour;
     varying float pixel;
     void main() {
-      gl_Position = projectionMatrix * modelViewMatrix * vec4(position, 1.0);
+      vec4 place = modelViewMatrix * vec4(position, 1.0);
+      gl_Position = projectionMatrix * vec4(0.994 * place.xyz, 1.0);  // before the ends of the springs
       gl_PointSize = size * ratio;
       pixel = 2.0 / gl_PointSize;
       colour = tint;

@@ -10,13 +10,15 @@
                pixels: scene.pixels_drawn(), places: node_places() };
     }
     function key(name) { window.dispatchEvent(new KeyboardEvent("keydown", { key: name, bubbles: true })); return player.frame; }
-    function toggled(id, action) {
-      const box = document.getElementById(id);
-      const before = scene.pixels_drawn();
+    // How many pixels a switch changes.
+    function toggled(id) {
+      const box = document.getElementById(id), before = scene.pixels();
       box.click();
-      const after = scene.pixels_drawn();
+      const after = scene.pixels();
       box.click();
-      return [before, after];
+      let changed = 0;
+      for (let k = 0; k < before.length; ++k) if (before[k] !== after[k]) ++changed;
+      return changed;
     }
     const result = { frames: run.frames, works: scene.works, stops: [0, last >> 1, last].map(scrub_to) };
     // As a mouse does it: press and let go on the picture; drag; click on a curve.
@@ -32,8 +34,8 @@
     result.picked = s.picked;
     result.picked_text = document.getElementById("picked").textContent;
     result.keys = [key("Home"), key("ArrowRight"), key("End"), key("ArrowLeft")];
-    result.springs_hidden = toggled("show-springs");
-    result.broken_hidden = (player.go(last), toggled("show-broken"));
+    result.toggled = { springs: toggled("show-springs"), broken: (player.go(last), toggled("show-broken")),
+                       nodes: toggled("show-nodes"), faces: toggled("show-faces"), instruments: toggled("show-instruments") };
     const eye = s.camera.camera.position.clone();
     mouse(view, "mousedown", x, y);
     mouse(document, "mousemove", x + 60, y);
@@ -54,8 +56,10 @@
     player.toggle();
     let waited = 0;
     const timer = setInterval(function () {
-      if (player.frame === 0 && ++waited < 60) return;
+      // Reading the picture takes the time of a clock that nothing winds on.
+      if (player.frame === 0 && ++waited < 400 && (scene.pixels_drawn(), true)) return;
       clearInterval(timer);
+      player.pause();
       result.played = player.frame;
       result.errors = s.errors;
       write(result);

@@ -67,40 +67,75 @@
     };
   };
 
-  // Triangles, without those that are torn.
+  // Triangles, without those that are torn. Each has its own three corners: where the surface bends sharply it shall look
+  // so, elsewhere round.
   s.Faces = function () {
-    const count = run.face_frames.length;
-    const positions = new Float32Array(3 * run.nodes), corners = new Uint32Array(run.faces.length);
+    const count = run.face_frames.length, sharp = Math.cos(35 * Math.PI / 180);
+    const places = new Float32Array(9 * count), normals = new Float32Array(9 * count);
+    const flat = new Float32Array(3 * count), round = new Float32Array(3 * run.nodes);
     const geometry = new THREE.BufferGeometry();
-    const place = new THREE.BufferAttribute(positions, 3), index = new THREE.BufferAttribute(corners, 1);
-    geometry.setAttribute("position", place);
-    geometry.setIndex(index);
-    const material = new THREE.MeshPhongMaterial({ color: 0xe9d3bd, side: THREE.DoubleSide, shininess: 18, specular: 0x333333,
-      polygonOffset: true, polygonOffsetFactor: 1, polygonOffsetUnits: 2 });
-    this.mesh = new THREE.Mesh(geometry, material);
-    this.mesh.frustumCulled = false;
-    this.mesh.renderOrder = 2;
+    const attributes = [new THREE.BufferAttribute(places, 3), new THREE.BufferAttribute(normals, 3)];
+    geometry.setAttribute("position", attributes[0]);
+    geometry.setAttribute("normal", attributes[1]);
+    // The far side is drawn before the near one, that it shows through it.
+    const sides = [THREE.BackSide, THREE.FrontSide].map(function (side) {
+      return new THREE.MeshPhongMaterial({ color: 0xe9d3bd, side: side, shininess: 12, specular: 0x141414 });
+    });
+    this.mesh = new THREE.Group();
+    sides.forEach(function (material, k) {
+      const mesh = new THREE.Mesh(geometry, material);
+      mesh.frustumCulled = false;
+      mesh.renderOrder = 2 + 0.5 * k;
+      this.mesh.add(mesh);
+    }, this);
     this.count = count;
     this.opacity = function (value) {
-      material.opacity = value;
-      material.transparent = value < 1;
-      material.depthWrite = value > 0.6;
-      material.needsUpdate = true;
+      sides.forEach(function (material) {
+        material.opacity = value;
+        material.transparent = value < 1;
+        material.depthWrite = value > 0.6;
+        material.needsUpdate = true;
+      });
     };
+
+    // Twice the area times the unit normal of each triangle; their sums at the nodes, as unit vectors.
+    function find_normals(frame, positions) {
+      round.fill(0);
+      for (let k = 0; k < count; ++k) {
+        if (frame >= run.face_frames[k]) continue;
+        const a = 3 * run.faces[3 * k], b = 3 * run.faces[3 * k + 1], c = 3 * run.faces[3 * k + 2];
+        const ux = positions[b] - positions[a], uy = positions[b + 1] - positions[a + 1], uz = positions[b + 2] - positions[a + 2];
+        const vx = positions[c] - positions[a], vy = positions[c + 1] - positions[a + 1], vz = positions[c + 2] - positions[a + 2];
+        const normal = [uy * vz - uz * vy, uz * vx - ux * vz, ux * vy - uy * vx], length = Math.hypot(normal[0], normal[1], normal[2]);
+        for (let axis = 0; axis < 3; ++axis) {
+          round[a + axis] += normal[axis];
+          round[b + axis] += normal[axis];
+          round[c + axis] += normal[axis];
+          flat[3 * k + axis] = length > 0 ? normal[axis] / length : 0;
+        }
+      }
+      for (let k = 0; k < round.length; k += 3) {
+        const length = Math.hypot(round[k], round[k + 1], round[k + 2]);
+        for (let axis = 0; length > 0 && axis < 3; ++axis) round[k + axis] /= length;
+      }
+    }
     this.show = function (frame) {
-      positions.set(run.positions.row(frame));
+      const positions = run.positions.row(frame);
+      find_normals(frame, positions);
       let used = 0;
       for (let k = 0; k < count; ++k) {
         if (frame >= run.face_frames[k]) continue;
-        corners[used++] = run.faces[3 * k];
-        corners[used++] = run.faces[3 * k + 1];
-        corners[used++] = run.faces[3 * k + 2];
+        for (let corner = 0; corner < 3; ++corner, used += 3) {
+          const node = 3 * run.faces[3 * k + corner];
+          const bend = flat[3 * k] * round[node] + flat[3 * k + 1] * round[node + 1] + flat[3 * k + 2] * round[node + 2];
+          for (let axis = 0; axis < 3; ++axis) {
+            places[used + axis] = positions[node + axis];
+            normals[used + axis] = bend > sharp ? round[node + axis] : flat[3 * k + axis];
+          }
+        }
       }
-      corners.fill(0, used);  // triangles without area
-      geometry.setDrawRange(0, used);
-      place.needsUpdate = true;
-      index.needsUpdate = true;
-      geometry.computeVertexNormals();
+      geometry.setDrawRange(0, used / 3);
+      attributes.forEach(function (attribute) { attribute.needsUpdate = true; });
     };
   };
 })(springnet);
