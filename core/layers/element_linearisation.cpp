@@ -1,9 +1,24 @@
 #include "layers/element_linearisation.hpp"
 
 #include <Eigen/Geometry>
-#include <algorithm>
 
 namespace springnet::layers {
+namespace {
+
+// x -> a x x as a matrix.
+Block cross_matrix(const Vector3& a) {
+  Block block;
+  block << 0.0, -a[2], a[1], a[2], 0.0, -a[0], -a[1], a[0], 0.0;
+  return block;
+}
+
+// They come last among the shares of a node.
+template <class What>
+void for_each_surface(std::span<const ElementShare> shares, const What& what) {
+  for (std::size_t i = shares.size(); i > 0 && shares[i - 1].surface != no_surface; --i) what(shares[i - 1]);
+}
+
+}  // namespace
 
 // Q and its derivatives of elements with the same laws.
 springnet_status ElementLinearisation::ask(const ElementBatch& batch, double time, const std::uint32_t* members,
@@ -35,14 +50,49 @@ springnet_status ElementLinearisation::ask(const ElementBatch& batch, double tim
   return SPRINGNET_OK;
 }
 
+void ElementLinearisation::make_pattern() {
+  const ElementLayout& elements = layout_.elements();
+  rows_.make(layout_.node_count(),
+             [&](std::uint32_t node, std::vector<std::uint32_t>& columns) { elements.add_neighbours(node, columns); });
+  targets_.clear();
+  for (const std::uint32_t e : elements.batched()) {
+    const std::span<const std::uint32_t> own = elements.nodes(e);
+    for (const std::uint32_t i : own)
+      for (const std::uint32_t j : own) targets_.push_back(rows_.find(i, j));
+  }
+  surface_targets_.clear();
+  for (const ElementLayout::Surface& s : elements.surfaces()) {
+    if (!elements.alive(s.element)) continue;
+    for (std::size_t place = 0; place < s.surface.size(); ++place)
+      for (const ClosedSurface::Spoke& to : s.surface.spokes(place))
+        surface_targets_.push_back(rows_.find(s.surface.nodes()[place], to.other));
+  }
+  pattern_known_ = true;
+}
+
+void ElementLinearisation::add(const ElementBlocks& blocks, std::size_t count, const std::uint32_t* targets) {
+  const std::uint32_t* target = targets;
+  for (std::size_t i = 0; i < count; ++i)
+    for (std::size_t j = 0; j < count; ++j) stiffness_[*target++] += blocks.stiffness[i][j];
+  if (blocks.damping == 0.0) return;
+  if (!damped_) damping_.assign(rows_.count(), Block::Zero());
+  damped_ = true;
+  for (std::size_t i = 0; i < count; ++i)
+    for (std::size_t j = 0; j < count; ++j) damping_[*targets++] += blocks.damping_block(i, j);
+}
+
 springnet_status ElementLinearisation::update(double time, const NodeArrays& nodes, springnet_message& message) {
   const ElementLayout& elements = layout_.elements();
   if (elements.live_count() == 0) return SPRINGNET_OK;
-  blocks_.resize(elements.batched().empty() ? 0 : elements.count());
+  if (!pattern_known_) make_pattern();
+  stiffness_.assign(rows_.count(), Block::Zero());
+  damped_ = false;
   Corners corners[element_batch];
   FirstOrder geometry[element_batch];
   double q[element_batch], rate[element_batch];
   ElementForce forces[element_batch];
+  ElementBlocks blocks;
+  const std::uint32_t* targets = targets_.data();
   for (const ElementBatch& batch : elements.batches()) {
     const std::uint32_t* members = elements.batched().data() + batch.begin;
     for (std::size_t i = 0; i < batch.count; ++i) {
@@ -54,10 +104,20 @@ springnet_status ElementLinearisation::update(double time, const NodeArrays& nod
     }
     const springnet_status status = ask(batch, time, members, q, rate, forces, message);
     if (status != SPRINGNET_OK) return status;
-    for (std::size_t i = 0; i < batch.count; ++i)
-      linearise(batch.invariant, corners[i], geometry[i], forces[i], blocks_[members[i]]);
+    const std::size_t count = corners_of(batch.invariant);
+    for (std::size_t i = 0; i < batch.count; ++i, targets += count * count) {
+      linearise(batch.invariant, corners[i], geometry[i], forces[i], blocks);
+      add(blocks, count, targets);
+    }
   }
+  return update_surfaces(time, nodes, message);
+}
+
+springnet_status ElementLinearisation::update_surfaces(double time, const NodeArrays& nodes,
+                                                       springnet_message& message) {
+  const ElementLayout& elements = layout_.elements();
   surfaces_.resize(elements.surfaces().size());
+  const std::uint32_t* target = surface_targets_.data();
   for (std::size_t s = 0; s < surfaces_.size(); ++s) {
     const std::uint32_t e = elements.surfaces()[s].element;
     if (!elements.alive(e)) continue;
@@ -69,13 +129,11 @@ springnet_status ElementLinearisation::update(double time, const NodeArrays& nod
     if (status != SPRINGNET_OK) return status;
     own.gradient.resize(surface.size());
     own.rate_gradient.resize(surface.size());
-    own.across.resize(surface.spoke_count());
     for (std::size_t place = 0; place < surface.size(); ++place) {
       own.gradient[place] = surface.gradient(place, nodes);
       own.rate_gradient[place] = surface.rate_gradient(place, nodes);
-      std::size_t spoke = surface.first_spoke(place);
       for (const ClosedSurface::Spoke& to : surface.spokes(place))
-        own.across[spoke++] = own.law.force * ClosedSurface::across(to, nodes);
+        stiffness_[*target++] += cross_matrix(own.law.force * ClosedSurface::across(to, nodes));
     }
   }
   return SPRINGNET_OK;
@@ -107,47 +165,33 @@ Vector3 ElementLinearisation::force(std::uint32_t node, const double* dp, const 
     return Vector3(values[k], values[n + k], values[2 * n + k]);
   };
   Vector3 sum = Vector3::Zero();
-  for (const ElementShare& share : elements.shares(node)) {
-    if (share.surface != no_surface) {
-      const SurfaceDerivatives& own = surfaces_[share.surface];
-      const ClosedSurface& surface = elements.surfaces()[share.surface].surface;
-      sum -= own.product * own.gradient[share.place];
-      std::size_t spoke = surface.first_spoke(share.place);
-      for (const ClosedSurface::Spoke& to : surface.spokes(share.place))
-        sum -= own.across[spoke++].cross(at(dp, to.other));
-      continue;
-    }
-    const ElementBlocks& blocks = blocks_[share.element];
-    const std::span<const std::uint32_t> corners = elements.nodes(share.element);
-    double rate[2] = {0.0, 0.0};
-    for (std::size_t j = 0; j < corners.size(); ++j) {
-      const Vector3 v = at(dv, corners[j]);
-      sum -= blocks.stiffness[share.place][j] * at(dp, corners[j]);
-      for (int r = 0; r < 2; ++r) rate[r] += blocks.row[r][j].dot(v);
-    }
-    sum -= blocks.damping * (rate[0] * blocks.row[0][share.place] + rate[1] * blocks.row[1][share.place]);
-  }
+  const std::size_t begin = rows_.begin(node), end = rows_.end(node);
+  for (std::size_t b = begin; b < end; ++b) sum -= stiffness_[b] * at(dp, rows_.other(b));
+  if (damped_)
+    for (std::size_t b = begin; b < end; ++b) sum -= damping_[b] * at(dv, rows_.other(b));
+  for_each_surface(elements.shares(node), [&](const ElementShare& share) {
+    const SurfaceDerivatives& own = surfaces_[share.surface];
+    sum -= own.product * own.gradient[share.place];
+  });
   return sum;
 }
 
 Block ElementLinearisation::diagonal(std::uint32_t node, double velocity_weight, double position_weight,
                                      bool vectors) const {
-  const ElementLayout& elements = layout_.elements();
   Block sum = Block::Zero();
-  for (const ElementShare& share : elements.shares(node)) {
-    if (share.surface != no_surface) {
-      if (!vectors) continue;
-      const SurfaceDerivatives& own = surfaces_[share.surface];
-      const Vector3& g = own.gradient[share.place];
-      const Vector3 weight = (position_weight * own.law.by_q + velocity_weight * own.law.by_rate) * g +
-                             position_weight * own.law.by_rate * own.rate_gradient[share.place];
-      sum += g * weight.transpose();
-      continue;
-    }
-    const ElementBlocks& blocks = blocks_[share.element];
-    sum += velocity_weight * blocks.damping_block(share.place, share.place) +
-           position_weight * blocks.stiffness[share.place][share.place];
-  }
+  const std::span<const ElementShare> shares = layout_.elements().shares(node);
+  if (shares.empty()) return sum;
+  const std::size_t own_block = rows_.begin(node);
+  sum = position_weight * stiffness_[own_block];
+  if (damped_) sum += velocity_weight * damping_[own_block];
+  if (!vectors) return sum;
+  for_each_surface(shares, [&](const ElementShare& share) {
+    const SurfaceDerivatives& own = surfaces_[share.surface];
+    const Vector3& g = own.gradient[share.place];
+    const Vector3 weight = (position_weight * own.law.by_q + velocity_weight * own.law.by_rate) * g +
+                           position_weight * own.law.by_rate * own.rate_gradient[share.place];
+    sum += g * weight.transpose();
+  });
   return sum;
 }
 

@@ -1,7 +1,8 @@
 // Derivatives of the forces of elements on nodes.
 //
-// Elements of three or four nodes are blocks between their nodes. A closed surface joins all of its nodes: with g =
-// dV/dp, h = dV'/dp its part is
+// Elements of three or four nodes are blocks between their nodes; those of all elements are summed up, so that a
+// product reads every neighbour of a node once. A closed surface joins all of its nodes: with g = dV/dp, h = dV'/dp its
+// part is
 //   -dF/dp = g (Q_q g + Q_u h)^T + Q d2V/dp dp,   -dF/dv = Q_u g g^T,
 // of which the second term is blocks between nodes with a common side, and the rest is kept as the vectors that it is.
 #pragma once
@@ -9,6 +10,7 @@
 #include <cstdint>
 #include <vector>
 
+#include "layers/block_rows.hpp"
 #include "layers/evaluator.hpp"
 #include "layers/invariant.hpp"
 
@@ -21,6 +23,8 @@ class ElementLinearisation {
 
   // SPRINGNET_FAILED if a law has no derivatives.
   springnet_status update(double time, const NodeArrays& nodes, springnet_message& message);
+  // To be called after elements were removed, before the next update().
+  void topology_changed() noexcept { pattern_known_ = false; }
 
   // What all nodes of a surface contribute to a product, before force(): dp, dv as 3n numbers, x of all nodes first.
   void prepare(const double* dp, const double* dv);
@@ -41,44 +45,34 @@ class ElementLinearisation {
     ElementForce law;
     std::vector<Vector3> gradient;       // g, [place]
     std::vector<Vector3> rate_gradient;  // h, [place]
-    std::vector<Vector3> across;         // Q d2V/dp dp_other as a cross product, [spoke]
     double product = 0.0;                // of prepare()
   };
   springnet_status ask(const ElementBatch& batch, double time, const std::uint32_t* members, const double* q,
                        const double* rate, ElementForce* forces, springnet_message& message) const;
+  springnet_status update_surfaces(double time, const NodeArrays& nodes, springnet_message& message);
+  void make_pattern();
+  void add(const ElementBlocks& blocks, std::size_t count, const std::uint32_t* targets);
 
   const Layout& layout_;
   const Evaluator& evaluator_;
-  std::vector<ElementBlocks> blocks_;  // [element]; of three or four nodes
+  bool pattern_known_ = false;
+  BlockRows rows_;
+  // Sums of blocks, [block of rows_]; of damping only where `damped_`: a law answers to rates.
+  std::vector<Block> stiffness_, damping_;
+  bool damped_ = false;
+  std::vector<std::uint32_t> targets_;          // blocks of rows_: for batched elements (i, j), row by row
+  std::vector<std::uint32_t> surface_targets_;  // for live surfaces, [spoke]
   std::vector<SurfaceDerivatives> surfaces_;
 };
 
-// x -> a x x as a matrix.
-[[nodiscard]] inline Block cross_matrix(const Vector3& a) {
-  Block block;
-  block << 0.0, -a[2], a[1], a[2], 0.0, -a[0], -a[1], a[0], 0.0;
-  return block;
-}
-
 template <class What>
 void ElementLinearisation::for_each_block(double velocity_weight, double position_weight, const What& what) const {
-  const ElementLayout& elements = layout_.elements();
-  for (const std::uint32_t e : elements.batched()) {
-    const std::span<const std::uint32_t> nodes = elements.nodes(e);
-    for (std::size_t i = 0; i < nodes.size(); ++i)
-      for (std::size_t j = 0; j < nodes.size(); ++j)
-        if (i != j)
-          what(nodes[i], nodes[j],
-               Block(velocity_weight * blocks_[e].damping_block(i, j) + position_weight * blocks_[e].stiffness[i][j]));
-  }
-  for (std::size_t s = 0; s < surfaces_.size(); ++s) {
-    const ElementLayout::Surface& surface = elements.surfaces()[s];
-    if (!elements.alive(surface.element)) continue;
-    for (std::size_t place = 0; place < surface.surface.size(); ++place) {
-      std::size_t spoke = surface.surface.first_spoke(place);
-      for (const ClosedSurface::Spoke& to : surface.surface.spokes(place))
-        what(surface.surface.nodes()[place], to.other,
-             Block(position_weight * cross_matrix(surfaces_[s].across[spoke++])));
+  for (std::uint32_t node = 0; node < layout_.node_count(); ++node) {
+    for (std::size_t b = rows_.begin(node); b < rows_.end(node); ++b) {
+      if (rows_.other(b) == node) continue;
+      Block block = position_weight * stiffness_[b];
+      if (damped_) block += velocity_weight * damping_[b];
+      what(node, rows_.other(b), block);
     }
   }
 }

@@ -131,29 +131,85 @@ double value(Invariant invariant, const Triple<double>* p) {
   return 0.0;
 }
 
-// Corner positions as variables number 3 i + c of a dual.
+// Rows of the Hessian by what corners 1, 2, .. do; corner 0 does the contrary of all the others together, because an
+// invariant does not change with a motion of all.
+template <std::size_t Count>
+void complete(const Corners& corners, SecondOrder& out) {
+  for (std::size_t i = 0; i < Count; ++i) {
+    out.hessian[i][0] = -(out.hessian[i][1] + out.hessian[i][2]);
+    if constexpr (Count == 4) out.hessian[i][0] -= out.hessian[i][3];
+    out.rate_gradient[i].setZero();
+    for (std::size_t j = 1; j < Count; ++j)
+      out.rate_gradient[i] += out.hessian[i][j] * (corners.velocity[j] - corners.velocity[0]);
+  }
+}
+
+// Coordinate c of corner i > 0 as variable number 3 (i - 1) + c of a dual.
 template <std::size_t Count>
 void second_order_of(Invariant invariant, const Corners& corners, SecondOrder& out) {
-  using Number = sdk::Dual<3 * Count>;
+  using Number = sdk::Dual<3 * (Count - 1)>;
   Triple<Number> p[most_corners], g[most_corners];
-  for (std::size_t i = 0; i < Count; ++i) {
+  const Vector3& origin = corners.position[0];
+  p[0] = {Number(origin[0]), Number(origin[1]), Number(origin[2])};
+  for (std::size_t i = 1; i < Count; ++i) {
     const Vector3& at = corners.position[i];
-    p[i] = {Number::variable(at[0], 3 * i), Number::variable(at[1], 3 * i + 1), Number::variable(at[2], 3 * i + 2)};
+    const std::size_t first = 3 * (i - 1);
+    p[i] = {Number::variable(at[0], first), Number::variable(at[1], first + 1), Number::variable(at[2], first + 2)};
   }
   gradients(invariant, p, g);
   for (std::size_t i = 0; i < Count; ++i) {
-    out.rate_gradient[i].setZero();
-    for (std::size_t j = 0; j < Count; ++j) {
+    for (std::size_t j = 1; j < Count; ++j) {
       Block& block = out.hessian[i][j];
       for (std::size_t c = 0; c < 3; ++c) {
         const auto column = static_cast<Eigen::Index>(c);
-        block(0, column) = g[i].x.derivatives[3 * j + c];
-        block(1, column) = g[i].y.derivatives[3 * j + c];
-        block(2, column) = g[i].z.derivatives[3 * j + c];
+        block(0, column) = g[i].x.derivatives[3 * (j - 1) + c];
+        block(1, column) = g[i].y.derivatives[3 * (j - 1) + c];
+        block(2, column) = g[i].z.derivatives[3 * (j - 1) + c];
       }
-      out.rate_gradient[i] += block * corners.velocity[j];
     }
   }
+  complete<Count>(corners, out);
+}
+
+// scale (a b^T + b a^T)
+Block both(double scale, const Vector3& a, const Vector3& b) {
+  const Block outer = scale * a * b.transpose();
+  return outer + outer.transpose();
+}
+
+// The formulas of dihedral() differentiated once more. With C = dq/dc = -|e| m / |m|^2, D = dq/dd = -|e| n / |n|^2 and
+// {a, b} = a b^T + b a^T, by the differences from a:
+//   dC/dc = |e| / |m|^4 {m, m x e},   dC/de = -|e| / |m|^4 {m, m x c} - m e^T / (|m|^2 |e|),   dC/dd = 0
+//   dD/dd = -|e| / |n|^4 {n, n x e},  dD/de = |e| / |n|^4 {n, n x d} - n e^T / (|n|^2 |e|)
+//   dq/db = -(s C + t D), s = c . e / |e|^2, t = d . e / |e|^2, ds/de = (c - 2 s e) / |e|^2
+void dihedral_second_order(const Corners& corners, SecondOrder& out) {
+  const Vector3* const p = corners.position;
+  const Vector3 e = p[1] - p[0], c = p[2] - p[0], d = p[3] - p[0];
+  const Vector3 m = e.cross(c), n = d.cross(e);
+  const double ee = e.squaredNorm(), mm = m.squaredNorm(), nn = n.squaredNorm();
+  if (!(mm > 0.0) || !(nn > 0.0)) {
+    for (std::size_t i = 0; i < 4; ++i) {
+      for (Block& block : out.hessian[i]) block.setZero();
+      out.rate_gradient[i].setZero();
+    }
+    return;
+  }
+  const double length = std::sqrt(ee), s = c.dot(e) / ee, t = d.dot(e) / ee;
+  const Vector3 by_c = (-length / mm) * m, by_d = (-length / nn) * n;
+  const double at_c = length / mm / mm, at_d = length / nn / nn;
+  Block(&h)[most_corners][most_corners] = out.hessian;
+  h[2][2] = both(at_c, m, m.cross(e));
+  h[3][3] = both(-at_d, n, n.cross(e));
+  h[2][3].setZero();
+  h[3][2].setZero();
+  h[2][1] = both(-at_c, m, m.cross(c)) + (by_c / ee) * e.transpose();
+  h[3][1] = both(at_d, n, n.cross(d)) + (by_d / ee) * e.transpose();
+  h[1][2] = h[2][1].transpose();
+  h[1][3] = h[3][1].transpose();
+  const Vector3 lever_c = (c - 2.0 * s * e) / ee, lever_d = (d - 2.0 * t * e) / ee;
+  h[1][1] = -(s * h[2][1] + t * h[3][1] + by_c * lever_c.transpose() + by_d * lever_d.transpose());
+  for (std::size_t j = 1; j < 4; ++j) h[0][j] = -(h[1][j] + h[2][j] + h[3][j]);
+  complete<4>(corners, out);
 }
 
 }  // namespace
@@ -201,7 +257,9 @@ double nearest_turn(Invariant invariant, double value, double reference) noexcep
 }
 
 void second_order(Invariant invariant, const Corners& corners, SecondOrder& out) noexcept {
-  if (corners_of(invariant) == 3)
+  if (invariant == Invariant::dihedral)
+    dihedral_second_order(corners, out);
+  else if (corners_of(invariant) == 3)
     second_order_of<3>(invariant, corners, out);
   else
     second_order_of<4>(invariant, corners, out);

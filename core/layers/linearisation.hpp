@@ -46,7 +46,10 @@ class Linearisation {
   // A x = b; with rows the x for which A x + W G^T (multipliers) = b and G x = G b.
   springnet_status solve(bool transposed, const double* right_side, double* x, springnet_message& message);
   // To be called after springs or elements were removed.
-  void topology_changed() noexcept { pattern_known_ = known_ = bordered_known_ = false; }
+  void topology_changed() noexcept {
+    pattern_known_ = known_ = bordered_known_ = false;
+    elements_.topology_changed();
+  }
 
  private:
   using Blocks = std::vector<double>;
