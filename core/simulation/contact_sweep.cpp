@@ -144,9 +144,9 @@ void Contact::constrain_node(std::uint32_t node, const Vector3& force, const spr
         return;
       }
     } else {
+      // Undecided or not, what lets nodes slide does not pull at them.
       const ContactAnswer reaction = answer(before.surface, candidate, onto(j, end));
-      const bool stays = reaction.normal >= 0.0;
-      if (is_undecided(node) || stays) {
+      if (reaction.normal >= 0.0) {
         static_cast<void>(undecided(node, true));
         slide(node, before.surface, reaction, candidate, sweep, false);
         return;
@@ -188,8 +188,12 @@ void Contact::meet(std::uint32_t node, const Candidate& candidate, const springn
   if (!met) meeting.surface = last_surface_[node];
   const auto j = static_cast<std::size_t>(meeting.surface);
   if (surfaces_[j].friction().kind != Friction::Kind::held) {
-    slide(node, meeting.surface, answer(meeting.surface, candidate, onto(j, candidate.position)), candidate, sweep,
-          before.surface != meeting.surface);
+    const ContactAnswer reaction = answer(meeting.surface, candidate, onto(j, candidate.position));
+    // A step in which that goes to and fro without an end does not settle, for all to see.
+    if (!met && reaction.normal < 0.0)
+      decide(node, {}, Vector3::Zero());
+    else
+      slide(node, meeting.surface, reaction, candidate, sweep, before.surface != meeting.surface);
     return;
   }
   Vector3 place = met ? taken_along(candidate.start, candidate.position, meeting) : onto(j, candidate.position);

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <numbers>
+#include <numeric>
 #include <vector>
 
 #include <doctest/doctest.h>
@@ -181,8 +182,13 @@ class Judge {
 }  // namespace
 
 TEST_CASE("a thousand random networks: no wrong answer without a word, and nearly all settle") {
+  std::vector<std::uint64_t> seeds(net_count);
+  std::iota(seeds.begin(), seeds.end(), std::uint64_t{1});
+  // Nodes that slide, about which the sweeps cannot make up their mind before the others settle: a floor that kept
+  // them would pull.
+  for (const std::uint64_t seed : {1110u, 2808u, 2929u, 3491u, 3740u, 3854u}) seeds.push_back(seed);
   std::size_t settled_nets = 0;
-  for (std::uint64_t seed = 1; seed <= net_count; ++seed) {
+  for (const std::uint64_t seed : seeds) {
     const testing::RandomNet random(seed);
     const double tolerance = 1e-6 * force_scale(random.network);
     CAPTURE(seed);
@@ -207,6 +213,6 @@ TEST_CASE("a thousand random networks: no wrong answer without a word, and nearl
     }
     settled_nets += settled ? 1 : 0;
   }
-  CHECK(settled_nets >= net_count * 95 / 100);
-  MESSAGE(settled_nets << " of " << net_count << " networks settled");
+  CHECK(settled_nets >= seeds.size() * 95 / 100);
+  MESSAGE(settled_nets << " of " << seeds.size() << " networks settled");
 }

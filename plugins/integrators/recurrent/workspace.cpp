@@ -14,6 +14,7 @@ constexpr double negligible_way = 1e-6;  // of the length scale
 
 // An acceleration this close to force over mass, relatively, is that of a mass point that nothing holds.
 constexpr double rounding = 1e-12;
+constexpr double negligible_force = 1e-9;  // of the force scale: far below the threshold of any step
 
 bool near(double a, double b, double scale) noexcept {
   return std::abs(a - b) <= rounding * (std::abs(a) + std::abs(b) + scale);
@@ -161,7 +162,10 @@ void Workspace::find_free_accelerations(const Step& step, const springnet_state&
   host.evaluate_nodes(evaluation, suspects_);
   const Columns& c = constraint_force_;
   for (const std::uint32_t k : suspects_) {
-    const bool moves_freely = same(a.x[k], free.x[k]) && same(a.y[k], free.y[k]) && same(a.z[k], free.z[k]);
+    // Up to rounding, which is that of the great forces that cancel at a node between stiff springs.
+    const double least = negligible_force * network.force_scale / network.mass[k];
+    const auto alike = [least](double p, double q) { return same(p, q) || std::abs(p - q) <= least; };
+    const bool moves_freely = alike(a.x[k], free.x[k]) && alike(a.y[k], free.y[k]) && alike(a.z[k], free.z[k]);
     // Where a node slides or hangs on rigid connections, the last sweep said what acts on it; where it said nothing,
     // the node is held.
     const bool unexplained = c.x[k] == 0.0 && c.y[k] == 0.0 && c.z[k] == 0.0;
