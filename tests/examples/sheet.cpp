@@ -56,7 +56,7 @@ TEST_CASE("the sheet is cut for the third part of its width, and tears from ther
 
 TEST_CASE("a coarser sheet tears through in the reference too, at about the same time") {
   const std::vector<std::string> coarse = {"body.0.mesh.lattice=[41,1,21]", "body.0.mesh.spacing=0.01",
-                                           "simulation.duration=1.95",       "body.0.neuron.mass=8e-4",
+                                           "simulation.duration=1.95",      "body.0.neuron.mass=8e-4",
                                            "body.0.neuron.drag=16e-4",      "body.0.spring.strength=0.18"};
   std::vector<std::string> reference = coarse;
   reference.push_back(in_cvode);

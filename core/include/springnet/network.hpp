@@ -224,8 +224,8 @@ class Network {
   void begin_body(const std::string& name);
   void end_body();
   // A body of a lattice. `prototype` gives mass, neuron and velocity. Springs of one direction have the same rest
-  // length to the bit. Its faces are its boundary, outward. Throws Error(input) for a number of nodes of 0, a spacing that is not above 0, more nodes or
-  // springs than there are numbers.
+  // length to the bit. Its faces are its boundary, outward. Throws Error(input) for a number of nodes of 0, a spacing
+  // that is not above 0, more nodes or springs than there are numbers.
   void add_lattice(const std::string& name, const Lattice& lattice, const Node& prototype, MaterialIndex material);
 
   void fix(NodeIndex node);
