@@ -115,7 +115,11 @@ std::vector<std::uint32_t> ElementLayout::crossed_by(const Crosses& crosses) con
     } else {
       const std::span<const std::uint32_t> corners = nodes(e);
       for (std::size_t i = 0; i < corners.size() && alive(e); ++i)
-        for (std::size_t j = 0; j < i; ++j) is_crossed = is_crossed || crosses(corners[j], corners[i]);
+        for (std::size_t j = 0; j < i; ++j) {
+          // What joins the tips of a hinge is no side of its triangles.
+          const bool tips = invariant_[e] == Invariant::dihedral && i == 3 && j == 2;
+          is_crossed = is_crossed || (!tips && crosses(corners[j], corners[i]));
+        }
     }
     if (is_crossed) found.push_back(e);
   }

@@ -4,6 +4,7 @@
 #include <unordered_set>
 
 #include "material/bearing.hpp"
+#include "mesh/cells.hpp"
 
 namespace springnet {
 namespace {
@@ -18,31 +19,6 @@ struct CornersHash {
     return static_cast<std::size_t>(hash ^ (hash >> 29));
   }
 };
-
-// Faces of solid cells as places among the corners, in no particular turn.
-std::span<const std::array<std::uint8_t, 4>> face_places(CellType type) {
-  constexpr std::uint8_t no = 255;
-  static constexpr std::array<std::array<std::uint8_t, 4>, 4> tetrahedron{
-      {{0, 1, 2, no}, {0, 1, 3, no}, {1, 2, 3, no}, {0, 2, 3, no}}};
-  static constexpr std::array<std::array<std::uint8_t, 4>, 6> hexahedron{
-      {{0, 1, 2, 3}, {4, 5, 6, 7}, {0, 1, 5, 4}, {1, 2, 6, 5}, {2, 3, 7, 6}, {3, 0, 4, 7}}};
-  static constexpr std::array<std::array<std::uint8_t, 4>, 5> wedge{
-      {{0, 1, 2, no}, {3, 4, 5, no}, {0, 1, 4, 3}, {1, 2, 5, 4}, {2, 0, 3, 5}}};
-  static constexpr std::array<std::array<std::uint8_t, 4>, 5> pyramid{
-      {{0, 1, 2, 3}, {0, 1, 4, no}, {1, 2, 4, no}, {2, 3, 4, no}, {3, 0, 4, no}}};
-  switch (type) {
-    case CellType::tetrahedron:
-      return tetrahedron;
-    case CellType::hexahedron:
-      return hexahedron;
-    case CellType::wedge:
-      return wedge;
-    case CellType::pyramid:
-      return pyramid;
-    default:
-      return {};
-  }
-}
 
 Corners sorted(std::span<const std::uint32_t> points) {
   Corners corners{none, none, none, none};
@@ -67,9 +43,9 @@ std::vector<std::size_t> bearing_cells(const Mesh& mesh) {
       for (const auto& [a, b] : edge_places(mesh.types[c])) sides.insert(sorted(std::array{cell[a], cell[b]}));
     }
     if (!has_surface) continue;
-    for (const auto& face : face_places(mesh.types[c])) {
+    for (const auto& face : meshes::face_places(mesh.types[c])) {
       Corners corners{none, none, none, none};
-      for (std::size_t k = 0; k < 4 && face[k] != 255; ++k) corners[k] = cell[face[k]];
+      for (std::size_t k = 0; k < 4 && face[k] != meshes::no_corner; ++k) corners[k] = cell[face[k]];
       std::sort(corners.begin(), corners.end());
       sides.insert(corners);
     }

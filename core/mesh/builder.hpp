@@ -1,6 +1,7 @@
 // What all formats share in making a mesh: checks, groups, notes, and leaving out points that nothing uses.
 #pragma once
 
+#include <algorithm>
 #include <array>
 #include <cstdint>
 #include <map>
@@ -23,7 +24,11 @@ class Builder {
   [[nodiscard]] std::size_t point_count() const noexcept { return mesh_.points.size(); }
   [[nodiscard]] std::size_t cell_count() const noexcept { return mesh_.cell_count(); }
 
-  void reserve_points(std::size_t more) { mesh_.points.reserve(mesh_.points.size() + more); }
+  // Grows by a factor at least: a file may have as many blocks as points.
+  void reserve_points(std::size_t more) {
+    const std::size_t wanted = mesh_.points.size() + more;
+    if (wanted > mesh_.points.capacity()) mesh_.points.reserve(std::max(wanted, 2 * mesh_.points.capacity()));
+  }
   // Throws Error(input) for coordinates that are not finite, and for too many points.
   std::uint32_t add_point(const Vector3& position, Place place);
   // Corners are points already added. Throws Error(input) for a point that is twice in it.

@@ -2,7 +2,7 @@
 
 #include <charconv>
 #include <cmath>
-#include <cstdlib>
+#include <limits>
 #include <string>
 
 #include <fmt/format.h>
@@ -23,7 +23,12 @@ bool parse_real(std::string_view text, double& value) {
   const auto [end, failed] = std::from_chars(text.data(), text.data() + text.size(), value);
   if (end != text.data() + text.size()) return false;
   // Too small for a double is a fine zero, too great is none; from_chars says the same of both.
-  if (failed == std::errc::result_out_of_range) value = std::strtod(std::string(text).c_str(), nullptr);
+  if (failed == std::errc::result_out_of_range) {
+    const std::size_t exponent = text.find_first_of("eE");
+    const bool small = exponent == std::string_view::npos ? text.find_first_of("123456789") > text.find('.')
+                                                          : text.substr(exponent + 1).starts_with('-');
+    value = small ? 0.0 : std::numeric_limits<double>::infinity();
+  }
   return failed != std::errc::invalid_argument;
 }
 

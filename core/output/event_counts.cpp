@@ -5,6 +5,10 @@ namespace springnet {
 EventCounts count_events(const Simulation& simulation) {
   EventCounts counts;
   for (const Event& event : simulation.events()) {
+    if (event.element) {
+      ++counts.elements_removed;
+      continue;
+    }
     switch (event.kind) {
       case Event::Kind::cut:
         ++counts.cut;

@@ -82,6 +82,12 @@ void simulate(const Scene& scene, Simulation& simulation, Recorder& recorder, co
     const double begin = clock.now();
     recorded = simulation.time();
     recorder.record(simulation);
+    for (VolumeSummary& volume : summary.volumes) {
+      volume.last = simulation.element_value(volume.element);
+      if (summary.records == 0) volume.first = volume.smallest = volume.greatest = volume.last;
+      volume.smallest = std::min(volume.smallest, volume.last);
+      volume.greatest = std::max(volume.greatest, volume.last);
+    }
     ++summary.records;
     summary.output_wall += clock.now() - begin;
   };
@@ -201,6 +207,13 @@ RunSummary describe(const Scene& scene, const Simulation& simulation, const Plug
       break;
   }
   summary.plugins = plugins_used(scene, plugins);
+  for (ElementIndex e = 0; e < scene.network.elements().size(); ++e) {
+    if (scene.network.elements()[e].invariant != Invariant::enclosed_volume) continue;
+    const auto set = std::find_if(scene.elements.begin(), scene.elements.end(), [e](const ElementSet& each) {
+      return e >= each.first && e - each.first < each.count;
+    });
+    summary.volumes.push_back({e, set == scene.elements.end() ? "" : set->name, 0.0, 0.0, 0.0, 0.0});
+  }
   summary.nodes = simulation.node_count();
   summary.springs = simulation.spring_count();
   summary.largest_residual = summary.last_residual = std::numeric_limits<double>::quiet_NaN();

@@ -57,6 +57,15 @@ std::string to_json(const RunSummary& summary) {
   for (const PluginUse& use : summary.plugins) {
     plugins.push_back({{"id", use.id}, {"version", use.version}, {"file", use.file}});
   }
+  Json volumes = Json::array();
+  for (const VolumeSummary& volume : summary.volumes) {
+    volumes.push_back({{"element", volume.element},
+                       {"name", volume.name},
+                       {"first_m3", volume.first},
+                       {"last_m3", volume.last},
+                       {"smallest_m3", volume.smallest},
+                       {"greatest_m3", volume.greatest}});
+  }
   const Json document{
       {"scene", summary.scene},
       {"title", summary.title},
@@ -80,10 +89,12 @@ std::string to_json(const RunSummary& summary) {
       {"last_residual_n", summary.last_residual},
       {"cut", summary.events.cut},
       {"ruptured", summary.events.ruptured},
+      {"elements_removed", summary.events.elements_removed},
       {"touched", summary.events.touched},
       {"released", summary.events.released},
       {"slipped", summary.events.slipped},
       {"stuck", summary.events.stuck},
+      {"enclosed_volumes", volumes},
       {"wall_s", summary.wall},
       {"output_wall_s", summary.output_wall},
       {"times_real_time", ratio(summary.simulated, summary.wall)},

@@ -1,4 +1,5 @@
 #include <algorithm>
+#include <map>
 #include <set>
 
 #include <fmt/format.h>
@@ -98,6 +99,23 @@ NodeLists find_surface(const Value& selection, const Network& network, const std
   return {surface};
 }
 
+// Parts of a surface of triangles that have no node in common.
+std::size_t count_parts(const std::vector<NodeIndex>& triangles) {
+  std::map<NodeIndex, NodeIndex> parent;
+  for (const NodeIndex node : triangles) parent.emplace(node, node);
+  const auto root = [&](NodeIndex node) {
+    while (parent[node] != node) node = parent[node] = parent[parent[node]];
+    return node;
+  };
+  for (std::size_t k = 0; k < triangles.size(); k += 3) {
+    parent[root(triangles[k])] = root(triangles[k + 1]);
+    parent[root(triangles[k + 1])] = root(triangles[k + 2]);
+  }
+  std::set<NodeIndex> roots;
+  for (const auto& [node, up] : parent) roots.insert(root(node));
+  return roots.size();
+}
+
 NodeLists find_elements(const Value& selection, Invariant invariant, const Network& network,
                         const std::vector<Shape>& shapes) {
   std::vector<bool> inside(network.nodes().size(), false);
@@ -180,6 +198,15 @@ void read_element(const Table& table, const PluginHost& plugins, const std::vect
       const ElementIndex element = network.add_element(invariant, elements[k], index, given);
       if (scale) network.set_reference(element, factor * network.elements()[element].reference);
     });
+  }
+  if (selection && invariant == Invariant::enclosed_volume && elements.size() == 1) {
+    const std::size_t parts = count_parts(elements[0]);
+    if (parts > 1) {
+      scene.notes.push_back(fmt::format(
+          "Element {} encloses {} closed surfaces that do not touch, as one volume with one pressure; where each is a "
+          "filling of its own, give each an [[element]].",
+          first, parts));
+    }
   }
   scene.elements.push_back({name ? name->text() : "", first, static_cast<ElementIndex>(elements.size())});
 }

@@ -25,7 +25,7 @@ Contact::Contact(const Network& network, const std::vector<std::uint32_t>& user_
   changes_.assign(nodes, 0);
   stayed_.assign(nodes, 0);
   last_surface_.assign(nodes, -1);
-  for (auto* vectors : {&place_, &slip_, &impulse_, &sweep_impulse_}) vectors->assign(nodes, Vector3::Zero());
+  for (auto* vectors : {&slip_, &impulse_, &sweep_impulse_}) vectors->assign(nodes, Vector3::Zero());
 }
 
 std::string Contact::name_of(std::size_t surface) const {

@@ -136,7 +136,7 @@ class Contact {
  private:
   struct Candidate;
   void constrain_node(std::uint32_t node, const Vector3& force, const springnet_sweep& sweep);
-  void meet(std::uint32_t node, const Candidate& candidate, const springnet_sweep& sweep);
+  void meet(std::uint32_t node, const Vector3& force, const Candidate& candidate, const springnet_sweep& sweep);
   void slide(std::uint32_t node, std::int32_t surface, const ContactAnswer& answer, const Candidate& candidate,
              const springnet_sweep& sweep, bool is_new);
   void stop_between(std::uint32_t node, std::int32_t surface, const Meeting& second, const Vector3& end,
@@ -153,10 +153,10 @@ class Contact {
   std::vector<std::uint8_t> fixed_, held_, touching_, constrained_;
   std::vector<Touch> committed_, now_;
   // Without surfaces the rest is empty. Within a step: how often the sweeps changed their mind on a node, what they
-  // last decided, its last surface, and where a node that could not make up its mind is held.
+  // last decided, its last surface, and how it slid.
   std::vector<std::uint8_t> changes_, stayed_;
   std::vector<std::int32_t> last_surface_;
-  std::vector<Vector3> place_, slip_;
+  std::vector<Vector3> slip_;
   std::vector<Vector3> impulse_, sweep_impulse_;
 };
 

@@ -153,7 +153,7 @@ void Contact::constrain_node(std::uint32_t node, const Vector3& force, const spr
       }
     }
   }
-  meet(node, candidate, sweep);
+  meet(node, force, candidate, sweep);
 }
 
 // What a node that cannot make up its mind may be off by is the way that it goes in the step. One that is farther from
@@ -173,10 +173,9 @@ bool Contact::leaves(std::int32_t surface, const Vector3& velocity, const Vector
 }
 
 // A node that is free at the beginning of the step, or was released in it.
-void Contact::meet(std::uint32_t node, const Candidate& candidate, const springnet_sweep& sweep) {
+void Contact::meet(std::uint32_t node, const Vector3& force, const Candidate& candidate, const springnet_sweep& sweep) {
   const Touch before = committed_[node];
   Meeting meeting = first_meeting(candidate.start, candidate.position);
-  const bool was_undecided = changes_[node] >= most_changes;
   if (meeting.surface >= 0 && leaves(meeting.surface, candidate.velocity, candidate.position)) meeting.surface = -1;
   if (meeting.surface >= 0) last_surface_[node] = meeting.surface;
   const bool stays = undecided(node, meeting.surface >= 0);
@@ -196,13 +195,20 @@ void Contact::meet(std::uint32_t node, const Candidate& candidate, const springn
       slide(node, meeting.surface, reaction, candidate, sweep, before.surface != meeting.surface);
     return;
   }
-  Vector3 place = met ? taken_along(candidate.start, candidate.position, meeting) : onto(j, candidate.position);
-  if (stays) {
-    if (was_undecided)
-      place = place_[node];
-    else
-      place_[node] = place;
-  }
+  // Where it touched: on the way that the net force takes it, which is the same for every rule once the step has
+  // settled. The way to a candidate, of which each rule has its own, says where it is only as long as that one misses.
+  const double h = sweep.time_constant;
+  const Vector3 way = h * candidate.start_velocity + theta_of(sweep) * h * h / mass_[node] * force;
+  const Meeting touched{meeting.surface, surfaces_[j]
+                                             .first_touch(candidate.start - start_placement_[j].displacement,
+                                                          candidate.start + way - placement_[j].displacement)
+                                             .value_or(2.0)};
+  const bool goes = met && h > 0.0 && touched.share <= 1.0;
+  Vector3 place = goes  ? taken_along(candidate.start, candidate.start + way, touched)
+                  : met ? taken_along(candidate.start, candidate.position, meeting)
+                        : onto(j, candidate.position);
+  // One that cannot make up its mind: where its velocity takes it, whichever sweep is the last.
+  if (stays) place = onto(j, candidate.start + h * candidate.start_velocity);
   // The touch is new unless the node lies on the surface already and its release failed.
   const Vector3 stopped = mass_[node] * (placement_[j].velocity - candidate.velocity);
   decide(node, {meeting.surface, false}, before.surface != meeting.surface ? stopped : Vector3::Zero());

@@ -55,6 +55,7 @@ std::string describe(const EventCounts& events) {
   };
   add(events.cut, "spring", "cut");
   add(events.ruptured, "spring", "ruptured");
+  add(events.elements_removed, "element", "removed");
   add(events.touched, "node", "touched a surface");
   add(events.released, "node", "released");
   add(events.slipped, "node", "slipped");

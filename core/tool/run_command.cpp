@@ -22,6 +22,7 @@ constexpr const char* examples =
   elements.csv     time,element,value,force   angles, areas, volumes and what acts on them
   events.csv       time,event,element,index   cuts, ruptures, contacts
   vtk/run.pvd      for ParaView, if output.vtk = true
+  view.html        a page that plays the run, if not output.view = false
   summary.json     how the run went
 With output.format = "binary", trajectory, springs and elements are .bin files; 'springnet convert' turns them into text.
 
@@ -96,6 +97,11 @@ void print_result(const RunSummary& summary, const std::filesystem::path& folder
     fmt::print("  stages     {} smaller time constants on the way to the full one\n", summary.stages);
   }
   if (std::isfinite(summary.largest_residual)) fmt::print("  residual   {:.2g} N at most\n", summary.largest_residual);
+  for (const VolumeSummary& volume : summary.volumes) {
+    fmt::print("  volume     {}: {:.4g} m^3 at first, {:.4g} at last, between {:.4g} and {:.4g}\n",
+               volume.name.empty() ? fmt::format("element {}", volume.element) : volume.name, volume.first, volume.last,
+               volume.smallest, volume.greatest);
+  }
   fmt::print("  events     {}\n", describe(summary.events));
   fmt::print("  written    {} ({} and the summary) in {}\n", fmt::join(summary.files, ", "),
              readable_bytes(static_cast<double>(summary.bytes)), folder.string());

@@ -8,12 +8,13 @@ namespace springnet {
 
 // How often each kind of event happened so far.
 struct EventCounts {
-  std::size_t cut = 0;       // springs
-  std::size_t ruptured = 0;  // springs
-  std::size_t touched = 0;   // nodes; each time counts
-  std::size_t released = 0;  // nodes; each time counts
-  std::size_t slipped = 0;   // nodes; each time counts
-  std::size_t stuck = 0;     // nodes; each time counts
+  std::size_t cut = 0;               // springs
+  std::size_t ruptured = 0;          // springs
+  std::size_t elements_removed = 0;  // cut or ruptured, those of more than two nodes
+  std::size_t touched = 0;           // nodes; each time counts
+  std::size_t released = 0;          // nodes; each time counts
+  std::size_t slipped = 0;           // nodes; each time counts
+  std::size_t stuck = 0;             // nodes; each time counts
 };
 
 [[nodiscard]] EventCounts count_events(const Simulation& simulation);

@@ -179,6 +179,13 @@ struct RunClock {
   std::function<void(double)> sleep_until;  // until now() is this, or somewhat earlier
 };
 
+// Of an enclosed volume, m^3, over all records of a run.
+struct VolumeSummary {
+  ElementIndex element;
+  std::string name;  // of its [[element]], may be empty
+  double first, last, smallest, greatest;
+};
+
 struct RunOptions {
   std::filesystem::path folder;  // made if it is not there
   std::string scene_name;        // for the summary
@@ -238,6 +245,7 @@ struct RunSummary {
   double largest_residual = 0.0;   // N, over the time steps; nan if it was never evaluated
   double last_residual = 0.0;      // N
   EventCounts events;
+  std::vector<VolumeSummary> volumes;
   std::map<std::string, double> statistics;
   std::vector<std::string> notes;  // of RunOptions, of the scene (notes_of), of the simulation
 

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <set>
 
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
@@ -81,15 +82,19 @@ Json surfaces_of(const Network& network) {
 Json elements_of(const Content& content) {
   const Network& network = content.scene.network;
   Json elements = Json::array();
+  std::set<std::string> known;  // the curves are told apart by their labels
   for (const ElementIndex k : content.elements) {
     const Element& element = network.elements()[k];
-    const auto body = std::find_if(network.bodies().begin(), network.bodies().end(), [&](const Body& each) {
-      return k >= each.first_element && k - each.first_element < each.element_count;
-    });
+    const auto set =
+        std::find_if(content.scene.elements.begin(), content.scene.elements.end(),
+                     [&](const ElementSet& each) { return k >= each.first && k - each.first < each.count; });
     std::string label(name_of(element.invariant));
     std::replace(label.begin(), label.end(), '_', ' ');
-    if (body != network.bodies().end()) label += " of " + body->name;
-    if (element.invariant != Invariant::enclosed_volume) label += fmt::format(" (element {})", k);
+    const bool named = set != content.scene.elements.end() && !set->name.empty();
+    if (named) label = set->name + ", " + label;
+    if (element.invariant != Invariant::enclosed_volume || !known.insert(label).second) {
+      label += fmt::format(" (element {})", k);
+    }
     elements.push_back({{"label", label}, {"unit", unit_of(element.invariant)}, {"reference", element.reference}});
   }
   return elements;

@@ -72,6 +72,7 @@ struct ViewWriter::Impl {
     const std::vector<Event>& all = simulation.events();
     for (; seen < all.size(); ++seen) {
       const Event& event = all[seen];
+      if (event.element) continue;  // of springs and nodes alone
       ++counts.at(static_cast<std::size_t>(event.kind));
       const bool ruptured = event.kind == Event::Kind::ruptured;
       if (ruptured || event.kind == Event::Kind::cut) {
