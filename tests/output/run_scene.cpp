@@ -269,3 +269,41 @@ TEST_CASE("the summary has what a reader of it needs") {
     CHECK(plugin["file"].get<std::string>().find('/') == std::string::npos);
   }
 }
+
+TEST_CASE("elements that go with a spring count by themselves, and a volume is summed up") {
+  // Two triangles with three areas each, so that there are more elements than springs; beside them a filled
+  // tetrahedron.
+  const TemporaryFolder folder;
+  Scene scene;
+  Network& net = scene.network;
+  const MaterialIndex material = net.add_material({LawUse{"linear", {{"stiffness", 4.0}}}, std::nullopt});
+  for (const Vector3& p : {Vector3(0, 0, 0), Vector3(1, 0, 0), Vector3(0, 1, 0), Vector3(1, 1, 0), Vector3(5, 0, 0),
+                           Vector3(6, 0, 0), Vector3(5, 1, 0), Vector3(5, 0, 1)}) {
+    Node node;
+    node.position = p;
+    net.add_node(node);
+  }
+  for (const auto& [a, b] : {std::pair{0u, 1u}, {1u, 2u}, {2u, 0u}, {1u, 3u}, {3u, 2u}}) net.add_spring(a, b, material);
+  for (int i = 0; i < 3; ++i) {
+    net.add_element(Invariant::area, {0, 1, 2}, material);
+    net.add_element(Invariant::area, {1, 3, 2}, material);
+  }
+  const ElementIndex filling =
+      net.add_element(Invariant::enclosed_volume, {4, 6, 5, 4, 5, 7, 4, 7, 6, 5, 6, 7}, material);
+  scene.elements.push_back({"filling", filling, 1});
+  Cut cut;
+  cut.time = 0.25;
+  cut.springs = {0};
+  net.add_cut(cut);
+  scene.duration = 1.0;
+  scene.options.time_step = 0.1;
+  const RunSummary summary = run(scene, folder);
+  CHECK_FALSE(summary.failure);
+  CHECK(summary.events.cut == 1);
+  CHECK(summary.events.elements_removed == 3);  // those of the first triangle
+  CHECK(std::filesystem::exists(folder.path() / "view.html"));
+  REQUIRE(summary.volumes.size() == 1);
+  CHECK(summary.volumes[0].name == "filling");
+  CHECK(summary.volumes[0].first == doctest::Approx(1.0 / 6.0));
+  CHECK(summary.volumes[0].last == doctest::Approx(1.0 / 6.0));  // at rest from the start
+}
