@@ -157,6 +157,7 @@ double size_once(const Content& content) {
   double text = words + static_cast<double>(content.scene.title.size());
   text += 200.0 * static_cast<double>(network.bodies().size() + network.materials().size() + content.elements.size());
   text += 400.0 * static_cast<double>(network.planes().size() + network.instruments().size());
+  text += 250.0 * static_cast<double>(content.forces.drawn.size());
   double bytes = cost_of(static_cast<double>(content.selection.nodes.size()),
                          static_cast<double>(content.selection.springs.size()))
                      .once;

@@ -9,6 +9,7 @@
 
 #include <springnet/scene.hpp>
 
+#include "output/view/forces.hpp"
 #include "output/view/frames.hpp"
 #include "output/view/rounding.hpp"
 #include "output/view/selection.hpp"
@@ -29,6 +30,7 @@ struct Content {
   const Scene& scene;
   Selection selection;
   std::vector<ElementIndex> elements;  // whose values are plotted
+  Forces forces;
   Frames frames;
   std::vector<Removal> removed;
   std::vector<std::string> notes;

@@ -8,6 +8,8 @@
 #include <nlohmann/json.hpp>
 #include <springnet/version.hpp>
 
+#include "output/view/units.hpp"
+
 namespace springnet::view {
 
 namespace {
@@ -15,23 +17,6 @@ namespace {
 using Json = nlohmann::ordered_json;
 
 Json json_of(const Vector3& vector) { return {vector.x(), vector.y(), vector.z()}; }
-
-std::string text_of(const LawUse& use) {
-  std::string text = use.id;
-  const char* separator = " (";
-  for (const auto& [name, value] : use.parameters) {
-    text += fmt::format("{}{} {:g}", separator, name, value);
-    separator = ", ";
-  }
-  return use.parameters.empty() ? text : text + ")";
-}
-
-std::string text_of(const Material& material) {
-  std::string text;
-  if (material.spring) text = "spring " + text_of(*material.spring);
-  if (material.viscosity) text += (text.empty() ? "viscosity " : ", viscosity ") + text_of(*material.viscosity);
-  return text;
-}
 
 std::string text_of(const Friction& friction) {
   switch (friction.kind) {
@@ -88,16 +73,35 @@ Json elements_of(const Content& content) {
     const auto set =
         std::find_if(content.scene.elements.begin(), content.scene.elements.end(),
                      [&](const ElementSet& each) { return k >= each.first && k - each.first < each.count; });
-    std::string label(name_of(element.invariant));
-    std::replace(label.begin(), label.end(), '_', ' ');
-    const bool named = set != content.scene.elements.end() && !set->name.empty();
-    if (named) label = set->name + ", " + label;
+    std::string kind(name_of(element.invariant));
+    std::replace(kind.begin(), kind.end(), '_', ' ');
+    const std::string name = set != content.scene.elements.end() ? set->name : "";
+    std::string label = name.empty() ? kind : name + ", " + kind;
     if (element.invariant != Invariant::enclosed_volume || !known.insert(label).second) {
       label += fmt::format(" (element {})", k);
     }
-    elements.push_back({{"label", label}, {"unit", unit_of(element.invariant)}, {"reference", element.reference}});
+    elements.push_back({{"label", label},
+                        {"name", name},
+                        {"kind", kind},
+                        {"element", k},
+                        {"unit", unit_of(element.invariant)},
+                        {"reference", element.reference}});
   }
   return elements;
+}
+
+// Of a time that may be infinite.
+Json json_of_time(double time) { return std::isfinite(time) ? Json(time) : Json(nullptr); }
+
+Json loads_of(const Forces& forces) {
+  Json loads = Json::array();
+  for (const Force& force : forces.drawn) {
+    loads.push_back({{"node", force.node},
+                     {"force", json_of(force.force)},
+                     {"from", json_of_time(force.from)},
+                     {"until", json_of_time(force.until)}});
+  }
+  return loads;
 }
 
 }  // namespace
@@ -106,7 +110,8 @@ std::string describe(const Content& content, bool rounded) {
   const Scene& scene = content.scene;
   const Network& network = scene.network;
   Json materials = Json::array();
-  for (const Material& material : network.materials()) materials.push_back(text_of(material));
+  LawTexts texts;
+  for (const Material& material : network.materials()) materials.push_back(texts.of(material));
   Json json{{"title", scene.title},
             {"version", version()},
             {"integrator", scene.options.integrator.id},
@@ -125,6 +130,8 @@ std::string describe(const Content& content, bool rounded) {
             {"materials", std::move(materials)},
             {"surfaces", surfaces_of(network)},
             {"curves", elements_of(content)},
+            {"forces", content.forces.all},
+            {"loads", loads_of(content.forces)},
             {"notes", content.notes}};
   std::string text = json.dump(1, ' ', true, Json::error_handler_t::replace);
   // A title with "</script>" in it must not end the element.

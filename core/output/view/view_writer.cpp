@@ -45,8 +45,9 @@ view::FrameWidths widths_of(const Network& network, const view::Selection& selec
 }
 
 Content make_content(const Scene& scene, double size) {
-  Content content{scene, select(scene, size), view::plotted_elements(scene.network), Frames({0, 0, 0, 0}, 2, 0), {},
+  Content content{scene, select(scene, size), view::plotted_elements(scene.network), {}, Frames({0, 0, 0, 0}, 2, 0), {},
                   {}};
+  content.forces = view::forces_of(scene.network, content.selection);
   const double room = (size - view::size_once(content)) / view::size_of_frame(content, true);
   const auto capacity = static_cast<std::size_t>(std::clamp(room, 2.0, 1e9));
   content.frames = Frames(widths_of(scene.network, content.selection, content.elements.size()), capacity,
@@ -66,6 +67,7 @@ struct ViewWriter::Impl {
   Impl(const std::filesystem::path& path, const Scene& scene, const ViewOptions& options)
       : file(path), size(options.size), content(make_content(scene, size)) {
     left_out = content.selection.notes;
+    left_out.insert(left_out.end(), content.forces.notes.begin(), content.forces.notes.end());
   }
 
   void take_events(const Simulation& simulation) {
@@ -137,6 +139,13 @@ struct ViewWriter::Impl {
           fmt::format("{} of {} records are shown, one in {} and the last; a larger "
                       "output.view_size shows more",
                       frames.count(), frames.recorded(), frames.stride()));
+    }
+    const double least = view::size_once(content) + 2.0 * view::size_of_frame(content, true);
+    if (least > size) {
+      left_out.push_back(fmt::format(
+          "the page is larger than output.view_size, {}: its program alone takes {}, the network and its "
+          "first and last record {}",
+          readable_bytes(size), readable_bytes(view::program_size()), readable_bytes(least - view::program_size())));
     }
     if (!rounded) return;
     const std::vector<std::string> notes = view::notes_of(*rounded);

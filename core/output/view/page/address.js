@@ -17,7 +17,7 @@
     play: on("play", !asked.has("time") && !asked.has("bare")),
     selftest: on("selftest", false)
   };
-  ["springs", "broken", "nodes", "faces", "instruments"].forEach(function (what) { s.shown[what] = on(what, s.shown[what]); });
+  ["springs", "broken", "nodes", "faces", "instruments", "forces"].forEach(function (what) { s.shown[what] = on(what, s.shown[what]); });
   const colour = asked.get("color") || asked.get("colour");
   if (["tension", "speed", "contact"].includes(colour)) s.shown.colour = colour;
   s.address.opacity = number("opacity", 0.8);

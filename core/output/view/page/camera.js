@@ -41,7 +41,21 @@
     });
     return box;
   }
-  const box = add_instruments(nodes_box.clone());
+  // So are the arrows of forces, while they act.
+  const longest_arrow = 0.16 * nodes_box.getSize(new THREE.Vector3()).length() || 0.3, arrow_ends = [];
+  function add_arrows(box) {
+    const stride = Math.max(1, Math.ceil(run.frames * run.about.loads.length / 5000));
+    run.about.loads.forEach(function (load, k) {
+      for (let frame = 0; frame < run.frames; frame += stride) {
+        const arrow = s.arrow(k, run.positions.row(frame), longest_arrow);
+        if (!s.acts(load, frame) || !nodes_box.containsPoint(arrow.node)) continue;
+        arrow_ends.push(arrow.start, arrow.start.clone().addScaledVector(arrow.direction, arrow.length));
+      }
+    });
+    arrow_ends.forEach(function (end) { box.expandByPoint(end); });
+    return box;
+  }
+  const box = add_arrows(add_instruments(nodes_box.clone()));
   const centre = box.getCenter(new THREE.Vector3());
   let radius = 0.5 * box.getSize(new THREE.Vector3()).length();
   if (!(radius > 0)) radius = 1;
@@ -87,18 +101,57 @@
   balls.forEach(function (ball) {
     [ball.min, ball.max].forEach(function (corner) { seen.push(corner.clone().sub(centre)); });
   });
+  arrow_ends.forEach(function (end) { seen.push(end.clone().sub(centre)); });
 
-  // From where all of them just fit, with a margin.
-  function fitting_distance(toward) {
+  // What lies on the picture, [left, top, right, bottom] in pixels: time and legend above, scale and axes below. The
+  // words of the scale depend on the distance: room for usual ones.
+  function laid_over(width, height) {
+    function place_of(id) {
+      const part = document.getElementById(id);
+      return [part.offsetLeft, part.offsetTop, part.offsetLeft + part.offsetWidth, part.offsetTop + part.offsetHeight];
+    }
+    if (document.body.classList.contains("no-labels")) return { above: [], below: [] };
+    const scale = surfaces.some(function (each) { return each.kind === "plane"; }) ? 250 : 170;
+    return { above: [place_of("clock"), place_of("legend")].filter(function (each) { return each[3] > each[1]; }),
+             below: [[0, height - 48, Math.min(scale, width - 100), height], [width - 96, height - 96, width, height]] };
+  }
+
+  // From where all of them just fit, with a margin; and by how many pixels the picture is moved down for that. Strips
+  // above and below are kept free as far as something would lie under the words there otherwise.
+  function fit(toward) {
+    const view = document.getElementById("view"), width = Math.max(1, view.clientWidth), height = Math.max(1, view.clientHeight);
     const right = new THREE.Vector3().crossVectors(upward, toward).normalize();
     const over = new THREE.Vector3().crossVectors(toward, right);
-    const slope = 0.86 * Math.tan(camera.fov * Math.PI / 360);
-    let distance = 1e-3 * radius;
-    seen.forEach(function (place) {
-      const wide = Math.max(Math.abs(place.dot(over)), Math.abs(place.dot(right)) / camera.aspect);
-      distance = Math.max(distance, place.dot(toward) + wide / slope);
-    });
-    return distance;
+    const half = Math.tan(camera.fov * Math.PI / 360), aspect = width / height;
+    const places = seen.map(function (place) { return [place.dot(right), place.dot(over), place.dot(toward)]; });
+    const laid = laid_over(width, height), all = laid.above.concat(laid.below);
+    const top = Math.min(0.3 * height, laid.above.reduce(function (most, each) { return Math.max(most, each[3]); }, 0));
+    const bottom = Math.min(0.15 * height, laid.below.reduce(function (most, each) { return Math.max(most, height - each[1]); }, 0));
+
+    function with_strips(share) {
+      const slope = half * (0.86 + 0.1 * share) * (1 - share * (top + bottom) / height);
+      let distance = 1e-3 * radius;
+      places.forEach(function (place) {
+        const reach = Math.max(Math.abs(place[1]) / slope, Math.abs(place[0]) / (0.86 * half * aspect));
+        distance = Math.max(distance, place[2] + reach);
+      });
+      return { distance: distance, down: share * (top - bottom) / 2 };
+    }
+    function under_words(found) {
+      return places.some(function (place) {
+        const depth = half * (found.distance - place[2]);
+        const x = width / 2 * (1 + place[0] / (depth * aspect)), y = height / 2 * (1 - place[1] / depth) + found.down;
+        return all.some(function (each) { return x > each[0] && x < each[2] && y > each[1] && y < each[3]; });
+      });
+    }
+    let found = with_strips(0);
+    for (let k = 1; k <= 6 && all.length > 0 && under_words(found); ++k) found = with_strips(k / 6);
+    return found;
+  }
+  let down = 0;
+  function take_size() {
+    const view = document.getElementById("view"), width = Math.max(1, view.clientWidth), height = Math.max(1, view.clientHeight);
+    camera.setViewOffset(width, height, 0, -down, width, height);  // sets the aspect too
   }
 
   s.camera = {
@@ -107,18 +160,21 @@
       const distance = camera.position.distanceTo(centre);
       this.depth.set(Math.max(0, distance - 0.8 * radius), distance + 0.8 * radius);
     },
-    camera: camera, target: target, centre: centre, radius: radius, upward: upward, flat: flat, nodes_box: nodes_box,
+    camera: camera, target: target, longest_arrow: longest_arrow, centre: centre, radius: radius, upward: upward, flat: flat, nodes_box: nodes_box,
     // Degrees; zoom 1 shows the whole motion.
     look: function (azimuth, elevation, zoom) {
       const a = azimuth * Math.PI / 180, e = Math.min(89.9, Math.max(-89.9, elevation)) * Math.PI / 180;
       const toward = ahead.clone().multiplyScalar(Math.cos(e) * Math.cos(a))
         .addScaledVector(aside, Math.cos(e) * Math.sin(a)).addScaledVector(upward, Math.sin(e));
-      const distance = fitting_distance(toward) / (zoom || 1);
+      const found = fit(toward), distance = found.distance / (zoom || 1);
+      down = found.down;
+      take_size();
       target.copy(centre);
       camera.position.copy(centre).addScaledVector(toward, distance);
       camera.lookAt(target);
       camera.updateMatrixWorld();
     },
+    resize: take_size,  // to that of the picture; the eye stays where it is
     usual: usual
   };
 })(springnet);

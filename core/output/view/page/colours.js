@@ -19,6 +19,7 @@
     tension: { table: diverging, symmetric: true },
     speed: { table: sequential, symmetric: false },
     free: [92, 104, 118], fixed: [0, 0, 0], moved: [120, 40, 160], contact: [240, 130, 20], plain: [140, 148, 158], rigid: [40, 44, 50],
+    force: [26, 127, 70],
     // Offset in a table of the share of `range` that `value` is.
     offset: function (value, range, symmetric) {
       const share = range > 0 ? value / range : 0;
@@ -42,6 +43,25 @@
     if (value === null || !isFinite(value)) return "–";
     const text = String(Number(value.toPrecision(digits || 4)));
     return text.replace("e+", "e").replace(/^-/, "−");
+  };
+  // The value as far as it is known: a multiple of the power of ten that is not below `step`. 0: as it is.
+  s.known = function (value, step) {
+    if (!(step > 0)) return value;
+    const unit = Math.pow(10, Math.ceil(Math.log10(step) - 1e-9));
+    return Math.round(value / unit) * unit;
+  };
+  // [size, name] of the unit in which numbers up to `most` of a quantity are told: that of `si`, or a multiple of it.
+  const multiples = {
+    J: [[1e9, "GJ"], [1e6, "MJ"], [1e3, "kJ"], [1, "J"], [1e-3, "mJ"], [1e-6, "µJ"], [1e-9, "nJ"], [1e-12, "pJ"]],
+    m: [[1e3, "km"], [1, "m"], [1e-3, "mm"], [1e-6, "µm"], [1e-9, "nm"]],
+    "m^2": [[1, "m²"], [1e-4, "cm²"], [1e-6, "mm²"], [1e-12, "µm²"]],
+    "m^3": [[1, "m³"], [1e-3, "dm³"], [1e-6, "cm³"], [1e-9, "mm³"], [1e-18, "µm³"]]
+  };
+  s.unit_for = function (si, most) {
+    const all = multiples[si];
+    if (!all) return [1, si];
+    if (!(most > 0)) return all.find(function (each) { return each[0] === 1; });
+    return all.find(function (each) { return most >= each[0] * (1 - 1e-9); }) || all[all.length - 1];
   };
   // A length in the unit that suits it.
   s.length_text = function (metres) {

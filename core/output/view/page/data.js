@@ -11,13 +11,14 @@
     return new Type(bytes.buffer);
   }
 
-  // Rows of `width` numbers, one a frame; row(frame) is valid until the next call.
+  // Rows of `width` numbers, one a frame; row(frame) is valid until the next call. `step`: how far apart numbers are
+  // told from each other, where they are rounded; else 0.
   function rows(name, width) {
     if (!about.rounded) {
       const numbers = block(name, Float32Array);
       return {
         row: function (frame) { return numbers.subarray(frame * width, (frame + 1) * width); },
-        numbers: numbers.length, at: function (k) { return numbers[k]; }
+        numbers: numbers.length, at: function (k) { return numbers[k]; }, step: 0
       };
     }
     const range = block(name + "_range", Float32Array);
@@ -40,7 +41,7 @@
         }
         return out;
       },
-      numbers: shares.length, at: at
+      numbers: shares.length, at: at, step: scale
     };
   }
 
@@ -71,7 +72,11 @@
   run.events = ["cut", "ruptured", "touched", "released", "slipped", "stuck"].map(function (name, k) {
     return { name: name, counts: column(5 + k) };
   });
-  run.curves = about.curves.map(function (curve, k) { return { label: curve.label, unit: curve.unit, values: column(11 + k) }; });
+  run.curves = about.curves.map(function (curve, k) { return Object.assign({ values: column(11 + k) }, curve); });
+
+  // Integrators with steps of their own, inside of which records may lie: CVODE, and others that show it.
+  run.own_steps = about.integrator === "cvode" ||
+    run.steps.some(function (steps, k) { return k > 0 && steps === run.steps[k - 1] && run.times[k] > run.times[k - 1]; });
 
   // The first frame without the spring; `never` for those that stay.
   run.never = 0xffffffff;

@@ -27,17 +27,22 @@
   const controls = new THREE.OrbitControls(s.camera.camera, view);
   controls.enableKeys = false;  // the arrows step through the records
   controls.rotateSpeed = 0.7;
+  let looking = false, own = false;  // own: the eye is where the reader moved it
   function eye_moved() {
+    if (!looking) own = true;
     s.camera.target.copy(controls.target);
     scene.draw();
     s.labels.eye(scene.cell);
   }
   function look(azimuth, elevation, zoom) {
+    looking = true;
     s.camera.look(azimuth, elevation, zoom);
     controls.target.copy(s.camera.target);
     controls.update();
     s.camera.camera.updateMatrixWorld();
     eye_moved();
+    looking = false;
+    own = false;
   }
   const usual = s.camera.usual;
   function reset() {
@@ -78,17 +83,20 @@
   if (!address.bare) s.make_plots(player);
   s.make_keys(player, reset);
   s.labels.legend();
-  function resize() {
+  // In another size the whole motion is in view again, unless the reader has chosen what is.
+  s.resize = function () {
     scene.resize();
+    if (own) s.labels.eye(scene.cell); else reset();
     s.show_marks();
-    s.labels.eye(scene.cell);
+    s.resize_plots();
     refresh();
-  }
+  };
   scene.resize();
+  s.labels.clock(0);
   reset();
   s.show_marks();
   if (address.time === null) player.go(0); else player.go_to_time(address.time);
-  new ResizeObserver(resize).observe(view);
+  new ResizeObserver(s.resize).observe(view);
   if (address.selftest) s.selftest(scene, player);
   else if (address.play && s.run.frames > 1) player.toggle();
   s.player = player;

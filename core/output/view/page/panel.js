@@ -11,7 +11,10 @@
     document.title = title + " – springnet";
     const facts = [count(about.nodes, "node"), count(about.springs, "spring")];
     if (about.elements > 0) facts.push(count(about.elements, "element"));
-    facts.push("integrator " + about.integrator, "time step " + s.number(about.time_step) + " s", count(run.frames, "record"));
+    const gap = run.frames > 1 ? (run.times[run.frames - 1] - run.times[0]) / (run.frames - 1) : about.time_step;
+    facts.push("integrator " + about.integrator,
+               run.own_steps ? "records every " + s.number(gap, 3) + " s" : "time step " + s.number(about.time_step) + " s",
+               count(run.frames, "record"));
     element("facts").textContent = facts.join(" · ");
 
     const notes = about.notes.slice(), last = run.times[run.frames - 1];
@@ -35,20 +38,23 @@
     });
     const names = { cut: "springs cut", ruptured: "springs ruptured", touched: "first touches" };
     const happened = Object.keys(names).filter(function (name) { return s.marks.some(function (m) { return m.name === name; }); });
-    function add(colour, text, square) {
+    function add(shape, colour, text) {
       const line = document.createElement("div"), dot = document.createElement("i");
-      dot.style.background = colour;
-      if (square) { dot.style.borderRadius = "0"; dot.style.width = "3px"; dot.style.margin = "0 9px 0 3px"; }
+      dot.className = shape;
+      dot.style.color = typeof colour === "string" ? colour : "rgb(" + colour.join(",") + ")";
       line.append(dot, text);
       element("key").append(line);
     }
-    dots.forEach(function (each) { add("rgb(" + each[0].join(",") + ")", each[1], false); });
-    happened.forEach(function (name) { add(s.mark_colours[name], "time line: " + names[name], true); });
+    dots.forEach(function (each) { add("dot", each[0], each[1]); });
+    if (run.rigids.length > 0) add("bar", s.colours.rigid, "rigid connection");
+    if (about.loads.length > 0) add("arrow", s.colours.force, "force of the scene");
+    happened.forEach(function (name) { add("mark", s.mark_colours[name], "time line: " + names[name]); });
   }
 
   function hide_what_is_not_there() {
     const there = { springs: run.springs > 0, broken: run.removals.size > 0, nodes: run.nodes > 0,
-                    faces: run.face_frames.length > 0, instruments: about.surfaces.length > 0 };
+                    faces: run.face_frames.length > 0, instruments: about.surfaces.length > 0,
+                    forces: about.loads.length > 0 };
     document.querySelectorAll("#panel [data-for]").forEach(function (label) {
       label.style.display = there[label.dataset.for] ? "" : "none";
     });
@@ -59,7 +65,7 @@
     show_words();
     show_key();
     hide_what_is_not_there();
-    ["springs", "broken", "nodes", "faces", "instruments"].forEach(function (what) {
+    ["springs", "broken", "nodes", "faces", "instruments", "forces"].forEach(function (what) {
       const box = element("show-" + what);
       box.checked = s.shown[what];
       box.addEventListener("change", function () { s.shown[what] = box.checked; refresh(); });
@@ -93,8 +99,9 @@
       r: reset, b: function () { element("show-broken").click(); }, l: function () { element("loop").click(); }
     };
     window.addEventListener("keydown", function (event) {
-      // Menus and buttons keep the keys that work them.
-      const own = event.target.tagName === "SELECT" || (event.key === " " && /BUTTON|INPUT/.test(event.target.tagName));
+      // Menus, buttons and bars keep the keys that work them; the one of the time does with the arrows what the page does.
+      const target = event.target, bar = target.type === "range" && target.id !== "scrub";
+      const own = target.tagName === "SELECT" || bar || (event.key === " " && /BUTTON|INPUT/.test(target.tagName));
       if (own || event.ctrlKey || event.altKey || event.metaKey || !actions[event.key]) return;
       event.preventDefault();
       actions[event.key](event);

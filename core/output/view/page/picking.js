@@ -25,7 +25,7 @@
 
   // Of those within reach the one in front; a pixel of distance counts like a little depth.
   s.pick_at = function (frame, x, y) {
-    const places = project(run.positions.row(frame));
+    const positions = run.positions.row(frame), places = project(positions);
     let best = null, least = Infinity;
     function offer(pixels, reach, depth, what) {
       if (pixels > reach || depth > 1 || depth < -1) return;
@@ -37,12 +37,15 @@
         offer(Math.hypot(places[3 * k] - x, places[3 * k + 1] - y), 9, places[3 * k + 2], { node: k });
       }
     }
-    if (best || !(s.shown.springs || s.shown.broken)) return best;
-    for (let k = 0; k < run.springs; ++k) {
-      if (frame >= run.gone[k] ? !s.shown.broken : !s.shown.springs) continue;
-      const found = distance_to(places, run.ends[2 * k], run.ends[2 * k + 1], x, y);
-      offer(found.pixels, 6, found.depth, { spring: k });
+    if (best) return best;
+    function offer_line(ends, k, what) {
+      const found = distance_to(places, ends[2 * k], ends[2 * k + 1], x, y);
+      offer(found.pixels, 6, found.depth, what);
     }
+    for (let k = 0; k < run.springs; ++k) {
+      if (s.drawn(k, frame, positions)) offer_line(run.ends, k, { spring: k });
+    }
+    for (let k = 0; 2 * k < run.rigids.length; ++k) offer_line(run.rigids, k, { rigid: k });
     return best;
   };
 
@@ -52,31 +55,59 @@
     });
     return body ? " of " + body.name + (body[first] > 0 ? ", its " + (number - body[first]) : "") : "";
   }
-  function vector(values) { return Array.from(values).map(function (each) { return s.number(each, 5); }).join(", "); }
+
+  // One unit for all lengths, from the size of the network. No digits are shown that rounded numbers do not have.
+  const unit = s.unit_for("m", s.camera.nodes_box.getSize(new THREE.Vector3()).length());
+  const places_step = run.positions.step, lengths_step = 2 * places_step;
+  function numbers(values, size, step) {
+    return Array.from(values).map(function (each) { return s.number(s.known(each, step) / size, 5); }).join(", ");
+  }
+  function length(value, step) { return numbers([value], unit[0], step) + " " + unit[1]; }
+  function distance(positions, a, b) {
+    return Math.hypot(positions[3 * a] - positions[3 * b], positions[3 * a + 1] - positions[3 * b + 1],
+                      positions[3 * a + 2] - positions[3 * b + 2]);
+  }
+  function ends(list, k) { return run.node_numbers[list[2 * k]] + " and " + run.node_numbers[list[2 * k + 1]]; }
+  // The forces of the scene on a node; null where not all of them are there.
+  function force_on(node, frame) {
+    const all = run.about.loads;
+    if (run.about.forces !== all.length) return null;
+    const sum = [0, 0, 0];
+    all.forEach(function (load) {
+      if (load.node === node && s.acts(load, frame)) load.force.forEach(function (each, axis) { sum[axis] += each; });
+    });
+    return sum;
+  }
 
   s.numbers_of = function (picked, frame) {
     const positions = run.positions.row(frame);
+    if (picked.rigid !== undefined) {
+      const a = run.rigids[2 * picked.rigid], b = run.rigids[2 * picked.rigid + 1];
+      return [["rigid", "connection " + picked.rigid], ["nodes", ends(run.rigids, picked.rigid)],
+              ["length", length(distance(positions, a, b), lengths_step)]];
+    }
     if (picked.node !== undefined) {
-      const k = picked.node, states = ["free", "fixed", "moved by the scene"];
-      return [["node", run.node_numbers[k] + member("first_node", "nodes", run.node_numbers[k])],
-              ["position", vector(positions.subarray(3 * k, 3 * k + 3)) + " m"],
-              ["speed", s.number(run.speeds.row(frame)[k]) + " m/s"],
-              ["mass", s.number(run.masses[k]) + " kg"],
-              ["state", states[run.kinds[k]] + (run.touches(frame, k) ? ", in contact" : "")]];
+      const k = picked.node, states = ["free", "fixed", "moved by the scene"], force = force_on(k, frame);
+      const rows = [["node", run.node_numbers[k] + member("first_node", "nodes", run.node_numbers[k])],
+                    ["position", numbers(positions.subarray(3 * k, 3 * k + 3), unit[0], places_step) + " " + unit[1]],
+                    ["speed", s.number(s.known(run.speeds.row(frame)[k], run.speeds.step)) + " m/s"],
+                    ["mass", s.number(run.masses[k]) + " kg"],
+                    ["state", states[run.kinds[k]] + (run.touches(frame, k) ? ", in contact" : "")]];
+      if (force && Math.hypot(force[0], force[1], force[2]) > 0) rows.push(["force", numbers(force, 1, 0) + " N"]);
+      return rows;
     }
     const k = picked.spring, a = run.ends[2 * k], b = run.ends[2 * k + 1];
-    const length = Math.hypot(positions[3 * a] - positions[3 * b], positions[3 * a + 1] - positions[3 * b + 1],
-                              positions[3 * a + 2] - positions[3 * b + 2]);
+    const now = distance(positions, a, b), rest = run.rests[k];
     const rows = [["spring", run.spring_numbers[k] + member("first_spring", "springs", run.spring_numbers[k])],
-                  ["nodes", run.node_numbers[a] + " and " + run.node_numbers[b]],
-                  ["length", s.number(length, 5) + " m"],
-                  ["at rest", s.number(run.rests[k], 5) + " m"],
-                  ["stretch", run.rests[k] > 0 ? s.number(100 * (length / run.rests[k] - 1), 3) + " %" : "–"]];
+                  ["nodes", ends(run.ends, k)],
+                  ["length", length(now, lengths_step)],
+                  ["at rest", length(rest, 0)],
+                  ["stretch", rest > 0 ? s.number(s.known(100 * (now / rest - 1), 100 * lengths_step / rest), 3) + " %" : "–"]];
     if (frame >= run.gone[k]) {
       const removal = run.removals.get(k);
       rows.push(["state", removal.how + " at " + s.number(removal.time, 5) + " s"]);
     } else {
-      rows.push(["tension", s.number(run.tensions.row(frame)[k]) + " N"]);
+      rows.push(["tension", s.number(s.known(run.tensions.row(frame)[k], run.tensions.step)) + " N"]);
     }
     rows.push(["law", run.about.materials[run.materials[k]]]);
     return rows;

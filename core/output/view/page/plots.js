@@ -13,6 +13,10 @@
     }
   });
   s.mark_colours = marked;
+  const palette = ["#1b7a5a", "#a33c6e", "#7a6a10", "#2b6cb0", "#c2571a", "#5b3c88", "#444c55", "#b3342d"];
+  const graphs = s.graphs = [];
+  // To the width that there is now.
+  s.resize_plots = function () { graphs.forEach(function (graph) { graph.resize(); }); };
 
   function draw_marks(context, area, graph) {
     s.marks.forEach(function (mark) {
@@ -31,16 +35,15 @@
   // The place of a plot. All are there before the first is drawn, which takes the width it finds.
   function add_box(plot) {
     const box = document.createElement("div"), head = document.createElement("div"), area = document.createElement("div");
-    const cursor = document.createElement("div"), name = document.createElement("b"), values = document.createElement("span");
+    const cursor = document.createElement("div"), name = document.createElement("b");
     box.className = "plot";
     head.className = "plot-head";
     area.className = "plot-area";
     cursor.className = "plot-cursor";
-    name.textContent = plot.title;
-    head.append(name, values);
+    head.append(name);
     box.append(head, area, cursor);
     document.getElementById("plots").append(box);
-    return { head: head, name: name, area: area, cursor: cursor, values: values };
+    return { head: head, name: name, area: area, cursor: cursor };
   }
 
   // The usual range of the values where single ones, as at the end of a run that diverges, are far beyond; else null.
@@ -53,38 +56,67 @@
     return [negative ? -3 * common : 0, 3 * common];
   }
 
-  // Draws it; returns what shows the time and the values of a frame.
-  function draw_plot(series, box, player) {
-    const area = box.area, cursor = box.cursor, values = box.values;
-    const rows = run.times.map(function (time, k) {
-      return [time].concat(series.map(function (each) { return isFinite(each.values[k]) ? each.values[k] : null; }));
+  // The unit of a plot, how many digits tell its values from each other, from those within the range, and to what a single
+  // one is rounded.
+  function scale_of(plot, range) {
+    let low = Infinity, high = -Infinity;
+    plot.series.forEach(function (each) {
+      each.values.forEach(function (value) {
+        if (!isFinite(value) || (range && (value < range[0] || value > range[1]))) return;
+        low = Math.min(low, value);
+        high = Math.max(high, value);
+      });
     });
-    const range = usual_range(series);
-    if (range) box.name.textContent += " (peaks cut off)";
+    const most = Math.max(Math.abs(low), Math.abs(high)), span = high - low;
+    const unit = s.unit_for(plot.unit, isFinite(most) ? most : 0);
+    const digits = span > 0 && isFinite(span) ? Math.min(11, Math.max(0, Math.ceil(Math.log10(most / span))) + 2) : 4;
+    const step = most > 0 && isFinite(most) ? Math.pow(10, Math.floor(Math.log10(most / unit[0])) + 1 - Math.max(5, digits + 1)) : 0;
+    return { size: unit[0], name: unit[1], digits: digits, step: step };
+  }
+
+  // The values of a frame beside the title, each as wide as it is at most: the words stay where they are.
+  function add_values(series, scale, head) {
+    const stride = Math.max(1, Math.floor(run.frames / 300));
+    function text(each, frame) { return each.label + " " + s.number(s.known(each.values[frame] / scale.size, scale.step), 12); }
+    const parts = series.map(function (each) {
+      const part = document.createElement("span");
+      let most = 0;
+      for (let k = 0; k < run.frames; k += stride) most = Math.max(most, text(each, k).length);
+      part.style.color = each.colour;
+      part.style.minWidth = 0.92 * most + "ch";
+      head.append(part);
+      return part;
+    });
+    return function (frame) { parts.forEach(function (part, k) { part.textContent = text(series[k], frame); }); };
+  }
+
+  // Draws it; returns what shows the time and the values of a frame.
+  function draw_plot(plot, box, player) {
+    const area = box.area, cursor = box.cursor, series = plot.series, range = usual_range(series), scale = scale_of(plot, range);
+    const rows = run.times.map(function (time, k) {
+      return [time].concat(series.map(function (each) { return isFinite(each.values[k]) ? each.values[k] / scale.size : null; }));
+    });
+    box.name.textContent = plot.title + (scale.name ? ", " + scale.name : "") + (range ? " (peaks cut off)" : "");
+    const show_values = add_values(series, scale, box.head);
     const graph = new Dygraph(area, rows, {
       labels: ["t"].concat(series.map(function (each) { return each.label; })),
       colors: series.map(function (each) { return each.colour; }),
       legend: "never", strokeWidth: 1.6, axisLabelFontSize: 11, gridLineColor: "#e6eaee", axisLineColor: "#aab3bd",
       axisLabelWidth: 52, highlightCircleSize: 0, digitsAfterDecimal: 4, underlayCallback: draw_marks, rightGap: 8,
-      labelsKMB: false, valueRange: range, sigFigs: 4, xRangePad: 1,
+      labelsKMB: false, valueRange: range && range.map(function (each) { return each / scale.size; }), sigFigs: 4, xRangePad: 1,
       axes: { x: { axisLabelFormatter: function (value) { return s.number(value) + " s"; } },
-              y: { axisLabelFormatter: function (value) { return s.number(value, 3); } } },
+              y: { axisLabelFormatter: function (value) { return s.number(value, scale.digits + 1); }, pixelsPerLabel: 16 } },
       clickCallback: function (event, time) { player.pause(); player.go_to_time(nearest(time)); },
       drawCallback: function () { if (s.show_cursors) s.show_cursors(player.frame); }
     });
+    graphs.push(graph);
     return function (frame) {
       const place = graph.getArea(), x = graph.toDomXCoord(run.times[frame]);
       cursor.hidden = x < place.x || x > place.x + place.w;
       cursor.style.left = x + "px";
       cursor.style.top = box.head.offsetHeight + place.y + "px";
       cursor.style.height = place.h + "px";
-      values.textContent = "";
-      series.forEach(function (each) {
-        const part = document.createElement("span");
-        part.style.color = each.colour;
-        part.textContent = (each.label ? each.label + " " : "") + s.number(each.values[frame], 3) + "  ";
-        values.append(part);
-      });
+      show_values(frame);
     };
   }
 
@@ -93,34 +125,50 @@
     return Math.abs(run.times[upper] - time) < Math.abs(time - run.times[lower]) ? run.times[upper] : run.times[lower];
   }
 
+  // Records that lie within one step of the integrator have the value of those before.
   function per_step() {
+    let value = NaN;
     return run.sweeps.map(function (sweeps, k) {
       const steps = k > 0 ? run.steps[k] - run.steps[k - 1] : 0;
-      return steps > 0 ? (sweeps - run.sweeps[k - 1]) / steps : NaN;
+      if (steps > 0) value = (sweeps - run.sweeps[k - 1]) / steps;
+      return value;
     });
+  }
+
+  // Curves of elements in one plot: what their labels share stands in the title alone.
+  function plot_of(curves, unit) {
+    function shared(part) { return curves.every(function (each) { return each[part] === curves[0][part]; }); }
+    const one = curves.length === 1, name = shared("name"), kind = shared("kind");
+    const labels = curves.map(function (each) {
+      return [name ? "" : each.name, kind ? "" : each.kind].filter(Boolean).join(", ");
+    });
+    const clear = new Set(labels).size === labels.length;
+    const title = [name ? curves[0].name : "", kind ? curves[0].kind : ""].filter(Boolean).join(", ") || "elements";
+    const series = curves.map(function (each, k) {
+      const label = one ? "now" : clear ? labels[k] : (labels[k] + " " + each.element).trim();
+      return { label: label, colour: palette[k % palette.length], values: each.values };
+    });
+    return { title: title + (one || clear || title === "elements" ? "" : ", elements"), unit: unit, series: series };
   }
 
   s.make_plots = function (player) {
     if (run.frames < 2) return;
     const total = run.kinetic.map(function (value, k) { return value + run.potential[k]; });
     const plots = [
-      { title: "energy, J", series: [{ label: "kinetic", colour: "#c2571a", values: run.kinetic },
-                             { label: "potential", colour: "#1f5f99", values: run.potential },
-                             { label: "total", colour: "#444c55", values: total }] },
-      { title: "sweeps a time step", series: [{ label: "sweeps", colour: "#5b3c88", values: per_step() }] }];
+      { title: "energy", unit: "J",
+        series: [{ label: "kinetic", colour: "#c2571a", values: run.kinetic },
+                 { label: "potential", colour: "#1f5f99", values: run.potential },
+                 { label: "total", colour: "#444c55", values: total }] },
+      { title: run.own_steps ? "evaluations an internal step" : "sweeps a time step", unit: "",
+        series: [{ label: "now", colour: "#5b3c88", values: per_step() }] }];
     const units = new Map();
     run.curves.forEach(function (curve) { units.set(curve.unit, (units.get(curve.unit) || []).concat(curve)); });
-    const palette = ["#1b7a5a", "#a33c6e", "#7a6a10", "#2b6cb0", "#c2571a", "#5b3c88", "#444c55", "#b3342d"];
-    units.forEach(function (curves, unit) {
-      const title = curves.length === 1 ? curves[0].label : curves.every(function (c) { return c.unit === "m^3"; }) ? "volumes" : "elements";
-      const series = curves.map(function (curve, k) {
-        return { label: curves.length === 1 ? "now" : curve.label, colour: palette[k % palette.length], values: curve.values };
-      });
-      plots.push({ title: title + ", " + unit.replace("^2", "²").replace("^3", "³"), series: series });
-    });
+    units.forEach(function (curves, unit) { plots.push(plot_of(curves, unit)); });
     const boxes = plots.map(add_box);
-    const cursors = plots.map(function (plot, k) { return draw_plot(plot.series, boxes[k], player); });
+    const cursors = plots.map(function (plot, k) { return draw_plot(plot, boxes[k], player); });
     s.show_cursors = function (frame) { cursors.forEach(function (show) { show(frame); }); };
+    s.show_cursors(0);
+    s.resize_plots();
   };
 
   s.show_marks = function () {

@@ -4,7 +4,15 @@
   const spring_width = few < 400 ? 4 : few < 800 ? 3.2 : few < 4000 ? 2.2 : few < 20000 ? 1.5 : 1;
   const dot_size = few < 800 ? 7 : few < 4000 ? 5 : few < 20000 ? 3.4 : 2.2;
 
-  s.shown = { springs: true, broken: true, nodes: run.nodes <= 20000, faces: true, instruments: true, colour: "tension" };
+  s.shown = { springs: true, broken: true, nodes: run.nodes <= 20000, faces: true, instruments: true, forces: true, colour: "tension" };
+
+  // Whether the spring is. Torn pieces drift apart: lines between them from end to end of the picture would hide it.
+  s.drawn = function (k, frame, positions) {
+    if (frame < run.gone[k]) return s.shown.springs;
+    const a = 3 * run.ends[2 * k], b = 3 * run.ends[2 * k + 1], reach = 3 * run.rests[k];
+    return s.shown.broken && (reach === 0 ||
+      Math.hypot(positions[a] - positions[b], positions[a + 1] - positions[b + 1], positions[a + 2] - positions[b + 2]) < reach);
+  };
 
   function make_renderer() {
     try {
@@ -24,10 +32,10 @@
     const dots = new s.Dots(run.nodes);
     const chosen_spring = new s.Segments(1, { width: spring_width + 3, above: true });
     const chosen_node = new s.Dots(1, 0.72);
-    const faces = new s.Faces(), surfaces = new s.Surfaces();
+    const faces = new s.Faces(), surfaces = new s.Surfaces(), forces = new s.Forces();
     const layers = [springs, broken, rigids, dots, chosen_spring, chosen_node];
     layers.forEach(function (layer) { scene.add(layer.mesh); });
-    scene.add(faces.mesh, surfaces.group);
+    scene.add(faces.mesh, surfaces.group, forces.group);
     const sky = new THREE.HemisphereLight(0xffffff, 0x9aa2ad, 0.66);
     sky.position.copy(s.camera.upward);
     scene.add(sky);
@@ -40,12 +48,6 @@
     this.opacity = faces.opacity;
     faces.opacity(0.8);
 
-    // Torn pieces drift apart: lines between them from end to end of the picture would hide it.
-    function near(positions, a, b, reach) {
-      const x = positions[3 * a] - positions[3 * b], y = positions[3 * a + 1] - positions[3 * b + 1];
-      return reach === 0 || Math.hypot(x, y, positions[3 * a + 2] - positions[3 * b + 2]) < reach;
-    }
-
     function show_springs(frame, positions) {
       const way = s.shown.colour, ends = run.ends;
       const values = way === "tension" ? run.tensions.row(frame) : run.speeds.row(frame);
@@ -55,10 +57,9 @@
       broken.begin();
       for (let k = 0; k < run.springs; ++k) {
         const a = ends[2 * k], b = ends[2 * k + 1];
+        if (!s.drawn(k, frame, positions)) continue;
         if (frame >= run.gone[k]) {
-          if (s.shown.broken && near(positions, a, b, 3 * run.rests[k])) broken.add(positions, a, b, colours.plain, 0);
-        } else if (!s.shown.springs) {
-          continue;
+          broken.add(positions, a, b, colours.plain, 0);
         } else if (way === "contact") {
           springs.add(positions, a, b, run.touches(frame, a) && run.touches(frame, b) ? colours.contact : colours.plain, 0);
         } else {
@@ -94,8 +95,9 @@
     function show_chosen(frame, positions) {
       const picked = s.picked;
       chosen_spring.begin();
-      if (picked && picked.spring !== undefined) {
-        chosen_spring.add(positions, run.ends[2 * picked.spring], run.ends[2 * picked.spring + 1], [250, 200, 0], 0);
+      if (picked && picked.node === undefined) {
+        const rigid = picked.spring === undefined, ends = rigid ? run.rigids : run.ends, k = 2 * (rigid ? picked.rigid : picked.spring);
+        chosen_spring.add(positions, ends[k], ends[k + 1], [250, 200, 0], 0);
       }
       chosen_spring.end();
       chosen_node.mesh.visible = Boolean(picked) && picked.node !== undefined;
@@ -115,6 +117,8 @@
       if (faces.mesh.visible) faces.show(frame);
       surfaces.group.visible = s.shown.instruments;
       surfaces.show(frame);
+      forces.group.visible = s.shown.forces;
+      forces.show(frame, positions);
       this.draw();
     };
     this.draw = function () {
@@ -125,8 +129,7 @@
       const place = document.getElementById("view");
       const width = Math.max(1, place.clientWidth), height = Math.max(1, place.clientHeight);
       const ratio = Math.min(window.devicePixelRatio || 1, 2);
-      camera.aspect = width / height;
-      camera.updateProjectionMatrix();
+      s.camera.resize();
       layers.forEach(function (layer) { layer.resize(width, height, ratio); });
       if (!renderer) return;
       renderer.setPixelRatio(ratio);

@@ -16,13 +16,97 @@
       box.click();
       const after = scene.pixels();
       box.click();
+      return differences(before, after);
+    }
+    // How far out nodes come in pictures of other sizes, over all records: the edges are at 1.
+    function resized() {
+      const sizes = [[320, 560], [560, 160], [240, 240]], point = new THREE.Vector3(), camera = s.camera.camera;
+      const found = sizes.map(function (size) {
+        view.style.cssText = "flex: none; width: " + size[0] + "px; height: " + size[1] + "px";
+        s.resize();
+        let most = 0;
+        for (let k = 0; k < run.positions.numbers; k += 3) {
+          point.set(run.positions.at(k), run.positions.at(k + 1), run.positions.at(k + 2)).project(camera);
+          most = Math.max(most, Math.abs(point.x), Math.abs(point.y));
+        }
+        return most;
+      });
+      view.style.cssText = "";
+      s.resize();
+      return found;
+    }
+    // What of the page lies beside the window, and how large its parts are.
+    function layout() {
+      const width = document.documentElement.clientWidth;
+      const outside = Array.from(document.body.querySelectorAll("*")).filter(function (part) {
+        const place = part.getBoundingClientRect();
+        return place.width > 0 && !part.closest(".plot-area") && (place.left < -0.5 || place.right > width + 0.5);
+      });
+      return { window: width, whole: document.documentElement.scrollWidth, view: view.clientWidth, tall: view.clientHeight,
+               outside: outside.map(function (part) { return part.id || part.className || part.tagName; }),
+               plots: Array.from(document.querySelectorAll(".plot-area")).map(function (area) { return area.clientWidth; }) };
+    }
+    function texts(selector) {
+      return Array.from(document.querySelectorAll(selector)).map(function (each) { return each.textContent; });
+    }
+    function curves() {
+      return Array.from(document.querySelectorAll(".plot")).map(function (plot, which) {
+        const head = plot.querySelector(".plot-head"), graph = s.graphs[which];
+        let gaps = 0;  // after the first record, which has no step before it
+        for (let k = 1; k < graph.numRows(); ++k) if (graph.getValue(k, 1) === null) ++gaps;
+        return { title: head.firstChild.textContent, gaps: gaps, cut: head.scrollHeight - head.clientHeight,
+                 values: Array.from(head.querySelectorAll("span")).map(function (each) { return each.textContent; }),
+                 ticks: Array.from(plot.querySelectorAll(".dygraph-axis-label-y")).map(function (each) { return each.textContent; }) };
+      });
+    }
+    function coloured(way) {
+      const select = document.getElementById("colour"), before = scene.pixels();
+      select.value = way;
+      select.dispatchEvent(new Event("change", { bubbles: true }));
+      const after = scene.pixels();
+      const found = { legend: document.getElementById("legend").textContent, changed: differences(before, after),
+                      bar: document.getElementById("legend-bar").offsetHeight };
+      select.value = "tension";
+      select.dispatchEvent(new Event("change", { bubbles: true }));
+      return found;
+    }
+    // Whether a click in the middle of a broken spring that is too long to be drawn finds it.
+    function picks_what_is_not_drawn() {
+      if (run.removals.size === 0) return null;
+      const k = run.removals.keys().next().value, rest = run.rests[k], places = run.positions.row(player.frame);
+      const a = 3 * run.ends[2 * k], b = 3 * run.ends[2 * k + 1];
+      const middle = new THREE.Vector3((places[a] + places[b]) / 2, (places[a + 1] + places[b + 1]) / 2, (places[a + 2] + places[b + 2]) / 2)
+        .project(s.camera.camera);
+      run.rests[k] = 1e-3 * rest;
+      const found = s.pick_at(player.frame, 0.5 * (1 + middle.x) * view.clientWidth, 0.5 * (1 - middle.y) * view.clientHeight);
+      run.rests[k] = rest;
+      return Boolean(found) && found.spring === k;
+    }
+    function numbers_shown() {
+      const all = { node: s.numbers_of({ node: 0 }, last), last_node: s.numbers_of({ node: run.nodes - 1 }, last) };
+      if (run.springs > 0) all.spring = s.numbers_of({ spring: run.springs >> 1 }, last);
+      if (run.rigids.length > 0) all.rigid = s.numbers_of({ rigid: 0 }, last);
+      Object.keys(all).forEach(function (name) { all[name] = Object.fromEntries(all[name]); });
+      return all;
+    }
+    function differences(before, after) {
       let changed = 0;
       for (let k = 0; k < before.length; ++k) if (before[k] !== after[k]) ++changed;
       return changed;
     }
+    const view = document.getElementById("view");
     const result = { frames: run.frames, works: scene.works, stops: [0, last >> 1, last].map(scrub_to) };
     // As a mouse does it: press and let go on the picture; drag; click on a curve.
-    const view = document.getElementById("view"), place = view.getBoundingClientRect();
+    result.layout = layout();
+    result.facts = document.getElementById("facts").textContent;
+    result.key = document.getElementById("key").textContent;
+    result.curves = curves();
+    result.resized = resized();
+    result.numbers = numbers_shown();
+    result.speed = coloured("speed");
+    if (run.has_contact) result.contact = coloured("contact");
+    result.picks_what_is_not_drawn = picks_what_is_not_drawn();
+    const place = view.getBoundingClientRect();
     function mouse(target, name, x, y) {
       const Kind = name.startsWith("pointer") ? PointerEvent : MouseEvent;
       target.dispatchEvent(new Kind(name, { clientX: x, clientY: y, button: 0, buttons: 1, bubbles: true, cancelable: true, view: window, detail: 1 }));
@@ -33,9 +117,13 @@
     mouse(view, "pointerup", x, y);
     result.picked = s.picked;
     result.picked_text = document.getElementById("picked").textContent;
+    const on_bar = new KeyboardEvent("keydown", { key: "ArrowLeft", bubbles: true, cancelable: true });
+    document.getElementById("opacity").dispatchEvent(on_bar);
+    result.bar_keeps_arrows = player.frame === last && !on_bar.defaultPrevented;
     result.keys = [key("Home"), key("ArrowRight"), key("End"), key("ArrowLeft")];
     result.toggled = { springs: toggled("show-springs"), broken: (player.go(last), toggled("show-broken")),
-                       nodes: toggled("show-nodes"), faces: toggled("show-faces"), instruments: toggled("show-instruments") };
+                       nodes: toggled("show-nodes"), faces: toggled("show-faces"), instruments: toggled("show-instruments"),
+                       forces: (player.go(last >> 1), toggled("show-forces")) };
     const eye = s.camera.camera.position.clone();
     mouse(view, "mousedown", x, y);
     mouse(document, "mousemove", x + 60, y);
@@ -50,7 +138,7 @@
       result.curve_clicked = player.frame;
     }
     result.plots = document.querySelectorAll(".plot canvas").length;
-    result.notes = Array.from(document.querySelectorAll("#notes li")).map(function (item) { return item.textContent; });
+    result.notes = texts("#notes li");
     result.legend = document.getElementById("legend").textContent;
     player.go(0);
     player.toggle();
