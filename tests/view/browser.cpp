@@ -1,6 +1,8 @@
 // Pages in a headless Chromium: they draw, their controls work, nothing is complained about.
+#include <cmath>
 #include <cstdlib>
 #include <fstream>
+#include <set>
 
 #include <doctest/doctest.h>
 #include <fmt/format.h>
@@ -8,6 +10,7 @@
 
 #include "csv.hpp"
 #include "output/view/base64.hpp"
+#include "output/view/content.hpp"
 #include "scenes.hpp"
 #include "temporary_folder.hpp"
 
@@ -35,6 +38,27 @@ Visit visit(const TemporaryFolder& folder, const std::string& address, const std
                   folder.path().string(), patience, action, address);
   const int status = std::system(line.c_str());
   return {status, testing::read_text(folder.path() / "dom.txt"), testing::read_text(folder.path() / "log.txt")};
+}
+
+// The page in a window of that size, narrower than the browser lets its own be: in a frame.
+Visit visit_small(const TemporaryFolder& folder, int width, int height) {
+  std::ofstream page(folder.path() / "frame.html", std::ios::binary);
+  page << fmt::format(
+      R"(<iframe id=f style="border:0;width:{}px;height:{}px" src="view.html#selftest=1"></iframe><script>
+const waiting = setInterval(function () {{
+  const found = document.getElementById("f").contentDocument.getElementById("selftest");
+  if (!found) return;
+  clearInterval(waiting);
+  const script = document.createElement("script");
+  script.type = "application/json"; script.id = "selftest";
+  script.textContent = found.textContent;
+  document.body.append(script);
+}}, 50);
+</script>)",
+      width, height);
+  page.close();
+  return visit(folder, "file://" + (folder.path() / "frame.html").string() + "#selftest",
+               "--allow-file-access-from-files --dump-dom");
 }
 
 std::string address(const TemporaryFolder& folder, const std::string& hash) {
@@ -83,6 +107,54 @@ window.onload = function () {
   return element(visit(folder, "file://" + (folder.path() / "look.html").string(), "--dump-dom").dom, "colours");
 }
 
+// "−0.75, 12 mm" in m; likewise for seconds and newtons. The page writes a minus sign, not a hyphen.
+std::vector<double> numbers_in(const nlohmann::json& text) {
+  std::string line = text.get<std::string>();
+  for (std::size_t at = line.find("\u2212"); at != std::string::npos; at = line.find("\u2212")) {
+    line.erase(at, 2);
+    line[at] = '-';
+  }
+  double unit = 1.0;
+  if (line.ends_with(" mm")) unit = 1e-3;
+  if (line.ends_with(" %")) unit = 1e-2;
+  std::vector<double> numbers;
+  const char* at = line.c_str();
+  for (char* end = nullptr;; at = *end == ',' ? end + 1 : end) {
+    const double number = std::strtod(at, &end);
+    if (end == at) return numbers;
+    numbers.push_back(unit * number);
+  }
+}
+
+// The numbers of what is picked at the end of the run of everything_to_see(), against that run's own; `digits` is how
+// far the page rounds places (m) and tensions (N).
+void check_numbers(const nlohmann::json& shown, const Scene& scene, double place, double tension) {
+  Simulation simulation(scene.network, plugins(), scene.options);
+  simulation.advance_to(scene.duration);
+  const auto near = [&](const nlohmann::json& text, std::size_t k, double value, double slack) {
+    const std::vector<double> numbers = numbers_in(text);
+    REQUIRE(numbers.size() > k);
+    CAPTURE(numbers[k]);
+    CAPTURE(value);
+    CHECK(std::abs(numbers[k] - value) <= slack + 5e-5 * std::abs(value));
+  };
+  for (std::size_t axis = 0; axis < 3; ++axis) {
+    const auto row = static_cast<Eigen::Index>(axis);
+    near(shown["node"]["position"], axis, simulation.position(0)[row], place);
+    near(shown["last_node"]["position"], axis, simulation.position(64)[row], place);
+  }
+  near(shown["node"]["speed"], 0, simulation.velocity(0).norm(), place);
+  const SpringIndex k = static_cast<SpringIndex>(scene.network.springs().size()) / 2;
+  const Spring& spring = scene.network.springs()[k];
+  REQUIRE(simulation.alive(k));
+  const double length = (simulation.position(spring.first) - simulation.position(spring.second)).norm();
+  near(shown["spring"]["length"], 0, length, 2.0 * place);
+  near(shown["spring"]["at rest"], 0, spring.rest_length, 0.0);
+  near(shown["spring"]["stretch"], 0, length / spring.rest_length - 1.0, 5e-4 + 2.0 * place);
+  near(shown["spring"]["tension"], 0, simulation.tension(k), tension);
+  near(shown["rigid"]["length"], 0, scene.network.rigids()[0].length, 2.0 * place);
+}
+
 }  // namespace
 
 TEST_CASE("the page draws the network; scrub bar, keys, switches and picking work; the console stays empty") {
@@ -123,7 +195,7 @@ TEST_CASE("the page draws the network; scrub bar, keys, switches and picking wor
   CHECK(found["picked_text"].get<std::string>().find("of box") != std::string::npos);
   CHECK(found["keys"] == nlohmann::json::array({0, 1, 60, 59}));
   // Each switch takes away what can be seen; the broken springs lie where triangles are torn.
-  for (const char* what : {"springs", "broken", "nodes", "faces", "instruments"}) {
+  for (const char* what : {"springs", "broken", "nodes", "faces", "instruments", "forces"}) {
     CAPTURE(what);
     CHECK(found["toggled"][what].get<int>() > 100);
   }
@@ -132,6 +204,27 @@ TEST_CASE("the page draws the network; scrub bar, keys, switches and picking wor
   // A drag of 60 pixels turns the eye by some degrees; a click in the middle of a curve goes near the middle.
   CHECK(found["eye_moved"].get<double>() > 0.1);
   CHECK(std::abs(found["curve_clicked"].get<int>() - 30) <= 6);
+  check_numbers(found["numbers"], scene, 1e-6, 1e-6);
+  CHECK(found["numbers"]["spring"]["law"] == "spring linear (stiffness 30 N/m), viscosity linear (damping 1 N s/m)");
+  CHECK(found["numbers"]["rigid"]["nodes"] == "63 and 64");
+  CHECK(found["key"].get<std::string>().find("rigid connection") != std::string::npos);
+  CHECK(found["key"].get<std::string>().find("force of the scene") != std::string::npos);
+  CHECK(found["bar_keeps_arrows"] == true);
+  CHECK(found["picks_what_is_not_drawn"] == false);
+  // In a picture of another size everything is in view again.
+  for (const auto& most : found["resized"]) {
+    CHECK(most.get<double>() < 1.0);
+    CHECK(most.get<double>() > 0.3);
+  }
+  // Other colours; the bar of the legend goes where there is none.
+  CHECK(found["speed"]["changed"].get<int>() > 1000);
+  CHECK(found["speed"]["legend"].get<std::string>().find("speed, m/s") != std::string::npos);
+  CHECK(found["speed"]["bar"].get<int>() > 0);
+  CHECK(found["contact"]["changed"].get<int>() > 1000);
+  CHECK(found["contact"]["legend"].get<std::string>().find("orange: in contact") != std::string::npos);
+  CHECK(found["contact"]["bar"] == 0);
+  CHECK(found["layout"]["outside"] == nlohmann::json::array());
+  CHECK(found["facts"].get<std::string>().find("time step 0.025 s") != std::string::npos);
   CHECK(found["played"].get<int>() > 0);  // how fast is up to the browser's clock, which is no clock here
   CHECK(page.dom.find("<b id=\"broken\"") == std::string::npos);  // the title stayed a title
 }
@@ -164,4 +257,87 @@ TEST_CASE("without WebGL the page says so, and keeps its curves") {
   CHECK(found["works"] == false);
   CHECK(found["plots"].get<int>() >= 2);
   CHECK(page.dom.find("This browser draws nothing in three dimensions here") != std::string::npos);
+}
+
+TEST_CASE("in a window of 400 x 800 nothing lies beside it, and the picture is as wide as it") {
+  const TemporaryFolder folder;
+  REQUIRE_FALSE(run_scene(testing::everything_to_see(), plugins(), {folder.path(), "everything", {}}).failure);
+  const Visit page = visit_small(folder, 400, 800);
+  CHECK(console(page.log) == "");
+  const nlohmann::json found = element(page.dom, "selftest");
+  CHECK(found["errors"] == nlohmann::json::array());
+  const nlohmann::json& layout = found["layout"];
+  CHECK(layout["window"].get<int>() <= 400);
+  CHECK(layout["window"].get<int>() > 380);  // a scroll bar at most
+  CHECK(layout["whole"] == layout["window"]);
+  CHECK(layout["outside"] == nlohmann::json::array());
+  CHECK(layout["view"] == layout["window"]);
+  CHECK(layout["tall"].get<int>() > 300);
+  for (const auto& width : layout["plots"]) CHECK(width.get<int>() > 300);
+  for (const auto& curve : found["curves"]) CHECK(curve["cut"].get<int>() <= 1);
+}
+
+TEST_CASE("a page with rounded numbers shows no digits that these do not have, one that is thinned its last record") {
+  const TemporaryFolder folder;
+  Scene scene = testing::everything_to_see();
+  scene.options.time_step = 0.005;
+  REQUIRE_FALSE(run_scene(scene, plugins(), {folder.path(), "everything", {}}).failure);
+  const auto whole = static_cast<double>(testing::read_text(folder.path() / "view.html").size());
+  const double program = view::program_size();
+  scene.output.view_size = program + (whole - program) / 3.0;
+  REQUIRE_FALSE(run_scene(scene, plugins(), {folder.path(), "everything", {}}).failure);
+  const Visit page = visit(folder, address(folder, "selftest=1"), "--dump-dom");
+  CHECK(console(page.log) == "");
+  const nlohmann::json found = element(page.dom, "selftest");
+  CHECK(found["errors"] == nlohmann::json::array());
+  const nlohmann::json about = element(page.dom, "description");
+  REQUIRE(about["rounded"] == true);
+  CHECK(found["frames"] < 301);
+  CHECK(found["stops"][2]["time"].get<double>() == doctest::Approx(1.5).epsilon(1e-9));
+  CHECK(found["notes"].size() == 2);
+  // Steps of some 5 m / 65535 in place, some N / 32767 in tension: told to the next power of ten.
+  check_numbers(found["numbers"], scene, 1e-3, 1e-3);
+  for (const char* what : {"node", "last_node"}) {
+    for (const double number : numbers_in(found["numbers"][what]["position"])) {
+      CHECK(std::abs(number - 1e-4 * std::round(1e4 * number)) < 1e-12);
+    }
+  }
+}
+
+TEST_CASE("curves of elements have their values, in a unit and with digits that tell them apart") {
+  const TemporaryFolder folder;
+  const Scene scene = testing::with_elements();
+  REQUIRE_FALSE(run_scene(scene, plugins(), {folder.path(), "elements", {}}).failure);
+  const nlohmann::json found = element(visit(folder, address(folder, "selftest=1"), "--dump-dom").dom, "selftest");
+  CHECK(found["errors"] == nlohmann::json::array());
+  REQUIRE(found["curves"].size() == 4);
+  Simulation simulation(scene.network, plugins(), scene.options);
+  simulation.advance_to(scene.duration);
+  const auto value = [](const nlohmann::json& text) {
+    return std::stod(text.get<std::string>().substr(4));
+  };  // now 1.2
+  CHECK(found["curves"][2]["title"] == "volume, dm\u00b3");
+  CHECK(value(found["curves"][2]["values"][0]) == doctest::Approx(1e3 * simulation.element_value(0)).epsilon(1e-3));
+  CHECK(found["curves"][3]["title"] == "area, cm\u00b2");
+  for (const auto& curve : found["curves"]) {
+    CAPTURE(curve["title"].get<std::string>());
+    const std::vector<std::string> ticks = curve["ticks"];
+    CHECK(ticks.size() >= 2);
+    CHECK(std::set<std::string>(ticks.begin(), ticks.end()).size() == ticks.size());
+  }
+}
+
+TEST_CASE("records inside the steps of an integrator leave no gaps in the curve of its evaluations") {
+  const TemporaryFolder folder;
+  Scene scene = testing::with_elements();
+  scene.options.integrator = {"cvode", {}};
+  scene.options.time_step = 0.002;
+  REQUIRE_FALSE(run_scene(scene, plugins(), {folder.path(), "elements", {}}).failure);
+  const nlohmann::json found = element(visit(folder, address(folder, "selftest=1"), "--dump-dom").dom, "selftest");
+  CHECK(found["errors"] == nlohmann::json::array());
+  CHECK(found["curves"][1]["title"] == "evaluations an internal step");
+  CHECK(found["curves"][1]["values"][0].get<std::string>().find_first_of("123456789") != std::string::npos);
+  CHECK(found["curves"][1]["gaps"] == 0);
+  CHECK(found["facts"].get<std::string>().find("records every 0.002 s") != std::string::npos);
+  CHECK(found["facts"].get<std::string>().find("time step") == std::string::npos);
 }

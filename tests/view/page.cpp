@@ -7,6 +7,7 @@
 #include <nlohmann/json.hpp>
 
 #include "output/view/content.hpp"
+#include "output/view/units.hpp"
 #include "scenes.hpp"
 #include "temporary_folder.hpp"
 
@@ -166,23 +167,7 @@ TEST_CASE("positions, tensions, events and energies are those of the run") {
 }
 
 TEST_CASE("the curves of elements are their values in the run") {
-  Scene scene;
-  const MaterialIndex springs = scene.network.add_material({LawUse{"linear", {{"stiffness", 20.0}}}, std::nullopt});
-  const MaterialIndex filling = scene.network.add_material({LawUse{"linear", {{"stiffness", 300.0}}}, std::nullopt});
-  for (const Vector3& place : {Vector3(0, 0, 0), Vector3(1, 0, 0), Vector3(0, 1, 0), Vector3(0, 0, 1)}) {
-    Node node;
-    node.position = place;
-    node.mass = 0.1;
-    scene.network.add_node(node);
-  }
-  for (NodeIndex a = 0; a < 4; ++a) {
-    for (NodeIndex b = a + 1; b < 4; ++b) scene.network.add_spring(a, b, springs);
-  }
-  scene.network.add_element(Invariant::volume, {0, 1, 2, 3}, filling, 0.25);  // more than is there: it swells
-  scene.network.add_element(Invariant::area, {1, 2, 3}, filling, 0.5);
-  scene.duration = 0.5;
-  scene.options.time_step = 0.01;
-  scene.options.threads = 1;
+  const Scene scene = testing::with_elements();
   const TemporaryFolder folder;
   REQUIRE_FALSE(run(scene, folder).failure);
   const std::string page = page_in(folder);
@@ -192,6 +177,8 @@ TEST_CASE("the curves of elements are their values in the run") {
   CHECK(about["curves"][0]["unit"] == "m^3");
   CHECK(about["curves"][1]["unit"] == "m^2");
   CHECK(about["curves"][0]["reference"] == 0.25);
+  CHECK(about["curves"][0]["kind"] == "volume");
+  CHECK(about["curves"][1]["element"] == 1);
 
   const auto scalars = block<double>(page, "scalars");
   const auto positions = block<float>(page, "positions");
@@ -331,4 +318,66 @@ TEST_CASE("curves are drawn of all elements if they are few, else of enclosed vo
   CHECK(view::plotted_elements(network).empty());
   network.add_element(Invariant::enclosed_volume, {0, 2, 1, 0, 1, 3, 1, 2, 3, 2, 0, 3}, material);
   CHECK(view::plotted_elements(network) == std::vector<ElementIndex>{9});
+}
+
+TEST_CASE("forces are in the page with their nodes and times, and laws with their units") {
+  const TemporaryFolder folder;
+  Scene scene = testing::everything_to_see();
+  scene.network.add_load({{0, 5}, Vector3(0.0, 0.0, -0.01)});  // always
+  scene.network.add_load({{1}, Vector3::Zero()});              // nothing to draw
+  scene.duration = 0.1;
+  run(scene, folder);
+  const nlohmann::json about = description(page_in(folder));
+  CHECK(about["forces"] == 3);
+  REQUIRE(about["loads"].size() == 3);
+  CHECK(about["loads"][0]["node"] == 63);
+  CHECK(about["loads"][0]["force"] == nlohmann::json::array({0.2, 0.2, 0.0}));
+  CHECK(about["loads"][0]["from"] == 0.0);
+  CHECK(about["loads"][0]["until"] == 1.0);
+  CHECK(about["loads"][2]["node"] == 5);
+  CHECK(about["loads"][2]["from"].is_null());
+  CHECK(about["loads"][2]["until"].is_null());
+  CHECK(about["notes"].empty());
+  CHECK(about["materials"][0] == "spring linear (stiffness 30 N/m), viscosity linear (damping 1 N s/m)");
+}
+
+TEST_CASE("of very many forces some are drawn, spread over all, and this is told") {
+  Network network;
+  Load load;
+  load.force = Vector3::UnitX();
+  for (NodeIndex k = 0; k < 1000; ++k) {
+    Node node;
+    node.position = Vector3(k, 0.0, 0.0);
+    load.nodes.push_back(network.add_node(node));
+  }
+  network.add_load(load);
+  const view::Forces forces = view::forces_of(network, view::select(network, 10.0, 1e6));
+  CHECK(forces.all == 1000);
+  REQUIRE(forces.drawn.size() == view::most_arrows);
+  CHECK(forces.drawn[0].node == 0);
+  CHECK(forces.drawn[199].node == 995);
+  REQUIRE(forces.notes.size() == 1);
+  CHECK(forces.notes[0] == "200 of 1000 forces are drawn as arrows, spread evenly");
+}
+
+TEST_CASE("a law that no plugin has is told without units") {
+  view::LawTexts texts;
+  CHECK(texts.of(ComponentKind::spring_function, {"of_nobody", {{"length", 2.5}}}) == "of_nobody (length 2.5)");
+  CHECK(texts.of(ComponentKind::spring_function, {"linear", {}}) == "linear");
+}
+
+TEST_CASE("a page that its program alone makes larger than was asked for says so") {
+  const TemporaryFolder folder;
+  Scene scene = testing::everything_to_see();
+  const auto told = [&](double size) {
+    scene.output.view_size = size;
+    const RunSummary summary = run(scene, folder);
+    return std::any_of(summary.notes.begin(), summary.notes.end(), [](const std::string& note) {
+      return note.find("larger than output.view_size") != std::string::npos &&
+             note.find("its program alone takes 1.") != std::string::npos;
+    });
+  };
+  CHECK(told(1000.0));
+  CHECK(page_in(folder).find("larger than output.view_size") != std::string::npos);
+  CHECK_FALSE(told(16e6));
 }

@@ -11,7 +11,7 @@ namespace springnet::testing {
 inline constexpr const char* bad_title = "A </script><b id=\"broken\"> title & \"quotes\"";
 
 // A box of 4 x 4 x 4 nodes, with its surface, falls on a plane, a ball comes from above, a corner is held, another cut
-// off; a weight on a rigid connection.
+// off; a weight on a rigid connection. A force pulls at a corner for a while.
 inline Scene everything_to_see() {
   Scene scene;
   scene.title = bad_title;
@@ -41,8 +41,31 @@ inline Scene everything_to_see() {
     if (spring.first == upper(0, 0) && spring.second == upper(1, 0)) cut.springs.push_back(k);
   }
   network.add_cut(cut);
+  network.add_load({{upper(3, 3)}, Vector3(0.2, 0.2, 0.0), 0.0, 1.0});
   scene.duration = 1.5;
   scene.options.time_step = 0.025;
+  scene.options.threads = 1;
+  return scene;
+}
+
+// A tetrahedron with elements that hold its volume and one of its sides; it swells.
+inline Scene with_elements() {
+  Scene scene;
+  const MaterialIndex springs = scene.network.add_material({LawUse{"linear", {{"stiffness", 20.0}}}, std::nullopt});
+  const MaterialIndex filling = scene.network.add_material({LawUse{"linear", {{"stiffness", 300.0}}}, std::nullopt});
+  for (const Vector3& place : {Vector3(0, 0, 0), Vector3(1, 0, 0), Vector3(0, 1, 0), Vector3(0, 0, 1)}) {
+    Node node;
+    node.position = place;
+    node.mass = 0.1;
+    scene.network.add_node(node);
+  }
+  for (NodeIndex a = 0; a < 4; ++a) {
+    for (NodeIndex b = a + 1; b < 4; ++b) scene.network.add_spring(a, b, springs);
+  }
+  scene.network.add_element(Invariant::volume, {0, 1, 2, 3}, filling, 0.25);  // more than is there
+  scene.network.add_element(Invariant::area, {1, 2, 3}, filling, 0.5);
+  scene.duration = 0.5;
+  scene.options.time_step = 0.01;
   scene.options.threads = 1;
   return scene;
 }
