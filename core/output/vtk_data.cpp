@@ -1,5 +1,7 @@
 // The state of a simulation in the arrays of VTK files.
+#include <algorithm>
 #include <limits>
+#include <utility>
 
 #include "output/vtk_series.hpp"
 
@@ -17,6 +19,32 @@ constexpr double none = std::numeric_limits<double>::quiet_NaN();  // of cells t
 Type real_of(const OutputOptions& options) {
   return options.precision == OutputOptions::Precision::float64 ? Type::float64 : Type::float32;
 }
+
+using Ends = std::pair<NodeIndex, NodeIndex>;  // the lower one first
+Ends ends_of(NodeIndex a, NodeIndex b) { return std::minmax({a, b}); }
+
+// Springs by their ends. There may be several between the same nodes.
+class SpringsByEnds {
+ public:
+  explicit SpringsByEnds(const Network& network) {
+    springs_.reserve(network.springs().size());
+    for (const Spring& spring : network.springs()) {
+      springs_.emplace_back(ends_of(spring.first, spring.second), static_cast<SpringIndex>(springs_.size()));
+    }
+    std::sort(springs_.begin(), springs_.end());
+  }
+
+  void append_between(NodeIndex a, NodeIndex b, std::vector<SpringIndex>& springs) const {
+    const Ends ends = ends_of(a, b);
+    for (auto spring = std::lower_bound(springs_.begin(), springs_.end(), std::pair(ends, SpringIndex{0}));
+         spring != springs_.end() && spring->first == ends; ++spring) {
+      springs.push_back(spring->second);
+    }
+  }
+
+ private:
+  std::vector<std::pair<Ends, SpringIndex>> springs_;  // rising
+};
 
 }  // namespace
 
@@ -52,9 +80,16 @@ VtkNet::VtkNet(const Network& network)
   for (std::size_t k = 0; k < rigids; ++k) {
     add(line_type, rigid_kind, k, {network.rigids()[k].first, network.rigids()[k].second});
   }
-  for (std::size_t k = 0; k < faces; ++k) {
-    const Face& face = network.faces()[k];
-    add(triangle_type, face_kind, k, {face[0], face[1], face[2]});
+  if (faces > 0) {
+    const SpringsByEnds springs_by_ends(network);
+    for (std::size_t k = 0; k < faces; ++k) {
+      const Face& face = network.faces()[k];
+      add(triangle_type, face_kind, k, {face[0], face[1], face[2]});
+      for (std::size_t edge = 0; edge < 3; ++edge) {
+        springs_by_ends.append_between(face[edge], face[(edge + 1) % 3], edge_springs_);
+      }
+      edge_springs_end_.push_back(edge_springs_.size());
+    }
   }
   tension.resize(types.size(), none);
   energy.resize(types.size(), none);
@@ -89,6 +124,13 @@ void VtkNet::take(const Simulation& simulation) {
     strain[k] = rest_lengths_[k] > 0.0 ? length / rest_lengths_[k] - 1.0 : none;
   }
   for (RigidIndex k = 0; k < rigids; ++k) tension[springs + k] = simulation.rigid_force(k);
+  auto spring = edge_springs_.begin();
+  for (std::size_t k = 0; k < faces; ++k) {
+    const auto end = edge_springs_.begin() + static_cast<std::ptrdiff_t>(edge_springs_end_[k]);
+    const bool torn = std::any_of(spring, end, [&](SpringIndex edge) { return broken[edge] != 0; });
+    broken[springs + rigids + k] = torn ? 1 : 0;
+    spring = end;
+  }
 }
 
 VtkFile VtkNet::file(const OutputOptions& options) const {

@@ -36,13 +36,16 @@ struct VtkNet {
   std::vector<double> time, places, velocities, forces;
   std::vector<std::uint8_t> contact, fixed;
   std::vector<std::int64_t> node;
-  // Cells: springs, rigid connections, faces.
+  // Cells: springs, rigid connections, faces. A face is broken where a spring along one of its edges is.
   std::vector<std::int64_t> connectivity, offsets, number;
   std::vector<std::uint8_t> types, kind, broken;
   std::vector<double> tension, energy, strain;
 
  private:
   std::vector<double> rest_lengths_;  // m
+  // Of all faces one after another: springs along their edges, and where those of each end.
+  std::vector<SpringIndex> edge_springs_;
+  std::vector<std::size_t> edge_springs_end_;
   std::vector<double> tensions_, energies_;
 };
 

@@ -222,6 +222,27 @@ TEST_CASE("a record for ParaView has places, springs and all data of the state, 
   CHECK(touched);
 }
 
+TEST_CASE("a triangle is broken once a spring along any of its edges is") {
+  const TemporaryFolder folder;
+  Scene scene = scene_of_everything();  // cuts spring 2, between nodes 1 and 2, at 0.12 s
+  Network& net = scene.network;
+  net.add_face({2, 0, 1});
+  net.add_face({3, 2, 0});
+  const SpringIndex parallel = net.add_spring(3, 2, 0);  // beside spring 5, which stays
+  net.add_cut({0.22, {parallel}, {}});
+  run(scene, folder);
+  // Springs, the rigid connection, then faces 0 1 3, 2 0 1 and 3 2 0.
+  const std::vector<std::vector<double>> expected{{0, 0, 0}, {0, 0, 0}, {0, 1, 0}, {0, 1, 1}};
+  for (std::size_t record = 0; record < 4; ++record) {
+    CAPTURE(record);
+    const Grid grid = read(folder.path() / "vtk" / ("net_00000" + std::to_string(record) + ".vtu"));
+    const std::vector<double>& broken = grid.arrays.at("broken").values;
+    REQUIRE(broken.size() == 12);
+    CHECK(std::vector<double>(broken.end() - 3, broken.end()) == expected[record]);
+    CHECK(broken[8] == 0.0);
+  }
+}
+
 TEST_CASE("surfaces stand beside the net and move as they do in the simulation") {
   const TemporaryFolder folder;
   const Scene scene = scene_of_everything();
