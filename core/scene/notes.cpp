@@ -39,10 +39,25 @@ class Unreached {
   std::vector<std::string> notes_;
 };
 
+// Of values that nothing reads.
+void add_idle_output(const OutputOptions& output, std::vector<std::string>& notes) {
+  if (output.precision == OutputOptions::Precision::float32 && output.format == OutputOptions::Format::csv &&
+      !output.vtk) {
+    notes.emplace_back(
+        "output.precision = \"single\" changes nothing here: numbers in text have all their digits; it is for "
+        "output.format = \"binary\" and output.vtk = true.");
+  }
+  if (output.vtk_interval > 0 && !output.vtk) {
+    notes.emplace_back(
+        "output.vtk_interval changes nothing here: there are no pictures; output.vtk = true makes them.");
+  }
+}
+
 }  // namespace
 
 std::vector<std::string> notes_of(const Scene& scene) {
   std::vector<std::string> notes = scene.notes;
+  add_idle_output(scene.output, notes);
   if (!(scene.duration > 0)) return notes;  // no more than a look at the start
   const Network& network = scene.network;
   Unreached unreached(scene.duration);
