@@ -12,9 +12,10 @@ std::string csv_cell(std::string_view text) {
   return quoted + '"';
 }
 
-CsvFile::CsvFile(const std::filesystem::path& file, std::string_view header)
-    : file_(file), buffer_(std::size_t{1} << 16) {
+CsvFile::CsvFile(const std::filesystem::path& file, std::string_view header, Clock::duration patience)
+    : file_(file), buffer_(std::size_t{1} << 16), patience_(patience), flushed_(Clock::now()) {
   *this << header << '\n';
+  flush();
 }
 
 // Left open by an exception: what was recorded should be there.
@@ -23,6 +24,13 @@ CsvFile::~CsvFile() { file_.write_anyway(buffer_.data(), used_); }
 CsvFile& CsvFile::operator<<(std::string_view text) {
   for (const char character : text) *this << character;
   return *this;
+}
+
+void CsvFile::end_record() {
+  const Clock::time_point now = Clock::now();
+  if (now - flushed_ < patience_) return;
+  flush();
+  flushed_ = now;
 }
 
 void CsvFile::flush() {

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <charconv>
+#include <chrono>
 #include <cstdint>
 #include <filesystem>
 #include <string>
@@ -19,8 +20,12 @@ namespace springnet {
 
 class CsvFile {
  public:
-  // Replaces the file. Throws Error(input) if it cannot be created.
-  CsvFile(const std::filesystem::path& file, std::string_view header);
+  using Clock = std::chrono::steady_clock;
+
+  // Replaces the file by one with this header line, which can be read at once. end_record() writes the file at most
+  // once in `patience`. Throws Error(input) if it cannot be created, Error(simulation) if it cannot be written.
+  CsvFile(const std::filesystem::path& file, std::string_view header,
+          Clock::duration patience = std::chrono::seconds(1));
   ~CsvFile();
   CsvFile(const CsvFile&) = delete;
   CsvFile& operator=(const CsvFile&) = delete;
@@ -40,7 +45,9 @@ class CsvFile {
     return *this;
   }
 
-  // Both throw Error(simulation) if the file cannot be written.
+  // These throw Error(simulation) if the file cannot be written.
+  // So that a reader beside a run, or after its end by force, finds what happened until shortly before.
+  void end_record();
   void flush();
   void close();
 
@@ -63,6 +70,8 @@ class CsvFile {
   CheckedFile file_;
   std::vector<char> buffer_;
   std::size_t used_ = 0;
+  Clock::duration patience_;
+  Clock::time_point flushed_;
 };
 
 }  // namespace springnet

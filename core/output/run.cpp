@@ -147,11 +147,15 @@ void simulate(const Scene& scene, Simulation& simulation, Recorder& recorder, co
       if (!last) summary.outcome = "stopped";
       return;
     }
+// The last of the summary's files is this one.
   }
 }
 
 void take_failure(RunSummary& summary, ErrorKind kind, const std::string& message) {
   if (summary.failure) return;  // the first one is the cause
+  std::error_code ignored;
+  std::filesystem::remove(file, ignored);  // an empty or broken one is read by nobody
+  summary.files.pop_back();
   summary.failure = kind;
   summary.error = message;
   summary.outcome = "failed";

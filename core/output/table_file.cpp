@@ -32,6 +32,7 @@ class TextTable : public TableFile {
       for (std::size_t column = 0; column < form_.columns.size(); ++column) file_ << ',' << *value++;
       file_ << '\n';
     }
+    file_.end_record();
   }
   void close() override { file_.close(); }
 

@@ -103,6 +103,7 @@ void ReactionWriter::record(const Simulation& simulation) {
     const Vector3 torque = simulation.position(node).cross(reaction);
     out << simulation.time() << ',' << node << reaction << torque << '\n';
   }
+  out.end_record();
 }
 
 void ReactionWriter::close() { file_->close(); }
@@ -126,6 +127,7 @@ void SurfaceWriter::record(const Simulation& simulation) {
         << simulation.surface_torque(surface) << ',' << static_cast<std::uint32_t>(simulation.nodes_touching(surface))
         << '\n';
   }
+  out.end_record();
 }
 
 void SurfaceWriter::close() { file_->close(); }
@@ -140,6 +142,7 @@ void RigidWriter::record(const Simulation& simulation) {
   for (RigidIndex rigid = 0; rigid < count_; ++rigid) {
     *file_ << simulation.time() << ',' << rigid << ',' << simulation.rigid_force(rigid) << '\n';
   }
+  file_->end_record();
 }
 
 void RigidWriter::close() { file_->close(); }
@@ -167,6 +170,7 @@ void EventWriter::record(const Simulation& simulation) {
     out << event.time << ',' << what.event << ',' << (event.element ? "element" : what.element) << ',' << event.index
         << '\n';
   }
+  out.end_record();
 }
 
 void EventWriter::close() { file_->close(); }

@@ -1,10 +1,12 @@
 #include "output/csv_file.hpp"
 
+#include <chrono>
 #include <cmath>
 #include <cstdlib>
 #include <cstring>
 #include <limits>
 #include <random>
+#include <thread>
 
 #include <doctest/doctest.h>
 #include <springnet/error.hpp>
@@ -61,6 +63,27 @@ TEST_CASE("a table left open by an exception keeps what was recorded") {
   CHECK(testing::read_text(folder.path() / "table.csv") == "a\n1.5\n");
 }
 
+TEST_CASE("the header is in the file at once, records after a while") {
+  const TemporaryFolder folder;
+  const std::filesystem::path path = folder.path() / "table.csv";
+  {
+    CsvFile file(path, "a", std::chrono::hours(1));
+    CHECK(testing::read_text(path) == "a\n");
+    file << 1.5 << '\n';
+    file.end_record();
+    CHECK(testing::read_text(path) == "a\n");  // not written at each record
+    file.flush();
+    CHECK(testing::read_text(path) == "a\n1.5\n");
+  }
+  CsvFile file(path, "a", std::chrono::milliseconds(20));
+  for (const char* text : {"a\n1\n", "a\n1\n1\n"}) {
+    std::this_thread::sleep_for(std::chrono::milliseconds(25));
+    file << 1.0 << '\n';
+    file.end_record();
+    CHECK(testing::read_text(path) == text);
+  }
+}
+
 TEST_CASE("a file that cannot be created is an error of the input that names it") {
   const TemporaryFolder folder;
   try {
@@ -74,10 +97,8 @@ TEST_CASE("a file that cannot be created is an error of the input that names it"
 
 TEST_CASE("a full disk is an error of the run, with a remedy") {
   if (!std::filesystem::exists("/dev/full")) return;
-  CsvFile file("/dev/full", "a");
-  file << 1.0;
   try {
-    file.close();
+    CsvFile file("/dev/full", "a");
     FAIL("written");
   } catch (const Error& error) {
     CHECK(error.kind() == ErrorKind::simulation);

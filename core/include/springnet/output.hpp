@@ -25,8 +25,9 @@ class VtkSeries;
 
 // Tables of comma separated values with a header line. Numbers are the shortest decimals that read back as the same
 // double. Nodes and springs have the user's numbers. Constructors replace a file that is there and throw Error(input)
-// if it cannot be created; record() and close() throw Error(simulation) if the file cannot be written, the disk being
-// full for instance. What was written until then stays. Those that take OutputOptions write the binary form of
+// if it cannot be created; they, record() and close() throw Error(simulation) if the file cannot be written, the disk
+// being full for instance. What was written until then stays. Text is in the file a second after record() at the
+// latest, if records go on. Those that take OutputOptions write the binary form of
 // springnet/records.hpp if the options say so.
 
 // "time,node" and the quantities of the options: "x,y,z" m, "vx,vy,vz" m/s, "fx,fy,fz" N (net force of springs and
