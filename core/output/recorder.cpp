@@ -2,6 +2,7 @@
 
 #include <cmath>
 #include <exception>
+#include <limits>
 #include <system_error>
 
 #include <fmt/format.h>
@@ -43,21 +44,28 @@ class VtkSink : public Sink {
   VtkSink(const std::filesystem::path& folder, const Scene& scene)
       : writer_(folder, scene.network, scene.output),
         interval_(scene.output.vtk_interval),
-        slack_(1e-6 * scene.options.time_step),  // as small as this is rounding
-        end_(scene.duration) {}
+        slack_(1e-6 * scene.options.time_step) {}  // as small as this is rounding
 
   void record(const Simulation& simulation) override {
-    if (simulation.time() < next_ - slack_ && simulation.time() < end_ - slack_) return;
-    writer_.record(simulation);
-    if (interval_ > 0.0) next_ = interval_ * (std::floor((simulation.time() + slack_) / interval_) + 1.0);
+    if (simulation.time() >= next_ - slack_) take(simulation);
+  }
+  void finish(const Simulation& simulation) override {
+    if (simulation.time() > last_) take(simulation);
   }
   void close() override { writer_.close(); }
   [[nodiscard]] std::uintmax_t bytes() const override { return writer_.bytes(); }
 
  private:
+  void take(const Simulation& simulation) {
+    writer_.record(simulation);
+    last_ = simulation.time();
+    if (interval_ > 0.0) next_ = interval_ * (std::floor((simulation.time() + slack_) / interval_) + 1.0);
+  }
+
   VtkWriter writer_;
-  double interval_, slack_, end_;  // s
-  double next_ = 0.0;              // s
+  double interval_, slack_;                                 // s
+  double next_ = 0.0;                                       // s
+  double last_ = -std::numeric_limits<double>::infinity();  // s, of the last picture
 };
 
 class ViewSink : public Sink {
@@ -83,11 +91,10 @@ class ViewSink : public Sink {
 // Files of an earlier run would be taken for those of this one.
 void clear(const std::filesystem::path& folder) {
   std::error_code ignored;
-  for (const char* name : {"trajectory", "reactions", "surfaces", "rigid", "springs", "elements", "events"}) {
-    for (const char* ending : {".csv", ".bin"}) std::filesystem::remove(folder / (std::string(name) + ending), ignored);
+  for (const std::filesystem::path& file : earlier_files(folder)) std::filesystem::remove(file, ignored);
+  if (std::filesystem::is_directory(folder / vtk_folder, ignored)) {
+    std::filesystem::remove(folder / vtk_folder, ignored);  // if nothing is left in it
   }
-  for (const char* name : {view_file, summary_file}) std::filesystem::remove(folder / name, ignored);
-  remove_vtk_series(folder / vtk_folder);
 }
 
 void make_folder(const std::filesystem::path& folder) {
@@ -100,6 +107,30 @@ void make_folder(const std::filesystem::path& folder) {
 }
 
 }  // namespace
+
+std::vector<std::filesystem::path> earlier_files(const std::filesystem::path& folder) {
+  std::vector<std::filesystem::path> files = vtk_series_files(folder / vtk_folder);
+  const auto add = [&](const std::string& name) {
+    std::error_code unreadable;
+    const auto status = std::filesystem::symlink_status(folder / name, unreadable);
+    if (std::filesystem::exists(status)) files.push_back(folder / name);
+  };
+  for (const char* name : {"trajectory", "reactions", "surfaces", "rigid", "springs", "elements", "events"}) {
+    for (const char* ending : {".csv", ".bin"}) add(std::string(name) + ending);
+  }
+  add(view_file);
+  add(summary_file);
+  return files;
+}
+
+std::uintmax_t earlier_bytes(const std::filesystem::path& folder) {
+  std::uintmax_t sum = 0;
+  for (const std::filesystem::path& file : earlier_files(folder)) {
+    std::error_code unreadable;
+    if (!std::filesystem::is_symlink(file, unreadable)) sum += size_of(file);  // what it names is not removed
+  }
+  return sum;
+}
 
 Recorder::Recorder(const Scene& scene, const std::filesystem::path& folder) {
   make_folder(folder);
@@ -131,6 +162,10 @@ void Recorder::add(std::string file, std::unique_ptr<Sink> sink) {
 
 void Recorder::record(const Simulation& simulation) {
   for (const auto& sink : sinks_) sink->record(simulation);
+}
+
+void Recorder::finish(const Simulation& simulation) {
+  for (const auto& sink : sinks_) sink->finish(simulation);
 }
 
 void Recorder::note(const std::string& text) {

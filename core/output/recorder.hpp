@@ -17,6 +17,8 @@ class Sink {
  public:
   virtual ~Sink() = default;
   virtual void record(const Simulation& simulation) = 0;
+  // The run ends here, whatever ends it; the last record has been made. For those that leave out records.
+  virtual void finish(const Simulation&) {}
   virtual void close() = 0;
   [[nodiscard]] virtual std::uintmax_t bytes() const = 0;  // written, once closed
   // For those that tell their reader how the run went.
@@ -32,6 +34,7 @@ class Recorder {
   Recorder(const Scene& scene, const std::filesystem::path& folder);
 
   void record(const Simulation& simulation);
+  void finish(const Simulation& simulation);  // after the last record
   void note(const std::string& text);
   // Closes every file, then throws what the first one that failed has thrown.
   void close();
@@ -46,6 +49,10 @@ class Recorder {
   std::vector<std::string> files_;
   std::vector<std::unique_ptr<Sink>> sinks_;
 };
+
+// What an earlier run has left in the folder and the next one removes.
+[[nodiscard]] std::vector<std::filesystem::path> earlier_files(const std::filesystem::path& folder);
+[[nodiscard]] std::uintmax_t earlier_bytes(const std::filesystem::path& folder);
 
 inline constexpr const char* view_file = "view.html";
 inline constexpr const char* summary_file = "summary.json";

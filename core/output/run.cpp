@@ -9,13 +9,11 @@
 
 #include "output/pace.hpp"
 #include "output/recorder.hpp"
+#include "output/space.hpp"
 
 namespace springnet {
 
 namespace {
-
-// Share of the free space that a run leaves to others.
-constexpr double space_kept = 0.02;
 
 std::filesystem::path nearest_existing(std::filesystem::path folder) {
   std::error_code ignored;
@@ -27,25 +25,12 @@ std::filesystem::path nearest_existing(std::filesystem::path folder) {
 }
 
 void require_space(const Scene& scene, const std::filesystem::path& folder) {
-  const OutputEstimate estimate = estimate_output(scene);
   std::error_code unknown;
   const std::filesystem::space_info space = std::filesystem::space(nearest_existing(folder), unknown);
   if (unknown) return;  // a file system that does not say how much is free is not a reason to refuse
-  const double available = static_cast<double>(space.available) * (1.0 - space_kept);
-  if (estimate.bytes <= available) return;
-  const double interval = std::max(scene.output.interval, scene.options.time_step);
-  const auto largest = std::max_element(estimate.files.begin(), estimate.files.end(),
-                                        [](const FileEstimate& a, const FileEstimate& b) { return a.bytes < b.bytes; });
-  throw Error(
-      ErrorKind::input,
-      fmt::format(
-          "the output would be about {} ({:.3g} records, most of it {}), but only {} are free in {}; record less often "
-          "(output.interval above {:.2g} s), of fewer nodes (output.nodes), in binary form (output.format), {}"
-          "leave out the trajectory (output.trajectory = false), or write to another disk",
-          readable_bytes(estimate.bytes), estimate.records, largest->file,
-          readable_bytes(static_cast<double>(space.available)), folder.string(),
-          interval * estimate.bytes / std::max(available, 1.0),
-          scene.output.vtk ? "with fewer pictures (output.vtk_interval), " : ""));
+  const auto refusal = space_refusal(
+      scene, {static_cast<double>(space.available), static_cast<double>(earlier_bytes(folder))}, folder.string());
+  if (refusal) throw Error(ErrorKind::input, *refusal);
 }
 
 // Adds a time step to the summary; the worst outcome is that of the run.
@@ -91,6 +76,11 @@ void simulate(const Scene& scene, Simulation& simulation, Recorder& recorder, co
     ++summary.records;
     summary.output_wall += clock.now() - begin;
   };
+  // Whatever ends the run: how far it came, and what happened until then.
+  const auto write_end = [&] {
+    if (simulation.time() > recorded) write_record();
+    recorder.finish(simulation);
+  };
   const auto wanted = [&] {
     return !options.progress ||
            options.progress({simulation.time(), scene.duration, simulation.steps(), clock.now() - start});
@@ -108,7 +98,7 @@ void simulate(const Scene& scene, Simulation& simulation, Recorder& recorder, co
   while (simulation.time() < scene.duration - slack) {
     if (pace && !pace->wait(simulation.time(), wanted)) {
       summary.outcome = "stopped";
-      return;
+      break;
     }
     const bool last = simulation.time() + time_step >= scene.duration - slack;
     const double springs = static_cast<double>(simulation.live_spring_count());
@@ -125,9 +115,8 @@ void simulate(const Scene& scene, Simulation& simulation, Recorder& recorder, co
       }
     } catch (const Error&) {
       count_work();
-      // How far it came, and what happened until then.
       try {
-        if (simulation.time() > recorded) write_record();
+        write_end();
       } catch (const Error&) {
         // What ended the run is told, not what could not be written of it.
       }
@@ -145,27 +134,28 @@ void simulate(const Scene& scene, Simulation& simulation, Recorder& recorder, co
     }
     if (!wanted()) {
       if (!last) summary.outcome = "stopped";
-      return;
+      break;
     }
-// The last of the summary's files is this one.
   }
+  write_end();
 }
 
 void take_failure(RunSummary& summary, ErrorKind kind, const std::string& message) {
   if (summary.failure) return;  // the first one is the cause
-  std::error_code ignored;
-  std::filesystem::remove(file, ignored);  // an empty or broken one is read by nobody
-  summary.files.pop_back();
   summary.failure = kind;
   summary.error = message;
   summary.outcome = "failed";
 }
 
+// The last of the summary's files is this one.
 void write_summary(const std::filesystem::path& file, RunSummary& summary) {
   std::ofstream out(file, std::ios::binary);
   out << to_json(summary);
   out.close();
   if (out) return;
+  std::error_code ignored;
+  std::filesystem::remove(file, ignored);  // an empty or broken one is read by nobody
+  summary.files.pop_back();
   take_failure(summary, ErrorKind::simulation,
                fmt::format("{}: cannot be written; make room or write to another disk", file.string()));
 }

@@ -43,10 +43,11 @@ std::filesystem::path made(const std::filesystem::path& folder) {
 
 std::string vtk_index_name() { return fmt::format("{}/{}", vtk_folder, index_name); }
 
-void remove_vtk_series(const std::filesystem::path& folder) {
+std::vector<std::filesystem::path> vtk_series_files(const std::filesystem::path& folder) {
+  std::vector<std::filesystem::path> files;
   std::error_code ignored;
-  if (!std::filesystem::is_directory(folder, ignored)) return;
-  std::vector<std::filesystem::path> files{folder / index_name};
+  if (!std::filesystem::is_directory(folder, ignored)) return files;
+  if (std::filesystem::exists(folder / index_name, ignored)) files.push_back(folder / index_name);
   for (std::filesystem::directory_iterator file(folder, ignored), end; !ignored && file != end;
        file.increment(ignored)) {
     const std::string name = file->path().filename().string();
@@ -59,8 +60,7 @@ void remove_vtk_series(const std::filesystem::path& folder) {
     };
     if (is(net_stem, ".vtu") || is(surface_stem, ".vtp")) files.push_back(file->path());
   }
-  for (const std::filesystem::path& file : files) std::filesystem::remove(file, ignored);
-  std::filesystem::remove(folder, ignored);  // if nothing is left in it
+  return files;
 }
 
 double vtk_record_bytes(const Network& network, const OutputOptions& options) {

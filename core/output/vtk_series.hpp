@@ -17,8 +17,8 @@ namespace springnet {
 inline constexpr const char* vtk_folder = "vtk";
 [[nodiscard]] std::string vtk_index_name();  // run.pvd in that folder
 
-// Removes the files of an earlier series, and nothing else that may be in the folder.
-void remove_vtk_series(const std::filesystem::path& folder);
+// The files of an earlier series, and nothing else that may be in the folder.
+[[nodiscard]] std::vector<std::filesystem::path> vtk_series_files(const std::filesystem::path& folder);
 
 // Bytes of one record, and of the index at most.
 [[nodiscard]] double vtk_record_bytes(const Network& network, const OutputOptions& options);

@@ -1,3 +1,5 @@
+#include <algorithm>
+
 #include <doctest/doctest.h>
 #include <nlohmann/json.hpp>
 #include <springnet/output.hpp>
@@ -166,6 +168,86 @@ TEST_CASE("a run that is stopped keeps what was written") {
   CHECK(summary.simulated == doctest::Approx(0.4));
   CHECK(testing::read_csv(folder.path() / "trajectory.csv").rows.size() == 10);
   CHECK(nlohmann::json::parse(testing::read_text(folder.path() / "summary.json"))["outcome"] == "stopped");
+}
+
+TEST_CASE("a run that is stopped between two records has its last state and all events in the tables") {
+  for (const bool paced : {false, true}) {
+    CAPTURE(paced);
+    const TemporaryFolder folder;
+    Scene scene = pair();
+    scene.output.interval = 0.8;
+    scene.network.set_gravity({0.0, 0.0, -1.0});
+    scene.network.add_cut({0.25, {0}, {}});
+    RunOptions options{folder.path(), "pair", [](const RunProgress& now) { return now.steps < 4; }};
+    double clock = 0.0;
+    if (paced) {
+      // Stopped while it waits for the clock.
+      options.realtime = 0.01;
+      options.clock = {[&] { return clock; }, [&](double until) { clock = until; }};
+    }
+    const RunSummary summary = run_scene(scene, plugins(), options);
+    CHECK(summary.outcome == "stopped");
+    CHECK(summary.records == 2);
+    const testing::Csv states = testing::read_csv(folder.path() / "trajectory.csv");
+    REQUIRE(states.rows.size() == 4);
+    CHECK(states.number(3, 0) == summary.simulated);
+    CHECK(states.number(3, 0) == doctest::Approx(0.4));
+    const testing::Csv events = testing::read_csv(folder.path() / "events.csv");
+    REQUIRE(events.rows.size() == 1);
+    CHECK(events.rows[0][1] == "cut");
+  }
+}
+
+TEST_CASE("a table of text can be read while the run still writes it") {
+  const TemporaryFolder folder;
+  const Scene scene = pair();
+  RunOptions options{folder.path(), "pair", {}};
+  std::size_t seen = 0;
+  options.progress = [&](const RunProgress&) {
+    for (const char* name : {"trajectory.csv", "events.csv"}) {
+      CHECK(testing::read_text(folder.path() / name).starts_with("time,"));
+    }
+    ++seen;
+    return true;
+  };
+  run_scene(scene, plugins(), options);
+  CHECK(seen == 10);
+}
+
+TEST_CASE("a summary that cannot be written is no file, and a failure") {
+  const TemporaryFolder folder;
+  RunOptions options{folder.path(), "pair", {}};
+  options.progress = [&](const RunProgress& now) {
+    // What is in the way comes up while the run goes on: a link to a full disk.
+    if (now.steps == 5) std::filesystem::create_symlink("/dev/full", folder.path() / "summary.json");
+    return true;
+  };
+  if (!std::filesystem::exists("/dev/full")) return;
+  const RunSummary summary = run_scene(pair(), plugins(), options);
+  CHECK(summary.failure == ErrorKind::simulation);
+  CHECK(summary.error.find("summary.json: cannot be written") != std::string::npos);
+  CHECK_FALSE(std::filesystem::is_symlink(folder.path() / "summary.json"));
+  CHECK(std::count(summary.files.begin(), summary.files.end(), "summary.json") == 0);
+  CHECK(std::filesystem::exists("/dev/full"));
+}
+
+TEST_CASE("values of the output that nothing reads are told of") {
+  const auto has = [](const Scene& scene, const char* key) {
+    const std::vector<std::string> notes = notes_of(scene);
+    return std::count_if(notes.begin(), notes.end(),
+                         [&](const std::string& note) { return note.find(key) != std::string::npos; }) == 1;
+  };
+  Scene scene = pair();
+  CHECK(notes_of(scene).empty());
+  scene.output.precision = OutputOptions::Precision::float32;
+  CHECK(has(scene, "output.precision"));
+  scene.output.format = OutputOptions::Format::binary;
+  CHECK_FALSE(has(scene, "output.precision"));
+  scene.output.format = OutputOptions::Format::csv;
+  scene.output.vtk_interval = 0.5;
+  CHECK(has(scene, "output.vtk_interval"));
+  scene.output.vtk = true;
+  CHECK(notes_of(scene).empty());
 }
 
 TEST_CASE("a run that fails midway keeps what was written, and says so") {

@@ -317,6 +317,22 @@ TEST_CASE("pictures may be rarer than records, and the end is always there") {
   for (std::size_t k = 0; k < 4; ++k) CHECK(index[2 * k].time == doctest::Approx(expected[k]).epsilon(1e-12));
 }
 
+TEST_CASE("a run that is stopped between two pictures has one of its end") {
+  const TemporaryFolder folder;
+  Scene scene = scene_of_everything();
+  scene.output.interval = 0.01;  // records at every step, pictures at few of them
+  scene.output.vtk_interval = 0.1;
+  RunOptions options{folder.path(), "vtk", {}};
+  options.progress = [](const RunProgress& now) { return now.steps < 14; };
+  const RunSummary summary = run_scene(scene, plugins(), options);
+  CHECK(summary.outcome == "stopped");
+  CHECK(summary.records == 15);
+  const std::vector<Entry> index = read_index(folder.path() / "vtk/run.pvd");
+  REQUIRE(index.size() == 6);
+  CHECK(index[2].time == doctest::Approx(0.1));
+  CHECK(index[4].time == summary.simulated);
+}
+
 TEST_CASE("single precision halves the numbers and rounds them to the nearest") {
   const TemporaryFolder folder;
   Scene scene = scene_of_everything();

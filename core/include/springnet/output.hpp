@@ -154,7 +154,7 @@ class VtkWriter {
   std::unique_ptr<VtkSeries> series_;
 };
 
-// How large the files of a run become. Tables of text rather too large: rows are shorter where numbers have few digits.
+// How large the files of a run become. Tables of text too large: each number counts as the longest that there is.
 struct FileEstimate {
   std::string file;    // name in the folder
   double bytes = 0.0;  // at most
@@ -261,8 +261,8 @@ struct RunSummary {
 
 // Runs a scene and writes the files that it asks for (core/docs/output.md), events.csv and summary.json. A record is
 // made at the start, at the first time step that ends at or after each multiple of the output interval, and at the end,
-// also that of a failure. Throws Error(input) or Error(plugin), before anything is written, if the scene cannot be
-// simulated or its output would not fit the disk. A failure later is told in the summary.
+// also where the run fails or is stopped. Throws Error(input) or Error(plugin), before anything is written, if the
+// scene cannot be simulated or its output would not fit the disk. A failure later is told in the summary.
 RunSummary run_scene(const Scene& scene, const std::shared_ptr<const PluginHost>& plugins, const RunOptions& options);
 
 // The text of summary.json.
