@@ -17,11 +17,10 @@ namespace springnet {
 
 namespace {
 
-// Characters of a number with 17 significant digits, sign, decimal point and leading zero, and of its comma. Shortest
-// decimals of doubles have 16 or 17 digits mostly; leading zeros or an exponent make some longer.
-constexpr double number_length = 22.0;
-// Multiples of a time step have fewer digits than the worst.
-constexpr double time_length = 18.0;
+// Characters of the longest number, "-2.2250738585072014e-308", and of its comma.
+constexpr double number_length = 25.0;
+// Those of the longest time, which has no sign; its comma is counted with the row.
+constexpr double time_length = 23.0;
 
 double digits_of(double count) { return std::floor(std::log10(std::max(count - 1.0, 1.0))) + 1.0; }
 
