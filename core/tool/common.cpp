@@ -45,7 +45,10 @@ CLI::Validator number_between(double smallest, double largest) {
   return CLI::Validator(check, "");
 }
 
-void print_error(std::string_view message) { fmt::print(stderr, "springnet: error: {}\n", message); }
+// Where it cannot be printed, as on a full disk, the exit status still tells; fmt::print would throw.
+void print_error(std::string_view message) {
+  std::fputs(fmt::format("springnet: error: {}\n", message).c_str(), stderr);
+}
 
 std::string describe(const EventCounts& events) {
   std::string text;

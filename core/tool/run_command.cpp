@@ -49,6 +49,18 @@ CLI::Validator factor_or_true() {
                         "");
 }
 
+// For '--realtime 2': a flag takes its value behind '=' alone, and the 2 is a word that nothing takes.
+void refuse_separate_factor(CLI::App& command, const RunArguments& arguments) {
+  const std::vector<std::string> words = command.remaining();
+  if (arguments.realtime != "true" || words.size() != 1) return;
+  for (const std::string& word : {words.front(), arguments.scene.file.string()}) {
+    if (!number_between(above_zero, finite)(word).empty()) continue;
+    const std::string message = fmt::format("'{0}' is not known here; did you mean '--realtime={0}'?", word);
+    command.clear();  // of the word, which would be told of instead
+    throw CLI::ParseError(message, CLI::ExitCodes::ExtrasError);
+  }
+}
+
 // What computing alone would reach.
 std::string multiple_of_real_time(const RunSummary& summary) {
   if (!(summary.wall > 0.0)) return "no time";
@@ -168,6 +180,7 @@ void add_run(CLI::App& app, Action& action) {
       ->type_name("[=FACTOR]")
       ->check(factor_or_true());
   command->footer(examples);
+  command->parse_complete_callback([arguments, command] { refuse_separate_factor(*command, *arguments); });
   command->callback([arguments, &action] { action = [arguments] { return run(*arguments); }; });
 }
 

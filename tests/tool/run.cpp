@@ -152,6 +152,14 @@ TEST_CASE("a full disk has status 1, and what fitted on it stays") {
   CHECK(summary["error"].get<std::string>().find("trajectory.csv") != std::string::npos);
 }
 
+TEST_CASE("an error that cannot be printed still has its status") {
+  if (!std::filesystem::exists("/dev/full")) return;
+  const TemporaryFolder folder;
+  folder.write("failing.toml", failing_scene);
+  CHECK(testing::shell(folder, "\"$SPRINGNET\" run failing.toml -q 2> /dev/full").status == 1);
+  CHECK(testing::shell(folder, "\"$SPRINGNET\" run nowhere.toml -q 2> /dev/full").status == 2);
+}
+
 TEST_CASE("output that would not fit the disk is refused with a remedy, status 2") {
   const TemporaryFolder folder;
   folder.write("pair.toml", testing::pair_scene);
@@ -167,12 +175,37 @@ TEST_CASE("a request to end stops the run in order") {
   // A thousand million time steps: it does not end by itself. events.csv is there when the run has begun.
   const Answer answer =
       testing::shell(folder,
-                     "\"$SPRINGNET\" run pair.toml --duration 1e8 --set output.interval=1e6 -q -o out & "
-                     "tool=$!; while [ ! -e out/events.csv ]; do sleep 0.05; done; "
+                     "\"$SPRINGNET\" run pair.toml --duration 1e8 --set output.interval=1e8 -q -o out & "
+                     "tool=$!; while [ ! -e out/events.csv ] && kill -0 $tool; do sleep 0.05; done; sleep 0.2; "
                      "kill -TERM $tool; wait $tool");
   CHECK(answer.status == 1);
   CHECK(answer.err.find("stopped at") != std::string::npos);
-  CHECK(testing::read_json(folder.path() / "out/summary.json")["outcome"] == "stopped");
+  const auto summary = testing::read_json(folder.path() / "out/summary.json");
+  CHECK(summary["outcome"] == "stopped");
+  // How far it came is in the tables, though the interval was not over.
+  const testing::Csv csv = testing::read_csv(folder.path() / "out/trajectory.csv");
+  REQUIRE(csv.rows.size() == 4);
+  CHECK(csv.number(3, 0) == summary["simulated_s"].get<double>());
+}
+
+TEST_CASE("a multiple of real time that stands apart is told how it is written") {
+  const TemporaryFolder folder;
+  folder.write("pair.toml", testing::pair_scene);
+  for (const char* arguments : {"run pair.toml --realtime 2", "run --realtime 2 pair.toml"}) {
+    CAPTURE(arguments);
+    const Answer answer = testing::springnet(folder, arguments);
+    CHECK(answer.status == 2);
+    CHECK(answer.err ==
+          "springnet: error: '2' is not known here; did you mean '--realtime=2'?; 'springnet run --help' shows how it "
+          "is used\n");
+  }
+  // Other words are told of as ever.
+  CHECK(testing::springnet(folder, "run pair.toml --realtime fast").err.find("'fast' is not known here;") !=
+        std::string::npos);
+  CHECK(testing::springnet(folder, "run pair.toml 2").err.find("'2' is not known here;") != std::string::npos);
+  CHECK(testing::springnet(folder, "run --realtime pair.toml --thrads 2").err.find("did you mean '--threads'") !=
+        std::string::npos);
+  CHECK_FALSE(std::filesystem::exists(folder.path() / "results"));
 }
 
 TEST_CASE("a folder that cannot be made is an error of usage") {
@@ -224,10 +257,10 @@ TEST_CASE("a run that waits for the clock ends when asked to") {
   const TemporaryFolder folder;
   folder.write("pair.toml", testing::pair_scene);
   // Without the request it would take a thousand seconds.
-  const Answer answer =
-      testing::shell(folder,
-                     "\"$SPRINGNET\" run pair.toml --realtime=0.001 -q -o out & tool=$!; "
-                     "while [ ! -e out/events.csv ]; do sleep 0.05; done; kill -TERM $tool; wait $tool");
+  const Answer answer = testing::shell(
+      folder,
+      "\"$SPRINGNET\" run pair.toml --realtime=0.001 -q -o out & tool=$!; "
+      "while [ ! -e out/events.csv ] && kill -0 $tool; do sleep 0.05; done; kill -TERM $tool; wait $tool");
   CHECK(answer.status == 1);
   CHECK(answer.err.find("stopped at") != std::string::npos);
   const auto summary = testing::read_json(folder.path() / "out/summary.json");
