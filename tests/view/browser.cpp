@@ -224,6 +224,7 @@ TEST_CASE("the page draws the network; scrub bar, keys, switches and picking wor
   CHECK(found["contact"]["legend"].get<std::string>().find("orange: in contact") != std::string::npos);
   CHECK(found["contact"]["bar"] == 0);
   CHECK(found["layout"]["outside"] == nlohmann::json::array());
+  CHECK(found["covered"] == 0);
   CHECK(found["facts"].get<std::string>().find("time step 0.025 s") != std::string::npos);
   CHECK(found["played"].get<int>() > 0);  // how fast is up to the browser's clock, which is no clock here
   CHECK(page.dom.find("<b id=\"broken\"") == std::string::npos);  // the title stayed a title
@@ -275,6 +276,7 @@ TEST_CASE("in a window of 400 x 800 nothing lies beside it, and the picture is a
   CHECK(layout["tall"].get<int>() > 300);
   for (const auto& width : layout["plots"]) CHECK(width.get<int>() > 300);
   for (const auto& curve : found["curves"]) CHECK(curve["cut"].get<int>() <= 1);
+  CHECK(found["covered"] == 0);
 }
 
 TEST_CASE("a page with rounded numbers shows no digits that these do not have, one that is thinned its last record") {
@@ -325,6 +327,19 @@ TEST_CASE("curves of elements have their values, in a unit and with digits that 
     CHECK(ticks.size() >= 2);
     CHECK(std::set<std::string>(ticks.begin(), ticks.end()).size() == ticks.size());
   }
+}
+
+TEST_CASE("what the labels of many curves share stands in the title, and none of their values is cut off") {
+  const TemporaryFolder folder;
+  REQUIRE_FALSE(run_scene(testing::with_elements(7), plugins(), {folder.path(), "elements", {}}).failure);
+  const Visit page = visit_small(folder, 800, 600);
+  const nlohmann::json found = element(page.dom, "selftest");
+  CHECK(found["errors"] == nlohmann::json::array());
+  REQUIRE(found["curves"].size() == 4);
+  CHECK(found["curves"][3]["title"] == "area, elements, cm\u00b2");
+  REQUIRE(found["curves"][3]["values"].size() == 7);
+  CHECK(found["curves"][3]["values"][6].get<std::string>().starts_with("7 "));  // element 0 is the volume
+  for (const auto& curve : found["curves"]) CHECK(curve["cut"].get<int>() <= 1);
 }
 
 TEST_CASE("records inside the steps of an integrator leave no gaps in the curve of its evaluations") {

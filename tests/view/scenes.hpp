@@ -48,8 +48,8 @@ inline Scene everything_to_see() {
   return scene;
 }
 
-// A tetrahedron with elements that hold its volume and one of its sides; it swells.
-inline Scene with_elements() {
+// A tetrahedron with elements that hold its volume and `sides` times one of its sides; it swells.
+inline Scene with_elements(int sides = 1) {
   Scene scene;
   const MaterialIndex springs = scene.network.add_material({LawUse{"linear", {{"stiffness", 20.0}}}, std::nullopt});
   const MaterialIndex filling = scene.network.add_material({LawUse{"linear", {{"stiffness", 300.0}}}, std::nullopt});
@@ -63,7 +63,7 @@ inline Scene with_elements() {
     for (NodeIndex b = a + 1; b < 4; ++b) scene.network.add_spring(a, b, springs);
   }
   scene.network.add_element(Invariant::volume, {0, 1, 2, 3}, filling, 0.25);  // more than is there
-  scene.network.add_element(Invariant::area, {1, 2, 3}, filling, 0.5);
+  for (int k = 0; k < sides; ++k) scene.network.add_element(Invariant::area, {1, 2, 3}, filling, 0.5);
   scene.duration = 0.5;
   scene.options.time_step = 0.01;
   scene.options.threads = 1;

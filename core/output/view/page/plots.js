@@ -105,7 +105,7 @@
       axisLabelWidth: 52, highlightCircleSize: 0, digitsAfterDecimal: 4, underlayCallback: draw_marks, rightGap: 8,
       labelsKMB: false, valueRange: range && range.map(function (each) { return each / scale.size; }), sigFigs: 4, xRangePad: 1,
       axes: { x: { axisLabelFormatter: function (value) { return s.number(value) + " s"; } },
-              y: { axisLabelFormatter: function (value) { return s.number(value, scale.digits + 1); }, pixelsPerLabel: 16 } },
+              y: { axisLabelFormatter: function (value) { return s.number(value, scale.digits + 1); }, pixelsPerLabel: 14 } },
       clickCallback: function (event, time) { player.pause(); player.go_to_time(nearest(time)); },
       drawCallback: function () { if (s.show_cursors) s.show_cursors(player.frame); }
     });

@@ -35,6 +35,18 @@
       s.resize();
       return found;
     }
+    // How many places of nodes lie under the words above the picture.
+    function covered() {
+      const origin = view.getBoundingClientRect(), point = new THREE.Vector3();
+      const words = ["clock", "legend"].map(function (id) { return document.getElementById(id).getBoundingClientRect(); });
+      let found = 0;
+      for (let k = 0; k < run.positions.numbers; k += 3) {
+        point.set(run.positions.at(k), run.positions.at(k + 1), run.positions.at(k + 2)).project(s.camera.camera);
+        const x = origin.left + 0.5 * (1 + point.x) * origin.width, y = origin.top + 0.5 * (1 - point.y) * origin.height;
+        if (words.some(function (each) { return x > each.left && x < each.right && y > each.top && y < each.bottom; })) ++found;
+      }
+      return found;
+    }
     // What of the page lies beside the window, and how large its parts are.
     function layout() {
       const width = document.documentElement.clientWidth;
@@ -101,6 +113,7 @@
     result.facts = document.getElementById("facts").textContent;
     result.key = document.getElementById("key").textContent;
     result.curves = curves();
+    result.covered = covered();
     result.resized = resized();
     result.numbers = numbers_shown();
     result.speed = coloured("speed");
