@@ -4,11 +4,20 @@
 #include <limits>
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 namespace springnet::meshes {
 namespace {
 
 constexpr std::size_t largest_count = std::numeric_limits<std::uint32_t>::max();
+
+// m. Volumes, its third powers, are far within what a double can be.
+constexpr double largest_coordinate = 1e100;
+
+// So many cells may groups have for each cell of the mesh and beside, together.
+constexpr std::size_t most_groups_per_cell = 100, most_beside = 1'000'000;
+
+constexpr std::size_t most_names = 5, most_notes = 20;
 
 void sort_unique(std::vector<std::uint32_t>& numbers) {
   std::sort(numbers.begin(), numbers.end());
@@ -21,6 +30,10 @@ std::uint32_t Builder::add_point(const Vector3& position, Place place) {
   if (!position.allFinite()) {
     source_.fail(place, fmt::format("point [{}, {}, {}] is not finite; correct the mesh where it was made",
                                     position.x(), position.y(), position.z()));
+  }
+  if (position.cwiseAbs().maxCoeff() > largest_coordinate) {
+    source_.fail(place, fmt::format("point [{}, {}, {}] is farther away than {} m; correct the mesh where it was made",
+                                    position.x(), position.y(), position.z(), largest_coordinate));
   }
   if (mesh_.points.size() >= largest_count)
     source_.fail(place, fmt::format("a mesh has at most {} points", largest_count));
@@ -62,13 +75,27 @@ void Builder::add_polygon(std::span<const std::uint32_t> corners, Place place) {
 
 std::size_t Builder::group(const std::string& name) {
   const auto [entry, is_new] = group_of_name_.emplace(name, mesh_.groups.size());
-  if (is_new) mesh_.groups.push_back({name, {}, {}});
+  if (is_new) {
+    mesh_.groups.push_back({name, {}, {}});
+    cells_of_group_.emplace_back();
+  }
   return entry->second;
 }
 
 void Builder::add_cells_to_group(std::size_t group, std::size_t first_cell, std::size_t end_cell) {
-  for (std::size_t cell = first_cell; cell < end_cell; ++cell) {
-    mesh_.groups[group].cells.push_back(static_cast<std::uint32_t>(cell));
+  if (first_cell == end_cell) return;
+  grouped_cells_ += end_cell - first_cell;
+  if (grouped_cells_ > most_beside + most_groups_per_cell * mesh_.cell_count()) {
+    source_.fail(
+        fmt::format("groups have {} cells together, of the {} that there are so far; the file is damaged, or has far "
+                    "more groups than are of use: save it with fewer",
+                    grouped_cells_, mesh_.cell_count()));
+  }
+  std::vector<Range>& ranges = cells_of_group_[group];
+  if (!ranges.empty() && ranges.back().second == first_cell) {
+    ranges.back().second = end_cell;
+  } else {
+    ranges.emplace_back(first_cell, end_cell);
   }
 }
 
@@ -82,9 +109,24 @@ std::vector<bool> Builder::used_points() const {
   return used;
 }
 
-void Builder::note(std::string sentence) {
-  std::vector<std::string>& notes = mesh_.notes;
-  if (std::find(notes.begin(), notes.end(), sentence) == notes.end()) notes.push_back(std::move(sentence));
+void Builder::note(const std::string& sentence) {
+  if (noted_.insert(sentence).second) mesh_.notes.push_back(sentence);
+}
+
+void Builder::name_note(const std::string& sentence, const std::string& name) {
+  Counted& counted = counted_[sentence];
+  ++counted.times;
+  if (std::find(counted.names.begin(), counted.names.end(), name) != counted.names.end()) return;
+  if (counted.names.size() < most_names) {
+    counted.names.push_back(name);
+  } else {
+    counted.more_names = true;
+  }
+}
+
+std::string Builder::told(const std::string& sentence, const Counted& counted) {
+  return fmt::format("{} {}{}{}{}", counted.times, sentence, counted.names.empty() ? "" : ": ",
+                     fmt::join(counted.names, ", "), counted.more_names ? " and others" : "");
 }
 
 void Builder::leave_out_unused_points() {
@@ -106,11 +148,35 @@ void Builder::leave_out_unused_points() {
   if (left_out > 0) count_note("points that no cell uses are left out", left_out);
 }
 
+// Cells and points of groups; leaves out those without any.
+void Builder::fill_groups() {
+  for (std::size_t k = 0; k < mesh_.groups.size(); ++k) {
+    MeshGroup& group = mesh_.groups[k];
+    std::vector<Range>& ranges = cells_of_group_[k];
+    std::sort(ranges.begin(), ranges.end());
+    std::size_t next = 0;  // the first cell that is not yet in the group
+    for (const auto& [first, end] : ranges) {
+      for (std::size_t cell = std::max(first, next); cell < end; ++cell) {
+        group.cells.push_back(static_cast<std::uint32_t>(cell));
+        const auto corners = mesh_.cell(cell);
+        group.points.insert(group.points.end(), corners.begin(), corners.end());
+      }
+      next = std::max(next, end);
+    }
+    sort_unique(group.points);
+    if (group.points.empty()) {
+      name_note("groups without a cell or a point that is used are left out", fmt::format("'{}'", group.name));
+    }
+  }
+  std::erase_if(mesh_.groups, [](const MeshGroup& group) { return group.points.empty(); });
+}
+
 Mesh Builder::finish() && {
   if (mesh_.cell_count() == 0) {
     std::string why;
-    for (const auto& [sentence, times] : counted_)
-      why += fmt::format("{}{} {}", why.empty() ? " (" : "; ", times, sentence);
+    for (const auto& [sentence, counted] : counted_)
+      why += fmt::format("{}{}", why.empty() ? " (" : "; ", told(sentence, counted));
+    mesh_.notes.resize(std::min(mesh_.notes.size(), most_notes));
     for (const std::string& sentence : mesh_.notes) why += fmt::format("{}{}", why.empty() ? " (" : "; ", sentence);
     if (!why.empty()) why += ")";
     source_.fail(fmt::format(
@@ -119,20 +185,13 @@ Mesh Builder::finish() && {
         why));
   }
   leave_out_unused_points();
-  for (MeshGroup& group : mesh_.groups) {
-    sort_unique(group.cells);
-    for (const std::uint32_t cell : group.cells) {
-      const auto corners = mesh_.cell(cell);
-      group.points.insert(group.points.end(), corners.begin(), corners.end());
-    }
-    sort_unique(group.points);
+  fill_groups();
+  for (const auto& [sentence, counted] : counted_) mesh_.notes.push_back(told(sentence, counted));
+  if (mesh_.notes.size() > most_notes) {
+    const std::size_t more = mesh_.notes.size() - most_notes;
+    mesh_.notes.resize(most_notes);
+    mesh_.notes.push_back(fmt::format("{} more notes are left out", more));
   }
-  std::erase_if(mesh_.groups, [&](const MeshGroup& group) {
-    if (group.points.empty())
-      note(fmt::format("group '{}' has no cell and no point that is used, and is left out", group.name));
-    return group.points.empty();
-  });
-  for (const auto& [sentence, times] : counted_) mesh_.notes.push_back(fmt::format("{} {}", times, sentence));
   return std::move(mesh_);
 }
 

@@ -5,9 +5,11 @@
 #include <array>
 #include <cstdint>
 #include <map>
+#include <set>
 #include <span>
 #include <string>
 #include <unordered_map>
+#include <utility>
 #include <vector>
 
 #include <springnet/mesh.hpp>
@@ -29,7 +31,8 @@ class Builder {
     const std::size_t wanted = mesh_.points.size() + more;
     if (wanted > mesh_.points.capacity()) mesh_.points.reserve(std::max(wanted, 2 * mesh_.points.capacity()));
   }
-  // Throws Error(input) for coordinates that are not finite, and for too many points.
+  // Throws Error(input) for coordinates that are not finite or beyond 1e100 m, whose squares and volumes would not be
+  // finite, and for too many points.
   std::uint32_t add_point(const Vector3& position, Place place);
   // Corners are points already added. Throws Error(input) for a point that is twice in it.
   void add_cell(CellType type, std::span<const std::uint32_t> corners, Place place);
@@ -38,26 +41,42 @@ class Builder {
 
   // Groups of the same name are one.
   std::size_t group(const std::string& name);
+  // Throws Error(input) where groups have so many cells that it can be no mesh: a small file may put all of its cells
+  // into thousands of groups.
   void add_cells_to_group(std::size_t group, std::size_t first_cell, std::size_t end_cell);
   void add_point_to_group(std::size_t group, std::uint32_t point);
 
   // [point]: whether a cell has it.
   [[nodiscard]] std::vector<bool> used_points() const;
 
-  void note(std::string sentence);
+  void note(const std::string& sentence);
   // A note that is told once with the number of times; `sentence` begins after the number.
-  void count_note(const std::string& sentence, std::size_t times = 1) { counted_[sentence] += times; }
+  void count_note(const std::string& sentence, std::size_t times = 1) { counted_[sentence].times += times; }
+  // The same with names of what it was, the first few of them.
+  void name_note(const std::string& sentence, const std::string& name);
 
   // Throws Error(input) if there is no cell.
   [[nodiscard]] Mesh finish() &&;
 
  private:
+  struct Counted {
+    std::size_t times = 0;
+    std::vector<std::string> names{};  // different ones
+    bool more_names = false;
+  };
+  using Range = std::pair<std::size_t, std::size_t>;  // from, behind
+
+  [[nodiscard]] static std::string told(const std::string& sentence, const Counted& counted);
   void leave_out_unused_points();
+  void fill_groups();
 
   const Source& source_;
   Mesh mesh_;
   std::unordered_map<std::string, std::size_t> group_of_name_;
-  std::map<std::string, std::size_t> counted_;
+  std::vector<std::vector<Range>> cells_of_group_;  // [group]
+  std::size_t grouped_cells_ = 0;                   // of all groups
+  std::set<std::string> noted_;
+  std::map<std::string, Counted> counted_;
 };
 
 }  // namespace springnet::meshes

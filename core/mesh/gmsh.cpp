@@ -4,6 +4,8 @@
 #include <cstdlib>
 #include <map>
 #include <optional>
+#include <span>
+#include <utility>
 #include <vector>
 
 #include <fmt/format.h>
@@ -15,46 +17,48 @@
 namespace springnet::meshes {
 namespace {
 
-struct ElementType {
-  int number;
-  std::size_t nodes;
-  std::optional<CellType> cell;  // whose corners are its first nodes
+// Gmsh's Lagrange elements (GmshDefines.h), complete and incomplete ones, up to order 10: they begin with their
+// corners, in the order of the first of their kind. Its number for a type, then the nodes of that, and so on.
+constexpr std::array vertex_types{15, 1};
+constexpr std::array line_types{1, 2, 8, 3, 26, 4, 27, 5, 28, 6, 62, 7, 63, 8, 64, 9, 65, 10, 66, 11};
+constexpr std::array triangle_types{2,  3,  9,  6,  20, 9,  21, 10, 22, 12, 23, 15, 24, 15, 25, 21, 42, 28,
+                                    43, 36, 44, 45, 45, 55, 46, 66, 52, 18, 53, 21, 54, 24, 55, 27, 56, 30};
+constexpr std::array quadrilateral_types{3,  4,  10, 9,  16, 8,  36,  16, 37,  25, 38, 36, 39, 12, 40, 16, 41, 20, 47,
+                                         49, 48, 64, 49, 81, 50, 100, 51, 121, 57, 24, 58, 28, 59, 32, 60, 36, 61, 40};
+constexpr std::array tetrahedron_types{4,  4,   11, 10,  29, 20,  30, 35, 31, 56, 32, 22, 33, 28, 71, 84, 72,  120,
+                                       73, 165, 74, 220, 75, 286, 79, 34, 80, 40, 81, 46, 82, 52, 83, 58, 137, 16};
+constexpr std::array hexahedron_types{5,   8,  12,   27, 17, 20,  92, 64,  93, 125, 94, 216, 95, 343, 96, 512, 97,
+                                      729, 98, 1000, 99, 32, 100, 44, 101, 56, 102, 68, 103, 80, 104, 92, 105, 104};
+constexpr std::array wedge_types{6,   6,   13,  18,  18, 15,  90, 40,  91, 75,  106, 126, 107, 196, 108, 288, 109,
+                                 405, 110, 550, 111, 24, 112, 33, 113, 42, 114, 51,  115, 60,  116, 69,  117, 78};
+constexpr std::array pyramid_types{7,   5,   14,  14,  19, 13,  118, 30,  119, 55,  120, 91,  121, 140, 122, 204, 123,
+                                   285, 124, 385, 125, 21, 126, 29,  127, 37,  128, 45,  129, 53,  130, 61,  131, 69};
+struct Kind {
+  CellType cell;
+  std::span<const int> types;
 };
-// Of higher order than two: the number of nodes alone, to step over them.
-constexpr std::array element_types{ElementType{15, 1, CellType::vertex},
-                                   ElementType{1, 2, CellType::line},
-                                   ElementType{2, 3, CellType::triangle},
-                                   ElementType{3, 4, CellType::quadrilateral},
-                                   ElementType{4, 4, CellType::tetrahedron},
-                                   ElementType{5, 8, CellType::hexahedron},
-                                   ElementType{6, 6, CellType::wedge},
-                                   ElementType{7, 5, CellType::pyramid},
-                                   ElementType{8, 3, CellType::line},
-                                   ElementType{9, 6, CellType::triangle},
-                                   ElementType{10, 9, CellType::quadrilateral},
-                                   ElementType{11, 10, CellType::tetrahedron},
-                                   ElementType{12, 27, CellType::hexahedron},
-                                   ElementType{13, 18, CellType::wedge},
-                                   ElementType{14, 14, CellType::pyramid},
-                                   ElementType{16, 8, CellType::quadrilateral},
-                                   ElementType{17, 20, CellType::hexahedron},
-                                   ElementType{18, 15, CellType::wedge},
-                                   ElementType{19, 13, CellType::pyramid},
-                                   ElementType{20, 9, {}},
-                                   ElementType{21, 10, {}},
-                                   ElementType{22, 12, {}},
-                                   ElementType{23, 15, {}},
-                                   ElementType{24, 15, {}},
-                                   ElementType{25, 21, {}},
-                                   ElementType{26, 4, {}},
-                                   ElementType{27, 5, {}},
-                                   ElementType{28, 6, {}},
-                                   ElementType{29, 20, {}},
-                                   ElementType{30, 35, {}},
-                                   ElementType{31, 56, {}},
-                                   ElementType{92, 64, {}},
-                                   ElementType{93, 125, {}}};
-constexpr std::size_t most_nodes = 125;
+constexpr std::array kinds{Kind{CellType::vertex, vertex_types},
+                           Kind{CellType::line, line_types},
+                           Kind{CellType::triangle, triangle_types},
+                           Kind{CellType::quadrilateral, quadrilateral_types},
+                           Kind{CellType::tetrahedron, tetrahedron_types},
+                           Kind{CellType::hexahedron, hexahedron_types},
+                           Kind{CellType::wedge, wedge_types},
+                           Kind{CellType::pyramid, pyramid_types}};
+
+struct ElementType {
+  CellType cell;
+  std::size_t nodes;
+};
+std::optional<ElementType> element_type(int number) {
+  for (const auto& [cell, types] : kinds) {
+    for (std::size_t k = 0; k < types.size(); k += 2) {
+      if (types[k] == number) return ElementType{cell, static_cast<std::size_t>(types[k + 1])};
+    }
+  }
+  return std::nullopt;
+}
+constexpr std::size_t most_nodes = 1000;
 
 constexpr std::array dimension_names{"point", "curve", "surface", "volume"};
 
@@ -125,7 +129,7 @@ class GmshReader {
       }
       end(section);
     }
-    if (tags_.empty()) in_.fail("there is no $Nodes section; the file is cut off, export the mesh again");
+    if (!has_nodes_) in_.fail("there is no $Nodes section; the file is cut off, export the mesh again");
     if (!has_elements) in_.fail("there is no $Elements section; the file is cut off, export the mesh again");
     single_points();
     return std::move(builder_).finish();
@@ -208,7 +212,7 @@ class GmshReader {
       builder_.note(
           "the mesh is divided into partitions: their physical groups are not read (save it without partitions)");
     } else if (section != "$Comments") {
-      builder_.note(fmt::format("section {} is not read", shown(section)));
+      builder_.name_note("sections are not read", shown(section));
     }
   }
 
@@ -247,6 +251,10 @@ class GmshReader {
         const std::size_t bounds = count("the number of bounding entities", 2, 4);
         for (std::size_t k = 0; k < bounds; ++k) small("the number of a bounding entity");
       }
+    }
+    for (auto& [entity, physicals] : physicals_) {
+      std::sort(physicals.begin(), physicals.end());
+      physicals.erase(std::unique(physicals.begin(), physicals.end()), physicals.end());
     }
   }
 
@@ -288,7 +296,8 @@ class GmshReader {
   }
 
   void nodes() {
-    if (!tags_.empty()) in_.fail("there are two $Nodes sections; export the mesh again");
+    if (has_nodes_) in_.fail("there are two $Nodes sections; export the mesh again");
+    has_nodes_ = true;
     const auto [blocks, promised] = totals("the number of nodes");
     std::uint64_t found = 0;
     std::vector<std::uint64_t> tags;
@@ -317,29 +326,31 @@ class GmshReader {
       in_.fail(fmt::format("two nodes have the number {}; export the mesh again", *twice));
   }
 
-  // Groups that the entity is in, made where they are new.
-  std::vector<std::size_t> groups_of(int dimension, int entity) {
-    std::vector<std::size_t> groups;
+  // Groups that the entity is in, each once, made where they are new.
+  const std::vector<std::size_t>& groups_of(int dimension, int entity) {
+    const auto [known, is_new] = groups_.try_emplace({dimension, entity});
+    std::vector<std::size_t>& groups = known->second;
     const auto found = physicals_.find({dimension, entity});
-    if (found == physicals_.end()) return groups;
+    if (!is_new || found == physicals_.end()) return groups;
     for (const int number : found->second) {
       const auto name = names_.find({dimension, number});
       groups.push_back(builder_.group(
           name != names_.end() ? name->second
                                : fmt::format("{} {}", dimension_names[static_cast<std::size_t>(dimension)], number)));
     }
+    std::sort(groups.begin(), groups.end());  // two numbers may have one name
+    groups.erase(std::unique(groups.begin(), groups.end()), groups.end());
     return groups;
   }
 
   void elements() {
-    if (tags_.empty()) in_.fail("$Elements stands before $Nodes; export the mesh again");
+    if (!has_nodes_) in_.fail("$Elements stands before $Nodes; export the mesh again");
     const auto [blocks, promised] = totals("the number of elements");
     std::uint64_t found = 0;
     for (std::size_t i = 0; i < blocks; ++i) {
       const auto [dimension, entity, number] = block("the type of elements");
-      const auto type = std::find_if(element_types.begin(), element_types.end(),
-                                     [number = number](const ElementType& t) { return t.number == number; });
-      if (type == element_types.end()) {
+      const auto type = element_type(number);
+      if (!type) {
         in_.fail(
             fmt::format("elements are of type {}, which is not known here; save the mesh with elements of first order "
                         "(gmsh -order 1)",
@@ -367,18 +378,15 @@ class GmshReader {
         }
         points[n] = *point;
       }
-      if (!type.cell) continue;
-      if (*type.cell == CellType::vertex && groups.empty()) {
+      if (type.cell == CellType::vertex && groups.empty()) {
         singles_.emplace_back(points[0], place);
       } else {
-        builder_.add_cell(*type.cell, std::span(points.data(), corner_count(*type.cell)), place);
+        builder_.add_cell(type.cell, std::span(points.data(), corner_count(type.cell)), place);
       }
     }
     for (const std::size_t group : groups) builder_.add_cells_to_group(group, first, builder_.cell_count());
-    if (!type.cell) {
-      builder_.count_note(fmt::format("elements of a higher order (Gmsh's type {}) are left out", type.number), size);
-    } else if (type.nodes > corner_count(*type.cell)) {
-      builder_.count_note("elements of second order are read without their middle nodes", size);
+    if (size > 0 && type.nodes > corner_count(type.cell)) {
+      builder_.count_note("elements of second or higher order are read without the nodes between their corners", size);
     }
   }
 
@@ -397,9 +405,11 @@ class GmshReader {
   bool old_ = false;  // 4.0
   bool binary_ = false;
   bool swap_ = false;
+  bool has_nodes_ = false;
   Tags tags_;
-  std::map<EntityKey, std::string> names_;           // by dimension and number of the physical group
-  std::map<EntityKey, std::vector<int>> physicals_;  // of an entity
+  std::map<EntityKey, std::string> names_;                // by dimension and number of the physical group
+  std::map<EntityKey, std::vector<int>> physicals_;       // of an entity; rising, each once
+  std::map<EntityKey, std::vector<std::size_t>> groups_;  // of the builder, of an entity
   std::vector<std::pair<std::uint32_t, Place>> singles_;
 };
 

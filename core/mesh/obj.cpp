@@ -4,6 +4,7 @@
 #include <vector>
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include "mesh/builder.hpp"
 #include "mesh/cursor.hpp"
@@ -42,7 +43,8 @@ class ObjReader {
     std::size_t first_corner;
     std::size_t end_corner;
     Place place;
-    std::size_t named_as;  // index into named_
+    std::size_t object;  // index into objects_
+    std::size_t groups;  // index into groups_
   };
 
   // The words up to a comment or the end of the line; a backslash at the end goes on in the next one.
@@ -78,7 +80,7 @@ class ObjReader {
       if (keyword.find_first_not_of("abcdefghijklmnopqrstuvwxyz_") != std::string_view::npos) {
         fail(fmt::format("'{}' is no statement of OBJ; correct the line", shown(keyword)));
       }
-      builder_.count_note(fmt::format("statements '{}' are not read", shown(keyword)));
+      builder_.name_note("statements are not read", fmt::format("'{}'", shown(keyword)));
     }
   }
 
@@ -93,7 +95,7 @@ class ObjReader {
   }
 
   void cell(char kind) {
-    Cell cell{kind, corners_.size(), 0, line_, named_.size() - 1};
+    Cell cell{kind, corners_.size(), 0, line_, objects_.size() - 1, groups_.size() - 1};
     for (std::size_t k = 1; k < words_.size(); ++k) {
       const std::string_view word = words_[k].substr(0, words_[k].find('/'));
       std::int64_t number = 0;
@@ -123,23 +125,15 @@ class ObjReader {
   }
 
   void name(char kind) {
-    std::vector<std::string>& names = kind == 'g' ? groups_ : object_;
-    names.clear();
+    std::vector<std::size_t> named;
     if (kind == 'g') {
-      for (std::size_t k = 1; k < words_.size(); ++k) names.emplace_back(words_[k]);
+      for (std::size_t k = 1; k < words_.size(); ++k) named.push_back(builder_.group(std::string(words_[k])));
+      std::sort(named.begin(), named.end());
+      named.erase(std::unique(named.begin(), named.end()), named.end());
     } else if (words_.size() > 1) {
-      // One name, which may have spaces.
-      names.emplace_back(words_[1]);
-      for (std::size_t k = 2; k < words_.size(); ++k) names.back().append(" ").append(words_[k]);
+      named.push_back(builder_.group(fmt::format("{}", fmt::join(words_.begin() + 1, words_.end(), " "))));
     }
-    std::vector<std::size_t> all;
-    for (const auto* list : {&object_, &groups_}) {
-      for (const std::string& text : *list) {
-        const std::size_t group = builder_.group(text);
-        if (std::find(all.begin(), all.end(), group) == all.end()) all.push_back(group);
-      }
-    }
-    named_.push_back(std::move(all));
+    (kind == 'g' ? groups_ : objects_).push_back(std::move(named));
   }
 
   void add(const Cell& cell) {
@@ -155,8 +149,12 @@ class ObjReader {
       for (std::size_t k = 0; k < corners.size(); ++k)
         builder_.add_cell(CellType::vertex, corners.subspan(k, 1), cell.place);
     }
-    for (const std::size_t group : named_[cell.named_as])
-      builder_.add_cells_to_group(group, first, builder_.cell_count());
+    const auto add_to = [&](std::size_t group) { builder_.add_cells_to_group(group, first, builder_.cell_count()); };
+    const std::vector<std::size_t>&groups = groups_[cell.groups], &object = objects_[cell.object];
+    for (const std::size_t group : groups) add_to(group);
+    for (const std::size_t group : object) {
+      if (!std::binary_search(groups.begin(), groups.end(), group)) add_to(group);
+    }
   }
 
   Cursor in_;
@@ -167,8 +165,8 @@ class ObjReader {
   std::vector<std::uint32_t> corners_;
   std::uint64_t farthest_ = 0;  // greatest number of a point that was named, counted from 1
   Place farthest_place_;
-  std::vector<std::string> groups_, object_;
-  std::vector<std::vector<std::size_t>> named_{{}};  // groups of the builder after each g and o
+  // Groups of the builder after each g, rising, and after each o, one at most, which may have spaces in its name.
+  std::vector<std::vector<std::size_t>> groups_{{}}, objects_{{}};
 };
 
 }  // namespace

@@ -24,6 +24,8 @@ Source::Source(const std::filesystem::path& file) : name_(file.string()) {
   text_.resize(static_cast<std::size_t>(size));
   in.read(text_.data(), static_cast<std::streamsize>(text_.size()));
   if (static_cast<std::uintmax_t>(in.gcount()) != size) fail("the file cannot be read to its end; copy it again");
+  constexpr std::string_view byte_order_mark = "\xEF\xBB\xBF";  // of UTF-8; only texts begin so
+  if (text_.starts_with(byte_order_mark)) text_.erase(0, byte_order_mark.size());
   if (text_.empty()) fail("the file is empty; export the mesh again");
 }
 

@@ -41,12 +41,17 @@ class StlReader {
   }
 
  private:
+  // Some programs end the file with a line end or zeros: as much as is no triangle may follow the last one.
+  [[nodiscard]] static bool fits(std::uint64_t bytes, std::uint64_t triangles) {
+    return bytes >= triangle_size * triangles && bytes - triangle_size * triangles < triangle_size;
+  }
+
   // Binary files may begin with "solid" too, so what counts is whether the number of triangles fits the size.
   [[nodiscard]] bool is_binary() const {
     const std::string_view text = builder_.source().text();
     if (text.size() >= header_size + 4) {
       const auto count = from_bytes<std::uint32_t>(text.data() + header_size, !is_little);
-      if (text.size() == header_size + 4 + triangle_size * std::uint64_t{count}) return true;
+      if (fits(text.size() - header_size - 4, count)) return true;
     }
     const std::string_view begin = text.substr(0, header_size);
     const std::size_t word = begin.find_first_not_of(" \t\r\n");
@@ -58,7 +63,7 @@ class StlReader {
     in_.set_binary(true);
     in_.bytes(header_size, "the header of a binary STL file");
     const auto count = in_.binary<std::uint32_t>(!is_little, "the number of triangles");
-    if (in_.left() != triangle_size * std::uint64_t{count}) {
+    if (!fits(in_.left(), count)) {
       in_.fail(
           fmt::format("{} triangles need {} bytes after their number, there are {}; the file is cut off or damaged, or "
                       "no STL, export it again",
@@ -74,6 +79,7 @@ class StlReader {
       }
       triangle(corners, place);
     }
+    if (in_.left() > 0) builder_.count_note("bytes behind the last triangle are not read", in_.left());
   }
 
   void read_text() {

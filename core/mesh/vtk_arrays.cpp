@@ -14,8 +14,9 @@ namespace {
 constexpr std::array scalar_names{"Int8",   "UInt8", "Int16",  "UInt16",  "Int32",
                                   "UInt32", "Int64", "UInt64", "Float32", "Float64"};
 
-// zlib makes at most so many bytes of one.
-constexpr std::uint64_t most_expansion = 1032;
+// zlib makes at most so many bytes of one. Without it a text of two characters becomes a number of eight bytes, or some
+// arrays share their data.
+constexpr std::uint64_t most_expansion = 1032, most_without_zlib = 16;
 
 int base64_digit(char c) noexcept {
   if (c >= 'A' && c <= 'Z') return c - 'A';
@@ -76,29 +77,38 @@ Scalar ArrayReader::type(pugi::xml_node array) const {
   return static_cast<Scalar>(found - scalar_names.begin());
 }
 
-std::vector<double> ArrayReader::reals(pugi::xml_node array, std::uint64_t count) const {
-  return values<double>(array, count);
+void ArrayReader::claim(pugi::xml_node array, std::uint64_t count, std::uint64_t bytes_each) {
+  const std::uint64_t most =
+      source_.text().size() * (encoding_.compressed ? most_expansion : most_without_zlib) - claimed_;
+  if (count > most / bytes_each) {
+    fail(array,
+         fmt::format("{} values of array '{}' are promised, with those before more than the file can hold; it is "
+                     "damaged, export it again",
+                     count, shown(array.attribute("Name").value())));
+  }
+  claimed_ += count * bytes_each;
 }
-std::vector<std::int64_t> ArrayReader::integers(pugi::xml_node array, std::uint64_t count) const {
+
+std::vector<double> ArrayReader::reals(pugi::xml_node array, std::uint64_t count, std::uint64_t components) {
+  return values<double>(array, count, components);
+}
+std::vector<std::int64_t> ArrayReader::integers(pugi::xml_node array, std::uint64_t count) {
   if (!is_integer(type(array))) {
     fail(array, fmt::format("array '{}' must be of whole numbers; export the mesh again",
                             shown(array.attribute("Name").value())));
   }
-  return values<std::int64_t>(array, count);
+  return values<std::int64_t>(array, count, 1);
 }
 
 template <class To>
-std::vector<To> ArrayReader::values(pugi::xml_node array, std::uint64_t count) const {
+std::vector<To> ArrayReader::values(pugi::xml_node array, std::uint64_t count, std::uint64_t components) {
   if (count == 0) return {};
   const std::string_view format = array.attribute("format").as_string("ascii");
-  if (format == "ascii") return text_values<To>(array, count);
-  const Scalar scalar = type(array);
-  // Whatever is claimed, the file has to be of a size to hold it.
-  if (count > source_.text().size() * most_expansion) {
-    fail(array,
-         fmt::format("{} values are promised, more than the file can hold; it is damaged, export it again", count));
-  }
-  return decode<To>(scalar, data(array, count * size_of(scalar)), encoding_.swap);
+  const bool is_text = format == "ascii";
+  const std::uint64_t bytes = components * (is_text ? sizeof(To) : size_of(type(array)));
+  claim(array, count, bytes);
+  if (is_text) return text_values<To>(array, components * count);
+  return decode<To>(type(array), data(array, count * bytes), encoding_.swap);
 }
 
 template <class To>

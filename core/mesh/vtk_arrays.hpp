@@ -27,9 +27,11 @@ class ArrayReader {
  public:
   ArrayReader(const Source& source, const ArrayEncoding& encoding) : source_(source), encoding_(encoding) {}
 
-  // `count` values in all. Throw Error(input) for another number, for values that do not fit and for damaged data.
-  [[nodiscard]] std::vector<double> reals(pugi::xml_node array, std::uint64_t count) const;
-  [[nodiscard]] std::vector<std::int64_t> integers(pugi::xml_node array, std::uint64_t count) const;
+  // `count` times `components` values. Throw Error(input) for another number, for values that do not fit, for damaged
+  // data, and where all arrays that were asked for together claim more than the file can hold (several may share the
+  // same data, so that each alone would be fine).
+  [[nodiscard]] std::vector<double> reals(pugi::xml_node array, std::uint64_t count, std::uint64_t components = 1);
+  [[nodiscard]] std::vector<std::int64_t> integers(pugi::xml_node array, std::uint64_t count);
 
   [[nodiscard]] static Place place(pugi::xml_node node);
   [[noreturn]] void fail(pugi::xml_node node, std::string_view message) const { source_.fail(place(node), message); }
@@ -39,7 +41,8 @@ class ArrayReader {
 
  private:
   template <class To>
-  std::vector<To> values(pugi::xml_node array, std::uint64_t count) const;
+  std::vector<To> values(pugi::xml_node array, std::uint64_t count, std::uint64_t components);
+  void claim(pugi::xml_node array, std::uint64_t count, std::uint64_t bytes_each);
   template <class To>
   std::vector<To> text_values(pugi::xml_node array, std::uint64_t count) const;
   // The bytes of an array, without what stands before them.
@@ -49,6 +52,7 @@ class ArrayReader {
 
   const Source& source_;
   ArrayEncoding encoding_;
+  std::uint64_t claimed_ = 0;  // bytes, of all arrays so far
 };
 
 }  // namespace springnet::meshes

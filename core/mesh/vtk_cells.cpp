@@ -169,7 +169,7 @@ void VtkCells::add(int type, std::span<const std::int64_t> points, Place place) 
   const auto known =
       std::find_if(vtk_types.begin(), vtk_types.end(), [&](const VtkType& t) { return t.number == type; });
   if (known == vtk_types.end()) {
-    builder_.count_note(fmt::format("cells of VTK's type {} are left out", type));
+    builder_.name_note("cells of other types are left out", fmt::format("VTK's type {}", type));
     return;
   }
   need(known->points, true);

@@ -129,11 +129,7 @@ class VtkXmlReader {
   void add_points(pugi::xml_node piece, std::uint64_t count) {
     const pugi::xml_node array = piece.child("Points").child("DataArray");
     if (!array) arrays_->fail(piece, "<Piece> has no <DataArray> in <Points>; export the mesh again");
-    if (count > source_.text().size() * 1032) {  // zlib's limit, see ArrayReader
-      arrays_->fail(piece,
-                    fmt::format("NumberOfPoints is {}, more than the file can hold; export the mesh again", count));
-    }
-    const std::vector<double> coordinates = arrays_->reals(array, 3 * count);
+    const std::vector<double> coordinates = arrays_->reals(array, count, 3);
     builder_.reserve_points(static_cast<std::size_t>(count));
     for (std::size_t i = 0; i + 2 < coordinates.size(); i += 3) {
       builder_.add_point({coordinates[i], coordinates[i + 1], coordinates[i + 2]}, ArrayReader::place(array));

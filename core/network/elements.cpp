@@ -168,8 +168,9 @@ void Network::add_group(const std::string& name, std::vector<NodeIndex> nodes) {
   if (!in_body_) fail(fmt::format("group '{}' is outside of a body: add it between begin_body and end_body", name));
   Body& body = bodies_.back();
   if (name.empty()) fail(fmt::format("body '{}': a group needs a name", body.name));
-  for (const NodeGroup& group : body.groups) {
-    if (group.name == name) fail(fmt::format("body '{}': there are two groups '{}': rename one", body.name, name));
+  if (body.groups.empty()) group_names_.clear();
+  if (group_names_.contains(name)) {
+    fail(fmt::format("body '{}': there are two groups '{}': rename one", body.name, name));
   }
   for (const NodeIndex node : nodes) {
     if (node < body.first_node || node >= nodes_.size()) {
@@ -178,6 +179,7 @@ void Network::add_group(const std::string& name, std::vector<NodeIndex> nodes) {
   }
   std::sort(nodes.begin(), nodes.end());
   nodes.erase(std::unique(nodes.begin(), nodes.end()), nodes.end());
+  group_names_.insert(name);
   body.groups.push_back({name, std::move(nodes)});
 }
 

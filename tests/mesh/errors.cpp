@@ -55,6 +55,13 @@ TEST_CASE("Gmsh") {
   check_error("a.msh", replaced(gmsh_text(), "\n0.5 0.5 2 ", "\n0.5 x 2 "), "'x' should be a coordinate, a number");
   check_error("a.msh", replaced(gmsh_text(), "\n0.5 0.5 2 ", "\n0.5 nan 2 "), "not finite");
   check_error("a.msh", replaced(gmsh_text(), "\n0.5 0.5 2 ", "\n0.5 1e999 2 "), "not finite");
+  check_error("a.msh", replaced(gmsh_text(), "\n0.5 0.5 2 ", "\n0.5 -1e101 2 "),
+              "point [0.5, -1e+101, 2] is farther away than 1e+100 m");
+  check_error("a.msh",
+              "$MeshFormat\n4.1 0 8\n$EndMeshFormat\n$Nodes\n0 0 0 0\n$EndNodes\n$Elements\n0 0 0 0\n$EndElements\n",
+              "a.msh: there is no cell in it");
+  check_error("a.msh", "$MeshFormat\n4.1 0 8\n$EndMeshFormat\n$Elements\n0 0 0 0\n$EndElements\n",
+              "$Elements stands before $Nodes");
   check_error("a.msh", replaced(gmsh_text(), "4 112 115 124 133 ", "4 112 115 124 134 "),
               "an element has node 134, which $Nodes does not have");
   check_error("a.msh", replaced(gmsh_text(), "4 112 115 124 133 ", "4 112 115 124 112 "),
@@ -130,6 +137,7 @@ TEST_CASE("VTK's XML") {
 TEST_CASE("OBJ") {
   check_error("a.obj", "v 0 0 0\nv 1 0\n", "a.obj:2: a point needs three coordinates");
   check_error("a.obj", "v 0 0 0\nv 1 0 z\n", "a.obj:2: 'z' should be a coordinate");
+  check_error("a.obj", "v 0 0 0\nv 1 0 1e200\n", "a.obj:2: point [1, 0, 1e+200] is farther away than 1e+100 m");
   check_error("a.obj", "v 0 0 0\nv 1 0 inf\n", "a.obj:2: point [1, 0, inf] is not finite");
   const std::string points = "v 0 0 0\nv 1 0 0\nv 0 1 0\n";
   check_error("a.obj", points + "f 1 2 4\n\n", "a.obj:4: there is no point 4, only 3");
@@ -152,6 +160,7 @@ TEST_CASE("STL") {
   other[1] = 'x';
   check_error("a.stl", other.substr(0, other.size() - 1),
               "4 triangles need 200 bytes after their number, there are 199");
+  check_error("a.stl", other + std::string(50, '\0'), "4 triangles need 200 bytes after their number, there are 250");
   std::string infinite;
   put(infinite, std::numeric_limits<float>::infinity());
   check_error("a.stl", std::string(binary).replace(84 + 50 + 12, 4, infinite),

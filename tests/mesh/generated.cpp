@@ -77,7 +77,7 @@ TEST_CASE("a ball in each format") {
     const std::vector<Face> surface = surface_of(mesh);
     CHECK(surface.size() == skin.size());
     CHECK(std::abs(area_of(mesh, surface) - area) < rounding);
-    CHECK(has_note(mesh, "of second order") == (std::string(name) == "g.msh"));
+    CHECK(has_note(mesh, "of second or higher order") == (std::string(name) == "g.msh"));
   }
   for (const char* name : {"h.stl", "i.stl"}) {
     CAPTURE(name);
@@ -90,6 +90,64 @@ TEST_CASE("a ball in each format") {
     CHECK(std::abs(area_of(mesh, surface) - area) < 1e-5);
     CHECK(std::abs(enclosed_volume(mesh, oriented(surface, mesh.points)) - volume) < 1e-5);
   }
+}
+
+// Triangles, quadrilaterals, wedges, hexahedra.
+constexpr const char* kinds = R"(
+SetFactory("OpenCASCADE");
+Mesh.MeshSizeMin = 1;
+Mesh.MeshSizeMax = 1;
+Rectangle(1) = {0, 0, 0, 1, 1};
+Rectangle(2) = {5, 0, 0, 1, 1};
+Recombine Surface {2};
+Transfinite Surface {2};
+Rectangle(3) = {10, 0, 0, 1, 1};
+Transfinite Surface {3};
+a[] = Extrude {0, 0, 1} { Surface{3}; Layers{1}; Recombine; };
+Rectangle(50) = {15, 0, 0, 1, 1};
+Transfinite Surface {50};
+Recombine Surface {50};
+b[] = Extrude {0, 0, 1} { Surface{50}; Layers{1}; Recombine; };
+)";
+// Beside a hexahedron tetrahedra, with a pyramid between them.
+constexpr const char* neighbours = R"(
+SetFactory("OpenCASCADE");
+Box(1) = {0, 0, 0, 1, 1, 1};
+Box(2) = {1, 0, 0, 1, 1, 1};
+Coherence;
+Transfinite Curve {:} = 2;
+Transfinite Surface {:};
+s() = Boundary { Volume{1}; };
+Recombine Surface {s()};
+Transfinite Volume {1};
+)";
+
+std::vector<CellType> sorted(std::vector<CellType> types) {
+  std::sort(types.begin(), types.end());
+  return types;
+}
+
+TEST_CASE("elements of any order are read by their corners") {
+  const TemporaryFolder folder;
+  std::set<CellType> types;
+  for (const char* geometry : {kinds, neighbours}) {
+    run_gmsh(folder, geometry, "-3 -format msh41", "order1.msh");
+    const Mesh first = read_mesh(folder.path() / "order1.msh");
+    types.insert(first.types.begin(), first.types.end());
+    CHECK(volume_of(first) == doctest::Approx(2.0).epsilon(1e-12));
+    for (const char* order : {"2", "3", "4", "5", "2 -setnumber Mesh.SecondOrderIncomplete 1",
+                              "3 -setnumber Mesh.SecondOrderIncomplete 1"}) {
+      CAPTURE(geometry);
+      CAPTURE(order);
+      run_gmsh(folder, geometry, fmt::format("-3 -order {} -format msh41 -bin", order), "higher.msh");
+      const Mesh mesh = read_mesh(folder.path() / "higher.msh");
+      CHECK(sorted(mesh.types) == sorted(first.types));  // Gmsh may turn the order of blocks
+      CHECK(mesh.points.size() == first.points.size());
+      CHECK(volume_of(mesh) == doctest::Approx(2.0).epsilon(1e-12));
+      CHECK(has_note(mesh, "elements of second or higher order are read without the nodes between their corners"));
+    }
+  }
+  CHECK(types.size() == 8);  // all that there are
 }
 
 constexpr const char* box = R"(

@@ -16,10 +16,10 @@ const std::vector<int>& gmsh_types() {
   return types;
 }
 // Dimension and number of the entity that a cell belongs to; entities 11, 12 and 13 are one volume in blocks.
-std::string gmsh_head(bool old, bool binary) {
+std::string gmsh_head(bool old, bool binary, bool big) {
   std::string text = fmt::format("$MeshFormat\n{} {} 8\n", old ? "4" : "4.1", binary ? 1 : 0);
   if (binary) {
-    put<std::int32_t>(text, 1);
+    put<std::int32_t>(text, 1, big);
     text += "\n";
   }
   text += "$EndMeshFormat\n$Comments\nanything\n$EndComments\n";
@@ -29,6 +29,7 @@ std::string gmsh_head(bool old, bool binary) {
 
 struct Writer {
   bool binary;
+  bool big;
   std::string text{};
   void end_line() {
     if (!binary) text += "\n";
@@ -36,7 +37,7 @@ struct Writer {
   template <class T>
   void add(T value) {
     if (binary) {
-      put(text, value);
+      put(text, value, big);
     } else {
       text += fmt::format("{} ", value);
     }
@@ -51,8 +52,8 @@ struct Writer {
 
 constexpr std::array<int, 8> dimensions{0, 1, 2, 2, 3, 3, 3, 3};  // by CellType
 
-std::string gmsh_body(bool old, bool binary) {
-  Writer out{binary, gmsh_head(old, binary)};
+std::string gmsh_body(bool old, bool binary, bool big = false) {
+  Writer out{binary, big, gmsh_head(old, binary, big)};
   const auto section = [&](const char* name) { out.text += fmt::format("${}\n", name); };
   const auto end = [&](const char* name) { out.text += fmt::format("{}$End{}\n", binary ? "\n" : "", name); };
   const auto tag = [&](std::uint64_t value) {
@@ -165,10 +166,9 @@ std::string error_of(const std::string& name, const std::string& bytes) {
 }
 
 std::vector<Sample> gmsh_samples() {
-  return {{"body_41.msh", gmsh_body(false, false)},
-          {"body_41_binary.msh", gmsh_body(false, true)},
-          {"body_40.msh", gmsh_body(true, false)},
-          {"body_40_binary.msh", gmsh_body(true, true)}};
+  return {{"body_41.msh", gmsh_body(false, false)},          {"body_41_binary.msh", gmsh_body(false, true)},
+          {"body_41_big.msh", gmsh_body(false, true, true)}, {"body_40.msh", gmsh_body(true, false)},
+          {"body_40_binary.msh", gmsh_body(true, true)},     {"body_40_big.msh", gmsh_body(true, true, true)}};
 }
 
 Sample obj_sample() {
@@ -219,8 +219,8 @@ std::vector<Sample> grid_samples() {
 
 std::vector<Sample> all_samples() {
   std::vector<Sample> all;
-  for (const auto& some : {gmsh_samples(), vtk_legacy_samples(), vtk_xml_samples(), vtk_polygon_samples(),
-                           grid_samples(), stl_samples()}) {
+  for (const auto& some : {gmsh_samples(), vtk_legacy_samples(), vtk_xml_samples(), vtk_piece_samples(),
+                           vtk_polygon_samples(), grid_samples(), stl_samples()}) {
     all.insert(all.end(), some.begin(), some.end());
   }
   all.push_back(obj_sample());

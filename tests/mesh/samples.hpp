@@ -46,6 +46,7 @@ std::string error_of(const std::string& name, const std::string& bytes);
 std::vector<Sample> gmsh_samples();         // body_…: groups "bottom" and "pin"
 std::vector<Sample> vtk_legacy_samples();   // body_…: group "material 7" the solids, "material 2" the others
 std::vector<Sample> vtk_xml_samples();      // the same
+std::vector<Sample> vtk_piece_samples();    // .vtu of two pieces, each the body, the second one 10 m higher in z
 std::vector<Sample> vtk_polygon_samples();  // a .vtp and .vtk of vertices, lines, polygons and a strip
 std::vector<Sample> grid_samples();         // structured ones, 3 x 2 x 2 points
 Sample obj_sample();

@@ -25,9 +25,9 @@ std::string legacy(bool binary, const Values& values) {
   return text + "\n";
 }
 
-std::vector<double> coordinates() {
+std::vector<double> coordinates(double height = 0.0) {
   std::vector<double> values;
-  for (const Vector3& point : body_points()) values.insert(values.end(), point.begin(), point.end());
+  for (const Vector3& point : body_points()) values.insert(values.end(), {point.x(), point.y(), point.z() + height});
   return values;
 }
 
@@ -164,17 +164,28 @@ class XmlWriter {
   std::string appended_;
 };
 
-std::string xml_body(Format format, bool compressed, bool wide, bool big) {
-  XmlWriter out(format, compressed, wide, big);
+std::string xml_piece(XmlWriter& out, double height = 0.0) {
   std::string piece = fmt::format("<Piece NumberOfPoints=\"{}\" NumberOfCells=\"{}\">\n<PointData/>\n<CellData>\n",
                                   body_points().size(), body_cells().size());
   piece +=
       out.array<double>("Float64", "pressure", materials) + out.array<std::int32_t>("Int32", "material", materials);
-  piece += "</CellData>\n<Points>\n" + out.array<float>("Float32", "Points", coordinates(), 3) + "</Points>\n<Cells>\n";
+  piece += "</CellData>\n<Points>\n" + out.array<float>("Float32", "Points", coordinates(height), 3) +
+           "</Points>\n<Cells>\n";
   piece += out.array<std::int64_t>("Int64", "connectivity", connectivity(false));
   piece += out.array<std::int32_t>("Int32", "offsets", offsets(false));
-  piece += out.array<std::uint8_t>("UInt8", "types", vtk_types) + "</Cells>\n</Piece>\n";
+  return piece + out.array<std::uint8_t>("UInt8", "types", vtk_types) + "</Cells>\n</Piece>\n";
+}
+
+std::string xml_body(Format format, bool compressed, bool wide, bool big) {
+  XmlWriter out(format, compressed, wide, big);
+  const std::string piece = xml_piece(out);
   return out.file("UnstructuredGrid", piece);
+}
+
+std::string two_pieces(Format format, bool compressed) {
+  XmlWriter out(format, compressed, true, false);
+  const std::string lower = xml_piece(out), upper = xml_piece(out, 10.0);
+  return out.file("UnstructuredGrid", lower + upper);
 }
 
 }  // namespace
@@ -201,6 +212,11 @@ std::vector<Sample> vtk_xml_samples() {
     }
   }
   return samples;
+}
+
+std::vector<Sample> vtk_piece_samples() {
+  return {{"pieces_text.vtu", two_pieces(Format::text, false)},
+          {"pieces_zlib.vtu", two_pieces(Format::raw_appended, true)}};
 }
 
 // Points on a row and one above each: a vertex, a line of two parts, a pentagon and a strip of two triangles.

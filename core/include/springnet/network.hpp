@@ -299,6 +299,7 @@ class Network {
   std::unordered_set<NodeIndex> moving_nodes_;    // those of all moves
   std::unordered_set<std::uint64_t> rigid_ends_;  // lower node number 2^32 + upper one
   std::unordered_set<std::string> body_names_;
+  std::unordered_set<std::string> group_names_;                  // of the last body that has groups
   std::unordered_map<std::string, std::uint32_t> neuron_index_;  // by a text that is equal where the uses are
   std::unordered_map<std::string, MaterialIndex> material_index_;
 };
