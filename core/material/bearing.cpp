@@ -1,6 +1,4 @@
-#include <algorithm>
 #include <cstdint>
-#include <limits>
 #include <unordered_set>
 
 #include "material/bearing.hpp"
@@ -9,23 +7,15 @@
 namespace springnet {
 namespace {
 
-using Corners = std::array<std::uint32_t, 4>;  // rising; the last one of a triangle or edge is `none`
-constexpr std::uint32_t none = std::numeric_limits<std::uint32_t>::max();
+using meshes::FaceKey;
 
-struct CornersHash {
-  std::size_t operator()(const Corners& corners) const noexcept {
+struct KeyHash {
+  std::size_t operator()(const FaceKey& key) const noexcept {
     std::uint64_t hash = 0;
-    for (const std::uint32_t corner : corners) hash = (hash ^ corner) * 0x9e3779b97f4a7c15u;
+    for (const std::uint32_t corner : key) hash = (hash ^ corner) * 0x9e3779b97f4a7c15u;
     return static_cast<std::size_t>(hash ^ (hash >> 29));
   }
 };
-
-Corners sorted(std::span<const std::uint32_t> points) {
-  Corners corners{none, none, none, none};
-  std::copy(points.begin(), points.end(), corners.begin());
-  std::sort(corners.begin(), corners.end());
-  return corners;
-}
 
 }  // namespace
 
@@ -36,24 +26,20 @@ std::vector<std::size_t> bearing_cells(const Mesh& mesh) {
     has_surface = has_surface || dimension_of(type) == 2;
     has_line = has_line || dimension_of(type) == 1;
   }
-  std::unordered_set<Corners, CornersHash> sides;
+  std::unordered_set<FaceKey, KeyHash> sides;
   for (std::size_t c = 0; c < mesh.cell_count(); ++c) {
     const auto cell = mesh.cell(c);
     if (has_line && dimension_of(mesh.types[c]) > 1) {
-      for (const auto& [a, b] : edge_places(mesh.types[c])) sides.insert(sorted(std::array{cell[a], cell[b]}));
+      for (const auto& [a, b] : edge_places(mesh.types[c]))
+        sides.insert(meshes::face_key(std::array{cell[a], cell[b]}));
     }
     if (!has_surface) continue;
-    for (const auto& face : meshes::face_places(mesh.types[c])) {
-      Corners corners{none, none, none, none};
-      for (std::size_t k = 0; k < 4 && face[k] != meshes::no_corner; ++k) corners[k] = cell[face[k]];
-      std::sort(corners.begin(), corners.end());
-      sides.insert(corners);
-    }
+    for (const auto& face : meshes::face_places(mesh.types[c])) sides.insert(meshes::face_key(cell, face));
   }
   std::vector<std::size_t> bearing;
   for (std::size_t c = 0; c < mesh.cell_count(); ++c) {
     const int dimension = dimension_of(mesh.types[c]);
-    if (dimension == 3 || (dimension > 0 && !sides.contains(sorted(mesh.cell(c))))) bearing.push_back(c);
+    if (dimension == 3 || (dimension > 0 && !sides.contains(meshes::face_key(mesh.cell(c))))) bearing.push_back(c);
   }
   return bearing;
 }

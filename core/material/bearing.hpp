@@ -8,11 +8,11 @@
 #include <springnet/error.hpp>
 #include <springnet/material.hpp>
 
+#include "mesh/coordinates.hpp"
+
 namespace springnet::material {
 
 [[noreturn]] inline void fail(const std::string& message) { throw Error(ErrorKind::input, message); }
-
-inline std::string text(const Vector3& v) { return fmt::format("[{:g}, {:g}, {:g}]", v.x(), v.y(), v.z()); }
 
 // m^3, with the section of surface and line cells. Throws Error(input) where that is missing or not above 0.
 [[nodiscard]] double volume_of(const Mesh& mesh, std::size_t cell, const Section& section);

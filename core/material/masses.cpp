@@ -17,7 +17,7 @@ std::vector<double> masses_of(const Mesh& mesh, double density, const Section& s
     material::fail(
         fmt::format("point {} at {} gets no mass from the density: no cell with volume, area or length is at it; "
                     "remove it, or give masses instead",
-                    k, material::text(mesh.points[k])));
+                    k, meshes::text(mesh.points[k])));
   }
   return masses;
 }

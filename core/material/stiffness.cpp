@@ -21,6 +21,7 @@ struct CellSprings {
   std::vector<std::size_t> edges;
   std::vector<Vector3> vectors;  // m, from end to end
 
+  // Throws Error(input) if an edge is missing: without it the others do not say what the cell's shape is.
   void collect(const Mesh& mesh, std::size_t index, std::span<const Edge> all) {
     edges.clear();
     vectors.clear();
@@ -29,13 +30,40 @@ struct CellSprings {
     for (const Places& places : {edge_places(type), face_diagonal_places(type), space_diagonal_places(type)}) {
       for (const auto& [first, second] : places) {
         const std::size_t edge = find_edge(all, cell[first], cell[second]);
-        if (edge == all.size()) continue;
-        edges.push_back(edge);
-        vectors.emplace_back(mesh.points[cell[second]] - mesh.points[cell[first]]);
+        if (edge < all.size()) {
+          edges.push_back(edge);
+          vectors.emplace_back(mesh.points[cell[second]] - mesh.points[cell[first]]);
+        } else if (places.data() == edge_places(type).data()) {
+          material::fail(
+              fmt::format("the edge from point {} to point {} of {} {} is not among those given: give all that "
+                          "edges_of finds, rising",
+                          cell[first], cell[second], name_of(type), index));
+        }
       }
     }
   }
 };
+
+// Two corners at one place leave a spring without a direction, though the cell may have a volume.
+void check_corners(const Mesh& mesh, std::size_t index, const CellSprings& springs) {
+  const bool fine = std::none_of(springs.vectors.begin(), springs.vectors.end(),
+                                 [](const Vector3& vector) { return vector.squaredNorm() == 0.0; });
+  if (fine) return;
+  const auto cell = mesh.cell(index);
+  for (std::size_t i = 0; i < cell.size(); ++i) {
+    for (std::size_t j = 0; j < i; ++j) {
+      if (mesh.points[cell[i]] != mesh.points[cell[j]]) continue;
+      material::fail(fmt::format(
+          "{} {}: its corners {} and {}, points {} and {}, are both at {}, so that no stiffness follows "
+          "for the spring between them: make them one point, or mend the cell",
+          name_of(springs.type), index, j + 1, i + 1, cell[j], cell[i], meshes::text(mesh.points[cell[i]])));
+    }
+  }
+}
+
+bool is_simplex(CellType type) {
+  return type == CellType::line || type == CellType::triangle || type == CellType::tetrahedron;
+}
 
 // What a cell gives to its springs, kept for the next cells of its shape: the cells of a lattice are alike but for
 // rounding, and so get springs that are alike to the bit.
@@ -56,8 +84,7 @@ struct CellShare {
 };
 
 material::Shares shares_for(CellType type, std::span<const Vector3> directions, material::Sharing sharing) {
-  const bool simplex = type == CellType::line || type == CellType::triangle || type == CellType::tetrahedron;
-  if (sharing == material::Sharing::fitted || (sharing == material::Sharing::best && !simplex)) {
+  if (sharing == material::Sharing::fitted || (sharing == material::Sharing::best && !is_simplex(type))) {
     return material::shares_of(directions);
   }
   const auto count = static_cast<Eigen::Index>(directions.size());
@@ -101,19 +128,27 @@ NetStiffness material::stiffness_of(const Mesh& mesh, std::span<const Edge> edge
   }
   NetStiffness result;
   result.stiffness.assign(edges.size(), 0.0);
-  double misfit = 0.0, misfit_volume = 0.0;
+  struct Mean {
+    double sum = 0.0, volume = 0.0;
+    void add(const CellShare& share) {
+      sum += share.volume * share.squared_misfit;
+      volume += share.volume;
+    }
+    [[nodiscard]] double root() const { return volume > 0 ? std::sqrt(sum / volume) : 0.0; }
+  } all, fitted;
   CellSprings springs;
   CellShare share;
   for (const std::size_t c : bearing_cells(mesh)) {
     const int dimension = dimension_of(mesh.types[c]);
     springs.collect(mesh, c, edges);
     if (!share.fits(springs)) {
+      check_corners(mesh, c, springs);
       const double volume = volume_of(mesh, c, section);
       if (!(volume > 0)) {
         fail(
             fmt::format("{} {} at {} has no volume, so that no stiffness follows for its springs: mend the mesh, or "
                         "give a stiffness instead",
-                        name_of(springs.type), c, text(mesh.points[mesh.cell(c)[0]])));
+                        name_of(springs.type), c, meshes::text(mesh.points[mesh.cell(c)[0]])));
       }
       share = share_of(springs, dimension, youngs_modulus, volume, sharing);
     }
@@ -122,10 +157,11 @@ NetStiffness material::stiffness_of(const Mesh& mesh, std::span<const Edge> edge
     result.dimension = std::max(result.dimension, dimension);
     result.lacks_shear = result.lacks_shear || lacks_shear(springs.type, springs.edges.size());
     if (dimension < 2) continue;
-    misfit += share.volume * share.squared_misfit;
-    misfit_volume += share.volume;
+    all.add(share);
+    if (!is_simplex(springs.type)) fitted.add(share);
   }
-  if (misfit_volume > 0) result.misfit = std::sqrt(misfit / misfit_volume);
+  result.misfit = all.root();
+  result.fitted_misfit = fitted.root();
   return result;
 }
 

@@ -1,5 +1,6 @@
 #include "mesh/cells.hpp"
 
+#include <algorithm>
 #include <utility>
 
 namespace springnet {
@@ -92,6 +93,20 @@ namespace meshes {
 
 std::span<const Places4> face_places(CellType type) noexcept { return info(type).faces; }
 std::span<const Places4> tetrahedron_places(CellType type) noexcept { return info(type).tetrahedra; }
+
+FaceKey face_key(std::span<const std::uint32_t> corners) {
+  FaceKey key{no_point, no_point, no_point, no_point};
+  std::copy(corners.begin(), corners.end(), key.begin());
+  std::sort(key.begin(), key.end());
+  return key;
+}
+
+FaceKey face_key(std::span<const std::uint32_t> cell, const Places4& places) {
+  FaceKey key{no_point, no_point, no_point, no_point};
+  for (std::size_t k = 0; k < 4 && places[k] != no_corner; ++k) key[k] = cell[places[k]];
+  std::sort(key.begin(), key.end());
+  return key;
+}
 
 double tetrahedron_volume(const Vector3& a, const Vector3& b, const Vector3& c, const Vector3& d) {
   const Vector3 u = b - a, v = c - a, w = d - a;

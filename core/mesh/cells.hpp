@@ -3,6 +3,7 @@
 
 #include <array>
 #include <cstdint>
+#include <limits>
 #include <span>
 
 #include <springnet/mesh.hpp>
@@ -16,6 +17,14 @@ constexpr std::uint8_t no_corner = 255;
 [[nodiscard]] std::span<const std::array<std::uint8_t, 4>> face_places(CellType type) noexcept;
 // Tetrahedra that fill a solid cell, of positive volume where its volume is. Empty for others.
 [[nodiscard]] std::span<const std::array<std::uint8_t, 4>> tetrahedron_places(CellType type) noexcept;
+
+// The corners of a face (or of an edge, or a triangle or quadrilateral) rising, then no_point: equal for all cells that
+// have it, however they are turned.
+using FaceKey = std::array<std::uint32_t, 4>;
+constexpr std::uint32_t no_point = std::numeric_limits<std::uint32_t>::max();
+[[nodiscard]] FaceKey face_key(std::span<const std::uint32_t> corners);  // four at most
+// Of one of face_places.
+[[nodiscard]] FaceKey face_key(std::span<const std::uint32_t> cell, const std::array<std::uint8_t, 4>& places);
 
 // (b - a) . ((c - a) x (d - a)) / 6, m^3.
 [[nodiscard]] double tetrahedron_volume(const Vector3& a, const Vector3& b, const Vector3& c, const Vector3& d);

@@ -14,17 +14,7 @@
 namespace springnet {
 namespace {
 
-constexpr std::uint32_t none = std::numeric_limits<std::uint32_t>::max();
-
-// Points of a face by number: equal for all cells that have the face.
-using FaceKey = std::array<std::uint32_t, 4>;
-
-FaceKey key_of(std::span<const std::uint32_t> corners) {
-  FaceKey key{none, none, none, none};
-  std::copy(corners.begin(), corners.end(), key.begin());
-  std::sort(key.begin(), key.end());
-  return key;
-}
+using meshes::FaceKey;
 
 void divide(const std::array<std::uint32_t, 4>& corners, const std::vector<Vector3>& points, std::vector<Face>& faces) {
   const auto& [a, b, c, d] = corners;
@@ -111,10 +101,7 @@ std::vector<Face> surface_of(const Mesh& mesh) {
     const auto corners = mesh.cell(cell);
     const auto places = meshes::face_places(mesh.types[cell]);
     for (std::uint8_t face = 0; face < places.size(); ++face) {
-      FaceKey key{none, none, none, none};
-      for (std::size_t k = 0; k < 4 && places[face][k] != meshes::no_corner; ++k) key[k] = corners[places[face][k]];
-      std::sort(key.begin(), key.end());
-      solid.push_back({key, cell, face});
+      solid.push_back({meshes::face_key(corners, places[face]), cell, face});
     }
   }
   std::sort(solid.begin(), solid.end(), [](const SolidFace& a, const SolidFace& b) {
@@ -148,7 +135,7 @@ std::vector<Face> surface_of(const Mesh& mesh) {
   for (std::size_t cell = 0; cell < mesh.cell_count(); ++cell) {
     const auto corners = mesh.cell(cell);
     if (dimension_of(mesh.types[cell]) != 2) continue;
-    if (std::binary_search(keys.begin(), keys.end(), key_of(corners))) continue;
+    if (std::binary_search(keys.begin(), keys.end(), meshes::face_key(corners))) continue;
     if (corners.size() == 3) {
       faces.push_back({corners[0], corners[1], corners[2]});
     } else {

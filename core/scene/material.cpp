@@ -58,18 +58,25 @@ Springs read_springs(const Table& body, const Table& table, const PluginHost& pl
   return springs;
 }
 
+// How far the elasticity of cells may be from an isotropic one, relatively, before a note says so.
+constexpr double noteworthy_misfit = 0.05;
+
 // What is asked for that a net of springs cannot have, and what it has.
-void check_poisson_ratio(const Table& table, const std::string& body, int dimension, std::vector<std::string>& notes) {
+void check_poisson_ratio(const Table& table, const std::string& body, const NetStiffness& net,
+                         std::vector<std::string>& notes) {
   const auto asked = table.find("poisson_ratio");
   const double ratio = asked ? asked->number() : 0.0;
   if (asked && !(ratio > -1.0 && ratio < 0.5)) asked->fail(fmt::format("must lie between -1 and 0.5, is {}", ratio));
-  if (dimension < 2) return;  // lines have none
-  const bool solid = dimension == 3;
-  const double of_net = poisson_ratio_of_net(dimension);
+  if (net.dimension < 2) return;  // lines have none
+  const bool solid = net.dimension == 3;
+  const double of_net = poisson_ratio_of_net(net.dimension);
   constexpr double alike = 0.005;  // 0.33 means 1/3
   notes.push_back(
-      fmt::format("Body '{}': its springs make {} of Poisson ratio {}, the one that a net of springs can have{}.", body,
-                  solid ? "a solid" : "a sheet", solid ? "1/4" : "1/3",
+      fmt::format("Body '{}': its springs make {} of Poisson ratio {}{}, {}{}.", body, solid ? "a solid" : "a sheet",
+                  net.misfit > noteworthy_misfit ? "about " : "", solid ? "1/4" : "1/3",
+                  net.misfit > noteworthy_misfit
+                      ? "the one of a regular net of springs (core/docs/material.md: what irregular ones have)"
+                      : "the one that a net of springs can have",
                   asked && std::abs(ratio - of_net) > alike
                       ? fmt::format("; not {:g} as asked. {}", ratio,
                                     solid ? "An [[element]] on volumes can resist changes of volume more"
@@ -108,12 +115,19 @@ std::vector<MaterialIndex> read_materials(const Table& body, const Cells& cells,
   const std::string name = body.need("name").text();
   const NetStiffness net =
       value->at_this_place([&] { return stiffness_of(cells(), edges(), modulus, read_section(body)); });
-  check_poisson_ratio(table, name, net.dimension, notes);
+  check_poisson_ratio(table, name, net, notes);
   if (net.lacks_shear) {
     notes.push_back(
         fmt::format("Body '{}': quadrilaterals or hexahedra without diagonals resist no shear; add diagonals to its "
                     "mesh, best \"all\".",
                     name));
+  } else if (net.fitted_misfit > noteworthy_misfit) {
+    notes.push_back(
+        fmt::format("Body '{}': springs cannot give its cells that are not tetrahedra or triangles the elasticity of "
+                    "the material: it is off by {:.2g} % (root mean square), mostly too soft in shear. Make cells less "
+                    "flat, long or skewed (hexahedra and quadrilaterals: sides within 1 : 1.7) with diagonals = "
+                    "\"all\"; core/docs/material.md has examples.",
+                    name, 100.0 * net.fitted_misfit));
   }
   std::vector<MaterialIndex> materials;
   materials.reserve(net.stiffness.size());

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
+#include <filesystem>
 #include <fstream>
 #include <functional>
 #include <random>
@@ -12,6 +13,7 @@
 #include <vector>
 
 #include <fmt/format.h>
+#include <Eigen/Geometry>
 #include <springnet/error.hpp>
 #include <springnet/material.hpp>
 #include <springnet/simulation.hpp>
@@ -27,6 +29,7 @@ using material::Sharing;
 constexpr double modulus = 1.0;    // Pa
 constexpr double thickness = 0.5;  // m, of sheets
 constexpr double length = 5.0;     // m, of bar and cantilever; height and depth are 1 m
+constexpr double at_place = 1e-9;  // m, how exactly sides are told
 
 // So small that what is found is linear. Sheets, which have no stiffness across their plane, are kept from buckling by
 // the inertia of the time step alone.
@@ -37,28 +40,36 @@ constexpr double inertia = 1e-6;
 constexpr int step_count = 10;
 constexpr double at_rest = 1e-5;  // greatest net force on a free node over the greatest force in a spring
 
-enum class Kind { lattice, space_lattice, tetrahedra, quadrilaterals, triangles };
+enum class Kind { lattice, flat_2, flat_5, space_lattice, tetrahedra, gmsh, quadrilaterals, triangles };
+
+bool is_sheet(Kind kind) { return kind == Kind::quadrilaterals || kind == Kind::triangles; }
 
 struct Net {
   Mesh mesh;
   std::vector<Edge> edges;
   int dimension;
-  std::array<std::uint32_t, 3> nodes;
-  double spacing;
+  Vector3 size;                        // m; from the origin
+  std::array<std::uint32_t, 3> nodes;  // of a lattice
+  Vector3 spacing;                     // m; of other nets about that of nodes
+  std::vector<double> parts;           // [point] of an end's force; of lattices from their numbers
 
-  [[nodiscard]] Vector3 size() const { return spacing * Vector3(nodes[0] - 1.0, nodes[1] - 1.0, nodes[2] - 1.0); }
-  [[nodiscard]] double depth() const { return dimension == 3 ? size().z() : thickness; }
+  [[nodiscard]] double depth() const { return dimension == 3 ? size.z() : thickness; }
   // Of point k in the lattice, by axis.
   [[nodiscard]] std::array<std::uint32_t, 3> place(std::size_t k) const {
     const auto index = static_cast<std::uint32_t>(k);
     return {index % nodes[0], index / nodes[0] % nodes[1], index / nodes[0] / nodes[1]};
   }
   [[nodiscard]] bool at_side(std::size_t k, std::size_t axis) const {
-    return nodes[axis] > 1 && (place(k)[axis] == 0 || place(k)[axis] + 1 == nodes[axis]);
+    const auto a = static_cast<Eigen::Index>(axis);
+    const double coordinate = mesh.points[k][a];
+    return size[a] > 0 && (coordinate < at_place || coordinate > size[a] - at_place);
   }
+  [[nodiscard]] bool at_start(std::size_t k) const { return mesh.points[k].x() < at_place; }
+  [[nodiscard]] bool at_end(std::size_t k) const { return mesh.points[k].x() > size.x() - at_place; }
   [[nodiscard]] bool on_boundary(std::size_t k) const { return at_side(k, 0) || at_side(k, 1) || at_side(k, 2); }
   // The part of an end's force at a point of it.
   [[nodiscard]] double part(std::size_t k) const {
+    if (!parts.empty()) return parts[k];
     double result = 1.0;
     for (const std::size_t axis : {std::size_t{1}, std::size_t{2}}) {
       if (nodes[axis] > 1) result *= (at_side(k, axis) ? 0.5 : 1.0) / (nodes[axis] - 1.0);
@@ -76,9 +87,9 @@ void scatter_points(Net& net) {
   for (std::size_t k = 0; k < net.mesh.points.size(); ++k) {
     // Every other row of a sheet is half a triangle back, so that triangles are about as regular as a mesher's.
     if (net.dimension == 2 && net.place(k)[1] % 2 == 1 && !net.at_side(k, 0))
-      net.mesh.points[k].x() -= 0.5 * net.spacing;
+      net.mesh.points[k].x() -= 0.5 * net.spacing.x();
     for (std::size_t axis = 0; axis < 3; ++axis) {
-      const double shift = 2.0 * scatter * (static_cast<double>(random()) * 0x1p-32 - 0.5) * net.spacing;
+      const double shift = 2.0 * scatter * (static_cast<double>(random()) * 0x1p-32 - 0.5) * net.spacing.x();
       if (net.nodes[axis] == 1 || net.at_side(k, axis) || net.at_side(k, 0)) continue;
       net.mesh.points[k][static_cast<Eigen::Index>(axis)] += shift;
     }
@@ -108,15 +119,42 @@ Mesh divided(const Net& net) {
   return mesh;
 }
 
+// bar.msh and block.msh, by gmsh 4.8 -3 -format msh41 from
+//   SetFactory("OpenCASCADE"); Box(1) = {0, 0, 0, 5, 1, 1}; Physical Volume("tissue") = {1};
+//   Mesh.MeshSizeMin = 0.25; Mesh.MeshSizeMax = 0.25;
+// and with a length of 1 in place of 5.
+Net read_net(double extent) {
+  Net net{};
+  net.dimension = 3;
+  net.size = {extent, 1.0, 1.0};
+  net.spacing.setConstant(0.25);
+  const auto folder = std::filesystem::path(__FILE__).parent_path();
+  net.mesh = read_mesh(folder / (extent > 1.0 ? "bar.msh" : "block.msh"));
+  net.edges = edges_of(net.mesh);
+  // Even traction: a third of each triangle of the end at its corners.
+  net.parts.assign(net.mesh.points.size(), 0.0);
+  for (const Face& face : surface_of(net.mesh)) {
+    if (!std::all_of(face.begin(), face.end(), [&](std::uint32_t k) { return net.at_end(k); })) continue;
+    const auto& p = net.mesh.points;
+    const double area = 0.5 * (p[face[1]] - p[face[0]]).cross(p[face[2]] - p[face[0]]).norm();
+    for (const std::uint32_t k : face) net.parts[k] += area / 3.0;
+  }
+  return net;
+}
+
 Net make_net(Kind kind, double extent, std::uint32_t cells) {
+  if (kind == Kind::gmsh) return read_net(extent);
   Net net;
-  net.dimension = kind == Kind::quadrilaterals || kind == Kind::triangles ? 2 : 3;
-  net.spacing = 1.0 / cells;
+  net.dimension = is_sheet(kind) ? 2 : 3;
+  const std::uint32_t flat = kind == Kind::flat_2 ? 2 : kind == Kind::flat_5 ? 5 : 1;  // in z
+  net.spacing = Vector3::Constant(1.0 / cells);
+  net.spacing.z() /= flat;
   const auto along = static_cast<std::uint32_t>(extent) * cells;
-  net.nodes = {along + 1, cells + 1, net.dimension == 3 ? cells + 1 : 1};
+  net.nodes = {along + 1, cells + 1, net.dimension == 3 ? flat * cells + 1 : 1};
+  net.size = {extent, 1.0, net.dimension == 3 ? 1.0 : 0.0};
   Lattice lattice;
   lattice.nodes = net.nodes;
-  lattice.spacing.setConstant(net.spacing);
+  lattice.spacing = net.spacing;
   net.mesh = mesh_of(lattice);
   EdgeOptions options;
   if (kind == Kind::tetrahedra || kind == Kind::triangles) {
@@ -142,7 +180,7 @@ Network network_of(const Net& net, Sharing sharing) {
 
 // Displacements at rest, by Newton's method with steps so long that little else than the springs counts.
 Simulation at_rest_of(const Net& net, const Network& network) {
-  const double stiffness = modulus * net.spacing;  // N/m, about that of a spring
+  const double stiffness = modulus * net.spacing.maxCoeff();  // N/m, about that of a spring
   // Rounding of a position, 1e-15 m, changes a spring's force by a hundredth of this.
   const double tolerance = 1e-13 * stiffness;
   Simulation simulation = testing::simulate(network, testing::recurrent(testing::newton, tolerance),
@@ -174,8 +212,8 @@ double slope(const std::vector<std::pair<double, double>>& pairs) {
 void pull_end(const Net& net, Network& network, const Vector3& force) {
   for (std::size_t k = 0; k < net.mesh.points.size(); ++k) {
     const auto node = static_cast<NodeIndex>(k);
-    if (net.place(k)[0] == 0) network.fix(node);
-    if (net.place(k)[0] + 1 == net.nodes[0]) network.add_load({{node}, net.part(k) * force});
+    if (net.at_start(k)) network.fix(node);
+    if (net.at_end(k)) network.add_load({{node}, net.part(k) * force});
   }
 }
 
@@ -209,7 +247,7 @@ double cantilever(const Net& net, Sharing sharing) {
   const Simulation simulation = at_rest_of(net, network);
   double deflection = 0.0;
   for (std::size_t k = 0; k < net.mesh.points.size(); ++k) {
-    if (net.place(k)[0] + 1 != net.nodes[0]) continue;
+    if (!net.at_end(k)) continue;
     deflection += net.part(k) * (simulation.position(static_cast<NodeIndex>(k)) - net.mesh.points[k]).y();
   }
   const double nu = poisson_ratio_of_net(net.dimension), shear_modulus = modulus / (2.0 * (1.0 + nu));
@@ -218,23 +256,37 @@ double cantilever(const Net& net, Sharing sharing) {
   return deflection / (force * (bending + length / (kappa * shear_modulus * net.depth())));
 }
 
-// Shear modulus from the energy of a block whose whole boundary is sheared evenly, over E / 2 (1 + nu); the mean over
-// the planes of shear.
+// Twice the energy of a block for each volume and squared strain, if its whole boundary is displaced by `gradient`
+// times the strain and it is at rest within.
+double block_stiffness(const Net& net, Sharing sharing, const Eigen::Matrix3d& gradient) {
+  Network network = network_of(net, sharing);
+  for (NodeIndex k = 0; k < net.mesh.points.size(); ++k) {
+    Node node = network.nodes()[k];
+    node.position += strain * gradient * net.mesh.points[k];
+    node.fixed = net.on_boundary(k);
+    network.set_node(k, node);
+  }
+  const double volume = net.size.x() * net.size.y() * net.depth();
+  return 2.0 * at_rest_of(net, network).potential_energy() / (strain * strain * volume);
+}
+
+// Over that of the material, 2 E / 3 in a solid and 3 E / 4 in a sheet: a block dilated evenly has 9 K, a sheet 4 K.
+double bulk(const Net& net, Sharing sharing) {
+  Eigen::Matrix3d gradient = Eigen::Matrix3d::Identity();
+  if (net.dimension == 2) gradient(2, 2) = 0.0;
+  return block_stiffness(net, sharing, gradient) / (net.dimension == 3 ? 6.0 * modulus : 3.0 * modulus);
+}
+
+// Shear modulus over E / 2 (1 + nu); the mean over the planes of shear.
 double shear(const Net& net, Sharing sharing) {
   const double wanted = modulus / (2.0 * (1.0 + poisson_ratio_of_net(net.dimension)));
   std::vector<std::pair<Eigen::Index, Eigen::Index>> planes{{0, 1}};
   if (net.dimension == 3) planes.insert(planes.end(), {{1, 2}, {2, 0}});
   double mean = 0.0;
   for (const auto& [to, by] : planes) {
-    Network network = network_of(net, sharing);
-    for (NodeIndex k = 0; k < net.mesh.points.size(); ++k) {
-      Node node = network.nodes()[k];
-      node.position[to] += strain * net.mesh.points[k][by];
-      node.fixed = net.on_boundary(k);
-      network.set_node(k, node);
-    }
-    const double volume = net.size().x() * net.size().y() * net.depth();
-    mean += 2.0 * at_rest_of(net, network).potential_energy() / (strain * strain * volume);
+    Eigen::Matrix3d gradient = Eigen::Matrix3d::Zero();
+    gradient(to, by) = 1.0;
+    mean += block_stiffness(net, sharing, gradient);
   }
   return mean / static_cast<double>(planes.size()) / wanted;
 }
@@ -245,8 +297,11 @@ struct Case {
   Sharing sharing;
 };
 constexpr std::array cases{Case{"hexahedra, all diagonals", Kind::lattice, Sharing::best},
+                           Case{"hexahedra 2 : 1, all diagonals", Kind::flat_2, Sharing::best},
+                           Case{"hexahedra 5 : 1, all diagonals", Kind::flat_5, Sharing::best},
                            Case{"hexahedra, space diagonals", Kind::space_lattice, Sharing::best},
                            Case{"tetrahedra", Kind::tetrahedra, Sharing::best},
+                           Case{"tetrahedra, Gmsh", Kind::gmsh, Sharing::best},
                            Case{"tetrahedra, fitted", Kind::tetrahedra, Sharing::fitted},
                            Case{"quadrilaterals, diagonals", Kind::quadrilaterals, Sharing::best},
                            Case{"triangles", Kind::triangles, Sharing::best},
@@ -260,9 +315,18 @@ std::string row_of(const Case& one, std::uint32_t cells) {
     const double percent = 100.0 * (ratio - 1.0);
     return std::abs(percent) < 0.05 ? std::string("0.0") : fmt::format("{:+.1f}", percent);
   };
-  return fmt::format("| {} | {} | {} | {} | {} | {:.3f} | {} | {} |", one.name, cells, bar.mesh.points.size(),
+  return fmt::format("| {} | {} | {} | {} | {} | {:.3f} | {} | {} | {} |", one.name, cells, bar.mesh.points.size(),
                      bar.edges.size(), error(pulled.modulus / modulus), pulled.poisson_ratio,
-                     error(shear(block, one.sharing)), error(cantilever(bar, one.sharing)));
+                     error(bulk(block, one.sharing)), error(shear(block, one.sharing)),
+                     error(cantilever(bar, one.sharing)));
+}
+
+// Cells across.
+std::vector<std::uint32_t> sizes_of(Kind kind) {
+  if (kind == Kind::gmsh) return {4};
+  if (kind == Kind::flat_2) return {2, 4};
+  if (kind == Kind::flat_5) return {2};
+  return is_sheet(kind) ? std::vector{2u, 4u, 8u} : std::vector{2u, 3u, 4u};
 }
 
 // The rows of the page that begin as the table's do, each once.
@@ -278,12 +342,11 @@ bool page_has(const std::string& page, const std::string& row) {
 bool print_table(const std::string& page) {
   bool same = true;
   if (page.empty()) {
-    fmt::print("| cells | across | nodes | springs | E, % | Poisson ratio | G, % | deflection, % |\n");
-    fmt::print("|---|---|---|---|---|---|---|---|\n");
+    fmt::print("| cells | across | nodes | springs | E, % | Poisson ratio | K, % | G, % | deflection, % |\n");
+    fmt::print("|---|---|---|---|---|---|---|---|---|\n");
   }
   for (const Case& one : cases) {
-    const bool solid = one.kind == Kind::lattice || one.kind == Kind::space_lattice || one.kind == Kind::tetrahedra;
-    for (const std::uint32_t cells : solid ? std::array{2u, 3u, 4u} : std::array{2u, 4u, 8u}) {
+    for (const std::uint32_t cells : sizes_of(one.kind)) {
       const std::string row = row_of(one, cells);
       if (!page.empty()) {
         same = page_has(page, row) && same;

@@ -129,7 +129,7 @@ TEST_CASE("regular triangles and tetrahedra are isotropic as far as their symmet
   for (const double k : net.stiffness) CHECK(k == doctest::Approx(std::sqrt(3.0) / 4 * modulus * 2.0).epsilon(1e-14));
 }
 
-TEST_CASE("every net has the bulk modulus of its material") {
+TEST_CASE("every net whose nodes move evenly has the bulk modulus of its material") {
   // sum k l^2 = 9 K V with K = 2 E / 3 in a solid, 4 K A t with K = 3 E / 4 in a sheet, for any shape of the cells.
   const auto check = [](const Mesh& mesh, const Section& section, double expected) {
     const std::vector<Edge> edges = edges_of(mesh);
@@ -151,6 +151,49 @@ TEST_CASE("a cell flatter than springs can follow gets no spring of negative sti
   for (const double k : net.stiffness) CHECK(k >= 0);
   CHECK(trace_over_modulus(mesh, edges, net.stiffness) == doctest::Approx(6 * 0.8).epsilon(1e-13));
   CHECK(net.misfit > 0.01);  // it cannot be isotropic
+  CHECK(net.fitted_misfit == net.misfit);
+}
+
+TEST_CASE("boxes within 1 : 1.7 are isotropic, flatter ones less and less, and how much is known") {
+  const auto misfit = [](double height) {
+    const Mesh mesh = mesh_of(lattice({2, 2, 2}, {1, 1, height}));
+    return stiffness_of(mesh, edges_of(mesh, {.face_diagonals = true, .space_diagonals = true}), modulus, {})
+        .fitted_misfit;
+  };
+  CHECK(misfit(1 / 1.7) < 1e-7);
+  CHECK(misfit(1.7) < 1e-7);
+  // Non-negative least squares by Lawson and Hanson's method (NumPy): relative difference of the tensors.
+  CHECK(misfit(0.5) == doctest::Approx(0.111).epsilon(0.005));
+  CHECK(misfit(0.2) == doctest::Approx(0.507).epsilon(0.001));
+  CHECK(misfit(2.0) == doctest::Approx(0.098).epsilon(0.005));
+  const Mesh sheet = mesh_of(lattice({2, 2, 1}, {1, 0.5, 1}));
+  CHECK(stiffness_of(sheet, edges_of(sheet, {.face_diagonals = true}), modulus, {.thickness = 1.0}).fitted_misfit ==
+        doctest::Approx(0.107).epsilon(0.005));
+}
+
+TEST_CASE("the misfit of tetrahedra and triangles is not that of fitted cells") {
+  const Mesh tetrahedron = single(CellType::tetrahedron, {{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {0, 0, 1}});
+  const NetStiffness net = stiffness_of(tetrahedron, edges_of(tetrahedron), modulus, {});
+  CHECK(net.misfit > 0.1);
+  CHECK(net.fitted_misfit == 0.0);
+}
+
+TEST_CASE("springs that are not among the edges are found missing") {
+  const Mesh mesh = mesh_of(lattice({3, 2, 2}, Vector3::Ones()));
+  std::vector<Edge> edges = edges_of(mesh);
+  const Edge missing = edges[7];
+  edges.erase(edges.begin() + 7);
+  std::string message;
+  try {
+    static_cast<void>(stiffness_of(mesh, edges, modulus, {}));
+  } catch (const Error& error) {
+    message = error.what();
+  }
+  CAPTURE(message);
+  CHECK(message.starts_with("the edge from point "));
+  for (const std::uint32_t point : {missing.first, missing.second}) {
+    CHECK(message.find("point " + std::to_string(point) + " ") != std::string::npos);
+  }
 }
 
 TEST_CASE("cells without diagonals are known to lack shear") {
@@ -170,6 +213,10 @@ TEST_CASE("what cannot be a material is refused") {
   const Mesh flat = single(CellType::tetrahedron, {{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {1, 1, 0}});
   CHECK(refusal(flat, 1.0, {}).find("tetrahedron 0 at [0, 0, 0] has no volume") != std::string::npos);
   CHECK(refusal(flat, -1.0, {}).find("Young's modulus") != std::string::npos);
+  // A quadrilateral with two corners at one place is a triangle, and has an area.
+  const Mesh thin = single(CellType::quadrilateral, {{0, 0, 0}, {1, 0, 0}, {1, 1, 0}, {1, 1, 0}});
+  CHECK(refusal(thin, 1.0, {.thickness = 1.0})
+            .starts_with("quadrilateral 0: its corners 3 and 4, points 2 and 3, are both at [1, 1, 0]"));
   const Mesh sheet = single(CellType::triangle, {{0, 0, 0}, {1, 0, 0}, {0, 1, 0}});
   CHECK(refusal(sheet, 1.0, {}).find("thickness") != std::string::npos);
 }

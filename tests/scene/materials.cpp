@@ -1,11 +1,16 @@
 // Masses from densities and springs from materials, as a scene says them.
+#include <algorithm>
 #include <cmath>
+#include <ctime>
+#include <set>
 #include <string>
 
 #include <doctest/doctest.h>
+#include <fmt/format.h>
 #include <springnet/material.hpp>
 
 #include "scenes.hpp"
+#include "temporary_folder.hpp"
 
 using namespace springnet;
 
@@ -79,6 +84,25 @@ TEST_CASE("each spring gets the stiffness of its edge, and its share of damping"
     // Axial springs at the four long edges of the box are in one cell, those within in four.
     if (lattice.springs()[k].first == 0) CHECK(parameter(lattice, k, "stiffness") > 0);
   }
+  // So each is compared with that of the edge between the same nodes. With three spacings no two directions are alike.
+  const std::string uneven = "mesh = { lattice = [3, 4, 5], spacing = [0.5, 0.45, 0.6], diagonals = \"all\" }";
+  const Network unlike = parse(body(uneven, "density = 1.0\nmaterial = { youngs_modulus = 100.0 }")).network;
+  Lattice shape;
+  shape.nodes = {3, 4, 5};
+  shape.spacing = {0.5, 0.45, 0.6};
+  const Mesh cells = mesh_of(shape);
+  const std::vector<Edge> edges = edges_of(cells, {.face_diagonals = true, .space_diagonals = true});
+  const NetStiffness net_stiffness = stiffness_of(cells, edges, 100.0, {});
+  CHECK(std::set<double>(net_stiffness.stiffness.begin(), net_stiffness.stiffness.end()).size() > 10);
+  REQUIRE(unlike.springs().size() == edges.size());
+  for (std::size_t k = 0; k < edges.size(); ++k) {
+    const Edge pair = std::minmax(unlike.springs()[k].first, unlike.springs()[k].second);
+    const auto found = std::lower_bound(edges.begin(), edges.end(), pair);
+    REQUIRE(found != edges.end());
+    REQUIRE(*found == pair);
+    CHECK(parameter(unlike, k, "stiffness") ==
+          net_stiffness.stiffness[static_cast<std::size_t>(found - edges.begin())]);
+  }
   CHECK(trace == doctest::Approx(6 * 100.0 * 3.0).epsilon(1e-9));  // shares are exact to 1e-10
 }
 
@@ -98,7 +122,53 @@ TEST_CASE("what a net cannot have is noted") {
   CHECK(contains(notes(sheet, ", poisson_ratio = 0.25"), "not 0.25 as asked"));
   CHECK_FALSE(contains(notes(box, ""), "shear"));
   CHECK(contains(notes("mesh = { lattice = [3, 3, 3], spacing = 1.0 }", ""), "resist no shear"));
+
+  // Flat cells, whose springs are another material.
+  const auto flat = [&](double height) {
+    return notes(
+        "mesh = { lattice = [3, 3, 3], spacing = [1, 1, " + std::to_string(height) + "], diagonals = \"all\" }", "");
+  };
+  const std::string misfit = "the elasticity of the material: it is off by ";
+  CHECK_FALSE(contains(flat(0.6), misfit));
+  CHECK(contains(flat(0.5), misfit + "11 %"));
+  CHECK(contains(flat(0.2), misfit + "51 %"));
+  CHECK(contains(flat(0.2), "diagonals = \"all\""));
+  // Without diagonals there is no shear at all, which is said by itself.
+  CHECK_FALSE(contains(notes("mesh = { lattice = [3, 3, 3], spacing = [1, 1, 0.2] }", ""), misfit));
+  // Tetrahedra are not isotropic one by one, and have a Poisson ratio that is only about that of a regular net.
+  CHECK_FALSE(contains(notes(bar, ""), misfit));
+  CHECK(contains(notes(bar, ""), "a solid of Poisson ratio about 1/4"));
+  CHECK_FALSE(contains(notes(box, ""), "about"));
 }
+
+#if defined(NDEBUG) && !defined(__SANITIZE_ADDRESS__)
+TEST_CASE("a body of a hundred thousand tetrahedra is read in seconds, with its material") {
+  // 26^3 cubes in six tetrahedra each.
+  Lattice lattice;
+  lattice.nodes = {27, 27, 27};
+  const Mesh cubes = mesh_of(lattice);
+  std::string text = fmt::format("# vtk DataFile Version 3.0\nt\nASCII\nDATASET UNSTRUCTURED_GRID\nPOINTS {} double\n",
+                                 cubes.points.size());
+  for (const Vector3& p : cubes.points) text += fmt::format("{} {} {}\n", p.x(), p.y(), p.z());
+  const auto tetrahedra = tetrahedra_of(cubes);
+  REQUIRE(tetrahedra.size() == 105456);
+  text += fmt::format("CELLS {} {}\n", tetrahedra.size(), 5 * tetrahedra.size());
+  for (const auto& [a, b, c, d] : tetrahedra) text += fmt::format("4 {} {} {} {}\n", a, b, c, d);
+  text += fmt::format("CELL_TYPES {}\n", tetrahedra.size());
+  for (std::size_t k = 0; k < tetrahedra.size(); ++k) text += "10\n";
+  const testing::TemporaryFolder folder;
+  folder.write("block.vtk", text);
+  const auto begin = std::clock();
+  const Scene scene = parse_scene(
+      body("mesh = { file = \"block.vtk\" }", "density = 1.0\nmaterial = { youngs_modulus = 1e4 }") +
+          "[[element]]\ninvariant = \"volume\"\nselect = {}\nspring = { type = \"linear\", stiffness = 1.0 }\n",
+      "test.toml", plugins(), {}, folder.path());
+  // It takes about one.
+  CHECK(static_cast<double>(std::clock() - begin) < 20.0 * CLOCKS_PER_SEC);
+  CHECK(scene.network.nodes().size() == 27 * 27 * 27);
+  CHECK(scene.network.elements().size() == tetrahedra.size());
+}
+#endif
 
 TEST_CASE("what is wrong with a material is said with its place") {
   const auto refused = [](const std::string& keys, const std::string& neuron = "") {

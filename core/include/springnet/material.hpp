@@ -18,8 +18,9 @@ struct Section {
   std::optional<double> cross_section{};  // m^2
 };
 
-// The Poisson ratio of an isotropic net of springs. Forces along the lines between nodes leave one elastic constant
-// (Cauchy's relation), and with it 1/4 in a solid and 1/3 in a sheet (plane stress). Of dimension 2 and 3.
+// The Poisson ratio of an isotropic net of springs whose nodes move evenly. Forces along the lines between nodes leave
+// one elastic constant (Cauchy's relation), and with it 1/4 in a solid and 1/3 in a sheet (plane stress). Nets of
+// irregular cells, whose nodes do not, have another one (core/docs/material.md). Of dimension 2 and 3.
 [[nodiscard]] double poisson_ratio_of_net(int dimension) noexcept;
 
 // The cells that have substance: all but vertices and those that are a face or an edge of another cell (as the named
@@ -37,11 +38,16 @@ struct NetStiffness {
   // How far the elasticity tensors of single cells are from the isotropic one: the root mean square by volume of the
   // relative difference (Frobenius norm). In the mean over neighbours much of it cancels. Of solid and surface cells.
   double misfit = 0.0;
+  // The same over quadrilaterals, hexahedra, wedges and pyramids alone: their neighbours in a mesh are much as they
+  // are, so that little cancels, and the net is that far from what is wanted. (Triangles and tetrahedra, which are far
+  // from isotropic one by one, are not in good meshes.) 0 without such cells.
+  double fitted_misfit = 0.0;
   bool lacks_shear = false;  // a quadrilateral or hexahedron has no diagonal among the edges
 };
 
 // Stiffness of springs along `edges` (those of edges_of) so that the net is as near as it can be to the isotropic
-// solid of Young's modulus `youngs_modulus`, Pa. Throws Error(input) as masses_of, and for a cell without volume.
+// solid of Young's modulus `youngs_modulus`, Pa. Throws Error(input) as masses_of, for a cell without volume or with
+// two corners at one place, and for an edge of a cell that is not among `edges`.
 [[nodiscard]] NetStiffness stiffness_of(const Mesh& mesh, std::span<const Edge> edges, double youngs_modulus,
                                         const Section& section);
 
