@@ -29,18 +29,25 @@ double measure_of(const Mesh& mesh, std::size_t cell) {
   return std::abs(meshes::solid_volume(mesh, cell));
 }
 
+std::vector<std::array<std::uint32_t, 4>> tetrahedra_of(const Mesh& mesh, std::size_t cell) {
+  std::vector<std::array<std::uint32_t, 4>> result;
+  const auto corners = mesh.cell(cell);
+  for (const auto& places : meshes::tetrahedron_places(mesh.types[cell])) {
+    std::array nodes{corners[places[0]], corners[places[1]], corners[places[2]], corners[places[3]]};
+    const double volume = meshes::tetrahedron_volume(mesh.points[nodes[0]], mesh.points[nodes[1]],
+                                                     mesh.points[nodes[2]], mesh.points[nodes[3]]);
+    if (volume == 0.0) continue;
+    if (volume < 0.0) std::swap(nodes[2], nodes[3]);
+    result.push_back(nodes);
+  }
+  return result;
+}
+
 std::vector<std::array<std::uint32_t, 4>> tetrahedra_of(const Mesh& mesh) {
   std::vector<std::array<std::uint32_t, 4>> result;
   for (std::size_t cell = 0; cell < mesh.cell_count(); ++cell) {
-    const auto corners = mesh.cell(cell);
-    for (const auto& places : meshes::tetrahedron_places(mesh.types[cell])) {
-      std::array nodes{corners[places[0]], corners[places[1]], corners[places[2]], corners[places[3]]};
-      const double volume = meshes::tetrahedron_volume(mesh.points[nodes[0]], mesh.points[nodes[1]],
-                                                       mesh.points[nodes[2]], mesh.points[nodes[3]]);
-      if (volume == 0.0) continue;
-      if (volume < 0.0) std::swap(nodes[2], nodes[3]);
-      result.push_back(nodes);
-    }
+    const auto of_cell = tetrahedra_of(mesh, cell);
+    result.insert(result.end(), of_cell.begin(), of_cell.end());
   }
   return result;
 }

@@ -1,12 +1,16 @@
 #include <algorithm>
+#include <array>
 #include <map>
 #include <set>
+#include <unordered_set>
 
 #include <fmt/format.h>
 
 #include <springnet/material.hpp>
 #include <springnet/mesh.hpp>
 
+#include "mesh/cells.hpp"
+#include "mesh/coordinates.hpp"
 #include "scene/component.hpp"
 #include "scene/parts.hpp"
 #include "scene/select.hpp"
@@ -20,6 +24,71 @@ template <std::size_t Count>
 bool all_inside(const std::array<NodeIndex, Count>& nodes, const std::vector<bool>& inside) {
   return std::all_of(nodes.begin(), nodes.end(), [&](NodeIndex node) { return inside[node]; });
 }
+
+// What a selection takes: its nodes; of triangles and solid cells those with all nodes selected and, where it names
+// groups, in the cells of one of them. Of a group without such cells (a group of points, or of cells of another
+// dimension) those with all nodes in it.
+class Chosen {
+ public:
+  Chosen(const Value& selection, const Network& network, const std::vector<Shape>& shapes)
+      : nodes_(network.nodes().size(), false), groups_(select_groups(selection, network)) {
+    for (const NodeIndex node : select_nodes(selection, network)) nodes_[node] = true;
+    if (groups_.empty()) return;
+    by_nodes_[0] = by_nodes_[1] = std::vector<bool>(nodes_.size(), false);
+    solids_.resize(shapes.size());
+    for (const auto& [body, group] : groups_) {
+      std::array<bool, 2> has_cells{};  // triangles or quadrilaterals, solid cells
+      const Body& owner = network.bodies()[body];
+      if (const auto* mesh = std::get_if<Mesh>(&shapes[body])) {
+        for (const std::uint32_t cell : mesh->groups[group].cells) {
+          const int dimension = dimension_of(mesh->types[cell]);
+          if (dimension < 2) continue;
+          has_cells[static_cast<std::size_t>(dimension - 2)] = true;
+          if (dimension == 2) {
+            add_triangles(mesh->cell(cell), owner.first_node);
+          } else {
+            solids_[body].insert(cell);
+          }
+        }
+      }
+      for (const NodeIndex node : owner.groups[group].nodes) {
+        for (std::size_t kind = 0; kind < 2; ++kind) {
+          if (!has_cells[kind]) by_nodes_[kind][node] = nodes_[node];
+        }
+      }
+    }
+  }
+
+  [[nodiscard]] const std::vector<bool>& nodes() const { return nodes_; }
+  [[nodiscard]] bool by_groups() const { return !groups_.empty(); }
+  [[nodiscard]] bool has_triangle(const Face& face) const {
+    if (!all_inside(face, nodes_)) return false;
+    return groups_.empty() || triangles_.contains(meshes::face_key(face)) || all_inside(face, by_nodes_[0]);
+  }
+  // Of a solid cell of a body, one of the tetrahedra that it divides into.
+  [[nodiscard]] bool has_part(std::size_t body, std::size_t cell, const std::array<NodeIndex, 4>& nodes) const {
+    if (!all_inside(nodes, nodes_)) return false;
+    return groups_.empty() || solids_[body].contains(cell) || all_inside(nodes, by_nodes_[1]);
+  }
+
+ private:
+  // A quadrilateral is divided along one of its diagonals: all three corners of it that may be a triangle.
+  void add_triangles(std::span<const std::uint32_t> cell, NodeIndex first) {
+    for (std::size_t left_out = 0; left_out < (cell.size() == 4 ? 4U : 1U); ++left_out) {
+      std::vector<std::uint32_t> corners;
+      for (std::size_t k = 0; k < cell.size(); ++k) {
+        if (cell.size() == 3 || k != left_out) corners.push_back(first + cell[k]);
+      }
+      triangles_.insert(meshes::face_key(corners));
+    }
+  }
+
+  std::vector<bool> nodes_;  // [node]
+  std::vector<SelectedGroup> groups_;
+  std::array<std::vector<bool>, 2> by_nodes_;  // [0 triangles, 1 solid cells][node] of groups without such cells
+  std::set<meshes::FaceKey> triangles_;
+  std::vector<std::unordered_set<std::size_t>> solids_;  // [body]
+};
 
 // At each node inside with exactly two springs, to two different nodes: from the lower one over the node to the upper.
 NodeLists find_angles(const Network& network, const std::vector<bool>& inside) {
@@ -40,34 +109,38 @@ NodeLists find_angles(const Network& network, const std::vector<bool>& inside) {
   return angles;
 }
 
-NodeLists find_hinges(const Network& network, const std::vector<bool>& inside) {
+NodeLists find_hinges(const Network& network, const Chosen& chosen) {
   NodeLists hinges;
   for (const Body& body : network.bodies()) {
     const auto first = network.faces().begin() + static_cast<std::ptrdiff_t>(body.first_face);
     const std::vector<Face> faces(first, first + static_cast<std::ptrdiff_t>(body.face_count));
     for (const auto& hinge : hinges_of(faces)) {
-      if (all_inside(hinge, inside)) hinges.emplace_back(hinge.begin(), hinge.end());
+      const auto& [from, to, left, right] = hinge;
+      if (!chosen.has_triangle({from, to, left}) || !chosen.has_triangle({to, from, right})) continue;
+      hinges.emplace_back(hinge.begin(), hinge.end());
     }
   }
   return hinges;
 }
 
-NodeLists find_triangles(const Network& network, const std::vector<bool>& inside) {
+NodeLists find_triangles(const Network& network, const Chosen& chosen) {
   NodeLists triangles;
   for (const Face& face : network.faces()) {
-    if (all_inside(face, inside)) triangles.emplace_back(face.begin(), face.end());
+    if (chosen.has_triangle(face)) triangles.emplace_back(face.begin(), face.end());
   }
   return triangles;
 }
 
-NodeLists find_tetrahedra(const Network& network, const std::vector<bool>& inside, const std::vector<Shape>& shapes) {
+NodeLists find_tetrahedra(const Network& network, const Chosen& chosen, const std::vector<Shape>& shapes) {
   NodeLists tetrahedra;
   for (std::size_t k = 0; k < shapes.size(); ++k) {
     const NodeIndex first = network.bodies()[k].first_node;
     const auto add = [&](const Mesh& mesh) {
-      for (std::array<std::uint32_t, 4> nodes : tetrahedra_of(mesh)) {
-        for (NodeIndex& node : nodes) node += first;
-        if (all_inside(nodes, inside)) tetrahedra.emplace_back(nodes.begin(), nodes.end());
+      for (std::size_t cell = 0; cell < mesh.cell_count(); ++cell) {
+        for (std::array<std::uint32_t, 4> nodes : tetrahedra_of(mesh, cell)) {
+          for (NodeIndex& node : nodes) node += first;
+          if (chosen.has_part(k, cell, nodes)) tetrahedra.emplace_back(nodes.begin(), nodes.end());
+        }
       }
     };
     if (const auto* mesh = std::get_if<Mesh>(&shapes[k])) add(*mesh);
@@ -76,23 +149,21 @@ NodeLists find_tetrahedra(const Network& network, const std::vector<bool>& insid
   return tetrahedra;
 }
 
-std::string text(const Vector3& p) { return fmt::format("[{:g}, {:g}, {:g}]", p.x(), p.y(), p.z()); }
-
-// All triangles inside as one closed surface, seen from outside.
-NodeLists find_surface(const Value& selection, const Network& network, const std::vector<bool>& inside) {
+// All triangles chosen as one closed surface, seen from outside.
+NodeLists find_surface(const Value& selection, const Network& network, const Chosen& chosen) {
   std::vector<NodeIndex> surface;
   std::set<Edge> edges;  // directed
-  for (const std::vector<NodeIndex>& face : find_triangles(network, inside)) {
+  for (const std::vector<NodeIndex>& face : find_triangles(network, chosen)) {
     for (std::size_t k = 0; k < 3; ++k) edges.emplace(face[k], face[(k + 1) % 3]);
     surface.insert(surface.end(), face.begin(), face.end());
   }
   if (surface.empty()) return {};
   for (const auto& [from, to] : edges) {
     if (edges.contains({to, from})) continue;
-    selection.fail(
-        fmt::format("the surface of these nodes is open at the edge from {} to {} (nodes {} and {}); select all of a "
-                    "closed surface, or mend the mesh there",
-                    text(network.nodes()[from].position), text(network.nodes()[to].position), from, to));
+    selection.fail(fmt::format(
+        "the surface of these nodes is open at the edge from {} to {} (nodes {} and {}); select all of a "
+        "closed surface, or mend the mesh there",
+        meshes::text(network.nodes()[from].position), meshes::text(network.nodes()[to].position), from, to));
   }
   // The wall of a cavity in a solid is turned into the cavity.
   if (network.value_of({Invariant::enclosed_volume, surface, 0, 0.0}) < 0) std::reverse(surface.begin(), surface.end());
@@ -118,35 +189,35 @@ std::size_t count_parts(const std::vector<NodeIndex>& triangles) {
 
 NodeLists find_elements(const Value& selection, Invariant invariant, const Network& network,
                         const std::vector<Shape>& shapes) {
-  std::vector<bool> inside(network.nodes().size(), false);
-  for (const NodeIndex node : select_nodes(selection, network)) inside[node] = true;
+  const Chosen chosen(selection, network, shapes);
   NodeLists found;
   std::string_view what;
   switch (invariant) {
     case Invariant::angle:
-      found = find_angles(network, inside);
+      found = find_angles(network, chosen.nodes());
       what = "has no node with exactly two springs";
       break;
     case Invariant::dihedral:
-      found = find_hinges(network, inside);
+      found = find_hinges(network, chosen);
       what = "has no two triangles with a common edge among the faces of a body";
       break;
     case Invariant::area:
-      found = find_triangles(network, inside);
+      found = find_triangles(network, chosen);
       what = "has no triangle among the faces of a body";
       break;
     case Invariant::volume:
-      found = find_tetrahedra(network, inside, shapes);
+      found = find_tetrahedra(network, chosen, shapes);
       what = "has no solid cell of a mesh";
       break;
     case Invariant::enclosed_volume:
-      found = find_surface(selection, network, inside);
+      found = find_surface(selection, network, chosen);
       what = "has no triangle among the faces of a body";
       break;
   }
   if (found.empty()) {
-    selection.fail(fmt::format(
-        "{}, all of whose nodes are selected; select more, or list the elements one by one with 'nodes'", what));
+    selection.fail(
+        fmt::format("{}, all of whose nodes are selected{}; select more, or list the elements one by one with 'nodes'",
+                    what, chosen.by_groups() ? " and that is in a group that is named" : ""));
   }
   return found;
 }

@@ -15,8 +15,9 @@ namespace {
 constexpr double thickness = 1e-9;
 
 struct Region {
-  std::vector<const Body*> bodies;                // none: everywhere
-  std::optional<std::vector<NodeIndex>> grouped;  // rising
+  std::vector<const Body*> bodies;  // none: everywhere
+  std::vector<SelectedGroup> groups;
+  std::optional<std::vector<NodeIndex>> grouped;  // their nodes, rising
   std::optional<Vector3> smallest, largest, center;
   double radius = 0;
 
@@ -51,17 +52,18 @@ void sort_and_unite(std::vector<Element>& elements) {
   elements.erase(std::unique(elements.begin(), elements.end()), elements.end());
 }
 
-// Adds the nodes of the groups of this name, those of the bodies given or of all.
-void add_group(const Value& name, const std::vector<const Body*>& bodies, std::vector<NodeIndex>& nodes) {
+// Adds the groups of this name that the bodies have.
+void add_group(const Value& name, const std::vector<const Body*>& bodies, const Network& network,
+               std::vector<SelectedGroup>& groups) {
   const std::string wanted = name.text();
   std::vector<std::string> known;
   bool found = false;
   for (const Body* body : bodies) {
-    for (const NodeGroup& group : body->groups) {
-      known.push_back(group.name);
-      if (group.name != wanted) continue;
+    for (std::size_t k = 0; k < body->groups.size(); ++k) {
+      known.push_back(body->groups[k].name);
+      if (known.back() != wanted) continue;
       found = true;
-      nodes.insert(nodes.end(), group.nodes.begin(), group.nodes.end());
+      groups.push_back({static_cast<std::size_t>(body - network.bodies().data()), k});
     }
   }
   if (found) return;
@@ -76,17 +78,27 @@ void add_group(const Value& name, const std::vector<const Body*>& bodies, std::v
                         nearest, fmt::join(known, ", ")));
 }
 
-std::vector<NodeIndex> read_groups(const Value& groups, std::vector<const Body*> bodies, const Network& network) {
+// Those of the bodies given, or of all.
+std::vector<SelectedGroup> read_groups(const Value& value, std::vector<const Body*> bodies, const Network& network) {
   if (bodies.empty()) {
     for (const Body& body : network.bodies()) bodies.push_back(&body);
   }
-  std::vector<NodeIndex> nodes;
-  if (groups.is_list()) {
-    const std::vector<Value> names = groups.elements();
-    if (names.empty()) groups.fail("names no group; leave the key out to select whole bodies");
-    for (const Value& name : names) add_group(name, bodies, nodes);
+  std::vector<SelectedGroup> groups;
+  if (value.is_list()) {
+    const std::vector<Value> names = value.elements();
+    if (names.empty()) value.fail("names no group; leave the key out to select whole bodies");
+    for (const Value& name : names) add_group(name, bodies, network, groups);
   } else {
-    add_group(groups, bodies, nodes);
+    add_group(value, bodies, network, groups);
+  }
+  return groups;
+}
+
+std::vector<NodeIndex> nodes_of(const std::vector<SelectedGroup>& groups, const Network& network) {
+  std::vector<NodeIndex> nodes;
+  for (const auto& [body, group] : groups) {
+    const std::vector<NodeIndex>& more = network.bodies()[body].groups[group].nodes;
+    nodes.insert(nodes.end(), more.begin(), more.end());
   }
   sort_and_unite(nodes);
   return nodes;
@@ -102,7 +114,10 @@ Region read_region(const Table& table, const Network& network) {
       region.bodies.push_back(&find_body(*body, network));
     }
   }
-  if (const auto groups = table.find("group")) region.grouped = read_groups(*groups, region.bodies, network);
+  if (const auto groups = table.find("group")) {
+    region.groups = read_groups(*groups, region.bodies, network);
+    region.grouped = nodes_of(region.groups, network);
+  }
   if (const auto value = table.find("box")) {
     const Table box = value->table("select.box");
     if (const auto smallest = box.find("min")) region.smallest = corner(*smallest);
@@ -198,6 +213,10 @@ NodeIndex read_node(const Value& number, const Body* body, const Network& networ
     number.fail(fmt::format("there is no node {} in {}, it has {}, numbered from 0", index, where, count));
   }
   return static_cast<NodeIndex>(index) + (body != nullptr ? body->first_node : 0);
+}
+
+std::vector<SelectedGroup> select_groups(const Value& selection, const Network& network) {
+  return read_region(selection.table("select"), network).groups;
 }
 
 std::vector<NodeIndex> select_nodes(const Value& selection, const Network& network) {

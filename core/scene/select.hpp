@@ -15,6 +15,14 @@ namespace springnet::scene {
 // Both ends of a spring have to meet what is given.
 [[nodiscard]] std::vector<SpringIndex> select_springs(const Value& selection, const Network& network);
 
+// A group that a selection names: of that body, which has that many before it.
+struct SelectedGroup {
+  std::size_t body;
+  std::size_t group;
+};
+// Those of all bodies that it may be from; none if the selection names no group.
+[[nodiscard]] std::vector<SelectedGroup> select_groups(const Value& selection, const Network& network);
+
 // The body of this name.
 [[nodiscard]] const Body& find_body(const Value& name, const Network& network);
 // A node's number: within the body, or of the whole network if there is none.

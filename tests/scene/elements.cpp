@@ -1,4 +1,5 @@
 // Elements of a scene: which they are, and what is wrong with them.
+#include <algorithm>
 #include <array>
 #include <cmath>
 #include <numbers>
@@ -59,6 +60,74 @@ TEST_CASE("elements of selections") {
   const Network hinges = parse(element("invariant = \"dihedral\"\nselect = { body = \"sheet\" }")).network;
   CHECK(hinges.elements().size() == 8);
   for (const Element& hinge : hinges.elements()) CHECK(hinge.reference == 0.0);  // flat
+}
+
+TEST_CASE("of a group those triangles and cells that are in it, not all between its nodes") {
+  // The unit cube, 3 x 3 x 3 divided, of tetrahedra; the group wall is its sides x = 0, y = 0 and z = 0: 54 triangles.
+  // Three triangles of the other sides have all of their corners on these.
+  const auto box = [](const std::string& invariant, const std::string& selection) {
+    return parse(simulation + "[[body]]\nname = \"box\"\nmesh = { file = \"box.msh\" }\n" + springs +
+                 "[[element]]\ninvariant = \"" + invariant + "\"\nselect = " + selection + "\n" + law)
+        .network;
+  };
+  const Network walls = box("area", "{ group = \"wall\" }");
+  CHECK(walls.elements().size() == 54);
+  CHECK(sum(walls) == doctest::Approx(3.0).epsilon(1e-12));
+  for (const Element& e : walls.elements()) {
+    const auto at_0 = [&](Eigen::Index axis) {
+      return std::all_of(e.nodes.begin(), e.nodes.end(),
+                         [&](NodeIndex k) { return std::abs(walls.nodes()[k].position[axis]) < 1e-12; });
+    };
+    CHECK((at_0(0) || at_0(1) || at_0(2)));
+  }
+  // Three sides of a triangle each, but for the rim of six times three edges.
+  CHECK(box("dihedral", "{ group = \"wall\" }").elements().size() == (3 * 54 - 18) / 2);
+  CHECK(box("area", "{ group = \"wall\", box = { max = [0, 1, 1] } }").elements().size() == 18);
+  CHECK(box("volume", "{ group = \"v\" }").elements().size() == 162);
+  // A group of solid cells has no triangles: those between its nodes.
+  CHECK(box("area", "{ group = \"v\" }").elements().size() == 108);
+  CHECK(box("area", "{ group = [\"wall\", \"v\"] }").elements().size() == 108);
+  const Network filling = box("enclosed_volume", "{ group = \"v\" }");
+  REQUIRE(filling.elements().size() == 1);
+  CHECK(sum(filling) == doctest::Approx(1.0).epsilon(1e-12));
+}
+
+TEST_CASE("groups of quadrilaterals, of solid cells and of points") {
+  // Cubes in a row along x; the first and the last one are of one material, so are the quadrilaterals below these. All
+  // nodes of the middle one are theirs too.
+  std::string points, groups;
+  for (int k = 0; k < 16; ++k) {
+    points += fmt::format("{} {} {}\n", k / 4, k % 2, k / 2 % 2);
+    groups += k < 8 ? "5 " : "6 ";
+  }
+  std::string cells;
+  for (int c = 0; c < 12; c += 4) {
+    cells += fmt::format("8 {} {} {} {} {} {} {} {}\n", c, c + 4, c + 5, c + 1, c + 2, c + 6, c + 7, c + 3);
+  }
+  for (int c = 0; c < 12; c += 4) cells += fmt::format("4 {} {} {} {}\n", c, c + 1, c + 5, c + 4);
+  const testing::TemporaryFolder folder;
+  folder.write("row.vtk", "# vtk DataFile Version 3.0\nrow\nASCII\nDATASET UNSTRUCTURED_GRID\nPOINTS 16 double\n" +
+                              points + "CELLS 6 42\n" + cells +
+                              "CELL_TYPES 6\n12 12 12 9 9 9\nCELL_DATA 6\nSCALARS material int\nLOOKUP_TABLE "
+                              "default\n1 2 1 3 4 3\nPOINT_DATA 16\nSCALARS group int\nLOOKUP_TABLE default\n" +
+                              groups + "\n");
+  const auto row = [&](const std::string& invariant, const std::string& group) {
+    return parse_scene(simulation + "[[body]]\nname = \"row\"\nmesh = { file = \"row.vtk\", origin = [7, 0, 0] }\n" +
+                           springs + "[[body]]\nname = \"other\"\nmesh = { file = \"row.vtk\" }\n" + springs +
+                           "[[element]]\ninvariant = \"" + invariant + "\"\nselect = { body = \"other\", group = \"" +
+                           group + "\" }\n" + law,
+                       "test.toml", plugins(), {}, folder.path())
+        .network;
+  };
+  const Network squares = row("area", "material 3");
+  for (const Element& e : squares.elements()) CHECK(e.nodes[0] >= 16);
+  CHECK(squares.elements().size() == 4);  // two halves of two squares
+  CHECK(sum(squares) == doctest::Approx(2.0).epsilon(1e-14));
+  CHECK(sum(row("volume", "material 1")) == doctest::Approx(2.0).epsilon(1e-14));
+  CHECK(sum(row("volume", "material 2")) == doctest::Approx(1.0).epsilon(1e-14));
+  // Of the first cube all sides but that to the next one.
+  CHECK(sum(row("area", "group 5")) == doctest::Approx(5.0).epsilon(1e-14));
+  CHECK(sum(row("volume", "group 5")) == doctest::Approx(1.0).epsilon(1e-14));
 }
 
 TEST_CASE("the solid cells of a lattice are tetrahedra of their whole volume") {

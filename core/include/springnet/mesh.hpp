@@ -77,6 +77,7 @@ using Edge = std::pair<std::uint32_t, std::uint32_t>;  // lower point first
 [[nodiscard]] std::vector<std::array<std::uint32_t, 4>> hinges_of(std::span<const Face> faces);
 // Solid cells as tetrahedra of positive volume (hexahedra as six, wedges as three, pyramids as two).
 [[nodiscard]] std::vector<std::array<std::uint32_t, 4>> tetrahedra_of(const Mesh& mesh);
+[[nodiscard]] std::vector<std::array<std::uint32_t, 4>> tetrahedra_of(const Mesh& mesh, std::size_t cell);
 
 // Length, area or volume of a cell by its dimension; m, m^2, m^3. Positive however the cell is turned.
 [[nodiscard]] double measure_of(const Mesh& mesh, std::size_t cell);
