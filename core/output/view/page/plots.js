@@ -77,7 +77,10 @@
   // The values of a frame beside the title, each as wide as it is at most: the words stay where they are.
   function add_values(series, scale, head) {
     const stride = Math.max(1, Math.floor(run.frames / 300));
-    function text(each, frame) { return each.label + " " + s.number(s.known(each.values[frame] / scale.size, scale.step), 12); }
+    function text(each, frame) {
+      const value = each.values[frame] / scale.size, known = s.known(value, scale.step);
+      return each.label + " " + (known === 0 ? s.number(value, 2) : s.number(known, 12));  // what is small beside others is not 0
+    }
     const parts = series.map(function (each) {
       const part = document.createElement("span");
       let most = 0;
