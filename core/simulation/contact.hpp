@@ -88,10 +88,11 @@ class Contact {
   // The step starts from the committed contacts, at the time set.
   void begin_step();
   // Puts the outputs of nodes [first, first + count) where fixation and surfaces allow; nodes of `cluster` (null: none)
-  // other than 0xffffffff are left to those that know their rigid connections. `force` is [count], the sweep's arrays
-  // are of all nodes. The decisions become the state of the contacts with commit_sweep().
-  void constrain(std::uint32_t first, std::uint32_t count, const double* const force[3], const springnet_sweep& sweep,
-                 const std::uint32_t* cluster);
+  // other than 0xffffffff are left to those that know their rigid connections. `acceleration` is [count], their
+  // neurons' at the outputs that the sweep reads, m/s^2; the sweep's arrays are of all nodes. The decisions become the
+  // state of the contacts with commit_sweep().
+  void constrain(std::uint32_t first, std::uint32_t count, const double* const acceleration[3],
+                 const springnet_sweep& sweep, const std::uint32_t* cluster);
   // For those: where a node that the scene moves or fixes is, its velocity there; true if it is such a node.
   bool constrain_fixed(std::uint32_t node, const springnet_sweep& sweep) const;
   // The earliest surface that a node meets on its way through the step, and at what share of it.
@@ -135,8 +136,8 @@ class Contact {
 
  private:
   struct Candidate;
-  void constrain_node(std::uint32_t node, const Vector3& force, const springnet_sweep& sweep);
-  void meet(std::uint32_t node, const Vector3& force, const Candidate& candidate, const springnet_sweep& sweep);
+  void constrain_node(std::uint32_t node, const Vector3& acceleration, const springnet_sweep& sweep);
+  void meet(std::uint32_t node, const Candidate& candidate, const springnet_sweep& sweep);
   void slide(std::uint32_t node, std::int32_t surface, const ContactAnswer& answer, const Candidate& candidate,
              const springnet_sweep& sweep, bool is_new);
   void stop_between(std::uint32_t node, std::int32_t surface, const Meeting& second, const Vector3& end,

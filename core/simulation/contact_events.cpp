@@ -16,6 +16,11 @@ namespace {
 constexpr double penetration = 1e-9;
 // A node that a surface stopped has no speed against it but rounding, in units of the velocity scale.
 constexpr double rounding_of_speed = 1e-13;
+// What positions of a reference are uncertain by at least, in units of the length scale.
+constexpr double uncertain = 1e-8, shallow = 1e-7;
+// A surface whose velocity jumps leaves a node behind where that is more than errors of integration, in units of the
+// velocity scale.
+constexpr double jump = 1e-6;
 
 }  // namespace
 
@@ -106,6 +111,25 @@ void Engine::let_go(std::uint32_t node, double time) {
   changed();
 }
 
+void Engine::leave_surfaces(double from) {
+  std::vector<Vector3> before;
+  contact_.set_time(just_before(time_, time_ - from));
+  for (std::size_t j = 0; j < contact_.surfaces().size(); ++j) before.push_back(contact_.placement(j).velocity);
+  contact_.set_time(just_after(time_));
+  for (std::uint32_t k = 0; !before.empty() && k < layout_.node_count(); ++k) {
+    const Touch touch = contact_.committed(k);
+    if (touch.surface < 0) continue;
+    const auto j = static_cast<std::size_t>(touch.surface);
+    if (contact_.surfaces()[j].friction().kind == Friction::Kind::held) continue;
+    const Vector3 velocity = touch.slides ? vector_at(state_.view.velocity, k) : before[j];
+    const double apart =
+        contact_.normal(j, vector_at(state_.view.position, k)).dot(velocity - contact_.placement(j).velocity);
+    if (!(apart > jump * info_.velocity_scale)) continue;
+    put_vector(state_.view.velocity, k, velocity);
+    let_go(k, time_);
+  }
+}
+
 // A node that friction cannot hold: it goes where that force does not let it go.
 void Engine::slip(std::uint32_t node, const Vector3& reaction, double time, const State& state) {
   const Touch touch = contact_.committed(node);
@@ -144,6 +168,26 @@ springnet_status Engine::stick(std::uint32_t node, double time, State& state) {
   return SPRINGNET_OK;
 }
 
+springnet_status Engine::departure(ReactionsAt& at, std::uint32_t node, std::size_t surface, const State& state,
+                                   Departure& result) {
+  const Vector3 p = vector_at(state.view.position, node);
+  const Vector3 n = contact_.normal(surface, p);
+  const Vector3 relative = vector_at(state.view.velocity, node) - contact_.placement(surface).velocity;
+  Vector3 acceleration;
+  const springnet_status status = at.acceleration(node, acceleration);
+  // Beside the acceleration that keeps a node with its velocity along the surface at its distance. Its own is its
+  // neuron's: in a viscous medium it is not that of the net force alone.
+  const double needed = n.dot(contact_.placement(surface).acceleration) - contact_.turning(surface, p, relative);
+  result = {n.dot(relative), n.dot(acceleration) - needed};
+  return status;
+}
+
+bool Engine::turns_round(const Departure& departure) const noexcept {
+  return departure.speed > 0.0 ||
+         (departure.acceleration > 0.0 &&
+          departure.speed * departure.speed <= 2.0 * departure.acceleration * uncertain * info_.length_scale);
+}
+
 springnet_status Engine::settle_contacts(double time, State& state) {
   const std::size_t surfaces = contact_.surfaces().size();
   if (surfaces == 0) return SPRINGNET_OK;
@@ -151,24 +195,19 @@ springnet_status Engine::settle_contacts(double time, State& state) {
   // A force this small, in units of the force scale, is rounding: a node was just released by it, say.
   const double least_force = 1e-9 * info_.force_scale;
   const double no_speed = rounding_of_speed * info_.velocity_scale;
+  std::optional<ReactionsAt> at;
   for (std::uint32_t k = 0; k < layout_.node_count(); ++k) {
     if (contact_.fixed()[k] != 0) continue;
     for (std::size_t j = 0; j < surfaces && contact_.committed(k).surface < 0; ++j) {
-      const Vector3 p = vector_at(state.view.position, k);
-      if (contact_.distance(j, p) > tolerance) continue;
-      const Vector3 n = contact_.normal(j, p);
-      const Vector3 relative = vector_at(state.view.velocity, k) - contact_.placement(j).velocity;
-      const double speed = n.dot(relative);
-      Vector3 force = Vector3::Zero(), acceleration = Vector3::Zero();
-      springnet_message message{};
-      if (speed > no_speed ||
-          (speed >= -no_speed && evaluator_.evaluate_node(k, time, state.nodes(), loads_.external(), nullptr, force,
-                                                          acceleration, nullptr, nullptr, message) != SPRINGNET_OK))
-        continue;
-      // Beside the acceleration that keeps a node with its velocity along the surface at its distance. Its own is its
-      // neuron's: in a viscous medium it is not that of the net force alone.
-      const double needed = n.dot(contact_.placement(j).acceleration) - contact_.turning(j, p, relative);
-      if (speed < -no_speed || mass_[k] * (n.dot(acceleration) - needed) < -least_force) touch(k, j, time, state);
+      if (contact_.distance(j, vector_at(state.view.position, k)) > tolerance) continue;
+      if (!at) at.emplace(*this, time, read_only(state.view.position), read_only(state.view.velocity));
+      Departure departs;
+      const springnet_status status = this->departure(*at, k, j, state, departs);
+      if (departs.speed > no_speed || (departs.speed >= -no_speed && status != SPRINGNET_OK)) continue;
+      if (departs.speed < -no_speed || mass_[k] * departs.acceleration < -least_force) {
+        touch(k, j, time, state);
+        at.reset();  // what hangs on the node rigidly moves otherwise now
+      }
     }
   }
   return release_grip(time, state);
@@ -205,13 +244,18 @@ springnet_status Engine::fire(const EventSource& source, double time, State& sta
   switch (source.kind) {
     case EventSource::Kind::touch:
       if (now.surface >= 0 && !now.slides) break;  // two surfaces at once: the first holds it
-      // Just released, and off already: rounding of the distance crossed the tolerance once more.
-      if (contact_.normal(source.surface, vector_at(state.view.position, k))
-              .dot(vector_at(state.view.velocity, k) - contact_.placement(source.surface).velocity) > 0.0)
+      {
+        // Just released: what the distance is uncertain by crossed the tolerance once more.
+        ReactionsAt reactions(*this, time, read_only(state.view.position), read_only(state.view.velocity));
+        Departure departs;
+        const springnet_status status = departure(reactions, k, source.surface, state, departs);
+        if (status != SPRINGNET_OK) return status;
+        if (now.surface < 0 && turns_round(departs)) break;
+        if (departs.speed > 0.0) break;
+        touch(k, source.surface, time, state);
+        touched.push_back(k);
         break;
-      touch(k, source.surface, time, state);
-      touched.push_back(k);
-      break;
+      }
     case EventSource::Kind::release:
       if (same) let_go(k, time);
       break;
@@ -282,12 +326,19 @@ springnet_status Engine::fire_events(double time, State& state, const std::int32
 
 springnet_status Engine::stop_penetration(double time, State& state) {
   std::vector<std::uint32_t> stopped;
+  std::optional<ReactionsAt> at;
   for (std::size_t j = 0; j < contact_.surfaces().size(); ++j) {
     for (std::uint32_t k = 0; k < layout_.node_count(); ++k) {
       if (contact_.constrained()[k] != 0 || contact_.committed(k).surface == static_cast<std::int32_t>(j)) continue;
       if (contact_.distance(j, vector_at(state.view.position, k)) >= -penetration * info_.length_scale) continue;
+      if (!at) at.emplace(*this, time, read_only(state.view.position), read_only(state.view.velocity));
+      Departure departs;
+      if (const springnet_status status = departure(*at, k, j, state, departs); status != SPRINGNET_OK) return status;
+      const bool is_shallow = contact_.distance(j, vector_at(state.view.position, k)) > -shallow * info_.length_scale;
+      if (is_shallow && contact_.committed(k).surface < 0 && turns_round(departs)) continue;
       touch(k, j, time, state);
       stopped.push_back(k);
+      at.reset();
     }
   }
   return stopped.empty() || !rigid_.any() ? SPRINGNET_OK

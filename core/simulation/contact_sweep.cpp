@@ -94,7 +94,7 @@ bool Contact::constrain_fixed(std::uint32_t node, const springnet_sweep& sweep) 
   return true;
 }
 
-void Contact::constrain(std::uint32_t first, std::uint32_t count, const double* const force[3],
+void Contact::constrain(std::uint32_t first, std::uint32_t count, const double* const acceleration[3],
                         const springnet_sweep& sweep, const std::uint32_t* cluster) {
   // Without surfaces there is nothing to do but for fixed nodes, and nothing to tell of the others.
   const bool free_stay_free = surfaces_.empty() && sweep.constraint_force.x == nullptr;
@@ -105,7 +105,7 @@ void Contact::constrain(std::uint32_t first, std::uint32_t count, const double* 
     put_force(sweep, k, Vector3::Zero());
     if (surfaces_.empty()) continue;
     const std::uint32_t i = k - first;
-    constrain_node(k, {force[0][i], force[1][i], force[2][i]}, sweep);
+    constrain_node(k, {acceleration[0][i], acceleration[1][i], acceleration[2][i]}, sweep);
   }
 }
 
@@ -115,7 +115,7 @@ ContactAnswer Contact::answer(std::int32_t surface, const Candidate& candidate, 
                         surfaces_[j].friction());
 }
 
-void Contact::constrain_node(std::uint32_t node, const Vector3& force, const springnet_sweep& sweep) {
+void Contact::constrain_node(std::uint32_t node, const Vector3& acceleration, const springnet_sweep& sweep) {
   const Vector3 start = vector_at(sweep.start_position, node), end = vector_at(sweep.next_position, node);
   const Touch before = committed_[node];
   // A last change of mind is meet()'s business, which remembers the place.
@@ -134,8 +134,9 @@ void Contact::constrain_node(std::uint32_t node, const Vector3& force, const spr
   if (before.surface >= 0) {
     const auto j = static_cast<std::size_t>(before.surface);
     if (surfaces_[j].friction().kind == Friction::Kind::held) {
-      const Vector3 needed = mass_[node] * placement_[j].acceleration;
-      const bool stays = normal(j, carried(start, before.surface)).dot(force - needed) <= 0.0;
+      // What its neuron would do, beside the surface: in a viscous medium that is not the net force alone.
+      const Vector3 apart = acceleration - placement_[j].acceleration;
+      const bool stays = normal(j, carried(start, before.surface)).dot(apart) <= 0.0;
       if (is_undecided(node) || stays) {
         static_cast<void>(undecided(node, true));
         decide(node, before, Vector3::Zero());
@@ -153,7 +154,7 @@ void Contact::constrain_node(std::uint32_t node, const Vector3& force, const spr
       }
     }
   }
-  meet(node, force, candidate, sweep);
+  meet(node, candidate, sweep);
 }
 
 // What a node that cannot make up its mind may be off by is the way that it goes in the step. One that is farther from
@@ -173,7 +174,7 @@ bool Contact::leaves(std::int32_t surface, const Vector3& velocity, const Vector
 }
 
 // A node that is free at the beginning of the step, or was released in it.
-void Contact::meet(std::uint32_t node, const Vector3& force, const Candidate& candidate, const springnet_sweep& sweep) {
+void Contact::meet(std::uint32_t node, const Candidate& candidate, const springnet_sweep& sweep) {
   const Touch before = committed_[node];
   Meeting meeting = first_meeting(candidate.start, candidate.position);
   if (meeting.surface >= 0 && leaves(meeting.surface, candidate.velocity, candidate.position)) meeting.surface = -1;
@@ -195,20 +196,16 @@ void Contact::meet(std::uint32_t node, const Vector3& force, const Candidate& ca
       slide(node, meeting.surface, reaction, candidate, sweep, before.surface != meeting.surface);
     return;
   }
-  // Where it touched: on the way that the net force takes it, which is the same for every rule once the step has
-  // settled. The way to a candidate, of which each rule has its own, says where it is only as long as that one misses.
-  const double h = sweep.time_constant;
-  const Vector3 way = h * candidate.start_velocity + theta_of(sweep) * h * h / mass_[node] * force;
+  // Where it touched: on the way of its velocity at the beginning, and where that ends short of the surface, below its
+  // end. The same for every sweep, rule and change of mind; forces of a sweep would not do: those that press a node
+  // of a stiff net against the surface grow with its stiffness, and would throw it about. What the force adds to the
+  // way is of second order in h.
+  const Vector3 end = candidate.start + sweep.time_constant * candidate.start_velocity;
   const Meeting touched{meeting.surface, surfaces_[j]
                                              .first_touch(candidate.start - start_placement_[j].displacement,
-                                                          candidate.start + way - placement_[j].displacement)
+                                                          end - placement_[j].displacement)
                                              .value_or(2.0)};
-  const bool goes = met && h > 0.0 && touched.share <= 1.0;
-  Vector3 place = goes  ? taken_along(candidate.start, candidate.start + way, touched)
-                  : met ? taken_along(candidate.start, candidate.position, meeting)
-                        : onto(j, candidate.position);
-  // One that cannot make up its mind: where its velocity takes it, whichever sweep is the last.
-  if (stays) place = onto(j, candidate.start + h * candidate.start_velocity);
+  const Vector3 place = touched.share <= 1.0 ? taken_along(candidate.start, end, touched) : onto(j, end);
   // The touch is new unless the node lies on the surface already and its release failed.
   const Vector3 stopped = mass_[node] * (placement_[j].velocity - candidate.velocity);
   decide(node, {meeting.surface, false}, before.surface != meeting.surface ? stopped : Vector3::Zero());
@@ -223,14 +220,17 @@ void Contact::slide(std::uint32_t node, std::int32_t surface, const ContactAnswe
   const double h = sweep.time_constant, theta = theta_of(sweep);
   ContactAnswer reaction = first;
   Vector3 velocity, position = onto(j, candidate.position);
-  // Where the surface takes the node, and its motion along: continuous where slip ends and it sticks.
-  const Vector3 from = carried(candidate.start, surface);
-  const Vector3 slip_before = candidate.start_velocity - start_placement_[j].velocity;
+  // Where the surface takes the node, and its motion along: continuous where slip ends and it sticks. Without friction
+  // the motion of a surface along itself is none of the node's.
+  const bool taken = surfaces_[j].friction().kind != Friction::Kind::none;
+  const Vector3 from = taken ? carried(candidate.start, surface) : candidate.start;
+  const Vector3 before = taken ? start_placement_[j].velocity : Vector3(Vector3::Zero());
   constexpr int most_turns = 30;
   for (int i = 0; i < most_turns; ++i) {
     velocity = placement_[j].velocity + reaction.velocity;
     const Vector3 last = position;
-    if (h > 0.0) position = onto(j, from + h * ((1.0 - theta) * slip_before + theta * reaction.velocity));
+    const Vector3 goes = taken ? reaction.velocity : velocity;
+    if (h > 0.0) position = onto(j, from + h * ((1.0 - theta) * (candidate.start_velocity - before) + theta * goes));
     if (surfaces_[j].is_plane() || (position - last).norm() <= 1e-14 * position.norm()) break;
     reaction = answer(surface, candidate, position);
   }

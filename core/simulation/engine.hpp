@@ -112,10 +112,22 @@ class Engine {
   std::size_t remove(const std::vector<std::uint32_t>& springs, const std::vector<std::uint32_t>& elements,
                      Event::Kind kind, double time);
   springnet_status stop_penetration(double time, State& state);
+  // Of a free node: how its distance from a surface grows (m/s), and how that grows (m/s^2).
+  struct Departure {
+    double speed, acceleration;
+  };
+  springnet_status departure(ReactionsAt& at, std::uint32_t node, std::size_t surface, const State& state,
+                             Departure& result);
+  // Whether a node that a surface was seen to meet moves off already, or turns round by itself within what positions
+  // are uncertain by: stopping it would take the motion that it has.
+  [[nodiscard]] bool turns_round(const Departure& departure) const noexcept;
   void touch(std::uint32_t node, std::size_t surface, double time, State& state);
   // Lets slip what friction cannot hold any more.
   springnet_status release_grip(double time, const State& state);
   void let_go(std::uint32_t node, double time);
+  // At the committed time, `from` the one before, s: surfaces whose velocity jumps away from nodes leave them where they
+  // are, unless they hold them.
+  void leave_surfaces(double from);
   void slip(std::uint32_t node, const Vector3& reaction, double time, const State& state);
   springnet_status stick(std::uint32_t node, double time, State& state);
   springnet_status fire(const EventSource& source, double time, State& state, std::vector<std::uint32_t>& touched);

@@ -117,6 +117,7 @@ springnet_status Engine::commit(double time, State& state) {
   reactions_known_ = false;
   forces_stale_ = state_.view.force_is_current == 0;
   springnet_status status = SPRINGNET_OK;
+  const bool jumps = contact_.next_change(from) <= time;  // what moves, in its velocity or acceleration
   if (swept_) {
     swept_ = false;
     ContactChanges changes;
@@ -129,7 +130,9 @@ springnet_status Engine::commit(double time, State& state) {
     tell(Event::Kind::released, changes.released);
     tell(Event::Kind::slipped, changes.slipped);
     tell(Event::Kind::stuck, changes.stuck);
+    if (jumps) leave_surfaces(from);
   } else {
+    if (jumps) leave_surfaces(from);
     // What a solver left of rounding in unknowns that do not move.
     set_time(time);
     for (std::uint32_t k = 0; k < layout_.node_count(); ++k) {
@@ -149,7 +152,7 @@ springnet_status Engine::commit(double time, State& state) {
   }
   // A velocity that jumped takes along what hangs on it.
   if (status == SPRINGNET_OK) follow_motions();
-  if (status == SPRINGNET_OK && contact_.next_change(from) <= time) {
+  if (status == SPRINGNET_OK && jumps) {
     changed();
     if (rigid_.any() || !contact_.surfaces().empty())
       status = rigid_.project(state_.view.position, state_.view.velocity, message_);

@@ -42,6 +42,15 @@ springnet_status Engine::ReactionsAt::of(std::uint32_t node, Vector3& reaction) 
   return SPRINGNET_OK;
 }
 
+springnet_status Engine::ReactionsAt::acceleration(std::uint32_t node, Vector3& acceleration) {
+  const std::uint32_t* clusters = engine_.rigid_.cluster_of();
+  if (clusters == nullptr || clusters[node] == 0xffffffffu) return free_acceleration(node, acceleration);
+  if (const springnet_status status = know(clusters[node]); status != SPRINGNET_OK) return status;
+  const std::size_t n = engine_.layout_.node_count();
+  acceleration = {bound_[node], bound_[n + node], bound_[2 * n + node]};
+  return SPRINGNET_OK;
+}
+
 springnet_status Engine::ReactionsAt::know(std::uint32_t cluster) {
   if (cluster_known_[cluster] != 0) return SPRINGNET_OK;
   const std::size_t n = engine_.layout_.node_count();

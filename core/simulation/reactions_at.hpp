@@ -14,6 +14,8 @@ class Engine::ReactionsAt {
               const springnet_const_vectors& velocity);
   // The force of fixation or a surface on the node, N.
   springnet_status of(std::uint32_t node, Vector3& reaction);
+  // What the node would do if no surface held it now that does not yet, with its rigid connections, m/s^2.
+  springnet_status acceleration(std::uint32_t node, Vector3& acceleration);
   // Evaluates a cluster, so that its tensions are known.
   springnet_status know(std::uint32_t cluster);
   [[nodiscard]] const std::vector<double>& tensions() const noexcept { return tension_; }  // [rod] N

@@ -90,7 +90,7 @@ springnet_status update_tile(TileContext& context, std::uint32_t unit, std::uint
     batch.acceleration_by_position = derivatives->by_position;
   }
   context.sweep->update(context.sweep->user, &batch);
-  context.contact->constrain(first, count, force, *context.sweep, context.cluster);
+  context.contact->constrain(first, count, acceleration, *context.sweep, context.cluster);
   return SPRINGNET_OK;
 }
 
@@ -416,8 +416,16 @@ springnet_status Engine::constrain(const springnet_sweep& request) {
   const springnet_sweep sweep = complete(request);
   set_time(sweep.time);
   swept_ = true;
+  const std::uint32_t n = layout_.node_count();
+  const std::size_t pitch = pitch_of(n);
+  scratch_.resize(3 * pitch);
   const double* force[3] = {sweep.force.x, sweep.force.y, sweep.force.z};
-  contact_.constrain(0, layout_.node_count(), force, sweep, rigid_.cluster_of());
+  double* acceleration[3] = {scratch_.data(), scratch_.data() + pitch, scratch_.data() + 2 * pitch};
+  const springnet_status status =
+      evaluator_.accelerations(0, n, sweep.time, node_arrays(sweep.position, sweep.velocity), force, acceleration,
+                               nullptr, nullptr, nullptr, message_);
+  if (status != SPRINGNET_OK) return status;
+  contact_.constrain(0, n, acceleration, sweep, rigid_.cluster_of());
   return constrain_clusters(sweep);
 }
 

@@ -110,3 +110,99 @@ TEST_CASE("a host moves a node and a surface from where they are to where it say
     CHECK_THROWS_AS(simulation.move_node(0, before, 0.3), std::exception);  // that time is past
   }
 }
+
+namespace {
+
+// A node of 0.1 kg on a table that moves.
+Network on_table(const Motion& motion, const Friction& friction, double drag, double gravity) {
+  Network net;
+  Node node = point({0, 0, 0}, 0.1);
+  if (drag > 0.0) node.neuron = net.add_neuron({"dragged", {{"drag", drag}}});
+  net.add_node(node);
+  net.set_gravity({0, 0, -gravity});
+  Plane table;
+  table.friction = friction;
+  table.motion = motion;
+  net.add_plane(table);
+  return net;
+}
+
+Motion path(const std::vector<double>& times, const std::vector<Vector3>& places,
+            Motion::Interpolation interpolation = Motion::Interpolation::smooth) {
+  Motion motion;
+  motion.times = times;
+  motion.displacements = places;
+  motion.interpolation = interpolation;
+  return motion;
+}
+
+}  // namespace
+
+TEST_CASE("a table that sinks fast leaves a node in a viscous medium behind, held or not") {
+  // It sinks at its terminal velocity m g / b, not faster: 0.05 m/s, reached with a time constant of 0.1 s, while the
+  // table goes 0.08 m in 1 s.
+  const Motion motion = path({0, 1}, {Vector3::Zero(), {0, 0, -0.08}});
+  double height = 0.0;
+  for (const Friction::Kind kind : {Friction::Kind::none, Friction::Kind::held}) {
+    Friction friction;
+    friction.kind = kind;
+    for (const Way& way : all_ways(1e-10)) {
+      INFO(way.name);
+      Simulation simulation = simulate(on_table(motion, friction, 1.0, 0.5), way.integrator, 0.002);
+      simulation.advance_to(1.0);
+      if (height == 0.0) height = simulation.position(0).z();
+      CHECK(simulation.position(0).z() > -0.046);
+      CHECK(simulation.position(0).z() == doctest::Approx(height).epsilon(0.01));  // released within a step or so
+      CHECK(simulation.velocity(0).z() == doctest::Approx(-0.05).epsilon(0.01));
+    }
+  }
+}
+
+TEST_CASE("what the reference finds does not depend on how often it is asked, where nodes leave a shaken table") {
+  Motion motion;
+  motion.frequency = 2.0;
+  for (const bool drags : {false, true}) {
+    CAPTURE(drags);
+    motion.amplitude = {0.1, 0, drags ? 0.05 : 0.065};  // m: it throws the node, with up to 0.8 m/s
+    const Network net = on_table(motion, {}, drags ? 1.0 : 0.0, 9.81);
+    double x[2];
+    for (int i = 0; i < 2; ++i) {
+      Simulation simulation = simulate(net, cvode(1e-9), i == 0 ? 0.01 : 0.0002);
+      simulation.advance_to(0.5);
+      x[i] = simulation.position(0).x();
+      CHECK(simulation.events().size() < 10);  // held, thrown, held again
+    }
+    CHECK(x[0] > 0.03);  // where it came down
+    CHECK(x[0] == doctest::Approx(x[1]).epsilon(1e-6));
+  }
+}
+
+TEST_CASE("a table without friction that moves along itself leaves a node where it is") {
+  Friction none;
+  none.kind = Friction::Kind::none;
+  for (const Way& way : all_ways(1e-10)) {
+    INFO(way.name);
+    Simulation simulation =
+        simulate(on_table(path({0, 0.5}, {Vector3::Zero(), {1, 0, 0}}), none, 0.0, 9.81), way.integrator, 0.02);
+    simulation.advance_to(0.5);
+    CHECK(simulation.position(0).norm() <= 1e-15);
+  }
+}
+
+TEST_CASE("a table that turns round by a jump throws what does not stick to it") {
+  // 3 m/s up for 0.1 s, then down: the node flies from 0.3 m on, 0.3 + 3 t - g t^2 / 2.
+  const Motion motion =
+      path({0, 0.1, 0.2}, {Vector3::Zero(), {0, 0, 0.3}, Vector3::Zero()}, Motion::Interpolation::linear);
+  for (const double coefficient : {0.0, 0.5}) {
+    Friction friction;
+    friction.kind = coefficient > 0.0 ? Friction::Kind::coulomb : Friction::Kind::none;
+    friction.coefficient = coefficient;
+    for (const Way& way : all_ways(1e-10)) {
+      INFO(way.name);
+      Simulation simulation = simulate(on_table(motion, friction, 0.0, 9.81), way.integrator, 0.001);
+      simulation.advance_to(0.3);
+      // First order: g t h / 2 behind in the fall.
+      CHECK(simulation.position(0).z() == doctest::Approx(0.3 + 0.6 - 0.5 * 9.81 * 0.04).epsilon(0.005));
+    }
+  }
+}
