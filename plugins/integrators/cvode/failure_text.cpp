@@ -17,14 +17,18 @@ std::string failure_text(const FailureFacts& facts, const Settings& settings) {
               "that is much lighter than the others";
       if (settings.method == Method::adams) text << "; for stiff networks choose method = \"bdf\"";
       break;
+    case creeping:
+      text << "its steps became so short that the time does not go on (the last one was " << facts.last_step
+           << " s long). Look at what moves, holds or pulls the nodes then";
+      break;
     case CV_TOO_MUCH_ACC:
       text << "the tolerances are finer than the rounding of the numbers. Raise relative_tolerance, position_tolerance "
               "or velocity_tolerance, or move the network nearer to the origin";
       break;
     case CV_ERR_FAILURE:
       text << "no step is short enough for the tolerances (the last one was " << facts.last_step
-           << " s long): the forces jump or grow without bound there. Look at the springs and loads at that time, or "
-              "raise relative_tolerance";
+           << " s long): the forces jump or grow without bound there. Look at the springs, loads and rigid connections "
+              "at that time, or raise relative_tolerance";
       break;
     case CV_CONV_FAILURE:
       text << "the equations of a step could not be solved, however short (the last one was " << facts.last_step

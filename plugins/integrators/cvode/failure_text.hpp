@@ -7,8 +7,11 @@
 
 namespace springnet::cvode {
 
+// Beside the flags of CVODE: many steps in which the time did not go on.
+inline constexpr int creeping = -1000;
+
 struct FailureFacts {
-  int flag = 0;               // what CVode returned
+  int flag = 0;               // what CVode returned, or creeping
   double time = 0.0;          // s
   double last_step = 0.0;     // s
   std::string reason;         // of the host function that failed last, or empty

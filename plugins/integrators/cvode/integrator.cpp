@@ -28,6 +28,9 @@ bool same_time(double a, double b, double roundings) noexcept {
 constexpr double shortest_step = 16.0;    // CVODE cannot step between nearer times
 constexpr double root_accuracy = 1000.0;  // it locates roots to 100 roundings of the time and the step
 
+// Internal steps after which the time should have gone on by more than a rounding each.
+constexpr long steps_worth_a_look = 500;
+
 // A network without springs, or one that nothing moves, may have no scale.
 double or_one(double scale) noexcept { return scale > 0.0 && std::isfinite(scale) ? scale : 1.0; }
 
@@ -269,14 +272,21 @@ void ReferenceIntegrator::step_towards(double until) {
   // CVODE itself would not step past a stop time, but an output before it must not shorten a step.
   void* memory = memory_.get();
   check(CVodeSetStopTime(memory, std::min(stop, std::numeric_limits<double>::max())));
-  const long left = settings_.max_steps - (internal_steps() - steps_before_);
-  if (left <= 0) fail(CV_TOO_MUCH_WORK, time);
-  check(CVodeSetMaxNumSteps(memory, left));
   context_.clear_error();
   equations_.clear_failure();
 
   double reached = time;
-  const int flag = CVode(memory, target, y_.get(), &reached, CV_NORMAL);
+  int flag = CV_SUCCESS;
+  // In parts, to see whether the time goes on.
+  for (long left = settings_.max_steps - (internal_steps() - steps_before_); flag >= 0; left -= steps_worth_a_look) {
+    if (left <= 0) fail(CV_TOO_MUCH_WORK, reached);
+    const double before = reached;
+    check(CVodeSetMaxNumSteps(memory, std::min(left, steps_worth_a_look)));
+    flag = CVode(memory, target, y_.get(), &reached, CV_NORMAL);
+    if (flag != CV_TOO_MUCH_WORK) break;
+    if (same_time(before, reached, static_cast<double>(steps_worth_a_look))) fail(creeping, reached);
+    flag = CV_SUCCESS;
+  }
   if (flag < 0) fail(flag, reached);
   unpack(data(y_.get()), *state_, host_.network().node_count);
   if (flag == CV_ROOT_RETURN) {
