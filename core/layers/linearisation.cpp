@@ -262,6 +262,12 @@ springnet_status Linearisation::factorise(double velocity_weight, double positio
     return SPRINGNET_RECOVERABLE;
   }
   set_vectors(velocity_weight, position_weight);
+  if (vectors_.is_singular(plain_solver())) {
+    set_message(message,
+                "the linear system of the step is singular: what the enclosed volumes push takes as much out of "
+                "it as the rest of the network and its inertia put in");
+    return SPRINGNET_RECOVERABLE;
+  }
   return SPRINGNET_OK;
 }
 
@@ -283,11 +289,15 @@ void Linearisation::set_vectors(double velocity_weight, double position_weight) 
   vectors_.set(std::move(columns), std::move(weights));
 }
 
-Eigen::VectorXd Linearisation::solve_factorised(bool transposed, const Eigen::VectorXd& right_side) {
+LowRank::Solve Linearisation::plain_solver() {
   auto& factors = rows_.empty() ? factors_ : bordered_factors_;
-  const LowRank::Solve plain = [&factors](bool turned, const Eigen::MatrixXd& b) -> Eigen::MatrixXd {
+  return [&factors](bool turned, const Eigen::MatrixXd& b) -> Eigen::MatrixXd {
     return turned ? Eigen::MatrixXd(factors.transpose().solve(b)) : Eigen::MatrixXd(factors.solve(b));
   };
+}
+
+Eigen::VectorXd Linearisation::solve_factorised(bool transposed, const Eigen::VectorXd& right_side) {
+  const LowRank::Solve plain = plain_solver();
   if (vectors_.empty()) return plain(transposed, right_side);
   // The part without the surfaces may be far worse conditioned than the whole: what its solution is off by is solved
   // for once more.

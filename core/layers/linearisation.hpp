@@ -63,6 +63,8 @@ class Linearisation {
   void make_pattern();
   // vectors: with what closed surfaces do to all of their nodes.
   void diagonal_blocks(double velocity_weight, double position_weight, bool vectors, double* out) const;
+  // Of the factorised matrix without closed surfaces.
+  [[nodiscard]] LowRank::Solve plain_solver();
   // Of the factorised matrix and right sides of its size.
   [[nodiscard]] Eigen::VectorXd solve_factorised(bool transposed, const Eigen::VectorXd& right_side);
   void set_vectors(double velocity_weight, double position_weight);
