@@ -87,12 +87,13 @@ std::vector<std::uint32_t> ElementLayout::broken_by(
   for (const auto& [first, second] : springs) {
     for (const ElementShare& share : shares(first)) {
       const std::span<const std::uint32_t> own = nodes(share.element);
-      // What joins the tips of a hinge is no side of its triangles.
-      if (invariant_[share.element] == Invariant::dihedral && std::minmax(own[2], own[3]) == std::minmax(first, second))
+      if (share.surface != no_surface) {
+        if (surfaces_[share.surface].surface.has_side(first, second)) found.push_back(share.element);
         continue;
-      if (share.surface != no_surface ? surfaces_[share.surface].surface.has_side(first, second)
-                                      : std::find(own.begin(), own.end(), second) != own.end())
-        found.push_back(share.element);
+      }
+      const auto a = static_cast<std::size_t>(std::find(own.begin(), own.end(), first) - own.begin());
+      const auto b = static_cast<std::size_t>(std::find(own.begin(), own.end(), second) - own.begin());
+      if (b < own.size() && is_side(share.element, std::min(a, b), std::max(a, b))) found.push_back(share.element);
     }
   }
   std::sort(found.begin(), found.end());

@@ -73,11 +73,11 @@ class ElementLayout {
 
   // Adds nodes that share an element with a node, of a closed surface those that share a triangle with it.
   void add_neighbours(std::uint32_t node, std::vector<std::uint32_t>& neighbours) const;
-  // Live elements that lose a spring between two nodes: those that have both among their nodes, and closed surfaces
-  // one of whose triangles has that side. By number, each once.
+  // Live elements that lose a spring between two nodes: those that have a side there, and closed surfaces one of whose
+  // triangles has. By number, each once.
   [[nodiscard]] std::vector<std::uint32_t> broken_by(
       const std::vector<std::pair<std::uint32_t, std::uint32_t>>& springs) const;
-  // Live elements of which `crosses(node, node)` is true for two corners, or for a side of a triangle of a surface.
+  // Live elements of which `crosses(node, node)` is true for a side, or for one of a triangle of a surface.
   template <class Crosses>
   [[nodiscard]] std::vector<std::uint32_t> crossed_by(const Crosses& crosses) const;
 
@@ -86,6 +86,18 @@ class ElementLayout {
 
  private:
   void make_batches();
+  // Whether what joins corners i < j is part of the element: all but what joins the tips of a hinge, or the ends of an
+  // angle.
+  [[nodiscard]] bool is_side(std::uint32_t element, std::size_t i, std::size_t j) const noexcept {
+    switch (invariant_[element]) {
+      case Invariant::dihedral:
+        return i != 2 || j != 3;
+      case Invariant::angle:
+        return i != 0 || j != 2;
+      default:
+        return true;
+    }
+  }
 
   const CompiledLaws& laws_;
   std::vector<Invariant> invariant_;
@@ -116,9 +128,7 @@ std::vector<std::uint32_t> ElementLayout::crossed_by(const Crosses& crosses) con
       const std::span<const std::uint32_t> corners = nodes(e);
       for (std::size_t i = 0; i < corners.size() && alive(e); ++i)
         for (std::size_t j = 0; j < i; ++j) {
-          // What joins the tips of a hinge is no side of its triangles.
-          const bool tips = invariant_[e] == Invariant::dihedral && i == 3 && j == 2;
-          is_crossed = is_crossed || (!tips && crosses(corners[j], corners[i]));
+          is_crossed = is_crossed || (is_side(e, j, i) && crosses(corners[j], corners[i]));
         }
     }
     if (is_crossed) found.push_back(e);

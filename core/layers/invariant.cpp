@@ -11,6 +11,8 @@ namespace {
 
 // Below this sine an angle counts as straight: half the digits of its Hessian are gone there.
 constexpr double least_sine = 1e-7;
+// Motion across a straight angle that is less, relative to that of its nodes, is none.
+constexpr double rounding = 1e-13;
 
 // A vector over any number type: formulas below are evaluated with double, and with duals for their derivatives.
 template <class T>
@@ -236,6 +238,30 @@ void gather(const std::uint32_t* corners, std::size_t count, const NodeArrays& n
   }
 }
 
+namespace {
+
+// Of a straight angle, q = pi - |x| or |x|, that moves across itself: the limit along the motion, with the direction of
+// x' for that of x.
+void straight_first_order(const Corners& corners, FirstOrder& out) noexcept {
+  BentDirections bent;
+  if (!is_straight(Invariant::angle, corners, bent)) return;
+  Eigen::Vector2d rate = Eigen::Vector2d::Zero();
+  double size = 0.0;
+  for (std::size_t i = 1; i < 3; ++i) {
+    const Vector3 motion = corners.velocity[i] - corners.velocity[0];
+    for (int r = 0; r < 2; ++r) rate[r] += bent.row[r][i].dot(motion);
+    size += bent.row[0][i].norm() * motion.norm();
+  }
+  const double speed = rate.norm();
+  if (!(speed > rounding * size)) return;
+  const double away = out.value > 1.0 ? -1.0 : 1.0;  // from pi, from 0
+  for (std::size_t i = 0; i < 3; ++i)
+    out.gradient[i] = away / speed * (rate[0] * bent.row[0][i] + rate[1] * bent.row[1][i]);
+  out.rate = away * speed;
+}
+
+}  // namespace
+
 void first_order(Invariant invariant, const Corners& corners, FirstOrder& out) noexcept {
   const std::size_t count = corners_of(invariant);
   Triple<double> p[most_corners], g[most_corners];
@@ -249,6 +275,7 @@ void first_order(Invariant invariant, const Corners& corners, FirstOrder& out) n
     // Against the first corner: the motion of all together does not count, to the last digit.
     out.rate += out.gradient[i].dot(corners.velocity[i] - corners.velocity[0]);
   }
+  if (invariant == Invariant::angle && out.gradient[0].isZero(0.0)) straight_first_order(corners, out);
 }
 
 double nearest_turn(Invariant invariant, double value, double reference) noexcept {

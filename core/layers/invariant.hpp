@@ -1,8 +1,8 @@
 // The invariants of elements of three or four nodes: values, rates, gradients and Hessians.
 //
 // Where an invariant has no direction its gradient is zero, so that no law can push the element: coincident points, an
-// angle of exactly 0 or pi, a triangle or a wing of a hinge without area. What bends a chain that is straight is kept
-// in the linearisation (BentDirections).
+// angle of exactly 0 or pi that does not move across itself, a triangle or a wing of a hinge without area. What bends a
+// chain that is straight is kept in the linearisation (BentDirections).
 #pragma once
 
 #include <cstddef>
@@ -25,7 +25,8 @@ struct Corners {
 };
 void gather(const std::uint32_t* corners, std::size_t count, const NodeArrays& nodes, Corners& out) noexcept;
 
-// q, q' = sum dq/dp . v and dq/dp of each corner.
+// q, q' = sum dq/dp . v and dq/dp of each corner. An angle of exactly 0 or pi that bends has those of the next moment,
+// so that what damps it acts from the start.
 struct FirstOrder {
   double value;
   double rate;

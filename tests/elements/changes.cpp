@@ -71,6 +71,25 @@ TEST_CASE("a polygon cuts elements that it crosses, springs or not") {
   CHECK(alive(simulation) == std::vector<bool>{false, false, true, false, false});
 }
 
+TEST_CASE("what joins the ends of an angle, or the tips of a hinge, is none of their sides") {
+  Network net = two_triangles();
+  const SpringIndex between = net.add_spring(2, 3, 0);  // the ends of the angle {2, 0, 3}, the tips of the hinge
+  Simulation simulation = simulate(net, recurrent(newton, 1e-9), 0.01);
+  CHECK(simulation.cut({between}) == 1);
+  CHECK(alive(simulation) == std::vector<bool>(4, true));
+  Network chain;
+  for (const Vector3& p : {Vector3(-1, 1, 0), Vector3(0, 0, 0), Vector3(1, 1, 0)}) chain.add_node(point(p));
+  const MaterialIndex material = chain.add_material(damped(1.0, 0.0));
+  chain.add_spring(0, 1, material);
+  chain.add_spring(1, 2, material);
+  chain.add_element(Invariant::angle, {0, 1, 2}, material);
+  Simulation other = simulate(chain, recurrent(newton, 1e-9), 0.01);
+  CHECK(other.cut_polygon({{0, 0.5, -1}, {0, 2, -1}, {0, 2, 1}, {0, 0.5, 1}}) == 0);  // between the arms
+  CHECK(other.element_alive(0));
+  CHECK(other.cut_polygon({{0.5, 0, -1}, {0.5, 2, -1}, {0.5, 2, 1}, {0.5, 0, 1}}) == 1);  // across one of them
+  CHECK_FALSE(other.element_alive(0));
+}
+
 TEST_CASE("a filling leaks when a spring of its skin is cut, not when another is") {
   const TriangleMesh mesh = icosphere(1, 1.0);
   Network net = filled(mesh, 1.0, 5.0, 10.0, 0.1);

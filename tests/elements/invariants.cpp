@@ -201,6 +201,26 @@ TEST_CASE("a straight angle keeps its stiffness: that of angles that are nearly 
   }
 }
 
+TEST_CASE("a straight angle that bends has the gradient and the rate of the next moment") {
+  for (const double side : {1.0, -1.0}) {  // straight, and folded
+    Corners corners;
+    corners.position[0] = {-side * 0.8, 0, 0};
+    corners.position[1] = {0, 0, 0};
+    corners.position[2] = {1.4, 0, 0};
+    corners.velocity[0] = {0.3, 0.2, -0.4};
+    corners.velocity[1] = {-0.1, 0.5, 0.7};
+    corners.velocity[2] = {0.2, -0.6, 0.1};
+    FirstOrder now, next;
+    layers::first_order(Invariant::angle, corners, now);
+    CHECK(std::abs(now.rate) > 1.0);
+    // What changes in 1e-7 s is of that order; the gradient's rounding is 1e-16 / 1e-7.
+    for (std::size_t i = 0; i < 3; ++i) corners.position[i] += 1e-7 * corners.velocity[i];
+    layers::first_order(Invariant::angle, corners, next);
+    CHECK(now.rate == doctest::Approx(next.rate).epsilon(1e-6));
+    for (std::size_t i = 0; i < 3; ++i) CHECK((now.gradient[i] - next.gradient[i]).norm() < 1e-6);
+  }
+}
+
 TEST_CASE("an enclosed volume: value, gradients, and what it is linear in") {
   TriangleMesh mesh = icosphere(1, 1.0);
   std::mt19937 random(5);
