@@ -160,7 +160,8 @@
       const distance = camera.position.distanceTo(centre);
       this.depth.set(Math.max(0, distance - 0.8 * radius), distance + 0.8 * radius);
     },
-    camera: camera, target: target, longest_arrow: longest_arrow, centre: centre, radius: radius, upward: upward, flat: flat, nodes_box: nodes_box,
+    camera: camera, target: target, longest_arrow: longest_arrow,
+    centre: centre, radius: radius, upward: upward, flat: flat, nodes_box: nodes_box,
     // Degrees; zoom 1 shows the whole motion.
     look: function (azimuth, elevation, zoom) {
       const a = azimuth * Math.PI / 180, e = Math.min(89.9, Math.max(-89.9, elevation)) * Math.PI / 180;

@@ -87,7 +87,7 @@
       if (run.removals.size === 0) return null;
       const k = run.removals.keys().next().value, rest = run.rests[k], places = run.positions.row(player.frame);
       const a = 3 * run.ends[2 * k], b = 3 * run.ends[2 * k + 1];
-      const middle = new THREE.Vector3((places[a] + places[b]) / 2, (places[a + 1] + places[b + 1]) / 2, (places[a + 2] + places[b + 2]) / 2)
+      const middle = new THREE.Vector3().fromArray(places, a).add(new THREE.Vector3().fromArray(places, b)).multiplyScalar(0.5)
         .project(s.camera.camera);
       run.rests[k] = 1e-3 * rest;
       const found = s.pick_at(player.frame, 0.5 * (1 + middle.x) * view.clientWidth, 0.5 * (1 - middle.y) * view.clientHeight);
