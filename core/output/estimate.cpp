@@ -112,7 +112,7 @@ OutputEstimate estimate_output(const Scene& scene) {
     estimate.add_table("springs", spring_form(options), 3.0 * number_length + 2.0);
   }
   if (options.elements && !network.elements().empty()) {
-    estimate.add_table("elements", element_form(network), 2.0 * number_length + 2.0);
+    estimate.add_table("elements", element_form(network, options), 2.0 * number_length + 2.0);
   }
   if (options.view) estimate.add(view_file, estimate_view(scene), false);
   if (options.vtk) {

@@ -24,6 +24,9 @@ double bytes_with(Scene& scene, double interval) {
 std::string leave_out(const std::string& file) {
   const std::string stem = file.substr(0, file.find_first_of("./"));
   if (stem == "springs") return fmt::format("write fewer springs to {} (output.springs)", file);
+  if (stem == "elements") {
+    return fmt::format("leave out {} (output.elements = false, or a list of names of [[element]] for some)", file);
+  }
   return fmt::format("leave out {} (output.{} = false)", file, stem);
 }
 

@@ -87,8 +87,12 @@ TableForm spring_form(const OutputOptions& options) {
 }
 
 // Elements of different invariants have different units.
-TableForm element_form(const Network& network) {
-  return {"element", all(network.elements().size()), {"value", "force", "alive"}, {"", "", ""}};
+TableForm element_form(const Network& network, const OutputOptions& options) {
+  const bool everything = options.element_numbers.empty();
+  return {"element",
+          everything ? all(network.elements().size()) : options.element_numbers,
+          {"value", "force", "alive"},
+          {"", "", ""}};
 }
 
 std::unique_ptr<TableFile> create_table(const std::filesystem::path& file, TableForm form,

@@ -22,7 +22,7 @@ struct TableForm {
 // What the options make of each table.
 [[nodiscard]] TableForm trajectory_form(const Network& network, const OutputOptions& options);
 [[nodiscard]] TableForm spring_form(const OutputOptions& options);
-[[nodiscard]] TableForm element_form(const Network& network);
+[[nodiscard]] TableForm element_form(const Network& network, const OutputOptions& options);
 
 class TableFile {
  public:

@@ -68,17 +68,21 @@ void SpringWriter::record(const Simulation& simulation) {
 
 void SpringWriter::close() { file_->close(); }
 
-ElementWriter::ElementWriter(const std::filesystem::path& file, const Network& network, const OutputOptions& options)
-    : file_(create_table(file, element_form(network), options)), values_(network.elements().size() * 3) {}
+ElementWriter::ElementWriter(const std::filesystem::path& file, const Network& network, const OutputOptions& options) {
+  TableForm form = element_form(network, options);
+  elements_ = form.numbers;
+  values_.resize(3 * elements_.size());
+  file_ = create_table(file, std::move(form), options);
+}
 
 ElementWriter::~ElementWriter() = default;
 
 void ElementWriter::record(const Simulation& simulation) {
-  for (ElementIndex element = 0; element < values_.size() / 3; ++element) {
-    double* const value = values_.data() + std::size_t{3} * element;
-    value[0] = simulation.element_value(element);
-    value[1] = simulation.element_force(element);
-    value[2] = simulation.element_alive(element) ? 1.0 : 0.0;
+  double* value = values_.data();
+  for (const ElementIndex element : elements_) {
+    *value++ = simulation.element_value(element);
+    *value++ = simulation.element_force(element);
+    *value++ = simulation.element_alive(element) ? 1.0 : 0.0;
   }
   file_->record(simulation.time(), values_);
 }

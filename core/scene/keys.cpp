@@ -35,7 +35,7 @@ constexpr std::array keys{
     Key{"output.reactions", "true or false"},
     Key{"output.surfaces", "true or false"},
     Key{"output.rigid", "true or false"},
-    Key{"output.elements", "true or false"},
+    Key{"output.elements", "true, false or a list of names of [[element]]"},
     Key{"output.nodes", "a selection of nodes"},
     Key{"output.springs", "a selection of springs"},
     Key{"output.quantities", "a list of 'position', 'velocity', 'force'"},

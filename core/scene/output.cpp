@@ -1,3 +1,11 @@
+#include <algorithm>
+#include <set>
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include <springnet/plugin_host.hpp>
+
 #include "scene/parts.hpp"
 #include "scene/select.hpp"
 
@@ -16,9 +24,42 @@ void read_quantities(const Value& value, OutputOptions& output) {
   }
 }
 
+const ElementSet& find_set(const Value& name, const std::vector<ElementSet>& sets) {
+  const std::string wanted = name.text();
+  const auto found = std::find_if(sets.begin(), sets.end(), [&](const ElementSet& set) { return set.name == wanted; });
+  if (found != sets.end()) return *found;
+  std::vector<std::string> known;
+  for (const ElementSet& set : sets) {
+    if (!set.name.empty()) known.push_back(set.name);
+  }
+  if (known.empty()) {
+    name.fail(fmt::format("there is no [[element]] '{}': none has a name; give it one (element.name)", wanted));
+  }
+  const std::string nearest = suggestion(wanted, known);
+  name.fail(fmt::format("there is no [[element]] '{}'{}{}; known: {}", wanted, nearest.empty() ? "" : "; ", nearest,
+                        fmt::join(known, ", ")));
+}
+
+void read_recorded_elements(const Value& value, const std::vector<ElementSet>& sets, OutputOptions& output) {
+  if (value.is_boolean()) {
+    output.elements = value.boolean();
+    return;
+  }
+  if (!value.is_list()) value.wrong_type("true, false or a list of names of [[element]]");
+  std::set<ElementIndex> numbers;
+  for (const Value& name : value.elements()) {
+    const ElementSet& set = find_set(name, sets);
+    for (ElementIndex k = 0; k < set.count; ++k) numbers.insert(set.first + k);
+  }
+  if (numbers.empty()) value.fail("names no element; leave out the file: output.elements = false");
+  output.element_numbers.assign(numbers.begin(), numbers.end());
+}
+
 }  // namespace
 
-void read_output(const Table& root, const Network& network, OutputOptions& output) {
+void read_output(const Table& root, Scene& scene) {
+  const Network& network = scene.network;
+  OutputOptions& output = scene.output;
   const auto value = root.find("output");
   if (!value) return;
   const Table table = value->table("output");
@@ -30,9 +71,9 @@ void read_output(const Table& root, const Network& network, OutputOptions& outpu
   read_flag("reactions", output.reactions);
   read_flag("surfaces", output.surfaces);
   read_flag("rigid", output.rigid);
-  read_flag("elements", output.elements);
   read_flag("vtk", output.vtk);
   read_flag("view", output.view);
+  if (const auto elements = table.find("elements")) read_recorded_elements(*elements, scene.elements, output);
   if (const auto size = table.find("view_size")) output.view_size = size->number_above_0("bytes");
   if (const auto nodes = table.find("nodes")) output.nodes = select_nodes(*nodes, network);
   if (const auto springs = table.find("springs")) output.springs = select_springs(*springs, network);

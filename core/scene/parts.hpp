@@ -31,7 +31,7 @@ void read_connections(const Table& root, const PluginHost& plugins, Network& net
 // [[node]], [[spring]], [[fix]], [[force]], [[cut]]
 void read_changes(const Table& root, const PluginHost& plugins, Network& network);
 void read_surroundings(const Table& root, Network& network);  // [[move]], [[plane]], [[instrument]]
-// [output], whose selections see the whole network.
-void read_output(const Table& root, const Network& network, OutputOptions& output);
+// [output], whose selections see the whole network and all elements.
+void read_output(const Table& root, Scene& scene);
 
 }  // namespace springnet::scene

@@ -43,6 +43,7 @@ class Value {
   [[nodiscard]] Vector3 vector() const;  // [x, y, z]
 
   [[nodiscard]] bool is_text() const noexcept { return node_->is_string(); }
+  [[nodiscard]] bool is_boolean() const noexcept { return node_->is_boolean(); }
   [[nodiscard]] bool is_number() const noexcept { return node_->is_number(); }
   [[nodiscard]] bool is_list() const noexcept { return node_->is_array(); }
   [[nodiscard]] std::vector<Value> elements() const;

@@ -59,7 +59,7 @@ Scene parse_scene(std::string_view text, std::string_view name, const PluginHost
   scene::read_changes(root, plugins, result.network);
   scene::read_surroundings(root, result.network);
   scene::read_starts(root, folder, result.network);
-  scene::read_output(root, result.network, result.output);
+  scene::read_output(root, result);
   return result;
 }
 

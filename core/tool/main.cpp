@@ -3,6 +3,7 @@
 #include <exception>
 #include <new>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include <fmt/format.h>
@@ -58,7 +59,17 @@ std::string usage_error(const CLI::App* app, const CLI::Error& error) {
   return fmt::format("springnet: error: {}; '{} --help' shows how it is used\n", what, name);
 }
 
+// CLI11 takes "--realtime=" for "--realtime".
+void refuse_missing_values(int argc, char** argv) {
+  for (int k = 1; k < argc; ++k) {
+    const std::string_view word = argv[k];
+    if (!word.starts_with("--") || word.find('=') != word.size() - 1) continue;
+    throw Error(ErrorKind::input, fmt::format("'{}' has no value behind its '='", word));
+  }
+}
+
 int run(int argc, char** argv) {
+  refuse_missing_values(argc, argv);
   CLI::App app(
       "springnet simulates dynamic spring models: as recurrent neural networks whose neurons, spring laws and\n"
       "integrators are plugins, and in CVODE as a reference.");

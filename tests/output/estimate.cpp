@@ -243,6 +243,16 @@ TEST_CASE("the interval that is told is the least of two digits with which the o
   CHECK_FALSE(interval_for(scene, 1000.0));
 }
 
+TEST_CASE("the size of elements.csv is that of the elements chosen") {
+  Scene scene = flying(2);
+  scene.output.trajectory = false;
+  const MaterialIndex bending = scene.network.add_material({LawUse{"linear", {{"stiffness", 2.0}}}, std::nullopt});
+  for (int k = 0; k < 8; ++k) scene.network.add_element(Invariant::angle, {0, 1, 7}, bending);
+  const double all = estimate_output(scene).bytes;
+  scene.output.element_numbers = {3, 5};
+  CHECK(estimate_output(scene).bytes == doctest::Approx(all / 4.0));
+}
+
 TEST_CASE("a refusal for want of space names what helps") {
   Scene scene = flying(5);
   scene.duration = 10.0;
@@ -272,7 +282,7 @@ TEST_CASE("a refusal for want of space names what helps") {
   const std::string elements = refusal(bytes);
   CAPTURE(elements);
   CHECK(has(elements, "most of it elements.csv"));
-  CHECK(has(elements, "leave out elements.csv (output.elements = false)"));
+  CHECK(has(elements, "leave out elements.csv (output.elements = false, or a list of names"));
   scene.output.elements = false;
 
   // The page has the same size whatever the interval, so that it is no remedy.

@@ -4,6 +4,7 @@
 
 #include <doctest/doctest.h>
 #include <springnet/output.hpp>
+#include <springnet/records.hpp>
 
 #include "csv.hpp"
 #include "nets.hpp"
@@ -144,6 +145,76 @@ TEST_CASE("elements.csv has each element's invariant and force") {
   scene.output.elements = false;
   run(scene, folder);
   CHECK_FALSE(std::filesystem::exists(folder.path() / "elements.csv"));
+}
+
+TEST_CASE("elements.csv has the elements of the names asked for, in the binary form as well") {
+  const std::string text = R"(
+[simulation]
+duration = 0.2
+time_step = 0.05
+[[body]]
+name = "chain"
+nodes = [[0, 0, 0], [1, 0, 0], [2, 0.5, 0], [3, 0, 0], [4, 0.5, 0]]
+springs = [[0, 1], [1, 2], [2, 3], [3, 4]]
+neuron = { type = "point_mass", mass = 1.0 }
+spring = { type = "linear", stiffness = 40.0 }
+[[element]]
+name = "left"
+invariant = "angle"
+nodes = [[0, 1, 2]]
+spring = { type = "linear", stiffness = 0.1 }
+[[element]]
+invariant = "angle"
+nodes = [[1, 2, 3]]
+spring = { type = "linear", stiffness = 0.2 }
+[[element]]
+name = "right"
+invariant = "angle"
+nodes = [[2, 3, 4], [1, 3, 4]]
+spring = { type = "linear", stiffness = 0.3 }
+[gravity]
+acceleration = [0, -1, 0]
+[output]
+view = false
+elements = )";
+  const auto refusal = [&](const std::string& value) -> std::string {
+    try {
+      static_cast<void>(parse_scene(text + value, "chain.toml", *plugins()));
+    } catch (const Error& error) {
+      return error.what();
+    }
+    return "";
+  };
+  CHECK(parse_scene(text + "true", "chain.toml", *plugins()).output.elements);
+  CHECK_FALSE(parse_scene(text + "false", "chain.toml", *plugins()).output.elements);
+  CHECK(refusal("\"left\"").find("must be true, false or a list of names of [[element]], is a text") !=
+        std::string::npos);
+  CHECK(refusal("[\"left\", \"rihgt\"]") ==
+        "chain.toml:29:21: output.elements.1: there is no [[element]] 'rihgt'; did you mean 'right'?; known: left, "
+        "right");
+  CHECK(refusal("[]").find("output.elements = false") != std::string::npos);
+
+  const TemporaryFolder folder;
+  Scene scene = parse_scene(text + "true", "chain.toml", *plugins());
+  run(scene, folder);
+  const Csv all = testing::read_csv(folder.path() / "elements.csv");
+  scene = parse_scene(text + "[\"right\", \"left\"]", "chain.toml", *plugins());
+  CHECK(scene.output.element_numbers == std::vector<ElementIndex>{0, 2, 3});
+  run(scene, folder);
+  const Csv some = testing::read_csv(folder.path() / "elements.csv");
+  REQUIRE(all.rows.size() == 5 * 4);
+  REQUIRE(some.rows.size() == 5 * 3);
+  for (std::size_t record = 0; record < 5; ++record) {
+    for (std::size_t k = 0; k < 3; ++k) {
+      CHECK(some.rows[3 * record + k] == all.rows[4 * record + scene.output.element_numbers[k]]);
+    }
+  }
+  scene.output.format = OutputOptions::Format::binary;
+  run(scene, folder);
+  RecordReader reader(folder.path() / "elements.bin");
+  CHECK(reader.rows() == std::vector<std::uint32_t>{0, 2, 3});
+  write_csv(reader, folder.path() / "read.csv");
+  CHECK(testing::read_csv(folder.path() / "read.csv").rows == some.rows);
 }
 
 TEST_CASE("a table of another form from an earlier run is removed") {

@@ -199,6 +199,8 @@ TEST_CASE("a multiple of real time that stands apart is told how it is written")
           "springnet: error: '2' is not known here; did you mean '--realtime=2'?; 'springnet run --help' shows how it "
           "is used\n");
   }
+  CHECK(testing::springnet(folder, "run pair.toml --realtime=").err.find("'--realtime=' has no value") !=
+        std::string::npos);
   // Other words are told of as ever.
   CHECK(testing::springnet(folder, "run pair.toml --realtime fast").err.find("'fast' is not known here;") !=
         std::string::npos);

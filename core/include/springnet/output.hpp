@@ -67,8 +67,8 @@ class SpringWriter {
   std::vector<double> values_;               // [spring][column]
 };
 
-// "time,element,value,force,alive": of every element, in the units of its invariant (Simulation::element_value,
-// element_force).
+// "time,element,value,force,alive": of the elements of the options, in the units of its invariant
+// (Simulation::element_value, element_force).
 class ElementWriter {
  public:
   ElementWriter(const std::filesystem::path& file, const Network& network, const OutputOptions& options = {});
@@ -78,6 +78,7 @@ class ElementWriter {
 
  private:
   std::unique_ptr<TableFile> file_;
+  std::vector<ElementIndex> elements_;
   std::vector<double> values_;  // [element][column]
 };
 

@@ -20,12 +20,13 @@ struct OutputOptions {
 
   double interval = 0.0;  // s between records; 0: every time step
   bool trajectory = true;
-  bool reactions = false;            // if nodes are held
-  bool surfaces = true;              // if there are planes or instruments
-  bool rigid = true;                 // if there are rigid connections
-  bool elements = true;              // if there are any
-  std::vector<NodeIndex> nodes;      // of trajectory and reactions, rising; empty: all
-  std::vector<SpringIndex> springs;  // whose forces are recorded, rising; empty: none
+  bool reactions = false;                     // if nodes are held
+  bool surfaces = true;                       // if there are planes or instruments
+  bool rigid = true;                          // if there are rigid connections
+  bool elements = true;                       // if there are any
+  std::vector<NodeIndex> nodes;               // of trajectory and reactions, rising; empty: all
+  std::vector<SpringIndex> springs;           // whose forces are recorded, rising; empty: none
+  std::vector<ElementIndex> element_numbers;  // of the elements recorded, rising; empty: all
   // Columns of the trajectory.
   bool position = true;
   bool velocity = true;
