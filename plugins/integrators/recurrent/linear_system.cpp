@@ -133,6 +133,7 @@ bool LinearSystem::iterate(double velocity_weight, double position_weight, const
   solver.setMaxIterations(may_factorise_ ? fallback_iterations : most_iterations);
   Eigen::Map<Eigen::VectorXd> solution(x.data(), size);
   solution = solver.solve(Eigen::Map<const Eigen::VectorXd>(b.data(), size));
+  host_.report("krylov_iterations", krylov_iterations_ += static_cast<double>(solver.iterations()));
   return solver.error() <= (may_factorise_ ? accuracy : useful);
 }
 

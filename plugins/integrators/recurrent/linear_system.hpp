@@ -40,6 +40,7 @@ class LinearSystem {
   bool constrained_ = false;
   bool factorised_ = false;  // with the weights below, the derivatives since linearise()
   double velocity_weight_ = 0.0, position_weight_ = 0.0;
+  double krylov_iterations_ = 0.0;          // of the run
   std::vector<double> mass_;                // kg
   std::vector<double> inverse_, mobility_;  // [node][3][3]
   std::vector<double> scaled_p_, scaled_v_, work_;

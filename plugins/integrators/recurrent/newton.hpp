@@ -5,7 +5,9 @@
 //
 // and goes to U + s delta, P + s w delta. The share s is 1 unless the slope m r.delta at the end, which is that of the
 // potential m |U - v*|^2 / 2 + E(P) where one exists, says that the step went too far; mu is 0 unless delta does not
-// lead downhill, as where springs buckle or laws soften, or no share of it was good. What rigid connections and sliding
+// lead downhill, as where springs buckle or laws soften, or no share of it was good. Before a step is shortened, what
+// it did to stiff constraints at second order is put right: a filling as hard as water keeps its volume along delta to
+// first order only. What rigid connections and sliding
 // contacts do not allow is projected out of r and delta. Nodes stay held, or free, during the search; then the host
 // puts the outputs where they belong and decides anew.
 #pragma once
@@ -51,6 +53,12 @@ class Newton final : public Rule {
   void find_direction(const Step& step, double accuracy);
   // Outputs + share * direction, and its assessment.
   void go(const Step& step, double share, const springnet_state& candidate);
+  // m r.direction at the outputs.
+  [[nodiscard]] double slope_along(const Step& step, const std::vector<double>& direction) const;
+  // After go() along the whole direction, to where the residual is many times larger: stiff constraints are off there
+  // at second order. Adds to the direction what puts them right, and hardly moves anything else (Levenberg, Marquardt),
+  // and goes there. False: that does not help; the direction is as it was.
+  [[nodiscard]] bool restore(const Step& step, const springnet_state& candidate);
   [[nodiscard]] bool is_good(const Step& step, double slope) const;
   void search(Step& step, const springnet_state& candidate);
   // Outputs that obey P = p* + w U at the positions where the step's propagation starts.
@@ -72,9 +80,11 @@ class Newton final : public Rule {
   double rate_ = 1.0;                              // of the norm in the last sweep; 1 where contacts changed
   bool linearised_ = false;                        // there are derivatives, of this sweep or one before
   bool fresh_ = false;                             // they are of the newest outputs, up to what settle() corrects
+  bool elsewhere_ = false;                         // they are of a candidate that restore() left
   bool first_ = false;                             // sweep of a step
   bool answered_ = false;                          // the linear system was solved
   std::vector<double> right_side_, direction_;     // [3n] b, delta
+  std::vector<double> straight_, correction_;      // [3n] delta before it was corrected, what is added to it
   std::vector<double> gap_, work_values_;          // [3n] (p* + w U - P) / w
   std::vector<std::uint32_t> contacts_;            // nodes that surfaces hold or guide
   Columns contact_acceleration_;                   // of theirs, if nothing held them, m/s^2
