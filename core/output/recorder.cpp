@@ -70,8 +70,8 @@ class VtkSink : public Sink {
 
 class ViewSink : public Sink {
  public:
-  ViewSink(const std::filesystem::path& file, const Scene& scene)
-      : file_(file), writer_(file, scene, ViewOptions{scene.output.view_size}) {}
+  ViewSink(const std::filesystem::path& file, const Scene& scene, const std::shared_ptr<const PluginHost>& plugins)
+      : file_(file), writer_(file, scene, ViewOptions{scene.output.view_size, plugins}) {}
 
   void record(const Simulation& simulation) override { writer_.record(simulation); }
   void close() override { writer_.close(); }
@@ -132,7 +132,8 @@ std::uintmax_t earlier_bytes(const std::filesystem::path& folder) {
   return sum;
 }
 
-Recorder::Recorder(const Scene& scene, const std::filesystem::path& folder) {
+Recorder::Recorder(const Scene& scene, const std::shared_ptr<const PluginHost>& plugins,
+                   const std::filesystem::path& folder) {
   make_folder(folder);
   clear(folder);
   const Network& network = scene.network;
@@ -151,7 +152,7 @@ Recorder::Recorder(const Scene& scene, const std::filesystem::path& folder) {
   if (options.elements && !network.elements().empty()) {
     table.operator()<ElementWriter>(table_name("elements", options), network, options);
   }
-  if (options.view) add(view_file, std::make_unique<ViewSink>(folder / view_file, scene));
+  if (options.view) add(view_file, std::make_unique<ViewSink>(folder / view_file, scene, plugins));
   if (options.vtk) add(vtk_index_name(), std::make_unique<VtkSink>(folder / vtk_folder, scene));
 }
 

@@ -31,7 +31,7 @@ class Recorder {
  public:
   // Removes what an earlier run has left in the folder, and makes the files that the scene asks for. Throws
   // Error(input) if the folder or a file cannot be made.
-  Recorder(const Scene& scene, const std::filesystem::path& folder);
+  Recorder(const Scene& scene, const std::shared_ptr<const PluginHost>& plugins, const std::filesystem::path& folder);
 
   void record(const Simulation& simulation);
   void finish(const Simulation& simulation);  // after the last record

@@ -221,7 +221,7 @@ RunSummary run_scene(const Scene& scene, const std::shared_ptr<const PluginHost>
   if (options.realtime != 0.0) static_cast<void>(Pace(options.realtime, 0.0, clock_of(options)));  // refuses nonsense
   Simulation simulation(scene.network, plugins, scene.options);
   RunSummary summary = describe(scene, simulation, *plugins, options.scene_name);
-  Recorder recorder(scene, options.folder);
+  Recorder recorder(scene, plugins, options.folder);
 
   keep_failure(summary, [&] { simulate(scene, simulation, recorder, options, summary); });
   if (summary.failure == ErrorKind::simulation && simulation.last_report().outcome != Outcome::settled) {

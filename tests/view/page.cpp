@@ -361,9 +361,11 @@ TEST_CASE("of very many forces some are drawn, spread over all, and this is told
 }
 
 TEST_CASE("a law that no plugin has is told without units") {
-  view::LawTexts texts;
-  CHECK(texts.of(ComponentKind::spring_function, {"of_nobody", {{"length", 2.5}}}) == "of_nobody (length 2.5)");
-  CHECK(texts.of(ComponentKind::spring_function, {"linear", {}}) == "linear");
+  for (const PluginHost* host : {plugins().get(), static_cast<const PluginHost*>(nullptr)}) {
+    const auto text = [host](const LawUse& law) { return view::text_of(host, ComponentKind::spring_function, law); };
+    CHECK(text({"of_nobody", {{"length", 2.5}}}) == "of_nobody (length 2.5)");
+    CHECK(text({"linear", {}}) == "linear");
+  }
 }
 
 TEST_CASE("a page that its program alone makes larger than was asked for says so") {

@@ -8,13 +8,15 @@
 #include <string>
 #include <vector>
 
+#include <springnet/plugin_host.hpp>
 #include <springnet/scene.hpp>
 #include <springnet/simulation.hpp>
 
 namespace springnet {
 
 struct ViewOptions {
-  double size = 16e6;  // bytes that the page should not exceed
+  double size = 16e6;                                   // bytes that the page should not exceed
+  std::shared_ptr<const PluginHost> plugins = nullptr;  // those of the run, for the units of laws; null: no units
 };
 
 // Collects the records of a run and writes the page. What is kept in memory is bounded by the size of the page: where a

@@ -2,11 +2,13 @@
 #pragma once
 
 #include <cstdint>
+#include <memory>
 #include <optional>
 #include <ostream>
 #include <string>
 #include <vector>
 
+#include <springnet/plugin_host.hpp>
 #include <springnet/scene.hpp>
 
 #include "output/view/forces.hpp"
@@ -34,6 +36,7 @@ struct Content {
   Frames frames;
   std::vector<Removal> removed;
   std::vector<std::string> notes;
+  std::shared_ptr<const PluginHost> plugins{};  // for the units of laws
 };
 
 // Elements worth a curve: all if they are few, else the enclosed volumes.

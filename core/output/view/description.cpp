@@ -110,8 +110,7 @@ std::string describe(const Content& content, bool rounded) {
   const Scene& scene = content.scene;
   const Network& network = scene.network;
   Json materials = Json::array();
-  LawTexts texts;
-  for (const Material& material : network.materials()) materials.push_back(texts.of(material));
+  for (const Material& material : network.materials()) materials.push_back(text_of(content.plugins.get(), material));
   Json json{{"title", scene.title},
             {"version", version()},
             {"integrator", scene.options.integrator.id},

@@ -6,9 +6,12 @@
 
 namespace springnet::view {
 
-std::string LawTexts::unit_of(ComponentKind kind, const std::string& law, const std::string& parameter) {
-  if (!plugins_) plugins_ = PluginHost::with_default_search();
-  const auto component = plugins_->find(kind, law);
+namespace {
+
+std::string unit_of(const PluginHost* plugins, ComponentKind kind, const std::string& law,
+                    const std::string& parameter) {
+  if (plugins == nullptr) return "";
+  const auto component = plugins->find(kind, law);
   if (!component) return "";
   const std::ptrdiff_t index = parameter_index(*component->description, parameter);
   if (index < 0) return "";
@@ -16,22 +19,24 @@ std::string LawTexts::unit_of(ComponentKind kind, const std::string& law, const 
   return unit == "1" ? "" : fmt::format(" {}", unit);
 }
 
-std::string LawTexts::of(ComponentKind kind, const LawUse& use) {
+}  // namespace
+
+std::string text_of(const PluginHost* plugins, ComponentKind kind, const LawUse& use) {
   std::string text = use.id;
   const char* separator = " (";
   for (const auto& [name, value] : use.parameters) {
-    text += fmt::format("{}{} {:g}{}", separator, name, value, unit_of(kind, use.id, name));
+    text += fmt::format("{}{} {:g}{}", separator, name, value, unit_of(plugins, kind, use.id, name));
     separator = ", ";
   }
   return use.parameters.empty() ? text : text + ")";
 }
 
-std::string LawTexts::of(const Material& material) {
+std::string text_of(const PluginHost* plugins, const Material& material) {
   std::string text;
-  if (material.spring) text = "spring " + of(ComponentKind::spring_function, *material.spring);
+  if (material.spring) text = "spring " + text_of(plugins, ComponentKind::spring_function, *material.spring);
   if (material.viscosity) {
     text += text.empty() ? "viscosity " : ", viscosity ";
-    text += of(ComponentKind::viscosity_function, *material.viscosity);
+    text += text_of(plugins, ComponentKind::viscosity_function, *material.viscosity);
   }
   return text;
 }

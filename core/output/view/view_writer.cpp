@@ -66,6 +66,7 @@ when it fails; springnet run again makes it.</p>
 struct ViewWriter::Impl {
   Impl(const std::filesystem::path& path, const Scene& scene, const ViewOptions& options)
       : file(path), size(options.size), content(make_content(scene, size)) {
+    content.plugins = options.plugins;
     left_out = content.selection.notes;
     left_out.insert(left_out.end(), content.forces.notes.begin(), content.forces.notes.end());
   }
