@@ -3,43 +3,71 @@
 #include <array>
 #include <cmath>
 #include <cstdio>
+#include <vector>
 
 namespace springnet::recurrent {
 namespace {
 
-const char* calmer(Update update, bool chosen_by_user, bool exact_sweeps) {
-  const bool weak = update == Update::synchronous || update == Update::wavefront;
-  if (chosen_by_user && !exact_sweeps && update == Update::synchronous)
-    return "use a smaller time_step or update = \"wavefront\", \"block\" or \"newton\"";
-  if (chosen_by_user && !exact_sweeps && weak)
-    return "use a smaller time_step, less stiffness and damping, or update = \"block\" or \"newton\"";
-  if (chosen_by_user && !exact_sweeps && update != Update::newton)
-    return "use a smaller time_step, less stiffness and damping, or update = \"newton\"";
-  return "use a smaller time_step, or less stiffness and damping";
+// Up to this multiple of the critical time constant wavefront sweeps settle for certain: their limit is at 1.4 to 2
+// times. Sweeps of blocks settle beyond, in some tens up to this.
+constexpr double wavefront_settles = 1.2, block_settles = 20.0;
+
+bool is_explicit(Update update) { return update == Update::synchronous || update == Update::wavefront; }
+
+// "update = "newton" or "automatic"", and what else would settle; empty: there is no better one.
+std::string better_rules(const Attempt& attempt, const Circumstances& circumstances) {
+  if (!circumstances.chosen_by_user || circumstances.exact_sweeps || attempt.update == Update::newton) return {};
+  std::string more;
+  if (is_explicit(attempt.update) && circumstances.over_critical < block_settles) more += ", \"block\"";
+  if (attempt.update == Update::synchronous && circumstances.over_critical < wavefront_settles)
+    more += ", \"wavefront\"";
+  if (more.empty()) return "update = \"newton\" or \"automatic\"";
+  const std::size_t last = more.rfind(", ");
+  return "update = \"newton\", \"automatic\"" + more.substr(0, last) + " or " + more.substr(last + 2);
+}
+
+// "use a, b, or c".
+std::string remedy_for(const Step& step, const Attempt& attempt, const Circumstances& circumstances) {
+  std::vector<std::string> ways;
+  if (const std::string rules = better_rules(attempt, circumstances); !rules.empty()) ways.push_back(rules);
+  // It damps what moves faster than the step can tell; but explicit sweeps have a longer way to go then.
+  if (step.theta < 1.0 && !circumstances.exact_sweeps && !is_explicit(attempt.update)) ways.emplace_back("theta = 1");
+  if (!circumstances.divided) ways.emplace_back("a smaller time_step");
+  ways.emplace_back("less stiffness and damping");
+  std::string text = "use ";
+  for (std::size_t i = 0; i < ways.size(); ++i) text += (i == 0 ? "" : i + 1 == ways.size() ? ", or " : ", ") + ways[i];
+  return text;
+}
+
+constexpr const char* hopeless =
+    "it is so where the step starts, and no time_step helps: change that law or neuron, or what it starts from";
+
+// Messages of rigid connections and contacts say themselves what to do.
+bool has_remedy(const std::string& message) { return message.find("smaller time") != std::string::npos; }
+
+std::string short_number(double value) {
+  std::array<char, 32> text{};
+  std::snprintf(text.data(), text.size(), "%.3g", value);
+  return text.data();
 }
 
 }  // namespace
 
-std::string explain(const Step& step, const Attempt& attempt, bool chosen_by_user, bool exact_sweeps) {
-  const std::uint32_t node = step.network.user_number[step.differences.node == no_node ? 0 : step.differences.node];
-  const auto sweeps = static_cast<unsigned long long>(step.sweeps);
-  const char* remedy = calmer(attempt.update, chosen_by_user, exact_sweeps);
-  std::array<char, 512> text{};
+std::string explain(const Step& step, const Attempt& attempt, const Circumstances& circumstances) {
+  const std::string node =
+      std::to_string(step.network.user_number[step.differences.node == no_node ? 0 : step.differences.node]);
+  const std::string after = " after " + std::to_string(step.sweeps) + " sweeps: ";
+  const std::string remedy = remedy_for(step, attempt, circumstances);
   if (!attempt.law_message.empty()) {
-    std::snprintf(text.data(), text.size(), "the step diverges after %llu sweeps: %s; %s", sweeps,
-                  attempt.law_message.c_str(), remedy);
-    return text.data();
+    const std::string text = "the step diverges" + after + attempt.law_message;
+    if (circumstances.fails_at_once) return text + "; " + hopeless;
+    return has_remedy(attempt.law_message) ? text : text + "; " + remedy;
   }
   if (!step.finite) {
-    std::snprintf(
-        text.data(), text.size(),
-        "the step diverges after %llu sweeps: numbers are no longer finite, first at node %u; %s, or unsettled = "
-        "\"adapt\"",
-        sweeps, node, remedy);
-    return text.data();
+    const std::string text = "the step diverges" + after + "numbers are no longer finite, first at node " + node + "; ";
+    return text + (circumstances.fails_at_once ? std::string(hopeless) : remedy + ", or unsettled = \"adapt\"");
   }
-  const char* outcome = "diverges";
-  const char* besides = "";
+  std::string outcome = "diverges", besides;
   if (attempt.verdict == Verdict::oscillating) {
     outcome = "oscillates";
     besides = ", or raise force_tolerance if it is near the rounding of the forces";
@@ -48,19 +76,12 @@ std::string explain(const Step& step, const Attempt& attempt, bool chosen_by_use
     besides = ", or raise max_sweeps";
   }
   const bool forces_settled = step.differences.greatest <= step.tolerance;
-  std::array<char, 128> what{};
-  if (forces_settled)
-    std::snprintf(what.data(), what.size(), "the forces have settled, but the equation of motion is off by %.3g N",
-                  step.residual);
-  else
-    std::snprintf(what.data(), what.size(), "the forces still change by %.3g N at node %u", step.differences.greatest,
-                  node);
-  std::snprintf(
-      text.data(), text.size(),
-      "the step %s after %llu sweeps: %s, more than force_tolerance %.3g N; %s%s; unsettled = \"adapt\" divides "
-      "such steps, \"accept\" takes them as they are",
-      outcome, sweeps, what.data(), step.tolerance, remedy, besides);
-  return text.data();
+  const std::string what =
+      forces_settled
+          ? "the forces have settled, but the equation of motion is off by " + short_number(step.residual) + " N"
+          : "the forces still change by " + short_number(step.differences.greatest) + " N at node " + node;
+  return "the step " + outcome + after + what + ", more than force_tolerance " + short_number(step.tolerance) + " N; " +
+         remedy + besides + "; unsettled = \"adapt\" divides such steps, \"accept\" takes them as they are";
 }
 
 std::uint32_t non_finite_node(const Step& step) {

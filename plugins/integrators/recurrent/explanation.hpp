@@ -1,6 +1,7 @@
 // Why a step did not settle, and what to do, in a sentence for the user.
 #pragma once
 
+#include <limits>
 #include <string>
 
 #include "monitor.hpp"
@@ -14,7 +15,17 @@ struct Attempt {
   std::string law_message;            // of a law or neuron that had no finite answer
 };
 
-[[nodiscard]] std::string explain(const Step& step, const Attempt& attempt, bool chosen_by_user, bool exact_sweeps);
+// What advice depends on.
+struct Circumstances {
+  bool chosen_by_user = false;  // the update rule
+  bool exact_sweeps = false;
+  bool divided = false;        // smaller and smaller steps were tried
+  bool fails_at_once = false;  // a law or neuron has no finite answer where the step starts
+  // theta times the time constant over the critical one of synchronous sweeps; nan: not known.
+  double over_critical = std::numeric_limits<double>::quiet_NaN();
+};
+
+[[nodiscard]] std::string explain(const Step& step, const Attempt& attempt, const Circumstances& circumstances);
 
 // First node, in the user's numbers, whose output is not finite; no_node if there is none.
 [[nodiscard]] std::uint32_t non_finite_node(const Step& step);

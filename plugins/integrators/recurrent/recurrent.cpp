@@ -20,6 +20,7 @@
 #include <springnet/sdk/integrator.hpp>
 
 #include "automatic.hpp"
+#include "critical_time.hpp"
 #include "explanation.hpp"
 #include "propagation.hpp"
 
@@ -100,6 +101,8 @@ class Recurrent : public springnet::sdk::Integrator {
   Attempt raise_time_constant(Step& step, const Attempt& last);
   void take(const Step& step, bool is_settled);
   void subdivide(double until, int halvings, springnet_step_report& report);
+  // Of an attempt that failed, for its explanation.
+  [[nodiscard]] Circumstances circumstances(const Step& step, const Attempt& attempt);
   void fill(springnet_step_report& report, const Step& step, const Attempt& attempt) const;
   [[nodiscard]] bool single_sweep(const Step& step) const {
     return limits_.exact_sweeps == 1 && update_ == Update::synchronous && step.network.internal_count == 0;
@@ -138,7 +141,7 @@ springnet_status Recurrent::advance(double until, springnet_step_report& report)
     return SPRINGNET_OK;
   }
   if (unsettled_ != Unsettled::adapt)
-    throw Failure(explain(step, attempt, update_ != Update::automatic, limits_.exact_sweeps > 0), SPRINGNET_UNSETTLED);
+    throw Failure(explain(step, attempt, circumstances(step, attempt)), SPRINGNET_UNSETTLED);
   const double middle = step.from + 0.5 * (until - step.from);
   subdivide(middle, 1, report);
   subdivide(until, 1, report);
@@ -298,7 +301,9 @@ void Recurrent::subdivide(double until, int halvings, springnet_step_report& rep
     return;
   }
   if (halvings == most_halvings) {
-    std::string reason = explain(step, attempt, update_ != Update::automatic, limits_.exact_sweeps > 0);
+    Circumstances known = circumstances(step, attempt);
+    known.divided = true;
+    std::string reason = explain(step, attempt, known);
     for (const char* advice : {"; unsettled = ", ", or unsettled = "})  // which was followed
       if (const std::size_t at = reason.find(advice); at != std::string::npos) reason.erase(at);
     throw Failure("smaller and smaller steps, the last from " + std::to_string(step.from) + " s, where the network " +
@@ -308,6 +313,26 @@ void Recurrent::subdivide(double until, int halvings, springnet_step_report& rep
   const double middle = step.from + 0.5 * (until - step.from);
   subdivide(middle, halvings + 1, report);
   subdivide(until, halvings + 1, report);
+}
+
+Circumstances Recurrent::circumstances(const Step& step, const Attempt& attempt) {
+  Circumstances result;
+  result.chosen_by_user = update_ != Update::automatic;
+  result.exact_sweeps = limits_.exact_sweeps > 0;
+  if (!attempt.law_message.empty() || !step.finite) {
+    try {
+      work_.evaluate(step, step.start);
+    } catch (const Failure& failure) {
+      result.fails_at_once = failure.recoverable();
+    }
+  }
+  if (attempt.update == Update::synchronous || attempt.update == Update::wavefront) {
+    try {
+      if (!result.fails_at_once) result.over_critical = step.weight() / critical_weight(work_.host, step);
+    } catch (const Failure&) {  // not known: a law without derivatives, say
+    }
+  }
+  return result;
 }
 
 void Recurrent::fill(springnet_step_report& report, const Step& step, const Attempt& attempt) const {

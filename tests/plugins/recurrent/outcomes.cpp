@@ -88,9 +88,35 @@ TEST_CASE("diverging") {
     const std::string why = failure(simulation);
     CHECK(simulation.last_report().outcome == Outcome::diverging);
     CHECK(contains(why, "diverges after"));
-    CHECK(contains(why, update == synchronous ? "update = \"wavefront\"" : "less stiffness"));
+    CHECK(contains(why, "use update = \"newton\", \"automatic\" or \"block\", a smaller time_step, or less stiffness"));
     check_untouched(simulation);
   }
+}
+
+TEST_CASE("rules are advised that settle") {
+  // One spring between a wall and a node; t_c of 1 is sqrt(k / m) times the critical time constant.
+  const auto advice = [](double stiffness, double update, double theta) {
+    Simulation simulation = spring_of(stiffness, update, {{"max_sweeps", 30}, {"theta", theta}});
+    return failure(simulation);
+  };
+  const std::string near = advice(1.1, synchronous, 1.0), far = advice(1e6, synchronous, 1.0);
+  CHECK(contains(near, "update = \"newton\", \"automatic\", \"block\" or \"wavefront\""));
+  CHECK(contains(far, "update = \"newton\" or \"automatic\", a smaller"));
+  CHECK_FALSE(contains(near, "theta"));
+  // Half the weight, a quarter of the stiffness; a greater one would make it worse.
+  CHECK(contains(advice(4.4, synchronous, 0.5), "\"block\" or \"wavefront\", a smaller time_step"));
+  CHECK_FALSE(contains(advice(1.1, wavefront, 1.0), "wavefront"));
+  // A net of many springs, which blocks do not settle in so few sweeps.
+  Simulation blocks = simulate(cube(4e4, 0.0, 1.0, 0.081), recurrent(block, 1e-6, {{"max_sweeps", 30}}), 0.05);
+  CHECK(contains(failure(blocks), "use update = \"newton\" or \"automatic\", a smaller time_step, or less"));
+  Simulation newtons = simulate(cube(4e4, 0.0, 1.0, 0.081), recurrent(newton, 1e-6, {{"max_sweeps", 2}}), 0.05);
+  CHECK(contains(failure(newtons), "use a smaller time_step, or less"));
+  Simulation half =
+      simulate(cube(4e4, 0.0, 1.0, 0.081), recurrent(newton, 1e-6, {{"max_sweeps", 2}, {"theta", 0.5}}), 0.05);
+  CHECK(contains(failure(half), "use theta = 1, a smaller time_step, or less"));
+  Simulation picked =
+      simulate(cube(4e4, 0.0, 1.0, 0.081), recurrent(automatic, 1e-6, {{"max_sweeps", 2}, {"theta", 0.5}}), 0.05);
+  CHECK(contains(failure(picked), "use theta = 1, a smaller time_step, or less"));
 }
 
 TEST_CASE("diverging to numbers that are not finite fails, whatever the policy") {
@@ -117,6 +143,8 @@ TEST_CASE("diverging to numbers that are not finite fails, whatever the policy")
         CHECK_FALSE(contains(why, "accept"));  // that would not help
         CHECK(contains(why, "exponential"));   // the host says which law it was, and where
         CHECK(contains(why, "spring 0"));
+        CHECK(contains(why, "no time_step helps") == (exponent == 7200.0));
+        CHECK(contains(why, "a smaller time_step") == (exponent == 1000.0));
         check_untouched(simulation);
       }
     }
