@@ -22,6 +22,7 @@ namespace springnet {
 struct Touch {
   std::int32_t surface = -1;  // -1: none
   bool slides = false;        // else the surface takes it along
+  std::int32_t second = -1;   // the reference: it slid on this one until it met the other, and is held by both
   friend bool operator==(const Touch&, const Touch&) = default;
 };
 

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <optional>
+#include <utility>
 
 #include "layers/elements.hpp"
 #include "simulation/engine.hpp"
@@ -34,7 +35,9 @@ const std::vector<Engine::EventSource>& Engine::event_sources() {
       const auto j = static_cast<std::uint32_t>(touch.surface);
       if (touch.surface >= 0) {
         sources_.push_back({EventSource::Kind::release, k, j});
-        if (contact_.surfaces()[j].friction().kind == Friction::Kind::coulomb)
+        if (touch.second >= 0)
+          sources_.push_back({EventSource::Kind::release, k, static_cast<std::uint32_t>(touch.second)});
+        else if (contact_.surfaces()[j].friction().kind == Friction::Kind::coulomb)
           sources_.push_back({touch.slides ? EventSource::Kind::stick : EventSource::Kind::slip, k, j});
         if (!touch.slides) continue;
       }
@@ -71,7 +74,7 @@ springnet_status Engine::event_values(const springnet_evaluation& request, doubl
       Vector3 reaction;
       const springnet_status status = reactions.of(k, reaction);
       if (status != SPRINGNET_OK) return status;
-      const double pressing = n.dot(reaction);
+      const double pressing = pressing_of(k, source.surface, p, reaction);
       values[e] = source.kind == EventSource::Kind::release
                       ? -pressing
                       : contact_.surfaces()[source.surface].friction().coefficient * pressing -
@@ -82,6 +85,20 @@ springnet_status Engine::event_values(const springnet_evaluation& request, doubl
   return breaking == 0 ? SPRINGNET_OK
                        : rupture_margins(request.time, node_arrays(request.position, request.velocity),
                                          values + (sources.size() - breaking));
+}
+
+// What of a reaction is a surface's: all of it along the normal, or, of a node between two surfaces, the share of this
+// one where normal forces of both make up the reaction (least squares; what is left is along both).
+double Engine::pressing_of(std::uint32_t node, std::size_t surface, const Vector3& position,
+                           const Vector3& reaction) const {
+  const Touch touch = contact_.committed(node);
+  const Vector3 n = contact_.normal(surface, position);
+  const double along = n.dot(reaction);
+  if (touch.second < 0) return along;
+  const auto a = static_cast<std::size_t>(touch.surface), b = static_cast<std::size_t>(touch.second);
+  const Vector3 other = contact_.normal(surface == a ? b : a, position);
+  const double cosine = n.dot(other), square = 1.0 - cosine * cosine;
+  return square > 1e-12 ? (along - cosine * other.dot(reaction)) / square : along;
 }
 
 // Contact without restitution: the node loses what its velocity has against the surface, by friction also along it.
@@ -99,9 +116,19 @@ void Engine::touch(std::uint32_t node, std::size_t surface, double time, State& 
       answer.sticks || (friction.kind == Friction::Kind::coulomb && answer.velocity.norm() <= contact_.rest_speed());
   put_vector(state.view.position, node, position);
   put_vector(state.view.velocity, node, sticks ? w : Vector3(w + answer.velocity));
-  contact_.touch(node, {static_cast<std::int32_t>(surface), !sticks}, answer.impulse);
+  contact_.touch(node, {static_cast<std::int32_t>(surface), !sticks, before.surface}, answer.impulse);
   if (!sticks) contact_.set_slip(node, answer.velocity.normalized());
   note(Event::Kind::touched, time, layout_.ordering().user[node]);
+  changed();
+}
+
+// From one of two surfaces: the other goes on as it does with its friction.
+void Engine::let_go_of_one(std::uint32_t node, std::size_t surface, double time) {
+  const Touch touch = contact_.committed(node);
+  const std::int32_t left = touch.surface == static_cast<std::int32_t>(surface) ? touch.second : touch.surface;
+  const Friction::Kind kind = contact_.surfaces()[static_cast<std::size_t>(left)].friction().kind;
+  contact_.touch(node, {left, kind == Friction::Kind::none}, Vector3::Zero());
+  note(Event::Kind::released, time, layout_.ordering().user[node]);
   changed();
 }
 
@@ -219,7 +246,7 @@ springnet_status Engine::release_grip(double time, const State& state) {
   std::optional<ReactionsAt> reactions;
   for (std::uint32_t k = 0; k < layout_.node_count(); ++k) {
     const Touch touch = contact_.committed(k);
-    if (touch.surface < 0 || touch.slides) continue;
+    if (touch.surface < 0 || touch.slides || touch.second >= 0) continue;
     const auto j = static_cast<std::size_t>(touch.surface);
     if (contact_.surfaces()[j].friction().kind != Friction::Kind::coulomb) continue;
     Vector3 reaction;
@@ -240,7 +267,8 @@ springnet_status Engine::fire(const EventSource& source, double time, State& sta
                               std::vector<std::uint32_t>& touched) {
   const std::uint32_t k = source.index;
   const Touch now = contact_.committed(k);
-  const bool same = now.surface == static_cast<std::int32_t>(source.surface);
+  const auto surface = static_cast<std::int32_t>(source.surface);
+  const bool same = now.surface == surface || (now.second >= 0 && now.second == surface);
   switch (source.kind) {
     case EventSource::Kind::touch:
       if (now.surface >= 0 && !now.slides) break;  // two surfaces at once: the first holds it
@@ -257,7 +285,10 @@ springnet_status Engine::fire(const EventSource& source, double time, State& sta
         break;
       }
     case EventSource::Kind::release:
-      if (same) let_go(k, time);
+      if (same && now.second >= 0)
+        let_go_of_one(k, source.surface, time);
+      else if (same)
+        let_go(k, time);
       break;
     case EventSource::Kind::stick:
       if (same && now.slides) return stick(k, time, state);
@@ -308,17 +339,26 @@ springnet_status Engine::fire_events(double time, State& state, const std::int32
   }
   // A node that is pulled away where it touches does not stay.
   ReactionsAt reactions(*this, time, read_only(state.view.position), read_only(state.view.velocity));
-  std::vector<std::uint32_t> lifted;
+  std::vector<std::pair<std::uint32_t, std::size_t>> lifted;
   for (const std::uint32_t k : touched) {
     const Touch touch = contact_.committed(k);
     if (touch.surface < 0) continue;
     Vector3 reaction;
     const springnet_status status = reactions.of(k, reaction);
     if (status != SPRINGNET_OK) return status;
-    const auto j = static_cast<std::size_t>(touch.surface);
-    if (contact_.normal(j, vector_at(state.view.position, k)).dot(reaction) < 0.0) lifted.push_back(k);
+    for (const std::int32_t surface : {touch.surface, touch.second}) {
+      const auto j = static_cast<std::size_t>(surface);
+      if (surface < 0 || pressing_of(k, j, vector_at(state.view.position, k), reaction) >= 0.0) continue;
+      lifted.emplace_back(k, j);
+      break;
+    }
   }
-  for (const std::uint32_t k : lifted) let_go(k, time);
+  for (const auto& [node, surface] : lifted) {
+    if (contact_.committed(node).second >= 0)
+      let_go_of_one(node, surface, time);
+    else
+      let_go(node, time);
+  }
   if (!touched.empty())
     if (const springnet_status status = release_grip(time, state); status != SPRINGNET_OK) return status;
   return evaluator_.evaluate(time, state.nodes(), loads_.external(), state.forces(), {}, message_);

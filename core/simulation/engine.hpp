@@ -125,8 +125,12 @@ class Engine {
   // Lets slip what friction cannot hold any more.
   springnet_status release_grip(double time, const State& state);
   void let_go(std::uint32_t node, double time);
-  // At the committed time, `from` the one before, s: surfaces whose velocity jumps away from nodes leave them where they
-  // are, unless they hold them.
+  void let_go_of_one(std::uint32_t node, std::size_t surface, double time);
+  // N, of a node in contact.
+  [[nodiscard]] double pressing_of(std::uint32_t node, std::size_t surface, const Vector3& position,
+                                   const Vector3& reaction) const;
+  // At the committed time, `from` the one before, s: surfaces whose velocity jumps away from nodes leave them where
+  // they are, unless they hold them.
   void leave_surfaces(double from);
   void slip(std::uint32_t node, const Vector3& reaction, double time, const State& state);
   springnet_status stick(std::uint32_t node, double time, State& state);

@@ -180,3 +180,42 @@ TEST_CASE("a node that slides into a second surface stops there, in every integr
     CHECK(std::abs(0.2 - moved - s.position(0)[0]) <= accuracy);
   }
 }
+
+TEST_CASE("a node that came to a corner leaves it again, whichever surface it met first") {
+  // Without friction: driven by 20 N/kg into the corner of floor and wall, then by -8 N/kg out of it from 0.7 s on.
+  const Friction none{Friction::Kind::none, 0.0};
+  for (const double height : {0.0, 0.5}) {
+    Network net;
+    net.add_node(point({0.5, 0, height}, 1.0, {2, 0, 0}));
+    net.set_gravity({0, 0, -9.81});
+    net.add_load({{0}, {20, 0, 0}, 0.0, 0.7});
+    net.add_load({{0}, {-8, 0, 0}, 0.7, 10.0});
+    net.add_plane({"floor", {0, 0, 0}, {0, 0, 1}, none});
+    net.add_plane({"wall", {1, 0, 0}, {-1, 0, 0}, none});
+    for (const Way& way : all_ways(1e-10)) {
+      INFO(way.name << ", from " << height);
+      Simulation simulation = simulate(net, way.integrator, 0.0025);
+      simulation.advance_to(1.5);
+      CHECK(std::abs(simulation.position(0).z()) <= 1e-12);
+      // 1 - 4 t^2 after 0.8 s; steps leave late by up to two of them.
+      CHECK(simulation.position(0).x() == doctest::Approx(1.0 - 4.0 * 0.64).epsilon(way.order > 0.0 ? 0.01 : 1e-6));
+    }
+  }
+}
+
+TEST_CASE("a node that friction holds in a corner makes no events without end") {
+  Network net;
+  const Friction rough{Friction::Kind::coulomb, 0.3};
+  net.add_node(point({0.9, 0, 0}, 1.0, {2, 0, 0}));
+  net.set_gravity({0, 0, -9.81});
+  net.add_load({{0}, {4, 0, 0}});
+  net.add_plane({"floor", {0, 0, 0}, {0, 0, 1}, rough});
+  net.add_plane({"wall", {1, 0, 0}, {-1, 0, 0}, rough});
+  for (const Way& way : all_ways(1e-10)) {
+    INFO(way.name);
+    Simulation simulation = simulate(net, way.integrator, 0.01);
+    simulation.advance_to(0.4);
+    CHECK((simulation.position(0) - Vector3(1, 0, 0)).norm() <= 1e-9);
+    CHECK(simulation.events().size() < 12);
+  }
+}
