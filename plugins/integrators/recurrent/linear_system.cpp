@@ -19,6 +19,8 @@ constexpr std::uint32_t most_for_direct = 32, most_for_fallback = 3000;
 constexpr Eigen::Index most_iterations = 400, fallback_iterations = 100;
 // An iteration that stops further from the solution than this, relatively, has no answer where there is no way out.
 constexpr double useful = 0.5;
+// Looked at after every `fallback_iterations`: near enough to the accuracy; part to which the error has to fall.
+constexpr double near = 2.0, stalls = 0.5;
 
 }  // namespace
 
@@ -130,10 +132,19 @@ bool LinearSystem::iterate(double velocity_weight, double position_weight, const
   };
   solver.compute(matrix);
   solver.setTolerance(accuracy);
-  solver.setMaxIterations(may_factorise_ ? fallback_iterations : most_iterations);
+  solver.setMaxIterations(fallback_iterations);
   Eigen::Map<Eigen::VectorXd> solution(x.data(), size);
-  solution = solver.solve(Eigen::Map<const Eigen::VectorXd>(b.data(), size));
-  host_.report("krylov_iterations", krylov_iterations_ += static_cast<double>(solver.iterations()));
+  const Eigen::Map<const Eigen::VectorXd> right_side(b.data(), size);
+  solution.setZero();
+  // In parts: where pre-stress makes the matrix indefinite the iteration may stall a little above the accuracy.
+  double last = 1.0;
+  for (Eigen::Index done = 0; done < (may_factorise_ ? fallback_iterations : most_iterations);) {
+    solution = solver.solveWithGuess(right_side, solution);
+    done += fallback_iterations;
+    host_.report("krylov_iterations", krylov_iterations_ += static_cast<double>(solver.iterations()));
+    if (solver.error() <= near * accuracy || !(solver.error() <= stalls * last)) break;
+    last = solver.error();
+  }
   return solver.error() <= (may_factorise_ ? accuracy : useful);
 }
 
