@@ -104,6 +104,13 @@ std::string text_of(const Network& network, const std::optional<Bottleneck>& set
   return text + fmt::format("): t^2 k/m {:.2g}, t d/m {:.2g}", set_by->elastic_share, set_by->viscous_share);
 }
 
+// Whether a closed surface acts on its nodes together by more than a sweep of one node after another undoes soon.
+bool slow_for_fillings(const Scene& scene, const Inspection& found) {
+  if (!found.elements.contains(std::string(name_of(Invariant::enclosed_volume)))) return false;
+  const TimeConstantLimit& limit = found.limit(UpdateRule::synchronous);
+  return limit.time_constant > 0.0 && scene.options.time_step > limit.time_constant;
+}
+
 void print_limits(const Scene& scene, const Inspection& found) {
   fmt::print("\nLargest time step of each update rule, linearised at the start{}:\n",
              found.options.theta == 1.0 ? "" : fmt::format(", theta {:g}", found.options.theta));
@@ -126,6 +133,9 @@ void print_limits(const Scene& scene, const Inspection& found) {
     rows.push_back(row);
   }
   fmt::print("{}", align_columns(rows));
+  if (slow_for_fillings(scene, found)) {
+    fmt::print("  no limit: but sweeps of block and coloured grow with the stiffness of an enclosed volume\n");
+  }
   if (!found.unknown_because.empty()) fmt::print("  unknown because {}\n", found.unknown_because);
   if (found.unique_time_constant) {
     fmt::print("  above {:.3g} s a time step may have several solutions: springs push or soften (buckling)\n",

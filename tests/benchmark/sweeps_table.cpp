@@ -1,5 +1,5 @@
-// The table of core/docs/propagation.md: sweeps a step that each update rule needs on the paper's cube, from soft to
-// stiff. Prints Markdown. Counts, not times: the same everywhere.
+// The tables of core/docs/propagation.md: sweeps a step that each update rule needs on filled spheres and on the
+// paper's cube, from soft to stiff. Prints Markdown. Counts, not times: the same everywhere.
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -13,7 +13,7 @@
 #include <springnet/inspection.hpp>
 #include <springnet/simulation.hpp>
 
-#include "nets.hpp"
+#include "../elements/bodies.hpp"
 
 namespace {
 
@@ -48,10 +48,11 @@ struct Run {
   std::vector<Vector3> positions{};
 };
 
-Run run(const Network& net, UpdateRule rule) {
+// force_tolerance: N; h: s.
+Run run(const Network& net, UpdateRule rule, double force_tolerance, double h) {
   // The integrator numbers its choices as UpdateRule does.
   Simulation simulation = testing::simulate(
-      net, testing::recurrent(static_cast<double>(rule), tolerance, {{"max_sweeps", most_sweeps}}), time_step);
+      net, testing::recurrent(static_cast<double>(rule), force_tolerance, {{"max_sweeps", most_sweeps}}), h);
   Run result;
   for (int step = 0; step < step_count; ++step) {
     try {
@@ -68,7 +69,7 @@ Run run(const Network& net, UpdateRule rule) {
 
 // "12 (0.3)": sweeps a step, and the greatest residual in units of the threshold. Or how it ended, after how many
 // sweeps.
-std::string text_of(const Run& run, const Run& newton) {
+std::string text_of(const Run& run, const Run& newton, double force_tolerance) {
   if (run.outcome != Outcome::settled) return fmt::format("{}, {:.0f}", name_of(run.outcome), run.sweeps);
   // A force off by the threshold moves a node by t^2 F / m in a step; this is far above what ten steps add up to.
   constexpr double alike = 1e-6;  // m
@@ -77,13 +78,38 @@ std::string text_of(const Run& run, const Run& newton) {
     distance = std::max(distance, (run.positions[k] - newton.positions[k]).norm());
   }
   if (distance > alike) return fmt::format("elsewhere, {:.0f}", run.sweeps);
-  return fmt::format("{:.{}f} ({:.2g})", run.sweeps, run.sweeps < 10.0 ? 1 : 0, run.residual / tolerance);
+  return fmt::format("{:.{}f} ({:.2g})", run.sweeps, run.sweeps < 10.0 ? 1 : 0, run.residual / force_tolerance);
 }
 
 // The time step over the largest one of a rule, for the cube with its lowest layer held.
 std::string over_limit(Network net, UpdateRule rule) {
   for (NodeIndex k = 0; k < 16; ++k) net.fix(k);
   return fmt::format("{:.2g}", time_step / inspect(net, *testing::plugins()).limit(rule).time_constant);
+}
+
+// A sphere of 162 nodes of 1 g, radius 0.1 m, with a skin of 20 N/m and 0.01 N s/m, pulled at two nodes. filling:
+// N/m^5.
+Network filled_sphere(double filling) {
+  Network net = testing::filled(testing::icosphere(2, 0.1), 1e-3, 20.0, filling, 0.01);
+  for (const NodeIndex node : {0u, 5u}) net.add_load({{node}, {0.02, -0.01, 0.03}});
+  return net;
+}
+
+void print_fillings() {
+  constexpr double sphere_step = 0.01, sphere_tolerance = 4e-8;  // s, N: a millionth of the load
+  fmt::print("| stiffness of the filling, N/m^5 |");
+  for (const UpdateRule rule : update_rules) fmt::print(" {} |", name_of(rule));
+  fmt::print("\n|---|---|---|---|---|---|\n");
+  for (const double filling : {0.0, 1e4, 1e5, 1e6, 1e7, 1e8, 1e10, 1e12}) {
+    const Network net = filled_sphere(filling);
+    fmt::print("| {:g} |", filling);
+    const Run newton = run(net, UpdateRule::newton, sphere_tolerance, sphere_step);
+    for (const UpdateRule rule : update_rules)
+      fmt::print(" {} |", text_of(run(net, rule, sphere_tolerance, sphere_step), newton, sphere_tolerance));
+    fmt::print("\n");
+    std::fflush(stdout);
+  }
+  fmt::print("\n");
 }
 
 void print_table() {
@@ -95,8 +121,9 @@ void print_table() {
       const Network net = standing_cube(elastic, viscous);
       fmt::print("| {:g} | {:g} | {} | {} |", elastic, viscous, over_limit(net, UpdateRule::synchronous),
                  over_limit(net, UpdateRule::wavefront));
-      const Run newton = run(net, UpdateRule::newton);
-      for (const UpdateRule rule : update_rules) fmt::print(" {} |", text_of(run(net, rule), newton));
+      const Run newton = run(net, UpdateRule::newton, tolerance, time_step);
+      for (const UpdateRule rule : update_rules)
+        fmt::print(" {} |", text_of(run(net, rule, tolerance, time_step), newton, tolerance));
       fmt::print("\n");
       std::fflush(stdout);
     }
@@ -107,6 +134,7 @@ void print_table() {
 
 int main() {
   try {
+    print_fillings();
     print_table();
   } catch (const springnet::Error& error) {
     fmt::print(stderr, "springnet_sweeps_table: {}\n", error.what());
