@@ -5,10 +5,10 @@
 //
 // and goes to U + s delta, P + s w delta. The share s is 1 unless the slope m r.delta at the end, which is that of the
 // potential m |U - v*|^2 / 2 + E(P) where one exists, says that the step went too far; mu is 0 unless delta does not
-// lead downhill, as where springs buckle or laws soften, or no share of it was good. Before a step is shortened, what it
-// did to stiff constraints at second order is put right: a filling as hard as water keeps its volume along delta to
-// first order only. What rigid connections and sliding contacts do not allow is projected out of r and delta. Nodes stay
-// held, or free, during the search; then the host puts the outputs where they belong and decides anew.
+// lead downhill, as where springs buckle or laws soften, or no share of it was good. Before a step is shortened, what
+// it did to stiff constraints at second order is put right: a filling as hard as water keeps its volume along delta to
+// first order only. What rigid connections and sliding contacts do not allow is projected out of r and delta. Nodes
+// stay held, or free, during the search; then the host puts the outputs where they belong and decides anew.
 #pragma once
 
 #include <cstdint>
