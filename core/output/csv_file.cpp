@@ -13,7 +13,7 @@ std::string csv_cell(std::string_view text) {
 }
 
 CsvFile::CsvFile(const std::filesystem::path& file, std::string_view header, Clock::duration patience)
-    : file_(file), buffer_(std::size_t{1} << 16), patience_(patience), flushed_(Clock::now()) {
+    : file_(file), buffer_(std::size_t{1} << 16), patience_(patience), flushed_(Clock::now() - patience) {
   *this << header << '\n';
   flush();
 }

@@ -22,8 +22,9 @@ class CsvFile {
  public:
   using Clock = std::chrono::steady_clock;
 
-  // Replaces the file by one with this header line, which can be read at once. end_record() writes the file at most
-  // once in `patience`. Throws Error(input) if it cannot be created, Error(simulation) if it cannot be written.
+  // Replaces the file by one with this header line, which can be read at once, as can the first record. end_record()
+  // writes the file at most once in `patience`. Throws Error(input) if it cannot be created, Error(simulation) if it
+  // cannot be written.
   CsvFile(const std::filesystem::path& file, std::string_view header,
           Clock::duration patience = std::chrono::seconds(1));
   ~CsvFile();

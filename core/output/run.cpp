@@ -68,6 +68,8 @@ void simulate(const Scene& scene, Simulation& simulation, Recorder& recorder, co
     recorded = simulation.time();
     recorder.record(simulation);
     for (VolumeSummary& volume : summary.volumes) {
+      volume.leaked = !simulation.element_alive(volume.element);
+      if (volume.leaked && summary.records > 0) continue;
       volume.last = simulation.element_value(volume.element);
       if (summary.records == 0) volume.first = volume.smallest = volume.greatest = volume.last;
       volume.smallest = std::min(volume.smallest, volume.last);
@@ -221,14 +223,17 @@ RunSummary run_scene(const Scene& scene, const std::shared_ptr<const PluginHost>
   if (options.realtime != 0.0) static_cast<void>(Pace(options.realtime, 0.0, clock_of(options)));  // refuses nonsense
   Simulation simulation(scene.network, plugins, scene.options);
   RunSummary summary = describe(scene, simulation, *plugins, options.scene_name);
-  Recorder recorder(scene, plugins, options.folder);
-
-  keep_failure(summary, [&] { simulate(scene, simulation, recorder, options, summary); });
+  std::optional<Recorder> recorder;  // none where not even the heads of its files could be written
+  keep_failure(summary, [&] {
+    recorder.emplace(scene, plugins, options.folder);
+    simulate(scene, simulation, *recorder, options, summary);
+  });
+  if (!recorder && summary.failure == ErrorKind::input) throw Error(ErrorKind::input, summary.error);
   if (summary.failure == ErrorKind::simulation && simulation.last_report().outcome != Outcome::settled) {
     summary.outcome = name_of(simulation.last_report().outcome);
   }
-  if (summary.failure) recorder.note("The run failed: " + summary.error);
-  keep_failure(summary, [&] { recorder.close(); });
+  if (summary.failure && recorder) recorder->note("The run failed: " + summary.error);
+  if (recorder) keep_failure(summary, [&] { recorder->close(); });
 
   summary.springs_left = simulation.live_spring_count();
   summary.steps = simulation.steps();
@@ -237,11 +242,14 @@ RunSummary run_scene(const Scene& scene, const std::shared_ptr<const PluginHost>
   summary.statistics = simulation.statistics();
   summary.events = count_events(simulation);
   summary.notes = options.notes;
-  for (const auto& notes : {notes_of(scene), simulation.notes(), recorder.notes()}) {
+  for (const auto& notes :
+       {notes_of(scene), simulation.notes(), recorder ? recorder->notes() : std::vector<std::string>{}}) {
     summary.notes.insert(summary.notes.end(), notes.begin(), notes.end());
   }
-  summary.bytes = recorder.bytes();
-  summary.files = recorder.files();
+  if (recorder) {
+    summary.bytes = recorder->bytes();
+    summary.files = recorder->files();
+  }
   summary.files.emplace_back(summary_file);
   write_summary(options.folder / summary_file, summary);
   return summary;

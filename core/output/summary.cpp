@@ -64,7 +64,8 @@ std::string to_json(const RunSummary& summary) {
                        {"first_m3", volume.first},
                        {"last_m3", volume.last},
                        {"smallest_m3", volume.smallest},
-                       {"greatest_m3", volume.greatest}});
+                       {"greatest_m3", volume.greatest},
+                       {"leaked", volume.leaked}});
   }
   const Json document{
       {"scene", summary.scene},

@@ -67,21 +67,20 @@ void check_poisson_ratio(const Table& table, const std::string& body, const NetS
   const auto asked = table.find("poisson_ratio");
   const double ratio = asked ? asked->number() : 0.0;
   if (asked && !(ratio > -1.0 && ratio < 0.5)) asked->fail(fmt::format("must lie between -1 and 0.5, is {}", ratio));
-  if (net.dimension < 2) return;  // lines have none
+  if (!asked || net.dimension < 2) return;  // lines have none
   const bool solid = net.dimension == 3;
   const double of_net = poisson_ratio_of_net(net.dimension);
   constexpr double alike = 0.005;  // 0.33 means 1/3
+  if (std::abs(ratio - of_net) <= alike) return;
   notes.push_back(
-      fmt::format("Body '{}': its springs make {} of Poisson ratio {}{}, {}{}.", body, solid ? "a solid" : "a sheet",
-                  net.misfit > noteworthy_misfit ? "about " : "", solid ? "1/4" : "1/3",
+      fmt::format("Body '{}': its springs make {} of Poisson ratio {}{}, {}; not {:g} as asked. {}.", body,
+                  solid ? "a solid" : "a sheet", net.misfit > noteworthy_misfit ? "about " : "", solid ? "1/4" : "1/3",
                   net.misfit > noteworthy_misfit
                       ? "the one of a regular net of springs (core/docs/material.md: what irregular ones have)"
                       : "the one that a net of springs can have",
-                  asked && std::abs(ratio - of_net) > alike
-                      ? fmt::format("; not {:g} as asked. {}", ratio,
-                                    solid ? "An [[element]] on volumes can resist changes of volume more"
-                                          : "An [[element]] on areas can resist changes of area more")
-                      : ""));
+                  ratio,
+                  solid ? "An [[element]] on volumes can resist changes of volume more"
+                        : "An [[element]] on areas can resist changes of area more"));
 }
 
 }  // namespace

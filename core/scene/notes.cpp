@@ -1,3 +1,5 @@
+#include <algorithm>
+
 #include <fmt/format.h>
 
 #include <springnet/scene.hpp>
@@ -64,6 +66,8 @@ std::vector<std::string> notes_of(const Scene& scene) {
   for (std::size_t k = 0; k < network.loads().size(); ++k) {
     const Load& load = network.loads()[k];
     unreached.window(fmt::format("Force {}", k), load.from, load.until);
+    if (std::all_of(load.nodes.begin(), load.nodes.end(), [&](NodeIndex node) { return network.nodes()[node].fixed; }))
+      notes.push_back(fmt::format("Force {} acts on fixed or moved nodes only: it moves nothing.", k));
   }
   for (std::size_t k = 0; k < network.cuts().size(); ++k) unreached.cut(network.cuts()[k].time, k);
   for (std::size_t k = 0; k < network.moves().size(); ++k) {

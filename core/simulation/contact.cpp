@@ -28,6 +28,11 @@ Contact::Contact(const Network& network, const std::vector<std::uint32_t>& user_
   for (auto* vectors : {&slip_, &impulse_, &sweep_impulse_}) vectors->assign(nodes, Vector3::Zero());
 }
 
+bool Contact::any_holds() const noexcept {
+  return std::any_of(surfaces_.begin(), surfaces_.end(),
+                     [](const Surface& surface) { return surface.friction().kind == Friction::Kind::held; });
+}
+
 std::string Contact::name_of(std::size_t surface) const {
   const auto planes = static_cast<std::size_t>(
       std::count_if(surfaces_.begin(), surfaces_.end(), [](const Surface& s) { return s.is_plane(); }));

@@ -37,6 +37,8 @@ class Contact {
           const std::vector<std::uint32_t>& engine_number, const std::vector<double>& mass);
 
   [[nodiscard]] const std::vector<Surface>& surfaces() const noexcept { return surfaces_; }
+  // Whether a surface holds what touches it.
+  [[nodiscard]] bool any_holds() const noexcept;
   // For messages, as "plane 'floor' (number 0)".
   [[nodiscard]] std::string name_of(std::size_t surface) const;
   void set_trajectory(std::size_t surface, Trajectory trajectory);

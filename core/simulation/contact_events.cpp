@@ -35,9 +35,12 @@ const std::vector<Engine::EventSource>& Engine::event_sources() {
       const auto j = static_cast<std::uint32_t>(touch.surface);
       if (touch.surface >= 0) {
         sources_.push_back({EventSource::Kind::release, k, j});
-        if (touch.second >= 0)
-          sources_.push_back({EventSource::Kind::release, k, static_cast<std::uint32_t>(touch.second)});
-        else if (contact_.surfaces()[j].friction().kind == Friction::Kind::coulomb)
+        if (touch.second >= 0) {
+          const auto second = static_cast<std::uint32_t>(touch.second);
+          sources_.push_back({EventSource::Kind::release, k, second});
+          sources_.push_back({EventSource::Kind::corner, k, second});
+        }
+        if (touch.second < 0 && contact_.surfaces()[j].friction().kind == Friction::Kind::coulomb)
           sources_.push_back({touch.slides ? EventSource::Kind::stick : EventSource::Kind::slip, k, j});
         if (!touch.slides) continue;
       }
@@ -58,7 +61,8 @@ springnet_status Engine::event_values(const springnet_evaluation& request, doubl
   for (std::size_t e = 0; e < sources.size(); ++e) {
     const EventSource& source = sources[e];
     const std::uint32_t k = source.index;
-    if (directions != nullptr) directions[e] = source.kind == EventSource::Kind::release ? 1 : -1;
+    const bool rises = source.kind == EventSource::Kind::release || source.kind == EventSource::Kind::corner;
+    if (directions != nullptr) directions[e] = rises ? 1 : -1;
     if (source.kind == EventSource::Kind::rupture || source.kind == EventSource::Kind::element_rupture) continue;
     const Vector3 p = vector_at(request.position, k);
     const Vector3 n = contact_.normal(source.surface, p);
@@ -66,6 +70,8 @@ springnet_status Engine::event_values(const springnet_evaluation& request, doubl
       // From the contact tolerance on: a node that lies on the surface, up to rounding, has a value above 0 that falls
       // through it when the node sinks in. A value of 0 would not count as a crossing.
       values[e] = contact_.distance(source.surface, p) + touch_depth_;
+    } else if (source.kind == EventSource::Kind::corner) {
+      values[e] = std::abs(leaving_speed(contact_.committed(k), p)) - jump * info_.velocity_scale;
     } else if (source.kind == EventSource::Kind::stick) {
       // The slip in the direction that it had when the state was last committed.
       values[e] = contact_.slip(k).dot(vector_at(request.velocity, k) - contact_.placement(source.surface).velocity) -
@@ -132,6 +138,24 @@ void Engine::let_go_of_one(std::uint32_t node, std::size_t surface, double time)
   changed();
 }
 
+double Engine::leaving_speed(const Touch& touch, const Vector3& position) const {
+  const auto first = static_cast<std::size_t>(touch.surface), second = static_cast<std::size_t>(touch.second);
+  return contact_.normal(second, position)
+      .dot(contact_.placement(first).velocity - contact_.placement(second).velocity);
+}
+
+void Engine::turn_corner(std::uint32_t node, double time, State& state) {
+  const Touch touch = contact_.committed(node);
+  const auto second = static_cast<std::size_t>(touch.second);
+  if (leaving_speed(touch, vector_at(state.view.position, node)) > 0.0) {
+    let_go_of_one(node, second, time);
+    return;
+  }
+  contact_.touch(node, {touch.second, false, touch.surface}, Vector3::Zero());
+  put_vector(state.view.velocity, node, contact_.placement(second).velocity);
+  changed();
+}
+
 void Engine::let_go(std::uint32_t node, double time) {
   contact_.release(node);
   note(Event::Kind::released, time, layout_.ordering().user[node]);
@@ -153,7 +177,10 @@ void Engine::leave_surfaces(double from) {
         contact_.normal(j, vector_at(state_.view.position, k)).dot(velocity - contact_.placement(j).velocity);
     if (!(apart > jump * info_.velocity_scale)) continue;
     put_vector(state_.view.velocity, k, velocity);
-    let_go(k, time_);
+    if (touch.second >= 0)
+      let_go_of_one(k, j, time_);
+    else
+      let_go(k, time_);
   }
 }
 
@@ -200,7 +227,7 @@ springnet_status Engine::departure(ReactionsAt& at, std::uint32_t node, std::siz
   const Vector3 p = vector_at(state.view.position, node);
   const Vector3 n = contact_.normal(surface, p);
   const Vector3 relative = vector_at(state.view.velocity, node) - contact_.placement(surface).velocity;
-  Vector3 acceleration;
+  Vector3 acceleration = Vector3::Zero();
   const springnet_status status = at.acceleration(node, acceleration);
   // Beside the acceleration that keeps a node with its velocity along the surface at its distance. Its own is its
   // neuron's: in a viscous medium it is not that of the net force alone.
@@ -233,7 +260,7 @@ springnet_status Engine::settle_contacts(double time, State& state) {
       if (departs.speed > no_speed || (departs.speed >= -no_speed && status != SPRINGNET_OK)) continue;
       if (departs.speed < -no_speed || mass_[k] * departs.acceleration < -least_force) {
         touch(k, j, time, state);
-        at.reset();  // what hangs on the node rigidly moves otherwise now
+        if (rigid_.any()) at.reset();  // what hangs on the node rigidly moves otherwise now
       }
     }
   }
@@ -290,6 +317,9 @@ springnet_status Engine::fire(const EventSource& source, double time, State& sta
       else if (same)
         let_go(k, time);
       break;
+    case EventSource::Kind::corner:
+      if (same && now.second >= 0) turn_corner(k, time, state);
+      break;
     case EventSource::Kind::stick:
       if (same && now.slides) return stick(k, time, state);
       break;
@@ -340,6 +370,8 @@ springnet_status Engine::fire_events(double time, State& state, const std::int32
   // A node that is pulled away where it touches does not stay.
   ReactionsAt reactions(*this, time, read_only(state.view.position), read_only(state.view.velocity));
   std::vector<std::pair<std::uint32_t, std::size_t>> lifted;
+  std::sort(touched.begin(), touched.end());
+  touched.erase(std::unique(touched.begin(), touched.end()), touched.end());
   for (const std::uint32_t k : touched) {
     const Touch touch = contact_.committed(k);
     if (touch.surface < 0) continue;
@@ -378,7 +410,7 @@ springnet_status Engine::stop_penetration(double time, State& state) {
       if (is_shallow && contact_.committed(k).surface < 0 && turns_round(departs)) continue;
       touch(k, j, time, state);
       stopped.push_back(k);
-      at.reset();
+      if (rigid_.any()) at.reset();
     }
   }
   return stopped.empty() || !rigid_.any() ? SPRINGNET_OK

@@ -229,7 +229,10 @@ void Engine::set_node(std::uint32_t node, const std::optional<Vector3>& position
       const auto j = static_cast<std::size_t>(touch.surface);
       const Vector3 n = contact_.normal(j, vector_at(state_.view.position, node)), w = contact_.placement(j).velocity;
       const double lifting = n.dot(*velocity - w);
-      if (lifting > 0.0) {
+      if (touch.second >= 0) {
+        // Between two: they are met anew where it still runs into them.
+        let_go(node, time_);
+      } else if (lifting > 0.0) {
         let_go(node, time_);
       } else if (contact_.surfaces()[j].friction().kind == Friction::Kind::held) {
         put_vector(state_.view.velocity, node, w);

@@ -88,7 +88,8 @@ class Engine {
     bool done = false;
   };
   struct EventSource {
-    enum class Kind : std::uint8_t { touch, release, slip, stick, rupture, element_rupture };
+    // corner: the second surface of a node between two moves against the first.
+    enum class Kind : std::uint8_t { touch, release, slip, stick, corner, rupture, element_rupture };
     Kind kind;
     std::uint32_t index;  // node, spring or element
     std::uint32_t surface;
@@ -126,6 +127,10 @@ class Engine {
   springnet_status release_grip(double time, const State& state);
   void let_go(std::uint32_t node, double time);
   void let_go_of_one(std::uint32_t node, std::size_t surface, double time);
+  // Of a node between two surfaces: how fast the second one moves off it, m/s, which moves with the first.
+  [[nodiscard]] double leaving_speed(const Touch& touch, const Vector3& position) const;
+  // The second surface moved off, or pushes the node away from the first.
+  void turn_corner(std::uint32_t node, double time, State& state);
   // N, of a node in contact.
   [[nodiscard]] double pressing_of(std::uint32_t node, std::size_t surface, const Vector3& position,
                                    const Vector3& reaction) const;
@@ -204,7 +209,7 @@ class Engine {
   bool reactions_known_ = false;
   bool rupturing_known_ = false;
   Rupturing rupturing_;
-  std::vector<double> scratch_;  // forces nobody asked for
+  std::vector<double> scratch_;  // forces and accelerations that are not answered
 };
 
 }  // namespace springnet

@@ -1,5 +1,7 @@
 // Changes of the network while it runs: contacts made and released, ruptures, cuts, and the commit of a step.
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <cmath>
 
@@ -63,11 +65,15 @@ std::size_t Engine::cut(const CuttingPolygon& polygon) {
 }
 
 void Engine::perform_due_cuts() {
-  for (ScheduledCut& scheduled : cuts_) {
+  for (std::size_t k = 0; k < cuts_.size(); ++k) {
+    ScheduledCut& scheduled = cuts_[k];
     if (scheduled.done || scheduled.time > time_ + time_resolution_) continue;
     scheduled.done = true;
+    const std::size_t before = events_.size();
     cut(scheduled.springs);
     if (scheduled.polygon) cut(*scheduled.polygon);
+    if (events_.size() == before)
+      notes_.push_back(fmt::format("Cut {} at {:g} s met nothing that was left to cut.", k, scheduled.time));
   }
 }
 

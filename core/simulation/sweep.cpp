@@ -421,10 +421,12 @@ springnet_status Engine::constrain(const springnet_sweep& request) {
   scratch_.resize(3 * pitch);
   const double* force[3] = {sweep.force.x, sweep.force.y, sweep.force.z};
   double* acceleration[3] = {scratch_.data(), scratch_.data() + pitch, scratch_.data() + 2 * pitch};
-  const springnet_status status =
-      evaluator_.accelerations(0, n, sweep.time, node_arrays(sweep.position, sweep.velocity), force, acceleration,
-                               nullptr, nullptr, nullptr, message_);
-  if (status != SPRINGNET_OK) return status;
+  if (contact_.any_holds()) {  // which alone ask for accelerations
+    const springnet_status status =
+        evaluator_.accelerations(0, n, sweep.time, node_arrays(sweep.position, sweep.velocity), force, acceleration,
+                                 nullptr, nullptr, nullptr, message_);
+    if (status != SPRINGNET_OK) return status;
+  }
   contact_.constrain(0, n, acceleration, sweep, rigid_.cluster_of());
   return constrain_clusters(sweep);
 }

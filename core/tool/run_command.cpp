@@ -110,9 +110,9 @@ void print_result(const RunSummary& summary, const std::filesystem::path& folder
   }
   if (std::isfinite(summary.largest_residual)) fmt::print("  residual   {:.2g} N at most\n", summary.largest_residual);
   for (const VolumeSummary& volume : summary.volumes) {
-    fmt::print("  volume     {}: {:.4g} m^3 at first, {:.4g} at last, between {:.4g} and {:.4g}\n",
+    fmt::print("  volume     {}: {:.4g} m^3 at first, {:.4g} at last{}, between {:.4g} and {:.4g}\n",
                volume.name.empty() ? fmt::format("element {}", volume.element) : volume.name, volume.first, volume.last,
-               volume.smallest, volume.greatest);
+               volume.leaked ? ", before it leaked" : "", volume.smallest, volume.greatest);
   }
   fmt::print("  events     {}\n", describe(summary.events));
   fmt::print("  written    {} ({} and the summary) in {}\n", fmt::join(summary.files, ", "),

@@ -71,9 +71,12 @@ TEST_CASE("the header is in the file at once, records after a while") {
     CHECK(testing::read_text(path) == "a\n");
     file << 1.5 << '\n';
     file.end_record();
-    CHECK(testing::read_text(path) == "a\n");  // not written at each record
+    CHECK(testing::read_text(path) == "a\n1.5\n");  // the first one
+    file << 2.5 << '\n';
+    file.end_record();
+    CHECK(testing::read_text(path) == "a\n1.5\n");  // not written at each record
     file.flush();
-    CHECK(testing::read_text(path) == "a\n1.5\n");
+    CHECK(testing::read_text(path) == "a\n1.5\n2.5\n");
   }
   CsvFile file(path, "a", std::chrono::milliseconds(20));
   for (const char* text : {"a\n1\n", "a\n1\n1\n"}) {

@@ -115,8 +115,9 @@ TEST_CASE("what a net cannot have is noted") {
     }
     return all;
   };
-  CHECK(contains(notes(box, ""), "Body 'b': its springs make a solid of Poisson ratio 1/4"));
-  CHECK_FALSE(contains(notes(box, ", poisson_ratio = 0.25"), "as asked"));
+  CHECK(contains(notes(box, ", poisson_ratio = 0.3"), "Body 'b': its springs make a solid of Poisson ratio 1/4"));
+  CHECK_FALSE(contains(notes(box, ", poisson_ratio = 0.25"), "Poisson"));
+  CHECK_FALSE(contains(notes(box, ""), "Poisson"));
   CHECK(contains(notes(box, ", poisson_ratio = 0.45"), "not 0.45 as asked"));
   CHECK(contains(notes(sheet, ", poisson_ratio = 0.25"), "a sheet of Poisson ratio 1/3"));
   CHECK(contains(notes(sheet, ", poisson_ratio = 0.25"), "not 0.25 as asked"));
@@ -137,8 +138,8 @@ TEST_CASE("what a net cannot have is noted") {
   CHECK_FALSE(contains(notes("mesh = { lattice = [3, 3, 3], spacing = [1, 1, 0.2] }", ""), misfit));
   // Tetrahedra are not isotropic one by one, and have a Poisson ratio that is only about that of a regular net.
   CHECK_FALSE(contains(notes(bar, ""), misfit));
-  CHECK(contains(notes(bar, ""), "a solid of Poisson ratio about 1/4"));
-  CHECK_FALSE(contains(notes(box, ""), "about"));
+  CHECK(contains(notes(bar, ", poisson_ratio = 0.3"), "a solid of Poisson ratio about 1/4"));
+  CHECK_FALSE(contains(notes(box, ", poisson_ratio = 0.3"), "about"));
 }
 
 #if defined(NDEBUG) && !defined(__SANITIZE_ADDRESS__)

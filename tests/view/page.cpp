@@ -357,7 +357,7 @@ TEST_CASE("of very many forces some are drawn, spread over all, and this is told
   CHECK(forces.drawn[0].node == 0);
   CHECK(forces.drawn[199].node == 995);
   REQUIRE(forces.notes.size() == 1);
-  CHECK(forces.notes[0] == "200 of 1000 forces are drawn as arrows, spread evenly");
+  CHECK(forces.notes[0] == "200 of 1000 forces are drawn as arrows");
 }
 
 TEST_CASE("a law that no plugin has is told without units") {

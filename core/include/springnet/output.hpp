@@ -181,11 +181,12 @@ struct RunClock {
   std::function<void(double)> sleep_until;  // until now() is this, or somewhat earlier
 };
 
-// Of an enclosed volume, m^3, over all records of a run.
+// Of an enclosed volume, m^3, over all records of a run until it leaked: until a spring of its surface was gone.
 struct VolumeSummary {
   ElementIndex element;
   std::string name;  // of its [[element]], may be empty
   double first, last, smallest, greatest;
+  bool leaked = false;
 };
 
 struct RunOptions {

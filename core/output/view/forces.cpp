@@ -36,7 +36,7 @@ Forces forces_of(const Network& network, const Selection& selection) {
   }
   if (forces.drawn.size() < forces.all) {
     forces.notes.push_back(
-        fmt::format("{} of {} forces are drawn as arrows, spread evenly", forces.drawn.size(), forces.all));
+        fmt::format("{} of {} forces are drawn as arrows", forces.drawn.size(), forces.all));
   }
   return forces;
 }

@@ -284,7 +284,8 @@ void ReferenceIntegrator::step_towards(double until) {
     check(CVodeSetMaxNumSteps(memory, std::min(left, steps_worth_a_look)));
     flag = CVode(memory, target, y_.get(), &reached, CV_NORMAL);
     if (flag != CV_TOO_MUCH_WORK) break;
-    if (same_time(before, reached, static_cast<double>(steps_worth_a_look))) fail(creeping, reached);
+    const double rounding = std::numeric_limits<double>::epsilon() * std::max(std::abs(reached), std::abs(target));
+    if (reached - before <= static_cast<double>(steps_worth_a_look) * rounding) fail(creeping, reached);
     flag = CV_SUCCESS;
   }
   if (flag < 0) fail(flag, reached);

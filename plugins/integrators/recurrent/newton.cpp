@@ -215,8 +215,13 @@ bool Newton::restore(const Step& step, const springnet_state& candidate) {
     for (std::size_t i = 0; i < 3 * n; ++i) square += step.network.mass[i % n] * direction_[i] * direction_[i];
     const double before = there_.norm, shift = pull * before / std::sqrt(square);
     if (!std::isfinite(shift)) break;
-    system_.linearise(sdk::evaluation_at(step.until, candidate));
     elsewhere_ = true;
+    try {
+      system_.linearise(sdk::evaluation_at(step.until, candidate));
+    } catch (const sdk::Failure& failure) {
+      if (!failure.recoverable()) throw;
+      break;  // no derivatives there: a shorter step
+    }
     for (std::size_t i = 0; i < 3 * n; ++i) work_values_[i] = -there_.residual[i];
     system_.project(work_values_);
     if (!system_.solve(step.weight(), shift, work_values_, restored, correction_)) break;
@@ -229,7 +234,7 @@ bool Newton::restore(const Step& step, const springnet_state& candidate) {
   direction_ = straight_;
   there_.norm = infinite;
   there_.slope = straight_slope;
-  if (elsewhere_) linearise(step);
+  if (elsewhere_ && !first_) linearise(step);  // the first sweep starts afresh
   return false;
 }
 
