@@ -35,8 +35,7 @@ Forces forces_of(const Network& network, const Selection& selection) {
     forces.drawn = std::move(some);
   }
   if (forces.drawn.size() < forces.all) {
-    forces.notes.push_back(
-        fmt::format("{} of {} forces are drawn as arrows", forces.drawn.size(), forces.all));
+    forces.notes.push_back(fmt::format("{} of {} forces are drawn as arrows", forces.drawn.size(), forces.all));
   }
   return forces;
 }
