@@ -53,7 +53,10 @@ double volume_of(const Mesh& mesh, std::size_t cell, const Section& section) {
   const std::optional<double>& factor = dimension == 2 ? section.thickness : section.cross_section;
   const std::string_view what = dimension == 2 ? "a thickness, in m" : "a cross section, in m^2";
   if (!factor) {
-    fail(fmt::format("{} {} has no volume without {}: give it", name_of(mesh.types[cell]), cell, what));
+    fail(
+        fmt::format("{} {} has no volume without {}: give it; or, for a solid, a mesh with solid cells (Gmsh writes "
+                    "them where a physical volume has them)",
+                    name_of(mesh.types[cell]), cell, what));
   }
   if (!(std::isfinite(*factor) && *factor > 0)) fail(fmt::format("{} must be above 0, is {}", what, *factor));
   return measure * *factor;
