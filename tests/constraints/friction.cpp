@@ -213,11 +213,10 @@ TEST_CASE("a corner whose wall moves lets its node go, or pushes it along, which
       net.set_gravity({0, 0, -9.81});
       net.add_load({{0}, {1, 0, 0}});
       net.add_plane({"floor", {0, 0, 0}, {0, 0, 1}, none});
-      Plane wall{"wall", {1, 0, 0}, {-1, 0, 0}, none};
-      wall.motion = Motion{};
-      wall.motion->times = {1.0, 2.0};
-      wall.motion->displacements = {Vector3::Zero(), {way_of_wall, 0, 0}};
-      net.add_plane(wall);
+      Motion motion;
+      motion.times = {1.0, 2.0};
+      motion.displacements = {Vector3::Zero(), {way_of_wall, 0, 0}};
+      net.add_plane({"wall", {1, 0, 0}, {-1, 0, 0}, none, motion});
       Simulation simulation = simulate(net, cvode(1e-9), 0.05);
       CAPTURE(way_of_wall);
       CAPTURE(floor_last);
