@@ -4,6 +4,7 @@
 #include <cstdio>
 
 #include <fmt/format.h>
+#include <springnet/printable.hpp>
 
 namespace springnet::tool {
 
@@ -47,7 +48,7 @@ CLI::Validator number_between(double smallest, double largest) {
 
 // Where it cannot be printed, as on a full disk, the exit status still tells; fmt::print would throw.
 void print_error(std::string_view message) {
-  std::fputs(fmt::format("springnet: error: {}\n", message).c_str(), stderr);
+  std::fputs(fmt::format("springnet: error: {}\n", printable_message(message)).c_str(), stderr);
 }
 
 std::string describe(const EventCounts& events) {

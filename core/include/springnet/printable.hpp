@@ -1,0 +1,18 @@
+// Text from files, plugins and other hosts' data as a terminal or a log may show it.
+#pragma once
+
+#include <cstddef>
+#include <string>
+#include <string_view>
+
+namespace springnet {
+
+// One line: control characters, invisible ones and those that change the direction of writing appear as \u001b, bytes
+// that are not UTF-8 as \xff. A text of more than `longest` characters is cut: "its beginning… (10,000,000
+// characters)". Use it for a name, a key or a file that a message quotes.
+[[nodiscard]] std::string printable(std::string_view text, std::size_t longest = 60);
+
+// A whole message: the same, but newlines and tabs stay, and nothing is cut. Use it where a message leaves the program.
+[[nodiscard]] std::string printable_message(std::string_view message);
+
+}  // namespace springnet
