@@ -1,5 +1,5 @@
-// A thousand random irregular networks under the options that a scene has when it names none: a step that is said to
-// have settled fulfils its equation of motion when evaluated again by other code, and nearly all of them settle.
+// Random irregular networks under the options that a scene has when it names none: a step that is said to have settled
+// fulfils its equation of motion when evaluated again by other code, and nearly all of them settle.
 #include <algorithm>
 #include <cmath>
 #include <numbers>
@@ -13,6 +13,7 @@
 #include "generator.hpp"
 #include "nets.hpp"
 #include "plain.hpp"
+#include "repetitions.hpp"
 
 using namespace springnet;
 using testing::PlainState;
@@ -20,10 +21,6 @@ using testing::plugins;
 
 namespace {
 
-#ifndef SPRINGNET_RANDOM_NETS
-#define SPRINGNET_RANDOM_NETS 1000
-#endif
-constexpr std::uint64_t net_count = SPRINGNET_RANDOM_NETS;
 constexpr int step_count = 3;
 constexpr double time_step = 0.01;  // s
 
@@ -181,8 +178,8 @@ class Judge {
 
 }  // namespace
 
-TEST_CASE("a thousand random networks: no wrong answer without a word, and nearly all settle") {
-  std::vector<std::uint64_t> seeds(net_count);
+TEST_CASE("random networks: no wrong answer without a word, and nearly all settle") {
+  std::vector<std::uint64_t> seeds(testing::repetitions("SPRINGNET_RANDOM_NETS", 200));
   std::iota(seeds.begin(), seeds.end(), std::uint64_t{1});
   // Nodes that slide, about which the sweeps cannot make up their mind before the others settle: a floor that kept
   // them would pull.
