@@ -33,10 +33,12 @@ std::size_t edit_distance(std::string_view a, std::string_view b) {
 }
 
 // A name that was cut short ("damp" for "damping") is as near as one wrong letter.
-std::size_t distance(std::string_view a, std::string_view b) {
+// What is above `largest` does not matter, and takes no time.
+std::size_t distance(std::string_view a, std::string_view b, std::size_t largest) {
   constexpr std::size_t enough_to_tell = 3;
   const std::size_t common = std::min(a.size(), b.size());
   if (common >= enough_to_tell && a.substr(0, common) == b.substr(0, common)) return a.size() == b.size() ? 0 : 1;
+  if (std::max(a.size(), b.size()) - common > largest) return largest + 1;
   return edit_distance(a, b);
 }
 
@@ -52,7 +54,7 @@ std::string suggestion(std::string_view name, const std::vector<std::string>& kn
   for (const std::string& candidate : known) {
     // Names of one letter have nothing in common with one another.
     if (candidate.size() < 2 && wanted != lower(candidate)) continue;
-    const std::size_t d = distance(wanted, lower(candidate));
+    const std::size_t d = distance(wanted, lower(candidate), largest);
     if (d >= std::max(wanted.size(), candidate.size())) continue;
     if (d < best) {
       best = d;

@@ -45,7 +45,7 @@ struct BodyReader {
   const Table& body;
   std::string name;
   const PluginHost& plugins;
-  const std::filesystem::path& folder;
+  const Files& files;
   Network& network;
   std::vector<std::string>& notes;
 
@@ -95,7 +95,7 @@ struct BodyReader {
   }
 
   Shape read_file_body(const Table& table) {
-    MeshBody read = read_mesh_body(table, name, folder, notes);
+    MeshBody read = read_mesh_body(table, name, files, notes);
     const Mesh& mesh = read.mesh;
     const std::vector<Edge> edges = edges_of(mesh, read.edges);
     const auto cells = [&]() -> const Mesh& { return mesh; };
@@ -166,8 +166,7 @@ void scale_rest_lengths(const Value& scale, Network& network) {
 
 }  // namespace
 
-std::vector<Shape> read_bodies(const Table& root, const PluginHost& plugins, const std::filesystem::path& folder,
-                               Scene& scene) {
+std::vector<Shape> read_bodies(const Table& root, const PluginHost& plugins, const Files& files, Scene& scene) {
   Network& network = scene.network;
   std::vector<Shape> shapes;
   std::set<std::string> names;
@@ -175,21 +174,21 @@ std::vector<Shape> read_bodies(const Table& root, const PluginHost& plugins, con
     const Table body = value.table("body");
     const Value name = body.need("name");
     if (!names.insert(name.text()).second) name.fail("another body has this name; names are unique");
-    shapes.push_back(BodyReader{body, name.text(), plugins, folder, network, scene.notes}.read());
+    shapes.push_back(BodyReader{body, name.text(), plugins, files, network, scene.notes}.read());
     if (const auto scale = body.find("rest_length_scale")) scale_rest_lengths(*scale, network);
   }
   if (network.nodes().empty()) root.fail("the scene has no body; add a [[body]]");
   return shapes;
 }
 
-void read_starts(const Table& root, const std::filesystem::path& folder, Network& network) {
+void read_starts(const Table& root, const Files& files, Network& network) {
   std::size_t index = 0;
   for (const Value& value : root.tables("body")) {
     const Body& body = network.bodies()[index++];
     const auto mesh = value.table("body").find("mesh");
     if (!mesh) continue;
     const Table table = mesh->table("body.mesh");
-    const std::vector<Vector3> places = read_start(table, body.node_count, folder);
+    const std::vector<Vector3> places = read_start(table, body.node_count, files);
     for (std::size_t k = 0; k < places.size(); ++k) {
       const auto number = body.first_node + static_cast<NodeIndex>(k);
       Node node = network.nodes()[number];

@@ -7,10 +7,27 @@
 #include <fmt/format.h>
 
 #include <springnet/error.hpp>
+#include <springnet/printable.hpp>
+
+#include "scene/depth.hpp"
+#include "scene/file_text.hpp"
+#include "text/grouped.hpp"
 
 namespace springnet {
 namespace scene {
 namespace {
+
+const std::string too_deep =
+    fmt::format("this nests deeper than {} levels of tables, lists and parts of a key; a scene needs six: correct it",
+                deepest_level);
+const std::string too_large =
+    fmt::format("a scene has at most {} bytes; put nodes and springs into a mesh file", grouped(largest_scene));
+
+// A message of the TOML library, which quotes keys whole.
+std::string described(const toml::parse_error& error) {
+  constexpr std::size_t longest = 300;
+  return printable(error.description(), longest);
+}
 
 std::vector<std::string> split(std::string_view path) {
   std::vector<std::string> steps(1);
@@ -28,7 +45,10 @@ std::vector<std::string> split(std::string_view path) {
 class Override {
  public:
   explicit Override(const SceneOverride& given)
-      : steps_(split(given.key)), name_(fmt::format("--set {}={}", given.key, given.value)) {
+      : name_(fmt::format("--set {}={}", printable(given.key), printable(given.value))) {
+    if (given.key.size() > largest_scene || given.value.size() > largest_scene) fail(too_large);
+    if (find_too_deep(given.key)) fail(too_deep);
+    steps_ = split(given.key);
     if (std::find(steps_.begin(), steps_.end(), "") != steps_.end()) {
       fail("the key has an empty part; write it as body.0.mesh.spacing");
     }
@@ -54,6 +74,7 @@ class Override {
   }
 
   [[nodiscard]] toml::table parse(std::string_view text) const {
+    if (find_too_deep(text)) fail(too_deep);
     const std::string document = fmt::format("value = {}\n", text);
     try {
       toml::table table = toml::parse(std::string_view(document), std::string_view(name_));
@@ -61,7 +82,7 @@ class Override {
     } catch (const toml::parse_error& error) {
       // Its column would be one of a text that the user did not write.
       fail(fmt::format("the value is not TOML ({}); write a number, true, [1, 2], or a text in quotes as \"abc\"",
-                       error.description()));
+                       described(error)));
     }
     fail("the value is more than one; set one key at a time");
   }
@@ -75,8 +96,8 @@ class Override {
 
   [[nodiscard]] toml::table& table(toml::node& place, std::size_t step) const {
     if (toml::table* table = place.as_table()) return *table;
-    fail(fmt::format("'{}' is not a table, so it has no '{}'; set '{}' as a whole", path(step), steps_[step],
-                     path(step)));
+    fail(fmt::format("'{}' is not a table, so it has no '{}'; set '{}' as a whole", printable(path(step)),
+                     printable(steps_[step]), printable(path(step))));
   }
 
   [[nodiscard]] std::size_t element(const toml::array& list, std::size_t step) const {
@@ -84,9 +105,9 @@ class Override {
     std::size_t index = 0;
     const auto [end, failed] = std::from_chars(text.data(), text.data() + text.size(), index);
     if (failed == std::errc() && end == text.data() + text.size() && index < list.size()) return index;
-    if (list.empty()) fail(fmt::format("'{}' is an empty list; set it as a whole", path(step)));
-    fail(fmt::format("'{}' is a list of {}; write one of the numbers 0 to {} where '{}' stands", path(step),
-                     list.size(), list.size() - 1, text));
+    if (list.empty()) fail(fmt::format("'{}' is an empty list; set it as a whole", printable(path(step))));
+    fail(fmt::format("'{}' is a list of {}; write one of the numbers 0 to {} where '{}' stands", printable(path(step)),
+                     list.size(), list.size() - 1, printable(text)));
   }
 
   // The node one step further, made where a table lacks it.
@@ -107,13 +128,17 @@ class Override {
 }  // namespace
 
 toml::table parse_document(std::string_view text, std::string_view name, const std::vector<SceneOverride>& overrides) {
+  if (text.size() > largest_scene) throw Error(ErrorKind::input, fmt::format("{}: {}", name, too_large));
+  if (const std::optional<TextPlace> place = find_too_deep(text)) {
+    throw Error(ErrorKind::input, fmt::format("{}:{}:{}: {}", name, place->line, place->column, too_deep));
+  }
   toml::table root;
   try {
     root = toml::parse(text, name);
   } catch (const toml::parse_error& error) {
     throw Error(ErrorKind::input,
                 fmt::format("{}:{}:{}: {}; this is not TOML, correct it", name, error.source().begin.line,
-                            error.source().begin.column, error.description()));
+                            error.source().begin.column, described(error)));
   }
   for (const SceneOverride& given : overrides) Override(given).apply(root);
   return root;
@@ -132,7 +157,7 @@ SceneOverride parse_override(std::string_view text) {
   if (equals != std::string_view::npos) result = {trim(text.substr(0, equals)), trim(text.substr(equals + 1))};
   if (result.key.empty() || result.value.empty()) {
     throw Error(ErrorKind::input,
-                fmt::format("'{}' sets nothing; write key=value, as in simulation.time_step=0.01", text));
+                fmt::format("'{}' sets nothing; write key=value, as in simulation.time_step=0.01", printable(text)));
   }
   return result;
 }

@@ -18,6 +18,7 @@ struct Key {
 // "select.…" are the keys of every table that selects nodes or springs: node.select, connect.from, and so on;
 // "motion.…" those of plane.motion and instrument.motion.
 constexpr std::array keys{
+    Key{"version", "a whole number, 1"},
     Key{"title", "a text"},
     Key{"simulation", "a table"},
     Key{"simulation.duration", "a number of at least 0, s"},

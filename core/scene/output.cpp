@@ -2,7 +2,8 @@
 #include <set>
 
 #include <fmt/format.h>
-#include <fmt/ranges.h>
+
+#include <springnet/printable.hpp>
 
 #include <springnet/plugin_host.hpp>
 
@@ -33,11 +34,12 @@ const ElementSet& find_set(const Value& name, const std::vector<ElementSet>& set
     if (!set.name.empty()) known.push_back(set.name);
   }
   if (known.empty()) {
-    name.fail(fmt::format("there is no [[element]] '{}': none has a name; give it one (element.name)", wanted));
+    name.fail(
+        fmt::format("there is no [[element]] '{}': none has a name; give it one (element.name)", printable(wanted)));
   }
   const std::string nearest = suggestion(wanted, known);
-  name.fail(fmt::format("there is no [[element]] '{}'{}{}; known: {}", wanted, nearest.empty() ? "" : "; ", nearest,
-                        fmt::join(known, ", ")));
+  name.fail(fmt::format("there is no [[element]] '{}'{}{}; known: {}", printable(wanted), nearest.empty() ? "" : "; ",
+                        nearest, list_of(known)));
 }
 
 void read_recorded_elements(const Value& value, const std::vector<ElementSet>& sets, OutputOptions& output) {

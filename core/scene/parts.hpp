@@ -1,7 +1,6 @@
 // The parts of a scene that make its network, in the order in which they are read.
 #pragma once
 
-#include <filesystem>
 #include <optional>
 #include <variant>
 #include <vector>
@@ -11,6 +10,7 @@
 #include <springnet/plugin_host.hpp>
 #include <springnet/scene.hpp>
 
+#include "scene/files.hpp"
 #include "scene/reader.hpp"
 
 namespace springnet::scene {
@@ -20,11 +20,11 @@ using Shape = std::variant<std::monostate, Mesh, Lattice>;
 
 // Each takes the whole document, and throws Error(input) with the place of what is wrong.
 
-// [[body]]. Returns the shape of each. Meshes whose path is not absolute are in `folder`.
-[[nodiscard]] std::vector<Shape> read_bodies(const Table& root, const PluginHost& plugins,
-                                             const std::filesystem::path& folder, Scene& scene);
+// [[body]]. Returns the shape of each.
+[[nodiscard]] std::vector<Shape> read_bodies(const Table& root, const PluginHost& plugins, const Files& files,
+                                             Scene& scene);
 // body.mesh.start: moves nodes to where they begin, after all that takes lengths from where they rest.
-void read_starts(const Table& root, const std::filesystem::path& folder, Network& network);
+void read_starts(const Table& root, const Files& files, Network& network);
 // [[element]]
 void read_elements(const Table& root, const PluginHost& plugins, const std::vector<Shape>& shapes, Scene& scene);
 void read_connections(const Table& root, const PluginHost& plugins, Network& network);  // [[connect]], [[rigid]]

@@ -6,7 +6,10 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
+#include <springnet/printable.hpp>
+
 #include "scene/keys.hpp"
+#include "text/grouped.hpp"
 
 namespace springnet::scene {
 namespace {
@@ -100,9 +103,31 @@ bool Value::boolean() const {
 }
 
 std::string Value::text() const {
+  std::string value = prose();
+  if (value.find_first_of("\n\r\t") != std::string::npos) fail("must be one line, without tabs; remove them");
+  return value;
+}
+
+std::string Value::prose() const {
   const std::optional<std::string> value = node_->value_exact<std::string>();
   if (!value) wrong_type("a text in quotes");
   if (value->empty()) fail("must not be empty");
+  constexpr std::size_t longest = 4096;  // bytes, as of a path
+  if (value->size() > longest) {
+    fail(fmt::format("must have at most {} bytes, has {}; shorten it", grouped(longest), grouped(value->size())));
+  }
+  const auto control = std::find_if(value->begin(), value->end(), [](char c) {
+    const auto code = static_cast<unsigned char>(c);
+    return (code < 0x20 && c != '\n' && c != '\r' && c != '\t') || code == 0x7f;
+  });
+  // In UTF-8, and TOML is nothing else, those from U+0080 on are c2 and one byte up to 9f.
+  bool second_control = false;
+  for (std::size_t k = 0; k + 1 < value->size(); ++k) {
+    second_control = second_control || ((*value)[k] == '\xc2' && static_cast<unsigned char>((*value)[k + 1]) < 0xa0);
+  }
+  if (control != value->end() || second_control) {
+    fail(fmt::format("must not have control characters, is '{}'; remove them", printable(*value)));
+  }
   return *value;
 }
 
@@ -111,7 +136,7 @@ std::size_t Value::choice(const std::vector<std::string>& choices) const {
   const auto found = std::find(choices.begin(), choices.end(), chosen);
   if (found == choices.end()) {
     const std::string nearest = suggestion(chosen, choices);
-    fail(fmt::format("must be one of '{}', is '{}'{}{}", fmt::join(choices, "', '"), chosen,
+    fail(fmt::format("must be one of '{}', is '{}'{}{}", fmt::join(choices, "', '"), printable(chosen),
                      nearest.empty() ? "" : "; ", nearest));
   }
   return static_cast<std::size_t>(found - choices.begin());
@@ -192,9 +217,9 @@ void Table::check_keys(const std::vector<std::string>& more, std::string_view ow
     if (std::find(known.begin(), known.end(), key.str()) != known.end()) continue;
     const std::string nearest = suggestion(key.str(), known);
     const bool has_place = key.source().begin.line != 0;
-    fail_at(location(has_place ? key.source() : node.source(), value_.document_), path_of(key.str()),
-            fmt::format("there is no key '{}'{}{}; {}known: {}", key.str(), owner.empty() ? "" : " of ", owner,
-                        nearest.empty() ? "" : nearest + " ", fmt::join(known, ", ")));
+    fail_at(location(has_place ? key.source() : node.source(), value_.document_), path_of(printable(key.str())),
+            fmt::format("there is no key '{}'{}{}; {}known: {}", printable(key.str()), owner.empty() ? "" : " of ",
+                        owner, nearest.empty() ? "" : nearest + " ", fmt::join(known, ", ")));
   }
 }
 

@@ -38,7 +38,9 @@ class Value {
   [[nodiscard]] std::int64_t integer(std::int64_t smallest = std::numeric_limits<std::int64_t>::min(),
                                      std::int64_t largest = std::numeric_limits<std::int64_t>::max()) const;
   [[nodiscard]] bool boolean() const;
-  [[nodiscard]] std::string text() const;  // not empty
+  // Neither empty nor longer than a path can be, without control characters.
+  [[nodiscard]] std::string text() const;
+  [[nodiscard]] std::string prose() const;  // the same, but it may have lines
   [[nodiscard]] std::size_t choice(const std::vector<std::string>& choices) const;
   [[nodiscard]] Vector3 vector() const;  // [x, y, z]
 

@@ -1,22 +1,35 @@
 #include <springnet/scene.hpp>
 
-#include <cerrno>
-#include <fstream>
-#include <iterator>
 #include <system_error>
 
 #include <fmt/format.h>
 
-#include <springnet/error.hpp>
+#include <springnet/version.hpp>
 
 #include "scene/component.hpp"
 #include "scene/document.hpp"
+#include "scene/file_text.hpp"
+#include "scene/files.hpp"
 #include "scene/parts.hpp"
 #include "scene/reader.hpp"
 
 namespace springnet {
 namespace scene {
 namespace {
+
+// What this library reads. It rises when a scene that was right would be refused or mean something else.
+constexpr std::int64_t scene_version = 1;
+
+void check_version(const Table& root) {
+  const auto version = root.find("version");
+  if (!version) return;
+  const std::int64_t given = version->integer(1);
+  if (given == scene_version) return;
+  version->fail(fmt::format(
+      "this scene is of version {}, but springnet {} reads version {}; take a newer springnet, or write the "
+      "scene as core/docs/scene.md of this one says, with version = {}",
+      given, springnet::version(), scene_version, scene_version));
+}
 
 void read_simulation(const Table& root, const PluginHost& plugins, Scene& result) {
   const Table table = root.need("simulation").table("simulation");
@@ -42,42 +55,39 @@ void read_simulation(const Table& root, const PluginHost& plugins, Scene& result
 }  // namespace scene
 
 Scene parse_scene(std::string_view text, std::string_view name, const PluginHost& plugins,
-                  const std::vector<SceneOverride>& overrides, const std::filesystem::path& folder) {
+                  const std::vector<SceneOverride>& overrides, const std::filesystem::path& folder,
+                  OutsideFiles outside) {
   const std::string document(name.empty() ? "scene" : name);
   const toml::table content = scene::parse_document(text, document, overrides);
-  const scene::Table root = scene::Value(content, "", document).table("");
+  const scene::Table root = scene::Value(content, "", document).open_table("");
+  scene::check_version(root);  // before keys, which a newer version may have more of
+  root.check_keys();
 
+  const scene::Files files{folder, outside};
   Scene result;
-  if (const auto title = root.find("title")) result.title = title->text();
+  if (const auto title = root.find("title")) result.title = title->prose();
   scene::read_simulation(root, plugins, result);
   if (const auto gravity = root.find("gravity")) {
     result.network.set_gravity(gravity->table("gravity").need("acceleration").vector());
   }
-  const std::vector<scene::Shape> shapes = scene::read_bodies(root, plugins, folder, result);
+  const std::vector<scene::Shape> shapes = scene::read_bodies(root, plugins, files, result);
   scene::read_connections(root, plugins, result.network);
   scene::read_elements(root, plugins, shapes, result);
   scene::read_changes(root, plugins, result.network);
   scene::read_surroundings(root, result.network);
-  scene::read_starts(root, folder, result.network);
+  scene::read_starts(root, files, result.network);
   scene::read_output(root, result);
   return result;
 }
 
 Scene load_scene(const std::filesystem::path& file, const PluginHost& plugins,
-                 const std::vector<SceneOverride>& overrides) {
-  const auto fail = [&](const std::string& reason) {
-    throw Error(ErrorKind::input,
-                fmt::format("{}: cannot be read ({}); check its name and its permissions", file.string(), reason));
-  };
+                 const std::vector<SceneOverride>& overrides, OutsideFiles outside) {
+  const std::string text = scene::read_scene_text(file);
+  // What is no file, as a pipe, lies in no folder that has meshes.
   std::error_code unknown;
-  if (std::filesystem::is_directory(file, unknown)) fail("it is a folder");
-  errno = 0;
-  std::ifstream stream(file, std::ios::binary);
-  if (!stream) fail(std::generic_category().message(errno));
-  const std::string text{std::istreambuf_iterator<char>(stream), std::istreambuf_iterator<char>()};
-  if (stream.bad()) fail(std::generic_category().message(errno));
-  const std::filesystem::path folder = file.parent_path();
-  return parse_scene(text, file.string(), plugins, overrides, folder.empty() ? "." : folder);
+  std::filesystem::path folder;
+  if (std::filesystem::is_regular_file(file, unknown)) folder = file.has_parent_path() ? file.parent_path() : ".";
+  return parse_scene(text, file.string(), plugins, overrides, folder, outside);
 }
 
 }  // namespace springnet

@@ -5,7 +5,8 @@
 #include <numeric>
 
 #include <fmt/format.h>
-#include <fmt/ranges.h>
+
+#include <springnet/printable.hpp>
 
 namespace springnet::scene {
 namespace {
@@ -67,15 +68,16 @@ void add_group(const Value& name, const std::vector<const Body*>& bodies, const 
     }
   }
   if (found) return;
-  const std::string where = bodies.size() == 1 ? fmt::format("body '{}'", bodies.front()->name) : "the bodies";
+  const std::string where =
+      bodies.size() == 1 ? fmt::format("body '{}'", printable(bodies.front()->name)) : "the bodies";
   if (known.empty()) {
     name.fail(fmt::format("there is no group '{}': {} {} no groups; they come from the named parts of a mesh file",
-                          wanted, where, bodies.size() == 1 ? "has" : "have"));
+                          printable(wanted), where, bodies.size() == 1 ? "has" : "have"));
   }
   sort_and_unite(known);
   const std::string nearest = suggestion(wanted, known);
-  name.fail(fmt::format("there is no group '{}' in {}{}{}; known: {}", wanted, where, nearest.empty() ? "" : "; ",
-                        nearest, fmt::join(known, ", ")));
+  name.fail(fmt::format("there is no group '{}' in {}{}{}; known: {}", printable(wanted), where,
+                        nearest.empty() ? "" : "; ", nearest, list_of(known)));
 }
 
 // Those of the bodies given, or of all.
@@ -174,7 +176,7 @@ SpringIndex read_spring(const Value& number, const Body* body, const Network& ne
   if (index >= static_cast<std::int64_t>(count)) {
     number.fail(fmt::format("there is no spring {}{}{}, it has {}, numbered from 0", index,
                             body != nullptr ? " in body " : " in the network",
-                            body != nullptr ? "'" + body->name + "'" : "", count));
+                            body != nullptr ? "'" + printable(body->name) + "'" : "", count));
   }
   return static_cast<SpringIndex>(index) + (body != nullptr ? body->first_spring : 0);
 }
@@ -193,6 +195,16 @@ std::string extent_of(const Region& region, const Network& network) {
 
 }  // namespace
 
+std::string list_of(const std::vector<std::string>& names) {
+  constexpr std::size_t most_shown = 20;
+  std::string list;
+  for (std::size_t k = 0; k < std::min(names.size(), most_shown); ++k) {
+    list += (k == 0 ? "" : ", ") + printable(names[k]);
+  }
+  if (names.size() > most_shown) list += fmt::format(", and {} more", names.size() - most_shown);
+  return list;
+}
+
 const Body& find_body(const Value& name, const Network& network) {
   const std::string wanted = name.text();
   std::vector<std::string> known;
@@ -201,15 +213,15 @@ const Body& find_body(const Value& name, const Network& network) {
     known.push_back(body.name);
   }
   const std::string nearest = suggestion(wanted, known);
-  name.fail(
-      fmt::format("there is no body '{}'; {}", wanted, nearest.empty() ? "write the name of a [[body]]" : nearest));
+  name.fail(fmt::format("there is no body '{}'; {}", printable(wanted),
+                        nearest.empty() ? "write the name of a [[body]]" : nearest));
 }
 
 NodeIndex read_node(const Value& number, const Body* body, const Network& network) {
   const std::size_t count = body != nullptr ? body->node_count : network.nodes().size();
   const std::int64_t index = number.integer(0);
   if (index >= static_cast<std::int64_t>(count)) {
-    const std::string where = body != nullptr ? fmt::format("body '{}'", body->name) : "the network";
+    const std::string where = body != nullptr ? fmt::format("body '{}'", printable(body->name)) : "the network";
     number.fail(fmt::format("there is no node {} in {}, it has {}, numbered from 0", index, where, count));
   }
   return static_cast<NodeIndex>(index) + (body != nullptr ? body->first_node : 0);

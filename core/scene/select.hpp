@@ -23,6 +23,9 @@ struct SelectedGroup {
 // Those of all bodies that it may be from; none if the selection names no group.
 [[nodiscard]] std::vector<SelectedGroup> select_groups(const Value& selection, const Network& network);
 
+// Names for a message: "left, right, skin", the first of them if they are many.
+[[nodiscard]] std::string list_of(const std::vector<std::string>& names);
+
 // The body of this name.
 [[nodiscard]] const Body& find_body(const Value& name, const Network& network);
 // A node's number: within the body, or of the whole network if there is none.

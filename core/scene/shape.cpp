@@ -38,15 +38,6 @@ void place(const Table& table, Mesh& mesh) {
   for (Vector3& point : mesh.points) point = move + turn * (factor * point);
 }
 
-std::filesystem::path find_mesh(const Value& file, const std::filesystem::path& folder) {
-  const std::filesystem::path path = file.text();
-  if (path.is_absolute()) return path;
-  if (folder.empty()) {
-    file.fail("is relative, but this scene is not in a folder; give an absolute path, or read the scene from a file");
-  }
-  return folder / path;
-}
-
 }  // namespace
 
 EdgeOptions edge_options(Diagonals diagonals) {
@@ -76,21 +67,21 @@ Lattice read_lattice(const Table& mesh) {
   return lattice;
 }
 
-MeshBody read_mesh_body(const Table& table, const std::string& body, const std::filesystem::path& folder,
+MeshBody read_mesh_body(const Table& table, const std::string& body, const Files& files,
                         std::vector<std::string>& notes) {
   refuse(table, {"spacing"}, "file");
   const Value file = table.need("file");
-  const std::filesystem::path path = find_mesh(file, folder);
+  const std::filesystem::path path = files.resolve(file);
   MeshBody result{file.at_this_place([&] { return read_mesh(path); }), edge_options(read_diagonals(table))};
   for (const std::string& note : result.mesh.notes) notes.push_back(fmt::format("Body '{}': {}", body, note));
   place(table, result.mesh);
   return result;
 }
 
-std::vector<Vector3> read_start(const Table& table, std::size_t count, const std::filesystem::path& folder) {
+std::vector<Vector3> read_start(const Table& table, std::size_t count, const Files& files) {
   const auto start = table.find("start");
   if (!start) return {};
-  const std::filesystem::path path = find_mesh(*start, folder);
+  const std::filesystem::path path = files.resolve(*start);
   Mesh mesh = start->at_this_place([&] { return read_mesh(path); });
   if (mesh.points.size() != count) {
     start->fail(fmt::format("has {} points, the body has {} nodes; give a mesh of the same points, in the same order",

@@ -1,8 +1,6 @@
 // What a body is made of, as its table says it: a lattice, a mesh file, or nodes and springs one by one.
 #pragma once
 
-#include <filesystem>
-
 #include <springnet/mesh.hpp>
 
 #include "scene/parts.hpp"
@@ -19,14 +17,13 @@ struct MeshBody {
   Mesh mesh;  // scaled, turned and moved
   EdgeOptions edges;
 };
-// The keys of body.mesh with a file; `folder` as in parse_scene. Notes name the body.
-[[nodiscard]] MeshBody read_mesh_body(const Table& mesh, const std::string& body, const std::filesystem::path& folder,
+// The keys of body.mesh with a file. Notes name the body.
+[[nodiscard]] MeshBody read_mesh_body(const Table& mesh, const std::string& body, const Files& files,
                                       std::vector<std::string>& notes);
 
 // The key start: another mesh with the places where the nodes begin, by number. Nothing without the key; throws
 // Error(input) if it has another number of points.
-[[nodiscard]] std::vector<Vector3> read_start(const Table& mesh, std::size_t count,
-                                              const std::filesystem::path& folder);
+[[nodiscard]] std::vector<Vector3> read_start(const Table& mesh, std::size_t count, const Files& files);
 
 // The keys nodes and springs as points, and lines in the order of the springs.
 [[nodiscard]] Mesh read_listed(const Table& body);

@@ -125,10 +125,13 @@ void SceneArguments::add_to(CLI::App& command, bool simulation) {
       ->type_name("KEY=VALUE")
       ->expected(1)
       ->multi_option_policy(CLI::MultiOptionPolicy::TakeAll);
+  command.add_flag("--allow-outside", allow_outside,
+                   "Let the scene name files outside of its folder, directly or through links");
   plugins.add_to(command);
 }
 
 Scene SceneArguments::load(const PluginHost& host) const {
+  const OutsideFiles outside = allow_outside ? OutsideFiles::allowed : OutsideFiles::refused;
   std::vector<SceneOverride> changes;
   if (time_step) changes.push_back({"simulation.time_step", fmt::format("{}", *time_step)});
   if (duration) changes.push_back({"simulation.duration", fmt::format("{}", *duration)});
@@ -142,7 +145,7 @@ Scene SceneArguments::load(const PluginHost& host) const {
     // Options of one integrator mean nothing to another, so they go when the name changes, and only then.
     bool same = false;
     try {
-      same = load_scene(file, host, others).options.integrator.id == integrator;
+      same = load_scene(file, host, others, outside).options.integrator.id == integrator;
     } catch (const Error&) {
       // Loading it below says what is wrong, if it still is.
     }
@@ -151,7 +154,7 @@ Scene SceneArguments::load(const PluginHost& host) const {
       changes.insert(changes.begin(), {"simulation.integrator", fmt::format("{{ name = \"{}\" }}", integrator)});
     }
   }
-  Scene scene = load_scene(file, host, changes);
+  Scene scene = load_scene(file, host, changes, outside);
   if (threads) scene.options.threads = *threads;
   return scene;
 }

@@ -50,9 +50,10 @@ struct SceneArguments {
   std::optional<double> time_step;  // s; else the scene's
   std::optional<double> duration;   // s; else the scene's
   std::optional<unsigned> threads;  // else the scene's
+  bool allow_outside = false;       // files that the scene names, outside of its folder
   PluginArguments plugins;
 
-  // --set and --plugins; `simulation`: --integrator, --time-step, --duration and --threads as well.
+  // --set, --allow-outside and --plugins; `simulation`: --integrator, --time-step, --duration and --threads as well.
   void add_to(CLI::App& command, bool simulation);
   [[nodiscard]] Scene load(const PluginHost& host) const;
 };

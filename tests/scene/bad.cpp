@@ -71,7 +71,7 @@ TEST_CASE("unknown keys, with the nearest known one") {
       {replaced(8, "spring = { type = \"linear\", ^stifness = 3.0 }"),
        {"body.0.spring.stifness", "no key 'stifness' of spring function 'linear'", "did you mean 'stiffness'?",
         "known: type, stiffness"}},
-      {added("[^gravitation]\nacceleration = [0, 0, -1]"), {"gravitation", "known: title, simulation, gravity"}},
+      {added("[^gravitation]\nacceleration = [0, 0, -1]"), {"gravitation", "known: version, title, simulation, gravity"}},
       {added("[[^bodies]]\nname = \"b\""), {"bodies", "known: "}},
       {added("[[fix]]\nselect = { ^noeds = [0] }"), {"fix.0.select.noeds", "did you mean 'nodes'?"}},
       {added("[[node]]\nselect = { nodes = [0] }\nneuron = { type = \"point_mass\", ^mass = 1 }"),

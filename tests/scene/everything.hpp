@@ -2,6 +2,7 @@
 #pragma once
 
 inline const char* const everything = R"(
+version = 1
 title = "everything"
 
 [simulation]

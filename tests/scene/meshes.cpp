@@ -187,7 +187,7 @@ TEST_CASE("what is wrong with a mesh is said with the place in the scene") {
     static_cast<void>(parse_scene(bar(), "test.toml", plugins()));
     FAIL("a relative path without a folder is taken");
   } catch (const Error& error) {
-    CHECK(contains(error.what(), "test.toml:6:17: body.0.mesh.file: is relative"));
+    CHECK(contains(error.what(), "test.toml:6:17: body.0.mesh.file: names a file, but this scene is in no folder"));
   }
 }
 

@@ -64,15 +64,21 @@ struct SceneOverride {
 // Throws Error(input) if the text has no '=' or no key.
 [[nodiscard]] SceneOverride parse_override(std::string_view text);
 
+// Whether a scene may name files that lie, after following links, outside of its folder. Allow it for scenes that you
+// trust as much as a program.
+enum class OutsideFiles { refused, allowed };
+
 // Throws Error(input) that says "file:line:column: key: what; what to do", also for a component that no plugin offers:
-// the message then has the nearest names and the plugins that were not taken.
+// the message then has the nearest names and the plugins that were not taken. Reads a file, a pipe or a device, at most
+// 64 MB of it; files that the scene names are looked for in its folder.
 [[nodiscard]] Scene load_scene(const std::filesystem::path& file, const PluginHost& plugins,
-                               const std::vector<SceneOverride>& overrides = {});
-// The same from text; `name` stands for the file in messages. Meshes are looked for in `folder`; where that is empty, a
-// mesh whose path is not absolute is an error.
+                               const std::vector<SceneOverride>& overrides = {},
+                               OutsideFiles outside = OutsideFiles::refused);
+// The same from text; `name` stands for the file in messages, and `folder` for the scene's folder. Where that is empty,
+// a scene that names a file is an error, unless outside files are allowed and the path is absolute.
 [[nodiscard]] Scene parse_scene(std::string_view text, std::string_view name, const PluginHost& plugins,
                                 const std::vector<SceneOverride>& overrides = {},
-                                const std::filesystem::path& folder = {});
+                                const std::filesystem::path& folder = {}, OutsideFiles outside = OutsideFiles::refused);
 
 // Scene::notes, and what is likely not meant: cuts, loads and motions wholly outside of the simulated time. Plain
 // sentences.
