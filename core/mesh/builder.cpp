@@ -4,7 +4,7 @@
 #include <limits>
 
 #include <fmt/format.h>
-#include <fmt/ranges.h>
+#include <springnet/printable.hpp>
 
 namespace springnet::meshes {
 namespace {
@@ -17,7 +17,7 @@ constexpr double largest_coordinate = 1e100;
 // So many cells may groups have for each cell of the mesh and beside, together.
 constexpr std::size_t most_groups_per_cell = 100, most_beside = 1'000'000;
 
-constexpr std::size_t most_names = 5, most_notes = 20;
+constexpr std::size_t most_names = 5, most_notes = 20, longest_name = 40;
 
 void sort_unique(std::vector<std::uint32_t>& numbers) {
   std::sort(numbers.begin(), numbers.end());
@@ -28,12 +28,11 @@ void sort_unique(std::vector<std::uint32_t>& numbers) {
 
 std::uint32_t Builder::add_point(const Vector3& position, Place place) {
   if (!position.allFinite()) {
-    source_.fail(place, fmt::format("point [{}, {}, {}] is not finite; correct the mesh where it was made",
-                                    position.x(), position.y(), position.z()));
+    source_.fail(place, "a coordinate of this point is not finite; correct the mesh where it was made");
   }
   if (position.cwiseAbs().maxCoeff() > largest_coordinate) {
-    source_.fail(place, fmt::format("point [{}, {}, {}] is farther away than {} m; correct the mesh where it was made",
-                                    position.x(), position.y(), position.z(), largest_coordinate));
+    source_.fail(place, fmt::format("this point is farther away than {} m; correct the mesh where it was made",
+                                    largest_coordinate));
   }
   if (mesh_.points.size() >= largest_count)
     source_.fail(place, fmt::format("a mesh has at most {} points", largest_count));
@@ -125,8 +124,11 @@ void Builder::name_note(const std::string& sentence, const std::string& name) {
 }
 
 std::string Builder::told(const std::string& sentence, const Counted& counted) {
-  return fmt::format("{} {}{}{}{}", counted.times, sentence, counted.names.empty() ? "" : ": ",
-                     fmt::join(counted.names, ", "), counted.more_names ? " and others" : "");
+  std::string result = fmt::format("{} {}", counted.times, sentence);
+  for (const std::string& name : counted.names) {
+    result += fmt::format("{}{}", &name == counted.names.data() ? ": " : ", ", printable(name, longest_name));
+  }
+  return counted.more_names ? result + " and others" : result;
 }
 
 void Builder::leave_out_unused_points() {
@@ -175,7 +177,7 @@ Mesh Builder::finish() && {
   if (mesh_.cell_count() == 0) {
     std::string why;
     for (const auto& [sentence, counted] : counted_)
-      why += fmt::format("{}{}", why.empty() ? " (" : "; ", told(sentence, counted));
+      why += fmt::format("{}{} {}", why.empty() ? " (" : "; ", counted.times, sentence);
     mesh_.notes.resize(std::min(mesh_.notes.size(), most_notes));
     for (const std::string& sentence : mesh_.notes) why += fmt::format("{}{}", why.empty() ? " (" : "; ", sentence);
     if (!why.empty()) why += ")";

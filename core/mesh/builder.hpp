@@ -8,7 +8,6 @@
 #include <set>
 #include <span>
 #include <string>
-#include <unordered_map>
 #include <utility>
 #include <vector>
 
@@ -49,10 +48,11 @@ class Builder {
   // [point]: whether a cell has it.
   [[nodiscard]] std::vector<bool> used_points() const;
 
+  // Sentences quote nothing of the file but names that its format knows, because an error may repeat them.
   void note(const std::string& sentence);
   // A note that is told once with the number of times; `sentence` begins after the number.
   void count_note(const std::string& sentence, std::size_t times = 1) { counted_[sentence].times += times; }
-  // The same with names of what it was, the first few of them.
+  // The same with names of what it was, the first few of them, which may be the file's: no error repeats them.
   void name_note(const std::string& sentence, const std::string& name);
 
   // Throws Error(input) if there is no cell.
@@ -72,7 +72,7 @@ class Builder {
 
   const Source& source_;
   Mesh mesh_;
-  std::unordered_map<std::string, std::size_t> group_of_name_;
+  std::map<std::string, std::size_t> group_of_name_;
   std::vector<std::vector<Range>> cells_of_group_;  // [group]
   std::size_t grouped_cells_ = 0;                   // of all groups
   std::set<std::string> noted_;

@@ -67,10 +67,10 @@ double Cursor::real(std::string_view what) {
   const std::string_view text = word(what);
   double value = 0.0;
   if (!parse_real(text, value)) {
-    fail(fmt::format("'{}' should be {}, a number; correct it or export the mesh again", shown(text), what));
+    fail(fmt::format("this should be {}, a number; correct the line or export the mesh again", what));
   }
   if (!std::isfinite(value)) {
-    fail(fmt::format("{} is '{}', which is not finite; correct the mesh where it was made", what, shown(text)));
+    fail(fmt::format("{} is not finite; correct the mesh where it was made", what));
   }
   return value;
 }
@@ -80,7 +80,7 @@ T Cursor::integer(std::string_view what) {
   const std::string_view text = word(what);
   T value = 0;
   if (!parse_integer(text, value)) {
-    fail(fmt::format("'{}' should be {}, a whole number; correct it or export the mesh again", shown(text), what));
+    fail(fmt::format("this should be {}, a whole number; correct the line or export the mesh again", what));
   }
   return value;
 }

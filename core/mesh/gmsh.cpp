@@ -108,8 +108,7 @@ class GmshReader {
     while (!in_.at_end()) {
       const std::string section(in_.word("a section"));
       if (section.size() < 2 || section[0] != '$' || section.starts_with("$End")) {
-        in_.fail(
-            fmt::format("'{}' should be the beginning of a section, as $Nodes; export the mesh again", shown(section)));
+        in_.fail("this should be the beginning of a section, as $Nodes; export the mesh again");
       }
       in_.line();
       in_.set_binary(binary_);
@@ -169,10 +168,12 @@ class GmshReader {
     }
     const std::string_view version = in_.word("the version");
     if (version != "4.1" && version != "4" && version != "4.0") {
+      double number = 0.0;
+      const bool is_number = version.size() <= 4 && parse_real(version, number);
       in_.fail(
-          fmt::format("this is MSH version {}, 4.0 and 4.1 are read; save it as version 4: gmsh FILE -save -format "
-                      "msh41 -o NEW.msh",
-                      shown(version)));
+          fmt::format("this is {} of MSH, 4.0 and 4.1 are read; save it as version 4: gmsh FILE -save -format msh41 -o "
+                      "NEW.msh",
+                      is_number ? fmt::format("version {}", version) : "another version"));
     }
     old_ = version != "4.1";
     const int kind = in_.integer<std::int32_t>("the kind of file");
@@ -196,15 +197,15 @@ class GmshReader {
   void end(std::string_view section) {
     const std::string_view word = in_.word("the end of a section");
     if (word.substr(0, 4) == "$End" && word.substr(4) == section.substr(1)) return in_.set_binary(false);
-    in_.fail(fmt::format("'{}' should be $End{}; counts in this section do not fit what it has, export the mesh again",
-                         shown(word), section.substr(1)));
+    in_.fail(fmt::format("this should be $End{}; counts in this section do not fit what it has, export the mesh again",
+                         section.substr(1)));
   }
 
   void skip(const std::string& section) {
     const std::string wanted = "$End" + section.substr(1);
     const std::size_t found = in_.source().text().find(wanted, in_.offset());
     if (found == std::string_view::npos) {
-      in_.fail(fmt::format("there is no {}; the file is cut off, export the mesh again", wanted));
+      in_.fail("this section has no end; the file is cut off, export the mesh again");
     }
     in_.skip_to(found + wanted.size());
     in_.set_binary(false);
@@ -212,7 +213,7 @@ class GmshReader {
       builder_.note(
           "the mesh is divided into partitions: their physical groups are not read (save it without partitions)");
     } else if (section != "$Comments") {
-      builder_.name_note("sections are not read", shown(section));
+      builder_.name_note("sections are not read", section);
     }
   }
 
@@ -384,7 +385,10 @@ class GmshReader {
         builder_.add_cell(type.cell, std::span(points.data(), corner_count(type.cell)), place);
       }
     }
-    for (const std::size_t group : groups) builder_.add_cells_to_group(group, first, builder_.cell_count());
+    // Blocks may be empty, and as many as the groups of an entity.
+    if (builder_.cell_count() > first) {
+      for (const std::size_t group : groups) builder_.add_cells_to_group(group, first, builder_.cell_count());
+    }
     if (size > 0 && type.nodes > corner_count(type.cell)) {
       builder_.count_note("elements of second or higher order are read without the nodes between their corners", size);
     }

@@ -29,7 +29,7 @@ class ObjReader {
     }
     if (farthest_ > builder_.point_count()) {
       builder_.source().fail(farthest_place_,
-                             fmt::format("there is no point {}, only {}; correct the number or add points", farthest_,
+                             fmt::format("there are {} points, and a number here is greater; correct it or add points",
                                          builder_.point_count()));
     }
     // Cells may name points that come later in the file, so they are made when all are known.
@@ -78,9 +78,9 @@ class ObjReader {
       name(keyword[0]);
     } else if (std::find(without_geometry.begin(), without_geometry.end(), keyword) == without_geometry.end()) {
       if (keyword.find_first_not_of("abcdefghijklmnopqrstuvwxyz_") != std::string_view::npos) {
-        fail(fmt::format("'{}' is no statement of OBJ; correct the line", shown(keyword)));
+        fail("this is no statement of OBJ; correct the line");
       }
-      builder_.name_note("statements are not read", fmt::format("'{}'", shown(keyword)));
+      builder_.name_note("statements are not read", fmt::format("'{}'", keyword));
     }
   }
 
@@ -89,7 +89,7 @@ class ObjReader {
     Vector3 position;
     for (std::size_t k = 0; k < 3; ++k) {
       if (parse_real(words_[k + 1], position[static_cast<Eigen::Index>(k)])) continue;
-      fail(fmt::format("'{}' should be a coordinate; correct it or export the mesh again", shown(words_[k + 1])));
+      fail(fmt::format("coordinate {} of this point is no number; correct the line or export the mesh again", k + 1));
     }
     builder_.add_point(position, line_);
   }
@@ -100,13 +100,15 @@ class ObjReader {
       const std::string_view word = words_[k].substr(0, words_[k].find('/'));
       std::int64_t number = 0;
       if (!parse_integer(word, number) || number == 0) {
-        fail(fmt::format(
-            "'{}' should be the number of a point, 1 or more, or below 0 to count from the last one; correct it",
-            shown(words_[k])));
+        fail(
+            fmt::format("'{}' needs numbers of points, 1 or more, or below 0 to count from the last one: word {} is "
+                        "none; correct the line",
+                        kind, k));
       }
       const auto count = static_cast<std::int64_t>(builder_.point_count());
       if (number < -count) {
-        fail(fmt::format("there is no point {}, only {} are above this line; correct the number", number, count));
+        fail(fmt::format("only {} points are above this line, and word {} counts farther back; correct the number",
+                         count, k));
       }
       if (number < 0) number += count + 1;
       if (static_cast<std::uint64_t>(number) > farthest_) {

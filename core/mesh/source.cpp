@@ -11,6 +11,12 @@
 #include <springnet/error.hpp>
 
 namespace springnet::meshes {
+namespace {
+
+// Bytes. A file may claim more than the memory has, and take no room on the disk.
+constexpr std::uintmax_t largest_file = std::uintmax_t{4} << 30U;
+
+}  // namespace
 
 Source::Source(const std::filesystem::path& file) : name_(file.string()) {
   std::error_code failed;
@@ -21,6 +27,7 @@ Source::Source(const std::filesystem::path& file) : name_(file.string()) {
   const std::uintmax_t size = std::filesystem::file_size(file, failed);
   std::ifstream in(file, std::ios::binary);
   if (failed || !in) fail(fmt::format("the file cannot be opened ({}); check its permissions", std::strerror(errno)));
+  if (size > largest_file) fail("the file has more than 4 GiB; use a coarser mesh");
   text_.resize(static_cast<std::size_t>(size));
   in.read(text_.data(), static_cast<std::streamsize>(text_.size()));
   if (static_cast<std::uintmax_t>(in.gcount()) != size) fail("the file cannot be read to its end; copy it again");
@@ -29,22 +36,22 @@ Source::Source(const std::filesystem::path& file) : name_(file.string()) {
   if (text_.empty()) fail("the file is empty; export the mesh again");
 }
 
+std::ptrdiff_t Source::line_of(Place place) const {
+  const auto end = text_.begin() + static_cast<std::ptrdiff_t>(std::min(place.offset, text_.size()));
+  return 1 + std::count(text_.begin(), end, '\n');
+}
+
+std::string Source::told(Place place) const {
+  return place.binary ? fmt::format("byte {}", place.offset) : fmt::format("line {}", line_of(place));
+}
+
 void Source::fail(Place place, std::string_view message) const {
   if (place.binary) throw Error(ErrorKind::input, fmt::format("{}: byte {}: {}", name_, place.offset, message));
-  const auto end = text_.begin() + static_cast<std::ptrdiff_t>(std::min(place.offset, text_.size()));
-  throw Error(ErrorKind::input, fmt::format("{}:{}: {}", name_, 1 + std::count(text_.begin(), end, '\n'), message));
+  throw Error(ErrorKind::input, fmt::format("{}:{}: {}", name_, line_of(place), message));
 }
 
 void Source::fail(std::string_view message) const {
   throw Error(ErrorKind::input, fmt::format("{}: {}", name_, message));
-}
-
-std::string shown(std::string_view text) {
-  constexpr std::size_t longest = 40;
-  std::string result;
-  for (const char c : text.substr(0, longest)) result += c >= ' ' && c <= '~' ? c : '?';
-  if (text.size() > longest) result += "...";
-  return result;
 }
 
 bool equal_ignoring_case(std::string_view a, std::string_view b) noexcept {

@@ -21,19 +21,21 @@ class Source {
 
   [[nodiscard]] std::string_view text() const noexcept { return text_; }
   [[nodiscard]] const std::string& name() const noexcept { return name_; }
+  [[nodiscard]] std::string told(Place place) const;  // "line 3" or "byte 80"
 
-  // Throws Error(input): "file:line: message" or "file: byte n: message".
+  // Messages of errors quote nothing of the file: it may be any file, one that its reader must not see too. Throws
+  // Error(input): "file:line: message" or "file: byte n: message".
   [[noreturn]] void fail(Place place, std::string_view message) const;
   // Throws Error(input): "file: message".
   [[noreturn]] void fail(std::string_view message) const;
 
  private:
+  [[nodiscard]] std::ptrdiff_t line_of(Place place) const;
+
   std::string name_;
   std::string text_;
 };
 
-// A piece of a file as a message may show it: short, and without what is no letter.
-[[nodiscard]] std::string shown(std::string_view text);
 [[nodiscard]] bool equal_ignoring_case(std::string_view a, std::string_view b) noexcept;
 
 }  // namespace springnet::meshes

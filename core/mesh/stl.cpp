@@ -65,9 +65,9 @@ class StlReader {
     const auto count = in_.binary<std::uint32_t>(!is_little, "the number of triangles");
     if (!fits(in_.left(), count)) {
       in_.fail(
-          fmt::format("{} triangles need {} bytes after their number, there are {}; the file is cut off or damaged, or "
-                      "no STL, export it again",
-                      count, triangle_size * std::uint64_t{count}, in_.left()));
+          fmt::format("the number of triangles does not fit the {} bytes after it, {} for each; the file is cut off or "
+                      "damaged, or no STL, export it again",
+                      in_.left(), triangle_size));
     }
     for (std::uint32_t i = 0; i < count; ++i) {
       const Place place = in_.here();
@@ -92,7 +92,7 @@ class StlReader {
       while (equal_ignoring_case(in_.peek(), "facet")) facet();
       const std::string_view last = in_.word("'endsolid' or 'facet'");
       if (!equal_ignoring_case(last, "endsolid")) {
-        in_.fail(fmt::format("'{}' should be 'endsolid' or 'facet'; correct it or export the mesh again", shown(last)));
+        in_.fail("this should be 'endsolid' or 'facet'; correct the line or export the mesh again");
       }
       in_.line();
       if (!name.empty()) builder_.add_cells_to_group(builder_.group(name), first, builder_.cell_count());
@@ -102,7 +102,7 @@ class StlReader {
   void expect(std::string_view keyword) {
     const std::string_view found = in_.word(fmt::format("'{}'", keyword));
     if (equal_ignoring_case(found, keyword)) return;
-    in_.fail(fmt::format("'{}' should be '{}'; correct it or export the mesh again", shown(found), keyword));
+    in_.fail(fmt::format("this should be '{}'; correct the line or export the mesh again", keyword));
   }
 
   void facet() {

@@ -14,9 +14,12 @@ namespace {
 constexpr std::array scalar_names{"Int8",   "UInt8", "Int16",  "UInt16",  "Int32",
                                   "UInt32", "Int64", "UInt64", "Float32", "Float64"};
 
-// zlib makes at most so many bytes of one. Without it a text of two characters becomes a number of eight bytes, or some
-// arrays share their data.
-constexpr std::uint64_t most_expansion = 1032, most_without_zlib = 16;
+// zlib makes at most so many bytes of one.
+constexpr std::uint64_t most_expansion = 1032;
+
+// In memory, for each byte of the file: a number of one byte or of two characters takes eight bytes, some arrays may
+// share their data, and zlib makes a tenth of what meshes have; and so many bytes beside.
+constexpr std::uint64_t most_per_byte = 16, most_per_compressed_byte = 100, most_beside = 1U << 24U;
 
 int base64_digit(char c) noexcept {
   if (c >= 'A' && c <= 'Z') return c - 'A';
@@ -53,6 +56,15 @@ Place ArrayReader::place(pugi::xml_node node) {
   return {static_cast<std::size_t>(std::max<std::ptrdiff_t>(node.offset_debug(), 0)), false};
 }
 
+// By what VTK or this reader knows it: its name may be anything.
+std::string ArrayReader::name_of(pugi::xml_node array) {
+  const std::string_view name = array.attribute("Name").value();
+  if (name == "connectivity" || name == "offsets" || name == "types" || VtkCells::is_group_name(name)) {
+    return fmt::format("array '{}'", name);
+  }
+  return array.parent().name() == std::string_view("Points") ? "the array of points" : "this array";
+}
+
 std::uint64_t ArrayReader::number(pugi::xml_node node, const char* attribute) const {
   const pugi::xml_attribute found = node.attribute(attribute);
   if (!found) fail(node, fmt::format("<{}> has no {}; export the mesh again", node.name(), attribute));
@@ -61,8 +73,8 @@ std::uint64_t ArrayReader::number(pugi::xml_node node, const char* attribute) co
   text = begin == std::string_view::npos ? "" : text.substr(begin, text.find_last_not_of(' ') + 1 - begin);
   std::uint64_t value = 0;
   if (!parse_integer(text, value)) {
-    fail(node, fmt::format("{} of <{}> is '{}' and should be a whole number; correct it or export the mesh again",
-                           attribute, node.name(), shown(text)));
+    fail(node, fmt::format("{} of <{}> should be a whole number; correct it or export the mesh again", attribute,
+                           node.name()));
   }
   return value;
 }
@@ -71,20 +83,19 @@ Scalar ArrayReader::type(pugi::xml_node array) const {
   const std::string_view name = array.attribute("type").value();
   const auto found = std::find(scalar_names.begin(), scalar_names.end(), name);
   if (found == scalar_names.end()) {
-    fail(array, fmt::format("array '{}' is of type '{}', which is not read; export the mesh again",
-                            shown(array.attribute("Name").value()), shown(name)));
+    fail(array, fmt::format("{} is of a type that is not read; export the mesh again", name_of(array)));
   }
   return static_cast<Scalar>(found - scalar_names.begin());
 }
 
 void ArrayReader::claim(pugi::xml_node array, std::uint64_t count, std::uint64_t bytes_each) {
-  const std::uint64_t most =
-      source_.text().size() * (encoding_.compressed ? most_expansion : most_without_zlib) - claimed_;
+  const std::uint64_t each = encoding_.compressed ? most_per_compressed_byte : most_per_byte;
+  const std::uint64_t most = most_beside + source_.text().size() * each - claimed_;
   if (count > most / bytes_each) {
     fail(array,
-         fmt::format("{} values of array '{}' are promised, with those before more than the file can hold; it is "
-                     "damaged, export it again",
-                     count, shown(array.attribute("Name").value())));
+         fmt::format("{} values are promised for {}, with those before more than the file can hold; it is damaged, "
+                     "export it again",
+                     count, name_of(array)));
   }
   claimed_ += count * bytes_each;
 }
@@ -94,8 +105,7 @@ std::vector<double> ArrayReader::reals(pugi::xml_node array, std::uint64_t count
 }
 std::vector<std::int64_t> ArrayReader::integers(pugi::xml_node array, std::uint64_t count) {
   if (!is_integer(type(array))) {
-    fail(array, fmt::format("array '{}' must be of whole numbers; export the mesh again",
-                            shown(array.attribute("Name").value())));
+    fail(array, fmt::format("{} must be of whole numbers; export the mesh again", name_of(array)));
   }
   return values<std::int64_t>(array, count, 1);
 }
@@ -105,10 +115,9 @@ std::vector<To> ArrayReader::values(pugi::xml_node array, std::uint64_t count, s
   if (count == 0) return {};
   const std::string_view format = array.attribute("format").as_string("ascii");
   const bool is_text = format == "ascii";
-  const std::uint64_t bytes = components * (is_text ? sizeof(To) : size_of(type(array)));
-  claim(array, count, bytes);
+  claim(array, count, components * sizeof(To));
   if (is_text) return text_values<To>(array, components * count);
-  return decode<To>(type(array), data(array, count * bytes), encoding_.swap);
+  return decode<To>(type(array), data(array, count * components * size_of(type(array))), encoding_.swap);
 }
 
 template <class To>
@@ -130,16 +139,17 @@ std::vector<To> ArrayReader::text_values(pugi::xml_node array, std::uint64_t cou
       fine = parse_integer(word, value);
     }
     if (!fine) {
-      source_.fail({begin + at, false}, fmt::format("'{}' should be a{} number; correct it or export the mesh again",
-                                                    shown(word), std::is_same_v<To, double> ? "" : " whole"));
+      source_.fail({begin + at, false},
+                   fmt::format("this should be a{} number; correct the line or export the mesh again",
+                               std::is_same_v<To, double> ? "" : " whole"));
     }
     result.push_back(value);
     at = end;
   }
   if (result.size() != count) {
-    fail(array, fmt::format("array '{}' has {} values and should have {}; the counts are wrong or the file is damaged, "
-                            "export it again",
-                            shown(array.attribute("Name").value()), result.size(), count));
+    fail(array, fmt::format("{} has {} values and should have {}; the counts are wrong or the file is damaged, export "
+                            "it again",
+                            name_of(array), result.size(), count));
   }
   return result;
 }
@@ -151,7 +161,7 @@ std::uint64_t ArrayReader::header_number(std::string_view encoded, std::size_t i
 
 std::string ArrayReader::data(pugi::xml_node array, std::uint64_t bytes) const {
   const std::string_view format = array.attribute("format").value();
-  const std::string name = shown(array.attribute("Name").value());
+  const std::string name = name_of(array);
   std::string decoded;
   std::string_view encoded;
   if (format == "binary") {
@@ -160,10 +170,9 @@ std::string ArrayReader::data(pugi::xml_node array, std::uint64_t bytes) const {
   } else if (format == "appended") {
     const std::uint64_t offset = number(array, "offset");
     if (offset >= encoding_.appended.size()) {
-      fail(array,
-           fmt::format("array '{}' begins at {} of the appended data, which has {} bytes; the file is cut off, export "
-                       "it again",
-                       name, offset, encoding_.appended.size()));
+      fail(array, fmt::format("{} begins at {} of the appended data, which has {} bytes; the file is cut off, export "
+                              "it again",
+                              name, offset, encoding_.appended.size()));
     }
     encoded = encoding_.appended.substr(static_cast<std::size_t>(offset));
     if (!encoding_.appended_raw) {
@@ -174,18 +183,17 @@ std::string ArrayReader::data(pugi::xml_node array, std::uint64_t bytes) const {
     }
   } else {
     fail(array,
-         fmt::format("array '{}' has the format '{}'; 'ascii', 'binary' and 'appended' are read", name, shown(format)));
+         fmt::format("{} has another format than 'ascii', 'binary' and 'appended'; export the mesh again", name));
   }
   if (encoding_.compressed) return decompressed(array, encoded, bytes);
 
   const std::size_t header = encoding_.wide_header ? 8 : 4;
-  if (encoded.size() < header) fail(array, fmt::format("array '{}' is cut off; export the mesh again", name));
+  if (encoded.size() < header) fail(array, fmt::format("{} is cut off; export the mesh again", name));
   const std::uint64_t size = header_number(encoded, 0);
   if (size != bytes || encoded.size() - header < bytes) {
-    fail(array,
-         fmt::format("array '{}' should have {} bytes; it says {}, and there are {}; the file is damaged, export it "
-                     "again",
-                     name, bytes, size, encoded.size() - header));
+    fail(array, fmt::format("{} should have {} bytes; it says {}, and there are {}; the file is damaged, export it "
+                            "again",
+                            name, bytes, size, encoded.size() - header));
   }
   return std::string(encoded.substr(header, static_cast<std::size_t>(bytes)));
 }
@@ -195,9 +203,9 @@ std::string ArrayReader::decompressed(pugi::xml_node array, std::string_view enc
   const auto check = [&](bool fine) {
     if (fine) return;
     fail(array,
-         fmt::format("array '{}': its compressed data are damaged or do not fit the {} bytes that the counts say; "
-                     "export the mesh again",
-                     shown(array.attribute("Name").value()), bytes));
+         fmt::format("the compressed data of {} are damaged or do not fit the {} bytes that the counts say; export "
+                     "the mesh again",
+                     name_of(array), bytes));
   };
   const std::size_t word = encoding_.wide_header ? 8 : 4;
   check(encoded.size() >= 3 * word && bytes <= encoded.size() * most_expansion);

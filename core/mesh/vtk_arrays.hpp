@@ -48,6 +48,7 @@ class ArrayReader {
   // The bytes of an array, without what stands before them.
   std::string data(pugi::xml_node array, std::uint64_t bytes) const;
   std::string decompressed(pugi::xml_node array, std::string_view encoded, std::uint64_t bytes) const;
+  [[nodiscard]] static std::string name_of(pugi::xml_node array);
   [[nodiscard]] std::uint64_t header_number(std::string_view encoded, std::size_t index) const;
 
   const Source& source_;

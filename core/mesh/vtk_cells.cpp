@@ -53,7 +53,7 @@ std::optional<std::map<std::int64_t, std::size_t>> groups_for(Builder& builder, 
   for (const std::int64_t value : values) {
     groups.emplace(value, 0);
     if (groups.size() <= most_groups) continue;
-    builder.note(fmt::format("array '{}' has more than {} values and gives no groups", shown(name), most_groups));
+    builder.note(fmt::format("array '{}' has more than {} values and gives no groups", name, most_groups));
     return std::nullopt;
   }
   for (auto& [value, group] : groups) group = builder.group(fmt::format("{} {}", name, value));

@@ -15,8 +15,8 @@
 namespace springnet::meshes {
 namespace {
 
-// A grid of which the file says only the number of points must not fill the memory.
-constexpr std::uint64_t most_implied_points = 1U << 24U;
+// Points of a grid that the file need not have a byte for: a hundred bytes must not fill the memory.
+constexpr std::uint64_t most_implied_points = 1'000'000;
 
 struct NamedType {
   const char* name;
@@ -77,15 +77,14 @@ class VtkLegacyReader {
     const std::size_t digits = std::min(version.find_first_not_of(' '), version.size());
     if (!parse_real(version.substr(digits, version.find_last_not_of(" \t\r") + 1 - digits), number) ||
         !(number < 6.0)) {
-      in_.fail(
-          fmt::format("version '{}' of legacy VTK is not known; save it as version 5.1 or before", shown(version)));
+      in_.fail("this version of legacy VTK is not known; save it as version 5.1 or before");
     }
     with_offsets_ = number >= 5.0;
     in_.line();  // a title
     const std::string_view kind = in_.word("ASCII or BINARY");
     binary_ = equal_ignoring_case(kind, "BINARY");
     if (!binary_ && !equal_ignoring_case(kind, "ASCII")) {
-      in_.fail(fmt::format("'{}' should be ASCII or BINARY; export the mesh again", shown(kind)));
+      in_.fail("this should be ASCII or BINARY; export the mesh again");
     }
     in_.set_binary(binary_);
   }
@@ -95,8 +94,7 @@ class VtkLegacyReader {
     for (const NamedType& known : types) {
       if (equal_ignoring_case(name, known.name)) return known.type;
     }
-    in_.fail(
-        fmt::format("'{}' is no type of numbers that is read; export the mesh with float, double or int", shown(name)));
+    in_.fail("this should be a type of numbers; export the mesh with float, double or int");
   }
 
   // As many values as are checked to be there. In binary files they follow the line, the highest byte first.
@@ -133,7 +131,7 @@ class VtkLegacyReader {
       constexpr std::array known{"UNSTRUCTURED_GRID", "POLYDATA", "STRUCTURED_POINTS", "STRUCTURED_GRID",
                                  "RECTILINEAR_GRID"};
       if (std::none_of(known.begin(), known.end(), [&](const char* k) { return equal_ignoring_case(k, dataset_); })) {
-        in_.fail(fmt::format("data set '{}' is not read; save it as UNSTRUCTURED_GRID", shown(dataset_)));
+        in_.fail("this kind of data set is not read; save it as UNSTRUCTURED_GRID");
       }
     } else if (is("POINTS")) {
       points();
@@ -174,9 +172,8 @@ class VtkLegacyReader {
       return attribute(word);
     } else {
       in_.fail(
-          fmt::format("'{}' is no keyword of VTK that could stand here; counts before it do not fit what the file has, "
-                      "export it again",
-                      shown(word)));
+          "this should be a keyword of VTK; counts before it do not fit what the file has, or it is damaged: export it "
+          "again");
     }
     return true;
   }
@@ -238,14 +235,14 @@ class VtkLegacyReader {
 
   void array(const std::string& name, std::uint64_t tuples, std::uint64_t components, Scalar scalar) {
     in_.check_count(tuples, 1, "the number of values");
-    if (components > in_.left()) in_.fail("there are more components than bytes; export the mesh again");
+    if (tuples > 0) in_.check_count(components, static_cast<std::size_t>(tuples), "the number of components");
     const Place place = in_.here();
     const bool gives_groups = attributes_ != Attributes::none && components == 1 && VtkCells::is_group_name(name);
     if (gives_groups && is_integer(scalar)) {
       groups_.push_back({attributes_, name, values<std::int64_t>(tuples, scalar, name), place});
       return;
     }
-    if (gives_groups) builder_.note(fmt::format("array '{}' is not of whole numbers and gives no groups", shown(name)));
+    if (gives_groups) builder_.note(fmt::format("array '{}' is not of whole numbers and gives no groups", name));
     if (binary_) {
       in_.check_count(tuples * components, size_of(scalar), "the number of values");
       in_.line();
@@ -278,16 +275,17 @@ class VtkLegacyReader {
     const std::string_view name = in_.peek();
     if (equal_ignoring_case(name, "bit") || equal_ignoring_case(name, "string") ||
         equal_ignoring_case(name, "variant")) {
-      stop(name);
+      in_.word("a type");
+      stop();
       return std::nullopt;
     }
     return type();
   }
-  void stop(std::string_view what) {
+  void stop() {
     if (attributes_ == Attributes::none) {
-      in_.fail(fmt::format("an array of '{}' before the mesh is not read; export the mesh without it", shown(what)));
+      in_.fail("an array of bits or strings before the mesh is not read; export the mesh without it");
     }
-    builder_.note(fmt::format("data from '{}' on are not read", shown(what)));
+    builder_.note(fmt::format("data from {} on are not read", in_.source().told(in_.place())));
   }
 
   bool attribute(std::string_view keyword) {
@@ -296,7 +294,7 @@ class VtkLegacyReader {
         "SCALARS",    "VECTORS",      "NORMALS",      "TENSORS",      "TENSORS6", "TEXTURE_COORDINATES",
         "GLOBAL_IDS", "PEDIGREE_IDS", "LOOKUP_TABLE", "COLOR_SCALARS"};
     if (std::none_of(known.begin(), known.end(), is)) {
-      stop(keyword);
+      stop();
       return false;
     }
     const std::string name(in_.word("the name of an array"));
@@ -355,10 +353,12 @@ class VtkLegacyReader {
       if (!fine) builder_.source().fail(dimensions_place_, message);
     };
     check(nx > 0 && ny > 0 && nz > 0, "DIMENSIONS must be 1 or more; correct them");
-    check(nx <= most_implied_points && ny <= most_implied_points && nz <= most_implied_points &&
-              nx * ny <= most_implied_points && nx * ny * nz <= most_implied_points,
-          fmt::format("DIMENSIONS are {} x {} x {}, more than {} points; use a coarser grid", nx, ny, nz,
-                      most_implied_points));
+    const std::uint64_t most = std::max<std::uint64_t>(most_implied_points, builder_.source().text().size());
+    check(nx <= most && ny <= most / nx && nz <= most / (nx * ny),
+          fmt::format(
+              "DIMENSIONS are {} x {} x {}, more than {} points, which a file of {} bytes may have; use a coarser "
+              "grid",
+              nx, ny, nz, most, builder_.source().text().size()));
     if (equal_ignoring_case(dataset_, "STRUCTURED_GRID")) {
       check(nx * ny * nz == builder_.point_count(),
             fmt::format("DIMENSIONS are {} x {} x {}, but there are {} POINTS; export the mesh again", nx, ny, nz,
@@ -393,9 +393,9 @@ class VtkLegacyReader {
     const bool of_cells = groups.of == Attributes::of_cells;
     const std::size_t wanted = of_cells ? cells_.count() : builder_.point_count();
     if (groups.values.size() != wanted) {
-      builder_.source().fail(
-          groups.place, fmt::format("array '{}' has {} values for {} {}; export the mesh again", shown(groups.name),
-                                    groups.values.size(), wanted, of_cells ? "cells" : "points"));
+      builder_.source().fail(groups.place,
+                             fmt::format("array '{}' has {} values for {} {}; export the mesh again", groups.name,
+                                         groups.values.size(), wanted, of_cells ? "cells" : "points"));
     }
     if (of_cells) {
       cells_.groups_of_cells(groups.name, groups.values);

@@ -28,9 +28,9 @@ class VtkXmlReader {
     const std::string_view type = file.attribute("type").value();
     if (type != "UnstructuredGrid" && type != "PolyData") {
       arrays_->fail(file,
-                    fmt::format("a VTK file of type '{}' is not read; save it as UnstructuredGrid (.vtu) or PolyData "
+                    fmt::format("a VTK file of this type is not read; save it as UnstructuredGrid (.vtu) or PolyData "
                                 "(.vtp){}",
-                                shown(type), type.starts_with('P') ? ", or name the file of one of its pieces" : ""));
+                                type.starts_with('P') ? ", or name the file of one of its pieces" : ""));
     }
     const pugi::xml_node grid = file.child(type.data());
     std::size_t pieces = 0;
@@ -78,8 +78,8 @@ class VtkXmlReader {
     const auto check = [&](const char* attribute, std::string_view value,
                            std::initializer_list<std::string_view> known) {
       if (std::find(known.begin(), known.end(), value) != known.end()) return;
-      source_.fail(ArrayReader::place(file), fmt::format("{} is '{}', '{}' is read; save it so", attribute,
-                                                         shown(value), fmt::join(known, "' or '")));
+      source_.fail(ArrayReader::place(file),
+                   fmt::format("{} should be '{}'; save the mesh so", attribute, fmt::join(known, "' or '")));
     };
     const std::string_view order = file.attribute("byte_order").as_string("LittleEndian");
     check("byte_order", order, {"LittleEndian", "BigEndian"});
@@ -122,7 +122,7 @@ class VtkXmlReader {
     const std::string name = array.attribute("Name").value();
     if (!VtkCells::is_group_name(name) || array.attribute("NumberOfComponents").as_int(1) != 1) return false;
     if (is_integer(arrays_->type(array))) return true;
-    builder_.note(fmt::format("array '{}' is not of whole numbers and gives no groups", shown(name)));
+    builder_.note(fmt::format("array '{}' is not of whole numbers and gives no groups", name));
     return false;
   }
 

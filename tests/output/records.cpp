@@ -1,10 +1,13 @@
 // The binary tables: bit for bit what the engine had, and readable however a run ended.
 #include <springnet/records.hpp>
 
+#include <sys/stat.h>
+
 #include <bit>
 #include <cstring>
 
 #include <doctest/doctest.h>
+#include <fmt/format.h>
 #include <nlohmann/json.hpp>
 #include <springnet/output.hpp>
 
@@ -206,7 +209,50 @@ TEST_CASE("what is no such file is refused with the reason") {
   };
   CHECK(damaged("\"rows\":5", "\"rows\":6").find("damaged header") != std::string::npos);
   CHECK(damaged("\"rows\":5", "\"rows\":-").find("damaged header") != std::string::npos);
-  CHECK(damaged("<f8", "<f2").find("unknown type '<f2'") != std::string::npos);
+  CHECK(damaged("<f8", "<f2").find("unknown type") != std::string::npos);
   CHECK(damaged("\"columns\"", "\"columnz\"").find("damaged header") != std::string::npos);
   CHECK(damaged("1 000", "1 x00").find("damaged header") != std::string::npos);
+  CHECK(damaged("<f8", "Xyz").find("Xyz") == std::string::npos);
+  const std::string rows = "\"rows\":5";
+  for (const char* number : {"-5", "5.0", "1e300", "4294967296", "18446744073709551616", "\"5\"", "null", "[5]"}) {
+    CAPTURE(number);
+    CHECK(damaged(rows, "\"rows\":" + std::string(number)).find("damaged header") != std::string::npos);
+  }
+  for (const char* numbers : {"[0,1,2,3,-1]", "[0,1,2,3,1e300]", "[0,1,2,3,4294967296]", "[0,1,2,3,4.5]", "[0,1,2,3]",
+                              "[0,1,2,3,[]]", "{}", "5", "[[[[[[0]]]]]]"}) {
+    CAPTURE(numbers);
+    CHECK(damaged("null", numbers).find("damaged header") != std::string::npos);
+  }
+}
+
+TEST_CASE("a table costs what it has, whatever its header promises") {
+  const TemporaryFolder folder;
+  const auto table = [&](const std::string& description, std::size_t bytes) {
+    std::string header = fmt::format("springnet records 1 {:08}\n{}", 29 + description.size() + 1, description) + '\n';
+    folder.write("promise.bin", header + std::string(bytes, '\0'));
+    return refusal(folder.path() / "promise.bin");
+  };
+  const auto rows = [](std::uint64_t count, std::uint64_t record_bytes) {
+    return fmt::format(
+        R"({{"row":"node","rows":{},"columns":["x"],"units":["m"],"type":"<f4","record_bytes":{},"numbers":null}})",
+        count, record_bytes);
+  };
+  CHECK(table(rows(2, 16), 16).empty());
+  CHECK(table(rows(0, 8), 8).empty());
+  // A list of these numbers would take 4 GB.
+  CHECK(table(rows(1'000'000'000, 4'000'000'008), 1000).find("has no whole record") != std::string::npos);
+  CHECK(table(rows(2, 16), 15).find("has no whole record") != std::string::npos);
+  CHECK(table(rows(1, 0), 16).find("damaged header") != std::string::npos);
+  CHECK(table(rows(4'294'967'295, 4), 16).find("damaged header") != std::string::npos);
+  // 2^64 bytes and some: the product would be small.
+  CHECK(table(rows(4'611'686'018'427'387'904, 8), 16).find("damaged header") != std::string::npos);
+  CHECK(table(std::string(1'000'000, '['), 16).find("damaged header") != std::string::npos);
+}
+
+TEST_CASE("a pipe is no table, and nobody waits for it") {
+  const TemporaryFolder folder;
+  const std::filesystem::path pipe = folder.path() / "pipe.bin";
+  REQUIRE(mkfifo(pipe.c_str(), 0600) == 0);
+  CHECK(refusal(pipe).find("is no file") != std::string::npos);
+  CHECK(refusal(folder.path()).find("is no file") != std::string::npos);
 }

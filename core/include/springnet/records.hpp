@@ -14,7 +14,7 @@ namespace springnet {
 // Reads a table as far as it was written: that of a run that failed or still runs ends with its last whole record.
 class RecordReader {
  public:
-  // Throws Error(input) if the file cannot be read or is no such table.
+  // Throws Error(input) if the file cannot be read, is no such table, or has no whole record yet.
   explicit RecordReader(const std::filesystem::path& file);
 
   [[nodiscard]] const std::string& row_name() const noexcept { return row_; }  // "node", "spring", "element"
@@ -29,6 +29,7 @@ class RecordReader {
   double read(std::size_t record, std::vector<double>& values);
 
  private:
+  void describe(const std::string& header, std::size_t bytes);
   [[noreturn]] void refuse(const std::string& reason) const;
 
   std::filesystem::path path_;
