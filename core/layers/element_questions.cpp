@@ -120,21 +120,22 @@ springnet_status element_margins(const Layout& layout, InstructionSet set, doubl
   return SPRINGNET_OK;
 }
 
-std::string explain_element_failure(const Layout& layout, InstructionSet set, double time, const NodeArrays& nodes) {
+std::string explain_element_failure(const Layout& layout, InstructionSet set, double time, const NodeArrays& nodes,
+                                    Asked asked) {
   for (std::uint32_t e = 0; e < layout.elements().count(); ++e) {
     if (!layout.elements().alive(e)) continue;
     const Group& group = group_of(layout, e);
     const ElementState state = element_state(layout, nodes, e);
     for (const Law* law : {&group.spring, &group.viscosity}) {
       if (!*law) continue;
-      double force = 0.0;
+      double force = 0.0, energy = 0.0;
       LawOutputs out;
       out.force = &force;
+      if (asked == Asked::forces_and_energies && law->can(SPRINGNET_HAS_ENERGY)) out.energy = &energy;
       springnet_message message{};
       const springnet_status status = ask(layout, set, time, e, *law, state, out, message);
-      if (status == SPRINGNET_OK && std::isfinite(force)) continue;
-      const std::string what =
-          status == SPRINGNET_OK ? fmt::format("answered {}", force) : fmt::format("failed ({})", message.text);
+      const std::string what = wrong_answer(status, force, energy, message);
+      if (what.empty()) continue;
       const std::string_view unit = unit_of(layout.elements().invariant(e));
       return fmt::format("{} '{}' {} for element {} ({}; {} {} {}, rate {} {}/s)", name_of(law->component->kind()),
                          law->component->id(), what, e, where(layout, e), name_of(layout.elements().invariant(e)),

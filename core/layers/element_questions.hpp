@@ -5,6 +5,7 @@
 #include <string>
 #include <vector>
 
+#include "layers/elements.hpp"
 #include "layers/instruction_set.hpp"
 #include "layers/layout.hpp"
 
@@ -31,6 +32,6 @@ springnet_status element_margins(const Layout& layout, InstructionSet set, doubl
 // The first element, in the user's numbers, whose law answered a number that is not finite, or failed. Empty if there
 // is none.
 [[nodiscard]] std::string explain_element_failure(const Layout& layout, InstructionSet set, double time,
-                                                  const NodeArrays& nodes);
+                                                  const NodeArrays& nodes, Asked asked);
 
 }  // namespace springnet::layers

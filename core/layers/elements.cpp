@@ -168,7 +168,16 @@ springnet_status rupture_margins(const Layout& layout, InstructionSet set, doubl
   return SPRINGNET_OK;
 }
 
-std::string explain_failure(const Layout& layout, InstructionSet set, double time, const NodeArrays& nodes) {
+std::string wrong_answer(springnet_status status, double force, double energy, const springnet_message& message) {
+  // fmt gives nan a sign that depends on the processor.
+  const auto number = [](double value) { return std::isnan(value) ? std::string("nan") : fmt::format("{}", value); };
+  if (status != SPRINGNET_OK) return fmt::format("failed ({})", message.text);
+  if (!std::isfinite(force)) return "answered " + number(force);
+  return std::isfinite(energy) ? std::string() : "answered an energy of " + number(energy);
+}
+
+std::string explain_failure(const Layout& layout, InstructionSet set, double time, const NodeArrays& nodes,
+                            Asked asked) {
   const std::vector<std::uint32_t>& engine = layout.ordering().engine;
   for (std::size_t user = 0; user < engine.size(); ++user) {
     const std::uint32_t k = engine[user];
@@ -184,24 +193,24 @@ std::string explain_failure(const Layout& layout, InstructionSet set, double tim
     const Group& group = layout.group_of(s);
     for (const Law* law : {&group.spring, &group.viscosity}) {
       if (!*law) continue;
-      double force = 0.0;
+      double force = 0.0, energy = 0.0;
       LawOutputs out;
       out.force = &force;
+      if (asked == Asked::forces_and_energies && law->can(SPRINGNET_HAS_ENERGY)) out.energy = &energy;
       springnet_message message{};
       Group alone = group;  // only this law
       (law == &group.spring ? alone.viscosity : alone.spring) = {};
       const springnet_status status =
           evaluate_group(layout, set, time, nodes, alone, &s, 1, *geometry, out, out, message);
-      if (status == SPRINGNET_OK && std::isfinite(force)) continue;
-      const std::string what =
-          status == SPRINGNET_OK ? fmt::format("answered {}", force) : fmt::format("failed ({})", message.text);
+      const std::string what = wrong_answer(status, force, energy, message);
+      if (what.empty()) continue;
       return fmt::format("{} '{}' {} for spring {} (nodes {} and {}, length {} m, rate {} m/s)",
                          name_of(law->component->kind()), law->component->id(), what, s,
                          layout.ordering().user[layout.first(s)], layout.ordering().user[layout.second(s)],
                          geometry->length[0], geometry->rate[0]);
     }
   }
-  return explain_element_failure(layout, set, time, nodes);
+  return explain_element_failure(layout, set, time, nodes, asked);
 }
 
 }  // namespace springnet::layers

@@ -33,10 +33,15 @@ springnet_status rupture_margins(const Layout& layout, InstructionSet set, doubl
                                  const std::vector<std::uint32_t>& springs, double* margins,
                                  springnet_message& message);
 
-// Why forces at this state are not finite or could not be evaluated: the first node, in the user's numbers, whose
-// position or velocity is not finite, or the first spring, then element, whose law answered so, or failed, at finite
-// input. Empty if there is none.
+// Why forces, or forces and energies, at this state are not finite or could not be evaluated: the first node, in the
+// user's numbers, whose position or velocity is not finite, or the first spring, then element, whose law answered so,
+// or failed, at finite input. Empty if there is none.
+enum class Asked : std::uint8_t { forces, forces_and_energies };
 [[nodiscard]] std::string explain_failure(const Layout& layout, InstructionSet set, double time,
-                                          const NodeArrays& nodes);
+                                          const NodeArrays& nodes, Asked asked = Asked::forces);
+
+// What a law answered to explain_failure(), to be told where it is wrong; empty where all is finite.
+[[nodiscard]] std::string wrong_answer(springnet_status status, double force, double energy,
+                                       const springnet_message& message);
 
 }  // namespace springnet::layers

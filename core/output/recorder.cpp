@@ -44,7 +44,8 @@ class VtkSink : public Sink {
   VtkSink(const std::filesystem::path& folder, const Scene& scene)
       : writer_(folder, scene.network, scene.output),
         interval_(scene.output.vtk_interval),
-        slack_(1e-6 * scene.options.time_step) {}  // as small as this is rounding
+        // As small as this is rounding.
+        slack_(1e-6 * std::min(scene.options.time_step, scene.duration)) {}
 
   void record(const Simulation& simulation) override {
     if (simulation.time() >= next_ - slack_) take(simulation);

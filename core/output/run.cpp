@@ -58,15 +58,18 @@ void simulate(const Scene& scene, Simulation& simulation, Recorder& recorder, co
   const RunClock clock = clock_of(options);
   const double time_step = scene.options.time_step;
   // A remainder as small as this is rounding of the times (Simulation::advance_to takes it so).
-  const double slack = 1e-6 * time_step;
+  const double slack = 1e-6 * std::min(time_step, scene.duration);
   const double interval = std::max(scene.output.interval, time_step);
   StepCounter counter;
   const double start = clock.now();
   double recorded = -std::numeric_limits<double>::infinity();  // s, when last
+  bool energy_is_finite = true;
   const auto write_record = [&] {
     const double begin = clock.now();
     recorded = simulation.time();
     recorder.record(simulation);
+    // Notes where it is not finite. A law may answer forces beyond its limit that look like any other.
+    energy_is_finite = energy_is_finite && std::isfinite(simulation.potential_energy());
     for (VolumeSummary& volume : summary.volumes) {
       volume.leaked = !simulation.element_alive(volume.element);
       if (volume.leaked && summary.records > 0) continue;

@@ -62,6 +62,12 @@ std::vector<std::string> notes_of(const Scene& scene) {
   add_idle_output(scene.output, notes);
   if (!(scene.duration > 0)) return notes;  // no more than a look at the start
   const Network& network = scene.network;
+  // What a duration that is a number of steps leaves to rounding does not count.
+  if (const double step = scene.options.time_step; step > 1.000001 * scene.duration) {
+    notes.push_back(
+        fmt::format("time_step, {:g} s, is longer than the duration, {:g} s: the run is one time step of {:g} s.", step,
+                    scene.duration, scene.duration));
+  }
   Unreached unreached(scene.duration);
   for (std::size_t k = 0; k < network.loads().size(); ++k) {
     const Load& load = network.loads()[k];

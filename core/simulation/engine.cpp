@@ -39,7 +39,7 @@ Engine::Engine(const Network& network, const PluginHost& plugins, const Simulati
       linearisation_(layout_, evaluator_, contact_.constrained()),
       no_cluster_(layout_.node_count(), 0xffffffffu),
       state_(layout_.node_count()),
-      time_resolution_(1e-9 * options.time_step) {
+      time_step_(options.time_step) {
   set_time(0.0);
   for (std::uint32_t k = 0; k < layout_.node_count(); ++k) {
     const Node& node = network.nodes()[layout_.ordering().user[k]];
@@ -64,6 +64,17 @@ Engine::Engine(const Network& network, const PluginHost& plugins, const Simulati
 
 void Engine::note(const std::string& text) {
   if (std::find(notes_.begin(), notes_.end(), text) == notes_.end()) notes_.push_back(text);
+}
+
+void Engine::note_energy() {
+  if (energy_noted_) return;
+  energy_noted_ = true;
+  const std::string reason = layers::explain_failure(layout_, evaluator_.instruction_set(), time_, state_.nodes(),
+                                                     layers::Asked::forces_and_energies);
+  note(
+      fmt::format("At {:g} s the energy is not a finite number{}{}. What follows is no solution where a law was driven "
+                  "beyond its limit; use a smaller time_step.",
+                  time_, reason.empty() ? "" : ": ", reason));
 }
 
 void Engine::changed() noexcept {

@@ -73,6 +73,8 @@ class Engine {
   void move_node(std::uint32_t node, const Vector3& position, double time);
   // Why numbers were not finite or could not be evaluated since begin_step(); empty if all went well.
   [[nodiscard]] const std::string& non_finite() const noexcept { return non_finite_; }
+  // The energy is not finite: notes since when, and which law it is, the first time.
+  void note_energy();
   // Something was changed from outside: a multistep method has to start afresh, forces are stale.
   void changed() noexcept;
   void set_node(std::uint32_t node, const std::optional<Vector3>& position, const std::optional<Vector3>& velocity);
@@ -179,7 +181,7 @@ class Engine {
   std::vector<std::uint32_t> no_cluster_;  // [node] of network_info without rigid connections
   State state_;
   double time_ = 0.0;
-  double time_resolution_;  // s: a cut this close to a committed time is due at it
+  double time_step_;  // s
   bool forces_stale_ = true;
   bool unsettled_ = false;  // something changed after which contacts and ruptures are looked at anew
   bool swept_ = false;
@@ -205,6 +207,7 @@ class Engine {
   bool project_known_ = false;
   ConstraintSystem project_system_;
   std::vector<std::string> notes_;
+  bool energy_noted_ = false;
   Reactions reactions_;
   bool reactions_known_ = false;
   bool rupturing_known_ = false;

@@ -65,9 +65,11 @@ std::size_t Engine::cut(const CuttingPolygon& polygon) {
 }
 
 void Engine::perform_due_cuts() {
+  // Rounding of times: a cut this close to a committed one is due at it.
+  const double slack = 1e-9 * std::min(time_step_, time_);
   for (std::size_t k = 0; k < cuts_.size(); ++k) {
     ScheduledCut& scheduled = cuts_[k];
-    if (scheduled.done || scheduled.time > time_ + time_resolution_) continue;
+    if (scheduled.done || scheduled.time > time_ + slack) continue;
     scheduled.done = true;
     const std::size_t before = events_.size();
     cut(scheduled.springs);

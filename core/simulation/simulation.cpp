@@ -8,6 +8,7 @@
 
 #include "layers/element_questions.hpp"
 #include "layers/elements.hpp"
+#include "network/spacing.hpp"
 #include "simulation/engine.hpp"
 #include "simulation/host_table.hpp"
 
@@ -156,6 +157,7 @@ Simulation::Simulation(const Network& network, std::shared_ptr<const PluginHost>
     throw Error(ErrorKind::input, fmt::format("time step: must be above 0 s, is {} s", options.time_step));
   if (network.nodes().empty())
     throw Error(ErrorKind::input, "the network has no nodes; add a body or single nodes before simulating it");
+  check_spacing(network);
   impl_ = std::make_unique<Impl>(network, std::move(plugins), options);
 }
 Simulation::~Simulation() = default;
@@ -176,16 +178,18 @@ const StepReport& Simulation::advance_to(double until) {
     throw Error(ErrorKind::input, fmt::format("cannot advance from {} s to {} s", time(), until));
   impl.last = {};
   const double step = impl.options.time_step;
+  // A remainder as small as this is rounding of the times, no step of its own. Beside `until`, because a time step may
+  // be longer than all that is simulated.
+  const double slack = 1e-6 * std::min(step, until);
   while (true) {
     const double next = impl.grid_start + static_cast<double>(impl.grid_steps + 1) * step;
-    // A remainder that is only rounding of the times is no step of its own.
-    if (until - next < -1e-6 * step) break;
-    const bool ends_here = std::abs(until - next) <= 1e-6 * step;
+    if (until - next < -slack) break;
+    const bool ends_here = std::abs(until - next) <= slack;
     impl.advance(ends_here ? until : next);
     ++impl.grid_steps;
     if (ends_here) return impl.last;
   }
-  if (until - time() > 1e-6 * step) {
+  if (until - time() > slack) {
     impl.advance(until);
     impl.grid_start = until;
     impl.grid_steps = 0;
@@ -322,6 +326,7 @@ double Simulation::potential_energy() const {
       layers::element_energy(engine.layout(), engine.evaluator().instruction_set(), engine.time(), state.nodes());
   for (std::uint32_t k = 0; k < node_count(); ++k)
     sum -= engine.mass()[k] * engine.loads().gravity().dot(column(state.view.position, k));
+  if (!std::isfinite(sum)) engine.note_energy();
   return sum;
 }
 Vector3 Simulation::momentum() const {

@@ -45,6 +45,22 @@ struct Remembers : sdk::SpringFunction {
   }
 };
 
+// A finitely extensible spring (Warner 1972): beyond its limit the formula's force is finite, its energy is not.
+struct Fene : sdk::SpringFunction {
+  static constexpr const char* id = "fene";
+  static constexpr const char* summary = "force without end at a greatest length";
+  static constexpr sdk::Parameter parameters[] = {sdk::number("stiffness", "N/m", "at length 0").at_least(0),
+                                                  sdk::number("limit", "m", "greatest length").above(0)};
+  static auto force(const auto& e, const auto& p) {
+    const auto share = e.q / p[1];
+    return p[0] * e.q / (1.0 - share * share);
+  }
+  static auto energy(const auto& e, const auto& p) {
+    const auto share = e.q / p[1];
+    return -0.5 * p[0] * p[1] * p[1] * log(1.0 - share * share);
+  }
+};
+
 struct NanNeuron : sdk::Neuron {
   static constexpr const char* id = "nan_neuron";
   static constexpr const char* summary = "not a number beyond a place";
@@ -62,7 +78,8 @@ struct ThrowingNeuron : sdk::Neuron {
 
 }  // namespace
 
-SPRINGNET_PLUGIN("test.failures", "1.0.0", "springnet", "MIT", NanBeyond, Throws, Remembers, NanNeuron, ThrowingNeuron);
+SPRINGNET_PLUGIN("test.failures", "1.0.0", "springnet", "MIT", NanBeyond, Throws, Remembers, Fene, NanNeuron,
+                 ThrowingNeuron);
 
 using namespace springnet;
 using namespace springnet::testing;
@@ -212,4 +229,31 @@ TEST_CASE("of several laws that fail in several threads the first spring is name
     if (first.empty()) first = text;
     CHECK(text == first);
   }
+}
+
+TEST_CASE("an energy that is not finite is noted once, with time, law, spring and nodes") {
+  Network net;
+  Node wall = point(Vector3::Zero());
+  wall.fixed = true;
+  net.add_node(wall);
+  net.add_node(point({1.0, 0, 0}, 1.0, {50.0, 0, 0}));
+  const MaterialIndex material = net.add_material({LawUse{"fene", {{"stiffness", 1.0}, {"limit", 1.5}}}, std::nullopt});
+  net.add_spring(0, 1, material);
+  SimulationOptions options;
+  options.time_step = 0.05;
+  options.integrator = {"verlet", {}};
+  Simulation simulation(net, host(), options);
+  CHECK(std::isfinite(simulation.potential_energy()));
+  CHECK(simulation.notes().empty());
+  simulation.step();
+  CHECK(simulation.last_report().outcome == Outcome::settled);
+  CHECK(std::isnan(simulation.potential_energy()));
+  REQUIRE(simulation.notes().size() == 1);
+  const std::string note = simulation.notes()[0];
+  CAPTURE(note);
+  CHECK(note.find("At 0.05 s the energy is not a finite number: spring function 'fene' answered an energy of nan for "
+                  "spring 0 (nodes 0 and 1, length 3.") == 0);
+  simulation.step();
+  static_cast<void>(simulation.potential_energy());
+  CHECK(simulation.notes().size() == 1);
 }

@@ -63,6 +63,22 @@ TEST_CASE("run and validate tell of what lies outside of the simulated time") {
   CHECK(testing::springnet(folder, "run late.toml --quiet").out.empty());
 }
 
+TEST_CASE("a time step longer than the duration is told of, and the duration is simulated") {
+  const TemporaryFolder folder;
+  folder.write("pair.toml", testing::pair_scene);
+  for (const char* step : {"1.5", "1e9"}) {
+    CAPTURE(step);
+    const Answer answer = testing::springnet(folder, std::string("run pair.toml --set simulation.time_step=") + step);
+    CAPTURE(answer.err);
+    CHECK(answer.out.find("is longer than the duration, 1 s: the run is one time step of 1 s.") != std::string::npos);
+    const auto summary = testing::read_json(folder.path() / "results/pair/summary.json");
+    CHECK(summary["simulated"] == 1.0);
+    CHECK(summary["steps"] == 1);
+    CHECK(has(summary["notes"], "is longer than the duration"));
+  }
+  CHECK_FALSE(has(testing::springnet(folder, "run pair.toml --time-step 1 --json").json()["notes"], "longer than"));
+}
+
 TEST_CASE("time steps that had to be divided are told of") {
   const TemporaryFolder folder;
   folder.write("pair.toml", testing::pair_scene);
