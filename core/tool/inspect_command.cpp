@@ -81,7 +81,7 @@ std::vector<std::vector<std::string>> facts(const Scene& scene, const Inspection
                                                                "motion as a rigid body", "motions as a rigid body"))
                                           : "not counted, the network is too large for that"},
       {"time step", fmt::format("{:g} s, {:.0f} of them in {:g} s", scene.options.time_step,
-                                std::ceil(scene.duration / scene.options.time_step - 1e-9), scene.duration)},
+                                std::ceil(scene.duration / scene.options.time_step * (1.0 - 1e-9)), scene.duration)},
       {"memory", fmt::format("about {}", readable_bytes(found.memory_bytes))},
       {"output of a run", fmt::format("about {}", readable_bytes(estimate_output(scene).bytes))},
   };

@@ -72,7 +72,7 @@ TEST_CASE("a time step longer than the duration is told of, and the duration is 
     CAPTURE(answer.err);
     CHECK(answer.out.find("is longer than the duration, 1 s: the run is one time step of 1 s.") != std::string::npos);
     const auto summary = testing::read_json(folder.path() / "results/pair/summary.json");
-    CHECK(summary["simulated"] == 1.0);
+    CHECK(summary["simulated_s"] == 1.0);
     CHECK(summary["steps"] == 1);
     CHECK(has(summary["notes"], "is longer than the duration"));
   }

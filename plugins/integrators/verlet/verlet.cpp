@@ -5,9 +5,9 @@
 //   v'    = v_1/2 + h/2 a(p', v_1/2 + h/2 a)
 //
 // Second order; symplectic where forces depend on positions alone. Explicit: stable for h below 2 / omega, omega the
-// greatest angular frequency of the network. Rigid connections, moved nodes and surfaces are the host's, which puts
-// positions and velocities where they allow. Swope, Andersen, Berens, Wilson, J. Chem. Phys. 76 (1982) 637; for the
-// constraints Andersen, J. Comput. Phys. 52 (1983) 24.
+// greatest angular frequency of the network, and below less than that with damping (stability.hpp). Rigid connections,
+// moved nodes and surfaces are the host's, which puts positions and velocities where they allow. Swope, Andersen,
+// Berens, Wilson, J. Chem. Phys. 76 (1982) 637; for the constraints Andersen, J. Comput. Phys. 52 (1983) 24.
 //
 // It is also the example of how an integrator is made: see "Integrators" in sdk/README.md.
 #include <algorithm>
@@ -19,6 +19,8 @@
 #include <vector>
 
 #include <springnet/sdk/integrator.hpp>
+
+#include "stability.hpp"
 
 namespace {
 
@@ -56,7 +58,7 @@ class Verlet : public Integrator {
         state_(host.make_state()),
         acceleration_(host.network().node_count),
         change_(host.network().node_count),
-        probe_(host.network().node_count) {}
+        stability_(host) {}
 
   springnet_status advance(double until, springnet_step_report& report) {
     const double from = host_.committed().time;
@@ -64,7 +66,7 @@ class Verlet : public Integrator {
     // Steps of one length differ by the rounding of their ends.
     if (std::abs(h - checked_step_) > 1e-6 * checked_step_ || host_.network().revision != checked_revision_ ||
         ++steps_since_check_ >= steps_per_check)
-      check_stability(h);
+      check_stability(until - from);
     report.residual = report.force_difference = std::numeric_limits<double>::quiet_NaN();
     try {
       for (std::int64_t i = 1; i <= substeps_; ++i) step(i == substeps_ ? until : from + static_cast<double>(i) * h);
@@ -116,10 +118,9 @@ class Verlet : public Integrator {
     host_.commit(until, next);
   }
 
-  // Above the limit of stability numbers grow without end, and before that they are wrong: it is an error to begin. A
-  // step x' of the linearised network is stable while h^2/4 times the eigenvalues of -da/dp, with h/2 times those of
-  // -da/dv, stay below 1; the greatest by power iteration.
-  void check_stability(double h) {
+  // Above the limit of stability numbers grow without end, and before that they are wrong: it is an error to begin.
+  void check_stability(double time_step) {
+    const double h = time_step / static_cast<double>(substeps_);
     checked_step_ = h;
     checked_revision_ = host_.network().revision;
     steps_since_check_ = 0;
@@ -135,33 +136,23 @@ class Verlet : public Integrator {
           "verlet: a law or neuron has no derivatives, so the limit of stability of the time step is not checked");
       return;
     }
-    std::vector<double>&x = probe_.values, &image = change_.values;
-    // A vector with a part in every direction, the same on every machine.
-    for (std::size_t i = 0; i < x.size(); ++i) x[i] = std::sin(1.0 + 1.7 * static_cast<double>(i % 1009));
-    double growth = 0.0;
-    for (int iteration = 0; iteration < 30; ++iteration) {
-      double square = 0.0;
-      for (const double value : x) square += value * value;
-      const double length = std::sqrt(square);
-      growth = iteration == 0 ? 0.0 : length;
-      if (!(length > 0.0) || !std::isfinite(length)) break;
-      for (std::size_t i = 0; i < x.size(); ++i) image[i] = x[i] / length;
-      std::vector<double>& dp = work_;
-      dp.resize(2 * x.size());
-      for (std::size_t i = 0; i < x.size(); ++i) {
-        dp[i] = 0.25 * h * h * image[i];
-        dp[x.size() + i] = 0.5 * h * image[i];
-      }
-      host_.jacobian_times(dp.data(), dp.data() + x.size(), x.data());
+    const double limit = stability_.limit(network.rigid_count > 0);
+    if (h <= limit) return;
+    char text[320];
+    if (!(limit > 0.0)) {
+      std::snprintf(text, sizeof text,
+                    "verlet: at %.9g s the derivatives of the forces are not finite, so that no step is stable; look "
+                    "for a law that is at its limit there, or use another integrator",
+                    from);
+      throw Failure(text);
     }
-    // The iteration comes from below: what it finds above 1 is above 1.
-    if (growth <= 1.0) return;
-    char text[256];
-    std::snprintf(
-        text, sizeof text,
-        "verlet: steps of %.3g s are above the limit of stability, about %.3g s for this network; use a smaller "
-        "time_step, substeps = %.0f or more, or another integrator",
-        h, h / std::sqrt(growth), std::ceil(std::sqrt(growth) * static_cast<double>(substeps_)) + 1.0);
+    const double needed = std::ceil(reserve * time_step / limit);
+    char advice[64] = "";
+    if (needed <= parameters[0].largest) std::snprintf(advice, sizeof advice, ", substeps = %.0f or more,", needed);
+    std::snprintf(text, sizeof text,
+                  "verlet: steps of %.3g s are above the limit of stability, about %.3g s for this network; use a "
+                  "smaller time_step%s or another integrator",
+                  h, limit, advice);
     throw Failure(text);
   }
 
@@ -190,12 +181,13 @@ class Verlet : public Integrator {
   std::int64_t substeps_;
   State state_;
   Field acceleration_;  // m/s^2, at the committed state
-  Field change_, probe_;
-  std::vector<double> work_;
+  Field change_;
+  Stability stability_;
   std::optional<std::uint64_t> revision_;  // of the network that acceleration_ belongs to
   std::vector<double> values_;             // of events
   std::vector<std::int32_t> directions_, fired_;
   static constexpr std::uint64_t steps_per_check = 256;  // laws may stiffen
+  static constexpr double reserve = 1.03;                // of advice: they will a little
   double checked_step_ = 0.0;                            // s
   std::uint64_t checked_revision_ = 0;
   std::uint64_t steps_since_check_ = 0;

@@ -1,0 +1,40 @@
+// The greatest step for which velocity Verlet is stable on a network.
+//
+// Of one oscillator a = -k x - c v (per mass) the scheme is stable while
+//
+//   h^2 k / 4 + h c < 1
+//
+// where the acceleration at a step's start is that of the end of the last one, at the velocity as it was known there:
+// the characteristic polynomial of (x, h v, h^2 a) is l^3 + (3/2 g + q - 2) l^2 + (1 - 2 g) l + g / 2 with q = h^2 k,
+// g = h c, and l = -1 is where it leaves the unit circle first. Where the acceleration is evaluated anew at each start,
+// the step is one of two variables, and stable while q < 4 - 2 g + g^2 and g < 2.
+//
+// Of a network k and c are the Rayleigh quotients of -da/dp and -da/dv in the mass inner product, and the limit is the
+// least over all directions; a conjugate gradient method finds it.
+#pragma once
+
+#include <vector>
+
+#include <springnet/sdk/host.hpp>
+
+class Stability {
+ public:
+  explicit Stability(springnet::sdk::Host host) : host_(host) {}
+
+  // The limit, s, with the derivatives last given to Host::linearise: infinity where nothing limits the step, nan where
+  // derivatives are not finite. `restarts`: the acceleration is evaluated anew at the start of each step. It is an
+  // upper bound that is off by less than a per cent.
+  [[nodiscard]] double limit(bool restarts);
+
+ private:
+  using Values = std::vector<double>;
+  // h^2 Q + h L has the eigenvalue 1 at the limit.
+  enum class Form { lagging, restarting, restarting_damping };
+  [[nodiscard]] double least(Form form);
+  // quadratic = Q x, linear = L x.
+  void apply(Form form, const Values& x, Values& quadratic, Values& linear);
+  [[nodiscard]] double product(const Values& a, const Values& b) const;
+
+  springnet::sdk::Host host_;
+  Values x_, x_quadratic_, x_linear_, d_, d_quadratic_, d_linear_, gradient_, last_gradient_, zero_, twice_;
+};
