@@ -77,7 +77,7 @@ class ViewSink : public Sink {
   void record(const Simulation& simulation) override { writer_.record(simulation); }
   void close() override { writer_.close(); }
   [[nodiscard]] std::uintmax_t bytes() const override { return size_of(file_); }
-  void note(const std::string& text) override { writer_.note(text); }
+  void failed(const std::string& reason) override { writer_.failed(reason); }
   [[nodiscard]] std::vector<std::string> notes() const override {
     std::vector<std::string> notes = writer_.left_out();
     for (std::string& note : notes) note = fmt::format("{}: {}", view_file, note);
@@ -170,8 +170,8 @@ void Recorder::finish(const Simulation& simulation) {
   for (const auto& sink : sinks_) sink->finish(simulation);
 }
 
-void Recorder::note(const std::string& text) {
-  for (const auto& sink : sinks_) sink->note(text);
+void Recorder::failed(const std::string& reason) {
+  for (const auto& sink : sinks_) sink->failed(reason);
 }
 
 std::vector<std::string> Recorder::notes() const {

@@ -21,8 +21,8 @@ class Sink {
   virtual void finish(const Simulation&) {}
   virtual void close() = 0;
   [[nodiscard]] virtual std::uintmax_t bytes() const = 0;  // written, once closed
-  // For those that tell their reader how the run went.
-  virtual void note(const std::string&) {}
+  // The run failed. For those that tell their reader how it went.
+  virtual void failed(const std::string& /*reason*/) {}
   // What was left out, in sentences, once closed.
   [[nodiscard]] virtual std::vector<std::string> notes() const { return {}; }
 };
@@ -35,7 +35,7 @@ class Recorder {
 
   void record(const Simulation& simulation);
   void finish(const Simulation& simulation);  // after the last record
-  void note(const std::string& text);
+  void failed(const std::string& reason);
   // Closes every file, then throws what the first one that failed has thrown.
   void close();
 

@@ -235,7 +235,7 @@ RunSummary run_scene(const Scene& scene, const std::shared_ptr<const PluginHost>
   if (summary.failure == ErrorKind::simulation && simulation.last_report().outcome != Outcome::settled) {
     summary.outcome = name_of(simulation.last_report().outcome);
   }
-  if (summary.failure && recorder) recorder->note("The run failed: " + summary.error);
+  if (summary.failure && recorder) recorder->failed(summary.error);
   if (recorder) keep_failure(summary, [&] { recorder->close(); });
 
   summary.springs_left = simulation.live_spring_count();

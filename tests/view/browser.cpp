@@ -208,7 +208,7 @@ TEST_CASE("the page draws the network; scrub bar, keys, switches and picking wor
   CHECK(found["numbers"]["spring"]["law"] == "spring linear (stiffness 30 N/m), viscosity linear (damping 1 N s/m)");
   CHECK(found["numbers"]["rigid"]["nodes"] == "63 and 64");
   CHECK(found["key"].get<std::string>().find("rigid connection") != std::string::npos);
-  CHECK(found["key"].get<std::string>().find("force of the scene") != std::string::npos);
+  CHECK(found["key"].get<std::string>().find("force of the scene\u2019s loads") != std::string::npos);
   CHECK(found["bar_keeps_arrows"] == true);
   CHECK(found["picks_what_is_not_drawn"] == false);
   // In a picture of another size everything is in view again.
@@ -224,7 +224,10 @@ TEST_CASE("the page draws the network; scrub bar, keys, switches and picking wor
   CHECK(found["contact"]["legend"].get<std::string>().find("orange: in contact") != std::string::npos);
   CHECK(found["contact"]["bar"] == 0);
   CHECK(found["layout"]["outside"] == nlohmann::json::array());
+  CHECK(found["layout"]["legend_over_picture"] == true);
   CHECK(found["covered"] == 0);
+  CHECK(found["banner"].is_null());
+  CHECK(found["remark"][0].get<std::string>().starts_with("sum leaves out the work of loads, "));
   CHECK(found["facts"].get<std::string>().find("time step 0.025 s") != std::string::npos);
   CHECK(found["played"].get<int>() > 0);  // how fast is up to the browser's clock, which is no clock here
   CHECK(page.dom.find("<b id=\"broken\"") == std::string::npos);  // the title stayed a title
@@ -260,16 +263,104 @@ TEST_CASE("without WebGL the page says so, and keeps its curves") {
   CHECK(page.dom.find("This browser draws nothing in three dimensions here") != std::string::npos);
 }
 
-TEST_CASE("in a window of 400 x 800 nothing lies beside it, and the picture is as wide as it") {
+TEST_CASE("loads are drawn as their resultants, at each node on request; displacements larger on request") {
+  const TemporaryFolder folder;
+  Scene scene = testing::barely_bent();
+  scene.options.time_step = 0.0008;  // records enough that the page looks at every second place of a node only
+  REQUIRE_FALSE(run_scene(scene, plugins(), {folder.path(), "beam", {}}).failure);
+  const Visit page = visit(folder, address(folder, "selftest=1"), "--dump-dom");
+  CHECK(console(page.log) == "");
+  const nlohmann::json found = element(page.dom, "selftest");
+  CHECK(found["errors"] == nlohmann::json::array());
+  REQUIRE(found["arrows"].size() == 2);
+  const nlohmann::json &resultants = found["arrows"][0], &nodes = found["arrows"][1];
+  // In the middle of the run one of the two loads is over.
+  REQUIRE(resultants["count"] == 1);
+  CHECK(resultants["legend"] == "longest arrow 90 mN, a load\u2019s resultant");
+  REQUIRE(nodes["count"] == 9);
+  CHECK(nodes["legend"] == "longest arrow 45 mN");  // of the load that is over
+  // The resultant acts in the middle of the nine nodes at the end.
+  for (std::size_t axis = 0; axis < 3; ++axis) {
+    double mean = 0.0;
+    for (const auto& place : nodes["places"]) mean += place[axis].get<double>() / 9.0;
+    CHECK(resultants["places"][0][axis].get<double>() == doctest::Approx(mean).epsilon(1e-6));
+  }
+  for (const auto& each : found["arrows"]) {
+    CHECK(each["longest"].get<double>() < 0.17);  // of the network's diagonal
+    CHECK(each["pixels"].get<int>() > 50);
+    CHECK(each["pixels"].get<int>() < 10000);  // of some 500,000
+  }
+  for (const auto& most : found["resized"]) CHECK(most.get<double>() < 0.9);  // all nodes in view, with a margin
+  // Places stand in the page as 32 bit floats: a stretch that is their rounding is none.
+  CHECK(found["first_spring"]["stretch"] == "0 %");
+  CHECK(found["first_spring"]["tension"] == "0 N");
+
+  // Displacements drawn larger: marked, picked where they are drawn, with true numbers.
+  const nlohmann::json& larger = found["exaggerated"];
+  const std::vector<double> factors = larger["factors"];
+  REQUIRE(factors.size() > 3);
+  CHECK(factors[0] == 1.0);
+  CHECK(factors.back() >= 100.0);
+  CHECK(larger["note"] == fmt::format("displacement \u00d7 {:g}", factors.back()));
+  CHECK(larger["error"].get<double>() < 1e-6);
+  CHECK(larger["moved"].get<double>() > 0.01);
+  CHECK(larger["moved"].get<double>() < 1.0);
+  CHECK(larger["changed"].get<int>() > 1000);
+  CHECK(larger["numbers_stay"] == true);
+  CHECK(larger["picked"] == 72);
+  CHECK(larger["most"].get<double>() < 1.0);  // all of it in view
+  CHECK(larger["back"] == true);
+  // The address does the same, with any factor; what stands in the way stays where it is, which is told.
+  REQUIRE_FALSE(run_scene(testing::everything_to_see(), plugins(), {folder.path(), "everything", {}}).failure);
+  const Visit other = visit(folder, address(folder, "displacement=1.5&time=1"), "--dump-dom");
+  CHECK(console(other.log) == "");
+  CHECK(other.dom.find("displacement \u00d7 1.5, obstacles \u00d7 1<") != std::string::npos);
+}
+
+TEST_CASE(
+    "a run that failed has a banner with the reason, whatever characters are in it; one that ended early says so") {
+  const TemporaryFolder folder;
+  const Scene scene = testing::barely_bent();
+  const auto banner = [&](const std::string& reason) {
+    Simulation simulation(scene.network, plugins(), scene.options);
+    {
+      ViewWriter writer(folder.path() / "view.html", scene);
+      writer.record(simulation);
+      simulation.advance_to(0.1);
+      writer.record(simulation);
+      if (!reason.empty()) writer.failed(reason);
+      writer.close();
+    }
+    const Visit page = visit_small(folder, 360, 640);
+    CHECK(console(page.log) == "");
+    const nlohmann::json found = element(page.dom, "selftest");
+    CHECK(found["errors"] == nlohmann::json::array());
+    CHECK(found["layout"]["outside"] == nlohmann::json::array());
+    return found["banner"];
+  };
+  const std::string hostile = "spring '</script><script>springnet.errors.push(1)</script>' & \"x\"\n";
+  const nlohmann::json failed = banner(hostile + std::string(3000, 'x'));
+  CHECK(failed["kind"] == "failed");
+  CHECK(failed["text"].get<std::string>().starts_with("The run failed at 0.1 s of 0.5 s: " + hostile));
+  CHECK(failed["tall"].get<int>() < 130);  // a long one is scrolled
+  CHECK(failed["tall"].get<int>() > 50);
+  const nlohmann::json ended = banner("");
+  CHECK(ended["kind"] == "stopped");
+  CHECK(ended["text"].get<std::string>().starts_with("The run ended early, at 0.1 s of 0.5 s."));
+}
+
+TEST_CASE("in a window of 360 x 640 nothing lies beside it, the picture is as wide as it, the legend below") {
   const TemporaryFolder folder;
   REQUIRE_FALSE(run_scene(testing::everything_to_see(), plugins(), {folder.path(), "everything", {}}).failure);
-  const Visit page = visit_small(folder, 400, 800);
+  const Visit page = visit_small(folder, 360, 640);
   CHECK(console(page.log) == "");
   const nlohmann::json found = element(page.dom, "selftest");
   CHECK(found["errors"] == nlohmann::json::array());
   const nlohmann::json& layout = found["layout"];
-  CHECK(layout["window"].get<int>() <= 400);
-  CHECK(layout["window"].get<int>() > 380);  // a scroll bar at most
+  CHECK(layout["window"].get<int>() <= 360);
+  CHECK(layout["window"].get<int>() > 340);  // a scroll bar at most
+  CHECK(layout["legend_over_picture"] == false);
+  CHECK(found["legend"].get<std::string>().find("blue pushed together, grey slack, red pulled") != std::string::npos);
   CHECK(layout["whole"] == layout["window"]);
   CHECK(layout["outside"] == nlohmann::json::array());
   CHECK(layout["view"] == layout["window"]);

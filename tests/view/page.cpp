@@ -1,5 +1,6 @@
 // The page as a file; tests/view/browser.cpp opens it.
 #include <algorithm>
+#include <cmath>
 #include <cstring>
 
 #include <doctest/doctest.h>
@@ -110,6 +111,10 @@ TEST_CASE("positions, tensions, events and energies are those of the run") {
   REQUIRE(tensions.size() == frames * scene.network.springs().size());
   const std::size_t width = scalars.size() / frames;
 
+  // Exact, but for what is only rounding: 0 on the page.
+  const auto same = [](float shown, double value, double floor) {
+    return shown == static_cast<float>(value) || (shown == 0.0F && std::abs(value) < floor);
+  };
   Simulation simulation(scene.network, plugins(), scene.options);
   std::size_t touching = 0;
   for (std::size_t frame = 0; frame < frames; ++frame) {
@@ -125,16 +130,16 @@ TEST_CASE("positions, tensions, events and energies are those of the run") {
     CHECK(scalars[frame * width + 4] == static_cast<double>(simulation.sweeps()));
     for (NodeIndex node = 0; node < 65; ++node) {
       for (std::size_t axis = 0; axis < 3; ++axis) {
-        CHECK(positions[(frame * 65 + node) * 3 + axis] ==
-              static_cast<float>(simulation.position(node)[static_cast<Eigen::Index>(axis)]));
+        CHECK(same(positions[(frame * 65 + node) * 3 + axis],
+                   simulation.position(node)[static_cast<Eigen::Index>(axis)], 1e-14));
       }
-      CHECK(speeds[frame * 65 + node] == static_cast<float>(simulation.velocity(node).norm()));
+      CHECK(same(speeds[frame * 65 + node], simulation.velocity(node).norm(), 1e-12));
       const bool touches = (contact[frame * 9 + node / 8] >> node % 8 & 1) != 0;
       CHECK(touches == simulation.touching(node));
       touching += touches ? 1 : 0;
     }
     for (SpringIndex k = 0; k < scene.network.springs().size(); ++k) {
-      CHECK(tensions[frame * scene.network.springs().size() + k] == static_cast<float>(simulation.tension(k)));
+      CHECK(same(tensions[frame * scene.network.springs().size() + k], simulation.tension(k), 1e-12));
     }
     CHECK(places[frame * 6 + 5] == static_cast<float>(simulation.surface_position(1).z()));
   }
@@ -273,8 +278,7 @@ TEST_CASE("a run that fails leaves a page with what was computed, and says why")
   const nlohmann::json about = description(page);
   CHECK(about["frames"] == summary.records);
   CHECK(about["frames"] > 20);
-  REQUIRE_FALSE(about["notes"].empty());
-  CHECK(about["notes"][0].get<std::string>() == "The run failed: " + summary.error);
+  CHECK(about["failure"].get<std::string>() == summary.error);
   CHECK(page.find("</html>") != std::string::npos);
 }
 
@@ -320,28 +324,39 @@ TEST_CASE("curves are drawn of all elements if they are few, else of enclosed vo
   CHECK(view::plotted_elements(network) == std::vector<ElementIndex>{9});
 }
 
-TEST_CASE("forces are in the page with their nodes and times, and laws with their units") {
+TEST_CASE("the page has the resultant of each load and the forces on nodes of every record") {
   const TemporaryFolder folder;
-  Scene scene = testing::everything_to_see();
-  scene.network.add_load({{0, 5}, Vector3(0.0, 0.0, -0.01)});  // always
-  scene.network.add_load({{1}, Vector3::Zero()});              // nothing to draw
-  scene.duration = 0.1;
-  run(scene, folder);
-  const nlohmann::json about = description(page_in(folder));
-  CHECK(about["forces"] == 3);
-  REQUIRE(about["loads"].size() == 3);
-  CHECK(about["loads"][0]["node"] == 63);
-  CHECK(about["loads"][0]["force"] == nlohmann::json::array({0.2, 0.2, 0.0}));
-  CHECK(about["loads"][0]["from"] == 0.0);
-  CHECK(about["loads"][0]["until"] == 1.0);
-  CHECK(about["loads"][2]["node"] == 5);
-  CHECK(about["loads"][2]["from"].is_null());
-  CHECK(about["loads"][2]["until"].is_null());
+  const Scene scene = testing::barely_bent();
+  REQUIRE_FALSE(run(scene, folder).failure);
+  const std::string page = page_in(folder);
+  const nlohmann::json about = description(page);
+  CHECK(about["forces"] == 10);
+  REQUIRE(about["loads"].size() == 2);
+  CHECK(about["loads"][0]["arrows"] == 9);
+  CHECK(about["loads"][1]["arrows"] == 1);
   CHECK(about["notes"].empty());
-  CHECK(about["materials"][0] == "spring linear (stiffness 30 N/m), viscosity linear (damping 1 N s/m)");
+  CHECK(about["materials"][0] == "spring linear (stiffness 10000 N/m), viscosity linear (damping 10 N s/m)");
+  const auto nodes = block<std::uint32_t>(page, "arrow_nodes");
+  REQUIRE(nodes.size() == 10);
+  CHECK(nodes[0] == 7);
+  CHECK(nodes[9] == 4);
+  const auto resultants = block<float>(page, "load_resultants");
+  const auto forces = block<float>(page, "arrow_forces");
+  const auto scalars = block<double>(page, "scalars");
+  const std::size_t frames = about["frames"];
+  REQUIRE(frames == 51);
+  REQUIRE(resultants.size() == frames * 6);
+  REQUIRE(forces.size() == frames * 30);
+  for (std::size_t frame = 0; frame < frames; ++frame) {
+    const bool acts = scalars[frame * scalars.size() / frames] < 0.24 - 1e-6;
+    CHECK(resultants[6 * frame + 2] == doctest::Approx(-0.09F));
+    CHECK(resultants[6 * frame + 4] == (acts ? 0.045F : 0.0F));
+    CHECK(forces[30 * frame + 5] == -0.01F);
+    CHECK(forces[30 * frame + 28] == (acts ? 0.045F : 0.0F));
+  }
 }
 
-TEST_CASE("of very many forces some are drawn, spread over all, and this is told") {
+TEST_CASE("of very many forces some of each load are drawn, and this is told") {
   Network network;
   Load load;
   load.force = Vector3::UnitX();
@@ -351,13 +366,54 @@ TEST_CASE("of very many forces some are drawn, spread over all, and this is told
     load.nodes.push_back(network.add_node(node));
   }
   network.add_load(load);
+  network.add_load({{3}, Vector3::UnitY()});  // hidden among the others, but a load of its own
+  network.add_load({{1}, Vector3::Zero()});   // nothing to draw
   const view::Forces forces = view::forces_of(network, view::select(network, 10.0, 1e6));
-  CHECK(forces.all == 1000);
-  REQUIRE(forces.drawn.size() == view::most_arrows);
-  CHECK(forces.drawn[0].node == 0);
-  CHECK(forces.drawn[199].node == 995);
+  CHECK(forces.all == 1001);
+  REQUIRE(forces.loads.size() == 2);
+  CHECK(forces.loads[0].arrows == 199);
+  CHECK(forces.loads[1].arrows == 1);
+  REQUIRE(forces.arrows.size() == 200);
+  CHECK(forces.arrows[0].node == 0);
+  CHECK(forces.arrows[198].node == 994);
+  CHECK(forces.arrows[199].node == 3);
   REQUIRE(forces.notes.size() == 1);
-  CHECK(forces.notes[0] == "200 of 1000 forces are drawn as arrows");
+  CHECK(forces.notes[0] == "arrows at nodes show 200 of 1001 forces; resultants count all forces of a load");
+}
+
+TEST_CASE("of very many loads some are drawn, spread over all, and this is told") {
+  Network network;
+  for (NodeIndex k = 0; k < 1000; ++k) {
+    Node node;
+    node.position = Vector3(k, 0.0, 0.0);
+    network.add_load({{network.add_node(node)}, Vector3::UnitX()});
+  }
+  const view::Forces forces = view::forces_of(network, view::select(network, 10.0, 1e6));
+  REQUIRE(forces.loads.size() == view::most_arrows);
+  CHECK(forces.loads[199].load == 995);
+  REQUIRE(forces.notes.size() == 2);
+  CHECK(forces.notes[0] == "200 of 1000 loads are drawn as arrows");
+}
+
+TEST_CASE("the page says what the sum of kinetic and potential energy leaves out, of what the run has") {
+  const TemporaryFolder folder;
+  const auto left_out = [&](const Scene& scene) {
+    run(scene, folder);
+    std::string all;
+    const nlohmann::json about = description(page_in(folder));
+    for (const std::string part : about["energy_leaves_out"]) all += part + "; ";
+    return all;
+  };
+  Scene scene = testing::with_elements();
+  CHECK(left_out(scene) == "");
+  CHECK(left_out(testing::everything_to_see()) ==
+        "the work of loads; the work of moving obstacles; what damping took; what contact took; what was stored in "
+        "removed springs; ");
+  Motion motion;
+  motion.times = {0.0, 1.0};
+  motion.displacements = {Vector3::Zero(), Vector3::UnitX()};
+  scene.network.add_move({{0}, motion});
+  CHECK(left_out(scene) == "the work that moves nodes; ");
 }
 
 TEST_CASE("a law that no plugin has is told without units") {

@@ -48,6 +48,35 @@ inline Scene everything_to_see() {
   return scene;
 }
 
+// A beam of 3 x 3 x 8 nodes, held at one end, barely bent: a load on all nodes of the other end, and one on a single
+// node for the first 0.24 s.
+inline Scene barely_bent() {
+  Scene scene;
+  Network& network = scene.network;
+  const MaterialIndex material =
+      network.add_material({LawUse{"linear", {{"stiffness", 1e4}}}, LawUse{"linear", {{"damping", 10.0}}}});
+  Node prototype;
+  prototype.mass = 0.1;
+  network.add_lattice("beam", {{8, 3, 3}, Vector3::Constant(0.1), Vector3(0.1, 0.2, 0.3), Diagonals::space}, prototype,
+                      material);
+  Load end, single;
+  for (NodeIndex j = 0; j < 9; ++j) {
+    network.fix(8 * j);
+    end.nodes.push_back(8 * j + 7);
+  }
+  end.force = Vector3(0.0, 0.0, -0.01);
+  network.add_load(end);
+  single.nodes = {4};
+  single.force = Vector3(0.0, 0.045, 0.0);
+  single.from = 0.0;
+  single.until = 0.24;
+  network.add_load(single);
+  scene.duration = 0.5;
+  scene.options.time_step = 0.01;
+  scene.options.threads = 1;
+  return scene;
+}
+
 // A tetrahedron with elements that hold its volume and `sides` times one of its sides; it swells.
 inline Scene with_elements(int sides = 1) {
   Scene scene;

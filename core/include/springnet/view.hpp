@@ -33,8 +33,8 @@ class ViewWriter {
 
   // The state now, and what happened since the last call.
   void record(const Simulation& simulation);
-  // A sentence for the reader of the page: why a run failed.
-  void note(const std::string& text);
+  // The run failed: the page begins with the reason, plain text of any length. Of several calls the last one counts.
+  void failed(const std::string& reason);
   // Writes the page with what was recorded, also after a failure. Throws Error(simulation) if the file cannot be
   // written. The destructor does the same where it was not called, but is silent.
   void close();

@@ -29,6 +29,8 @@ void write_moving(std::ostream& out, const Frames& frames, const std::optional<R
   write_block(out, "scalars", frames.scalars.numbers());
   write_block(out, "surface_positions", frames.surfaces.numbers());
   write_block(out, "contact", frames.contact.numbers());
+  write_block(out, "load_resultants", frames.resultants.numbers());
+  write_block(out, "arrow_forces", frames.forces.numbers());
   if (ranges) {
     write_rounded(out, "positions", frames.positions.numbers(), ranges->positions);
     write_rounded(out, "speeds", frames.speeds.numbers(), ranges->speeds);
@@ -99,6 +101,12 @@ void write_springs(std::ostream& out, const Content& content) {
   write_block(out, "removed_kinds", kinds);
 }
 
+void write_arrows(std::ostream& out, const Forces& forces) {
+  std::vector<std::uint32_t> nodes;
+  for (const Arrow& arrow : forces.arrows) nodes.push_back(arrow.node);
+  write_block(out, "arrow_nodes", nodes);
+}
+
 std::uint64_t pair_of(NodeIndex a, NodeIndex b) {
   return static_cast<std::uint64_t>(std::min(a, b)) << 32U | std::max(a, b);
 }
@@ -132,7 +140,8 @@ double frame_bytes(const Content& content, bool rounded) {
   const auto springs = static_cast<double>(content.selection.springs.size());
   const auto surfaces =
       static_cast<double>(content.scene.network.planes().size() + content.scene.network.instruments().size());
-  return (rounded ? 2.0 : 4.0) * (4.0 * nodes + springs) + std::ceil(nodes / 8.0) + 12.0 * surfaces +
+  const auto arrows = static_cast<double>(content.forces.loads.size() + content.forces.arrows.size());
+  return (rounded ? 2.0 : 4.0) * (4.0 * nodes + springs) + std::ceil(nodes / 8.0) + 12.0 * (surfaces + arrows) +
          8.0 * static_cast<double>(fixed_scalars + content.elements.size());
 }
 
@@ -157,13 +166,14 @@ double size_once(const Content& content) {
   double text = words + static_cast<double>(content.scene.title.size());
   text += 200.0 * static_cast<double>(network.bodies().size() + network.materials().size() + content.elements.size());
   text += 400.0 * static_cast<double>(network.planes().size() + network.instruments().size());
-  text += 250.0 * static_cast<double>(content.forces.drawn.size());
+  text += 60.0 * static_cast<double>(content.forces.loads.size());
   double bytes = cost_of(static_cast<double>(content.selection.nodes.size()),
                          static_cast<double>(content.selection.springs.size()))
                      .once;
   bytes += 8.0 * static_cast<double>(network.rigids().size());
   if (content.selection.faces) bytes += 16.0 * static_cast<double>(network.faces().size());
   bytes += 17.0 * static_cast<double>(content.removed.size());
+  bytes += 4.0 * static_cast<double>(content.forces.arrows.size());
   return program_size() + text + base64_size(bytes);
 }
 
@@ -180,6 +190,7 @@ void write_page(std::ostream& out, const Content& content, const std::optional<R
       << "</script>\n";
   write_nodes(out, content);
   write_springs(out, content);
+  write_arrows(out, content.forces);
   write_faces(out, content);
   write_moving(out, content.frames, rounded);
   out << after_data;

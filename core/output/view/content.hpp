@@ -36,6 +36,7 @@ struct Content {
   Frames frames;
   std::vector<Removal> removed;
   std::vector<std::string> notes;
+  std::string failure{};                        // why the run failed; empty: it did not
   std::shared_ptr<const PluginHost> plugins{};  // for the units of laws
 };
 

@@ -1,13 +1,13 @@
 #include "output/view/description.hpp"
 
 #include <algorithm>
-#include <cmath>
 #include <set>
 
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 #include <springnet/version.hpp>
 
+#include "output/view/energy.hpp"
 #include "output/view/units.hpp"
 
 namespace springnet::view {
@@ -90,16 +90,10 @@ Json elements_of(const Content& content) {
   return elements;
 }
 
-// Of a time that may be infinite.
-Json json_of_time(double time) { return std::isfinite(time) ? Json(time) : Json(nullptr); }
-
-Json loads_of(const Forces& forces) {
+Json loads_of(const Content& content) {
   Json loads = Json::array();
-  for (const Force& force : forces.drawn) {
-    loads.push_back({{"node", force.node},
-                     {"force", json_of(force.force)},
-                     {"from", json_of_time(force.from)},
-                     {"until", json_of_time(force.until)}});
+  for (const DrawnLoad& each : content.forces.loads) {
+    loads.push_back({{"nodes", content.scene.network.loads()[each.load].nodes.size()}, {"arrows", each.arrows}});
   }
   return loads;
 }
@@ -130,7 +124,9 @@ std::string describe(const Content& content, bool rounded) {
             {"surfaces", surfaces_of(network)},
             {"curves", elements_of(content)},
             {"forces", content.forces.all},
-            {"loads", loads_of(content.forces)},
+            {"loads", loads_of(content)},
+            {"energy_leaves_out", left_out_of_energy(content)},
+            {"failure", content.failure},
             {"notes", content.notes}};
   std::string text = json.dump(1, ' ', true, Json::error_handler_t::replace);
   // A title with "</script>" in it must not end the element.

@@ -1,33 +1,46 @@
-// The scene's forces that a page draws as arrows.
+// The scene's loads as a page draws them: the resultant of each, and forces on nodes.
 #pragma once
 
 #include <cstddef>
 #include <cstdint>
+#include <span>
 #include <string>
 #include <vector>
 
 #include <springnet/network.hpp>
+#include <springnet/simulation.hpp>
 
 #include "output/view/selection.hpp"
 
 namespace springnet::view {
 
-// One on one node while from <= time < until.
-struct Force {
+// A load whose force is not zero; its arrows follow those of the load before it.
+struct DrawnLoad {
+  std::size_t load;  // of Network::loads()
+  std::size_t arrows;
+};
+
+// A force of a drawn load on a node that is shown.
+struct Arrow {
+  std::size_t drawn;   // place in Forces::loads
   std::uint32_t node;  // place in Selection::nodes
-  Vector3 force;       // N
-  double from, until;  // s, may be infinite
 };
 
 struct Forces {
-  std::size_t all = 0;             // that the scene has, each node of each load counted
-  std::vector<Force> drawn;        // these, or some of them
-  std::vector<std::string> notes;  // where these are not all
+  std::size_t all = 0;             // forces of the scene's loads, each node of each load counted
+  std::vector<DrawnLoad> loads;    // those that have a shown node, or some of them
+  std::vector<Arrow> arrows;       // all of their forces on shown nodes, or some of each
+  std::vector<std::string> notes;  // what is left out
 };
 
-// More arrows than this are a thicket: then some, spread over all.
+// More arrows than this are a thicket: then some of each load.
 inline constexpr std::size_t most_arrows = 200;
 
 [[nodiscard]] Forces forces_of(const Network& network, const Selection& selection);
+
+// The forces now, N: the resultant x, y, z of each drawn load, and x, y, z of each arrow. A resultant that is only the
+// rounding of forces that cancel is zero.
+void take_forces(const Forces& forces, const Network& network, const Simulation& simulation,
+                 std::span<float> resultants, std::span<float> arrows);
 
 }  // namespace springnet::view

@@ -16,6 +16,7 @@ class Rows {
 
   void append() { numbers_.resize(numbers_.size() + width_); }
   [[nodiscard]] std::span<Number> last() { return std::span(numbers_).last(width_); }
+  [[nodiscard]] std::span<Number> row(std::size_t frame) { return std::span(numbers_).subspan(frame * width_, width_); }
   void pop() { numbers_.resize(numbers_.size() - width_); }
   void copy(std::size_t from, std::size_t to) {
     if (from != to) std::copy_n(numbers_.begin() + at(from), width_, numbers_.begin() + at(to));
@@ -31,6 +32,7 @@ class Rows {
 
 struct FrameWidths {
   std::size_t scalars, nodes, springs, surfaces;
+  std::size_t loads = 0, arrows = 0;
 };
 
 // Records 0, stride, 2 stride, … and the last one. At most `capacity` frames (2 or more): beyond, the stride doubles.
@@ -46,6 +48,8 @@ class Frames {
   Rows<float> speeds;          // of each node, m/s
   Rows<float> tensions;        // of each spring, N
   Rows<float> surfaces;        // x, y, z of each surface, m
+  Rows<float> resultants;      // x, y, z of each load, N
+  Rows<float> forces;          // x, y, z of each arrow at a node, N
   Rows<std::uint8_t> contact;  // a bit a node
 
   [[nodiscard]] std::size_t count() const noexcept { return count_; }
@@ -60,6 +64,8 @@ class Frames {
     work(speeds);
     work(tensions);
     work(surfaces);
+    work(resultants);
+    work(forces);
     work(contact);
   }
   void halve();

@@ -13,6 +13,7 @@
 #include <springnet/view.hpp>
 
 #include "output/view/content.hpp"
+#include "output/view/floors.hpp"
 
 namespace springnet {
 
@@ -39,9 +40,14 @@ view::Selection select(const Scene& scene, double size) {
   return view::select(scene.network, frames, 0.75 * std::max(size - view::program_size(), 0.0));
 }
 
-view::FrameWidths widths_of(const Network& network, const view::Selection& selection, std::size_t elements) {
-  return {view::fixed_scalars + elements, selection.nodes.size(), selection.springs.size(),
-          network.planes().size() + network.instruments().size()};
+view::FrameWidths widths_of(const Network& network, const view::Selection& selection, std::size_t elements,
+                            const view::Forces& forces) {
+  return {view::fixed_scalars + elements,
+          selection.nodes.size(),
+          selection.springs.size(),
+          network.planes().size() + network.instruments().size(),
+          forces.loads.size(),
+          forces.arrows.size()};
 }
 
 Content make_content(const Scene& scene, double size) {
@@ -50,8 +56,8 @@ Content make_content(const Scene& scene, double size) {
   content.forces = view::forces_of(scene.network, content.selection);
   const double room = (size - view::size_once(content)) / view::size_of_frame(content, true);
   const auto capacity = static_cast<std::size_t>(std::clamp(room, 2.0, 1e9));
-  content.frames = Frames(widths_of(scene.network, content.selection, content.elements.size()), capacity,
-                          static_cast<std::size_t>(std::min(expected_records(scene), 1e6)));
+  content.frames = Frames(widths_of(scene.network, content.selection, content.elements.size(), content.forces),
+                          capacity, static_cast<std::size_t>(std::min(expected_records(scene), 1e6)));
   return content;
 }
 
@@ -164,7 +170,6 @@ struct ViewWriter::Impl {
   std::array<std::uint64_t, 6> counts{};  // of each kind of event
   std::size_t seen = 0;                   // events
   std::vector<double> tensions;           // N, by the user's spring
-  std::vector<std::string> told;          // by the program
   std::vector<std::string> left_out;
   bool closed = false;
 };
@@ -195,19 +200,22 @@ void ViewWriter::record(const Simulation& simulation) {
   impl.take_nodes(simulation);
   impl.take_springs(simulation);
   impl.take_surfaces(simulation);
+  view::take_forces(impl.content.forces, impl.content.scene.network, simulation, impl.content.frames.resultants.last(),
+                    impl.content.frames.forces.last());
 }
 
-void ViewWriter::note(const std::string& text) { impl_->told.push_back(text); }
+void ViewWriter::failed(const std::string& reason) { impl_->content.failure = reason; }
 
 void ViewWriter::close() {
   Impl& impl = *impl_;
   if (impl.closed || impl.content.frames.count() == 0) return;
   impl.closed = true;
+  view::drop_rounding(view::floors_of(impl.content.scene, impl.content.selection, impl.content.plugins.get()),
+                      impl.content.frames);
   std::optional<view::Ranges> rounded;
   if (view::must_round(impl.content, impl.size)) rounded = view::ranges_of(impl.content.frames);
   impl.tell_what_is_missing(rounded);
-  impl.content.notes = impl.told;
-  impl.content.notes.insert(impl.content.notes.end(), impl.left_out.begin(), impl.left_out.end());
+  impl.content.notes = impl.left_out;
   // Under another name until it is whole: half a page would show nothing.
   std::filesystem::path part = impl.file;
   part += ".part";

@@ -1,4 +1,4 @@
-// What the page's address asks for after '#': time=4&view=30,20&zoom=1.2&bare=1&play=0&color=speed.
+// What the page's address asks for after '#': time=4&view=30,20&zoom=1.2&bare=1&play=0&color=speed&displacement=10.
 (function (s) {
   const asked = new URLSearchParams(location.hash.slice(1));
   function number(name, other) {
@@ -20,5 +20,8 @@
   ["springs", "broken", "nodes", "faces", "instruments", "forces"].forEach(function (what) { s.shown[what] = on(what, s.shown[what]); });
   const colour = asked.get("color") || asked.get("colour");
   if (["tension", "speed", "contact"].includes(colour)) s.shown.colour = colour;
+  if (asked.get("forces") === "nodes") s.shown.arrows = "nodes";
+  const displacement = number("displacement", 1);
+  if (displacement > 0) s.exaggeration = displacement;
   s.address.opacity = number("opacity", 0.8);
 })(springnet);

@@ -2,29 +2,25 @@
 (function (s) {
   const run = s.run, surfaces = run.about.surfaces;
 
+  function diagonal(box) { return box.getSize(new THREE.Vector3()).length(); }
   function box_of_motion() {
     const box = new THREE.Box3(), point = new THREE.Vector3();
     for (let k = 0; k < run.positions.numbers; k += 3) {
-      box.expandByPoint(point.set(run.positions.at(k), run.positions.at(k + 1), run.positions.at(k + 2)));
+      box.expandByPoint(point.set(s.place_at(k), s.place_at(k + 1), s.place_at(k + 2)));
     }
+    if (box.isEmpty()) box.expandByPoint(new THREE.Vector3());
     return box;
   }
   // Pieces that fly far away would make the rest a dot: they may leave the picture.
   function without_flights(whole) {
     const start = new THREE.Box3().setFromArray(Array.from(run.positions.row(0)));
-    const size = start.getSize(new THREE.Vector3()).length();
-    if (!(size > 0) || whole.getSize(new THREE.Vector3()).length() < 3.5 * size) return whole;
+    const size = diagonal(start);
+    if (!(size > 0) || diagonal(whole) < 3.5 * size) return whole;
     return whole.intersect(start.expandByScalar(0.8 * size));
   }
-  const motion = box_of_motion();
-  if (motion.isEmpty()) motion.expandByPoint(new THREE.Vector3());
-  const nodes_box = without_flights(motion);
-
-  // Instruments near the nodes are in view too, as far as they are near.
-  const balls = [];
-  function add_instruments(box) {
-    const margin = 0.4 * Math.max(nodes_box.getSize(new THREE.Vector3()).length(), 1e-9);
-    const near = nodes_box.clone().expandByScalar(margin);
+  // Instruments near the nodes are in view too, as far as they are near: boxes about their ends.
+  function near_instruments(nodes_box) {
+    const near = nodes_box.clone().expandByScalar(0.4 * Math.max(diagonal(nodes_box), 1e-9)), balls = [];
     surfaces.forEach(function (surface, k) {
       if (surface.kind === "plane") return;
       const reach = new THREE.Vector3().setScalar(surface.radius);
@@ -33,32 +29,48 @@
         const first = new THREE.Vector3().fromArray(run.surface(frame, k));
         [first, first.clone().add(to)].forEach(function (end) {
           const ball = new THREE.Box3(end.clone().sub(reach), end.clone().add(reach)).intersect(near);
-          if (ball.isEmpty()) return;
-          box.union(ball);
-          balls.push(ball);
+          if (!ball.isEmpty()) balls.push(ball);
         });
       }
     });
-    return box;
+    return balls;
   }
-  // So are the arrows of forces, while they act.
-  const longest_arrow = 0.16 * nodes_box.getSize(new THREE.Vector3()).length() || 0.3, arrow_ends = [];
-  function add_arrows(box) {
-    const stride = Math.max(1, Math.ceil(run.frames * run.about.loads.length / 5000));
-    run.about.loads.forEach(function (load, k) {
-      for (let frame = 0; frame < run.frames; frame += stride) {
-        const arrow = s.arrow(k, run.positions.row(frame), longest_arrow);
-        if (!s.acts(load, frame) || !nodes_box.containsPoint(arrow.node)) continue;
-        arrow_ends.push(arrow.start, arrow.start.clone().addScaledVector(arrow.direction, arrow.length));
-      }
-    });
-    arrow_ends.forEach(function (end) { box.expandByPoint(end); });
-    return box;
+  // So are the arrows of forces, while they act: their ends.
+  function ends_of_arrows(nodes_box, longest) {
+    const ends = [], way = s.shown.arrows, length = s.arrow_length(way, longest);
+    const stride = Math.max(1, Math.ceil(run.frames * run.arrow_nodes.length / 5000));
+    for (let frame = 0; run.arrow_nodes.length > 0 && frame < run.frames; frame += stride) {
+      s.arrows(way, frame, s.places(frame)).forEach(function (arrow) {
+        if (!arrow || !nodes_box.containsPoint(arrow.place)) return;
+        const start = s.arrow_start(arrow, length);
+        ends.push(start, start.clone().addScaledVector(arrow.direction, arrow.share * length));
+      });
+    }
+    return ends;
   }
-  const box = add_arrows(add_instruments(nodes_box.clone()));
-  const centre = box.getCenter(new THREE.Vector3());
-  let radius = 0.5 * box.getSize(new THREE.Vector3()).length();
-  if (!(radius > 0)) radius = 1;
+
+  function common_divisor(a, b) { return b === 0 ? a : common_divisor(b, a % b); }
+
+  // What shall be in view: its box, and some of all nodes and frames with the corners of the boxes above, from its centre.
+  function find_motion() {
+    const nodes_box = without_flights(box_of_motion()), longest = 0.16 * diagonal(nodes_box) || 0.3, box = nodes_box.clone();
+    const balls = near_instruments(nodes_box), ends = ends_of_arrows(nodes_box, longest), seen = [];
+    balls.forEach(function (ball) { box.union(ball); });
+    ends.forEach(function (end) { box.expandByPoint(end); });
+    const centre = box.getCenter(new THREE.Vector3());
+    // One in so many, which has no divisor in common with the number of nodes: each node comes in turn.
+    let stride = Math.max(1, Math.floor(run.positions.numbers / 3 / 20000));
+    while (common_divisor(stride, run.nodes) > 1) ++stride;
+    for (let k = 0; k < run.positions.numbers; k += 3 * stride) {
+      const place = new THREE.Vector3(s.place_at(k), s.place_at(k + 1), s.place_at(k + 2));
+      if (box.containsPoint(place)) seen.push(place.sub(centre));
+    }
+    balls.forEach(function (ball) { seen.push(ball.min.clone().sub(centre), ball.max.clone().sub(centre)); });
+    ends.forEach(function (end) { seen.push(end.clone().sub(centre)); });
+    return { nodes_box: nodes_box, longest_arrow: longest, centre: centre, radius: 0.5 * diagonal(box) || 1, seen: seen };
+  }
+  let motion = find_motion();
+  const nodes_box = motion.nodes_box;
 
   function axis(k) { return new THREE.Vector3().setComponent(k, 1); }
   function flat_axis() {
@@ -87,21 +99,9 @@
     if (up === 1 && flat === 2) usual.azimuth = 0;
   }
 
-  const camera = new THREE.PerspectiveCamera(32, 1, radius / 100, radius * 60);
+  const camera = new THREE.PerspectiveCamera(32, 1, motion.radius / 100, motion.radius * 60);
   camera.up.copy(upward);
   const target = new THREE.Vector3();
-
-  // Places that shall be in view: some of all nodes and frames, and the ends of instruments' boxes.
-  const seen = [];
-  const stride = 3 * Math.max(1, Math.floor(run.positions.numbers / 3 / 20000));
-  for (let k = 0; k < run.positions.numbers; k += stride) {
-    const place = new THREE.Vector3(run.positions.at(k), run.positions.at(k + 1), run.positions.at(k + 2));
-    if (box.containsPoint(place)) seen.push(place.sub(centre));
-  }
-  balls.forEach(function (ball) {
-    [ball.min, ball.max].forEach(function (corner) { seen.push(corner.clone().sub(centre)); });
-  });
-  arrow_ends.forEach(function (end) { seen.push(end.clone().sub(centre)); });
 
   // What lies on the picture, [left, top, right, bottom] in pixels: time and legend above, scale and axes below. The
   // words of the scale depend on the distance: room for usual ones.
@@ -112,7 +112,7 @@
     }
     if (document.body.classList.contains("no-labels")) return { above: [], below: [] };
     const scale = surfaces.some(function (each) { return each.kind === "plane"; }) ? 250 : 170;
-    return { above: [place_of("clock"), place_of("legend")].filter(function (each) { return each[3] > each[1]; }),
+    return { above: [place_of("clock"), place_of("legend")].filter(function (each) { return each[3] > each[1] && each[1] < height; }),
              below: [[0, height - 48, Math.min(scale, width - 100), height], [width - 96, height - 96, width, height]] };
   }
 
@@ -123,14 +123,14 @@
     const right = new THREE.Vector3().crossVectors(upward, toward).normalize();
     const over = new THREE.Vector3().crossVectors(toward, right);
     const half = Math.tan(camera.fov * Math.PI / 360), aspect = width / height;
-    const places = seen.map(function (place) { return [place.dot(right), place.dot(over), place.dot(toward)]; });
+    const places = motion.seen.map(function (place) { return [place.dot(right), place.dot(over), place.dot(toward)]; });
     const laid = laid_over(width, height), all = laid.above.concat(laid.below);
     const top = Math.min(0.3 * height, laid.above.reduce(function (most, each) { return Math.max(most, each[3]); }, 0));
     const bottom = Math.min(0.15 * height, laid.below.reduce(function (most, each) { return Math.max(most, height - each[1]); }, 0));
 
     function with_strips(share) {
       const slope = half * (0.86 + 0.1 * share) * (1 - share * (top + bottom) / height);
-      let distance = 1e-3 * radius;
+      let distance = 1e-3 * motion.radius;
       places.forEach(function (place) {
         const reach = Math.max(Math.abs(place[1]) / slope, Math.abs(place[0]) / (0.86 * half * aspect));
         distance = Math.max(distance, place[2] + reach);
@@ -157,11 +157,17 @@
   s.camera = {
     depth: new THREE.Vector2(0, 1),  // distances from the eye between which the motion lies; kept by measure()
     measure: function () {
-      const distance = camera.position.distanceTo(centre);
-      this.depth.set(Math.max(0, distance - 0.8 * radius), distance + 0.8 * radius);
+      const distance = camera.position.distanceTo(motion.centre);
+      this.depth.set(Math.max(0, distance - 0.8 * motion.radius), distance + 0.8 * motion.radius);
     },
-    camera: camera, target: target, longest_arrow: longest_arrow,
-    centre: centre, radius: radius, upward: upward, flat: flat, nodes_box: nodes_box,
+    camera: camera, target: target, longest_arrow: motion.longest_arrow,
+    centre: motion.centre, radius: motion.radius, upward: upward, flat: flat, nodes_box: nodes_box,
+    // After what is drawn of the motion has changed; a call of look() brings it into view.
+    find_motion: function () {
+      motion = find_motion();
+      camera.far = Math.max(camera.far, 60 * motion.radius);
+      camera.updateProjectionMatrix();
+    },
     // Degrees; zoom 1 shows the whole motion.
     look: function (azimuth, elevation, zoom) {
       const a = azimuth * Math.PI / 180, e = Math.min(89.9, Math.max(-89.9, elevation)) * Math.PI / 180;
@@ -170,8 +176,8 @@
       const found = fit(toward), distance = found.distance / (zoom || 1);
       down = found.down;
       take_size();
-      target.copy(centre);
-      camera.position.copy(centre).addScaledVector(toward, distance);
+      target.copy(motion.centre);
+      camera.position.copy(motion.centre).addScaledVector(toward, distance);
       camera.lookAt(target);
       camera.updateMatrixWorld();
     },

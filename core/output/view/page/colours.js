@@ -52,6 +52,7 @@
   };
   // [size, name] of the unit in which numbers up to `most` of a quantity are told: that of `si`, or a multiple of it.
   const multiples = {
+    N: [[1e9, "GN"], [1e6, "MN"], [1e3, "kN"], [1, "N"], [1e-3, "mN"], [1e-6, "µN"], [1e-9, "nN"]],
     J: [[1e9, "GJ"], [1e6, "MJ"], [1e3, "kJ"], [1, "J"], [1e-3, "mJ"], [1e-6, "µJ"], [1e-9, "nJ"], [1e-12, "pJ"]],
     m: [[1e3, "km"], [1, "m"], [1e-3, "mm"], [1e-6, "µm"], [1e-9, "nm"]],
     "m^2": [[1, "m²"], [1e-4, "cm²"], [1e-6, "mm²"], [1e-12, "µm²"]],
@@ -62,6 +63,10 @@
     if (!all) return [1, si];
     if (!(most > 0)) return all.find(function (each) { return each[0] === 1; });
     return all.find(function (each) { return most >= each[0] * (1 - 1e-9); }) || all[all.length - 1];
+  };
+  s.force_text = function (newtons) {
+    const unit = s.unit_for("N", newtons);
+    return s.number(newtons / unit[0], 3) + " " + unit[1];
   };
   // A length in the unit that suits it.
   s.length_text = function (metres) {

@@ -1,5 +1,6 @@
 // The run as the page holds it: numbers in base64, one element a block.
 (function (s) {
+  s.float_step = Math.pow(2, -24);  // to which a number in 32 bits is rounded, as a share of it
   const about = JSON.parse(document.getElementById("description").textContent);
 
   function block(name, Type) {
@@ -56,6 +57,16 @@
     faces: block("faces", Uint32Array), face_frames: block("face_frames", Uint32Array),
     positions: rows("positions", 3 * nodes), speeds: rows("speeds", nodes), tensions: rows("tensions", springs)
   };
+  // x, y, z of each load's resultant and of each arrow at a node, N
+  run.arrow_nodes = block("arrow_nodes", Uint32Array);
+  run.all_resultants = block("load_resultants", Float32Array);
+  run.all_arrow_forces = block("arrow_forces", Float32Array);
+  function vectors(all) {
+    const width = all.length / run.frames;
+    return function (frame) { return all.subarray(frame * width, (frame + 1) * width); };
+  }
+  run.resultants = vectors(run.all_resultants);
+  run.arrow_forces = vectors(run.all_arrow_forces);
   const contact = block("contact", Uint8Array), contact_width = Math.ceil(nodes / 8);
   run.touches = function (frame, node) { return (contact[frame * contact_width + (node >> 3)] >> (node & 7) & 1) === 1; };
   run.has_contact = contact.some(function (byte) { return byte !== 0; });
@@ -138,4 +149,7 @@
     return low;
   };
   s.run = run;
+  // What of it is drawn, and how: changed by the page's address and its switches.
+  s.shown = { springs: true, broken: true, nodes: nodes <= 20000, faces: true, instruments: true, forces: true,
+              arrows: "resultants", colour: "tension" };
 })(springnet);

@@ -1,34 +1,66 @@
-// The forces of the scene as arrows: which act when, and where they lie.
+// The loads of the scene as arrows: the resultant of each, or the forces on its nodes.
 (function (s) {
-  const run = s.run, loads = run.about.loads, slack = 1e-6 * run.about.time_step;
+  const run = s.run, loads = run.about.loads;
+  let first = 0;
+  loads.forEach(function (load) { load.first = first; first += load.arrows; });
+  function vector(values, k) { return new THREE.Vector3().fromArray(values, 3 * k); }
+  function largest(values) {
+    let most = 0;
+    for (let k = 0; k < values.length; k += 3) most = Math.max(most, Math.hypot(values[k], values[k + 1], values[k + 2]));
+    return most;
+  }
 
-  s.acts = function (load, frame) {
-    const time = run.times[frame] + slack;
-    return (load.from === null || time >= load.from) && (load.until === null || time < load.until);
-  };
-
-  // Those that push inwards end at their node, the others begin there: arrows lie outside of what they act on.
-  const first = run.positions.row(0), middle = new THREE.Vector3();
-  for (let k = 0; k < first.length; k += 3) middle.add(new THREE.Vector3(first[k], first[k + 1], first[k + 2]));
+  // Those that push inwards end at what they act on, the others begin there: arrows lie outside of it.
+  const start = run.positions.row(0), middle = new THREE.Vector3();
+  for (let k = 0; k < start.length; k += 3) middle.add(new THREE.Vector3(start[k], start[k + 1], start[k + 2]));
   middle.multiplyScalar(1 / Math.max(1, run.nodes));
-  const most = loads.reduce(function (size, load) { return Math.max(size, new THREE.Vector3().fromArray(load.force).length()); }, 0);
-  const arrows = loads.map(function (load) {
-    const force = new THREE.Vector3().fromArray(load.force), size = force.length();
-    const inward = middle.clone().sub(new THREE.Vector3().fromArray(first, 3 * load.node)).dot(force) > 0;
+  function arrow_of(place, force, most, origin) {
+    const size = force.length();
+    if (!(size > 0) || !(most > 0)) return null;
+    const direction = force.clone().multiplyScalar(1 / size);
     // Small ones as well have to be seen.
-    return { node: load.node, direction: force.multiplyScalar(1 / size), share: Math.max(0.2, size / most), inward: inward };
-  });
+    return { place: place, direction: direction, share: Math.max(0.2, size / most), inward: middle.clone().sub(origin).dot(direction) > 0 };
+  }
+  function node_place(k, places) { return vector(places, run.arrow_nodes[k]); }
+  // Where the resultant of a load acts: the mean of its arrows' nodes, weighted by the forces there.
+  function centre_of(load, forces, places) {
+    const centre = new THREE.Vector3();
+    let sum = 0;
+    for (let k = load.first; k < load.first + load.arrows; ++k) {
+      const weight = vector(forces, k).length();
+      centre.addScaledVector(node_place(k, places), weight);
+      sum += weight;
+    }
+    return sum > 0 ? centre.multiplyScalar(1 / sum) : centre;
+  }
+  const origins = {
+    resultants: loads.map(function (load) { return centre_of(load, new Float32Array(3 * first).fill(1), start); }),
+    nodes: Array.from(run.arrow_nodes, function (node) { return vector(start, node); })
+  };
+  // Of the whole run, so that an arrow that grows is a force that grows.
+  const greatest = { resultants: largest(run.all_resultants), nodes: largest(run.all_arrow_forces) };
+  const count = { resultants: loads.length, nodes: first };
+  s.force_ways = { greatest: greatest, differ: first > loads.length };
 
-  // The greatest force is `longest` long.
-  s.arrow = function (k, positions, longest) {
-    const arrow = arrows[k], node = new THREE.Vector3().fromArray(positions, 3 * arrow.node);
-    const length = arrow.share * longest, start = node.clone();
-    if (arrow.inward) start.addScaledVector(arrow.direction, -length);
-    return { node: node, start: start, direction: arrow.direction, length: length };
+  // The arrows of a frame, null for those that do not act; the share of the greatest force, 0.2 at least. The more there
+  // are, the shorter they are all: the body stays visible.
+  s.arrows = function (way, frame, places) {
+    const forces = run.arrow_forces(frame);
+    if (way === "nodes") {
+      return origins.nodes.map(function (origin, k) { return arrow_of(node_place(k, places), vector(forces, k), greatest.nodes, origin); });
+    }
+    const resultants = run.resultants(frame);
+    return loads.map(function (load, k) {
+      return arrow_of(centre_of(load, forces, places), vector(resultants, k), greatest.resultants, origins.resultants[k]);
+    });
+  };
+  s.arrow_length = function (way, longest) { return longest * Math.min(1, Math.max(0.3, 3 / Math.sqrt(count[way]))); };
+  s.arrow_start = function (arrow, length) {
+    return arrow.inward ? arrow.place.clone().addScaledVector(arrow.direction, -arrow.share * length) : arrow.place.clone();
   };
 
   s.Forces = function () {
-    const group = new THREE.Group(), along = new THREE.Vector3(0, 1, 0), longest = s.camera.longest_arrow;
+    const group = new THREE.Group(), along = new THREE.Vector3(0, 1, 0);
     const outline = [[0, 0], [0.018, 0], [0.018, 0.72], [0.06, 0.72], [0, 1]].map(function (each) {
       return new THREE.Vector2(each[0], each[1]);
     });
@@ -37,21 +69,24 @@
     const material = new THREE.MeshPhongMaterial({ color: colour, shininess: 20 });
     // What is behind the body shows through it.
     const hidden = new THREE.MeshBasicMaterial({ color: colour, transparent: true, opacity: 0.55, depthTest: false, depthWrite: false });
-    const parts = loads.map(function (_, k) {
+    const parts = Array.from({ length: Math.max(count.nodes, count.resultants) }, function () {
       const part = new THREE.Mesh(shape, material), shadow = new THREE.Mesh(shape, hidden);
       shadow.renderOrder = 4;
       part.add(shadow);
-      part.quaternion.setFromUnitVectors(along, arrows[k].direction);
-      const width = Math.sqrt(arrows[k].share) * longest;
-      part.scale.set(width, arrows[k].share * longest, width);
       group.add(part);
       return part;
     });
     this.group = group;
-    this.show = function (frame, positions) {
+    this.show = function (frame, places) {
+      const arrows = s.arrows(s.shown.arrows, frame, places), length = s.arrow_length(s.shown.arrows, s.camera.longest_arrow);
       parts.forEach(function (part, k) {
-        part.visible = s.acts(loads[k], frame);
-        if (part.visible) part.position.copy(s.arrow(k, positions, longest).start);
+        const arrow = arrows[k];
+        part.visible = Boolean(arrow);
+        if (!arrow) return;
+        const width = Math.sqrt(arrow.share) * length;
+        part.scale.set(width, arrow.share * length, width);
+        part.quaternion.setFromUnitVectors(along, arrow.direction);
+        part.position.copy(s.arrow_start(arrow, length));
       });
     };
   };

@@ -3,12 +3,19 @@
   const run = s.run;
   function element(id) { return document.getElementById(id); }
 
+  function show_arrow_scale() {
+    const way = s.shown.arrows, most = s.force_ways.greatest[way], part = element("legend-arrow");
+    part.hidden = !s.shown.forces || !(most > 0);
+    part.textContent = "longest arrow " + s.force_text(most) + (way === "resultants" && s.force_ways.differ ? ", a load’s resultant" : "");
+  }
+
   function show_legend() {
     const way = s.shown.colour;
     element("legend").hidden = false;
     element("legend-bar").hidden = way === "contact";
     element("legend-ticks").textContent = "";
     element("legend-note").textContent = "";
+    show_arrow_scale();
     if (way === "contact") {
       element("legend-title").textContent = "orange: in contact";
       return;
@@ -71,9 +78,15 @@
   const decimals = Math.min(9, Math.max(0, Math.ceil(-Math.log10(gap || 1) + 0.3)));
   s.labels = {
     legend: show_legend,
+    exaggeration: function () {
+      const note = element("exaggerated");
+      note.hidden = s.exaggeration === 1;
+      document.body.classList.toggle("exaggerated", !note.hidden);  // told even where other words are not
+      note.textContent = "displacement × " + s.number(s.exaggeration) + (run.about.surfaces.length > 0 ? ", obstacles × 1" : "");
+    },
     eye: function (cell) { show_scale(cell); show_axes(); },
     clock: function (frame) {
-      element("clock").textContent = "t = " + run.times[frame].toFixed(decimals) + " s";
+      element("clock-time").textContent = "t = " + run.times[frame].toFixed(decimals) + " s";
       element("time").textContent = run.times[frame].toFixed(decimals) + " of " + last.toFixed(decimals) + " s";
     }
   };

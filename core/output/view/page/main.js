@@ -77,12 +77,20 @@
     hover = [event.clientX, event.clientY];
   });
 
-  s.make_panel(scene, player, refresh);
+  // What is drawn of the motion is larger or smaller than it was.
+  function find_motion() {
+    s.camera.find_motion();
+    if (!own) reset();
+    refresh();
+  }
+  s.make_panel(scene, player, refresh, find_motion);
   scene.opacity(address.opacity);
   document.getElementById("opacity").value = address.opacity;
   if (!address.bare) s.make_plots(player);
   s.make_keys(player, reset);
   s.labels.legend();
+  s.labels.exaggeration();
+  if (s.exaggeration !== 1 || s.shown.arrows !== "resultants") s.camera.find_motion();
   // In another size the whole motion is in view again, unless the reader has chosen what is.
   s.resize = function () {
     scene.resize();

@@ -17,16 +17,23 @@
                count(run.frames, "record"));
     element("facts").textContent = facts.join(" · ");
 
-    const notes = about.notes.slice(), last = run.times[run.frames - 1];
-    if (last < about.duration * (1 - 1e-6)) {
-      notes.unshift("The run ended at " + s.number(last, 5) + " s of the " + s.number(about.duration, 5) + " s asked for.");
-    }
-    notes.forEach(function (text) {
+    about.notes.forEach(function (text) {
       const item = document.createElement("li");
       item.textContent = text;
       element("notes").append(item);
     });
-    element("notes-title").hidden = notes.length === 0;
+    element("notes-title").hidden = about.notes.length === 0;
+  }
+
+  // Above everything: that the run failed, and why; or that it ended early.
+  function show_banner() {
+    const last = run.times[run.frames - 1], early = last < about.duration * (1 - 1e-6), failed = about.failure !== "";
+    const banner = element("banner");
+    banner.hidden = !failed && !early;
+    banner.className = failed ? "failed" : "stopped";
+    element("banner-title").textContent = "The run " + (failed ? "failed" : "ended early,") +
+      (early ? " at " + s.number(last, 5) + " s of " + s.number(about.duration, 5) + " s" : "") + (failed ? ":" : ".");
+    element("banner-reason").textContent = about.failure;
   }
 
   function show_key() {
@@ -47,28 +54,48 @@
     }
     dots.forEach(function (each) { add("dot", each[0], each[1]); });
     if (run.rigids.length > 0) add("bar", s.colours.rigid, "rigid connection");
-    if (about.loads.length > 0) add("arrow", s.colours.force, "force of the scene");
+    if (about.loads.length > 0) add("arrow", s.colours.force, "force of the scene’s loads");
     happened.forEach(function (name) { add("mark", s.mark_colours[name], "time line: " + names[name]); });
   }
 
   function hide_what_is_not_there() {
     const there = { springs: run.springs > 0, broken: run.removals.size > 0, nodes: run.nodes > 0,
                     faces: run.face_frames.length > 0, instruments: about.surfaces.length > 0,
-                    forces: about.loads.length > 0 };
+                    forces: about.loads.length > 0, arrows: s.force_ways.differ, displacement: s.moves };
     document.querySelectorAll("#panel [data-for]").forEach(function (label) {
       label.style.display = there[label.dataset.for] ? "" : "none";
     });
     if (!run.has_contact) element("colour").querySelector("[value=contact]").remove();
   }
 
-  s.make_panel = function (scene, player, refresh) {
+  s.make_panel = function (scene, player, refresh, find_motion) {
     show_words();
+    show_banner();
     show_key();
     hide_what_is_not_there();
     ["springs", "broken", "nodes", "faces", "instruments", "forces"].forEach(function (what) {
       const box = element("show-" + what);
       box.checked = s.shown[what];
-      box.addEventListener("change", function () { s.shown[what] = box.checked; refresh(); });
+      box.addEventListener("change", function () {
+        s.shown[what] = box.checked;
+        if (what === "forces") s.labels.legend();
+        refresh();
+      });
+    });
+    const arrows = element("arrows-at-nodes"), displacement = element("displacement");
+    arrows.checked = s.shown.arrows === "nodes";
+    arrows.addEventListener("change", function () {
+      s.shown.arrows = arrows.checked ? "nodes" : "resultants";
+      s.labels.legend();
+      find_motion();
+    });
+    const factors = s.exaggerations.concat(s.exaggerations.includes(s.exaggeration) ? [] : s.exaggeration);
+    factors.forEach(function (each) { displacement.append(new Option("× " + s.number(each), each)); });
+    displacement.value = s.exaggeration;
+    displacement.addEventListener("change", function () {
+      s.exaggeration = Number(displacement.value);
+      s.labels.exaggeration();
+      find_motion();
     });
     element("colour").value = s.shown.colour;
     element("colour").addEventListener("change", function (event) {

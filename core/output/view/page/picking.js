@@ -25,7 +25,7 @@
 
   // Of those within reach the one in front; a pixel of distance counts like a little depth.
   s.pick_at = function (frame, x, y) {
-    const positions = run.positions.row(frame), places = project(positions);
+    const positions = s.places(frame), places = project(positions);
     let best = null, least = Infinity;
     function offer(pixels, reach, depth, what) {
       if (pixels > reach || depth > 1 || depth < -1) return;
@@ -56,9 +56,18 @@
     return body ? " of " + body.name + (body[first] > 0 ? ", its " + (number - body[first]) : "") : "";
   }
 
-  // One unit for all lengths, from the size of the network. No digits are shown that rounded numbers do not have.
+  // One unit for all lengths, from the size of the network. No digits are shown that rounded numbers do not have: a length
+  // is a difference of coordinates, which stand in the page as 16 or 32 bits.
   const unit = s.unit_for("m", s.camera.nodes_box.getSize(new THREE.Vector3()).length());
-  const places_step = run.positions.step, lengths_step = 2 * places_step;
+  const places_step = run.positions.step;
+  function length_step(positions, a, b) {
+    if (places_step > 0) return 2 * places_step;
+    let most = 0;
+    [a, b].forEach(function (node) {
+      for (let k = 3 * node; k < 3 * node + 3; ++k) most = Math.max(most, Math.abs(positions[k]));
+    });
+    return 2 * s.float_step * most;
+  }
   function numbers(values, size, step) {
     return Array.from(values).map(function (each) { return s.number(s.known(each, step) / size, 5); }).join(", ");
   }
@@ -70,13 +79,16 @@
   function ends(list, k) { return run.node_numbers[list[2 * k]] + " and " + run.node_numbers[list[2 * k + 1]]; }
   // The forces of the scene on a node; null where not all of them are there.
   function force_on(node, frame) {
-    const all = run.about.loads;
-    if (run.about.forces !== all.length) return null;
-    const sum = [0, 0, 0];
-    all.forEach(function (load) {
-      if (load.node === node && s.acts(load, frame)) load.force.forEach(function (each, axis) { sum[axis] += each; });
+    if (run.about.forces !== run.arrow_nodes.length) return null;
+    const forces = run.arrow_forces(frame), sum = [0, 0, 0], most = [0, 0, 0];
+    run.arrow_nodes.forEach(function (each, k) {
+      for (let axis = 0; each === node && axis < 3; ++axis) {
+        sum[axis] += forces[3 * k + axis];
+        most[axis] = Math.max(most[axis], Math.abs(forces[3 * k + axis]));
+      }
     });
-    return sum;
+    // Of forces that cancel nothing is left but the rounding of their 32 bits.
+    return sum.map(function (each, axis) { return Math.abs(each) <= 4 * s.float_step * most[axis] ? 0 : each; });
   }
 
   s.numbers_of = function (picked, frame) {
@@ -84,7 +96,7 @@
     if (picked.rigid !== undefined) {
       const a = run.rigids[2 * picked.rigid], b = run.rigids[2 * picked.rigid + 1];
       return [["rigid", "connection " + picked.rigid], ["nodes", ends(run.rigids, picked.rigid)],
-              ["length", length(distance(positions, a, b), lengths_step)]];
+              ["length", length(distance(positions, a, b), length_step(positions, a, b))]];
     }
     if (picked.node !== undefined) {
       const k = picked.node, states = ["free", "fixed", "moved by the scene"], force = force_on(k, frame);
@@ -97,12 +109,12 @@
       return rows;
     }
     const k = picked.spring, a = run.ends[2 * k], b = run.ends[2 * k + 1];
-    const now = distance(positions, a, b), rest = run.rests[k];
+    const now = distance(positions, a, b), rest = run.rests[k], step = length_step(positions, a, b) + s.float_step * rest;
     const rows = [["spring", run.spring_numbers[k] + member("first_spring", "springs", run.spring_numbers[k])],
                   ["nodes", ends(run.ends, k)],
-                  ["length", length(now, lengths_step)],
+                  ["length", length(now, step)],
                   ["at rest", length(rest, 0)],
-                  ["stretch", rest > 0 ? s.number(s.known(100 * (now / rest - 1), 100 * lengths_step / rest), 3) + " %" : "–"]];
+                  ["stretch", rest > 0 ? s.number(s.known(100 * (now / rest - 1), 100 * step / rest), 3) + " %" : "–"]];
     if (frame >= run.gone[k]) {
       const removal = run.removals.get(k);
       rows.push(["state", removal.how + " at " + s.number(removal.time, 5) + " s"]);

@@ -71,7 +71,8 @@
     const unit = s.unit_for(plot.unit, isFinite(most) ? most : 0);
     const digits = span > 0 && isFinite(span) ? Math.min(11, Math.max(0, Math.ceil(Math.log10(most / span))) + 2) : 4;
     const step = most > 0 && isFinite(most) ? Math.pow(10, Math.floor(Math.log10(most / unit[0])) + 1 - Math.max(5, digits + 1)) : 0;
-    return { size: unit[0], name: unit[1], digits: digits, step: step };
+    // What is this small beside the others is rounding of their sum.
+    return { size: unit[0], name: unit[1], digits: digits, step: step, floor: isFinite(most) ? 2e-15 * most / unit[0] : 0 };
   }
 
   // The values of a frame beside the title, each as wide as it is at most: the words stay where they are.
@@ -79,6 +80,7 @@
     const stride = Math.max(1, Math.floor(run.frames / 300));
     function text(each, frame) {
       const value = each.values[frame] / scale.size, known = s.known(value, scale.step);
+      if (Math.abs(value) <= scale.floor) return each.label + " 0";
       return each.label + " " + (known === 0 ? s.number(value, 2) : s.number(known, 12));  // what is small beside others is not 0
     }
     const parts = series.map(function (each) {
@@ -93,6 +95,15 @@
     return function (frame) { parts.forEach(function (part, k) { part.textContent = text(series[k], frame); }); };
   }
 
+  function list_of(parts) {
+    return parts.length < 2 ? parts.join("") : parts.slice(0, -1).join(", ") + " and " + parts[parts.length - 1];
+  }
+  function add_remark(head, text) {
+    const remark = document.createElement("small");
+    remark.textContent = remark.title = text;
+    head.append(remark);
+  }
+
   // Draws it; returns what shows the time and the values of a frame.
   function draw_plot(plot, box, player) {
     const area = box.area, cursor = box.cursor, series = plot.series, range = usual_range(series), scale = scale_of(plot, range);
@@ -101,6 +112,7 @@
     });
     box.name.textContent = plot.title + (scale.name ? ", " + scale.name : "") + (range ? " (peaks cut off)" : "");
     const show_values = add_values(series, scale, box.head);
+    if (plot.leaves_out && plot.leaves_out.length > 0) add_remark(box.head, "sum leaves out " + list_of(plot.leaves_out));
     const graph = new Dygraph(area, rows, {
       labels: ["t"].concat(series.map(function (each) { return each.label; })),
       colors: series.map(function (each) { return each.colour; }),
@@ -161,7 +173,8 @@
       { title: "energy", unit: "J",
         series: [{ label: "kinetic", colour: "#c2571a", values: run.kinetic },
                  { label: "potential", colour: "#1f5f99", values: run.potential },
-                 { label: "total", colour: "#444c55", values: total }] },
+                 { label: "sum", colour: "#444c55", values: total }],
+        leaves_out: run.about.energy_leaves_out },
       { title: run.own_steps ? "evaluations an internal step" : "sweeps a time step", unit: "",
         series: [{ label: "now", colour: "#5b3c88", values: per_step() }] }];
     const units = new Map();

@@ -4,8 +4,6 @@
   const spring_width = few < 400 ? 4 : few < 800 ? 3.2 : few < 4000 ? 2.2 : few < 20000 ? 1.5 : 1;
   const dot_size = few < 800 ? 7 : few < 4000 ? 5 : few < 20000 ? 3.4 : 2.2;
 
-  s.shown = { springs: true, broken: true, nodes: run.nodes <= 20000, faces: true, instruments: true, forces: true, colour: "tension" };
-
   // Whether the spring is. Torn pieces drift apart: lines between them from end to end of the picture would hide it.
   s.drawn = function (k, frame, positions) {
     if (frame < run.gone[k]) return s.shown.springs;
@@ -109,12 +107,12 @@
     }
 
     this.show = function (frame) {
-      const positions = run.positions.row(frame);
+      const positions = s.places(frame);
       show_springs(frame, positions);
       show_nodes(frame, positions);
       show_chosen(frame, positions);
       faces.mesh.visible = s.shown.faces && faces.count > 0;
-      if (faces.mesh.visible) faces.show(frame);
+      if (faces.mesh.visible) faces.show(frame, positions);
       surfaces.group.visible = s.shown.instruments;
       surfaces.show(frame);
       forces.group.visible = s.shown.forces;

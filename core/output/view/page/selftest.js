@@ -54,7 +54,8 @@
         const place = part.getBoundingClientRect();
         return place.width > 0 && !part.closest(".plot-area") && (place.left < -0.5 || place.right > width + 0.5);
       });
-      return { window: width, whole: document.documentElement.scrollWidth, view: view.clientWidth, tall: view.clientHeight,
+      const legend = document.getElementById("legend").getBoundingClientRect(), picture = view.getBoundingClientRect();
+      return { legend_over_picture: legend.top < picture.bottom - 0.5, window: width, whole: document.documentElement.scrollWidth, view: view.clientWidth, tall: view.clientHeight,
                outside: outside.map(function (part) { return part.id || part.className || part.tagName; }),
                plots: Array.from(document.querySelectorAll(".plot-area")).map(function (area) { return area.clientWidth; }) };
     }
@@ -101,6 +102,53 @@
       Object.keys(all).forEach(function (name) { all[name] = Object.fromEntries(all[name]); });
       return all;
     }
+    // What a greater factor of displacements does: the factors there are, how far nodes are drawn from their places, what
+    // the picture says, whether a click finds a node where it is drawn, whether its numbers stay, how far out nodes come.
+    function exaggerated() {
+      const select = document.getElementById("displacement"), factors = s.exaggerations.slice();
+      if (factors.length < 2) return { factors: factors };
+      const before = JSON.stringify(numbers_shown()), pixels = scene.pixels(), frame = player.frame, place = view.getBoundingClientRect();
+      function set(factor) { select.value = factor; select.dispatchEvent(new Event("change", { bubbles: true })); }
+      set(factors[factors.length - 1]);
+      const drawn = Array.from(s.places(frame)), real = run.positions.row(frame), start = Array.from(run.positions.row(0)), found = { factors: factors };
+      found.error = drawn.reduce(function (most, value, k) {
+        return Math.max(most, Math.abs(value - start[k] - s.exaggeration * (run.positions.row(frame)[k] - start[k])));
+      }, 0);
+      found.moved = drawn.reduce(function (most, value, k) { return Math.max(most, Math.abs(value - real[k])); }, 0);
+      found.note = document.getElementById("exaggerated").textContent;
+      found.changed = differences(pixels, scene.pixels());
+      found.numbers_stay = JSON.stringify(numbers_shown()) === before;
+      found.picked = 0;
+      found.most = 0;
+      const points = Array.from({ length: run.nodes }, function (_, k) { return new THREE.Vector3().fromArray(drawn, 3 * k).project(s.camera.camera); });
+      points.forEach(function (point) {
+        found.most = Math.max(found.most, Math.abs(point.x), Math.abs(point.y));
+        const picked = s.pick_at(frame, 0.5 * (1 + point.x) * place.width, 0.5 * (1 - point.y) * place.height);
+        if (picked && picked.node !== undefined) ++found.picked;
+      });
+      set(1);
+      found.back = document.getElementById("exaggerated").hidden && s.places(frame).every(function (value, k) { return value === real[k]; });
+      return found;
+    }
+    // Arrows of loads in a frame, as resultants and at nodes: how many, how long the longest is beside the network, and
+    // what the legend says of them.
+    function arrows() {
+      const box = document.getElementById("arrows-at-nodes"), size = s.camera.nodes_box.getSize(new THREE.Vector3()).length();
+      function look() {
+        const way = s.shown.arrows, length = s.arrow_length(way, s.camera.longest_arrow);
+        const all = s.arrows(way, player.frame, s.places(player.frame)).filter(Boolean);
+        return { way: way, count: all.length, places: all.map(function (each) { return each.place.toArray(); }),
+                 longest: all.reduce(function (most, each) { return Math.max(most, each.share * length); }, 0) / size,
+                 legend: document.getElementById("legend-arrow").textContent, pixels: toggled("show-forces") };
+      }
+      const found = [look()];
+      if (s.force_ways.differ) { box.click(); found.push(look()); box.click(); }
+      return found;
+    }
+    function banner() {
+      const part = document.getElementById("banner");
+      return part.hidden ? null : { kind: part.className, text: part.textContent, tall: part.offsetHeight };
+    }
     function differences(before, after) {
       let changed = 0;
       for (let k = 0; k < before.length; ++k) if (before[k] !== after[k]) ++changed;
@@ -110,6 +158,7 @@
     const result = { frames: run.frames, works: scene.works, stops: [0, last >> 1, last].map(scrub_to) };
     // As a mouse does it: press and let go on the picture; drag; click on a curve.
     result.layout = layout();
+    result.banner = banner();
     result.facts = document.getElementById("facts").textContent;
     result.key = document.getElementById("key").textContent;
     result.curves = curves();
@@ -118,6 +167,12 @@
     result.numbers = numbers_shown();
     result.speed = coloured("speed");
     if (run.has_contact) result.contact = coloured("contact");
+    result.first_spring = run.springs > 0 ? Object.fromEntries(s.numbers_of({ spring: 0 }, 0)) : null;
+    result.exaggerated = exaggerated();
+    player.go(last >> 1);
+    result.arrows = arrows();
+    player.go(last);
+    result.remark = texts(".plot-head small");
     result.picks_what_is_not_drawn = picks_what_is_not_drawn();
     const place = view.getBoundingClientRect();
     function mouse(target, name, x, y) {

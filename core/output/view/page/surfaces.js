@@ -119,8 +119,7 @@
         for (let axis = 0; length > 0 && axis < 3; ++axis) round[k + axis] /= length;
       }
     }
-    this.show = function (frame) {
-      const positions = run.positions.row(frame);
+    this.show = function (frame, positions) {
       find_normals(frame, positions);
       let used = 0;
       for (let k = 0; k < count; ++k) {
