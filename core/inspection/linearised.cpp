@@ -6,6 +6,8 @@
 #include <limits>
 #include <optional>
 
+#include "plugin_host/call.hpp"
+
 namespace springnet {
 
 namespace {
@@ -61,8 +63,11 @@ class LawAtRest {
     batch.force_by_q = &result.by_q;
     batch.force_by_rate = batch.rate == nullptr ? nullptr : &result.by_rate;
     batch.state_rates = state_rate_pointers_.data();
-    batch.message = &message;
-    return law_.evaluate(&batch) == SPRINGNET_OK ? result : LawAnswer{};
+    const springnet_status status = call_component(component_, message, [&](springnet_message& own) {
+      batch.message = &own;
+      return law_.evaluate(&batch);
+    });
+    return status == SPRINGNET_OK ? result : LawAnswer{};
   }
 
  private:
@@ -138,9 +143,12 @@ class NeuronAtRest {
     batch.acceleration_by_force = out.by_force.data();
     batch.acceleration_by_position = out.by_position.data();
     batch.acceleration_by_velocity = out.by_velocity.data();
-    batch.message = &message;
-    return component_.neuron().evaluate(&batch) == SPRINGNET_OK && out.by_force.allFinite() &&
-           out.by_position.allFinite() && out.by_velocity.allFinite();
+    const springnet_status status = call_component(component_, message, [&](springnet_message& own) {
+      batch.message = &own;
+      return component_.neuron().evaluate(&batch);
+    });
+    return status == SPRINGNET_OK && out.by_force.allFinite() && out.by_position.allFinite() &&
+           out.by_velocity.allFinite();
   }
 
  private:

@@ -3,6 +3,8 @@
 
 #include <algorithm>
 
+#include <springnet/sdk/message.hpp>
+
 #include "layers/evaluator.hpp"
 
 namespace springnet::layers {
@@ -93,7 +95,8 @@ springnet_status Evaluator::evaluate_elements(double time, const NodeArrays& nod
 #pragma omp for schedule(static)
     for (std::int64_t i = 0; i < pieces; ++i) {
       springnet_message own_message{};
-      const springnet_status status = evaluate_piece(i, own_message);
+      const springnet_status status =
+          sdk::detail::guarded(&own_message, [&] { return evaluate_piece(i, own_message); });
       if (status == SPRINGNET_OK) continue;
 #pragma omp critical(springnet_evaluate_elements)
       if (i < failed) {

@@ -6,6 +6,8 @@
 #include <cmath>
 #include <limits>
 
+#include "plugin_host/call.hpp"
+
 namespace springnet::layers {
 namespace {
 
@@ -114,7 +116,7 @@ springnet_status element_margins(const Layout& layout, InstructionSet set, doubl
       out.margin = &margin;
       const springnet_status status = ask(layout, set, time, e, *law, state, out, message);
       if (status != SPRINGNET_OK) return status;
-      margins[i] = std::min(margins[i], margin);
+      margins[i] = lesser(margins[i], margin);
     }
   }
   return SPRINGNET_OK;
@@ -134,12 +136,11 @@ std::string explain_element_failure(const Layout& layout, InstructionSet set, do
       if (asked == Asked::forces_and_energies && law->can(SPRINGNET_HAS_ENERGY)) out.energy = &energy;
       springnet_message message{};
       const springnet_status status = ask(layout, set, time, e, *law, state, out, message);
-      const std::string what = wrong_answer(status, force, energy, message);
+      const std::string what = wrong_answer(*law->component, status, force, energy, message);
       if (what.empty()) continue;
       const std::string_view unit = unit_of(layout.elements().invariant(e));
-      return fmt::format("{} '{}' {} for element {} ({}; {} {} {}, rate {} {}/s)", name_of(law->component->kind()),
-                         law->component->id(), what, e, where(layout, e), name_of(layout.elements().invariant(e)),
-                         state.value, unit, state.rate, unit);
+      return fmt::format("{} for element {} ({}; {} {} {}, rate {} {}/s)", what, e, where(layout, e),
+                         name_of(layout.elements().invariant(e)), state.value, unit, state.rate, unit);
     }
   }
   return {};

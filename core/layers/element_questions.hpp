@@ -1,6 +1,7 @@
 // Questions about chosen elements: values, forces, energies, margins. Outside the hot path.
 #pragma once
 
+#include <cmath>
 #include <cstdint>
 #include <string>
 #include <vector>
@@ -22,6 +23,9 @@ struct ElementState {
                                    std::uint32_t element);
 // Energy stored in all live elements whose spring function has one, J.
 [[nodiscard]] double element_energy(const Layout& layout, InstructionSet set, double time, const NodeArrays& nodes);
+
+// The smaller of two margins; nan, which tells nothing, if one of them is.
+[[nodiscard]] inline double lesser(double a, double b) noexcept { return a < b || std::isnan(a) ? a : b; }
 
 // Live elements whose law can rupture, by number, and the smaller margin of their two laws in that order.
 [[nodiscard]] std::vector<std::uint32_t> rupturing_elements(const Layout& layout);

@@ -6,6 +6,7 @@
 #include <cmath>
 
 #include "layers/element_questions.hpp"
+#include "plugin_host/call.hpp"
 
 namespace springnet::layers {
 
@@ -162,18 +163,20 @@ springnet_status rupture_margins(const Layout& layout, InstructionSet set, doubl
                                                       count, *geometry, out[0], out[1], message);
     if (status != SPRINGNET_OK) return status;
     if (first && second)
-      for (std::size_t i = 0; i < count; ++i) margins[begin + i] = std::min(margins[begin + i], other[i]);
+      for (std::size_t i = 0; i < count; ++i) margins[begin + i] = lesser(margins[begin + i], other[i]);
     begin = end;
   }
   return SPRINGNET_OK;
 }
 
-std::string wrong_answer(springnet_status status, double force, double energy, const springnet_message& message) {
+std::string wrong_answer(const Component& component, springnet_status status, double force, double energy,
+                         const springnet_message& message) {
   // fmt gives nan a sign that depends on the processor.
   const auto number = [](double value) { return std::isnan(value) ? std::string("nan") : fmt::format("{}", value); };
-  if (status != SPRINGNET_OK) return fmt::format("failed ({})", message.text);
-  if (!std::isfinite(force)) return "answered " + number(force);
-  return std::isfinite(energy) ? std::string() : "answered an energy of " + number(energy);
+  if (status != SPRINGNET_OK) return text_of(message) + ";";
+  if (!std::isfinite(force)) return fmt::format("{} answered {}", full_name(component), number(force));
+  if (std::isfinite(energy)) return {};
+  return fmt::format("{} answered an energy of {}", full_name(component), number(energy));
 }
 
 std::string explain_failure(const Layout& layout, InstructionSet set, double time, const NodeArrays& nodes,
@@ -202,10 +205,9 @@ std::string explain_failure(const Layout& layout, InstructionSet set, double tim
       (law == &group.spring ? alone.viscosity : alone.spring) = {};
       const springnet_status status =
           evaluate_group(layout, set, time, nodes, alone, &s, 1, *geometry, out, out, message);
-      const std::string what = wrong_answer(status, force, energy, message);
+      const std::string what = wrong_answer(*law->component, status, force, energy, message);
       if (what.empty()) continue;
-      return fmt::format("{} '{}' {} for spring {} (nodes {} and {}, length {} m, rate {} m/s)",
-                         name_of(law->component->kind()), law->component->id(), what, s,
+      return fmt::format("{} for spring {} (nodes {} and {}, length {} m, rate {} m/s)", what, s,
                          layout.ordering().user[layout.first(s)], layout.ordering().user[layout.second(s)],
                          geometry->length[0], geometry->rate[0]);
     }

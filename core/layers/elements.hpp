@@ -41,7 +41,7 @@ enum class Asked : std::uint8_t { forces, forces_and_energies };
                                           const NodeArrays& nodes, Asked asked = Asked::forces);
 
 // What a law answered to explain_failure(), to be told where it is wrong; empty where all is finite.
-[[nodiscard]] std::string wrong_answer(springnet_status status, double force, double energy,
+[[nodiscard]] std::string wrong_answer(const Component& component, springnet_status status, double force, double energy,
                                        const springnet_message& message);
 
 }  // namespace springnet::layers

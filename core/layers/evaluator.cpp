@@ -7,6 +7,7 @@
 #include <string>
 
 #include "layers/message.hpp"
+#include "plugin_host/call.hpp"
 
 namespace springnet::layers {
 namespace {
@@ -66,8 +67,10 @@ springnet_status Evaluator::evaluate(double time, const NodeArrays& nodes, const
 #pragma omp for schedule(dynamic, 1)
     for (std::int64_t u = 0; u < units; ++u) {
       springnet_message unit_message{};
-      const springnet_status status =
-          evaluate_unit(static_cast<std::uint32_t>(u), time, nodes, external, force, finished, unit_message);
+      // An exception that leaves the region would end the process.
+      const springnet_status status = sdk::detail::guarded(&unit_message, [&] {
+        return evaluate_unit(static_cast<std::uint32_t>(u), time, nodes, external, force, finished, unit_message);
+      });
       if (status != SPRINGNET_OK) {
 #pragma omp critical(springnet_evaluate)
         if (u < failed_unit) {
@@ -184,12 +187,14 @@ springnet_status Evaluator::accelerations(std::uint32_t first, std::uint32_t cou
     batch.acceleration_by_force = block(by_force);
     batch.acceleration_by_position = block(by_position);
     batch.acceleration_by_velocity = block(by_velocity);
-    batch.message = &message;
-    const springnet_status status = kind.component->neuron().evaluate(&batch);
+    const springnet_status status = call_component(*kind.component, message, [&](springnet_message& own) {
+      batch.message = &own;
+      return kind.component->neuron().evaluate(&batch);
+    });
     if (status != SPRINGNET_OK) {
-      const std::string reason = message.text;
-      set_message(message, fmt::format("neuron '{}' failed for node {} or {} after it: {}", kind.component->id(),
-                                       layout_.ordering().user[node], end - begin - 1, reason));
+      const std::uint32_t others = end - begin - 1;
+      set_message(message, fmt::format("{}; for node {}{}", text_of(message), layout_.ordering().user[node],
+                                       others == 0 ? "" : fmt::format(" or {} after it", others)));
       return status;
     }
     begin = end;

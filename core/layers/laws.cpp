@@ -8,6 +8,7 @@
 #include <springnet/error.hpp>
 
 #include "layers/kernels.hpp"
+#include "plugin_host/call.hpp"
 
 namespace springnet::layers {
 namespace {
@@ -198,7 +199,6 @@ springnet_status call_law(const Group& group, const Law& law, std::uint32_t inst
   batch.time = time;
   batch.parameters = parameters;
   batch.parameter_strides = strides;
-  batch.message = message;
 
   for (std::size_t begin = 0; begin < count; begin += batch_size) {
     const std::size_t size = count - begin < batch_size ? count - begin : batch_size;
@@ -226,7 +226,10 @@ springnet_status call_law(const Group& group, const Law& law, std::uint32_t inst
     batch.force_by_q = at(out.force_by_q);
     batch.force_by_rate = at(out.force_by_rate);
     batch.margin = at(out.margin);
-    const springnet_status status = law.component->law().evaluate(&batch);
+    const springnet_status status = call_component(*law.component, *message, [&](springnet_message& own) {
+      batch.message = &own;
+      return law.component->law().evaluate(&batch);
+    });
     if (status != SPRINGNET_OK) return status;
   }
   return SPRINGNET_OK;

@@ -72,7 +72,8 @@ struct LawOutputs {
   double* margin = nullptr;
 };
 
-// Calls a law on `count` elements. At most max_segment elements. Does not throw.
+// Calls a law on `count` elements. At most max_segment elements. Does not throw; on failure `message` names the law,
+// its plugin and the reason.
 [[nodiscard]] springnet_status call_law(const Group& group, const Law& law, std::uint32_t instruction_set, double time,
                                         std::size_t count, const RowSelection& rows, const double* q,
                                         const double* rate, const LawOutputs& out, springnet_message* message);

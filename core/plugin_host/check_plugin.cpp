@@ -1,19 +1,25 @@
 #include "plugin_host/check_plugin.hpp"
 
+#include <string.h>
+
 #include <algorithm>
 #include <cmath>
 #include <cstddef>
 #include <cstdint>
+#include <initializer_list>
 #include <set>
 #include <utility>
 
 #include <fmt/format.h>
+#include <springnet/printable.hpp>
 
 namespace springnet {
 namespace {
 
 // No plugin has as many of anything; a greater number comes from a damaged or foreign struct.
 constexpr std::uint32_t largest_count = 4096;
+// Bytes of a name, and of any other text.
+constexpr std::size_t longest_name = 100, longest_text = 8192;
 
 const char* const rebuild = "rebuild the plugin with the SDK of this springnet";
 
@@ -29,7 +35,22 @@ std::string check_struct(const Struct* pointer, std::size_t needed, std::string_
   return {};
 }
 
-bool is_snake_case(std::string_view name) {
+// Empty if the texts of `owner`, none of them null, are of lengths that texts have: a damaged one may have no end.
+std::string check_lengths(std::string_view owner, std::initializer_list<std::pair<const char*, const char*>> texts) {
+  for (const auto& [name, text] : texts) {
+    if (strnlen(text, longest_text + 1) > longest_text)
+      return fmt::format("{}: its {} has more than {} bytes: shorten it", owner, name, longest_text);
+  }
+  return {};
+}
+
+std::string shown(const char* text) {
+  return text == nullptr ? std::string() : printable({text, strnlen(text, longest_name + 1)});
+}
+
+bool is_snake_case(const char* text) {
+  const std::string_view name(text, strnlen(text, longest_name + 1));
+  if (name.size() > longest_name) return false;
   const auto allowed = [](char c) { return (c >= 'a' && c <= 'z') || (c >= '0' && c <= '9') || c == '_'; };
   return !name.empty() && name[0] >= 'a' && name[0] <= 'z' && std::all_of(name.begin(), name.end(), allowed);
 }
@@ -47,7 +68,9 @@ std::string check_choices(const springnet_parameter& parameter, const std::strin
   for (std::uint32_t i = 0; i < parameter.choice_count; ++i) {
     const char* name = parameter.choices[i];
     if (name == nullptr || *name == '\0') return fmt::format("{}: choice {} has no name: give it one", what, i);
-    if (!names.insert(name).second) return fmt::format("{} has two choices '{}': rename one", what, name);
+    if (std::string wrong = check_lengths(fmt::format("{}: choice {}", what, i), {{"name", name}}); !wrong.empty())
+      return wrong;
+    if (!names.insert(name).second) return fmt::format("{} has two choices '{}': rename one", what, printable(name));
   }
   return {};
 }
@@ -74,13 +97,16 @@ std::string check_parameter(const springnet_parameter* parameter, const std::str
   if (std::string wrong = check_struct(parameter, SPRINGNET_PARAMETER_SIZE_1_0, what); !wrong.empty()) return wrong;
   if (parameter->name == nullptr || !is_snake_case(parameter->name)) {
     return fmt::format("{} has the name '{}': give it one of lower-case letters, digits and '_' (a key in scenes)",
-                       what, parameter->name == nullptr ? "" : parameter->name);
+                       what, shown(parameter->name));
   }
   const std::string named = fmt::format("{} '{}'", what, parameter->name);
   if (parameter->unit == nullptr || *parameter->unit == '\0') {
     return fmt::format("{} has no unit: give an SI unit, \"1\" where there is none", named);
   }
   if (parameter->summary == nullptr) return fmt::format("{} has no summary: say in one line what it is", named);
+  if (std::string wrong = check_lengths(named, {{"unit", parameter->unit}, {"summary", parameter->summary}});
+      !wrong.empty())
+    return wrong;
   if (parameter->type > SPRINGNET_CHOICE) {
     return fmt::format("{} is of type {}, which springnet does not know: {}", named, parameter->type, rebuild);
   }
@@ -148,7 +174,7 @@ std::string check_component(const springnet_component* component, std::uint32_t 
   if (std::string wrong = check_struct(component, SPRINGNET_COMPONENT_SIZE_1_0, what); !wrong.empty()) return wrong;
   if (component->id == nullptr || !is_snake_case(component->id)) {
     return fmt::format("{} has the id '{}': give it one of lower-case letters, digits and '_' (its name in scenes)",
-                       what, component->id == nullptr ? "" : component->id);
+                       what, shown(component->id));
   }
   if (component->kind < SPRINGNET_SPRING_FUNCTION || component->kind > SPRINGNET_INTEGRATOR) {
     return fmt::format("component '{}' is of kind {}, which springnet does not know: {}", component->id,
@@ -161,8 +187,9 @@ std::string check_component(const springnet_component* component, std::uint32_t 
   if (component->summary == nullptr || component->reference == nullptr) {
     return fmt::format("{} has no summary or reference: fill them in, \"\" where there is no literature", owner);
   }
-  std::string wrong =
-      check_parameters(component->parameters, component->parameter_count, component->kind, owner, "parameter");
+  std::string wrong = check_lengths(owner, {{"summary", component->summary}, {"reference", component->reference}});
+  if (!wrong.empty()) return wrong;
+  wrong = check_parameters(component->parameters, component->parameter_count, component->kind, owner, "parameter");
   if (!wrong.empty()) return wrong;
   switch (component->kind) {
     case SPRINGNET_NEURON:
@@ -204,6 +231,11 @@ std::string check_plugin(const springnet_plugin& plugin) {
   if (plugin.version == nullptr || plugin.author == nullptr || plugin.licence == nullptr) {
     return "version, author or licence of the plugin is a null pointer: fill them in, \"\" where unknown";
   }
+  if (std::string wrong = check_lengths(
+          "the plugin",
+          {{"id", plugin.id}, {"version", plugin.version}, {"author", plugin.author}, {"licence", plugin.licence}});
+      !wrong.empty())
+    return wrong;
   if (plugin.component_count == 0 || plugin.component_count > largest_count || plugin.components == nullptr) {
     return fmt::format("the plugin offers {} components{}: list them", plugin.component_count,
                        plugin.components == nullptr ? " behind a null pointer" : "");

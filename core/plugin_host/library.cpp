@@ -10,6 +10,8 @@
 #include <boost/dll/runtime_symbol_info.hpp>
 #include <boost/dll/shared_library.hpp>
 
+#include "plugin_host/elf_file.hpp"
+
 namespace springnet {
 namespace {
 
@@ -37,6 +39,26 @@ std::string loader_message(const std::exception& error, const std::filesystem::p
   return text.starts_with(name) ? text.substr(name.size()) : text;
 }
 
+std::string unloadable(const std::string& why) {
+  return fmt::format(
+      "cannot be loaded as a library ({}): check that it is a complete library of this machine's kind "
+      "and links all that it calls",
+      why);
+}
+
+// Opening anything else may wait for ever (a pipe), or do something (a device). Empty: a file.
+std::string check_kind(const std::filesystem::path& file) {
+  const auto kind = std::filesystem::status(file).type();
+  if (kind == std::filesystem::file_type::regular) return {};
+  const char* const what = kind == std::filesystem::file_type::directory   ? "a folder"
+                           : kind == std::filesystem::file_type::fifo      ? "a named pipe"
+                           : kind == std::filesystem::file_type::socket    ? "a socket"
+                           : kind == std::filesystem::file_type::character ? "a device"
+                           : kind == std::filesystem::file_type::block     ? "a device"
+                                                                           : "no file";
+  return fmt::format("cannot be loaded as a library (it is {}): remove it, or name a plugin's file", what);
+}
+
 }  // namespace
 
 OpenedLibrary open_library(const std::filesystem::path& file) {
@@ -45,8 +67,10 @@ OpenedLibrary open_library(const std::filesystem::path& file) {
   std::filesystem::path real = file;
   try {
     real = std::filesystem::canonical(file);
+    if (std::string wrong = check_kind(real); !wrong.empty()) return {nullptr, std::move(wrong)};
     auto found = registry().find(real);
     if (found == registry().end()) {
+      if (const std::string wrong = check_elf(real); !wrong.empty()) return {nullptr, unloadable(wrong)};
       using boost::dll::load_mode::rtld_local;
       using boost::dll::load_mode::rtld_now;
       boost::dll::shared_library library(real, rtld_now | rtld_local);
@@ -59,9 +83,7 @@ OpenedLibrary open_library(const std::filesystem::path& file) {
     }
     return {&found->second.get<const springnet_plugin>(SPRINGNET_ENTRY_SYMBOL), {}};
   } catch (const std::exception& error) {
-    return {nullptr, fmt::format("cannot be loaded as a library ({}): check that it is a complete library of this "
-                                 "machine's kind and links all that it calls",
-                                 loader_message(error, real))};
+    return {nullptr, unloadable(loader_message(error, real))};
   }
 }
 

@@ -7,6 +7,7 @@
 
 #include <springnet/error.hpp>
 #include <springnet/plugin_host.hpp>
+#include <springnet/printable.hpp>
 
 namespace springnet {
 namespace {
@@ -17,14 +18,14 @@ std::span<const springnet_parameter* const> parameters_of(const springnet_compon
 
 // "1" is the unit of what has none.
 std::string with_unit(double value, const springnet_parameter& parameter) {
-  const std::string_view unit = parameter.unit;
+  const std::string unit = printable(parameter.unit);
   return unit == "1" ? fmt::format("{}", value) : fmt::format("{} {}", value, unit);
 }
 
 std::string list_choices(const springnet_parameter& parameter) {
   std::string text;
   for (std::uint32_t i = 0; i < parameter.choice_count; ++i) {
-    text += fmt::format("{}'{}'", i == 0 ? "" : ", ", parameter.choices[i]);
+    text += fmt::format("{}'{}'", i == 0 ? "" : ", ", printable(parameter.choices[i]));
   }
   return text;
 }
@@ -35,7 +36,7 @@ std::string list_parameters(const springnet_component& component) {
   for (const springnet_parameter* parameter : parameters_of(component)) {
     if (text.back() != ' ') text += ", ";
     text += parameter->name;
-    if (std::string_view(parameter->unit) != "1") text += fmt::format(" ({})", parameter->unit);
+    if (std::string_view(parameter->unit) != "1") text += fmt::format(" ({})", printable(parameter->unit));
   }
   return text;
 }
@@ -97,7 +98,7 @@ std::vector<double> complete_parameters(const springnet_component& component, co
       std::vector<std::string> known;
       for (const springnet_parameter* parameter : parameters_of(component)) known.emplace_back(parameter->name);
       const std::string nearest = suggestion(name, known);
-      throw Error(ErrorKind::input, fmt::format("{}: {} has no parameter '{}'; {}{}", where, what, name,
+      throw Error(ErrorKind::input, fmt::format("{}: {} has no parameter '{}'; {}{}", where, what, printable(name),
                                                 nearest.empty() ? "" : nearest + " ", list_parameters(component)));
     }
     const std::string wrong = check_value(*component.parameters[index], value);
@@ -112,7 +113,7 @@ std::vector<double> complete_parameters(const springnet_component& component, co
     const springnet_parameter& parameter = *component.parameters[i];
     if (!values[i] && (parameter.flags & SPRINGNET_REQUIRED) != 0) {
       throw Error(ErrorKind::input, fmt::format("{}: {} needs a value for '{}' ({}: {})", where, what, parameter.name,
-                                                parameter.unit, parameter.summary));
+                                                printable(parameter.unit), printable(parameter.summary, 200)));
     }
     complete.push_back(values[i].value_or(parameter.default_value));
   }

@@ -8,6 +8,7 @@
 
 #include <springnet/error.hpp>
 #include <springnet/plugin_host.hpp>
+#include <springnet/printable.hpp>
 
 #include "plugin_host/check_plugin.hpp"
 #include "plugin_host/library.hpp"
@@ -15,6 +16,9 @@
 namespace springnet {
 
 namespace fs = std::filesystem;
+
+// Characters of a file's name that a message shows; a system has no longer ones.
+constexpr std::size_t longest_path = 4096;
 
 std::string_view name_of(ComponentKind kind) noexcept {
   switch (kind) {
@@ -42,25 +46,27 @@ struct PluginHost::Impl {
     return found == components.end() ? nullptr : *found;
   }
 
-  bool refuse(const fs::path& file, std::string reason) {
-    refusals.push_back({file, std::move(reason)});
+  bool refuse(const fs::path& file, const std::string& reason) {
+    refusals.push_back({file, printable_message(reason)});
     return false;
   }
 
   // All components of the plugin, or none: half a plugin would hide that something is wrong.
   bool take(const springnet_plugin& plugin, const fs::path& file) {
-    if (std::string wrong = check_plugin(plugin); !wrong.empty()) return refuse(file, std::move(wrong));
+    if (const std::string wrong = check_plugin(plugin); !wrong.empty()) return refuse(file, wrong);
     std::vector<std::shared_ptr<const Component>> taken;
     for (std::uint32_t i = 0; i < plugin.component_count; ++i) {
       taken.push_back(std::make_shared<const Component>(Component{plugin.components[i], &plugin, file}));
       const auto other = find(taken.back()->kind(), taken.back()->id());
       if (!other) continue;
       if (other->plugin == &plugin) return true;  // the same plugin once more
-      const std::string owner = fmt::format("{} {}", other->plugin->id, other->plugin->version);
+      const std::string owner = fmt::format("{} {}", printable(other->plugin->id), printable(other->plugin->version));
       return refuse(file,
                     fmt::format("{} '{}' is taken already, by {}: rename it, or remove one of the two plugins",
                                 name_of(other->kind()), other->id(),
-                                other->file.empty() ? owner : fmt::format("{} ({})", owner, other->file.string())));
+                                other->file.empty()
+                                    ? owner
+                                    : fmt::format("{} ({})", owner, printable(other->file.string(), longest_path))));
     }
     components.insert(components.end(), taken.begin(), taken.end());
     return true;
@@ -131,7 +137,7 @@ bool PluginHost::load(const fs::path& file) {
   }
   impl_->seen.insert(real);
   OpenedLibrary opened = open_library(file);
-  if (opened.entry == nullptr) return impl_->refuse(file, std::move(opened.reason));
+  if (opened.entry == nullptr) return impl_->refuse(file, opened.reason);
   return impl_->take(*opened.entry, file);
 }
 
@@ -155,9 +161,9 @@ std::shared_ptr<const Component> PluginHost::require(ComponentKind kind, std::st
     if (component->kind() == kind)
       known.emplace_back(component->id());
     else if (component->id() == id)
-      elsewhere = fmt::format(" ('{}' is a {})", id, name_of(component->kind()));
+      elsewhere = fmt::format(" ('{}' is a {})", printable(id), name_of(component->kind()));
   }
-  std::string message = fmt::format("there is no {} '{}'{}", name_of(kind), id, elsewhere);
+  std::string message = fmt::format("there is no {} '{}'{}", name_of(kind), printable(id), elsewhere);
   if (const std::string nearest = suggestion(id, known); !nearest.empty()) message += "; " + nearest;
   if (known.empty()) {
     message +=
@@ -170,8 +176,10 @@ std::shared_ptr<const Component> PluginHost::require(ComponentKind kind, std::st
   for (std::size_t i = 0; i < impl_->refusals.size(); ++i) {
     const Refusal& refusal = impl_->refusals[i];
     if (i == 0) message += "\nPlugins that were not taken:";
-    message += fmt::format("\n  {}: {}", refusal.file.empty() ? "(registered in the program)" : refusal.file.string(),
-                           refusal.reason);
+    message += fmt::format(
+        "\n  {}: {}",
+        refusal.file.empty() ? "(registered in the program)" : printable(refusal.file.string(), longest_path),
+        refusal.reason);
   }
   throw Error(ErrorKind::plugin, message);
 }

@@ -62,10 +62,6 @@ Engine::Engine(const Network& network, const PluginHost& plugins, const Simulati
   start_constraints();
 }
 
-void Engine::note(const std::string& text) {
-  if (std::find(notes_.begin(), notes_.end(), text) == notes_.end()) notes_.push_back(text);
-}
-
 void Engine::note_energy() {
   if (energy_noted_) return;
   energy_noted_ = true;

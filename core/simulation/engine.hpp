@@ -17,6 +17,7 @@
 #include "simulation/contact.hpp"
 #include "simulation/cutting.hpp"
 #include "simulation/loads.hpp"
+#include "simulation/requests.hpp"
 #include "simulation/rigid.hpp"
 #include "simulation/state.hpp"
 
@@ -46,10 +47,27 @@ class Engine {
   [[nodiscard]] double next_discontinuity(double time) const noexcept;
   [[nodiscard]] layers::Linearisation& linearisation() noexcept { return linearisation_; }
   [[nodiscard]] springnet_message& message() noexcept { return message_; }
-  void report(const char* name, double value) { statistics_[name] = value; }
+  // A number or a note of the integrator; any thread of a sweep may have one. Of more than a few hundred numbers, or
+  // notes, those that come later are left out.
+  void report(const std::string& name, double value);
   void note(const std::string& text);
+  // States for the integrator to work with. The engine owns them, and knows no others.
+  [[nodiscard]] springnet_state* create_state();
+  void destroy_state(const springnet_state* state) noexcept;
+  // Throws Error(plugin) if `state` is none of them.
+  [[nodiscard]] State& created_state(const springnet_state* state);
+  // Throws Error(plugin) within a sweep: a node's update may not call what changes the engine.
+  void require_no_sweep() const;
+  // A failed call of the integrator: its reason becomes the message, and `misuse` if the fault was the integrator's.
+  void refuse_call(const std::string& reason, bool misuse) noexcept;
 
   // ---- what Simulation asks for ----
+  // The integrator is about to advance the network to `until`, s: it may commit no later time. Forgets earlier misuse.
+  void begin_advance(double until);
+  // What the integrator last did against the rules of plugin.h since then; empty: nothing.
+  [[nodiscard]] const std::string& misuse() const noexcept { return misuse_; }
+  // Rounding of the end of the present advance, s.
+  [[nodiscard]] double end_tolerance() const noexcept;
   [[nodiscard]] const layers::Layout& layout() const noexcept { return layout_; }
   [[nodiscard]] const layers::Evaluator& evaluator() const noexcept { return evaluator_; }
   [[nodiscard]] const Contact& contact() const noexcept { return contact_; }
@@ -170,6 +188,8 @@ class Engine {
   void explain(double time, const layers::NodeArrays& nodes);
   bool check_finite(bool forces, std::uint32_t bad_neuron, double time, const layers::NodeArrays& nodes);
   springnet_status failed(springnet_status status, double time, const layers::NodeArrays& nodes);
+  // Throws Error if the integrator may not commit this.
+  void check_commit(double time, const State& state);
 
   layers::Layout layout_;
   std::vector<double> mass_;
@@ -180,8 +200,11 @@ class Engine {
   layers::Linearisation linearisation_;
   std::vector<std::uint32_t> no_cluster_;  // [node] of network_info without rigid connections
   State state_;
+  std::vector<std::unique_ptr<State>> created_states_;
   double time_ = 0.0;
-  double time_step_;  // s
+  double time_step_;                                 // s
+  double advance_from_ = 0.0, advance_until_ = 0.0;  // s
+  std::string misuse_;
   bool forces_stale_ = true;
   bool unsettled_ = false;  // something changed after which contacts and ruptures are looked at anew
   bool swept_ = false;
@@ -195,9 +218,12 @@ class Engine {
   std::uint64_t info_revision_ = 0;
   std::uint64_t sources_revision_ = 0;
   std::vector<EventSource> sources_;
-  double touch_depth_ = 0.0;                // m
-  std::mutex failure_lock_;                 // of messages, where nodes are evaluated by several threads
-  bool in_sets_ = false;                    // several threads write outputs
+  double touch_depth_ = 0.0;  // m
+  std::mutex failure_lock_;   // of messages and reports, where nodes are updated by several threads
+  bool in_sets_ = false;      // several threads write outputs
+  bool in_sweep_ = false;     // updates of the integrator are called,
+  bool in_tiles_ = false;     // tile by tile, from several threads
+  OrderCheck order_check_;
   layers::SurfaceVolumes swept_volumes_;    // of closed surfaces within a sweep in an order,
   layers::SurfaceVolumes asked_volumes_;    // and of a call of evaluate_nodes outside
   std::vector<std::uint8_t> cluster_done_;  // within a sweep in an order

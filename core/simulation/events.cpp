@@ -7,6 +7,8 @@
 
 #include "layers/element_questions.hpp"
 #include "layers/elements.hpp"
+#include "layers/message.hpp"
+#include "plugin_host/call.hpp"
 #include "simulation/engine.hpp"
 #include "simulation/vectors.hpp"
 
@@ -22,10 +24,25 @@ const Engine::Rupturing& Engine::rupturing() {
 springnet_status Engine::rupture_margins(double time, const layers::NodeArrays& nodes, double* margins) {
   const Rupturing& some = rupturing();
   const InstructionSet set = evaluator_.instruction_set();
-  const springnet_status status = layers::rupture_margins(layout_, set, time, nodes, some.springs, margins, message_);
-  return status != SPRINGNET_OK ? status
-                                : layers::element_margins(layout_, set, time, nodes, some.elements,
-                                                          margins + some.springs.size(), message_);
+  springnet_status status = layers::rupture_margins(layout_, set, time, nodes, some.springs, margins, message_);
+  if (status == SPRINGNET_OK)
+    status = layers::element_margins(layout_, set, time, nodes, some.elements, margins + some.springs.size(), message_);
+  if (status != SPRINGNET_OK) return status;
+  // A margin that is no number says neither that the element holds nor that it breaks.
+  const double* const bad = std::find_if(margins, margins + some.count(), [](double m) { return std::isnan(m); });
+  if (bad == margins + some.count()) return SPRINGNET_OK;
+  const auto i = static_cast<std::size_t>(bad - margins);
+  const bool element = i >= some.springs.size();
+  const std::uint32_t number = element ? some.elements[i - some.springs.size()] : some.springs[i];
+  const layers::Group& group =
+      layout_.laws().groups[element ? layout_.elements().group(number) : layout_.laws().group[number]];
+  const layers::Law& law = group.spring.can(SPRINGNET_HAS_RUPTURE) ? group.spring : group.viscosity;
+  const std::string reason = explain_failure(layout_, set, time, nodes);
+  set_message(message_, !reason.empty()
+                            ? reason
+                            : fmt::format("{} answered a rupture margin that is not a number for {} {}",
+                                          full_name(*law.component), element ? "element" : "spring", number));
+  return SPRINGNET_RECOVERABLE;
 }
 
 std::size_t Engine::remove(const std::vector<std::uint32_t>& springs, const std::vector<std::uint32_t>& elements,
@@ -119,6 +136,8 @@ void Engine::follow_motions() {
 }
 
 springnet_status Engine::commit(double time, State& state) {
+  check_commit(time, state);
+  if (state.view.force_is_current != 0 && !state.forces_finite()) state.view.force_is_current = 0;
   state_.swap(state);
   const double from = time_;
   time_ = time;

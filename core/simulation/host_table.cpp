@@ -4,59 +4,63 @@
 
 #include <exception>
 #include <limits>
-#include <new>
+#include <string>
 
 #include <springnet/error.hpp>
 
-#include "layers/message.hpp"
+#include "simulation/requests.hpp"
 
 namespace springnet {
 namespace {
 
 Engine& engine_of(void* context) { return *static_cast<Engine*>(context); }
 
-// Runs an action of the host on behalf of an integrator.
+// Runs the action of one host function on behalf of an integrator.
 template <class Action>
-springnet_status guarded(void* context, Action action) noexcept {
+springnet_status guarded(void* context, const char* function, const Action& action) noexcept {
+  if (context == nullptr) return SPRINGNET_FAILED;
+  Engine& engine = engine_of(context);
+  const auto refuse = [&](const char* reason, bool misuse) noexcept {
+    try {
+      engine.refuse_call(misuse ? fmt::format("springnet_host::{}: {}", function, reason) : std::string(reason),
+                         misuse);
+    } catch (const std::exception&) {
+      sdk::detail::write_message(&engine.message(), "out of memory");
+    }
+  };
   try {
-    return action(engine_of(context));
+    return action(engine);
+  } catch (const Error& error) {
+    refuse(error.what(), error.kind() == ErrorKind::plugin);
   } catch (const std::exception& error) {
-    set_message(engine_of(context).message(), error.what());
+    refuse(error.what(), false);
   } catch (...) {
-    set_message(engine_of(context).message(), "unknown failure in the host");
+    refuse("unknown failure in the host", false);
   }
   return SPRINGNET_FAILED;
 }
 
+// The same for what changes the engine or uses its buffers.
+template <class Action>
+springnet_status outside_of_sweeps(void* context, const char* function, const Action& action) noexcept {
+  return guarded(context, function, [&](Engine& engine) -> springnet_status {
+    engine.require_no_sweep();
+    return action(engine);
+  });
+}
+
 // The same for an action on the derivatives, once there are any.
 template <class Action>
-springnet_status linearised(void* context, Action action) noexcept {
-  return guarded(context, [&](Engine& engine) -> springnet_status {
+springnet_status linearised(void* context, const char* function, const Action& action) noexcept {
+  return outside_of_sweeps(context, function, [&](Engine& engine) -> springnet_status {
     if (!engine.linearisation().known()) throw Error(ErrorKind::plugin, "derivatives were asked for before linearise");
     return action(engine);
   });
 }
 
-// Where the structs of ABI 1.0 ended: an integrator compiled against it gives no more.
-constexpr std::size_t evaluation_size = SPRINGNET_SIZE_TO(springnet_evaluation, internal_rate);
-constexpr std::size_t sweep_size = SPRINGNET_SIZE_TO(springnet_sweep, user);
-
-// A request of an integrator, which has to be at least as large as ABI 1.0 made it.
-template <class Request>
-const Request& checked(const Request* request, const char* name, std::size_t least) {
-  if (request == nullptr || request->struct_size < least)
-    throw Error(ErrorKind::plugin, fmt::format("a {} of {} bytes was given where ABI 1.0 has {}; set its struct_size",
-                                               name, request == nullptr ? 0 : request->struct_size, least));
-  return *request;
-}
-const springnet_evaluation& checked(const springnet_evaluation* evaluation) {
-  return checked(evaluation, "springnet_evaluation", evaluation_size);
-}
-const springnet_sweep& checked(const springnet_sweep* sweep) { return checked(sweep, "springnet_sweep", sweep_size); }
-
 const springnet_network* network(void* context) {
   const springnet_network* info = nullptr;
-  static_cast<void>(guarded(context, [&](Engine& engine) -> springnet_status {
+  static_cast<void>(guarded(context, "network", [&](Engine& engine) -> springnet_status {
     info = &engine.network_info();
     return SPRINGNET_OK;
   }));
@@ -64,20 +68,21 @@ const springnet_network* network(void* context) {
 }
 
 springnet_state* state_create(void* context) {
-  try {
-    return &(new State(engine_of(context).layout().node_count()))->view;
-  } catch (const std::bad_alloc&) {
-    return nullptr;
-  }
+  springnet_state* state = nullptr;
+  static_cast<void>(guarded(context, "state_create", [&](Engine& engine) -> springnet_status {
+    state = engine.create_state();
+    return SPRINGNET_OK;
+  }));
+  return state;
 }
 
-void state_destroy(void*, springnet_state* state) {
-  if (state != nullptr) delete &State::of(state);
+void state_destroy(void* context, springnet_state* state) {
+  if (context != nullptr) engine_of(context).destroy_state(state);
 }
 
 const springnet_state* committed(void* context, double* time) {
   const springnet_state* state = nullptr;
-  static_cast<void>(guarded(context, [&](Engine& engine) -> springnet_status {
+  static_cast<void>(guarded(context, "committed", [&](Engine& engine) -> springnet_status {
     state = &engine.state_without_forces().view;
     if (time != nullptr) *time = engine.time();
     return SPRINGNET_OK;
@@ -86,70 +91,113 @@ const springnet_state* committed(void* context, double* time) {
 }
 
 springnet_status begin_step(void* context, double from, double until) {
-  return guarded(context, [&](Engine& engine) { return engine.begin_step(from, until); });
+  return outside_of_sweeps(context, "begin_step", [&](Engine& engine) {
+    require_finite(from, "from");
+    if (!(until > from))
+      throw Error(ErrorKind::plugin, fmt::format("a step from {} s has to end later than at {} s", from, until));
+    return engine.begin_step(from, until);
+  });
 }
 springnet_status evaluate(void* context, const springnet_evaluation* evaluation) {
-  return guarded(context, [&](Engine& engine) { return engine.evaluate(checked(evaluation)); });
+  return outside_of_sweeps(context, "evaluate", [&](Engine& engine) { return engine.evaluate(checked(evaluation)); });
 }
 springnet_status evaluate_nodes(void* context, const springnet_evaluation* evaluation, const std::uint32_t* nodes,
                                 std::uint32_t count) {
-  return guarded(context, [&](Engine& engine) { return engine.evaluate_nodes(checked(evaluation), nodes, count); });
+  return guarded(context, "evaluate_nodes", [&](Engine& engine) {
+    check_nodes(nodes, count, engine.layout().node_count());
+    return engine.evaluate_nodes(checked(evaluation), nodes, count);
+  });
 }
 springnet_status sweep(void* context, const springnet_sweep* request) {
-  return guarded(context, [&](Engine& engine) { return engine.sweep(checked(request)); });
+  return outside_of_sweeps(
+      context, "sweep", [&](Engine& engine) { return engine.sweep(checked(request, engine.layout().node_count())); });
 }
 springnet_status linearise(void* context, const springnet_evaluation* at) {
-  return guarded(context, [&](Engine& engine) { return engine.linearise(checked(at)); });
+  return outside_of_sweeps(context, "linearise", [&](Engine& engine) { return engine.linearise(checked(at)); });
 }
 springnet_status jacobian_times(void* context, const double* dp, const double* dv, double* out) {
-  return linearised(context, [&](Engine& engine) { return engine.jacobian_times(dp, dv, out); });
+  return linearised(context, "jacobian_times", [&](Engine& engine) {
+    require_array(dp, "dp");
+    require_array(dv, "dv");
+    require_array(out, "out");
+    return engine.jacobian_times(dp, dv, out);
+  });
 }
 springnet_status diagonal_blocks(void* context, double velocity_weight, double position_weight, double* out) {
-  return linearised(context, [&](Engine& engine) -> springnet_status {
+  return linearised(context, "diagonal_blocks", [&](Engine& engine) -> springnet_status {
+    require_array(out, "out");
     engine.linearisation().diagonal_blocks(velocity_weight, position_weight, out);
     return SPRINGNET_OK;
   });
 }
 springnet_status factorise(void* context, double velocity_weight, double position_weight) {
-  return guarded(context, [&](Engine& engine) { return engine.factorise(velocity_weight, position_weight); });
+  return outside_of_sweeps(context, "factorise", [&](Engine& engine) {
+    require_finite(velocity_weight, "velocity_weight");
+    require_finite(position_weight, "position_weight");
+    return engine.factorise(velocity_weight, position_weight);
+  });
 }
 springnet_status solve(void* context, std::int32_t transposed, const double* right_side, double* x) {
-  return guarded(context, [&](Engine& engine) {
+  return outside_of_sweeps(context, "solve", [&](Engine& engine) {
+    require_array(right_side, "right_side");
+    require_array(x, "x");
     return engine.linearisation().solve(transposed != 0, right_side, x, engine.message());
   });
 }
 springnet_status event_values(void* context, const springnet_evaluation* at, double* values, std::int32_t* directions) {
-  return guarded(context, [&](Engine& engine) { return engine.event_values(checked(at), values, directions); });
+  return outside_of_sweeps(context, "event_values", [&](Engine& engine) {
+    if (engine.network_info().event_count > 0) require_array(values, "values");
+    return engine.event_values(checked(at), values, directions);
+  });
 }
 springnet_status fire_events(void* context, double time, springnet_state* state, const std::int32_t* fired) {
-  return guarded(context, [&](Engine& engine) { return engine.fire_events(time, State::of(state), fired); });
+  return outside_of_sweeps(context, "fire_events", [&](Engine& engine) {
+    require_finite(time, "time");
+    if (engine.network_info().event_count > 0) require_array(fired, "fired");
+    return engine.fire_events(time, engine.created_state(state), fired);
+  });
 }
-double next_discontinuity(void* context, double time) { return engine_of(context).next_discontinuity(time); }
+double next_discontinuity(void* context, double time) {
+  if (context == nullptr) return std::numeric_limits<double>::infinity();
+  return engine_of(context).next_discontinuity(time);
+}
 springnet_status commit(void* context, double time, springnet_state* state) {
-  return guarded(context, [&](Engine& engine) { return engine.commit(time, State::of(state)); });
+  return outside_of_sweeps(context, "commit",
+                           [&](Engine& engine) { return engine.commit(time, engine.created_state(state)); });
 }
 void report(void* context, const char* name, double value) {
-  static_cast<void>(guarded(context, [&](Engine& engine) -> springnet_status {
+  static_cast<void>(guarded(context, "report", [&](Engine& engine) -> springnet_status {
+    require_array(name, "name");
     engine.report(name, value);
     return SPRINGNET_OK;
   }));
 }
 springnet_status constrain(void* context, const springnet_sweep* request) {
-  return guarded(context, [&](Engine& engine) { return engine.constrain(checked(request)); });
+  return outside_of_sweeps(context, "constrain",
+                           [&](Engine& engine) { return engine.constrain(checked_end(request)); });
 }
 springnet_status project(void* context, const double* mobility, double* values) {
-  return linearised(context, [&](Engine& engine) { return engine.project(mobility, values); });
+  return linearised(context, "project", [&](Engine& engine) {
+    require_array(values, "values");
+    return engine.project(mobility, values);
+  });
 }
 springnet_status project_state(void* context, double time, springnet_vectors position, springnet_vectors velocity) {
-  return guarded(context, [&](Engine& engine) { return engine.project_state(time, position, velocity); });
+  return outside_of_sweeps(context, "project_state", [&](Engine& engine) {
+    require_finite(time, "time");
+    require_vectors(position, "position");
+    require_vectors(velocity, "velocity");
+    return engine.project_state(time, position, velocity);
+  });
 }
 void note(void* context, const char* text) {
-  static_cast<void>(guarded(context, [&](Engine& engine) -> springnet_status {
+  static_cast<void>(guarded(context, "note", [&](Engine& engine) -> springnet_status {
+    require_array(text, "text");
     engine.note(text);
     return SPRINGNET_OK;
   }));
 }
-springnet_message* message(void* context) { return &engine_of(context).message(); }
+springnet_message* message(void* context) { return context == nullptr ? nullptr : &engine_of(context).message(); }
 
 }  // namespace
 

@@ -4,11 +4,13 @@
 #include <cmath>
 
 #include <springnet/error.hpp>
+#include <springnet/printable.hpp>
 #include <springnet/simulation.hpp>
 
 #include "layers/element_questions.hpp"
 #include "layers/elements.hpp"
 #include "network/spacing.hpp"
+#include "plugin_host/call.hpp"
 #include "simulation/engine.hpp"
 #include "simulation/host_table.hpp"
 
@@ -37,15 +39,32 @@ struct Simulation::Impl {
         host(make_host_table(engine)) {
     const std::vector<double> values = complete_parameters(*component->description, given.integrator.parameters,
                                                            fmt::format("integrator '{}'", given.integrator.id));
-    if (component->integrator().create(&host, values.data(), &integrator) != SPRINGNET_OK)
-      throw Error(ErrorKind::input, fmt::format("integrator '{}': {}", given.integrator.id, engine.message().text));
+    const Ending end = call([&] { return component->integrator().create(&host, values.data(), &integrator); });
+    if (end.status == SPRINGNET_OK) return;
+    if (end.broken) throw Error(ErrorKind::plugin, end.text);
+    throw Error(ErrorKind::input, fmt::format("integrator '{}': {}", given.integrator.id, end.text));
   }
   ~Impl() {
-    if (integrator != nullptr) component->integrator().destroy(integrator);
+    if (integrator == nullptr) return;
+    try {
+      component->integrator().destroy(integrator);
+    } catch (...) {  // plugin.h forbids it, and here is nobody to tell
+    }
   }
   Impl(const Impl&) = delete;
   Impl& operator=(const Impl&) = delete;
 
+  // How a call of the integrator ended. `broken`: the plugin did what plugin.h forbids.
+  struct Ending {
+    springnet_status status = SPRINGNET_FAILED;
+    bool broken = false;
+    std::string text;  // why, unless the status is OK
+  };
+  template <class Function>
+  Ending call(const Function& function);
+  [[nodiscard]] std::string broken_by(std::string_view what) const {
+    return fmt::format("{}: {}", full_name_with_file(*component), what);
+  }
   void advance(double until);
   [[nodiscard]] std::uint32_t engine_node(NodeIndex node) const {
     if (node >= engine.layout().node_count())
@@ -109,6 +128,8 @@ struct Simulation::Impl {
 
 namespace {
 
+constexpr unsigned most_threads = 1024;  // more than any machine this runs on: a slip of the keyboard
+
 void check_finite(const Vector3& value, std::string_view what) {
   if (!value.allFinite())
     throw Error(ErrorKind::input, fmt::format("{}: ({}, {}, {}) is not finite", what, value[0], value[1], value[2]));
@@ -118,13 +139,44 @@ Vector3 column(const springnet_vectors& v, std::uint32_t k) { return {v.x[k], v.
 
 }  // namespace
 
+template <class Function>
+Simulation::Impl::Ending Simulation::Impl::call(const Function& function) {
+  engine.message().text[0] = '\0';
+  Ending end;
+  try {
+    end.status = function();
+    if (end.status == SPRINGNET_OK) return end;
+    end.text = text_of(engine.message());
+    end.broken = end.text.empty() || (!engine.misuse().empty() && end.text.find(engine.misuse()) != std::string::npos);
+    if (end.broken) end.text = broken_by(end.text.empty() ? "it failed without saying why" : end.text);
+  } catch (const std::exception& error) {
+    end.broken = true;
+    end.text =
+        broken_by(fmt::format("it threw an exception, which plugin.h forbids: {}", printable_message(error.what())));
+  } catch (...) {
+    end.broken = true;
+    end.text = broken_by("it threw something that is no std::exception");
+  }
+  return end;
+}
+
 void Simulation::Impl::advance(double until) {
   const double from = engine.time();
-  engine.message().text[0] = '\0';
   springnet_step_report report{};
   report.struct_size = sizeof report;
   report.start_node = 0xffffffffu;
-  const springnet_status status = component->integrator().advance(integrator, until, &report);
+  engine.begin_advance(until);
+  Ending end = call([&] { return component->integrator().advance(integrator, until, &report); });
+  if (end.status == SPRINGNET_OK && !(std::abs(engine.time() - until) <= engine.end_tolerance())) {
+    end.status = SPRINGNET_FAILED;
+    end.broken = true;
+    end.text = broken_by(
+        fmt::format("it committed {}",
+                    engine.time() > from ? fmt::format("no later state than that at {} s", engine.time()) : "nothing"));
+    for (const std::string& reason : {engine.misuse(), engine.non_finite()})
+      if (!reason.empty()) end.text += "; " + reason;
+  }
+  const springnet_status status = end.status;
   const std::vector<std::uint32_t>& user = engine.layout().ordering().user;
   // Whatever an integrator says: a step that failed is not settled.
   const bool known = report.outcome >= SPRINGNET_SETTLED && report.outcome <= SPRINGNET_DIVERGING;
@@ -144,10 +196,10 @@ void Simulation::Impl::advance(double until) {
     steps += report.steps;
     return;
   }
-  std::string text = fmt::format("step from {} s to {} s: {}", from, until, engine.message().text);
+  std::string text = fmt::format("step from {} s to {} s: {}", from, until, end.text);
   if (!engine.non_finite().empty() && text.find(engine.non_finite()) == std::string::npos)
     text += fmt::format("; {}", engine.non_finite());
-  throw Error(ErrorKind::simulation, text);
+  throw Error(end.broken ? ErrorKind::plugin : ErrorKind::simulation, text);
 }
 
 Simulation::Simulation(const Network& network, std::shared_ptr<const PluginHost> plugins,
@@ -155,6 +207,9 @@ Simulation::Simulation(const Network& network, std::shared_ptr<const PluginHost>
   if (!plugins) throw Error(ErrorKind::input, "a simulation needs a plugin host");
   if (!(options.time_step > 0.0) || !std::isfinite(options.time_step))
     throw Error(ErrorKind::input, fmt::format("time step: must be above 0 s, is {} s", options.time_step));
+  if (options.threads > most_threads)
+    throw Error(ErrorKind::input, fmt::format("threads: must be 0 to {}, is {}; 0 takes as many as are useful",
+                                              most_threads, options.threads));
   if (network.nodes().empty())
     throw Error(ErrorKind::input, "the network has no nodes; add a body or single nodes before simulating it");
   check_spacing(network);

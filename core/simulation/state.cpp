@@ -1,20 +1,57 @@
 #include "simulation/state.hpp"
 
+#include <cmath>
 #include <utility>
 
 namespace springnet {
 
 std::uint32_t pitch_of(std::uint32_t nodes) noexcept { return (nodes + 7) / 8 * 8 + 24; }
 
-State::State(std::uint32_t nodes) : memory(9 * std::size_t{pitch_of(nodes)}, 0.0) {
+namespace {
+
+// Whether all numbers of arrays are finite: 0 times any other is not 0. Several sums, so that none waits for another.
+bool all_finite(const springnet_vectors& vectors, std::uint32_t count) noexcept {
+  constexpr std::uint32_t lanes = 8;
+  double sums[lanes] = {};
+  for (const double* values : {vectors.x, vectors.y, vectors.z}) {
+    std::uint32_t i = 0;
+    for (; i + lanes <= count; i += lanes)
+      for (std::uint32_t lane = 0; lane < lanes; ++lane) sums[lane] += values[i + lane] * 0.0;
+    for (; i < count; ++i) sums[0] += values[i] * 0.0;
+  }
+  double sum = 0.0;
+  for (const double each : sums) sum += each;
+  return sum == 0.0;
+}
+
+}  // namespace
+
+State::State(std::uint32_t nodes) : memory(9 * std::size_t{pitch_of(nodes)}, 0.0), node_count(nodes) { restore_view(); }
+
+void State::restore_view() noexcept {
   view.struct_size = sizeof view;
-  const std::size_t pitch = pitch_of(nodes);
+  view.internal = nullptr;
+  const std::size_t pitch = pitch_of(node_count);
   double* at = memory.data();
   for (springnet_vectors* vectors : {&view.position, &view.velocity, &view.force}) {
     *vectors = {at, at + pitch, at + 2 * pitch};
     at += 3 * pitch;
   }
 }
+
+std::uint32_t State::first_not_finite() const noexcept {
+  if (all_finite(view.position, node_count) && all_finite(view.velocity, node_count)) return node_count;
+  std::uint32_t k = 0;
+  for (; k < node_count; ++k) {
+    const auto finite = [k](const springnet_vectors& v) {
+      return std::isfinite(v.x[k]) && std::isfinite(v.y[k]) && std::isfinite(v.z[k]);
+    };
+    if (!finite(view.position) || !finite(view.velocity)) break;
+  }
+  return k;
+}
+
+bool State::forces_finite() const noexcept { return all_finite(view.force, node_count); }
 
 void State::swap(State& other) noexcept {
   std::swap(view, other.view);

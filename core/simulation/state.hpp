@@ -10,18 +10,23 @@
 
 namespace springnet {
 
-// `view` is what crosses to integrators; it comes first, so that a pointer to it is a pointer to the state.
+// `view` is what crosses to integrators.
 struct State {
   springnet_state view{};
   std::vector<double> memory;
+  std::uint32_t node_count;
 
   explicit State(std::uint32_t nodes);
   State(const State&) = delete;
   State& operator=(const State&) = delete;
 
-  [[nodiscard]] static State& of(springnet_state* view) { return *reinterpret_cast<State*>(view); }
   // Exchanges the memory; both stay where they are.
   void swap(State& other) noexcept;
+  // Points `view` at the memory again, whatever an integrator wrote into it.
+  void restore_view() noexcept;
+  // The first node whose position or velocity is not finite; the number of nodes if there is none. Of the forces.
+  [[nodiscard]] std::uint32_t first_not_finite() const noexcept;
+  [[nodiscard]] bool forces_finite() const noexcept;
   [[nodiscard]] layers::NodeArrays nodes() const noexcept;
   [[nodiscard]] layers::ForceArrays forces() const noexcept { return {view.force.x, view.force.y, view.force.z}; }
 };

@@ -68,6 +68,24 @@ springnet_status accelerate_tile(TileContext& context, std::uint32_t first, std:
   return SPRINGNET_OK;
 }
 
+// The integrator's own function, which must not throw; what it throws all the same ends the sweep.
+springnet_status call_update(const springnet_sweep& sweep, const springnet_node_batch& batch,
+                             springnet_message& message) noexcept {
+  try {
+    sweep.update(sweep.user, &batch);
+    return SPRINGNET_OK;
+  } catch (const std::exception& error) {
+    sdk::detail::write_message(&message, "the integrator's update of nodes threw an exception: ");
+    const std::size_t length = std::strlen(message.text);
+    springnet_message reason;
+    sdk::detail::write_message(&reason, error.what());
+    std::strncpy(message.text + length, reason.text, sizeof message.text - length - 1);
+  } catch (...) {
+    sdk::detail::write_message(&message, "the integrator's update of nodes threw something that is no std::exception");
+  }
+  return SPRINGNET_FAILED;
+}
+
 // The integrator's update of nodes, then fixation and contact.
 springnet_status update_tile(TileContext& context, std::uint32_t unit, std::uint32_t first, std::uint32_t count,
                              bool finite, const layers::NodeDerivatives* derivatives, springnet_message& message) {
@@ -89,7 +107,8 @@ springnet_status update_tile(TileContext& context, std::uint32_t unit, std::uint
     batch.acceleration_by_velocity = derivatives->by_velocity;
     batch.acceleration_by_position = derivatives->by_position;
   }
-  context.sweep->update(context.sweep->user, &batch);
+  if (const springnet_status updated = call_update(*context.sweep, batch, message); updated != SPRINGNET_OK)
+    return updated;
   context.contact->constrain(first, count, acceleration, *context.sweep, context.cluster);
   return SPRINGNET_OK;
 }
@@ -180,7 +199,7 @@ springnet_status Engine::evaluate_nodes(const springnet_evaluation& request, con
   if (layout_.elements().live_surfaces() > 0) {
     if (swept_volumes_.follows(arrays)) {
       volumes = &swept_volumes_;
-    } else if (!in_sets_) {
+    } else if (!in_sets_ && !in_tiles_) {
       asked_volumes_.compute(layout_.elements(), arrays);
       volumes = &asked_volumes_;
     }
@@ -333,8 +352,10 @@ springnet_status Engine::sweep_set(std::uint32_t set, void* tile_context) {
     const auto last =
         static_cast<std::uint32_t>(std::lower_bound(begin, end, unit.first_node + unit.node_count) - sweep.order);
     springnet_message message{};
-    const springnet_status status =
-        update_range(first, last, static_cast<std::uint32_t>(u), Turn::others, tile_context, message);
+    // An exception that leaves the region would end the process.
+    const springnet_status status = sdk::detail::guarded(&message, [&] {
+      return update_range(first, last, static_cast<std::uint32_t>(u), Turn::others, tile_context, message);
+    });
     if (status == SPRINGNET_OK) continue;
     const std::lock_guard guard(failure_lock_);
     if (u < failed_unit) {
@@ -373,7 +394,8 @@ springnet_status Engine::constrain_clusters(const springnet_sweep& sweep) {
 #pragma omp parallel for schedule(dynamic, 64) num_threads(static_cast <int>(evaluator_.threads())) if (threads)
   for (std::int64_t c = 0; c < count; ++c) {
     springnet_message message{};
-    const springnet_status status = rigid_.constrain(static_cast<std::size_t>(c), sweep, message);
+    const springnet_status status =
+        sdk::detail::guarded(&message, [&] { return rigid_.constrain(static_cast<std::size_t>(c), sweep, message); });
     if (status == SPRINGNET_OK) continue;
 #pragma omp critical(springnet_clusters)
     if (c < failed_cluster) {
@@ -387,8 +409,15 @@ springnet_status Engine::constrain_clusters(const springnet_sweep& sweep) {
 
 springnet_status Engine::sweep(const springnet_sweep& request) {
   const springnet_sweep sweep = complete(request);
+  if (sweep.order != nullptr) order_check_.check(sweep, network_info());
   set_time(sweep.time);
   swept_ = true;
+  struct Updating {
+    bool &sweep, &tiles;
+    ~Updating() { sweep = tiles = false; }
+  } const updating{in_sweep_, in_tiles_};
+  in_sweep_ = true;
+  in_tiles_ = sweep.order == nullptr;
   TileContext context{};
   context.evaluator = &evaluator_;
   context.sweep = &sweep;

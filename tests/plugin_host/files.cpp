@@ -4,10 +4,15 @@
 #include <filesystem>
 #include <string>
 
+#include <sys/stat.h>
+
 #include <doctest/doctest.h>
 
 #include <springnet/error.hpp>
 #include <springnet/plugin_host.hpp>
+
+#include "child.hpp"
+#include "temporary_folder.hpp"
 
 namespace fs = std::filesystem;
 using springnet::ComponentKind;
@@ -58,6 +63,51 @@ TEST_CASE("a good plugin offers its components, with where they come from") {
   CHECK(force == 2.5);
 }
 
+TEST_CASE("pipes, devices and sockets are refused, not opened") {
+  const springnet::testing::TemporaryFolder folder;
+  const std::string ending = ".springnet" LIBRARY_SUFFIX;
+  REQUIRE(mkfifo((folder.path() / ("pipe" + ending)).c_str(), 0600) == 0);
+  fs::create_symlink("/dev/zero", folder.path() / ("zero" + ending));
+  fs::create_symlink("pipe" + ending, folder.path() / ("link" + ending));
+  fs::create_symlink("loop" + ending, folder.path() / ("loop" + ending));
+  fs::create_symlink("nowhere" + ending, folder.path() / ("dangling" + ending));
+  const std::string reasons = springnet::testing::in_child([&] {
+    PluginHost host;
+    host.search(folder.path());
+    std::string text = host.components().empty() ? "" : "taken";
+    for (const springnet::Refusal& refusal : host.refusals())
+      text += refusal.file.filename().string() + ": " + refusal.reason + "\n";
+    return text;
+  });
+  CAPTURE(reasons);
+  CHECK(contains(reasons, "dangling" + ending + ": cannot be opened"));
+  CHECK(contains(reasons, "link" + ending + ": cannot be loaded as a library (it is a named pipe)"));
+  CHECK(contains(reasons, "loop" + ending + ": cannot be opened"));
+  CHECK(contains(reasons, "zero" + ending + ": cannot be loaded as a library (it is a device)"));
+  CHECK_FALSE(contains(reasons, "pipe" + ending));  // looked at already, behind the link
+}
+
+TEST_CASE("a plugin that was copied in part is refused, wherever it ends") {
+  const springnet::testing::TemporaryFolder folder;
+  const std::string whole = springnet::testing::read_text(fixture("good"));
+  const fs::path copy = folder.path() / ("copy.springnet" LIBRARY_SUFFIX);
+  std::size_t refused = 0;
+  for (const std::size_t bytes : {std::size_t{1}, std::size_t{63}, std::size_t{100}, std::size_t{900},
+                                  std::size_t{3000}, std::size_t{5000}, whole.size() / 2, whole.size() - 1}) {
+    folder.write(copy.filename().string(), whole.substr(0, bytes));
+    // Where nothing that is mapped is missing it may be taken.
+    const std::string reason = springnet::testing::in_child([&] {
+      PluginHost host;
+      return host.load(copy) ? std::string() : host.refusals()[0].reason;
+    });
+    CAPTURE(bytes);
+    CAPTURE(reason);
+    CHECK((reason.empty() || contains(reason, "cannot be loaded as a library (")));
+    refused += reason.empty() ? 0 : 1;
+  }
+  CHECK(refused >= 4);
+}
+
 TEST_CASE("a plugin of a later minor version, whose structs have grown, is taken") {
   PluginHost host;
   CHECK(host.load(fixture("newer")));
@@ -72,7 +122,7 @@ TEST_CASE("every file that is no plugin is refused with the reason and the remed
   const std::vector<Case> cases{
       {"text", {"cannot be loaded as a library", "complete library"}},
       {"empty", {"cannot be loaded as a library (file too short)", "complete library"}},
-      {"folder", {"cannot be loaded as a library"}},
+      {"folder", {"cannot be loaded as a library (it is a folder)"}},
       {"missing_symbol", {"(undefined symbol: springnet_fixture_nowhere)", "links all that it calls"}},
       {"no_entry", {"no symbol springnet_plugin_entry", "export it"}},
       {"other_magic", {"magic number", "SDK"}},

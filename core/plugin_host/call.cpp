@@ -1,0 +1,42 @@
+#include "plugin_host/call.hpp"
+
+#include <string.h>
+
+#include <fmt/format.h>
+
+#include <springnet/printable.hpp>
+
+namespace springnet {
+namespace {
+
+// Of a reason, in characters: the message has room for the component's name and the place too.
+constexpr std::size_t longest_reason = 300;
+
+}  // namespace
+
+std::string text_of(const springnet_message& message) {
+  return printable_message({message.text, strnlen(message.text, sizeof message.text)});
+}
+
+std::string full_name(const Component& component) {
+  return fmt::format("{} '{}' of plugin {}", name_of(component.kind()), component.id(),
+                     printable(component.plugin->id));
+}
+
+std::string full_name_with_file(const Component& component) {
+  if (component.file.empty()) return full_name(component);
+  return fmt::format("{} ({})", full_name(component), printable(component.file.string(), longest_reason));
+}
+
+void write_failure(const Component& component, const springnet_message& reason, springnet_message& message) noexcept {
+  try {
+    const std::string why = printable({reason.text, strnlen(reason.text, sizeof reason.text)}, longest_reason);
+    const std::string text = why.empty() ? full_name_with_file(component) + " failed without saying why"
+                                         : fmt::format("{} failed: {}", full_name(component), why);
+    sdk::detail::write_message(&message, text.c_str());
+  } catch (...) {  // out of memory
+    sdk::detail::write_message(&message, component.description->id);
+  }
+}
+
+}  // namespace springnet

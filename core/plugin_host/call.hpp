@@ -1,0 +1,44 @@
+// Calls of a plugin's functions. The ABI forbids exceptions and asks for a reason, but nothing makes a plugin obey:
+// what it throws becomes a failure, and every failure names the component, its plugin and a reason.
+#pragma once
+
+#include <exception>
+#include <string>
+
+#include <springnet/plugin_host.hpp>
+#include <springnet/sdk/message.hpp>
+
+namespace springnet {
+
+// The text of a message as it may be shown: a plugin may have left it without its end, or with control characters.
+[[nodiscard]] std::string text_of(const springnet_message& message);
+
+// "spring function 'linear' of plugin org.springnet.laws"
+[[nodiscard]] std::string full_name(const Component& component);
+// The same with the plugin's file, where there is one: "… (/usr/lib/springnet/plugins/laws.springnet.so)".
+[[nodiscard]] std::string full_name_with_file(const Component& component);
+
+// Puts into `message` that the component failed, and why: what `reason` says, if it says anything.
+void write_failure(const Component& component, const springnet_message& reason, springnet_message& message) noexcept;
+
+// Runs `function(own_message)`, which calls the component and returns its status. Unless the status is SPRINGNET_OK,
+// `message` says which component failed and why. Throws nothing; statuses other than OK and RECOVERABLE become FAILED.
+template <class Function>
+springnet_status call_component(const Component& component, springnet_message& message,
+                                const Function& function) noexcept {
+  springnet_message own;
+  own.text[0] = '\0';
+  springnet_status status = SPRINGNET_FAILED;
+  try {
+    status = function(own);
+  } catch (const std::exception& error) {
+    sdk::detail::write_message(&own, error.what());
+  } catch (...) {
+    sdk::detail::write_message(&own, "it threw something that is no std::exception");
+  }
+  if (status == SPRINGNET_OK) return status;
+  write_failure(component, own, message);
+  return status == SPRINGNET_RECOVERABLE ? status : SPRINGNET_FAILED;
+}
+
+}  // namespace springnet

@@ -1,0 +1,187 @@
+#include "simulation/requests.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <cstddef>
+#include <cstring>
+#include <string>
+
+#include <springnet/error.hpp>
+
+namespace springnet {
+namespace {
+
+constexpr std::uint32_t in_no_set = 0xffffffffu, no_cluster = 0xffffffffu;
+
+// Where the structs of ABI 1.0 ended: an integrator compiled against it gives no more.
+constexpr std::size_t evaluation_size = SPRINGNET_SIZE_TO(springnet_evaluation, internal_rate);
+constexpr std::size_t sweep_size = SPRINGNET_SIZE_TO(springnet_sweep, user);
+
+[[noreturn]] void refuse(const std::string& what) { throw Error(ErrorKind::plugin, what); }
+
+template <class Request>
+const Request& sized(const Request* request, const char* name, std::size_t least) {
+  if (request == nullptr) refuse(fmt::format("the {} is a null pointer", name));
+  if (request->struct_size < least)
+    refuse(fmt::format("a {} of {} bytes was given where ABI 1.0 has {}; set its struct_size", name,
+                       request->struct_size, least));
+  return *request;
+}
+
+template <class Vectors>
+void require_all(const Vectors& vectors, const char* name) {
+  if (vectors.x == nullptr || vectors.y == nullptr || vectors.z == nullptr)
+    refuse(fmt::format("{} has a null pointer", name));
+}
+
+// Outputs: all three arrays, or none.
+void require_all_or_none(const springnet_vectors& vectors, const char* name) {
+  const bool none = vectors.x == nullptr && vectors.y == nullptr && vectors.z == nullptr;
+  if (!none) require_all(vectors, name);
+}
+
+// Only the fields that the integrator's ABI has.
+springnet_sweep complete(const springnet_sweep& given) {
+  springnet_sweep sweep{};
+  std::memcpy(&sweep, &given, std::min<std::size_t>(sizeof sweep, given.struct_size));
+  return sweep;
+}
+
+bool same(const double* a, const double* b) { return a == b; }
+
+bool any_same(const springnet_const_vectors& a, const springnet_vectors& b) {
+  return same(a.x, b.x) || same(a.y, b.y) || same(a.z, b.z);
+}
+bool all_same(const springnet_const_vectors& a, const springnet_vectors& b) {
+  return same(a.x, b.x) && same(a.y, b.y) && same(a.z, b.z);
+}
+
+void check_ends(const springnet_sweep& sweep) {
+  require_vectors(sweep.start_position, "start_position");
+  require_vectors(sweep.start_velocity, "start_velocity");
+  require_vectors(sweep.position, "position");
+  require_vectors(sweep.velocity, "velocity");
+  require_vectors(sweep.next_position, "next_position");
+  require_vectors(sweep.next_velocity, "next_velocity");
+  require_vectors(sweep.force, "force");
+  require_finite(sweep.time, "time");
+  const springnet_sweep later = complete(sweep);
+  require_finite(later.time_constant, "time_constant");
+  require_finite(later.theta, "theta");
+  require_all_or_none(later.constraint_force, "constraint_force");
+}
+
+}  // namespace
+
+void require_array(const void* array, const char* name) {
+  if (array == nullptr) refuse(fmt::format("{} is a null pointer", name));
+}
+void require_finite(double value, const char* name) {
+  if (!std::isfinite(value)) refuse(fmt::format("{} is {}, not a finite number", name, value));
+}
+void require_vectors(const springnet_vectors& vectors, const char* name) { require_all(vectors, name); }
+void require_vectors(const springnet_const_vectors& vectors, const char* name) { require_all(vectors, name); }
+
+const springnet_evaluation& checked(const springnet_evaluation* evaluation) {
+  const springnet_evaluation& request = sized(evaluation, "springnet_evaluation", evaluation_size);
+  require_finite(request.time, "time");
+  require_vectors(request.position, "position");
+  require_vectors(request.velocity, "velocity");
+  require_all_or_none(request.force, "force");
+  require_all_or_none(request.acceleration, "acceleration");
+  return request;
+}
+
+const springnet_sweep& checked_end(const springnet_sweep* sweep) {
+  const springnet_sweep& request = sized(sweep, "springnet_sweep", sweep_size);
+  check_ends(request);
+  return request;
+}
+
+const springnet_sweep& checked(const springnet_sweep* sweep, std::uint32_t node_count) {
+  const springnet_sweep& request = checked_end(sweep);
+  if (request.update == nullptr) refuse("update is a null pointer");
+  if (request.order == nullptr) {
+    if (any_same(request.position, request.next_position) || any_same(request.velocity, request.next_velocity))
+      refuse(
+          "without an order, outputs that springs still read would be replaced: next_position and next_velocity "
+          "must be other arrays than position and velocity");
+    return request;
+  }
+  if (!all_same(request.position, request.next_position) || !all_same(request.velocity, request.next_velocity))
+    refuse(
+        "with an order each node reads the newest outputs: next_position and next_velocity must be the arrays of "
+        "position and velocity");
+  if (request.order_count > node_count)
+    refuse(fmt::format("the order has {} nodes, the network {}", request.order_count, node_count));
+  return request;
+}
+
+void check_nodes(const std::uint32_t* nodes, std::uint32_t count, std::uint32_t node_count) {
+  if (count == 0) return;
+  require_array(nodes, "nodes");
+  if (count > node_count) refuse(fmt::format("{} nodes were asked for, the network has {}", count, node_count));
+  for (std::uint32_t i = 0; i < count; ++i)
+    if (nodes[i] >= node_count)
+      refuse(fmt::format("nodes[{}] is {}, the network has nodes 0 to {}", i, nodes[i], node_count - 1));
+}
+
+void OrderCheck::check(const springnet_sweep& sweep, const springnet_network& network) {
+  const std::uint32_t set_ends = sweep.set_start == nullptr ? 0 : sweep.set_count + 1;
+  if (sweep.set_start != nullptr && sweep.set_count > sweep.order_count)
+    refuse(fmt::format("{} sets of {} nodes", sweep.set_count, sweep.order_count));
+  const bool known = (revision_ == network.revision || sweep.set_start == nullptr) &&
+                     order_.size() == sweep.order_count && set_start_.size() == set_ends &&
+                     std::equal(order_.begin(), order_.end(), sweep.order) &&
+                     std::equal(set_start_.begin(), set_start_.end(), sweep.set_start);
+  if (known) return;
+  order_.clear();
+  set_start_.clear();
+  check_order(sweep, network);
+  if (sweep.set_start != nullptr) check_sets(sweep, network);
+  order_.assign(sweep.order, sweep.order + sweep.order_count);
+  set_start_.assign(sweep.set_start, sweep.set_start + set_ends);
+  revision_ = network.revision;
+}
+
+void OrderCheck::check_order(const springnet_sweep& sweep, const springnet_network& network) {
+  set_of_.assign(network.node_count, in_no_set);
+  for (std::uint32_t i = 0; i < sweep.order_count; ++i) {
+    const std::uint32_t k = sweep.order[i];
+    if (k >= network.node_count)
+      refuse(fmt::format("order[{}] is {}, the network has nodes 0 to {}", i, k, network.node_count - 1));
+    if (set_of_[k] != in_no_set)
+      refuse(fmt::format("node {} stands twice in the order, at {} and {}", k, set_of_[k], i));
+    set_of_[k] = i;
+  }
+}
+
+// Several threads update the nodes of a set: none of them may read what another one writes.
+void OrderCheck::check_sets(const springnet_sweep& sweep, const springnet_network& network) {
+  if (sweep.set_start[0] != 0 || sweep.set_start[sweep.set_count] != sweep.order_count)
+    refuse(fmt::format("set_start begins with {} and ends with {}, not with 0 and {}", sweep.set_start[0],
+                       sweep.set_start[sweep.set_count], sweep.order_count));
+  for (std::uint32_t set = 0; set < sweep.set_count; ++set) {
+    const std::uint32_t begin = sweep.set_start[set], end = sweep.set_start[set + 1];
+    if (begin > end || end > sweep.order_count)
+      refuse(fmt::format("set_start[{}] is {}, set_start[{}] {}: they have to rise to {}", set, begin, set + 1, end,
+                         sweep.order_count));
+    for (std::uint32_t i = begin; i < end; ++i) {
+      if (i > begin && sweep.order[i] < sweep.order[i - 1])
+        refuse(fmt::format("order[{}] is {}, less than the one before it in set {}", i, sweep.order[i], set));
+      set_of_[sweep.order[i]] = set;
+    }
+  }
+  for (std::uint32_t i = 0; i < sweep.order_count; ++i) {
+    const std::uint32_t k = sweep.order[i], cluster = network.cluster[k];
+    for (std::uint32_t at = network.neighbour_start[k]; at < network.neighbour_start[k + 1]; ++at) {
+      const std::uint32_t other = network.neighbours[at];
+      if (set_of_[other] != set_of_[k] || (cluster != no_cluster && network.cluster[other] == cluster)) continue;
+      refuse(fmt::format("nodes {} and {} of set {} are joined", k, other, set_of_[k]));
+    }
+  }
+}
+
+}  // namespace springnet

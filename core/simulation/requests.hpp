@@ -1,0 +1,43 @@
+// What an integrator asks of the host, checked before the engine reads it: an integrator may be wrong in any way, and
+// must not take the process with it. All functions throw Error(plugin), which says what is wrong.
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+#include <springnet/sdk/plugin.h>
+
+namespace springnet {
+
+void require_array(const void* array, const char* name);
+void require_finite(double value, const char* name);
+void require_vectors(const springnet_vectors& vectors, const char* name);
+void require_vectors(const springnet_const_vectors& vectors, const char* name);
+
+// A state to evaluate something at: as large as ABI 1.0 made it, with positions, velocities and a time; what it has of
+// outputs is whole.
+const springnet_evaluation& checked(const springnet_evaluation* evaluation);
+// The same for the end of a sweep by itself.
+const springnet_sweep& checked_end(const springnet_sweep* sweep);
+// A sweep of a network of `node_count` nodes, but for its order.
+const springnet_sweep& checked(const springnet_sweep* sweep, std::uint32_t node_count);
+
+// Nodes for evaluate_nodes.
+void check_nodes(const std::uint32_t* nodes, std::uint32_t count, std::uint32_t node_count);
+
+// The order of sweeps. It is the same in many of them, so what was found right is kept, and compared.
+class OrderCheck {
+ public:
+  // `clusters` may be null; `network.revision` says when nodes came to be joined otherwise.
+  void check(const springnet_sweep& sweep, const springnet_network& network);
+
+ private:
+  void check_order(const springnet_sweep& sweep, const springnet_network& network);
+  void check_sets(const springnet_sweep& sweep, const springnet_network& network);
+
+  std::vector<std::uint32_t> order_, set_start_;  // found right
+  std::vector<std::uint32_t> set_of_;             // [node] the place in the order, or the set, it was met in
+  std::uint64_t revision_ = 0;
+};
+
+}  // namespace springnet
