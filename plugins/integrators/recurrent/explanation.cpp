@@ -70,7 +70,7 @@ std::string explain(const Step& step, const Attempt& attempt, const Circumstance
   std::string outcome = "diverges", besides;
   if (attempt.verdict == Verdict::oscillating) {
     outcome = "oscillates";
-    besides = ", or raise force_tolerance if it is near the rounding of the forces";
+    if (!(step.rounding > 0.0)) besides = ", or raise force_tolerance if it is near the rounding of the forces";
   } else if (attempt.verdict == Verdict::out_of_sweeps) {
     outcome = "ran out of sweeps";
     besides = ", or raise max_sweeps";
@@ -80,7 +80,8 @@ std::string explain(const Step& step, const Attempt& attempt, const Circumstance
       forces_settled
           ? "the forces have settled, but the equation of motion is off by " + short_number(step.residual) + " N"
           : "the forces still change by " + short_number(step.differences.greatest) + " N at node " + node;
-  return "the step " + outcome + after + what + ", more than force_tolerance " + short_number(step.tolerance) + " N; " +
+  const std::string limit = step.tolerance > step.rounding ? "force_tolerance " : "what rounding leaves of them, ";
+  return "the step " + outcome + after + what + ", more than " + limit + short_number(step.tolerance) + " N; " +
          remedy + besides + "; unsettled = \"adapt\" divides such steps, \"accept\" takes them as they are";
 }
 

@@ -189,10 +189,19 @@ void Newton::go(const Step& step, double share, const springnet_state& candidate
   }
 }
 
+double Newton::greatest_force(const Step& step, const std::vector<double>& residual) {
+  const std::size_t n = step.network.node_count;
+  double greatest = 0.0;
+  for (std::size_t i = 0; i < 3 * n; ++i)
+    greatest = std::max(greatest, std::abs(residual[i]) * step.network.mass[i % n] / step.time_constant);
+  return greatest;
+}
+
 bool Newton::is_good(const Step& step, double slope) const {
   if (!std::isfinite(there_.norm)) return false;
   const bool falls = there_.slope <= -overshoot * slope && there_.norm <= most_growth * here_.norm;
   if (falls || there_.norm <= good_fall * here_.norm) return true;
+  if (greatest_force(step, there_.residual) <= step.rounding) return true;
   // Steps that are only rounding end where they are.
   const std::size_t n = step.network.node_count;
   double greatest = 0.0, size = 0.0;

@@ -58,6 +58,8 @@ class Newton final : public Rule {
   // at second order. Adds to the direction what puts them right, and hardly moves anything else (Levenberg, Marquardt),
   // and goes there. False: that does not help; the direction is as it was.
   [[nodiscard]] bool restore(const Step& step, const springnet_state& candidate);
+  // Of a residual, N.
+  [[nodiscard]] static double greatest_force(const Step& step, const std::vector<double>& residual);
   [[nodiscard]] bool is_good(const Step& step, double slope) const;
   void search(Step& step, const springnet_state& candidate);
   // Outputs that obey P = p* + w U at the positions where the step's propagation starts.

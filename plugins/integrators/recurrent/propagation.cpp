@@ -33,6 +33,8 @@ class ResidualCheck {
 
 }  // namespace
 
+bool within_tolerance(const Step& step) noexcept { return step.residual <= residual_limit * step.tolerance; }
+
 Verdict propagate(Rule& rule, Workspace& workspace, Step& step, const Limits& limits) {
   rule.begin(step);
   Monitor monitor(step.tolerance, limits.max_sweeps);

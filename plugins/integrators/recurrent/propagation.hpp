@@ -18,6 +18,9 @@ struct Limits {
   return verdict == Verdict::settled || verdict == Verdict::go_on;
 }
 
+// Whether the equation of motion is fulfilled as well as a settled step's has to be; needs Workspace::complete().
+[[nodiscard]] bool within_tolerance(const Step& step) noexcept;
+
 // A step has settled when the forces have, and the outputs obey the equation of motion: a slow rule changes little long
 // before they do. The residual is only looked at when the forces have settled, and then less and less often.
 [[nodiscard]] Verdict propagate(Rule& rule, Workspace& workspace, Step& step, const Limits& limits);

@@ -9,9 +9,11 @@
 // a single synchronous sweep is the symplectic Euler step. The paper: Nürnberger, Radetzky, Kruse, "A Problem Specific
 // Recurrent Neural Network for the Description and Simulation of Dynamic Spring Models", section 3.4. Other update
 // rules reach the same fixed point (rule.hpp), theta weighs old and new activities (step.hpp).
+#include <algorithm>
 #include <array>
 #include <cmath>
 #include <cstdint>
+#include <cstdio>
 #include <limits>
 #include <memory>
 #include <optional>
@@ -22,6 +24,7 @@
 #include "automatic.hpp"
 #include "critical_time.hpp"
 #include "explanation.hpp"
+#include "force_rounding.hpp"
 #include "propagation.hpp"
 
 namespace {
@@ -39,6 +42,8 @@ using springnet::sdk::view;
 
 constexpr double automatic_tolerance = 1e-6;  // of the network's force scale
 constexpr int rules = 5;
+// What rounding leaves of the forces is estimated again after so many steps: laws stiffen, bodies travel.
+constexpr std::uint64_t steps_per_estimate = 256;
 // Sweeps after which a rule that was picked gives way to a stronger one.
 constexpr std::uint64_t automatic_patience = 200;
 
@@ -80,7 +85,8 @@ class Recurrent : public springnet::sdk::Integrator {
         limits_{options.integer<std::uint64_t>("max_sweeps"), options.integer<std::uint64_t>("sweeps")},
         unsettled_(options.choice<Unsettled>("unsettled")),
         theta_(options["theta"]),
-        work_(host) {}
+        work_(host),
+        rounding_(host) {}
 
   springnet_status advance(double until, springnet_step_report& report);
 
@@ -91,6 +97,10 @@ class Recurrent : public springnet::sdk::Integrator {
   static constexpr double first_raise = 2.0;
 
   [[nodiscard]] Step make_step(double until);
+  // Sets tolerance and rounding of the step to what is known.
+  void set_tolerance(Step& step);
+  // Whether a step that did not settle came as far as rounding lets it; then that is the tolerance from now on.
+  [[nodiscard]] bool is_rounding(Step& step);
   [[nodiscard]] Rule& rule(Update update);
   // A propagation from step.outputs (none: the start) with the step's time constant.
   Attempt propagate_with(Update update, Step& step, std::uint64_t max_sweeps);
@@ -110,10 +120,13 @@ class Recurrent : public springnet::sdk::Integrator {
 
   Update update_;
   double tolerance_;  // N, 0: automatic
+  bool rounding_noted_ = false;
+  std::uint64_t steps_since_estimate_ = steps_per_estimate;
   Limits limits_;
   Unsettled unsettled_;
   double theta_;
   Workspace work_;
+  ForceRounding rounding_;
   Automatic automatic_;
   std::array<std::unique_ptr<Rule>, rules> rules_;
   std::array<std::optional<std::uint64_t>, rules> attached_;  // revision of the network that they know
@@ -159,10 +172,43 @@ Step Recurrent::make_step(double until) {
     work_.attach(network);
     revision_ = network.revision;
   }
-  const double tolerance = tolerance_ > 0.0 ? tolerance_ : automatic_tolerance * network.force_scale;
   const bool compares = !(limits_.exact_sweeps == 1 && update_ == Update::synchronous);
-  Step step{from, until, until - from, theta_, tolerance, start, network, compares};
+  Step step{from, until, until - from, theta_, 0.0, start, network, compares};
+  // Rules that need no derivatives are spared them, unless a step does not settle.
+  const bool has_derivatives = update_ != Update::synchronous && update_ != Update::wavefront;
+  if (limits_.exact_sweeps == 0 && has_derivatives && ++steps_since_estimate_ > steps_per_estimate) {
+    steps_since_estimate_ = 0;
+    rounding_.estimate(step, start);
+  }
+  set_tolerance(step);
   return step;
+}
+
+void Recurrent::set_tolerance(Step& step) {
+  const double asked = tolerance_ > 0.0 ? tolerance_ : automatic_tolerance * step.network.force_scale;
+  step.rounding = rounding_.force();
+  step.tolerance = std::max(asked, step.rounding);
+  if (asked >= step.rounding || limits_.exact_sweeps > 0) return;
+  work_.host.report("force_rounding", step.rounding);
+  if (rounding_noted_) return;
+  rounding_noted_ = true;
+  std::array<char, 320> text{};
+  std::snprintf(text.data(), text.size(),
+                "force_tolerance, %.3g N%s, is below what rounding leaves of the forces, about %.2g N (stiffness times "
+                "the rounding of positions, greatest at node %u): steps settle to that",
+                asked, tolerance_ > 0.0 ? "" : " (1e-6 of the force scale)", step.rounding,
+                step.network.user_number[rounding_.node()]);
+  work_.host.note(text.data());
+}
+
+bool Recurrent::is_rounding(Step& step) {
+  if (!step.finite || step.outputs == nullptr) return false;
+  rounding_.estimate(step, *step.outputs);
+  steps_since_estimate_ = 0;
+  if (!(step.differences.greatest <= rounding_.force())) return false;
+  set_tolerance(step);
+  work_.complete(step);
+  return within_tolerance(step);
 }
 
 Rule& Recurrent::rule(Update update) {
@@ -188,6 +234,8 @@ Attempt Recurrent::propagate_with(Update update, Step& step, std::uint64_t max_s
     work_.know_start_acceleration(step);
     work_.set_free_motion(step);
     attempt.verdict = propagate(rule(update), work_, step, {max_sweeps, limits_.exact_sweeps});
+    const bool stalled = attempt.verdict == Verdict::oscillating || attempt.verdict == Verdict::out_of_sweeps;
+    if (stalled && is_rounding(step)) attempt.verdict = Verdict::settled;
     const bool taken = settled(attempt.verdict) || unsettled_ == Unsettled::accept;
     if (step.finite && taken && !single_sweep(step)) work_.complete(step);
     // Rules that may diverge.

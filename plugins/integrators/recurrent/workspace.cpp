@@ -163,7 +163,7 @@ void Workspace::find_free_accelerations(const Step& step, const springnet_state&
   const Columns& c = constraint_force_;
   for (const std::uint32_t k : suspects_) {
     // Up to rounding, which is that of the great forces that cancel at a node between stiff springs.
-    const double least = negligible_force * network.force_scale / network.mass[k];
+    const double least = std::max(negligible_force * network.force_scale, step.rounding) / network.mass[k];
     const auto alike = [least](double p, double q) { return same(p, q) || std::abs(p - q) <= least; };
     const bool moves_freely = alike(a.x[k], free.x[k]) && alike(a.y[k], free.y[k]) && alike(a.z[k], free.z[k]);
     // Where a node slides or hangs on rigid connections, the last sweep said what acts on it; where it said nothing,

@@ -1,0 +1,40 @@
+// What rounding leaves of the forces: no threshold can be met below it.
+//
+// Positions are known to eps |p|, and the distance of two nodes to eps (|p1| + |p2|), so that the force on a node is
+// known to the stiffness around it times that. The estimate is the change F(p + dp) - F(p) of the linearised net for
+// changes dp of that size at random, and F(v + dv) - F(v) likewise; springs, elements and fillings are all in it.
+// Velocities add m eps |v| / h to the residual of a step of h.
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+#include <springnet/sdk/host.hpp>
+
+#include "step.hpp"
+
+namespace springnet::recurrent {
+
+class ForceRounding {
+ public:
+  explicit ForceRounding(sdk::Host host) : host_(host) {}
+
+  // Estimates it at a state; takes the place of what was linearised last. N; where derivatives are not known or not
+  // finite, 0.
+  void estimate(const Step& step, const springnet_state& at);
+
+  [[nodiscard]] double force() const noexcept { return force_; }       // N, greatest over the nodes
+  [[nodiscard]] std::uint32_t node() const noexcept { return node_; }  // where; no_node: not known
+
+ private:
+  // m, m/s: greatest distance from the origin, and speed, of each node and those joined to it.
+  void find_sizes(const springnet_network& network, const springnet_state& at);
+
+  sdk::Host host_;
+  double force_ = 0.0;
+  std::uint32_t node_ = no_node;
+  std::vector<double> size_, speed_;                 // [node_count]
+  std::vector<double> position_, velocity_, image_;  // [3 node_count]
+};
+
+}  // namespace springnet::recurrent
