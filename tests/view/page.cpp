@@ -407,13 +407,12 @@ TEST_CASE("the page says what the sum of kinetic and potential energy leaves out
   Scene scene = testing::with_elements();
   CHECK(left_out(scene) == "");
   CHECK(left_out(testing::everything_to_see()) ==
-        "the work of loads; the work of moving obstacles; what damping took; what contact took; what was stored in "
-        "removed springs; ");
+        "the work of loads and moving obstacles; damping; contact; removed springs; ");
   Motion motion;
   motion.times = {0.0, 1.0};
   motion.displacements = {Vector3::Zero(), Vector3::UnitX()};
   scene.network.add_move({{0}, motion});
-  CHECK(left_out(scene) == "the work that moves nodes; ");
+  CHECK(left_out(scene) == "the work of moved nodes; ");
 }
 
 TEST_CASE("a law that no plugin has is told without units") {

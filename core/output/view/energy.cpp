@@ -2,6 +2,8 @@
 
 #include <algorithm>
 
+#include <fmt/format.h>
+
 namespace springnet::view {
 
 namespace {
@@ -18,37 +20,33 @@ bool any_damps(const Network& network) {
                      [](const LawUse& each) { return each.id != "point_mass"; });
 }
 
-// Laws of spring functions without an energy: "'tether'".
-std::string without_energy(const Network& network, const PluginHost& plugins) {
+// Spring functions that tell no energy.
+std::vector<std::string> without_energy(const Network& network, const PluginHost& plugins) {
   std::vector<std::string> laws;
   for (const Material& material : network.materials()) {
     if (!material.spring) continue;
     const auto component = plugins.find(ComponentKind::spring_function, material.spring->id);
-    const std::string name = "'" + material.spring->id + "'";
     if (!component || (component->description->capabilities & SPRINGNET_HAS_ENERGY) != 0) continue;
-    if (std::find(laws.begin(), laws.end(), name) == laws.end()) laws.push_back(name);
+    if (std::find(laws.begin(), laws.end(), material.spring->id) == laws.end()) laws.push_back(material.spring->id);
   }
-  std::string text;
-  for (const std::string& law : laws) text += (text.empty() ? "" : ", ") + law;
-  return text;
+  return laws;
 }
 
 }  // namespace
 
 std::vector<std::string> left_out_of_energy(const Content& content) {
   const Network& network = content.scene.network;
-  std::vector<std::string> parts;
-  if (content.forces.all > 0) parts.emplace_back("the work of loads");
-  if (!network.moves().empty()) parts.emplace_back("the work that moves nodes");
-  if (any_moves(network.planes()) || any_moves(network.instruments())) {
-    parts.emplace_back("the work of moving obstacles");
-  }
-  if (any_damps(network)) parts.emplace_back("what damping took");
-  if (!network.planes().empty() || !network.instruments().empty()) parts.emplace_back("what contact took");
-  if (!content.removed.empty()) parts.emplace_back("what was stored in removed springs");
+  std::vector<std::string> workers, parts;
+  if (content.forces.all > 0) workers.emplace_back("loads");
+  if (!network.moves().empty()) workers.emplace_back("moved nodes");
+  if (any_moves(network.planes()) || any_moves(network.instruments())) workers.emplace_back("moving obstacles");
+  if (!workers.empty()) parts.push_back(fmt::format("the work of {}", fmt::join(workers, " and ")));
+  if (any_damps(network)) parts.emplace_back("damping");
+  if (!network.planes().empty() || !network.instruments().empty()) parts.emplace_back("contact");
+  if (!content.removed.empty()) parts.emplace_back("removed springs");
   if (content.plugins) {
-    const std::string laws = without_energy(network, *content.plugins);
-    if (!laws.empty()) parts.push_back("the energy of " + laws + ", which has no formula for it");
+    const std::vector<std::string> laws = without_energy(network, *content.plugins);
+    if (!laws.empty()) parts.push_back(fmt::format("springs of {}, a law without energy", fmt::join(laws, " and ")));
   }
   return parts;
 }

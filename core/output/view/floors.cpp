@@ -64,7 +64,7 @@ Floors floors_of(const Scene& scene, const Selection& selection, const PluginHos
   floors.position = roundings * largest;
   floors.speed = floors.position / std::max(scene.output.interval, scene.options.time_step);
   for (const Node& node : network.nodes()) {
-    floors.kinetic += 0.5 * node.mass * floors.speed * floors.speed;
+    if (!node.fixed) floors.kinetic += 0.5 * node.mass * floors.speed * floors.speed;
     floors.potential += roundings * node.mass * network.gravity().norm() * node.position.norm();
   }
   floors.tension.assign(selection.springs.size(), 0.0F);

@@ -22,7 +22,9 @@
     }
     const tension = way === "tension", kind = s.colours[way];
     const range = tension ? run.tension_range : run.speed_range, unit = tension ? "N" : "m/s";
-    element("legend-title").textContent = tension ? "tension of springs, N" : "speed, m/s";
+    element("legend-title").textContent = (tension ? "tension of springs" : "speed") + (range.shown > 0 ? ", " : ": 0 ") + unit;
+    element("legend-bar").hidden = range.shown === 0;
+    if (range.shown === 0) return;
     const bar = element("legend-bar"), context = bar.getContext("2d");
     for (let x = 0; x < bar.width; ++x) {
       const at = 3 * Math.round(255 * x / (bar.width - 1));

@@ -95,9 +95,6 @@
     return function (frame) { parts.forEach(function (part, k) { part.textContent = text(series[k], frame); }); };
   }
 
-  function list_of(parts) {
-    return parts.length < 2 ? parts.join("") : parts.slice(0, -1).join(", ") + " and " + parts[parts.length - 1];
-  }
   function add_remark(head, text) {
     const remark = document.createElement("small");
     remark.textContent = remark.title = text;
@@ -112,7 +109,7 @@
     });
     box.name.textContent = plot.title + (scale.name ? ", " + scale.name : "") + (range ? " (peaks cut off)" : "");
     const show_values = add_values(series, scale, box.head);
-    if (plot.leaves_out && plot.leaves_out.length > 0) add_remark(box.head, "sum leaves out " + list_of(plot.leaves_out));
+    if (plot.leaves_out && plot.leaves_out.length > 0) add_remark(box.head, "sum leaves out " + plot.leaves_out.join(", "));
     const graph = new Dygraph(area, rows, {
       labels: ["t"].concat(series.map(function (each) { return each.label; })),
       colors: series.map(function (each) { return each.colour; }),
@@ -129,7 +126,7 @@
       const place = graph.getArea(), x = graph.toDomXCoord(run.times[frame]);
       cursor.hidden = x < place.x || x > place.x + place.w;
       cursor.style.left = x + "px";
-      cursor.style.top = box.head.offsetHeight + place.y + "px";
+      cursor.style.top = area.offsetTop + place.y + "px";
       cursor.style.height = place.h + "px";
       show_values(frame);
     };
