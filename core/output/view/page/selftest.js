@@ -167,7 +167,7 @@
     result.numbers = numbers_shown();
     result.speed = coloured("speed");
     if (run.has_contact) result.contact = coloured("contact");
-    result.first_spring = run.springs > 0 ? Object.fromEntries(s.numbers_of({ spring: 0 }, 0)) : null;
+    result.stretches_at_start = Array.from(run.rests, function (_, k) { return Object.fromEntries(s.numbers_of({ spring: k }, 0)).stretch; });
     result.exaggerated = exaggerated();
     player.go(last >> 1);
     result.arrows = arrows();
