@@ -1,4 +1,4 @@
-// A file whose every write is checked, and numbers in it.
+// A file whose every write is checked and that ends with a whole record, and numbers in it.
 #pragma once
 
 #include <algorithm>
@@ -6,37 +6,83 @@
 #include <bit>
 #include <cstddef>
 #include <cstdint>
-#include <cstdio>
 #include <cstring>
-#include <filesystem>
+#include <limits>
+#include <memory>
 #include <span>
+#include <string>
+#include <string_view>
 #include <type_traits>
+#include <vector>
+
+#include <springnet/output_folder.hpp>
 
 namespace springnet {
 
+// Writes through a buffer. Once records are marked, what stands behind the last mark is part of a record: it is cut off
+// where the file cannot be written any more, and at the end. No more is written after a failure.
 class CheckedFile {
  public:
-  // Replaces the file. Throws Error(input) if it cannot be created.
-  explicit CheckedFile(const std::filesystem::path& file);
+  static constexpr std::string_view record_less =
+      "make room, write to another disk, or record less often (output.interval)";
+  static constexpr std::string_view make_room = "make room or write to another disk";
+
+  // Creates the file. Throws Error(input) if it cannot be. `remedy` is for the message where it cannot be written.
+  explicit CheckedFile(const OutputFile& file, std::string_view remedy = record_less);
+  // Left open by an exception: writes the whole records that there are, as far as they can be written.
   ~CheckedFile();
   CheckedFile(const CheckedFile&) = delete;
   CheckedFile& operator=(const CheckedFile&) = delete;
 
-  // These throw Error(simulation) if the file cannot be written.
+  // Room for so many bytes, at most `most_room`, behind what there is; used() takes those that were used.
+  static constexpr std::size_t most_room = 4096;
+  [[nodiscard]] char* room(std::size_t bytes) {
+    if (capacity - used_ < bytes) make_room_for(bytes);
+    return buffer_.get() + used_;
+  }
+  void used(std::size_t bytes) noexcept { used_ += bytes; }
+
+  // These and room() throw OutputError if the file cannot be written.
   void write(const void* data, std::size_t bytes);
   void flush();
-  void seek(std::uint64_t place);  // from where it is written next
+  // Also throws if the file is no longer in its folder.
   void close();
 
-  // For destructors: what cannot be written has nobody to hear of it.
-  void write_anyway(const void* data, std::size_t bytes) noexcept;
-  [[nodiscard]] bool is_open() const noexcept { return file_ != nullptr; }
+  // A record ends here: that of this time, s, or nan for what stands before all records.
+  void end_record(double time);
+
+  // For a document whose end is written again and again: from where it is written next, and its end as it was.
+  void seek(std::uint64_t place);
+  void restore_end(std::uint64_t place, std::string_view end) noexcept;
 
  private:
-  [[noreturn]] void fail(int reason);
+  static constexpr std::size_t capacity = std::size_t{1} << 16;
 
-  std::filesystem::path path_;
-  std::FILE* file_;
+  struct Mark {
+    std::uint64_t place;  // bytes, where the record ends
+    double time;          // s
+  };
+
+  void make_room_for(std::size_t bytes);
+  void write_out(std::size_t bytes);  // the first of the buffer
+  void put(const char* data, std::size_t bytes);
+  void reach(std::uint64_t place);  // the marks up to there
+  void drop_unfinished();
+  void cut(std::uint64_t place) noexcept;
+  [[noreturn]] void fail(int reason);
+  [[noreturn]] void throw_failure() const;
+  [[nodiscard]] bool is_gone() const noexcept;
+
+  OutputFile file_;
+  std::string_view remedy_;
+  int descriptor_;
+  std::unique_ptr<char[]> buffer_;
+  std::size_t used_ = 0;
+  std::uint64_t written_ = 0;  // bytes, in the file
+  bool marked_ = false;
+  Mark kept_{0, std::numeric_limits<double>::quiet_NaN()};  // the last one in the file
+  std::vector<Mark> marks_;                                 // of the buffer
+  std::string failure_;                                     // the message, after one
 };
 
 // Writes values as numbers of another type, little-endian on every machine.

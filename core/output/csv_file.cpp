@@ -1,5 +1,7 @@
 #include "output/csv_file.hpp"
 
+#include <limits>
+
 namespace springnet {
 
 std::string csv_cell(std::string_view text) {
@@ -12,42 +14,28 @@ std::string csv_cell(std::string_view text) {
   return quoted + '"';
 }
 
-CsvFile::CsvFile(const std::filesystem::path& file, std::string_view header, Clock::duration patience)
-    : file_(file), buffer_(std::size_t{1} << 16), patience_(patience), flushed_(Clock::now() - patience) {
+CsvFile::CsvFile(const OutputFile& file, std::string_view header, Clock::duration patience)
+    : file_(file), patience_(patience), flushed_(Clock::now() - patience) {
   *this << header << '\n';
+  file_.end_record(std::numeric_limits<double>::quiet_NaN());
   flush();
 }
 
-// Left open by an exception: what was recorded should be there.
-CsvFile::~CsvFile() { file_.write_anyway(buffer_.data(), used_); }
-
 CsvFile& CsvFile::operator<<(std::string_view text) {
-  for (const char character : text) *this << character;
+  file_.write(text.data(), text.size());
   return *this;
 }
 
-void CsvFile::end_record() {
+void CsvFile::end_record(double time) {
+  file_.end_record(time);
   const Clock::time_point now = Clock::now();
   if (now - flushed_ < patience_) return;
   flush();
   flushed_ = now;
 }
 
-void CsvFile::flush() {
-  write_buffer();
-  file_.flush();
-}
+void CsvFile::flush() { file_.flush(); }
 
-void CsvFile::close() {
-  if (!file_.is_open()) return;
-  write_buffer();
-  file_.close();
-}
-
-void CsvFile::write_buffer() {
-  const std::size_t count = used_;
-  used_ = 0;
-  file_.write(buffer_.data(), count);
-}
+void CsvFile::close() { file_.close(); }
 
 }  // namespace springnet

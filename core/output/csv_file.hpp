@@ -1,13 +1,11 @@
-// A text file written through a buffer, with every write checked.
+// A text file with every write checked.
 #pragma once
 
 #include <charconv>
 #include <chrono>
 #include <cstdint>
-#include <filesystem>
 #include <string>
 #include <string_view>
-#include <vector>
 
 #include <springnet/network.hpp>
 
@@ -22,12 +20,9 @@ class CsvFile {
  public:
   using Clock = std::chrono::steady_clock;
 
-  // Replaces the file by one with this header line, which can be read at once, as can the first record. end_record()
-  // writes the file at most once in `patience`. Throws Error(input) if it cannot be created, Error(simulation) if it
-  // cannot be written.
-  CsvFile(const std::filesystem::path& file, std::string_view header,
-          Clock::duration patience = std::chrono::seconds(1));
-  ~CsvFile();
+  // Creates the file with this header line, which can be read at once, as can the first record. end_record() writes the
+  // file at most once in `patience`. Throws Error(input) if it cannot be created, OutputError if it cannot be written.
+  CsvFile(const OutputFile& file, std::string_view header, Clock::duration patience = std::chrono::seconds(1));
   CsvFile(const CsvFile&) = delete;
   CsvFile& operator=(const CsvFile&) = delete;
 
@@ -35,8 +30,8 @@ class CsvFile {
   CsvFile& operator<<(float value) { return number(value); }
   CsvFile& operator<<(std::uint32_t value) { return number(value); }
   CsvFile& operator<<(char character) {
-    reserve();
-    buffer_[used_++] = character;
+    *file_.room(1) = character;
+    file_.used(1);
     return *this;
   }
   CsvFile& operator<<(std::string_view text);
@@ -46,9 +41,10 @@ class CsvFile {
     return *this;
   }
 
-  // These throw Error(simulation) if the file cannot be written.
-  // So that a reader beside a run, or after its end by force, finds what happened until shortly before.
-  void end_record();
+  // These throw OutputError if the file cannot be written.
+  // The rows since the last call are the record of this time, s, and part of the table from now on. Writes now and
+  // then, so that a reader beside a run, or after its end by force, finds what happened until shortly before.
+  void end_record(double time);
   void flush();
   void close();
 
@@ -56,21 +52,14 @@ class CsvFile {
   // Longest shortest decimal of a double is "-2.2250738585072014e-308": 24 characters.
   static constexpr std::size_t longest_number = 32;
 
-  void reserve() {
-    if (buffer_.size() - used_ < longest_number) write_buffer();
-  }
   template <class Number>
   CsvFile& number(Number value) {
-    reserve();
-    char* const begin = buffer_.data() + used_;
-    used_ += static_cast<std::size_t>(std::to_chars(begin, begin + longest_number, value).ptr - begin);
+    char* const begin = file_.room(longest_number);
+    file_.used(static_cast<std::size_t>(std::to_chars(begin, begin + longest_number, value).ptr - begin));
     return *this;
   }
-  void write_buffer();
 
   CheckedFile file_;
-  std::vector<char> buffer_;
-  std::size_t used_ = 0;
   Clock::duration patience_;
   Clock::time_point flushed_;
 };

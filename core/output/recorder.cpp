@@ -3,12 +3,12 @@
 #include <cmath>
 #include <exception>
 #include <limits>
-#include <system_error>
 
 #include <fmt/format.h>
 #include <springnet/output.hpp>
 #include <springnet/view.hpp>
 
+#include "output/output_error.hpp"
 #include "output/table_file.hpp"
 #include "output/vtk_series.hpp"
 
@@ -16,33 +16,27 @@ namespace springnet {
 
 namespace {
 
-std::uintmax_t size_of(const std::filesystem::path& file) {
-  std::error_code unknown;
-  const std::uintmax_t size = std::filesystem::file_size(file, unknown);
-  return unknown ? 0 : size;
-}
-
 // A writer of one file.
 template <class Writer>
 class FileSink : public Sink {
  public:
   template <class... Arguments>
-  explicit FileSink(const std::filesystem::path& file, const Arguments&... arguments)
-      : file_(file), writer_(file, arguments...) {}
+  explicit FileSink(const OutputFile& file, const Arguments&... arguments) : file_(file), writer_(file, arguments...) {}
 
   void record(const Simulation& simulation) override { writer_.record(simulation); }
   void close() override { writer_.close(); }
-  [[nodiscard]] std::uintmax_t bytes() const override { return size_of(file_); }
+  [[nodiscard]] std::uintmax_t bytes() const override { return file_.folder()->size(file_.name()); }
 
  private:
-  std::filesystem::path file_;
+  OutputFile file_;
   Writer writer_;
 };
 
 class VtkSink : public Sink {
  public:
-  VtkSink(const std::filesystem::path& folder, const Scene& scene)
-      : writer_(folder, scene.network, scene.output),
+  VtkSink(const OutputFile& folder, const Scene& scene)
+      : folder_(folder),
+        writer_(folder, scene.network, scene.output),
         interval_(scene.output.vtk_interval),
         // As small as this is rounding.
         slack_(1e-6 * std::min(scene.options.time_step, scene.duration)) {}
@@ -55,6 +49,9 @@ class VtkSink : public Sink {
   }
   void close() override { writer_.close(); }
   [[nodiscard]] std::uintmax_t bytes() const override { return writer_.bytes(); }
+  [[nodiscard]] bool is_there() const override {
+    return OutputFolder::find_inside(folder_.folder(), folder_.name()) != nullptr;
+  }
 
  private:
   void take(const Simulation& simulation) {
@@ -63,6 +60,7 @@ class VtkSink : public Sink {
     if (interval_ > 0.0) next_ = interval_ * (std::floor((simulation.time() + slack_) / interval_) + 1.0);
   }
 
+  OutputFile folder_;
   VtkWriter writer_;
   double interval_, slack_;                                 // s
   double next_ = 0.0;                                       // s
@@ -71,12 +69,15 @@ class VtkSink : public Sink {
 
 class ViewSink : public Sink {
  public:
-  ViewSink(const std::filesystem::path& file, const Scene& scene, const std::shared_ptr<const PluginHost>& plugins)
+  ViewSink(const OutputFile& file, const Scene& scene, const std::shared_ptr<const PluginHost>& plugins)
       : file_(file), writer_(file, scene, ViewOptions{scene.output.view_size, plugins}) {}
 
   void record(const Simulation& simulation) override { writer_.record(simulation); }
   void close() override { writer_.close(); }
-  [[nodiscard]] std::uintmax_t bytes() const override { return size_of(file_); }
+  [[nodiscard]] std::uintmax_t bytes() const override { return file_.folder()->size(file_.name()); }
+  [[nodiscard]] bool is_there() const override {
+    return file_.folder()->kind(file_.name()) != OutputFolder::Kind::none;
+  }
   void failed(const std::string& reason) override { writer_.failed(reason); }
   [[nodiscard]] std::vector<std::string> notes() const override {
     std::vector<std::string> notes = writer_.left_out();
@@ -85,62 +86,60 @@ class ViewSink : public Sink {
   }
 
  private:
-  std::filesystem::path file_;
+  OutputFile file_;
   ViewWriter writer_;
 };
 
-// Files of an earlier run would be taken for those of this one.
-void clear(const std::filesystem::path& folder) {
-  std::error_code ignored;
-  for (const std::filesystem::path& file : earlier_files(folder)) std::filesystem::remove(file, ignored);
-  if (std::filesystem::is_directory(folder / vtk_folder, ignored)) {
-    std::filesystem::remove(folder / vtk_folder, ignored);  // if nothing is left in it
+std::vector<std::string> file_names() {
+  std::vector<std::string> names;
+  for (const char* name : {"trajectory", "reactions", "surfaces", "rigid", "springs", "elements", "events"}) {
+    for (const char* ending : {".csv", ".bin"}) names.push_back(std::string(name) + ending);
+  }
+  for (const char* name : {view_file, summary_file}) {
+    names.emplace_back(name);
+    names.push_back(part_name(name));
+  }
+  return names;
+}
+
+// Calls `file(folder, name)` for what an earlier run has left: regular files and links with the names that a run gives.
+template <class Work>
+void for_earlier(const OutputFolder::Pointer& folder, const Work& file) {
+  const auto take = [&](const OutputFolder& in, const std::string& name) {
+    const OutputFolder::Kind kind = in.kind(name);
+    if (kind == OutputFolder::Kind::file || kind == OutputFolder::Kind::link) file(in, name);
+  };
+  for (const std::string& name : file_names()) take(*folder, name);
+  if (folder->kind(vtk_folder) == OutputFolder::Kind::link) file(*folder, vtk_folder);
+  if (const OutputFolder::Pointer vtk = OutputFolder::find_inside(folder, vtk_folder)) {
+    for (const std::string& name : vtk_series_files(*vtk)) take(*vtk, name);
   }
 }
 
-void make_folder(const std::filesystem::path& folder) {
-  std::error_code failed;
-  std::filesystem::create_directories(folder, failed);
-  if (failed || !std::filesystem::is_directory(folder)) {
-    throw Error(ErrorKind::input, fmt::format("{}: the folder for the output cannot be made: {}; name another one",
-                                              folder.string(), failed ? failed.message() : "a file is in the way"));
-  }
+// Files of an earlier run would be taken for those of this one.
+void clear(const OutputFolder::Pointer& folder) {
+  for_earlier(folder, [](const OutputFolder& in, const std::string& name) { in.remove(name); });
+  folder->remove_empty_folder(vtk_folder);
 }
 
 }  // namespace
 
-std::vector<std::filesystem::path> earlier_files(const std::filesystem::path& folder) {
-  std::vector<std::filesystem::path> files = vtk_series_files(folder / vtk_folder);
-  const auto add = [&](const std::string& name) {
-    std::error_code unreadable;
-    const auto status = std::filesystem::symlink_status(folder / name, unreadable);
-    if (std::filesystem::exists(status)) files.push_back(folder / name);
-  };
-  for (const char* name : {"trajectory", "reactions", "surfaces", "rigid", "springs", "elements", "events"}) {
-    for (const char* ending : {".csv", ".bin"}) add(std::string(name) + ending);
-  }
-  add(view_file);
-  add(summary_file);
-  return files;
-}
-
-std::uintmax_t earlier_bytes(const std::filesystem::path& folder) {
+std::uintmax_t earlier_bytes(const std::filesystem::path& path) {
   std::uintmax_t sum = 0;
-  for (const std::filesystem::path& file : earlier_files(folder)) {
-    std::error_code unreadable;
-    if (!std::filesystem::is_symlink(file, unreadable)) sum += size_of(file);  // what it names is not removed
-  }
+  const OutputFolder::Pointer folder = OutputFolder::find(path);
+  if (!folder) return sum;
+  for_earlier(folder, [&](const OutputFolder& in, const std::string& name) { sum += in.size(name); });
   return sum;
 }
 
-Recorder::Recorder(const Scene& scene, const std::shared_ptr<const PluginHost>& plugins,
-                   const std::filesystem::path& folder) {
-  make_folder(folder);
-  clear(folder);
+Recorder::Recorder(const Scene& scene, const std::shared_ptr<const PluginHost>& plugins, OutputFolder::Pointer folder)
+    : folder_(std::move(folder)) {
+  for (const std::string& name : file_names()) folder_->require_no_folder(name);  // before anything is removed
+  clear(folder_);
   const Network& network = scene.network;
   const OutputOptions& options = scene.output;
   const auto table = [&]<class Writer>(const std::string& name, const auto&... arguments) {
-    add(name, std::make_unique<FileSink<Writer>>(folder / name, arguments...));
+    add(name, std::make_unique<FileSink<Writer>>(OutputFile(folder_, name), arguments...));
   };
   table.operator()<EventWriter>("events.csv");
   if (options.trajectory) table.operator()<TrajectoryWriter>(table_name("trajectory", options), network, options);
@@ -153,51 +152,89 @@ Recorder::Recorder(const Scene& scene, const std::shared_ptr<const PluginHost>& 
   if (options.elements && !network.elements().empty()) {
     table.operator()<ElementWriter>(table_name("elements", options), network, options);
   }
-  if (options.view) add(view_file, std::make_unique<ViewSink>(folder / view_file, scene, plugins));
-  if (options.vtk) add(vtk_index_name(), std::make_unique<VtkSink>(folder / vtk_folder, scene));
+  if (options.view) add(view_file, std::make_unique<ViewSink>(OutputFile(folder_, view_file), scene, plugins));
+  if (options.vtk) add(vtk_index_name(), std::make_unique<VtkSink>(OutputFile(folder_, vtk_folder), scene));
 }
 
 void Recorder::add(std::string file, std::unique_ptr<Sink> sink) {
-  files_.push_back(std::move(file));
-  sinks_.push_back(std::move(sink));
+  outputs_.push_back({std::move(file), std::move(sink)});
 }
 
-void Recorder::record(const Simulation& simulation) {
-  for (const auto& sink : sinks_) sink->record(simulation);
-}
-
-void Recorder::finish(const Simulation& simulation) {
-  for (const auto& sink : sinks_) sink->finish(simulation);
-}
-
-void Recorder::failed(const std::string& reason) {
-  for (const auto& sink : sinks_) sink->failed(reason);
-}
-
-std::vector<std::string> Recorder::notes() const {
-  std::vector<std::string> all;
-  for (const auto& sink : sinks_) {
-    const std::vector<std::string> notes = sink->notes();
-    all.insert(all.end(), notes.begin(), notes.end());
-  }
-  return all;
-}
-
-void Recorder::close() {
+template <class Work>
+void Recorder::each(const Work& work) {
   std::exception_ptr first;
-  for (const auto& sink : sinks_) {
+  for (Output& output : outputs_) {
+    if (output.failed) continue;
     try {
-      sink->close();
-    } catch (const Error&) {
+      work(output);
+    } catch (const OutputError& error) {
+      output.failed = true;
+      output.lost = error.lost();
+      output.kept_until = error.kept_until();
+      if (!first) first = std::current_exception();
+    } catch (...) {  // out of memory, for instance
+      output.failed = true;
       if (!first) first = std::current_exception();
     }
   }
   if (first) std::rethrow_exception(first);
 }
 
+void Recorder::record(const Simulation& simulation) {
+  each([&](Output& output) {
+    output.sink->record(simulation);
+    output.kept_until = simulation.time();
+  });
+}
+
+void Recorder::finish(const Simulation& simulation) {
+  each([&](Output& output) { output.sink->finish(simulation); });
+}
+
+void Recorder::failed(const std::string& reason) {
+  for (const Output& output : outputs_) output.sink->failed(reason);
+}
+
+std::vector<std::string> Recorder::notes() const {
+  std::vector<std::string> all;
+  for (const Output& output : outputs_) {
+    const std::vector<std::string> notes = output.sink->notes();
+    all.insert(all.end(), notes.begin(), notes.end());
+  }
+  return all;
+}
+
+void Recorder::close() {
+  // One that has failed as well: its buffers are written as far as they are whole.
+  for (const Output& output : outputs_) {
+    if (!output.failed) continue;
+    try {
+      output.sink->close();
+    } catch (...) {  // its first failure has been told
+    }
+  }
+  each([](Output& output) { output.sink->close(); });
+}
+
+std::vector<std::string> Recorder::files() const {
+  std::vector<std::string> names;
+  for (const Output& output : outputs_) {
+    if (!output.lost && output.sink->is_there()) names.push_back(output.file);
+  }
+  return names;
+}
+
+std::vector<CutShort> Recorder::cut_short() const {
+  std::vector<CutShort> files;
+  for (const Output& output : outputs_) {
+    if (output.failed && !output.lost && output.sink->is_there()) files.push_back({output.file, output.kept_until});
+  }
+  return files;
+}
+
 std::uintmax_t Recorder::bytes() const {
   std::uintmax_t sum = 0;
-  for (const auto& sink : sinks_) sum += sink->bytes();
+  for (const Output& output : outputs_) sum += output.sink->bytes();
   return sum;
 }
 

@@ -112,7 +112,7 @@ void RecordReader::refuse(const std::string& reason) const {
   throw Error(ErrorKind::input, fmt::format("{}: {}", path_.string(), reason));
 }
 
-void write_csv(RecordReader& records, const std::filesystem::path& file) {
+void write_csv(RecordReader& records, const OutputFile& file) {
   CsvFile out(file, csv_header({records.row_name(), {}, records.columns(), {}}));
   std::vector<double> values;
   for (std::size_t record = 0; record < records.records(); ++record) {
@@ -130,6 +130,7 @@ void write_csv(RecordReader& records, const std::filesystem::path& file) {
       }
       out << '\n';
     }
+    out.end_record(time);
   }
   out.close();
 }

@@ -1,7 +1,7 @@
 #include <algorithm>
 #include <cmath>
-#include <fstream>
 #include <limits>
+#include <new>
 #include <system_error>
 
 #include <fmt/format.h>
@@ -10,6 +10,7 @@
 #include "output/pace.hpp"
 #include "output/recorder.hpp"
 #include "output/space.hpp"
+#include "output/whole_file.hpp"
 
 namespace springnet {
 
@@ -53,8 +54,18 @@ class StepCounter {
   Outcome worst_ = Outcome::settled;
 };
 
+// Memory to write the end of a run with that runs out of it.
+class MemoryReserve {
+ public:
+  void release() noexcept { block_.reset(); }
+
+ private:
+  static constexpr std::size_t bytes = std::size_t{4} << 20;  // a summary, its notes and half a page of view.html
+  std::unique_ptr<char[]> block_ = std::make_unique_for_overwrite<char[]>(bytes);
+};
+
 void simulate(const Scene& scene, Simulation& simulation, Recorder& recorder, const RunOptions& options,
-              RunSummary& summary) {
+              MemoryReserve& memory, RunSummary& summary) {
   const RunClock clock = clock_of(options);
   const double time_step = scene.options.time_step;
   // A remainder as small as this is rounding of the times (Simulation::advance_to takes it so).
@@ -118,12 +129,12 @@ void simulate(const Scene& scene, Simulation& simulation, Recorder& recorder, co
       } else {
         simulation.step();
       }
-    } catch (const Error&) {
+    } catch (...) {
+      memory.release();  // so that there is some to end with, if it is that which is short
       count_work();
       try {
         write_end();
-      } catch (const Error&) {
-        // What ended the run is told, not what could not be written of it.
+      } catch (...) {  // what ended the run is told, not what could not be written of it
       }
       throw;
     }
@@ -152,28 +163,29 @@ void take_failure(RunSummary& summary, ErrorKind kind, const std::string& messag
   summary.outcome = "failed";
 }
 
-// The last of the summary's files is this one.
-void write_summary(const std::filesystem::path& file, RunSummary& summary) {
-  std::ofstream out(file, std::ios::binary);
-  out << to_json(summary);
-  out.close();
-  if (out) return;
-  std::error_code ignored;
-  std::filesystem::remove(file, ignored);  // an empty or broken one is read by nobody
-  summary.files.pop_back();
-  take_failure(summary, ErrorKind::simulation,
-               fmt::format("{}: cannot be written; make room or write to another disk", file.string()));
-}
-
 template <class Work>
 void keep_failure(RunSummary& summary, const Work& work) {
   try {
     work();
   } catch (const Error& error) {
     take_failure(summary, error.kind(), error.what());
+  } catch (const std::bad_alloc&) {
+    take_failure(summary, ErrorKind::simulation,
+                 "out of memory: simulate a smaller network, or on a larger machine, or make view.html smaller "
+                 "(output.view_size)");
   } catch (const std::exception& error) {
     take_failure(summary, ErrorKind::simulation, error.what());
   }
+}
+
+// The last of the summary's files is this one.
+void write_summary(const OutputFolder::Pointer& folder, RunSummary& summary) {
+  bool written = false;
+  keep_failure(summary, [&] {
+    write_whole({folder, summary_file}, to_json(summary));
+    written = true;
+  });
+  if (!written) summary.files.pop_back();
 }
 
 RunSummary describe(const Scene& scene, const Simulation& simulation, const PluginHost& plugins,
@@ -226,11 +238,15 @@ RunSummary run_scene(const Scene& scene, const std::shared_ptr<const PluginHost>
   if (options.realtime != 0.0) static_cast<void>(Pace(options.realtime, 0.0, clock_of(options)));  // refuses nonsense
   Simulation simulation(scene.network, plugins, scene.options);
   RunSummary summary = describe(scene, simulation, *plugins, options.scene_name);
+  const OutputFolder::Pointer folder = OutputFolder::make(options.folder);
+  folder->lock();
+  MemoryReserve memory;
   std::optional<Recorder> recorder;  // none where not even the heads of its files could be written
   keep_failure(summary, [&] {
-    recorder.emplace(scene, plugins, options.folder);
-    simulate(scene, simulation, *recorder, options, summary);
+    recorder.emplace(scene, plugins, folder);
+    simulate(scene, simulation, *recorder, options, memory, summary);
   });
+  memory.release();
   if (!recorder && summary.failure == ErrorKind::input) throw Error(ErrorKind::input, summary.error);
   if (summary.failure == ErrorKind::simulation && simulation.last_report().outcome != Outcome::settled) {
     summary.outcome = name_of(simulation.last_report().outcome);
@@ -252,9 +268,10 @@ RunSummary run_scene(const Scene& scene, const std::shared_ptr<const PluginHost>
   if (recorder) {
     summary.bytes = recorder->bytes();
     summary.files = recorder->files();
+    summary.cut_short = recorder->cut_short();
   }
   summary.files.emplace_back(summary_file);
-  write_summary(options.folder / summary_file, summary);
+  write_summary(folder, summary);
   return summary;
 }
 

@@ -67,6 +67,8 @@ std::string to_json(const RunSummary& summary) {
                        {"greatest_m3", volume.greatest},
                        {"leaked", volume.leaked}});
   }
+  Json cut_short = Json::array();
+  for (const CutShort& each : summary.cut_short) cut_short.push_back({{"file", each.file}, {"until_s", each.until}});
   const Json document{
       {"scene", summary.scene},
       {"title", summary.title},
@@ -110,6 +112,7 @@ std::string to_json(const RunSummary& summary) {
       {"records", summary.records},
       {"output_bytes", summary.bytes},
       {"files", summary.files},
+      {"cut_short", cut_short},
   };
   return document.dump(2, ' ', false, Json::error_handler_t::replace) + "\n";
 }

@@ -1,5 +1,6 @@
 #include "output/table_file.hpp"
 
+#include <limits>
 #include <numeric>
 
 #include <fmt/format.h>
@@ -22,8 +23,7 @@ std::vector<std::uint32_t> all(std::size_t count) {
 
 class TextTable : public TableFile {
  public:
-  TextTable(const std::filesystem::path& file, TableForm form)
-      : form_(std::move(form)), file_(file, csv_header(form_)) {}
+  TextTable(const OutputFile& file, TableForm form) : form_(std::move(form)), file_(file, csv_header(form_)) {}
 
   void record(double time, std::span<const double> values) override {
     const double* value = values.data();
@@ -32,7 +32,7 @@ class TextTable : public TableFile {
       for (std::size_t column = 0; column < form_.columns.size(); ++column) file_ << ',' << *value++;
       file_ << '\n';
     }
-    file_.end_record();
+    file_.end_record(time);
   }
   void close() override { file_.close(); }
 
@@ -43,10 +43,10 @@ class TextTable : public TableFile {
 
 class BinaryTable : public TableFile {
  public:
-  BinaryTable(const std::filesystem::path& file, const TableForm& form, Precision precision)
-      : file_(file), precision_(precision) {
+  BinaryTable(const OutputFile& file, const TableForm& form, Precision precision) : file_(file), precision_(precision) {
     const std::string header = binary_header(form, precision);
     file_.write(header.data(), header.size());
+    file_.end_record(std::numeric_limits<double>::quiet_NaN());
     file_.flush();
   }
 
@@ -57,6 +57,7 @@ class BinaryTable : public TableFile {
     } else {
       write_numbers<float>(file_, values);
     }
+    file_.end_record(time);
     file_.flush();  // a reader beside the run, or after its end by force, finds whole records
   }
   void close() override { file_.close(); }
@@ -95,8 +96,7 @@ TableForm element_form(const Network& network, const OutputOptions& options) {
           {"", "", ""}};
 }
 
-std::unique_ptr<TableFile> create_table(const std::filesystem::path& file, TableForm form,
-                                        const OutputOptions& options) {
+std::unique_ptr<TableFile> create_table(const OutputFile& file, TableForm form, const OutputOptions& options) {
   if (options.format == OutputOptions::Format::csv) return std::make_unique<TextTable>(file, std::move(form));
   return std::make_unique<BinaryTable>(file, form, options.precision);
 }

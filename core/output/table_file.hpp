@@ -2,12 +2,12 @@
 #pragma once
 
 #include <cstdint>
-#include <filesystem>
 #include <memory>
 #include <span>
 #include <string>
 #include <vector>
 
+#include <springnet/output_folder.hpp>
 #include <springnet/scene.hpp>
 
 namespace springnet {
@@ -33,7 +33,7 @@ class TableFile {
 };
 
 // Throws Error(input) if the file cannot be created.
-[[nodiscard]] std::unique_ptr<TableFile> create_table(const std::filesystem::path& file, TableForm form,
+[[nodiscard]] std::unique_ptr<TableFile> create_table(const OutputFile& file, TableForm form,
                                                       const OutputOptions& options);
 // "trajectory.csv", or "trajectory.bin"
 [[nodiscard]] std::string table_name(const std::string& stem, const OutputOptions& options);

@@ -1,10 +1,8 @@
 #include "output/vtk_file.hpp"
 
 #include <span>
-#include <system_error>
 
 #include <fmt/format.h>
-#include <springnet/error.hpp>
 
 #include "output/checked_file.hpp"
 
@@ -114,19 +112,13 @@ std::uint64_t vtk_bytes(const VtkFile& file) {
   return bytes;
 }
 
-void write_vtk(const std::filesystem::path& path, const VtkFile& file) {
+void write_vtk(const OutputFile& path, const VtkFile& file) {
   CheckedFile out(path);
-  try {
-    const std::string text = header(file);
-    out.write(text.data(), text.size());
-    for (const VtkArray& array : file.arrays) write_array(out, array);
-    out.write(end.data(), end.size());
-    out.close();
-  } catch (const Error&) {
-    std::error_code ignored;
-    std::filesystem::remove(path, ignored);
-    throw;
-  }
+  const std::string text = header(file);
+  out.write(text.data(), text.size());
+  for (const VtkArray& array : file.arrays) write_array(out, array);
+  out.write(end.data(), end.size());
+  out.close();
 }
 
 }  // namespace springnet

@@ -3,10 +3,11 @@
 #pragma once
 
 #include <cstdint>
-#include <filesystem>
 #include <string>
 #include <string_view>
 #include <vector>
+
+#include <springnet/output_folder.hpp>
 
 namespace springnet {
 
@@ -31,8 +32,7 @@ struct VtkFile {
 };
 
 [[nodiscard]] std::uint64_t vtk_bytes(const VtkFile& file);
-// Replaces the file, and removes it again if it cannot be written as a whole. Throws Error(input) if it cannot be
-// created, Error(simulation) if it cannot be written.
-void write_vtk(const std::filesystem::path& path, const VtkFile& file);
+// Throws Error(input) if the file cannot be created, OutputError if it cannot be written as a whole.
+void write_vtk(const OutputFile& path, const VtkFile& file);
 
 }  // namespace springnet

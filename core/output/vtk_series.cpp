@@ -1,11 +1,11 @@
 #include "output/vtk_series.hpp"
 
 #include <algorithm>
-#include <system_error>
 
 #include <fmt/format.h>
-#include <springnet/error.hpp>
 #include <springnet/output.hpp>
+
+#include "output/output_error.hpp"
 
 namespace springnet {
 
@@ -25,32 +25,18 @@ std::string entry(double time, int part, std::string_view name, std::string_view
   return fmt::format("    <DataSet timestep=\"{}\" part=\"{}\" name=\"{}\" file=\"{}\"/>\n", time, part, name, file);
 }
 
-void make(const std::filesystem::path& folder) {
-  std::error_code failed;
-  std::filesystem::create_directories(folder, failed);
-  if (failed || !std::filesystem::is_directory(folder)) {
-    throw Error(ErrorKind::input, fmt::format("{}: the folder for the pictures cannot be made: {}; name another one",
-                                              folder.string(), failed ? failed.message() : "a file is in the way"));
-  }
-}
-
-std::filesystem::path made(const std::filesystem::path& folder) {
-  make(folder);
-  return folder;
+OutputFolder::Pointer make(const OutputFile& folder) {
+  return folder.folder() ? OutputFolder::make_inside(folder.folder(), folder.name())
+                         : OutputFolder::make(folder.path());
 }
 
 }  // namespace
 
 std::string vtk_index_name() { return fmt::format("{}/{}", vtk_folder, index_name); }
 
-std::vector<std::filesystem::path> vtk_series_files(const std::filesystem::path& folder) {
-  std::vector<std::filesystem::path> files;
-  std::error_code ignored;
-  if (!std::filesystem::is_directory(folder, ignored)) return files;
-  if (std::filesystem::exists(folder / index_name, ignored)) files.push_back(folder / index_name);
-  for (std::filesystem::directory_iterator file(folder, ignored), end; !ignored && file != end;
-       file.increment(ignored)) {
-    const std::string name = file->path().filename().string();
+std::vector<std::string> vtk_series_files(const OutputFolder& folder) {
+  std::vector<std::string> files;
+  for (const std::string& name : folder.names()) {
     const auto is = [&](std::string_view stem, std::string_view ending) {
       if (!name.starts_with(stem) || !name.ends_with(ending) || name.size() <= stem.size() + ending.size())
         return false;
@@ -58,7 +44,7 @@ std::vector<std::filesystem::path> vtk_series_files(const std::filesystem::path&
           std::string_view(name).substr(stem.size(), name.size() - stem.size() - ending.size());
       return digits.find_first_not_of("0123456789") == std::string_view::npos;
     };
-    if (is(net_stem, ".vtu") || is(surface_stem, ".vtp")) files.push_back(file->path());
+    if (name == index_name || is(net_stem, ".vtu") || is(surface_stem, ".vtp")) files.push_back(name);
   }
   return files;
 }
@@ -80,8 +66,8 @@ double vtk_index_bytes(const Network& network, double records) {
   return records * record + static_cast<double>(index_begin.size() + index_close.size());
 }
 
-VtkSeries::VtkSeries(const std::filesystem::path& folder, const Network& network, const OutputOptions& options)
-    : folder_(made(folder)), options_(options), net_(network), surfaces_(network), index_(folder / index_name) {
+VtkSeries::VtkSeries(const OutputFile& folder, const Network& network, const OutputOptions& options)
+    : folder_(make(folder)), options_(options), net_(network), surfaces_(network), index_({folder_, index_name}) {
   options_.nodes.clear();  // of tables alone, and not needed
   options_.springs.clear();
   index_.write(index_begin.data(), index_begin.size());
@@ -92,16 +78,37 @@ VtkSeries::VtkSeries(const std::filesystem::path& folder, const Network& network
 }
 
 void VtkSeries::record(const Simulation& simulation) {
+  try {
+    write_pictures(simulation);
+  } catch (const Error& error) {
+    drop_last();
+    throw OutputError(error.what(), last_);
+  } catch (...) {
+    drop_last();
+    throw;
+  }
+  last_ = simulation.time();
+  ++records_;
+}
+
+// What is not in the index would be taken for a part of the series.
+void VtkSeries::drop_last() {
+  folder_->remove(net_name(records_));
+  folder_->remove(surface_name(records_));
+  index_.restore_end(index_end_, index_close);
+}
+
+void VtkSeries::write_pictures(const Simulation& simulation) {
   net_.take(simulation);
   const VtkFile net = net_.file(options_);
-  write_vtk(folder_ / net_name(records_), net);
-  bytes_ += vtk_bytes(net);
+  write_vtk({folder_, net_name(records_)}, net);
+  std::uintmax_t bytes = vtk_bytes(net);
   std::string entries = entry(simulation.time(), 0, "net", net_name(records_));
   if (!surfaces_.empty()) {
     surfaces_.take(simulation);
     const VtkFile surfaces = surfaces_.file(options_);
-    write_vtk(folder_ / surface_name(records_), surfaces);
-    bytes_ += vtk_bytes(surfaces);
+    write_vtk({folder_, surface_name(records_)}, surfaces);
+    bytes += vtk_bytes(surfaces);
     entries += entry(simulation.time(), 1, "surfaces", surface_name(records_));
   }
   // Over the closing tags, and these again behind: whoever reads it meanwhile finds a whole document.
@@ -111,11 +118,10 @@ void VtkSeries::record(const Simulation& simulation) {
   index_.write(entries.data(), entries.size());
   index_.flush();
   index_end_ += added;
-  bytes_ += added;
-  ++records_;
+  bytes_ += bytes + added;
 }
 
-VtkWriter::VtkWriter(const std::filesystem::path& folder, const Network& network, const OutputOptions& options)
+VtkWriter::VtkWriter(const OutputFile& folder, const Network& network, const OutputOptions& options)
     : series_(std::make_unique<VtkSeries>(folder, network, options)) {}
 VtkWriter::~VtkWriter() = default;
 void VtkWriter::record(const Simulation& simulation) { series_->record(simulation); }

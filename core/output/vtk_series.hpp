@@ -1,7 +1,7 @@
 // What VtkWriter writes, and how much of it.
 #pragma once
 
-#include <filesystem>
+#include <limits>
 #include <string>
 #include <vector>
 
@@ -17,8 +17,8 @@ namespace springnet {
 inline constexpr const char* vtk_folder = "vtk";
 [[nodiscard]] std::string vtk_index_name();  // run.pvd in that folder
 
-// The files of an earlier series, and nothing else that may be in the folder.
-[[nodiscard]] std::vector<std::filesystem::path> vtk_series_files(const std::filesystem::path& folder);
+// The names of files of an earlier series, and of nothing else that may be in the folder.
+[[nodiscard]] std::vector<std::string> vtk_series_files(const OutputFolder& folder);
 
 // Bytes of one record, and of the index at most.
 [[nodiscard]] double vtk_record_bytes(const Network& network, const OutputOptions& options);
@@ -65,13 +65,17 @@ struct VtkSurfaces {
 
 class VtkSeries {
  public:
-  VtkSeries(const std::filesystem::path& folder, const Network& network, const OutputOptions& options);
+  VtkSeries(const OutputFile& folder, const Network& network, const OutputOptions& options);
+  // Where a picture cannot be written, the series ends with the one before.
   void record(const Simulation& simulation);
   void close() { index_.close(); }
   [[nodiscard]] std::uintmax_t bytes() const noexcept { return bytes_; }
 
  private:
-  std::filesystem::path folder_;
+  void write_pictures(const Simulation& simulation);
+  void drop_last();
+
+  OutputFolder::Pointer folder_;
   OutputOptions options_;
   VtkNet net_;
   VtkSurfaces surfaces_;
@@ -79,6 +83,7 @@ class VtkSeries {
   std::uint64_t index_end_ = 0;  // where the next entry goes
   std::uintmax_t bytes_ = 0;
   std::size_t records_ = 0;
+  double last_ = std::numeric_limits<double>::quiet_NaN();  // s, of the last picture
 };
 
 }  // namespace springnet

@@ -9,8 +9,7 @@
 
 namespace springnet {
 
-TrajectoryWriter::TrajectoryWriter(const std::filesystem::path& file, const Network& network,
-                                   const OutputOptions& options)
+TrajectoryWriter::TrajectoryWriter(const OutputFile& file, const Network& network, const OutputOptions& options)
     : position_(options.position), velocity_(options.velocity), force_(options.force) {
   TableForm form = trajectory_form(network, options);
   nodes_ = form.numbers;
@@ -41,7 +40,7 @@ void TrajectoryWriter::record(const Simulation& simulation) {
 
 void TrajectoryWriter::close() { file_->close(); }
 
-SpringWriter::SpringWriter(const std::filesystem::path& file, const Network& network, const OutputOptions& options)
+SpringWriter::SpringWriter(const OutputFile& file, const Network& network, const OutputOptions& options)
     : file_(create_table(file, spring_form(options), options)) {
   springs_.reserve(options.springs.size());
   for (const SpringIndex index : options.springs) {
@@ -68,7 +67,7 @@ void SpringWriter::record(const Simulation& simulation) {
 
 void SpringWriter::close() { file_->close(); }
 
-ElementWriter::ElementWriter(const std::filesystem::path& file, const Network& network, const OutputOptions& options) {
+ElementWriter::ElementWriter(const OutputFile& file, const Network& network, const OutputOptions& options) {
   TableForm form = element_form(network, options);
   elements_ = form.numbers;
   values_.resize(3 * elements_.size());
@@ -89,7 +88,7 @@ void ElementWriter::record(const Simulation& simulation) {
 
 void ElementWriter::close() { file_->close(); }
 
-ReactionWriter::ReactionWriter(const std::filesystem::path& file, const Network& network, const OutputOptions& options)
+ReactionWriter::ReactionWriter(const OutputFile& file, const Network& network, const OutputOptions& options)
     : file_(std::make_unique<CsvFile>(file, "time,node,fx,fy,fz,tx,ty,tz")),
       nodes_(trajectory_form(network, options).numbers) {
   fixed_.reserve(nodes_.size());
@@ -107,12 +106,12 @@ void ReactionWriter::record(const Simulation& simulation) {
     const Vector3 torque = simulation.position(node).cross(reaction);
     out << simulation.time() << ',' << node << reaction << torque << '\n';
   }
-  out.end_record();
+  out.end_record(simulation.time());
 }
 
 void ReactionWriter::close() { file_->close(); }
 
-SurfaceWriter::SurfaceWriter(const std::filesystem::path& file)
+SurfaceWriter::SurfaceWriter(const OutputFile& file)
     : file_(std::make_unique<CsvFile>(file, "time,surface,x,y,z,fx,fy,fz,tx,ty,tz,nodes")) {}
 
 SurfaceWriter::~SurfaceWriter() = default;
@@ -131,12 +130,12 @@ void SurfaceWriter::record(const Simulation& simulation) {
         << simulation.surface_torque(surface) << ',' << static_cast<std::uint32_t>(simulation.nodes_touching(surface))
         << '\n';
   }
-  out.end_record();
+  out.end_record(simulation.time());
 }
 
 void SurfaceWriter::close() { file_->close(); }
 
-RigidWriter::RigidWriter(const std::filesystem::path& file, const Network& network)
+RigidWriter::RigidWriter(const OutputFile& file, const Network& network)
     : file_(std::make_unique<CsvFile>(file, "time,rigid,force")),
       count_(static_cast<RigidIndex>(network.rigids().size())) {}
 
@@ -146,13 +145,12 @@ void RigidWriter::record(const Simulation& simulation) {
   for (RigidIndex rigid = 0; rigid < count_; ++rigid) {
     *file_ << simulation.time() << ',' << rigid << ',' << simulation.rigid_force(rigid) << '\n';
   }
-  file_->end_record();
+  file_->end_record(simulation.time());
 }
 
 void RigidWriter::close() { file_->close(); }
 
-EventWriter::EventWriter(const std::filesystem::path& file)
-    : file_(std::make_unique<CsvFile>(file, "time,event,element,index")) {}
+EventWriter::EventWriter(const OutputFile& file) : file_(std::make_unique<CsvFile>(file, "time,event,element,index")) {}
 
 EventWriter::~EventWriter() = default;
 
@@ -174,7 +172,7 @@ void EventWriter::record(const Simulation& simulation) {
     out << event.time << ',' << what.event << ',' << (event.element ? "element" : what.element) << ',' << event.index
         << '\n';
   }
-  out.end_record();
+  out.end_record(simulation.time());
 }
 
 void EventWriter::close() { file_->close(); }

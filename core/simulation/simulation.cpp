@@ -196,7 +196,11 @@ void Simulation::Impl::advance(double until) {
     steps += report.steps;
     return;
   }
-  std::string text = fmt::format("step from {} s to {} s: {}", from, until, end.text);
+  // All that comes through the C ABI of an exception is its text.
+  const bool memory = end.text == std::bad_alloc().what() || end.text == "out of memory";
+  std::string text =
+      fmt::format("step from {} s to {} s: {}", from, until,
+                  memory ? "out of memory: simulate a smaller network, or on a larger machine" : end.text);
   if (!engine.non_finite().empty() && text.find(engine.non_finite()) == std::string::npos)
     text += fmt::format("; {}", engine.non_finite());
   throw Error(end.broken ? ErrorKind::plugin : ErrorKind::simulation, text);

@@ -43,6 +43,7 @@ TEST_CASE("numbers in a table read back as the same doubles") {
   {
     CsvFile file(folder.path() / "table.csv", "value,number");
     for (std::uint32_t k = 0; k < values.size(); ++k) file << values[k] << ',' << k << '\n';
+    file.end_record(0.0);
     file.close();
   }
   const testing::Csv csv = testing::read_csv(folder.path() / "table.csv");
@@ -54,13 +55,38 @@ TEST_CASE("numbers in a table read back as the same doubles") {
   }
 }
 
-TEST_CASE("a table left open by an exception keeps what was recorded") {
+TEST_CASE("a table left open by an exception keeps the whole records, and one that is closed has no others") {
   const TemporaryFolder folder;
-  {
-    CsvFile file(folder.path() / "table.csv", "a");
-    file << 1.5 << '\n';
+  for (const bool closed : {false, true}) {
+    for (const bool flushed : {false, true}) {
+      {
+        CsvFile file(folder.path() / "table.csv", "a");
+        file << 1.5 << '\n';
+        file.end_record(0.1);
+        file << 2.5 << '\n' << 3.5;
+        if (flushed) file.flush();
+        if (closed) file.close();
+      }
+      CHECK(testing::read_text(folder.path() / "table.csv") == "a\n1.5\n");
+    }
   }
-  CHECK(testing::read_text(folder.path() / "table.csv") == "a\n1.5\n");
+}
+
+TEST_CASE("whole records go into the file where the buffer is full, whatever is unfinished") {
+  const TemporaryFolder folder;
+  const std::filesystem::path path = folder.path() / "table.csv";
+  CsvFile file(path, "a", std::chrono::hours(1));
+  std::size_t rows = 0;
+  for (int record = 0; record < 200; ++record) {
+    for (int row = 0; row < 100; ++row) {
+      file << 0.123456789 << '\n';
+      const std::string text = testing::read_text(path);
+      REQUIRE(text.size() % (100 * 12) == 2);  // records of 100 rows of 12 characters, behind "a\n"
+      rows = std::max(rows, text.size() / 12);
+    }
+    file.end_record(record);
+  }
+  CHECK(rows > 10000);
 }
 
 TEST_CASE("the header is in the file at once, records after a while") {
@@ -70,10 +96,10 @@ TEST_CASE("the header is in the file at once, records after a while") {
     CsvFile file(path, "a", std::chrono::hours(1));
     CHECK(testing::read_text(path) == "a\n");
     file << 1.5 << '\n';
-    file.end_record();
+    file.end_record(0.0);
     CHECK(testing::read_text(path) == "a\n1.5\n");  // the first one
     file << 2.5 << '\n';
-    file.end_record();
+    file.end_record(0.0);
     CHECK(testing::read_text(path) == "a\n1.5\n");  // not written at each record
     file.flush();
     CHECK(testing::read_text(path) == "a\n1.5\n2.5\n");
@@ -82,7 +108,7 @@ TEST_CASE("the header is in the file at once, records after a while") {
   for (const char* text : {"a\n1\n", "a\n1\n1\n"}) {
     std::this_thread::sleep_for(std::chrono::milliseconds(25));
     file << 1.0 << '\n';
-    file.end_record();
+    file.end_record(0.0);
     CHECK(testing::read_text(path) == text);
   }
 }
@@ -107,6 +133,7 @@ TEST_CASE("a full disk is an error of the run, with a remedy") {
     CHECK(error.kind() == ErrorKind::simulation);
     const std::string message = error.what();
     CHECK(message.find("No space left") != std::string::npos);
+    CHECK(message.find("no record of it was written") != std::string::npos);
     CHECK(message.find("output.interval") != std::string::npos);
   }
 }

@@ -14,6 +14,7 @@
 
 #include <springnet/error.hpp>
 #include <springnet/events.hpp>
+#include <springnet/output_folder.hpp>
 #include <springnet/scene.hpp>
 #include <springnet/simulation.hpp>
 
@@ -26,15 +27,15 @@ class VtkSeries;
 // Tables of comma separated values with a header line. Numbers are the shortest decimals that read back as the same
 // double. Nodes and springs have the user's numbers. Constructors replace a file that is there and throw Error(input)
 // if it cannot be created; they, record() and close() throw Error(simulation) if the file cannot be written, the disk
-// being full for instance. What was written until then stays. Text is in the file a second after record() at the
-// latest, if records go on. Those that take OutputOptions write the binary form of
-// springnet/records.hpp if the options say so.
+// being full for instance. The file then ends with its last whole record, whose time the message tells, and takes no
+// more. Text is in the file a second after record() at the latest, if records go on. Those that take OutputOptions
+// write the binary form of springnet/records.hpp if the options say so.
 
 // "time,node" and the quantities of the options: "x,y,z" m, "vx,vy,vz" m/s, "fx,fy,fz" N (net force of springs and
 // loads); a row for every node of the options and record, by rising node.
 class TrajectoryWriter {
  public:
-  TrajectoryWriter(const std::filesystem::path& file, const Network& network, const OutputOptions& options = {});
+  TrajectoryWriter(const OutputFile& file, const Network& network, const OutputOptions& options = {});
   ~TrajectoryWriter();
   void record(const Simulation& simulation);
   void close();
@@ -51,7 +52,7 @@ class TrajectoryWriter {
 // are removed, alive being 0 then.
 class SpringWriter {
  public:
-  SpringWriter(const std::filesystem::path& file, const Network& network, const OutputOptions& options);
+  SpringWriter(const OutputFile& file, const Network& network, const OutputOptions& options);
   ~SpringWriter();
   void record(const Simulation& simulation);
   void close();
@@ -71,7 +72,7 @@ class SpringWriter {
 // (Simulation::element_value, element_force).
 class ElementWriter {
  public:
-  ElementWriter(const std::filesystem::path& file, const Network& network, const OutputOptions& options = {});
+  ElementWriter(const OutputFile& file, const Network& network, const OutputOptions& options = {});
   ~ElementWriter();
   void record(const Simulation& simulation);
   void close();
@@ -86,7 +87,7 @@ class ElementWriter {
 // for each node of the options that is fixed, moved or in contact at the time.
 class ReactionWriter {
  public:
-  ReactionWriter(const std::filesystem::path& file, const Network& network, const OutputOptions& options = {});
+  ReactionWriter(const OutputFile& file, const Network& network, const OutputOptions& options = {});
   ~ReactionWriter();
   void record(const Simulation& simulation);
   void close();
@@ -102,7 +103,7 @@ class ReactionWriter {
 // are. The surface's name stands in its column, or its number if it has none: planes first, then instruments.
 class SurfaceWriter {
  public:
-  explicit SurfaceWriter(const std::filesystem::path& file);
+  explicit SurfaceWriter(const OutputFile& file);
   ~SurfaceWriter();
   void record(const Simulation& simulation);
   void close();
@@ -114,7 +115,7 @@ class SurfaceWriter {
 // "time,rigid,force" in s, N: the force in each rigid connection, > 0 is tension.
 class RigidWriter {
  public:
-  RigidWriter(const std::filesystem::path& file, const Network& network);
+  RigidWriter(const OutputFile& file, const Network& network);
   ~RigidWriter();
   void record(const Simulation& simulation);
   void close();
@@ -128,7 +129,7 @@ class RigidWriter {
 // that slipped on it or stuck again.
 class EventWriter {
  public:
-  explicit EventWriter(const std::filesystem::path& file);
+  explicit EventWriter(const OutputFile& file);
   ~EventWriter();
   // Writes the events since the last call.
   void record(const Simulation& simulation);
@@ -145,7 +146,7 @@ class EventWriter {
 // the tables do.
 class VtkWriter {
  public:
-  VtkWriter(const std::filesystem::path& folder, const Network& network, const OutputOptions& options = {});
+  VtkWriter(const OutputFile& folder, const Network& network, const OutputOptions& options = {});
   ~VtkWriter();
   void record(const Simulation& simulation);
   void close();
@@ -220,6 +221,12 @@ struct PluginUse {
 // Plugins of the network's laws and neurons and of the integrator, by id.
 [[nodiscard]] std::vector<PluginUse> plugins_used(const Scene& scene, const PluginHost& plugins);
 
+// A file that ends before the run does, because it could not be written any more.
+struct CutShort {
+  std::string file;    // name in the folder
+  double until = 0.0;  // s, of its last record; nan if it has none
+};
+
 struct RunSummary {
   std::string scene;
   std::string title;
@@ -253,8 +260,9 @@ struct RunSummary {
   std::vector<std::string> notes;  // of RunOptions, of the scene (notes_of), of the simulation
 
   std::uint64_t records = 0;
-  std::uintmax_t bytes = 0;        // of the tables and the page
-  std::vector<std::string> files;  // names in the folder, summary.json included
+  std::uintmax_t bytes = 0;         // of the tables and the page
+  std::vector<std::string> files;   // names in the folder, summary.json included
+  std::vector<CutShort> cut_short;  // of these, what could not be written to the end
 
   std::string outcome;  // that of the worst time step ("settled", …), "failed" or "stopped"
   std::string error;    // why it failed; empty otherwise
@@ -264,7 +272,9 @@ struct RunSummary {
 // Runs a scene and writes the files that it asks for (core/docs/output.md), events.csv and summary.json. A record is
 // made at the start, at the first time step that ends at or after each multiple of the output interval, and at the end,
 // also where the run fails or is stopped. Throws Error(input) or Error(plugin), before anything is written, if the
-// scene cannot be simulated or its output would not fit the disk. A failure later is told in the summary.
+// scene cannot be simulated, its output would not fit the disk, another run is writing to the folder, or a folder has
+// the name of a file. A failure later is told in the summary. The folder may be a link; links in it are replaced, never
+// followed.
 RunSummary run_scene(const Scene& scene, const std::shared_ptr<const PluginHost>& plugins, const RunOptions& options);
 
 // The text of summary.json.

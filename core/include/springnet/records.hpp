@@ -9,6 +9,8 @@
 #include <string>
 #include <vector>
 
+#include <springnet/output_folder.hpp>
+
 namespace springnet {
 
 // Reads a table as far as it was written: that of a run that failed or still runs ends with its last whole record.
@@ -46,7 +48,8 @@ class RecordReader {
 };
 
 // The table as text: what the run would have written with output.format = "csv", numbers of single precision with the
-// digits these have. Replaces a file that is there. Throws Error(input) or, if it cannot be written, Error(simulation).
-void write_csv(RecordReader& records, const std::filesystem::path& file);
+// digits these have. Replaces a file that is there. Throws Error(input) or, if it cannot be written, Error(simulation);
+// then it ends with its last whole record.
+void write_csv(RecordReader& records, const OutputFile& file);
 
 }  // namespace springnet

@@ -3,11 +3,11 @@
 #pragma once
 
 #include <cstdint>
-#include <filesystem>
 #include <memory>
 #include <string>
 #include <vector>
 
+#include <springnet/output_folder.hpp>
 #include <springnet/plugin_host.hpp>
 #include <springnet/scene.hpp>
 #include <springnet/simulation.hpp>
@@ -25,8 +25,9 @@ struct ViewOptions {
 // always stand in it.
 class ViewWriter {
  public:
-  // Replaces the file. Throws Error(input) if it cannot be created. The scene has to outlive the writer.
-  ViewWriter(const std::filesystem::path& file, const Scene& scene, const ViewOptions& options = {});
+  // Replaces the file by a page that says that the run goes on. Throws Error(input) if it cannot be created. The scene
+  // has to outlive the writer.
+  ViewWriter(const OutputFile& file, const Scene& scene, const ViewOptions& options = {});
   ~ViewWriter();
   ViewWriter(const ViewWriter&) = delete;
   ViewWriter& operator=(const ViewWriter&) = delete;
@@ -35,8 +36,8 @@ class ViewWriter {
   void record(const Simulation& simulation);
   // The run failed: the page begins with the reason, plain text of any length. Of several calls the last one counts.
   void failed(const std::string& reason);
-  // Writes the page with what was recorded, also after a failure. Throws Error(simulation) if the file cannot be
-  // written. The destructor does the same where it was not called, but is silent.
+  // Writes the page with what was recorded, also after a failure. Where it cannot be written, throws Error(simulation)
+  // and there is no file. The destructor does the same where it was not called, but is silent.
   void close();
 
   // What the page leaves out or rounds, in plain sentences; complete after close().

@@ -1,11 +1,9 @@
 #include <algorithm>
 #include <array>
-#include <cerrno>
 #include <cmath>
-#include <cstring>
-#include <fstream>
 #include <limits>
 #include <optional>
+#include <string_view>
 
 #include <fmt/format.h>
 #include <springnet/error.hpp>
@@ -14,6 +12,7 @@
 
 #include "output/view/content.hpp"
 #include "output/view/floors.hpp"
+#include "output/whole_file.hpp"
 
 namespace springnet {
 
@@ -61,7 +60,7 @@ Content make_content(const Scene& scene, double size) {
   return content;
 }
 
-constexpr const char* not_ended = R"(<!DOCTYPE html>
+constexpr std::string_view not_ended = R"(<!DOCTYPE html>
 <meta charset="utf-8"><title>springnet: no page yet</title>
 <p>The run that writes this page has not ended, or was ended from outside. The page is written when a run ends, also
 when it fails; springnet run again makes it.</p>
@@ -70,7 +69,7 @@ when it fails; springnet run again makes it.</p>
 }  // namespace
 
 struct ViewWriter::Impl {
-  Impl(const std::filesystem::path& path, const Scene& scene, const ViewOptions& options)
+  Impl(const OutputFile& path, const Scene& scene, const ViewOptions& options)
       : file(path), size(options.size), content(make_content(scene, size)) {
     content.plugins = options.plugins;
     left_out = content.selection.notes;
@@ -159,12 +158,7 @@ struct ViewWriter::Impl {
     left_out.insert(left_out.end(), notes.begin(), notes.end());
   }
 
-  [[noreturn]] void fail(int reason) const {
-    throw Error(ErrorKind::simulation, fmt::format("{}: cannot be written: {}; make room or write to another disk",
-                                                   file.string(), std::strerror(reason)));
-  }
-
-  std::filesystem::path file;
+  OutputFile file;
   double size;
   Content content;
   std::array<std::uint64_t, 6> counts{};  // of each kind of event
@@ -174,15 +168,11 @@ struct ViewWriter::Impl {
   bool closed = false;
 };
 
-ViewWriter::ViewWriter(const std::filesystem::path& file, const Scene& scene, const ViewOptions& options)
+ViewWriter::ViewWriter(const OutputFile& file, const Scene& scene, const ViewOptions& options)
     : impl_(std::make_unique<Impl>(file, scene, options)) {
-  std::ofstream out(file, std::ios::binary);
-  out << not_ended;
+  CheckedFile out(file, CheckedFile::make_room);
+  out.write(not_ended.data(), not_ended.size());
   out.close();
-  if (!out) {
-    throw Error(ErrorKind::input, fmt::format("{}: cannot be created: {}; name another folder for the output",
-                                              file.string(), std::strerror(errno)));
-  }
 }
 
 ViewWriter::~ViewWriter() {
@@ -216,18 +206,14 @@ void ViewWriter::close() {
   if (view::must_round(impl.content, impl.size)) rounded = view::ranges_of(impl.content.frames);
   impl.tell_what_is_missing(rounded);
   impl.content.notes = impl.left_out;
-  // Under another name until it is whole: half a page would show nothing.
-  std::filesystem::path part = impl.file;
-  part += ".part";
-  std::ofstream out(part, std::ios::binary);
-  view::write_page(out, impl.content, rounded);
-  out.close();
-  const int reason = errno;
-  std::error_code failed;
-  if (out) std::filesystem::rename(part, impl.file, failed);
-  if (out && !failed) return;
-  std::filesystem::remove(part, failed);
-  impl.fail(reason);
+  try {
+    WholeFile page(impl.file);
+    view::write_page(page.stream(), impl.content, rounded);
+    page.finish();
+  } catch (...) {
+    remove_output(impl.file);  // the page that stands there says that the run goes on
+    throw;
+  }
 }
 
 const std::vector<std::string>& ViewWriter::left_out() const noexcept { return impl_->left_out; }

@@ -1,0 +1,24 @@
+// Why a file of a run is shorter than the run, or gone.
+#pragma once
+
+#include <limits>
+#include <string>
+
+#include <springnet/error.hpp>
+
+namespace springnet {
+
+class OutputError : public Error {
+ public:
+  OutputError(const std::string& message, double kept_until, bool lost = false)
+      : Error(ErrorKind::simulation, message), kept_until_(kept_until), lost_(lost) {}
+
+  [[nodiscard]] double kept_until() const noexcept { return kept_until_; }  // s, of its last record; nan if it has none
+  [[nodiscard]] bool lost() const noexcept { return lost_; }                // there is no such file
+
+ private:
+  double kept_until_;
+  bool lost_;
+};
+
+}  // namespace springnet
