@@ -1,6 +1,8 @@
 #include "common.hpp"
 
-#include <csignal>
+#include <unistd.h>
+
+#include <cerrno>
 #include <cstdio>
 
 #include <fmt/format.h>
@@ -9,13 +11,6 @@
 namespace springnet::tool {
 
 namespace {
-
-volatile std::sig_atomic_t interrupt_seen = 0;
-
-void note_interrupt(int signal) {
-  interrupt_seen = 1;
-  std::signal(signal, SIG_DFL);
-}
 
 bool concerns_integrator(const SceneOverride& change) {
   constexpr std::string_view key = "simulation.integrator";
@@ -49,6 +44,13 @@ CLI::Validator number_between(double smallest, double largest) {
 // Where it cannot be printed, as on a full disk, the exit status still tells; fmt::print would throw.
 void print_error(std::string_view message) {
   std::fputs(fmt::format("springnet: error: {}\n", printable_message(message)).c_str(), stderr);
+}
+
+void print_report(std::string_view text) {
+  const bool printed = std::fwrite(text.data(), 1, text.size(), stdout) == text.size() && std::fflush(stdout) == 0;
+  if (printed || errno != EPIPE) return;
+  // What is printed from now on, and what waits to be, has nobody to read it.
+  if (std::freopen("/dev/null", "w", stdout) != nullptr) std::clearerr(stdout);
 }
 
 std::string describe(const EventCounts& events) {
@@ -170,12 +172,5 @@ void OutputArguments::add_to(CLI::App& command) {
 std::filesystem::path OutputArguments::folder_for(const std::filesystem::path& scene) const {
   return folder.empty() ? std::filesystem::path("results") / scene.stem() : folder;
 }
-
-void catch_interrupts() {
-  std::signal(SIGINT, note_interrupt);
-  std::signal(SIGTERM, note_interrupt);
-}
-
-bool interrupted() noexcept { return interrupt_seen != 0; }
 
 }  // namespace springnet::tool

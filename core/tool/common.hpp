@@ -69,9 +69,7 @@ struct OutputArguments {
   [[nodiscard]] bool silent() const noexcept { return json || quiet; }
 };
 
-// After this, the first interrupt (Ctrl-C) or request to end makes interrupted() true, so that a run can end in order;
-// the second one ends the process at once.
-void catch_interrupts();
-[[nodiscard]] bool interrupted() noexcept;
-
+// Text for a reader who may have seen enough: where stdout is a pipe that nobody reads any more (| head), the rest is
+// left out, which is no failure.
+void print_report(std::string_view text);
 }  // namespace springnet::tool

@@ -29,12 +29,14 @@ struct ConvertArguments {
 int convert(const ConvertArguments& arguments) {
   RecordReader records(arguments.file);
   std::filesystem::path text = arguments.output;
-  if (text.empty()) text = std::filesystem::path(arguments.file).replace_extension(".csv");
+  const bool named = !text.empty();
+  if (!named) text = std::filesystem::path(arguments.file).replace_extension(".csv");
   std::error_code unknown;
   if (std::filesystem::equivalent(text, arguments.file, unknown)) {
     throw Error(ErrorKind::input, fmt::format("{}: is the file to read; name another one with -o", text.string()));
   }
-  write_csv(records, text);
+  // Only what the user has named may be a link, or no regular file.
+  write_csv(records, named ? OutputFile(text) : OutputFile(OutputFolder::containing(text), text.filename().string()));
   if (!arguments.quiet) {
     fmt::print("{}: {} records of {} rows\n", text.string(), records.records(), records.rows().size());
   }

@@ -12,6 +12,7 @@
 
 #include "commands.hpp"
 #include "common.hpp"
+#include "process.hpp"
 
 namespace {
 
@@ -104,6 +105,7 @@ int checked(int status) {
 }  // namespace
 
 int main(int argc, char** argv) {
+  tool::prepare_process();
   try {
     return checked(run(argc, argv));
   } catch (const Error& error) {

@@ -34,20 +34,24 @@ void Progress::update(double time, double duration) {
   const std::string left =
       share > 0.0 ? readable_duration(since_start.count() * (1.0 - share) / share) + " left" : "starting";
   if (!terminal_) {
-    fmt::print(stderr, "{:.4g} s of {:g} s simulated ({:.0f} %), about {}\n", time, duration, 100.0 * share, left);
+    print(fmt::format("{:.4g} s of {:g} s simulated ({:.0f} %), about {}\n", time, duration, 100.0 * share, left));
     return;
   }
   constexpr std::size_t width = 32;
   const auto filled = static_cast<std::size_t>(share * static_cast<double>(width));
-  fmt::print(stderr, "\r[{}{}] {:3.0f} %  {:.4g} of {:g} s, {}\033[K", std::string(filled, '='),
-             std::string(width - filled, ' '), 100.0 * share, time, duration, left);
-  std::fflush(stderr);
+  print(fmt::format("\r[{}{}] {:3.0f} %  {:.4g} of {:g} s, {}\033[K", std::string(filled, '='),
+                    std::string(width - filled, ' '), 100.0 * share, time, duration, left));
   drawn_ = true;
 }
 
 void Progress::finish() {
-  if (drawn_) fmt::print(stderr, "\r\033[K");
+  if (drawn_) print("\r\033[K");
   drawn_ = false;
+}
+
+// A reader who has gone, or a disk that is full, ends the progress and not the run.
+void Progress::print(const std::string& text) {
+  if (std::fputs(text.c_str(), stderr) < 0 || std::fflush(stderr) != 0) silent_ = true;
 }
 
 }  // namespace springnet::tool

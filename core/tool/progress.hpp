@@ -2,6 +2,7 @@
 #pragma once
 
 #include <chrono>
+#include <string>
 
 namespace springnet::tool {
 
@@ -16,6 +17,8 @@ class Progress {
   void finish();                              // removes the bar
 
  private:
+  void print(const std::string& text);
+
   using Clock = std::chrono::steady_clock;
   bool silent_;
   bool terminal_;

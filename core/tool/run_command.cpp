@@ -6,6 +6,7 @@
 
 #include "commands.hpp"
 #include "common.hpp"
+#include "process.hpp"
 #include "progress.hpp"
 
 namespace springnet::tool {
@@ -71,21 +72,23 @@ std::string readable_delay(double seconds) {
   return seconds < 1.0 ? fmt::format("{:.3g} ms", 1000.0 * seconds) : fmt::format("{:.3g} s", seconds);
 }
 
-void print_estimate(const OutputEstimate& estimate, const std::filesystem::path& folder) {
-  fmt::print("writing about {} ({:.0f} records) to {}\n", readable_bytes(estimate.bytes), estimate.records,
-             folder.string());
+std::string estimate_text(const OutputEstimate& estimate, const std::filesystem::path& folder) {
+  std::string text = fmt::format("writing about {} ({:.0f} records) to {}\n", readable_bytes(estimate.bytes),
+                                 estimate.records, folder.string());
   for (const FileEstimate& file : estimate.files) {
-    fmt::print("  {:15}  {}{}\n", file.file, file.exact ? "" : "at most ", readable_bytes(file.bytes));
+    text += fmt::format("  {:15}  {}{}\n", file.file, file.exact ? "" : "at most ", readable_bytes(file.bytes));
   }
-  std::fflush(stdout);
+  return text;
 }
 
 // Notes from number `first` on; those before stood on the terminal before the run.
-void print_result(const RunSummary& summary, const std::filesystem::path& folder, std::size_t first) {
+std::string result_text(const RunSummary& summary, const std::filesystem::path& folder, std::size_t first) {
   const auto steps = static_cast<double>(summary.steps);
-  fmt::print("{}: {}, {} nodes, {} springs\n", summary.scene, summary.integrator.id, summary.nodes, summary.springs);
-  fmt::print("  outcome    {}\n", summary.outcome);
-  fmt::print(
+  std::string text;
+  text += fmt::format("{}: {}, {} nodes, {} springs\n", summary.scene, summary.integrator.id, summary.nodes,
+                      summary.springs);
+  text += fmt::format("  outcome    {}\n", summary.outcome);
+  text += fmt::format(
       "  simulated  {:g} s of {:g} s in {:.3g} s ({}): {} steps, {:.1f} sweeps a step, {:.3g} million springs a "
       "second\n",
       summary.simulated, summary.duration, summary.wall, multiple_of_real_time(summary), summary.steps,
@@ -93,34 +96,49 @@ void print_result(const RunSummary& summary, const std::filesystem::path& folder
       summary.wall > 0.0 ? summary.spring_updates / summary.wall / 1e6 : 0.0);
   if (summary.pace) {
     const PaceReport& pace = *summary.pace;
-    fmt::print("  pace       {:g} times real time, {:.3g} frames a second: {} frames, {} missed{}\n", pace.factor,
-               pace.factor / summary.time_step, pace.frames, pace.missed,
-               pace.missed > 0 ? fmt::format(", at most {} late", readable_delay(pace.greatest_delay)) : "");
+    text += fmt::format("  pace       {:g} times real time, {:.3g} frames a second: {} frames, {} missed{}\n",
+                        pace.factor, pace.factor / summary.time_step, pace.frames, pace.missed,
+                        pace.missed > 0 ? fmt::format(", at most {} late", readable_delay(pace.greatest_delay)) : "");
   }
   if (summary.unsettled > 0) {
-    fmt::print("  warning    {} of {} time steps were accepted without having settled\n", summary.unsettled,
-               summary.steps);
+    text += fmt::format("  warning    {} of {} time steps were accepted without having settled\n", summary.unsettled,
+                        summary.steps);
   }
   if (summary.divided > 0) {
-    fmt::print("  substeps   {} of {} time steps were divided, {} smaller steps in all\n", summary.divided,
-               summary.steps, summary.substeps);
+    text += fmt::format("  substeps   {} of {} time steps were divided, {} smaller steps in all\n", summary.divided,
+                        summary.steps, summary.substeps);
   }
   if (summary.stages > 0) {
-    fmt::print("  stages     {} smaller time constants on the way to the full one\n", summary.stages);
+    text += fmt::format("  stages     {} smaller time constants on the way to the full one\n", summary.stages);
   }
-  if (std::isfinite(summary.largest_residual)) fmt::print("  residual   {:.2g} N at most\n", summary.largest_residual);
+  if (std::isfinite(summary.largest_residual))
+    text += fmt::format("  residual   {:.2g} N at most\n", summary.largest_residual);
   for (const VolumeSummary& volume : summary.volumes) {
-    fmt::print("  volume     {}: {:.4g} m^3 at first, {:.4g} at last{}, between {:.4g} and {:.4g}\n",
-               volume.name.empty() ? fmt::format("element {}", volume.element) : volume.name, volume.first, volume.last,
-               volume.leaked ? ", before it leaked" : "", volume.smallest, volume.greatest);
+    text += fmt::format("  volume     {}: {:.4g} m^3 at first, {:.4g} at last{}, between {:.4g} and {:.4g}\n",
+                        volume.name.empty() ? fmt::format("element {}", volume.element) : volume.name, volume.first,
+                        volume.last, volume.leaked ? ", before it leaked" : "", volume.smallest, volume.greatest);
   }
-  fmt::print("  events     {}\n", describe(summary.events));
-  fmt::print("  written    {} ({} and the summary) in {}\n", fmt::join(summary.files, ", "),
-             readable_bytes(static_cast<double>(summary.bytes)), folder.string());
-  for (std::size_t k = first; k < summary.notes.size(); ++k) fmt::print("  note       {}\n", summary.notes[k]);
+  text += fmt::format("  events     {}\n", describe(summary.events));
+  text += fmt::format("  written    {} ({} and the summary) in {}\n", fmt::join(summary.files, ", "),
+                      readable_bytes(static_cast<double>(summary.bytes)), folder.string());
+  for (std::size_t k = first; k < summary.notes.size(); ++k) text += fmt::format("  note       {}\n", summary.notes[k]);
+  return text;
+}
+
+// "What was written until 101 s is kept in out, but of trajectory.csv only until 80 s."
+std::string kept_text(const RunSummary& summary, const std::filesystem::path& folder) {
+  if (summary.records == 0) return "Nothing was recorded.";
+  std::vector<std::string> shorter;
+  for (const CutShort& file : summary.cut_short) {
+    shorter.push_back(std::isnan(file.until) ? fmt::format("of {} nothing", file.file)
+                                             : fmt::format("of {} only until {:g} s", file.file, file.until));
+  }
+  return fmt::format("What was written until {:g} s is kept in {}{}.", summary.simulated, folder.string(),
+                     shorter.empty() ? "" : fmt::format(", but {}", fmt::join(shorter, ", ")));
 }
 
 int run(const RunArguments& arguments) {
+  outlive_readers();
   const auto host = arguments.scene.plugins.load();
   const Scene scene = arguments.scene.load(*host);
   const std::filesystem::path folder = arguments.output.folder_for(arguments.scene.file);
@@ -129,8 +147,9 @@ int run(const RunArguments& arguments) {
   std::vector<std::string> notes = options.notes;
   for (const std::string& note : notes_of(scene)) notes.push_back(note);
   if (!arguments.output.silent()) {
-    for (const std::string& note : notes) fmt::print("note: {}\n", note);
-    print_estimate(estimate_output(scene), folder);
+    std::string text;
+    for (const std::string& note : notes) text += fmt::format("note: {}\n", note);
+    print_report(text + estimate_text(estimate_output(scene), folder));
   }
 
   catch_interrupts();
@@ -150,12 +169,11 @@ int run(const RunArguments& arguments) {
   if (arguments.output.json) {
     fmt::print("{}", to_json(summary));
   } else if (!arguments.output.quiet) {
-    print_result(summary, folder, notes.size());
+    print_report(result_text(summary, folder, notes.size()));
   }
   std::fflush(stdout);
   if (summary.failure) {
-    print_error(fmt::format("{}\nWhat was written until {:g} s is kept in {}.", summary.error, summary.simulated,
-                            folder.string()));
+    print_error(fmt::format("{}\n{}", summary.error, kept_text(summary, folder)));
     return status_of(*summary.failure);
   }
   if (summary.outcome == "stopped") {

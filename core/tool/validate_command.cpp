@@ -1,12 +1,13 @@
 #include <cstdio>
-#include <fstream>
 #include <memory>
 
 #include <fmt/format.h>
+#include <springnet/output_folder.hpp>
 #include <springnet/validation.hpp>
 
 #include "commands.hpp"
 #include "common.hpp"
+#include "process.hpp"
 #include "progress.hpp"
 
 namespace springnet::tool {
@@ -38,31 +39,25 @@ struct ValidateArguments {
   double reference_tolerance = 1e-8;  // relative
 };
 
-void write_file(const std::filesystem::path& file, const std::string& text) {
-  std::ofstream out(file, std::ios::binary);
-  out << text;
-  out.close();
-  if (!out) {
-    throw Error(ErrorKind::simulation,
-                fmt::format("{}: cannot be written; make room or name another folder with -o", file.string()));
-  }
-}
+constexpr const char* numbers_file = "validation.json";
+constexpr const char* report_file = "report.html";
 
-void make_folder(const std::filesystem::path& folder) {
-  std::error_code problem;
-  std::filesystem::create_directories(folder, problem);
-  if (problem) {
-    throw Error(ErrorKind::input,
-                fmt::format("{}: the folder for the output cannot be made: {}; name another one with -o",
-                            folder.string(), problem.message()));
+// The folder, held until the files are in it.
+OutputFolder::Pointer open_folder(const std::filesystem::path& path) {
+  OutputFolder::Pointer folder = OutputFolder::make(path);
+  folder->lock();
+  for (const std::string name : {numbers_file, report_file}) {
+    folder->require_no_folder(name);
+    folder->require_no_folder(part_name(name));
   }
+  return folder;
 }
 
 int run(const ValidateArguments& arguments) {
+  outlive_readers();
   const auto host = arguments.scene.plugins.load();
   const Scene scene = arguments.scene.load(*host);
-  const std::filesystem::path folder = arguments.output.folder_for(arguments.scene.file);
-  make_folder(folder);
+  const OutputFolder::Pointer folder = open_folder(arguments.output.folder_for(arguments.scene.file));
 
   catch_interrupts();
   Progress progress(arguments.output.silent());
@@ -82,12 +77,13 @@ int run(const ValidateArguments& arguments) {
   validation.notes.insert(validation.notes.begin(), notes.begin(), notes.end());
 
   const std::string json = to_json(validation);
-  write_file(folder / "validation.json", json);
-  write_file(folder / "report.html", to_html(validation));
+  write_whole({folder, numbers_file}, json);
+  write_whole({folder, report_file}, to_html(validation));
   if (arguments.output.json) {
     fmt::print("{}", json);
   } else if (!arguments.output.quiet) {
-    fmt::print("{}\n  written: validation.json, report.html in {}\n", to_table(validation), folder.string());
+    print_report(fmt::format("{}\n  written: {}, {} in {}\n", to_table(validation), numbers_file, report_file,
+                             folder->path().string()));
   }
   std::fflush(stdout);
 

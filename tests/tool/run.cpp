@@ -1,6 +1,7 @@
 #include <chrono>
 
 #include <doctest/doctest.h>
+#include <fmt/format.h>
 #include <springnet/output.hpp>
 
 #include "csv.hpp"
@@ -137,19 +138,28 @@ TEST_CASE("a run that fails midway has status 1 and keeps what was written") {
   CHECK(answer.err.find(summary["error"].get<std::string>()) != std::string::npos);
 }
 
-TEST_CASE("a full disk has status 1, and what fitted on it stays") {
+TEST_CASE("a full disk has status 1, and what fitted on it stays, to the last whole record") {
   const TemporaryFolder folder;
   folder.write("pair.toml", testing::pair_scene);
   // Files of at most 128 blocks of 512 bytes; about 900 kB would be written.
-  const Answer answer = testing::shell(
-      folder, "trap '' XFSZ; ulimit -f 128; \"$SPRINGNET\" run pair.toml --time-step 0.0001 --duration 0.5 -q -o out");
+  const Answer answer =
+      testing::shell(folder, "ulimit -f 128; \"$SPRINGNET\" run pair.toml --time-step 0.0001 --duration 0.5 -q -o out");
   CHECK(answer.status == 1);
   CHECK(answer.err.find("trajectory.csv: cannot be written") != std::string::npos);
   CHECK(answer.err.find("output.interval") != std::string::npos);
-  CHECK(std::filesystem::file_size(folder.path() / "out/trajectory.csv") == 128 * 512);
+  CHECK(std::filesystem::file_size(folder.path() / "out/trajectory.csv") <= 128 * 512);
+  const testing::Csv csv = testing::read_csv(folder.path() / "out/trajectory.csv");
+  CHECK(csv.rows.size() % 2 == 0);
+  const double last = csv.number(csv.rows.size() - 1, 0);
   const auto summary = testing::read_json(folder.path() / "out/summary.json");
   CHECK(summary["outcome"] == "failed");
   CHECK(summary["error"].get<std::string>().find("trajectory.csv") != std::string::npos);
+  CHECK(summary["simulated_s"].get<double>() > last);
+  REQUIRE(summary["cut_short"].size() == 1);
+  CHECK(summary["cut_short"][0]["file"] == "trajectory.csv");
+  CHECK(summary["cut_short"][0]["until_s"] == last);
+  CHECK(answer.err.find(fmt::format("is kept in out, but of trajectory.csv only until {:g} s.", last)) !=
+        std::string::npos);
 }
 
 TEST_CASE("an error that cannot be printed still has its status") {

@@ -1,0 +1,55 @@
+#include "process.hpp"
+
+#include <fcntl.h>
+#include <unistd.h>
+
+#include <csignal>
+#include <initializer_list>
+
+namespace springnet::tool {
+
+namespace {
+
+volatile std::sig_atomic_t interrupt_seen = 0;
+
+void note_interrupt(int) { interrupt_seen = 1; }
+
+bool is_ignored(int signal) noexcept {
+  struct sigaction now;
+  return sigaction(signal, nullptr, &now) == 0 && (now.sa_flags & SA_SIGINFO) == 0 && now.sa_handler == SIG_IGN;
+}
+
+void handle(int signal, void (*handler)(int), int flags) noexcept {
+  struct sigaction action {};
+  action.sa_handler = handler;
+  action.sa_flags = flags;
+  sigemptyset(&action.sa_mask);
+  sigaction(signal, &action, nullptr);
+}
+
+}  // namespace
+
+void prepare_process() noexcept {
+  for (int stream = STDIN_FILENO; stream <= STDERR_FILENO; ++stream) {
+    if (fcntl(stream, F_GETFD) != -1) continue;
+    // The lowest free descriptor is this one. Open the wrong way, so that what uses it hears that it is closed.
+    if (::open("/dev/null", stream == STDIN_FILENO ? O_WRONLY : O_RDONLY) < 0) return;
+  }
+  handle(SIGXFSZ, SIG_IGN, 0);
+}
+
+void catch_interrupts() noexcept {
+  for (const int signal : {SIGINT, SIGTERM}) {
+    if (!is_ignored(signal)) handle(signal, note_interrupt, SA_RESTART | static_cast<int>(SA_RESETHAND));
+  }
+  // These come more than once by themselves: from the shell and the kernel, or every second.
+  for (const int signal : {SIGHUP, SIGXCPU}) {
+    if (!is_ignored(signal)) handle(signal, note_interrupt, SA_RESTART);
+  }
+}
+
+void outlive_readers() noexcept { handle(SIGPIPE, SIG_IGN, 0); }
+
+bool interrupted() noexcept { return interrupt_seen != 0; }
+
+}  // namespace springnet::tool
