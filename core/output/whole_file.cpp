@@ -18,9 +18,11 @@ OutputFile in_its_folder(const OutputFile& file) {
 
 }  // namespace
 
-WholeFile::WholeFile(const OutputFile& file)
+WholeFile::WholeFile(const OutputFile& file) try
     : file_(in_its_folder(file)), part_(file_.part()), out_(part_, CheckedFile::make_room) {
   stream_.exceptions(std::ios::badbit);  // throws what the file has thrown
+} catch (const Error& error) {
+  throw OutputError(error.what(), std::numeric_limits<double>::quiet_NaN());
 }
 
 WholeFile::~WholeFile() {

@@ -10,7 +10,7 @@ namespace springnet {
 
 class WholeFile {
  public:
-  // Starts it under the name with ".part" behind it. Throws Error(input) if that cannot be created.
+  // Starts it under the name with ".part" behind it. Throws OutputError if that cannot be created.
   explicit WholeFile(const OutputFile& file);
   ~WholeFile();  // removes it if it was not finished
   WholeFile(const WholeFile&) = delete;

@@ -95,8 +95,8 @@ class OutputFolder {
 // Name of a file while it is not whole.
 [[nodiscard]] std::string part_name(std::string_view name);
 
-// Writes a file that has its name only once it is whole. Throws Error(input) if it cannot be created, Error(simulation)
-// if it cannot be written; what was there before then stays.
+// Writes a file that has its name only once it is whole. Throws Error(simulation) if it cannot be written; what was
+// there before then stays.
 void write_whole(const OutputFile& file, std::string_view text);
 
 // Opens the file for writing; a descriptor above those of the standard streams. Throws Error(input).
