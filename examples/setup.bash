@@ -9,6 +9,8 @@ build_packages=(build-essential cmake ninja-build libeigen3-dev libsundials-dev 
 # What the tests, the benchmark program and the checks of the sources need on top (libomp-dev: clang-tidy reads omp.h;
 # gmsh: makes meshes; chromium: opens the pages that are written; python3-numpy: reads binary files as users do).
 test_packages=(doctest-dev libbenchmark-dev clang-format clang-tidy libomp-dev gmsh chromium python3-numpy)
+# What tests/fuzz needs on top of the first: Clang, libFuzzer and the sanitizers, names for traces of calls, OpenMP for Clang.
+fuzz_packages=(clang libclang-rt-14-dev llvm libomp-dev)
 
 say() { printf '== %s\n' "$*"; }
 

@@ -7,26 +7,13 @@
 
 #include "repetitions.hpp"
 #include "samples.hpp"
+#include "soundness.hpp"
 
 namespace springnet::testing {
 namespace {
 
 void check_sound(const Mesh& mesh) {
-  REQUIRE(mesh.offsets.size() == mesh.types.size() + 1);
-  REQUIRE(mesh.offsets.front() == 0);
-  REQUIRE(mesh.offsets.back() == mesh.corners.size());
-  bool fine = mesh.cell_count() > 0;
-  for (std::size_t cell = 0; cell < mesh.cell_count(); ++cell) {
-    fine = fine && mesh.offsets[cell + 1] - mesh.offsets[cell] == corner_count(mesh.types[cell]);
-  }
-  for (const std::uint32_t corner : mesh.corners) fine = fine && corner < mesh.points.size();
-  for (const Vector3& point : mesh.points) fine = fine && point.allFinite();
-  for (const MeshGroup& group : mesh.groups) {
-    fine = fine && !group.points.empty();
-    for (const std::uint32_t point : group.points) fine = fine && point < mesh.points.size();
-    for (const std::uint32_t cell : group.cells) fine = fine && cell < mesh.cell_count();
-  }
-  CHECK(fine);
+  CHECK(is_sound(mesh));
   CHECK(hinges_of(surface_of(mesh)).size() <= edges_of(mesh, {.face_diagonals = true}).size());
 }
 
