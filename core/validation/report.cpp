@@ -4,7 +4,9 @@
 #include <springnet/validation.hpp>
 #include <springnet/version.hpp>
 
+#include "text/counted.hpp"
 #include "validation/plot.hpp"
+#include "validation/scale.hpp"
 #include "validation/table.hpp"
 
 namespace springnet {
@@ -54,6 +56,10 @@ Plot error_over_time(const Validation& validation) {
   for (const ValidationRun& run : validation.runs) {
     add(fmt::format("time step {:g} s", run.time_step), run.error.max_by_time, false);
   }
+  if (validation.second_order) {
+    add(fmt::format("time step {:g} s, theta = 0.5", validation.second_order->time_step),
+        validation.second_order->error.max_by_time, false);
+  }
   add("uncertainty of the reference", validation.certification.max_by_time, true);
   return plot;
 }
@@ -75,6 +81,10 @@ Plot error_over_time_step(const Validation& validation) {
     plot.series.push_back(
         {"first order", {rms.x.front(), rms.x.back()}, {rms.y.front(), rms.y.front() * ratio}, false, true});
   }
+  if (validation.second_order && validation.second_order->finished()) {
+    const ValidationRun& run = *validation.second_order;
+    plot.series.push_back({"max with theta = 0.5", {run.time_step}, {run.error.max}, true, false});
+  }
   plot.series.insert(plot.series.begin(), {max, rms});
   return plot;
 }
@@ -87,25 +97,31 @@ std::string to_html(const Validation& validation) {
       "<!doctype html>\n<html lang=\"en\"><head><meta charset=\"utf-8\">"
       "<meta name=\"viewport\" content=\"width=device-width, initial-scale=1\">\n<title>Validation: {0}</title>\n"
       "<style>{1}</style></head><body>\n<h1>{0}</h1>\n"
-      "<p class=\"soft\">{2}: {3} nodes, {4} springs, {5:g} s, compared at {6} times. springnet {7}</p>\n",
-      escape_html(name), style, escape_html(validation.scene), validation.nodes, validation.springs,
-      validation.duration, validation.times.size(), version());
+      "<p class=\"soft\">{2}: {3}, {4}, {5:g} s, compared at {6}. springnet {7}</p>\n",
+      escape_html(name), style, escape_html(validation.scene), counted(validation.nodes, "node"),
+      counted(validation.springs, "spring"), validation.duration, counted(validation.times.size(), "time"), version());
 
   const ValidationRun& own = validation.run_of_scene();
   if (own.finished()) {
     html += fmt::format(
-        "<p>With the scene's time step of {:g} s, no node is farther than <strong>{:.3g} m</strong> from the "
-        "reference at any of these times (node {} at {:g} s; rms {:.3g} m).</p>\n",
-        own.time_step, own.error.max, own.error.node, own.error.time, own.error.rms);
+        "<p>With the scene's time step of {:g} s, no node is farther than <strong>{}</strong> from the "
+        "reference at any of these times (node {} at {:g} s; rms {}). That is <strong>{}</strong> of {}, the greatest "
+        "displacement of the reference from the start.</p>\n",
+        own.time_step, length_text(own.error.max), own.error.node, own.error.time, length_text(own.error.rms),
+        share_text(validation.share_of_displacement(own.error.max)), length_text(validation.displacement.max));
   } else {
     html += fmt::format("<p>With the scene's time step of {:g} s the run ended at {:g} s: <strong>{}</strong>.</p>\n",
                         own.time_step, own.reached, escape_html(own.outcome));
   }
   html += fmt::format(
-      "<p>Reference: {}, relative tolerance {:g}. A second run with {:g} differs from it by at most {:.2g} m: the "
+      "<p>Reference: {}, relative tolerance {:g}. A second run with {:g} differs from it by at most {}: the "
       "uncertainty of the reference. Both took {:.3g} s. Observed order: {}.</p>\n",
       escape_html(validation.reference), validation.relative_tolerance, validation.certifying_tolerance,
-      validation.uncertainty(), validation.reference_wall, order_text(validation.observed_order));
+      length_text(validation.uncertainty()), validation.reference_wall, order_text(validation.observed_order));
+
+  if (const std::string advice = second_order_advice(validation); !advice.empty()) {
+    html += fmt::format("<p><strong>Better:</strong> {}</p>\n", escape_html(advice));
+  }
 
   html += "<h2>Runs</h2>\n" + html_table(validation);
   html += "<p class=\"soft\">* the scene's own time step. Order: from the run above to this one, by rms error.</p>\n";

@@ -9,9 +9,12 @@
 
 namespace springnet {
 
-using TableRow = std::array<std::string, 8>;
+using TableRow = std::array<std::string, 9>;
 
 [[nodiscard]] std::vector<TableRow> table_rows(const Validation& validation);
+
+// What theta = 0.5 does to the scene's own run, as a sentence; empty where that is not better.
+[[nodiscard]] std::string second_order_advice(const Validation& validation);
 
 // "0.98", or "-" where there is none.
 [[nodiscard]] std::string order_text(double order);

@@ -6,7 +6,10 @@
 #include <springnet/error.hpp>
 #include <springnet/validation.hpp>
 
+#include "text/counted.hpp"
+#include "validation/displacement.hpp"
 #include "validation/error_norm.hpp"
+#include "validation/scale.hpp"
 
 namespace springnet {
 
@@ -64,10 +67,32 @@ class Lane {
 
 // A run of the integrator that is examined.
 struct Subject {
+  Subject(const Scene& scene, const std::shared_ptr<const PluginHost>& plugins, const LawUse& integrator,
+          double time_step)
+      : lane(scene, plugins, integrator, time_step) {
+    run.integrator = integrator;
+    run.time_step = time_step;
+  }
   Lane lane;
   ErrorNorm norm;
   ValidationRun run;
 };
+
+constexpr const char* theta = "theta";
+constexpr double second_order_theta = 0.5;
+
+// The integrator with theta = 0.5; empty if it has no such parameter or that value already.
+std::optional<LawUse> with_second_order(const LawUse& integrator, const PluginHost& plugins) {
+  const springnet_component& description = *plugins.require(ComponentKind::integrator, integrator.id)->description;
+  const std::ptrdiff_t index = parameter_index(description, theta);
+  if (index < 0) return std::nullopt;
+  const std::vector<double> values = complete_parameters(description, integrator.parameters, integrator.id);
+  if (values[static_cast<std::size_t>(index)] == second_order_theta) return std::nullopt;
+  if (!check_value(*description.parameters[index], second_order_theta).empty()) return std::nullopt;
+  LawUse result = integrator;
+  result.parameters[theta] = second_order_theta;
+  return result;
+}
 
 LawUse reference_use(const Scene& scene, double tolerance, double scale) {
   LawUse use{reference_id, {}};
@@ -147,6 +172,19 @@ void find_orders(Validation& result) {
   }
 }
 
+// Where bodies move as a whole, their displacement says little about how exact their shape is.
+void write_displacement_note(Validation& result) {
+  constexpr double small = 0.1;
+  const Displacement& moved = result.displacement;
+  if (!(moved.deformation < small * moved.max) || moved.deformation <= 10.0 * result.uncertainty()) return;
+  const ValidationRun& own = result.run_of_scene();
+  result.notes.push_back(fmt::format(
+      "Bodies move mostly as a whole: by up to {}, while they deform by {} at most. {}", length_text(moved.max),
+      length_text(moved.deformation),
+      own.finished() ? fmt::format("Of that the greatest error is {}.", share_text(own.error.max / moved.deformation))
+                     : "Compare errors with that where shapes matter."));
+}
+
 void write_notes(const RecordTimes& records, Validation& result) {
   for (const double time_step : records.shortened_time_steps) {
     result.notes.push_back(
@@ -168,9 +206,9 @@ void write_notes(const RecordTimes& records, Validation& result) {
     }
     if (run.events.ruptured != result.reference_events.ruptured) {
       result.notes.push_back(
-          fmt::format("With {:g} s {} springs ruptured, in the reference {}: from the first "
-                      "difference on these are different networks.",
-                      run.time_step, run.events.ruptured, result.reference_events.ruptured));
+          fmt::format("With {:g} s {} ruptured, in the reference {}: from the first difference on these "
+                      "are different networks.",
+                      run.time_step, counted(run.events.ruptured, "spring"), result.reference_events.ruptured));
     }
   }
   if (least < 10.0 * result.uncertainty()) {
@@ -178,6 +216,7 @@ void write_notes(const RecordTimes& records, Validation& result) {
         "An error is less than ten times the reference's uncertainty: tighten the reference's tolerance to see "
         "it exactly.");
   }
+  write_displacement_note(result);
   const EventCounts& happened = result.reference_events;
   if (happened.touched + happened.released + happened.ruptured > 0) {
     result.notes.push_back(
@@ -190,6 +229,20 @@ void write_notes(const RecordTimes& records, Validation& result) {
 
 const ValidationRun& Validation::run_of_scene() const {
   return *std::find_if(runs.begin(), runs.end(), [](const ValidationRun& run) { return run.of_scene; });
+}
+
+double Validation::share_of_displacement(double error) const noexcept {
+  return displacement.max > 0.0 ? error / displacement.max : std::numeric_limits<double>::quiet_NaN();
+}
+
+bool Validation::second_order_is_better() const {
+  if (!second_order || !second_order->finished()) return false;
+  const ValidationRun& own = run_of_scene();
+  constexpr double noteworthy = 0.5;
+  // Below the uncertainty of the reference nothing can be told apart.
+  return !own.finished() ||
+         (own.error.max > 2.0 * uncertainty() && second_order->error.max <= noteworthy * own.error.max &&
+          second_order->error.rms <= noteworthy * own.error.rms);
 }
 
 bool Validation::within(double tolerance) const {
@@ -220,11 +273,14 @@ Validation validate(const Scene& scene, const std::shared_ptr<const PluginHost>&
   std::vector<Subject> subjects;
   subjects.reserve(time_steps.size());
   for (const double time_step : time_steps) {
-    subjects.push_back({Lane(scene, plugins, integrator, time_step), {}, {}});
-    subjects.back().run.integrator = integrator;
-    subjects.back().run.time_step = time_step;
+    subjects.emplace_back(scene, plugins, integrator, time_step);
     subjects.back().run.of_scene = std::abs(time_step - scene.options.time_step) <= 1e-12 * time_step;
   }
+  std::optional<Subject> second_order;
+  if (const auto use = with_second_order(integrator, *plugins)) {
+    second_order.emplace(scene, plugins, *use, scene.options.time_step);
+  }
+  DisplacementNorm displacement(scene.network);
 
   for (const double time : records.times) {
     const Simulation& truth = reference.simulation();
@@ -234,7 +290,9 @@ Validation validate(const Scene& scene, const std::shared_ptr<const PluginHost>&
     }
     certification.add(time, certifier.simulation().positions(), certifier.simulation().columns(), truth.positions(),
                       truth.columns());
+    displacement.add(time, truth.positions(), truth.columns());
     for (Subject& subject : subjects) advance(subject, time, truth);
+    if (second_order) advance(*second_order, time, truth);
     if (options.progress && !options.progress({time, scene.duration})) {
       throw Error(ErrorKind::simulation, fmt::format("validation stopped after {:g} s", time));
     }
@@ -251,6 +309,7 @@ Validation validate(const Scene& scene, const std::shared_ptr<const PluginHost>&
   result.relative_tolerance = options.relative_tolerance;
   result.certifying_tolerance = options.certifying_tolerance;
   result.certification = certification.result();
+  result.displacement = displacement.result();
   result.reference_wall = reference.wall() + certifier.wall();
   result.reference_events = count_events(reference.simulation());
   for (Subject& subject : subjects) {
@@ -263,6 +322,10 @@ Validation validate(const Scene& scene, const std::shared_ptr<const PluginHost>&
     for (const std::string& note : subject.lane.simulation().notes())
       result.notes.push_back(fmt::format("With {:g} s: {}.", subject.run.time_step, note));
     result.runs.push_back(std::move(subject.run));
+  }
+  if (second_order) {
+    finish(*second_order);
+    result.second_order = std::move(second_order->run);
   }
   find_orders(result);
   if (scene.options.integrator.id == reference_id) {

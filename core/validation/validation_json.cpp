@@ -13,12 +13,13 @@ Json json_of(const EventCounts& events) {
           {"released", events.released}, {"slipped", events.slipped},   {"stuck", events.stuck}};
 }
 
-Json json_of(const ValidationRun& run) {
+Json json_of(const Validation& validation, const ValidationRun& run) {
   return {
       {"integrator", run.integrator.id},
       {"time_step_s", run.time_step},
       {"of_scene", run.of_scene},
       {"max_error_m", run.error.max},
+      {"max_error_share", validation.share_of_displacement(run.error.max)},
       {"rms_error_m", run.error.rms},
       {"max_error_node", run.error.node},
       {"max_error_time_s", run.error.time},
@@ -39,7 +40,7 @@ Json json_of(const ValidationRun& run) {
 // Numbers that are not finite become null.
 std::string to_json(const Validation& validation) {
   Json runs = Json::array();
-  for (const ValidationRun& run : validation.runs) runs.push_back(json_of(run));
+  for (const ValidationRun& run : validation.runs) runs.push_back(json_of(validation, run));
   const Json reference{
       {"integrator", validation.reference},
       {"relative_tolerance", validation.relative_tolerance},
@@ -49,6 +50,15 @@ std::string to_json(const Validation& validation) {
       {"wall_s", validation.reference_wall},
       {"events", json_of(validation.reference_events)},
   };
+  Json second_order = nullptr;
+  if (validation.second_order) {
+    second_order = json_of(validation, *validation.second_order);
+    second_order["theta"] = 0.5;
+    second_order["better"] = validation.second_order_is_better();
+  }
+  const Displacement& moved = validation.displacement;
+  const Json displacement{
+      {"max_m", moved.max}, {"node", moved.node}, {"time_s", moved.time}, {"deformation_m", moved.deformation}};
   const Json document{
       {"scene", validation.scene},
       {"title", validation.title},
@@ -56,7 +66,9 @@ std::string to_json(const Validation& validation) {
       {"springs", validation.springs},
       {"duration_s", validation.duration},
       {"reference", reference},
+      {"displacement", displacement},
       {"runs", runs},
+      {"second_order", second_order},
       {"observed_order", validation.observed_order},
       {"notes", validation.notes},
       {"times_s", validation.times},

@@ -33,6 +33,8 @@ TEST_CASE("the page about output is complete") {
   check_keys(validation, page);
   check_keys(validation["reference"], page);
   check_keys(validation["runs"][0], page);
+  check_keys(validation["displacement"], page);
+  check_keys(validation["second_order"], page);
 
   check_keys(testing::springnet(folder, "run pair.toml --json --realtime=100").json()["pace"], page);
 

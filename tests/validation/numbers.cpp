@@ -5,6 +5,7 @@
 #include <springnet/error.hpp>
 #include <springnet/validation.hpp>
 
+#include "validation/displacement.hpp"
 #include "validation/error_norm.hpp"
 
 using namespace springnet;
@@ -111,6 +112,38 @@ TEST_CASE("errors are distances between nodes of the same user's number") {
   CHECK(error.max_by_time[0] == 0.0);
   CHECK(error.max_by_time[1] == doctest::Approx(5.0));
   CHECK(error.max_by_time[2] == 0.0);
+}
+
+TEST_CASE("displacements are from the start, deformations from the best rigid motion of each body") {
+  // A right angle, and a single node of no body.
+  Network net;
+  net.begin_body("angle");
+  for (const Vector3& place : {Vector3(0, 0, 0), Vector3(1, 0, 0), Vector3(0, 1, 0)}) {
+    net.add_node({place, Vector3::Zero(), 1.0, 0, false});
+  }
+  net.end_body();
+  net.add_node({Vector3(5, 5, 5), Vector3::Zero(), 1.0, 0, false});
+  DisplacementNorm norm(net);
+  // Turned by a right angle about z, and moved by 10 along x; the columns are in another order.
+  Rows now(3, 4);
+  now.row(0) << 5.0, 10.0, 10.0, 9.0;
+  now.row(1) << 5.0, 0.0, 1.0, 0.0;
+  now.row(2) << 5.0, 0.0, 0.0, 0.0;
+  norm.add(1.0, map_of(now), {1, 2, 3, 0});
+  CHECK(norm.result().max == doctest::Approx(10.0));
+  CHECK(norm.result().node == 0);
+  CHECK(norm.result().time == 1.0);
+  CHECK(norm.result().deformation < 1e-14);
+  // Its mirror image is no motion as a whole: node 2 on the other side.
+  now.row(1)[3] = 0.0;
+  now.row(0)[3] = 11.0;
+  norm.add(2.0, map_of(now), {1, 2, 3, 0});
+  CHECK(norm.result().max == doctest::Approx(std::hypot(11.0, 1.0)));
+  // A plane figure turns over instead.
+  CHECK(norm.result().deformation < 1e-14);
+  now.row(0)[3] = 12.0;
+  norm.add(3.0, map_of(now), {1, 2, 3, 0});
+  CHECK(norm.result().deformation > 0.3);
 }
 
 TEST_CASE("a position that is not a number is not hidden by others") {

@@ -166,3 +166,52 @@ TEST_CASE("progress is told at every record time, and can stop the validation") 
   REQUIRE(times.size() == 51);
   CHECK(times.back() == doctest::Approx(1.0));
 }
+
+TEST_CASE("theta = 0.5 is tried with the scene's time step, and is better for an oscillation") {
+  const Validation validation = validate(oscillator(0.02), plugins());
+  REQUIRE(validation.second_order);
+  CHECK(validation.second_order->time_step == 0.02);
+  CHECK(validation.second_order->integrator.parameters.at("theta") == 0.5);
+  CHECK(validation.second_order->finished());
+  CHECK(validation.second_order_is_better());
+  // Its phase is wrong by (w t)^2 / 12 of itself: amplitude w^3 t^2 T / 12 at the end, with w = 2 rad/s and T = 3 s.
+  CHECK(validation.second_order->error.max == doctest::Approx(amplitude * 8.0 * 4e-4 * 3.0 / 12.0).epsilon(0.1));
+  // From one end to the other: the amplitude twice, to the next record (a quarter of a time step from the turn).
+  CHECK(validation.displacement.max == doctest::Approx(2.0 * amplitude).epsilon(1e-3));
+  CHECK(validation.displacement.node == 1);
+  CHECK(validation.displacement.time == doctest::Approx(std::acos(-1.0) / 2.0).epsilon(0.01));
+  CHECK(validation.share_of_displacement(0.01) == doctest::Approx(0.02).epsilon(1e-3));
+}
+
+TEST_CASE("theta = 0.5 is not tried where the scene has it, and integrators without theta have none") {
+  Scene scene = oscillator(0.02);
+  scene.options.integrator.parameters["theta"] = 0.5;
+  CHECK_FALSE(validate(scene, plugins()).second_order);
+  scene.options.integrator = LawUse{"verlet", {}};
+  CHECK_FALSE(validate(scene, plugins()).second_order);
+}
+
+TEST_CASE("of a body that turns and flies as a whole hardly a deformation is left, and a note says so") {
+  Scene scene = oscillator(0.02);
+  Network net;
+  const MaterialIndex material = net.add_material(testing::damped(4000.0, 1.0));
+  net.begin_body("rod");
+  net.add_node(testing::point({0, 0, 0}));
+  net.add_node(testing::point({1, 0, 0}));
+  net.add_spring(0, 1, material);
+  net.end_body();
+  for (const NodeIndex k : {0u, 1u}) {
+    Node node = net.nodes()[k];
+    node.velocity = {0, k == 0 ? -1.0 : 1.0, 3};  // turns about its middle once in pi s, and flies
+    net.set_node(k, node);
+  }
+  scene.network = net;
+  const Validation validation = validate(scene, plugins());
+  CHECK(validation.displacement.max > 9.0);
+  // The centrifugal force m v^2 / r = 2 N stretches the spring by about 2 N / 4000 N/m, overshooting twice that: half
+  // at each end.
+  CHECK(validation.displacement.deformation < 1e-3);
+  CHECK(validation.displacement.deformation > 1e-4);
+  CHECK(std::any_of(validation.notes.begin(), validation.notes.end(),
+                    [](const std::string& note) { return note.starts_with("Bodies move mostly as a whole"); }));
+}

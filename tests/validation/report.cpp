@@ -5,6 +5,8 @@
 #include <nlohmann/json.hpp>
 #include <springnet/validation.hpp>
 
+#include "validation/scale.hpp"
+
 using namespace springnet;
 
 namespace {
@@ -42,6 +44,13 @@ Validation made_up() {
   fine.order = 0.984;
   fine.error = {0.0625, 0.03125, 2, 0.5, {0.0, 0.0625, 0.03}};
   validation.runs = {coarse, fine};
+  validation.displacement = {1.25, 1, 0.75, 0.5};
+  ValidationRun second = fine;
+  second.of_scene = false;
+  second.integrator.parameters["theta"] = 0.5;
+  second.error = {0.0025, 0.00125, 2, 0.5, {0.0, 0.0025, 0.002}};
+  second.wall = 0.25;
+  validation.second_order = second;
   validation.observed_order = NAN;
   validation.notes = {"a note with <tags>"};
   return validation;
@@ -70,7 +79,16 @@ TEST_CASE("validation.json has the numbers under their names") {
   CHECK(run["outcome"] == "settled");
   CHECK(run["error"].is_null());
   CHECK(run["sweeps_per_step"] == 5.5);
+  CHECK(run["max_error_share"] == 0.05);
   CHECK(json["observed_order"].is_null());
+  CHECK(json["displacement"]["max_m"] == 1.25);
+  CHECK(json["displacement"]["node"] == 1);
+  CHECK(json["displacement"]["time_s"] == 0.75);
+  CHECK(json["displacement"]["deformation_m"] == 0.5);
+  CHECK(json["second_order"]["theta"] == 0.5);
+  CHECK(json["second_order"]["better"] == true);
+  CHECK(json["second_order"]["max_error_m"] == 0.0025);
+  CHECK(json["second_order"]["max_error_share"] == 0.002);
   CHECK(json["times_s"].size() == 3);
 }
 
@@ -84,7 +102,9 @@ TEST_CASE("the page needs no other file and shows text as text") {
   CHECK(html.find("<without>") == std::string::npos);
   CHECK(html.find("a<b>") == std::string::npos);
   CHECK(html.find("A &amp; B") != std::string::npos);
-  CHECK(html.find("0.0625 m") != std::string::npos);
+  CHECK(html.find("<strong>62.5 mm</strong> from the reference") != std::string::npos);
+  CHECK(html.find("<strong>5 %</strong> of 1.25 m, the greatest displacement") != std::string::npos);
+  CHECK(html.find("the greatest error is 2.5 mm in place of 62.5 mm, 25 times less") != std::string::npos);
   CHECK(html.find("diverging at 0.5 s") != std::string::npos);
   std::size_t plots = 0;
   for (std::size_t at = html.find("<svg"); at != std::string::npos; at = html.find("<svg", at + 1)) ++plots;
@@ -108,5 +128,59 @@ TEST_CASE("the columns of the table are aligned") {
   const auto column = [&](std::size_t at) { return at - table.rfind('\n', at); };
   CHECK(column(heading) == column(first));
   CHECK(column(heading) == column(second));
+  // One unit a column, that of the scene's own run; shares of 1.25 m.
+  CHECK(table.find("max error, mm") != std::string::npos);
+  CHECK(table.find(" 62.5 ") != std::string::npos);
+  CHECK(table.find(" 750 ") != std::string::npos);
+  CHECK(table.find(" 2.5 ") != std::string::npos);
+  CHECK(table.find(" 5 % ") != std::string::npos);
+  CHECK(table.find(" 60 % ") != std::string::npos);
+  CHECK(table.find("moves by up to 1.25 m from the start (node 1, 0.75 s)") != std::string::npos);
+  CHECK(table.find("better: theta = 0.5") != std::string::npos);
   CHECK(table.find("note: a note with <tags>") != std::string::npos);
+}
+
+TEST_CASE("theta = 0.5 is proposed only where it halves the errors, or gets to the end alone") {
+  Validation validation = made_up();
+  CHECK(validation.second_order_is_better());
+  validation.second_order->error.rms = 0.02;  // of 0.03125
+  CHECK_FALSE(validation.second_order_is_better());
+  CHECK(to_table(validation).find("better:") == std::string::npos);
+  CHECK(to_html(validation).find("Better:") == std::string::npos);
+  validation.runs[1].failure = "no";
+  CHECK(validation.second_order_is_better());
+  validation.second_order->failure = "neither";
+  CHECK_FALSE(validation.second_order_is_better());
+  validation = made_up();
+  validation.certification.max = 0.05;  // more than can be told apart
+  CHECK_FALSE(validation.second_order_is_better());
+  validation.second_order.reset();
+  CHECK_FALSE(validation.second_order_is_better());
+  CHECK(nlohmann::json::parse(to_json(validation))["second_order"].is_null());
+}
+
+TEST_CASE("lengths have one to three digits before the point, columns one unit") {
+  CHECK(length_text(0.0) == "0 m");
+  CHECK(length_text(12.34567) == "12.3 m");
+  CHECK(length_text(0.000455) == "455 µm");
+  CHECK(length_text(0.0009996) == "1 mm");
+  CHECK(length_text(-0.002) == "-2 mm");
+  CHECK(length_text(3e-8) == "30 nm");
+  CHECK(length_text(NAN) == "-");
+  CHECK(share_text(0.1534) == "15.3 %");
+  CHECK(share_text(12.0) == "1200 %");
+  CHECK(share_text(NAN) == "-");
+  Validation validation = made_up();
+  CHECK(std::string(unit_of_errors(validation).name) == "mm");
+  validation.runs[1].failure = "no";
+  CHECK(std::string(unit_of_errors(validation).name) == "m");  // nothing to judge by
+  validation.runs[0].failure.clear();
+  CHECK(std::string(unit_of_errors(validation).name) == "mm");
+}
+
+TEST_CASE("of something that does not move there is no share") {
+  Validation validation = made_up();
+  validation.displacement = {};
+  CHECK(to_table(validation).find(" - ") != std::string::npos);
+  CHECK(nlohmann::json::parse(to_json(validation))["runs"][1]["max_error_share"].is_null());
 }

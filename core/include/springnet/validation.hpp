@@ -43,10 +43,21 @@ struct PositionError {
   std::vector<double> max_by_time;  // one a record time, over the nodes
 };
 
+// How far the reference moves, to measure errors by: distances from where the nodes start, over all nodes and record
+// times, m.
+struct Displacement {
+  double max = 0.0;
+  NodeIndex node = 0;
+  double time = 0.0;  // s, node and time of the greatest
+  // The same after each body's best rigid motion (translation and rotation, by least squares) is taken out: what is
+  // left of the displacement of a body that falls, flies or turns as a whole.
+  double deformation = 0.0;
+};
+
 struct ValidationRun {
   LawUse integrator;
   double time_step = 0.0;  // s
-  bool of_scene = false;   // its time step is the scene's own
+  bool of_scene = false;   // its time step and integrator are the scene's own
   PositionError error;     // up to the time the run reached
   std::uint64_t steps = 0;
   std::uint64_t sweeps = 0;
@@ -73,25 +84,34 @@ struct Validation {
   double relative_tolerance = 0.0;    // its own
   double certifying_tolerance = 0.0;  // of the second run
   PositionError certification;        // between the two: the reference's own uncertainty
+  Displacement displacement;          // of the reference
   EventCounts reference_events;
   double reference_wall = 0.0;  // s, both runs
 
   std::vector<ValidationRun> runs;  // by falling time step
+  // The scene's time step once more, with the integrator's theta at 0.5 (second order). Empty where the integrator has
+  // no such parameter, or the scene gives it already.
+  std::optional<ValidationRun> second_order;
   // Slope of the logarithm of the rms error over that of the time step, by least squares; nan with fewer than two runs.
   // Runs that did not finish do not count, nor do errors below ten times the reference's uncertainty.
   double observed_order = std::numeric_limits<double>::quiet_NaN();
   std::vector<std::string> notes;  // what a reader should know about these numbers
 
   [[nodiscard]] double uncertainty() const noexcept { return certification.max; }
+  // An error as a share of the greatest displacement of the reference; nan where nothing moves.
+  [[nodiscard]] double share_of_displacement(double error) const noexcept;
+  // Whether second_order came to the end and halves both errors of the scene's own run at least, or that run failed.
+  [[nodiscard]] bool second_order_is_better() const;
   [[nodiscard]] const ValidationRun& run_of_scene() const;
   // The scene's own time step is within `tolerance` metres of the true solution, the reference's uncertainty included.
   [[nodiscard]] bool within(double tolerance) const;
 };
 
 // Runs the scene in the reference integrator `cvode` (twice, with different tolerances) and in the scene's integrator
-// (`recurrent` if that is the reference's) with each time step. All runs go on side by side from record time to record
-// time, so that no trajectory has to be kept. A run that fails stays in the result with its outcome. Throws
-// Error(input) for time steps that cannot be used, Error(plugin), and Error(simulation) if the reference fails.
+// (`recurrent` if that is the reference's) with each time step, and once with theta = 0.5. All runs go on side by side
+// from record time to record time, so that no trajectory has to be kept. A run that fails stays in the result with its
+// outcome. Throws Error(input) for time steps that cannot be used, Error(plugin), and Error(simulation) if the
+// reference fails.
 [[nodiscard]] Validation validate(const Scene& scene, const std::shared_ptr<const PluginHost>& plugins,
                                   const ValidationOptions& options = {});
 
