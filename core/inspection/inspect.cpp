@@ -5,11 +5,13 @@
 
 #include <springnet/inspection.hpp>
 
+#include "inspection/hints.hpp"
 #include "inspection/limits.hpp"
 #include "inspection/linearised.hpp"
 #include "inspection/mobility.hpp"
 #include "inspection/orders.hpp"
 #include "inspection/suspicions.hpp"
+#include "inspection/vibration.hpp"
 
 namespace springnet {
 
@@ -133,7 +135,9 @@ Inspection inspect(const Network& network, const PluginHost& plugins, const Insp
   const std::vector<std::uint32_t> part = inspect_parts(network, linear, joints, result);
   find_limits(network, linear, joints, result);
   count_mechanisms(network, linear, part, result);
+  result.slowest = slowest_vibration(network, linear, result.mobility);
   result.suspicions = find_suspicions(network, linear, joints);
+  result.hints = find_hints(network, linear, part, result);
   // Measured: peak of resident memory of `springnet run`, lattices of 0.2 to 1 million nodes with 3 to 13 damped
   // springs a node.
   constexpr double bytes_at_least = 10e6, bytes_per_node = 350.0, bytes_per_spring = 108.0;

@@ -85,6 +85,19 @@ Json json_of(const Mobility& mobility) {
           {"springs_under_compression", mobility.springs_under_compression}};
 }
 
+Json json_of(const std::optional<Vibration>& slowest, const std::optional<double>& time_step) {
+  if (!slowest) return nullptr;
+  return {{"period_s", slowest->period},
+          {"damping_ratio", slowest->damping_ratio},
+          {"time_steps_a_period", time_step ? Json(slowest->period / *time_step) : Json(nullptr)}};
+}
+
+Json json_of(const std::vector<Hint>& hints) {
+  Json result = Json::array();
+  for (const Hint& hint : hints) result.push_back({{"kind", name_of(hint.kind)}, {"text", hint.text}});
+  return result;
+}
+
 Json json_of(const UnusualSprings& springs) {
   Json worst = Json::array();
   for (const UnusualSpring& spring : springs.worst) {
@@ -147,6 +160,8 @@ std::string to_json(const Inspection& inspection) {
       {"unknown_because", inspection.unknown_because.empty() ? Json(nullptr) : Json(inspection.unknown_because)},
       {"unique_time_constant_s", json_of(inspection.unique_time_constant)},
       {"mobility", json_of(inspection.mobility)},
+      {"slowest_vibration", json_of(inspection.slowest, inspection.options.time_step)},
+      {"hints", json_of(inspection.hints)},
       {"suspicions", json_of(inspection.suspicions)},
   };
   return document.dump(2, ' ', false, Json::error_handler_t::replace) + "\n";

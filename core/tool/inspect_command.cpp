@@ -49,6 +49,12 @@ std::string plural(std::size_t count, const char* singular, const char* several)
   return fmt::format("{} {}", count, count == 1 ? singular : several);
 }
 
+std::string text_of(const std::optional<Vibration>& slowest, const Scene& scene) {
+  if (!slowest) return "not known";
+  return fmt::format("a period of {:.3g} s, {:.3g} time steps; damping ratio {:.2g}", slowest->period,
+                     slowest->period / scene.options.time_step, slowest->damping_ratio);
+}
+
 std::vector<std::vector<std::string>> facts(const Scene& scene, const Inspection& found) {
   const Vector3 extent = found.upper - found.lower;
   return {
@@ -82,6 +88,7 @@ std::vector<std::vector<std::string>> facts(const Scene& scene, const Inspection
                                           : "not counted, the network is too large for that"},
       {"time step", fmt::format("{:g} s, {:.0f} of them in {:g} s", scene.options.time_step,
                                 std::ceil(scene.duration / scene.options.time_step * (1.0 - 1e-9)), scene.duration)},
+      {"slowest vibration", text_of(found.slowest, scene)},
       {"memory", fmt::format("about {}", readable_bytes(found.memory_bytes))},
       {"output of a run", fmt::format("about {}", readable_bytes(estimate_output(scene).bytes))},
   };
@@ -188,6 +195,7 @@ void add_parts(const Inspection& found, Findings& findings) {
 void print_findings(const Network& network, const Inspection& found) {
   const Suspicions& suspicions = found.suspicions;
   Findings findings;
+  for (const Hint& hint : found.hints) findings.add(hint.text);
   findings.add(suspicions.stiffness, "stiffness", " N/m");
   findings.add(suspicions.damping, "damping", " N s/m");
   findings.add(suspicions.elastic_rate, "stiffness over mass of the ends", " 1/s^2");
@@ -223,9 +231,13 @@ void print_findings(const Network& network, const Inspection& found) {
   findings.print();
 }
 
-InspectionOptions options_of(const Scene& scene) {
+InspectionOptions options_of(const Scene& scene, const PluginHost& plugins) {
   InspectionOptions options;
   options.time_step = scene.options.time_step;
+  options.duration = scene.duration;
+  // An integrator that is given a tolerance of errors divides time steps by it.
+  const auto integrator = plugins.find(ComponentKind::integrator, scene.options.integrator.id);
+  options.steps_of_its_own = integrator && parameter_index(*integrator->description, "relative_tolerance") >= 0;
   const ParameterValues& given = scene.options.integrator.parameters;
   const auto theta = given.find("theta");
   if (theta != given.end() && theta->second > 0.0) options.theta = theta->second;
@@ -235,7 +247,7 @@ InspectionOptions options_of(const Scene& scene) {
 int run(const InspectArguments& arguments) {
   const auto host = arguments.scene.plugins.load();
   const Scene scene = arguments.scene.load(*host);
-  const Inspection found = inspect(scene.network, *host, options_of(scene));
+  const Inspection found = inspect(scene.network, *host, options_of(scene, *host));
   if (arguments.json) {
     fmt::print("{}", to_json(found));
     return done;

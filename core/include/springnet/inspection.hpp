@@ -114,7 +114,27 @@ struct Mobility {
 struct InspectionOptions {
   double theta = 1.0;                 // of the integrator: limits are those of the spectral radius, over theta
   std::optional<double> time_step{};  // s: that which the scene asks for
+  std::optional<double> duration{};   // s: likewise
+  bool steps_of_its_own = false;      // the integrator divides time steps by an error test, as cvode does
 };
+
+// The slowest motion that springs resist, linearised at the start.
+struct Vibration {
+  double period;         // s, undamped
+  double damping_ratio;  // 1: critical; above that it does not swing
+};
+// Vibrations with a damping ratio below this should be resolved by time steps,
+inline constexpr double damped_out = 0.5;
+// and this many a period at least.
+inline constexpr double steps_a_period = 10.0;
+
+// A likely mistake in a scene, most often of units.
+struct Hint {
+  enum class Kind { size, mass, density, gravity, start, fall, time_step };
+  Kind kind;
+  std::string text;  // sentences: what was found, with its numbers, and what to do
+};
+[[nodiscard]] std::string_view name_of(Hint::Kind kind) noexcept;  // "size", …, "time step"
 
 struct Inspection {
   std::size_t nodes = 0, springs = 0, bodies = 0, fixed_nodes = 0, planes = 0, loads = 0, cuts = 0;
@@ -147,7 +167,11 @@ struct Inspection {
   std::optional<double> unique_time_constant;
 
   Mobility mobility;
+  // Empty where a law cannot be linearised, nothing swings, there are rigid connections, enclosed volumes, many
+  // mechanisms or compressed springs that buckle, or the net is too large.
+  std::optional<Vibration> slowest;
   Suspicions suspicions;
+  std::vector<Hint> hints;
 
   [[nodiscard]] const TimeConstantLimit& limit(UpdateRule rule) const {
     return limits.at(static_cast<std::size_t>(rule));

@@ -1,0 +1,231 @@
+#include "inspection/hints.hpp"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <limits>
+
+#include <fmt/format.h>
+
+#include "simulation/surface.hpp"
+#include "text/counted.hpp"
+
+namespace springnet {
+
+namespace {
+
+// Bounds beyond which something is more likely a mistake than meant.
+constexpr double large = 10.0;            // m, of a soft body
+constexpr double small = 1e-3;            // m
+constexpr double soft = 1e7;              // N/m^2: stiffness over length of a spring; tissue and rubber are below
+constexpr double heavy = 1e6;             // kg
+constexpr double dense = 3e4;             // kg/m^3; osmium has 22,600
+constexpr double strong_gravity = 100.0;  // m/s^2
+// Positions are rounded: far from the origin a node may be this part of its distance behind a surface it lies on.
+constexpr double coincidence = 1e-9;
+
+struct Box {
+  Vector3 lower = Vector3::Constant(std::numeric_limits<double>::infinity());
+  Vector3 upper = Vector3::Constant(-std::numeric_limits<double>::infinity());
+  double mass = 0.0;  // kg
+
+  void add(const Node& node) {
+    lower = lower.cwiseMin(node.position);
+    upper = upper.cwiseMax(node.position);
+    mass += node.mass;
+  }
+  [[nodiscard]] Vector3 sides() const { return upper - lower; }
+  [[nodiscard]] double size() const { return sides().maxCoeff(); }
+};
+
+// Nodes [first, first + nodes), springs likewise.
+struct Piece {
+  std::string name;
+  std::size_t first_node, nodes, first_spring, springs;
+};
+
+// Bodies; the network as a whole where there are none.
+std::vector<Piece> pieces_of(const Network& network) {
+  std::vector<Piece> pieces;
+  for (const Body& body : network.bodies()) {
+    pieces.push_back(
+        {fmt::format("Body '{}'", body.name), body.first_node, body.node_count, body.first_spring, body.spring_count});
+  }
+  if (pieces.empty()) pieces.push_back({"The network", 0, network.nodes().size(), 0, network.springs().size()});
+  return pieces;
+}
+
+// Median of stiffness over length, about Young's modulus over the number of springs that share a section; N/m^2. 0
+// where it is unknown.
+double softness_of(const LinearNetwork& linear, const Piece& piece) {
+  std::vector<double> values;
+  for (std::size_t s = piece.first_spring; s < piece.first_spring + piece.springs; ++s) {
+    const double value = std::abs(linear.springs[s].stiffness) / linear.springs[s].length;
+    if (std::isfinite(value)) values.push_back(value);
+  }
+  if (values.empty()) return 0.0;
+  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
+  std::nth_element(values.begin(), middle, values.end());
+  return *middle;
+}
+
+void hint_at_sizes(const Network& network, const LinearNetwork& linear, std::vector<Hint>& hints) {
+  for (const Piece& piece : pieces_of(network)) {
+    Box box;
+    for (std::size_t k = piece.first_node; k < piece.first_node + piece.nodes; ++k) box.add(network.nodes()[k]);
+    if (piece.nodes < 2 || piece.springs == 0) continue;
+    const bool is_soft = softness_of(linear, piece) < soft;
+    if (box.size() > large && is_soft) {
+      hints.push_back(
+          {Hint::Kind::size,
+           fmt::format("{} is {:.3g} m large, and soft. If its coordinates are in millimetres, set mesh.scale = "
+                       "0.001.",
+                       piece.name, box.size())});
+    }
+    if (box.size() > 0.0 && box.size() < small) {
+      hints.push_back(
+          {Hint::Kind::size,
+           fmt::format("{} is {:.3g} mm large. Coordinates are in metres here: check the unit of its mesh, and "
+                       "mesh.scale.",
+                       piece.name, 1e3 * box.size())});
+    }
+    if (box.mass > heavy && is_soft) {
+      hints.push_back(
+          {Hint::Kind::mass,
+           fmt::format("{} has a mass of {:.3g} kg. Check its density (in kg/m^3, that of water is 1000) or its "
+                       "masses, and its size: {:.3g} m.",
+                       piece.name, box.mass, box.size())});
+    }
+    // The box of a sheet or a chain has no volume to speak of.
+    const Vector3 sides = box.sides();
+    if (sides.minCoeff() > 0.01 * box.size() && box.mass > dense * sides.prod()) {
+      hints.push_back(
+          {Hint::Kind::density,
+           fmt::format("{} has a mass of {:.3g} kg in a box of {:.3g} x {:.3g} x {:.3g} m: {:.3g} kg/m^3, more "
+                       "than any material. Check its masses (in kg) and its size.",
+                       piece.name, box.mass, sides.x(), sides.y(), sides.z(), box.mass / sides.prod())});
+    }
+  }
+}
+
+void hint_at_gravity(const Network& network, std::vector<Hint>& hints) {
+  const double strength = network.gravity().norm();
+  if (strength <= strong_gravity) return;
+  hints.push_back({Hint::Kind::gravity, fmt::format("Gravity is {:.4g} m/s^2; on earth it is 9.81.", strength)});
+}
+
+std::vector<Surface> surfaces_of(const Network& network) {
+  std::vector<Surface> surfaces;
+  for (const Plane& plane : network.planes()) surfaces.emplace_back(plane);
+  for (const Instrument& instrument : network.instruments()) surfaces.emplace_back(instrument);
+  return surfaces;
+}
+
+void hint_at_starts(const Network& network, const LinearNetwork& linear, std::vector<Hint>& hints) {
+  const std::vector<Surface> surfaces = surfaces_of(network);
+  for (std::size_t j = 0; j < surfaces.size(); ++j) {
+    const Surface& surface = surfaces[j];
+    const Vector3 moved = surface.trajectory().at(0.0).displacement;
+    std::size_t count = 0;
+    NodeIndex worst = 0;
+    double deepest = 0.0;
+    for (NodeIndex k = 0; k < network.nodes().size(); ++k) {
+      if (!linear.nodes[k].free) continue;
+      const Vector3& place = network.nodes()[k].position;
+      const double depth = -surface.distance(place - moved);
+      if (depth <= coincidence * (place.norm() + (surface.origin() + moved).norm())) continue;
+      ++count;
+      if (depth <= deepest) continue;
+      deepest = depth;
+      worst = k;
+    }
+    if (count == 0) continue;
+    const bool plane = surface.is_plane();
+    const std::string name = surface.description(plane ? j : j - network.planes().size());
+    hints.push_back(
+        {Hint::Kind::start,
+         fmt::format("{} {} {} at the start, node {} by {:.3g} m: a run is refused. Move the body or the {}.",
+                     counted(count, "node is", "nodes are"), plane ? "behind" : "inside", name, worst, deepest,
+                     plane ? "plane, or turn the plane's normal towards the body" : "instrument")});
+  }
+}
+
+// Whether something may stop a fall: a plane that faces it, or any instrument.
+bool something_is_below(const Network& network) {
+  const Vector3& g = network.gravity();
+  return !network.instruments().empty() || std::any_of(network.planes().begin(), network.planes().end(),
+                                                       [&](const Plane& plane) { return plane.normal.dot(g) < 0.0; });
+}
+
+void hint_at_falls(const Network& network, const std::vector<std::uint32_t>& part, const Inspection& found,
+                   std::vector<Hint>& hints) {
+  const double strength = network.gravity().norm();
+  if (strength == 0.0 || something_is_below(network)) return;
+  const auto is_held = [](const Part& each) { return each.fixed_nodes > 0; };
+  const auto parts = static_cast<std::size_t>(
+      std::count_if(found.parts.begin(), found.parts.end(), [&](const Part& each) { return !is_held(each); }));
+  if (parts == 0) return;
+  std::string way;
+  if (found.options.duration) {
+    Box box;
+    for (std::size_t k = 0; k < part.size(); ++k) {
+      if (!is_held(found.parts[part[k]])) box.add(network.nodes()[k]);
+    }
+    const double fall = 0.5 * strength * *found.options.duration * *found.options.duration;
+    if (fall <= box.size()) return;  // it flies for a moment
+    way = fmt::format(", {:.3g} m in {:g} s", fall, *found.options.duration);
+  }
+  const auto first = std::find_if_not(found.parts.begin(), found.parts.end(), is_held);
+  hints.push_back(
+      {Hint::Kind::fall,
+       fmt::format("{} (the largest from node {}, {}){}: there is gravity, nothing fixes {}, and no plane is "
+                   "below. Add [[fix]] or [[plane]], or leave out [gravity].",
+                   counted(parts, "part falls freely", "parts fall freely"), first->first_node,
+                   counted(first->nodes, "node"), way, parts == 1 ? "it" : "them")});
+}
+
+void hint_at_time_step(const Inspection& found, std::vector<Hint>& hints) {
+  if (!found.slowest || !found.options.time_step || found.options.steps_of_its_own) return;
+  const double steps = found.slowest->period / *found.options.time_step;
+  if (steps >= steps_a_period || found.slowest->damping_ratio >= damped_out) return;
+  hints.push_back(
+      {Hint::Kind::time_step,
+       fmt::format("The slowest vibration has a period of {:.3g} s, {:.2g} time steps: too few to follow it. "
+                   "Take a time_step of {:.1g} s (20 a period) if its course matters, or check stiffness and "
+                   "masses.",
+                   found.slowest->period, steps, found.slowest->period / 20.0)});
+}
+
+}  // namespace
+
+std::string_view name_of(Hint::Kind kind) noexcept {
+  switch (kind) {
+    case Hint::Kind::size:
+      return "size";
+    case Hint::Kind::mass:
+      return "mass";
+    case Hint::Kind::density:
+      return "density";
+    case Hint::Kind::gravity:
+      return "gravity";
+    case Hint::Kind::start:
+      return "start";
+    case Hint::Kind::fall:
+      return "fall";
+    default:
+      return "time step";
+  }
+}
+
+std::vector<Hint> find_hints(const Network& network, const LinearNetwork& linear,
+                             const std::vector<std::uint32_t>& part, const Inspection& found) {
+  std::vector<Hint> hints;
+  hint_at_sizes(network, linear, hints);
+  hint_at_gravity(network, hints);
+  hint_at_starts(network, linear, hints);
+  hint_at_falls(network, part, found, hints);
+  hint_at_time_step(found, hints);
+  return hints;
+}
+
+}  // namespace springnet

@@ -1,0 +1,16 @@
+// The slowest vibration.
+#pragma once
+
+#include <optional>
+
+#include <springnet/inspection.hpp>
+
+#include "inspection/linearised.hpp"
+
+namespace springnet {
+
+// Of a network whose mobility is known already; empty as Inspection::slowest says.
+[[nodiscard]] std::optional<Vibration> slowest_vibration(const Network& network, const LinearNetwork& linear,
+                                                         const Mobility& mobility);
+
+}  // namespace springnet
