@@ -44,6 +44,46 @@ make_folder() {
 
 is_installed() { [[ $(dpkg-query --show --showformat='${db:Status-Status}' "$1" 2>/dev/null) == installed ]]; }
 
+# watched LOG COMMAND …: runs the command with its output added to LOG, and tells meanwhile how far apt-get is: on a terminal
+# in one line that changes, elsewhere in a line every five seconds.
+watched() {
+  local log=$1 watcher status=0
+  shift
+  # The command is in the foreground, so that Ctrl-C reaches it; who watches ends with this shell.
+  (
+    text="" last="" tick=0
+    while kill -0 $$ 2>/dev/null; do
+      sleep 0.5
+      [[ -t 1 ]] || ((++tick % 10 == 0)) || continue
+      text=$(apt_progress "$log")
+      [[ $text != "$last" ]] || continue
+      last=$text
+      if [[ -t 1 ]]; then printf '\r\033[K   %s' "$text"; else printf '   %s\n' "$text"; fi
+    done
+  ) &
+  watcher=$!
+  "$@" >>"$log" 2>&1 </dev/null || status=$?
+  kill "$watcher" 2>/dev/null || true
+  wait "$watcher" 2>/dev/null || true
+  [[ ! -t 1 ]] || printf '\r\033[K'
+  return "$status"
+}
+
+# apt_progress LOG: "packages: 12 of 34 fetched", then unpacked, then set up, as far as the log tells.
+apt_progress() {
+  awk '
+    / newly installed, / { total = $1 + $3; fetched = 0 }   # "3 upgraded, 31 newly installed, …"
+    /^Get:/ { fetched++ }
+    /^Unpacking / { unpacked++ }
+    /^Setting up / { ready++ }
+    END {
+      if (!total) print "lists of packages: " fetched + 0 " fetched"
+      else if (ready) print "packages: " ready " of " total " set up"
+      else if (unpacked) print "packages: " unpacked " of " total " unpacked"
+      else print "packages: " fetched + 0 " of " total " fetched"
+    }' "$1"
+}
+
 # need_packages NAME …: installs those that are missing. Does nothing, needs no network and no rights where none is.
 need_packages() {
   local name missing=() as_root=() log
@@ -73,8 +113,9 @@ need_packages() {
   rm -f "$log"
   say "installing missing packages (log: $log): ${missing[*]}"
   # A list of packages that cannot be renewed is no error yet: another source's may be out of reach, or ours still good.
-  "${as_root[@]}" apt-get update >"$log" 2>&1 </dev/null || true
-  if ! "${as_root[@]}" apt-get install --yes --no-install-recommends "${missing[@]}" >>"$log" 2>&1 </dev/null; then
+  : >"$log"
+  watched "$log" "${as_root[@]}" apt-get update || true
+  if ! watched "$log" "${as_root[@]}" apt-get install --yes --no-install-recommends "${missing[@]}"; then
     grep -E '^(E|Err|W):' "$log" | tail -n 12 >&2 || true
     fail "apt-get could not install the missing packages (whole log: $log)." \
       "If it could not reach its servers: is there a network? If it does not know a package: this script is made for" \

@@ -1,4 +1,4 @@
-# What `cmake --install` puts where: library, headers, tool and the CMake package. Plugins install themselves, where the
+# What `cmake --install` puts where: library, headers, tool, documentation, examples and the CMake package. Plugins install themselves, where the
 # library looks for them (springnet_add_plugin).
 include(CMakePackageConfigHelpers)
 
@@ -10,10 +10,20 @@ install(TARGETS springnet springnet_sdk EXPORT springnetTargets
   RUNTIME DESTINATION ${CMAKE_INSTALL_BINDIR})
 if(TARGET springnet_tool)
   install(TARGETS springnet_tool RUNTIME DESTINATION ${CMAKE_INSTALL_BINDIR})
+  install(FILES ${PROJECT_BINARY_DIR}/${CMAKE_INSTALL_MANDIR}/man1/springnet.1 DESTINATION ${CMAKE_INSTALL_MANDIR}/man1)
+  install(FILES ${PROJECT_BINARY_DIR}/${CMAKE_INSTALL_DATAROOTDIR}/bash-completion/completions/springnet
+    DESTINATION ${CMAKE_INSTALL_DATAROOTDIR}/bash-completion/completions)
 endif()
 install(DIRECTORY ${CMAKE_CURRENT_SOURCE_DIR}/include/ ${PROJECT_SOURCE_DIR}/sdk/include/
   DESTINATION ${CMAKE_INSTALL_INCLUDEDIR} FILES_MATCHING PATTERN "*.h" PATTERN "*.hpp")
-install(FILES ${PROJECT_SOURCE_DIR}/LICENSE DESTINATION ${CMAKE_INSTALL_DATAROOTDIR}/doc/springnet)
+set(documentation_folder ${CMAKE_INSTALL_DATAROOTDIR}/doc/springnet)
+install(FILES ${PROJECT_SOURCE_DIR}/LICENSE DESTINATION ${documentation_folder})
+install(DIRECTORY ${CMAKE_CURRENT_SOURCE_DIR}/docs/ DESTINATION ${documentation_folder})
+install(FILES ${PROJECT_SOURCE_DIR}/sdk/README.md DESTINATION ${documentation_folder} RENAME sdk.md)
+# `springnet new --example` copies from here. What sets up the sources' tree stays there.
+install(DIRECTORY ${PROJECT_SOURCE_DIR}/examples/ DESTINATION ${CMAKE_INSTALL_DATAROOTDIR}/springnet/examples
+  USE_SOURCE_PERMISSIONS
+  PATTERN quickstart EXCLUDE PATTERN setup.bash EXCLUDE PATTERN picture EXCLUDE PATTERN three.png EXCLUDE)
 
 install(EXPORT springnetTargets NAMESPACE springnet:: DESTINATION ${package_folder})
 configure_package_config_file(${CMAKE_CURRENT_LIST_DIR}/springnetConfig.cmake.in

@@ -1,5 +1,6 @@
 #include <springnet/mesh.hpp>
 
+#include <algorithm>
 #include <array>
 #include <new>
 
@@ -30,6 +31,12 @@ void Mesh::add_cell(CellType type, std::span<const std::uint32_t> points_of_cell
   types.push_back(type);
   corners.insert(corners.end(), points_of_cell.begin(), points_of_cell.end());
   offsets.push_back(corners.size());
+}
+
+bool has_mesh_ending(const std::filesystem::path& file) {
+  const std::string ending = file.extension().string();
+  return std::any_of(formats.begin(), formats.end(),
+                     [&](const Format& format) { return meshes::equal_ignoring_case(ending, format.ending); });
 }
 
 Mesh read_mesh(const std::filesystem::path& file) {

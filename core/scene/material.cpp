@@ -72,15 +72,15 @@ void check_poisson_ratio(const Table& table, const std::string& body, const NetS
   const double of_net = poisson_ratio_of_net(net.dimension);
   constexpr double alike = 0.005;  // 0.33 means 1/3
   if (std::abs(ratio - of_net) <= alike) return;
-  notes.push_back(
-      fmt::format("Body '{}': its springs make {} of Poisson ratio {}{}, {}; not {:g} as asked. {}.", body,
-                  solid ? "a solid" : "a sheet", net.misfit > noteworthy_misfit ? "about " : "", solid ? "1/4" : "1/3",
-                  net.misfit > noteworthy_misfit
-                      ? "the one of a regular net of springs (core/docs/material.md: what irregular ones have)"
-                      : "the one that a net of springs can have",
-                  ratio,
-                  solid ? "An [[element]] on volumes can resist changes of volume more"
-                        : "An [[element]] on areas can resist changes of area more"));
+  notes.push_back(fmt::format(
+      "Body '{}': its springs make {} of Poisson ratio {}{}, {}; not {:g} as asked. {}.", body,
+      solid ? "a solid" : "a sheet", net.misfit > noteworthy_misfit ? "about " : "", solid ? "1/4" : "1/3",
+      net.misfit > noteworthy_misfit
+          ? "the one of a regular net of springs (material.md of the documentation: what irregular ones have)"
+          : "the one that a net of springs can have",
+      ratio,
+      solid ? "An [[element]] on volumes can resist changes of volume more"
+            : "An [[element]] on areas can resist changes of area more"));
 }
 
 }  // namespace
@@ -125,7 +125,7 @@ std::vector<MaterialIndex> read_materials(const Table& body, const Cells& cells,
         fmt::format("Body '{}': springs cannot give its cells that are not tetrahedra or triangles the elasticity of "
                     "the material: it is off by {:.2g} % (root mean square), mostly too soft in shear. Make cells less "
                     "flat, long or skewed (hexahedra and quadrilaterals: sides within 1 : 1.7) with diagonals = "
-                    "\"all\"; core/docs/material.md has examples.",
+                    "\"all\"; material.md of the documentation has examples.",
                     name, 100.0 * net.fitted_misfit));
   }
   std::vector<MaterialIndex> materials;

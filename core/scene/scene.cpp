@@ -27,7 +27,7 @@ void check_version(const Table& root) {
   if (given == scene_version) return;
   version->fail(fmt::format(
       "this scene is of version {}, but springnet {} reads version {}; take a newer springnet, or write the "
-      "scene as core/docs/scene.md of this one says, with version = {}",
+      "scene as scene.md of this one's documentation says, with version = {}",
       given, springnet::version(), scene_version, scene_version));
 }
 

@@ -89,10 +89,11 @@ struct Simulation::Impl {
   }
   void check_arrival(const Vector3& position, double until) const {
     if (!position.allFinite() || !std::isfinite(until) || !(until > engine.time()))
-      throw Error(ErrorKind::input,
-                  fmt::format("a motion to ({}, {}, {}) that ends at {} s: the position must be finite, and the time "
-                              "after {} s, which is now",
-                              position[0], position[1], position[2], until, engine.time()));
+      throw Error(
+          ErrorKind::input,
+          fmt::format("a motion to ({}, {}, {}) that ends at {:.10g} s: the position must be finite, and the time "
+                      "after {:.10g} s, which is now",
+                      position[0], position[1], position[2], until, engine.time()));
   }
   [[nodiscard]] const Surface& surface(std::size_t index) const {
     check_surface(index);
@@ -199,7 +200,7 @@ void Simulation::Impl::advance(double until) {
   // All that comes through the C ABI of an exception is its text.
   const bool memory = end.text == std::bad_alloc().what() || end.text == "out of memory";
   std::string text =
-      fmt::format("step from {} s to {} s: {}", from, until,
+      fmt::format("step from {:.10g} s to {:.10g} s: {}", from, until,
                   memory ? "out of memory: simulate a smaller network, or on a larger machine" : end.text);
   if (!engine.non_finite().empty() && text.find(engine.non_finite()) == std::string::npos)
     text += fmt::format("; {}", engine.non_finite());
@@ -234,7 +235,7 @@ const StepReport& Simulation::step() {
 const StepReport& Simulation::advance_to(double until) {
   Impl& impl = *impl_;
   if (!(until >= time()) || !std::isfinite(until))
-    throw Error(ErrorKind::input, fmt::format("cannot advance from {} s to {} s", time(), until));
+    throw Error(ErrorKind::input, fmt::format("cannot advance from {:.10g} s to {:.10g} s", time(), until));
   impl.last = {};
   const double step = impl.options.time_step;
   // A remainder as small as this is rounding of the times, no step of its own. Beside `until`, because a time step may

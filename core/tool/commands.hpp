@@ -10,6 +10,10 @@ namespace springnet::tool {
 // Set by a command's callback to what is to be done once the whole command line is known to be right.
 using Action = std::function<int()>;
 
+// The whole command line: what it is called and says of itself, and every command below.
+void add_all(CLI::App& app, Action& action);
+
+void add_new(CLI::App& app, Action& action);
 void add_run(CLI::App& app, Action& action);
 void add_validate(CLI::App& app, Action& action);
 void add_inspect(CLI::App& app, Action& action);

@@ -8,14 +8,17 @@
 
 #include "commands.hpp"
 #include "common.hpp"
+#include "text/counted.hpp"
 
 namespace springnet::tool {
 
 namespace {
 
-constexpr const char* examples = R"(Examples:
-  springnet convert results/cube/trajectory.bin             writes results/cube/trajectory.csv
-  springnet convert results/cube/springs.bin -o springs.csv
+constexpr const char* examples = R"(Examples (the first two lines make the file):
+  springnet new --example cube
+  springnet run cube/cube.toml -o results/table --set 'output.format="binary"'
+  springnet convert results/table/trajectory.bin            writes results/table/trajectory.csv
+  springnet convert results/table/trajectory.bin -o positions.csv
 
 Exit status:
   0 done   1 the text cannot be written   2 usage, or no such file)";
@@ -38,7 +41,8 @@ int convert(const ConvertArguments& arguments) {
   // Only what the user has named may be a link, or no regular file.
   write_csv(records, named ? OutputFile(text) : OutputFile(OutputFolder::containing(text), text.filename().string()));
   if (!arguments.quiet) {
-    fmt::print("{}: {} records of {} rows\n", text.string(), records.records(), records.rows().size());
+    fmt::print("{}: {} of {}\n", text.string(), counted(records.records(), "record"),
+               counted(records.rows().size(), "row"));
   }
   return done;
 }

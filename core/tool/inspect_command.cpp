@@ -6,9 +6,12 @@
 
 #include <fmt/format.h>
 #include <springnet/inspection.hpp>
+#include <springnet/mesh.hpp>
 
 #include "commands.hpp"
 #include "common.hpp"
+#include "inspect_mesh.hpp"
+#include "text/counted.hpp"
 #include "text_table.hpp"
 
 namespace springnet::tool {
@@ -19,11 +22,13 @@ constexpr const char* examples =
     R"(It tells for each update rule of the recurrent network the largest time step under which it settles, found by power
 iteration on the network linearised at the start, and which node and spring set it; counts mechanisms (motions that no
 spring resists); and lists what looks like a slip: springs far stiffer than the rest, nodes without springs, parts that
-nothing fixes. core/docs/inspect.md explains the numbers.
+nothing fixes; and hints at likely mistakes, as of units. The page inspect.md of the documentation explains the numbers.
+Of a mesh file it tells groups, sizes, edges, which unit its coordinates are likely in, and how a scene uses it.
 
 Examples:
-  springnet inspect examples/cube/cube.toml
-  springnet inspect cube.toml --set 'body.0.spring.stiffness=20' --json
+  springnet inspect cube/cube.toml              the cube of 'springnet new --example cube'
+  springnet inspect cube/cube.toml --set 'body.0.spring.stiffness=20' --json
+  springnet inspect my_tube/tube.msh            the mesh of 'springnet new --example tube -o my_tube'
 
 Exit status:
   0 done   2 usage or scene   3 plugin)";
@@ -45,10 +50,6 @@ std::string text_of(const std::map<std::string, std::size_t>& counts) {
   return text.empty() ? "none" : text;
 }
 
-std::string plural(std::size_t count, const char* singular, const char* several) {
-  return fmt::format("{} {}", count, count == 1 ? singular : several);
-}
-
 std::string text_of(const std::optional<Vibration>& slowest, const Scene& scene) {
   if (!slowest) return "not known";
   return fmt::format("a period of {:.3g} s, {:.3g} time steps; damping ratio {:.2g}", slowest->period,
@@ -60,7 +61,7 @@ std::vector<std::vector<std::string>> facts(const Scene& scene, const Inspection
   return {
       {"nodes", fmt::format("{}, {} of them fixed{}; in {}", found.nodes, found.fixed_nodes,
                             found.moved_nodes > 0 ? fmt::format(" ({} moved)", found.moved_nodes) : "",
-                            plural(found.bodies, "body", "bodies"))},
+                            counted(found.bodies, "body", "bodies"))},
       {"neurons", text_of(found.neurons)},
       {"springs",
        fmt::format("{}, {} of them not at rest length at the start", found.springs, found.springs_under_load)},
@@ -83,8 +84,8 @@ std::vector<std::vector<std::string>> facts(const Scene& scene, const Inspection
                                             ? ""
                                             : fmt::format(", {} of them redundant", found.mobility.redundant_rigids))},
       {"mechanisms", found.mobility.known ? fmt::format("{}, and {}", found.mobility.mechanisms,
-                                                        plural(found.mobility.rigid_body_motions,
-                                                               "motion as a rigid body", "motions as a rigid body"))
+                                                        counted(found.mobility.rigid_body_motions,
+                                                                "motion as a rigid body", "motions as a rigid body"))
                                           : "not counted, the network is too large for that"},
       {"time step", fmt::format("{:g} s, {:.0f} of them in {:g} s", scene.options.time_step,
                                 std::ceil(scene.duration / scene.options.time_step * (1.0 - 1e-9)), scene.duration)},
@@ -159,7 +160,7 @@ class Findings {
     const std::string bound =
         springs.median > 0.0 ? fmt::format("over {:g} times the median {:.3g}{}", unusual_factor, springs.median, unit)
                              : fmt::format("over {:g}{}", springs.bound, unit);
-    add(fmt::format("{}: {} {}; {}:", plural(springs.count, "spring", "springs"), what, bound,
+    add(fmt::format("{}: {} {}; {}:", counted(springs.count, "spring"), what, bound,
                     springs.count > springs.worst.size() ? "the worst" : "namely"));
     for (const UnusualSpring& spring : springs.worst) {
       text_ += fmt::format("      spring {} (nodes {}, {}): {:.3g}{}\n", spring.spring, spring.first, spring.second,
@@ -178,14 +179,14 @@ void add_parts(const Inspection& found, Findings& findings) {
     for (const NodeIndex node : found.suspicions.nodes_without_springs) {
       numbers += fmt::format("{}{}", numbers.empty() ? "" : ", ", node);
     }
-    findings.add(fmt::format("{} without springs: {}{}", plural(found.nodes_without_springs, "node", "nodes"), numbers,
+    findings.add(fmt::format("{} without springs: {}{}", counted(found.nodes_without_springs, "node"), numbers,
                              found.nodes_without_springs > listed_at_most ? ", …" : ""));
   }
   if (found.parts.size() < 2) return;
   std::string list;
   for (std::size_t i = 0; i < std::min(found.parts.size(), parts_listed_at_most); ++i) {
     const Part& part = found.parts[i];
-    list += fmt::format("\n      {} from node {}{}", plural(part.nodes, "node", "nodes"), part.first_node,
+    list += fmt::format("\n      {} from node {}{}", counted(part.nodes, "node"), part.first_node,
                         part.fixed_nodes > 0 ? fmt::format(", {} fixed", part.fixed_nodes) : ", nothing fixes it");
   }
   if (found.parts.size() > parts_listed_at_most) list += "\n      …";
@@ -203,11 +204,11 @@ void print_findings(const Network& network, const Inspection& found) {
   findings.add(suspicions.strain, "strain at the start", "");
   if (suspicions.springs_without_direction > 0) {
     findings.add(fmt::format("{} with both ends in one place: no law can push there",
-                             plural(suspicions.springs_without_direction, "spring", "springs")));
+                             counted(suspicions.springs_without_direction, "spring")));
   }
   if (suspicions.springs_that_soften > 0) {
-    findings.add(fmt::format("{} whose tension falls with the length",
-                             plural(suspicions.springs_that_soften, "spring", "springs")));
+    findings.add(
+        fmt::format("{} whose tension falls with the length", counted(suspicions.springs_that_soften, "spring")));
   }
   if (suspicions.lightest) {
     const double light = network.nodes()[*suspicions.lightest].mass, heavy = network.nodes()[*suspicions.heaviest].mass;
@@ -217,16 +218,16 @@ void print_findings(const Network& network, const Inspection& found) {
   add_parts(found, findings);
   const Mobility& mobility = found.mobility;
   if (mobility.known && mobility.mechanisms > 0) {
-    findings.add(fmt::format("{} that no spring resists to first order{}",
-                             plural(mobility.mechanisms, "motion (mechanism)", "motions (mechanisms)"),
-                             mobility.springs_under_tension > 0
-                                 ? fmt::format("; tension, as {} have it, may hold them",
-                                               plural(mobility.springs_under_tension, "spring", "springs"))
-                                 : ""));
+    findings.add(fmt::format(
+        "{} that no spring resists to first order{}",
+        counted(mobility.mechanisms, "motion (mechanism)", "motions (mechanisms)"),
+        mobility.springs_under_tension > 0
+            ? fmt::format("; tension, as {} have it, may hold them", counted(mobility.springs_under_tension, "spring"))
+            : ""));
   }
   if (mobility.redundant_rigids > 0) {
     findings.add(fmt::format("{} that others make superfluous: their forces are not determined one by one",
-                             plural(mobility.redundant_rigids, "rigid connection", "rigid connections")));
+                             counted(mobility.redundant_rigids, "rigid connection")));
   }
   findings.print();
 }
@@ -245,6 +246,13 @@ InspectionOptions options_of(const Scene& scene, const PluginHost& plugins) {
 }
 
 int run(const InspectArguments& arguments) {
+  if (has_mesh_ending(arguments.scene.file)) {
+    if (!arguments.scene.sets.empty()) {
+      throw Error(ErrorKind::input, "'--set' changes a scene; a mesh file has no keys");
+    }
+    inspect_mesh(arguments.scene.file, arguments.json);
+    return done;
+  }
   const auto host = arguments.scene.plugins.load();
   const Scene scene = arguments.scene.load(*host);
   const Inspection found = inspect(scene.network, *host, options_of(scene, *host));
@@ -264,8 +272,9 @@ int run(const InspectArguments& arguments) {
 
 void add_inspect(CLI::App& app, Action& action) {
   const auto arguments = std::make_shared<InspectArguments>();
-  CLI::App* const command = app.add_subcommand("inspect", "Say what a scene's network is made of, without simulating");
+  CLI::App* const command = app.add_subcommand("inspect", "Say what a scene's network, or a mesh, is made of");
   arguments->scene.add_to(*command, false);
+  command->get_option("SCENE")->description("Scene file (TOML) or mesh file");
   command->add_flag("--json", arguments->json, "Print JSON");
   command->footer(examples);
   command->callback([arguments, &action] { action = [arguments] { return run(*arguments); }; });

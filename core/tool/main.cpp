@@ -8,7 +8,6 @@
 
 #include <fmt/format.h>
 #include <springnet/plugin_host.hpp>
-#include <springnet/version.hpp>
 
 #include "commands.hpp"
 #include "common.hpp"
@@ -17,17 +16,6 @@
 namespace {
 
 using namespace springnet;
-
-constexpr const char* footer = R"(Examples:
-  springnet run examples/cube/cube.toml              simulate; files go to results/cube
-  springnet validate examples/cube/cube.toml         compare with CVODE
-  springnet inspect examples/cube/cube.toml          what the network is made of
-  springnet plugin show linear                       what a law does, its parameters and bounds
-
-Exit status:
-  0 done   1 the simulation failed or a tolerance was not met   2 usage or scene   3 plugin
-
-'springnet COMMAND --help' says more about a command.)";
 
 // "; did you mean '--threads'?" for a word that no option or command of `command` has.
 std::string near(const CLI::App& command, const std::string& word) {
@@ -71,20 +59,10 @@ void refuse_missing_values(int argc, char** argv) {
 
 int run(int argc, char** argv) {
   refuse_missing_values(argc, argv);
-  CLI::App app(
-      "springnet simulates dynamic spring models: as recurrent neural networks whose neurons, spring laws and\n"
-      "integrators are plugins, and in CVODE as a reference.");
-  app.name("springnet");
-  app.set_version_flag("--version", fmt::format("springnet {}", version()));
-  app.require_subcommand(1);
+  CLI::App app;
   app.failure_message(usage_error);
-  app.footer(footer);
   tool::Action action;
-  tool::add_run(app, action);
-  tool::add_validate(app, action);
-  tool::add_inspect(app, action);
-  tool::add_convert(app, action);
-  tool::add_plugin(app, action);
+  tool::add_all(app, action);
 
   try {
     app.parse(argc, argv);

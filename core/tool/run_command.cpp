@@ -8,6 +8,7 @@
 #include "common.hpp"
 #include "process.hpp"
 #include "progress.hpp"
+#include "text/counted.hpp"
 
 namespace springnet::tool {
 
@@ -27,12 +28,12 @@ constexpr const char* examples =
   summary.json     how the run went
 With output.format = "binary", trajectory, springs and elements are .bin files; 'springnet convert' turns them into text.
 
-Examples:
-  springnet run examples/cube/cube.toml
-  springnet run cube.toml --time-step 0.01 --duration 5 -o /tmp/cube
-  springnet run cube.toml --integrator cvode --set simulation.integrator.method=\"adams\"
-  springnet run cube.toml --set output.interval=0.5 --set output.vtk=true
-  springnet run cube.toml --realtime                 as fast as in reality; counts the time steps that came late
+Examples (the cube is that of 'springnet new --example cube'):
+  springnet run cube/cube.toml
+  springnet run cube/cube.toml --time-step 0.01 --duration 5 -o /tmp/cube
+  springnet run cube/cube.toml --integrator cvode --set simulation.integrator.method=\"adams\"
+  springnet run cube/cube.toml --set output.interval=0.5 --set output.vtk=true
+  springnet run cube/cube.toml --realtime=4      keeps pace with the clock, four times as fast; counts late time steps
 
 Exit status:
   0 done   1 the simulation failed (what it wrote until then is kept)   2 usage or scene   3 plugin)";
@@ -64,6 +65,7 @@ void refuse_separate_factor(CLI::App& command, const RunArguments& arguments) {
 
 // What computing alone would reach.
 std::string multiple_of_real_time(const RunSummary& summary) {
+  if (!(summary.simulated > 0.0)) return "no time step";
   if (!(summary.wall > 0.0)) return "no time";
   return fmt::format("{:.3g} times real time", summary.simulated / summary.wall);
 }
@@ -73,8 +75,9 @@ std::string readable_delay(double seconds) {
 }
 
 std::string estimate_text(const OutputEstimate& estimate, const std::filesystem::path& folder) {
-  std::string text = fmt::format("writing about {} ({:.0f} records) to {}\n", readable_bytes(estimate.bytes),
-                                 estimate.records, folder.string());
+  std::string text = fmt::format("writing about {} ({}) to {}\n", readable_bytes(estimate.bytes),
+                                 estimate.records == 1.0 ? "1 record" : fmt::format("{:.0f} records", estimate.records),
+                                 folder.string());
   for (const FileEstimate& file : estimate.files) {
     text += fmt::format("  {:15}  {}{}\n", file.file, file.exact ? "" : "at most ", readable_bytes(file.bytes));
   }
@@ -85,31 +88,32 @@ std::string estimate_text(const OutputEstimate& estimate, const std::filesystem:
 std::string result_text(const RunSummary& summary, const std::filesystem::path& folder, std::size_t first) {
   const auto steps = static_cast<double>(summary.steps);
   std::string text;
-  text += fmt::format("{}: {}, {} nodes, {} springs\n", summary.scene, summary.integrator.id, summary.nodes,
-                      summary.springs);
+  text += fmt::format("{}: {}, {}, {}\n", summary.scene, summary.integrator.id, counted(summary.nodes, "node"),
+                      counted(summary.springs, "spring"));
   text += fmt::format("  outcome    {}\n", summary.outcome);
   text += fmt::format(
-      "  simulated  {:g} s of {:g} s in {:.3g} s ({}): {} steps, {:.1f} sweeps a step, {:.3g} million springs a "
+      "  simulated  {:g} s of {:g} s in {:.3g} s ({}): {}, {:.1f} sweeps a step, {:.3g} million springs a "
       "second\n",
-      summary.simulated, summary.duration, summary.wall, multiple_of_real_time(summary), summary.steps,
+      summary.simulated, summary.duration, summary.wall, multiple_of_real_time(summary), counted(summary.steps, "step"),
       steps > 0.0 ? static_cast<double>(summary.sweeps) / steps : 0.0,
       summary.wall > 0.0 ? summary.spring_updates / summary.wall / 1e6 : 0.0);
   if (summary.pace) {
     const PaceReport& pace = *summary.pace;
-    text += fmt::format("  pace       {:g} times real time, {:.3g} frames a second: {} frames, {} missed{}\n",
-                        pace.factor, pace.factor / summary.time_step, pace.frames, pace.missed,
+    text += fmt::format("  pace       {:g} times real time, {:.3g} frames a second: {}, {} missed{}\n", pace.factor,
+                        pace.factor / summary.time_step, counted(pace.frames, "frame"), pace.missed,
                         pace.missed > 0 ? fmt::format(", at most {} late", readable_delay(pace.greatest_delay)) : "");
   }
   if (summary.unsettled > 0) {
-    text += fmt::format("  warning    {} of {} time steps were accepted without having settled\n", summary.unsettled,
-                        summary.steps);
+    text += fmt::format("  warning    {} of {} accepted without having settled\n", summary.unsettled,
+                        counted(summary.steps, "time step"));
   }
   if (summary.divided > 0) {
-    text += fmt::format("  substeps   {} of {} time steps were divided, {} smaller steps in all\n", summary.divided,
-                        summary.steps, summary.substeps);
+    text += fmt::format("  substeps   {} of {} divided, {} in all\n", summary.divided,
+                        counted(summary.steps, "time step"), counted(summary.substeps, "smaller step"));
   }
   if (summary.stages > 0) {
-    text += fmt::format("  stages     {} smaller time constants on the way to the full one\n", summary.stages);
+    text +=
+        fmt::format("  stages     {} on the way to the full one\n", counted(summary.stages, "smaller time constant"));
   }
   if (std::isfinite(summary.largest_residual))
     text += fmt::format("  residual   {:.2g} N at most\n", summary.largest_residual);

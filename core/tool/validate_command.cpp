@@ -25,9 +25,9 @@ Files (in the folder of the output):
   validation.json   all numbers
   report.html       table and plots in one file, for a browser
 
-Examples:
-  springnet validate examples/cube/cube.toml
-  springnet validate cube.toml --time-steps 0.1,0.05,0.01 --tolerance 0.02
+Examples (the cube is that of 'springnet new --example cube'):
+  springnet validate cube/cube.toml
+  springnet validate cube/cube.toml --time-steps 0.1,0.05,0.01 --tolerance 0.02
 
 Exit status:
   0 done   1 the reference or the run with the scene's time step failed, or that run is not within the tolerance

@@ -100,7 +100,8 @@ TEST_CASE("nodes behind planes and inside instruments at the start, where they a
   CHECK(hints_of(above).empty());
   Network behind = net;
   behind.add_plane(plane(0.04));
-  CHECK(has(only(hints_of(behind), Kind::start), "32 nodes are behind plane 'floor' at the start, node 0 by 0.04 m"));
+  CHECK(has(only(hints_of(behind), Kind::start),
+            "32 nodes are behind plane 'floor' (number 0) at the start, node 0 by 0.04 m"));
   for (NodeIndex k = 0; k < 32; ++k) behind.fix(k);  // a surface does not see them
   CHECK(hints_of(behind).empty());
 

@@ -92,7 +92,7 @@ TEST_CASE("time steps that had to be divided are told of") {
   const auto summary = testing::read_json(folder.path() / "results/pair/summary.json");
   const std::string substeps = summary["substeps"].dump(), divided = summary["divided_steps"].dump();
   CHECK(summary["substeps"].get<int>() > 2);
-  CHECK(answer.out.find(divided + " of 2 time steps were divided, " + substeps + " smaller steps in all") !=
+  CHECK(answer.out.find(divided + " of 2 time steps divided, " + substeps + " smaller steps in all") !=
         std::string::npos);
 }
 

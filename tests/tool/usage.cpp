@@ -17,7 +17,7 @@ TEST_CASE("the version is printed") {
 
 TEST_CASE("every command has a help that says what it does and how it ends") {
   const TemporaryFolder folder;
-  for (const char* command : {"", "run", "validate", "inspect", "convert", "plugin list", "plugin show"}) {
+  for (const char* command : {"", "new", "run", "validate", "inspect", "convert", "plugin list", "plugin show"}) {
     CAPTURE(command);
     const Answer answer = testing::springnet(folder, std::string(command) + " --help");
     CHECK(answer.status == 0);

@@ -44,6 +44,9 @@ struct Mesh {
   void add_cell(CellType type, std::span<const std::uint32_t> points_of_cell);
 };
 
+// Whether the name ends as that of a mesh file that read_mesh takes.
+[[nodiscard]] bool has_mesh_ending(const std::filesystem::path& file);
+
 // By the ending: .msh (Gmsh 4.0 and 4.1, text and binary), .vtk (legacy, text and binary: unstructured grid, polydata,
 // structured ones), .vtu and .vtp (XML: text, inline binary, appended raw or base64, zlib), .obj, .stl (text and
 // binary; equal corners become one point). Points that no cell uses are left out, with a note. Throws Error(input) with

@@ -1,0 +1,157 @@
+#include "mesh_scene.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <filesystem>
+
+#include <fmt/format.h>
+#include <springnet/material.hpp>
+
+namespace springnet::tool {
+
+namespace {
+
+constexpr double gravity = 9.81;    // m/s^2
+constexpr double density = 1000.0;  // kg/m^3
+// Young's modulus over the weight of a column as long as the body: it sags by about 1 / (2 * stiffness) of itself.
+constexpr double stiffness = 25.0;
+// Of the body's size: nodes that high hold it.
+constexpr double held_share = 0.02;
+
+// A TOML text.
+std::string toml_text(const std::string& text) {
+  std::string result = "\"";
+  for (const char c : text) {
+    if (c == '"' || c == '\\') result += '\\';
+    if (static_cast<unsigned char>(c) < 0x20 || c == 0x7f) {
+      result += fmt::format("\\u{:04x}", static_cast<unsigned>(static_cast<unsigned char>(c)));
+    } else {
+      result += c;
+    }
+  }
+  return result + '"';
+}
+
+// With one digit, as people choose numbers.
+double rounded(double value) {
+  const double power = std::pow(10.0, std::floor(std::log10(value)));
+  return std::round(value / power) * power;
+}
+
+std::string line(const std::string& setting, const std::string& comment) {
+  return fmt::format("{:<40}  # {}\n", setting, comment);
+}
+
+// Which of its cells have no volume by themselves, and whether edges alone would leave it without shear stiffness.
+struct Needs {
+  bool thickness = false, cross_section = false, diagonals = false;
+};
+
+Needs needs_of(const Mesh& mesh) {
+  Needs needs;
+  for (const std::size_t cell : bearing_cells(mesh)) {
+    const CellType type = mesh.types[cell];
+    needs.thickness = needs.thickness || dimension_of(type) == 2;
+    needs.cross_section = needs.cross_section || dimension_of(type) == 1;
+    needs.diagonals =
+        needs.diagonals || (dimension_of(type) > 1 && type != CellType::triangle && type != CellType::tetrahedron);
+  }
+  return needs;
+}
+
+struct Body {
+  std::string name;
+  double size;  // m
+  double scale;
+  std::string text;
+};
+
+Body body_of(const std::string& file, const Mesh& mesh, const MeshSummary& summary) {
+  const UnitGuess& unit = summary.unit;
+  Body body{std::filesystem::path(file).stem().string(), summary.whole.size() * unit.scale, unit.scale, ""};
+  const Needs needs = needs_of(mesh);
+  body.text = fmt::format("# {}\n# So the mesh is taken as {}{}; its coordinates times `scale` are metres.\n",
+                          unit.reason, unit.unit, unit.sure ? "" : ", which may be wrong");
+  body.text += "[[body]]\n";
+  body.text += fmt::format("name      = {}\n", toml_text(body.name));
+  body.text += fmt::format("mesh      = {{ file = {}, scale = {:g}{} }}\n", toml_text(file), body.scale,
+                           needs.diagonals ? ", diagonals = \"all\"" : "");
+  body.text += "neuron    = { type = \"point_mass\" }\n";
+  body.text += line(fmt::format("density   = {:g}", density), "kg/m^3: about that of water and of tissue");
+  if (needs.thickness) {
+    body.text += line(fmt::format("thickness = {:g}", rounded(0.02 * body.size)), "m, of surface cells");
+  }
+  if (needs.cross_section) {
+    body.text += line(fmt::format("cross_section = {:g}", rounded(1e-4 * body.size * body.size)), "m^2, of line cells");
+  }
+  const double modulus = rounded(stiffness * density * gravity * body.size);
+  body.text += line(fmt::format("material  = {{ youngs_modulus = {:g}, damping_time = {:g} }}", modulus,
+                                rounded(0.05 * std::sqrt(body.size / gravity))),
+                    "Pa, s; its weight stretches it by some per cent");
+  return body;
+}
+
+// The box of the uppermost nodes, or, of a body that lies flat, of those at one end.
+std::string held_nodes(const MeshSummary& summary, double scale) {
+  const Vector3 sides = scale * (summary.whole.upper - summary.whole.lower);
+  int axis = 2;
+  if (sides.z() < 0.1 * sides.maxCoeff()) sides.maxCoeff(&axis);
+  std::string corner;
+  for (int k = 0; k < 3; ++k) {
+    const double bound = scale * summary.whole.upper[k] - held_share * sides[k];
+    corner += fmt::format("{}{}", k == 0 ? "" : ", ", k == axis ? fmt::format("{:.6g}", bound) : "-inf");
+  }
+  return corner;
+}
+
+}  // namespace
+
+MeshScene scene_of(const std::string& file, const Mesh& mesh, const MeshSummary& summary) {
+  const Body body = body_of(file, mesh, summary);
+  const std::string name = toml_text(body.name);
+  // About that of its stretching: 4 L sqrt(density / modulus) of a column that hangs.
+  const double period = 4.0 * std::sqrt(body.size / (stiffness * gravity));
+  const double time_step = rounded(period / 40.0);
+  std::string text = fmt::format(
+      "# A scene to begin with: it runs as it is. All quantities are in SI units; the page scene.md of the "
+      "documentation\n"
+      "# describes every key.\n"
+      "title = {}\n\n[simulation]\n",
+      toml_text(body.name + " hangs under its weight"));
+  text += line(fmt::format("duration   = {:g}", 400.0 * time_step), "s");
+  text += line(fmt::format("time_step  = {:g}", time_step),
+               "s; `springnet inspect` tells what is slow and what limits there are");
+  text += "integrator = { name = \"recurrent\", theta = 0.5 }\n\n[output]\n";
+  text += line(fmt::format("interval = {:g}", 4.0 * time_step), "s between records");
+  text += fmt::format("\n[gravity]\nacceleration = [0, 0, {:g}]  # m/s^2\n\n{}", -gravity, body.text);
+  text += fmt::format(
+      "\n# What holds it: its uppermost nodes (of a flat body, one end).\n[[fix]]\nselect = {{ body = {}, box = {{ min "
+      "= [{}] "
+      "}} }}  # m\n",
+      name, held_nodes(summary, body.scale));
+  if (!summary.groups.empty()) text += "\n# The mesh has groups; one of them may hold it instead.\n";
+  for (const MeshExtent& group : summary.groups) {
+    text += fmt::format("# [[fix]]\n# select = {{ body = {}, group = {} }}\n", name, toml_text(group.name));
+  }
+  text += fmt::format(
+      "\n# A floor under it, for a body that falls: leave out [[fix]] as well.\n# [[plane]]\n# name   = \"floor\"\n"
+      "# point  = [0, 0, {:.6g}]\n# normal = [0, 0, 1]\n",
+      body.scale * summary.whole.lower.z() - 0.1 * body.size);
+  if (summary.whole.dimension == 2) {
+    text += fmt::format(
+        "\n# The surface resists bending.\n# [[element]]\n# name      = \"wall\"\n# invariant = \"dihedral\"\n"
+        "# select    = {{ body = {} }}\n# spring    = {{ type = \"linear\", stiffness = 1e-5 }}  # N m/rad\n",
+        name);
+  }
+  if (summary.whole.dimension == 2 && summary.whole.enclosed) {
+    const double volume = *summary.whole.enclosed * std::pow(body.scale, 3);
+    text += fmt::format(
+        "\n# It is closed: a filling that keeps its volume.\n# [[element]]\n# name      = \"filling\"\n"
+        "# invariant = \"enclosed_volume\"\n# select    = {{ body = {} }}\n"
+        "# spring    = {{ type = \"linear\", stiffness = {:.1g} }}  # Pa/m^3: 1 kPa at a hundredth of {:.3g} m^3\n",
+        name, 1e5 / volume, volume);
+  }
+  return {body.text, text};
+}
+
+}  // namespace springnet::tool
