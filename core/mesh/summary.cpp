@@ -1,6 +1,4 @@
 #include <algorithm>
-#include <numeric>
-#include <span>
 
 #include <fmt/format.h>
 #include <Eigen/Geometry>
@@ -13,11 +11,19 @@
 namespace springnet {
 namespace {
 
-// The cells of a group as a mesh of their own, with all points.
-Mesh part_of(const Mesh& mesh, std::span<const std::uint32_t> cells) {
+// A group as a mesh of its own. Its size is that of the group, as a mesh may have as many groups as cells.
+Mesh part_of(const Mesh& mesh, const MeshGroup& group) {
   Mesh part;
-  part.points = mesh.points;
-  for (const std::uint32_t cell : cells) part.add_cell(mesh.types[cell], mesh.cell(cell));
+  for (const std::uint32_t point : group.points) part.points.push_back(mesh.points[point]);
+  std::vector<std::uint32_t> corners;
+  for (const std::uint32_t cell : group.cells) {
+    corners.clear();
+    for (const std::uint32_t point : mesh.cell(cell)) {
+      const auto place = std::lower_bound(group.points.begin(), group.points.end(), point);
+      corners.push_back(static_cast<std::uint32_t>(place - group.points.begin()));
+    }
+    part.add_cell(mesh.types[cell], corners);
+  }
   return part;
 }
 
@@ -45,11 +51,10 @@ void measure_edges(const Mesh& mesh, MeshExtent& extent) {
   extent.longest = *longest;
 }
 
-// mesh: with the cells of the group alone.
-MeshExtent extent_of(const std::string& name, const Mesh& mesh, std::span<const std::uint32_t> points) {
+MeshExtent extent_of(const std::string& name, const Mesh& mesh) {
   MeshExtent extent;
   extent.name = name;
-  extent.points = points.size();
+  extent.points = mesh.points.size();
   extent.cells = mesh.cell_count();
   for (const CellType type : mesh.types) {
     extent.dimension = std::max(extent.dimension, dimension_of(type));
@@ -58,10 +63,10 @@ MeshExtent extent_of(const std::string& name, const Mesh& mesh, std::span<const 
   for (std::size_t cell = 0; cell < mesh.cell_count(); ++cell) {
     if (dimension_of(mesh.types[cell]) == extent.dimension) extent.measure += measure_of(mesh, cell);
   }
-  if (!points.empty()) extent.lower = extent.upper = mesh.points[points.front()];
-  for (const std::uint32_t point : points) {
-    extent.lower = extent.lower.cwiseMin(mesh.points[point]);
-    extent.upper = extent.upper.cwiseMax(mesh.points[point]);
+  if (!mesh.points.empty()) extent.lower = extent.upper = mesh.points.front();
+  for (const Vector3& point : mesh.points) {
+    extent.lower = extent.lower.cwiseMin(point);
+    extent.upper = extent.upper.cwiseMax(point);
   }
   measure_edges(mesh, extent);
   if (extent.dimension < 2) return extent;
@@ -100,12 +105,8 @@ UnitGuess guess_unit(double size) {
 
 MeshSummary summarise(const Mesh& mesh) {
   MeshSummary summary;
-  std::vector<std::uint32_t> all(mesh.points.size());
-  std::iota(all.begin(), all.end(), 0U);
-  summary.whole = extent_of("", mesh, all);
-  for (const MeshGroup& group : mesh.groups) {
-    summary.groups.push_back(extent_of(group.name, part_of(mesh, group.cells), group.points));
-  }
+  summary.whole = extent_of("", mesh);
+  for (const MeshGroup& group : mesh.groups) summary.groups.push_back(extent_of(group.name, part_of(mesh, group)));
   summary.unit = guess_unit(summary.whole.size());
   summary.notes = mesh.notes;
   return summary;

@@ -17,6 +17,8 @@ constexpr double density = 1000.0;  // kg/m^3
 constexpr double stiffness = 25.0;
 // Of the body's size: nodes that high hold it.
 constexpr double held_share = 0.02;
+// A mesh may have thousands of groups.
+constexpr std::size_t groups_offered = 20;
 
 // A TOML text.
 std::string toml_text(const std::string& text) {
@@ -130,8 +132,13 @@ MeshScene scene_of(const std::string& file, const Mesh& mesh, const MeshSummary&
       "}} }}  # m\n",
       name, held_nodes(summary, body.scale));
   if (!summary.groups.empty()) text += "\n# The mesh has groups; one of them may hold it instead.\n";
-  for (const MeshExtent& group : summary.groups) {
-    text += fmt::format("# [[fix]]\n# select = {{ body = {}, group = {} }}\n", name, toml_text(group.name));
+  const std::size_t offered = std::min(summary.groups.size(), groups_offered);
+  for (std::size_t k = 0; k < offered; ++k) {
+    text += fmt::format("# [[fix]]\n# select = {{ body = {}, group = {} }}\n", name, toml_text(summary.groups[k].name));
+  }
+  if (offered < summary.groups.size()) {
+    text += fmt::format("# There are {} more; `springnet inspect` of the mesh lists them.\n",
+                        summary.groups.size() - offered);
   }
   text += fmt::format(
       "\n# A floor under it, for a body that falls: leave out [[fix]] as well.\n# [[plane]]\n# name   = \"floor\"\n"

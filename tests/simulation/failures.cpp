@@ -259,3 +259,16 @@ TEST_CASE("an energy that is not finite is noted once, with time, law, spring an
   static_cast<void>(simulation.potential_energy());
   CHECK(simulation.notes().size() == 1);
 }
+
+TEST_CASE("times in messages have no rounding error of adding up steps") {
+  springnet::Simulation simulation =
+      springnet::testing::simulate(springnet::testing::oscillator(springnet::testing::damped(4.0, 0.0), 1.0, 0.1),
+                                   springnet::testing::recurrent(1, 1e-9), 0.01);
+  for (int k = 0; k < 57; ++k) simulation.step();
+  try {
+    simulation.advance_to(0.1);
+    FAIL("went back in time");
+  } catch (const springnet::Error& error) {
+    CHECK(std::string(error.what()) == "cannot advance from 0.57 s to 0.1 s");
+  }
+}

@@ -297,3 +297,27 @@ TEST_CASE("convert turns a binary table into the text that the run would have wr
   CHECK(same.err.find("another one with -o") != std::string::npos);
   CHECK(testing::springnet(folder, "convert text/trajectory.csv").status == 2);
 }
+
+TEST_CASE("one of something is not several, and what did not happen has no speed") {
+  const TemporaryFolder folder;
+  folder.write("pair.toml", testing::pair_scene);
+  const Answer run = testing::springnet(folder, "run pair.toml --duration 0.1 -o out --set 'output.format=\"binary\"'");
+  CAPTURE(run.out);
+  CHECK(run.out.find("2 nodes, 1 spring\n") != std::string::npos);
+  CHECK(run.out.find("): 1 step, ") != std::string::npos);
+  const Answer convert =
+      testing::springnet(folder,
+                         "run pair.toml -q -o one --duration 1e-9 --time-step 1e-9 --set output.nodes.nodes=[1] "
+                         "--set 'output.format=\"binary\"' && \"$SPRINGNET\" convert one/trajectory.bin");
+  CAPTURE(convert.err);
+  CHECK(convert.out == "one/trajectory.csv: 2 records of 1 row\n");
+  // The first step fails.
+  std::string scene = testing::pair_scene;
+  scene.replace(scene.find("max_sweeps = 500"), 16, "update = \"synchronous\"");  // t^2 k / m is 2 below
+  folder.write("fails.toml", scene);
+  const Answer fails = testing::springnet(folder, "run fails.toml --duration 2 --time-step 1 -o fails");
+  CAPTURE(fails.out);
+  CHECK(fails.status == 1);
+  CHECK(fails.out.find("0 times real time") == std::string::npos);
+  CHECK(fails.out.find("(no time step): 0 steps") != std::string::npos);
+}
