@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "layers/loaded_faces.hpp"
+
 namespace springnet {
 namespace {
 
@@ -54,6 +56,26 @@ LinearElement element_at_rest(const Network& network, const Element& element, do
   const RestArrays arrays(network, linear.nodes);
   for (std::size_t i = 0; i < linear.nodes.size(); ++i)
     linear.gradient.push_back(linear.surface[0].gradient(i, arrays.view()));
+  return linear;
+}
+
+LinearElement pressed_face(const Network& network, const Face& face, double pressure) {
+  LinearElement linear{};
+  linear.nodes.assign(face.begin(), face.end());
+  linear.scale = 1.0;
+  linear.force = pressure;  // so that it does not count as harmless; it acts along no gradient
+  linear.gradient.assign(3, Vector3::Zero());
+  for (auto& row : linear.blocks.row)
+    for (Vector3& part : row) part.setZero();  // no damping
+  linear.blocks.damping = 0.0;
+  const RestArrays arrays(network, linear.nodes);
+  for (std::size_t i = 0; i < 3; ++i) {
+    const std::size_t next = (i + 1) % 3, last = (i + 2) % 3;
+    const auto blocks = layers::LoadedFaces::blocks(face[i], {face[next], face[last], 0}, arrays.view(), pressure);
+    linear.blocks.stiffness[i][i] = blocks[0];
+    linear.blocks.stiffness[i][next] = blocks[1];
+    linear.blocks.stiffness[i][last] = blocks[2];
+  }
   return linear;
 }
 

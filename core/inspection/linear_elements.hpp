@@ -1,4 +1,4 @@
-// The network's elements, linearised where they are at the start and at rest.
+// The network's elements and following pressures, linearised where they are at the start and at rest.
 #pragma once
 
 #include <span>
@@ -42,6 +42,7 @@ class LinearElements {
   LinearElements() = default;
   LinearElements(const Network& network, std::vector<LinearElement> elements);
 
+  // The network's elements, then faces under a following pressure.
   [[nodiscard]] const std::vector<LinearElement>& all() const { return elements_; }
   [[nodiscard]] std::span<const LinearShare> of(NodeIndex node) const {
     if (start_.empty()) return {};
@@ -65,6 +66,8 @@ class LinearElements {
 
 // The geometry of an element at rest; its laws have still to be asked.
 [[nodiscard]] LinearElement element_at_rest(const Network& network, const Element& element, double& value);
+// A face under a pressure that follows it: blocks without a law.
+[[nodiscard]] LinearElement pressed_face(const Network& network, const Face& face, double pressure);
 // Once force, stiffness and damping are known.
 void linearise_element(const Network& network, const Element& element, LinearElement& linear);
 

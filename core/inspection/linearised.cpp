@@ -6,6 +6,7 @@
 #include <limits>
 #include <optional>
 
+#include "network/load_course.hpp"
 #include "plugin_host/call.hpp"
 
 namespace springnet {
@@ -187,6 +188,8 @@ std::vector<LinearSpring> linear_springs(const Network& network, std::vector<Mat
   return result;
 }
 
+bool acts_at_start(const Load& load) { return load.from <= 0.0 && 0.0 < load.until; }
+
 LinearElements linear_elements(const Network& network, std::vector<MaterialAtRest>& materials) {
   std::vector<LinearElement> result;
   result.reserve(network.elements().size());
@@ -203,6 +206,11 @@ LinearElements linear_elements(const Network& network, std::vector<MaterialAtRes
     }
     linearise_element(network, element, linear);
     result.push_back(std::move(linear));
+  }
+  for (const Load& load : network.loads()) {
+    if (!load.follow || !acts_at_start(load)) continue;
+    const double pressure = LoadCourse(load).at(0.0) * load.pressure;
+    for (const Face& face : load.faces) result.push_back(pressed_face(network, face, pressure));
   }
   return {network, std::move(result)};
 }
@@ -223,8 +231,9 @@ std::vector<Vector3> forces_at_start(const Network& network, const std::vector<L
   forces.reserve(network.nodes().size());
   for (const Node& node : network.nodes()) forces.emplace_back(node.mass * network.gravity());
   for (const Load& load : network.loads()) {
-    if (!(load.from <= 0.0 && 0.0 < load.until)) continue;
-    for (const NodeIndex node : load.nodes) forces[node] += load.force;
+    if (!acts_at_start(load)) continue;
+    const double factor = LoadCourse(load).at(0.0);
+    for (const auto& [node, force] : forces_of(load)) forces[node] += factor * force;
   }
   for (std::size_t s = 0; s < springs.size(); ++s) {
     if (!(springs[s].length > 0.0) || !std::isfinite(springs[s].tension)) continue;

@@ -28,7 +28,8 @@ void spread(const Joints& joints, NodeIndex start, std::vector<bool>& reached, s
 
 namespace {
 
-// Pairs of nodes, both ways, that elements join: of an enclosed volume the sides of its triangles.
+// Pairs of nodes, both ways, that elements and following pressures join: of an enclosed volume the sides of its
+// triangles.
 std::vector<std::pair<NodeIndex, NodeIndex>> joined_by_elements(const Network& network) {
   std::vector<std::pair<NodeIndex, NodeIndex>> pairs;
   for (const Element& element : network.elements()) {
@@ -37,6 +38,13 @@ std::vector<std::pair<NodeIndex, NodeIndex>> joined_by_elements(const Network& n
       for (std::size_t i = begin; i < begin + corners; ++i)
         for (std::size_t j = begin; j < begin + corners; ++j)
           if (i != j) pairs.emplace_back(element.nodes[i], element.nodes[j]);
+  }
+  for (const Load& load : network.loads()) {
+    if (!load.follow || load.pressure == 0.0) continue;
+    for (const Face& face : load.faces)
+      for (const NodeIndex from : face)
+        for (const NodeIndex to : face)
+          if (from != to) pairs.emplace_back(from, to);
   }
   std::sort(pairs.begin(), pairs.end());
   pairs.erase(std::unique(pairs.begin(), pairs.end()), pairs.end());

@@ -1,16 +1,7 @@
 #include "layers/element_linearisation.hpp"
 
-#include <Eigen/Geometry>
-
 namespace springnet::layers {
 namespace {
-
-// x -> a x x as a matrix.
-Block cross_matrix(const Vector3& a) {
-  Block block;
-  block << 0.0, -a[2], a[1], a[2], 0.0, -a[0], -a[1], a[0], 0.0;
-  return block;
-}
 
 // They come last among the shares of a node.
 template <class What>
@@ -52,8 +43,11 @@ springnet_status ElementLinearisation::ask(const ElementBatch& batch, double tim
 
 void ElementLinearisation::make_pattern() {
   const ElementLayout& elements = layout_.elements();
-  rows_.make(layout_.node_count(),
-             [&](std::uint32_t node, std::vector<std::uint32_t>& columns) { elements.add_neighbours(node, columns); });
+  const LoadedFaces& faces = layout_.loaded_faces();
+  rows_.make(layout_.node_count(), [&](std::uint32_t node, std::vector<std::uint32_t>& columns) {
+    elements.add_neighbours(node, columns);
+    faces.add_neighbours(node, columns);
+  });
   targets_.clear();
   for (const std::uint32_t e : elements.batched()) {
     const std::span<const std::uint32_t> own = elements.nodes(e);
@@ -67,7 +61,21 @@ void ElementLinearisation::make_pattern() {
       for (const ClosedSurface::Spoke& to : s.surface.spokes(place))
         surface_targets_.push_back(rows_.find(s.surface.nodes()[place], to.other));
   }
+  face_targets_.clear();
+  for (std::uint32_t node = 0; faces.any_follows() && node < layout_.node_count(); ++node)
+    for (const LoadedFaces::Seen& face : faces.seen_by(node))
+      for (const std::uint32_t other : {node, face.next, face.last}) face_targets_.push_back(rows_.find(node, other));
   pattern_known_ = true;
+}
+
+void ElementLinearisation::add_pressures(const NodeArrays& nodes, const double* pressure) {
+  const LoadedFaces& faces = layout_.loaded_faces();
+  if (pressure == nullptr || !faces.any_follows()) return;
+  const std::uint32_t* target = face_targets_.data();
+  for (std::uint32_t node = 0; node < layout_.node_count(); ++node)
+    for (const LoadedFaces::Seen& face : faces.seen_by(node))
+      for (const Block& block : LoadedFaces::blocks(node, face, nodes, pressure[face.load]))
+        stiffness_[*target++] += block;
 }
 
 void ElementLinearisation::add(const ElementBlocks& blocks, std::size_t count, const std::uint32_t* targets) {
@@ -81,9 +89,10 @@ void ElementLinearisation::add(const ElementBlocks& blocks, std::size_t count, c
     for (std::size_t j = 0; j < count; ++j) damping_[*targets++] += blocks.damping_block(i, j);
 }
 
-springnet_status ElementLinearisation::update(double time, const NodeArrays& nodes, springnet_message& message) {
+springnet_status ElementLinearisation::update(double time, const NodeArrays& nodes, const double* pressure,
+                                              springnet_message& message) {
   const ElementLayout& elements = layout_.elements();
-  if (elements.live_count() == 0) return SPRINGNET_OK;
+  if (!any()) return SPRINGNET_OK;
   if (!pattern_known_) make_pattern();
   stiffness_.assign(rows_.count(), Block::Zero());
   damped_ = false;
@@ -110,6 +119,7 @@ springnet_status ElementLinearisation::update(double time, const NodeArrays& nod
       add(blocks, count, targets);
     }
   }
+  add_pressures(nodes, pressure);
   return update_surfaces(time, nodes, message);
 }
 
@@ -179,9 +189,10 @@ Vector3 ElementLinearisation::force(std::uint32_t node, const double* dp, const 
 Block ElementLinearisation::diagonal(std::uint32_t node, double velocity_weight, double position_weight,
                                      bool vectors) const {
   Block sum = Block::Zero();
+  if (!any()) return sum;
   const std::span<const ElementShare> shares = layout_.elements().shares(node);
-  if (shares.empty()) return sum;
   const std::size_t own_block = rows_.begin(node);
+  if (own_block == rows_.end(node)) return sum;
   sum = position_weight * stiffness_[own_block];
   if (damped_) sum += velocity_weight * damping_[own_block];
   if (!vectors) return sum;

@@ -1,4 +1,4 @@
-// Derivatives of the forces of elements on nodes.
+// Derivatives of the forces of elements, and of pressures that follow faces, on nodes.
 //
 // Elements of three or four nodes are blocks between their nodes; those of all elements are summed up, so that a
 // product reads every neighbour of a node once. A closed surface joins all of its nodes: with g = dV/dp, h = dV'/dp its
@@ -22,8 +22,13 @@ class ElementLinearisation {
   ElementLinearisation(const Layout& layout, const Evaluator& evaluator) : layout_(layout), evaluator_(evaluator) {}
 
   // SPRINGNET_FAILED if a law has no derivatives.
-  springnet_status update(double time, const NodeArrays& nodes, springnet_message& message);
-  // To be called after elements were removed, before the next update().
+  // pressure: that of the external forces.
+  springnet_status update(double time, const NodeArrays& nodes, const double* pressure, springnet_message& message);
+  // Whether there is anything at all.
+  [[nodiscard]] bool any() const noexcept {
+    return layout_.elements().live_count() > 0 || layout_.loaded_faces().any_follows();
+  }
+  // To be called after elements or faces were removed, before the next update().
   void topology_changed() noexcept { pattern_known_ = false; }
 
   // What all nodes of a surface contribute to a product, before force(): dp, dv as 3n numbers, x of all nodes first.
@@ -51,6 +56,7 @@ class ElementLinearisation {
                        const double* rate, ElementForce* forces, springnet_message& message) const;
   springnet_status update_surfaces(double time, const NodeArrays& nodes, springnet_message& message);
   void make_pattern();
+  void add_pressures(const NodeArrays& nodes, const double* pressure);
   void add(const ElementBlocks& blocks, std::size_t count, const std::uint32_t* targets);
 
   const Layout& layout_;
@@ -61,6 +67,7 @@ class ElementLinearisation {
   std::vector<Block> stiffness_, damping_;
   bool damped_ = false;
   std::vector<std::uint32_t> targets_;          // blocks of rows_: for batched elements (i, j), row by row
+  std::vector<std::uint32_t> face_targets_;     // for each node and each of its faces: itself, next, last
   std::vector<std::uint32_t> surface_targets_;  // for live surfaces, [spoke]
   std::vector<SurfaceDerivatives> surfaces_;
 };

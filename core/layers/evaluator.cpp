@@ -104,6 +104,14 @@ springnet_status Evaluator::evaluate_unit(std::uint32_t index, double time, cons
       force.z[k] = mass[k] * g[2] + external.loads.z[k];
     }
   }
+  if (external.pressure != nullptr && layout_.loaded_faces().any_follows()) {
+    for (std::uint32_t k = begin; k < end; ++k) {
+      const Vector3 push = layout_.loaded_faces().force(k, nodes, external.pressure);
+      force.x[k] += push[0];
+      force.y[k] += push[1];
+      force.z[k] += push[2];
+    }
+  }
   if (layout_.elements().live_count() > 0) add_elements(begin, end, force);
   SegmentGeometry geometry;  // not initialised: written before it is read
   for (const Tile& tile : unit.tiles) {

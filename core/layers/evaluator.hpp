@@ -16,6 +16,7 @@ namespace springnet::layers {
 struct ExternalForces {
   Vector3 gravity = Vector3::Zero();  // m/s^2
   ForceArrays loads{};                // N, [node]; null: none
+  const double* pressure = nullptr;   // Pa, [load]: those that follow their faces; null: none
 };
 
 // A tile whose net forces are final: nodes [first, first + count). Called by the thread that computed them; a status

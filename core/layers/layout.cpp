@@ -15,7 +15,8 @@ constexpr std::size_t smallest_uniform = 24;
 Layout::Layout(const Network& network, const PluginHost& plugins, bool renumber)
     : laws_(compile_laws(network, plugins)),
       ordering_(order_nodes(network, renumber)),
-      elements_(network, laws_, ordering_.engine) {
+      elements_(network, laws_, ordering_.engine),
+      loaded_faces_(network, ordering_.engine) {
   const std::vector<Spring>& springs = network.springs();
   const std::size_t nodes = ordering_.user.size();
   alive_.assign(springs.size(), 1);
@@ -224,6 +225,7 @@ void Layout::build_neighbours() const {
     for (const Incident* i = incident_begin(k); i != incident_end(k); ++i) joined.push_back(i->other);
     for (; rigid != rigid_.end() && rigid->first == k; ++rigid) joined.push_back(rigid->second);
     elements_.add_neighbours(k, joined);
+    loaded_faces_.add_neighbours(k, joined);
     std::sort(joined.begin(), joined.end(),
               [this](std::uint32_t a, std::uint32_t b) { return ordering_.user[a] < ordering_.user[b]; });
     joined.erase(std::unique(joined.begin(), joined.end()), joined.end());
@@ -276,6 +278,12 @@ std::vector<std::uint32_t> Layout::remove(const std::vector<std::uint32_t>& spri
 
 std::vector<std::uint32_t> Layout::remove_elements(const std::vector<std::uint32_t>& elements) {
   const std::vector<std::uint32_t> removed = elements_.remove(elements);
+  if (!removed.empty()) neighbour_start_.clear();
+  return removed;
+}
+
+std::vector<std::size_t> Layout::remove_faces(const std::vector<std::size_t>& faces) {
+  const std::vector<std::size_t> removed = loaded_faces_.remove(faces);
   if (!removed.empty()) neighbour_start_.clear();
   return removed;
 }

@@ -14,6 +14,7 @@
 #include "layers/element_layout.hpp"
 #include "layers/kernels.hpp"
 #include "layers/laws.hpp"
+#include "layers/loaded_faces.hpp"
 #include "layers/ordering.hpp"
 
 namespace springnet::layers {
@@ -61,6 +62,7 @@ class Layout {
   [[nodiscard]] const Ordering& ordering() const noexcept { return ordering_; }
   [[nodiscard]] const CompiledLaws& laws() const noexcept { return laws_; }
   [[nodiscard]] const ElementLayout& elements() const noexcept { return elements_; }
+  [[nodiscard]] const LoadedFaces& loaded_faces() const noexcept { return loaded_faces_; }
   [[nodiscard]] const std::vector<Unit>& units() const noexcept { return units_; }
   [[nodiscard]] std::uint32_t node_count() const noexcept { return static_cast<std::uint32_t>(ordering_.user.size()); }
   [[nodiscard]] std::size_t spring_count() const noexcept { return alive_.size(); }
@@ -85,14 +87,15 @@ class Layout {
   // Nodes of one neuron: kind[node] into laws().neurons.
   [[nodiscard]] const std::vector<std::uint32_t>& neuron_kind() const noexcept { return neuron_kind_; }
 
-  // Nodes joined by a live spring, element or rigidly, by rising user's number, each once. Made when first asked for
-  // after a removal; one thread at a time.
+  // Nodes joined by a live spring, element, a face under a following pressure or rigidly, by rising user's number, each
+  // once. Made when first asked for after a removal; one thread at a time.
   [[nodiscard]] const std::vector<std::uint32_t>& neighbour_start() const;
   [[nodiscard]] const std::vector<std::uint32_t>& neighbours() const;
 
   // Takes springs out; numbers that are out already do not matter. Returns those that were in.
   std::vector<std::uint32_t> remove(const std::vector<std::uint32_t>& springs);
   std::vector<std::uint32_t> remove_elements(const std::vector<std::uint32_t>& elements);
+  std::vector<std::size_t> remove_faces(const std::vector<std::size_t>& faces);
 
  private:
   void lay_out(Unit& unit);
@@ -105,6 +108,7 @@ class Layout {
   CompiledLaws laws_;
   Ordering ordering_;
   ElementLayout elements_;
+  LoadedFaces loaded_faces_;
   std::vector<std::uint32_t> unit_of_;                          // [node]
   std::vector<std::uint32_t> ends_;                             // [2 spring]
   std::vector<std::pair<std::uint32_t, std::uint32_t>> rigid_;  // both ways, sorted

@@ -63,7 +63,8 @@ springnet_status Linearisation::update(double time, const NodeArrays& nodes, con
       }
     }
   }
-  if (const springnet_status elements = elements_.update(time, nodes, message); elements != SPRINGNET_OK)
+  if (const springnet_status elements = elements_.update(time, nodes, external.pressure, message);
+      elements != SPRINGNET_OK)
     return elements;
   for (const NeuronKind& neuron : layout_.laws().neurons) {
     if (require_derivatives(*neuron.component, message) != SPRINGNET_OK) return SPRINGNET_FAILED;
@@ -89,7 +90,7 @@ springnet_status Linearisation::update(double time, const NodeArrays& nodes, con
 
 void Linearisation::times(const double* dp, const double* dv, double* out) {
   const std::size_t n = layout_.node_count();
-  const bool elements = layout_.elements().live_count() > 0;
+  const bool elements = elements_.any();
   if (elements) elements_.prepare(dp, dv);
   const auto at = [n](const double* values, std::size_t k) {
     return Vector3(values[k], values[n + k], values[2 * n + k]);
@@ -244,7 +245,7 @@ springnet_status Linearisation::factorise(double velocity_weight, double positio
     if (constrained_[bond.second] == 0)
       add(bond.second, bond.first, -position_weight * block(by_force_, bond.second) * bond.stiffness);
   }
-  if (layout_.elements().live_count() > 0) {
+  if (elements_.any()) {
     elements_.for_each_block(velocity_weight, position_weight,
                              [&](std::uint32_t i, std::uint32_t j, const Block& value) {
                                if (constrained_[i] == 0) add(i, j, block(by_force_, i) * value);

@@ -13,10 +13,12 @@ namespace {
 constexpr std::size_t chunk = 64;
 constexpr double rounding = 1e-12;  // of m times the derivative 1/m
 
-Vector3 external_force(std::uint32_t node, double mass, const ExternalForces& external) {
+Vector3 external_force(std::uint32_t node, double mass, const NodeArrays& nodes, const LoadedFaces& faces,
+                       const ExternalForces& external) {
   Vector3 force = mass * external.gravity;
   if (external.loads.x != nullptr)
     force += Vector3(external.loads.x[node], external.loads.y[node], external.loads.z[node]);
+  if (external.pressure != nullptr) force += faces.force(node, nodes, external.pressure);
   return force;
 }
 
@@ -118,7 +120,7 @@ springnet_status Evaluator::add_springs(std::uint32_t node, double time, const N
 springnet_status Evaluator::evaluate_node(std::uint32_t node, double time, const NodeArrays& nodes,
                                           const ExternalForces& external, const SurfaceVolumes* volumes, Vector3& force,
                                           springnet_message& message) const {
-  force = external_force(node, mass_[node], external);
+  force = external_force(node, mass_[node], nodes, layout_.loaded_faces(), external);
   NodeSums sums{force};
   if (const springnet_status status = add_elements_of(node, time, nodes, volumes, sums, message);
       status != SPRINGNET_OK)
@@ -134,9 +136,17 @@ springnet_status Evaluator::evaluate_node(std::uint32_t node, double time, const
   const bool differentiable = (neuron.component->description->capabilities & SPRINGNET_HAS_DERIVATIVES) != 0;
   if (derivatives != nullptr && require_derivatives(*neuron.component, message) != SPRINGNET_OK)
     return SPRINGNET_FAILED;
-  force = external_force(node, mass_[node], external);
-  if (energy != nullptr) *energy = -force.dot(Vector3(nodes.px[node], nodes.py[node], nodes.pz[node]));
+  const LoadedFaces& faces = layout_.loaded_faces();
+  force = external_force(node, mass_[node], nodes, faces, external);
+  if (energy != nullptr) {
+    // Amid faces under one pressure the force does not depend on where the node is; at their edge it has no potential.
+    const bool potential = external.pressure == nullptr || faces.is_surrounded(node);
+    *energy = potential ? -force.dot(Vector3(nodes.px[node], nodes.py[node], nodes.pz[node]))
+                        : std::numeric_limits<double>::quiet_NaN();
+  }
   Block stiffness = Block::Zero(), damping = Block::Zero();
+  if (derivatives != nullptr && external.pressure != nullptr)
+    stiffness = faces.stiffness(node, nodes, external.pressure);
   NodeSums sums{force, derivatives != nullptr ? &stiffness : nullptr, derivatives != nullptr ? &damping : nullptr,
                 energy};
   springnet_status status = add_elements_of(node, time, nodes, volumes, sums, message);

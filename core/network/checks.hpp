@@ -1,9 +1,11 @@
 // What the checks of a network share.
 #pragma once
 
+#include <algorithm>
 #include <cmath>
 #include <string>
 #include <string_view>
+#include <vector>
 
 #include <fmt/format.h>
 #include <springnet/error.hpp>
@@ -21,6 +23,30 @@ inline double distance(const Vector3& a, const Vector3& b) {
 
 inline void check_finite(const Vector3& v, std::string_view what) {
   if (!v.allFinite()) fail(fmt::format("{} must be finite, is {}", what, text(v)));
+}
+
+// Rising, each once.
+inline void sort(std::vector<NodeIndex>& nodes) {
+  std::sort(nodes.begin(), nodes.end());
+  nodes.erase(std::unique(nodes.begin(), nodes.end()), nodes.end());
+}
+
+// The times of a table of as many `values`.
+inline void check_times(const std::vector<double>& times, std::size_t count, std::string_view values,
+                        std::string_view what) {
+  if (times.size() != count) {
+    fail(fmt::format("{}: its table has {} times and {} {}: give as many of each", what, times.size(), count, values));
+  }
+  if (count < 2) fail(fmt::format("{}: its table needs two entries or more, has {}", what, count));
+  for (std::size_t k = 0; k < count; ++k) {
+    if (!std::isfinite(times[k])) {
+      fail(fmt::format("{}: a time must be finite, entry {} of its table has {} s", what, k, times[k]));
+    }
+    if (k > 0 && !(times[k - 1] < times[k])) {
+      fail(fmt::format("{}: the times of its table must rise, but entry {} is at {} s and entry {} at {} s", what,
+                       k - 1, times[k - 1], k, times[k]));
+    }
+  }
 }
 
 }  // namespace springnet::checks

@@ -1,4 +1,4 @@
-// What acts on a network from outside: loads, surfaces, motions, cuts, gravity.
+// What acts on a network from outside: surfaces, motions, cuts, gravity.
 #include <algorithm>
 #include <cmath>
 
@@ -12,24 +12,11 @@ namespace {
 using namespace checks;
 
 void check_table(const Motion& motion, std::string_view what) {
-  const std::vector<double>& times = motion.times;
-  const std::vector<Vector3>& displacements = motion.displacements;
-  if (times.size() != displacements.size()) {
-    fail(fmt::format("{}: its table has {} times and {} displacements: give as many of each", what, times.size(),
-                     displacements.size()));
-  }
-  if (times.size() < 2) fail(fmt::format("{}: its table needs two entries or more, has {}", what, times.size()));
-  for (std::size_t k = 0; k < times.size(); ++k) {
-    if (!std::isfinite(times[k])) {
-      fail(fmt::format("{}: a time must be finite, entry {} of its table has {} s", what, k, times[k]));
-    }
-    if (k > 0 && !(times[k - 1] < times[k])) {
-      fail(fmt::format("{}: the times of its table must rise, but entry {} is at {} s and entry {} at {} s", what,
-                       k - 1, times[k - 1], k, times[k]));
-    }
-    if (!displacements[k].allFinite()) {
+  check_times(motion.times, motion.displacements.size(), "displacements", what);
+  for (std::size_t k = 0; k < motion.displacements.size(); ++k) {
+    if (!motion.displacements[k].allFinite()) {
       fail(fmt::format("{}: a displacement must be finite, entry {} of its table has {}", what, k,
-                       text(displacements[k])));
+                       text(motion.displacements[k])));
     }
   }
 }
@@ -72,12 +59,6 @@ std::string named(std::string_view what, const std::string& name) {
   return fmt::format("{} {}", what == "instrument" ? "an" : "a", what);
 }
 
-// Rising, each once.
-void sort(std::vector<NodeIndex>& nodes) {
-  std::sort(nodes.begin(), nodes.end());
-  nodes.erase(std::unique(nodes.begin(), nodes.end()), nodes.end());
-}
-
 void check_polygon(const std::vector<Vector3>& polygon) {
   if (polygon.size() < 3) {
     fail(fmt::format("a cutting polygon needs three corners or more, has {}", polygon.size()));
@@ -106,22 +87,6 @@ void check_polygon(const std::vector<Vector3>& polygon) {
 }
 
 }  // namespace
-
-void Network::add_load(const Load& load) {
-  check_finite(load.force, "a load's force");
-  if (!(load.from < load.until)) {
-    fail(fmt::format("a load acts from {} s until {} s, which is never: `from` must be less than `until`", load.from,
-                     load.until));
-  }
-  loads_.push_back(load);
-  std::vector<NodeIndex>& nodes = loads_.back().nodes;
-  sort(nodes);
-  if (!nodes.empty() && nodes.back() >= nodes_.size()) {
-    const NodeIndex missing = nodes.back();
-    loads_.pop_back();
-    fail(fmt::format("a load on node {}: there are only {} nodes", missing, nodes_.size()));
-  }
-}
 
 void Network::check_surface(std::string_view what, const std::string& name, const Friction& friction,
                             const std::optional<Motion>& motion) const {

@@ -63,20 +63,50 @@ Trajectory::Sample Trajectory::on_table(double time) const {
   }
   const std::size_t k = after - 1;
   const double h = t[after] - t[k], s = (time - t[k]) / h;
-  const Vector3 step = y[after] - y[k];
   if (motion_.interpolation == Motion::Interpolation::linear) {
+    const Vector3 step = y[after] - y[k];
     sample.displacement = y[k] + s * step;
     sample.velocity = step / h;
     return sample;
   }
-  // Hermite's cubic, y = y_k + h m_k s + (3 Δ - h (2 m_k + m_k+1)) s^2 + (h (m_k + m_k+1) - 2 Δ) s^3.
-  const Vector3 linear = h * slopes_[k];
-  const Vector3 square = 3 * step - h * (2 * slopes_[k] + slopes_[after]);
-  const Vector3 cube = h * (slopes_[k] + slopes_[after]) - 2 * step;
-  sample.displacement = y[k] + s * (linear + s * (square + s * cube));
+  const auto [start, linear, square, cube] = piece(k);
+  sample.displacement = start + s * (linear + s * (square + s * cube));
   sample.velocity = (linear + s * (2 * square + 3 * s * cube)) / h;
   sample.acceleration = (2 * square + 6 * s * cube) / (h * h);
   return sample;
+}
+
+// Hermite's cubic, y = y_k + h m_k s + (3 Δ - h (2 m_k + m_k+1)) s^2 + (h (m_k + m_k+1) - 2 Δ) s^3.
+Trajectory::Cubic Trajectory::piece(std::size_t first) const {
+  const std::size_t after = first + 1;
+  const double h = motion_.times[after] - motion_.times[first];
+  const Vector3 &start = motion_.displacements[first], step = motion_.displacements[after] - start;
+  if (slopes_.empty()) return {start, step, Vector3::Zero(), Vector3::Zero()};
+  return {start, h * slopes_[first], 3 * step - h * (2 * slopes_[first] + slopes_[after]),
+          h * (slopes_[first] + slopes_[after]) - 2 * step};
+}
+
+// The mean of s^n between a and b is sum_i a^i b^(n-i) / (n + 1): no cancellation, however short the part.
+Vector3 Trajectory::mean(double from, double until) const {
+  if (!moves_) return Vector3::Zero();
+  const std::vector<double>& t = motion_.times;
+  if (!(from < until)) return at(from).displacement;
+  Vector3 sum = Vector3::Zero();
+  const auto add = [&](double begin, double end, const Vector3& mean_of_part) {
+    sum += (end - begin) / (until - from) * mean_of_part;
+  };
+  if (from < t.front()) add(from, std::min(until, t.front()), motion_.displacements.front());
+  const auto after = std::upper_bound(t.begin(), t.end(), from) - t.begin();
+  for (auto k = static_cast<std::size_t>(std::max<std::ptrdiff_t>(after - 1, 0)); k + 1 < t.size() && t[k] < until;
+       ++k) {
+    const double begin = std::max(from, t[k]), end = std::min(until, t[k + 1]), h = t[k + 1] - t[k];
+    const double a = (begin - t[k]) / h, b = (end - t[k]) / h;
+    const auto [start, linear, square, cube] = piece(k);
+    add(begin, end,
+        start + (a + b) / 2 * linear + (a * a + a * b + b * b) / 3 * square + (a + b) * (a * a + b * b) / 4 * cube);
+  }
+  if (until > t.back()) add(std::max(from, t.back()), until, motion_.displacements.back());
+  return sum;
 }
 
 Trajectory::Sample Trajectory::on_sinusoid(double time) const {

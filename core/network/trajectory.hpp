@@ -20,6 +20,8 @@ class Trajectory {
   };
   // Where velocity or acceleration jump: their values just after.
   [[nodiscard]] Sample at(double time) const;
+  // Mean of the displacement of a table over [from, until], exact but for rounding; m.
+  [[nodiscard]] Vector3 mean(double from, double until) const;
   // The next time after `time` at which velocity or acceleration may jump; infinity if there is none. s
   [[nodiscard]] double next_change(double time) const;
   // False where the displacement is 0 at all times.
@@ -27,6 +29,10 @@ class Trajectory {
 
  private:
   void find_slopes();
+  struct Cubic {
+    Vector3 start, linear, square, cube;  // y = start + s (linear + s (square + s cube)), s from 0 to 1
+  };
+  [[nodiscard]] Cubic piece(std::size_t first) const;  // of a table, from this entry to the next
   [[nodiscard]] Sample on_table(double time) const;
   [[nodiscard]] Sample on_sinusoid(double time) const;
 

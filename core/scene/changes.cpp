@@ -100,15 +100,6 @@ void read_fix(const Table& table, Network& network) {
   for (const NodeIndex node : select_nodes(table.need("select"), network)) network.fix(node);
 }
 
-void read_force(const Table& table, Network& network) {
-  Load load;
-  load.nodes = select_nodes(table.need("select"), network);
-  load.force = table.need("force").vector();
-  if (const auto from = table.find("from")) load.from = from->number();
-  if (const auto until = table.find("until")) load.until = until->number();
-  (table.has("until") ? *table.find("until") : table.value()).at_this_place([&] { network.add_load(load); });
-}
-
 void read_cut(const Table& table, Network& network) {
   Cut cut;
   cut.time = table.need("time").number_from_0("s");
@@ -125,11 +116,12 @@ void read_cut(const Table& table, Network& network) {
 
 }  // namespace
 
-void read_changes(const Table& root, const PluginHost& plugins, Network& network) {
+void read_changes(const Table& root, const PluginHost& plugins, const std::vector<Shape>& shapes, Scene& scene) {
+  Network& network = scene.network;
   for (const Value& value : root.tables("node")) read_node_change(value.table("node"), plugins, network);
   for (const Value& value : root.tables("spring")) read_spring_change(value.table("spring"), plugins, network);
   for (const Value& value : root.tables("fix")) read_fix(value.table("fix"), network);
-  for (const Value& value : root.tables("force")) read_force(value.table("force"), network);
+  read_loads(root, shapes, scene);
   for (const Value& value : root.tables("cut")) read_cut(value.table("cut"), network);
 }
 

@@ -2,7 +2,6 @@
 #include <array>
 #include <map>
 #include <set>
-#include <unordered_set>
 
 #include <fmt/format.h>
 
@@ -11,6 +10,7 @@
 
 #include "mesh/cells.hpp"
 #include "mesh/coordinates.hpp"
+#include "scene/chosen.hpp"
 #include "scene/component.hpp"
 #include "scene/parts.hpp"
 #include "scene/select.hpp"
@@ -19,76 +19,6 @@ namespace springnet::scene {
 namespace {
 
 using NodeLists = std::vector<std::vector<NodeIndex>>;
-
-template <std::size_t Count>
-bool all_inside(const std::array<NodeIndex, Count>& nodes, const std::vector<bool>& inside) {
-  return std::all_of(nodes.begin(), nodes.end(), [&](NodeIndex node) { return inside[node]; });
-}
-
-// What a selection takes: its nodes; of triangles and solid cells those with all nodes selected and, where it names
-// groups, in the cells of one of them. Of a group without such cells (a group of points, or of cells of another
-// dimension) those with all nodes in it.
-class Chosen {
- public:
-  Chosen(const Value& selection, const Network& network, const std::vector<Shape>& shapes)
-      : nodes_(network.nodes().size(), false), groups_(select_groups(selection, network)) {
-    for (const NodeIndex node : select_nodes(selection, network)) nodes_[node] = true;
-    if (groups_.empty()) return;
-    by_nodes_[0] = by_nodes_[1] = std::vector<bool>(nodes_.size(), false);
-    solids_.resize(shapes.size());
-    for (const auto& [body, group] : groups_) {
-      std::array<bool, 2> has_cells{};  // triangles or quadrilaterals, solid cells
-      const Body& owner = network.bodies()[body];
-      if (const auto* mesh = std::get_if<Mesh>(&shapes[body])) {
-        for (const std::uint32_t cell : mesh->groups[group].cells) {
-          const int dimension = dimension_of(mesh->types[cell]);
-          if (dimension < 2) continue;
-          has_cells[static_cast<std::size_t>(dimension - 2)] = true;
-          if (dimension == 2) {
-            add_triangles(mesh->cell(cell), owner.first_node);
-          } else {
-            solids_[body].insert(cell);
-          }
-        }
-      }
-      for (const NodeIndex node : owner.groups[group].nodes) {
-        for (std::size_t kind = 0; kind < 2; ++kind) {
-          if (!has_cells[kind]) by_nodes_[kind][node] = nodes_[node];
-        }
-      }
-    }
-  }
-
-  [[nodiscard]] const std::vector<bool>& nodes() const { return nodes_; }
-  [[nodiscard]] bool by_groups() const { return !groups_.empty(); }
-  [[nodiscard]] bool has_triangle(const Face& face) const {
-    if (!all_inside(face, nodes_)) return false;
-    return groups_.empty() || triangles_.contains(meshes::face_key(face)) || all_inside(face, by_nodes_[0]);
-  }
-  // Of a solid cell of a body, one of the tetrahedra that it divides into.
-  [[nodiscard]] bool has_part(std::size_t body, std::size_t cell, const std::array<NodeIndex, 4>& nodes) const {
-    if (!all_inside(nodes, nodes_)) return false;
-    return groups_.empty() || solids_[body].contains(cell) || all_inside(nodes, by_nodes_[1]);
-  }
-
- private:
-  // A quadrilateral is divided along one of its diagonals: all three corners of it that may be a triangle.
-  void add_triangles(std::span<const std::uint32_t> cell, NodeIndex first) {
-    for (std::size_t left_out = 0; left_out < (cell.size() == 4 ? 4U : 1U); ++left_out) {
-      std::vector<std::uint32_t> corners;
-      for (std::size_t k = 0; k < cell.size(); ++k) {
-        if (cell.size() == 3 || k != left_out) corners.push_back(first + cell[k]);
-      }
-      triangles_.insert(meshes::face_key(corners));
-    }
-  }
-
-  std::vector<bool> nodes_;  // [node]
-  std::vector<SelectedGroup> groups_;
-  std::array<std::vector<bool>, 2> by_nodes_;  // [0 triangles, 1 solid cells][node] of groups without such cells
-  std::set<meshes::FaceKey> triangles_;
-  std::vector<std::unordered_set<std::size_t>> solids_;  // [body]
-};
 
 // At each node inside with exactly two springs, to two different nodes: from the lower one over the node to the upper.
 NodeLists find_angles(const Network& network, const std::vector<bool>& inside) {
@@ -125,9 +55,7 @@ NodeLists find_hinges(const Network& network, const Chosen& chosen) {
 
 NodeLists find_triangles(const Network& network, const Chosen& chosen) {
   NodeLists triangles;
-  for (const Face& face : network.faces()) {
-    if (chosen.has_triangle(face)) triangles.emplace_back(face.begin(), face.end());
-  }
+  for (const Face& face : chosen.triangles(network)) triangles.emplace_back(face.begin(), face.end());
   return triangles;
 }
 

@@ -72,7 +72,12 @@ std::vector<std::string> notes_of(const Scene& scene) {
   for (std::size_t k = 0; k < network.loads().size(); ++k) {
     const Load& load = network.loads()[k];
     unreached.window(fmt::format("Force {}", k), load.from, load.until);
-    if (std::all_of(load.nodes.begin(), load.nodes.end(), [&](NodeIndex node) { return network.nodes()[node].fixed; }))
+    if (!load.course.times.empty())
+      unreached.window(fmt::format("The table of force {}", k), load.course.times.front(), load.course.times.back());
+    const auto is_fixed = [&](NodeIndex node) { return network.nodes()[node].fixed; };
+    if (std::all_of(load.nodes.begin(), load.nodes.end(), is_fixed) &&
+        std::all_of(load.faces.begin(), load.faces.end(),
+                    [&](const Face& face) { return std::all_of(face.begin(), face.end(), is_fixed); }))
       notes.push_back(fmt::format("Force {} acts on fixed or moved nodes only: it moves nothing.", k));
   }
   for (std::size_t k = 0; k < network.cuts().size(); ++k) unreached.cut(network.cuts()[k].time, k);

@@ -29,7 +29,8 @@ void read_starts(const Table& root, const Files& files, Network& network);
 void read_elements(const Table& root, const PluginHost& plugins, const std::vector<Shape>& shapes, Scene& scene);
 void read_connections(const Table& root, const PluginHost& plugins, Network& network);  // [[connect]], [[rigid]]
 // [[node]], [[spring]], [[fix]], [[force]], [[cut]]
-void read_changes(const Table& root, const PluginHost& plugins, Network& network);
+void read_changes(const Table& root, const PluginHost& plugins, const std::vector<Shape>& shapes, Scene& scene);
+void read_loads(const Table& root, const std::vector<Shape>& shapes, Scene& scene);  // [[force]]
 void read_surroundings(const Table& root, Network& network);  // [[move]], [[plane]], [[instrument]]
 // [output], whose selections see the whole network and all elements.
 void read_output(const Table& root, Scene& scene);

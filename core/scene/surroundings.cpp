@@ -2,24 +2,10 @@
 
 #include "scene/parts.hpp"
 #include "scene/select.hpp"
+#include "scene/time_table.hpp"
 
 namespace springnet::scene {
 namespace {
-
-void read_table(const Value& table, Motion& motion) {
-  const std::vector<Value> rows = table.elements();
-  if (rows.size() < 2) table.fail(fmt::format("needs two rows [t, x, y, z] or more, has {}", rows.size()));
-  for (const Value& row : rows) {
-    const std::vector<Value> numbers = row.elements(4);
-    const double time = numbers[0].number();
-    if (!motion.times.empty() && !(motion.times.back() < time)) {
-      numbers[0].fail(fmt::format("times must rise, but {} s follows {} s; sort the rows, and give each time once",
-                                  time, motion.times.back()));
-    }
-    motion.times.push_back(time);
-    motion.displacements.emplace_back(numbers[1].number(), numbers[2].number(), numbers[3].number());
-  }
-}
 
 void read_sinusoid(const Table& table, Motion& motion) {
   const Value amplitude = table.need("amplitude");
@@ -31,26 +17,21 @@ void read_sinusoid(const Table& table, Motion& motion) {
 
 // The keys of a motion, those of [[move]] or of a table `motion`.
 Motion read_motion(const Table& table) {
-  const auto refuse = [&](std::initializer_list<std::string_view> keys, std::string_view other) {
-    for (const std::string_view key : keys) {
-      if (const auto value = table.find(key)) value->fail(fmt::format("has no meaning beside '{}'; remove it", other));
-    }
-  };
   Motion motion;
   if (const auto rows = table.find("table")) {
-    refuse({"sinusoid", "from", "until"}, "table");
-    read_table(*rows, motion);
-    if (const auto interpolation = table.find("interpolation")) {
-      motion.interpolation = interpolation->choice({"smooth", "linear"}) == 0 ? Motion::Interpolation::smooth
-                                                                              : Motion::Interpolation::linear;
-    }
+    refuse_beside(table, {"sinusoid", "from", "until"}, "table");
+    read_time_table(*rows, "[t, x, y, z]", 4, [&](double time, const std::vector<Value>& numbers) {
+      motion.times.push_back(time);
+      motion.displacements.emplace_back(numbers[1].number(), numbers[2].number(), numbers[3].number());
+    });
+    motion.interpolation = read_interpolation(table);
     return motion;
   }
   const auto sinusoid = table.find("sinusoid");
   if (!sinusoid) {
     table.fail("says not how it moves; add table = [[t, x, y, z], …], or sinusoid = { amplitude = …, frequency = … }");
   }
-  refuse({"interpolation"}, "sinusoid");
+  refuse_beside(table, {"interpolation"}, "sinusoid");
   read_sinusoid(sinusoid->table(fmt::format("{}.sinusoid", table.schema())), motion);
   if (const auto from = table.find("from")) motion.from = from->number();
   if (const auto until = table.find("until")) {

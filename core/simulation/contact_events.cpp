@@ -361,7 +361,7 @@ springnet_status Engine::fire_events(double time, State& state, const std::int32
     else if (const springnet_status status = fire(source, time, state, touched); status != SPRINGNET_OK)
       return status;
   }
-  if (!broken.empty() || !broken_elements.empty()) remove(broken, broken_elements, Event::Kind::ruptured, time);
+  if (!broken.empty() || !broken_elements.empty()) remove(broken, broken_elements, {}, Event::Kind::ruptured, time);
   // What was stopped stops, with its share, what hangs rigidly on it.
   if (rigid_.any() && !touched.empty()) {
     const springnet_status status = rigid_.project(state.view.position, state.view.velocity, message_, touched);
@@ -393,7 +393,7 @@ springnet_status Engine::fire_events(double time, State& state, const std::int32
   }
   if (!touched.empty())
     if (const springnet_status status = release_grip(time, state); status != SPRINGNET_OK) return status;
-  return evaluator_.evaluate(time, state.nodes(), loads_.external(), state.forces(), {}, message_);
+  return evaluator_.evaluate(time, state.nodes(), external_at(time), state.forces(), {}, message_);
 }
 
 springnet_status Engine::stop_penetration(double time, State& state) {

@@ -33,7 +33,7 @@ Engine::Engine(const Network& network, const PluginHost& plugins, const Simulati
     : layout_(network, plugins, options.renumber),
       mass_(masses(network, layout_.ordering().user)),
       evaluator_(layout_, mass_, options.instruction_set, options.threads),
-      loads_(network, layout_.ordering().engine),
+      loads_(network, layout_),
       contact_(network, layout_.ordering().user, layout_.ordering().engine, mass_),
       rigid_(network, layout_.ordering().user, layout_.ordering().engine, mass_, contact_),
       linearisation_(layout_, evaluator_, contact_.constrained()),
@@ -55,7 +55,7 @@ Engine::Engine(const Network& network, const PluginHost& plugins, const Simulati
     if (!cut.polygon.empty()) scheduled.polygon.emplace(cut.polygon);
     cuts_.push_back(std::move(scheduled));
   }
-  loads_.set_interval(0.0, std::numeric_limits<double>::infinity());
+  static_cast<void>(loads_.set_interval(0.0, std::numeric_limits<double>::infinity()));
   perform_due_cuts();
   if (perform_due_ruptures() != SPRINGNET_OK) throw Error(ErrorKind::simulation, message_.text);
   set_scales();
@@ -82,7 +82,7 @@ void Engine::changed() noexcept {
 
 const State& Engine::state() {
   if (forces_stale_) {
-    if (evaluator_.evaluate(time_, state_.nodes(), loads_.external(), state_.forces(), {}, message_) != SPRINGNET_OK)
+    if (evaluator_.evaluate(time_, state_.nodes(), external_at(time_), state_.forces(), {}, message_) != SPRINGNET_OK)
       throw Error(ErrorKind::simulation, message_.text);
     forces_stale_ = false;
   }
@@ -192,6 +192,7 @@ const springnet_network& Engine::network_info() {
     info_.rigid_count = rigid_.rods().size();
     info_revision_ = revision_;
   }
+  info_.load_revision = load_revision_;
   return info_;
 }
 
@@ -201,11 +202,25 @@ SampleTime Engine::sample_time(double time) const noexcept {
 }
 
 springnet_status Engine::begin_step(double from, double until) {
+  const Loads::Change loads = loads_.set_interval(from, until);
+  if (loads != Loads::Change::none) {
+    ++load_revision_;
+    reactions_known_ = false;
+    forces_stale_ = true;
+  }
+  return begin(from, until, loads);
+}
+
+springnet_status Engine::begin_interval(double from, double until) {
+  return begin(from, until, loads_.begin_following(from));
+}
+
+springnet_status Engine::begin(double from, double until, Loads::Change loads) {
   non_finite_.clear();
   interval_from_ = from;
   interval_until_ = until > from ? until : std::numeric_limits<double>::infinity();
   contact_.set_time(just_after(time_));
-  if (loads_.set_interval(from, until)) changed();
+  if (loads == Loads::Change::switched) changed();
   springnet_status status = SPRINGNET_OK;
   if (unsettled_) {
     // A load that was switched, a cut, a change by the embedding program: the same nodes are held, and the same springs

@@ -7,6 +7,7 @@
 #include <memory>
 #include <mutex>
 #include <optional>
+#include <set>
 #include <string>
 #include <vector>
 
@@ -32,6 +33,8 @@ class Engine {
   // ---- what integrators ask for; statuses and messages as the C ABI wants them ----
   [[nodiscard]] const springnet_network& network_info();
   springnet_status begin_step(double from, double until);
+  // The same with loads that follow the time of each evaluation.
+  springnet_status begin_interval(double from, double until);
   springnet_status evaluate(const springnet_evaluation& request);
   springnet_status evaluate_nodes(const springnet_evaluation& request, const std::uint32_t* nodes, std::uint32_t count);
   springnet_status sweep(const springnet_sweep& sweep);
@@ -75,6 +78,11 @@ class Engine {
   [[nodiscard]] const std::vector<std::string>& notes() const noexcept { return notes_; }
   [[nodiscard]] const std::vector<double>& mass() const noexcept { return mass_; }
   [[nodiscard]] double time() const noexcept { return time_; }
+  // Loads as they are in an evaluation at `time`, s; valid until one at another time.
+  [[nodiscard]] layers::ExternalForces external_at(double time) {
+    loads_.follow(sample_time(time).rate);
+    return loads_.external();
+  }
   // The committed state; its forces are evaluated anew if something changed since they were.
   [[nodiscard]] const State& state();
   [[nodiscard]] const State& state_without_forces() const noexcept { return state_; }
@@ -117,6 +125,8 @@ class Engine {
   class ReactionsAt;
   struct NodeEvaluation;
 
+  // What begins at `from`, once the loads are known.
+  springnet_status begin(double from, double until, Loads::Change loads);
   void start_constraints();
   // Where surfaces and moved nodes are at a time of the present step, or right after `time`.
   void set_time(double time) { contact_.set_time(sample_time(time)); }
@@ -129,9 +139,11 @@ class Engine {
   void set_scales();
   void perform_due_cuts();
   springnet_status perform_due_ruptures();
-  // Springs, and what goes with them; elements besides. Returns the number of springs.
+  // Springs, and what goes with them; elements and loaded faces besides. Returns the number of springs.
   std::size_t remove(const std::vector<std::uint32_t>& springs, const std::vector<std::uint32_t>& elements,
-                     Event::Kind kind, double time);
+                     const std::vector<std::size_t>& faces, Event::Kind kind, double time);
+  // Returns whether any went.
+  bool remove_faces(const std::vector<std::size_t>& faces, double time);
   springnet_status stop_penetration(double time, State& state);
   // Of a free node: how its distance from a surface grows (m/s), and how that grows (m/s^2).
   struct Departure {
@@ -216,6 +228,7 @@ class Engine {
   springnet_network info_{};
   std::uint64_t revision_ = 1;
   std::uint64_t info_revision_ = 0;
+  std::uint64_t load_revision_ = 1;
   std::uint64_t sources_revision_ = 0;
   std::vector<EventSource> sources_;
   double touch_depth_ = 0.0;  // m
@@ -234,6 +247,7 @@ class Engine {
   ConstraintSystem project_system_;
   std::vector<std::string> notes_;
   bool energy_noted_ = false;
+  std::set<std::uint32_t> torn_loads_;  // of which faces went
   Reactions reactions_;
   bool reactions_known_ = false;
   bool rupturing_known_ = false;

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <set>
 
 #include "layers/element_questions.hpp"
 #include "layers/elements.hpp"
@@ -46,20 +47,26 @@ springnet_status Engine::rupture_margins(double time, const layers::NodeArrays& 
 }
 
 std::size_t Engine::remove(const std::vector<std::uint32_t>& springs, const std::vector<std::uint32_t>& elements,
-                           Event::Kind kind, double time) {
+                           const std::vector<std::size_t>& faces, Event::Kind kind, double time) {
   const std::vector<std::uint32_t> removed = layout_.remove(springs);
   for (const std::uint32_t s : removed) note(kind, time, s);
+  std::vector<std::pair<std::uint32_t, std::uint32_t>> ends;
+  for (const std::uint32_t s : removed) ends.emplace_back(layout_.first(s), layout_.second(s));
   std::vector<std::uint32_t> broken;
   if (layout_.elements().live_count() > 0) {
-    std::vector<std::pair<std::uint32_t, std::uint32_t>> ends;
-    for (const std::uint32_t s : removed) ends.emplace_back(layout_.first(s), layout_.second(s));
     broken = layout_.elements().broken_by(ends);
     broken.insert(broken.end(), elements.begin(), elements.end());
     std::sort(broken.begin(), broken.end());
     broken = layout_.remove_elements(broken);
     for (const std::uint32_t e : broken) events_.push_back({kind, time, e, true});
   }
-  if (!removed.empty() || !broken.empty()) {
+  bool faces_went = false;
+  if (layout_.loaded_faces().count() > 0) {
+    std::vector<std::size_t> lost = layout_.loaded_faces().broken_by(ends);
+    lost.insert(lost.end(), faces.begin(), faces.end());
+    faces_went = remove_faces(lost, time);
+  }
+  if (!removed.empty() || !broken.empty() || faces_went) {
     rupturing_known_ = false;
     linearisation_.topology_changed();
     changed();
@@ -67,8 +74,23 @@ std::size_t Engine::remove(const std::vector<std::uint32_t>& springs, const std:
   return removed.size();
 }
 
+bool Engine::remove_faces(const std::vector<std::size_t>& faces, double time) {
+  const std::vector<std::size_t> removed = layout_.remove_faces(faces);
+  if (removed.empty()) return false;
+  loads_.faces_changed();
+  std::set<std::uint32_t> loads;
+  for (const std::size_t f : removed) loads.insert(layout_.loaded_faces().load_of(f));
+  for (const std::uint32_t load : loads) {
+    if (!torn_loads_.insert(load).second) continue;
+    note(fmt::format(
+        "Force {} ended on faces that were torn, first at {:g} s: a face goes with a spring along its side.", load,
+        time));
+  }
+  return true;
+}
+
 std::size_t Engine::cut(const std::vector<std::uint32_t>& springs) {
-  return remove(springs, {}, Event::Kind::cut, time_);
+  return remove(springs, {}, {}, Event::Kind::cut, time_);
 }
 
 std::size_t Engine::cut(const CuttingPolygon& polygon) {
@@ -78,7 +100,8 @@ std::size_t Engine::cut(const CuttingPolygon& polygon) {
   std::vector<std::uint32_t> crossed;
   for (std::uint32_t s = 0; s < layout_.spring_count(); ++s)
     if (layout_.alive(s) && crosses(layout_.first(s), layout_.second(s))) crossed.push_back(s);
-  return remove(crossed, layout_.elements().crossed_by(crosses), Event::Kind::cut, time_);
+  return remove(crossed, layout_.elements().crossed_by(crosses), layout_.loaded_faces().crossed_by(crosses),
+                Event::Kind::cut, time_);
 }
 
 void Engine::perform_due_cuts() {
@@ -110,7 +133,7 @@ springnet_status Engine::perform_due_ruptures() {
     else
       elements.push_back(some.elements[i - some.springs.size()]);
   }
-  remove(springs, elements, Event::Kind::ruptured, time_);
+  remove(springs, elements, {}, Event::Kind::ruptured, time_);
   return SPRINGNET_OK;
 }
 

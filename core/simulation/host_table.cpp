@@ -90,12 +90,22 @@ const springnet_state* committed(void* context, double* time) {
   return state;
 }
 
+void require_order(double from, double until) {
+  require_finite(from, "from");
+  if (!(until > from))
+    throw Error(ErrorKind::plugin, fmt::format("a step from {} s has to end later than at {} s", from, until));
+}
+
 springnet_status begin_step(void* context, double from, double until) {
   return outside_of_sweeps(context, "begin_step", [&](Engine& engine) {
-    require_finite(from, "from");
-    if (!(until > from))
-      throw Error(ErrorKind::plugin, fmt::format("a step from {} s has to end later than at {} s", from, until));
+    require_order(from, until);
     return engine.begin_step(from, until);
+  });
+}
+springnet_status begin_interval(void* context, double from, double until) {
+  return outside_of_sweeps(context, "begin_interval", [&](Engine& engine) {
+    require_order(from, until);
+    return engine.begin_interval(from, until);
   });
 }
 springnet_status evaluate(void* context, const springnet_evaluation* evaluation) {
@@ -229,6 +239,7 @@ springnet_host make_host_table(Engine& engine) {
   host.project = project;
   host.project_state = project_state;
   host.note = note;
+  host.begin_interval = begin_interval;
   return host;
 }
 

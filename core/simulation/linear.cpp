@@ -14,7 +14,7 @@ springnet_status Engine::linearise(const springnet_evaluation& at) {
   linear_rows_ = rigid_.rows(at.position);
   project_known_ = false;
   const springnet_status status =
-      linearisation_.update(at.time, node_arrays(at.position, at.velocity), loads_.external(), message_);
+      linearisation_.update(at.time, node_arrays(at.position, at.velocity), external_at(at.time), message_);
   if (status != SPRINGNET_OK) return status;
   if (rigid_.any()) {
     if (const springnet_status rods = linearise_rigid(at); rods != SPRINGNET_OK) return rods;

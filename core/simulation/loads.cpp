@@ -3,35 +3,95 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <map>
 
 namespace springnet {
 
-Loads::Loads(const Network& network, const std::vector<std::uint32_t>& engine_number)
-    : gravity_(network.gravity()), node_count_(network.nodes().size()) {
+Loads::Loads(const Network& network, const layers::Layout& layout)
+    : layout_(layout), gravity_(network.gravity()), node_count_(network.nodes().size()) {
+  const std::vector<std::uint32_t>& engine = layout.ordering().engine;
   for (const Load& load : network.loads()) {
-    Entry entry{{}, load.force, load.from, load.until, 0.0};
-    for (const NodeIndex node : load.nodes) entry.nodes.push_back(engine_number[node]);
+    Entry entry{{}, load.force, {}, {}, 0.0, LoadCourse(load), load.from, load.until, 0.0, 0.0};
+    for (const NodeIndex node : load.nodes) entry.nodes.push_back(engine[node]);
+    if (load.follow) entry.pressure = load.pressure;
+    for (const Vector3& area : load.areas) {
+      Vector3 third = area.norm() / 3.0 * load.traction;
+      if (!load.follow) third -= load.pressure / 3.0 * area;
+      entry.face_third.push_back(third);
+    }
     entries_.push_back(std::move(entry));
+    sum_faces(entries_.size() - 1);
+
+    double greatest = load.nodes.empty() && !load.faces.empty() ? 0.0 : load.force.norm();
+    if (!load.faces.empty()) {
+      std::map<NodeIndex, Vector3> on_node;
+      for (const auto& [node, force] : forces_of(load))
+        on_node.try_emplace(node, Vector3::Zero()).first->second += force;
+      for (const auto& [node, force] : on_node) greatest = std::max(greatest, force.norm());
+    }
+    greatest_ = std::max(greatest_, entries_.back().course.greatest() * greatest);
   }
+  pressure_.assign(entries_.size(), 0.0);
 }
 
-bool Loads::set_interval(double from, double until) {
-  bool changed = false;
-  for (Entry& entry : entries_) {
-    double weight = 0.0;
-    if (std::isfinite(until) && until > from) {
-      const double overlap = std::min(until, entry.until) - std::max(from, entry.from);
-      // Steps that end where a load is switched do so up to rounding of the time.
-      const double share = overlap / (until - from);
-      weight = share < 1e-9 ? 0.0 : share > 1.0 - 1e-9 ? 1.0 : share;
-    } else {
-      weight = entry.from <= from && from < entry.until ? 1.0 : 0.0;
-    }
-    changed = changed || weight != entry.weight;
-    entry.weight = weight;
+void Loads::sum_faces(std::size_t load) {
+  Entry& entry = entries_[load];
+  const layers::LoadedFaces& faces = layout_.loaded_faces();
+  std::map<std::uint32_t, Vector3> on_node;
+  for (std::size_t f = 0; f < entry.face_third.size(); ++f) {
+    const std::size_t face = faces.first_of(load) + f;
+    if (!faces.alive(face)) continue;
+    for (const std::uint32_t node : faces.corners(face))
+      on_node.try_emplace(node, Vector3::Zero()).first->second += entry.face_third[f];
   }
-  if (changed) gather();
-  return changed;
+  entry.on_faces.assign(on_node.begin(), on_node.end());
+}
+
+void Loads::faces_changed() {
+  for (std::size_t load = 0; load < entries_.size(); ++load) sum_faces(load);
+  gather();
+}
+
+Loads::Change Loads::weigh(Entry& entry, double share, double weight) noexcept {
+  const Change change = share != entry.share     ? Change::switched
+                        : weight != entry.weight ? Change::varied
+                                                 : Change::none;
+  entry.share = share;
+  entry.weight = weight;
+  return change;
+}
+
+Loads::Change Loads::set_interval(double from, double until) {
+  follows_ = false;
+  if (!(std::isfinite(until) && until > from)) return set_time(from);
+  Change change = Change::none;
+  for (Entry& entry : entries_) {
+    const double begin = std::max(from, entry.from), end = std::min(until, entry.until);
+    // Steps that end where a load is switched do so up to rounding of the time.
+    double share = (end - begin) / (until - from);
+    share = share < 1e-9 ? 0.0 : share > 1.0 - 1e-9 ? 1.0 : share;
+    const bool varies = share > 0.0 && !entry.course.is_constant();
+    change = std::max(change, weigh(entry, share, varies ? share * entry.course.mean(begin, end) : share));
+  }
+  if (change != Change::none) gather();
+  return change;
+}
+
+Loads::Change Loads::begin_following(double time) {
+  follows_ = true;
+  return set_time(time);
+}
+
+Loads::Change Loads::set_time(double time) {
+  time_ = time;
+  Change change = Change::none;
+  for (Entry& entry : entries_) {
+    const double share = entry.from <= time && time < entry.until ? 1.0 : 0.0;
+    const bool varies = share > 0.0 && !entry.course.is_constant();
+    change = std::max(change, weigh(entry, share, varies ? entry.course.at(time) : share));
+  }
+  if (change != Change::none) gather();
+  return change;
 }
 
 double Loads::next_switch(double time) const noexcept {
@@ -39,6 +99,9 @@ double Loads::next_switch(double time) const noexcept {
   for (const Entry& entry : entries_) {
     if (entry.from > time) next = std::min(next, entry.from);
     if (entry.until > time) next = std::min(next, entry.until);
+    if (entry.course.is_constant() || time >= entry.until) continue;
+    const double kink = entry.course.next_kink(std::max(time, entry.from));
+    if (kink < entry.until) next = std::min(next, kink);
   }
   return next;
 }
@@ -57,11 +120,17 @@ void Loads::gather() {
       total_[c].assign(node_count_, 0.0);
     else
       total_[c] = host_[c];
+    const auto row = static_cast<Eigen::Index>(c);
     for (const Entry& entry : entries_) {
       if (entry.weight == 0.0) continue;
-      for (const std::uint32_t node : entry.nodes)
-        total_[c][node] += entry.weight * entry.force[static_cast<Eigen::Index>(c)];
+      for (const std::uint32_t node : entry.nodes) total_[c][node] += entry.weight * entry.force[row];
+      for (const auto& [node, force] : entry.on_faces) total_[c][node] += entry.weight * force[row];
     }
+  }
+  any_pressure_ = false;
+  for (std::size_t load = 0; load < entries_.size(); ++load) {
+    pressure_[load] = entries_[load].weight * entries_[load].pressure;
+    any_pressure_ = any_pressure_ || pressure_[load] != 0.0;
   }
 }
 
@@ -69,13 +138,8 @@ layers::ExternalForces Loads::external() noexcept {
   layers::ExternalForces external;
   external.gravity = gravity_;
   if (!total_[0].empty()) external.loads = {total_[0].data(), total_[1].data(), total_[2].data()};
+  if (any_pressure_) external.pressure = pressure_.data();
   return external;
-}
-
-double Loads::greatest() const noexcept {
-  double greatest = 0.0;
-  for (const Entry& entry : entries_) greatest = std::max(greatest, entry.force.norm());
-  return greatest;
 }
 
 }  // namespace springnet

@@ -1,46 +1,77 @@
-// Gravity and forces on nodes: the scene's, which switch at known times, and those of the embedding program.
+// Gravity and forces on nodes: the scene's, which change over time, and those of the embedding program.
 #pragma once
 
 #include <cstdint>
+#include <utility>
 #include <vector>
 
 #include <springnet/network.hpp>
 
 #include "layers/evaluator.hpp"
+#include "network/load_course.hpp"
 
 namespace springnet {
 
 class Loads {
  public:
-  Loads(const Network& network, const std::vector<std::uint32_t>& engine_number);
+  // The layout has to outlive it.
+  Loads(const Network& network, const layers::Layout& layout);
 
+  enum class Change {
+    none,
+    varied,   // a factor
+    switched  // a load came or went, at least for a part of the step
+  };
   // Averages the scene's loads over [from, until], so that their impulse is exact whatever the step; until infinite or
-  // not above from: as they are right after `from`. True if anything changed.
-  bool set_interval(double from, double until);
-  // The next time after `time` at which a load is switched; infinity if none.
+  // not above from: as they are right after `from`.
+  Change set_interval(double from, double until);
+  // From now on they are as at the time that follow() was given last.
+  Change begin_following(double time);
+  // Where they follow the time: those right after `time`. Otherwise nothing.
+  void follow(double time) {
+    if (follows_ && time != time_) static_cast<void>(set_time(time));
+  }
+  // The next time after `time` at which a load is switched or its course has a kink; infinity if none.
   [[nodiscard]] double next_switch(double time) const noexcept;
+  // To be called after faces were removed from the layout.
+  void faces_changed();
 
   void set_host_force(std::uint32_t node, const Vector3& force);
   void set_gravity(const Vector3& acceleration) noexcept { gravity_ = acceleration; }
   [[nodiscard]] const Vector3& gravity() const noexcept { return gravity_; }
   // Valid until the next change.
   [[nodiscard]] layers::ExternalForces external() noexcept;
-  // Greatest force of one load, N.
-  [[nodiscard]] double greatest() const noexcept;
+  // Greatest force of one load on a node at any time, N; of a following pressure: where the faces are at the start.
+  [[nodiscard]] double greatest() const noexcept { return greatest_; }
 
  private:
   struct Entry {
     std::vector<std::uint32_t> nodes;  // engine's
-    Vector3 force;
+    Vector3 force;                     // N, on each of them
+    // What keeps its direction on faces, summed up by node: by rising engine's number.
+    std::vector<std::pair<std::uint32_t, Vector3>> on_faces;
+    std::vector<Vector3> face_third;  // N, [face] on each of its nodes
+    double pressure;                  // Pa, of those that follow; else 0
+    LoadCourse course;
     double from, until;
-    double weight;
+    double share;   // of the step within the window
+    double weight;  // share times factor
   };
+  Change set_time(double time);
+  [[nodiscard]] static Change weigh(Entry& entry, double share, double weight) noexcept;
+  void sum_faces(std::size_t load);
   void gather();
 
+  const layers::Layout& layout_;
   Vector3 gravity_;
   std::vector<Entry> entries_;
+  double greatest_ = 0.0;
+  bool follows_ = false;
+  double time_ = 0.0;
   std::vector<double> host_[3];   // empty: none set
   std::vector<double> total_[3];  // empty: no loads at all
+  std::vector<double> pressure_;  // [load] Pa, of those that follow faces
+  bool any_pressure_ = false;     // now
   std::size_t node_count_;
 };
 

@@ -12,7 +12,7 @@ Engine::ReactionsAt::ReactionsAt(Engine& engine, double time, const springnet_co
       time_(time),
       position_(position),
       velocity_(velocity),
-      external_(engine.loads_.external()),
+      external_(engine.external_at(time)),
       cluster_known_(engine.rigid_.cluster_count(), 0) {
   engine.set_time(time);
   if (engine.layout_.elements().live_surfaces() > 0)

@@ -175,8 +175,8 @@ springnet_status Engine::evaluate(const springnet_evaluation& request) {
     scratch_.resize(3 * pitch);
     context.force = {scratch_.data(), scratch_.data() + pitch, scratch_.data() + 2 * pitch};
   }
-  const springnet_status status = evaluator_.evaluate(request.time, context.nodes, loads_.external(), context.force,
-                                                      {finish_tile, &context}, message_);
+  const springnet_status status = evaluator_.evaluate(request.time, context.nodes, external_at(request.time),
+                                                      context.force, {finish_tile, &context}, message_);
   if (status != SPRINGNET_OK) return failed(status, request.time, context.nodes);
   if (!check_finite(context.finite, context.bad_neuron, request.time, context.nodes)) {
     set_message(message_, non_finite_);
@@ -193,8 +193,8 @@ springnet_status Engine::evaluate_nodes(const springnet_evaluation& request, con
   std::memcpy(&wanted, &request, std::min<std::size_t>(sizeof wanted, request.struct_size));
   const layers::FlushDenormals flush;
   const layers::NodeArrays arrays = node_arrays(wanted.position, wanted.velocity);
-  const layers::ExternalForces external = loads_.external();
-  contact_.set_time(sample_time(wanted.time));  // the same for all threads of a sweep, and known by then
+  const layers::ExternalForces external = external_at(wanted.time);  // the same for all threads of a sweep,
+  contact_.set_time(sample_time(wanted.time));                       // and known by then
   const layers::SurfaceVolumes* volumes = nullptr;
   if (layout_.elements().live_surfaces() > 0) {
     if (swept_volumes_.follows(arrays)) {
@@ -246,7 +246,7 @@ struct Engine::NodeEvaluation {
 springnet_status Engine::evaluate_for_update(std::uint32_t node, void* tile_context, NodeEvaluation& result,
                                              springnet_message& message) {
   TileContext& context = *static_cast<TileContext*>(tile_context);
-  const layers::ExternalForces external = loads_.external();
+  const layers::ExternalForces external = external_at(context.time);
   Vector3 force, acceleration;
   const springnet_status status =
       context.sweep->want_blocks != 0
@@ -411,6 +411,7 @@ springnet_status Engine::sweep(const springnet_sweep& request) {
   const springnet_sweep sweep = complete(request);
   if (sweep.order != nullptr) order_check_.check(sweep, network_info());
   set_time(sweep.time);
+  static_cast<void>(external_at(sweep.time));  // before threads ask for them
   swept_ = true;
   struct Updating {
     bool &sweep, &tiles;
@@ -430,7 +431,7 @@ springnet_status Engine::sweep(const springnet_sweep& request) {
     const springnet_status status = sweep_in_order(sweep, &context);
     if (status != SPRINGNET_OK) return failed(status, sweep.time, context.nodes);
   } else {
-    springnet_status status = evaluator_.evaluate(sweep.time, context.nodes, loads_.external(), context.force,
+    springnet_status status = evaluator_.evaluate(sweep.time, context.nodes, external_at(sweep.time), context.force,
                                                   {finish_tile, &context}, message_);
     if (status != SPRINGNET_OK) return failed(status, sweep.time, context.nodes);
     status = constrain_clusters(sweep);

@@ -128,7 +128,7 @@ TEST_CASE("missing keys are named, with what they look like") {
       {replaced(8, "spring = ^{ stiffness = 3.0 }"),
        {"the key 'type' is missing; add it: the name of a spring function"}},
       {added("^[[fix]]"), {"fix.0: the key 'select' is missing"}},
-      {added("^[[force]]\nselect = {}"), {"the key 'force' is missing"}},
+      {added("^[[force]]\nselect = {}"), {"says not what acts; add force = [x, y, z]"}},
       {added("^[[plane]]\npoint = [0, 0, 0]"), {"the key 'normal' is missing"}},
       {added("^[[cut]]\nselect = {}"), {"the key 'time' is missing"}},
       {added("^[[cut]]\ntime = 1"), {"cuts nothing; add 'select'"}},

@@ -112,6 +112,24 @@ force = [1, 0, 0]
 from = 0.5
 until = 1.5
 
+[[force]]
+select = { body = "block" }
+total = [0, 0, 8]
+share = "nodes"
+table = [[0, 0], [1, 1.5]]
+interpolation = "linear"
+
+[[force]]
+select = { body = "block" }
+traction = [0, 1, 0]
+sinusoid = { frequency = 2.0, phase = 0.5, amplitude = 0.25, mean = 1.0 }
+
+[[force]]
+select = { body = "block" }
+pressure = 2.0
+follow = true
+ramp = 0.5
+
 [[move]]
 select = { nodes = [0, 1] }
 table = [[0, 0, 0, 0], [1, 0, 0, 0.5], [2.5, -1, 0, 0.5]]

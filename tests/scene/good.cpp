@@ -191,7 +191,12 @@ TEST_CASE("every key: what acts on the network") {
   for (springnet::NodeIndex node = 0; node < network.nodes().size(); ++node) {
     CHECK(network.nodes()[node].fixed == (fixed.count(node) == 1));
   }
-  REQUIRE(network.loads().size() == 1);
+  REQUIRE(network.loads().size() == 4);
+  CHECK(network.loads()[1].course.factors.back() == 1.5);
+  CHECK(network.loads()[2].course.mean == 1.0);
+  CHECK(network.loads()[3].faces.size() == 12);
+  CHECK(network.loads()[3].follow);
+  CHECK(network.loads()[3].course.ramp == 0.5);
   CHECK(network.loads()[0].nodes == std::vector<springnet::NodeIndex>{3});
   CHECK(network.loads()[0].force == Vector3(1, 0, 0));
   CHECK(network.loads()[0].from == 0.5);

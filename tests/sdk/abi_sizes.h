@@ -31,6 +31,10 @@
   check(springnet_sweep, constraint_force, 272)          \
   check(springnet_host, note, 200)                       \
   check(springnet_step_report, stages, 64)
+/* And ABI 1.2. */
+#define SPRINGNET_ENDS_1_2(check)                        \
+  check(springnet_network, load_revision, 152)           \
+  check(springnet_host, begin_interval, 208)
 /* clang-format on */
 
 #ifdef __cplusplus

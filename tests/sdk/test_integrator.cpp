@@ -51,6 +51,9 @@ struct FakeHost {
     table.begin_step = [](void* c, double from, double until) {
       return of(c).note("begin_step", from == 1.0 && until == 2.0);
     };
+    table.begin_interval = [](void* c, double from, double until) {
+      return of(c).note("begin_interval", from == 1.0 && until == 2.0);
+    };
     table.evaluate = [](void* c, const springnet_evaluation* e) { return of(c).note("evaluate", e->time == 3.0); };
     table.evaluate_nodes = [](void* c, const springnet_evaluation* e, const std::uint32_t* nodes, std::uint32_t n) {
       return of(c).note("evaluate_nodes", e->time == 3.0 && n == 2 && nodes[1] == 5);
@@ -165,6 +168,7 @@ TEST_CASE("an integrator reaches every function of the host") {
     CHECK(h.table().struct_size == sizeof(springnet_host));
     CHECK(h.committed().time == 1.5);
     h.begin_step(1.0, 2.0);
+    h.begin_interval(1.0, 2.0);
     auto at = evaluation_at(3.0, h.committed().state);
     CHECK(at.struct_size == sizeof(springnet_evaluation));
     CHECK(at.force.x == nullptr);
@@ -202,10 +206,20 @@ TEST_CASE("an integrator reaches every function of the host") {
     return SPRINGNET_OK;
   });
   CHECK(status == SPRINGNET_OK);
-  CHECK(host.calls == std::vector<std::string>{"begin_step", "evaluate", "evaluate_nodes", "sweep", "linearise",
-                                               "jacobian_times", "diagonal_blocks", "factorise", "solve",
+  CHECK(host.calls == std::vector<std::string>{"begin_step", "begin_interval", "evaluate", "evaluate_nodes", "sweep",
+                                               "linearise", "jacobian_times", "diagonal_blocks", "factorise", "solve",
                                                "solve transposed", "event_values", "fire_events", "commit",
                                                "sweeps 9"});
+}
+
+TEST_CASE("a host before ABI 1.2 averages loads over an interval, and has one revision for all") {
+  FakeHost host;
+  host.table.struct_size = offsetof(springnet_host, begin_interval);
+  CHECK(run(host, [](Host& h, springnet_step_report&) -> springnet_status {
+          h.begin_interval(1.0, 2.0);
+          return SPRINGNET_OK;
+        }) == SPRINGNET_OK);
+  CHECK(host.calls == std::vector<std::string>{"begin_step"});
 }
 
 TEST_CASE("a failed call of the host becomes an exception, and the status of advance") {

@@ -76,7 +76,8 @@ struct Element {
   double reference;  // value at which the law rests, in the unit of the invariant
 };
 
-// A triangle of a body's surface: for pictures and outputs alone, it has no mechanics.
+// A triangle of a body's surface, counterclockwise seen from outside: for pictures, selections and loads. By itself it
+// has no mechanics.
 using Face = std::array<NodeIndex, 3>;
 
 // Nodes with a name: a physical group of a mesh, for selections.
@@ -97,14 +98,6 @@ struct Body {
   std::size_t first_face = 0;
   std::size_t face_count = 0;
   std::vector<NodeGroup> groups{};
-};
-
-// The same force on each of some nodes while from <= time < until.
-struct Load {
-  std::vector<NodeIndex> nodes;
-  Vector3 force = Vector3::Zero();  // N
-  double from = -std::numeric_limits<double>::infinity();
-  double until = std::numeric_limits<double>::infinity();
 };
 
 // A connection whose length stays what it is, to 1e-8 of itself. The ends must not be closer than that length allows:
@@ -131,6 +124,37 @@ struct Motion {
   double phase = 0.0;                   // rad
   double from = 0.0;                    // s
   double until = std::numeric_limits<double>::infinity();
+};
+
+// How a load changes over time: a factor, 1 unless one of table, sinusoid and ramp is given. Times count from the start
+// of the load where that is finite, else from 0 s; those of a table are the simulation's.
+struct Course {
+  std::vector<double> times;  // s, rising; before the first and after the last entry the factor stays what it is there
+  std::vector<double> factors;  // as many; empty: no table
+  Motion::Interpolation interpolation = Motion::Interpolation::smooth;
+
+  double frequency = 0.0;  // Hz; above 0: mean + amplitude sin(2 pi frequency (t - start) + phase)
+  double phase = 0.0;      // rad
+  double amplitude = 1.0;
+  double mean = 0.0;
+
+  double ramp = 0.0;  // s; above 0: from 0 at the start straight to 1 at start + ramp, 1 from then on
+};
+
+// Forces on nodes and faces while from <= time < until; they add up. What acts on a face acts with a third on each of
+// its nodes, and ends when the face goes: with a spring along one of its sides, or cut by a polygon.
+struct Load {
+  std::vector<NodeIndex> nodes;
+  Vector3 force = Vector3::Zero();  // N, on each of the nodes
+  double from = -std::numeric_limits<double>::infinity();
+  double until = std::numeric_limits<double>::infinity();
+  std::vector<Face> faces{};
+  Vector3 traction = Vector3::Zero();  // Pa, on the area where the load was added; keeps its direction
+  double pressure = 0.0;               // Pa, > 0 pushes against the outward normal
+  bool follow = false;  // true: the pressure acts on the present area and normal; false: on those where it was added
+  Course course{};
+  // Areas of the faces along their outward normals, m^2, [face]; empty: add_load takes them from the present positions.
+  std::vector<Vector3> areas{};
 };
 
 // Nodes that a motion carries, as an instrument's tip or a grip does: fixed, but where the motion says.
@@ -231,7 +255,9 @@ class Network {
   void fix(NodeIndex node);
   // These throw Error(input) for a node or spring that does not exist, a number that is not finite (the ends of a
   // load's window may be infinite), an empty window, a normal of length 0, a name that is taken, a polygon of fewer
-  // than three corners or that is not planar. A node named twice in a load counts once.
+  // than three corners or that is not planar; for a face with a node that does not exist or is twice in it, a traction
+  // or pressure without faces, a course of more than one kind or whose table does not rise. A node named twice in a
+  // load counts once; a face named twice is loaded twice.
   void add_load(const Load& load);
   void add_plane(const Plane& plane);
   // Names of planes and instruments are unique together. Throw Error(input) as above, and for a radius that is not
@@ -271,6 +297,8 @@ class Network {
 
   // The invariant of an element with the nodes where the network has them, in its unit.
   [[nodiscard]] double value_of(const Element& element) const;
+  // Area of a face along its outward normal with the nodes where the network has them, m^2.
+  [[nodiscard]] Vector3 area_of(const Face& face) const;
 
  private:
   void check_node(const Node& node, NodeIndex index) const;

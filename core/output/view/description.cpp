@@ -93,7 +93,7 @@ Json elements_of(const Content& content) {
 Json loads_of(const Content& content) {
   Json loads = Json::array();
   for (const DrawnLoad& each : content.forces.loads) {
-    loads.push_back({{"nodes", content.scene.network.loads()[each.load].nodes.size()}, {"arrows", each.arrows}});
+    loads.push_back({{"nodes", each.nodes}, {"arrows", each.arrows}});
   }
   return loads;
 }

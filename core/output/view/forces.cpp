@@ -1,19 +1,25 @@
 #include "output/view/forces.hpp"
 
 #include <algorithm>
+#include <map>
 
 #include <fmt/format.h>
+#include <Eigen/Geometry>
+
+#include "network/load_course.hpp"
 
 namespace springnet::view {
 
 namespace {
 
-std::vector<std::uint32_t> shown_nodes(const Load& load, const Selection& selection) {
-  std::vector<std::uint32_t> shown;
-  for (const NodeIndex node : load.nodes) {
-    if (selection.node_place[node] != not_shown) shown.push_back(selection.node_place[node]);
-  }
-  return shown;
+constexpr double rounding = 1e-12;  // of forces that cancel, beside their sizes
+
+using OnNodes = std::map<NodeIndex, Vector3>;
+
+OnNodes summed(const std::vector<std::pair<NodeIndex, Vector3>>& forces) {
+  OnNodes sums;
+  for (const auto& [node, force] : forces) sums.try_emplace(node, Vector3::Zero()).first->second += force;
+  return sums;
 }
 
 // `count` of them, spread evenly.
@@ -25,9 +31,17 @@ std::vector<Item> some_of(const std::vector<Item>& all, std::size_t count) {
 }
 
 // What a load puts on each of its nodes at that time, N. Steps end where a load is switched up to rounding of the time.
-Vector3 force_at(const Load& load, const Simulation& simulation) {
+OnNodes forces_at(const Load& load, const Simulation& simulation) {
   const double time = simulation.time() + 1e-6 * simulation.time_step();
-  return load.from <= time && time < load.until ? load.force : Vector3::Zero();
+  const double factor = load.from <= time && time < load.until ? LoadCourse(load).at(simulation.time()) : 0.0;
+  std::vector<Vector3> areas = load.areas;
+  for (std::size_t f = 0; load.follow && f < areas.size(); ++f) {
+    const Vector3 a = simulation.position(load.faces[f][0]);
+    areas[f] = 0.5 * (simulation.position(load.faces[f][1]) - a).cross(simulation.position(load.faces[f][2]) - a);
+  }
+  OnNodes sums = summed(springnet::forces_of(load, areas));
+  for (auto& [node, force] : sums) force *= factor;
+  return sums;
 }
 
 void write(const Vector3& force, std::span<float> row, std::size_t place) {
@@ -42,15 +56,20 @@ Forces forces_of(const Network& network, const Selection& selection) {
   Forces forces;
   struct Candidate {
     std::size_t load;
-    std::vector<std::uint32_t> nodes;
+    std::size_t all;               // nodes that it acts on
+    std::vector<NodeIndex> nodes;  // those that are shown
   };
   std::vector<Candidate> candidates;
   std::size_t shown = 0;
   for (std::size_t k = 0; k < network.loads().size(); ++k) {
     const Load& load = network.loads()[k];
-    if (load.force.isZero(0.0)) continue;
-    forces.all += load.nodes.size();
-    Candidate candidate{k, shown_nodes(load, selection)};
+    Candidate candidate{k, 0, {}};
+    for (const auto& [node, force] : summed(springnet::forces_of(load))) {
+      if (force.isZero(0.0)) continue;
+      ++candidate.all;
+      if (selection.node_place[node] != not_shown) candidate.nodes.push_back(node);
+    }
+    forces.all += candidate.all;
     shown += candidate.nodes.size();
     if (!candidate.nodes.empty()) candidates.push_back(std::move(candidate));
   }
@@ -63,9 +82,9 @@ Forces forces_of(const Network& network, const Selection& selection) {
     // Each load keeps its share of the arrows, one at least.
     const std::size_t all = candidate.nodes.size();
     const std::size_t count = shown > most_arrows ? std::max<std::size_t>(all * most_arrows / shown, 1) : all;
-    for (const std::uint32_t node : some_of(candidate.nodes, count))
-      forces.arrows.push_back({forces.loads.size(), node});
-    forces.loads.push_back({candidate.load, count});
+    for (const NodeIndex node : some_of(candidate.nodes, count))
+      forces.arrows.push_back({forces.loads.size(), selection.node_place[node], node});
+    forces.loads.push_back({candidate.load, candidate.all, count});
   }
   if (forces.arrows.size() < forces.all) {
     forces.notes.push_back(fmt::format("arrows at nodes show {} of {} forces; resultants count all forces of a load",
@@ -79,9 +98,16 @@ void take_forces(const Forces& forces, const Network& network, const Simulation&
   std::size_t arrow = 0;
   for (std::size_t k = 0; k < forces.loads.size(); ++k) {
     const Load& load = network.loads()[forces.loads[k].load];
-    const Vector3 force = force_at(load, simulation);
-    write(static_cast<double>(load.nodes.size()) * force, resultants, k);
-    for (std::size_t last = arrow + forces.loads[k].arrows; arrow < last; ++arrow) write(force, arrows, arrow);
+    const OnNodes on_nodes = forces_at(load, simulation);
+    Vector3 sum = Vector3::Zero();
+    double size = 0.0;
+    for (const auto& [node, force] : on_nodes) {
+      sum += force;
+      size += force.norm();
+    }
+    write(sum.norm() > rounding * size ? sum : Vector3::Zero(), resultants, k);
+    for (const std::size_t last = arrow + forces.loads[k].arrows; arrow < last; ++arrow)
+      write(on_nodes.at(forces.arrows[arrow].user), arrows, arrow);
   }
 }
 

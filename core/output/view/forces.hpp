@@ -16,7 +16,8 @@ namespace springnet::view {
 
 // A load whose force is not zero; its arrows follow those of the load before it.
 struct DrawnLoad {
-  std::size_t load;  // of Network::loads()
+  std::size_t load;   // of Network::loads()
+  std::size_t nodes;  // that it acts on
   std::size_t arrows;
 };
 
@@ -24,6 +25,7 @@ struct DrawnLoad {
 struct Arrow {
   std::size_t drawn;   // place in Forces::loads
   std::uint32_t node;  // place in Selection::nodes
+  NodeIndex user;
 };
 
 struct Forces {

@@ -251,7 +251,7 @@ void ReferenceIntegrator::step_towards(double until) {
   const auto [time, committed] = host_.committed();
   const double stop = host_.next_discontinuity(time);
   const double target = std::min(until, stop);
-  host_.begin_step(time, stop);  // loads are constant until then
+  host_.begin_interval(time, stop);  // loads have no kink in between
   if (!state_) state_ = host_.make_state();
 
   if (same_time(time, target, shortest_step)) {

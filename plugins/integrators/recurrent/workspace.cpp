@@ -66,20 +66,20 @@ void Workspace::set_free_motion(Step& step) {
 }
 
 void Workspace::know_start_acceleration(const Step& step) {
-  if (step.theta == 1.0 || known_revision_ == step.network.revision) return;
+  if (step.theta == 1.0 || known_ == revisions(step)) return;
   start_acceleration_.resize(step.network.node_count);
   springnet_evaluation evaluation = sdk::evaluation_at(step.from, step.start);
   evaluation.acceleration = start_acceleration_.view();
   host.evaluate(evaluation);
   host.report("evaluations", ++evaluations_);
-  known_revision_ = step.network.revision;
+  known_ = revisions(step);
 }
 
-void Workspace::committed(const Step& step) noexcept {
-  known_revision_.reset();
+void Workspace::committed(const Step& step) {
+  known_.reset();
   if (!step.evaluated || step.theta == 1.0) return;
   std::swap(start_acceleration_, acceleration_);
-  known_revision_ = step.network.revision;  // what the commit changed, if anything, is a later revision
+  known_ = revisions(step);  // what the commit changed, if anything, is a later revision
 }
 
 springnet_state& Workspace::outputs_in_place(Step& step) const noexcept {

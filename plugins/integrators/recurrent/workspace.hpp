@@ -5,6 +5,7 @@
 #include <array>
 #include <cstdint>
 #include <optional>
+#include <utility>
 #include <vector>
 
 #include <springnet/sdk/host.hpp>
@@ -30,7 +31,7 @@ class Workspace {
   // where `revision` is not that of the last evaluation, which complete() did.
   void know_start_acceleration(const Step& step);
   // Before a commit: the accelerations at its outputs are those at the next start, if they were evaluated.
-  void committed(const Step& step) noexcept;
+  void committed(const Step& step);
 
   // One of the states for outputs that is neither of these.
   [[nodiscard]] springnet_state& state_beside(const springnet_state* one,
@@ -82,11 +83,14 @@ class Workspace {
   Columns free_position_, free_velocity_;  // p*, v*; empty where theta is 1
   Columns start_acceleration_;             // m/s^2
   Columns acceleration_, free_acceleration_, constraint_force_;
-  std::vector<std::uint8_t> stays_;              // [node_count]
-  std::vector<std::uint32_t> suspects_;          // nodes that something may act on
-  std::vector<double> internal_rate_;            // [internal_count]
-  std::optional<std::uint64_t> known_revision_;  // of the network that start_acceleration_ belongs to
-  double evaluations_ = 0.0;                     // besides the sweeps
+  std::vector<std::uint8_t> stays_;      // [node_count]
+  std::vector<std::uint32_t> suspects_;  // nodes that something may act on
+  std::vector<double> internal_rate_;    // [internal_count]
+  // Revisions of the network and its loads that start_acceleration_ belongs to.
+  using Revisions = std::pair<std::uint64_t, std::uint64_t>;
+  [[nodiscard]] Revisions revisions(const Step& step) const { return {step.network.revision, host.load_revision()}; }
+  std::optional<Revisions> known_;
+  double evaluations_ = 0.0;  // besides the sweeps
 };
 
 }  // namespace springnet::recurrent

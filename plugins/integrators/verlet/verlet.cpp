@@ -16,6 +16,7 @@
 #include <cstdio>
 #include <limits>
 #include <optional>
+#include <utility>
 #include <vector>
 
 #include <springnet/sdk/integrator.hpp>
@@ -89,11 +90,12 @@ class Verlet : public Integrator {
     const std::size_t n = network.node_count;
     const double h = until - from;
     // The acceleration at the end of the last step, unless something changed since then.
-    if (revision_ != network.revision || network.rigid_count > 0) {
+    const std::pair revisions(network.revision, host_.load_revision());
+    if (revisions_ != revisions || network.rigid_count > 0) {
       springnet_evaluation at_start = evaluation_at(from, start);
       at_start.acceleration = acceleration_.vectors();
       host_.evaluate(at_start);
-      revision_ = network.revision;
+      revisions_ = revisions;
       watch(at_start);
     }
 
@@ -183,8 +185,9 @@ class Verlet : public Integrator {
   Field acceleration_;  // m/s^2, at the committed state
   Field change_;
   Stability stability_;
-  std::optional<std::uint64_t> revision_;  // of the network that acceleration_ belongs to
-  std::vector<double> values_;             // of events
+  // Revisions of the network and its loads that acceleration_ belongs to.
+  std::optional<std::pair<std::uint64_t, std::uint64_t>> revisions_;
+  std::vector<double> values_;  // of events
   std::vector<std::int32_t> directions_, fired_;
   static constexpr std::uint64_t steps_per_check = 256;  // laws may stiffen
   static constexpr double reserve = 1.03;                // of advice: they will a little

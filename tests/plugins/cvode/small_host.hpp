@@ -156,7 +156,7 @@ inline void SmallHost::fill_table() {
     *time = of(self).time_;
     return of(self).committed_.get();
   };
-  table_.begin_step = [](void* self, double from, double until) -> springnet_status {
+  table_.begin_interval = table_.begin_step = [](void* self, double from, double until) -> springnet_status {
     of(self).steps_begun.emplace_back(from, until);
     return SPRINGNET_OK;
   };

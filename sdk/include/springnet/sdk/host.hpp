@@ -92,6 +92,18 @@ class Host {
 
   // Loads are averaged over [from, until], s.
   void begin_step(double from, double until) const { check(table_->begin_step(table_->context, from, until)); }
+  // Evaluations in [from, until] have the loads of their time, s. A host before ABI 1.2 averages them.
+  void begin_interval(double from, double until) const {
+    if (SPRINGNET_HAS_FIELD(springnet_host, table_, begin_interval))
+      check(table_->begin_interval(table_->context, from, until));
+    else
+      begin_step(from, until);
+  }
+  // What `load_revision` of the network is; 0 where the host is older, whose loads change with `revision` alone.
+  [[nodiscard]] std::uint64_t load_revision() const {
+    const springnet_network& known = network();
+    return SPRINGNET_HAS_FIELD(springnet_network, &known, load_revision) ? known.load_revision : 0;
+  }
   void evaluate(const springnet_evaluation& evaluation) const { check(table_->evaluate(table_->context, &evaluation)); }
   void evaluate_nodes(const springnet_evaluation& evaluation, std::span<const std::uint32_t> nodes) const {
     check(table_->evaluate_nodes(table_->context, &evaluation, nodes.data(), static_cast<std::uint32_t>(nodes.size())));

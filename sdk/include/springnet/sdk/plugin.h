@@ -25,7 +25,7 @@ extern "C" {
 
 #define SPRINGNET_MAGIC UINT64_C(0x54454e474e525053) /* "SPRNGNET" in little-endian memory */
 #define SPRINGNET_ABI_MAJOR 1u
-#define SPRINGNET_ABI_MINOR 1u
+#define SPRINGNET_ABI_MINOR 2u
 
 #if defined(_WIN32)
 #define SPRINGNET_EXPORT __declspec(dllexport)
@@ -272,6 +272,9 @@ typedef struct springnet_network {
   const uint8_t* touching; /* [node_count] 1: a surface holds it, or it slides on one */
   const uint32_t* cluster; /* [node_count] the same number for nodes that rigid connections join; 0xffffffff: none */
   uint64_t rigid_count;    /* rigid connections */
+  /* since 1.2 */
+  uint64_t load_revision; /* rises with every begin_step whose loads differ from those before: accelerations known from
+                             the end of the last step are not those that this one starts with */
 } springnet_network;
 
 /* Evaluation of the layers at a state: springs, loads, neurons. Outputs that are not wanted are null (all three).
@@ -411,6 +414,11 @@ typedef struct springnet_host {
   springnet_status (*project_state)(void* context, double time, springnet_vectors position, springnet_vectors velocity);
   /* Something the user should know, once: printed by the tool, kept in the summary. */
   void (*note)(void* context, const char* text);
+
+  /* Since 1.2. */
+  /* begin_step for methods that choose their own steps in [from, until]: loads are not averaged, every evaluation has
+   * those of its time (at `until` those just before). */
+  springnet_status (*begin_interval)(void* context, double from, double until);
 } springnet_host;
 
 /* How a time step ended. */

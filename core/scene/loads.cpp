@@ -1,0 +1,150 @@
+// [[force]]: loads on nodes and on the faces of bodies, over time.
+#include <algorithm>
+#include <array>
+
+#include <fmt/format.h>
+
+#include "scene/chosen.hpp"
+#include "scene/parts.hpp"
+#include "scene/time_table.hpp"
+
+namespace springnet::scene {
+namespace {
+
+constexpr std::array<std::string_view, 4> kinds{"force", "total", "traction", "pressure"};
+
+// The one of `kinds` that is given.
+std::string_view kind_of(const Table& table) {
+  std::string_view kind;
+  for (const std::string_view key : kinds) {
+    const auto value = table.find(key);
+    if (!value) continue;
+    if (!kind.empty()) value->fail(fmt::format("stands beside '{}'; give each a [[force]] of its own", kind));
+    kind = key;
+  }
+  if (kind.empty()) {
+    table.fail(
+        "says not what acts; add force = [x, y, z] (N, on each node), total = [x, y, z] (N, shared), traction = [x, y, "
+        "z] (Pa, on faces) or pressure = … (Pa, on faces)");
+  }
+  return kind;
+}
+
+void read_course(const Table& table, Course& course) {
+  if (const auto rows = table.find("table")) {
+    refuse_beside(table, {"sinusoid", "ramp"}, "table");
+    read_time_table(*rows, "[t, factor]", 2, [&](double time, const std::vector<Value>& numbers) {
+      course.times.push_back(time);
+      course.factors.push_back(numbers[1].number());
+    });
+    if (std::all_of(course.factors.begin(), course.factors.end(), [](double factor) { return factor == 0.0; }))
+      rows->fail("has only factors of 0; nothing would act");
+    course.interpolation = read_interpolation(table);
+    return;
+  }
+  if (const auto interpolation = table.find("interpolation")) interpolation->fail("goes with 'table'; remove it");
+  if (const auto sinusoid = table.find("sinusoid")) {
+    refuse_beside(table, {"ramp"}, "sinusoid");
+    const Table keys = sinusoid->table("force.sinusoid");
+    course.frequency = keys.need("frequency").number_above_0("Hz");
+    if (const auto phase = keys.find("phase")) course.phase = phase->number();
+    if (const auto amplitude = keys.find("amplitude")) course.amplitude = amplitude->number();
+    if (const auto mean = keys.find("mean")) course.mean = mean->number();
+  }
+  if (const auto ramp = table.find("ramp")) course.ramp = ramp->number_above_0("s");
+}
+
+// The faces of bodies that are selected, and their areas.
+void take_faces(const Value& selection, const Chosen& chosen, std::size_t index, Scene& scene, Load& load) {
+  const Network& network = scene.network;
+  load.faces = chosen.triangles(network);
+  if (load.faces.empty()) {
+    selection.fail(fmt::format(
+        "has no triangle among the faces of a body, all of whose nodes are selected{}; select more, or use 'force' or "
+        "'total', which act on nodes",
+        chosen.by_groups() ? " and that is in a group that is named" : ""));
+  }
+  double greatest = 0.0;
+  for (const Face& face : load.faces) {
+    load.areas.push_back(network.area_of(face));
+    greatest = std::max(greatest, load.areas.back().norm());
+  }
+  if (!(greatest > 0.0)) selection.fail("has only triangles without an area; nothing would act on them");
+  constexpr double none = 1e-12;  // of the greatest: rounding of coordinates
+  const auto flat = std::count_if(load.areas.begin(), load.areas.end(),
+                                  [&](const Vector3& area) { return area.norm() <= none * greatest; });
+  if (flat > 0) {
+    scene.notes.push_back(fmt::format("Force {}: {} of its {} faces have no area; nothing acts on them.", index, flat,
+                                      load.faces.size()));
+  }
+}
+
+// Whether each selected node is a corner of a selected face.
+bool is_surface(const std::vector<NodeIndex>& nodes, const std::vector<Face>& faces) {
+  std::vector<NodeIndex> corners;
+  for (const Face& face : faces) corners.insert(corners.end(), face.begin(), face.end());
+  std::sort(corners.begin(), corners.end());
+  return std::includes(corners.begin(), corners.end(), nodes.begin(), nodes.end());
+}
+
+// A total in equal parts, or by area: then it is a traction.
+void share_total(const Table& table, const Vector3& total, const Chosen& chosen, std::size_t index, Scene& scene,
+                 Load& load) {
+  const Value selection = table.need("select");
+  std::vector<NodeIndex> nodes = select_nodes(selection, scene.network);
+  const auto share = table.find("share");
+  const bool by_area =
+      share ? share->choice({"area", "nodes"}) == 0 : is_surface(nodes, chosen.triangles(scene.network));
+  if (!by_area) {
+    load.force = total / static_cast<double>(nodes.size());
+    load.nodes = std::move(nodes);
+    return;
+  }
+  take_faces(selection, chosen, index, scene, load);
+  double area = 0.0;
+  for (const Vector3& each : load.areas) area += each.norm();
+  load.traction = total / area;
+}
+
+void read_force(const Table& table, const std::vector<Shape>& shapes, Scene& scene) {
+  Network& network = scene.network;
+  const std::size_t index = network.loads().size();
+  const std::string_view kind = kind_of(table);
+  const Value value = *table.find(kind), selection = table.need("select");
+  if (kind != "total") {
+    if (const auto share = table.find("share")) share->fail("goes with 'total'; remove it");
+  }
+  if (kind != "pressure") {
+    if (const auto follow = table.find("follow")) follow->fail("goes with 'pressure'; remove it");
+  }
+  Load load;
+  if (kind == "force") {
+    load.force = value.vector();
+    load.nodes = select_nodes(selection, network);
+  } else {
+    const Chosen chosen(selection, network, shapes);
+    if (kind == "total") {
+      share_total(table, value.vector(), chosen, index, scene, load);
+    } else {
+      take_faces(selection, chosen, index, scene, load);
+      if (kind == "traction") {
+        load.traction = value.vector();
+      } else {
+        load.pressure = value.number();
+        if (const auto follow = table.find("follow")) load.follow = follow->boolean();
+      }
+    }
+  }
+  if (const auto from = table.find("from")) load.from = from->number();
+  if (const auto until = table.find("until")) load.until = until->number();
+  read_course(table, load.course);
+  (table.has("until") ? *table.find("until") : table.value()).at_this_place([&] { network.add_load(load); });
+}
+
+}  // namespace
+
+void read_loads(const Table& root, const std::vector<Shape>& shapes, Scene& scene) {
+  for (const Value& value : root.tables("force")) read_force(value.table("force"), shapes, scene);
+}
+
+}  // namespace springnet::scene
