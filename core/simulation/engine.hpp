@@ -248,6 +248,7 @@ class Engine {
   std::vector<std::string> notes_;
   bool energy_noted_ = false;
   std::set<std::uint32_t> torn_loads_;  // of which faces went
+  std::size_t torn_faces_ = 0;
   Reactions reactions_;
   bool reactions_known_ = false;
   bool rupturing_known_ = false;

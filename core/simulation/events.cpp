@@ -78,6 +78,7 @@ bool Engine::remove_faces(const std::vector<std::size_t>& faces, double time) {
   const std::vector<std::size_t> removed = layout_.remove_faces(faces);
   if (removed.empty()) return false;
   loads_.faces_changed();
+  torn_faces_ += removed.size();
   std::set<std::uint32_t> loads;
   for (const std::size_t f : removed) loads.insert(layout_.loaded_faces().load_of(f));
   for (const std::uint32_t load : loads) {
@@ -111,10 +112,11 @@ void Engine::perform_due_cuts() {
     ScheduledCut& scheduled = cuts_[k];
     if (scheduled.done || scheduled.time > time_ + slack) continue;
     scheduled.done = true;
-    const std::size_t before = events_.size();
+    const auto met = [this] { return events_.size() + torn_faces_; };
+    const std::size_t before = met();
     cut(scheduled.springs);
     if (scheduled.polygon) cut(*scheduled.polygon);
-    if (events_.size() == before)
+    if (met() == before)
       notes_.push_back(fmt::format("Cut {} at {:g} s met nothing that was left to cut.", k, scheduled.time));
   }
 }
