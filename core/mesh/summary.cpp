@@ -97,7 +97,7 @@ UnitGuess guess_unit(double size) {
   }
   if (size <= micrometres) {
     return {"millimetres", 1e-3, true,
-            fmt::format("It is {} long; as metres it would be larger than a house.", as("mm"))};
+            fmt::format("It is {} long; as metres it would be as large as a house.", as("mm"))};
   }
   return {"micrometres", 1e-6, false,
           fmt::format("It is {:.3g} mm long in micrometres, {:.3g} m in millimetres.", 1e-3 * size, 1e-3 * size)};

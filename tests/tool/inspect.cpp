@@ -74,3 +74,23 @@ TEST_CASE("inspect --json has the same as numbers, and sees --set") {
   const double t = json["time_constants"]["wavefront"]["time_constant_s"];
   CHECK(t == doctest::Approx((-2.0 + std::sqrt(100.0)) / 48.0).epsilon(2e-3));
 }
+
+TEST_CASE("inspect hints at likely mistakes, with the scene's time step, duration and integrator") {
+  const TemporaryFolder folder;
+  folder.write("pair.toml", testing::pair_scene);
+  // w^2 = 4 / 2: a period of 4.44 s.
+  check_says(testing::springnet(folder, "inspect pair.toml --set simulation.time_step=0.5"),
+             {"slowest vibration    a period of 4.44 s, 8.89 time steps; damping ratio 0.088",
+              "  - The slowest vibration has a period of 4.44 s, 8.9 time steps: too few"});
+  check_says(testing::springnet(
+                 folder, "inspect pair.toml --set simulation.time_step=0.5 --set 'simulation.integrator=\"cvode\"'"),
+             {"nothing unusual"});
+  const auto json =
+      testing::springnet(folder, "inspect pair.toml --json --set fix=[] --set simulation.duration=5").json();
+  REQUIRE(json["hints"].size() == 1);
+  CHECK(json["hints"][0]["kind"] == "fall");
+  CHECK(json["hints"][0]["text"].get<std::string>().find("14 m in 5 s") != std::string::npos);
+  CHECK(testing::springnet(folder, "inspect pair.toml --json --set fix=[] --set simulation.duration=0.1")
+            .json()["hints"]
+            .empty());
+}
