@@ -207,7 +207,7 @@ std::string explain_failure(const Layout& layout, InstructionSet set, double tim
           evaluate_group(layout, set, time, nodes, alone, &s, 1, *geometry, out, out, message);
       const std::string what = wrong_answer(*law->component, status, force, energy, message);
       if (what.empty()) continue;
-      return fmt::format("{} for spring {} (nodes {} and {}, length {} m, rate {} m/s)", what, s,
+      return fmt::format("{} for spring {} (nodes {} and {}, length {:.10g} m, rate {:.10g} m/s)", what, s,
                          layout.ordering().user[layout.first(s)], layout.ordering().user[layout.second(s)],
                          geometry->length[0], geometry->rate[0]);
     }

@@ -138,10 +138,10 @@ void Network::check_lengths(NodeIndex node, const Vector3& position) const {
     const NodeIndex other = first == node ? second : first;
     const double apart = distance(position, nodes_[other].position);
     if (std::abs(length - apart) <= length_accuracy * length) continue;
-    fail(
-        fmt::format("node {} cannot be placed at {}: it is joined rigidly to node {}, at {} m, and would be {} m away; "
-                    "place nodes before they are joined",
-                    node, text(position), other, length, apart));
+    fail(fmt::format(
+        "node {} cannot be placed at {}: it is joined rigidly to node {}, at {:.10g} m, and would be {:.10g} m away; "
+        "place nodes before they are joined",
+        node, text(position), other, length, apart));
   }
 }
 
@@ -159,10 +159,10 @@ RigidIndex Network::add_rigid(NodeIndex first, NodeIndex second, std::optional<d
     fail(fmt::format("{}: its length must be a finite number above 0 m, is {}", what(), *length));
   }
   if (length && std::abs(*length - apart) > length_accuracy * *length) {
-    fail(
-        fmt::format("{}: its length is {} m, but the nodes are {} m apart: place them at that distance, or leave the "
-                    "length out",
-                    what(), *length, apart));
+    fail(fmt::format(
+        "{}: its length is {:.10g} m, but the nodes are {:.10g} m apart: place them at that distance, or leave the "
+        "length out",
+        what(), *length, apart));
   }
   const auto [lower, upper] = std::minmax(first, second);
   if (!rigid_ends_.insert(std::uint64_t{lower} << 32 | upper).second) {

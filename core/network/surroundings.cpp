@@ -80,8 +80,9 @@ void check_polygon(const std::vector<Vector3>& polygon) {
   for (std::size_t i = 0; i < polygon.size(); ++i) {
     const double height = normal.dot(polygon[i] - polygon[0]);
     if (std::abs(height) > flatness * extent) {
-      fail(fmt::format("a cutting polygon must be planar; corner {} lies {} m off the plane: move it, or use triangles",
-                       i, std::abs(height)));
+      fail(fmt::format(
+          "a cutting polygon must be planar; corner {} lies {:.3g} m off the plane: move it, or use triangles", i,
+          std::abs(height)));
     }
   }
 }

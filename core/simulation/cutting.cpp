@@ -27,10 +27,11 @@ CuttingPolygon::CuttingPolygon(const std::vector<Vector3>& corners) : corners_(c
   for (std::size_t i = 0; i < corners.size(); ++i) {
     const double off = std::abs(normal_.dot(corners[i] - point_));
     if (off > 1e-6 * size)
-      throw Error(ErrorKind::input,
-                  fmt::format("corner {} of a cutting polygon lies {} m outside the plane of the others; give planar "
-                              "polygons, or several triangles",
-                              i, off));
+      throw Error(
+          ErrorKind::input,
+          fmt::format("corner {} of a cutting polygon lies {:.3g} m outside the plane of the others; give planar "
+                      "polygons, or several triangles",
+                      i, off));
   }
   Eigen::Index drop = 0;
   normal_.cwiseAbs().maxCoeff(&drop);

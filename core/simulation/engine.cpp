@@ -109,7 +109,7 @@ void Engine::start_constraints() {
       if (distance >= -tolerance) continue;
       const bool plane = contact_.surfaces()[j].is_plane();
       throw Error(ErrorKind::input,
-                  fmt::format("node {} starts {} m {} {}, where no node can be; move the body or the {}",
+                  fmt::format("node {} starts {:.3g} m {} {}, where no node can be; move the body or the {}",
                               layout_.ordering().user[k], -distance, plane ? "behind" : "inside", contact_.name_of(j),
                               plane ? "plane, or turn the plane's normal towards the body" : "instrument"));
     }

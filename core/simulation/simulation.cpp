@@ -422,7 +422,7 @@ void Simulation::set_position(NodeIndex node, const Vector3& position) {
     if (distance < 0.0)
       throw Error(
           ErrorKind::input,
-          fmt::format("position of node {}: {} m {} {}, where no node can be; keep it outside, or fix the node "
+          fmt::format("position of node {}: {:.3g} m {} {}, where no node can be; keep it outside, or fix the node "
                       "first",
                       node, -distance, contact.surfaces()[j].is_plane() ? "behind" : "inside", contact.name_of(j)));
   }

@@ -260,6 +260,17 @@ TEST_CASE("an energy that is not finite is noted once, with time, law, spring an
   CHECK(simulation.notes().size() == 1);
 }
 
+TEST_CASE("distances in messages have the digits that matter") {
+  springnet::Network net = springnet::testing::oscillator(springnet::testing::damped(4.0, 0.0), 1.0, 0.1);
+  net.add_plane({.name = "wall", .point = {1.4, 0, 0}, .normal = {1, 0, 0}});  // 1.4 - 1.1 is 0.2999999999999998
+  try {
+    static_cast<void>(springnet::testing::simulate(net, springnet::testing::recurrent(1, 1e-9), 0.01));
+    FAIL("a node started behind a plane");
+  } catch (const springnet::Error& error) {
+    CHECK(std::string(error.what()).find("node 1 starts 0.3 m behind plane 'wall'") != std::string::npos);
+  }
+}
+
 TEST_CASE("times in messages have no rounding error of adding up steps") {
   springnet::Simulation simulation =
       springnet::testing::simulate(springnet::testing::oscillator(springnet::testing::damped(4.0, 0.0), 1.0, 0.1),
