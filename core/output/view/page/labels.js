@@ -5,8 +5,8 @@
 
   function show_arrow_scale() {
     const way = s.shown.arrows, most = s.force_ways.greatest[way], part = element("legend-arrow");
-    part.hidden = !s.shown.forces || !(most > 0);
-    part.textContent = "longest arrow " + s.force_text(most) + (way === "resultants" && s.force_ways.differ ? ", a load’s resultant" : "");
+    part.hidden = !s.shown.forces || !(s.force_ways.greatest.nodes > 0);
+    part.textContent = !(most > 0) ? "loads without resultant: see forces at each node" : "longest arrow " + s.force_text(most) + (way === "resultants" && s.force_ways.differ ? ", a load’s resultant" : "");
   }
 
   function show_legend() {

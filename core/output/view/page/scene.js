@@ -128,7 +128,8 @@
       const width = Math.max(1, place.clientWidth), height = Math.max(1, place.clientHeight);
       const ratio = Math.min(window.devicePixelRatio || 1, 2);
       s.camera.resize();
-      layers.forEach(function (layer) { layer.resize(width, height, ratio); });
+      const thickness = ratio * Math.min(1, Math.max(0.55, Math.min(width, height) / 520));  // finer lines and dots in small pictures
+      layers.forEach(function (layer) { layer.resize(width * ratio, height * ratio, thickness); });
       if (!renderer) return;
       renderer.setPixelRatio(ratio);
       renderer.setSize(width, height, false);

@@ -65,10 +65,11 @@
     mesh.renderOrder = options.above ? 5 : 0;
     let count = 0;
     this.mesh = mesh;
-    this.resize = function (width, height, ratio) {
-      material.uniforms.pixels.value.set(width * ratio, height * ratio);
-      material.uniforms.width.value = options.width * ratio;
-      material.uniforms.dash.value = (options.dash || 0) * ratio;
+    // The picture's size in its own pixels, and how many of these stand for one of the widths given.
+    this.resize = function (width, height, thickness) {
+      material.uniforms.pixels.value.set(width, height);
+      material.uniforms.width.value = options.width * thickness;
+      material.uniforms.dash.value = (options.dash || 0) * thickness;
     };
     this.begin = function () { count = 0; };
     this.add = function (positions, a, b, table, offset) {
@@ -125,7 +126,7 @@
     this.mesh = new THREE.Points(geometry, material);
     this.mesh.frustumCulled = false;
     this.mesh.renderOrder = hollow ? 6 : 1;
-    this.resize = function (width, height, ratio) { material.uniforms.ratio.value = ratio; };
+    this.resize = function (width, height, thickness) { material.uniforms.ratio.value = thickness; };
     this.update = function () { attributes.forEach(function (attribute) { attribute.needsUpdate = true; }); };
   };
 })(springnet);
