@@ -7,6 +7,7 @@
 #include "output/view/base64.hpp"
 #include "output/view/description.hpp"
 #include "output/view/page.hpp"
+#include "output/view/pair.hpp"
 
 namespace springnet::view {
 
@@ -105,10 +106,6 @@ void write_arrows(std::ostream& out, const Forces& forces) {
   std::vector<std::uint32_t> nodes;
   for (const Arrow& arrow : forces.arrows) nodes.push_back(arrow.node);
   write_block(out, "arrow_nodes", nodes);
-}
-
-std::uint64_t pair_of(NodeIndex a, NodeIndex b) {
-  return static_cast<std::uint64_t>(std::min(a, b)) << 32U | std::max(a, b);
 }
 
 // A triangle is torn where the spring along one of its edges is gone.

@@ -2,11 +2,13 @@
 
 #include <algorithm>
 #include <map>
+#include <unordered_map>
 
 #include <fmt/format.h>
 #include <Eigen/Geometry>
 
 #include "network/load_course.hpp"
+#include "output/view/pair.hpp"
 
 namespace springnet::view {
 
@@ -30,14 +32,36 @@ std::vector<Item> some_of(const std::vector<Item>& all, std::size_t count) {
   return some;
 }
 
-// What a load puts on each of its nodes at that time, N. Steps end where a load is switched up to rounding of the time.
-OnNodes forces_at(const Load& load, const Simulation& simulation) {
+void find_sides(const Network& network, std::vector<DrawnLoad>& loads) {
+  std::unordered_multimap<std::uint64_t, SpringIndex> springs;
+  if (std::any_of(loads.begin(), loads.end(),
+                  [&](const DrawnLoad& each) { return !network.loads()[each.load].faces.empty(); })) {
+    for (SpringIndex k = 0; k < network.springs().size(); ++k) {
+      springs.emplace(pair_of(network.springs()[k].first, network.springs()[k].second), k);
+    }
+  }
+  for (DrawnLoad& drawn : loads) {
+    const std::vector<Face>& faces = network.loads()[drawn.load].faces;
+    for (std::size_t f = 0; f < faces.size(); ++f) {
+      for (std::size_t k = 0; k < 3; ++k) {
+        const auto [first, last] = springs.equal_range(pair_of(faces[f][k], faces[f][(k + 1) % 3]));
+        for (auto spring = first; spring != last; ++spring) drawn.sides.push_back({f, spring->second});
+      }
+    }
+  }
+}
+
+// What a load puts on each of its nodes now, N. Steps end where a load is switched up to rounding of the time.
+OnNodes forces_now(const Load& load, const DrawnLoad& drawn, const Simulation& simulation) {
   const double time = simulation.time() + 1e-6 * simulation.time_step();
   const double factor = load.from <= time && time < load.until ? LoadCourse(load).at(simulation.time()) : 0.0;
   std::vector<Vector3> areas = load.areas;
   for (std::size_t f = 0; load.follow && f < areas.size(); ++f) {
     const Vector3 a = simulation.position(load.faces[f][0]);
     areas[f] = 0.5 * (simulation.position(load.faces[f][1]) - a).cross(simulation.position(load.faces[f][2]) - a);
+  }
+  for (const DrawnLoad::Side& side : drawn.sides) {
+    if (!simulation.alive(side.spring)) areas[side.face].setZero();
   }
   OnNodes sums = summed(springnet::forces_of(load, areas));
   for (auto& [node, force] : sums) force *= factor;
@@ -86,6 +110,7 @@ Forces forces_of(const Network& network, const Selection& selection) {
       forces.arrows.push_back({forces.loads.size(), selection.node_place[node], node});
     forces.loads.push_back({candidate.load, candidate.all, count});
   }
+  find_sides(network, forces.loads);
   if (forces.arrows.size() < forces.all) {
     forces.notes.push_back(fmt::format("arrows at nodes show {} of {} forces; resultants count all forces of a load",
                                        forces.arrows.size(), forces.all));
@@ -98,7 +123,7 @@ void take_forces(const Forces& forces, const Network& network, const Simulation&
   std::size_t arrow = 0;
   for (std::size_t k = 0; k < forces.loads.size(); ++k) {
     const Load& load = network.loads()[forces.loads[k].load];
-    const OnNodes on_nodes = forces_at(load, simulation);
+    const OnNodes on_nodes = forces_now(load, forces.loads[k], simulation);
     Vector3 sum = Vector3::Zero();
     double size = 0.0;
     for (const auto& [node, force] : on_nodes) {

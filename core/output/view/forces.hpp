@@ -16,9 +16,15 @@ namespace springnet::view {
 
 // A load whose force is not zero; its arrows follow those of the load before it.
 struct DrawnLoad {
+  // A spring along a side of a face of the load: with it the face goes.
+  struct Side {
+    std::size_t face;
+    SpringIndex spring;
+  };
   std::size_t load;   // of Network::loads()
   std::size_t nodes;  // that it acts on
   std::size_t arrows;
+  std::vector<Side> sides{};
 };
 
 // A force of a drawn load on a node that is shown.
