@@ -17,6 +17,12 @@ namespace springnet::checks {
 
 inline std::string text(const Vector3& v) { return fmt::format("[{}, {}, {}]", v.x(), v.y(), v.z()); }
 
+// "0.57 s", without the digits that rounding leaves of 57 times 0.01; a time that is no number is told in words.
+inline std::string seconds(double time) {
+  if (std::isfinite(time)) return fmt::format("{:.10g} s", time);
+  return std::isnan(time) ? "not a number" : time > 0.0 ? "infinity" : "minus infinity";
+}
+
 inline double distance(const Vector3& a, const Vector3& b) {
   return std::hypot(a.x() - b.x(), a.y() - b.y(), a.z() - b.z());
 }
@@ -40,11 +46,11 @@ inline void check_times(const std::vector<double>& times, std::size_t count, std
   if (count < 2) fail(fmt::format("{}: its table needs two entries or more, has {}", what, count));
   for (std::size_t k = 0; k < count; ++k) {
     if (!std::isfinite(times[k])) {
-      fail(fmt::format("{}: a time must be finite, entry {} of its table has {} s", what, k, times[k]));
+      fail(fmt::format("{}: a time must be finite, entry {} of its table is {}", what, k, seconds(times[k])));
     }
     if (k > 0 && !(times[k - 1] < times[k])) {
-      fail(fmt::format("{}: the times of its table must rise, but entry {} is at {} s and entry {} at {} s", what,
-                       k - 1, times[k - 1], k, times[k]));
+      fail(fmt::format("{}: the times of its table must rise, but entry {} is at {} and entry {} at {}", what, k - 1,
+                       seconds(times[k - 1]), k, seconds(times[k])));
     }
   }
 }

@@ -62,8 +62,8 @@ void Network::add_load(const Load& load) {
   check_finite(load.traction, "a load's traction");
   if (!std::isfinite(load.pressure)) fail(fmt::format("a load's pressure must be finite, is {} Pa", load.pressure));
   if (!(load.from < load.until)) {
-    fail(fmt::format("a load acts from {} s until {} s, which is never: `from` must be less than `until`", load.from,
-                     load.until));
+    fail(fmt::format("a load acts from {} until {}, which is never: `from` must be less than `until`",
+                     seconds(load.from), seconds(load.until)));
   }
   check_course(load.course);
   check_faces(load, nodes_.size());

@@ -29,10 +29,10 @@ void check_sinusoid(const Motion& motion, std::string_view what) {
     fail(fmt::format("{}: its frequency must be a finite number above 0 Hz, is {}", what, motion.frequency));
   }
   if (!std::isfinite(motion.phase)) fail(fmt::format("{}: its phase must be finite, is {}", what, motion.phase));
-  if (!std::isfinite(motion.from)) fail(fmt::format("{}: its start must be finite, is {} s", what, motion.from));
+  if (!std::isfinite(motion.from)) fail(fmt::format("{}: its start must be finite, is {}", what, seconds(motion.from)));
   if (!(motion.from < motion.until)) {
-    fail(fmt::format("{} goes from {} s until {} s, which is never: `from` must be less than `until`", what,
-                     motion.from, motion.until));
+    fail(fmt::format("{} goes from {} until {}, which is never: `from` must be less than `until`", what,
+                     seconds(motion.from), seconds(motion.until)));
   }
 }
 

@@ -1,5 +1,6 @@
 #include <fmt/format.h>
 
+#include "network/checks.hpp"
 #include "scene/parts.hpp"
 #include "scene/select.hpp"
 #include "scene/time_table.hpp"
@@ -37,7 +38,8 @@ Motion read_motion(const Table& table) {
   if (const auto until = table.find("until")) {
     motion.until = until->number();
     if (!(motion.from < motion.until)) {
-      until->fail(fmt::format("must be above 'from', {} s, is {} s", motion.from, motion.until));
+      until->fail(
+          fmt::format("must be above 'from', {}, is {}", checks::seconds(motion.from), checks::seconds(motion.until)));
     }
   }
   return motion;

@@ -9,6 +9,7 @@
 
 #include "layers/element_questions.hpp"
 #include "layers/elements.hpp"
+#include "network/checks.hpp"
 #include "network/spacing.hpp"
 #include "plugin_host/call.hpp"
 #include "simulation/engine.hpp"
@@ -91,9 +92,9 @@ struct Simulation::Impl {
     if (!position.allFinite() || !std::isfinite(until) || !(until > engine.time()))
       throw Error(
           ErrorKind::input,
-          fmt::format("a motion to ({}, {}, {}) that ends at {:.10g} s: the position must be finite, and the time "
-                      "after {:.10g} s, which is now",
-                      position[0], position[1], position[2], until, engine.time()));
+          fmt::format("a motion to ({}, {}, {}) that ends at {}: the position must be finite, and the time "
+                      "after {}, which is now",
+                      position[0], position[1], position[2], checks::seconds(until), checks::seconds(engine.time())));
   }
   [[nodiscard]] const Surface& surface(std::size_t index) const {
     check_surface(index);
@@ -200,7 +201,7 @@ void Simulation::Impl::advance(double until) {
   // All that comes through the C ABI of an exception is its text.
   const bool memory = end.text == std::bad_alloc().what() || end.text == "out of memory";
   std::string text =
-      fmt::format("step from {:.10g} s to {:.10g} s: {}", from, until,
+      fmt::format("step from {} to {}: {}", checks::seconds(from), checks::seconds(until),
                   memory ? "out of memory: simulate a smaller network, or on a larger machine" : end.text);
   if (!engine.non_finite().empty() && text.find(engine.non_finite()) == std::string::npos)
     text += fmt::format("; {}", engine.non_finite());
@@ -211,7 +212,8 @@ Simulation::Simulation(const Network& network, std::shared_ptr<const PluginHost>
                        const SimulationOptions& options) {
   if (!plugins) throw Error(ErrorKind::input, "a simulation needs a plugin host");
   if (!(options.time_step > 0.0) || !std::isfinite(options.time_step))
-    throw Error(ErrorKind::input, fmt::format("time step: must be above 0 s, is {} s", options.time_step));
+    throw Error(ErrorKind::input,
+                fmt::format("time step: must be a finite number above 0 s, is {}", checks::seconds(options.time_step)));
   if (options.threads > most_threads)
     throw Error(ErrorKind::input, fmt::format("threads: must be 0 to {}, is {}; 0 takes as many as are useful",
                                               most_threads, options.threads));
@@ -235,7 +237,8 @@ const StepReport& Simulation::step() {
 const StepReport& Simulation::advance_to(double until) {
   Impl& impl = *impl_;
   if (!(until >= time()) || !std::isfinite(until))
-    throw Error(ErrorKind::input, fmt::format("cannot advance from {:.10g} s to {:.10g} s", time(), until));
+    throw Error(ErrorKind::input,
+                fmt::format("cannot advance from {} to {}", checks::seconds(time()), checks::seconds(until)));
   impl.last = {};
   const double step = impl.options.time_step;
   // A remainder as small as this is rounding of the times, no step of its own. Beside `until`, because a time step may

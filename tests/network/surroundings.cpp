@@ -209,8 +209,8 @@ TEST_CASE("motions that are none") {
                  "must rise, but entry 0 is at 0 s and entry 1 at 0");
   motion_refused(table({0, 2, 1}, {Vector3::Zero(), Vector3::UnitX(), Vector3::Zero()}),
                  "entry 1 is at 2 s and entry 2 at 1 s");
-  motion_refused(table({0, inf}, {Vector3::Zero(), Vector3::UnitX()}), "entry 1 of its table has inf s");
-  motion_refused(table({nan_value, 1}, {Vector3::Zero(), Vector3::UnitX()}), "entry 0 of its table has nan s");
+  motion_refused(table({0, inf}, {Vector3::Zero(), Vector3::UnitX()}), "entry 1 of its table is infinity");
+  motion_refused(table({nan_value, 1}, {Vector3::Zero(), Vector3::UnitX()}), "entry 0 of its table is not a number");
   motion_refused(table({0, 1}, {Vector3::Zero(), {0, nan_value, 0}}), "entry 1 of its table has [0, nan, 0]");
 
   motion_refused(sinusoid({0, 0, inf}, 1), "its amplitude must be finite, is [0, 0, inf]");

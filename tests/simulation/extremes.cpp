@@ -3,6 +3,7 @@
 #include <doctest/doctest.h>
 
 #include <cmath>
+#include <string>
 
 #include <springnet/error.hpp>
 
@@ -89,4 +90,33 @@ TEST_CASE("a cut waits for its time, however long the time step is") {
   CHECK(simulation.alive(0));
   simulation.advance_to(1.0);
   CHECK_FALSE(simulation.alive(0));
+}
+
+TEST_CASE("messages tell times as they are meant, and a time that is no number in words") {
+  const auto text_of = [](auto&& act) -> std::string {
+    try {
+      act();
+    } catch (const Error& error) {
+      return error.what();
+    }
+    return {};
+  };
+  const Network net = oscillator(damped(100.0, 0.0), 1.0, 0.1);
+  for (const double wrong : {std::nan(""), -std::nan(""), HUGE_VAL}) {
+    CAPTURE(wrong);
+    Simulation simulation = simulate(net, recurrent(newton, 1e-9), 0.01);
+    for (const std::string& text :
+         {text_of([&] { simulation.advance_to(wrong); }), text_of([&] { simulate(net, single_sweep(), wrong); }),
+          text_of([&] { simulation.move_node(0, Vector3::Zero(), wrong); })}) {
+      CAPTURE(text);
+      CHECK(text.find(std::isnan(wrong) ? "not a number" : "infinity") != std::string::npos);
+      CHECK(text.find("nan s") == std::string::npos);
+      CHECK(text.find("inf s") == std::string::npos);
+    }
+  }
+  // 57 steps of 0.01 s end at 0.5700000000000001 s.
+  Network late = net;
+  late.add_load({{1}, {1e300, 0, 0}, 0.57});
+  Simulation simulation = simulate(late, recurrent(synchronous, 1e-9), 0.01);
+  CHECK(text_of([&] { simulation.advance_to(1.0); }).find("step from 0.57 s to 0.58 s: ") == 0);
 }

@@ -57,6 +57,11 @@ void Automatic::estimate(const Workspace& workspace, const Step& step) {
   // The critical time constant changes from step to step; what it leads to is news.
   if (noted_ == chosen_) return;
   noted_ = chosen_;
+  if (std::isinf(weight_)) {
+    // As of masses that nothing joins; a ratio and a limit would say nothing.
+    workspace.host.note("update rule synchronous: no stiffness and no damping limits the time step");
+    return;
+  }
   std::snprintf(text.data(), text.size(),
                 "update rule %s: the time step is about %.2g times the critical time constant of synchronous "
                 "propagation, %.2g s",

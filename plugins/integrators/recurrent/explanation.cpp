@@ -56,7 +56,7 @@ std::string short_number(double value) {
 std::string explain(const Step& step, const Attempt& attempt, const Circumstances& circumstances) {
   const std::string node =
       std::to_string(step.network.user_number[step.differences.node == no_node ? 0 : step.differences.node]);
-  const std::string after = " after " + std::to_string(step.sweeps) + " sweeps: ";
+  const std::string after = " after " + std::to_string(step.sweeps) + (step.sweeps == 1 ? " sweep: " : " sweeps: ");
   const std::string remedy = remedy_for(step, attempt, circumstances);
   if (!attempt.law_message.empty()) {
     const std::string text = "the step diverges" + after + attempt.law_message;

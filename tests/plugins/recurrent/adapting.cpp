@@ -111,6 +111,15 @@ TEST_CASE("where no rule is named the engine picks one and says why") {
   CHECK(contains(viscous, "synchronous propagation, 0.31 s"));
 }
 
+TEST_CASE("where nothing limits the time step, the note has no numbers that say nothing") {
+  Network net;
+  net.add_node(point(Vector3::Zero()));
+  net.set_gravity({0, 0, -9.81});
+  Simulation simulation = simulate(net, {"recurrent", {}}, 0.1);
+  simulation.step();
+  CHECK(simulation.notes().at(0) == "update rule synchronous: no stiffness and no damping limits the time step");
+}
+
 TEST_CASE("the rule picked gives way to a stronger one in a step that it does not settle") {
   // At rest the spring is soft; node 1 runs away from the wall and stiffens it a thousandfold.
   Network net =
