@@ -132,6 +132,7 @@ std::string result_text(const RunSummary& summary, const std::filesystem::path& 
 // "What was written until 101 s is kept in out, but of trajectory.csv only until 80 s."
 std::string kept_text(const RunSummary& summary, const std::filesystem::path& folder) {
   if (summary.records == 0) return "Nothing was recorded.";
+  if (summary.bytes == 0) return "Nothing of it is kept.";
   std::vector<std::string> shorter;
   for (const CutShort& file : summary.cut_short) {
     shorter.push_back(std::isnan(file.until) ? fmt::format("of {} nothing", file.file)

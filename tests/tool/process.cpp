@@ -107,6 +107,17 @@ TEST_CASE("nothing that is printed ends up in a table where standard streams are
   }
 }
 
+TEST_CASE("no file that a run opens takes the place of a closed standard stream") {
+  const TemporaryFolder folder;
+  folder.write("pair.toml", testing::pair_scene);
+  const Answer answer =
+      testing::shell(folder,
+                     "(exec \"$SPRINGNET\" run pair.toml --realtime=0.001 -q -o out <&- >&- 2>&-) & tool=$!; "
+                     "while [ ! -e out/events.csv ] && kill -0 $tool; do sleep 0.02; done; "
+                     "for stream in 0 1 2; do readlink /proc/$tool/fd/$stream; done; kill -TERM $tool; wait $tool");
+  CHECK(answer.out == "/dev/null\n/dev/null\n/dev/null\n");
+}
+
 TEST_CASE("two runs in one folder: the second one has status 2, also of validate") {
   const TemporaryFolder folder;
   folder.write("pair.toml", testing::pair_scene);
