@@ -43,6 +43,7 @@ struct Simulation::Impl {
     const Ending end = call([&] { return component->integrator().create(&host, values.data(), &integrator); });
     if (end.status == SPRINGNET_OK) return;
     if (end.broken) throw Error(ErrorKind::plugin, end.text);
+    if (end.out_of_memory()) throw std::bad_alloc();
     throw Error(ErrorKind::input, fmt::format("integrator '{}': {}", given.integrator.id, end.text));
   }
   ~Impl() {
@@ -60,6 +61,10 @@ struct Simulation::Impl {
     springnet_status status = SPRINGNET_FAILED;
     bool broken = false;
     std::string text;  // why, unless the status is OK
+    // All that comes through the C ABI of an exception is its text.
+    [[nodiscard]] bool out_of_memory() const {
+      return status != SPRINGNET_OK && (text == std::bad_alloc().what() || text == "out of memory");
+    }
   };
   template <class Function>
   Ending call(const Function& function);
@@ -180,10 +185,11 @@ void Simulation::Impl::advance(double until) {
   }
   const springnet_status status = end.status;
   const std::vector<std::uint32_t>& user = engine.layout().ordering().user;
-  // Whatever an integrator says: a step that failed is not settled.
+  // Whatever an integrator says: a step that failed is not settled. Short of memory, it says nothing of the motion.
   const bool known = report.outcome >= SPRINGNET_SETTLED && report.outcome <= SPRINGNET_DIVERGING;
   Outcome outcome = known ? static_cast<Outcome>(report.outcome) : Outcome::diverging;
   if (status != SPRINGNET_OK && outcome == Outcome::settled) outcome = Outcome::diverging;
+  if (end.out_of_memory()) outcome = Outcome::settled;
   if (outcome != Outcome::settled) last.outcome = outcome;
   last.sweeps += report.sweeps;
   last.force_difference = report.force_difference;
@@ -198,11 +204,9 @@ void Simulation::Impl::advance(double until) {
     steps += report.steps;
     return;
   }
-  // All that comes through the C ABI of an exception is its text.
-  const bool memory = end.text == std::bad_alloc().what() || end.text == "out of memory";
   std::string text =
       fmt::format("step from {} to {}: {}", checks::seconds(from), checks::seconds(until),
-                  memory ? "out of memory: simulate a smaller network, or on a larger machine" : end.text);
+                  end.out_of_memory() ? "out of memory: simulate a smaller network, or on a larger machine" : end.text);
   if (!engine.non_finite().empty() && text.find(engine.non_finite()) == std::string::npos)
     text += fmt::format("; {}", engine.non_finite());
   throw Error(end.broken ? ErrorKind::plugin : ErrorKind::simulation, text);

@@ -46,6 +46,7 @@ TEST_CASE("a run that is out of memory keeps whole records, and says so") {
     if (!summary.failure) continue;
     ++failed;
     CHECK(summary.failure == ErrorKind::simulation);
+    CHECK(summary.outcome == "failed");
     CHECK(summary.error.find("out of memory: ") != std::string::npos);
     CHECK(summary.error.find("bad_alloc") == std::string::npos);
     CHECK(std::filesystem::exists(folder.path() / "view.html"));

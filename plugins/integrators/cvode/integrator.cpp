@@ -91,7 +91,17 @@ void ReferenceIntegrator::check(int status) const {
   if (status < 0) throw sdk::Failure("cvode: " + context_.last_error());
 }
 
+// SUNDIALS 6 uses a vector that it could not make (N_VClone), so all that it makes are tried first.
+void ReferenceIntegrator::require_memory() const {
+  constexpr std::size_t of_cvode = 30;  // orders of Adams, 13, weights, corrections, and those of a fixed point
+  constexpr std::size_t of_krylov = 46;
+  std::vector<Vector> vectors(of_cvode + (linear_solver() == LinearSolverKind::krylov ? of_krylov : 0));
+  const auto size = static_cast<sunindextype>(6 * equations_.node_count());
+  for (Vector& vector : vectors) vector = make_vector(size, context_);
+}
+
 void ReferenceIntegrator::create(double time) {
+  require_memory();
   Memory created(CVodeCreate(settings_.method == Method::bdf ? CV_BDF : CV_ADAMS, context_.get()));
   if (!created) throw std::bad_alloc();
   void* memory = created.get();

@@ -28,6 +28,7 @@ class ReferenceIntegrator {
 
  private:
   [[nodiscard]] LinearSolverKind linear_solver() const;
+  void require_memory() const;
   void create(double time);
   // CVODE from the committed state on, with an empty history; the next discontinuity is at `stop`.
   void restart(double time, const springnet_state& state, double stop);
