@@ -12,6 +12,7 @@
 #include "scene/files.hpp"
 #include "scene/parts.hpp"
 #include "scene/reader.hpp"
+#include "simulation/most_threads.hpp"
 
 namespace springnet {
 namespace scene {
@@ -41,9 +42,8 @@ void read_simulation(const Table& root, const PluginHost& plugins, Scene& result
                                                : read_component(integrator->open_table("simulation.integrator"), "name",
                                                                 ComponentKind::integrator, plugins);
   }
-  constexpr std::int64_t most_threads = 1024;  // more than any machine this runs on: a slip of the keyboard
   if (const auto threads = table.find("threads")) {
-    options.threads = static_cast<unsigned>(threads->integer(0, most_threads));
+    options.threads = static_cast<unsigned>(threads->integer(0, std::int64_t{most_threads}));
   }
   if (const auto set = table.find("instruction_set")) {
     options.instruction_set = static_cast<InstructionSet>(set->choice({"best", "generic", "avx2", "avx512"}));

@@ -14,6 +14,7 @@
 #include "plugin_host/call.hpp"
 #include "simulation/engine.hpp"
 #include "simulation/host_table.hpp"
+#include "simulation/most_threads.hpp"
 
 namespace springnet {
 
@@ -134,8 +135,6 @@ struct Simulation::Impl {
 };
 
 namespace {
-
-constexpr unsigned most_threads = 1024;  // more than any machine this runs on: a slip of the keyboard
 
 void check_finite(const Vector3& value, std::string_view what) {
   if (!value.allFinite())

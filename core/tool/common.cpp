@@ -2,11 +2,14 @@
 
 #include <unistd.h>
 
+#include <algorithm>
 #include <cerrno>
 #include <cstdio>
 
 #include <fmt/format.h>
 #include <springnet/printable.hpp>
+
+#include "simulation/most_threads.hpp"
 
 namespace springnet::tool {
 
@@ -15,6 +18,24 @@ namespace {
 bool concerns_integrator(const SceneOverride& change) {
   constexpr std::string_view key = "simulation.integrator";
   return change.key == key || change.key.starts_with(std::string(key) + ".");
+}
+
+// Whether a scene has the component under this name.
+bool uses(const Scene& scene, const Component& component) {
+  const auto is_it = [&](const std::optional<LawUse>& use) { return use && use->id == component.id(); };
+  const std::vector<Material>& materials = scene.network.materials();
+  const std::vector<LawUse>& neurons = scene.network.neurons();
+  switch (component.kind()) {
+    case ComponentKind::spring_function:
+      return std::any_of(materials.begin(), materials.end(), [&](const Material& m) { return is_it(m.spring); });
+    case ComponentKind::viscosity_function:
+      return std::any_of(materials.begin(), materials.end(), [&](const Material& m) { return is_it(m.viscosity); });
+    case ComponentKind::neuron:
+      return std::any_of(neurons.begin(), neurons.end(), is_it);
+    case ComponentKind::integrator:
+      return is_it(scene.options.integrator);
+  }
+  return false;
 }
 
 }  // namespace
@@ -101,10 +122,33 @@ std::vector<std::string> PluginArguments::empty_folders() const {
   return notes;
 }
 
-std::vector<std::string> PluginArguments::notes(const PluginHost& host) const {
+bool PluginArguments::matters(const Refusal& refusal, const Scene& scene, std::string_view integrator) const {
+  if (refusal.instead) {
+    const bool reference = refusal.instead->kind() == ComponentKind::integrator && refusal.instead->id() == integrator;
+    return !refusal.repeated && (reference || uses(scene, *refusal.instead));
+  }
+  return std::any_of(folders.begin(), folders.end(), [&](const std::filesystem::path& folder) {
+    return refusal.file == folder || refusal.file.parent_path() == folder || refusal.file.parent_path() / "" == folder;
+  });
+}
+
+std::vector<std::string> PluginArguments::notes(const PluginHost& host, const Scene& scene,
+                                                std::string_view integrator) const {
+  constexpr std::size_t most_told = 3;
   std::vector<std::string> notes = empty_folders();
+  std::size_t told = 0, others = 0;
   for (const Refusal& refusal : host.refusals()) {
-    notes.push_back(fmt::format("Plugin not taken: {}: {}.", refusal.file.string(), refusal.reason));
+    if (told == most_told || !matters(refusal, scene, integrator)) {
+      ++others;
+      continue;
+    }
+    ++told;
+    notes.push_back(fmt::format("Plugin not taken: {}: {}.", printable_message(refusal.file.string()), refusal.reason));
+  }
+  if (others > 0) {
+    notes.push_back(fmt::format("{} not taken; 'springnet plugin list'{} tells why.",
+                                others == 1 ? "1 plugin file was" : fmt::format("{} plugin files were", others),
+                                folders.empty() ? "" : " with the same --plugins"));
   }
   return notes;
 }
@@ -121,7 +165,9 @@ void SceneArguments::add_to(CLI::App& command, bool simulation) {
     command.add_option("--duration", duration, "Seconds to simulate")
         ->type_name("S")
         ->check(number_between(above_zero, finite));
-    command.add_option("--threads", threads, "Threads; 0: as many as are useful")->type_name("N");
+    command.add_option("--threads", threads, "Threads; 0: as many as are useful")
+        ->type_name("N")
+        ->check(number_between(0, most_threads));
   }
   command.add_option("--set", sets, "Another value for a key of the scene, in TOML. May be repeated")
       ->type_name("KEY=VALUE")
@@ -143,17 +189,17 @@ Scene SceneArguments::load(const PluginHost& host) const {
     if (!concerns_integrator(changes.back())) others.push_back(changes.back());
   }
 
-  if (!integrator.empty()) {
+  if (integrator) {
     // Options of one integrator mean nothing to another, so they go when the name changes, and only then.
     bool same = false;
     try {
-      same = load_scene(file, host, others, outside).options.integrator.id == integrator;
+      same = load_scene(file, host, others, outside).options.integrator.id == *integrator;
     } catch (const Error&) {
       // Loading it below says what is wrong, if it still is.
     }
     if (!same) {
-      static_cast<void>(host.require(ComponentKind::integrator, integrator));
-      changes.insert(changes.begin(), {"simulation.integrator", fmt::format("{{ name = \"{}\" }}", integrator)});
+      static_cast<void>(host.require(ComponentKind::integrator, *integrator));
+      changes.insert(changes.begin(), {"simulation.integrator", fmt::format("{{ name = \"{}\" }}", *integrator)});
     }
   }
   Scene scene = load_scene(file, host, changes, outside);

@@ -38,19 +38,24 @@ struct PluginArguments {
   [[nodiscard]] std::shared_ptr<const PluginHost> load() const;
   // A sentence for each of the folders that holds no plugin.
   [[nodiscard]] std::vector<std::string> empty_folders() const;
-  // These, and one for each file or folder that was looked at and not taken: a user's plugin that offers what another
-  // one offers as well comes before it, and the other one is refused.
-  [[nodiscard]] std::vector<std::string> notes(const PluginHost& host) const;
+  // These; then what was looked at and not taken, where it may matter to the run: what --plugins names cannot be used,
+  // or a component of the scene, or the integrator named, would be another one if the folders were searched in another
+  // order. The rest are counted.
+  [[nodiscard]] std::vector<std::string> notes(const PluginHost& host, const Scene& scene,
+                                               std::string_view integrator = {}) const;
+
+ private:
+  [[nodiscard]] bool matters(const Refusal& refusal, const Scene& scene, std::string_view integrator) const;
 };
 
 struct SceneArguments {
   std::filesystem::path file;
   std::vector<std::string> sets;
-  std::string integrator;
-  std::optional<double> time_step;  // s; else the scene's
-  std::optional<double> duration;   // s; else the scene's
-  std::optional<unsigned> threads;  // else the scene's
-  bool allow_outside = false;       // files that the scene names, outside of its folder
+  std::optional<std::string> integrator;  // else the scene's
+  std::optional<double> time_step;        // s; else the scene's
+  std::optional<double> duration;         // s; else the scene's
+  std::optional<unsigned> threads;        // else the scene's
+  bool allow_outside = false;             // files that the scene names, outside of its folder
   PluginArguments plugins;
 
   // --set, --allow-outside and --plugins; `simulation`: --integrator, --time-step, --duration and --threads as well.

@@ -57,6 +57,17 @@ void refuse_missing_values(int argc, char** argv) {
   }
 }
 
+// An empty word is no name, file or number: a variable of a script that is not set.
+void refuse_empty_values(const CLI::App& command) {
+  for (const CLI::Option* option : command.get_options()) {
+    const std::vector<std::string>& values = option->results();
+    if (std::find(values.begin(), values.end(), "") == values.end()) continue;
+    throw Error(ErrorKind::input, fmt::format("{}: an empty value was given; leave the option out, or name something",
+                                              option->get_name()));
+  }
+  for (const CLI::App* inner : command.get_subcommands()) refuse_empty_values(*inner);
+}
+
 int run(int argc, char** argv) {
   refuse_missing_values(argc, argv);
   CLI::App app;
@@ -70,6 +81,7 @@ int run(int argc, char** argv) {
     // Help and version are "errors" that end well.
     return app.exit(error) == 0 ? tool::done : tool::wrong_usage;
   }
+  refuse_empty_values(app);
   return action();
 }
 

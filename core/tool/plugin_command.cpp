@@ -4,6 +4,7 @@
 
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
+#include <springnet/printable.hpp>
 
 #include "commands.hpp"
 #include "common.hpp"
@@ -64,15 +65,22 @@ std::vector<const springnet_parameter*> parameters_of(const Component& component
   return {description.parameters, description.parameters + description.parameter_count};
 }
 
+// Texts of a plugin's author, and names of files, for the terminal.
+std::string shown(const char* text) {
+  constexpr std::size_t longest = 400;
+  return printable(text, longest);
+}
+std::string shown(const std::filesystem::path& path) { return printable_message(path.string()); }
+
 std::string file_of(const Component& component) {
-  return component.file.empty() ? "(linked into the program)" : component.file.string();
+  return component.file.empty() ? "(linked into the program)" : shown(component.file);
 }
 
 // A parameter's value as a scene writes it.
 std::string value_text(const springnet_parameter& parameter, double value) {
   switch (parameter.type) {
     case SPRINGNET_CHOICE:
-      return fmt::format("\"{}\"", parameter.choices[static_cast<std::size_t>(value)]);
+      return fmt::format("\"{}\"", shown(parameter.choices[static_cast<std::size_t>(value)]));
     case SPRINGNET_BOOLEAN:
       return value != 0.0 ? "true" : "false";
     default:
@@ -85,7 +93,11 @@ bool required(const springnet_parameter& parameter) { return (parameter.flags & 
 // "above 0", "0 to 1", "one of a, b", "any".
 std::string bounds_text(const springnet_parameter& parameter) {
   if (parameter.type == SPRINGNET_CHOICE) {
-    return fmt::format("{}", fmt::join(parameter.choices, parameter.choices + parameter.choice_count, " | "));
+    std::string text;
+    for (std::uint32_t k = 0; k < parameter.choice_count; ++k) {
+      text += fmt::format("{}{}", k == 0 ? "" : " | ", shown(parameter.choices[k]));
+    }
+    return text;
   }
   if (parameter.type == SPRINGNET_BOOLEAN) return "true | false";
   const bool open = (parameter.flags & SPRINGNET_EXCLUDES_SMALLEST) != 0;
@@ -168,7 +180,7 @@ void print_json(const Json& document) {
 }
 
 std::string folder_of(const Component& component) {
-  return component.file.empty() ? file_of(component) : component.file.parent_path().string();
+  return component.file.empty() ? file_of(component) : shown(component.file.parent_path());
 }
 
 // In the order in which they were searched.
@@ -186,8 +198,8 @@ void print_folder(const PluginHost& host, const std::string& folder) {
   for (const KindWord& kind : kind_words) {
     for (const auto& component : host.components()) {
       if (component->kind() != kind.kind || folder_of(*component) != folder) continue;
-      rows.push_back({std::string(name_of(kind.kind)), std::string(component->id()), component->plugin->version,
-                      component->description->summary, component->file.filename().string()});
+      rows.push_back({std::string(name_of(kind.kind)), std::string(component->id()), shown(component->plugin->version),
+                      shown(component->description->summary), shown(component->file.filename())});
     }
   }
   fmt::print("{}\n{}", folder, align_columns(rows));
@@ -210,7 +222,7 @@ int list(const PluginArguments& plugins, bool json) {
   for (const std::string& folder : folders_of(*host)) print_folder(*host, folder);
   for (const std::string& note : plugins.empty_folders()) fmt::print("\n{}\n", note);
   if (!host->refusals().empty()) fmt::print("\nlooked at and not taken:\n");
-  for (const Refusal& refusal : host->refusals()) fmt::print("  {}\n    {}\n", refusal.file.string(), refusal.reason);
+  for (const Refusal& refusal : host->refusals()) fmt::print("  {}\n    {}\n", shown(refusal.file), refusal.reason);
   return done;
 }
 
@@ -222,18 +234,19 @@ void print_parameters(const Component& component) {
   std::vector<std::vector<std::string>> rows{{"PARAMETER", "UNIT", "DEFAULT", "VALUES", ""}};
   for (const springnet_parameter* parameter : parameters_of(component)) {
     const bool learnable = (parameter->flags & SPRINGNET_LEARNABLE) != 0;
-    rows.push_back({parameter->name, parameter->unit,
+    rows.push_back({parameter->name, shown(parameter->unit),
                     required(*parameter) ? "required" : value_text(*parameter, parameter->default_value),
-                    bounds_text(*parameter), fmt::format("{}{}", parameter->summary, learnable ? " (learnable)" : "")});
+                    bounds_text(*parameter),
+                    fmt::format("{}{}", shown(parameter->summary), learnable ? " (learnable)" : "")});
   }
   fmt::print("{}", align_columns(rows));
 }
 
 void print_component(const Component& component) {
   const springnet_plugin& plugin = *component.plugin;
-  fmt::print("{} ({})\n  {}\n\n", component.id(), name_of(component.kind()), component.description->summary);
+  fmt::print("{} ({})\n  {}\n\n", component.id(), name_of(component.kind()), shown(component.description->summary));
   std::vector<std::vector<std::string>> rows;
-  const std::string reference = component.description->reference;
+  const std::string reference = shown(component.description->reference);
   if (!reference.empty()) rows.push_back({"reference", reference});
   if (component.kind() == ComponentKind::spring_function || component.kind() == ComponentKind::viscosity_function) {
     const bool speed = component.law().invariant == SPRINGNET_RELATIVE_SPEED;
@@ -241,8 +254,9 @@ void print_component(const Component& component) {
   }
   const std::vector<std::string> can = capabilities_of(component);
   if (!can.empty()) rows.push_back({"can", fmt::format("{}", fmt::join(can, ", "))});
-  rows.push_back({"plugin", fmt::format("{} {}, {}, {}; ABI {}.{}", plugin.id, plugin.version, plugin.author,
-                                        plugin.licence, plugin.abi_major, plugin.abi_minor)});
+  rows.push_back(
+      {"plugin", fmt::format("{} {}, {}, {}; ABI {}.{}", shown(plugin.id), shown(plugin.version), shown(plugin.author),
+                             shown(plugin.licence), plugin.abi_major, plugin.abi_minor)});
   rows.push_back({"file", file_of(component)});
   fmt::print("{}\n", align_columns(rows));
   print_parameters(component);
@@ -269,7 +283,7 @@ int show(const PluginArguments& plugins, const std::string& id, const std::strin
     throw Error(ErrorKind::plugin,
                 fmt::format("no component is called '{}'{}{}; 'springnet plugin list' shows all, and "
                             "the files that were refused",
-                            id, near.empty() ? "" : "; ", near));
+                            printable(id), near.empty() ? "" : "; ", near));
   }
   if (json) {
     Json components = Json::array();

@@ -148,7 +148,7 @@ int run(const RunArguments& arguments) {
   const Scene scene = arguments.scene.load(*host);
   const std::filesystem::path folder = arguments.output.folder_for(arguments.scene.file);
   RunOptions options;
-  options.notes = arguments.scene.plugins.notes(*host);
+  options.notes = arguments.scene.plugins.notes(*host, scene);
   std::vector<std::string> notes = options.notes;
   for (const std::string& note : notes_of(scene)) notes.push_back(note);
   if (!arguments.output.silent()) {

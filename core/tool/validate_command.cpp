@@ -74,7 +74,7 @@ int run(const ValidateArguments& arguments) {
   };
   Validation validation = validate(scene, host, options);
   progress.finish();
-  std::vector<std::string> notes = arguments.scene.plugins.notes(*host);
+  std::vector<std::string> notes = arguments.scene.plugins.notes(*host, scene, "cvode");
   for (const std::string& note : notes_of(scene)) notes.push_back(note);
   validation.notes.insert(validation.notes.begin(), notes.begin(), notes.end());
 

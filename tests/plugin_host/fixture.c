@@ -13,6 +13,12 @@
 #ifndef DEFAULT_STIFFNESS
 #define DEFAULT_STIFFNESS 1
 #endif
+#ifndef COMPONENT_ID
+#define COMPONENT_ID "fixture"
+#endif
+#ifndef COMPONENT_SUMMARY
+#define COMPONENT_SUMMARY "tension is length"
+#endif
 #ifndef PLUGIN_ID
 #define PLUGIN_ID "org.example.fixture"
 #endif
@@ -45,8 +51,8 @@ static const springnet_law law = {
     .struct_size = sizeof(springnet_law), .invariant = SPRINGNET_LENGTH, .evaluate = evaluate};
 static const springnet_component component = {.struct_size = sizeof(springnet_component),
                                               .kind = SPRINGNET_SPRING_FUNCTION,
-                                              .id = "fixture",
-                                              .summary = "tension is length",
+                                              .id = COMPONENT_ID,
+                                              .summary = COMPONENT_SUMMARY,
                                               .reference = "",
                                               .parameter_count = 1,
                                               .parameters = parameters,

@@ -1,5 +1,8 @@
 // What a user should know stands on the terminal and in the files: about plugins, about the scene, about the run.
+#include <set>
+
 #include <doctest/doctest.h>
+#include <fmt/format.h>
 
 #include "tool.hpp"
 
@@ -111,19 +114,60 @@ TEST_CASE("a folder without plugins is told of") {
   CHECK(testing::springnet(folder, "run pair.toml").out.find("no plugin") == std::string::npos);
 }
 
-TEST_CASE("a user's plugin that takes the place of one that comes with springnet is told of") {
+TEST_CASE("a plugin that takes the place of one the scene would have is told of in full") {
   const TemporaryFolder folder;
   folder.write("pair.toml", testing::pair_scene);
   const auto shown = testing::springnet(folder, "plugin show linear --kind spring --json").json();
-  const std::filesystem::path own = shown[0]["file"].get<std::string>();
-  std::filesystem::create_directory(folder.path() / "mine");
-  std::filesystem::copy_file(own, folder.path() / "mine/mine.springnet.so");
-  const auto notes = testing::springnet(folder, "run pair.toml --json --plugins mine").json()["notes"];
+  const std::string own = shown[0]["file"].get<std::string>();
+  const std::string arguments = "run pair.toml --set 'body.0.spring={type=\"linear\"}' --plugins " +
+                                (std::filesystem::path(SPRINGNET_FIXTURES) / "rival").string();
+  const auto notes = testing::springnet(folder, arguments + " --json").json()["notes"];
   CAPTURE(notes);
-  CHECK(has(notes, own.string() + ": spring function 'linear' is taken already, by"));
-  CHECK(has(notes, "mine/mine.springnet.so"));
-  CHECK(
-      testing::springnet(folder, "run pair.toml --plugins mine").out.find("note: Plugin not taken: " + own.string()) !=
-      std::string::npos);
+  CHECK(has(notes, own + ": spring function 'linear' is taken already, by org.example.rival 1.2.3"));
+  CHECK(testing::springnet(folder, arguments).out.find("note: Plugin not taken: " + own) != std::string::npos);
+}
+
+TEST_CASE("plugins that come a second time are counted in one line, and so are those that do not matter") {
+  const TemporaryFolder folder;
+  folder.write("pair.toml", testing::pair_scene);
+  const auto components = testing::springnet(folder, "plugin list --json").json()["components"];
+  std::filesystem::create_directory(folder.path() / "mine");
+  std::set<std::string> files;
+  for (const auto& component : components) files.insert(component["file"].get<std::string>());
+  REQUIRE(files.size() > 3);
+  for (const std::string& file : files)
+    std::filesystem::copy_file(file, folder.path() / "mine" / std::filesystem::path(file).filename());
+  const auto notes = testing::springnet(folder, "run pair.toml --json --plugins mine").json()["notes"];
+  CAPTURE(notes.dump());
+  CHECK(has(notes, std::to_string(files.size()) +
+                       " plugin files were not taken; 'springnet plugin list' with the same --plugins tells why."));
+  CHECK_FALSE(has(notes, "Plugin not taken"));
+  // Refused files of folders that the environment names, too.
+  folder.write("mine/broken.springnet.so", "no library");
+  for (const std::string& file : files)
+    std::filesystem::remove(folder.path() / "mine" / std::filesystem::path(file).filename());
+  const Answer quiet = testing::shell(folder, "SPRINGNET_PLUGIN_PATH=\"$PWD/mine\" \"$SPRINGNET\" run pair.toml");
+  CHECK(quiet.out.find("note: 1 plugin file was not taken; 'springnet plugin list' tells why.\n") != std::string::npos);
+  // What the command line names is meant, and so are those in it that cannot be used; a few of them.
+  const Answer named = testing::springnet(folder, "run pair.toml --plugins mine/");
+  CHECK(named.out.find("note: Plugin not taken: mine/broken.springnet.so: cannot be loaded") != std::string::npos);
+  for (int k = 0; k < 9; ++k) folder.write(fmt::format("mine/broken{}.springnet.so", k), "no library");
+  const auto many = testing::springnet(folder, "run pair.toml --json --plugins mine").json()["notes"];
+  CAPTURE(many.dump());
+  CHECK(many.size() == 4);
+  CHECK(has(many, "7 plugin files were not taken"));
   CHECK_FALSE(has(testing::springnet(folder, "run pair.toml --json").json()["notes"], "not taken"));
+}
+
+TEST_CASE("what a plugin says of itself does not reach the terminal as it is") {
+  const TemporaryFolder folder;
+  const std::string plugins = " --plugins " + (std::filesystem::path(SPRINGNET_FIXTURES) / "rude").string();
+  for (const char* command : {"plugin list", "plugin show fixture"}) {
+    const Answer answer = testing::springnet(folder, command + plugins);
+    CAPTURE(answer.out);
+    CHECK(answer.status == 0);
+    CHECK(answer.out.find('\x1b') == std::string::npos);
+    CHECK(answer.out.find("\\u001b[2J\\u001b]0;owned\\u0007 \\xff\\xfe") != std::string::npos);
+  }
+  CHECK(testing::springnet(folder, "plugin show fixture --json" + plugins).json()[0]["id"] == "fixture");
 }
