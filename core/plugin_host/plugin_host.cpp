@@ -47,7 +47,7 @@ struct PluginHost::Impl {
   }
 
   bool refuse(const fs::path& file, const std::string& reason) {
-    refusals.push_back({file, printable_message(reason), nullptr, false});
+    refusals.push_back({file, printable_message(reason)});
     return false;
   }
 
@@ -61,15 +61,12 @@ struct PluginHost::Impl {
       if (!other) continue;
       if (other->plugin == &plugin) return true;  // the same plugin once more
       const std::string owner = fmt::format("{} {}", printable(other->plugin->id), printable(other->plugin->version));
-      refuse(file, fmt::format("{} '{}' is taken already, by {}: rename it, or remove one of the two plugins",
-                               name_of(other->kind()), other->id(),
-                               other->file.empty()
-                                   ? owner
-                                   : fmt::format("{} ({})", owner, printable(other->file.string(), longest_path))));
-      const std::string_view id = plugin.id, version = plugin.version;
-      refusals.back().instead = other;
-      refusals.back().repeated = id == other->plugin->id && version == other->plugin->version;
-      return false;
+      return refuse(file,
+                    fmt::format("{} '{}' is taken already, by {}: rename it, or remove one of the two plugins",
+                                name_of(other->kind()), other->id(),
+                                other->file.empty()
+                                    ? owner
+                                    : fmt::format("{} ({})", owner, printable(other->file.string(), longest_path))));
     }
     components.insert(components.end(), taken.begin(), taken.end());
     return true;

@@ -20,6 +20,10 @@ bool concerns_integrator(const SceneOverride& change) {
   return change.key == key || change.key.starts_with(std::string(key) + ".");
 }
 
+bool is_same(const springnet_plugin& a, const springnet_plugin& b) {
+  return std::string_view(a.id) == b.id && std::string_view(a.version) == b.version;
+}
+
 // Whether a scene has the component under this name.
 bool uses(const Scene& scene, const Component& component) {
   const auto is_it = [&](const std::optional<LawUse>& use) { return use && use->id == component.id(); };
@@ -122,10 +126,17 @@ std::vector<std::string> PluginArguments::empty_folders() const {
   return notes;
 }
 
-bool PluginArguments::matters(const Refusal& refusal, const Scene& scene, std::string_view integrator) const {
-  if (refusal.instead) {
-    const bool reference = refusal.instead->kind() == ComponentKind::integrator && refusal.instead->id() == integrator;
-    return !refusal.repeated && (reference || uses(scene, *refusal.instead));
+bool PluginArguments::matters(const Refusal& refusal, const PluginHost& host, const Scene& scene,
+                              std::string_view integrator) const {
+  // By itself it may be sound: then others have the place of its components.
+  PluginHost alone;
+  if (alone.load(refusal.file)) {
+    const auto& components = alone.components();
+    return std::any_of(components.begin(), components.end(), [&](const auto& own) {
+      const auto other = host.find(own->kind(), own->id());
+      if (!other || is_same(*own->plugin, *other->plugin)) return false;
+      return uses(scene, *own) || (own->kind() == ComponentKind::integrator && own->id() == integrator);
+    });
   }
   return std::any_of(folders.begin(), folders.end(), [&](const std::filesystem::path& folder) {
     return refusal.file == folder || refusal.file.parent_path() == folder || refusal.file.parent_path() / "" == folder;
@@ -138,7 +149,7 @@ std::vector<std::string> PluginArguments::notes(const PluginHost& host, const Sc
   std::vector<std::string> notes = empty_folders();
   std::size_t told = 0, others = 0;
   for (const Refusal& refusal : host.refusals()) {
-    if (told == most_told || !matters(refusal, scene, integrator)) {
+    if (told == most_told || !matters(refusal, host, scene, integrator)) {
       ++others;
       continue;
     }

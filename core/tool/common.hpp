@@ -45,7 +45,8 @@ struct PluginArguments {
                                                std::string_view integrator = {}) const;
 
  private:
-  [[nodiscard]] bool matters(const Refusal& refusal, const Scene& scene, std::string_view integrator) const;
+  [[nodiscard]] bool matters(const Refusal& refusal, const PluginHost& host, const Scene& scene,
+                             std::string_view integrator) const;
 };
 
 struct SceneArguments {

@@ -60,6 +60,7 @@ void refuse_missing_values(int argc, char** argv) {
 // An empty word is no name, file or number: a variable of a script that is not set.
 void refuse_empty_values(const CLI::App& command) {
   for (const CLI::Option* option : command.get_options()) {
+    if (option->get_items_expected_min() == 0) continue;  // one that may stand without a value
     const std::vector<std::string>& values = option->results();
     if (std::find(values.begin(), values.end(), "") == values.end()) continue;
     throw Error(ErrorKind::input, fmt::format("{}: an empty value was given; leave the option out, or name something",

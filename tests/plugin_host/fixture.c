@@ -16,7 +16,9 @@
 #ifndef COMPONENT_ID
 #define COMPONENT_ID "fixture"
 #endif
-#ifndef COMPONENT_SUMMARY
+#ifdef RUDE /* clears the screen, renames the window, and is no UTF-8 */
+#define COMPONENT_SUMMARY "\033[2J\033]0;owned\007 \377\376"
+#else
 #define COMPONENT_SUMMARY "tension is length"
 #endif
 #ifndef PLUGIN_ID

@@ -47,9 +47,6 @@ struct Component {
 struct Refusal {
   std::filesystem::path file;
   std::string reason;  // says what is wrong and what to do
-  // What has the place of one of its components; null where the plugin could not be used anyway.
-  std::shared_ptr<const Component> instead = nullptr;
-  bool repeated = false;  // `instead` is of the same plugin in the same version: nothing is missing
 };
 
 // Parameter values by name, as a scene or a program gives them. Choices are given by their index, booleans as 0 or 1;
