@@ -61,7 +61,6 @@ TEST_CASE("wrong usage has status 2 and names what is wrong") {
                              Wrong{"plugin list --plugins ''", "--plugins: an empty value was given"},
                              Wrong{"validate pair.toml --integrator ''", "--integrator: an empty value was given"},
                              Wrong{"validate pair.toml --time-steps ''", "--time-steps"},
-                             Wrong{"validate pair.toml --time-steps 0.1,,0.05", "--time-steps"},
                              Wrong{"run pair.toml --set output", "output"},
                              Wrong{"run pair.toml --set output.intervall=1", "did you mean 'interval'"},
                              Wrong{"run pair.toml --realtime=0", "--realtime: must be a number above 0, is 0"},
