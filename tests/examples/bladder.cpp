@@ -7,7 +7,7 @@ using namespace springnet::testing;
 
 namespace {
 
-struct Course {
+struct Observed {
   std::vector<double> times;         // s
   std::vector<Positions> positions;  // m
   std::vector<double> volumes;       // m^3
@@ -16,8 +16,8 @@ struct Course {
   [[nodiscard]] double displacement(std::size_t i) const { return greatest(positions[i], positions.front()); }
 };
 
-Course course_of(const Scene& scene) {
-  Course course;
+Observed course_of(const Scene& scene) {
+  Observed course;
   static_cast<void>(run(scene, [&](const Simulation& s) {
     course.times.push_back(s.time());
     course.positions.push_back(positions_of(s));
@@ -27,7 +27,7 @@ Course course_of(const Scene& scene) {
   return course;
 }
 
-void check_course(const Course& course) {
+void check_course(const Observed& course) {
   std::size_t peak = 0;
   for (std::size_t i = 0; i < course.times.size(); ++i)
     if (course.displacement(i) > course.displacement(peak)) peak = i;
@@ -70,16 +70,16 @@ TEST_CASE("the gall bladder has the paper's numbers of nodes and springs, and is
 
 TEST_CASE("without forces the gall bladder rests") {
   Scene scene = example("bladder/bladder.toml", {"force.0.until=1e-9", "force.1.until=1e-9", "simulation.duration=2"});
-  const Course course = course_of(scene);
+  const Observed course = course_of(scene);
   // The mesh's coordinates have nine digits; what is left beside is a thousandth of the way that the forces move it.
   CHECK(course.displacement(course.times.size() - 1) < 2e-5);
 }
 
 TEST_CASE(
     "the gall bladder gives way to two forces for 5 s, wobbles, and is nearly neutral at 16 s, in both integrators") {
-  const Course network = course_of(example("bladder/bladder.toml"));
+  const Observed network = course_of(example("bladder/bladder.toml"));
   check_course(network);
-  const Course reference = course_of(example("bladder/bladder.toml", {in_cvode}));
+  const Observed reference = course_of(example("bladder/bladder.toml", {in_cvode}));
   check_course(reference);
   double apart = 0.0;
   for (std::size_t i = 0; i < network.times.size(); ++i)

@@ -16,7 +16,7 @@ double height(const Simulation& simulation) {
   return simulation.positions().row(2).maxCoeff() - simulation.positions().row(2).minCoeff();
 }
 
-struct Course {
+struct Observed {
   double ground = -1.0;  // s, first touch
   double deepest = 0.0;  // s
   double lowest = 3.0;   // m, height then
@@ -26,9 +26,9 @@ struct Course {
   bool settled = true;
 };
 
-Course drop(const LawUse& integrator) {
+Observed drop(const LawUse& integrator) {
   Simulation simulation = simulate(cube(3.0, 2.0, 0.2, 0.081), integrator, 0.05);
-  Course course;
+  Observed course;
   for (int i = 0; i < 450; ++i) {
     const StepReport& report = simulation.step();
     course.settled = course.settled && report.outcome == Outcome::settled;
@@ -50,13 +50,13 @@ Course drop(const LawUse& integrator) {
 
 TEST_CASE("the paper's cube: on the ground before 1 s, deepest at about 4 s, no bounce, nearly neutral at 22.5 s") {
   // h^2 g / 2 = 0.081 m at 0.9 s.
-  const Course reference = drop(cvode(1e-8));
+  const Observed reference = drop(cvode(1e-8));
   CHECK(reference.ground == doctest::Approx(0.9).epsilon(1e-6));
   for (const Method& method : {Method{"synchronous", Order::fixed_point, recurrent(synchronous, 0)},
                                Method{"wavefront", Order::fixed_point, recurrent(wavefront, 0)},
                                Method{"cvode", Order::reference, cvode(1e-8)}}) {
     CAPTURE(method.name);
-    const Course course = drop(method.integrator);
+    const Observed course = drop(method.integrator);
     CHECK(course.settled);
     CHECK(course.ground > 0.8);
     CHECK(course.ground < 1.0);
