@@ -208,12 +208,16 @@ TEST_CASE("laws and neurons that misbehave are named in an error, and nothing el
                 Demand demand;
                 demand.fails = call == 0 && output == Output::value && has_to_fail(deed);
                 // One that is fine again when it is asked why is past finding out.
-                demand.names = call == 0 && output == Output::value ? "'hostile'" : "";
+                // So are derivatives that verlet finds not finite before its first step.
+                const bool named = !(nonsense_only && std::string_view(way.name) == "verlet");
+                demand.names = call == 0 && output == Output::value && named ? "'hostile'" : "";
                 return run_with(plugin, row(material, is_neuron ? LawUse{"hostile", {}} : LawUse{}, large), options,
                                 demand);
               });
-              INFO(way.name, large ? ", two threads" : "", ", ", role, ", ", deed_names[d], " of the ", output_names[o],
-                   " from call ", call);
+              const std::string what =
+                  fmt::format("{}{}, {}, {} of the {} from call {}", way.name, large ? ", two threads" : "", role,
+                              deed_names[d], output_names[o], call);
+              INFO(what);
               CHECK(text == "");
             }
   MESSAGE(run, " hostile laws and neurons");
