@@ -1,7 +1,10 @@
 #include "simulation/constraint_system.hpp"
 
 #include <algorithm>
+#include <unordered_map>
 #include <utility>
+
+#include <Eigen/Eigenvalues>
 
 namespace springnet {
 namespace {
@@ -16,8 +19,28 @@ constexpr double shift_share = 1e-9;
 
 void ConstraintSystem::set(std::vector<ConstraintRow> rows, const Mobility& mobility) {
   rows_ = std::move(rows);
+  mobilities_.resize(2 * rows_.size());
+  double trace = 0.0;
+  for (std::size_t r = 0; r < rows_.size(); ++r) {
+    const Vector3& direction = rows_[r].direction;
+    mobilities_[2 * r] = mobility(rows_[r].first);
+    trace += direction.dot(mobilities_[2 * r] * direction);
+    if (rows_[r].second == ConstraintRow::no_node) continue;
+    mobilities_[2 * r + 1] = mobility(rows_[r].second);
+    trace += direction.dot(mobilities_[2 * r + 1] * direction);
+  }
+  if (rows_.empty()) return;
+  shift_ = trace > 0.0 ? shift_share * trace / static_cast<double>(rows_.size()) : 1.0;
+  form_ = rows_.size() <= most_rows_dense ? Form::dense : Form::rows;
+  if (form_ == Form::rows && set_nodes())
+    form_ = Form::nodes;
+  else
+    set_rows();
+}
+
+// The matrix over rows.
+void ConstraintSystem::set_rows() {
   const std::size_t count = rows_.size();
-  mobilities_.resize(2 * count);
   // By node, the rows that have it, with their sign.
   struct End {
     std::uint32_t node;
@@ -27,19 +50,14 @@ void ConstraintSystem::set(std::vector<ConstraintRow> rows, const Mobility& mobi
   std::vector<End> ends;
   ends.reserve(2 * count);
   for (std::uint32_t r = 0; r < count; ++r) {
-    mobilities_[2 * r] = mobility(rows_[r].first);
     ends.push_back({rows_[r].first, r, 1.0});
-    if (rows_[r].second == ConstraintRow::no_node) continue;
-    mobilities_[2 * r + 1] = mobility(rows_[r].second);
-    ends.push_back({rows_[r].second, r, -1.0});
+    if (rows_[r].second != ConstraintRow::no_node) ends.push_back({rows_[r].second, r, -1.0});
   }
   std::stable_sort(ends.begin(), ends.end(), [](const End& a, const End& b) { return a.node < b.node; });
 
   const auto size = static_cast<Eigen::Index>(count);
-  const bool dense = count <= most_rows_dense;
   std::vector<Eigen::Triplet<double>> entries;
-  double trace = 0.0;
-  if (dense) dense_matrix_.setZero(size, size);
+  if (form_ == Form::dense) dense_matrix_.setZero(size, size);
   for (std::size_t begin = 0; begin < ends.size();) {
     std::size_t end = begin;
     while (end < ends.size() && ends[end].node == ends[begin].node) ++end;
@@ -49,8 +67,7 @@ void ConstraintSystem::set(std::vector<ConstraintRow> rows, const Mobility& mobi
       for (std::size_t j = begin; j < end; ++j) {
         const double value = ends[j].sign * rows_[ends[j].row].direction.dot(moved);
         const auto row = static_cast<Eigen::Index>(ends[j].row), column = static_cast<Eigen::Index>(ends[i].row);
-        if (row == column) trace += value;
-        if (dense)
+        if (form_ == Form::dense)
           dense_matrix_(row, column) += value;
         else
           entries.emplace_back(static_cast<int>(row), static_cast<int>(column), value);
@@ -58,9 +75,7 @@ void ConstraintSystem::set(std::vector<ConstraintRow> rows, const Mobility& mobi
     }
     begin = end;
   }
-  if (count == 0) return;
-  shift_ = trace > 0.0 ? shift_share * trace / static_cast<double>(count) : 1.0;
-  if (dense) {
+  if (form_ == Form::dense) {
     Eigen::MatrixXd shifted = dense_matrix_;
     shifted.diagonal().array() += shift_;
     dense_.compute(shifted);
@@ -73,13 +88,77 @@ void ConstraintSystem::set(std::vector<ConstraintRow> rows, const Mobility& mobi
   }
 }
 
+// The matrix over nodes, K = A^T A + shift with A = G W^(1/2), which solves for rows by
+//   (A A^T + shift)^-1 = (1 - A K^-1 A^T) / shift.
+// False where it would not be the smaller one, or a mobility has no root.
+bool ConstraintSystem::set_nodes() {
+  std::unordered_map<std::uint32_t, std::pair<int, Eigen::Matrix3d>> nodes;  // first column and root of the mobility
+  int columns = 0;
+  const auto add = [&](std::uint32_t node, const Eigen::Matrix3d& mobility) {
+    if (mobility.isZero(0.0)) return true;
+    const auto [place, is_new] = nodes.try_emplace(node, columns, Eigen::Matrix3d::Zero());
+    if (!is_new) return true;
+    columns += 3;
+    if (!mobility.isApprox(mobility.transpose())) return false;
+    const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> solver(mobility);
+    if (!(solver.eigenvalues().minCoeff() >= 0.0)) return false;
+    place->second.second = solver.operatorSqrt();
+    return true;
+  };
+  for (std::size_t r = 0; r < rows_.size(); ++r) {
+    if (!add(rows_[r].first, mobilities_[2 * r])) return false;
+    if (rows_[r].second != ConstraintRow::no_node && !add(rows_[r].second, mobilities_[2 * r + 1])) return false;
+  }
+  if (columns == 0 || static_cast<std::size_t>(columns) > rows_.size()) return false;
+
+  std::vector<Eigen::Triplet<double>> entries;
+  entries.reserve(6 * rows_.size());
+  for (std::size_t r = 0; r < rows_.size(); ++r) {
+    const auto add_end = [&](std::uint32_t node, double sign) {
+      const auto found = nodes.find(node);
+      if (found == nodes.end()) return;
+      const auto& [column, root] = found->second;
+      const Vector3 row = sign * (root * rows_[r].direction);
+      for (int c = 0; c < 3; ++c) entries.emplace_back(static_cast<int>(r), column + c, row[c]);
+    };
+    add_end(rows_[r].first, 1.0);
+    if (rows_[r].second != ConstraintRow::no_node) add_end(rows_[r].second, -1.0);
+  }
+  matrix_.resize(static_cast<Eigen::Index>(rows_.size()), columns);
+  matrix_.setFromTriplets(entries.begin(), entries.end());
+  const Eigen::SparseMatrix<double> squares = matrix_.transpose() * matrix_;
+  sparse_.setShift(shift_);
+  sparse_.compute(squares);
+  return true;
+}
+
+Eigen::VectorXd ConstraintSystem::product(const Eigen::VectorXd& x) const {
+  switch (form_) {
+    case Form::dense:
+      return dense_matrix_ * x;
+    case Form::rows:
+      return matrix_ * x;
+    case Form::nodes:
+      break;
+  }
+  return matrix_ * (matrix_.transpose() * x).eval();
+}
+
 Eigen::VectorXd ConstraintSystem::solve_shifted(const Eigen::VectorXd& b) const {
-  return rows_.size() <= most_rows_dense ? Eigen::VectorXd(dense_.solve(b)) : Eigen::VectorXd(sparse_.solve(b));
+  switch (form_) {
+    case Form::dense:
+      return dense_.solve(b);
+    case Form::rows:
+      return sparse_.solve(b);
+    case Form::nodes:
+      break;
+  }
+  const Eigen::VectorXd y = sparse_.solve(matrix_.transpose() * b);
+  return (b - matrix_ * y) / shift_;
 }
 
 Eigen::VectorXd ConstraintSystem::solve(const Eigen::VectorXd& b) const {
   if (rows_.empty()) return b;
-  const bool dense = rows_.size() <= most_rows_dense;
   const double greatest = b.lpNorm<Eigen::Infinity>();
   Eigen::VectorXd x = solve_shifted(b);
   if (!(greatest > 0.0)) return x;
@@ -87,7 +166,7 @@ Eigen::VectorXd ConstraintSystem::solve(const Eigen::VectorXd& b) const {
   constexpr int most_corrections = 10;
   double last = greatest;
   for (int i = 0; i < most_corrections; ++i) {
-    const Eigen::VectorXd rest = dense ? Eigen::VectorXd(b - dense_matrix_ * x) : Eigen::VectorXd(b - matrix_ * x);
+    const Eigen::VectorXd rest = b - product(x);
     const double size = rest.lpNorm<Eigen::Infinity>();
     // What does not shrink any more is rounding, or a right side that does not fit: x would only grow.
     if (size <= 1e-15 * greatest || !(size < 0.5 * last)) break;

@@ -37,12 +37,20 @@ class ConstraintSystem {
   }
 
  private:
+  // How the system is factorised: as a full matrix or a sparse one over rows, or, where rows are many more than the
+  // directions in which their nodes can move, as a sparse matrix over those.
+  enum class Form { dense, rows, nodes };
+
+  void set_rows();
+  bool set_nodes();
+  [[nodiscard]] Eigen::VectorXd product(const Eigen::VectorXd& x) const;  // G W G^T x
   [[nodiscard]] Eigen::VectorXd solve_shifted(const Eigen::VectorXd& b) const;
 
   std::vector<ConstraintRow> rows_;
   std::vector<Eigen::Matrix3d> mobilities_;  // [row][2]
+  Form form_ = Form::dense;
   double shift_ = 0.0;
-  Eigen::SparseMatrix<double> matrix_;
+  Eigen::SparseMatrix<double> matrix_;  // of form rows G W G^T, of form nodes G W^(1/2)
   Eigen::SimplicialLDLT<Eigen::SparseMatrix<double>> sparse_;
   Eigen::MatrixXd dense_matrix_;
   Eigen::LDLT<Eigen::MatrixXd> dense_;
