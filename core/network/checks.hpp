@@ -54,5 +54,8 @@ inline void check_times(const std::vector<double>& times, std::size_t count, std
     }
   }
 }
+// Throws Error(input) for a lattice that is not finite, whose nodes and springs have no numbers beside those there are,
+// or that the memory of this machine cannot hold.
+void check_lattice(const std::string& name, const Lattice& lattice, std::size_t nodes_there, std::size_t springs_there);
 
 }  // namespace springnet::checks

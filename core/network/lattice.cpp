@@ -1,12 +1,18 @@
 #include <algorithm>
 #include <cmath>
+#include <fstream>
 #include <new>
 #include <stdexcept>
+
+#include <sys/resource.h>
+#include <unistd.h>
 
 #include <fmt/format.h>
 
 #include <springnet/error.hpp>
 #include <springnet/network.hpp>
+
+#include "network/checks.hpp"
 
 namespace springnet {
 namespace {
@@ -55,8 +61,28 @@ double spring_count(const Lattice& lattice, const std::vector<Direction>& direct
   return count;
 }
 
-void check(const std::string& name, const Lattice& lattice, const std::vector<Direction>& directions,
-           std::size_t nodes_there, std::size_t springs_there) {
+// Bytes that this process may have, infinity where the system does not say.
+double memory_of_machine() {
+  const long pages = sysconf(_SC_PHYS_PAGES), page = sysconf(_SC_PAGESIZE);
+  double memory = std::numeric_limits<double>::infinity();
+  if (pages > 0 && page > 0) memory = static_cast<double>(pages) * static_cast<double>(page);
+  rlimit limit{};
+  if (getrlimit(RLIMIT_AS, &limit) == 0 && limit.rlim_cur != RLIM_INFINITY) {
+    memory = std::min(memory, static_cast<double>(limit.rlim_cur));
+  }
+  // Of a container.
+  for (const char* file : {"/sys/fs/cgroup/memory.max", "/sys/fs/cgroup/memory/memory.limit_in_bytes"}) {
+    double most = 0.0;
+    if (std::ifstream(file) >> most) memory = std::min(memory, most);
+  }
+  return memory;
+}
+
+}  // namespace
+
+void checks::check_lattice(const std::string& name, const Lattice& lattice, std::size_t nodes_there,
+                           std::size_t springs_there) {
+  const std::vector<Direction> directions = directions_of(lattice);
   const auto fail = [&](const std::string& what) {
     throw Error(ErrorKind::input, fmt::format("lattice '{}': {}", name, what));
   };
@@ -83,7 +109,17 @@ void check(const std::string& name, const Lattice& lattice, const std::vector<Di
                     "fewer nodes",
                     nodes, springs, limit));
   }
+  // A simulation has each node and spring at least once more.
+  const double needed = 2 * (nodes * sizeof(Node) + springs * sizeof(Spring)), there = memory_of_machine();
+  if (needed > there) {
+    fail(fmt::format(
+        "the network would have {:.4g} nodes and {:.4g} springs, whose simulation needs more than {:.3g} GB; "
+        "this machine has {:.3g} GB: use fewer nodes",
+        nodes, springs, needed * 1e-9, there * 1e-9));
+  }
 }
+
+namespace {
 
 // The boundary of a lattice as triangles, outward; both halves of each quadrilateral of one that is a node thick, and
 // nothing of a row. Quadrilaterals are divided along the diagonal from their lowest corner.
@@ -132,7 +168,7 @@ void reserve(std::vector<Element>& vector, std::size_t more) {
 void Network::add_lattice(const std::string& name, const Lattice& lattice, const Node& prototype,
                           MaterialIndex material) {
   const std::vector<Direction> directions = directions_of(lattice);
-  check(name, lattice, directions, nodes_.size(), springs_.size());
+  checks::check_lattice(name, lattice, nodes_.size(), springs_.size());
   Node node = prototype;
   node.position = lattice.origin;
   check_node(node, static_cast<NodeIndex>(nodes_.size()));

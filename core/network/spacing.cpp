@@ -33,17 +33,17 @@ bool is_lost(double coordinate, double length, double accuracy) {
 
 }  // namespace
 
-void check_spacing(const Network& network) {
+void check_spacing(const Network& network, const Checked& checked) {
   const std::vector<Node>& nodes = network.nodes();
   const auto apart = [&](NodeIndex a, NodeIndex b) { return checks::distance(nodes[a].position, nodes[b].position); };
-  for (std::size_t s = 0; s < network.springs().size(); ++s) {
+  for (std::size_t s = checked.springs; s < network.springs().size(); ++s) {
     const auto& [first, second, material, rest_length] = network.springs()[s];
     const double far = greatest_coordinate(nodes[first], nodes[second]);
     const double length = rest_length > 0.0 ? rest_length : apart(first, second);
     if (is_lost(far, length, spring_accuracy))
       refuse(fmt::format("spring {} from node {} to node {}", s, first, second), length, far);
   }
-  for (std::size_t e = 0; e < network.elements().size(); ++e) {
+  for (std::size_t e = checked.elements; e < network.elements().size(); ++e) {
     const Element& element = network.elements()[e];
     for (std::size_t i = 1; i < element.nodes.size(); ++i) {
       const NodeIndex first = element.nodes[i - 1], second = element.nodes[i];
@@ -52,7 +52,8 @@ void check_spacing(const Network& network) {
         refuse(fmt::format("element {} between node {} and node {}", e, first, second), length, far);
     }
   }
-  for (const auto& [first, second, length] : network.rigids()) {
+  for (std::size_t r = checked.rigids; r < network.rigids().size(); ++r) {
+    const auto& [first, second, length] = network.rigids()[r];
     const double far = greatest_coordinate(nodes[first], nodes[second]);
     if (is_lost(far, length, rigid_accuracy))
       refuse(fmt::format("the rigid connection from node {} to node {}", first, second), length, far);

@@ -236,6 +236,7 @@ RunSummary describe(const Scene& scene, const Simulation& simulation, const Plug
 RunSummary run_scene(const Scene& scene, const std::shared_ptr<const PluginHost>& plugins, const RunOptions& options) {
   require_space(scene, options.folder);
   if (options.realtime != 0.0) static_cast<void>(Pace(options.realtime, 0.0, clock_of(options)));  // refuses nonsense
+  check_starts(scene);
   Simulation simulation(scene.network, plugins, scene.options);
   RunSummary summary = describe(scene, simulation, *plugins, options.scene_name);
   const OutputFolder::Pointer folder = OutputFolder::make(options.folder);

@@ -5,6 +5,8 @@
 
 #include <springnet/material.hpp>
 
+#include "network/checks.hpp"
+#include "network/spacing.hpp"
 #include "scene/component.hpp"
 #include "scene/material.hpp"
 #include "scene/parts.hpp"
@@ -22,10 +24,17 @@ Node read_prototype(const Table& body, const PluginHost& plugins, Network& netwo
   Node node;
   const Table neuron = body.need("neuron").open_table("body.neuron");
   const LawUse use = read_component(neuron, "type", ComponentKind::neuron, plugins);
-  if (!body.has("density")) {
-    node.mass = neuron.need("mass").number_above_0("kg");
-  } else if (const auto mass = neuron.find("mass")) {
+  const auto mass = neuron.find("mass");
+  if (mass && body.has("density")) {
     mass->fail("has no meaning beside 'density', which gives the masses; remove one of them");
+  }
+  if (mass) {
+    node.mass = mass->number_above_0("kg");
+  } else if (!body.has("density")) {
+    neuron.fail(
+        "says no mass; add 'mass' here, in kg, of each node, or 'density' to the body, in kg/m^3, which gives masses "
+        "from "
+        "its cells");
   }
   node.neuron = network.add_neuron(use);
   if (const auto velocity = body.find("velocity")) node.velocity = velocity->vector();
@@ -71,6 +80,8 @@ struct BodyReader {
 
   Shape read_lattice_body(const Table& mesh) {
     const Lattice lattice = read_lattice(mesh);
+    mesh.value().at_this_place(
+        [&] { checks::check_lattice(name, lattice, network.nodes().size(), network.springs().size()); });
     const auto cells = lazily<Mesh>([&] { return mesh_of(lattice); });
     const auto edges = lazily<std::vector<Edge>>([&] { return edges_of(cells(), edge_options(lattice.diagonals)); });
     const Node prototype = read_prototype(body, plugins, network);
@@ -156,6 +167,13 @@ struct BodyReader {
   }
 };
 
+// What says where the body is.
+Value placed_by(const Table& body) {
+  if (body.has("nodes")) return body.need("nodes");
+  const Table mesh = body.need("mesh").table("body.mesh");
+  return mesh.has("origin") ? mesh.need("origin") : mesh.value();
+}
+
 void scale_rest_lengths(const Value& scale, Network& network) {
   const double factor = scale.number_above_0("");
   const Body& added = network.bodies().back();
@@ -174,7 +192,9 @@ std::vector<Shape> read_bodies(const Table& root, const PluginHost& plugins, con
     const Table body = value.table("body");
     const Value name = body.need("name");
     if (!names.insert(name.text()).second) name.fail("another body has this name; names are unique");
+    const Checked before{.springs = network.springs().size()};
     shapes.push_back(BodyReader{body, name.text(), plugins, files, network, scene.notes}.read());
+    placed_by(body).at_this_place([&] { check_spacing(network, before); });
     if (const auto scale = body.find("rest_length_scale")) scale_rest_lengths(*scale, network);
   }
   if (network.nodes().empty()) root.fail("the scene has no body; add a [[body]]");
@@ -195,6 +215,7 @@ void read_starts(const Table& root, const Files& files, Network& network) {
       node.position = places[k];
       table.need("start").at_this_place([&] { network.set_node(number, node); });
     }
+    if (!places.empty()) table.need("start").at_this_place([&] { check_spacing(network, {body.first_spring}); });
   }
 }
 

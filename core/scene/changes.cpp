@@ -5,6 +5,7 @@
 #include "scene/component.hpp"
 #include "scene/parts.hpp"
 #include "scene/select.hpp"
+#include "text/grouped.hpp"
 
 namespace springnet::scene {
 namespace {
@@ -100,15 +101,23 @@ void read_fix(const Table& table, Network& network) {
   for (const NodeIndex node : select_nodes(table.need("select"), network)) network.fix(node);
 }
 
-void read_cut(const Table& table, Network& network) {
+void read_cut(const Table& table, std::size_t& selected, Network& network) {
   Cut cut;
   cut.time = table.need("time").number_from_0("s");
   if (!table.has("select") && !table.has("polygon")) {
     table.fail("cuts nothing; add 'select' (springs), 'polygon' (three corners or more) or both");
   }
-  if (const auto selection = table.find("select")) cut.springs = select_springs(*selection, network);
+  if (const auto selection = table.find("select")) {
+    cut.springs = select_springs(*selection, network);
+    count_selected(*selection, cut.springs.size(), selected);
+  }
   if (const auto polygon = table.find("polygon")) {
     for (const Value& corner : polygon->elements()) cut.polygon.push_back(corner.vector());
+    constexpr std::size_t most_corners = 10'000;  // springs are compared with each
+    if (cut.polygon.size() > most_corners) {
+      polygon->fail(fmt::format("has {} corners, at most {} are allowed; leave out those that change its shape least",
+                                grouped(cut.polygon.size()), grouped(most_corners)));
+    }
     if (cut.polygon.empty()) polygon->fail("has no corners; give three or more [x, y, z]");
   }
   (table.has("polygon") ? *table.find("polygon") : table.value()).at_this_place([&] { network.add_cut(cut); });
@@ -122,7 +131,8 @@ void read_changes(const Table& root, const PluginHost& plugins, const std::vecto
   for (const Value& value : root.tables("spring")) read_spring_change(value.table("spring"), plugins, network);
   for (const Value& value : root.tables("fix")) read_fix(value.table("fix"), network);
   read_loads(root, shapes, scene);
-  for (const Value& value : root.tables("cut")) read_cut(value.table("cut"), network);
+  std::size_t selected = 0;
+  for (const Value& value : root.tables("cut")) read_cut(value.table("cut"), selected, network);
 }
 
 }  // namespace springnet::scene

@@ -1,16 +1,25 @@
+#include <algorithm>
 #include <set>
 
 #include <fmt/format.h>
 
+#include "network/spacing.hpp"
 #include "scene/component.hpp"
 #include "scene/pairs.hpp"
 #include "scene/parts.hpp"
 #include "scene/select.hpp"
+#include "text/grouped.hpp"
 
 namespace springnet::scene {
 namespace {
 
-void read_connection(const Table& connect, const PluginHost& plugins, Network& network) {
+// A few words of a scene can ask for more than any machine holds.
+constexpr std::size_t most_springs_found = 10'000'000;
+// Far above the 13 of a lattice with all diagonals.
+constexpr std::size_t most_rigid_a_node = 20;
+
+// `found` counts what all tables have found.
+void read_connection(const Table& connect, const PluginHost& plugins, std::size_t& found, Network& network) {
   const Material material = read_material(connect, plugins);
   if (!material.spring && !material.viscosity) {
     connect.fail("neither 'spring' nor 'viscosity' says what the springs are made of; add spring = { type = …, … }");
@@ -22,13 +31,21 @@ void read_connection(const Table& connect, const PluginHost& plugins, Network& n
   std::optional<double> given;
   if (length) given = length->number_from_0("m");
 
+  const auto limit = [&](std::size_t, std::size_t) -> PairLimit {
+    return {most_springs_found - found,
+            fmt::format("all [[connect]] together find at most {} by 'within'", grouped(most_springs_found))};
+  };
+  const std::vector<Pair> pairs = find_pairs(connect, network, limit);
+  if (connect.has("within")) found += pairs.size();
+  const Checked before{.springs = network.springs().size()};
   const MaterialIndex index = network.add_material(material);
-  for (const auto& [first, second] : find_pairs(connect, network)) {
+  for (const auto& [first, second] : pairs) {
     connect.value().at_this_place([&, a = first, b = second] {
       const SpringIndex spring = network.add_spring(a, b, index, given);
       if (scale) network.set_rest_length(spring, factor * network.springs()[spring].rest_length);
     });
   }
+  connect.value().at_this_place([&] { check_spacing(network, before); });
 }
 
 // The ends of springs, each pair once.
@@ -42,31 +59,64 @@ std::vector<Pair> ends_of(const std::vector<SpringIndex>& springs, const Network
   return pairs;
 }
 
-void read_rigid(const Table& rigid, Network& network) {
+std::size_t count_nodes(const std::vector<Pair>& pairs) {
+  std::vector<NodeIndex> nodes;
+  nodes.reserve(2 * pairs.size());
+  for (const auto& [first, second] : pairs) nodes.insert(nodes.end(), {first, second});
+  std::sort(nodes.begin(), nodes.end());
+  return static_cast<std::size_t>(std::unique(nodes.begin(), nodes.end()) - nodes.begin());
+}
+
+// A piece that is rigid through and through is costly, whatever holds it together.
+void note_cost(const Table& rigid, const std::vector<Pair>& pairs, std::vector<std::string>& notes) {
+  constexpr std::size_t many_nodes = 500;
+  const std::size_t nodes = count_nodes(pairs);
+  if (nodes < many_nodes || pairs.size() < 2 * nodes) return;
+  notes.push_back(
+      fmt::format("{} joins {} nodes by {} connections: pieces of so many nodes take seconds a time step; join fewer "
+                  "nodes (the outer ones, say), or make their springs stiff instead.",
+                  rigid.value().path(), grouped(nodes), grouped(pairs.size())));
+}
+
+void read_rigid(const Table& rigid, Network& network, std::vector<std::string>& notes) {
+  const auto limit = [](std::size_t from, std::size_t to) -> PairLimit {
+    return {most_rigid_a_node * (from + to),
+            fmt::format("a [[rigid]] has at most {} a node: three hold it", most_rigid_a_node)};
+  };
   std::vector<Pair> pairs;
   if (const auto springs = rigid.find("springs")) {
     for (const char* key : {"pairs", "from", "to", "within", "nearest"}) {
       if (rigid.has(key)) rigid.find(key)->fail("has no meaning beside 'springs'; remove one of them");
     }
     pairs = ends_of(select_springs(*springs, network), network);
+    if (const std::size_t nodes = count_nodes(pairs); pairs.size() > most_rigid_a_node * nodes) {
+      springs->fail(
+          fmt::format("makes {} connections between {} nodes, but a [[rigid]] has at most {} a node: three "
+                      "hold it; select fewer springs",
+                      grouped(pairs.size()), grouped(nodes), most_rigid_a_node));
+    }
   } else {
-    pairs = find_pairs(rigid, network);
+    pairs = find_pairs(rigid, network, limit);
   }
   const auto length = rigid.find("length");
   std::optional<double> given;
   if (length) given = length->number_above_0("m");
+  const Checked before{network.springs().size(), network.elements().size(), network.rigids().size()};
   for (const auto& [first, second] : pairs) {
     (length ? *length : rigid.value()).at_this_place([&, a = first, b = second] { network.add_rigid(a, b, given); });
   }
+  rigid.value().at_this_place([&] { check_spacing(network, before); });
+  note_cost(rigid, pairs, notes);
 }
 
 }  // namespace
 
-void read_connections(const Table& root, const PluginHost& plugins, Network& network) {
+void read_connections(const Table& root, const PluginHost& plugins, Scene& scene) {
+  std::size_t found = 0;
   for (const Value& connection : root.tables("connect")) {
-    read_connection(connection.table("connect"), plugins, network);
+    read_connection(connection.table("connect"), plugins, found, scene.network);
   }
-  for (const Value& rigid : root.tables("rigid")) read_rigid(rigid.table("rigid"), network);
+  for (const Value& rigid : root.tables("rigid")) read_rigid(rigid.table("rigid"), scene.network, scene.notes);
 }
 
 }  // namespace springnet::scene

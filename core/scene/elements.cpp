@@ -10,6 +10,7 @@
 
 #include "mesh/cells.hpp"
 #include "mesh/coordinates.hpp"
+#include "network/spacing.hpp"
 #include "scene/chosen.hpp"
 #include "scene/component.hpp"
 #include "scene/parts.hpp"
@@ -198,6 +199,9 @@ void read_element(const Table& table, const PluginHost& plugins, const std::vect
       if (scale) network.set_reference(element, factor * network.elements()[element].reference);
     });
   }
+  (lists ? *lists : *selection).at_this_place([&] {
+    check_spacing(network, {network.springs().size(), first, network.rigids().size()});
+  });
   if (selection && invariant == Invariant::enclosed_volume && elements.size() == 1) {
     const std::size_t parts = count_parts(elements[0]);
     if (parts > 1) {

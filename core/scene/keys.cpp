@@ -62,7 +62,7 @@ constexpr std::array keys{
     Key{"body.nodes", "a list of positions [x, y, z], m"},
     Key{"body.springs", "a list of pairs [i, j] of node numbers"},
     Key{"body.velocity", "three numbers [x, y, z], m/s"},
-    Key{"body.neuron", "a table with type, mass and parameters"},
+    Key{"body.neuron", "a table with type, mass (unless the body has a density) and parameters"},
     Key{"body.neuron.type", "the name of a neuron"},
     Key{"body.neuron.mass", "a number above 0, kg"},
     Key{"body.density", "a number above 0, kg/m^3"},

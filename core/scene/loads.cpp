@@ -144,7 +144,13 @@ void read_force(const Table& table, const std::vector<Shape>& shapes, Scene& sce
 }  // namespace
 
 void read_loads(const Table& root, const std::vector<Shape>& shapes, Scene& scene) {
-  for (const Value& value : root.tables("force")) read_force(value.table("force"), shapes, scene);
+  std::size_t selected = 0;
+  for (const Value& value : root.tables("force")) {
+    const Table table = value.table("force");
+    read_force(table, shapes, scene);
+    const Load& load = scene.network.loads().back();
+    count_selected(table.value(), load.nodes.size() + load.faces.size(), selected);
+  }
 }
 
 }  // namespace springnet::scene

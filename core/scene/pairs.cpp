@@ -10,6 +10,7 @@
 #include <boost/geometry/index/rtree.hpp>
 
 #include "scene/select.hpp"
+#include "text/grouped.hpp"
 
 namespace springnet::scene {
 namespace {
@@ -52,8 +53,9 @@ std::vector<NodeIndex> neighbours(const Tree& tree, NodeIndex node, double dista
   return result;
 }
 
+// Ends early, with more than `most`, where there are more.
 std::vector<Pair> pairs_within(const std::vector<NodeIndex>& from, const std::vector<NodeIndex>& to, double distance,
-                               const Network& network) {
+                               std::size_t most, const Network& network) {
   const Tree tree = make_tree(to, network);
   const auto in = [](const std::vector<NodeIndex>& sorted, NodeIndex node) {
     return std::binary_search(sorted.begin(), sorted.end(), node);
@@ -65,6 +67,7 @@ std::vector<Pair> pairs_within(const std::vector<NodeIndex>& from, const std::ve
       if (b < a && in(from, b) && in(to, a)) continue;
       pairs.emplace_back(a, b);
     }
+    if (pairs.size() > most) break;
   }
   return pairs;
 }
@@ -109,7 +112,7 @@ std::vector<Pair> read_pairs(const Value& list, std::string_view schema, const N
 
 }  // namespace
 
-std::vector<Pair> find_pairs(const Table& connect, const Network& network) {
+std::vector<Pair> find_pairs(const Table& connect, const Network& network, const LimitOf& limit) {
   if (const auto pairs = connect.find("pairs")) {
     for (const char* key : {"from", "to", "within", "nearest"}) {
       if (connect.has(key)) connect.find(key)->fail("has no meaning beside 'pairs'; remove one of them");
@@ -125,7 +128,14 @@ std::vector<Pair> find_pairs(const Table& connect, const Network& network) {
     connect.fail("needs either within = a distance in m, or nearest = true");
   }
   if (!within) return nearest_pairs(from, to, network);
-  std::vector<Pair> pairs = pairs_within(from, to, within->number_above_0("m"), network);
+  const PairLimit allowed = limit(from.size(), to.size());
+  std::vector<Pair> pairs = pairs_within(from, to, within->number_above_0("m"), allowed.most, network);
+  if (pairs.size() > allowed.most) {
+    within->fail(
+        fmt::format("joins more than {} pairs of the {} nodes of 'from' and the {} of 'to', but {}; lower the "
+                    "distance, or select fewer nodes",
+                    grouped(allowed.most), grouped(from.size()), grouped(to.size()), allowed.reason));
+  }
   if (pairs.empty()) within->fail("no two nodes of 'from' and 'to' are that near; raise the distance");
   return pairs;
 }

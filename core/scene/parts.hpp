@@ -27,11 +27,11 @@ using Shape = std::variant<std::monostate, Mesh, Lattice>;
 void read_starts(const Table& root, const Files& files, Network& network);
 // [[element]]
 void read_elements(const Table& root, const PluginHost& plugins, const std::vector<Shape>& shapes, Scene& scene);
-void read_connections(const Table& root, const PluginHost& plugins, Network& network);  // [[connect]], [[rigid]]
+void read_connections(const Table& root, const PluginHost& plugins, Scene& scene);  // [[connect]], [[rigid]]
 // [[node]], [[spring]], [[fix]], [[force]], [[cut]]
 void read_changes(const Table& root, const PluginHost& plugins, const std::vector<Shape>& shapes, Scene& scene);
 void read_loads(const Table& root, const std::vector<Shape>& shapes, Scene& scene);  // [[force]]
-void read_surroundings(const Table& root, Network& network);  // [[move]], [[plane]], [[instrument]]
+void read_surroundings(const Table& root, Scene& scene);  // [[move]], [[plane]], [[instrument]]
 // [output], whose selections see the whole network and all elements.
 void read_output(const Table& root, Scene& scene);
 

@@ -71,10 +71,10 @@ Scene parse_scene(std::string_view text, std::string_view name, const PluginHost
     result.network.set_gravity(gravity->table("gravity").need("acceleration").vector());
   }
   const std::vector<scene::Shape> shapes = scene::read_bodies(root, plugins, files, result);
-  scene::read_connections(root, plugins, result.network);
+  scene::read_connections(root, plugins, result);
   scene::read_elements(root, plugins, shapes, result);
   scene::read_changes(root, plugins, shapes, result);
-  scene::read_surroundings(root, result.network);
+  scene::read_surroundings(root, result);
   scene::read_starts(root, files, result.network);
   scene::read_output(root, result);
   return result;

@@ -8,6 +8,8 @@
 
 #include <springnet/printable.hpp>
 
+#include "text/grouped.hpp"
+
 namespace springnet::scene {
 namespace {
 
@@ -16,7 +18,7 @@ namespace {
 constexpr double thickness = 1e-9;
 
 struct Region {
-  std::vector<const Body*> bodies;  // none: everywhere
+  std::vector<const Body*> bodies;  // in the order of their nodes; none: everywhere
   std::vector<SelectedGroup> groups;
   std::optional<std::vector<NodeIndex>> grouped;  // their nodes, rising
   std::optional<Vector3> smallest, largest, center;
@@ -26,8 +28,11 @@ struct Region {
   [[nodiscard]] bool restricts() const { return has_shape() || grouped || !bodies.empty(); }
 
   [[nodiscard]] bool contains(NodeIndex node, const Vector3& p) const {
-    const auto in_body = [&](const Body* body) { return node - body->first_node < body->node_count; };
-    if (!bodies.empty() && std::none_of(bodies.begin(), bodies.end(), in_body)) return false;
+    if (!bodies.empty()) {
+      const auto after = std::upper_bound(bodies.begin(), bodies.end(), node,
+                                          [](NodeIndex n, const Body* body) { return n < body->first_node; });
+      if (after == bodies.begin() || node - (*(after - 1))->first_node >= (*(after - 1))->node_count) return false;
+    }
     if (grouped && !std::binary_search(grouped->begin(), grouped->end(), node)) return false;
     for (Eigen::Index axis = 0; axis < 3; ++axis) {
       if (smallest && p[axis] < (*smallest)[axis] - slack((*smallest)[axis], p[axis])) return false;
@@ -57,17 +62,18 @@ void sort_and_unite(std::vector<Element>& elements) {
 void add_group(const Value& name, const std::vector<const Body*>& bodies, const Network& network,
                std::vector<SelectedGroup>& groups) {
   const std::string wanted = name.text();
-  std::vector<std::string> known;
-  bool found = false;
+  const std::size_t before = groups.size();
   for (const Body* body : bodies) {
     for (std::size_t k = 0; k < body->groups.size(); ++k) {
-      known.push_back(body->groups[k].name);
-      if (known.back() != wanted) continue;
-      found = true;
-      groups.push_back({static_cast<std::size_t>(body - network.bodies().data()), k});
+      if (body->groups[k].name == wanted)
+        groups.push_back({static_cast<std::size_t>(body - network.bodies().data()), k});
     }
   }
-  if (found) return;
+  if (groups.size() > before) return;
+  std::vector<std::string> known;
+  for (const Body* body : bodies) {
+    for (const NodeGroup& group : body->groups) known.push_back(group.name);
+  }
   const std::string where =
       bodies.size() == 1 ? fmt::format("body '{}'", printable(bodies.front()->name)) : "the bodies";
   if (known.empty()) {
@@ -112,6 +118,7 @@ Region read_region(const Table& table, const Network& network) {
     if (body->is_list()) {
       for (const Value& name : body->elements()) region.bodies.push_back(&find_body(name, network));
       if (region.bodies.empty()) body->fail("names no body; leave the key out to select from all of them");
+      std::sort(region.bodies.begin(), region.bodies.end());  // of one array, in the order of their nodes
     } else {
       region.bodies.push_back(&find_body(*body, network));
     }
@@ -207,11 +214,11 @@ std::string list_of(const std::vector<std::string>& names) {
 
 const Body& find_body(const Value& name, const Network& network) {
   const std::string wanted = name.text();
-  std::vector<std::string> known;
   for (const Body& body : network.bodies()) {
     if (body.name == wanted) return body;
-    known.push_back(body.name);
   }
+  std::vector<std::string> known;
+  for (const Body& body : network.bodies()) known.push_back(body.name);
   const std::string nearest = suggestion(wanted, known);
   name.fail(fmt::format("there is no body '{}'; {}", printable(wanted),
                         nearest.empty() ? "write the name of a [[body]]" : nearest));
@@ -225,6 +232,16 @@ NodeIndex read_node(const Value& number, const Body* body, const Network& networ
     number.fail(fmt::format("there is no node {} in {}, it has {}, numbered from 0", index, where, count));
   }
   return static_cast<NodeIndex>(index) + (body != nullptr ? body->first_node : 0);
+}
+
+void count_selected(const Value& selection, std::size_t count, std::size_t& total) {
+  constexpr std::size_t most = 100'000'000;
+  total += count;
+  if (total <= most) return;
+  selection.fail(fmt::format(
+      "brings what the tables of this kind select to {}, at most {} are allowed; select less, or put what is "
+      "alike into one table",
+      grouped(total), grouped(most)));
 }
 
 std::vector<SelectedGroup> select_groups(const Value& selection, const Network& network) {

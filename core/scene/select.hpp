@@ -15,6 +15,10 @@ namespace springnet::scene {
 // Both ends of a spring have to meet what is given.
 [[nodiscard]] std::vector<SpringIndex> select_springs(const Value& selection, const Network& network);
 
+// Adds to what all tables of a kind have selected, where each selection is kept. Throws Error(input) for more than a
+// hundred million.
+void count_selected(const Value& selection, std::size_t count, std::size_t& total);
+
 // A group that a selection names: of that body, which has that many before it.
 struct SelectedGroup {
   std::size_t body;

@@ -99,10 +99,17 @@ void read_instrument(const Table& table, Network& network) {
 
 }  // namespace
 
-void read_surroundings(const Table& root, Network& network) {
+void read_surroundings(const Table& root, Scene& scene) {
+  Network& network = scene.network;
   for (const Value& value : root.tables("move")) read_move(value.table("move"), network);
-  for (const Value& value : root.tables("plane")) read_plane(value.table("plane"), network);
-  for (const Value& value : root.tables("instrument")) read_instrument(value.table("instrument"), network);
+  for (const Value& value : root.tables("plane")) {
+    read_plane(value.table("plane"), network);
+    scene.surfaces.push_back(value.where());
+  }
+  for (const Value& value : root.tables("instrument")) {
+    read_instrument(value.table("instrument"), network);
+    scene.surfaces.push_back(value.where());
+  }
 }
 
 }  // namespace springnet::scene

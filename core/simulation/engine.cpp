@@ -108,10 +108,7 @@ void Engine::start_constraints() {
       const double distance = contact_.distance(j, vector_at(state_.view.position, k));
       if (distance >= -tolerance) continue;
       const bool plane = contact_.surfaces()[j].is_plane();
-      throw Error(ErrorKind::input,
-                  fmt::format("node {} starts {:.3g} m {} {}, where no node can be; move the body or the {}",
-                              layout_.ordering().user[k], -distance, plane ? "behind" : "inside", contact_.name_of(j),
-                              plane ? "plane, or turn the plane's normal towards the body" : "instrument"));
+      throw Error(ErrorKind::input, misplaced(layout_.ordering().user[k], -distance, plane, contact_.name_of(j)));
     }
   }
   if (rigid_.any()) {

@@ -98,4 +98,10 @@ std::optional<double> Surface::first_touch(const Vector3& a, const Vector3& b) c
   return outside;
 }
 
+std::string misplaced(NodeIndex node, double depth, bool plane, const std::string& surface) {
+  return fmt::format("node {} starts {:.3g} m {} {}, where no node can be; move the body or the {}", node, depth,
+                     plane ? "behind" : "inside", surface,
+                     plane ? "plane, or turn the plane's normal towards the body" : "instrument");
+}
+
 }  // namespace springnet

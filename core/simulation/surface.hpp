@@ -51,4 +51,8 @@ class Surface {
   Trajectory trajectory_;
 };
 
+// What is wrong with a node (user's number) that starts `depth` (m) behind a plane or inside an instrument, which is
+// described as `surface`.
+[[nodiscard]] std::string misplaced(NodeIndex node, double depth, bool plane, const std::string& surface);
+
 }  // namespace springnet

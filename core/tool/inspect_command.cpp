@@ -7,6 +7,7 @@
 #include <fmt/format.h>
 #include <springnet/inspection.hpp>
 #include <springnet/mesh.hpp>
+#include <springnet/printable.hpp>
 
 #include "commands.hpp"
 #include "common.hpp"
@@ -260,11 +261,12 @@ int run(const InspectArguments& arguments) {
     fmt::print("{}", to_json(found));
     return done;
   }
-  fmt::print("{}{}{}\n", arguments.scene.file.string(), scene.title.empty() ? "" : ": ", scene.title);
+  fmt::print("{}{}{}\n", arguments.scene.file.string(), scene.title.empty() ? "" : ": ",
+             printable_message(scene.title));
   fmt::print("{}", align_columns(facts(scene, found)));
   print_limits(scene, found);
   print_findings(scene.network, found);
-  for (const std::string& note : notes_of(scene)) fmt::print("note: {}\n", note);
+  for (const std::string& note : notes_of(scene)) fmt::print("note: {}\n", printable_message(note));
   return done;
 }
 

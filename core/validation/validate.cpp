@@ -252,6 +252,7 @@ bool Validation::within(double tolerance) const {
 
 Validation validate(const Scene& scene, const std::shared_ptr<const PluginHost>& plugins,
                     const ValidationOptions& options) {
+  check_starts(scene);
   if (!(options.relative_tolerance > options.certifying_tolerance) || !(options.certifying_tolerance > 0.0)) {
     throw Error(ErrorKind::input,
                 fmt::format("the run that certifies the reference needs a relative tolerance above 0 and below the "

@@ -107,3 +107,100 @@ TEST_CASE("a scene may name its version") {
   CHECK(contains(refusal("version = 0\n" + small), "must be at least 1"));
   CHECK(contains(refusal("version = \"1\"\n" + small), "must be a whole number, is a text"));
 }
+
+TEST_CASE("springs and rigid connections found by distance are counted before they are made") {
+  const std::string many = simulation +
+                           "[[body]]\nname = \"a\"\nmesh = { lattice = [20, 20, 20], spacing = 1.0 }\n"
+                           "neuron = { type = \"point_mass\", mass = 1.0 }\n"
+                           "spring = { type = \"linear\", stiffness = 3.0 }\n";
+  const std::string all = "from = {}\nto = {}\nwithin = 100.0\n";
+  const std::string connect = refusal(many + "[[connect]]\nspring = { type = \"linear\", stiffness = 1 }\n" + all);
+  CHECK(contains(connect,
+                 "test.toml:13:10: connect.0.within: joins more than 10,000,000 pairs of the 8,000 nodes of "
+                 "'from' and the 8,000 of 'to'"));
+  CHECK(contains(connect, "lower the distance"));
+  const std::string rigid = refusal(many + "[[rigid]]\n" + all);
+  CHECK(contains(rigid, "test.toml:12:10: rigid.0.within: joins more than 320,000 pairs"));
+  CHECK(contains(rigid, "at most 20 a node"));
+  // Springs that were joined to be rigid.
+  const std::string law = "[[connect]]\nspring = { type = \"linear\", stiffness = 1 }\n";
+  const std::string dense = refusal(small + law + "from = {}\nto = {}\nwithin = 9.0\n" + law +
+                                    "from = {}\nto = {}\nwithin = 9.0\n[[rigid]]\nsprings = {}\n");
+  CHECK(dense == "");  // 351 pairs of 27 nodes, each once
+}
+
+TEST_CASE("a large rigid piece is noted as costly") {
+  const std::string text = simulation +
+                           "[[body]]\nname = \"a\"\nmesh = { lattice = [8, 8, 8], spacing = 1.0 }\n"
+                           "neuron = { type = \"point_mass\", mass = 1.0 }\n"
+                           "spring = { type = \"linear\", stiffness = 3.0 }\n[[rigid]]\nsprings = ";
+  const Scene whole = parse(text + "{}");
+  REQUIRE(whole.notes.size() == 1);
+  CHECK(contains(whole.notes[0], "rigid.0 joins 512 nodes by 1,344 connections: pieces of so many nodes take seconds"));
+  CHECK(parse(text + "{ box = { max = [2, 2, 2] } }").notes.empty());
+}
+
+TEST_CASE("a lattice that memory cannot hold is refused before it is made") {
+  const std::string message =
+      refusal(simulation +
+              "[[body]]\nname = \"a\"\nmesh = { lattice = [1100, 1100, 1100], spacing = 1.0, diagonals = "
+              "\"none\" }\nneuron = { type = \"point_mass\" }\ndensity = 1.0\n"
+              "material = { youngs_modulus = 1.0 }\n");
+  CHECK(contains(message, "test.toml:6:8: body.0.mesh: lattice 'a': the network would have 1.331e+09 nodes"));
+  CHECK(contains(message, "GB: use fewer nodes"));
+}
+
+TEST_CASE("a cutting polygon has a greatest number of corners") {
+  const std::string corners = repeated("[0, 0, 0], ", 10'001);
+  CHECK(contains(refusal(small + "[[cut]]\ntime = 1\npolygon = [" + corners + "]\n"),
+                 "test.toml:11:11: cut.0.polygon: has 10,001 corners, at most 10,000 are allowed"));
+}
+
+TEST_CASE("lengths that rounding swallows are refused with the key that puts them there") {
+  const std::string body = simulation +
+                           "[[body]]\nname = \"a\"\nneuron = { type = \"point_mass\", mass = 1.0 }\n"
+                           "spring = { type = \"linear\", stiffness = 3.0 }\n";
+  const std::string lattice = refusal(body + "mesh = { lattice = [2, 1, 1], spacing = 1.0, origin = [1e20, 0, 0] }\n");
+  CHECK(contains(lattice, "test.toml:8:55: body.0.mesh.origin: spring 0 from node 0 to node 1"));
+  CHECK(contains(lattice, "lost to rounding; move everything nearer to the origin"));
+  const std::string listed = refusal(body + "nodes = [[1e15, 0, 0], [1000000000000001, 0, 0]]\nsprings = [[0, 1]]\n");
+  CHECK(contains(listed, "test.toml:8:9: body.0.nodes: spring 0 from node 0 to node 1"));
+  const std::string far = body + "nodes = [[1e9, 0, 0], [1000000001, 0, 0]]\n";
+  const std::string pairs = "pairs = [[{ node = 0 }, { node = 1 }]]\n";
+  CHECK(refusal(far + "[[connect]]\nspring = { type = \"linear\", stiffness = 1 }\n" + pairs) == "");
+  CHECK(contains(refusal(far + "[[rigid]]\n" + pairs), "test.toml:9:1: rigid.0: the rigid connection from node 0"));
+}
+
+TEST_CASE("a node that starts behind a surface is told with the surface's place") {
+  const auto refused = [](const std::string& text) -> std::string {
+    try {
+      check_starts(parse(text));
+    } catch (const Error& error) {
+      CHECK(error.kind() == ErrorKind::input);
+      return error.what();
+    }
+    return {};
+  };
+  const std::string floor = "[[plane]]\nname = \"floor\"\npoint = [0, 0, 0]\nnormal = [0, 0, 1]\n";
+  const std::string high = "[[plane]]\npoint = [0, 0, 1.5]\nnormal = [0, 0, 1]\n";
+  const std::string ball = "[[instrument]]\nsphere = { center = [0, 0, 0], radius = 0.5 }\n";
+  CHECK(refused(small + floor) == "");
+  CHECK(contains(refused(small + floor + high), "test.toml:13:1: plane.1: node 0 starts 1.5 m behind plane 1"));
+  CHECK(
+      contains(refused(small + floor + ball), "test.toml:13:1: instrument.0: node 0 starts 0.5 m inside instrument 0"));
+  CHECK(refused(small + ball + "motion = { table = [[0, 0, 0, -9], [1, 0, 0, 0]] }\n") == "");
+  CHECK(refused(small + ball + "[[fix]]\nselect = { nodes = [0] }\n") == "");
+}
+
+TEST_CASE("a body without a mass is told both ways to give one") {
+  const std::string body = simulation +
+                           "[[body]]\nname = \"a\"\nmesh = { lattice = [2, 2, 2], spacing = 1.0 }\n"
+                           "spring = { type = \"linear\", stiffness = 3.0 }\n";
+  const std::string none = refusal(body + "neuron = { type = \"point_mass\" }\n");
+  CHECK(contains(none,
+                 "test.toml:8:10: body.0.neuron: says no mass; add 'mass' here, in kg, of each node, or 'density' "));
+  CHECK(contains(refusal(body + "density = 1.0\n"), "mass (unless the body has a density)"));
+  CHECK(refusal(body + "density = 1.0\nneuron = { type = \"point_mass\" }\n") == "");
+  CHECK(contains(refusal(body + "density = 1.0\nneuron = { type = \"point_mass\", mass = 1 }\n"),
+                 "has no meaning beside 'density'"));
+}

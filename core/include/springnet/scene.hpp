@@ -51,7 +51,8 @@ struct Scene {
   double duration = 0.0;  // s
   Network network;
   std::vector<ElementSet> elements;
-  std::vector<std::string> notes;  // of reading: what a mesh has and this does not, what a material becomes
+  std::vector<std::string> surfaces;  // where planes, then instruments, stand: "file:line:column: plane.0"
+  std::vector<std::string> notes;     // of reading: what a mesh has and this does not, what a material becomes
   SimulationOptions options;
   OutputOptions output;
 };
@@ -83,6 +84,10 @@ enum class OutsideFiles { refused, allowed };
 // Scene::notes, and what is likely not meant: cuts, loads and motions wholly outside of the simulated time. Plain
 // sentences.
 [[nodiscard]] std::vector<std::string> notes_of(const Scene& scene);
+
+// Throws Error(input), with the place in the scene, if a node starts behind a plane or inside an instrument by more
+// than rounding. A Simulation refuses such a network too, but does not know the scene.
+void check_starts(const Scene& scene);
 
 // Every key a scene may have, as "body.mesh.lattice": the reference page is checked against it.
 [[nodiscard]] const std::vector<std::string>& scene_keys();
