@@ -5,7 +5,10 @@
 
 #include "tool.hpp"
 
-using namespace springnet::testing;
+using springnet::testing::Answer;
+using springnet::testing::pair_scene;
+using springnet::testing::shell;
+using springnet::testing::TemporaryFolder;
 
 TEST_CASE("files outside of a scene's folder need --allow-outside") {
   const TemporaryFolder folder;
@@ -17,10 +20,10 @@ TEST_CASE("files outside of a scene's folder need --allow-outside") {
       "neuron = { type = \"point_mass\", mass = 1 }\nspring = { type = \"linear\", stiffness = 1 }\n");
   for (const std::string command : {"inspect", "run -q -o out", "validate -q -o out"}) {
     CAPTURE(command);
-    const Answer refused = springnet(folder, command + " scene/s.toml");
+    const Answer refused = springnet::testing::springnet(folder, command + " scene/s.toml");
     CHECK(refused.status == 2);
     CHECK(refused.err.find("body.0.mesh.file: lies outside of the scene's folder") != std::string::npos);
-    CHECK(springnet(folder, command + " scene/s.toml --allow-outside").status == 0);
+    CHECK(springnet::testing::springnet(folder, command + " scene/s.toml --allow-outside").status == 0);
   }
   CHECK(shell(folder, "cat scene/s.toml | \"$SPRINGNET\" inspect /dev/stdin").err.find("this scene is in no folder") !=
         std::string::npos);
@@ -30,17 +33,17 @@ TEST_CASE("a node behind a plane is told with file and line") {
   const TemporaryFolder folder;
   folder.write("s.toml", std::string(pair_scene) + "[[plane]]\npoint = [0, 0, 1]\nnormal = [0, 0, 1]\n");
   for (const std::string command : {"run -q -o out", "validate -q -o out"}) {
-    const Answer refused = springnet(folder, command + " s.toml");
+    const Answer refused = springnet::testing::springnet(folder, command + " s.toml");
     CHECK(refused.status == 2);
     CHECK(refused.err.find("s.toml:18:1: plane.0: node 1 starts 1 m behind plane 0") != std::string::npos);
   }
-  CHECK(springnet(folder, "inspect s.toml").status == 0);
+  CHECK(springnet::testing::springnet(folder, "inspect s.toml").status == 0);
 }
 
 TEST_CASE("control characters of a scene do not reach the terminal") {
   const TemporaryFolder folder;
   folder.write("s.toml", "\"\\u001b[31m\" = 1\n" + std::string(pair_scene));
-  const Answer refused = springnet(folder, "inspect s.toml");
+  const Answer refused = springnet::testing::springnet(folder, "inspect s.toml");
   CHECK(refused.status == 2);
   CHECK(refused.err.find('\x1b') == std::string::npos);
   CHECK(refused.err.find("\\u001b[31m") != std::string::npos);
