@@ -181,9 +181,8 @@ SpringIndex read_spring(const Value& number, const Body* body, const Network& ne
   const std::size_t count = body != nullptr ? body->spring_count : network.springs().size();
   const std::int64_t index = number.integer(0);
   if (index >= static_cast<std::int64_t>(count)) {
-    number.fail(fmt::format("there is no spring {}{}{}, it has {}, numbered from 0", index,
-                            body != nullptr ? " in body " : " in the network",
-                            body != nullptr ? "'" + printable(body->name) + "'" : "", count));
+    const std::string where = body != nullptr ? fmt::format("body '{}'", printable(body->name)) : "the network";
+    number.fail(fmt::format("there is no spring {} in {}, it has {}, numbered from 0", index, where, count));
   }
   return static_cast<SpringIndex>(index) + (body != nullptr ? body->first_spring : 0);
 }

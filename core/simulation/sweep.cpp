@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <atomic>
 #include <cmath>
+#include <cstdio>
 #include <cstring>
 #include <mutex>
 
@@ -75,11 +76,9 @@ springnet_status call_update(const springnet_sweep& sweep, const springnet_node_
     sweep.update(sweep.user, &batch);
     return SPRINGNET_OK;
   } catch (const std::exception& error) {
-    sdk::detail::write_message(&message, "the integrator's update of nodes threw an exception: ");
-    const std::size_t length = std::strlen(message.text);
-    springnet_message reason;
-    sdk::detail::write_message(&reason, error.what());
-    std::strncpy(message.text + length, reason.text, sizeof message.text - length - 1);
+    char text[2 * sizeof message.text];
+    std::snprintf(text, sizeof text, "the integrator's update of nodes threw an exception: %s", error.what());
+    sdk::detail::write_message(&message, text);
   } catch (...) {
     sdk::detail::write_message(&message, "the integrator's update of nodes threw something that is no std::exception");
   }
