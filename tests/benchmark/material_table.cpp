@@ -128,7 +128,7 @@ Net read_net(double extent) {
   net.dimension = 3;
   net.size = {extent, 1.0, 1.0};
   net.spacing.setConstant(0.25);
-  const auto folder = std::filesystem::path(__FILE__).parent_path();
+  const std::filesystem::path folder = MESH_FOLDER;
   net.mesh = read_mesh(folder / (extent > 1.0 ? "bar.msh" : "block.msh"));
   net.edges = edges_of(net.mesh);
   // Even traction: a third of each triangle of the end at its corners.
