@@ -20,8 +20,9 @@ bool divides(double time_step, double interval) {
 RecordTimes common_record_times(double duration, double wanted_interval, const std::vector<double>& time_steps) {
   for (const double time_step : time_steps) {
     if (!(time_step > 0.0) || !(time_step <= duration)) {
-      throw Error(ErrorKind::input,
-                  fmt::format("time step {:.10g} s: must be above 0 and at most the duration, {:.10g} s", time_step, duration));
+      throw Error(
+          ErrorKind::input,
+          fmt::format("time step {:.10g} s: must be above 0 and at most the duration, {:.10g} s", time_step, duration));
     }
   }
   const double coarsest = *std::max_element(time_steps.begin(), time_steps.end());
