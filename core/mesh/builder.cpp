@@ -6,6 +6,8 @@
 #include <fmt/format.h>
 #include <springnet/printable.hpp>
 
+#include "text/counted.hpp"
+
 namespace springnet::meshes {
 namespace {
 
@@ -69,7 +71,8 @@ void Builder::add_polygon(std::span<const std::uint32_t> corners, Place place) {
   for (std::size_t i = 1; i + 1 < corners.size(); ++i) {
     add_cell(CellType::triangle, std::array{corners[0], corners[i], corners[i + 1]}, place);
   }
-  count_note("polygons of more than four corners are divided into triangles around their first corner");
+  count_note("polygon of more than four corners is divided into triangles around its first corner",
+             "polygons of more than four corners are divided into triangles around their first corner");
 }
 
 std::size_t Builder::group(const std::string& name) {
@@ -112,23 +115,33 @@ void Builder::note(const std::string& sentence) {
   if (noted_.insert(sentence).second) mesh_.notes.push_back(sentence);
 }
 
-void Builder::name_note(const std::string& sentence, const std::string& name) {
-  Counted& counted = counted_[sentence];
-  ++counted.times;
-  if (std::find(counted.names.begin(), counted.names.end(), name) != counted.names.end()) return;
-  if (counted.names.size() < most_names) {
-    counted.names.push_back(name);
+void Builder::count_note(const std::string& one, const std::string& several, std::size_t times) {
+  Counted& note = counted_[several];
+  note.one = one;
+  note.times += times;
+}
+
+void Builder::name_note(const std::string& one, const std::string& several, const std::string& name) {
+  count_note(one, several);
+  Counted& note = counted_[several];
+  if (std::find(note.names.begin(), note.names.end(), name) != note.names.end()) return;
+  if (note.names.size() < most_names) {
+    note.names.push_back(name);
   } else {
-    counted.more_names = true;
+    note.more_names = true;
   }
 }
 
-std::string Builder::told(const std::string& sentence, const Counted& counted) {
-  std::string result = fmt::format("{} {}", counted.times, sentence);
-  for (const std::string& name : counted.names) {
-    result += fmt::format("{}{}", &name == counted.names.data() ? ": " : ", ", printable(name, longest_name));
+std::string Builder::number_of(const std::string& several, const Counted& note) {
+  return counted(note.times, note.one, several);
+}
+
+std::string Builder::told(const std::string& several, const Counted& note) {
+  std::string result = number_of(several, note);
+  for (const std::string& name : note.names) {
+    result += fmt::format("{}{}", &name == note.names.data() ? ": " : ", ", printable(name, longest_name));
   }
-  return counted.more_names ? result + " and others" : result;
+  return note.more_names ? result + " and others" : result;
 }
 
 void Builder::leave_out_unused_points() {
@@ -147,7 +160,8 @@ void Builder::leave_out_unused_points() {
     std::erase_if(group.points, [&](std::uint32_t point) { return !used[point]; });
     for (std::uint32_t& point : group.points) point = number[point];
   }
-  if (left_out > 0) count_note("points that no cell uses are left out", left_out);
+  if (left_out > 0)
+    count_note("point that no cell uses is left out", "points that no cell uses are left out", left_out);
 }
 
 // Cells and points of groups; leaves out those without any.
@@ -167,7 +181,8 @@ void Builder::fill_groups() {
     }
     sort_unique(group.points);
     if (group.points.empty()) {
-      name_note("groups without a cell or a point that is used are left out", fmt::format("'{}'", group.name));
+      name_note("group without a cell or a point that is used is left out",
+                "groups without a cell or a point that is used are left out", fmt::format("'{}'", group.name));
     }
   }
   std::erase_if(mesh_.groups, [](const MeshGroup& group) { return group.points.empty(); });
@@ -176,8 +191,8 @@ void Builder::fill_groups() {
 Mesh Builder::finish() && {
   if (mesh_.cell_count() == 0) {
     std::string why;
-    for (const auto& [sentence, counted] : counted_)
-      why += fmt::format("{}{} {}", why.empty() ? " (" : "; ", counted.times, sentence);
+    for (const auto& [several, note] : counted_)
+      why += fmt::format("{}{}", why.empty() ? " (" : "; ", number_of(several, note));
     mesh_.notes.resize(std::min(mesh_.notes.size(), most_notes));
     for (const std::string& sentence : mesh_.notes) why += fmt::format("{}{}", why.empty() ? " (" : "; ", sentence);
     if (!why.empty()) why += ")";
@@ -188,7 +203,7 @@ Mesh Builder::finish() && {
   }
   leave_out_unused_points();
   fill_groups();
-  for (const auto& [sentence, counted] : counted_) mesh_.notes.push_back(told(sentence, counted));
+  for (const auto& [several, note] : counted_) mesh_.notes.push_back(told(several, note));
   if (mesh_.notes.size() > most_notes) {
     const std::size_t more = mesh_.notes.size() - most_notes;
     mesh_.notes.resize(most_notes);

@@ -50,23 +50,26 @@ class Builder {
 
   // Sentences quote nothing of the file but names that its format knows, because an error may repeat them.
   void note(const std::string& sentence);
-  // A note that is told once with the number of times; `sentence` begins after the number.
-  void count_note(const std::string& sentence, std::size_t times = 1) { counted_[sentence].times += times; }
+  // A note that is told once with the number of times; the sentence begins after the number: after a 1, after another.
+  void count_note(const std::string& one, const std::string& several, std::size_t times = 1);
   // The same with names of what it was, the first few of them, which may be the file's: no error repeats them.
-  void name_note(const std::string& sentence, const std::string& name);
+  void name_note(const std::string& one, const std::string& several, const std::string& name);
 
   // Throws Error(input) if there is no cell.
   [[nodiscard]] Mesh finish() &&;
 
  private:
   struct Counted {
+    std::string one;
     std::size_t times = 0;
     std::vector<std::string> names{};  // different ones
     bool more_names = false;
   };
   using Range = std::pair<std::size_t, std::size_t>;  // from, behind
 
-  [[nodiscard]] static std::string told(const std::string& sentence, const Counted& counted);
+  // Without names.
+  [[nodiscard]] static std::string number_of(const std::string& several, const Counted& note);
+  [[nodiscard]] static std::string told(const std::string& several, const Counted& note);
   void leave_out_unused_points();
   void fill_groups();
 
@@ -76,7 +79,7 @@ class Builder {
   std::vector<std::vector<Range>> cells_of_group_;  // [group]
   std::size_t grouped_cells_ = 0;                   // of all groups
   std::set<std::string> noted_;
-  std::map<std::string, Counted> counted_;
+  std::map<std::string, Counted> counted_;  // by the sentence for several
 };
 
 }  // namespace springnet::meshes

@@ -213,7 +213,7 @@ class GmshReader {
       builder_.note(
           "the mesh is divided into partitions: their physical groups are not read (save it without partitions)");
     } else if (section != "$Comments") {
-      builder_.name_note("sections are not read", section);
+      builder_.name_note("section is not read", "sections are not read", section);
     }
   }
 
@@ -390,7 +390,8 @@ class GmshReader {
       for (const std::size_t group : groups) builder_.add_cells_to_group(group, first, builder_.cell_count());
     }
     if (size > 0 && type.nodes > corner_count(type.cell)) {
-      builder_.count_note("elements of second or higher order are read without the nodes between their corners", size);
+      builder_.count_note("element of second or higher order is read without the nodes between its corners",
+                          "elements of second or higher order are read without the nodes between their corners", size);
     }
   }
 

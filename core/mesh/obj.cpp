@@ -80,7 +80,7 @@ class ObjReader {
       if (keyword.find_first_not_of("abcdefghijklmnopqrstuvwxyz_") != std::string_view::npos) {
         fail("this is no statement of OBJ; correct the line");
       }
-      builder_.name_note("statements are not read", fmt::format("'{}'", keyword));
+      builder_.name_note("statement is not read", "statements are not read", fmt::format("'{}'", keyword));
     }
   }
 

@@ -79,7 +79,9 @@ class StlReader {
       }
       triangle(corners, place);
     }
-    if (in_.left() > 0) builder_.count_note("bytes behind the last triangle are not read", in_.left());
+    if (in_.left() > 0)
+      builder_.count_note("byte behind the last triangle is not read", "bytes behind the last triangle are not read",
+                          in_.left());
   }
 
   void read_text() {
@@ -136,7 +138,8 @@ class StlReader {
       }
     }
     if (points[0] == points[1] || points[1] == points[2] || points[2] == points[0]) {
-      builder_.count_note("triangles with two equal corners are left out");
+      builder_.count_note("triangle with two equal corners is left out",
+                          "triangles with two equal corners are left out");
       return;
     }
     builder_.add_cell(CellType::triangle, points, place);

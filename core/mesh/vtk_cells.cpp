@@ -130,7 +130,7 @@ void VtkCells::add(int type, std::span<const std::int64_t> points, Place place) 
   const std::span<const std::uint32_t> corners(corners_);
   switch (type) {
     case empty_cell:
-      builder_.count_note("empty cells are left out");
+      builder_.count_note("empty cell is left out", "empty cells are left out");
       return;
     case vtk::poly_vertex:
       for (std::size_t k = 0; k < corners.size(); ++k)
@@ -169,13 +169,16 @@ void VtkCells::add(int type, std::span<const std::int64_t> points, Place place) 
   const auto known =
       std::find_if(vtk_types.begin(), vtk_types.end(), [&](const VtkType& t) { return t.number == type; });
   if (known == vtk_types.end()) {
-    builder_.name_note("cells of other types are left out", fmt::format("VTK's type {}", type));
+    builder_.name_note("cell of another type is left out", "cells of other types are left out",
+                       fmt::format("VTK's type {}", type));
     return;
   }
   need(known->points, true);
   const std::size_t used = corner_count(known->cell);
   builder_.add_cell(known->cell, corners.first(used), place);
-  if (known->points > used) builder_.count_note("cells of second order are read without their middle points");
+  if (known->points > used)
+    builder_.count_note("cell of second order is read without its middle points",
+                        "cells of second order are read without their middle points");
 }
 
 bool VtkCells::is_group_name(std::string_view name) {

@@ -58,7 +58,7 @@ TEST_CASE("nothing of a file that is refused is quoted") {
   // Words that OBJ may have, but this reader does not know, are counted and not named.
   const std::string message = error_of("a.obj", "xyzzy\n");
   CHECK(message.find("xyzzy") == std::string::npos);
-  CHECK(message.find("1 statements are not read") != std::string::npos);
+  CHECK(message.find("1 statement is not read") != std::string::npos);
 }
 
 TEST_CASE("notes show names of a file that is read, without what a terminal obeys") {

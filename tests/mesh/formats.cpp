@@ -24,7 +24,7 @@ void check_body(const Mesh& mesh) {
     const auto corners = mesh.cell(i);
     CHECK(Numbers(corners.begin(), corners.end()) == body_cells()[i].points);
   }
-  CHECK(has_note(mesh, "1 points that no cell uses are left out"));
+  CHECK(has_note(mesh, "1 point that no cell uses is left out"));
 }
 
 std::size_t count_of(const Mesh& mesh, CellType type) {
@@ -136,7 +136,7 @@ TEST_CASE("polygons, lines, strips and vertices of VTK") {
     CHECK(group_of(mesh, "group 2").cells == Numbers{1, 2});
     CHECK(group_of(mesh, "group 3").cells == Numbers{3, 4, 5});  // the pentagon
     CHECK(group_of(mesh, "group 4").cells == Numbers{6, 7});
-    CHECK(has_note(mesh, "1 polygons of more than four corners"));
+    CHECK(has_note(mesh, "1 polygon of more than four corners"));
     // A square with a gable of base 1 and height 1.
     CHECK(measure_of(mesh, 3) + measure_of(mesh, 4) + measure_of(mesh, 5) == doctest::Approx(1.5));
     // Both triangles of the strip are turned alike: their common edge is run through in both directions.
@@ -194,9 +194,9 @@ TEST_CASE("OBJ") {
   CHECK(group_of(mesh, "right").cells == Numbers{1, 2, 3});
   CHECK(group_of(mesh, "sheet one").cells == Numbers{0, 1, 2, 3, 4, 5, 6, 7});
   CHECK(mesh.groups.size() == 4);
-  CHECK(has_note(mesh, "1 polygons of more than four corners"));
-  CHECK(has_note(mesh, "1 statements are not read: 'curv'"));
-  CHECK(has_note(mesh, "1 points that no cell uses"));
+  CHECK(has_note(mesh, "1 polygon of more than four corners"));
+  CHECK(has_note(mesh, "1 statement is not read: 'curv'"));
+  CHECK(has_note(mesh, "1 point that no cell uses"));
 }
 
 TEST_CASE("STL: equal corners become one point") {
@@ -214,11 +214,11 @@ TEST_CASE("STL: equal corners become one point") {
   CHECK(group_of(text, "second part").cells == Numbers{2, 3});
   const Mesh thin = read_text_mesh("thin.stl", replaced(stl_samples()[0].bytes, "vertex 0 1 0", "vertex 0 0 0"));
   CHECK(thin.cell_count() == 3);
-  CHECK(has_note(thin, "1 triangles with two equal corners are left out"));
+  CHECK(has_note(thin, "1 triangle with two equal corners is left out"));
   // What is no whole triangle at the end of a binary file.
   const Mesh spare = read_text_mesh("spare.stl", stl_samples()[1].bytes + "\n");
   CHECK(spare.cell_count() == 4);
-  CHECK(has_note(spare, "1 bytes behind the last triangle are not read"));
+  CHECK(has_note(spare, "1 byte behind the last triangle is not read"));
 }
 
 TEST_CASE("what is not read of a file is told once, with the first names") {
@@ -307,8 +307,8 @@ TEST_CASE("second order: corners alone; higher and unknown types are left out") 
       "second.vtk", head + points + "\nCELLS 2 15\n10 0 1 2 3 4 5 6 7 8 9\n3 0 1 2\nCELL_TYPES 2\n24 69\n");
   CHECK(mesh.points.size() == 4);
   CHECK(mesh.types == std::vector<CellType>{CellType::tetrahedron});
-  CHECK(has_note(mesh, "1 cells of second order are read without their middle points"));
-  CHECK(has_note(mesh, "1 cells of other types are left out: VTK's type 69"));
+  CHECK(has_note(mesh, "1 cell of second order is read without its middle points"));
+  CHECK(has_note(mesh, "1 cell of another type is left out: VTK's type 69"));
   CHECK(has_note(mesh, "7 points that no cell uses"));
 }
 
@@ -357,7 +357,7 @@ TEST_CASE("of every second-order cell of VTK the corners are read") {
                                   type.points, points, type.points + 1, type.points, numbers, type.number));
     CHECK(mesh.types == std::vector<CellType>{type.cell});
     CHECK(mesh.points == corners);
-    CHECK(has_note(mesh, "1 cells of second order are read without their middle points"));
+    CHECK(has_note(mesh, "1 cell of second order is read without its middle points"));
   }
 }
 
