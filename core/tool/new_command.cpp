@@ -58,14 +58,18 @@ void refuse_existing(const std::vector<Planned>& files) {
 }
 
 [[noreturn]] void fail_to_write(const std::filesystem::path& file, const std::string& reason) {
-  throw Error(ErrorKind::simulation,
-              fmt::format("{}: cannot be written: {}", printable_message(file.string()), reason));
+  throw Error(
+      ErrorKind::simulation,
+      fmt::format("{}: cannot be written: {}; nothing was left there. Make room, or name another folder with -o",
+                  printable_message(file.string()), reason));
 }
 
+// A part of the file is removed if it fails.
 void write(const Planned& planned) {
-  std::error_code problem;
+  std::error_code problem, ignored;
   if (!planned.source.empty()) {
     std::filesystem::copy_file(planned.source, planned.file, problem);  // not over one that came meanwhile
+    if (problem && problem != std::errc::file_exists) std::filesystem::remove(planned.file, ignored);
     if (problem) fail_to_write(planned.file, problem.message());
     return;
   }
@@ -74,7 +78,9 @@ void write(const Planned& planned) {
   if (!out) fail_to_write(planned.file, std::error_code(errno, std::generic_category()).message());
   if (std::fwrite(planned.text.data(), 1, planned.text.size(), out.get()) != planned.text.size() ||
       std::fflush(out.get()) != 0) {
-    fail_to_write(planned.file, std::error_code(errno, std::generic_category()).message());
+    const std::error_code reason(errno, std::generic_category());
+    std::filesystem::remove(planned.file, ignored);
+    fail_to_write(planned.file, reason.message());
   }
 }
 
@@ -86,10 +92,18 @@ void write_all(const std::filesystem::path& folder, const std::vector<Planned>& 
     throw Error(ErrorKind::input, fmt::format("{}: the folder cannot be made: {}; name another one with -o",
                                               printable_message(folder.string()), problem.message()));
   }
-  for (const Planned& planned : files) {
-    write(planned);
-    fmt::print("{}\n", printable_message(planned.file.string()));
+  std::vector<std::filesystem::path> written;
+  try {
+    for (const Planned& planned : files) {
+      write(planned);
+      written.push_back(planned.file);
+    }
+  } catch (const Error&) {
+    // Half of a scene would be in the way of the next attempt.
+    for (const std::filesystem::path& file : written) std::filesystem::remove(file, problem);
+    throw;
   }
+  for (const std::filesystem::path& file : written) fmt::print("{}\n", printable_message(file.string()));
 }
 
 int list_examples() {

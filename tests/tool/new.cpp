@@ -99,6 +99,15 @@ TEST_CASE("nothing is overwritten, and then nothing is written at all") {
   CHECK_FALSE(std::filesystem::exists(folder.path() / "elsewhere.toml"));
 }
 
+TEST_CASE("what cannot be written whole leaves nothing behind") {
+  const TemporaryFolder folder;
+  const Answer full = testing::shell(folder, "ulimit -f 4; \"$SPRINGNET\" new --example tube -o mine");
+  CHECK(full.status == 1);
+  CHECK(has(full.err, "cannot be written"));
+  CHECK(std::filesystem::is_empty(folder.path() / "mine"));
+  CHECK(testing::springnet(folder, "new --example tube -o mine").status == 0);
+}
+
 TEST_CASE("what 'new' cannot do is an error of usage") {
   const TemporaryFolder folder;
   folder.write("point.obj", "v 1 2 3\np 1\n");
