@@ -71,7 +71,8 @@ void print_error(std::string_view message) {
   std::fputs(fmt::format("springnet: error: {}\n", printable_message(message)).c_str(), stderr);
 }
 
-void print_report(std::string_view text) {
+void print_report(std::string_view report) {
+  const std::string text = printable_message(report);
   const bool printed = std::fwrite(text.data(), 1, text.size(), stdout) == text.size() && std::fflush(stdout) == 0;
   if (printed || errno != EPIPE) return;
   // What is printed from now on, and what waits to be, has nobody to read it.
@@ -119,8 +120,8 @@ std::vector<std::string> PluginArguments::empty_folders() const {
       found = found || entry->path().stem().extension() == ".springnet";
     }
     if (!found && !unreadable) {
-      notes.push_back(
-          fmt::format("There is no plugin (*.springnet.so) in {}, which --plugins names.", folder.string()));
+      notes.push_back(fmt::format("There is no plugin (*.springnet.so) in {}, which --plugins names.",
+                                  printable_message(folder.string())));
     }
   }
   return notes;

@@ -76,6 +76,7 @@ struct OutputArguments {
 };
 
 // Text for a reader who may have seen enough: where stdout is a pipe that nobody reads any more (| head), the rest is
-// left out, which is no failure.
-void print_report(std::string_view text);
+// left out, which is no failure. Names and foreign texts in it are made printable.
+void print_report(std::string_view report);
+
 }  // namespace springnet::tool

@@ -4,6 +4,7 @@
 #include <system_error>
 
 #include <fmt/format.h>
+#include <springnet/printable.hpp>
 #include <springnet/records.hpp>
 
 #include "commands.hpp"
@@ -41,7 +42,7 @@ int convert(const ConvertArguments& arguments) {
   // Only what the user has named may be a link, or no regular file.
   write_csv(records, named ? OutputFile(text) : OutputFile(OutputFolder::containing(text), text.filename().string()));
   if (!arguments.quiet) {
-    fmt::print("{}: {} of {}\n", text.string(), counted(records.records(), "record"),
+    fmt::print("{}: {} of {}\n", printable_message(text.string()), counted(records.records(), "record"),
                counted(records.rows().size(), "row"));
   }
   return done;

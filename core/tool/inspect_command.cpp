@@ -145,7 +145,7 @@ void print_limits(const Scene& scene, const Inspection& found) {
   if (slow_for_fillings(scene, found)) {
     fmt::print("  no limit: but sweeps of block and coloured grow with the stiffness of an enclosed volume\n");
   }
-  if (!found.unknown_because.empty()) fmt::print("  unknown because {}\n", found.unknown_because);
+  if (!found.unknown_because.empty()) fmt::print("  unknown because {}\n", printable_message(found.unknown_because));
   if (found.unique_time_constant) {
     fmt::print("  above {:.3g} s a time step may have several solutions: springs push or soften (buckling)\n",
                *found.unique_time_constant);
@@ -168,7 +168,9 @@ class Findings {
                            spring.value, unit);
     }
   }
-  void print() const { fmt::print("\nWorth a look:\n{}", text_.empty() ? std::string("  nothing unusual\n") : text_); }
+  void print() const {
+    fmt::print("\nWorth a look:\n{}", text_.empty() ? std::string("  nothing unusual\n") : printable_message(text_));
+  }
 
  private:
   std::string text_;
@@ -261,9 +263,9 @@ int run(const InspectArguments& arguments) {
     fmt::print("{}", to_json(found));
     return done;
   }
-  fmt::print("{}{}{}\n", arguments.scene.file.string(), scene.title.empty() ? "" : ": ",
+  fmt::print("{}{}{}\n", printable_message(arguments.scene.file.string()), scene.title.empty() ? "" : ": ",
              printable_message(scene.title));
-  fmt::print("{}", align_columns(facts(scene, found)));
+  fmt::print("{}", printable_message(align_columns(facts(scene, found))));
   print_limits(scene, found);
   print_findings(scene.network, found);
   for (const std::string& note : notes_of(scene)) fmt::print("note: {}\n", printable_message(note));

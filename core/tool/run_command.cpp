@@ -3,7 +3,6 @@
 #include <memory>
 
 #include <fmt/format.h>
-#include <springnet/printable.hpp>
 
 #include "commands.hpp"
 #include "common.hpp"
@@ -126,8 +125,7 @@ std::string result_text(const RunSummary& summary, const std::filesystem::path& 
   text += fmt::format("  events     {}\n", describe(summary.events));
   text += fmt::format("  written    {} ({} and the summary) in {}\n", fmt::join(summary.files, ", "),
                       readable_bytes(static_cast<double>(summary.bytes)), folder.string());
-  for (std::size_t k = first; k < summary.notes.size(); ++k)
-    text += fmt::format("  note       {}\n", printable_message(summary.notes[k]));
+  for (std::size_t k = first; k < summary.notes.size(); ++k) text += fmt::format("  note       {}\n", summary.notes[k]);
   return text;
 }
 
@@ -155,7 +153,7 @@ int run(const RunArguments& arguments) {
   for (const std::string& note : notes_of(scene)) notes.push_back(note);
   if (!arguments.output.silent()) {
     std::string text;
-    for (const std::string& note : notes) text += fmt::format("note: {}\n", printable_message(note));
+    for (const std::string& note : notes) text += fmt::format("note: {}\n", note);
     print_report(text + estimate_text(estimate_output(scene), folder));
   }
 

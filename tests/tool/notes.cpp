@@ -162,6 +162,26 @@ TEST_CASE("plugins that come a second time are counted in one line, and so are t
   CHECK_FALSE(has(testing::springnet(folder, "run pair.toml --json").json()["notes"], "not taken"));
 }
 
+TEST_CASE("names of files and bodies reach the terminal without what it obeys or hides") {
+  const TemporaryFolder folder;
+  const std::string file = "a\x1b[31m.toml";
+  folder.write(file,
+               "[simulation]\nduration = 0.1\ntime_step = 0.1\n[[body]]\nname = \"b\\u202eody\"\n"
+               "nodes = [[0, 0, 0], [0.0001, 0, 0]]\nsprings = [[0, 1]]\n"
+               "neuron = { type = \"point_mass\", mass = 1.0 }\nspring = { type = \"linear\", stiffness = 4.0 }\n");
+  for (const char* command : {"run", "validate", "inspect"}) {
+    CAPTURE(command);
+    const Answer answer = testing::springnet(folder, fmt::format("{} '{}'", command, file));
+    CAPTURE(answer.err);
+    CHECK(answer.status == 0);
+    CHECK(answer.out.find("a\\u001b[31m.toml") != std::string::npos);
+    CHECK(answer.out.find('\x1b') == std::string::npos);
+    CHECK(answer.out.find("\u202e") == std::string::npos);
+  }
+  CHECK(testing::springnet(folder, fmt::format("inspect '{}'", file)).out.find("Body 'b\\u202eody'") !=
+        std::string::npos);
+}
+
 TEST_CASE("what a plugin says of itself does not reach the terminal as it is") {
   const TemporaryFolder folder;
   const std::string plugins = " --plugins " + (std::filesystem::path(SPRINGNET_FIXTURES) / "rude").string();
