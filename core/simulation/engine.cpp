@@ -8,6 +8,7 @@
 
 #include <springnet/error.hpp>
 
+#include "layers/element_questions.hpp"
 #include "layers/elements.hpp"
 #include "layers/message.hpp"
 #include "simulation/vectors.hpp"
@@ -62,6 +63,18 @@ Engine::Engine(const Network& network, const PluginHost& plugins, const Simulati
   start_constraints();
 }
 
+double Engine::potential_energy() {
+  if (potential_energy_) return *potential_energy_;  // the page and the check of a record ask for the same
+  const layers::NodeArrays nodes = state_.nodes();
+  double sum = layers::elastic_energy(layout_, evaluator_.instruction_set(), time_, nodes) +
+               layers::element_energy(layout_, evaluator_.instruction_set(), time_, nodes);
+  for (std::uint32_t k = 0; k < layout_.node_count(); ++k)
+    sum -= mass_[k] * loads_.gravity().dot(vector_at(state_.view.position, k));
+  potential_energy_ = sum;
+  if (!std::isfinite(sum)) note_energy();
+  return sum;
+}
+
 void Engine::note_energy() {
   if (energy_noted_) return;
   energy_noted_ = true;
@@ -76,6 +89,7 @@ void Engine::note_energy() {
 void Engine::changed() noexcept {
   ++revision_;
   reactions_known_ = false;
+  potential_energy_.reset();
   forces_stale_ = true;
   unsettled_ = true;
 }

@@ -99,8 +99,9 @@ class Engine {
   void move_node(std::uint32_t node, const Vector3& position, double time);
   // Why numbers were not finite or could not be evaluated since begin_step(); empty if all went well.
   [[nodiscard]] const std::string& non_finite() const noexcept { return non_finite_; }
-  // The energy is not finite: notes since when, and which law it is, the first time.
-  void note_energy();
+  // J, of springs, elements and gravity at the committed state. Where it is not finite, a note says since when, and
+  // which law it is.
+  [[nodiscard]] double potential_energy();
   // Something was changed from outside: a multistep method has to start afresh, forces are stale.
   void changed() noexcept;
   void set_node(std::uint32_t node, const std::optional<Vector3>& position, const std::optional<Vector3>& velocity);
@@ -200,6 +201,7 @@ class Engine {
   void explain(double time, const layers::NodeArrays& nodes);
   bool check_finite(bool forces, std::uint32_t bad_neuron, double time, const layers::NodeArrays& nodes);
   springnet_status failed(springnet_status status, double time, const layers::NodeArrays& nodes);
+  void note_energy();
   // Throws Error if the integrator may not commit this.
   void check_commit(double time, const State& state);
 
@@ -246,6 +248,7 @@ class Engine {
   bool project_known_ = false;
   ConstraintSystem project_system_;
   std::vector<std::string> notes_;
+  std::optional<double> potential_energy_;  // J; empty: not known
   bool energy_noted_ = false;
   std::set<std::uint32_t> torn_loads_;  // of which faces went
   std::size_t torn_faces_ = 0;

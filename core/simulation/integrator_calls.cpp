@@ -75,6 +75,7 @@ void Engine::begin_advance(double until) {
   advance_from_ = time_;
   advance_until_ = until;
   misuse_.clear();
+  potential_energy_.reset();
 }
 
 double Engine::end_tolerance() const noexcept {

@@ -384,17 +384,7 @@ double Simulation::kinetic_energy() const {
   for (std::uint32_t k = 0; k < node_count(); ++k) sum += 0.5 * impl_->engine.mass()[k] * column(v, k).squaredNorm();
   return sum;
 }
-double Simulation::potential_energy() const {
-  Engine& engine = impl_->engine;
-  const State& state = engine.state_without_forces();
-  double sum =
-      layers::elastic_energy(engine.layout(), engine.evaluator().instruction_set(), engine.time(), state.nodes()) +
-      layers::element_energy(engine.layout(), engine.evaluator().instruction_set(), engine.time(), state.nodes());
-  for (std::uint32_t k = 0; k < node_count(); ++k)
-    sum -= engine.mass()[k] * engine.loads().gravity().dot(column(state.view.position, k));
-  if (!std::isfinite(sum)) engine.note_energy();
-  return sum;
-}
+double Simulation::potential_energy() const { return impl_->engine.potential_energy(); }
 Vector3 Simulation::momentum() const {
   Vector3 sum = Vector3::Zero();
   for (std::uint32_t k = 0; k < node_count(); ++k)

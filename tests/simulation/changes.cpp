@@ -97,6 +97,21 @@ TEST_CASE("scheduled cuts and windows of force that do not fall on the grid of s
   }
 }
 
+TEST_CASE("the potential energy is that of the present state, whatever changed it") {
+  Simulation simulation = simulate(oscillator(damped(8.0, 0.0), 2.0, 0.5), single_sweep(), 0.01);
+  const auto stretch = [&] { return simulation.position(1)[0] - 1.0; };
+  CHECK(simulation.potential_energy() == doctest::Approx(0.5 * 8.0 * 0.25));
+  simulation.step();
+  CHECK(stretch() < 0.5);
+  CHECK(simulation.potential_energy() == doctest::Approx(0.5 * 8.0 * stretch() * stretch()));
+  simulation.set_position(1, {1.25, 0, 0});
+  CHECK(simulation.potential_energy() == doctest::Approx(0.5 * 8.0 * 0.0625));
+  simulation.set_gravity({-10.0, 0, 0});
+  CHECK(simulation.potential_energy() == doctest::Approx(0.5 * 8.0 * 0.0625 + 2.0 * 10.0 * 1.25));
+  simulation.cut({0});
+  CHECK(simulation.potential_energy() == doctest::Approx(2.0 * 10.0 * 1.25));
+}
+
 TEST_CASE("nothing that is not there, and no number that is not finite") {
   Network net;
   net.add_node(point(Vector3::Zero()));
