@@ -1,0 +1,435 @@
+#include "misdeeds.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <stdexcept>
+#include <utility>
+
+namespace springnet::testing {
+namespace {
+
+constexpr double nan_value = std::numeric_limits<double>::quiet_NaN();
+constexpr double infinite = std::numeric_limits<double>::infinity();
+
+springnet_state* another(const Hands& h) {
+  springnet_state* state = h.host->state_create(h.context);
+  for (std::uint32_t k = 0; k < h.nodes(); ++k) {
+    for (auto [to, from] :
+         {std::pair{state->position, h.state->position}, std::pair{state->velocity, h.state->velocity}}) {
+      to.x[k] = from.x[k];
+      to.y[k] = from.y[k];
+      to.z[k] = from.z[k];
+    }
+  }
+  return state;
+}
+
+springnet_status commit(const Hands& h, double time) { return h.host->commit(h.context, time, h.state); }
+
+// Commits a state that a change has spoilt.
+Misdeed commits(std::function<void(springnet_state&)> change) {
+  return [change = std::move(change)](const Hands& h) {
+    change(*h.state);
+    return commit(h, h.until);
+  };
+}
+
+// Evaluates a request that a change has spoilt, in all functions that take one.
+std::vector<Case> requests(const char* name, std::function<void(springnet_evaluation&)> change) {
+  std::vector<Case> cases;
+  const auto add = [&](auto function) {
+    cases.push_back({name, [=](const Hands& h) {
+                       springnet_evaluation at = h.at();
+                       change(at);
+                       return function(h, at);
+                     }});
+  };
+  add([](const Hands& h, const springnet_evaluation& at) { return h.host->evaluate(h.context, &at); });
+  add([](const Hands& h, const springnet_evaluation& at) { return h.host->linearise(h.context, &at); });
+  add([](const Hands& h, const springnet_evaluation& at) {
+    const std::uint32_t node = 0;
+    return h.host->evaluate_nodes(h.context, &at, &node, 1);
+  });
+  add([](const Hands& h, const springnet_evaluation& at) {
+    std::vector<double> values(h.host->network(h.context)->event_count + 1);
+    return h.host->event_values(h.context, &at, values.data(), nullptr);
+  });
+  return cases;
+}
+
+Misdeed sweeps(std::function<void(springnet_sweep&)> change) {
+  return [change = std::move(change)](const Hands& h) {
+    springnet_sweep sweep = h.sweep(*another(h));
+    change(sweep);
+    return h.host->sweep(h.context, &sweep);
+  };
+}
+Misdeed sweeps_in(std::vector<std::uint32_t> order) {
+  return [order = std::move(order)](const Hands& h) {
+    const springnet_sweep sweep = h.sweep_in(order);
+    return h.host->sweep(h.context, &sweep);
+  };
+}
+Misdeed sweeps_in_sets(std::vector<std::uint32_t> order, std::vector<std::uint32_t> set_start) {
+  return [order = std::move(order), set_start = std::move(set_start)](const Hands& h) {
+    springnet_sweep sweep = h.sweep_in(order);
+    sweep.set_start = set_start.data();
+    sweep.set_count = static_cast<std::uint32_t>(set_start.size() - 1);
+    return h.host->sweep(h.context, &sweep);
+  };
+}
+// Calls something from the update of the nodes, and fails if that was let through.
+Misdeed updates(std::function<springnet_status(const Hands&)> call, bool ordered) {
+  return [call = std::move(call), ordered](const Hands& h) {
+    struct User {
+      const Hands& hands;
+      const std::function<springnet_status(const Hands&)>& call;
+      springnet_status status;
+    } user{h, call, SPRINGNET_OK};
+    std::vector<std::uint32_t> order(h.nodes());
+    for (std::uint32_t k = 0; k < order.size(); ++k) order[k] = k;
+    springnet_sweep sweep = ordered ? h.sweep_in(order) : h.sweep(*another(h));
+    sweep.user = &user;
+    sweep.update = [](void* data, const springnet_node_batch*) {
+      auto& self = *static_cast<User*>(data);
+      self.status = std::max(self.status, self.call(self.hands));
+    };
+    const springnet_status status = h.host->sweep(h.context, &sweep);
+    return status != SPRINGNET_OK ? status : user.status;
+  };
+}
+
+}  // namespace
+
+std::vector<Case> all_cases() {
+  using sdk::sized;
+  const auto nothing = springnet_vectors{nullptr, nullptr, nullptr};
+  std::vector<Case> cases{
+      {"commits nothing", [](const Hands&) -> springnet_status { return SPRINGNET_OK; }},
+      {"commits the past", [](const Hands& h) { return commit(h, h.from - 1.0); }},
+      {"commits the present", [](const Hands& h) { return commit(h, h.from); }},
+      {"commits a little", [](const Hands& h) { return commit(h, h.from + 1e-3 * (h.until - h.from)); }},
+      {"commits half", [](const Hands& h) { return commit(h, 0.5 * (h.from + h.until)); }},
+      {"commits a time beyond the end", [](const Hands& h) { return commit(h, h.until + 1e-3); }},
+      {"commits a time far beyond", [](const Hands& h) { return commit(h, 1e300); }},
+      {"commits nan s", [](const Hands& h) { return commit(h, nan_value); }},
+      {"commits inf s", [](const Hands& h) { return commit(h, infinite); }},
+      {"commits -inf s", [](const Hands& h) { return commit(h, -infinite); }},
+      {"commits a position of nan", commits([](springnet_state& s) { s.position.y[3] = nan_value; })},
+      {"commits an infinite position", commits([](springnet_state& s) { s.position.x[5] = infinite; })},
+      {"commits a velocity of nan", commits([](springnet_state& s) { s.velocity.z[1] = nan_value; })},
+      {"commits an infinite velocity", commits([](springnet_state& s) { s.velocity.x[0] = -infinite; })},
+      {"commits no state", [](const Hands& h) { return h.host->commit(h.context, h.until, nullptr); }},
+      {"commits a state of its own",
+       [](const Hands& h) {
+         springnet_state own = *h.state;
+         return h.host->commit(h.context, h.until, &own);
+       }},
+      {"commits what is committed",
+       [](const Hands& h) {
+         double time = 0.0;
+         return h.host->commit(h.context, h.until, const_cast<springnet_state*>(h.host->committed(h.context, &time)));
+       }},
+      {"commits a state that was destroyed",
+       [](const Hands& h) {
+         springnet_state* state = another(h);
+         h.host->state_destroy(h.context, state);
+         return h.host->commit(h.context, h.until, state);
+       }},
+      {"destroys states twice, and others",
+       [](const Hands& h) {
+         springnet_state* state = another(h);
+         springnet_state own{};
+         for (springnet_state* each : {state, state, &own, static_cast<springnet_state*>(nullptr)})
+           h.host->state_destroy(h.context, each);
+         double time = 0.0;
+         h.host->state_destroy(h.context, const_cast<springnet_state*>(h.host->committed(h.context, &time)));
+         return commit(h, h.until);
+       },
+       false},
+      {"moves the arrays of a state", commits([](springnet_state& s) {
+         s.position = s.velocity = {nullptr, nullptr, nullptr};
+         s.force = s.position;
+         s.struct_size = 3;
+       }),
+       false},
+      {"claims forces that are none", commits([](springnet_state& s) {
+         s.force_is_current = 1;
+         s.force.x[2] = nan_value;
+       }),
+       false},
+      {"commits twice",
+       [](const Hands& h) {
+         static_cast<void>(commit(h, 0.5 * (h.from + h.until)));
+         return commit(h, h.from);
+       }},
+      {"begins no step", [](const Hands& h) { return h.host->begin_step(h.context, h.from, h.from); }},
+      {"begins a step backwards", [](const Hands& h) { return h.host->begin_step(h.context, h.until, h.from); }},
+      {"begins at nan s", [](const Hands& h) { return h.host->begin_step(h.context, nan_value, h.until); }},
+      {"ends at nan s", [](const Hands& h) { return h.host->begin_step(h.context, h.from, nan_value); }},
+      {"evaluates nothing", [](const Hands& h) { return h.host->evaluate(h.context, nullptr); }},
+      {"linearises nothing", [](const Hands& h) { return h.host->linearise(h.context, nullptr); }},
+      {"sweeps nothing", [](const Hands& h) { return h.host->sweep(h.context, nullptr); }},
+      {"constrains nothing", [](const Hands& h) { return h.host->constrain(h.context, nullptr); }},
+      {"evaluates a node that is not there",
+       [](const Hands& h) {
+         const std::uint32_t nodes[] = {0, h.nodes()};
+         const springnet_evaluation at = h.at();
+         return h.host->evaluate_nodes(h.context, &at, nodes, 2);
+       }},
+      {"evaluates node 4294967295",
+       [](const Hands& h) {
+         const std::uint32_t node = 0xffffffffu;
+         const springnet_evaluation at = h.at();
+         return h.host->evaluate_nodes(h.context, &at, &node, 1);
+       }},
+      {"evaluates no nodes",
+       [](const Hands& h) {
+         const springnet_evaluation at = h.at();
+         return h.host->evaluate_nodes(h.context, &at, nullptr, 3);
+       }},
+      {"evaluates 4294967295 nodes",
+       [](const Hands& h) {
+         const std::uint32_t node = 0;
+         const springnet_evaluation at = h.at();
+         return h.host->evaluate_nodes(h.context, &at, &node, 0xffffffffu);
+       }},
+      {"sweeps without an update", sweeps([](springnet_sweep& s) { s.update = nullptr; })},
+      {"sweeps without positions", sweeps([](springnet_sweep& s) {
+         s.position = {nullptr, nullptr, nullptr};
+       })},
+      {"sweeps without velocities", sweeps([](springnet_sweep& s) { s.velocity.z = nullptr; })},
+      {"sweeps without a start", sweeps([](springnet_sweep& s) { s.start_position.y = nullptr; })},
+      {"sweeps without start velocities", sweeps([](springnet_sweep& s) { s.start_velocity.y = nullptr; })},
+      {"sweeps into nothing", sweeps([=](springnet_sweep& s) { s.next_position = nothing; })},
+      {"sweeps velocities into nothing", sweeps([=](springnet_sweep& s) { s.next_velocity = nothing; })},
+      {"sweeps without forces", sweeps([=](springnet_sweep& s) { s.force = nothing; })},
+      {"sweeps half of the constraint forces", sweeps([](springnet_sweep& s) {
+         s.constraint_force = {s.force.x, nullptr, s.force.z};
+       })},
+      {"sweeps at nan s", sweeps([](springnet_sweep& s) { s.time = nan_value; })},
+      {"sweeps over inf s", sweeps([](springnet_sweep& s) { s.time_constant = infinite; })},
+      {"sweeps with theta nan", sweeps([](springnet_sweep& s) { s.theta = nan_value; })},
+      {"sweeps a short struct", sweeps([](springnet_sweep& s) { s.struct_size = 8; })},
+      {"sweeps in place without an order",
+       [](const Hands& h) {
+         const springnet_sweep sweep = h.sweep(*h.state);
+         return h.host->sweep(h.context, &sweep);
+       }},
+      {"sweeps in an order into other arrays",
+       [](const Hands& h) {
+         const std::vector<std::uint32_t> order{0, 1, 2};
+         springnet_sweep sweep = h.sweep_in(order);
+         springnet_state* next = another(h);
+         sweep.next_position = next->position;
+         sweep.next_velocity = next->velocity;
+         return h.host->sweep(h.context, &sweep);
+       }},
+      {"sweeps node 6 of 6", sweeps_in({0, 1, 6})},
+      {"sweeps node 4294967295", sweeps_in({0xffffffffu})},
+      {"sweeps a node twice", sweeps_in({0, 1, 2, 1})},
+      {"sweeps an order of 4294967295",
+       [](const Hands& h) {
+         const std::vector<std::uint32_t> order{0};
+         springnet_sweep sweep = h.sweep_in(order);
+         sweep.order_count = 0xffffffffu;
+         return h.host->sweep(h.context, &sweep);
+       }},
+      {"sweeps sets that fall", sweeps_in_sets({0, 2, 4, 1}, {0, 3, 1, 4})},
+      {"sweeps sets beyond the order", sweeps_in_sets({0, 2, 4, 1}, {0, 9, 4})},
+      {"sweeps sets that leave nodes out", sweeps_in_sets({0, 2, 4, 1}, {0, 3})},
+      {"sweeps sets that begin late", sweeps_in_sets({0, 2, 4, 1}, {1, 4})},
+      {"sweeps sets of nodes that are joined", sweeps_in_sets({0, 1, 2, 3, 4, 5}, {0, 6})},
+      {"sweeps sets of nodes that do not rise", sweeps_in_sets({4, 2, 0}, {0, 3})},
+      {"sweeps 4294967295 sets",
+       [](const Hands& h) {
+         const std::vector<std::uint32_t> order{0};
+         const std::uint32_t start[] = {0, 1};
+         springnet_sweep sweep = h.sweep_in(order);
+         sweep.set_start = start;
+         sweep.set_count = 0xffffffffu;
+         return h.host->sweep(h.context, &sweep);
+       }},
+      {"multiplies before it linearises",
+       [](const Hands& h) {
+         std::vector<double> x(3 * h.nodes());
+         return h.host->jacobian_times(h.context, x.data(), x.data(), x.data());
+       }},
+      {"projects before it linearises",
+       [](const Hands& h) {
+         std::vector<double> x(3 * h.nodes());
+         return h.host->project(h.context, nullptr, x.data());
+       }},
+      {"factorises nan",
+       [](const Hands& h) {
+         const springnet_evaluation at = h.at();
+         static_cast<void>(h.host->linearise(h.context, &at));
+         return h.host->factorise(h.context, nan_value, 1.0);
+       }},
+      {"solves for nothing",
+       [](const Hands& h) {
+         const springnet_evaluation at = h.at();
+         static_cast<void>(h.host->linearise(h.context, &at));
+         static_cast<void>(h.host->factorise(h.context, 0.1, 0.01));
+         return h.host->solve(h.context, 0, nullptr, nullptr);
+       }},
+      {"multiplies nothing",
+       [](const Hands& h) {
+         const springnet_evaluation at = h.at();
+         static_cast<void>(h.host->linearise(h.context, &at));
+         return h.host->jacobian_times(h.context, nullptr, nullptr, nullptr);
+       }},
+      {"wants blocks nowhere",
+       [](const Hands& h) {
+         const springnet_evaluation at = h.at();
+         static_cast<void>(h.host->linearise(h.context, &at));
+         return h.host->diagonal_blocks(h.context, 1.0, 1.0, nullptr);
+       }},
+      {"projects nothing",
+       [](const Hands& h) {
+         const springnet_evaluation at = h.at();
+         static_cast<void>(h.host->linearise(h.context, &at));
+         return h.host->project(h.context, nullptr, nullptr);
+       }},
+      {"projects no state",
+       [=](const Hands& h) { return h.host->project_state(h.context, h.until, nothing, h.state->velocity); }},
+      {"projects at nan s",
+       [](const Hands& h) {
+         return h.host->project_state(h.context, nan_value, h.state->position, h.state->velocity);
+       }},
+      {"asks for events nowhere",
+       [](const Hands& h) {
+         const springnet_evaluation at = h.at();
+         return h.host->event_values(h.context, &at, nullptr, nullptr);
+       }},
+      {"fires nothing", [](const Hands& h) { return h.host->fire_events(h.context, h.until, h.state, nullptr); }},
+      {"fires on no state",
+       [](const Hands& h) {
+         const std::vector<std::int32_t> fired(h.host->network(h.context)->event_count);
+         return h.host->fire_events(h.context, h.until, nullptr, fired.data());
+       }},
+      {"fires at nan s",
+       [](const Hands& h) {
+         const std::vector<std::int32_t> fired(h.host->network(h.context)->event_count);
+         return h.host->fire_events(h.context, nan_value, h.state, fired.data());
+       }},
+      {"fires all events there are",
+       [](const Hands& h) {
+         const std::vector<std::int32_t> fired(h.host->network(h.context)->event_count, 1);
+         const springnet_status status = h.host->fire_events(h.context, h.until, h.state, fired.data());
+         return status == SPRINGNET_OK ? commit(h, h.until) : status;
+       },
+       false},
+      {"reports and notes nothing",
+       [](const Hands& h) {
+         h.host->report(h.context, nullptr, nan_value);
+         h.host->note(h.context, nullptr);
+         static_cast<void>(h.host->committed(h.context, nullptr));
+         static_cast<void>(h.host->next_discontinuity(h.context, nan_value));
+         return commit(h, h.until);
+       },
+       false},
+      {"reports and notes nonsense",
+       [](const Hands& h) {
+         for (int k = 0; k < 3000; ++k) {
+           const std::string name = "\x1b[31m\xff" + std::to_string(k) + std::string(5000, '\n');
+           h.host->report(h.context, name.c_str(), infinite);
+           h.host->note(h.context, name.c_str());
+         }
+         return commit(h, h.until);
+       },
+       false},
+      {"calls without a context",
+       [](const Hands& h) -> springnet_status {
+         const springnet_evaluation at = h.at();
+         const springnet_host& t = *h.host;
+         const bool harmless =
+             t.network(nullptr) == nullptr && t.state_create(nullptr) == nullptr &&
+             t.committed(nullptr, nullptr) == nullptr && t.message(nullptr) == nullptr &&
+             t.evaluate(nullptr, &at) == SPRINGNET_FAILED && t.commit(nullptr, h.until, h.state) == SPRINGNET_FAILED &&
+             t.sweep(nullptr, nullptr) == SPRINGNET_FAILED && t.begin_step(nullptr, 0, 1) == SPRINGNET_FAILED;
+         t.state_destroy(nullptr, h.state);
+         t.report(nullptr, "a", 1.0);
+         t.note(nullptr, "a");
+         static_cast<void>(t.next_discontinuity(nullptr, 0.0));
+         return harmless ? commit(h, h.until) : SPRINGNET_FAILED;
+       },
+       false},
+      {"fails silently", [](const Hands&) -> springnet_status { return SPRINGNET_FAILED; }},
+      {"returns 77", [](const Hands&) -> springnet_status { return 77; }},
+      {"returns that nothing settled", [](const Hands&) -> springnet_status { return SPRINGNET_UNSETTLED; }},
+      {"fills the message",
+       [](const Hands& h) -> springnet_status {
+         springnet_message& message = *h.host->message(h.context);
+         std::fill_n(message.text, sizeof message.text, '\x1b');
+         return SPRINGNET_FAILED;
+       },
+       false},
+      {"spoils the report",
+       [](const Hands& h) {
+         *h.report = {};
+         h.report->outcome = -5;
+         h.report->steps = h.report->sweeps = h.report->substeps = h.report->stages = ~std::uint64_t{0};
+         h.report->force_difference = h.report->residual = nan_value;
+         h.report->node = h.report->start_node = 0xfffffff0u;
+         return commit(h, h.until);
+       },
+       false},
+      {"throws", [](const Hands&) -> springnet_status { throw std::runtime_error("\x1b[5mthrown"); }},
+      {"throws nothing", [](const Hands&) -> springnet_status { throw std::runtime_error(""); }},
+      {"throws a number", [](const Hands&) -> springnet_status { throw 7; }},
+      {"throws in an update",
+       updates([](const Hands&) -> springnet_status { throw std::runtime_error("thrown"); }, false), false},
+      {"throws in an ordered update",
+       updates([](const Hands&) -> springnet_status { throw std::runtime_error("thrown"); }, true), false},
+      {"throws a number in an update", updates([](const Hands&) -> springnet_status { throw 7; }, false), false},
+      {"updates that note and report", updates(
+                                           [](const Hands& h) -> springnet_status {
+                                             h.host->note(h.context, "from an update");
+                                             h.host->report(h.context, "updates", 1.0);
+                                             return SPRINGNET_OK;
+                                           },
+                                           false)},
+  };
+  // What changes the host may not be called from within a sweep.
+  for (const bool ordered : {false, true}) {
+    const auto add = [&](const char* name, Misdeed call) {
+      cases.push_back({name, updates(std::move(call), ordered)});
+    };
+    add("commits in an update", [](const Hands& h) { return commit(h, h.until); });
+    add("sweeps in an update", [](const Hands& h) {
+      const std::vector<std::uint32_t> order{0};
+      const springnet_sweep sweep = h.sweep_in(order);
+      return h.host->sweep(h.context, &sweep);
+    });
+    add("evaluates in an update", [](const Hands& h) {
+      const springnet_evaluation at = h.at();
+      return h.host->evaluate(h.context, &at);
+    });
+    add("linearises in an update", [](const Hands& h) {
+      const springnet_evaluation at = h.at();
+      return h.host->linearise(h.context, &at);
+    });
+    add("begins a step in an update", [](const Hands& h) { return h.host->begin_step(h.context, h.from, h.until); });
+    add("makes a state in an update", [](const Hands& h) -> springnet_status {
+      return h.host->state_create(h.context) == nullptr ? SPRINGNET_FAILED : SPRINGNET_OK;
+    });
+  }
+  const auto spoil = [&](const char* name, std::function<void(springnet_evaluation&)> change) {
+    for (Case& each : requests(name, std::move(change))) cases.push_back(std::move(each));
+  };
+  spoil("asks at nan s", [](springnet_evaluation& at) { at.time = nan_value; });
+  spoil("asks at inf s", [](springnet_evaluation& at) { at.time = infinite; });
+  spoil("asks without positions", [](springnet_evaluation& at) { at.position.z = nullptr; });
+  spoil("asks without velocities", [](springnet_evaluation& at) { at.velocity = {nullptr, nullptr, nullptr}; });
+  spoil("asks for a part of the forces", [=](springnet_evaluation& at) {
+    at.force = {nullptr, const_cast<double*>(at.position.x), nullptr};
+  });
+  spoil("asks for a part of the accelerations",
+        [](springnet_evaluation& at) { at.acceleration.x = const_cast<double*>(at.position.x); });
+  spoil("asks with a short struct", [](springnet_evaluation& at) { at.struct_size = 16; });
+  return cases;
+}
+
+}  // namespace springnet::testing

@@ -1,0 +1,55 @@
+// What an integrator may do against the rules of plugin.h.
+#pragma once
+
+#include <cstdint>
+#include <functional>
+#include <vector>
+
+#include <springnet/sdk/host.hpp>
+
+namespace springnet::testing {
+
+// What an integrator has at hand while it misbehaves.
+struct Hands {
+  const springnet_host* host;
+  void* context;
+  double from, until;
+  springnet_state* state;  // as committed, moved on by explicit Euler: right to commit at `until`
+  springnet_step_report* report;
+
+  [[nodiscard]] std::uint32_t nodes() const { return host->network(context)->node_count; }
+  [[nodiscard]] springnet_evaluation at() const { return sdk::evaluation_at(until, *state); }
+  // A sweep that is right, all nodes at once: a second state takes the outputs.
+  [[nodiscard]] springnet_sweep sweep(springnet_state& next) const {
+    auto sweep = sdk::sized<springnet_sweep>();
+    sweep.time = until;
+    sweep.time_constant = until - from;
+    sweep.start_position = sweep.position = sdk::view(state->position);
+    sweep.start_velocity = sweep.velocity = sdk::view(state->velocity);
+    sweep.next_position = next.position;
+    sweep.next_velocity = next.velocity;
+    sweep.force = next.force;
+    sweep.user = const_cast<Hands*>(this);
+    sweep.update = [](void*, const springnet_node_batch*) {};
+    return sweep;
+  }
+  // The same in an order: in place.
+  [[nodiscard]] springnet_sweep sweep_in(const std::vector<std::uint32_t>& order) const {
+    springnet_sweep ordered = sweep(*state);
+    ordered.order = order.data();
+    ordered.order_count = static_cast<std::uint32_t>(order.size());
+    return ordered;
+  }
+};
+
+using Misdeed = std::function<springnet_status(const Hands&)>;
+struct Case {
+  const char* name;
+  Misdeed misdeed;
+  // What it does is against the rules, so that its status alone has to end the run with an error of the plugin.
+  bool refused = true;
+};
+
+std::vector<Case> all_cases();
+
+}  // namespace springnet::testing
