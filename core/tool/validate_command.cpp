@@ -92,13 +92,16 @@ int run(const ValidateArguments& arguments) {
   // Nothing is validated by a run that did not reach the end.
   const ValidationRun& own = validation.run_of_scene();
   const bool wanted = arguments.tolerance > 0.0;
-  if (own.finished() && (!wanted || validation.within(arguments.tolerance))) return done;
-  print_error(own.finished()
-                  ? fmt::format("the scene's time step of {:g} s is up to {:.3g} m from the reference, which is itself "
-                                "uncertain by {:.2g} m: not within the tolerance of {:g} m. Try a smaller time step{}",
-                                own.time_step, own.error.max, validation.uncertainty(), arguments.tolerance,
-                                validation.second_order_is_better() ? ", or theta = 0.5" : "")
-                  : fmt::format("the run with the scene's time step of {:g} s failed: {}", own.time_step, own.failure));
+  if (!own.finished()) {
+    print_error(fmt::format("the run with the scene's time step of {:g} s failed: {}", own.time_step, own.failure));
+    return status_of(own.failure_kind);
+  }
+  if (!wanted || validation.within(arguments.tolerance)) return done;
+  print_error(
+      fmt::format("the scene's time step of {:g} s is up to {:.3g} m from the reference, which is itself uncertain by "
+                  "{:.2g} m: not within the tolerance of {:g} m. Try a smaller time step{}",
+                  own.time_step, own.error.max, validation.uncertainty(), arguments.tolerance,
+                  validation.second_order_is_better() ? ", or theta = 0.5" : ""));
   return failed;
 }
 

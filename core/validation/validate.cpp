@@ -139,6 +139,7 @@ void advance(Subject& subject, double time, const Simulation& reference) {
   } catch (const Error& error) {
     const Outcome outcome = simulation.last_report().outcome;
     subject.run.failure = error.what();
+    subject.run.failure_kind = error.kind();
     subject.run.outcome = outcome == Outcome::settled ? "failed" : std::string(name_of(outcome));
     subject.run.reached = simulation.time();
   }

@@ -51,6 +51,22 @@ Expected backward_euler_error(double time_step, double record, double duration) 
   return result;
 }
 
+// An integrator that says that all went well, and commits nothing.
+int idle_instance = 0;
+constexpr springnet_integrator idle_functions{
+    sizeof(springnet_integrator), 0,
+    [](const springnet_host*, const double*, void** integrator) -> springnet_status {
+      *integrator = &idle_instance;
+      return SPRINGNET_OK;
+    },
+    [](void*) {}, [](void*, double, springnet_step_report*) -> springnet_status { return SPRINGNET_OK; }};
+constexpr springnet_component idle{
+    sizeof(springnet_component), SPRINGNET_INTEGRATOR, "idle", "", "", 0, 0, nullptr, &idle_functions};
+constexpr const springnet_component* idle_components[] = {&idle};
+constexpr springnet_plugin idle_plugin{
+    SPRINGNET_MAGIC, sizeof(springnet_plugin), SPRINGNET_ABI_MAJOR, SPRINGNET_ABI_MINOR, 1, "test.idle", "1", "tests",
+    "MIT",           idle_components};
+
 }  // namespace
 
 TEST_CASE("the errors of the network are those of backward Euler, within the reference's uncertainty") {
@@ -111,6 +127,7 @@ TEST_CASE("a run that fails stays with its outcome, and the others go on") {
   const ValidationRun& failed = validation.runs[0];
   CHECK_FALSE(failed.finished());
   CHECK((failed.outcome == "diverging" || failed.outcome == "out of sweeps" || failed.outcome == "oscillating"));
+  CHECK(failed.failure_kind == ErrorKind::simulation);
   CHECK(failed.reached == 0.0);
   CHECK(std::isnan(failed.error.max));  // nothing could be compared
   CHECK(std::isnan(failed.error.rms));
@@ -121,6 +138,17 @@ TEST_CASE("a run that fails stays with its outcome, and the others go on") {
   CHECK(std::isfinite(validation.observed_order));
   REQUIRE_FALSE(validation.notes.empty());
   CHECK(validation.notes[0].find(failed.failure) != std::string::npos);
+}
+
+TEST_CASE("a run whose integrator breaks the rules fails by the plugin's fault") {
+  auto host = std::make_shared<PluginHost>(PluginHost::with_default_search());
+  REQUIRE(host->add(idle_plugin));
+  Scene scene = oscillator(0.02);
+  scene.options.integrator = {"idle", {}};
+  const Validation validation = validate(scene, host);
+  const ValidationRun& own = validation.run_of_scene();
+  CHECK(own.failure.find("integrator 'idle' of plugin test.idle") != std::string::npos);
+  CHECK(own.failure_kind == ErrorKind::plugin);
 }
 
 TEST_CASE("a scene of the reference's integrator is compared with the recurrent network") {

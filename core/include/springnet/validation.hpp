@@ -11,6 +11,7 @@
 #include <string>
 #include <vector>
 
+#include <springnet/error.hpp>
 #include <springnet/events.hpp>
 #include <springnet/scene.hpp>
 #include <springnet/simulation.hpp>
@@ -62,10 +63,11 @@ struct ValidationRun {
   std::uint64_t steps = 0;
   std::uint64_t sweeps = 0;
   EventCounts events;
-  double reached = 0.0;  // s
-  double wall = 0.0;     // s
-  std::string outcome;   // that of the worst time step ("settled", …) or "failed"
-  std::string failure;   // why it did not reach the end; empty otherwise
+  double reached = 0.0;                            // s
+  double wall = 0.0;                               // s
+  std::string outcome;                             // that of the worst time step ("settled", …) or "failed"
+  std::string failure;                             // why it did not reach the end; empty otherwise
+  ErrorKind failure_kind = ErrorKind::simulation;  // whose fault that was
   // log(e1 / e2) / log(t1 / t2) of rms errors, from the next larger time step to this one; nan where there is none.
   double order = std::numeric_limits<double>::quiet_NaN();
 
