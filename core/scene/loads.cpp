@@ -24,7 +24,8 @@ std::string_view kind_of(const Table& table) {
   }
   if (kind.empty()) {
     table.fail(
-        "says not what acts; add force = [x, y, z] (N, on each node), total = [x, y, z] (N, shared), traction = [x, y, "
+        "does not say what acts; add force = [x, y, z] (N, on each node), total = [x, y, z] (N, shared), traction = "
+        "[x, y, "
         "z] (Pa, on faces) or pressure = … (Pa, on faces)");
   }
   return kind;

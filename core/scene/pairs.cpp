@@ -119,7 +119,7 @@ std::vector<Pair> find_pairs(const Table& connect, const Network& network, const
     }
     return read_pairs(*pairs, fmt::format("{}.pairs", connect.schema()), network);
   }
-  if (!connect.has("from")) connect.fail("says not what it joins; add 'pairs', or 'from', 'to' and 'within'");
+  if (!connect.has("from")) connect.fail("does not say what it joins; add 'pairs', or 'from', 'to' and 'within'");
   const std::vector<NodeIndex> from = select_nodes(connect.need("from"), network);
   const std::vector<NodeIndex> to = select_nodes(connect.need("to"), network);
   const auto within = connect.find("within");

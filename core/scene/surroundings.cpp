@@ -30,7 +30,8 @@ Motion read_motion(const Table& table) {
   }
   const auto sinusoid = table.find("sinusoid");
   if (!sinusoid) {
-    table.fail("says not how it moves; add table = [[t, x, y, z], …], or sinusoid = { amplitude = …, frequency = … }");
+    table.fail(
+        "does not say how it moves; add table = [[t, x, y, z], …], or sinusoid = { amplitude = …, frequency = … }");
   }
   refuse_beside(table, {"interpolation"}, "sinusoid");
   read_sinusoid(sinusoid->table(fmt::format("{}.sinusoid", table.schema())), motion);

@@ -28,7 +28,7 @@ void check_nodes(const std::uint32_t* nodes, std::uint32_t count, std::uint32_t 
 // The order of sweeps. It is the same in many of them, so what was found right is kept, and compared.
 class OrderCheck {
  public:
-  // `clusters` may be null; `network.revision` says when nodes came to be joined otherwise.
+  // `network.revision` says when the network's connections changed.
   void check(const springnet_sweep& sweep, const springnet_network& network);
 
  private:

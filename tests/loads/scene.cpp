@@ -93,7 +93,7 @@ TEST_CASE("what cannot be meant is refused where it stands") {
   const auto refused = [](const std::string& keys, const std::string& head = top) {
     return refusal(small + head + keys);
   };
-  CHECK(says(refused("from = 0\n"), "force.0: says not what acts"));
+  CHECK(says(refused("from = 0\n"), "force.0: does not say what acts"));
   CHECK(says(refused("force = [1, 0, 0]\npressure = 1\n"), "test.toml:12"));
   CHECK(says(refused("force = [1, 0, 0]\npressure = 1\n"), "stands beside 'force'"));
   CHECK(says(refused("force = [1, 0, 0]\nfollow = true\n"), "goes with 'pressure'"));

@@ -130,7 +130,7 @@ TEST_CASE("missing keys are named, with what they look like") {
       {replaced(8, "spring = ^{ stiffness = 3.0 }"),
        {"the key 'type' is missing; add it: the name of a spring function"}},
       {added("^[[fix]]"), {"fix.0: the key 'select' is missing"}},
-      {added("^[[force]]\nselect = {}"), {"says not what acts; add force = [x, y, z]"}},
+      {added("^[[force]]\nselect = {}"), {"does not say what acts; add force = [x, y, z]"}},
       {added("^[[plane]]\npoint = [0, 0, 0]"), {"the key 'normal' is missing"}},
       {added("^[[cut]]\nselect = {}"), {"the key 'time' is missing"}},
       {added("^[[cut]]\ntime = 1"), {"cuts nothing; add 'select'"}},
@@ -255,7 +255,7 @@ spring = { type = "linear", stiffness = 1 }
 TEST_CASE("connections that cannot be") {
   const std::string law = "spring = { type = \"linear\", stiffness = 1 }\n";
   check({
-      {added("^[[connect]]\n" + law), {"says not what it joins; add 'pairs'"}},
+      {added("^[[connect]]\n" + law), {"does not say what it joins; add 'pairs'"}},
       {added("[[connect]]\n" + law + "pairs = ^[]"), {"lists no pair"}},
       {added("[[connect]]\n" + law + "pairs = [^[{ node = 4 }, { body = \"a\", node = 4 }]]"),
        {"joins a node to itself"}},
@@ -279,7 +279,7 @@ TEST_CASE("connections that cannot be") {
 TEST_CASE("rigid connections that cannot be") {
   const std::string pair = "pairs = [[{ node = 0 }, { node = 1 }]]\n";
   check({
-      {added("^[[rigid]]"), {"rigid.0: says not what it joins; add 'pairs'"}},
+      {added("^[[rigid]]"), {"rigid.0: does not say what it joins; add 'pairs'"}},
       {added("[[rigid]]\npairs = ^[]"), {"lists no pair"}},
       {added("[[rigid]]\npairs = [^[{ node = 4 }, { node = 4 }]]"), {"joins a node to itself"}},
       {added("[[rigid]]\npairs = [[{ node = 4 }, { ^nod = 5 }]]"), {"rigid.0.pairs.0.1.nod", "known: body, node"}},
@@ -304,7 +304,7 @@ TEST_CASE("motions and surfaces that cannot be") {
   const std::string ball = "[[instrument]]\nsphere = { center = [9, 9, 9], radius = 1 }\n";
   check({
       {added("^[[move]]\n" + table), {"move.0: the key 'select' is missing"}},
-      {added("^" + move), {"move.0: says not how it moves; add table = "}},
+      {added("^" + move), {"move.0: does not say how it moves; add table = "}},
       {added(move + "table = ^[]"), {"needs two rows [t, x, y, z] or more, has 0"}},
       {added(move + "table = ^[[0, 0, 0, 0]]"), {"or more, has 1"}},
       {added(move + "table = [[0, 0, 0, 0], ^[1, 0, 0]]"), {"move.0.table.1", "must have 4 elements, has 3"}},
@@ -331,7 +331,7 @@ TEST_CASE("motions and surfaces that cannot be") {
       {added(plane + "friction = ^-0.1"), {"must be at least 0, is -0.1"}},
       {added(plane + "friction = ^true"),
        {"plane.0.friction", "must be 'held', 'none' or a coefficient of friction, is true or false"}},
-      {added(plane + "motion = ^{}"), {"plane.0.motion: says not how it moves"}},
+      {added(plane + "motion = ^{}"), {"plane.0.motion: does not say how it moves"}},
       {added(plane + "motion = ^1"), {"must be a table with table or sinusoid, is a number"}},
       {added(plane + "motion = { ^select = {} }"), {"plane.0.motion.select", "known: table, interpolation, sinusoid"}},
       {added("^[[instrument]]\nname = \"tip\""), {"instrument.0: needs either sphere = "}},
