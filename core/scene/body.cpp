@@ -32,7 +32,7 @@ Node read_prototype(const Table& body, const PluginHost& plugins, Network& netwo
     node.mass = mass->number_above_0("kg");
   } else if (!body.has("density")) {
     neuron.fail(
-        "says no mass; add 'mass' here, in kg, of each node, or 'density' to the body, in kg/m^3, which gives masses "
+        "has no mass; add 'mass' here, in kg, of each node, or 'density' to the body, in kg/m^3, which gives masses "
         "from "
         "its cells");
   }

@@ -7,6 +7,7 @@
 #include <cstdio>
 
 #include <fmt/format.h>
+#include <springnet/mesh.hpp>
 #include <springnet/printable.hpp>
 
 #include "simulation/most_threads.hpp"
@@ -193,6 +194,13 @@ void SceneArguments::add_to(CLI::App& command, bool simulation) {
 Scene SceneArguments::load(const PluginHost& host) const {
   const OutsideFiles outside = allow_outside ? OutsideFiles::allowed : OutsideFiles::refused;
   std::vector<SceneOverride> changes;
+  if (std::error_code ignored; has_mesh_ending(file) && std::filesystem::is_regular_file(file, ignored)) {
+    throw Error(
+        ErrorKind::input,
+        fmt::format("{0}: is a mesh, not a scene; 'springnet new {0}' writes a scene for it, 'springnet inspect "
+                    "{0}' tells what is in it",
+                    printable_message(file.string())));
+  }
   if (time_step) changes.push_back({"simulation.time_step", fmt::format("{}", *time_step)});
   if (duration) changes.push_back({"simulation.duration", fmt::format("{}", *duration)});
   std::vector<SceneOverride> others = changes;  // without those of the integrator

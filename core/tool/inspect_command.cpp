@@ -51,10 +51,15 @@ std::string text_of(const std::map<std::string, std::size_t>& counts) {
   return text.empty() ? "none" : text;
 }
 
+// Two or three digits, and no power of ten where whole numbers do.
+std::string ratio(double value, int digits) {
+  return value >= 100.0 && value < 1e6 ? fmt::format("{:.0f}", value) : fmt::format("{:.{}g}", value, digits);
+}
+
 std::string text_of(const std::optional<Vibration>& slowest, const Scene& scene) {
   if (!slowest) return "not known";
-  return fmt::format("a period of {:.3g} s, {:.3g} time steps; damping ratio {:.2g}", slowest->period,
-                     slowest->period / scene.options.time_step, slowest->damping_ratio);
+  return fmt::format("a period of {:.3g} s, {} time steps; damping ratio {:.2g}", slowest->period,
+                     ratio(slowest->period / scene.options.time_step, 3), slowest->damping_ratio);
 }
 
 std::vector<std::vector<std::string>> facts(const Scene& scene, const Inspection& found) {
@@ -136,7 +141,7 @@ void print_limits(const Scene& scene, const Inspection& found) {
       default:
         row.push_back(fmt::format("{}{:.3g} s", limit.kind == TimeConstantLimit::Kind::estimate ? "roughly " : "",
                                   limit.time_constant));
-        row.push_back(fmt::format("{:.2g} of it", scene.options.time_step / limit.time_constant));
+        row.push_back(ratio(scene.options.time_step / limit.time_constant, 2) + " times it");
         row.push_back(text_of(scene.network, limit.set_by));
     }
     rows.push_back(row);

@@ -17,13 +17,15 @@ namespace {
 
 using namespace springnet;
 
-// "; did you mean '--threads'?" for a word that no option or command of `command` has.
+// "; did you mean '--threads'?" for a word that no option or command of `command` has, or a scene without a command.
 std::string near(const CLI::App& command, const std::string& word) {
   std::vector<std::string> known;
   for (const CLI::Option* option : command.get_options()) {
     if (!option->get_lnames().empty()) known.push_back("--" + option->get_lnames().front());
   }
-  for (const CLI::App* inner : command.get_subcommands(nullptr)) known.push_back(inner->get_name());
+  const std::vector<const CLI::App*> commands = command.get_subcommands(nullptr);
+  if (!commands.empty() && word.ends_with(".toml")) return fmt::format("; did you mean 'springnet run {}'?", word);
+  for (const CLI::App* inner : commands) known.push_back(inner->get_name());
   const std::string text = suggestion(word, known);
   return text.empty() ? "" : "; " + text;
 }

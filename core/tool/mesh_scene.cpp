@@ -93,17 +93,33 @@ Body body_of(const std::string& file, const Mesh& mesh, const MeshSummary& summa
   return body;
 }
 
+// A beam of 10 x 1 x 1 lies flat, whatever rounding makes of its sides.
+int held_axis(const MeshSummary& summary) {
+  const Vector3 sides = summary.whole.upper - summary.whole.lower;
+  int axis = 2;
+  if (sides.z() < 0.2 * sides.maxCoeff()) sides.maxCoeff(&axis);
+  return axis;
+}
+
 // The box of the uppermost nodes, or, of a body that lies flat, of those at one end.
 std::string held_nodes(const MeshSummary& summary, double scale) {
   const Vector3 sides = scale * (summary.whole.upper - summary.whole.lower);
-  int axis = 2;
-  if (sides.z() < 0.1 * sides.maxCoeff()) sides.maxCoeff(&axis);
+  const int axis = held_axis(summary);
   std::string corner;
   for (int k = 0; k < 3; ++k) {
     const double bound = scale * summary.whole.upper[k] - held_share * sides[k];
     corner += fmt::format("{}{}", k == 0 ? "" : ", ", k == axis ? fmt::format("{:.6g}", bound) : "-inf");
   }
   return corner;
+}
+
+// A body all of whose nodes are held does not move.
+std::vector<std::string> groups_that_may_hold(const MeshSummary& summary) {
+  std::vector<std::string> names;
+  for (const MeshExtent& group : summary.groups) {
+    if (group.points < summary.whole.points) names.push_back(group.name);
+  }
+  return names;
 }
 
 }  // namespace
@@ -127,18 +143,17 @@ MeshScene scene_of(const std::string& file, const Mesh& mesh, const MeshSummary&
   text += line(fmt::format("interval = {:g}", 4.0 * time_step), "s between records");
   text += fmt::format("\n[gravity]\nacceleration = [0, 0, {:g}]  # m/s^2\n\n{}", -gravity, body.text);
   text += fmt::format(
-      "\n# What holds it: its uppermost nodes (of a flat body, one end).\n[[fix]]\nselect = {{ body = {}, box = {{ min "
-      "= [{}] "
-      "}} }}  # m\n",
+      "\n# What holds it: {}.\n[[fix]]\nselect = {{ body = {}, box = {{ min = [{}] }} }}  # m\n",
+      held_axis(summary) == 2 ? "its uppermost nodes" : "the nodes at one end, as it lies flat; the rest bends down",
       name, held_nodes(summary, body.scale));
-  if (!summary.groups.empty()) text += "\n# The mesh has groups; one of them may hold it instead.\n";
-  const std::size_t offered = std::min(summary.groups.size(), groups_offered);
+  const std::vector<std::string> groups = groups_that_may_hold(summary);
+  if (!groups.empty()) text += "\n# The mesh has groups; one of them may hold it instead.\n";
+  const std::size_t offered = std::min(groups.size(), groups_offered);
   for (std::size_t k = 0; k < offered; ++k) {
-    text += fmt::format("# [[fix]]\n# select = {{ body = {}, group = {} }}\n", name, toml_text(summary.groups[k].name));
+    text += fmt::format("# [[fix]]\n# select = {{ body = {}, group = {} }}\n", name, toml_text(groups[k]));
   }
-  if (offered < summary.groups.size()) {
-    text += fmt::format("# There are {} more; `springnet inspect` of the mesh lists them.\n",
-                        summary.groups.size() - offered);
+  if (offered < groups.size()) {
+    text += fmt::format("# There are {} more; `springnet inspect` of the mesh lists them.\n", groups.size() - offered);
   }
   text += fmt::format(
       "\n# A floor under it, for a body that falls: leave out [[fix]] as well.\n# [[plane]]\n# name   = \"floor\"\n"

@@ -136,7 +136,7 @@ int copy_example(const NewArguments& arguments) {
 int scene_for_mesh(const NewArguments& arguments) {
   if (!has_mesh_ending(arguments.mesh)) {
     throw Error(ErrorKind::input,
-                fmt::format("{}: is no mesh file; its name has to end in .msh, .vtk, .vtu, .vtp, .obj "
+                fmt::format("{}: is not a mesh file; its name has to end in .msh, .vtk, .vtu, .vtp, .obj "
                             "or .stl. An example is copied by --example NAME",
                             printable_message(arguments.mesh.string())));
   }

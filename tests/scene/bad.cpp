@@ -126,7 +126,7 @@ TEST_CASE("missing keys are named, with what they look like") {
       {replaced(6, "mesh = ^{ lattice = [3, 3, 3] }"), {"the key 'spacing' is missing"}},
       {replaced(7, "neuron = ^{ mass = 1.0 }"), {"the key 'type' is missing; add it: the name of a neuron"}},
       {replaced(7, "neuron = ^{ type = \"point_mass\" }"),
-       {"says no mass; add 'mass' here, in kg", "or 'density' to the body, in kg/m^3"}},
+       {"has no mass; add 'mass' here, in kg", "or 'density' to the body, in kg/m^3"}},
       {replaced(8, "spring = ^{ stiffness = 3.0 }"),
        {"the key 'type' is missing; add it: the name of a spring function"}},
       {added("^[[fix]]"), {"fix.0: the key 'select' is missing"}},

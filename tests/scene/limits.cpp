@@ -198,7 +198,7 @@ TEST_CASE("a body without a mass is told both ways to give one") {
                            "spring = { type = \"linear\", stiffness = 3.0 }\n";
   const std::string none = refusal(body + "neuron = { type = \"point_mass\" }\n");
   CHECK(contains(none,
-                 "test.toml:8:10: body.0.neuron: says no mass; add 'mass' here, in kg, of each node, or 'density' "));
+                 "test.toml:8:10: body.0.neuron: has no mass; add 'mass' here, in kg, of each node, or 'density' "));
   CHECK(contains(refusal(body + "density = 1.0\n"), "mass (unless the body has a density)"));
   CHECK(refusal(body + "density = 1.0\nneuron = { type = \"point_mass\" }\n") == "");
   CHECK(contains(refusal(body + "density = 1.0\nneuron = { type = \"point_mass\", mass = 1 }\n"),

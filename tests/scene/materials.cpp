@@ -178,7 +178,7 @@ TEST_CASE("what is wrong with a material is said with its place") {
   const std::string material = "density = 1.0\nmaterial = { youngs_modulus = 1.0";
   CHECK(contains(refused("density = 1.0\n" + spring, ", mass = 1.0"),
                  "test.toml:7:40: body.0.neuron.mass: has no meaning beside 'density'"));
-  CHECK(contains(refused(spring), "says no mass; add 'mass' here"));
+  CHECK(contains(refused(spring), "has no mass; add 'mass' here"));
   CHECK(contains(refused("density = 0\n" + spring), "test.toml:8:11: body.0.density: must be above 0"));
   CHECK(contains(refused(material + " }\n" + spring), "body.0.spring: has no meaning beside 'material'"));
   CHECK(contains(refused("density = 1.0\nmaterial = { }"), "the key 'youngs_modulus' is missing"));

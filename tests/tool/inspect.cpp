@@ -29,7 +29,7 @@ TEST_CASE("inspect says what a scene is made of, and writes nothing") {
   check_says(
       testing::springnet(folder, "inspect pair.toml"),
       {"A pair", "2, 1 of them fixed", "linear (1)", "4 N/m", "0.5 N s/m", "synchronous  0.64", "wavefront    0.64",
-       "0.15 of it", "newton       no limit", "node 1 (2 kg), spring 0 to node 0 (k 4 N/m, d 0.5 N s/m)",
+       "0.15 times it", "newton       no limit", "node 1 (2 kg), spring 0 to node 0 (k 4 N/m, d 0.5 N s/m)",
        "nothing unusual", "0, and 2 motions as a rigid body"});
   CHECK_FALSE(std::filesystem::exists(folder.path() / "results"));
 }

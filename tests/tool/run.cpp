@@ -220,6 +220,20 @@ TEST_CASE("a multiple of real time that stands apart is told how it is written")
   CHECK_FALSE(std::filesystem::exists(folder.path() / "results"));
 }
 
+TEST_CASE("a scene without a command, and a mesh in place of a scene, are told what to do") {
+  const TemporaryFolder folder;
+  folder.write("pair.toml", testing::pair_scene);
+  CHECK(testing::springnet(folder, "pair.toml").err.find("did you mean 'springnet run pair.toml'?") !=
+        std::string::npos);
+  folder.write("box.msh", "");
+  for (const char* command : {"run box.msh", "validate box.msh"}) {
+    const Answer answer = testing::springnet(folder, command);
+    CHECK(answer.status == 2);
+    CHECK(answer.err.find("box.msh: is a mesh, not a scene; 'springnet new box.msh' writes a scene for it") !=
+          std::string::npos);
+  }
+}
+
 TEST_CASE("a folder that cannot be made is an error of usage") {
   const TemporaryFolder folder;
   folder.write("pair.toml", testing::pair_scene);
