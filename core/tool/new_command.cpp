@@ -129,8 +129,8 @@ int copy_example(const NewArguments& arguments) {
     return done;
   }
   const std::string near = suggestion(arguments.example, names);
-  throw Error(ErrorKind::input, fmt::format("there is no example '{}'{}; 'springnet new --example' lists them",
-                                            printable(arguments.example), near.empty() ? "" : "; " + near));
+  throw Error(ErrorKind::input, fmt::format("there is no example '{}'; {}'springnet new --example' lists them",
+                                            printable(arguments.example), near.empty() ? near : near + " "));
 }
 
 int scene_for_mesh(const NewArguments& arguments) {

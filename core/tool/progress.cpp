@@ -25,7 +25,7 @@ Progress::Progress(bool silent) : silent_(silent), terminal_(isatty(STDERR_FILEN
 Progress::~Progress() { finish(); }
 
 void Progress::update(double time, double duration) {
-  if (silent_ || !(duration > 0.0)) return;
+  if (silent_ || !(time < duration)) return;  // at the end there is nothing left to tell
   const auto now = Clock::now();
   const std::chrono::duration<double> since_last = now - last_, since_start = now - start_;
   if (since_last.count() < (terminal_ ? 0.1 : 5.0)) return;

@@ -62,10 +62,14 @@ void Automatic::estimate(const Workspace& workspace, const Step& step) {
     workspace.host.note("update rule synchronous: no stiffness and no damping limits the time step");
     return;
   }
+  // Two digits, but whole where it is large: 2098, not 2.1e+03.
+  const double exact = step.weight() / weight_;
+  const double ratio = exact < 99.5 ? exact : std::round(std::min(exact, 1e12));
+  const int digits = exact < 99.5 ? 2 : 1 + static_cast<int>(std::log10(ratio));
   std::snprintf(text.data(), text.size(),
-                "update rule %s: the time step is about %.2g times the critical time constant of synchronous "
+                "update rule %s: the time step is about %.*g times the critical time constant of synchronous "
                 "propagation, %.2g s",
-                name_of(*chosen_), step.weight() / weight_, weight_ / step.theta);
+                name_of(*chosen_), digits, ratio, weight_ / step.theta);
   workspace.host.note(text.data());
 }
 
