@@ -8,6 +8,7 @@
 
 #include <fmt/format.h>
 #include <springnet/plugin_host.hpp>
+#include <springnet/printable.hpp>
 
 #include "commands.hpp"
 #include "common.hpp"
@@ -47,7 +48,7 @@ std::string usage_error(const CLI::App* app, const CLI::Error& error) {
   } else if (error.get_name() == "RequiredError" && !command->get_subcommands(nullptr).empty()) {
     what = "a command is missing";
   }
-  return fmt::format("springnet: error: {}; '{} --help' shows how it is used\n", what, name);
+  return fmt::format("springnet: error: {}; '{} --help' shows how it is used\n", printable_message(what), name);
 }
 
 // CLI11 takes "--realtime=" for "--realtime".

@@ -182,6 +182,17 @@ TEST_CASE("names of files and bodies reach the terminal without what it obeys or
         std::string::npos);
 }
 
+TEST_CASE("wrong words of a command line reach the terminal without what it obeys") {
+  const TemporaryFolder folder;
+  for (const char* arguments : {"'a\x1b[31m'", "run '--a\x1b[31m' pair.toml", "run pair.toml --threads '1\x1b[31m'"}) {
+    CAPTURE(arguments);
+    const Answer answer = testing::springnet(folder, arguments);
+    CHECK(answer.status == 2);
+    CHECK(answer.err.find('\x1b') == std::string::npos);
+    CHECK(answer.err.find("\\u001b[31m") != std::string::npos);
+  }
+}
+
 TEST_CASE("what a plugin says of itself does not reach the terminal as it is") {
   const TemporaryFolder folder;
   const std::string plugins = " --plugins " + (std::filesystem::path(SPRINGNET_FIXTURES) / "rude").string();
