@@ -14,6 +14,8 @@ constexpr std::size_t most_rows_dense = 32;
 // Added to the diagonal, in units of its mean, so that redundant rows have a factorisation; iteration takes its effect
 // out again.
 constexpr double shift_share = 1e-9;
+// What iteration leaves of the right side, at most, unless an eigenvalue is about as small as the shift, or less.
+constexpr double rest_share = 1e-12;
 
 }  // namespace
 
@@ -157,6 +159,34 @@ Eigen::VectorXd ConstraintSystem::solve_shifted(const Eigen::VectorXd& b) const 
   return (b - matrix_ * y) / shift_;
 }
 
+// Conjugate gradients with the shifted matrix as preconditioner, in which all eigenvalues that are large beside the
+// shift are 1: the few others take about an iteration each. Zero where the right side does not fit.
+Eigen::VectorXd ConstraintSystem::solve_by_gradients(const Eigen::VectorXd& b) const {
+  constexpr int most_iterations = 40;
+  const double greatest = b.lpNorm<Eigen::Infinity>();
+  const Eigen::VectorXd none = Eigen::VectorXd::Zero(b.size());
+  Eigen::VectorXd x = none, best = none, rest = b, z = solve_shifted(rest), direction = z;
+  double least = greatest, product_before = rest.dot(z);
+  for (int i = 0; i < most_iterations && least > 1e-3 * rest_share * greatest; ++i) {
+    const Eigen::VectorXd image = product(direction);
+    const double curvature = direction.dot(image);
+    // A direction that moves nothing is what no multipliers can answer.
+    if (!(curvature > 1e-6 * shift_ * direction.squaredNorm())) break;
+    x += product_before / curvature * direction;
+    rest = b - product(x);
+    const double size = rest.lpNorm<Eigen::Infinity>();
+    if (size < least) {
+      least = size;
+      best = x;
+    }
+    z = solve_shifted(rest);
+    const double product_now = rest.dot(z);
+    direction = z + product_now / product_before * direction;
+    product_before = product_now;
+  }
+  return least <= 1e-3 * greatest ? best : none;
+}
+
 Eigen::VectorXd ConstraintSystem::solve(const Eigen::VectorXd& b) const {
   if (rows_.empty()) return b;
   const double greatest = b.lpNorm<Eigen::Infinity>();
@@ -164,15 +194,18 @@ Eigen::VectorXd ConstraintSystem::solve(const Eigen::VectorXd& b) const {
   if (!(greatest > 0.0)) return x;
   // x += (S + shift)^-1 (b - S x): what the shift left out of x shrinks each time by shift / (eigenvalue + shift).
   constexpr int most_corrections = 10;
-  double last = greatest;
+  double last = greatest, size = greatest;
+  Eigen::VectorXd rest;
   for (int i = 0; i < most_corrections; ++i) {
-    const Eigen::VectorXd rest = b - product(x);
-    const double size = rest.lpNorm<Eigen::Infinity>();
+    rest = b - product(x);
+    size = rest.lpNorm<Eigen::Infinity>();
     // What does not shrink any more is rounding, or a right side that does not fit: x would only grow.
     if (size <= 1e-15 * greatest || !(size < 0.5 * last)) break;
     last = size;
     x += solve_shifted(rest);
   }
+  // Masses over many decades, say.
+  if (size > rest_share * greatest) x += solve_by_gradients(b - product(x));
   return x;
 }
 

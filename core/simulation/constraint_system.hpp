@@ -16,12 +16,16 @@ namespace springnet {
 
 class ConstraintSystem {
  public:
+  // How the system is factorised: as a full matrix or a sparse one over rows, or, where rows are many more than the
+  // directions in which their nodes can move, as a sparse matrix over those.
+  enum class Form { dense, rows, nodes };
   // Mobility of a node, 1/kg: its velocity changes by that times an impulse. Zero for a node that cannot move.
   using Mobility = std::function<Eigen::Matrix3d(std::uint32_t)>;
 
   // Factorises G W G^T. Redundant rows, and rows between nodes that cannot move, are allowed: see solve().
   void set(std::vector<ConstraintRow> rows, const Mobility& mobility);
   [[nodiscard]] const std::vector<ConstraintRow>& rows() const noexcept { return rows_; }
+  [[nodiscard]] Form form() const noexcept { return form_; }
   // The multipliers x of G W G^T x = b. Where rows are redundant the right side has to fit, as it does if it comes from
   // velocities or lengths; of the many answers it is the smallest.
   [[nodiscard]] Eigen::VectorXd solve(const Eigen::VectorXd& b) const;
@@ -37,14 +41,11 @@ class ConstraintSystem {
   }
 
  private:
-  // How the system is factorised: as a full matrix or a sparse one over rows, or, where rows are many more than the
-  // directions in which their nodes can move, as a sparse matrix over those.
-  enum class Form { dense, rows, nodes };
-
   void set_rows();
   bool set_nodes();
   [[nodiscard]] Eigen::VectorXd product(const Eigen::VectorXd& x) const;  // G W G^T x
   [[nodiscard]] Eigen::VectorXd solve_shifted(const Eigen::VectorXd& b) const;
+  [[nodiscard]] Eigen::VectorXd solve_by_gradients(const Eigen::VectorXd& b) const;
 
   std::vector<ConstraintRow> rows_;
   std::vector<Eigen::Matrix3d> mobilities_;  // [row][2]
