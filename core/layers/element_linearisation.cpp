@@ -1,5 +1,7 @@
 #include "layers/element_linearisation.hpp"
 
+#include <cmath>
+
 namespace springnet::layers {
 namespace {
 
@@ -14,7 +16,7 @@ void for_each_surface(std::span<const ElementShare> shares, const What& what) {
 // Q and its derivatives of elements with the same laws.
 springnet_status ElementLinearisation::ask(const ElementBatch& batch, double time, const std::uint32_t* members,
                                            const double* q, const double* rate, ElementForce* forces,
-                                           springnet_message& message) const {
+                                           springnet_message& message) {
   const Group& group = layout_.laws().groups[batch.group];
   double value[element_batch], by_q[element_batch], by_rate[element_batch];
   std::uint32_t rows[element_batch];
@@ -38,6 +40,9 @@ springnet_status ElementLinearisation::ask(const ElementBatch& batch, double tim
       if (law->reads_rate) forces[i].by_rate += by_rate[i];
     }
   }
+  for (std::size_t i = 0; i < batch.count; ++i)
+    finite_ =
+        finite_ && std::isfinite(forces[i].force) && std::isfinite(forces[i].by_q) && std::isfinite(forces[i].by_rate);
   return SPRINGNET_OK;
 }
 
@@ -92,6 +97,7 @@ void ElementLinearisation::add(const ElementBlocks& blocks, std::size_t count, c
 springnet_status ElementLinearisation::update(double time, const NodeArrays& nodes, const double* pressure,
                                               springnet_message& message) {
   const ElementLayout& elements = layout_.elements();
+  finite_ = true;
   if (!any()) return SPRINGNET_OK;
   if (!pattern_known_) make_pattern();
   stiffness_.assign(rows_.count(), Block::Zero());

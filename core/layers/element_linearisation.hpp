@@ -24,6 +24,8 @@ class ElementLinearisation {
   // SPRINGNET_FAILED if a law has no derivatives.
   // pressure: that of the external forces.
   springnet_status update(double time, const NodeArrays& nodes, const double* pressure, springnet_message& message);
+  // Whether what the laws answered to the last update() is finite.
+  [[nodiscard]] bool finite() const noexcept { return finite_; }
   // Whether there is anything at all.
   [[nodiscard]] bool any() const noexcept {
     return layout_.elements().live_count() > 0 || layout_.loaded_faces().any_follows();
@@ -53,7 +55,7 @@ class ElementLinearisation {
     double product = 0.0;                // of prepare()
   };
   springnet_status ask(const ElementBatch& batch, double time, const std::uint32_t* members, const double* q,
-                       const double* rate, ElementForce* forces, springnet_message& message) const;
+                       const double* rate, ElementForce* forces, springnet_message& message);
   springnet_status update_surfaces(double time, const NodeArrays& nodes, springnet_message& message);
   void make_pattern();
   void add_pressures(const NodeArrays& nodes, const double* pressure);
@@ -62,6 +64,7 @@ class ElementLinearisation {
   const Layout& layout_;
   const Evaluator& evaluator_;
   bool pattern_known_ = false;
+  bool finite_ = true;
   BlockRows rows_;
   // Sums of blocks, [block of rows_]; of damping only where `damped_`: a law answers to rates.
   std::vector<Block> stiffness_, damping_;

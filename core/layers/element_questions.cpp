@@ -130,13 +130,11 @@ std::string explain_element_failure(const Layout& layout, InstructionSet set, do
     const ElementState state = element_state(layout, nodes, e);
     for (const Law* law : {&group.spring, &group.viscosity}) {
       if (!*law) continue;
-      double force = 0.0, energy = 0.0;
-      LawOutputs out;
-      out.force = &force;
-      if (asked == Asked::forces_and_energies && law->can(SPRINGNET_HAS_ENERGY)) out.energy = &energy;
+      LawAnswer answer;
+      const LawOutputs out = answer.outputs(*law, asked);
       springnet_message message{};
       const springnet_status status = ask(layout, set, time, e, *law, state, out, message);
-      const std::string what = wrong_answer(*law->component, status, force, energy, message);
+      const std::string what = wrong_answer(*law->component, status, answer, message);
       if (what.empty()) continue;
       const std::string_view unit = unit_of(layout.elements().invariant(e));
       return fmt::format("{} for element {} ({}; {} {} {}, rate {} {}/s)", what, e, where(layout, e),

@@ -169,14 +169,29 @@ springnet_status rupture_margins(const Layout& layout, InstructionSet set, doubl
   return SPRINGNET_OK;
 }
 
-std::string wrong_answer(const Component& component, springnet_status status, double force, double energy,
+LawOutputs LawAnswer::outputs(const Law& law, Asked asked) {
+  LawOutputs out;
+  out.force = &force;
+  if (asked == Asked::forces_and_energies && law.can(SPRINGNET_HAS_ENERGY)) out.energy = &energy;
+  if (asked == Asked::forces_and_derivatives && law.can(SPRINGNET_HAS_DERIVATIVES)) {
+    out.force_by_q = &by_q;
+    if (law.reads_rate) out.force_by_rate = &by_rate;
+  }
+  return out;
+}
+
+std::string wrong_answer(const Component& component, springnet_status status, const LawAnswer& answer,
                          const springnet_message& message) {
   // fmt gives nan a sign that depends on the processor.
   const auto number = [](double value) { return std::isnan(value) ? std::string("nan") : fmt::format("{}", value); };
   if (status != SPRINGNET_OK) return text_of(message) + ";";
-  if (!std::isfinite(force)) return fmt::format("{} answered {}", full_name(component), number(force));
-  if (std::isfinite(energy)) return {};
-  return fmt::format("{} answered an energy of {}", full_name(component), number(energy));
+  const std::string name = full_name(component);
+  if (!std::isfinite(answer.force)) return fmt::format("{} answered {}", name, number(answer.force));
+  if (!std::isfinite(answer.energy)) return fmt::format("{} answered an energy of {}", name, number(answer.energy));
+  if (!std::isfinite(answer.by_q)) return fmt::format("{} answered a derivative of {}", name, number(answer.by_q));
+  if (!std::isfinite(answer.by_rate))
+    return fmt::format("{} answered a derivative with respect to the rate of {}", name, number(answer.by_rate));
+  return {};
 }
 
 std::string explain_failure(const Layout& layout, InstructionSet set, double time, const NodeArrays& nodes,
@@ -196,16 +211,14 @@ std::string explain_failure(const Layout& layout, InstructionSet set, double tim
     const Group& group = layout.group_of(s);
     for (const Law* law : {&group.spring, &group.viscosity}) {
       if (!*law) continue;
-      double force = 0.0, energy = 0.0;
-      LawOutputs out;
-      out.force = &force;
-      if (asked == Asked::forces_and_energies && law->can(SPRINGNET_HAS_ENERGY)) out.energy = &energy;
+      LawAnswer answer;
+      const LawOutputs out = answer.outputs(*law, asked);
       springnet_message message{};
       Group alone = group;  // only this law
       (law == &group.spring ? alone.viscosity : alone.spring) = {};
       const springnet_status status =
           evaluate_group(layout, set, time, nodes, alone, &s, 1, *geometry, out, out, message);
-      const std::string what = wrong_answer(*law->component, status, force, energy, message);
+      const std::string what = wrong_answer(*law->component, status, answer, message);
       if (what.empty()) continue;
       return fmt::format("{} for spring {} (nodes {} and {}, length {:.10g} m, rate {:.10g} m/s)", what, s,
                          layout.ordering().user[layout.first(s)], layout.ordering().user[layout.second(s)],

@@ -7,6 +7,7 @@
 
 #include "layers/elements.hpp"
 #include "layers/message.hpp"
+#include "plugin_host/call.hpp"
 
 namespace springnet::layers {
 
@@ -30,6 +31,7 @@ springnet_status Linearisation::update(double time, const NodeArrays& nodes, con
   bonds_.clear();
   stiffness_.resize(9 * layout_.spring_count());
   damping_.resize(9 * layout_.spring_count());
+  bool finite = true;
   const auto geometry = std::make_unique<SegmentGeometry>();
   double q[2][max_segment], by_q[2][max_segment], by_rate[2][max_segment];
   for (std::size_t g = 0; g < layout_.laws().groups.size(); ++g) {
@@ -57,6 +59,10 @@ springnet_status Linearisation::update(double time, const NodeArrays& nodes, con
         for (int j = 0; j < 2; ++j) {
           if (*laws[j]) forces.add(*laws[j], q[j][i], by_q[j][i], &by_rate[j][i]);
         }
+        // What is not finite stays so in a sum. Between nodes that do not move it is no matter.
+        const bool counts = constrained_[layout_.first(s)] == 0 || constrained_[layout_.second(s)] == 0;
+        finite = finite && (!counts || std::isfinite(forces.tension + forces.by_length + forces.by_rate + forces.pull +
+                                                     forces.by_speed));
         const SpringBlocks blocks(forces, geometry->length[i], normal, geometry->rate[i], geometry->speed[i], along);
         Eigen::Map<Block>(stiffness_.data() + 9 * std::size_t{s}) = blocks.stiffness;
         Eigen::Map<Block>(damping_.data() + 9 * std::size_t{s}) = blocks.damping;
@@ -66,6 +72,7 @@ springnet_status Linearisation::update(double time, const NodeArrays& nodes, con
   if (const springnet_status elements = elements_.update(time, nodes, external.pressure, message);
       elements != SPRINGNET_OK)
     return elements;
+  if (!finite || !elements_.finite()) return not_finite(time, nodes, message);
   for (const NeuronKind& neuron : layout_.laws().neurons) {
     if (require_derivatives(*neuron.component, message) != SPRINGNET_OK) return SPRINGNET_FAILED;
   }
@@ -84,8 +91,30 @@ springnet_status Linearisation::update(double time, const NodeArrays& nodes, con
   const springnet_status neurons =
       evaluator_.accelerations(0, static_cast<std::uint32_t>(n), time, nodes, force, acceleration, by_force_.data(),
                                by_position_.data(), by_velocity_.data(), message);
-  known_ = neurons == SPRINGNET_OK;
-  return neurons;
+  if (neurons != SPRINGNET_OK) return neurons;
+  const springnet_status checked = check_neurons(message);
+  known_ = checked == SPRINGNET_OK;
+  return checked;
+}
+
+springnet_status Linearisation::not_finite(double time, const NodeArrays& nodes, springnet_message& message) const {
+  const std::string reason =
+      explain_failure(layout_, evaluator_.instruction_set(), time, nodes, Asked::forces_and_derivatives);
+  set_message(message, reason.empty() ? "a law's force or derivative is not finite, but was when asked again" : reason);
+  return SPRINGNET_RECOVERABLE;
+}
+
+springnet_status Linearisation::check_neurons(springnet_message& message) const {
+  for (std::uint32_t k = 0; k < layout_.node_count(); ++k) {
+    if (constrained_[k] != 0 ||
+        (block(by_force_, k).allFinite() && block(by_position_, k).allFinite() && block(by_velocity_, k).allFinite()))
+      continue;
+    set_message(message, fmt::format("{} answered a derivative that is not finite for node {}",
+                                     full_name(*layout_.laws().neurons[layout_.neuron_kind()[k]].component),
+                                     layout_.ordering().user[k]));
+    return SPRINGNET_RECOVERABLE;
+  }
+  return SPRINGNET_OK;
 }
 
 void Linearisation::times(const double* dp, const double* dv, double* out) {

@@ -22,7 +22,8 @@ class Linearisation {
   // References have to outlive it. constrained: [node] 1 where a node is fixed or held: its acceleration is 0.
   Linearisation(const Layout& layout, const Evaluator& evaluator, const std::vector<std::uint8_t>& constrained);
 
-  // Computes all blocks at a state. SPRINGNET_FAILED if a law or neuron has no derivatives.
+  // Computes all blocks at a state. SPRINGNET_FAILED if a law or neuron has no derivatives, SPRINGNET_RECOVERABLE if
+  // the answer of one is not finite there; the message says which, and for which spring, element or node.
   springnet_status update(double time, const NodeArrays& nodes, const ExternalForces& external,
                           springnet_message& message);
   // Adds to da/dv of one node, 1/s, after update().
@@ -60,6 +61,10 @@ class Linearisation {
   [[nodiscard]] static Eigen::Map<const Block> block(const Blocks& blocks, std::size_t index) {
     return Eigen::Map<const Block>(blocks.data() + 9 * index);
   }
+  // What to say of a law whose answer at this state was not finite.
+  springnet_status not_finite(double time, const NodeArrays& nodes, springnet_message& message) const;
+  // SPRINGNET_RECOVERABLE with a message where what neurons answered is not finite.
+  springnet_status check_neurons(springnet_message& message) const;
   void make_pattern();
   // vectors: with what closed surfaces do to all of their nodes.
   void diagonal_blocks(double velocity_weight, double position_weight, bool vectors, double* out) const;

@@ -13,6 +13,7 @@
 
 #include <springnet/simulation.hpp>
 
+#include "layers/elements.hpp"
 #include "layers/evaluator.hpp"
 #include "layers/linearisation.hpp"
 #include "simulation/contact.hpp"
@@ -198,7 +199,7 @@ class Engine {
   [[nodiscard]] const Rupturing& rupturing();
   // [count()] margins of the springs, then of the elements.
   springnet_status rupture_margins(double time, const layers::NodeArrays& nodes, double* margins);
-  void explain(double time, const layers::NodeArrays& nodes);
+  void explain(double time, const layers::NodeArrays& nodes, layers::Asked asked = layers::Asked::forces);
   bool check_finite(bool forces, std::uint32_t bad_neuron, double time, const layers::NodeArrays& nodes);
   springnet_status failed(springnet_status status, double time, const layers::NodeArrays& nodes);
   void note_energy();

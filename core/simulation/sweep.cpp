@@ -123,6 +123,12 @@ springnet_status finish_tile(void* user, std::uint32_t unit, std::uint32_t first
   return accelerate_tile(context, first, count, finite, message);
 }
 
+bool all_finite(const layers::NodeDerivatives& derivatives) noexcept {
+  const auto is_finite = [](double value) { return std::isfinite(value); };
+  return std::all_of(std::begin(derivatives.by_velocity), std::end(derivatives.by_velocity), is_finite) &&
+         std::all_of(std::begin(derivatives.by_position), std::end(derivatives.by_position), is_finite);
+}
+
 // A request as this host knows it, whatever the integrator was compiled against.
 springnet_sweep complete(const springnet_sweep& request) {
   springnet_sweep sweep{};
@@ -133,8 +139,8 @@ springnet_sweep complete(const springnet_sweep& request) {
 
 }  // namespace
 
-void Engine::explain(double time, const layers::NodeArrays& nodes) {
-  if (non_finite_.empty()) non_finite_ = explain_failure(layout_, evaluator_.instruction_set(), time, nodes);
+void Engine::explain(double time, const layers::NodeArrays& nodes, layers::Asked asked) {
+  if (non_finite_.empty()) non_finite_ = explain_failure(layout_, evaluator_.instruction_set(), time, nodes, asked);
 }
 
 // What is known of an evaluation that a law or a neuron ended: which spring it was, if it was a law.
@@ -262,6 +268,8 @@ springnet_status Engine::evaluate_for_update(std::uint32_t node, void* tile_cont
     // Before its update: afterwards the node's own outputs would not be finite either. Not while other threads write
     // theirs.
     if (!in_sets_) explain(context.time, context.nodes);
+  } else if (context.sweep->want_blocks != 0 && !in_sets_ && !all_finite(result.derivatives)) {
+    explain(context.time, context.nodes, layers::Asked::forces_and_derivatives);  // the update will not be finite
   }
   return SPRINGNET_OK;
 }

@@ -131,16 +131,23 @@ class Verlet : public Integrator {
     for (std::uint32_t k = 0; network.surface_count > 0 && k < network.node_count; ++k)
       if (network.touching[k] != 0 && network.held[k] == 0) return;
     const auto [from, start] = host_.committed();
+    char text[320 + sizeof(springnet_message)];
     try {
       host_.linearise(evaluation_at(from, start));
-    } catch (const Failure&) {
+    } catch (const Failure& failure) {
+      if (failure.recoverable()) {
+        std::snprintf(text, sizeof text,
+                      "verlet: at %.9g s the derivatives of the forces are not finite, so that no step is stable: %s; "
+                      "use another integrator if the law is at its limit there",
+                      from, failure.what());
+        throw Failure(text);
+      }
       host_.note(
           "verlet: a law or neuron has no derivatives, so the limit of stability of the time step is not checked");
       return;
     }
     const double limit = stability_.limit(network.rigid_count > 0);
     if (h <= limit) return;
-    char text[320];
     if (!(limit > 0.0)) {
       std::snprintf(text, sizeof text,
                     "verlet: at %.9g s the derivatives of the forces are not finite, so that no step is stable; look "
