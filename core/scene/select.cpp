@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <numeric>
 
 #include <fmt/format.h>
@@ -13,9 +14,11 @@
 namespace springnet::scene {
 namespace {
 
-// What lies on the boundary is inside. Positions of a lattice are rounded, so a boundary is this much thicker,
-// relatively to the numbers compared: far above rounding, far below any spacing that a user could mean.
-constexpr double thickness = 1e-9;
+// What lies on the boundary is inside. Positions of lattices and of mesh files are rounded, so a boundary is this much
+// thicker, relatively to the numbers compared. Far from the origin that could reach the next node: it is never more
+// than a small share of the shortest spring, as long as that is above the rounding of the numbers themselves.
+constexpr double thickness = 1e-9, least_thickness = 4.0 * std::numeric_limits<double>::epsilon();
+constexpr double greatest_share = 1e-3;  // of the shortest spring
 
 struct Region {
   std::vector<const Body*> bodies;  // in the order of their nodes; none: everywhere
@@ -23,6 +26,7 @@ struct Region {
   std::optional<std::vector<NodeIndex>> grouped;  // their nodes, rising
   std::optional<Vector3> smallest, largest, center;
   double radius = 0;
+  double most = std::numeric_limits<double>::infinity();  // m, of a boundary's thickness
 
   [[nodiscard]] bool has_shape() const { return smallest || largest || center; }
   [[nodiscard]] bool restricts() const { return has_shape() || grouped || !bodies.empty(); }
@@ -42,10 +46,22 @@ struct Region {
   }
 
  private:
-  static double slack(double bound, double coordinate) {
-    return std::isfinite(bound) ? thickness * std::max(std::abs(bound), std::abs(coordinate)) : 0.0;
+  [[nodiscard]] double slack(double bound, double coordinate) const {
+    if (!std::isfinite(bound)) return 0.0;
+    const double number = std::max(std::abs(bound), std::abs(coordinate));
+    return std::min(thickness * number, std::max(most, least_thickness * number));
   }
 };
+
+// m, of those that have a length; infinity without any.
+double shortest_spring(const Network& network) {
+  double shortest = std::numeric_limits<double>::infinity();
+  for (const Spring& spring : network.springs()) {
+    const double length = (network.nodes()[spring.first].position - network.nodes()[spring.second].position).norm();
+    if (length > 0.0) shortest = std::min(shortest, length);
+  }
+  return shortest;
+}
 
 Vector3 corner(const Value& value) {
   const std::vector<Value> values = value.elements(3);
@@ -141,6 +157,7 @@ Region read_region(const Table& table, const Network& network) {
     region.center = sphere.need("center").vector();
     region.radius = sphere.need("radius").number_above_0("m");
   }
+  if (region.has_shape()) region.most = greatest_share * shortest_spring(network);
   return region;
 }
 

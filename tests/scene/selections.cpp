@@ -1,4 +1,5 @@
 // Selections and connections against a plain search.
+#include <algorithm>
 #include <cmath>
 #include <set>
 #include <string>
@@ -81,6 +82,24 @@ TEST_CASE("a box sees nodes whose coordinates are rounded") {
   REQUIRE(network.nodes()[3].position.x() > 0.3);
   CHECK(network.nodes()[3].fixed);
   CHECK_FALSE(network.nodes()[4].fixed);
+}
+
+TEST_CASE("a box and a sphere far from the origin have the same nodes as beside it") {
+  for (const char* far : {"0", "1e6", "1e8", "1e9"}) {
+    CAPTURE(far);
+    const auto fixed = [&](const std::string& selection) {
+      const Network network =
+          parse(small + "[[body]]\nname = \"far\"\nmesh = { lattice = [5, 5, 5], spacing = 0.015625, origin = [" + far +
+                ", 0, 0] }\nneuron = { type = \"point_mass\", mass = 1.0 }\n" +
+                "spring = { type = \"linear\", stiffness = 3.0 }\n[[fix]]\nselect = { body = \"far\", " + selection +
+                " }\n")
+              .network;
+      return std::count_if(network.nodes().begin(), network.nodes().end(),
+                           [](const springnet::Node& node) { return node.fixed; });
+    };
+    CHECK(fixed("box = { max = [" + std::string(far) + ", inf, inf] }") == 25);
+    CHECK(fixed("sphere = { center = [" + std::string(far) + ", 0, 0], radius = 0.015625 }") == 4);
+  }
 }
 
 TEST_CASE("nodes by sphere, alone and with a box") {
