@@ -1,9 +1,12 @@
+#include <algorithm>
+
 #include <fmt/format.h>
 
 #include "network/checks.hpp"
 #include "scene/parts.hpp"
 #include "scene/select.hpp"
 #include "scene/time_table.hpp"
+#include "text/grouped.hpp"
 
 namespace springnet::scene {
 namespace {
@@ -98,10 +101,25 @@ void read_instrument(const Table& table, Network& network) {
   table.value().at_this_place([&] { network.add_instrument(instrument); });
 }
 
+// Every node is compared with every plane and instrument, in each sweep.
+void check_count(const std::vector<Value>& planes, const std::vector<Value>& instruments, std::size_t nodes) {
+  constexpr std::size_t most = 10'000, most_comparisons = 100'000'000;
+  const std::size_t count = planes.size() + instruments.size();
+  const std::size_t allowed = std::min(most, most_comparisons / std::max<std::size_t>(nodes, 1));
+  if (count <= allowed) return;
+  const Value& first = allowed < planes.size() ? planes[allowed] : instruments[allowed - planes.size()];
+  first.fail(
+      fmt::format("{} planes and instruments; with {} nodes there are at most {}, as each node is compared with each "
+                  "of them: leave "
+                  "out those that no node comes near",
+                  grouped(count), grouped(nodes), grouped(allowed)));
+}
+
 }  // namespace
 
 void read_surroundings(const Table& root, Scene& scene) {
   Network& network = scene.network;
+  check_count(root.tables("plane"), root.tables("instrument"), network.nodes().size());
   for (const Value& value : root.tables("move")) read_move(value.table("move"), network);
   for (const Value& value : root.tables("plane")) {
     read_plane(value.table("plane"), network);

@@ -192,6 +192,20 @@ TEST_CASE("a node that starts behind a surface is told with the surface's place"
   CHECK(refused(small + ball + "[[fix]]\nselect = { nodes = [0] }\n") == "");
 }
 
+TEST_CASE("planes and instruments that together have too much to do with the nodes are refused") {
+  const std::string plane = "[[plane]]\npoint = [0, 0, -1]\nnormal = [0, 0, 1]\n";
+  const std::string ball = "[[instrument]]\nsphere = { center = [0, 0, -9], radius = 0.5 }\n";
+  CHECK(refusal(small + repeated(plane, 10) + repeated(ball, 10)) == "");
+  CHECK(contains(refusal(small + repeated(plane, 10'000) + ball),
+                 "instrument.0: 10,001 planes and instruments; with 27 nodes there are at most 10,000"));
+  CHECK(contains(
+      refusal(simulation +
+              "[[body]]\nname = \"a\"\nmesh = { lattice = [100, 100, 20], spacing = 1.0 }\n"
+              "neuron = { type = \"point_mass\", mass = 1.0 }\nspring = { type = \"linear\", stiffness = 3.0 }\n" +
+              repeated(plane, 501)),
+      "plane.500: 501 planes and instruments; with 200,000 nodes there are at most 500"));
+}
+
 TEST_CASE("a body without a mass is told both ways to give one") {
   const std::string body = simulation +
                            "[[body]]\nname = \"a\"\nmesh = { lattice = [2, 2, 2], spacing = 1.0 }\n"
