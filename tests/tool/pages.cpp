@@ -1,7 +1,9 @@
 // The manual page, the completion and the examples in the help have and do what the command line has.
 #include <algorithm>
-#include <regex>
 #include <set>
+#include <sstream>
+#include <string>
+#include <vector>
 
 #include <doctest/doctest.h>
 
@@ -16,14 +18,31 @@ namespace {
 constexpr const char* commands[] = {"",        "new",    "run",         "validate",   "inspect",
                                     "convert", "plugin", "plugin list", "plugin show"};
 
-// "--output" and so on, of a help.
+std::vector<std::string> lines_of(const std::string& text) {
+  std::vector<std::string> lines;
+  std::istringstream stream(text);
+  for (std::string line; std::getline(stream, line);) lines.push_back(line);
+  return lines;
+}
+
+// "--output" and so on, of a help, whose lines begin with "  -o,--output" or "  --output".
 std::set<std::string> options_in(const std::string& help) {
+  constexpr const char* letters = "-abcdefghijklmnopqrstuvwxyz";
   std::set<std::string> found;
-  const std::regex option("\n +(-[a-z],)?(--[a-z-]+)");
-  for (std::sregex_iterator match(help.begin(), help.end(), option), end; match != end; ++match) {
-    found.insert((*match)[2].str());
+  for (const std::string& line : lines_of(help)) {
+    std::size_t begin = std::min(line.find_first_not_of(' '), line.size());
+    if (begin == 0) continue;
+    if (line.size() > begin + 3 && line[begin] == '-' && line[begin + 2] == ',') begin += 3;
+    if (line.compare(begin, 2, "--") != 0) continue;
+    found.insert(line.substr(begin, line.find_first_not_of(letters, begin) - begin));
   }
   return found;
+}
+
+std::string replaced(std::string text, const std::string& what, const std::string& with) {
+  for (std::size_t at = text.find(what); at != std::string::npos; at = text.find(what, at + with.size()))
+    text.replace(at, what.size(), with);
+  return text;
 }
 
 bool has(const std::string& text, const std::string& part) { return text.find(part) != std::string::npos; }
@@ -46,7 +65,7 @@ TEST_CASE("every command and option is in the manual page and the completion") {
     for (const std::string& option : options) {
       CAPTURE(option);
       CHECK(has(line, option));
-      CHECK(has(manual, std::regex_replace(option, std::regex("-"), "\\-")));
+      CHECK(has(manual, replaced(option, "-", "\\-")));
     }
   }
 }
@@ -73,12 +92,12 @@ TEST_CASE("every example in the help works, one after the other") {
   std::set<std::string> done;
   for (const char* command : commands) {
     const std::string help = testing::springnet(folder, std::string(command) + " --help").out;
-    const std::regex example("\n  springnet ([^\n]*)");
-    for (std::sregex_iterator match(help.begin(), help.end(), example), end; match != end; ++match) {
+    const std::string begin = "  springnet ";
+    for (std::string line : lines_of(help)) {
+      if (!line.starts_with(begin)) continue;
       // What comes after two spaces explains it. The line is made to write here, and not to run for long.
-      std::string line = (*match)[1].str();
-      line = line.substr(0, line.find("  "));
-      line = std::regex_replace(line, std::regex("/tmp/"), "");
+      line = line.substr(begin.size());
+      line = replaced(line.substr(0, line.find("  ")), "/tmp/", "");
       if (!done.insert(line).second) continue;
       if ((line.starts_with("run ") || line.starts_with("validate ")) && !has(line, "--duration")) {
         line += has(line, "--time-steps") ? " --duration 1" : " --duration 0.5";
