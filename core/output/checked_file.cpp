@@ -37,6 +37,7 @@ void CheckedFile::make_room_for(std::size_t bytes) {
 }
 
 void CheckedFile::write(const void* data, std::size_t bytes) {
+  if (bytes == 0) return;  // An empty array may have no address, which memcpy does not allow.
   const char* const begin = static_cast<const char*>(data);
   if (bytes > capacity - used_) make_room_for(std::min(bytes, capacity));
   if (bytes > capacity) {
