@@ -7,7 +7,7 @@
 
 #include <fmt/format.h>
 
-#include "simulation/surface.hpp"
+#include "constraints/obstacle.hpp"
 #include "text/counted.hpp"
 
 namespace springnet {
@@ -21,8 +21,6 @@ constexpr double soft = 1e7;              // N/m^2: stiffness over length of a s
 constexpr double heavy = 1e6;             // kg
 constexpr double dense = 3e4;             // kg/m^3; osmium has 22,600
 constexpr double strong_gravity = 100.0;  // m/s^2
-// Positions are rounded: far from the origin a node may be this part of its distance behind a surface it lies on.
-constexpr double coincidence = 1e-9;
 
 struct Box {
   Vector3 lower = Vector3::Constant(std::numeric_limits<double>::infinity());
@@ -114,26 +112,27 @@ void hint_at_gravity(const Network& network, std::vector<Hint>& hints) {
   hints.push_back({Hint::Kind::gravity, fmt::format("Gravity is {:.4g} m/s^2; on earth it is 9.81.", strength)});
 }
 
-std::vector<Surface> surfaces_of(const Network& network) {
-  std::vector<Surface> surfaces;
+std::vector<Obstacle> surfaces_of(const Network& network) {
+  std::vector<Obstacle> surfaces;
   for (const Plane& plane : network.planes()) surfaces.emplace_back(plane);
   for (const Instrument& instrument : network.instruments()) surfaces.emplace_back(instrument);
   return surfaces;
 }
 
 void hint_at_starts(const Network& network, const LinearNetwork& linear, std::vector<Hint>& hints) {
-  const std::vector<Surface> surfaces = surfaces_of(network);
+  const std::vector<Obstacle> surfaces = surfaces_of(network);
+  const double size = size_of(network);
   for (std::size_t j = 0; j < surfaces.size(); ++j) {
-    const Surface& surface = surfaces[j];
-    const Vector3 moved = surface.trajectory().at(0.0).displacement;
+    const Obstacle& surface = surfaces[j];
+    const Pose pose = surface.at(just_after(0.0));
     std::size_t count = 0;
     NodeIndex worst = 0;
     double deepest = 0.0;
     for (NodeIndex k = 0; k < network.nodes().size(); ++k) {
       if (!linear.nodes[k].free) continue;
       const Vector3& place = network.nodes()[k].position;
-      const double depth = -surface.distance(place - moved);
-      if (depth <= coincidence * (place.norm() + (surface.origin() + moved).norm())) continue;
+      const double depth = starting_depth(surface, pose, place, size);
+      if (depth == 0.0) continue;
       ++count;
       if (depth <= deepest) continue;
       deepest = depth;
@@ -196,6 +195,63 @@ void hint_at_time_step(const Inspection& found, std::vector<Hint>& hints) {
                    found.slowest->period, steps, found.slowest->period / 20.0)});
 }
 
+// Velocities of a linear table, m/s or rad/s, that jump from piece to piece.
+class Kinks {
+ public:
+  explicit Kinks(std::vector<Hint>& hints) : hints_(hints) {}
+
+  void motion(const Motion& motion, const std::string& whose) {
+    look(
+        motion.interpolation, motion.times, motion.displacements, [](const Vector3& v) { return v.norm(); }, "motion",
+        whose, "m/s");
+  }
+  void turn(const Turn& turn, const std::string& whose) {
+    look(
+        turn.interpolation, turn.times, turn.angles, [](double rate) { return std::abs(rate); }, "turn", whose,
+        "rad/s");
+  }
+  template <class Surface>
+  void surface(const Surface& surface, std::size_t number) {
+    const std::string whose = Obstacle(surface).description(number);
+    if (surface.motion) motion(*surface.motion, whose);
+    if (surface.turn) turn(*surface.turn, whose);
+  }
+
+ private:
+  template <class Value, class Size>
+  void look(Motion::Interpolation interpolation, const std::vector<double>& times, const std::vector<Value>& values,
+            const Size& size, const char* what, const std::string& whose, const char* unit) {
+    constexpr std::size_t few = 3;  // entries: so many are written by hand, and meant
+    if (interpolation != Motion::Interpolation::linear || values.size() <= few) return;
+    const auto velocity = [&](std::size_t k) { return Value((values[k + 1] - values[k]) / (times[k + 1] - times[k])); };
+    double fastest = 0.0, greatest = 0.0;
+    for (std::size_t k = 0; k + 1 < values.size(); ++k) fastest = std::max(fastest, size(velocity(k)));
+    std::size_t count = 0;
+    for (std::size_t k = 0; k + 2 < values.size(); ++k) {
+      const double jump = size(Value(velocity(k + 1) - velocity(k)));
+      if (jump > 1e-6 * fastest) ++count;  // what rounding of the table leaves of an even motion does not count
+      greatest = std::max(greatest, jump);
+    }
+    if (count < 2) return;
+    hints_.push_back(
+        {Hint::Kind::kinks,
+         fmt::format("The {} of {} is a linear table: its velocity jumps at {} of its {} entries, by up to {:.3g} {}. "
+                     "What touches it there is hit, or parts from it. Set interpolation = \"smooth\" if the table was "
+                     "sampled from a smooth motion.",
+                     what, whose, count, values.size(), greatest, unit)});
+  }
+
+  std::vector<Hint>& hints_;
+};
+
+void hint_at_kinks(const Network& network, std::vector<Hint>& hints) {
+  Kinks kinks(hints);
+  for (std::size_t k = 0; k < network.moves().size(); ++k)
+    kinks.motion(network.moves()[k].motion, fmt::format("the nodes of move {}", k));
+  for (std::size_t k = 0; k < network.planes().size(); ++k) kinks.surface(network.planes()[k], k);
+  for (std::size_t k = 0; k < network.instruments().size(); ++k) kinks.surface(network.instruments()[k], k);
+}
+
 }  // namespace
 
 std::string_view name_of(Hint::Kind kind) noexcept {
@@ -212,6 +268,8 @@ std::string_view name_of(Hint::Kind kind) noexcept {
       return "start";
     case Hint::Kind::fall:
       return "fall";
+    case Hint::Kind::kinks:
+      return "kinks";
     default:
       return "time step";
   }
@@ -225,6 +283,7 @@ std::vector<Hint> find_hints(const Network& network, const LinearNetwork& linear
   hint_at_starts(network, linear, hints);
   hint_at_falls(network, part, found, hints);
   hint_at_time_step(found, hints);
+  hint_at_kinks(network, hints);
   return hints;
 }
 

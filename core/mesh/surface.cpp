@@ -155,12 +155,12 @@ std::vector<Face> oriented(std::vector<Face> faces, std::span<const Vector3> poi
     if (a == b || b == c || c == a) fail(fmt::format("a surface: triangle {} has a point twice: remove it", face));
   }
   const auto neighbours = neighbours_of(faces);
-  enum class Turn : std::uint8_t { unknown, kept, turned };
-  std::vector<Turn> turns(faces.size(), Turn::unknown);
+  enum class Winding : std::uint8_t { unknown, kept, turned };
+  std::vector<Winding> turns(faces.size(), Winding::unknown);
   std::vector<std::size_t> part;
   for (std::size_t start = 0; start < faces.size(); ++start) {
-    if (turns[start] != Turn::unknown) continue;
-    turns[start] = Turn::kept;
+    if (turns[start] != Winding::unknown) continue;
+    turns[start] = Winding::kept;
     part.assign(1, start);
     bool closed = true;
     for (std::size_t next = 0; next < part.size(); ++next) {
@@ -170,9 +170,9 @@ std::vector<Face> oriented(std::vector<Face> faces, std::span<const Vector3> poi
           closed = false;
           continue;
         }
-        const Turn wanted = neighbour.agrees == (turns[face] == Turn::kept) ? Turn::kept : Turn::turned;
-        Turn& turn = turns[neighbour.face];
-        if (turn == Turn::unknown) {
+        const Winding wanted = neighbour.agrees == (turns[face] == Winding::kept) ? Winding::kept : Winding::turned;
+        Winding& turn = turns[neighbour.face];
+        if (turn == Winding::unknown) {
           turn = wanted;
           part.push_back(neighbour.face);
         } else if (turn != wanted) {
@@ -186,7 +186,7 @@ std::vector<Face> oriented(std::vector<Face> faces, std::span<const Vector3> poi
     double volume = 0.0;
     const Vector3& origin = points[faces[start][0]];
     for (const std::size_t face : part) {
-      if (turns[face] == Turn::turned) std::swap(faces[face][1], faces[face][2]);
+      if (turns[face] == Winding::turned) std::swap(faces[face][1], faces[face][2]);
       const auto& [a, b, c] = faces[face];
       volume += meshes::tetrahedron_volume(origin, points[a], points[b], points[c]);
     }

@@ -21,6 +21,15 @@ void check_table(const Motion& motion, std::string_view what) {
   }
 }
 
+// Of motions and turns: while from <= t < until.
+void check_window(double from, double until, std::string_view what) {
+  if (!std::isfinite(from)) fail(fmt::format("{}: its start must be finite, is {}", what, seconds(from)));
+  if (!(from < until)) {
+    fail(fmt::format("{} goes from {} until {}, which is never: `from` must be less than `until`", what, seconds(from),
+                     seconds(until)));
+  }
+}
+
 void check_sinusoid(const Motion& motion, std::string_view what) {
   if (!motion.amplitude.allFinite()) {
     fail(fmt::format("{}: its amplitude must be finite, is {}", what, text(motion.amplitude)));
@@ -29,11 +38,7 @@ void check_sinusoid(const Motion& motion, std::string_view what) {
     fail(fmt::format("{}: its frequency must be a finite number above 0 Hz, is {}", what, motion.frequency));
   }
   if (!std::isfinite(motion.phase)) fail(fmt::format("{}: its phase must be finite, is {}", what, motion.phase));
-  if (!std::isfinite(motion.from)) fail(fmt::format("{}: its start must be finite, is {}", what, seconds(motion.from)));
-  if (!(motion.from < motion.until)) {
-    fail(fmt::format("{} goes from {} until {}, which is never: `from` must be less than `until`", what,
-                     seconds(motion.from), seconds(motion.until)));
-  }
+  check_window(motion.from, motion.until, what);
 }
 
 void check_motion(const Motion& motion, std::string_view what) {
@@ -44,6 +49,48 @@ void check_motion(const Motion& motion, std::string_view what) {
     fail(fmt::format("{} has neither a table nor a sinusoid with an amplitude: give one of them", what));
   }
   table ? check_table(motion, what) : check_sinusoid(motion, what);
+}
+
+void check_turn(const Turn& turn, std::string_view what) {
+  if (!turn.axis.allFinite() || turn.axis.stableNormalized().isZero(0)) {
+    fail(fmt::format("{}: its axis must be finite and not zero, is {}", what, text(turn.axis)));
+  }
+  if (turn.through && !turn.through->allFinite()) {
+    fail(fmt::format("{}: the point that its axis goes through must be finite, is {}", what, text(*turn.through)));
+  }
+  const bool table = !turn.times.empty() || !turn.angles.empty();
+  if (table == (turn.rate != 0)) {
+    fail(fmt::format("{} has {}: give one of them", what,
+                     table ? "a table and a rate" : "neither a table nor a rate other than 0"));
+  }
+  if (!table) {
+    if (!std::isfinite(turn.rate)) fail(fmt::format("{}: its rate must be finite, is {} rad/s", what, turn.rate));
+    check_window(turn.from, turn.until, what);
+    return;
+  }
+  check_times(turn.times, turn.angles.size(), "angles", what);
+  for (std::size_t k = 0; k < turn.angles.size(); ++k) {
+    if (!std::isfinite(turn.angles[k])) {
+      fail(fmt::format("{}: an angle must be finite, entry {} of its table has {}", what, k, turn.angles[k]));
+    }
+  }
+}
+
+void check_box(const BoxShape& box, std::string_view what) {
+  if (!(box.size.allFinite() && box.size.minCoeff() > 0)) {
+    fail(fmt::format("{}: the size of its box must be finite and above 0 m, is {}", what, text(box.size)));
+  }
+  // Far above what rounding leaves of a product of rotations, far below what a user could mean.
+  constexpr double exactness = 1e-9;
+  const Eigen::Matrix3d& axes = box.axes;
+  if (!axes.allFinite() || !(axes.transpose() * axes).isIdentity(exactness) || axes.determinant() < 0) {
+    fail(fmt::format("{}: the axes of its box must be a rotation: perpendicular columns of length 1, right-handed",
+                     what));
+  }
+  if (!(box.radius >= 0 && box.radius <= box.size.minCoeff() / 2)) {
+    fail(fmt::format("{}: the radius of its box's edges must be 0 to {:g} m, half its least size, is {} m", what,
+                     box.size.minCoeff() / 2, box.radius));
+  }
 }
 
 void check_friction(const Friction& friction, std::string_view what) {
@@ -89,18 +136,23 @@ void check_polygon(const std::vector<Vector3>& polygon) {
 
 }  // namespace
 
-void Network::check_surface(std::string_view what, const std::string& name, const Friction& friction,
-                            const std::optional<Motion>& motion) const {
-  const auto same = [&](const auto& other) { return !name.empty() && name == other.name; };
+template <class Surface>
+void Network::check_surface(std::string_view what, const Surface& surface) const {
+  const auto same = [&](const auto& other) { return !surface.name.empty() && surface.name == other.name; };
   const bool plane = std::any_of(planes_.begin(), planes_.end(), same);
   const bool instrument = std::any_of(instruments_.begin(), instruments_.end(), same);
   if (plane || instrument) {
     const std::string_view other = plane ? "plane" : "instrument";
-    fail(what == other ? fmt::format("there are two {}s '{}': rename one", what, name)
-                       : fmt::format("there is a plane '{0}' and an instrument '{0}': rename one", name));
+    fail(what == other ? fmt::format("there are two {}s '{}': rename one", what, surface.name)
+                       : fmt::format("there is a plane '{0}' and an instrument '{0}': rename one", surface.name));
   }
-  check_friction(friction, named(what, name));
-  if (motion) check_motion(*motion, "the motion of " + named(what, name));
+  const std::string who = named(what, surface.name);
+  check_friction(surface.friction, who);
+  if (!(surface.restitution >= 0 && surface.restitution <= 1)) {
+    fail(fmt::format("{}: its restitution must be 0 to 1, is {}", who, surface.restitution));
+  }
+  if (surface.motion) check_motion(*surface.motion, fmt::format("the motion of {}", who));
+  if (surface.turn) check_turn(*surface.turn, fmt::format("the turn of {}", who));
 }
 
 void Network::add_plane(const Plane& plane) {
@@ -108,20 +160,28 @@ void Network::add_plane(const Plane& plane) {
   check_finite(plane.normal, "a plane's normal");
   const Vector3 normal = plane.normal.stableNormalized();
   if (normal.isZero(0)) fail("a plane's normal must not be zero");
-  check_surface("plane", plane.name, plane.friction, plane.motion);
-  planes_.push_back(plane);
-  planes_.back().normal = normal;
+  check_surface("plane", plane);
+  Plane& added = planes_.emplace_back(plane);
+  added.normal = normal;
+  if (added.turn) added.turn->axis = added.turn->axis.stableNormalized();
 }
 
 void Network::add_instrument(const Instrument& instrument) {
-  check_finite(instrument.first, "an end of an instrument");
-  check_finite(instrument.second, "an end of an instrument");
-  if (!(std::isfinite(instrument.radius) && instrument.radius > 0)) {
-    fail(fmt::format("{}: its radius must be a finite number above 0 m, is {}", named("instrument", instrument.name),
-                     instrument.radius));
+  const std::string who = named("instrument", instrument.name);
+  if (instrument.box) {
+    check_finite(instrument.first, "the middle of a box");
+    check_box(*instrument.box, who);
+  } else {
+    check_finite(instrument.first, "an end of an instrument");
+    check_finite(instrument.second, "an end of an instrument");
+    if (!(std::isfinite(instrument.radius) && instrument.radius > 0)) {
+      fail(fmt::format("{}: its radius must be a finite number above 0 m, is {}", who, instrument.radius));
+    }
   }
-  check_surface("instrument", instrument.name, instrument.friction, instrument.motion);
-  instruments_.push_back(instrument);
+  check_surface("instrument", instrument);
+  Instrument& added = instruments_.emplace_back(instrument);
+  if (added.box) added.box->axes = Eigen::Quaterniond(added.box->axes).normalized().toRotationMatrix();
+  if (added.turn) added.turn->axis = added.turn->axis.stableNormalized();
 }
 
 void Network::add_move(const Move& move) {

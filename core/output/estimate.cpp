@@ -1,8 +1,11 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <functional>
+#include <numeric>
 #include <string>
 #include <utility>
+#include <vector>
 
 #include <fmt/format.h>
 #include <springnet/output.hpp>
@@ -24,17 +27,24 @@ constexpr double time_length = 23.0;
 
 double digits_of(double count) { return std::floor(std::log10(std::max(count - 1.0, 1.0))) + 1.0; }
 
-// Characters of the names of all surfaces and their commas, or of their numbers.
-double name_lengths(const Network& network) {
-  double sum = 0.0;
-  double number = 0.0;
+// Characters of the name of each surface and its comma, or of its number.
+std::vector<double> name_lengths(const Network& network) {
+  std::vector<double> lengths;
   const auto add = [&](const auto& surface) {
-    number += 1.0;
-    sum += 1.0 + (surface.name.empty() ? digits_of(number) : static_cast<double>(csv_cell(surface.name).size()));
+    const double number = digits_of(static_cast<double>(lengths.size()) + 1.0);
+    lengths.push_back(1.0 + (surface.name.empty() ? number : static_cast<double>(csv_cell(surface.name).size())));
   };
   for (const Plane& plane : network.planes()) add(plane);
   for (const Instrument& instrument : network.instruments()) add(instrument);
-  return sum;
+  return lengths;
+}
+
+// Those of the longest names together; as many surfaces as a node can touch at once.
+double longest_together(std::vector<double> lengths) {
+  constexpr std::size_t most = 3;
+  std::sort(lengths.begin(), lengths.end(), std::greater<>());
+  lengths.resize(std::min(lengths.size(), most));
+  return std::accumulate(lengths.begin(), lengths.end(), 0.0);
 }
 
 }  // namespace
@@ -97,12 +107,14 @@ OutputEstimate estimate_output(const Scene& scene) {
           return surfaces > 0.0 || network.nodes()[node].fixed;
         }));
     const double nodes = static_cast<double>(network.nodes().size());
-    estimate.add_text("reactions.csv", rows * (time_length + digits_of(nodes) + 6.0 * number_length + 2.0));
+    estimate.add_text("reactions.csv", rows * (time_length + digits_of(nodes) + 9.0 * number_length + 3.0 +
+                                               longest_together(name_lengths(network))));
   }
   if (options.surfaces && surfaces > 0.0) {
     const auto nodes = static_cast<double>(network.nodes().size());
-    estimate.add_text("surfaces.csv",
-                      surfaces * (time_length + 9.0 * number_length + digits_of(nodes) + 2.0) + name_lengths(network));
+    const std::vector<double> names = name_lengths(network);
+    estimate.add_text("surfaces.csv", surfaces * (time_length + 12.0 * number_length + digits_of(nodes) + 2.0) +
+                                          std::accumulate(names.begin(), names.end(), 0.0));
   }
   if (options.rigid && !network.rigids().empty()) {
     const auto rigids = static_cast<double>(network.rigids().size());

@@ -28,6 +28,9 @@ EventCounts count_events(const Simulation& simulation) {
       case Event::Kind::stuck:
         ++counts.stuck;
         break;
+      case Event::Kind::jammed:
+        ++counts.jammed;
+        break;
     }
   }
   return counts;

@@ -97,6 +97,7 @@ std::string to_json(const RunSummary& summary) {
       {"released", summary.events.released},
       {"slipped", summary.events.slipped},
       {"stuck", summary.events.stuck},
+      {"jammed", summary.events.jammed},
       {"enclosed_volumes", volumes},
       {"wall_s", summary.wall},
       {"output_wall_s", summary.output_wall},

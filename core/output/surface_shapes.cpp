@@ -85,6 +85,49 @@ void add_round(Builder& builder, const Instrument& instrument) {
   for (NodeIndex k = 0; k < around; ++k) builder.triangle(last + k, last + (k + 1) % around, north);
 }
 
+// Rings about the third axis, from one end to the other: those of a sphere, drawn apart by the box's core in between. A
+// quarter of a ring belongs to one edge of the core, and is one point at the ends and where the box is sharp.
+void add_box(Builder& builder, const Vector3& middle, const BoxShape& box) {
+  const int steps = box.radius > 0.0 ? 6 : 0;  // from one end of a quarter to the other
+  const int points = steps + 1;
+  const Vector3 core = 0.5 * box.size - Vector3::Constant(box.radius);
+  const auto angle = [&](int step) { return steps == 0 ? 0.0 : std::numbers::pi / 2.0 * step / steps; };
+  const auto ring = [&](double upward, double polar, int of_quarter) {
+    std::vector<NodeIndex> indices;
+    for (int edge = 0; edge < 4; ++edge) {
+      const Vector3 corner(edge == 0 || edge == 3 ? core.x() : -core.x(), edge < 2 ? core.y() : -core.y(),
+                           upward * core.z());
+      for (int k = 0; k < of_quarter; ++k) {
+        const double turn = angle(k) + std::numbers::pi / 2.0 * edge;
+        const Vector3 out(std::cos(polar) * std::cos(turn), std::cos(polar) * std::sin(turn), std::sin(polar));
+        indices.push_back(builder.point(middle + box.axes * (corner + box.radius * out)));
+      }
+      for (int k = of_quarter; k < points; ++k) indices.push_back(indices.back());
+    }
+    return indices;
+  };
+  const auto cap = [&](const std::vector<NodeIndex>& end, bool upward) {
+    const auto corner = [&](std::size_t edge) { return end[edge * static_cast<std::size_t>(points)]; };
+    const std::size_t second = upward ? 1 : 3, last = 4 - second;
+    builder.triangle(corner(0), corner(second), corner(2));
+    builder.triangle(corner(0), corner(2), corner(last));
+  };
+  std::vector<NodeIndex> last = ring(-1.0, -std::numbers::pi / 2.0, 1);
+  cap(last, false);
+  for (int step = 1; step < 2 * points; ++step) {
+    const bool upper = step >= points;
+    const double polar = upper ? angle(step - points) : angle(step) - std::numbers::pi / 2.0;
+    const std::vector<NodeIndex> next = ring(upper ? 1.0 : -1.0, polar, step + 1 == 2 * points ? 1 : points);
+    for (std::size_t k = 0; k < next.size(); ++k) {
+      const std::size_t beside = (k + 1) % next.size();
+      if (last[k] != last[beside]) builder.triangle(last[k], last[beside], next[beside]);
+      if (next[k] != next[beside]) builder.triangle(last[k], next[beside], next[k]);
+    }
+    last = next;
+  }
+  cap(last, true);
+}
+
 }  // namespace
 
 SurfaceShapes shapes_of(const Network& network) {
@@ -105,7 +148,11 @@ SurfaceShapes shapes_of(const Network& network) {
   }
   for (const Instrument& instrument : network.instruments()) {
     builder.begin(surface++);
-    add_round(builder, instrument);
+    if (instrument.box) {
+      add_box(builder, instrument.first, *instrument.box);
+    } else {
+      add_round(builder, instrument);
+    }
   }
   return std::move(builder.shapes);
 }

@@ -58,6 +58,7 @@ VtkNet::VtkNet(const Network& network)
       velocities(3 * nodes),
       forces(3 * nodes),
       contact(nodes),
+      surface(nodes),
       tension(springs, 0.0),
       energy(springs, 0.0),
       strain(springs, 0.0) {
@@ -109,7 +110,14 @@ void VtkNet::take(const Simulation& simulation) {
   fill(simulation.positions(), places);
   fill(simulation.velocities(), velocities);
   fill(simulation.forces(), forces);
-  for (NodeIndex k = 0; k < nodes; ++k) contact[k] = simulation.held(k) ? 2 : simulation.touching(k) ? 1 : 0;
+  for (NodeIndex k = 0; k < nodes; ++k) {
+    contact[k] = simulation.held(k) ? 2 : simulation.touching(k) ? 1 : 0;
+    surface[k] = -1;
+    if (contact[k] == 0) continue;
+    if (const auto touched = simulation.surfaces_of(k); !touched.empty()) {
+      surface[k] = static_cast<std::int64_t>(touched.front());
+    }
+  }
 
   simulation.tensions(tensions_);
   simulation.spring_energies(energies_);
@@ -147,6 +155,7 @@ VtkFile VtkNet::file(const OutputOptions& options) const {
            {Place::point_data, "velocity", real, 3, nodes, velocities.data()},
            {Place::point_data, "force", real, 3, nodes, forces.data()},
            {Place::point_data, "contact", Type::uint8, 1, nodes, contact.data()},
+           {Place::point_data, "surface", Type::int64, 1, nodes, surface.data()},
            {Place::point_data, "fixed", Type::uint8, 1, nodes, fixed.data()},
            {Place::point_data, "node", Type::int64, 1, nodes, node.data()},
            {Place::cell_data, "tension", real, 1, cells, tension.data()},
@@ -174,14 +183,17 @@ VtkSurfaces::VtkSurfaces(const Network& network)
 
 void VtkSurfaces::take(const Simulation& simulation) {
   time[0] = simulation.time();
-  std::vector<Vector3> moved, force;
+  std::vector<Vector3> position, force;
+  std::vector<Eigen::Matrix3d> rotation;
   for (std::size_t k = 0; k < starts_.size(); ++k) {
-    moved.emplace_back(simulation.surface_position(k) - starts_[k]);
+    position.push_back(simulation.surface_position(k));
+    rotation.push_back(simulation.surface_rotation(k));
     force.push_back(simulation.surface_force(k));
   }
   for (std::size_t k = 0; k < shapes.points.size(); ++k) {
+    const std::uint32_t which = shapes.point_surface[k];
     Eigen::Map<Vector3> place(&places[3 * k]);
-    place = shapes.points[k] + moved[shapes.point_surface[k]];
+    place = position[which] + rotation[which] * (shapes.points[k] - starts_[which]);
   }
   for (std::size_t k = 0; k < shapes.triangles.size(); ++k) {
     const std::uint32_t which = shapes.triangle_surface[k];

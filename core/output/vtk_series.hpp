@@ -35,7 +35,7 @@ struct VtkNet {
   std::size_t nodes, springs, rigids, faces;
   std::vector<double> time, places, velocities, forces;
   std::vector<std::uint8_t> contact, fixed;
-  std::vector<std::int64_t> node;
+  std::vector<std::int64_t> surface, node;  // surface: that the node is in contact with, the first of several; -1: none
   // Cells: springs, rigid connections, faces. A face is broken where a spring along one of its edges is.
   std::vector<std::int64_t> connectivity, offsets, number;
   std::vector<std::uint8_t> types, kind, broken;

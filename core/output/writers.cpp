@@ -9,6 +9,26 @@
 
 namespace springnet {
 
+namespace {
+
+// The name of a surface; its number if it has none.
+std::string label_of(const Simulation& simulation, std::size_t surface) {
+  const std::string& name = simulation.surface_name(surface);
+  return name.empty() ? std::to_string(surface) : name;
+}
+
+// "floor", "floor;wall"
+std::string labels_of(const Simulation& simulation, const std::vector<std::size_t>& surfaces) {
+  std::string text;
+  for (const std::size_t surface : surfaces) {
+    if (!text.empty()) text += ';';
+    text += label_of(simulation, surface);
+  }
+  return text;
+}
+
+}  // namespace
+
 TrajectoryWriter::TrajectoryWriter(const OutputFile& file, const Network& network, const OutputOptions& options)
     : position_(options.position), velocity_(options.velocity), force_(options.force) {
   TableForm form = trajectory_form(network, options);
@@ -89,8 +109,9 @@ void ElementWriter::record(const Simulation& simulation) {
 void ElementWriter::close() { file_->close(); }
 
 ReactionWriter::ReactionWriter(const OutputFile& file, const Network& network, const OutputOptions& options)
-    : file_(std::make_unique<CsvFile>(file, "time,node,fx,fy,fz,tx,ty,tz")),
+    : file_(std::make_unique<CsvFile>(file, "time,node,fx,fy,fz,tx,ty,tz,jx,jy,jz,surface")),
       nodes_(trajectory_form(network, options).numbers) {
+  if (!network.planes().empty() || !network.instruments().empty()) impulses_.assign(nodes_.size(), Vector3::Zero());
   fixed_.reserve(nodes_.size());
   for (const NodeIndex node : nodes_) fixed_.push_back(network.nodes().at(node).fixed);
 }
@@ -101,10 +122,18 @@ void ReactionWriter::record(const Simulation& simulation) {
   CsvFile& out = *file_;
   for (std::size_t k = 0; k < nodes_.size(); ++k) {
     const NodeIndex node = nodes_[k];
-    if (!fixed_[k] && !simulation.touching(node)) continue;
+    Vector3 impulse = Vector3::Zero();
+    bool bounced = false;  // since the last record, though it may be free again
+    if (!impulses_.empty()) {
+      impulse = simulation.contact_impulse(node);
+      bounced = impulse != impulses_[k];
+      impulses_[k] = impulse;
+    }
+    if (!fixed_[k] && !bounced && !simulation.touching(node)) continue;
     const Vector3 reaction = simulation.reaction(node);
     const Vector3 torque = simulation.position(node).cross(reaction);
-    out << simulation.time() << ',' << node << reaction << torque << '\n';
+    out << simulation.time() << ',' << node << reaction << torque << impulse << ',';
+    out << csv_cell(labels_of(simulation, simulation.surfaces_of(node))) << '\n';
   }
   out.end_record(simulation.time());
 }
@@ -112,23 +141,17 @@ void ReactionWriter::record(const Simulation& simulation) {
 void ReactionWriter::close() { file_->close(); }
 
 SurfaceWriter::SurfaceWriter(const OutputFile& file)
-    : file_(std::make_unique<CsvFile>(file, "time,surface,x,y,z,fx,fy,fz,tx,ty,tz,nodes")) {}
+    : file_(std::make_unique<CsvFile>(file, "time,surface,x,y,z,fx,fy,fz,tx,ty,tz,nodes,jx,jy,jz")) {}
 
 SurfaceWriter::~SurfaceWriter() = default;
 
 void SurfaceWriter::record(const Simulation& simulation) {
   CsvFile& out = *file_;
   for (std::size_t surface = 0; surface < simulation.surface_count(); ++surface) {
-    const std::string& name = simulation.surface_name(surface);
-    out << simulation.time() << ',';
-    if (name.empty()) {
-      out << static_cast<std::uint32_t>(surface);
-    } else {
-      out << csv_cell(name);
-    }
+    out << simulation.time() << ',' << csv_cell(label_of(simulation, surface));
     out << simulation.surface_position(surface) << simulation.surface_force(surface)
         << simulation.surface_torque(surface) << ',' << static_cast<std::uint32_t>(simulation.nodes_touching(surface))
-        << '\n';
+        << simulation.surface_impulse(surface) << '\n';
   }
   out.end_record(simulation.time());
 }
@@ -150,7 +173,8 @@ void RigidWriter::record(const Simulation& simulation) {
 
 void RigidWriter::close() { file_->close(); }
 
-EventWriter::EventWriter(const OutputFile& file) : file_(std::make_unique<CsvFile>(file, "time,event,element,index")) {}
+EventWriter::EventWriter(const OutputFile& file)
+    : file_(std::make_unique<CsvFile>(file, "time,event,element,index,surface,jx,jy,jz")) {}
 
 EventWriter::~EventWriter() = default;
 
@@ -158,19 +182,22 @@ void EventWriter::record(const Simulation& simulation) {
   struct Words {
     std::string_view event, element;
   };
-  static constexpr std::array<Words, 6> words{{{"cut", "spring"},
+  static constexpr std::array<Words, 7> words{{{"cut", "spring"},
                                                {"ruptured", "spring"},
                                                {"touched", "node"},
                                                {"released", "node"},
                                                {"slipped", "node"},
-                                               {"stuck", "node"}}};
+                                               {"stuck", "node"},
+                                               {"jammed", "node"}}};
   const std::vector<Event>& events = simulation.events();
   CsvFile& out = *file_;
   for (; written_ < events.size(); ++written_) {
     const Event& event = events[written_];
     const Words& what = words.at(static_cast<std::size_t>(event.kind));
     out << event.time << ',' << what.event << ',' << (event.element ? "element" : what.element) << ',' << event.index
-        << '\n';
+        << ',';
+    if (event.surface >= 0) out << csv_cell(label_of(simulation, static_cast<std::size_t>(event.surface)));
+    out << event.impulse << '\n';
   }
   out.end_record(simulation.time());
 }

@@ -16,7 +16,7 @@ struct Key {
 };
 
 // "select.…" are the keys of every table that selects nodes or springs: node.select, connect.from, and so on;
-// "motion.…" those of plane.motion and instrument.motion.
+// "motion.…" and "turn.…" those of a plane's and an instrument's motion and turn.
 constexpr std::array keys{
     Key{"version", "a whole number, 1"},
     Key{"title", "a text"},
@@ -165,6 +165,8 @@ constexpr std::array keys{
     Key{"plane.normal", "three numbers [x, y, z]"},
     Key{"plane.friction", "'held', 'none' or a number of at least 0"},
     Key{"plane.motion", "a table with table or sinusoid"},
+    Key{"plane.turn", "a table with axis, and rate or table"},
+    Key{"plane.restitution", "a number from 0 to 1"},
     Key{"instrument", "tables [[instrument]]"},
     Key{"instrument.name", "a text"},
     Key{"instrument.sphere", "a table with center and radius"},
@@ -174,8 +176,17 @@ constexpr std::array keys{
     Key{"instrument.capsule.from", "three numbers [x, y, z], m"},
     Key{"instrument.capsule.to", "three numbers [x, y, z], m"},
     Key{"instrument.capsule.radius", "a number above 0, m"},
+    Key{"instrument.box", "a table with center and size"},
+    Key{"instrument.box.center", "three numbers [x, y, z], m"},
+    Key{"instrument.box.size", "three numbers above 0 [x, y, z], m"},
+    Key{"instrument.box.rotation", "a table with axis and angle"},
+    Key{"instrument.box.rotation.axis", "three numbers [x, y, z]"},
+    Key{"instrument.box.rotation.angle", "a number, rad"},
+    Key{"instrument.box.radius", "a number of at least 0, m"},
     Key{"instrument.friction", "'held', 'none' or a number of at least 0"},
     Key{"instrument.motion", "a table with table or sinusoid"},
+    Key{"instrument.turn", "a table with axis, and rate or table"},
+    Key{"instrument.restitution", "a number from 0 to 1"},
     Key{"cut", "tables [[cut]]"},
     Key{"cut.time", "a number of at least 0, s"},
     Key{"cut.select", "a selection of springs"},
@@ -198,6 +209,13 @@ constexpr std::array keys{
     Key{"motion.sinusoid.phase", "a number, rad"},
     Key{"motion.from", "a number, s"},
     Key{"motion.until", "a number, s"},
+    Key{"turn.axis", "three numbers [x, y, z]"},
+    Key{"turn.through", "three numbers [x, y, z], m"},
+    Key{"turn.rate", "a number other than 0, rad/s"},
+    Key{"turn.from", "a number, s"},
+    Key{"turn.until", "a number, s"},
+    Key{"turn.table", "a list of rows [t, angle], s and rad"},
+    Key{"turn.interpolation", "'smooth' or 'linear'"},
 };
 
 const Key* find_key(std::string_view path) {
@@ -216,6 +234,7 @@ std::string_view form_of(std::string_view key) {
 std::string_view form_of_table(std::string_view table) {
   if (table == "select") return "a table with a selection";
   if (table == "motion") return "a table with table or sinusoid";
+  if (table == "turn") return "a table with axis, and rate or table";
   const Key* found = find_key(table);
   return found != nullptr && found->form.starts_with("a table") ? found->form : "a table";
 }

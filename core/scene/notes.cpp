@@ -23,12 +23,18 @@ class Unreached {
     if (from >= duration_) add(fmt::format("{}, which starts at {:g} s,", what, from));
     if (until <= 0) add(fmt::format("{}, which ends at {:g} s,", what, until));
   }
-  void motion(const std::string& what, const Motion& motion) {
-    if (motion.times.empty()) {
-      window("The motion of " + what, motion.from, motion.until);
-    } else {
-      window("The motion of " + what, motion.times.front(), motion.times.back());
-    }
+  // A motion or a turn: `what` it is, of `whose`.
+  template <class Course>
+  void course(std::string_view what, const std::string& whose, const Course& course) {
+    const bool table = !course.times.empty();
+    window(fmt::format("The {} of {}", what, whose), table ? course.times.front() : course.from,
+           table ? course.times.back() : course.until);
+  }
+  template <class Surface>
+  void surface(const std::string& kind, const Surface& surface, std::size_t index) {
+    const std::string whose = named(kind, surface.name, index);
+    if (surface.motion) course("motion", whose, *surface.motion);
+    if (surface.turn) course("turn", whose, *surface.turn);
   }
   [[nodiscard]] std::vector<std::string> take() { return std::move(notes_); }
 
@@ -82,15 +88,11 @@ std::vector<std::string> notes_of(const Scene& scene) {
   }
   for (std::size_t k = 0; k < network.cuts().size(); ++k) unreached.cut(network.cuts()[k].time, k);
   for (std::size_t k = 0; k < network.moves().size(); ++k) {
-    unreached.motion(fmt::format("the nodes of move {}", k), network.moves()[k].motion);
+    unreached.course("motion", fmt::format("the nodes of move {}", k), network.moves()[k].motion);
   }
-  for (std::size_t k = 0; k < network.planes().size(); ++k) {
-    const Plane& plane = network.planes()[k];
-    if (plane.motion) unreached.motion(named("plane", plane.name, k), *plane.motion);
-  }
+  for (std::size_t k = 0; k < network.planes().size(); ++k) unreached.surface("plane", network.planes()[k], k);
   for (std::size_t k = 0; k < network.instruments().size(); ++k) {
-    const Instrument& instrument = network.instruments()[k];
-    if (instrument.motion) unreached.motion(named("instrument", instrument.name, k), *instrument.motion);
+    unreached.surface("instrument", network.instruments()[k], k);
   }
   for (std::string& note : unreached.take()) notes.push_back(std::move(note));
   return notes;

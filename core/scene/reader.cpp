@@ -165,6 +165,12 @@ Vector3 Value::vector() const {
   return {values[0].number(), values[1].number(), values[2].number()};
 }
 
+Vector3 Value::direction() const {
+  const Vector3 given = vector();
+  if (!(given.stableNorm() > 0)) fail("has length zero; give a direction, as [0, 0, 1]");
+  return given.stableNormalized();
+}
+
 Table Value::open_table(std::string_view schema) const { return {*this, schema}; }
 
 Table Value::table(std::string_view schema) const {

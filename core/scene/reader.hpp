@@ -42,7 +42,8 @@ class Value {
   [[nodiscard]] std::string text() const;
   [[nodiscard]] std::string prose() const;  // the same, but it may have lines
   [[nodiscard]] std::size_t choice(const std::vector<std::string>& choices) const;
-  [[nodiscard]] Vector3 vector() const;  // [x, y, z]
+  [[nodiscard]] Vector3 vector() const;     // [x, y, z]
+  [[nodiscard]] Vector3 direction() const;  // the same of length 1
 
   [[nodiscard]] bool is_text() const noexcept { return node_->is_string(); }
   [[nodiscard]] bool is_boolean() const noexcept { return node_->is_boolean(); }

@@ -25,13 +25,7 @@ void place(const Table& table, Mesh& mesh) {
   const auto scale = table.find("scale");
   const double factor = scale ? scale->number_above_0("") : 1.0;
   Eigen::Matrix3d turn = Eigen::Matrix3d::Identity();
-  if (const auto value = table.find("rotation")) {
-    const Table rotation = value->table("body.mesh.rotation");
-    const Value axis = rotation.need("axis");
-    const Vector3 direction = axis.vector();
-    if (!(direction.stableNorm() > 0)) axis.fail("has length zero; give a direction, as [0, 0, 1]");
-    turn = Eigen::AngleAxisd(rotation.need("angle").number(), direction.stableNormalized()).toRotationMatrix();
-  }
+  if (const auto rotation = table.find("rotation")) turn = read_rotation(rotation->table("body.mesh.rotation"));
   const auto origin = table.find("origin");
   const Vector3 move = origin ? origin->vector() : Vector3::Zero();
   if (!scale && !table.has("rotation") && !origin) return;
@@ -39,6 +33,11 @@ void place(const Table& table, Mesh& mesh) {
 }
 
 }  // namespace
+
+Eigen::Matrix3d read_rotation(const Table& rotation) {
+  const Vector3 axis = rotation.need("axis").direction();
+  return Eigen::AngleAxisd(rotation.need("angle").number(), axis).toRotationMatrix();
+}
 
 EdgeOptions edge_options(Diagonals diagonals) {
   return {.face_diagonals = diagonals == Diagonals::face || diagonals == Diagonals::all,

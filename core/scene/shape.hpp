@@ -8,6 +8,9 @@
 
 namespace springnet::scene {
 
+// The keys axis and angle.
+[[nodiscard]] Eigen::Matrix3d read_rotation(const Table& rotation);
+
 // The keys of body.mesh with a lattice.
 [[nodiscard]] Lattice read_lattice(const Table& mesh);
 

@@ -1,35 +1,30 @@
-#include <algorithm>
-
 #include <fmt/format.h>
 
 #include <springnet/error.hpp>
 #include <springnet/scene.hpp>
 
-#include "simulation/surface.hpp"
+#include "constraints/obstacle.hpp"
 
 namespace springnet {
 
 void check_starts(const Scene& scene) {
   const std::vector<Node>& nodes = scene.network.nodes();
-  // Above what the simulation takes for rounding, which refuses the rest.
-  double size = 0.0;  // m
-  for (const Node& node : nodes) size = std::max(size, node.position.cwiseAbs().maxCoeff());
-  const double tolerance = 1e-9 * size;
+  const double size = size_of(scene.network);
   std::size_t place = 0;
-  const auto check = [&](const Surface& surface, std::size_t number) {
-    const Vector3 displacement = surface.trajectory().at(0.0).displacement;
+  const auto check = [&](const Obstacle& surface, std::size_t number) {
+    const Pose pose = surface.at(just_after(0.0));
     for (NodeIndex k = 0; k < nodes.size(); ++k) {
-      const double distance = surface.distance(nodes[k].position - displacement);
-      if (nodes[k].fixed || distance >= -tolerance) continue;
-      const std::string what = misplaced(k, -distance, surface.is_plane(), surface.description(number));
+      const double depth = nodes[k].fixed ? 0.0 : starting_depth(surface, pose, nodes[k].position, size);
+      if (depth == 0.0) continue;
+      const std::string what = misplaced(k, depth, surface.is_plane(), surface.description(number));
       const std::string where = place < scene.surfaces.size() ? scene.surfaces[place] + ": " : "";
       throw Error(ErrorKind::input, where + what);
     }
     ++place;
   };
-  for (std::size_t j = 0; j < scene.network.planes().size(); ++j) check(Surface(scene.network.planes()[j]), j);
+  for (std::size_t j = 0; j < scene.network.planes().size(); ++j) check(Obstacle(scene.network.planes()[j]), j);
   for (std::size_t j = 0; j < scene.network.instruments().size(); ++j)
-    check(Surface(scene.network.instruments()[j]), j);
+    check(Obstacle(scene.network.instruments()[j]), j);
 }
 
 }  // namespace springnet

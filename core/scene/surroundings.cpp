@@ -5,6 +5,7 @@
 #include "network/checks.hpp"
 #include "scene/parts.hpp"
 #include "scene/select.hpp"
+#include "scene/shape.hpp"
 #include "scene/time_table.hpp"
 #include "text/grouped.hpp"
 
@@ -17,6 +18,16 @@ void read_sinusoid(const Table& table, Motion& motion) {
   if (motion.amplitude.isZero(0)) amplitude.fail("must not be zero in all directions; nothing would move");
   motion.frequency = table.need("frequency").number_above_0("Hz");
   if (const auto phase = table.find("phase")) motion.phase = phase->number();
+}
+
+void read_window(const Table& table, double& from, double& until) {
+  if (const auto given = table.find("from")) from = given->number();
+  if (const auto given = table.find("until")) {
+    until = given->number();
+    if (!(from < until)) {
+      given->fail(fmt::format("must be above 'from', {}, is {}", checks::seconds(from), checks::seconds(until)));
+    }
+  }
 }
 
 // The keys of a motion, those of [[move]] or of a table `motion`.
@@ -38,15 +49,30 @@ Motion read_motion(const Table& table) {
   }
   refuse_beside(table, {"interpolation"}, "sinusoid");
   read_sinusoid(sinusoid->table(fmt::format("{}.sinusoid", table.schema())), motion);
-  if (const auto from = table.find("from")) motion.from = from->number();
-  if (const auto until = table.find("until")) {
-    motion.until = until->number();
-    if (!(motion.from < motion.until)) {
-      until->fail(
-          fmt::format("must be above 'from', {}, is {}", checks::seconds(motion.from), checks::seconds(motion.until)));
-    }
-  }
+  read_window(table, motion.from, motion.until);
   return motion;
+}
+
+Turn read_turn(const Table& table) {
+  Turn turn;
+  turn.axis = table.need("axis").direction();
+  if (const auto through = table.find("through")) turn.through = through->vector();
+  const auto rows = table.find("table"), rate = table.find("rate");
+  if (rows) {
+    refuse_beside(table, {"rate", "from", "until"}, "table");
+    read_time_table(*rows, "[t, angle]", 2, [&](double time, const std::vector<Value>& numbers) {
+      turn.times.push_back(time);
+      turn.angles.push_back(numbers[1].number());
+    });
+    turn.interpolation = read_interpolation(table);
+    return turn;
+  }
+  if (!rate) table.fail("does not say how it turns; add rate = …, in rad/s, or table = [[t, angle], …], in rad");
+  refuse_beside(table, {"interpolation"}, "rate");
+  turn.rate = rate->number();
+  if (turn.rate == 0) rate->fail("must not be 0 rad/s; nothing would turn");
+  read_window(table, turn.from, turn.until);
+  return turn;
 }
 
 Friction read_friction(const Value& value) {
@@ -61,6 +87,14 @@ void read_surface(const Table& table, Surface& surface) {
   if (const auto name = table.find("name")) surface.name = name->text();
   if (const auto friction = table.find("friction")) surface.friction = read_friction(*friction);
   if (const auto motion = table.find("motion")) surface.motion = read_motion(motion->table("motion"));
+  if (const auto turn = table.find("turn")) surface.turn = read_turn(turn->table("turn"));
+  if (const auto restitution = table.find("restitution")) {
+    surface.restitution = restitution->number_from_0("");
+    if (surface.restitution > 1) {
+      restitution->fail(
+          fmt::format("must be at most 1, is {}; 1 gives a node all of its speed back", surface.restitution));
+    }
+  }
 }
 
 void read_move(const Table& table, Network& network) {
@@ -79,23 +113,41 @@ void read_plane(const Table& table, Network& network) {
   table.value().at_this_place([&] { network.add_plane(plane); });
 }
 
+void read_box(const Table& table, Instrument& instrument) {
+  BoxShape& box = instrument.box.emplace();
+  instrument.first = instrument.second = table.need("center").vector();
+  const std::vector<Value> sides = table.need("size").elements(3);
+  for (std::size_t k = 0; k < 3; ++k) box.size[static_cast<Eigen::Index>(k)] = sides[k].number_above_0("m");
+  if (const auto rotation = table.find("rotation")) {
+    box.axes = read_rotation(rotation->table("instrument.box.rotation"));
+  }
+  if (const auto radius = table.find("radius")) {
+    box.radius = radius->number_from_0("m");
+    if (const double most = box.size.minCoeff() / 2; box.radius > most) {
+      radius->fail(fmt::format("must be at most {:g} m, half the least size, is {} m", most, box.radius));
+    }
+  }
+}
+
 void read_instrument(const Table& table, Network& network) {
   Instrument instrument;
-  const auto sphere = table.find("sphere"), capsule = table.find("capsule");
-  if (sphere.has_value() == capsule.has_value()) {
+  const auto sphere = table.find("sphere"), capsule = table.find("capsule"), box = table.find("box");
+  if (sphere.has_value() + capsule.has_value() + box.has_value() != 1) {
     table.fail(
-        "needs either sphere = { center = [x, y, z], radius = … } or capsule = { from = [x, y, z], to = [x, y, z], "
-        "radius = … }");
+        "needs one of sphere = { center = [x, y, z], radius = … }, capsule = { from = [x, y, z], to = [x, y, z], "
+        "radius = … } and box = { center = [x, y, z], size = [x, y, z] }");
   }
   if (sphere) {
     const Table shape = sphere->table("instrument.sphere");
     instrument.first = instrument.second = shape.need("center").vector();
     instrument.radius = shape.need("radius").number_above_0("m");
-  } else {
+  } else if (capsule) {
     const Table shape = capsule->table("instrument.capsule");
     instrument.first = shape.need("from").vector();
     instrument.second = shape.need("to").vector();
     instrument.radius = shape.need("radius").number_above_0("m");
+  } else {
+    read_box(box->table("instrument.box"), instrument);
   }
   read_surface(table, instrument);
   table.value().at_this_place([&] { network.add_instrument(instrument); });

@@ -8,18 +8,19 @@
 
 #include <springnet/error.hpp>
 
+#include "constraints/vectors.hpp"
 #include "layers/element_questions.hpp"
 #include "layers/elements.hpp"
 #include "layers/message.hpp"
-#include "simulation/vectors.hpp"
 
 namespace springnet {
 namespace {
 
 // A node this close to a surface, in units of the length scale, lies on it.
 constexpr double coincidence = 1e-10;
-// Slip this slow, in units of the velocity scale, has come to an end; the reference is more accurate than that.
-constexpr double slip_that_is_none = 1e-6;
+// Slip this slow, in units of the velocity scale, keeps the direction that friction acts against: the way that it goes
+// until it ends is far below any error of integration.
+constexpr double slow_slip = 1e-6;
 
 std::vector<double> masses(const Network& network, const std::vector<std::uint32_t>& user) {
   std::vector<double> mass;
@@ -41,13 +42,13 @@ Engine::Engine(const Network& network, const PluginHost& plugins, const Simulati
       no_cluster_(layout_.node_count(), 0xffffffffu),
       state_(layout_.node_count()),
       time_step_(options.time_step) {
-  set_time(0.0);
+  const std::shared_ptr<const Placement> start = placement(0.0);
   for (std::uint32_t k = 0; k < layout_.node_count(); ++k) {
     const Node& node = network.nodes()[layout_.ordering().user[k]];
     const bool moves = contact_.prescribed().moves(k);
-    put_vector(state_.view.position, k, moves ? contact_.prescribed().position(k) : node.position);
+    put_vector(state_.view.position, k, moves ? contact_.prescribed().position(start->motions, k) : node.position);
     put_vector(state_.view.velocity, k,
-               moves        ? contact_.prescribed().velocity(k)
+               moves        ? contact_.prescribed().velocity(start->motions, k)
                : node.fixed ? Vector3::Zero()
                             : node.velocity);
   }
@@ -60,7 +61,7 @@ Engine::Engine(const Network& network, const PluginHost& plugins, const Simulati
   perform_due_cuts();
   if (perform_due_ruptures() != SPRINGNET_OK) throw Error(ErrorKind::simulation, message_.text);
   set_scales();
-  start_constraints();
+  start_constraints(size_of(network));
 }
 
 double Engine::potential_energy() {
@@ -114,15 +115,16 @@ double Engine::contact_tolerance() const noexcept {
 
 // Lengths and velocities fit the rigid connections from the start; a node that starts on a surface with a force into it
 // is held from the start.
-void Engine::start_constraints() {
-  const double tolerance = contact_.surfaces().empty() ? 0.0 : contact_tolerance();
+void Engine::start_constraints(double size) {
+  const std::shared_ptr<const Placement> start = placement(time_);
   for (std::uint32_t k = 0; k < layout_.node_count(); ++k) {
     if (contact_.fixed()[k] != 0) continue;
     for (std::size_t j = 0; j < contact_.surfaces().size(); ++j) {
-      const double distance = contact_.distance(j, vector_at(state_.view.position, k));
-      if (distance >= -tolerance) continue;
+      const double depth =
+          starting_depth(contact_.surfaces()[j], start->poses[j], vector_at(state_.view.position, k), size);
+      if (depth == 0.0) continue;
       const bool plane = contact_.surfaces()[j].is_plane();
-      throw Error(ErrorKind::input, misplaced(layout_.ordering().user[k], -distance, plane, contact_.name_of(j)));
+      throw Error(ErrorKind::input, misplaced(layout_.ordering().user[k], depth, plane, contact_.name_of(j)));
     }
   }
   if (rigid_.any()) {
@@ -132,12 +134,12 @@ void Engine::start_constraints() {
           fmt::format("the initial velocities change the length of rigid connections by up to {:.3g} m/s; the nearest "
                       "velocities that do not are taken",
                       rate));
-    if (rigid_.project(state_.view.position, state_.view.velocity, message_) != SPRINGNET_OK)
+    if (rigid_.project(*start, state_.view.position, state_.view.velocity, message_) != SPRINGNET_OK)
       throw Error(ErrorKind::input, message_.text);
   }
   if (settle_contacts(time_, state_) != SPRINGNET_OK) throw Error(ErrorKind::simulation, message_.text);
   // What a surface stopped stops what hangs rigidly on it.
-  if (rigid_.any() && rigid_.project(state_.view.position, state_.view.velocity, message_) != SPRINGNET_OK)
+  if (rigid_.any() && rigid_.project(*start, state_.view.position, state_.view.velocity, message_) != SPRINGNET_OK)
     throw Error(ErrorKind::input, message_.text);
 }
 
@@ -179,7 +181,7 @@ void Engine::set_scales() {
   info_.length_scale = length;
   info_.velocity_scale = or_one(std::max(speed, std::sqrt(acceleration * length)), length);
   info_.force_scale = or_one(force, or_one(mass * length, 1.0));
-  contact_.set_rest_speed(slip_that_is_none * info_.velocity_scale);
+  contact_.set_rest_speed(slow_slip * info_.velocity_scale);
 }
 
 const springnet_network& Engine::network_info() {
@@ -201,6 +203,7 @@ const springnet_network& Engine::network_info() {
     info_.touching = contact_.touching().data();
     info_.cluster = rigid_.any() ? rigid_.cluster_of() : no_cluster_.data();
     info_.rigid_count = rigid_.rods().size();
+    info_.status = contact_.status().data();
     info_revision_ = revision_;
   }
   info_.load_revision = load_revision_;
@@ -213,6 +216,7 @@ SampleTime Engine::sample_time(double time) const noexcept {
 }
 
 springnet_status Engine::begin_step(double from, double until) {
+  step_length_ = until - from;
   const Loads::Change loads = loads_.set_interval(from, until);
   if (loads != Loads::Change::none) {
     ++load_revision_;
@@ -223,6 +227,7 @@ springnet_status Engine::begin_step(double from, double until) {
 }
 
 springnet_status Engine::begin_interval(double from, double until) {
+  step_length_ = 0.0;
   return begin(from, until, loads_.begin_following(from));
 }
 
@@ -230,7 +235,7 @@ springnet_status Engine::begin(double from, double until, Loads::Change loads) {
   non_finite_.clear();
   interval_from_ = from;
   interval_until_ = until > from ? until : std::numeric_limits<double>::infinity();
-  contact_.set_time(just_after(time_));
+  const std::shared_ptr<const Placement> now = contact_.at(just_after(time_));
   if (loads == Loads::Change::switched) changed();
   springnet_status status = SPRINGNET_OK;
   if (unsettled_) {
@@ -240,16 +245,27 @@ springnet_status Engine::begin(double from, double until, Loads::Change loads) {
     status = perform_due_ruptures();
     if (status == SPRINGNET_OK) status = settle_contacts(time_, state_);
     if (status == SPRINGNET_OK && rigid_.any())
-      status = rigid_.project(state_.view.position, state_.view.velocity, message_);
+      status = rigid_.project(*now, state_.view.position, state_.view.velocity, message_);
   }
-  contact_.begin_step();
+  contact_.begin_step(now);
   swept_ = false;
   return status;
 }
 
+void Engine::let_go(std::uint32_t node) {
+  for (const std::int32_t surface : contact_.committed(node).surfaces()) {
+    if (surface < 0) continue;
+    Event event{Event::Kind::released, time_, layout_.ordering().user[node]};
+    event.surface = surface;
+    events_.push_back(event);
+  }
+  contact_.release(node);
+  changed();
+}
+
 void Engine::set_node(std::uint32_t node, const std::optional<Vector3>& position,
                       const std::optional<Vector3>& velocity) {
-  contact_.set_time(just_after(time_));
+  const std::shared_ptr<const Placement> now = contact_.at(just_after(time_));
   if (position) {
     put_vector(state_.view.position, node, *position);
     contact_.release(node);
@@ -260,13 +276,14 @@ void Engine::set_node(std::uint32_t node, const std::optional<Vector3>& position
     if (touch.surface >= 0) {
       // What lifts it releases it; along the surface and into it the surface holds it, or lets it slide.
       const auto j = static_cast<std::size_t>(touch.surface);
-      const Vector3 n = contact_.normal(j, vector_at(state_.view.position, node)), w = contact_.placement(j).velocity;
+      const Vector3 p = vector_at(state_.view.position, node);
+      const Vector3 n = contact_.normal(*now, j, p), w = Contact::velocity(*now, j, p);
       const double lifting = n.dot(*velocity - w);
       if (touch.second >= 0) {
         // Between two: they are met anew where it still runs into them.
-        let_go(node, time_);
+        let_go(node);
       } else if (lifting > 0.0) {
-        let_go(node, time_);
+        let_go(node);
       } else if (contact_.surfaces()[j].friction().kind == Friction::Kind::held) {
         put_vector(state_.view.velocity, node, w);
       } else {

@@ -13,14 +13,14 @@
 
 #include <springnet/simulation.hpp>
 
+#include "constraints/contact.hpp"
+#include "constraints/rigid.hpp"
 #include "layers/elements.hpp"
 #include "layers/evaluator.hpp"
 #include "layers/linearisation.hpp"
-#include "simulation/contact.hpp"
 #include "simulation/cutting.hpp"
 #include "simulation/loads.hpp"
 #include "simulation/requests.hpp"
-#include "simulation/rigid.hpp"
 #include "simulation/state.hpp"
 
 namespace springnet {
@@ -96,6 +96,8 @@ class Engine {
     std::vector<double> rigid;  // N, > 0 is tension
   };
   [[nodiscard]] const Reactions& reactions();
+  // What of it is one surface's, of a node that touches it, N.
+  [[nodiscard]] Vector3 reaction_of(std::uint32_t node, std::size_t surface);
   void move_surface(std::size_t surface, const Vector3& position, double time);
   void move_node(std::uint32_t node, const Vector3& position, double time);
   // Why numbers were not finite or could not be evaluated since begin_step(); empty if all went well.
@@ -118,24 +120,31 @@ class Engine {
     bool done = false;
   };
   struct EventSource {
-    // corner: the second surface of a node between two moves against the first.
-    enum class Kind : std::uint8_t { touch, release, slip, stick, corner, rupture, element_rupture };
+    // rest: the slip that began or was about to end has no speed left along its direction; slow, quick: its direction
+    // is kept from now on, or followed.
+    // seam: a sliding node passes a line where the curvature of its surface jumps.
+    enum class Kind : std::uint8_t { touch, release, slip, rest, slow, quick, seam, rupture, element_rupture };
     Kind kind;
     std::uint32_t index;  // node, spring or element
     std::uint32_t surface;
+    double depth = 0.0;  // m, of a touch: how far behind the surface it counts
   };
   class ReactionsAt;
+  class Settling;
   struct NodeEvaluation;
 
   // What begins at `from`, once the loads are known.
   springnet_status begin(double from, double until, Loads::Change loads);
-  void start_constraints();
+  // `size`: of the scene, m.
+  void start_constraints(double size);
   // Where surfaces and moved nodes are at a time of the present step, or right after `time`.
-  void set_time(double time) { contact_.set_time(sample_time(time)); }
+  [[nodiscard]] const std::shared_ptr<const Placement>& placement(double time) const {
+    return contact_.at(sample_time(time));
+  }
   [[nodiscard]] SampleTime sample_time(double time) const noexcept;
-  // Puts moved nodes where they are, right after the committed time, and all that hangs on them.
-  void follow_motions();
-  // Holds free nodes that lie on a surface and move or are pushed into it; lets go those that friction cannot hold.
+  // Puts prescribed nodes where they are, right after the committed time.
+  void follow_prescribed();
+  // Decides anew which nodes are held, slide or are free, as velocities and forces have it.
   springnet_status settle_contacts(double time, State& state);
   [[nodiscard]] double contact_tolerance() const noexcept;
   void set_scales();
@@ -146,34 +155,21 @@ class Engine {
                      const std::vector<std::size_t>& faces, Event::Kind kind, double time);
   // Returns whether any went.
   bool remove_faces(const std::vector<std::size_t>& faces, double time);
+  void let_go(std::uint32_t node);
+  // Nodes that went behind a surface unseen.
   springnet_status stop_penetration(double time, State& state);
-  // Of a free node: how its distance from a surface grows (m/s), and how that grows (m/s^2).
-  struct Departure {
-    double speed, acceleration;
-  };
-  springnet_status departure(ReactionsAt& at, std::uint32_t node, std::size_t surface, const State& state,
-                             Departure& result);
-  // Whether a node that a surface was seen to meet moves off already, or turns round by itself within what positions
-  // are uncertain by: stopping it would take the motion that it has.
-  [[nodiscard]] bool turns_round(const Departure& departure) const noexcept;
-  void touch(std::uint32_t node, std::size_t surface, double time, State& state);
-  // Lets slip what friction cannot hold any more.
-  springnet_status release_grip(double time, const State& state);
-  void let_go(std::uint32_t node, double time);
-  void let_go_of_one(std::uint32_t node, std::size_t surface, double time);
-  // Of a node between two surfaces: how fast the second one moves off it, m/s, which moves with the first.
-  [[nodiscard]] double leaving_speed(const Touch& touch, const Vector3& position) const;
-  // The second surface moved off, or pushes the node away from the first.
-  void turn_corner(std::uint32_t node, double time, State& state);
-  // N, of a node in contact.
-  [[nodiscard]] double pressing_of(std::uint32_t node, std::size_t surface, const Vector3& position,
-                                   const Vector3& reaction) const;
   // At the committed time, `from` the one before, s: surfaces whose velocity jumps away from nodes leave them where
-  // they are, unless they hold them.
-  void leave_surfaces(double from);
-  void slip(std::uint32_t node, const Vector3& reaction, double time, const State& state);
-  springnet_status stick(std::uint32_t node, double time, State& state);
-  springnet_status fire(const EventSource& source, double time, State& state, std::vector<std::uint32_t>& touched);
+  // they are, strike them, or take them along.
+  springnet_status follow_jumps(double from);
+  [[nodiscard]] double coefficient(std::uint32_t node, std::size_t surface) const;
+  // The value of an event of a contact.
+  springnet_status contact_event(const EventSource& source, ReactionsAt& reactions, double& value);
+  // Whether a node is about to touch within the tolerance.
+  [[nodiscard]] bool touches_now(const EventSource& source, const Placement& at, const State& state) const;
+  struct Finding;
+  springnet_status settle(double time, State& state, const std::map<std::uint32_t, Finding>& findings);
+  [[nodiscard]] double no_speed() const noexcept;  // m/s
+  void note_grazing(std::uint32_t node, std::size_t surface, double time);
   // Of a sweep in an order; `tile_context` is that of the sweep.
   springnet_status sweep_in_order(const springnet_sweep& sweep, void* tile_context);
   springnet_status sweep_set(std::uint32_t set, void* tile_context);
@@ -189,7 +185,10 @@ class Engine {
                                const NodeEvaluation& evaluation, springnet_message& message);
   springnet_status linearise_rigid(const springnet_evaluation& at);
   springnet_status linearise_friction(const springnet_evaluation& at);
-  springnet_status constrain_clusters(const springnet_sweep& sweep);
+  void note_sweep(const springnet_sweep& sweep) noexcept;
+  // The contacts of sweeps become the committed ones, and what surfaces gave at once is counted.
+  springnet_status commit_sweeps(double time);
+  springnet_status constrain_clusters(const Placement& at, const springnet_sweep& sweep);
   void note(Event::Kind kind, double time, std::uint32_t user_index) { events_.push_back({kind, time, user_index}); }
   [[nodiscard]] const std::vector<EventSource>& event_sources();
   struct Rupturing {
@@ -218,11 +217,16 @@ class Engine {
   std::vector<std::unique_ptr<State>> created_states_;
   double time_ = 0.0;
   double time_step_;                                 // s
+  double step_length_ = 0.0;                         // s, of a method with steps of its user's; 0: of its own
   double advance_from_ = 0.0, advance_until_ = 0.0;  // s
   std::string misuse_;
   bool forces_stale_ = true;
-  bool unsettled_ = false;  // something changed after which contacts and ruptures are looked at anew
-  bool swept_ = false;
+  bool unsettled_ = false;         // something changed after which contacts and ruptures are looked at anew
+  bool swept_ = false;             // since the last commit
+  bool swept_decided_ = false;     // about contacts
+  std::vector<Vector3> withheld_;  // [node] N: what reactions_at.hpp's told() left out at the last commit; may be empty
+  double swept_rest_ = 0.0;        // s: 1 - theta times the time constant
+  double swept_weight_ = 0.0;      // s: theta times the time constant of the last sweep
   std::vector<ScheduledCut> cuts_;
   std::vector<Event> events_;
   std::map<std::string, double> statistics_;
@@ -234,11 +238,16 @@ class Engine {
   std::uint64_t load_revision_ = 1;
   std::uint64_t sources_revision_ = 0;
   std::vector<EventSource> sources_;
-  double touch_depth_ = 0.0;  // m
-  std::mutex failure_lock_;   // of messages and reports, where nodes are updated by several threads
-  bool in_sets_ = false;      // several threads write outputs
-  bool in_sweep_ = false;     // updates of the integrator are called,
-  bool in_tiles_ = false;     // tile by tile, from several threads
+  double grazing_touches_ = 0.0;
+  struct Touches {
+    int count = 0;
+    double last = -std::numeric_limits<double>::infinity();  // s
+  };
+  std::map<std::uint32_t, Touches> touches_;  // in quick succession, of nodes that touched
+  std::mutex failure_lock_;                   // of messages and reports, where nodes are updated by several threads
+  bool in_sets_ = false;                      // several threads write outputs
+  bool in_sweep_ = false;                     // updates of the integrator are called,
+  bool in_tiles_ = false;                     // tile by tile, from several threads
   OrderCheck order_check_;
   layers::SurfaceVolumes swept_volumes_;    // of closed surfaces within a sweep in an order,
   layers::SurfaceVolumes asked_volumes_;    // and of a call of evaluate_nodes outside

@@ -4,14 +4,16 @@
 
 #include <algorithm>
 #include <cmath>
+#include <optional>
 #include <set>
 
+#include "constraints/vectors.hpp"
 #include "layers/element_questions.hpp"
 #include "layers/elements.hpp"
 #include "layers/message.hpp"
 #include "plugin_host/call.hpp"
 #include "simulation/engine.hpp"
-#include "simulation/vectors.hpp"
+#include "simulation/reactions_at.hpp"
 
 namespace springnet {
 const Engine::Rupturing& Engine::rupturing() {
@@ -146,18 +148,57 @@ double Engine::next_discontinuity(double time) const noexcept {
   return next;
 }
 
-void Engine::follow_motions() {
-  if (!contact_.prescribed().any() && contact_.surfaces().empty()) return;
-  contact_.set_time(just_after(time_));
+void Engine::follow_prescribed() {
+  const Prescribed& prescribed = contact_.prescribed();
+  if (!prescribed.any()) return;
+  const std::shared_ptr<const Placement> now = contact_.at(just_after(time_));
   for (std::uint32_t k = 0; k < layout_.node_count(); ++k) {
-    const Touch& touch = contact_.committed(k);
-    if (contact_.prescribed().moves(k)) {
-      put_vector(state_.view.position, k, contact_.prescribed().position(k));
-      put_vector(state_.view.velocity, k, contact_.prescribed().velocity(k));
-    } else if (touch.surface >= 0 && !touch.slides) {
-      put_vector(state_.view.velocity, k, contact_.placement(static_cast<std::size_t>(touch.surface)).velocity);
-    }
+    if (!prescribed.moves(k)) continue;
+    put_vector(state_.view.position, k, prescribed.position(now->motions, k));
+    put_vector(state_.view.velocity, k, prescribed.velocity(now->motions, k));
   }
+}
+
+// Over the step surfaces gave (1 - theta) h R_start + J, with J of the sweeps; what is told of that as a force is
+// h ((1 - theta) R_start + theta R_end). The rest came at once, of nodes whose contact changed; of others it is what
+// the sweeps left, or what a single one does not know.
+springnet_status Engine::commit_sweeps(double time) {
+  if (contact_.surfaces().empty()) return SPRINGNET_OK;
+  using Kind = ContactChange::Kind;
+  const std::vector<ContactChange> changes = contact_.commit_sweep(swept_decided_);
+  if (!changes.empty()) ++revision_;
+  withheld_.resize(contact_.touching().size(), Vector3::Zero());
+  std::optional<ReactionsAt> reactions;
+  std::vector<Vector3> at_once(contact_.touching().size(), Vector3::Zero());
+  std::vector<std::int32_t> by(contact_.touching().size(), -1);  // [node] the surface whose contact changed
+  for (const ContactChange& change : changes) by[change.node] = change.surface;
+  for (std::uint32_t k = 0; k < at_once.size(); ++k) {
+    if (!withheld_[k].isZero(0.0) && by[k] < 0) by[k] = contact_.committed(k).surface;
+    at_once[k] = contact_.sweep_impulse(k) + swept_rest_ * withheld_[k];
+    withheld_[k].setZero();
+    if (contact_.touching()[k] == 0) continue;
+    if (!reactions) reactions.emplace(*this, time, read_only(state_.view.position), read_only(state_.view.velocity));
+    Vector3 reaction;
+    if (const springnet_status status = reactions->told(k, reaction, &withheld_[k]); status != SPRINGNET_OK)
+      return status;
+    at_once[k] -= swept_weight_ * reaction;
+  }
+  for (std::uint32_t k = 0; k < at_once.size(); ++k) {
+    if (by[k] < 0) continue;
+    contact_.add_impulse(k, at_once[k]);
+    contact_.add_surface_impulse(static_cast<std::size_t>(by[k]), -at_once[k]);
+  }
+  const auto tell = [&](const ContactChange& change) {
+    static constexpr Event::Kind kinds[] = {Event::Kind::touched, Event::Kind::released, Event::Kind::slipped,
+                                            Event::Kind::stuck};
+    Event event{kinds[static_cast<std::size_t>(change.kind)], time, layout_.ordering().user[change.node]};
+    event.surface = change.surface;
+    if (change.kind == Kind::touched) event.impulse = at_once[change.node];
+    events_.push_back(event);
+  };
+  for (const ContactChange& change : changes) tell(change);
+  contact_.note_slips(*placement(time), read_only(state_.view.position), read_only(state_.view.velocity));
+  return SPRINGNET_OK;
 }
 
 springnet_status Engine::commit(double time, State& state) {
@@ -172,42 +213,37 @@ springnet_status Engine::commit(double time, State& state) {
   const bool jumps = contact_.next_change(from) <= time;  // what moves, in its velocity or acceleration
   if (swept_) {
     swept_ = false;
-    ContactChanges changes;
-    contact_.commit_sweep(changes);
-    const auto tell = [&](Event::Kind kind, const std::vector<std::uint32_t>& nodes) {
-      for (const std::uint32_t k : nodes) note(kind, time, layout_.ordering().user[k]);
-      if (!nodes.empty()) ++revision_;
-    };
-    tell(Event::Kind::touched, changes.touched);
-    tell(Event::Kind::released, changes.released);
-    tell(Event::Kind::slipped, changes.slipped);
-    tell(Event::Kind::stuck, changes.stuck);
-    if (jumps) leave_surfaces(from);
+    status = commit_sweeps(time);
   } else {
-    if (jumps) leave_surfaces(from);
     // What a solver left of rounding in unknowns that do not move.
-    set_time(time);
+    const std::shared_ptr<const Placement> now = placement(time);
     for (std::uint32_t k = 0; k < layout_.node_count(); ++k) {
-      const Touch& touch = contact_.committed(k);
       if (contact_.constrained()[k] == 0) continue;
       if (contact_.fixed()[k] != 0) {
         put_vector(state_.view.position, k, vector_at(state.view.position, k));
-      } else if (const auto j = static_cast<std::size_t>(touch.surface); contact_.surfaces()[j].trajectory().moves()) {
-        put_vector(state_.view.position, k, contact_.onto(j, vector_at(state_.view.position, k)));
+        put_vector(state_.view.velocity, k, Vector3::Zero());
+        continue;
       }
-      put_vector(state_.view.velocity, k, Vector3::Zero());
+      const auto j = static_cast<std::size_t>(contact_.committed(k).surface);
+      if (contact_.surfaces()[j].moves())
+        put_vector(state_.view.position, k, contact_.onto(*now, j, vector_at(state_.view.position, k)));
+      put_vector(state_.view.velocity, k, Contact::velocity(*now, j, vector_at(state_.view.position, k)));
     }
-    follow_motions();
+    follow_prescribed();
     status = stop_penetration(time, state_);
-    if (status == SPRINGNET_OK) status = rigid_.project(state_.view.position, state_.view.velocity, message_);
-    contact_.note_slips(read_only(state_.view.position), read_only(state_.view.velocity));
+    if (status == SPRINGNET_OK)
+      status = rigid_.project(*placement(time), state_.view.position, state_.view.velocity, message_);
+    contact_.note_slips(*placement(time), read_only(state_.view.position), read_only(state_.view.velocity));
   }
-  // A velocity that jumped takes along what hangs on it.
-  if (status == SPRINGNET_OK) follow_motions();
   if (status == SPRINGNET_OK && jumps) {
+    // What was said of just before no longer holds.
+    interval_until_ = std::numeric_limits<double>::infinity();
     changed();
-    if (rigid_.any() || !contact_.surfaces().empty())
-      status = rigid_.project(state_.view.position, state_.view.velocity, message_);
+    status = follow_jumps(from);
+    follow_prescribed();
+    // A velocity that jumped takes along what hangs on it.
+    if (status == SPRINGNET_OK && (rigid_.any() || !contact_.surfaces().empty()))
+      status = rigid_.project(*placement(time), state_.view.position, state_.view.velocity, message_);
   }
   if (status != SPRINGNET_OK) return status;
   status = perform_due_ruptures();
@@ -216,15 +252,14 @@ springnet_status Engine::commit(double time, State& state) {
 }
 
 void Engine::move_surface(std::size_t surface, const Vector3& position, double time) {
-  contact_.set_time(just_after(time_));
-  const Vector3 now = contact_.placement(surface).displacement;
+  const Vector3 now = contact_.at(just_after(time_))->poses[surface].displacement;
   Motion motion;
   motion.interpolation = Motion::Interpolation::linear;
   motion.times = {time_, time};
-  motion.displacements = {now, position - contact_.surfaces()[surface].origin()};
+  motion.displacements = {now, contact_.surfaces()[surface].displacement_to(position, time)};
   contact_.set_trajectory(surface, Trajectory(motion));
-  follow_motions();
-  changed();
+  interval_until_ = std::numeric_limits<double>::infinity();
+  changed();  // nodes that touch it follow, or are left, when the next step begins
 }
 
 void Engine::move_node(std::uint32_t node, const Vector3& position, double time) {
@@ -235,7 +270,7 @@ void Engine::move_node(std::uint32_t node, const Vector3& position, double time)
   motion.displacements = {Vector3::Zero(), position - now};
   contact_.set_fixed(node, true);
   contact_.prescribed().set(node, now, Trajectory(motion));
-  follow_motions();
+  follow_prescribed();
   changed();
 }
 

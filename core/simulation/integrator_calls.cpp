@@ -9,10 +9,10 @@
 #include <springnet/error.hpp>
 #include <springnet/printable.hpp>
 
+#include "constraints/vectors.hpp"
 #include "layers/message.hpp"
 #include "plugin_host/call.hpp"
 #include "simulation/engine.hpp"
-#include "simulation/vectors.hpp"
 
 namespace springnet {
 namespace {

@@ -3,15 +3,14 @@
 #include <algorithm>
 #include <optional>
 
+#include "constraints/vectors.hpp"
 #include "simulation/engine.hpp"
 #include "simulation/reactions_at.hpp"
-#include "simulation/vectors.hpp"
 
 namespace springnet {
 
 springnet_status Engine::linearise(const springnet_evaluation& at) {
-  set_time(at.time);
-  linear_rows_ = rigid_.rows(at.position);
+  linear_rows_ = rigid_.rows(*placement(at.time), at.position);
   project_known_ = false;
   const springnet_status status =
       linearisation_.update(at.time, node_arrays(at.position, at.velocity), external_at(at.time), message_);
@@ -42,23 +41,21 @@ springnet_status Engine::linearise_rigid(const springnet_evaluation& at) {
 // Friction turns with the slip: a = -mu N / m t(v), whose derivative is -mu N / m (1 - n n^T - t t^T) / |slip|. Stiff
 // where the slip is slow, so that implicit methods need it; how N changes is left out.
 springnet_status Engine::linearise_friction(const springnet_evaluation& at) {
+  const std::shared_ptr<const Placement> now = placement(at.time);
   std::optional<ReactionsAt> reactions;
   for (const ConstraintRow& row : linear_rows_) {
     if (row.second != ConstraintRow::no_node) continue;
     const std::uint32_t k = row.first;
-    const auto j = static_cast<std::size_t>(contact_.now(k).surface);
-    const Friction& friction = contact_.surfaces()[j].friction();
-    if (friction.kind != Friction::Kind::coulomb) continue;
+    const auto j = static_cast<std::size_t>(row.surface);
+    const double mu = sliding_coefficient_of(contact_.surfaces()[j].friction());
+    if (mu == 0.0 || contact_.slip_phase(k) != Contact::Slip::goes_on || contact_.now(k).second >= 0) continue;
     Vector3 reaction;
     if (!reactions) reactions.emplace(*this, at.time, at.position, at.velocity);
     if (const springnet_status status = reactions->of(k, reaction); status != SPRINGNET_OK) return status;
     const Vector3 n = row.direction;
-    const Vector3 slip = contact_.slip_vector(k, n, vector_at(at.velocity, k) - contact_.placement(j).velocity);
-    const double speed = slip.norm();
-    if (!(speed > 0.0)) continue;
-    const Vector3 t = slip / speed;
-    const double strength = friction.coefficient * std::max(0.0, n.dot(reaction)) / (mass_[k] * speed);
-    linearisation_.add_to_velocity_block(k, -strength * (Matrix3::Identity() - n * n.transpose() - t * t.transpose()));
+    const Vector3 slip = contact_.slip_vector(*now, k, j, vector_at(at.position, k), vector_at(at.velocity, k));
+    const double strength = mu * std::max(0.0, n.dot(reaction)) / mass_[k];
+    linearisation_.add_to_velocity_block(k, friction_by_velocity(strength, slip, n));
   }
   return SPRINGNET_OK;
 }
@@ -111,20 +108,21 @@ springnet_status Engine::project(const double* mobility, double* values) {
 
 springnet_status Engine::project_state(double time, const springnet_vectors& position,
                                        const springnet_vectors& velocity) {
-  set_time(time);
+  const std::shared_ptr<const Placement> now = placement(time);
   const springnet_vectors& start = state_.view.position;
   for (std::uint32_t k = 0; k < layout_.node_count(); ++k) {
     const Touch& touch = contact_.now(k);
     if (contact_.fixed()[k] != 0) {
       const bool moves = contact_.prescribed().moves(k);
-      put_vector(position, k, moves ? contact_.prescribed().position(k) : vector_at(start, k));
-      put_vector(velocity, k, moves ? contact_.prescribed().velocity(k) : Vector3::Zero());
+      put_vector(position, k, moves ? contact_.prescribed().position(now->motions, k) : vector_at(start, k));
+      put_vector(velocity, k, moves ? contact_.prescribed().velocity(now->motions, k) : Vector3::Zero());
     } else if (touch.surface >= 0 && !touch.slides) {
-      put_vector(position, k, contact_.carried(vector_at(start, k), touch.surface));
-      put_vector(velocity, k, contact_.placement(static_cast<std::size_t>(touch.surface)).velocity);
+      const Vector3 place = contact_.carried(*now, vector_at(start, k), touch.surface);
+      put_vector(position, k, place);
+      put_vector(velocity, k, Contact::velocity(*now, static_cast<std::size_t>(touch.surface), place));
     }
   }
-  return rigid_.project(position, velocity, message_);
+  return rigid_.project(*now, position, velocity, message_);
 }
 
 }  // namespace springnet

@@ -1,8 +1,11 @@
 #include "simulation/reactions_at.hpp"
 
+#include <algorithm>
+
 #include <springnet/error.hpp>
 
-#include "simulation/vectors.hpp"
+#include "constraints/island.hpp"
+#include "constraints/vectors.hpp"
 
 namespace springnet {
 
@@ -13,8 +16,8 @@ Engine::ReactionsAt::ReactionsAt(Engine& engine, double time, const springnet_co
       position_(position),
       velocity_(velocity),
       external_(engine.external_at(time)),
+      placement_(engine.placement(time)),
       cluster_known_(engine.rigid_.cluster_count(), 0) {
-  engine.set_time(time);
   if (engine.layout_.elements().live_surfaces() > 0)
     volumes_.compute(engine.layout_.elements(), node_arrays(position, velocity));
   if (!cluster_known_.empty()) {
@@ -37,10 +40,33 @@ springnet_status Engine::ReactionsAt::of(std::uint32_t node, Vector3& reaction) 
   if (const springnet_status status = free_acceleration(node, free); status != SPRINGNET_OK) return status;
   Vector3 bound = free;
   double* const values[3] = {&bound[0], &bound[1], &bound[2]};
-  engine_.contact_.accelerate(node, 1, position_, velocity_, values, nullptr);
+  engine_.contact_.accelerate(*placement_, node, 1, position_, velocity_, values, nullptr);
   reaction = engine_.mass_[node] * (bound - free);
   return SPRINGNET_OK;
 }
+
+springnet_status Engine::ReactionsAt::told(std::uint32_t node, Vector3& reaction, Vector3* withheld) {
+  const springnet_status status = of(node, reaction);
+  const Touch& touch = engine_.contact_.committed(node);
+  if (status != SPRINGNET_OK || touch.surface < 0 || touch.second >= 0) return status;
+  const Vector3 n =
+      engine_.contact_.normal(*placement_, static_cast<std::size_t>(touch.surface), vector_at(position_, node));
+  if (n.dot(reaction) >= 0.0) return status;
+  if (withheld != nullptr) *withheld = reaction;
+  reaction.setZero();
+  return status;
+}
+
+springnet_status Engine::ReactionsAt::unsupported(std::uint32_t node, Vector3& acceleration) {
+  const Contact& contact = engine_.contact_;
+  if (contact.fixed()[node] == 0) return free_acceleration(node, acceleration);
+  acceleration = contact.prescribed().moves(node) ? contact.prescribed().acceleration(placement_->motions, node)
+                                                  : Vector3(Vector3::Zero());
+  return SPRINGNET_OK;
+}
+
+Vector3 Engine::ReactionsAt::position(std::uint32_t node) const { return vector_at(position_, node); }
+Vector3 Engine::ReactionsAt::velocity(std::uint32_t node) const { return vector_at(velocity_, node); }
 
 springnet_status Engine::ReactionsAt::acceleration(std::uint32_t node, Vector3& acceleration) {
   const std::uint32_t* clusters = engine_.rigid_.cluster_of();
@@ -61,10 +87,10 @@ springnet_status Engine::ReactionsAt::know(std::uint32_t cluster) {
     if (const springnet_status status = free_acceleration(k, a); status != SPRINGNET_OK) return status;
     put_vector(free, k, a);
     double* const values[3] = {&a[0], &a[1], &a[2]};
-    engine_.contact_.accelerate(k, 1, position_, velocity_, values, engine_.rigid_.cluster_of());
+    engine_.contact_.accelerate(*placement_, k, 1, position_, velocity_, values, engine_.rigid_.cluster_of());
     put_vector(bound, k, a);
   }
-  engine_.rigid_.accelerate(cluster, position_, velocity_, bound, tension_.data());
+  engine_.rigid_.accelerate(*placement_, cluster, position_, velocity_, bound, tension_.data());
   cluster_known_[cluster] = 1;
   return SPRINGNET_OK;
 }
@@ -86,12 +112,32 @@ const Engine::Reactions& Engine::reactions() {
   ReactionsAt at(*this, time_, read_only(state_.view.position), read_only(state_.view.velocity));
   springnet_status status = SPRINGNET_OK;
   for (std::uint32_t k = 0; k < n && status == SPRINGNET_OK; ++k)
-    if (contact_.fixed()[k] != 0 || contact_.touching()[k] != 0) status = at.of(k, reactions_.node[k]);
+    if (contact_.fixed()[k] != 0 || contact_.touching()[k] != 0) status = at.told(k, reactions_.node[k]);
   for (std::uint32_t c = 0; c < rigid_.cluster_count() && status == SPRINGNET_OK; ++c) status = at.know(c);
   if (status != SPRINGNET_OK) throw Error(ErrorKind::simulation, message_.text);
   reactions_.rigid = at.tensions();
   reactions_known_ = true;
   return reactions_;
+}
+
+Vector3 Engine::reaction_of(std::uint32_t node, std::size_t surface) {
+  const Vector3& reaction = reactions().node[node];
+  const Touch touch = contact_.committed(node);
+  if (touch.second < 0) return reaction;
+  const std::vector<Vector3> normals = contact_.normals(*placement(time_), node, vector_at(state_.view.position, node));
+  const SplitReaction split = split_reaction(normals, reaction);
+  // Friction along all of them is shared as their cones are.
+  double bears = 0.0, all = 0.0;
+  Vector3 result = Vector3::Zero();
+  for (std::size_t i = 0; i < normals.size(); ++i) {
+    const auto j = static_cast<std::size_t>(touch.surfaces()[i]);
+    const double share = sliding_coefficient_of(contact_.surfaces()[j].friction()) * std::max(0.0, split.normal[i]);
+    all += share;
+    if (j != surface) continue;
+    bears = share;
+    result = split.normal[i] * normals[i];
+  }
+  return all > 0.0 ? Vector3(result + bears / all * split.along) : result;
 }
 
 }  // namespace springnet

@@ -102,19 +102,17 @@ struct Simulation::Impl {
                       "after {}, which is now",
                       position[0], position[1], position[2], checks::seconds(until), checks::seconds(engine.time())));
   }
-  [[nodiscard]] const Surface& surface(std::size_t index) const {
+  [[nodiscard]] const Obstacle& surface(std::size_t index) const {
     check_surface(index);
     return engine.contact().surfaces()[index];
   }
   // At the present time.
-  [[nodiscard]] Trajectory::Sample placement(std::size_t index) const {
-    return surface(index).trajectory().at(engine.time());
-  }
+  [[nodiscard]] Pose pose(std::size_t index) const { return surface(index).at(just_after(engine.time())); }
   template <class Visit>
   void for_each_touching(std::size_t index, Visit visit) const {
     check_surface(index);
     for (std::uint32_t k = 0; k < engine.layout().node_count(); ++k)
-      if (engine.contact().committed(k).surface == static_cast<std::int32_t>(index)) visit(k);
+      if (engine.contact().committed(k).has(static_cast<std::int32_t>(index))) visit(k);
   }
   [[nodiscard]] ConstNodeMap map(const springnet_vectors& v) const {
     const std::uint32_t n = engine.layout().node_count();
@@ -309,12 +307,16 @@ const std::string& Simulation::surface_name(std::size_t surface) const {
   return impl_->engine.contact().surfaces()[surface].name();
 }
 Vector3 Simulation::surface_position(std::size_t surface) const {
-  return impl_->surface(surface).origin() + impl_->placement(surface).displacement;
+  return impl_->pose(surface).from_start(impl_->surface(surface).origin());
 }
-Vector3 Simulation::surface_velocity(std::size_t surface) const { return impl_->placement(surface).velocity; }
+Vector3 Simulation::surface_velocity(std::size_t surface) const {
+  return impl_->pose(surface).velocity_at(surface_position(surface));
+}
+Eigen::Matrix3d Simulation::surface_rotation(std::size_t surface) const { return impl_->pose(surface).rotation; }
+Vector3 Simulation::surface_spin(std::size_t surface) const { return impl_->pose(surface).spin; }
 Vector3 Simulation::surface_force(std::size_t surface) const {
   Vector3 sum = Vector3::Zero();
-  impl_->for_each_touching(surface, [&](std::uint32_t k) { sum -= impl_->engine.reactions().node[k]; });
+  impl_->for_each_touching(surface, [&](std::uint32_t k) { sum -= impl_->engine.reaction_of(k, surface); });
   return sum;
 }
 Vector3 Simulation::surface_torque(std::size_t surface) const {
@@ -322,7 +324,7 @@ Vector3 Simulation::surface_torque(std::size_t surface) const {
   Vector3 sum = Vector3::Zero();
   impl_->for_each_touching(surface, [&](std::uint32_t k) {
     const Vector3 arm = column(impl_->engine.state_without_forces().view.position, k) - about;
-    sum -= arm.cross(impl_->engine.reactions().node[k]);
+    sum -= arm.cross(impl_->engine.reaction_of(k, surface));
   });
   return sum;
 }
@@ -333,6 +335,17 @@ std::size_t Simulation::nodes_touching(std::size_t surface) const {
 }
 Vector3 Simulation::contact_impulse(NodeIndex node) const {
   return impl_->engine.contact().impulse(impl_->engine_node(node));
+}
+Vector3 Simulation::surface_impulse(std::size_t surface) const {
+  impl_->check_surface(surface);
+  return impl_->engine.contact().surface_impulse(surface);
+}
+std::vector<std::size_t> Simulation::surfaces_of(NodeIndex node) const {
+  const Touch& touch = impl_->engine.contact().committed(impl_->engine_node(node));
+  std::vector<std::size_t> surfaces;
+  for (const std::int32_t surface : touch.surfaces())
+    if (surface >= 0) surfaces.push_back(static_cast<std::size_t>(surface));
+  return surfaces;
 }
 bool Simulation::held(NodeIndex node) const { return impl_->engine.contact().held()[impl_->engine_node(node)] != 0; }
 bool Simulation::touching(NodeIndex node) const {
@@ -414,7 +427,7 @@ void Simulation::set_position(NodeIndex node, const Vector3& position) {
   const std::uint32_t k = impl_->engine_node(node);
   const Contact& contact = impl_->engine.contact();
   for (std::size_t j = 0; j < contact.surfaces().size() && contact.fixed()[k] == 0; ++j) {
-    const double distance = contact.surfaces()[j].distance(position - impl_->placement(j).displacement);
+    const double distance = contact.surfaces()[j].gap(impl_->pose(j), position);
     if (distance < 0.0)
       throw Error(
           ErrorKind::input,

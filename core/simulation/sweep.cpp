@@ -9,10 +9,10 @@
 #include <cstring>
 #include <mutex>
 
+#include "constraints/vectors.hpp"
 #include "layers/elements.hpp"
 #include "layers/message.hpp"
 #include "simulation/engine.hpp"
-#include "simulation/vectors.hpp"
 
 namespace springnet {
 namespace {
@@ -26,6 +26,7 @@ struct TileContext {
   const layers::Evaluator* evaluator;
   const springnet_sweep* sweep = nullptr;
   Contact* contact = nullptr;
+  const Placement* at = nullptr;  // surfaces at `time`
   const std::uint32_t* cluster = nullptr;
   springnet_vectors acceleration{};
   double time;
@@ -64,7 +65,7 @@ springnet_status accelerate_tile(TileContext& context, std::uint32_t first, std:
                                                                    acceleration, nullptr, nullptr, nullptr, message);
   if (status != SPRINGNET_OK) return status;
   if (finite && !all_finite(acceleration, count)) note_bad_neuron(context, first, count, acceleration);
-  context.contact->accelerate(first, count, {context.nodes.px, context.nodes.py, context.nodes.pz},
+  context.contact->accelerate(*context.at, first, count, {context.nodes.px, context.nodes.py, context.nodes.pz},
                               {context.nodes.vx, context.nodes.vy, context.nodes.vz}, acceleration, context.cluster);
   return SPRINGNET_OK;
 }
@@ -106,9 +107,13 @@ springnet_status update_tile(TileContext& context, std::uint32_t unit, std::uint
     batch.acceleration_by_velocity = derivatives->by_velocity;
     batch.acceleration_by_position = derivatives->by_position;
   }
+  // What an update starts from; tile by tile that stays where it is.
+  Vector3 read = Vector3::Zero();
+  const bool in_place = count == 1 && context.sweep->order != nullptr;
+  if (in_place) read = {context.nodes.vx[first], context.nodes.vy[first], context.nodes.vz[first]};
   if (const springnet_status updated = call_update(*context.sweep, batch, message); updated != SPRINGNET_OK)
     return updated;
-  context.contact->constrain(first, count, acceleration, *context.sweep, context.cluster);
+  context.contact->constrain(*context.at, first, count, *context.sweep, context.cluster, in_place ? &read : nullptr);
   return SPRINGNET_OK;
 }
 
@@ -165,8 +170,9 @@ bool Engine::check_finite(bool forces, std::uint32_t bad_neuron, double time, co
 }
 
 springnet_status Engine::evaluate(const springnet_evaluation& request) {
-  set_time(request.time);
+  const std::shared_ptr<const Placement> at = placement(request.time);
   TileContext context{};
+  context.at = at.get();
   context.evaluator = &evaluator_;
   context.contact = &contact_;
   context.cluster = rigid_.cluster_of();
@@ -188,7 +194,7 @@ springnet_status Engine::evaluate(const springnet_evaluation& request) {
     return SPRINGNET_RECOVERABLE;
   }
   if (request.acceleration.x != nullptr && rigid_.any())
-    rigid_.accelerate(request.position, request.velocity, request.acceleration, nullptr);
+    rigid_.accelerate(*at, request.position, request.velocity, request.acceleration, nullptr);
   return SPRINGNET_OK;
 }
 
@@ -198,8 +204,7 @@ springnet_status Engine::evaluate_nodes(const springnet_evaluation& request, con
   std::memcpy(&wanted, &request, std::min<std::size_t>(sizeof wanted, request.struct_size));
   const layers::FlushDenormals flush;
   const layers::NodeArrays arrays = node_arrays(wanted.position, wanted.velocity);
-  const layers::ExternalForces external = external_at(wanted.time);  // the same for all threads of a sweep,
-  contact_.set_time(sample_time(wanted.time));                       // and known by then
+  const layers::ExternalForces external = external_at(wanted.time);  // the same for all threads of a sweep
   const layers::SurfaceVolumes* volumes = nullptr;
   if (layout_.elements().live_surfaces() > 0) {
     if (swept_volumes_.follows(arrays)) {
@@ -295,7 +300,8 @@ springnet_status Engine::update_cluster(std::size_t cluster, std::uint32_t unit,
     if (const springnet_status status = update_node(nodes[i], unit, tile_context, evaluations[i], message);
         status != SPRINGNET_OK)
       return status;
-  return rigid_.constrain(cluster, *static_cast<TileContext*>(tile_context)->sweep, message);
+  const TileContext& context = *static_cast<TileContext*>(tile_context);
+  return rigid_.constrain(*context.at, cluster, *context.sweep, message);
 }
 
 // Whether a node, or one of its cluster, is one of a closed surface, whose nodes all see each other.
@@ -393,7 +399,7 @@ springnet_status Engine::sweep_in_order(const springnet_sweep& sweep, void* tile
   return SPRINGNET_OK;
 }
 
-springnet_status Engine::constrain_clusters(const springnet_sweep& sweep) {
+springnet_status Engine::constrain_clusters(const Placement& at, const springnet_sweep& sweep) {
   const auto count = static_cast<std::int64_t>(rigid_.cluster_count());
   const bool threads = rigid_.cluster_count() >= clusters_worth_threads && evaluator_.threads() > 1;
   std::int64_t failed_cluster = count;
@@ -401,8 +407,8 @@ springnet_status Engine::constrain_clusters(const springnet_sweep& sweep) {
 #pragma omp parallel for schedule(dynamic, 64) num_threads(static_cast <int>(evaluator_.threads())) if (threads)
   for (std::int64_t c = 0; c < count; ++c) {
     springnet_message message{};
-    const springnet_status status =
-        sdk::detail::guarded(&message, [&] { return rigid_.constrain(static_cast<std::size_t>(c), sweep, message); });
+    const springnet_status status = sdk::detail::guarded(
+        &message, [&] { return rigid_.constrain(at, static_cast<std::size_t>(c), sweep, message); });
     if (status == SPRINGNET_OK) continue;
 #pragma omp critical(springnet_clusters)
     if (c < failed_cluster) {
@@ -414,12 +420,19 @@ springnet_status Engine::constrain_clusters(const springnet_sweep& sweep) {
   return failure;
 }
 
+void Engine::note_sweep(const springnet_sweep& sweep) noexcept {
+  swept_ = true;
+  swept_decided_ = sweep.contacts == 0;
+  swept_weight_ = sweep.time_constant * (sweep.theta > 0.0 ? sweep.theta : 1.0);
+  swept_rest_ = sweep.time_constant - swept_weight_;
+}
+
 springnet_status Engine::sweep(const springnet_sweep& request) {
   const springnet_sweep sweep = complete(request);
   if (sweep.order != nullptr) order_check_.check(sweep, network_info());
-  set_time(sweep.time);
+  const std::shared_ptr<const Placement> at = placement(sweep.time);
   static_cast<void>(external_at(sweep.time));  // before threads ask for them
-  swept_ = true;
+  note_sweep(sweep);
   struct Updating {
     bool &sweep, &tiles;
     ~Updating() { sweep = tiles = false; }
@@ -429,6 +442,7 @@ springnet_status Engine::sweep(const springnet_sweep& request) {
   TileContext context{};
   context.evaluator = &evaluator_;
   context.sweep = &sweep;
+  context.at = at.get();
   context.contact = &contact_;
   context.cluster = rigid_.cluster_of();
   context.time = sweep.time;
@@ -441,7 +455,7 @@ springnet_status Engine::sweep(const springnet_sweep& request) {
     springnet_status status = evaluator_.evaluate(sweep.time, context.nodes, external_at(sweep.time), context.force,
                                                   {finish_tile, &context}, message_);
     if (status != SPRINGNET_OK) return failed(status, sweep.time, context.nodes);
-    status = constrain_clusters(sweep);
+    status = constrain_clusters(*at, sweep);
     if (status != SPRINGNET_OK) return failed(status, sweep.time, context.nodes);
   }
   // The integrator sees for itself that the sweep diverged; the host remembers why.
@@ -451,21 +465,10 @@ springnet_status Engine::sweep(const springnet_sweep& request) {
 
 springnet_status Engine::constrain(const springnet_sweep& request) {
   const springnet_sweep sweep = complete(request);
-  set_time(sweep.time);
-  swept_ = true;
-  const std::uint32_t n = layout_.node_count();
-  const std::size_t pitch = pitch_of(n);
-  scratch_.resize(3 * pitch);
-  const double* force[3] = {sweep.force.x, sweep.force.y, sweep.force.z};
-  double* acceleration[3] = {scratch_.data(), scratch_.data() + pitch, scratch_.data() + 2 * pitch};
-  if (contact_.any_holds()) {  // which alone ask for accelerations
-    const springnet_status status =
-        evaluator_.accelerations(0, n, sweep.time, node_arrays(sweep.position, sweep.velocity), force, acceleration,
-                                 nullptr, nullptr, nullptr, message_);
-    if (status != SPRINGNET_OK) return status;
-  }
-  contact_.constrain(0, n, acceleration, sweep, rigid_.cluster_of());
-  return constrain_clusters(sweep);
+  const std::shared_ptr<const Placement> at = placement(sweep.time);
+  note_sweep(sweep);
+  contact_.constrain(*at, 0, layout_.node_count(), sweep, rigid_.cluster_of());
+  return constrain_clusters(*at, sweep);
 }
 
 }  // namespace springnet

@@ -93,6 +93,7 @@ std::string describe(const EventCounts& events) {
   add(events.released, "node", "released");
   add(events.slipped, "node", "slipped");
   add(events.stuck, "node", "stuck again");
+  add(events.jammed, "node", "jammed");
   return text.empty() ? "none" : text;
 }
 

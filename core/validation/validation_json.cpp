@@ -10,7 +10,8 @@ using Json = nlohmann::ordered_json;
 
 Json json_of(const EventCounts& events) {
   return {{"cut", events.cut},           {"ruptured", events.ruptured}, {"touched", events.touched},
-          {"released", events.released}, {"slipped", events.slipped},   {"stuck", events.stuck}};
+          {"released", events.released}, {"slipped", events.slipped},   {"stuck", events.stuck},
+          {"jammed", events.jammed}};
 }
 
 Json json_of(const Validation& validation, const ValidationRun& run) {

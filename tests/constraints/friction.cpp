@@ -2,7 +2,7 @@
 
 #include <doctest/doctest.h>
 
-#include "simulation/friction.hpp"
+#include "constraints/friction.hpp"
 #include "ways.hpp"
 
 using namespace springnet;

@@ -4,7 +4,7 @@
 
 #include <Eigen/Geometry>
 
-#include "simulation/surface.hpp"
+#include "constraints/obstacle.hpp"
 #include "ways.hpp"
 
 using namespace springnet;
@@ -52,7 +52,8 @@ TEST_CASE("distance, normal and curvature of a capsule are those of its definiti
   instrument.first = {0.1, 0.2, 0.3};
   instrument.second = {1.1, 0.4, -0.2};
   instrument.radius = 0.25;
-  const Surface capsule(instrument);
+  const Obstacle capsule(instrument);
+  const Pose rest;
   for (const Vector3& x : {Vector3(0.5, 1, 0.4), Vector3(-0.4, 0, 0.5), Vector3(1.6, 0.6, -0.9)}) {
     // The nearest point of the axis, searched.
     double nearest = 1e9;
@@ -60,14 +61,14 @@ TEST_CASE("distance, normal and curvature of a capsule are those of its definiti
       const double share = i / 100000.0;
       nearest = std::min(nearest, (x - instrument.first - share * (instrument.second - instrument.first)).norm());
     }
-    CHECK(capsule.distance(x) == doctest::Approx(nearest - 0.25).epsilon(1e-9));  // (1e-5)^2 of the search
+    CHECK(capsule.gap(rest, x) == doctest::Approx(nearest - 0.25).epsilon(1e-9));  // (1e-5)^2 of the search
     constexpr double step = 1e-6;  // central differences: step^2 and rounding / step
     for (int c = 0; c < 3; ++c) {
       const Vector3 d = step * Vector3::Unit(c);
-      CHECK(capsule.normal(x)[c] ==
-            doctest::Approx((capsule.distance(x + d) - capsule.distance(x - d)) / (2 * step)).epsilon(1e-8));
-      const Vector3 turning = (capsule.normal(x + d) - capsule.normal(x - d)) / (2 * step);
-      CHECK((capsule.curvature(x).col(c) - turning).norm() <= 1e-8);
+      CHECK(capsule.normal(rest, x)[c] ==
+            doctest::Approx((capsule.gap(rest, x + d) - capsule.gap(rest, x - d)) / (2 * step)).epsilon(1e-8));
+      const Vector3 turning = (capsule.normal(rest, x + d) - capsule.normal(rest, x - d)) / (2 * step);
+      CHECK((capsule.curvature(rest, x).col(c) - turning).norm() <= 1e-8);
     }
   }
 }
@@ -75,15 +76,16 @@ TEST_CASE("distance, normal and curvature of a capsule are those of its definiti
 TEST_CASE("the first touch on a straight way, through a sphere too") {
   Instrument instrument;
   instrument.radius = 1.0;
-  const Surface sphere(instrument);
-  const auto into = sphere.first_touch({-3, 0, 0}, {0, 0, 0});
+  const Obstacle sphere(instrument);
+  const Pose rest;
+  const auto into = sphere.first_touch(rest, {-3, 0, 0}, rest, {0, 0, 0});
   REQUIRE(into);
   CHECK(*into == doctest::Approx(2.0 / 3.0).epsilon(1e-12));
-  const auto through = sphere.first_touch({-3, 0.6, 0}, {3, 0.6, 0});  // both ends outside
+  const auto through = sphere.first_touch(rest, {-3, 0.6, 0}, rest, {3, 0.6, 0});  // both ends outside
   REQUIRE(through);
   CHECK(-3.0 + 6.0 * *through == doctest::Approx(-0.8).epsilon(1e-9));
-  CHECK_FALSE(sphere.first_touch({-3, 1.01, 0}, {3, 1.01, 0}));
-  CHECK_FALSE(sphere.first_touch({-3, 0, 0}, {-1.5, 0, 0}));
+  CHECK_FALSE(sphere.first_touch(rest, {-3, 1.01, 0}, rest, {3, 1.01, 0}));
+  CHECK_FALSE(sphere.first_touch(rest, {-3, 0, 0}, rest, {-1.5, 0, 0}));
 }
 
 TEST_CASE("instruments push into a block: all integrators agree, forces are in balance") {

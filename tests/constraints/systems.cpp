@@ -10,7 +10,7 @@
 #include <Eigen/QR>
 #include <Eigen/SVD>
 
-#include "simulation/constraint_system.hpp"
+#include "constraints/constraint_system.hpp"
 
 using namespace springnet;
 

@@ -171,6 +171,52 @@ TEST_CASE("time steps that are too long for the slowest vibration, unless it is 
   CHECK(hints(0.5, 0.0, true).empty());  // CVODE divides it
 }
 
+TEST_CASE("linear tables that look sampled are told of, not those of a few entries or an even pace") {
+  // A quarter of a sine in steps of 0.1 s: a smooth motion that was sampled.
+  Motion sampled;
+  sampled.interpolation = Motion::Interpolation::linear;
+  for (int k = 0; k <= 10; ++k) {
+    sampled.times.push_back(0.1 * k);
+    sampled.displacements.emplace_back(0, 0, std::sin(0.157 * k));
+  }
+  const auto with_plane = [](const Motion& motion) {
+    Network net = Block().net();
+    net.add_plane({.name = "plate", .point = {0, 0, -9}, .motion = motion});
+    return hints_of(net);
+  };
+  const std::string text = only(with_plane(sampled), Kind::kinks);
+  CHECK(
+      has(text, "The motion of plane 'plate' (number 0) is a linear table: its velocity jumps at 9 of its 11 entries"));
+  // sin(0.157 k) bends most at the end: 4 sin^2(0.157 / 2) sin(0.157 * 9) / 0.1 s.
+  CHECK(has(text, "by up to 0.243 m/s"));
+  CHECK(has(text, "interpolation = \"smooth\""));
+  Motion smooth = sampled;
+  smooth.interpolation = Motion::Interpolation::smooth;
+  CHECK(with_plane(smooth).empty());
+  Motion by_hand = sampled;  // up, and down again
+  by_hand.times.resize(3);
+  by_hand.displacements = {Vector3::Zero(), Vector3::UnitZ(), Vector3::Zero()};
+  CHECK(with_plane(by_hand).empty());
+  Motion even = sampled;
+  for (std::size_t k = 0; k < even.times.size(); ++k) even.displacements[k] = 0.3 * even.times[k] * Vector3::UnitZ();
+  CHECK(with_plane(even).empty());
+
+  Network moved = Block().net();
+  moved.add_move({{0}, sampled});
+  CHECK(has(only(hints_of(moved), Kind::kinks), "The motion of the nodes of move 0"));
+  Network turned = Block().net();
+  Instrument ball;
+  ball.first = ball.second = {0, 0, -9};
+  ball.turn.emplace();
+  ball.turn->interpolation = Motion::Interpolation::linear;
+  ball.turn->times = {0, 1, 2, 3};
+  ball.turn->angles = {0, 1, 0, 1};
+  turned.add_instrument(ball);
+  CHECK(has(only(hints_of(turned), Kind::kinks),
+            "The turn of instrument 0 is a linear table: its velocity jumps at 2 of"
+            " its 4 entries, by up to 2 rad/s"));
+}
+
 TEST_CASE("hints and the slowest vibration are in the JSON") {
   InspectionOptions options;
   options.time_step = 0.5;

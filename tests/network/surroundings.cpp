@@ -6,6 +6,8 @@
 
 #include <doctest/doctest.h>
 
+#include <Eigen/Geometry>
+
 #include <springnet/error.hpp>
 #include <springnet/network.hpp>
 
@@ -14,6 +16,8 @@ using springnet::Instrument;
 using springnet::Motion;
 using springnet::Network;
 using springnet::NodeIndex;
+using springnet::Plane;
+using springnet::Turn;
 using springnet::Vector3;
 
 namespace {
@@ -125,6 +129,156 @@ TEST_CASE("instruments: spheres and capsules") {
         n.add_instrument({"", Vector3::Zero(), {0, inf, 0}, 1.0, {}, std::nullopt});
       },
       "an end of an instrument must be finite");
+}
+
+TEST_CASE("instruments: boxes") {
+  Network network = square();
+  Instrument block;
+  block.name = "block";
+  block.first = {1, 2, 3};
+  block.second = {nan_value, 0, 0};  // not read of a box
+  block.radius = -1;
+  block.box.emplace();
+  network.add_instrument(block);
+  CHECK(network.instruments()[0].box->size == Vector3::Ones());
+  CHECK(network.instruments()[0].box->axes == Eigen::Matrix3d::Identity());
+  // Axes that rounding has left a little off are made a rotation.
+  const Eigen::Matrix3d turned = Eigen::AngleAxisd(0.4, Vector3(0, 0.6, 0.8)).toRotationMatrix();
+  block.name = "turned";
+  block.box->axes = turned + Eigen::Matrix3d::Constant(1e-11);
+  block.box->radius = 0.5;  // half of its size: a ball
+  network.add_instrument(block);
+  const Eigen::Matrix3d& axes = network.instruments()[1].box->axes;
+  CHECK((axes.transpose() * axes).isIdentity(1e-15));
+  CHECK(axes.isApprox(turned, 1e-10));
+
+  const auto box_refused = [](const Vector3& size, const Eigen::Matrix3d& axes_given, double radius,
+                              const char* words) {
+    refused(
+        [&](Network& n) {
+          Instrument instrument;
+          instrument.name = "block";
+          instrument.box = {size, axes_given, radius};
+          n.add_instrument(instrument);
+        },
+        words);
+  };
+  const Eigen::Matrix3d upright = Eigen::Matrix3d::Identity();
+  box_refused({1, 0, 1}, upright, 0,
+              "instrument 'block': the size of its box must be finite and above 0 m, is [1, 0, 1]");
+  box_refused({1, -1, 1}, upright, 0, "is [1, -1, 1]");
+  box_refused({1, nan_value, 1}, upright, 0, "is [1, nan, 1]");
+  box_refused({inf, 1, 1}, upright, 0, "is [inf, 1, 1]");
+  box_refused({1, 1, 1}, 2 * upright, 0, "the axes of its box must be a rotation");
+  box_refused({1, 1, 1}, -upright, 0, "right-handed");
+  box_refused({1, 1, 1}, nan_value * upright, 0, "the axes of its box must be a rotation");
+  box_refused({2, 1, 3}, upright, 0.51,
+              "the radius of its box's edges must be 0 to 0.5 m, half its least size, is 0.51");
+  box_refused({1, 1, 1}, upright, -0.1, "is -0.1 m");
+  box_refused({1, 1, 1}, upright, nan_value, "is nan m");
+  refused(
+      [](Network& n) {
+        Instrument instrument;
+        instrument.first = {0, inf, 0};
+        instrument.box.emplace();
+        n.add_instrument(instrument);
+      },
+      "the middle of a box must be finite");
+}
+
+TEST_CASE("surfaces that turn") {
+  Turn turn;
+  turn.axis = {0, 3, 4};
+  turn.rate = 2;
+  Network network = square();
+  Plane plane;
+  plane.turn = turn;
+  network.add_plane(plane);
+  CHECK(network.planes()[0].turn->axis.isApprox(Vector3(0, 0.6, 0.8), 1e-15));
+  CHECK_FALSE(network.planes()[0].turn->through.has_value());
+  Instrument ball;
+  ball.turn = turn;
+  ball.turn->through = Vector3(1, 2, 3);
+  ball.turn->rate = 0;
+  ball.turn->times = {0, 1};
+  ball.turn->angles = {0, -3};
+  network.add_instrument(ball);
+  CHECK(network.instruments()[0].turn->axis.isApprox(Vector3(0, 0.6, 0.8), 1e-15));
+  CHECK(network.instruments()[0].turn->through == Vector3(1, 2, 3));
+
+  const auto turn_refused = [](const Turn& wrong, const char* words) {
+    refused(
+        [&](Network& n) {
+          Plane floor;
+          floor.name = "floor";
+          floor.turn = wrong;
+          n.add_plane(floor);
+        },
+        std::string("the turn of plane 'floor'") + words);
+    refused(
+        [&](Network& n) {
+          Instrument instrument;
+          instrument.turn = wrong;
+          n.add_instrument(instrument);
+        },
+        std::string("the turn of an instrument") + words);
+  };
+  turn_refused({}, " has neither a table nor a rate other than 0: give one of them");
+  Turn wrong = turn;
+  wrong.axis = Vector3::Zero();
+  turn_refused(wrong, ": its axis must be finite and not zero, is [0, 0, 0]");
+  wrong.axis = {0, inf, 0};
+  turn_refused(wrong, ": its axis must be finite and not zero, is [0, inf, 0]");
+  wrong = turn;
+  wrong.through = Vector3(0, nan_value, 0);
+  turn_refused(wrong, ": the point that its axis goes through must be finite, is [0, nan, 0]");
+  wrong = turn;
+  wrong.rate = nan_value;
+  turn_refused(wrong, ": its rate must be finite, is nan rad/s");
+  wrong = turn;
+  wrong.from = -inf;
+  turn_refused(wrong, ": its start must be finite, is minus infinity");
+  wrong = turn;
+  wrong.from = 2;
+  wrong.until = 1;
+  turn_refused(wrong, " goes from 2 s until 1 s, which is never");
+  wrong = turn;
+  wrong.times = {0, 1};
+  wrong.angles = {0, 1};
+  turn_refused(wrong, " has a table and a rate: give one of them");
+  wrong.rate = 0;
+  wrong.angles = {0};
+  turn_refused(wrong, ": its table has 2 times and 1 angles");
+  wrong.angles = {0, inf};
+  turn_refused(wrong, ": an angle must be finite, entry 1 of its table has inf");
+  wrong.angles = {0, 1};
+  wrong.times = {1, 1};
+  turn_refused(wrong, ": the times of its table must rise");
+}
+
+TEST_CASE("restitution is 0 to 1") {
+  Network network = square();
+  Plane plane;
+  CHECK(plane.restitution == 0);
+  plane.restitution = 1;
+  network.add_plane(plane);
+  CHECK(network.planes()[0].restitution == 1);
+  for (const double restitution : {-0.1, 1.1, nan_value}) {
+    refused(
+        [&](Network& n) {
+          Plane floor;
+          floor.restitution = restitution;
+          n.add_plane(floor);
+        },
+        "a plane: its restitution must be 0 to 1, is ");
+    refused(
+        [&](Network& n) {
+          Instrument instrument;
+          instrument.restitution = restitution;
+          n.add_instrument(instrument);
+        },
+        "an instrument: its restitution must be 0 to 1, is ");
+  }
 }
 
 TEST_CASE("names of surfaces are unique among planes and instruments") {

@@ -95,8 +95,8 @@ TEST_CASE("the estimate counts what the scene asks for") {
   scene.network.add_plane({});
   scene.network.add_instrument({"a", Vector3(9, 9, 9), Vector3(9, 9, 9), 1.0, {}, std::nullopt});
   scene.output.surfaces = false;
-  // Any of the eight nodes may be held now.
-  CHECK(estimate_output(scene).bytes == doctest::Approx(8.0 * one_fixed));
+  // Any of the eight nodes may be held now, in 11 records, by the plane "0," and by "a,".
+  CHECK(estimate_output(scene).bytes == doctest::Approx(8.0 * (one_fixed + 11.0 * 4.0)));
   scene.output.reactions = false;
   scene.output.surfaces = true;
   const double surfaces = estimate_output(scene).bytes;

@@ -62,7 +62,7 @@ TEST_CASE("reactions: what moves a node is its weight and its acceleration, with
 
   const Csv forces = testing::read_csv(folder.path() / "reactions.csv");
   const Csv places = testing::read_csv(folder.path() / "trajectory.csv");
-  CHECK(forces.header == "time,node,fx,fy,fz,tx,ty,tz");
+  CHECK(forces.header == "time,node,fx,fy,fz,tx,ty,tz,jx,jy,jz,surface");
   REQUIRE(forces.rows.size() == 1001);
   REQUIRE(places.rows.size() == 1001);
   for (std::size_t row = 0; row < forces.rows.size(); row += 50) {
@@ -94,7 +94,7 @@ TEST_CASE("surfaces: a plate's weight on the floor, its torque, and an instrumen
   run(scene, folder);
 
   const Csv csv = testing::read_csv(folder.path() / "surfaces.csv");
-  CHECK(csv.header == "time,surface,x,y,z,fx,fy,fz,tx,ty,tz,nodes");
+  CHECK(csv.header == "time,surface,x,y,z,fx,fy,fz,tx,ty,tz,nodes,jx,jy,jz");
   REQUIRE(csv.rows.size() == 22);  // 11 records of two surfaces
   for (std::size_t row = 0; row < csv.rows.size(); row += 2) {
     CAPTURE(row);
@@ -173,6 +173,44 @@ TEST_CASE("friction: a node that is pushed slips and sticks, and the tables say 
     }
   }
   CHECK(sliding > 100);
+}
+
+TEST_CASE("impulses of touching: of a fall, told although the node has left again before the record") {
+  const TemporaryFolder folder;
+  // From 0.2 m to the floor in 0.2 s, with 2 m/s; from 0.25 s to 0.28 s a force takes it up again.
+  Scene scene = empty_scene(0.5, 0.001);
+  scene.network.add_node(point({0, 0, 0.2}, 0.5, {1, 0, 0}));
+  scene.network.add_plane({"floor", Vector3::Zero(), Vector3::UnitZ(), {Friction::Kind::none, 0.0}});
+  scene.network.add_load({{0}, Vector3(0, 0, 50), 0.25, 0.28});
+  scene.output.interval = 0.15;
+  scene.output.reactions = true;
+  run(scene, folder);
+  const Csv reactions = testing::read_csv(folder.path() / "reactions.csv");
+  REQUIRE(reactions.rows.size() == 1);  // not at 0.45 s: nothing has touched it since
+  CHECK(reactions.number(0, 0) == doctest::Approx(0.3));
+  CHECK(reactions.rows[0][11] == "");
+  CHECK(vector(reactions, 0, 2) == Vector3::Zero());
+  // It touches within a step: off by what the weight of 5 N does in 1 ms.
+  const Vector3 impulse = vector(reactions, 0, 8);
+  CHECK((impulse - Vector3(0, 0, 0.5 * 2.0)).norm() <= 5.0 * 0.001 + 1e-12);
+}
+
+TEST_CASE("a node in a corner has both surfaces in its row") {
+  const TemporaryFolder folder;
+  Scene scene = empty_scene(0.2, 0.01);
+  scene.options.integrator = testing::cvode(1e-8);
+  scene.network.add_node(point({0.1, 0, 0}, 0.5, {1, 0, 0}));
+  const Friction smooth{Friction::Kind::none, 0.0};
+  scene.network.add_plane({"floor", Vector3::Zero(), Vector3::UnitZ(), smooth});
+  scene.network.add_plane({"", Vector3(0.2, 0, 0), -Vector3::UnitX(), smooth});
+  scene.network.add_load({{0}, Vector3(3, 0, 0)});
+  scene.output.reactions = true;
+  run(scene, folder);
+  const Csv reactions = testing::read_csv(folder.path() / "reactions.csv");
+  REQUIRE_FALSE(reactions.rows.empty());
+  CHECK(reactions.rows.front()[11] == "floor");
+  const std::string both = reactions.rows.back()[11];
+  CHECK((both == "floor;1" || both == "1;floor"));
 }
 
 TEST_CASE("tables of forces are left out on request, and old ones go") {

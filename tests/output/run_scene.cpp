@@ -108,7 +108,7 @@ TEST_CASE("reactions balance what pulls at a fixed node") {
   scene.network.set_gravity({1.5, 0.0, 0.0});
   run(scene, folder);
   const testing::Csv csv = testing::read_csv(folder.path() / "reactions.csv");
-  CHECK(csv.header == "time,node,fx,fy,fz,tx,ty,tz");
+  CHECK(csv.header == "time,node,fx,fy,fz,tx,ty,tz,jx,jy,jz,surface");
   REQUIRE(csv.rows.size() == 1201);  // the fixed node only
   const std::size_t last = csv.rows.size() - 1;
   CHECK(csv.rows[last][1] == "0");
@@ -131,7 +131,7 @@ TEST_CASE("cuts and contacts are counted and listed with the user's numbers") {
   CHECK(summary.springs == 1);
   CHECK(summary.springs_left == 0);
   const testing::Csv csv = testing::read_csv(folder.path() / "events.csv");
-  CHECK(csv.header == "time,event,element,index");
+  CHECK(csv.header == "time,event,element,index,surface,jx,jy,jz");
   REQUIRE(csv.rows.size() == 2);
   CHECK(csv.number(0, 0) == doctest::Approx(0.3));
   CHECK(csv.rows[0][1] == "cut");

@@ -1,4 +1,5 @@
 #include "output/surface_shapes.hpp"
+#include "constraints/obstacle.hpp"
 
 #include <algorithm>
 #include <map>
@@ -60,6 +61,39 @@ TEST_CASE("a sphere and a capsule are closed, have their radius everywhere and n
     const double volume = enclosed_volume(shapes), expected = ball + (capsule ? tube : 0.0);
     CHECK(volume < expected);
     CHECK(volume > 0.97 * expected);
+  }
+}
+
+TEST_CASE("a box is closed, lies on its surface, and has its volume: exactly where it is sharp") {
+  Instrument instrument;
+  instrument.first = Vector3(1.0, -2.0, 0.5);
+  instrument.box.emplace();
+  instrument.box->size = {1.0, 0.5, 0.8};
+  instrument.box->axes = Eigen::AngleAxisd(0.6, Vector3(0.6, 0.0, 0.8)).toRotationMatrix();
+  for (const double radius : {0.0, 0.1, 0.25}) {
+    CAPTURE(radius);
+    instrument.box->radius = radius;
+    Network network;
+    network.add_instrument(instrument);
+    const SurfaceShapes shapes = shapes_of(network);
+    const Obstacle obstacle(network.instruments()[0]);
+    CHECK(is_closed(shapes));
+    // Contact rounds sharp corners by a millionth of the least side.
+    const double exact = radius > 0.0 ? 1e-15 : 1e-6 * 0.5;
+    for (const Vector3& point : shapes.points) CHECK(std::abs(obstacle.gap(Pose{}, point)) <= exact);
+    // Of a rounded box: core, slabs on its faces, quarters of cylinders, eighths of a ball.
+    const Vector3 core = instrument.box->size - 2.0 * radius * Vector3::Ones();
+    const double slabs = core.x() * core.y() + core.y() * core.z() + core.z() * core.x();
+    const double expected = core.prod() + 2.0 * radius * slabs + std::numbers::pi * radius * radius * core.sum() +
+                            4.0 / 3.0 * std::numbers::pi * radius * radius * radius;
+    const double volume = enclosed_volume(shapes);
+    if (radius == 0.0) {
+      CHECK(shapes.points.size() == 8);
+      CHECK(shapes.triangles.size() == 12);
+      CHECK(volume == doctest::Approx(expected).epsilon(1e-14));
+    }
+    CHECK(volume < expected * (1.0 + 1e-14));
+    CHECK(volume > 0.98 * expected);  // chords of 15 degrees, as above, of the rounded parts
   }
 }
 

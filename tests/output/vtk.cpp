@@ -7,10 +7,12 @@
 #include <vector>
 
 #include <doctest/doctest.h>
+#include <Eigen/Geometry>
 #include <springnet/output.hpp>
 
 #include "csv.hpp"
 #include "nets.hpp"
+#include "output/surface_shapes.hpp"
 #include "temporary_folder.hpp"
 
 using namespace springnet;
@@ -240,6 +242,44 @@ TEST_CASE("a triangle is broken once a spring along any of its edges is") {
     REQUIRE(broken.size() == 12);
     CHECK(std::vector<double>(broken.end() - 3, broken.end()) == expected[record]);
     CHECK(broken[8] == 0.0);
+  }
+}
+
+TEST_CASE("a box that turns is drawn as it stands, and nodes have the number of the surface that they touch") {
+  const TemporaryFolder folder;
+  Scene scene;
+  Network& net = scene.network;
+  net.add_node(testing::point({0, 0, 0}));
+  net.add_node(testing::point({0, 0, 1}));
+  net.add_node(testing::point({3, 0, 0.3}));
+  net.set_gravity({0, 0, -10});
+  net.add_plane({"wall", {9, 0, 0}, -Vector3::UnitX()});
+  net.add_plane({"floor", Vector3::Zero(), Vector3::UnitZ()});
+  Instrument slab;
+  slab.first = {3, 0, 0.1};
+  slab.box.emplace();
+  slab.box->size = {1.0, 2.0, 0.4};
+  slab.turn.emplace();
+  slab.turn->axis = Vector3(0.6, 0.0, 0.8);
+  slab.turn->through = Vector3(7, 1, -1);
+  slab.turn->rate = 0.3;
+  net.add_instrument(slab);
+  scene.duration = 0.1;
+  scene.options.time_step = 0.01;
+  scene.output.interval = 0.1;
+  scene.output.vtk = true;
+  run(scene, folder);
+  const Grid grid = read(folder.path() / "vtk/net_000001.vtu");
+  CHECK(grid.arrays.at("surface").section == "PointData");
+  CHECK(grid.arrays.at("surface").values == std::vector<double>{1, -1, 2});
+  const Grid surfaces = read(folder.path() / "vtk/surfaces_000001.vtp");
+  const SurfaceShapes shapes = shapes_of(net);
+  REQUIRE(shapes.points.size() == 16);  // two squares and a box
+  const Eigen::AngleAxisd turned(0.3 * 0.1, slab.turn->axis);
+  for (std::size_t k = 0; k < 16; ++k) {
+    const Vector3 through = *slab.turn->through;
+    const Vector3 place = k < 8 ? shapes.points[k] : Vector3(through + turned * (shapes.points[k] - through));
+    CHECK((vector(surfaces, "Points", k) - place).norm() <= 1e-14);  // rounding
   }
 }
 

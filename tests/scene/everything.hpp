@@ -147,6 +147,8 @@ point = [0, 0, -1]
 normal = [0, 0, 2]
 friction = 0.3
 motion = { table = [[0, 0, 0, 0], [1, 0, 0, 0.25]], interpolation = "smooth" }
+turn = { axis = [0, 0, 2], rate = -0.5, from = 0.25, until = 2.0 }
+restitution = 0.75
 
 [[instrument]]
 name = "ball"
@@ -157,6 +159,12 @@ motion = { sinusoid = { amplitude = [1, 0, 0], frequency = 0.5, phase = 1.5 }, f
 [[instrument]]
 name = "probe"
 capsule = { from = [0, 0, 20], to = [0, 0, 30], radius = 0.25 }
+restitution = 0.5
+
+[[instrument]]
+name = "slab"
+box = { center = [0, 20, 0], size = [1, 2, 3], rotation = { axis = [0, 0, 3], angle = 0.5 }, radius = 0.125 }
+turn = { axis = [0, 1, 0], through = [0, 19, 0], table = [[0, 0], [1, 1.5]], interpolation = "linear" }
 
 [[cut]]
 time = 1.0

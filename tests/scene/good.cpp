@@ -254,7 +254,14 @@ TEST_CASE("every key: surfaces") {
   REQUIRE(floor.motion.has_value());
   CHECK(floor.motion->interpolation == springnet::Motion::Interpolation::smooth);
   CHECK(floor.motion->displacements.at(1) == Vector3(0, 0, 0.25));
-  REQUIRE(network.instruments().size() == 2);
+  CHECK(floor.restitution == 0.75);
+  REQUIRE(floor.turn.has_value());
+  CHECK(floor.turn->axis == Vector3(0, 0, 1));
+  CHECK_FALSE(floor.turn->through.has_value());
+  CHECK(floor.turn->rate == -0.5);
+  CHECK(floor.turn->from == 0.25);
+  CHECK(floor.turn->until == 2.0);
+  REQUIRE(network.instruments().size() == 3);
   const springnet::Instrument& ball = network.instruments()[0];
   CHECK(ball.name == "ball");
   CHECK(ball.first == Vector3(5, 5, 5));
@@ -270,6 +277,21 @@ TEST_CASE("every key: surfaces") {
   CHECK(probe.radius == 0.25);
   CHECK(probe.friction.kind == Friction::Kind::held);
   CHECK_FALSE(probe.motion.has_value());
+  CHECK(probe.restitution == 0.5);
+  CHECK_FALSE(probe.box.has_value());
+  const springnet::Instrument& slab = network.instruments()[2];
+  CHECK(slab.first == Vector3(0, 20, 0));
+  REQUIRE(slab.box.has_value());
+  CHECK(slab.box->size == Vector3(1, 2, 3));
+  CHECK(slab.box->radius == 0.125);
+  CHECK(slab.box->axes.col(0).isApprox(Vector3(std::cos(0.5), std::sin(0.5), 0), 1e-15));
+  CHECK(slab.restitution == 0);
+  REQUIRE(slab.turn.has_value());
+  CHECK(slab.turn->axis == Vector3(0, 1, 0));
+  CHECK(slab.turn->through == Vector3(0, 19, 0));
+  CHECK(slab.turn->times == std::vector<double>{0, 1});
+  CHECK(slab.turn->angles == std::vector<double>{0, 1.5});
+  CHECK(slab.turn->interpolation == springnet::Motion::Interpolation::linear);
 }
 
 TEST_CASE("friction, interpolation and windows that are left out") {
@@ -307,14 +329,16 @@ TEST_CASE("what lies outside of the simulated time is noted") {
                             "[[move]]\nselect = { nodes = [0] }\n" + table +
                             "\n[[plane]]\npoint = [0, 0, -1]\nnormal = [0, 0, 1]\nmotion = { " + table +
                             " }\n[[instrument]]\nname = \"tip\"\nsphere = { center = [9, 9, 9], radius = 1 }\n" +
-                            "motion = { sinusoid = { amplitude = [1, 0, 0], frequency = 1 }, from = 7 }\n");
+                            "motion = { sinusoid = { amplitude = [1, 0, 0], frequency = 1 }, from = 7 }\n" +
+                            "turn = { axis = [0, 0, 1], rate = 1, from = 6 }\n");
   const std::string end = " is outside of the simulated time, 0 to 1 s.";
   const std::vector<std::string> expected{"Force 0, which starts at 1 s," + end,
                                           "Force 1, which ends at 0 s," + end,
                                           "Cut 1 at 1.5 s" + end,
                                           "The motion of the nodes of move 0, which starts at 2 s," + end,
                                           "The motion of plane 0, which starts at 2 s," + end,
-                                          "The motion of instrument 'tip', which starts at 7 s," + end};
+                                          "The motion of instrument 'tip', which starts at 7 s," + end,
+                                          "The turn of instrument 'tip', which starts at 6 s," + end};
   CHECK(springnet::notes_of(scene) == expected);
   Scene longer = scene;
   longer.duration = 8;

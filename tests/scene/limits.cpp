@@ -189,6 +189,15 @@ TEST_CASE("a node that starts behind a surface is told with the surface's place"
   CHECK(
       contains(refused(small + floor + ball), "test.toml:13:1: instrument.0: node 0 starts 0.5 m inside instrument 0"));
   CHECK(refused(small + ball + "motion = { table = [[0, 0, 0, -9], [1, 0, 0, 0]] }\n") == "");
+  // Node 0 is at the origin: inside the box, whose nearest face is at x = -0.1, until it is turned upright.
+  const std::string box = "[[instrument]]\nbox = { center = [0.4, 0, 0.5], size = [1, 0.5, 0.5] }\n";
+  CHECK(refused(small + box) == "");
+  const std::string low = "[[instrument]]\nname = \"block\"\nbox = { center = [0.4, 0, 0.1], size = [1, 0.5, 0.5] }\n";
+  CHECK(contains(refused(small + low), "test.toml:9:1: instrument.0: node 0 starts 0.1 m inside instrument 'block'"));
+  const std::string turn = "turn = { axis = [0, 1, 0], through = [0.4, 0, 0], table = [[-2, 0], [-1, 1.5707963]] }\n";
+  CHECK(refused(small + low + turn) == "");
+  // That one comes to be about (0.9, 0, 0), 0.5 m wide: node 1 is at (1, 0, 0).
+  CHECK(contains(refused(small + box + turn), "node 1 starts 0.15 m inside instrument 0"));
   CHECK(refused(small + ball + "[[fix]]\nselect = { nodes = [0] }\n") == "");
 }
 

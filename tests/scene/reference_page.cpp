@@ -22,7 +22,8 @@ std::string read_page() {
 
 std::set<std::string> listed() { return {springnet::scene_keys().begin(), springnet::scene_keys().end()}; }
 
-// Where the keys of a table are listed: those of selections once, as "select.…", those of surfaces' motions likewise.
+// Where the keys of a table are listed: those of selections once, as "select.…", those of surfaces' motions and turns
+// likewise.
 std::string listed_path(const std::string& path) {
   if (path.ends_with(".select") || path == "rigid.springs" || path == "output.nodes" || path == "output.springs") {
     return "select";
@@ -32,7 +33,10 @@ std::string listed_path(const std::string& path) {
       if (path == std::string(joined) + end) return "select";
     }
   }
-  return path.ends_with(".motion") ? "motion" : path;
+  for (const char* shared : {"motion", "turn"}) {
+    if (path.ends_with(std::string(".") + shared)) return shared;
+  }
+  return path;
 }
 
 void collect(const toml::node& node, const std::string& path, std::set<std::string>& keys) {
@@ -92,7 +96,7 @@ TEST_CASE("a date is refused where the value of any key is expected, so that eve
       places.clear();
       for (const char* place : {"fix", "node", "cut", "spring", "force"}) places.push_back(place + ("." + key));
     }
-    if (key.starts_with("motion.")) places = {"plane." + key, "instrument." + key};
+    if (key.starts_with("motion.") || key.starts_with("turn.")) places = {"plane." + key, "instrument." + key};
     toml::table table;
     const bool spoilt = [&] {
       for (const char* scene : {everything, everything_of_meshes}) {

@@ -35,6 +35,10 @@
 #define SPRINGNET_ENDS_1_2(check)                        \
   check(springnet_network, load_revision, 152)           \
   check(springnet_host, begin_interval, 208)
+/* And ABI 1.3. */
+#define SPRINGNET_ENDS_1_3(check)                        \
+  check(springnet_network, status, 160)                  \
+  check(springnet_sweep, reserved, 280)
 /* clang-format on */
 
 #ifdef __cplusplus

@@ -21,7 +21,7 @@ inline Csv read_csv(const std::filesystem::path& file) {
   std::ifstream in(file);
   std::getline(in, csv.header);
   for (std::string line; std::getline(in, line);) {
-    std::stringstream cells(line);
+    std::stringstream cells(line + ',');  // so that an empty last cell counts
     csv.rows.emplace_back();
     for (std::string cell; std::getline(cells, cell, ',');) csv.rows.back().push_back(cell);
   }

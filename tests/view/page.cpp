@@ -106,7 +106,7 @@ TEST_CASE("positions, tensions, events and energies are those of the run") {
   const auto tensions = block<float>(page, "tensions");
   const auto scalars = block<double>(page, "scalars");
   const auto contact = block<std::uint8_t>(page, "contact");
-  const auto places = block<float>(page, "surface_positions");
+  const auto places = block<float>(page, "surface_poses");
   REQUIRE(positions.size() == frames * 3 * 65);
   REQUIRE(tensions.size() == frames * scene.network.springs().size());
   const std::size_t width = scalars.size() / frames;
@@ -141,7 +141,7 @@ TEST_CASE("positions, tensions, events and energies are those of the run") {
     for (SpringIndex k = 0; k < scene.network.springs().size(); ++k) {
       CHECK(same(tensions[frame * scene.network.springs().size() + k], simulation.tension(k), 1e-12));
     }
-    CHECK(places[frame * 6 + 5] == static_cast<float>(simulation.surface_position(1).z()));
+    CHECK(places[frame * 14 + 9] == static_cast<float>(simulation.surface_position(1).z()));
   }
   CHECK(touching > 0);  // the ground was reached
   const auto removed = block<std::uint32_t>(page, "removed_springs");
@@ -354,6 +354,48 @@ TEST_CASE("the page has the resultant of each load and the forces on nodes of ev
     CHECK(resultants[6 * frame + 4] == (acts ? 0.045F : 0.0F));
     CHECK(forces[30 * frame + 5] == -0.01F);
     CHECK(forces[30 * frame + 28] == (acts ? 0.045F : 0.0F));
+  }
+}
+
+TEST_CASE("a box that turns: its shape, and how it stands in each frame") {
+  const TemporaryFolder folder;
+  Scene scene = testing::with_elements();
+  Instrument slab;
+  slab.name = "slab";
+  slab.first = {5, 0, 0};
+  slab.box.emplace();
+  slab.box->size = {1.0, 2.0, 0.5};
+  slab.box->radius = 0.125;
+  slab.box->axes = Eigen::AngleAxisd(0.5, Vector3::UnitX()).toRotationMatrix();
+  slab.turn.emplace();
+  slab.turn->rate = 2.0;
+  scene.network.add_instrument(slab);
+  scene.network.add_plane({"floor", Vector3(0, 0, -9), Vector3::UnitZ()});
+  run(scene, folder);
+  const std::string page = page_in(folder);
+  const nlohmann::json about = description(page), drawn = about["surfaces"][1];
+  CHECK(about["surfaces"][0]["kind"] == "plane");
+  CHECK(about["surfaces"][0]["moves"] == false);
+  CHECK(drawn["kind"] == "box");
+  CHECK(drawn["name"] == "slab");
+  CHECK(drawn["moves"] == true);
+  CHECK(drawn["radius"] == 0.125);
+  CHECK(drawn["size"] == nlohmann::json({1.0, 2.0, 0.5}));
+  CHECK(drawn["point"] == nlohmann::json({5.0, 0.0, 0.0}));
+  CHECK(drawn["stands"][0].get<double>() == doctest::Approx(std::sin(0.25)));
+  CHECK(drawn["stands"][3].get<double>() == doctest::Approx(std::cos(0.25)));
+  const auto poses = block<float>(page, "surface_poses");
+  const auto scalars = block<double>(page, "scalars");
+  const std::size_t frames = about["frames"], width = scalars.size() / frames;
+  REQUIRE(poses.size() == frames * 14);
+  for (std::size_t frame = 0; frame < frames; ++frame) {
+    const double half = scalars[frame * width];  // rad: half of 2 rad/s times the time
+    const float* plane = &poses[frame * 14];
+    CHECK(std::vector<float>(plane, plane + 7) == std::vector<float>{0, 0, -9, 0, 0, 0, 1});
+    const float* box = plane + 7;
+    CHECK(box[0] == 5.0F);
+    CHECK(box[5] == doctest::Approx(std::sin(half)).epsilon(1e-6));  // numbers of 32 bits
+    CHECK(box[6] == doctest::Approx(std::cos(half)).epsilon(1e-6));
   }
 }
 

@@ -15,6 +15,7 @@ struct EventCounts {
   std::size_t released = 0;          // nodes; each time counts
   std::size_t slipped = 0;           // nodes; each time counts
   std::size_t stuck = 0;             // nodes; each time counts
+  std::size_t jammed = 0;            // nodes; each time counts
 };
 
 [[nodiscard]] EventCounts count_events(const Simulation& simulation);

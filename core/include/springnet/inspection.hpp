@@ -130,11 +130,11 @@ inline constexpr double steps_a_period = 10.0;
 
 // A likely mistake in a scene, most often of units.
 struct Hint {
-  enum class Kind { size, mass, density, gravity, start, fall, time_step };
+  enum class Kind { size, mass, density, gravity, start, fall, time_step, kinks };
   Kind kind;
   std::string text;  // sentences: what was found, with its numbers, and what to do
 };
-[[nodiscard]] std::string_view name_of(Hint::Kind kind) noexcept;  // "size", …, "time step"
+[[nodiscard]] std::string_view name_of(Hint::Kind kind) noexcept;  // "size", …, "time step", "kinks"
 
 struct Inspection {
   std::size_t nodes = 0, springs = 0, bodies = 0, fixed_nodes = 0, planes = 0, loads = 0, cuts = 0;

@@ -174,6 +174,23 @@ struct Friction {
   double coefficient = 0.0;  // 1
 };
 
+// A rotation over time about an axis of fixed direction: at a constant rate, or a table of angles.
+struct Turn {
+  Vector3 axis = Vector3::UnitZ();  // any length but 0, normalised when added; angles count counterclockwise seen from
+                                    // its tip
+  // m: a point of the axis at the start, which moves along with the surface's motion. None: a plane's point, an
+  // instrument's `first`.
+  std::optional<Vector3> through{};
+
+  double rate = 0.0;  // rad/s while from <= t < until, at rest before and after
+  double from = 0.0;  // s
+  double until = std::numeric_limits<double>::infinity();
+
+  std::vector<double> times;   // s, rising; before the first and after the last entry it rests
+  std::vector<double> angles;  // rad, as many; empty: no table
+  Motion::Interpolation interpolation = Motion::Interpolation::smooth;
+};
+
 // The half space on the side of the normal is free. A node that crosses is held where it touched until a reverse force
 // occurs (the paper's rule), or slides with friction.
 struct Plane {
@@ -181,11 +198,22 @@ struct Plane {
   Vector3 point = Vector3::Zero();    // m
   Vector3 normal = Vector3::UnitZ();  // any length but 0; normalised by add_plane
   Friction friction{};
-  std::optional<Motion> motion{};  // a plane that moves, without turning
+  std::optional<Motion> motion{};
+  std::optional<Turn> turn{};
+  // Newton's coefficient, 0 to 1: a node that hits the surface leaves it with this share of the normal velocity.
+  double restitution = 0.0;
 };
 
-// A sphere, or a capsule: all points within `radius` of the segment from `first` to `second`. Nodes stay outside. It
-// moves without turning. Its forces and torques (about `first`) are outputs.
+// The shape of an instrument that is a box. Contact rounds its edges by a millionth of the least size at least: that
+// they are bent tells that a node which slides over one flies off.
+struct BoxShape {
+  Vector3 size = Vector3::Ones();                      // m, from face to face, rounding included
+  Eigen::Matrix3d axes = Eigen::Matrix3d::Identity();  // columns: directions of its edges, a rotation
+  double radius = 0.0;                                 // m, of edges and corners, at most half the least size; 0: sharp
+};
+
+// A sphere, or a capsule: all points within `radius` of the segment from `first` to `second`; or a box about `first`,
+// `second` and `radius` not being read. Nodes stay outside. Its forces and torques (about `first`) are outputs.
 struct Instrument {
   std::string name;
   Vector3 first = Vector3::Zero();   // m
@@ -193,6 +221,9 @@ struct Instrument {
   double radius = 1.0;               // m
   Friction friction{};
   std::optional<Motion> motion{};
+  std::optional<Turn> turn{};
+  double restitution = 0.0;  // as a plane's
+  std::optional<BoxShape> box{};
 };
 
 // Springs removed at a time: those listed, and those that cross the polygon (planar, convex or not, three corners or
@@ -260,9 +291,10 @@ class Network {
   // load counts once; a face named twice is loaded twice.
   void add_load(const Load& load);
   void add_plane(const Plane& plane);
-  // Names of planes and instruments are unique together. Throw Error(input) as above, and for a radius that is not
-  // above 0, a negative coefficient of friction, a motion that is no motion: neither table nor sinusoid, or both, times
-  // that do not rise, tables of different lengths, a negative frequency.
+  // Names of planes and instruments are unique together. Throw Error(input) as above, and for a radius or a box's size
+  // that is not above 0, a box whose axes are no rotation or whose radius is more than half its least size, a negative
+  // coefficient of friction, a restitution outside 0 to 1, a motion that is no motion: neither table nor sinusoid, or
+  // both, times that do not rise, tables of different lengths, a negative frequency; likewise a turn.
   void add_instrument(const Instrument& instrument);
   // A node may be in one motion only; it counts as fixed, and its own velocity is ignored.
   void add_move(const Move& move);
@@ -306,8 +338,8 @@ class Network {
   void check_material(MaterialIndex material) const;
   void check_lengths(NodeIndex node, const Vector3& position) const;
   void check_ends(NodeIndex first, NodeIndex second, std::string_view what) const;
-  void check_surface(std::string_view what, const std::string& name, const Friction& friction,
-                     const std::optional<Motion>& motion) const;
+  template <class Surface>
+  void check_surface(std::string_view what, const Surface& surface) const;
 
   std::vector<Node> nodes_;
   std::vector<Spring> springs_;

@@ -83,8 +83,10 @@ class ElementWriter {
   std::vector<double> values_;  // [element][column]
 };
 
-// "time,node,fx,fy,fz,tx,ty,tz" in s, N, N m: the force that holds or moves a node, and its torque about the origin,
-// for each node of the options that is fixed, moved or in contact at the time.
+// "time,node,fx,fy,fz,tx,ty,tz,jx,jy,jz,surface" in s, N, N m, N s: the force that holds or moves a node, its torque
+// about the origin, the impulses of touching that surfaces gave the node so far (Simulation::contact_impulse), and the
+// surfaces that it is in contact with, as SurfaceWriter names them, joined by ';'. A row for each node of the options
+// that is fixed, moved or in contact at the time, or whose impulse changed since the last record.
 class ReactionWriter {
  public:
   ReactionWriter(const OutputFile& file, const Network& network, const OutputOptions& options = {});
@@ -95,12 +97,14 @@ class ReactionWriter {
  private:
   std::unique_ptr<CsvFile> file_;
   std::vector<NodeIndex> nodes_;
-  std::vector<bool> fixed_;  // of nodes_
+  std::vector<bool> fixed_;        // of nodes_
+  std::vector<Vector3> impulses_;  // N s, of nodes_ at the last record; empty without surfaces
 };
 
-// "time,surface,x,y,z,fx,fy,fz,tx,ty,tz,nodes" in s, m, N, N m: where each plane and instrument is (its point, its
-// first end), the force of the nodes in contact on it, the torque of that about the place, and how many nodes there
-// are. The surface's name stands in its column, or its number if it has none: planes first, then instruments.
+// "time,surface,x,y,z,fx,fy,fz,tx,ty,tz,nodes,jx,jy,jz" in s, m, N, N m, N s: where each plane and instrument is (its
+// point, its first end), the force of the nodes in contact on it, the torque of that about the place, how many nodes
+// there are, and the impulses of touching that nodes gave it so far (Simulation::surface_impulse). The surface's name
+// stands in its column, or its number if it has none: planes first, then instruments.
 class SurfaceWriter {
  public:
   explicit SurfaceWriter(const OutputFile& file);
@@ -125,8 +129,9 @@ class RigidWriter {
   RigidIndex count_;
 };
 
-// "time,event,element,index" in s: cut and ruptured springs; nodes that touched a surface or were released from it,
-// that slipped on it or stuck again.
+// "time,event,element,index,surface,jx,jy,jz" in s, N s: cut and ruptured springs; nodes that touched a surface or were
+// released from it, that slipped on it, stuck again or jammed, with the surface, as SurfaceWriter names it, and the
+// impulse that it gave the node then.
 class EventWriter {
  public:
   explicit EventWriter(const OutputFile& file);

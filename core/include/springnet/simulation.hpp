@@ -43,12 +43,16 @@ struct StepReport {
 
 // Something that happened to a spring, an element or a node.
 struct Event {
-  enum class Kind { cut, ruptured, touched, released, slipped, stuck };
+  // jammed: a node in contact that no finite force can keep from going into the surface (Painlevé) is stopped at once.
+  enum class Kind { cut, ruptured, touched, released, slipped, stuck, jammed };
   Kind kind;
   double time;  // s
-  // Spring or element (cut, ruptured) or node (touched, released; slipped, stuck: Coulomb friction).
+  // Spring or element (cut, ruptured) or node (touched, released, jammed; slipped, stuck: Coulomb friction).
   std::uint32_t index;
   bool element = false;  // cut or ruptured, by its own law or because a spring between its nodes was: an element
+  // Of a node: the surface (planes, then instruments; -1: not known), and the impulse that it gave the node, N s.
+  std::int32_t surface = -1;
+  Vector3 impulse = Vector3::Zero();
 };
 
 // Positions and so on without a copy: 3 x nodes, one row a coordinate, in the engine's order of nodes.
@@ -107,12 +111,19 @@ class Simulation {
   // A plane's point, an instrument's first point, now. m, m/s
   [[nodiscard]] Vector3 surface_position(std::size_t surface) const;
   [[nodiscard]] Vector3 surface_velocity(std::size_t surface) const;
+  // How it has turned since the start: a direction d of it is now surface_rotation() d. rad/s, about an axis in space.
+  [[nodiscard]] Eigen::Matrix3d surface_rotation(std::size_t surface) const;
+  [[nodiscard]] Vector3 surface_spin(std::size_t surface) const;
   // What the nodes in contact do to the surface together: force N, torque about surface_position() N m.
   [[nodiscard]] Vector3 surface_force(std::size_t surface) const;
   [[nodiscard]] Vector3 surface_torque(std::size_t surface) const;
   [[nodiscard]] std::size_t nodes_touching(std::size_t surface) const;
-  // Sum of the impulses with which surfaces stopped the node so far. N s
+  // Impulses of touching: velocities jump where nodes meet surfaces, by more than the forces explain. Sums of those
+  // that surfaces gave the node, and that nodes gave the surface, so far. N s
   [[nodiscard]] Vector3 contact_impulse(NodeIndex node) const;
+  [[nodiscard]] Vector3 surface_impulse(std::size_t surface) const;
+  // The surfaces that the node is in contact with.
+  [[nodiscard]] std::vector<std::size_t> surfaces_of(NodeIndex node) const;
   [[nodiscard]] bool held(NodeIndex node) const;      // by a surface
   [[nodiscard]] bool touching(NodeIndex node) const;  // held by a surface, or sliding on one
 
@@ -152,7 +163,8 @@ class Simulation {
   std::size_t cut_polygon(const std::vector<Vector3>& corners);
 
   // From now on the surface, or the node (fixed from then on), moves straight and evenly to `position`, where it
-  // arrives at `time` (above now) and stays: how a host hands on what a tracked tool does. A motion of the scene ends.
+  // arrives at `time` (above now) and stays: how a host hands on what a tracked tool does. A motion of the scene ends;
+  // a surface that turns goes on turning.
   void move_surface(std::size_t surface, const Vector3& position, double time);
   void move_node(NodeIndex node, const Vector3& position, double time);
 

@@ -28,7 +28,7 @@ void write_rounded(std::ostream& out, const std::string& name, const std::vector
 
 void write_moving(std::ostream& out, const Frames& frames, const std::optional<Ranges>& ranges) {
   write_block(out, "scalars", frames.scalars.numbers());
-  write_block(out, "surface_positions", frames.surfaces.numbers());
+  write_block(out, "surface_poses", frames.surfaces.numbers());
   write_block(out, "contact", frames.contact.numbers());
   write_block(out, "load_resultants", frames.resultants.numbers());
   write_block(out, "arrow_forces", frames.forces.numbers());
@@ -138,7 +138,7 @@ double frame_bytes(const Content& content, bool rounded) {
   const auto surfaces =
       static_cast<double>(content.scene.network.planes().size() + content.scene.network.instruments().size());
   const auto arrows = static_cast<double>(content.forces.loads.size() + content.forces.arrows.size());
-  return (rounded ? 2.0 : 4.0) * (4.0 * nodes + springs) + std::ceil(nodes / 8.0) + 12.0 * (surfaces + arrows) +
+  return (rounded ? 2.0 : 4.0) * (4.0 * nodes + springs) + std::ceil(nodes / 8.0) + 28.0 * surfaces + 12.0 * arrows +
          8.0 * static_cast<double>(fixed_scalars + content.elements.size());
 }
 

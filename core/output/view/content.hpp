@@ -19,7 +19,7 @@
 namespace springnet::view {
 
 // Numbers of a frame besides those of nodes, springs and surfaces; the chosen elements' values follow.
-enum Scalar : std::size_t { time, kinetic, potential, steps, sweeps, events, fixed_scalars = events + 6 };
+enum Scalar : std::size_t { time, kinetic, potential, steps, sweeps, events, fixed_scalars = events + 7 };
 
 struct Removal {
   SpringIndex spring;

@@ -4,6 +4,7 @@
 #include <set>
 
 #include <fmt/format.h>
+#include <Eigen/Geometry>
 #include <nlohmann/json.hpp>
 #include <springnet/version.hpp>
 
@@ -50,16 +51,28 @@ Json surfaces_of(const Network& network) {
                         {"point", json_of(plane.point)},
                         {"normal", json_of(plane.normal)},
                         {"friction", text_of(plane.friction)},
-                        {"moves", plane.motion.has_value()}});
+                        {"moves", plane.motion || plane.turn}});
   }
   for (const Instrument& instrument : network.instruments()) {
+    if (instrument.box) {
+      const Eigen::Quaterniond stands(instrument.box->axes);
+      surfaces.push_back({{"kind", "box"},
+                          {"name", instrument.name},
+                          {"point", json_of(instrument.first)},
+                          {"size", json_of(instrument.box->size)},
+                          {"stands", {stands.x(), stands.y(), stands.z(), stands.w()}},
+                          {"radius", instrument.box->radius},
+                          {"friction", text_of(instrument.friction)},
+                          {"moves", instrument.motion || instrument.turn}});
+      continue;
+    }
     surfaces.push_back({{"kind", instrument.first == instrument.second ? "sphere" : "capsule"},
                         {"name", instrument.name},
                         {"point", json_of(instrument.first)},
                         {"to", json_of(instrument.second)},
                         {"radius", instrument.radius},
                         {"friction", text_of(instrument.friction)},
-                        {"moves", instrument.motion.has_value()}});
+                        {"moves", instrument.motion || instrument.turn}});
   }
   return surfaces;
 }

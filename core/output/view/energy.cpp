@@ -10,7 +10,7 @@ namespace {
 
 template <class Surface>
 bool any_moves(const std::vector<Surface>& surfaces) {
-  return std::any_of(surfaces.begin(), surfaces.end(), [](const Surface& each) { return each.motion.has_value(); });
+  return std::any_of(surfaces.begin(), surfaces.end(), [](const Surface& each) { return each.motion || each.turn; });
 }
 
 bool any_damps(const Network& network) {

@@ -9,7 +9,7 @@ Frames::Frames(const FrameWidths& widths, std::size_t capacity, std::size_t expe
       positions(3 * widths.nodes, std::min(capacity, expected) + 1),
       speeds(widths.nodes, std::min(capacity, expected) + 1),
       tensions(widths.springs, std::min(capacity, expected) + 1),
-      surfaces(3 * widths.surfaces, std::min(capacity, expected) + 1),
+      surfaces(surface_numbers * widths.surfaces, std::min(capacity, expected) + 1),
       resultants(3 * widths.loads, std::min(capacity, expected) + 1),
       forces(3 * widths.arrows, std::min(capacity, expected) + 1),
       contact((widths.nodes + 7) / 8, std::min(capacity, expected) + 1),

@@ -30,6 +30,8 @@ class Rows {
   std::vector<Number> numbers_;
 };
 
+constexpr std::size_t surface_numbers = 7;  // of each surface in a frame
+
 struct FrameWidths {
   std::size_t scalars, nodes, springs, surfaces;
   std::size_t loads = 0, arrows = 0;
@@ -47,7 +49,7 @@ class Frames {
   Rows<float> positions;       // x, y, z of each node, m
   Rows<float> speeds;          // of each node, m/s
   Rows<float> tensions;        // of each spring, N
-  Rows<float> surfaces;        // x, y, z of each surface, m
+  Rows<float> surfaces;        // of each surface: x, y, z, m; the quaternion x, y, z, w of how it has turned
   Rows<float> resultants;      // x, y, z of each load, N
   Rows<float> forces;          // x, y, z of each arrow at a node, N
   Rows<std::uint8_t> contact;  // a bit a node

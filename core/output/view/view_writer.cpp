@@ -6,6 +6,7 @@
 #include <string_view>
 
 #include <fmt/format.h>
+#include <Eigen/Geometry>
 #include <springnet/error.hpp>
 #include <springnet/output.hpp>
 #include <springnet/view.hpp>
@@ -131,9 +132,10 @@ struct ViewWriter::Impl {
   void take_surfaces(const Simulation& simulation) {
     const auto row = content.frames.surfaces.last();
     for (std::size_t k = 0; k < simulation.surface_count(); ++k) {
-      const Vector3 position = simulation.surface_position(k);
-      for (std::size_t axis = 0; axis < 3; ++axis) {
-        row[3 * k + axis] = to_float(position[static_cast<Eigen::Index>(axis)]);
+      Eigen::Vector<double, view::surface_numbers> pose;
+      pose << simulation.surface_position(k), Eigen::Quaterniond(simulation.surface_rotation(k)).coeffs();
+      for (std::size_t i = 0; i < view::surface_numbers; ++i) {
+        row[view::surface_numbers * k + i] = to_float(pose[static_cast<Eigen::Index>(i)]);
       }
     }
   }
@@ -161,7 +163,7 @@ struct ViewWriter::Impl {
   OutputFile file;
   double size;
   Content content;
-  std::array<std::uint64_t, 6> counts{};  // of each kind of event
+  std::array<std::uint64_t, 7> counts{};  // of each kind of event
   std::size_t seen = 0;                   // events
   std::vector<double> tensions;           // N, by the user's spring
   std::vector<std::string> left_out;

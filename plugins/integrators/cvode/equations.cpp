@@ -106,7 +106,11 @@ int Equations::correction(double time, N_Vector y, N_Vector correction) noexcept
 
 bool Equations::bound() const {
   const springnet_network& network = host_.network();
-  if (network.rigid_count > 0) return true;
+  return network.rigid_count > 0 || slides();
+}
+
+bool Equations::slides() const {
+  const springnet_network& network = host_.network();
   for (std::size_t k = 0; network.surface_count > 0 && k < network.node_count; ++k)
     if (network.touching[k] != 0 && network.held[k] == 0) return true;
   return false;

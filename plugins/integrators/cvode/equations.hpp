@@ -51,6 +51,8 @@ class Equations {
 
   // Whether rigid connections or surfaces that nodes slide on bind the motion now.
   [[nodiscard]] bool bound() const;
+  // Whether a node slides on a surface.
+  [[nodiscard]] bool slides() const;
 
   [[nodiscard]] const sdk::Host& host() const noexcept { return host_; }
   [[nodiscard]] std::size_t node_count() const noexcept { return host_.network().node_count; }

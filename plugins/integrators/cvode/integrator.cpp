@@ -168,6 +168,13 @@ void ReferenceIntegrator::restart(double time, const springnet_state& state, dou
 // The accelerations keep the constraints up to the error of integration; the projection brings every step back to them.
 // CVODE has it for BDF only.
 void ReferenceIntegrator::bind(const springnet_network& network) {
+  // The stiffness of friction falls with the slip, by orders of magnitude within a few steps. With the greater one of
+  // an earlier state corrections are so small that they look converged.
+  if (linear_solver() != LinearSolverKind::none) {
+    const bool slides = equations_.slides();
+    check(CVodeSetLSetupFrequency(memory_.get(), slides ? 1 : 0));
+    check(CVodeSetJacEvalFrequency(memory_.get(), slides ? 1 : 0));
+  }
   if (settings_.method != Method::bdf) {
     if (network.rigid_count > 0)
       throw sdk::Failure("cvode keeps rigid connections with method \"bdf\" only; set method = \"bdf\"");

@@ -37,15 +37,6 @@ void BlockMemory::attach(const springnet_network& network) {
   acceleration.resize(network.node_count);
   const bool constrained = network.surface_count > 0 || network.rigid_count > 0;
   inertia.assign(constrained ? 9 * std::size_t{network.node_count} : 0, 0.0);
-  free.resize(constrained ? network.node_count : 0);
-}
-
-void BlockMemory::begin(const springnet_state& outputs) {
-  const std::size_t count = inertia.size() / 9;
-  const springnet_vectors to = free.view();
-  std::copy_n(outputs.velocity.x, count, to.x);
-  std::copy_n(outputs.velocity.y, count, to.y);
-  std::copy_n(outputs.velocity.z, count, to.z);
 }
 
 BlockUpdate::BlockUpdate(const sdk::Host& host, const Step& step, BlockMemory& memory) noexcept
@@ -107,9 +98,7 @@ bool BlockUpdate::update(const springnet_node_batch& batch, std::uint32_t i) con
 bool BlockUpdate::is_guided(std::uint32_t node) const noexcept {
   if (!constrained_) return false;
   const springnet_network& network = step_.network;
-  const Columns& f = memory_.free;
-  return network.cluster[node] != no_node || network.touching[node] != 0 || velocity_.x[node] != f.x[node] ||
-         velocity_.y[node] != f.y[node] || velocity_.z[node] != f.z[node];
+  return network.cluster[node] != no_node || network.touching[node] != 0 || network.status[node] != SPRINGNET_FREE;
 }
 
 void BlockUpdate::put(std::uint32_t node, const Vector& velocity) const noexcept {
@@ -120,10 +109,6 @@ void BlockUpdate::put(std::uint32_t node, const Vector& velocity) const noexcept
   position_.x[node] = position[0];
   position_.y[node] = position[1];
   position_.z[node] = position[2];
-  if (!constrained_) return;
-  memory_.free.x[node] = velocity[0];
-  memory_.free.y[node] = velocity[1];
-  memory_.free.z[node] = velocity[2];
 }
 
 BlockUpdate::Vector BlockUpdate::acceleration_at(std::uint32_t node) const {

@@ -21,14 +21,11 @@
 
 namespace springnet::recurrent {
 
-// Scratch memory and results of a rule with block updates.
+// Scratch memory of a rule with block updates.
 struct BlockMemory {
   Columns acceleration;         // m/s^2, at candidates
   std::vector<double> inertia;  // kg, [node][3][3]; empty where nothing constrains the outputs
-  Columns free;                 // m/s, velocities that the update made last; likewise
   void attach(const springnet_network& network);
-  // The step begins with these outputs.
-  void begin(const springnet_state& outputs);
 };
 
 // Residual and matrices of one node, which stands in `at`, element i of a batch that has derivatives.

@@ -42,7 +42,7 @@ void Newton::attach(const springnet_network& network) {
                        &work_values_, &straight_, &correction_})
     values->assign(3 * n, 0.0);
   stays_.assign(n, 0);
-  guided_.assign(n, 0);
+  status_.assign(n, SPRINGNET_FREE);
   linearised_ = false;
   rubs_.clear();
   for (std::size_t k = 0; k < n; ++k) {
@@ -72,7 +72,7 @@ void Newton::begin(Step& step) {
   rate_ = 1.0;
   moved_ = 0;
   work_.free_accelerations(step, outputs);
-  std::fill(guided_.begin(), guided_.end(), std::uint8_t{0});
+  std::copy_n(network.status, network.node_count, status_.begin());
   std::fill(rubs_.begin(), rubs_.end(), std::uint8_t{0});
   for (std::uint32_t k = 0; k < network.node_count; ++k) {
     stays_[k] = network.fixed[k] | network.held[k];

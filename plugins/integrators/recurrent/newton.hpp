@@ -44,7 +44,7 @@ class Newton final : public Rule {
   void settle(Step& step, const springnet_state* before);
   // Where nodes on surfaces would go if nothing held or guided them, for the host to decide on.
   void free_contacts(const Step& step, const springnet_state& outputs, const springnet_state& free);
-  bool find_stays(const Step& step, const springnet_state& put);
+  bool find_stays(const Step& step);
   [[nodiscard]] double residual(const Step& step) const;  // N
   // The right side, and the derivatives unless those of an earlier sweep will do.
   void set_up(const Step& step);
@@ -75,7 +75,7 @@ class Newton final : public Rule {
   Assessment here_, there_;                        // at the outputs, at the candidate
   std::vector<std::uint8_t> stays_;                // [n] held, or the scene says where it is
   std::vector<std::uint8_t> was_held_;             // [n] stays_ before the host decided anew
-  std::vector<std::uint8_t> guided_;               // [n] a constraint force acts
+  std::vector<std::uint8_t> status_;               // [n] SPRINGNET_FREE …, likewise
   std::vector<std::uint8_t> rubs_;                 // [cluster] a surface is there, or met in this step
   double shift_ = 0.0;                             // mu
   double rate_ = 1.0;                              // of the norm in the last sweep; 1 where contacts changed

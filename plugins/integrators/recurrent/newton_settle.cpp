@@ -36,9 +36,7 @@ bool differ(const springnet_vectors& a, const springnet_vectors& b, std::size_t 
 bool Newton::is_guided(const Step& step, std::size_t node) const noexcept {
   const springnet_network& network = step.network;
   if (stays_[node] != 0 || !step.constrained()) return false;
-  const Columns& c = work_.constraint_force();
-  return network.cluster[node] != no_node || network.touching[node] != 0 || c.x[node] != 0.0 || c.y[node] != 0.0 ||
-         c.z[node] != 0.0;
+  return network.cluster[node] != no_node || network.touching[node] != 0 || network.status[node] == SPRINGNET_SLIDING;
 }
 
 bool Newton::hangs(const Step& step, std::size_t node) const noexcept {
@@ -74,12 +72,11 @@ void Newton::settle(Step& step, const springnet_state* before) {
   if (network.surface_count > 0) call.inertia = inertia_.data();
   work_.host.constrain(call);
   was_held_ = stays_;
-  const bool switched = find_stays(step, put);
+  const bool switched = find_stays(step);
   for (const std::uint32_t k : contacts_) {
     // Nodes that leave go on from where they were held: their free motion tells that they do, not how far. And where a
     // node touched depends on its free motion there: an iteration of its own, which may not converge.
-    const Columns& c = work_.constraint_force();
-    const bool left = stays_[k] == 0 && c.x[k] == 0.0 && c.y[k] == 0.0 && c.z[k] == 0.0;
+    const bool left = network.status[k] == SPRINGNET_FREE;
     const bool moves_on = stays_[k] != 0 && moved_ >= patience;
     if (was_held_[k] == 0 || network.cluster[k] != no_node || !(left || moves_on)) continue;
     for (std::size_t axis = 0; axis < 3; ++axis) {
@@ -102,34 +99,17 @@ void Newton::settle(Step& step, const springnet_state* before) {
   if (switched) rate_ = 1.0;
 }
 
-// Held is what the host put elsewhere than it was proposed, work_values_, without a force that goes on acting. Returns
-// whether others stay than before.
-bool Newton::find_stays(const Step& step, const springnet_state& put) {
+// What the host decided. Returns whether that is something else than before for any node.
+bool Newton::find_stays(const Step& step) {
   const springnet_network& network = step.network;
-  const std::size_t n = network.node_count;
-  const Columns& c = work_.constraint_force();
-  const Three u = axes(put.velocity);
   bool switched = false;
-  for (std::size_t k = 0; k < n; ++k) {
-    std::uint8_t stays = network.fixed[k];
-    const bool guided = step.constrained() && (c.x[k] != 0.0 || c.y[k] != 0.0 || c.z[k] != 0.0);
-    if (stays == 0 && network.surface_count > 0 && !guided) {
-      for (std::size_t axis = 0; axis < 3; ++axis)
-        if (u[axis][k] != work_values_[axis * n + k]) stays = 1;
-    }
-    switched = switched || stays != stays_[k] || guided != (guided_[k] != 0);
-    stays_[k] = stays;
-    guided_[k] = guided ? 1 : 0;
+  for (std::size_t k = 0; k < network.node_count; ++k) {
+    const std::uint8_t status = network.status[k];
+    switched = switched || status != status_[k];
+    status_[k] = status;
+    stays_[k] = status == SPRINGNET_PRESCRIBED || status == SPRINGNET_STICKING ? 1 : 0;
     const std::uint32_t cluster = network.cluster[k];
-    if (cluster == no_node || network.surface_count == 0 || rubs_[cluster] != 0) continue;
-    // Rigid connections that turned change the velocity a little, a surface that was met by much.
-    double change = 0.0, speed = 0.0;
-    for (std::size_t axis = 0; axis < 3; ++axis) {
-      const double before = work_values_[axis * n + k];
-      change += (u[axis][k] - before) * (u[axis][k] - before);
-      speed += before * before;
-    }
-    if (change > 0.01 * speed) rubs_[cluster] = 1;
+    if (cluster != no_node && (status == SPRINGNET_STICKING || status == SPRINGNET_SLIDING)) rubs_[cluster] = 1;
   }
   return switched;
 }
@@ -161,27 +141,27 @@ void Newton::free_contacts(const Step& step, const springnet_state& outputs, con
     const NodeStep node(step, outputs, batch, 0, true);
     const bool rigid = network.cluster[k] != no_node;
     Eigen::Map<NodeStep::Block> inertia(inertia_.data() + 9 * std::size_t{k});
-    inertia = node.positive;
     Eigen::Vector3d leap = -node.residual;
     const bool stays = stays_[k] != 0;
-    if (rigid || !stays) {
-      // As inert as it is in its stiffest direction: connections under tension turn little then, and friction finds its
-      // direction.
-      const double most = node.positive.operatorNorm();
-      inertia = most * NodeStep::Block::Identity();
-      if (rigid && !stays) {
-        const double* f = here_.free.data() + k;
-        const double* r = here_.residual.data() + k;
-        leap = -Eigen::Vector3d(f[0] - r[0], f[n] - r[n], f[2 * n] - r[2 * n]);
-      }
-      leap /= most;
-    } else {
-      leap = node.positive.inverse() * leap;
+    // As inert as it is in its stiffest direction: connections under tension turn little then, and friction finds its
+    // direction.
+    const double stiffest = node.positive.operatorNorm();
+    inertia = stiffest * NodeStep::Block::Identity();
+    if (rigid && !stays) {
+      const double* f = here_.free.data() + k;
+      const double* r = here_.residual.data() + k;
+      leap = -Eigen::Vector3d(f[0] - r[0], f[n] - r[n], f[2 * n] - r[2 * n]);
+    }
+    leap /= stiffest;
+    if (!rigid && stays) {
       // No further than it moved in this step: where it cannot make up its mind, the host holds it there.
       const double way = (at(outputs.position, k) - at(step.start.position, k)).norm();
       const double speed = at(step.start.velocity, k).norm();
       const double most = std::max({way, speed * step.time_constant, least_way * network.length_scale}) / w;
-      if (leap.norm() > most) leap *= most / leap.norm();
+      if (const double share = most / leap.norm(); share < 1.0) {
+        leap *= share;
+        inertia /= share;  // the impulse that holds it stays what it is
+      }
     }
     inertia *= network.mass[k];
     const Eigen::Vector3d u = node.velocity + leap;

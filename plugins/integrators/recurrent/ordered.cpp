@@ -17,7 +17,6 @@ void WavefrontRule::attach(const springnet_network& network) {
 // the frozen activities, with the loads of the new step, so that a load which moved takes the start node with it.
 void WavefrontRule::begin(Step& step) {
   Ordered::begin(step);
-  if (block_) memory_.begin(*step.outputs);
   step.start_node = order_.strongest(step.network, sdk::view(step.outputs->force));
 }
 
@@ -40,11 +39,6 @@ void WavefrontRule::sweep(Step& step) {
 void Coloured::attach(const springnet_network& network) {
   colours_.attach(network);
   memory_.attach(network);
-}
-
-void Coloured::begin(Step& step) {
-  Ordered::begin(step);
-  memory_.begin(*step.outputs);
 }
 
 void Coloured::sweep(Step& step) {

@@ -53,7 +53,6 @@ class Coloured final : public Ordered {
  public:
   explicit Coloured(Workspace& workspace) noexcept : Ordered(workspace) {}
   void attach(const springnet_network& network) override;
-  void begin(Step& step) override;
   void sweep(Step& step) override;
 
  private:

@@ -23,6 +23,7 @@
 
 #include "automatic.hpp"
 #include "critical_time.hpp"
+#include "crossings.hpp"
 #include "explanation.hpp"
 #include "force_rounding.hpp"
 #include "propagation.hpp"
@@ -48,6 +49,7 @@ constexpr std::uint64_t steps_per_estimate = 256;
 constexpr std::uint64_t automatic_patience = 200;
 
 enum class Unsettled : int { error, accept, adapt };
+enum class Events : int { stepwise, located };
 
 class Recurrent : public springnet::sdk::Integrator {
  public:
@@ -77,7 +79,10 @@ class Recurrent : public springnet::sdk::Integrator {
       number("theta", "1", "weight of the new activities: 1 backward Euler (the paper), 0.5 trapezoidal, second order")
           .preset(1)
           .at_least(0.5)
-          .at_most(1)};
+          .at_most(1),
+      choice("events", {"stepwise", "located"},
+             "contacts and ruptures happen where a time step ends; or the step is divided where they, slip, rest and "
+             "cuts happen, so that theta 0.5 stays of second order")};
 
   Recurrent(Host host, Options options)
       : update_(options.choice<Update>("update")),
@@ -85,6 +90,7 @@ class Recurrent : public springnet::sdk::Integrator {
         limits_{options.integer<std::uint64_t>("max_sweeps"), options.integer<std::uint64_t>("sweeps")},
         unsettled_(options.choice<Unsettled>("unsettled")),
         theta_(options["theta"]),
+        locates_(options.choice<Events>("events") == Events::located),
         work_(host),
         rounding_(host) {}
 
@@ -95,7 +101,14 @@ class Recurrent : public springnet::sdk::Integrator {
   static constexpr int most_small_stages = 6;  // halvings of the time constant, to begin with
   static constexpr double least_raise = 1.05;  // of the time constant from stage to stage
   static constexpr double first_raise = 2.0;
+  static constexpr int most_events = 64;         // in a time step, beside those at its end
+  static constexpr int most_looks = 60;          // for the time of one
+  static constexpr double least_part = 1e-6;     // of a time step, from one event to the next
+  static constexpr double time_of_event = 1e-9;  // accuracy, of the step that it divides
 
+  springnet_status advance_once(double until, springnet_step_report& report);
+  // Up to the next event, or `until`. False: a step did not settle, and nothing was done.
+  [[nodiscard]] bool advance_to_event(double until, springnet_step_report& report);
   [[nodiscard]] Step make_step(double until);
   // Sets tolerance and rounding of the step to what is known.
   void set_tolerance(Step& step);
@@ -125,6 +138,9 @@ class Recurrent : public springnet::sdk::Integrator {
   Limits limits_;
   Unsettled unsettled_;
   double theta_;
+  bool locates_;
+  Crossings crossings_;
+  double all_events_ = 0.0;
   Workspace work_;
   ForceRounding rounding_;
   Automatic automatic_;
@@ -138,6 +154,50 @@ class Recurrent : public springnet::sdk::Integrator {
 
 springnet_status Recurrent::advance(double until, springnet_step_report& report) {
   sweeps_ = stages_ = substeps_ = 0;
+  if (!locates_) return advance_once(until, report);
+  const double whole = until - work_.host.committed().time;
+  for (int parts = 0; work_.host.committed().time < until; ++parts) {
+    const double from = work_.host.committed().time;
+    double end = std::min(until, work_.host.next_discontinuity(from));
+    if (until - end < least_part * whole) end = until;
+    if (parts < most_events && advance_to_event(end, report)) continue;
+    if (parts >= most_events)
+      work_.host.note("events = \"located\": more events in a time step than are told apart; its rest was not divided");
+    return advance_once(until, report);
+  }
+  return SPRINGNET_OK;
+}
+
+bool Recurrent::advance_to_event(double until, springnet_step_report& report) {
+  const auto [from, start] = work_.host.committed();
+  const double whole = until - from;
+  work_.host.begin_step(from, until);
+  crossings_.begin(work_.host, from, start);
+  double time = until;
+  for (int looks = 0;; ++looks) {
+    Step step = make_step(time);
+    step.decides = false;
+    const Attempt attempt = propagate_from_start(step);
+    if (!settled(attempt.verdict)) return false;
+    fill(report, step, attempt);
+    const bool crossed = crossings_.look(work_.host, time, *step.outputs);
+    if (!crossed && looks == 0) {
+      take(step, true);
+      return true;
+    }
+    const bool narrow = crossings_.high() - crossings_.low() <= time_of_event * whole || looks >= most_looks;
+    if (crossed && (narrow || time <= from + least_part * whole)) {
+      work_.host.fire_events(time, *step.outputs, crossings_.fired());
+      step.evaluated = false;
+      take(step, true);
+      work_.host.report("located_events", ++all_events_);
+      return true;
+    }
+    time = narrow ? crossings_.high() : std::max(crossings_.next_time(), from + least_part * whole);
+  }
+}
+
+springnet_status Recurrent::advance_once(double until, springnet_step_report& report) {
   Step step = make_step(until);
   Attempt attempt = propagate_from_start(step);
   // A rule that the scene did not ask for may come to the same state in its own way.

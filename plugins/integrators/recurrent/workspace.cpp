@@ -12,15 +12,6 @@ namespace {
 constexpr double plausible_way = 4.0;    // of a node to a surface, in units of what it begins with
 constexpr double negligible_way = 1e-6;  // of the length scale
 
-// An acceleration this close to force over mass, relatively, is that of a mass point that nothing holds.
-constexpr double rounding = 1e-12;
-constexpr double negligible_force = 1e-9;  // of the force scale: far below the threshold of any step
-
-bool near(double a, double b, double scale) noexcept {
-  return std::abs(a - b) <= rounding * (std::abs(a) + std::abs(b) + scale);
-}
-bool same(double a, double b) noexcept { return near(a, b, 0.0); }
-
 }  // namespace
 
 void copy(const springnet_const_vectors& from, const springnet_vectors& to, std::uint32_t count) noexcept {
@@ -30,6 +21,8 @@ void copy(const springnet_const_vectors& from, const springnet_vectors& to, std:
 }
 
 void Workspace::attach(const springnet_network& network) {
+  if (!SPRINGNET_HAS_FIELD(springnet_network, &network, status))
+    throw sdk::Failure("the host is older than ABI 1.3, which this integrator needs; update the host");
   record.resize(network);
   internal_rate_.resize(network.internal_count);
   acceleration_.resize(network.node_count);
@@ -37,7 +30,7 @@ void Workspace::attach(const springnet_network& network) {
     free_acceleration_.resize(network.node_count);
     constraint_force_.resize(network.node_count);
     stays_.resize(network.node_count);
-    suspects_.reserve(network.node_count);
+    some_.reserve(network.node_count);
   }
 }
 
@@ -103,6 +96,7 @@ springnet_sweep Workspace::sweep_call(const Step& step, const springnet_state& r
   call.next_position = write.position;
   call.next_velocity = write.velocity;
   call.force = write.force;
+  call.contacts = step.decides ? 0 : 1;
   if (step.constrained()) call.constraint_force = constraint_force_.view();
   return call;
 }
@@ -137,54 +131,32 @@ void Workspace::complete(Step& step) {
 
 void Workspace::find_free_accelerations(const Step& step, const springnet_state& at) {
   const springnet_network& network = step.network;
-  const springnet_const_vectors a = std::as_const(acceleration_).view();
   const springnet_vectors free = free_acceleration_.view();
-  copy(a, free, network.node_count);
-  // Whether the position is where the velocity takes it.
-  const auto follows = [&](std::uint32_t k) {
-    const double w = step.weight();
-    const auto goes = [w](double p, double start, double u) { return near(p, start + w * u, std::abs(w * u)); };
-    return goes(at.position.x[k], step.free_position.x[k], at.velocity.x[k]) &&
-           goes(at.position.y[k], step.free_position.y[k], at.velocity.y[k]) &&
-           goes(at.position.z[k], step.free_position.z[k], at.velocity.z[k]);
-  };
-  suspects_.clear();
+  copy(std::as_const(acceleration_).view(), free, network.node_count);
+  some_.clear();
   for (std::uint32_t k = 0; k < network.node_count; ++k) {
-    const double m = network.mass[k];
-    stays_[k] = network.fixed[k];
-    const bool point_mass =
-        same(m * a.x[k], at.force.x[k]) && same(m * a.y[k], at.force.y[k]) && same(m * a.z[k], at.force.z[k]);
-    if (!point_mass || !follows(k)) suspects_.push_back(k);
+    const std::uint8_t status = network.status[k];
+    stays_[k] = status == SPRINGNET_PRESCRIBED || status == SPRINGNET_STICKING ? 1 : 0;
+    if (status == SPRINGNET_SLIDING || (stays_[k] == 0 && network.cluster[k] != no_node)) some_.push_back(k);
   }
-  if (suspects_.empty()) return;
+  if (some_.empty()) return;
   springnet_evaluation evaluation = sdk::evaluation_at(step.until, at);
   evaluation.acceleration = free;
-  host.evaluate_nodes(evaluation, suspects_);
-  const Columns& c = constraint_force_;
-  for (const std::uint32_t k : suspects_) {
-    // Up to rounding, which is that of the great forces that cancel at a node between stiff springs.
-    const double least = std::max(negligible_force * network.force_scale, step.rounding) / network.mass[k];
-    const auto alike = [least](double p, double q) { return same(p, q) || std::abs(p - q) <= least; };
-    const bool moves_freely = alike(a.x[k], free.x[k]) && alike(a.y[k], free.y[k]) && alike(a.z[k], free.z[k]);
-    // Where a node slides or hangs on rigid connections, the last sweep said what acts on it; where it said nothing,
-    // the node is held.
-    const bool unexplained = c.x[k] == 0.0 && c.y[k] == 0.0 && c.z[k] == 0.0;
-    if (unexplained && (!moves_freely || !follows(k))) stays_[k] = 1;
-  }
+  host.evaluate_nodes(evaluation, some_);
 }
 
 std::uint32_t Workspace::thrown_node(const Step& step) {
   const springnet_network& network = step.network;
   if (network.surface_count == 0) return no_node;
-  suspects_.clear();
+  some_.clear();
   for (std::uint32_t k = 0; k < network.node_count; ++k)
-    if (stays_[k] != 0 && network.fixed[k] == 0 && network.touching[k] == 0) suspects_.push_back(k);
-  if (suspects_.empty()) return no_node;
+    if (network.status[k] == SPRINGNET_STICKING && network.touching[k] == 0) some_.push_back(k);
+  if (some_.empty()) return no_node;
   springnet_evaluation evaluation = sdk::evaluation_at(step.from, step.start);
   evaluation.force = free_acceleration_.view();
-  host.evaluate_nodes(evaluation, suspects_);
+  host.evaluate_nodes(evaluation, some_);
   const auto norm = [](double x, double y, double z) { return std::sqrt(x * x + y * y + z * z); };
-  for (const std::uint32_t k : suspects_) {
+  for (const std::uint32_t k : some_) {
     const springnet_vectors &p = step.start.position, &v = step.start.velocity, &next = step.outputs->position;
     const springnet_vectors& u = step.outputs->velocity;  // the surface's
     const Columns& f = free_acceleration_;

@@ -83,9 +83,9 @@ class Workspace {
   Columns free_position_, free_velocity_;  // p*, v*; empty where theta is 1
   Columns start_acceleration_;             // m/s^2
   Columns acceleration_, free_acceleration_, constraint_force_;
-  std::vector<std::uint8_t> stays_;      // [node_count]
-  std::vector<std::uint32_t> suspects_;  // nodes that something may act on
-  std::vector<double> internal_rate_;    // [internal_count]
+  std::vector<std::uint8_t> stays_;    // [node_count]
+  std::vector<std::uint32_t> some_;    // nodes
+  std::vector<double> internal_rate_;  // [internal_count]
   // Revisions of the network and its loads that start_acceleration_ belongs to.
   using Revisions = std::pair<std::uint64_t, std::uint64_t>;
   [[nodiscard]] Revisions revisions(const Step& step) const { return {step.network.revision, host.load_revision()}; }

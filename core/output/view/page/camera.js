@@ -23,11 +23,14 @@
     const near = nodes_box.clone().expandByScalar(0.4 * Math.max(diagonal(nodes_box), 1e-9)), balls = [];
     surfaces.forEach(function (surface, k) {
       if (surface.kind === "plane") return;
-      const reach = new THREE.Vector3().setScalar(surface.radius);
-      const to = new THREE.Vector3().fromArray(surface.to).sub(new THREE.Vector3().fromArray(surface.point));
+      const box = surface.kind === "box";
+      const reach = new THREE.Vector3().setScalar(box ? 0.5 * new THREE.Vector3().fromArray(surface.size).length() : surface.radius);
+      const to = new THREE.Vector3();
+      if (!box) to.fromArray(surface.to).sub(new THREE.Vector3().fromArray(surface.point));
       for (let frame = 0; frame < run.frames; ++frame) {
-        const first = new THREE.Vector3().fromArray(run.surface(frame, k));
-        [first, first.clone().add(to)].forEach(function (end) {
+        const pose = run.surface(frame, k), first = new THREE.Vector3().fromArray(pose);
+        const turned = new THREE.Quaternion().fromArray(pose, 3);
+        [first, first.clone().add(to.clone().applyQuaternion(turned))].forEach(function (end) {
           const ball = new THREE.Box3(end.clone().sub(reach), end.clone().add(reach)).intersect(near);
           if (!ball.isEmpty()) balls.push(ball);
         });

@@ -70,8 +70,9 @@
   const contact = block("contact", Uint8Array), contact_width = Math.ceil(nodes / 8);
   run.touches = function (frame, node) { return (contact[frame * contact_width + (node >> 3)] >> (node & 7) & 1) === 1; };
   run.has_contact = contact.some(function (byte) { return byte !== 0; });
-  const places = block("surface_positions", Float32Array);
-  run.surface = function (frame, k) { return places.subarray(3 * (frame * surfaces + k), 3 * (frame * surfaces + k) + 3); };
+  // Of a surface: x, y, z, and x, y, z, w of the quaternion of how it has turned.
+  const poses = block("surface_poses", Float32Array);
+  run.surface = function (frame, k) { return poses.subarray(7 * (frame * surfaces + k), 7 * (frame * surfaces + k) + 7); };
 
   const scalars = block("scalars", Float64Array), width = scalars.length / run.frames;
   function column(k) { return Array.from({ length: run.frames }, function (_, frame) { return scalars[frame * width + k]; }); }
@@ -80,10 +81,10 @@
   run.potential = column(2);
   run.steps = column(3);
   run.sweeps = column(4);
-  run.events = ["cut", "ruptured", "touched", "released", "slipped", "stuck"].map(function (name, k) {
+  run.events = ["cut", "ruptured", "touched", "released", "slipped", "stuck", "jammed"].map(function (name, k) {
     return { name: name, counts: column(5 + k) };
   });
-  run.curves = about.curves.map(function (curve, k) { return Object.assign({ values: column(11 + k) }, curve); });
+  run.curves = about.curves.map(function (curve, k) { return Object.assign({ values: column(12 + k) }, curve); });
 
   // Integrators with steps of their own, inside of which records may lie: CVODE, and others that show it.
   run.own_steps = about.integrator === "cvode" ||

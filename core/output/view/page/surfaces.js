@@ -26,10 +26,39 @@
     return { object: group, offset: offset, cell: cell };
   }
 
+  // A box, its edges and corners drawn from a finer grid of its sides onto the rounding.
+  function box_geometry(surface) {
+    const half = new THREE.Vector3().fromArray(surface.size).multiplyScalar(0.5), radius = surface.radius;
+    if (!(radius > 0)) return new THREE.BoxBufferGeometry(2 * half.x, 2 * half.y, 2 * half.z);
+    const fine = 6, cells = 2 * fine + 1, geometry = new THREE.BoxBufferGeometry(2, 2, 2, cells, cells, cells);
+    const places = geometry.attributes.position, normals = geometry.attributes.normal;
+    const point = new THREE.Vector3(), nearest = new THREE.Vector3();
+    for (let k = 0; k < places.count; ++k) {
+      point.fromBufferAttribute(places, k);
+      ["x", "y", "z"].forEach(function (axis) {
+        // Equal angles about the edge, seen from the core: tangents of 0 to 45 degrees.
+        const from_edge = Math.min(Math.round((1 - Math.abs(point[axis])) / 2 * cells), fine);
+        const out = Math.tan((1 - from_edge / fine) * Math.PI / 4);
+        nearest[axis] = Math.sign(point[axis]) * (half[axis] - radius);
+        point[axis] = nearest[axis] + Math.sign(point[axis]) * radius * out;
+      });
+      const normal = point.sub(nearest).normalize();
+      normals.setXYZ(k, normal.x, normal.y, normal.z);
+      places.setXYZ(k, nearest.x + radius * normal.x, nearest.y + radius * normal.y, nearest.z + radius * normal.z);
+    }
+    return geometry;
+  }
+
   function make_instrument(surface) {
     const material = new THREE.MeshPhongMaterial({ color: 0x7f93a8, transparent: true, opacity: 0.62, shininess: 60,
                                                    side: THREE.FrontSide, depthWrite: false });
     const group = new THREE.Group();
+    if (surface.kind === "box") {
+      group.add(new THREE.Mesh(box_geometry(surface), material));
+      group.quaternion.fromArray(surface.stands);
+      group.children[0].renderOrder = 3;
+      return { object: group, offset: new THREE.Vector3() };
+    }
     const axis = new THREE.Vector3().fromArray(surface.to).sub(new THREE.Vector3().fromArray(surface.point));
     const length = axis.length();
     if (length > 0) {
@@ -62,8 +91,15 @@
     this.group = group;
     const plane = parts.find(function (part) { return part.cell; });
     this.cell = plane ? plane.cell : 0;
+    const turned = new THREE.Quaternion();
+    parts.forEach(function (part) { part.stands = part.object.quaternion.clone(); });
     this.show = function (frame) {
-      parts.forEach(function (part, k) { part.object.position.fromArray(run.surface(frame, k)).add(part.offset); });
+      parts.forEach(function (part, k) {
+        const pose = run.surface(frame, k);
+        turned.fromArray(pose, 3);
+        part.object.quaternion.multiplyQuaternions(turned, part.stands);
+        part.object.position.copy(part.offset).applyQuaternion(turned).add(new THREE.Vector3().fromArray(pose));
+      });
     };
   };
 

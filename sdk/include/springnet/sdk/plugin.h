@@ -25,7 +25,7 @@ extern "C" {
 
 #define SPRINGNET_MAGIC UINT64_C(0x54454e474e525053) /* "SPRNGNET" in little-endian memory */
 #define SPRINGNET_ABI_MAJOR 1u
-#define SPRINGNET_ABI_MINOR 2u
+#define SPRINGNET_ABI_MINOR 3u
 
 #if defined(_WIN32)
 #define SPRINGNET_EXPORT __declspec(dllexport)
@@ -246,6 +246,14 @@ typedef struct springnet_state {
   double* internal;        /* [internal_count] internal state of laws */
 } springnet_state;
 
+/* What restricts a node, by itself; rigid connections besides: springnet_network::cluster. */
+enum {
+  SPRINGNET_FREE = 0,       /* nothing does */
+  SPRINGNET_PRESCRIBED = 1, /* the scene says where it is: fixed, or moved over time */
+  SPRINGNET_STICKING = 2,   /* surfaces take it along */
+  SPRINGNET_SLIDING = 3     /* surfaces let it move along them, with or without friction */
+};
+
 /* What an integrator may know of the network. `revision` rises with everything after which a multistep method has to
  * start afresh: a cut, a rupture, a contact made or released, a load switched, a state set by the embedding program. */
 typedef struct springnet_network {
@@ -275,6 +283,11 @@ typedef struct springnet_network {
   /* since 1.2 */
   uint64_t load_revision; /* rises with every begin_step whose loads differ from those before: accelerations known from
                              the end of the last step are not those that this one starts with */
+  /* since 1.3 */
+  const uint8_t* status; /* [node_count] SPRINGNET_FREE …: as the last sweep, or constrain, of the step decided for the
+                            outputs that it left; before the first one, and after commit, as committed. The array stays
+                            where it is: within a sweep it may be read of the nodes of the batch, and holds what the
+                            sweep before decided */
 } springnet_network;
 
 /* Evaluation of the layers at a state: springs, loads, neurons. Outputs that are not wanted are null (all three).
@@ -348,6 +361,10 @@ typedef struct springnet_sweep {
    * so that m (U - v) / time_constant = (1 - theta) m a_start + theta (force + this); 0 for nodes that are fixed or
    * held. Null: not wanted. */
   springnet_vectors constraint_force;
+  /* since 1.3 */
+  uint32_t contacts; /* 0: the sweep decides which nodes surfaces stop, let slide and let go; 1: they stay as committed,
+                        for methods that locate such events in time */
+  uint32_t reserved;
 } springnet_sweep;
 
 /* Matrices I - velocity_weight da/dv - position_weight da/dp in 3n unknowns, x of all nodes, then y, then z, at the
@@ -383,8 +400,8 @@ typedef struct springnet_host {
   springnet_status (*solve)(void* context, int32_t transposed, const double* right_side, double* x);
 
   /* Events: contact made (a distance falls through 0), contact released (a normal force rises through 0), rupture (a
-   * margin falls through 0). directions: -1 falling, +1 rising, may be null; both arrays have network()->event_count
-   * entries. */
+   * margin falls through 0). directions: -1 falling, +1 rising, 0 either, may be null; both arrays have
+   * network()->event_count entries. */
   springnet_status (*event_values)(void* context, const springnet_evaluation* at, double* values, int32_t* directions);
   /* Carries out the events marked 1 in `fired`, and those that coincide with them, on the given state: positions are
    * put on the surface, velocities changed, springs removed. */

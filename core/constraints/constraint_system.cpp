@@ -1,4 +1,4 @@
-#include "simulation/constraint_system.hpp"
+#include "constraints/constraint_system.hpp"
 
 #include <algorithm>
 #include <unordered_map>

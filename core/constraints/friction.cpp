@@ -1,27 +1,67 @@
-#include "simulation/friction.hpp"
+#include "constraints/friction.hpp"
 
 #include <Eigen/Geometry>
 #include <Eigen/LU>
+#include <Eigen/QR>
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <numbers>
 
 namespace springnet {
 
+Friction bounded(const Friction& friction) noexcept {
+  return friction.kind == Friction::Kind::held ? Friction{Friction::Kind::coulomb, friction_of_held} : friction;
+}
+
+double coefficient_of(const Friction& friction) noexcept {
+  switch (friction.kind) {
+    case Friction::Kind::none:
+      return 0.0;
+    case Friction::Kind::coulomb:
+      return friction.coefficient;
+    case Friction::Kind::held:
+      break;
+  }
+  return std::numeric_limits<double>::infinity();
+}
+
+double sliding_coefficient_of(const Friction& friction) noexcept {
+  return std::min(coefficient_of(friction), friction_of_held);
+}
+
+double grip(double coefficient, double pressing, double along) noexcept {
+  if (std::isinf(coefficient)) return pressing >= 0.0 ? coefficient : -along;
+  return coefficient * pressing - along;
+}
+
+Eigen::Matrix3d friction_by_velocity(double strength, const Vector3& slip, const Vector3& n) {
+  const double speed = slip.norm();
+  if (!(speed > 0.0)) return Eigen::Matrix3d::Zero();
+  const Vector3 t = slip / speed;
+  return -strength / speed * (Eigen::Matrix3d::Identity() - n * n.transpose() - t * t.transpose());
+}
+
 ContactAnswer answer_contact(const Eigen::Matrix3d& mobility, const Vector3& relative, const Vector3& n,
                              const Friction& friction) {
+  if (!(n.dot(mobility * n) > 0.0)) return {relative, Vector3::Zero(), 0.0, false};
   const auto smooth = [&] {
     const double impulse = -n.dot(relative) / n.dot(mobility * n);
     return ContactAnswer{relative + mobility * n * impulse, n * impulse, impulse, false};
   };
   if (friction.kind == Friction::Kind::none) return smooth();
-  const Vector3 stop = -(mobility.inverse() * relative);
+  // Of a node that cannot move in every direction, within those in which it can.
+  const double size = mobility.norm();
+  const bool regular = mobility.determinant() > 1e-9 * size * size * size;
+  const Vector3 stop = regular ? Vector3(-(mobility.inverse() * relative))
+                               : Vector3(-mobility.completeOrthogonalDecomposition().solve(relative));
   const double pressing = n.dot(stop);
   Vector3 along = stop - pressing * n;
   if (friction.kind == Friction::Kind::held) return {Vector3::Zero(), stop, pressing, true};
   ContactAnswer without = smooth();
   if (without.normal <= 0.0) return without;
-  if (pressing > 0.0 && along.norm() <= friction.coefficient * pressing) return {Vector3::Zero(), stop, pressing, true};
+  if (pressing > 0.0 && grip(friction.coefficient, pressing, along.norm()) >= 0.0)
+    return {Vector3::Zero(), stop, pressing, true};
   // It slips: impulse p (n - mu t) with t the direction of the slip that is left, which the impulse itself may turn
   // where the mobility has directions of its own. With one mobility for all directions the first t is the right one.
   const auto with = [&](const Vector3& t) {

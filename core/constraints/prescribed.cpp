@@ -1,6 +1,7 @@
-#include "simulation/prescribed.hpp"
+#include "constraints/prescribed.hpp"
 
 #include <algorithm>
+#include <limits>
 
 namespace springnet {
 
@@ -17,13 +18,13 @@ Prescribed::Prescribed(const Network& network, const std::vector<std::uint32_t>&
     }
   }
   if (motion_of_.empty()) trajectories_.clear();  // motions of no node
-  samples_.resize(trajectories_.size());
 }
 
-void Prescribed::set_time(const SampleTime& time) {
-  if (time == time_) return;
-  time_ = time;
-  for (std::size_t i = 0; i < trajectories_.size(); ++i) samples_[i] = sample(trajectories_[i], time);
+Prescribed::Samples Prescribed::at(const SampleTime& time) const {
+  Samples samples;
+  samples.reserve(trajectories_.size());
+  for (const Trajectory& trajectory : trajectories_) samples.push_back(sample(trajectory, time));
+  return samples;
 }
 
 double Prescribed::next_change(double time) const {
@@ -41,11 +42,9 @@ void Prescribed::set(std::uint32_t node, const Vector3& start, Trajectory trajec
   if (!alone) {
     motion_of_[node] = static_cast<std::uint32_t>(trajectories_.size());
     trajectories_.emplace_back();
-    samples_.emplace_back();
   }
   trajectories_[motion_of_[node]] = std::move(trajectory);
   start_[node] = start;
-  time_.time = std::numeric_limits<double>::quiet_NaN();
 }
 
 void Prescribed::stop(std::uint32_t node) {

@@ -1,15 +1,16 @@
-#include "simulation/rigid.hpp"
+#include "constraints/rigid.hpp"
 
 #include <fmt/format.h>
 
+#include <Eigen/LU>
 #include <algorithm>
 #include <boost/pending/disjoint_sets.hpp>
 #include <cmath>
 #include <map>
 #include <numeric>
 
+#include "constraints/vectors.hpp"
 #include "layers/message.hpp"
-#include "simulation/vectors.hpp"
 
 namespace springnet {
 namespace {
@@ -18,8 +19,6 @@ constexpr std::uint32_t no_cluster = 0xffffffffu;
 // Of its length, to which a connection is brought back: far below the 1e-8 that it promises, above rounding.
 constexpr double length_accuracy = 1e-12;
 constexpr int most_corrections = 30;
-// Friction of nodes that slide depends on normal forces that depend on friction.
-constexpr int most_friction_rounds = 50;
 
 }  // namespace
 
@@ -58,7 +57,7 @@ Eigen::Matrix3d RigidConnections::mobility(std::uint32_t node) const {
   return Eigen::Matrix3d::Identity() / mass_[node];
 }
 
-std::vector<ConstraintRow> RigidConnections::rows_of(const Cluster& cluster, const std::vector<Touch>& touches,
+std::vector<ConstraintRow> RigidConnections::rods_of(const Cluster& cluster,
                                                      const std::vector<Vector3>& positions) const {
   std::vector<ConstraintRow> rows;
   rows.reserve(cluster.rods.size());
@@ -68,15 +67,24 @@ std::vector<ConstraintRow> RigidConnections::rows_of(const Cluster& cluster, con
     const double length = d.norm();
     rows.push_back({rod.first, rod.second, length > 0.0 ? Vector3(d / length) : Vector3::UnitX()});
   }
+  return rows;
+}
+
+std::vector<ConstraintRow> RigidConnections::rows_of(const Placement& at, const Cluster& cluster,
+                                                     const std::vector<Touch>& touches,
+                                                     const std::vector<Vector3>& positions) const {
+  std::vector<ConstraintRow> rows = rods_of(cluster, positions);
   for (std::size_t i = 0; i < cluster.nodes.size(); ++i) {
-    if (touches[i].surface < 0 || !touches[i].slides) continue;
-    rows.push_back({cluster.nodes[i], ConstraintRow::no_node,
-                    contact_.normal(static_cast<std::size_t>(touches[i].surface), positions[i])});
+    if (!touches[i].slides) continue;
+    for (const std::int32_t surface : touches[i].surfaces())
+      if (surface >= 0)
+        rows.push_back({cluster.nodes[i], ConstraintRow::no_node,
+                        contact_.normal(at, static_cast<std::size_t>(surface), positions[i]), surface});
   }
   return rows;
 }
 
-bool RigidConnections::correct_positions(const Cluster& cluster, const std::vector<Touch>& touches,
+bool RigidConnections::correct_positions(const Placement& at, const Cluster& cluster, const std::vector<Touch>& touches,
                                          std::vector<Vector3>& positions,
                                          const std::vector<std::uint8_t>& movable) const {
   double scale = 0.0;
@@ -88,19 +96,19 @@ bool RigidConnections::correct_positions(const Cluster& cluster, const std::vect
   ConstraintSystem system;
   double last = std::numeric_limits<double>::infinity();
   for (int turn = 0; turn < most_corrections; ++turn) {
-    std::vector<ConstraintRow> rows = rows_of(cluster, touches, positions);
+    std::vector<ConstraintRow> rows = rows_of(at, cluster, touches, positions);
     Eigen::VectorXd gap(static_cast<Eigen::Index>(rows.size()));
     double worst = 0.0;  // in units of a length, or of the longest for surfaces
     for (std::size_t r = 0; r < rows.size(); ++r) {
-      const auto at = static_cast<Eigen::Index>(r);
+      const auto row = static_cast<Eigen::Index>(r);
       if (r < cluster.rods.size()) {
         const Rod& rod = rods_[cluster.rods[r]];
-        gap[at] = (positions[member_of_[rod.first]] - positions[member_of_[rod.second]]).norm() - rod.length;
-        worst = std::max(worst, std::abs(gap[at]) / rod.length);
+        gap[row] = (positions[member_of_[rod.first]] - positions[member_of_[rod.second]]).norm() - rod.length;
+        worst = std::max(worst, std::abs(gap[row]) / rod.length);
       } else {
         const std::uint32_t i = member_of_[rows[r].first];
-        gap[at] = contact_.distance(static_cast<std::size_t>(touches[i].surface), positions[i]);
-        worst = std::max(worst, std::abs(gap[at]) / scale);
+        gap[row] = contact_.gap(at, static_cast<std::size_t>(rows[r].surface), positions[i]);
+        worst = std::max(worst, std::abs(gap[row]) / scale);
       }
     }
     if (!std::isfinite(worst)) return false;
@@ -126,12 +134,13 @@ springnet_status RigidConnections::cannot_keep(const Cluster& cluster, springnet
   return SPRINGNET_RECOVERABLE;
 }
 
-void RigidConnections::accelerate(const springnet_const_vectors& position, const springnet_const_vectors& velocity,
-                                  const springnet_vectors& acceleration, double* force) const {
-  for (const Cluster& cluster : clusters_) accelerate(cluster, position, velocity, acceleration, force);
+void RigidConnections::accelerate(const Placement& at, const springnet_const_vectors& position,
+                                  const springnet_const_vectors& velocity, const springnet_vectors& acceleration,
+                                  double* force) const {
+  for (const Cluster& cluster : clusters_) accelerate(at, cluster, position, velocity, acceleration, force);
 }
 
-void RigidConnections::accelerate(const Cluster& cluster, const springnet_const_vectors& position,
+void RigidConnections::accelerate(const Placement& at, const Cluster& cluster, const springnet_const_vectors& position,
                                   const springnet_const_vectors& velocity, const springnet_vectors& acceleration,
                                   double* force) const {
   const std::size_t count = cluster.nodes.size();
@@ -144,55 +153,71 @@ void RigidConnections::accelerate(const Cluster& cluster, const springnet_const_
     touches[i] = contact_.now(k);
   }
   ConstraintSystem system;
-  system.set(rows_of(cluster, touches, p), [this](std::uint32_t node) { return mobility(node); });
+  system.set(rows_of(at, cluster, touches, p), [this](std::uint32_t node) { return mobility(node); });
   const std::vector<ConstraintRow>& rows = system.rows();
   const std::size_t rods = cluster.rods.size();
   // d^2 g / dt^2 = G a + turning; for a rod of length l: (|dv|^2 - (n dv)^2) / l.
   Eigen::VectorXd turning(static_cast<Eigen::Index>(rows.size()));
   for (std::size_t r = 0; r < rows.size(); ++r) {
-    const auto at = static_cast<Eigen::Index>(r);
+    const auto row = static_cast<Eigen::Index>(r);
     const Vector3 n = rows[r].direction;
     if (r < rods) {
       const Vector3 dv = vector_at(velocity, rows[r].first) - vector_at(velocity, rows[r].second);
       const double length = (p[member_of_[rows[r].first]] - p[member_of_[rows[r].second]]).norm();
-      turning[at] = (dv.squaredNorm() - n.dot(dv) * n.dot(dv)) / length;
+      turning[row] = (dv.squaredNorm() - n.dot(dv) * n.dot(dv)) / length;
     } else {
       const std::uint32_t i = member_of_[rows[r].first];
-      const auto j = static_cast<std::size_t>(touches[i].surface);
-      turning[at] = contact_.turning(j, p[i], vector_at(velocity, rows[r].first) - contact_.placement(j).velocity) -
-                    n.dot(contact_.placement(j).acceleration);
+      const auto j = static_cast<std::size_t>(rows[r].surface);
+      turning[row] =
+          contact_.bending(at, j, p[i], vector_at(velocity, rows[r].first) - Contact::velocity(at, j, p[i])) -
+          n.dot(Contact::acceleration(at, j, p[i]));
     }
   }
-  Eigen::VectorXd multipliers;
-  std::vector<double> pressing(count, 0.0);
-  for (int round = 0; round < most_friction_rounds; ++round) {
-    a = free;
-    bool friction = false;
-    double changed = 0.0, greatest = 0.0;
-    for (std::size_t r = rods; r < rows.size(); ++r) {
-      const std::uint32_t i = member_of_[rows[r].first];
-      const auto j = static_cast<std::size_t>(touches[i].surface);
-      const Friction& law = contact_.surfaces()[j].friction();
-      if (law.kind != Friction::Kind::coulomb) continue;
-      friction = true;
-      if (round > 0) {
-        const double now = std::max(0.0, multipliers[static_cast<Eigen::Index>(r)]);
-        changed = std::max(changed, std::abs(now - pressing[i]));
-        greatest = std::max(greatest, now);
-        pressing[i] = now;
-      }
-      a[i] -= law.coefficient * pressing[i] / mass_[rows[r].first] *
-              contact_.slip_direction(rows[r].first, rows[r].direction,
-                                      vector_at(velocity, rows[r].first) - contact_.placement(j).velocity);
-    }
-    if (round > 0 && (!friction || changed <= 1e-14 * greatest)) break;
-    Eigen::VectorXd wanted = -turning;
+  const auto rates_of = [&](const std::vector<Vector3>& of) {
+    Eigen::VectorXd rates(static_cast<Eigen::Index>(rows.size()));
     for (std::size_t r = 0; r < rows.size(); ++r) {
-      Vector3 relative = a[member_of_[rows[r].first]];
-      if (rows[r].second != ConstraintRow::no_node) relative -= a[member_of_[rows[r].second]];
-      wanted[static_cast<Eigen::Index>(r)] -= rows[r].direction.dot(relative);
+      Vector3 relative = of[member_of_[rows[r].first]];
+      if (rows[r].second != ConstraintRow::no_node) relative -= of[member_of_[rows[r].second]];
+      rates[static_cast<Eigen::Index>(r)] = rows[r].direction.dot(relative);
     }
-    multipliers = system.solve(wanted);
+    return rates;
+  };
+  a = free;
+  Eigen::VectorXd multipliers = system.solve(-turning - rates_of(free));
+  // Friction is a share of normal forces, which it changes: N + Y N = N without friction, Y from unit normal forces.
+  struct Rubbing {
+    Eigen::Index row;
+    std::uint32_t member;
+    Vector3 change;           // m/s^2, by the friction of a normal force of 1 N
+    Eigen::VectorXd answers;  // of the multipliers to that
+  };
+  std::vector<Rubbing> rubbing;
+  for (std::size_t r = rods; r < rows.size(); ++r) {
+    const std::uint32_t i = member_of_[rows[r].first];
+    const auto j = static_cast<std::size_t>(rows[r].surface);
+    const double mu = sliding_coefficient_of(contact_.surfaces()[j].friction());
+    if (mu == 0.0) continue;
+    const Vector3 change = -mu / mass_[rows[r].first] *
+                           contact_.slip_direction(at, rows[r].first, j, p[i], vector_at(velocity, rows[r].first));
+    std::vector<Vector3> changes(count, Vector3::Zero());
+    changes[i] = change;
+    rubbing.push_back({static_cast<Eigen::Index>(r), i, change, system.solve(-rates_of(changes))});
+  }
+  if (!rubbing.empty()) {
+    const auto size = static_cast<Eigen::Index>(rubbing.size());
+    Eigen::MatrixXd matrix = Eigen::MatrixXd::Identity(size, size);
+    Eigen::VectorXd pressing(size);
+    for (Eigen::Index r = 0; r < size; ++r) {
+      const Eigen::Index row = rubbing[static_cast<std::size_t>(r)].row;
+      pressing[r] = multipliers[row];
+      for (Eigen::Index c = 0; c < size; ++c) matrix(r, c) -= rubbing[static_cast<std::size_t>(c)].answers[row];
+    }
+    pressing = matrix.partialPivLu().solve(pressing).eval();
+    for (Eigen::Index r = 0; r < size; ++r) {
+      const Rubbing& each = rubbing[static_cast<std::size_t>(r)];
+      a[each.member] += pressing[r] * each.change;
+      multipliers += pressing[r] * each.answers;
+    }
   }
   system.for_each_change(multipliers,
                          [&](std::uint32_t node, const Vector3& change) { a[member_of_[node]] += change; });
@@ -213,8 +238,9 @@ Vector3 RigidConnections::pull(std::uint32_t node, const springnet_const_vectors
   return sum;
 }
 
-springnet_status RigidConnections::project(const Cluster& cluster, const springnet_vectors& position,
-                                           const springnet_vectors& velocity, springnet_message& message,
+springnet_status RigidConnections::project(const Placement& at, const Cluster& cluster,
+                                           const springnet_vectors& position, const springnet_vectors& velocity,
+                                           springnet_message& message,
                                            const std::vector<std::uint32_t>& stopped) const {
   const std::size_t count = cluster.nodes.size();
   std::vector<Vector3> p(count);
@@ -229,16 +255,16 @@ springnet_status RigidConnections::project(const Cluster& cluster, const springn
     sliding[i].slides = true;
     movable[i] = 1;
   }
-  if (!correct_positions(cluster, sliding, p, movable)) return cannot_keep(cluster, message);
+  if (!correct_positions(at, cluster, sliding, p, movable)) return cannot_keep(cluster, message);
   for (std::size_t i = 0; i < count; ++i) put_vector(position, cluster.nodes[i], p[i]);
   ConstraintSystem system;
-  system.set(rows_of(cluster, touches, p), [this](std::uint32_t node) { return mobility(node); });
+  system.set(rows_of(at, cluster, touches, p), [this](std::uint32_t node) { return mobility(node); });
   Eigen::VectorXd rate(static_cast<Eigen::Index>(system.rows().size()));
   for (std::size_t r = 0; r < system.rows().size(); ++r) {
     const ConstraintRow& row = system.rows()[r];
     const Vector3 other = row.second != ConstraintRow::no_node
                               ? vector_at(velocity, row.second)
-                              : contact_.placement(static_cast<std::size_t>(contact_.now(row.first).surface)).velocity;
+                              : Contact::velocity(at, static_cast<std::size_t>(row.surface), p[member_of_[row.first]]);
     rate[static_cast<Eigen::Index>(r)] = row.direction.dot(vector_at(velocity, row.first) - other);
   }
   system.for_each_change(system.solve(-rate), [&](std::uint32_t node, const Vector3& change) {
@@ -247,24 +273,66 @@ springnet_status RigidConnections::project(const Cluster& cluster, const springn
   return SPRINGNET_OK;
 }
 
-springnet_status RigidConnections::project(const springnet_vectors& position, const springnet_vectors& velocity,
-                                           springnet_message& message,
+springnet_status RigidConnections::project(const Placement& at, const springnet_vectors& position,
+                                           const springnet_vectors& velocity, springnet_message& message,
                                            const std::vector<std::uint32_t>& stopped) const {
   for (const Cluster& cluster : clusters_) {
-    const springnet_status status = project(cluster, position, velocity, message, stopped);
+    const springnet_status status = project(at, cluster, position, velocity, message, stopped);
     if (status != SPRINGNET_OK) return status;
   }
   if (contact_.surfaces().empty()) return SPRINGNET_OK;
   for (std::uint32_t k = 0; k < mass_.size(); ++k) {
-    const Touch& touch = contact_.now(k);
-    if (!touch.slides || (any() && cluster_of_[k] != no_cluster)) continue;
-    const auto j = static_cast<std::size_t>(touch.surface);
-    const Vector3 p = contact_.onto(j, vector_at(position, k)), v = vector_at(velocity, k);
-    const Vector3 n = contact_.normal(j, p);
-    put_vector(position, k, p);
-    put_vector(velocity, k, v - n * n.dot(v - contact_.placement(j).velocity));
+    if (!contact_.now(k).slides || (any() && cluster_of_[k] != no_cluster)) continue;
+    contact_.project_sliding(at, k, position, velocity);
   }
   return SPRINGNET_OK;
+}
+
+RigidConnections::Unsupported::Unsupported(const RigidConnections& rigid, std::size_t cluster,
+                                           const springnet_const_vectors& position)
+    : rigid_(rigid), nodes_(rigid.clusters_[cluster].nodes), rods_(rigid.clusters_[cluster].rods) {
+  std::vector<Vector3> p;
+  p.reserve(nodes_.size());
+  for (const std::uint32_t k : nodes_) p.push_back(vector_at(position, k));
+  system_.set(rigid.rods_of(rigid.clusters_[cluster], p), [&](std::uint32_t node) {
+    return rigid_.contact_.fixed()[node] != 0 ? Matrix3(Matrix3::Zero())
+                                              : Matrix3(Matrix3::Identity() / rigid_.mass_[node]);
+  });
+}
+
+void RigidConnections::Unsupported::accelerate(const springnet_const_vectors& position,
+                                               const springnet_const_vectors& velocity,
+                                               std::vector<Vector3>& acceleration) const {
+  const std::vector<ConstraintRow>& rows = system_.rows();
+  Eigen::VectorXd rate(static_cast<Eigen::Index>(rows.size()));
+  for (std::size_t r = 0; r < rows.size(); ++r) {
+    const std::uint32_t a = rows[r].first, b = rows[r].second;
+    const Vector3 n = rows[r].direction, dv = vector_at(velocity, a) - vector_at(velocity, b);
+    const double length = (vector_at(position, a) - vector_at(position, b)).norm();
+    const Vector3 da = acceleration[rigid_.member_of_[a]] - acceleration[rigid_.member_of_[b]];
+    rate[static_cast<Eigen::Index>(r)] = n.dot(da) + (dv.squaredNorm() - n.dot(dv) * n.dot(dv)) / length;
+  }
+  system_.for_each_change(system_.solve(-rate), [&](std::uint32_t node, const Vector3& change) {
+    acceleration[rigid_.member_of_[node]] += change;
+  });
+}
+
+Eigen::MatrixXd RigidConnections::Unsupported::mobility(const std::vector<std::uint32_t>& nodes) const {
+  const auto size = static_cast<Eigen::Index>(3 * nodes.size());
+  Eigen::MatrixXd result = Eigen::MatrixXd::Zero(size, size);
+  for (std::size_t i = 0; i < nodes.size(); ++i) {
+    for (Eigen::Index c = 0; c < 3; ++c) {
+      const Eigen::Index column = static_cast<Eigen::Index>(3 * i) + c;
+      push(
+          {nodes[i]}, {Vector3::Unit(c)},
+          [&](std::uint32_t node, const Vector3& change) {
+            for (std::size_t k = 0; k < nodes.size(); ++k)
+              if (nodes[k] == node) result.block<3, 1>(static_cast<Eigen::Index>(3 * k), column) += change;
+          },
+          [](std::uint32_t, const Vector3&) {});
+    }
+  }
+  return result;
 }
 
 double RigidConnections::greatest_rate(const springnet_const_vectors& position,
@@ -278,7 +346,7 @@ double RigidConnections::greatest_rate(const springnet_const_vectors& position,
   return greatest;
 }
 
-std::vector<ConstraintRow> RigidConnections::rows(const springnet_const_vectors& position) const {
+std::vector<ConstraintRow> RigidConnections::rows(const Placement& at, const springnet_const_vectors& position) const {
   std::vector<ConstraintRow> rows;
   for (const Rod& rod : rods_) {
     const Vector3 d = vector_at(position, rod.first) - vector_at(position, rod.second);
@@ -289,8 +357,10 @@ std::vector<ConstraintRow> RigidConnections::rows(const springnet_const_vectors&
   for (std::uint32_t k = 0; k < mass_.size(); ++k) {
     const Touch& touch = contact_.now(k);
     if (!touch.slides || contact_.fixed()[k] != 0) continue;
-    rows.push_back(
-        {k, ConstraintRow::no_node, contact_.normal(static_cast<std::size_t>(touch.surface), vector_at(position, k))});
+    for (const std::int32_t surface : touch.surfaces())
+      if (surface >= 0)
+        rows.push_back({k, ConstraintRow::no_node,
+                        contact_.normal(at, static_cast<std::size_t>(surface), vector_at(position, k)), surface});
   }
   return rows;
 }

@@ -6,6 +6,7 @@
 #include <limits>
 
 #include "network/trajectory.hpp"
+#include "network/turning.hpp"
 
 namespace springnet {
 
@@ -25,6 +26,11 @@ struct SampleTime {
 [[nodiscard]] inline Trajectory::Sample sample(const Trajectory& trajectory, const SampleTime& at) {
   Trajectory::Sample result = trajectory.at(at.rate);
   if (at.rate != at.time) result.displacement = trajectory.at(at.time).displacement;
+  return result;
+}
+[[nodiscard]] inline Turning::Sample sample(const Turning& turning, const SampleTime& at) {
+  Turning::Sample result = turning.at(at.rate);
+  if (at.rate != at.time) result.angle = turning.at(at.time).angle;
   return result;
 }
 

@@ -12,9 +12,9 @@
 #include <algorithm>
 #include <cmath>
 
+#include "constraints/rigid.hpp"
+#include "constraints/vectors.hpp"
 #include "layers/message.hpp"
-#include "simulation/rigid.hpp"
-#include "simulation/vectors.hpp"
 
 namespace springnet {
 namespace {
@@ -37,10 +37,13 @@ struct RigidConnections::Step {
     Vector3 friction = Vector3::Zero();  // N s
     Vector3 velocity = Vector3::Zero();  // results
     int changes = 0;
-    bool is_new = false;  // its contact
+    bool is_new = false;   // its contact
+    double rebound = 0.0;  // m/s, off the surface that it met
   };
+  const Placement& at;  // the end of the step
   const Cluster& cluster;
   double h, theta;
+  bool decides;  // which nodes touch, slide and stick
   std::vector<Member> members;
   std::vector<Touch> touches;       // [member]
   std::vector<Vector3> positions;   // [member] m
@@ -73,7 +76,7 @@ bool RigidConnections::solve(Step& step) const {
   };
   double last = std::numeric_limits<double>::infinity();
   for (int turn = 0; turn < most_turns; ++turn) {
-    step.system.set(rows_of(step.cluster, step.touches, step.positions), mobility);
+    step.system.set(rows_of(step.at, step.cluster, step.touches, step.positions), mobility);
     const std::vector<ConstraintRow>& rows = step.system.rows();
     for (std::size_t i = 0; i < count; ++i) {
       Step::Member& m = step.members[i];
@@ -82,9 +85,11 @@ bool RigidConnections::solve(Step& step) const {
     Eigen::VectorXd rate(static_cast<Eigen::Index>(rows.size()));
     for (std::size_t r = 0; r < rows.size(); ++r) {
       const std::size_t i = member_of_[rows[r].first];
-      const Vector3 other = rows[r].second != ConstraintRow::no_node
-                                ? step.members[member_of_[rows[r].second]].velocity
-                                : contact_.placement(static_cast<std::size_t>(step.touches[i].surface)).velocity;
+      const Vector3 other =
+          rows[r].second != ConstraintRow::no_node
+              ? step.members[member_of_[rows[r].second]].velocity
+              : Vector3(Contact::velocity(step.at, static_cast<std::size_t>(rows[r].surface), step.positions[i]) +
+                        step.members[i].rebound * rows[r].direction);
       rate[static_cast<Eigen::Index>(r)] = rows[r].direction.dot(step.members[i].velocity - other);
     }
     step.multipliers = step.system.solve(-rate);
@@ -99,7 +104,7 @@ bool RigidConnections::solve(Step& step) const {
                     ? Vector3(m.start + step.h * ((1.0 - step.theta) * m.start_velocity + step.theta * m.velocity))
                     : m.free_position;
     }
-    if (!correct_positions(step.cluster, sliding, next, placed)) return false;
+    if (!correct_positions(step.at, step.cluster, sliding, next, placed)) return false;
     double moved = 0.0;
     for (std::size_t i = 0; i < count; ++i) moved = std::max(moved, (next[i] - step.positions[i]).norm());
     // As far as it goes, or as far as rounding lets it.
@@ -136,20 +141,25 @@ bool RigidConnections::revise_contact(Step& step, std::size_t member) const {
   Step::Member& m = step.members[member];
   Touch& touch = step.touches[member];
   const bool forced = contact_.is_undecided(m.node) || m.changes >= most_changes;
+  const Contact::Way way{m.node, m.start, m.start_velocity, step.positions[member], m.velocity};
+  if (!step.decides) return touch.slides && revise_friction(step, member);
   if (touch.surface < 0) {
-    const Contact::Meeting meeting = contact_.first_meeting(m.start, step.positions[member]);
-    if (meeting.surface < 0 || contact_.leaves(meeting.surface, m.velocity, step.positions[member])) return false;
+    const Contact::Meeting meeting = contact_.first_meeting(step.at, m.start, step.positions[member]);
+    if (meeting.surface < 0 || contact_.leaves(step.at, meeting.surface, way)) return false;
     const auto j = static_cast<std::size_t>(meeting.surface);
     touch = {meeting.surface, contact_.surfaces()[j].friction().kind != Friction::Kind::held};
-    m.is_new = contact_.committed(m.node).surface != meeting.surface;
-    m.place = contact_.onto(j, contact_.taken_along(m.start, step.positions[member], meeting));
-    m.place_velocity = contact_.placement(j).velocity;
+    m.is_new = !contact_.committed(m.node).has(meeting.surface);
+    if (m.is_new)
+      m.rebound = contact_.rebound(step.at, meeting.surface, step.positions[member], m.start_velocity, m.free);
+    touch.slides = touch.slides || m.rebound > 0.0;
+    m.place = contact_.onto(step.at, j, contact_.taken_along(step.at, m.start, step.positions[member], meeting));
+    m.place_velocity = Contact::velocity(step.at, j, m.place);
     ++m.changes;
     return true;
   }
   const auto j = static_cast<std::size_t>(touch.surface);
   const Friction& law = contact_.surfaces()[j].friction();
-  const Vector3 n = contact_.normal(j, step.positions[member]);
+  const Vector3 n = contact_.normal(step.at, j, step.positions[member]);
   const auto leave = [&] {
     if (m.is_new || forced) return false;
     touch = {};
@@ -157,13 +167,21 @@ bool RigidConnections::revise_contact(Step& step, std::size_t member) const {
     ++m.changes;
     return true;
   };
+  const auto is_smooth = [&](std::int32_t surface) {
+    return contact_.surfaces()[static_cast<std::size_t>(surface)].friction().kind == Friction::Kind::none;
+  };
   if (touch.slides && !forced) {
-    const Contact::Meeting second = contact_.second_meeting(m.start, step.positions[member], m.velocity, touch.surface);
+    const Contact::Meeting second = contact_.second_meeting(step.at, way, touch.surface, touch.second);
+    if (second.surface >= 0 && touch.second < 0 && is_smooth(touch.surface) && is_smooth(second.surface)) {
+      touch.second = second.surface;
+      ++m.changes;
+      return true;
+    }
     if (second.surface >= 0) {
       const auto other = static_cast<std::size_t>(second.surface);
       m.is_new = contact_.committed(m.node).surface != second.surface;
-      m.place = contact_.onto(other, contact_.taken_along(m.start, step.positions[member], second));
-      m.place_velocity = contact_.placement(other).velocity;
+      m.place = contact_.onto(step.at, other, contact_.taken_along(step.at, m.start, step.positions[member], second));
+      m.place_velocity = Contact::velocity(step.at, other, m.place);
       m.friction.setZero();
       touch = {second.surface, false};
       ++m.changes;
@@ -176,25 +194,51 @@ bool RigidConnections::revise_contact(Step& step, std::size_t member) const {
     if (pressing < 0.0) return leave();
     if (law.kind != Friction::Kind::coulomb || m.changes >= most_changes) return false;
     const Vector3 along = impulse - pressing * n;
-    if (along.norm() <= law.coefficient * pressing) return false;
+    if (grip(law.coefficient, pressing, along.norm()) >= 0.0) return false;
     touch.slides = true;
     m.friction = law.coefficient * pressing * along.normalized();
     ++m.changes;
     return true;
   }
+  for (std::size_t r = step.cluster.rods.size(); r < step.system.rows().size(); ++r) {
+    const ConstraintRow& row = step.system.rows()[r];
+    if (row.first != m.node || step.multipliers[static_cast<Eigen::Index>(r)] >= 0.0) continue;
+    if (touch.second < 0) {
+      if (leave()) return true;
+    } else if (!forced) {
+      touch = {row.surface == touch.surface ? touch.second : touch.surface, true};
+      ++m.changes;
+      return true;
+    }
+  }
+  return revise_friction(step, member);
+}
+
+// The friction of a node that slides, for the present normal forces; where nothing is to be decided it is against the
+// slip that it had, until it slips that way itself. True if it has to change.
+bool RigidConnections::revise_friction(Step& step, std::size_t member) const {
+  Step::Member& m = step.members[member];
+  Touch& touch = step.touches[member];
+  const auto j = static_cast<std::size_t>(touch.surface);
+  const Friction& law = contact_.surfaces()[j].friction();
+  if (law.kind != Friction::Kind::coulomb) return false;
   double pressing = 0.0;
   for (std::size_t r = step.cluster.rods.size(); r < step.system.rows().size(); ++r)
-    if (step.system.rows()[r].first == m.node) pressing = step.multipliers[static_cast<Eigen::Index>(r)];
-  if (pressing < 0.0 && leave()) return true;
-  if (law.kind != Friction::Kind::coulomb) return false;
-  const Vector3 relative = m.velocity - contact_.placement(j).velocity;
-  const Vector3 slip = relative - n * n.dot(relative);
-  const double most = law.coefficient * std::max(0.0, pressing);
-  // Friction that turned the slip round is more than stops it.
-  if ((m.friction.dot(slip) > 0.0 || !(slip.norm() > 0.0)) && m.changes < most_changes) {
+    if (step.system.rows()[r].first == m.node)
+      pressing += std::max(0.0, step.multipliers[static_cast<Eigen::Index>(r)]);
+  const Vector3 n = contact_.normal(step.at, j, step.positions[member]);
+  const Vector3 relative = m.velocity - Contact::velocity(step.at, j, step.positions[member]);
+  Vector3 slip = relative - n * n.dot(relative);
+  const double most = law.coefficient * pressing;
+  if (!step.decides) {
+    const Vector3& kept = contact_.slip(m.node);
+    if (!(slip.dot(kept) > 0.0)) slip = kept - n * n.dot(kept);
+  } else if ((m.friction.dot(slip) > 0.0 || !(slip.norm() > 0.0)) && m.changes < most_changes) {
+    // Friction that turned the slip round is more than stops it.
     touch.slides = false;
-    m.place = m.is_new ? contact_.onto(j, step.positions[member]) : contact_.carried(m.start, touch.surface);
-    m.place_velocity = contact_.placement(j).velocity;
+    m.place = m.is_new ? contact_.onto(step.at, j, step.positions[member])
+                       : contact_.carried(step.at, m.start, touch.surface);
+    m.place_velocity = Contact::velocity(step.at, j, m.place);
     m.friction.setZero();
     ++m.changes;
     return true;
@@ -213,11 +257,12 @@ bool RigidConnections::revise_contacts(Step& step) const {
   return changed;
 }
 
-springnet_status RigidConnections::constrain(std::size_t index, const springnet_sweep& sweep,
+springnet_status RigidConnections::constrain(const Placement& end, std::size_t index, const springnet_sweep& sweep,
                                              springnet_message& message) const {
   const Cluster& cluster = clusters_[index];
   const std::size_t count = cluster.nodes.size();
-  Step step{cluster, sweep.time_constant, sweep.theta > 0.0 ? sweep.theta : 1.0, {}, {}, {}, {}};
+  Step step{end, cluster, sweep.time_constant, sweep.theta > 0.0 ? sweep.theta : 1.0, sweep.contacts == 0, {}, {},
+            {},  {}};
   step.members.reserve(count);
   step.touches.resize(count);
   step.positions.resize(count);
@@ -227,7 +272,7 @@ springnet_status RigidConnections::constrain(std::size_t index, const springnet_
     const std::uint32_t k = cluster.nodes[i];
     Step::Member m{};
     m.node = k;
-    m.fixed = contact_.constrain_fixed(k, sweep);
+    m.fixed = contact_.constrain_fixed(end, k, sweep);
     m.start = vector_at(sweep.start_position, k);
     m.start_velocity = vector_at(sweep.start_velocity, k);
     m.free_position = m.place = step.positions[i] = vector_at(sweep.next_position, k);
@@ -238,16 +283,18 @@ springnet_status RigidConnections::constrain(std::size_t index, const springnet_
     m.mobility = m.inertia.inverse();
     if (surfaces && !m.fixed) {
       Touch touch = contact_.committed(k);
-      if (touch.surface < 0 && contact_.is_undecided(k) && contact_.could_reach(k, m.start, m.free_position)) {
+      if (step.decides && touch.surface < 0 && contact_.is_undecided(k) &&
+          contact_.could_reach(end, k, m.start, m.free_position)) {
         const std::int32_t last = contact_.last_surface(k);
         const auto j = static_cast<std::size_t>(last);
         touch = {last, contact_.surfaces()[j].friction().kind != Friction::Kind::held};
-        m.place = contact_.onto(j, m.free_position);
+        m.place = contact_.onto(end, j, m.free_position);
         m.is_new = true;
       } else if (touch.surface >= 0) {
-        m.place = contact_.carried(m.start, touch.surface);
+        m.place = contact_.carried(end, m.start, touch.surface);
       }
-      if (touch.surface >= 0) m.place_velocity = contact_.placement(static_cast<std::size_t>(touch.surface)).velocity;
+      if (touch.surface >= 0)
+        m.place_velocity = Contact::velocity(end, static_cast<std::size_t>(touch.surface), m.place);
       step.touches[i] = touch;
     }
     step.members.push_back(m);
@@ -265,7 +312,7 @@ springnet_status RigidConnections::constrain(std::size_t index, const springnet_
     return SPRINGNET_RECOVERABLE;
   }
   std::vector<Vector3> impulses(count, Vector3::Zero());
-  const std::vector<ConstraintRow> rows = rows_of(cluster, step.touches, step.positions);
+  const std::vector<ConstraintRow> rows = rows_of(end, cluster, step.touches, step.positions);
   for (std::size_t r = 0; r < rows.size(); ++r) {
     const Vector3 impulse = step.multipliers[static_cast<Eigen::Index>(r)] * rows[r].direction;
     impulses[member_of_[rows[r].first]] += impulse;
@@ -281,10 +328,12 @@ springnet_status RigidConnections::constrain(std::size_t index, const springnet_
     if (sweep.constraint_force.x != nullptr && step.h > 0.0)
       put_vector(sweep.constraint_force, m.node, impulse / (step.h * step.theta));
     if (!surfaces) continue;
-    static_cast<void>(contact_.undecided(m.node, step.touches[i].surface >= 0));
-    if (step.touches[i].slides && m.friction.norm() > 0.0) contact_.set_slip(m.node, -m.friction);
+    if (step.decides) static_cast<void>(contact_.undecided(m.node, step.touches[i].surface >= 0));
+    if (step.decides && step.touches[i].slides && m.friction.norm() > 0.0) contact_.set_slip(m.node, -m.friction);
     contact_.decide(m.node, step.touches[i],
-                    m.is_new ? Vector3(m.inertia * (m.velocity - m.free) - tension_at(step, i)) : Vector3::Zero());
+                    step.touches[i].surface >= 0 ? Vector3(m.inertia * (m.velocity - m.free) - tension_at(step, i))
+                                                 : Vector3(Vector3::Zero()),
+                    m.rebound > 0.0 && step.touches[i].surface >= 0);
   }
   return SPRINGNET_OK;
 }

@@ -1,0 +1,257 @@
+#include "constraints/contact.hpp"
+
+#include <Eigen/QR>
+#include <algorithm>
+
+#include "constraints/island.hpp"
+#include "constraints/vectors.hpp"
+
+namespace springnet {
+
+Contact::Contact(const Network& network, const std::vector<std::uint32_t>& user_number,
+                 const std::vector<std::uint32_t>& engine_number, const std::vector<double>& mass)
+    : mass_(mass), prescribed_(network, engine_number) {
+  for (const Plane& plane : network.planes()) surfaces_.emplace_back(plane);
+  for (const Instrument& instrument : network.instruments()) surfaces_.emplace_back(instrument);
+  const std::size_t nodes = user_number.size();
+  fixed_.resize(nodes);
+  for (std::size_t k = 0; k < nodes; ++k) fixed_[k] = network.nodes()[user_number[k]].fixed ? 1 : 0;
+  constrained_ = status_ = fixed_;  // SPRINGNET_PRESCRIBED is 1
+  held_.assign(nodes, 0);
+  touching_.assign(nodes, 0);
+  committed_.assign(nodes, {});
+  now_.assign(nodes, {});
+  if (surfaces_.empty()) return;
+  surface_impulse_.assign(surfaces_.size(), Vector3::Zero());
+  changes_.assign(nodes, 0);
+  stayed_.assign(nodes, 0);
+  bounces_.assign(nodes, 0);
+  slip_phase_.assign(nodes, Slip::goes_on);
+  last_surface_.assign(nodes, -1);
+  for (auto* vectors : {&slip_, &impulse_, &sweep_impulse_}) vectors->assign(nodes, Vector3::Zero());
+}
+
+std::string Contact::name_of(std::size_t surface) const {
+  const auto planes = static_cast<std::size_t>(
+      std::count_if(surfaces_.begin(), surfaces_.end(), [](const Obstacle& s) { return s.is_plane(); }));
+  return surfaces_[surface].description(surface < planes ? surface : surface - planes);
+}
+
+void Contact::set_trajectory(std::size_t surface, Trajectory trajectory) {
+  surfaces_[surface].set_trajectory(std::move(trajectory));
+  known_.reset();
+}
+
+const std::shared_ptr<const Placement>& Contact::at(const SampleTime& time) const {
+  const bool still = surfaces_.empty() && !prescribed_.any();
+  if (known_ && (still || known_->time == time)) return known_;
+  auto placement = std::make_shared<Placement>();
+  placement->time = time;
+  placement->poses.reserve(surfaces_.size());
+  for (const Obstacle& surface : surfaces_) placement->poses.push_back(surface.at(time));
+  placement->motions = prescribed_.at(time);
+  known_ = std::move(placement);
+  return known_;
+}
+
+double Contact::next_change(double time) const {
+  double next = prescribed_.next_change(time);
+  for (const Obstacle& surface : surfaces_) next = std::min(next, surface.next_change(time));
+  return next;
+}
+
+Vector3 Contact::impulse(std::uint32_t node) const { return impulse_.empty() ? Vector3::Zero() : impulse_[node]; }
+
+void Contact::refresh(std::uint32_t node) {
+  held_[node] = committed_[node].surface >= 0 && !committed_[node].slides ? 1 : 0;
+  touching_[node] = committed_[node].surface >= 0 ? 1 : 0;
+  tell_status(node);
+}
+
+void Contact::tell_status(std::uint32_t node) noexcept {
+  const Touch& touch = now_[node];
+  status_[node] = fixed_[node] != 0   ? SPRINGNET_PRESCRIBED
+                  : touch.surface < 0 ? SPRINGNET_FREE
+                  : touch.slides      ? SPRINGNET_SLIDING
+                                      : SPRINGNET_STICKING;
+  constrained_[node] = status_[node] == SPRINGNET_PRESCRIBED || status_[node] == SPRINGNET_STICKING ? 1 : 0;
+}
+
+void Contact::set_fixed(std::uint32_t node, bool fixed) {
+  fixed_[node] = fixed ? 1 : 0;
+  if (fixed) release(node);
+  refresh(node);
+}
+
+void Contact::touch(std::uint32_t node, const Touch& touch, const Vector3& impulse) {
+  committed_[node] = now_[node] = touch;
+  impulse_[node] += impulse;
+  refresh(node);
+}
+
+void Contact::release(std::uint32_t node) {
+  if (surfaces_.empty()) return;
+  touch(node, {}, Vector3::Zero());
+}
+
+void Contact::begin_step(std::shared_ptr<const Placement> start) {
+  start_ = std::move(start);
+  std::fill(changes_.begin(), changes_.end(), std::uint8_t{0});
+  for (std::size_t k = 0; k < stayed_.size(); ++k) stayed_[k] = touching_[k];
+  forget_sweep();
+}
+
+void Contact::forget_sweep() {
+  if (surfaces_.empty()) return;
+  std::fill(sweep_impulse_.begin(), sweep_impulse_.end(), Vector3::Zero());
+  for (std::uint32_t k = 0; k < now_.size(); ++k) {
+    if (now_[k] == committed_[k]) continue;
+    now_[k] = committed_[k];
+    refresh(k);
+  }
+}
+
+std::vector<ContactChange> Contact::commit_sweep(bool decided) {
+  using Kind = ContactChange::Kind;
+  std::vector<ContactChange> changes;
+  if (surfaces_.empty()) return changes;
+  if (decided) std::fill(slip_phase_.begin(), slip_phase_.end(), Slip::goes_on);
+  for (std::uint32_t k = 0; k < now_.size() && decided; ++k) {
+    const Touch before = committed_[k], after = now_[k];
+    if (fixed_[k] != 0 || before == after) continue;
+    bool same = true;
+    for (const std::int32_t j : before.surfaces()) {
+      if (j < 0 || after.has(j)) continue;
+      same = false;
+      changes.push_back({Kind::released, k, j});
+    }
+    const Vector3 impulse = sweep_impulse_[k];
+    for (const std::int32_t j : after.surfaces()) {
+      if (j < 0 || before.has(j)) continue;
+      // What it gives goes to the first of them; seldom are there two at once.
+      changes.push_back({Kind::touched, k, j, same ? impulse : Vector3::Zero()});
+      same = false;
+      if (bounces_[k] != 0) changes.push_back({Kind::released, k, j});
+    }
+    if (same && before.slides != after.slides)
+      changes.push_back({after.slides ? Kind::slipped : Kind::stuck, k, after.surface});
+    touch(k, bounces_[k] != 0 ? Touch{} : after, Vector3::Zero());
+  }
+  std::stable_sort(changes.begin(), changes.end(),
+                   [](const ContactChange& a, const ContactChange& b) { return a.kind < b.kind; });
+  return changes;
+}
+
+std::vector<Vector3> Contact::normals(const Placement& at, std::uint32_t node, const Vector3& position) const {
+  std::vector<Vector3> result;
+  for (const std::int32_t surface : now_[node].surfaces())
+    if (surface >= 0) result.push_back(normal(at, static_cast<std::size_t>(surface), position));
+  return result;
+}
+
+Vector3 Contact::slip_vector(const Placement& at, std::uint32_t node, std::size_t surface, const Vector3& position,
+                             const Vector3& velocity) const {
+  const Vector3 relative = velocity - Contact::velocity(at, surface, position);
+  if (now_[node].second < 0) {
+    const Vector3 n = normal(at, surface, position);
+    return relative - n * n.dot(relative);
+  }
+  return split_reaction(normals(at, node, position), relative).along;
+}
+
+Vector3 Contact::slip_direction(const Placement& at, std::uint32_t node, std::size_t surface, const Vector3& position,
+                                const Vector3& velocity) const {
+  const Vector3 slip = slip_vector(at, node, surface, position, velocity);
+  const double speed = slip.norm();
+  if (slip_phase_[node] == Slip::goes_on && speed > 0.5 * rest_speed_) return slip / speed;
+  const Vector3 kept = split_reaction(normals(at, node, position), slip_[node]).along;
+  const double length = kept.norm();
+  return length > 0.0 ? Vector3(kept / length) : speed > 0.0 ? Vector3(slip / speed) : Vector3::Zero();
+}
+
+// d^2 (gap) / dt^2 = 0 for each surface; the forces for that are the normal forces, and friction is a share of them.
+Vector3 Contact::slid(const Placement& at, std::uint32_t node, const Vector3& position, const Vector3& velocity,
+                      const Vector3& acceleration) const {
+  const Touch& touch = now_[node];
+  const auto count = static_cast<Eigen::Index>(touch.count());
+  Eigen::Matrix<double, 3, 3> directions;  // of a surface's force, for a normal force of 1
+  Eigen::Matrix<double, 3, 3> normals;
+  Vector3 wanted;
+  for (Eigen::Index i = 0; i < count; ++i) {
+    const auto j = static_cast<std::size_t>(touch.surfaces()[static_cast<std::size_t>(i)]);
+    const Vector3 relative = velocity - Contact::velocity(at, j, position), n = normal(at, j, position);
+    normals.col(i) = directions.col(i) = n;
+    wanted[i] = -(n.dot(acceleration - Contact::acceleration(at, j, position)) + bending(at, j, position, relative));
+    if (const double mu = sliding_coefficient_of(surfaces_[j].friction()); mu > 0.0)
+      directions.col(i) -= mu * slip_direction(at, node, j, position, velocity);
+  }
+  // A force that would pull is left for the caller to see; it makes no friction.
+  if (count == 1) return acceleration + wanted[0] * (wanted[0] > 0.0 ? directions : normals).col(0);
+  const auto n = normals.leftCols(count), d = directions.leftCols(count);
+  return acceleration + d * (n.transpose() * d).completeOrthogonalDecomposition().solve(wanted.head(count));
+}
+
+void Contact::note_slips(const Placement& at, const springnet_const_vectors& position,
+                         const springnet_const_vectors& velocity) {
+  for (std::uint32_t k = 0; !surfaces_.empty() && k < committed_.size(); ++k) {
+    if (!committed_[k].slides || slip_phase_[k] != Slip::goes_on) continue;
+    const Vector3 slip = slip_vector(at, k, static_cast<std::size_t>(committed_[k].surface), vector_at(position, k),
+                                     vector_at(velocity, k));
+    if (slip.norm() > 2.0 * rest_speed_) slip_[k] = slip.normalized();
+  }
+}
+
+void Contact::project_sliding(const Placement& at, std::uint32_t node, const springnet_vectors& position,
+                              const springnet_vectors& velocity) const {
+  const Touch& touch = now_[node];
+  Vector3 p = vector_at(position, node), v = vector_at(velocity, node);
+  if (touch.second < 0) {
+    const auto j = static_cast<std::size_t>(touch.surface);
+    p = onto(at, j, p);
+    const Vector3 n = normal(at, j, p);
+    v -= n * n.dot(v - Contact::velocity(at, j, p));
+  } else {
+    const auto count = static_cast<Eigen::Index>(touch.count());
+    Eigen::Matrix<double, Eigen::Dynamic, 3> normals(count, 3);
+    Eigen::VectorXd gaps(count), rates(count);
+    constexpr int most_turns = 20;  // of curved surfaces; two planes need one
+    for (int turn = 0; turn < most_turns; ++turn) {
+      for (Eigen::Index i = 0; i < count; ++i) {
+        const auto j = static_cast<std::size_t>(touch.surfaces()[static_cast<std::size_t>(i)]);
+        const Vector3 n = normal(at, j, p);
+        normals.row(i) = n.transpose();
+        gaps[i] = gap(at, j, p);
+        rates[i] = n.dot(v - Contact::velocity(at, j, p));
+      }
+      const Vector3 change = normals.completeOrthogonalDecomposition().solve(gaps);
+      p -= change;
+      if (change.norm() <= 1e-15 * p.norm()) break;
+    }
+    v -= Vector3(normals.completeOrthogonalDecomposition().solve(rates));
+  }
+  put_vector(position, node, p);
+  put_vector(velocity, node, v);
+}
+
+void Contact::accelerate(const Placement& at, std::uint32_t first, std::uint32_t count,
+                         const springnet_const_vectors& position, const springnet_const_vectors& velocity,
+                         double* const acceleration[3], const std::uint32_t* cluster) const {
+  for (std::uint32_t i = 0; i < count; ++i) {
+    const std::uint32_t k = first + i;
+    const Touch& touch = now_[k];
+    if (fixed_[k] == 0 && touch.surface < 0) continue;
+    Vector3 result = Vector3::Zero();
+    if (fixed_[k] != 0) {
+      if (prescribed_.moves(k)) result = prescribed_.acceleration(at.motions, k);
+    } else if (!touch.slides) {
+      result = Contact::acceleration(at, static_cast<std::size_t>(touch.surface), vector_at(position, k));
+    } else {
+      if (cluster != nullptr && cluster[k] != 0xffffffffu) continue;
+      result = slid(at, k, vector_at(position, k), vector_at(velocity, k),
+                    {acceleration[0][i], acceleration[1][i], acceleration[2][i]});
+    }
+    for (int c = 0; c < 3; ++c) acceleration[c][i] = result[c];
+  }
+}
+
+}  // namespace springnet

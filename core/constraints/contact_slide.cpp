@@ -1,0 +1,165 @@
+// Where a node is at the end of a step that it spends on a surface, or along the edge between two.
+
+#include <Eigen/Geometry>
+#include <algorithm>
+
+#include "constraints/contact_within.hpp"
+#include "constraints/edge.hpp"
+#include "constraints/vectors.hpp"
+
+namespace springnet {
+namespace {
+
+// A node that slips whatever the forces: friction acts against `kept`, until its slip goes that way itself.
+ContactAnswer answer_slipping(const Matrix3& mobility, const Vector3& relative, const Vector3& n, double friction,
+                              const Vector3& kept) {
+  const auto along = [&](const Vector3& v) { return Vector3(v - n * n.dot(v)); };
+  Vector3 t = along(kept);
+  t = t.norm() > 0.0 ? Vector3(t.normalized()) : Vector3(Vector3::Zero());
+  ContactAnswer answer{};
+  constexpr int most_turns = 50;
+  for (int i = 0; i < most_turns; ++i) {
+    const auto with = [&](const Vector3& direction) {
+      const double impulse = -n.dot(relative) / n.dot(mobility * direction);
+      return ContactAnswer{relative + mobility * direction * impulse, direction * impulse, impulse, false};
+    };
+    answer = with(n);
+    if (answer.normal > 0.0) answer = with(n - friction * t);  // what would pull makes no friction
+    const Vector3 slip = along(answer.velocity);
+    if (!(slip.dot(t) > 0.0)) break;
+    const Vector3 direction = slip.normalized();
+    const double turned = (direction - t).norm();
+    t = direction;
+    if (turned <= 1e-14) break;
+  }
+  return answer;
+}
+
+}  // namespace
+
+Contact::Slide Contact::along(const Within& within, std::int32_t surface, const Candidate& made,
+                              const Vector3* normal_at, double rebound) const {
+  const auto& [sweep, at] = within;
+  const auto j = static_cast<std::size_t>(surface);
+  const Obstacle& obstacle = surfaces_[j];
+  const Friction& friction = obstacle.friction();
+  const double h = sweep.time_constant, theta = theta_of(sweep);
+  Candidate candidate = made;
+  // Where the surface takes the node, and its motion along: continuous where slip ends and it sticks. Without friction
+  // the motion of a surface along itself is none of the node's.
+  const bool taken = friction.kind != Friction::Kind::none;
+  const Vector3 from = taken ? carried(at, candidate.start, surface) : candidate.start;
+  const Vector3 before = taken ? Contact::velocity(*start_, j, candidate.start) : Vector3(Vector3::Zero());
+  Slide result;
+  result.position = onto(at, j, candidate.position);
+  bool sticks = false;
+  constexpr int most_turns = 30;
+  for (int i = 0; i < most_turns; ++i) {
+    const Vector3 place = normal_at != nullptr ? *normal_at : result.position;
+    const Vector3 w = Contact::velocity(at, j, place), n = normal(at, j, place);
+    const auto ask = [&] {
+      const Vector3 relative = candidate.velocity - w - rebound * n;
+      return sweep.contacts != 0 ? answer_slipping(candidate.mobility, relative, n, sliding_coefficient_of(friction),
+                                                   slip_[candidate.node])
+                                 : answer_contact(candidate.mobility, relative, n, friction);
+    };
+    ContactAnswer reaction = ask();
+    const double pressing = n.dot(reaction.impulse);
+    if (reaction.sticks && friction.kind == Friction::Kind::coulomb &&
+        (reaction.impulse - pressing * n).norm() > (1.0 + 1e-12) * friction.coefficient * pressing) {
+      candidate = candidate.isotropic();
+      reaction = ask();
+    }
+    reaction.velocity += rebound * n;
+    result.normal = reaction.normal;
+    result.impulse = reaction.impulse;
+    result.slip = reaction.velocity;
+    result.velocity = w + reaction.velocity;
+    sticks = reaction.sticks;
+    const Vector3 last = result.position;
+    const Vector3 goes = taken ? reaction.velocity : result.velocity;
+    if (h > 0.0)
+      result.position = onto(at, j, from + h * ((1.0 - theta) * (candidate.start_velocity - before) + theta * goes));
+    const bool same = obstacle.is_flat() && !obstacle.turns();
+    if (same || (result.position - last).norm() <= 1e-14 * result.position.norm()) break;
+  }
+  result.touch = {surface, !sticks || rebound > 0.0};
+  result.weakest = surface;
+  result.bounces = rebound > 0.0;
+  return result;
+}
+
+Vector3 Contact::onto_both(const Placement& at, std::int32_t first, std::int32_t second,
+                           const Vector3& position) const {
+  const auto a = static_cast<std::size_t>(first), b = static_cast<std::size_t>(second);
+  Vector3 p = position;
+  constexpr int most_turns = 20;
+  for (int i = 0; i < most_turns; ++i) {
+    Eigen::Matrix<double, 3, 2> n;
+    n << normal(at, a, p), normal(at, b, p);
+    const Eigen::Matrix2d square = n.transpose() * n;
+    if (!(square.determinant() > 1e-12)) break;
+    const Vector3 change = n * (square.inverse() * Eigen::Vector2d(gap(at, a, p), gap(at, b, p)));
+    p -= change;
+    if (change.norm() <= 1e-15 * p.norm()) break;
+  }
+  return p;
+}
+
+Contact::Slide Contact::between(const Within& within, std::int32_t first, std::int32_t second,
+                                const Candidate& made) const {
+  const auto& [sweep, at] = within;
+  const auto a = static_cast<std::size_t>(first), b = static_cast<std::size_t>(second);
+  const double h = sweep.time_constant, theta = theta_of(sweep);
+  const double rough_a = coefficient_of(surfaces_[a].friction()), rough_b = coefficient_of(surfaces_[b].friction());
+  Candidate candidate = made;
+  // Along the edge the rougher surface takes the node along.
+  const std::int32_t rougher = rough_b > rough_a ? second : first;
+  const bool taken = rough_a > 0.0 || rough_b > 0.0;
+  const Vector3 from = taken ? carried(at, candidate.start, rougher) : candidate.start;
+  const Vector3 before =
+      taken ? Contact::velocity(*start_, static_cast<std::size_t>(rougher), candidate.start) : Vector3(Vector3::Zero());
+  Slide result;
+  result.position = onto_both(at, first, second, candidate.position);
+  bool sticks = false;
+  constexpr int most_turns = 30;
+  for (int i = 0; i < most_turns; ++i) {
+    const Vector3 p = result.position;
+    Matrix3 directions;
+    directions.row(0) = normal(at, a, p);
+    directions.row(1) = normal(at, b, p);
+    directions.row(2) = Vector3(directions.row(0)).cross(Vector3(directions.row(1)));
+    // How the edge moves.
+    const Vector3 with = Contact::velocity(at, static_cast<std::size_t>(rougher), p);
+    const Vector3 rates(directions.row(0).dot(Contact::velocity(at, a, p)),
+                        directions.row(1).dot(Contact::velocity(at, b, p)), directions.row(2).dot(with));
+    const Vector3 w = directions.row(2).norm() > 1e-6 ? Vector3(directions.inverse() * rates) : with;
+    const auto ask = [&] {
+      const Vector3* kept = sweep.contacts != 0 ? &slip_[candidate.node] : nullptr;
+      return answer_edge(candidate.mobility, candidate.velocity - w, directions.row(0), directions.row(1), rough_a,
+                         rough_b, kept);
+    };
+    EdgeAnswer reaction = ask();
+    if (!reaction.fits) {
+      candidate = candidate.isotropic();
+      reaction = ask();
+    }
+    result.normal = std::min(reaction.first, reaction.second);
+    result.weakest = reaction.first < reaction.second ? first : second;
+    result.impulse = reaction.impulse;
+    result.slip = reaction.velocity;
+    result.velocity = w + reaction.velocity;
+    sticks = reaction.sticks;
+    const Vector3 goes = taken ? reaction.velocity : result.velocity;
+    if (h > 0.0)
+      result.position =
+          onto_both(at, first, second, from + h * ((1.0 - theta) * (candidate.start_velocity - before) + theta * goes));
+    if ((result.position - p).norm() <= 1e-14 * result.position.norm()) break;
+  }
+  // What stays between two surfaces does not move by rounding.
+  if (sticks && committed_[made.node].has(first) && committed_[made.node].has(second)) result.position = from;
+  result.touch = {first, !sticks, second};
+  return result;
+}
+
+}  // namespace springnet

@@ -1,0 +1,335 @@
+// Contact within the sweeps of a step: where the outputs of a node may be, at the end of the step.
+
+#include <Eigen/LU>
+#include <algorithm>
+#include <cmath>
+
+#include "constraints/contact.hpp"
+#include "constraints/contact_within.hpp"
+#include "constraints/vectors.hpp"
+
+namespace springnet {
+namespace {
+
+// Of mind, within a step, after which a node stays in contact.
+constexpr std::uint8_t most_changes = 8;
+// Of its way within the step: a node that slides along a second surface may be this far behind it by rounding.
+constexpr double beside = 1e-9;
+constexpr std::uint32_t no_cluster = 0xffffffffu;
+
+void put_force(const springnet_sweep& sweep, std::uint32_t node, const Vector3& force) {
+  if (sweep.constraint_force.x != nullptr) put_vector(sweep.constraint_force, node, force);
+}
+
+}  // namespace
+
+bool Contact::is_undecided(std::uint32_t node) const noexcept {
+  return !changes_.empty() && changes_[node] >= most_changes;
+}
+
+bool Contact::undecided(std::uint32_t node, bool stays) {
+  if (changes_[node] >= most_changes) return true;
+  if ((stayed_[node] != 0) != stays) ++changes_[node];
+  stayed_[node] = stays ? 1 : 0;
+  return changes_[node] >= most_changes;
+}
+
+void Contact::decide(std::uint32_t node, const Touch& touch, const Vector3& impulse, bool bounces) {
+  if (touch.surface >= 0) last_surface_[node] = touch.surface;
+  sweep_impulse_[node] = impulse;
+  bounces_[node] = bounces ? 1 : 0;
+  if (now_[node] == touch) return;
+  now_[node] = touch;
+  tell_status(node);
+}
+
+Vector3 Contact::carried(const Placement& at, const Vector3& start, std::int32_t surface) const {
+  const auto j = static_cast<std::size_t>(surface);
+  if (!surfaces_[j].moves()) return start;
+  const Pose &before = start_->poses[j], &after = at.poses[j];
+  // Without turning by the difference: what lies still does not move by rounding.
+  if (!after.turns) return start + (after.displacement - before.displacement);
+  return after.from_start(before.to_start(start));
+}
+
+Contact::Meeting Contact::first_meeting(const Placement& at, const Vector3& start, const Vector3& end,
+                                        std::int32_t except, std::int32_t and_except) const {
+  Meeting first{-1, 2.0};
+  for (std::size_t j = 0; j < surfaces_.size(); ++j) {
+    if (const auto surface = static_cast<std::int32_t>(j); surface == except || surface == and_except) continue;
+    const auto share = surfaces_[j].first_touch(start_->poses[j], start, at.poses[j], end);
+    if (share && *share < first.share) first = {static_cast<std::int32_t>(j), *share};
+  }
+  return first;
+}
+
+Contact::Meeting Contact::second_meeting(const Placement& at, const Way& way, std::int32_t surface,
+                                         std::int32_t other) const {
+  const Meeting second = first_meeting(at, way.start, way.end, surface, other);
+  if (second.surface < 0 || leaves(at, second.surface, way)) return {};
+  const bool behind =
+      gap(at, static_cast<std::size_t>(second.surface), way.end) < -beside * (way.end - way.start).norm();
+  return behind || second.share > 0.0 ? second : Meeting{};
+}
+
+Vector3 Contact::taken_along(const Placement& at, const Vector3& start, const Vector3& end,
+                             const Meeting& meeting) const {
+  const auto j = static_cast<std::size_t>(meeting.surface);
+  if (!surfaces_[j].moves()) return start + meeting.share * (end - start);
+  const Pose& after = at.poses[j];
+  const Vector3 a = start_->poses[j].to_start(start), b = after.to_start(end);
+  return onto(at, j, after.from_start(a + meeting.share * (b - a)));
+}
+
+bool Contact::constrain_fixed(const Placement& end, std::uint32_t node, const springnet_sweep& sweep) const {
+  if (fixed_[node] == 0) return false;
+  if (prescribed_.moves(node)) {
+    put_vector(sweep.next_position, node, prescribed_.position(end.motions, node));
+    put_vector(sweep.next_velocity, node, prescribed_.velocity(end.motions, node));
+  } else {
+    put_vector(sweep.next_position, node, vector_at(sweep.start_position, node));
+    put_vector(sweep.next_velocity, node, Vector3::Zero());
+  }
+  put_force(sweep, node, Vector3::Zero());
+  return true;
+}
+
+void Contact::constrain(const Placement& end, std::uint32_t first, std::uint32_t count, const springnet_sweep& sweep,
+                        const std::uint32_t* cluster, const Vector3* read) {
+  // Without surfaces there is nothing to do but for fixed nodes, and nothing to tell of the others.
+  const bool free_stay_free = surfaces_.empty() && sweep.constraint_force.x == nullptr;
+  for (std::uint32_t k = first; k < first + count; ++k) {
+    if (free_stay_free && fixed_[k] == 0) continue;
+    if (constrain_fixed(end, k, sweep)) continue;
+    if (cluster != nullptr && cluster[k] != no_cluster) continue;
+    put_force(sweep, k, Vector3::Zero());
+    if (surfaces_.empty()) continue;
+    constrain_node({sweep, end}, k, read);
+  }
+}
+
+void Contact::constrain_node(const Within& within, std::uint32_t node, const Vector3* read) {
+  const auto& [sweep, at] = within;
+  const Vector3 start = vector_at(sweep.start_position, node), end = vector_at(sweep.next_position, node);
+  const bool decides = sweep.contacts == 0;
+  // A last change of mind is meet()'s business, which remembers the place.
+  const bool last_change = changes_[node] + (stayed_[node] != 0 ? 1 : 0) >= most_changes;
+  if (committed_[node].surface < 0 && (!decides || (!last_change && first_meeting(at, start, end).surface < 0))) {
+    // What most nodes do.
+    if (decides) static_cast<void>(undecided(node, false));
+    decide(node, {}, Vector3::Zero());
+    return;
+  }
+  Candidate candidate{node,
+                      start,
+                      vector_at(sweep.start_velocity, node),
+                      end,
+                      vector_at(sweep.next_velocity, node),
+                      {},
+                      {},
+                      read != nullptr ? *read : vector_at(sweep.velocity, node)};
+  candidate.inertia = sweep.inertia == nullptr
+                          ? Matrix3(mass_[node] * Matrix3::Identity())
+                          : Matrix3(Eigen::Map<const Matrix3>(sweep.inertia + 9 * std::size_t{node}));
+  candidate.mobility = candidate.inertia.inverse();
+  if (!decides)
+    follow(within, node, candidate);
+  else if (committed_[node].surface < 0 || !stay(within, node, candidate))
+    meet(within, node, candidate);
+}
+
+// The reaction over the step decides whether a surface lets a node go. Undecided or not, what lets nodes slide does not
+// pull at them.
+bool Contact::stay(const Within& within, std::uint32_t node, const Candidate& candidate) {
+  const Placement& at = within.at;
+  const Touch& before = committed_[node];
+  std::int32_t left = before.surface;
+  if (before.second >= 0) {
+    const Slide on = between(within, before.surface, before.second, candidate);
+    if (on.normal >= 0.0) {
+      static_cast<void>(undecided(node, true));
+      slide(within, node, on, candidate);
+      return true;
+    }
+    left = on.weakest == before.surface ? before.second : before.surface;
+  }
+  const auto j = static_cast<std::size_t>(left);
+  if (surfaces_[j].friction().kind == Friction::Kind::held) {
+    const Vector3 place = carried(at, candidate.start, left);
+    const Vector3 lacks = velocity(at, j, place) - candidate.velocity;
+    if (!is_undecided(node) && normal(at, j, place).dot(candidate.inertia * lacks) < 0.0) return false;
+    static_cast<void>(undecided(node, true));
+    stop(within, node, {left, false}, place, candidate);
+    return true;
+  }
+  const Slide on = along(within, left, candidate);
+  if (on.normal < 0.0) return false;
+  static_cast<void>(undecided(node, true));
+  slide(within, node, on, candidate);
+  return true;
+}
+
+void Contact::follow(const Within& within, std::uint32_t node, const Candidate& candidate) {
+  const Touch& touch = committed_[node];
+  if (!touch.slides || touch.third >= 0) {
+    stop(within, node, touch, carried(within.at, candidate.start, touch.surface), candidate);
+    return;
+  }
+  Slide on = touch.second >= 0 ? between(within, touch.surface, touch.second, candidate)
+                               : along(within, touch.surface, candidate);
+  on.touch = touch;
+  put(within, node, on);
+}
+
+// What a node that cannot make up its mind may be off by is the way that it goes in the step. One that is farther from
+// the surface was thrown about by sweeps that diverge, and may go on so, for all to see.
+bool Contact::could_reach(const Placement& at, std::uint32_t node, const Vector3& start, const Vector3& end) const {
+  const auto j = static_cast<std::size_t>(last_surface_[node]);
+  const Vector3 came = carried(at, start, last_surface_[node]) - start;  // the surface itself
+  return gap(at, j, end) <= (end - start - came).norm();
+}
+
+// A surface that moves is where its motion says, a node where the step takes it, which is of lower order; and on a
+// curved surface the straight way of a step goes through what the node goes round. So a node that leaves such a surface
+// may for some steps be behind it, by what is of second order in h; what tells is whether it leaves. One that comes in
+// from outside meets a surface at rest all the same, and so does one that would get to its other side.
+bool Contact::leaves(const Placement& at, std::int32_t surface, const Way& way) const {
+  const auto j = static_cast<std::size_t>(surface);
+  const Obstacle& obstacle = surfaces_[j];
+  if (!obstacle.moves() && obstacle.is_flat()) return false;
+  const Vector3 n = normal(at, j, way.end);
+  if (!(n.dot(way.velocity - Contact::velocity(at, j, way.end)) >= 0.0)) return false;
+  if (obstacle.is_flat()) return true;
+  const Vector3 before = normal(*start_, j, way.start);
+  if (!(before.dot(n) > 0.0)) return false;
+  if (obstacle.moves() || committed_[way.node].surface == surface) return true;
+  return gap(*start_, j, way.start) <= beside * (way.end - way.start).norm() ||
+         before.dot(way.start_velocity - Contact::velocity(*start_, j, way.start)) >= 0.0;
+}
+
+// A node that is free at the beginning of the step, or was released in it.
+void Contact::meet(const Within& within, std::uint32_t node, const Candidate& candidate) {
+  const auto& [sweep, at] = within;
+  const Touch before = committed_[node];
+  Meeting meeting = first_meeting(at, candidate.start, candidate.position);
+  const Way way{node, candidate.start, candidate.start_velocity, candidate.position, candidate.velocity};
+  if (meeting.surface >= 0 && leaves(at, meeting.surface, way)) meeting.surface = -1;
+  if (meeting.surface >= 0) last_surface_[node] = meeting.surface;
+  const bool stays = undecided(node, meeting.surface >= 0);
+  if (meeting.surface < 0 && !stays) {
+    decide(node, {}, Vector3::Zero());
+    return;
+  }
+  const bool met = meeting.surface >= 0;
+  if (!met) meeting.surface = last_surface_[node];
+  const auto j = static_cast<std::size_t>(meeting.surface);
+  const bool is_new = !before.has(meeting.surface);
+  const double rebounds = met && is_new ? rebound(at, meeting.surface, onto(at, j, candidate.position),
+                                                  candidate.start_velocity, candidate.velocity)
+                                        : 0.0;
+  if (surfaces_[j].friction().kind != Friction::Kind::held || rebounds > 0.0) {
+    Slide on = along(within, meeting.surface, candidate, nullptr, rebounds);
+    // It ran into a curved surface, along the far side of which it would leave again: what stops it is where it met.
+    if (met && on.normal < 0.0) {
+      const Vector3 place = taken_along(at, candidate.start, candidate.position, meeting);
+      on = along(within, meeting.surface, candidate, &place, rebounds);
+    }
+    // A step in which that goes to and fro without an end does not settle, for all to see.
+    if (on.normal < 0.0)
+      decide(node, {}, Vector3::Zero());
+    else
+      slide(within, node, on, candidate);
+    return;
+  }
+  // Where it touched: on the way of its velocity at the beginning, and where that ends short of the surface, below its
+  // end. The same for every sweep, rule and change of mind; forces of a sweep would not do: those that press a node
+  // of a stiff net against the surface grow with its stiffness, and would throw it about. What the force adds to the
+  // way is of second order in h.
+  const Vector3 end = candidate.start + sweep.time_constant * candidate.start_velocity;
+  const Meeting touched{meeting.surface,
+                        surfaces_[j].first_touch(start_->poses[j], candidate.start, at.poses[j], end).value_or(2.0)};
+  const Vector3 place = touched.share > 0.0 && touched.share <= 1.0 ? taken_along(at, candidate.start, end, touched)
+                        : touched.share > 1.0                       ? onto(at, j, end)
+                                              : onto(at, j, carried(at, candidate.start, meeting.surface));
+  stop(within, node, {meeting.surface, false}, place, candidate);
+}
+
+double Contact::rebound(const Placement& at, std::int32_t surface, const Vector3& position,
+                        const Vector3& start_velocity, const Vector3& free) const {
+  const auto j = static_cast<std::size_t>(surface);
+  if (!(surfaces_[j].restitution() > 0.0)) return 0.0;
+  const Vector3 n = normal(at, j, position);
+  const double came = -n.dot(start_velocity - Contact::velocity(at, j, position));
+  return came > std::abs(n.dot(free - start_velocity)) ? surfaces_[j].restitution() * came : 0.0;
+}
+
+void Contact::put(const Within& within, std::uint32_t node, const Slide& on) {
+  const springnet_sweep& sweep = within.sweep;
+  const double weight = sweep.time_constant * theta_of(sweep);
+  if (on.touch.slides && sweep.contacts == 0) slip_[node] = on.slip;
+  decide(node, on.touch, on.impulse, on.bounces);
+  put_vector(sweep.next_position, node, on.position);
+  put_vector(sweep.next_velocity, node, on.velocity);
+  if (on.touch.slides && weight > 0.0) put_force(sweep, node, on.impulse / weight);
+}
+
+void Contact::slide(const Within& within, std::uint32_t node, const Slide& on, const Candidate& candidate) {
+  const Placement& at = within.at;
+  const Touch& before = committed_[node];
+  const auto way = [&](const Slide& of) {
+    return Way{node, candidate.start, candidate.start_velocity, of.position, of.velocity};
+  };
+  const Meeting next = second_meeting(at, way(on), on.touch.surface, on.touch.second);
+  if (next.surface < 0) {
+    put(within, node, on);
+    return;
+  }
+  const auto holds = [&](std::int32_t j) {
+    return surfaces_[static_cast<std::size_t>(j)].friction().kind == Friction::Kind::held;
+  };
+  if (on.touch.second < 0 && !holds(on.touch.surface) && !holds(next.surface)) {
+    const Slide both = between(within, on.touch.surface, next.surface, candidate);
+    if (both.normal >= 0.0) {
+      const Meeting third = second_meeting(at, way(both), on.touch.surface, next.surface);
+      if (third.surface < 0) {
+        put(within, node, both);
+        return;
+      }
+      stop_between(within, node, both, third, candidate);
+      return;
+    }
+    // The one that it met takes it off the first.
+    if (both.weakest == on.touch.surface && !before.has(next.surface)) {
+      const Slide other = along(within, next.surface, candidate);
+      if (other.normal >= 0.0) {
+        put(within, node, other);
+        return;
+      }
+    }
+  }
+  stop_between(within, node, on, next, candidate);
+}
+
+void Contact::stop(const Within& within, std::uint32_t node, const Touch& touch, const Vector3& place,
+                   const Candidate& candidate) {
+  const auto& [sweep, at] = within;
+  const Vector3 with = velocity(at, static_cast<std::size_t>(touch.surface), place);
+  decide(node, touch, candidate.inertia * (with - candidate.velocity));
+  put_vector(sweep.next_position, node, place);
+  put_vector(sweep.next_velocity, node, with);
+}
+
+// Where it met one surface more, and with that from there on.
+void Contact::stop_between(const Within& within, std::uint32_t node, const Slide& on, const Meeting& next,
+                           const Candidate& candidate) {
+  const Placement& at = within.at;
+  // One that is held between them already stays with the surface that held it first.
+  const Touch& before = committed_[node];
+  const bool held = before.surface >= 0 && !before.slides;
+  const std::int32_t by = held && before.surface == on.touch.surface ? on.touch.surface : next.surface;
+  const Vector3 place =
+      before.surface != by ? taken_along(at, candidate.start, on.position, next) : carried(at, candidate.start, by);
+  stop(within, node, {by, false}, place, candidate);
+}
+
+}  // namespace springnet

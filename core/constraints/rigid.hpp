@@ -1,0 +1,146 @@
+// Rigid connections: nodes that they join form clusters, and a cluster's nodes get their velocities, positions and
+// accelerations together, with the surfaces that they touch.
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+#include <springnet/sdk/plugin.h>
+#include <springnet/network.hpp>
+
+#include "constraints/constraint_system.hpp"
+#include "constraints/contact.hpp"
+
+namespace springnet {
+
+class RigidConnections {
+ public:
+  // References have to outlive it.
+  RigidConnections(const Network& network, const std::vector<std::uint32_t>& user_number,
+                   const std::vector<std::uint32_t>& engine_number, const std::vector<double>& mass, Contact& contact);
+
+  struct Rod {
+    std::uint32_t first, second;  // engine's
+    double length;                // m
+  };
+  [[nodiscard]] bool any() const noexcept { return !rods_.empty(); }
+  [[nodiscard]] const std::vector<Rod>& rods() const noexcept { return rods_; }
+  // [node] number of its cluster, 0xffffffff: none; null without rigid connections.
+  [[nodiscard]] const std::uint32_t* cluster_of() const noexcept {
+    return cluster_of_.empty() ? nullptr : cluster_of_.data();
+  }
+  [[nodiscard]] std::size_t cluster_count() const noexcept { return clusters_.size(); }
+  // Nodes of a cluster, by rising number.
+  [[nodiscard]] const std::vector<std::uint32_t>& nodes_of(std::size_t cluster) const {
+    return clusters_[cluster].nodes;
+  }
+
+  // Within a sweep: puts the outputs of a cluster's nodes where connections, fixation and surfaces allow, in velocity
+  // and position. SPRINGNET_RECOVERABLE and a message if the lengths cannot be kept.
+  springnet_status constrain(const Placement& end, std::size_t cluster, const springnet_sweep& sweep,
+                             springnet_message& message) const;
+  // Takes out of the accelerations of all clusters' nodes what the constraints do not allow. `force` ([rod] N, null:
+  // not wanted) are the connections' tensions.
+  void accelerate(const Placement& at, const springnet_const_vectors& position, const springnet_const_vectors& velocity,
+                  const springnet_vectors& acceleration, double* force) const;
+  // What the nodes of a cluster do at a state if no surface acted, but connections and fixation did.
+  class Unsupported {
+   public:
+    // Calls of the other functions speak of a cluster's nodes, in the order of nodes_of().
+    Unsupported(const RigidConnections& rigid, std::size_t cluster, const springnet_const_vectors& position);
+    // Takes out of accelerations what connections do not allow; [node].
+    void accelerate(const springnet_const_vectors& position, const springnet_const_vectors& velocity,
+                    std::vector<Vector3>& acceleration) const;
+    // Effective mobility of some nodes, 1/kg: three rows and columns each.
+    [[nodiscard]] Eigen::MatrixXd mobility(const std::vector<std::uint32_t>& nodes) const;
+    // How velocities change by impulses on these nodes (m/s), and what reaches nodes that cannot move (N s): calls
+    // change(node, dv) and pass(node, impulse).
+    template <class Change, class Pass>
+    void push(const std::vector<std::uint32_t>& nodes, const std::vector<Vector3>& impulses, Change&& change,
+              Pass&& pass) const;
+
+   private:
+    const RigidConnections& rigid_;
+    const std::vector<std::uint32_t>& nodes_;
+    const std::vector<std::uint32_t>& rods_;
+    ConstraintSystem system_;
+  };
+  void accelerate(const Placement& at, std::size_t cluster, const springnet_const_vectors& position,
+                  const springnet_const_vectors& velocity, const springnet_vectors& acceleration, double* force) const {
+    accelerate(at, clusters_[cluster], position, velocity, acceleration, force);
+  }
+  // The force of all connections on a node with these tensions ([rod] N).
+  [[nodiscard]] Vector3 pull(std::uint32_t node, const springnet_const_vectors& position, const double* force) const;
+  // Puts positions, then velocities, where the constraints of the clusters and of single nodes that slide allow,
+  // weighted with the masses. Nodes that were just `stopped` by a surface may still move along it.
+  springnet_status project(const Placement& at, const springnet_vectors& position, const springnet_vectors& velocity,
+                           springnet_message& message, const std::vector<std::uint32_t>& stopped = {}) const;
+  // The greatest |rate of length| of a connection at these velocities, m/s.
+  [[nodiscard]] double greatest_rate(const springnet_const_vectors& position,
+                                     const springnet_const_vectors& velocity) const;
+  // All rows that bind the motion at these positions, sliding nodes' included.
+  [[nodiscard]] std::vector<ConstraintRow> rows(const Placement& at, const springnet_const_vectors& position) const;
+  // 1/m, or zero for a node that cannot move.
+  [[nodiscard]] Eigen::Matrix3d mobility(std::uint32_t node) const;
+
+ private:
+  struct Cluster {
+    std::vector<std::uint32_t> nodes;
+    std::vector<std::uint32_t> rods;
+  };
+  struct Step;
+
+  // Gauss-Newton towards the lengths and, for nodes that slide, their surfaces, weighted with the masses: positions
+  // [node of the cluster] of those with `movable` change. False if it does not get there.
+  bool correct_positions(const Placement& at, const Cluster& cluster, const std::vector<Touch>& touches,
+                         std::vector<Vector3>& positions, const std::vector<std::uint8_t>& movable) const;
+  [[nodiscard]] std::vector<ConstraintRow> rows_of(const Placement& at, const Cluster& cluster,
+                                                   const std::vector<Touch>& touches,
+                                                   const std::vector<Vector3>& positions) const;
+  [[nodiscard]] std::vector<ConstraintRow> rods_of(const Cluster& cluster, const std::vector<Vector3>& positions) const;
+  springnet_status cannot_keep(const Cluster& cluster, springnet_message& message) const;
+  void accelerate(const Placement& at, const Cluster& cluster, const springnet_const_vectors& position,
+                  const springnet_const_vectors& velocity, const springnet_vectors& acceleration, double* force) const;
+  springnet_status project(const Placement& at, const Cluster& cluster, const springnet_vectors& position,
+                           const springnet_vectors& velocity, springnet_message& message,
+                           const std::vector<std::uint32_t>& stopped) const;
+  [[nodiscard]] bool solve(Step& step) const;
+  [[nodiscard]] bool revise_contacts(Step& step) const;
+  [[nodiscard]] bool revise_contact(Step& step, std::size_t member) const;
+  [[nodiscard]] bool revise_friction(Step& step, std::size_t member) const;
+  [[nodiscard]] Vector3 tension_at(const Step& step, std::size_t member) const;
+
+  const std::vector<double>& mass_;
+  Contact& contact_;
+  const std::vector<std::uint32_t>& user_number_;
+  std::vector<Rod> rods_;
+  std::vector<Cluster> clusters_;
+  std::vector<std::uint32_t> cluster_of_;
+  std::vector<std::uint32_t> member_of_;  // [node] place in its cluster
+};
+
+template <class Change, class Pass>
+void RigidConnections::Unsupported::push(const std::vector<std::uint32_t>& nodes, const std::vector<Vector3>& impulses,
+                                         Change&& change, Pass&& pass) const {
+  Eigen::VectorXd rate = Eigen::VectorXd::Zero(static_cast<Eigen::Index>(system_.rows().size()));
+  for (std::size_t i = 0; i < nodes.size(); ++i) {
+    if (rigid_.contact_.fixed()[nodes[i]] != 0) continue;
+    const Vector3 dv = impulses[i] / rigid_.mass_[nodes[i]];
+    change(nodes[i], dv);
+    for (std::size_t r = 0; r < system_.rows().size(); ++r) {
+      const ConstraintRow& row = system_.rows()[r];
+      if (row.first == nodes[i]) rate[static_cast<Eigen::Index>(r)] += row.direction.dot(dv);
+      if (row.second == nodes[i]) rate[static_cast<Eigen::Index>(r)] -= row.direction.dot(dv);
+    }
+  }
+  const Eigen::VectorXd multipliers = system_.solve(-rate);
+  system_.for_each_change(multipliers, change);
+  for (std::size_t r = 0; r < system_.rows().size(); ++r) {
+    const ConstraintRow& row = system_.rows()[r];
+    const Vector3 impulse = multipliers[static_cast<Eigen::Index>(r)] * row.direction;
+    if (rigid_.contact_.fixed()[row.first] != 0) pass(row.first, impulse);
+    if (rigid_.contact_.fixed()[row.second] != 0) pass(row.second, Vector3(-impulse));
+  }
+}
+
+}  // namespace springnet

@@ -1,0 +1,37 @@
+// How far a turn has gone, how fast it is, and how that changes, at any time.
+#pragma once
+
+#include <limits>
+
+#include <springnet/network.hpp>
+
+#include "network/trajectory.hpp"
+
+namespace springnet {
+
+class Turning {
+ public:
+  Turning() = default;  // never turns
+  // The turn must be one that Network accepts.
+  explicit Turning(const Turn& turn);
+
+  struct Sample {
+    double angle = 0.0;         // rad
+    double rate = 0.0;          // rad/s
+    double acceleration = 0.0;  // rad/s^2
+  };
+  // Where rate or acceleration jump: their values just after.
+  [[nodiscard]] Sample at(double time) const;
+  // The next time after `time` at which they may jump; infinity if there is none. s
+  [[nodiscard]] double next_change(double time) const;
+  // False where the angle is 0 at all times.
+  [[nodiscard]] bool turns() const noexcept { return rate_ != 0.0 || table_.moves(); }
+
+ private:
+  Trajectory table_;    // its x is the angle
+  double rate_ = 0.0;   // rad/s; 0: a table
+  double from_ = 0.0;   // s
+  double until_ = 0.0;  // s
+};
+
+}  // namespace springnet

@@ -1,0 +1,363 @@
+#include "simulation/settling.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <utility>
+
+#include "constraints/vectors.hpp"
+
+namespace springnet {
+namespace {
+
+// A surface whose velocity jumps leaves a node behind, or strikes it, where that is more than errors of integration, in
+// units of the velocity scale.
+constexpr double jump = 1e-6;
+// What positions of a reference are uncertain by at least, in units of the length scale.
+constexpr double uncertain = 1e-8, shallow = 1e-7;
+// Rebounds that are slower, in units of the velocity scale, end: there are infinitely many in a finite time, and what
+// a node falls within the tolerance of touching makes up for what the last ones lose. Those that are slower than so
+// many times what the acceleration adds in a step end too.
+constexpr double least_rebound = 1e-4;
+constexpr double steps_of_fall = 2.0;
+// Touches that are slower depend on errors of integration; likewise.
+constexpr double grazing = 1e-4;
+// A force this small, in units of the force scale, is rounding: a node was just released by it, say.
+constexpr double least_force = 1e-9;
+constexpr int most_jams = 20;
+// So many touches of a node, each within this part of the time in which it goes a typical length, are a body that rocks
+// on its contacts ever faster; what is slower than this, in units of the velocity scale, then ends.
+constexpr int many_touches = 8;
+constexpr double soon = 1e-3, slow_rocking = 1e-3;
+constexpr double few_steps = 4.0;  // of a method with steps of its user's
+
+}  // namespace
+
+Engine::Settling::Settling(Engine& engine, double time, State& state, const Findings& findings)
+    : engine_(engine),
+      time_(time),
+      state_(state),
+      findings_(findings),
+      at_(engine.placement(time)),
+      depth_(engine.contact_tolerance()),
+      no_speed_(engine.no_speed()),
+      done_(engine.rigid_.cluster_count(), 0) {}
+
+const Engine::Finding& Engine::Settling::finding(std::uint32_t node) const {
+  static const Finding none;
+  const auto found = findings_.find(node);
+  return found == findings_.end() ? none : found->second;
+}
+
+void Engine::Settling::tell(Event::Kind kind, std::uint32_t node, std::int32_t surface, const Vector3& impulse) {
+  Event event{kind, time_, engine_.layout_.ordering().user[node]};
+  event.surface = surface;
+  event.impulse = impulse;
+  engine_.events_.push_back(event);
+}
+
+bool Engine::Settling::turns_round(std::uint32_t node, const ContactSide& side) const {
+  ReactionsAt reactions(engine_, time_, read_only(state_.view.position), read_only(state_.view.velocity));
+  Vector3 acceleration;
+  if (reactions.acceleration(node, acceleration) != SPRINGNET_OK) return false;
+  const double speed = side.normal.dot(side.velocity), grows = side.normal.dot(acceleration) - side.needed;
+  return grows > 0.0 && speed * speed <= 2.0 * grows * uncertain * engine_.info_.length_scale;
+}
+
+void Engine::Settling::add_sides(ContactNode& node) const {
+  const Contact& contact = engine_.contact_;
+  const Finding& found = finding(node.node);
+  const Touch touch = contact.committed(node.node);
+  const Vector3 p = vector_at(state_.view.position, node.node), v = vector_at(state_.view.velocity, node.node);
+  const auto is_in = [](const std::vector<std::int32_t>& list, std::int32_t surface) {
+    return std::find(list.begin(), list.end(), surface) != list.end();
+  };
+  // Those that it touches come first; a fourth would bind nothing.
+  std::vector<std::int32_t> surfaces;
+  for (const std::int32_t surface : touch.surfaces())
+    if (surface >= 0) surfaces.push_back(surface);
+  for (std::int32_t surface = 0; surface < static_cast<std::int32_t>(contact.surfaces().size()); ++surface)
+    if (!touch.has(surface)) surfaces.push_back(surface);
+  for (const std::int32_t surface : surfaces) {
+    if (node.sides.size() == 3) break;
+    const auto j = static_cast<std::size_t>(surface);
+    const bool was = touch.has(surface);
+    const double gap = was ? 0.0 : contact.gap(*at_, j, p);
+    if (gap > depth_ && !is_in(found.touched, surface)) continue;
+    const Obstacle& obstacle = contact.surfaces()[j];
+    ContactSide side;
+    side.surface = surface;
+    side.normal = contact.normal(*at_, j, p);
+    side.friction = rods_ ? bounded(obstacle.friction()) : obstacle.friction();
+    side.restitution = obstacle.restitution();
+    side.velocity = v - Contact::velocity(*at_, j, p);
+    side.surface_acceleration = Contact::acceleration(*at_, j, p);
+    side.needed = side.normal.dot(side.surface_acceleration) - contact.bending(*at_, j, p, side.velocity);
+    side.touches = was && !is_in(found.released, surface);
+    const double speed = side.normal.dot(side.velocity);
+    if (!was) {
+      if (speed > no_speed_) continue;
+      // Just released, what the distance is uncertain by crossed the tolerance once more.
+      if (speed < -no_speed_ && touch.surface < 0 && gap > -shallow * engine_.info_.length_scale &&
+          turns_round(node.node, side))
+        continue;
+      if (speed < -no_speed_ && -speed < grazing * engine_.info_.velocity_scale && side.restitution == 0.0)
+        engine_.note_grazing(node.node, j, time_);
+    }
+    // What integration leaves of a motion that the contact does not allow.
+    const double least = was ? jump * engine_.info_.velocity_scale : no_speed_;
+    if (std::abs(speed) <= least) side.velocity -= speed * side.normal;
+    if (found.rests) side.velocity = side.normal * side.normal.dot(side.velocity);
+    node.sides.push_back(side);
+  }
+}
+
+// Nodes that stick have the velocity of their surface, without what integration made of it.
+void Engine::Settling::take_along() {
+  const Contact& contact = engine_.contact_;
+  for (const std::uint32_t k : members_) {
+    const Touch touch = contact.committed(k);
+    if (touch.surface < 0 || touch.slides) continue;
+    const auto j = static_cast<std::size_t>(touch.surface);
+    const Vector3 w = Contact::velocity(*at_, j, vector_at(state_.view.position, k));
+    if ((vector_at(state_.view.velocity, k) - w).norm() <= jump * engine_.info_.velocity_scale)
+      put_vector(state_.view.velocity, k, w);
+  }
+}
+
+std::vector<ContactNode> Engine::Settling::gather() const {
+  std::vector<ContactNode> nodes;
+  for (const std::uint32_t k : members_) {
+    if (engine_.contact_.fixed()[k] != 0) continue;
+    ContactNode node;
+    node.node = k;
+    add_sides(node);
+    if (!node.sides.empty()) nodes.push_back(std::move(node));
+  }
+  return nodes;
+}
+
+springnet_status Engine::Settling::accelerate(Island& island) {
+  const springnet_const_vectors position = read_only(state_.view.position), velocity = read_only(state_.view.velocity);
+  ReactionsAt reactions(engine_, time_, position, velocity);
+  std::vector<Vector3> accelerations(members_.size());
+  for (std::size_t i = 0; i < members_.size(); ++i)
+    if (const springnet_status status = reactions.unsupported(members_[i], accelerations[i]); status != SPRINGNET_OK)
+      return status;
+  if (rods_) rods_->accelerate(position, velocity, accelerations);
+  for (ContactNode& node : island.nodes()) {
+    const auto place = std::lower_bound(members_.begin(), members_.end(), node.node) - members_.begin();
+    node.acceleration = accelerations[static_cast<std::size_t>(place)];
+    const Vector3 p = vector_at(position, node.node);
+    for (ContactSide& side : node.sides) {
+      const auto j = static_cast<std::size_t>(side.surface);
+      side.needed = side.normal.dot(side.surface_acceleration) - engine_.contact_.bending(*at_, j, p, side.velocity);
+    }
+  }
+  return SPRINGNET_OK;
+}
+
+void Engine::Settling::strike(const Island& island) {
+  Contact& contact = engine_.contact_;
+  const springnet_vectors& velocity = state_.view.velocity;
+  std::vector<Vector3> impulses;
+  for (const ContactNode& node : island.nodes()) {
+    Vector3 sum = Vector3::Zero();
+    for (std::size_t s = 0; s < node.sides.size(); ++s) {
+      sum += node.impulse[s];
+      contact.add_surface_impulse(static_cast<std::size_t>(node.sides[s].surface), -node.impulse[s]);
+    }
+    contact.add_impulse(node.node, sum);
+    impulses.push_back(sum);
+  }
+  const auto change = [&](std::uint32_t node, const Vector3& dv) {
+    if (contact.fixed()[node] == 0) put_vector(velocity, node, vector_at(velocity, node) + dv);
+  };
+  if (rods_) {
+    // What fixes a node bears what reaches it.
+    rods_->push(contact_nodes_, impulses, change,
+                [&](std::uint32_t node, const Vector3& impulse) { contact.add_impulse(node, -impulse); });
+  } else {
+    change(contact_nodes_.front(), impulses.front() / engine_.mass_[contact_nodes_.front()]);
+  }
+  struck_ = true;
+}
+
+void Engine::Settling::find_slips(Island& island) const {
+  for (ContactNode& node : island.nodes()) {
+    std::vector<Vector3> normals;
+    const ContactSide* first = nullptr;
+    double friction = 0.0;
+    for (std::size_t s = 0; s < node.sides.size(); ++s) {
+      ContactSide& side = node.sides[s];
+      side.leaves = side.normal.dot(side.velocity) > no_speed_;
+      // What arrived and was stopped lies there, though no force presses it.
+      const bool arrived = !node.impulse[s].isZero(0.0) && !engine_.contact_.committed(node.node).has(side.surface);
+      side.touches = !side.leaves && (side.touches || arrived);
+      if (side.leaves) continue;
+      normals.push_back(side.normal);
+      friction += coefficient_of(side.friction);
+      if (first == nullptr) first = &side;
+    }
+    node.moves = node.sticks = false;
+    if (first == nullptr) continue;
+    const Vector3 slip = split_reaction(normals, first->velocity).along;
+    node.moves = slip.norm() > no_speed_ && friction > 0.0;
+    if (node.moves) node.slip = slip.normalized();
+    node.sticks = !node.moves && friction > 0.0;
+    // One that just began to slip has no speed yet.
+    const Touch before = engine_.contact_.committed(node.node);
+    if (!node.sticks || !before.slides || before.count() == 0 || finding(node.node).rests) continue;
+    if (engine_.contact_.slip_phase(node.node) != Contact::Slip::begins) continue;
+    node.sticks = false;
+    node.slip = engine_.contact_.slip(node.node);
+  }
+}
+
+// Nodes that were seen to slip, by the forces that held them until now.
+void Engine::Settling::begin_slips(Island& island) const {
+  const auto slips = [this](const ContactNode& node) { return node.sticks && finding(node.node).slips; };
+  if (std::none_of(island.nodes().begin(), island.nodes().end(), slips)) return;
+  island.solve();
+  for (std::size_t i = 0; i < island.nodes().size(); ++i)
+    if (slips(island.nodes()[i])) island.begin_slip(i);
+}
+
+// The contact that was found for a node becomes the node's.
+void Engine::Settling::take(const ContactNode& node) {
+  Contact& contact = engine_.contact_;
+  const std::uint32_t k = node.node;
+  const Touch before = contact.committed(k);
+  Touch now = before;
+  bool arrived = false;
+  for (const ContactSide& side : node.sides) {
+    if (side.touches || !before.has(side.surface)) continue;
+    now = after(now, {ContactCause::Kind::release, side.surface});
+    tell(Event::Kind::released, k, side.surface);
+  }
+  const bool stays = now.surface >= 0;
+  for (std::size_t s = 0; s < node.sides.size(); ++s) {
+    const ContactSide& side = node.sides[s];
+    if (before.has(side.surface)) continue;
+    if (!side.touches && node.impulse[s].isZero(0.0)) continue;
+    tell(Event::Kind::touched, k, side.surface, node.impulse[s]);
+    if (side.touches) {
+      now = after(now, {ContactCause::Kind::touch, side.surface, node.sticks});
+      arrived = true;
+    } else {
+      // It rebounds, from the surface itself: the next touch is one that falls through the tolerance again.
+      tell(Event::Kind::released, k, side.surface);
+      put_vector(state_.view.position, k,
+                 contact.onto(*at_, static_cast<std::size_t>(side.surface), vector_at(state_.view.position, k)));
+    }
+  }
+  now = after(now, {node.sticks ? ContactCause::Kind::stick : ContactCause::Kind::slip});
+  if (stays && finding(k).rests) tell(Event::Kind::stuck, k, now.surface);
+  if (stays && now.slides != (before.slides && !finding(k).rests))
+    tell(now.slides ? Event::Kind::slipped : Event::Kind::stuck, k, now.surface);
+  if (now != before || finding(k).rests || finding(k).slips) engine_.changed();
+  contact.touch(k, now, Vector3::Zero());
+  if (now.surface < 0) return;
+  const springnet_vectors &position = state_.view.position, &velocity = state_.view.velocity;
+  const auto j = static_cast<std::size_t>(now.surface);
+  if (arrived || now.slides) contact.project_sliding(*at_, k, position, velocity);
+  if (!now.slides) {
+    put_vector(velocity, k, Contact::velocity(*at_, j, vector_at(position, k)));
+    if (arrived) stopped_.push_back(k);
+    return;
+  }
+  const Vector3 slip = contact.slip_vector(*at_, k, j, vector_at(position, k), vector_at(velocity, k));
+  const bool slow = slip.norm() < contact.rest_speed();
+  contact.set_slip(k, node.moves ? Vector3(slip.normalized()) : node.slip,
+                   slow ? Contact::Slip::begins : Contact::Slip::goes_on);
+}
+
+// Counts touches.
+bool Engine::Settling::chatters(const Island& island) {
+  const double short_time =
+      std::max(soon * engine_.info_.length_scale / engine_.info_.velocity_scale, few_steps * engine_.step_length_);
+  bool result = false;
+  for (const ContactNode& node : island.nodes()) {
+    const bool struck = std::any_of(node.impulse.begin(), node.impulse.end(),
+                                    [](const Vector3& impulse) { return !impulse.isZero(0.0); });
+    if (!struck || engine_.contact_.committed(node.node).surface >= 0) continue;
+    Touches& touches = engine_.touches_[node.node];
+    touches.count = time_ - touches.last <= short_time ? touches.count + 1 : 1;
+    touches.last = time_;
+    result = result || touches.count >= many_touches;
+  }
+  return result;
+}
+
+double Engine::Settling::fall_in_step(Island& island) {
+  if (engine_.step_length_ == 0.0 || accelerate(island) != SPRINGNET_OK) return 0.0;
+  double falls = 0.0;
+  for (const ContactNode& node : island.nodes())
+    for (const ContactSide& side : node.sides)
+      falls = std::max(falls, side.needed - side.normal.dot(node.acceleration));
+  return steps_of_fall * engine_.step_length_ * falls;
+}
+
+double Engine::Settling::rebound_of(Island& island) {
+  const double least = least_rebound * engine_.info_.velocity_scale;
+  for (const ContactNode& node : island.nodes())
+    for (const ContactSide& side : node.sides)
+      if (side.restitution > 0.0) return std::max(least, fall_in_step(island));
+  return least;
+}
+
+springnet_status Engine::Settling::settle(std::uint32_t node) {
+  const std::uint32_t* clusters = engine_.rigid_.cluster_of();
+  rods_.reset();
+  if (clusters != nullptr && clusters[node] != ConstraintRow::no_node) {
+    const std::uint32_t cluster = clusters[node];
+    if (done_[cluster] != 0) return SPRINGNET_OK;
+    done_[cluster] = 1;
+    members_ = engine_.rigid_.nodes_of(cluster);
+    rods_.emplace(engine_.rigid_, cluster, read_only(state_.view.position));
+  } else {
+    members_ = {node};
+  }
+  take_along();
+  std::vector<ContactNode> nodes = gather();
+  if (nodes.empty()) return SPRINGNET_OK;
+  contact_nodes_.clear();
+  for (const ContactNode& each : nodes) contact_nodes_.push_back(each.node);
+  Island island(std::move(nodes), rods_ ? rods_->mobility(contact_nodes_)
+                                        : Eigen::MatrixXd(Eigen::MatrixXd::Identity(3, 3) / engine_.mass_[node]));
+  bool struck = island.strike(rebound_of(island));
+  for (int jams = 0;; ++jams) {
+    if (struck && chatters(island))
+      island.calm(std::max(slow_rocking * engine_.info_.velocity_scale, fall_in_step(island)));
+    if (struck) strike(island);
+    if (const springnet_status status = accelerate(island); status != SPRINGNET_OK) {
+      // Where nothing was struck there is nothing to decide for one that moves off a limit of its laws.
+      return status;
+    }
+    find_slips(island);
+    begin_slips(island);
+    // Rounding of forces beside what was asked: those of stiff springs cancel.
+    double forces = 0.0;
+    for (const ContactNode& each : island.nodes())
+      forces = std::max(forces, engine_.mass_[each.node] * each.acceleration.norm());
+    if (island.resolve(least_force * engine_.info_.force_scale + 1e-12 * forces) || jams == most_jams) break;
+    for (ContactNode& each : island.nodes()) std::fill(each.impulse.begin(), each.impulse.end(), Vector3::Zero());
+    struck = island.jam(10.0 * no_speed_);
+    if (!struck) break;
+    for (const ContactNode& each : island.nodes())
+      for (std::size_t s = 0; s < each.sides.size(); ++s)
+        if (!each.impulse[s].isZero(0.0)) tell(Event::Kind::jammed, each.node, each.sides[s].surface, each.impulse[s]);
+  }
+  for (const ContactNode& each : island.nodes()) take(each);
+  return SPRINGNET_OK;
+}
+
+springnet_status Engine::Settling::finish() {
+  if (!struck_ && stopped_.empty()) return SPRINGNET_OK;
+  engine_.changed();
+  if (!engine_.rigid_.any()) return SPRINGNET_OK;
+  return engine_.rigid_.project(*at_, state_.view.position, state_.view.velocity, engine_.message_, stopped_);
+}
+
+}  // namespace springnet

@@ -1,0 +1,64 @@
+#include "crossings.hpp"
+
+#include <algorithm>
+
+#include <springnet/sdk/integrator.hpp>
+
+namespace springnet::recurrent {
+namespace {
+
+// Every so many looks the interval is halved, whatever straight lines say.
+constexpr int looks_per_halving = 4;
+
+}  // namespace
+
+void Crossings::begin(const sdk::Host& host, double time, const springnet_state& state) {
+  const std::size_t count = host.network().event_count;
+  for (auto* values : {&first_, &values_}) values->assign(count, 0.0);
+  for (auto* marks : {&directions_, &fired_}) marks->assign(count, 0);
+  if (count > 0) host.event_values(sdk::evaluation_at(time, state), first_.data(), directions_.data());
+  low_values_ = high_values_ = first_;
+  high_fired_ = fired_;
+  low_ = high_ = time;
+  low_weight_ = high_weight_ = 1.0;
+  side_ = looks_ = 0;
+}
+
+bool Crossings::look(const sdk::Host& host, double time, const springnet_state& state) {
+  if (first_.empty()) return false;
+  host.event_values(sdk::evaluation_at(time, state), values_.data(), directions_.data());
+  bool any = false;
+  for (std::size_t e = 0; e < values_.size(); ++e) {
+    const double before = directions_[e] * first_[e], now = directions_[e] * values_[e];
+    fired_[e] = before < 0.0 && now >= 0.0 ? 1 : 0;
+    any = any || fired_[e] != 0;
+  }
+  const int side = any ? 1 : -1;
+  if (side == side_) (any ? low_weight_ : high_weight_) *= 0.5;
+  if (side != side_) low_weight_ = high_weight_ = 1.0;
+  if (any) {
+    high_ = time;
+    high_values_ = values_;
+    high_fired_ = fired_;
+  } else if (looks_ > 0) {
+    low_ = time;
+    low_values_ = values_;
+  }
+  side_ = looks_ == 0 ? 0 : side;
+  ++looks_;
+  return any;
+}
+
+double Crossings::next_time() noexcept {
+  double share = 1.0;
+  for (std::size_t e = 0; e < high_values_.size(); ++e) {
+    if (high_fired_[e] == 0) continue;
+    const double low = low_weight_ * low_values_[e], high = high_weight_ * high_values_[e];
+    // Where its straight line is zero.
+    if (low != high) share = std::min(share, low / (low - high));
+  }
+  if (looks_ % looks_per_halving == 0) share = 0.5;
+  return low_ + std::clamp(share, 1e-3, 0.999) * (high_ - low_);
+}
+
+}  // namespace springnet::recurrent

@@ -1,0 +1,33 @@
+// Events within a time step: which of the host's event functions have crossed zero since it began, and when.
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+#include <springnet/sdk/host.hpp>
+
+namespace springnet::recurrent {
+
+class Crossings {
+ public:
+  // The step begins at `time` (s) with this state.
+  void begin(const sdk::Host& host, double time, const springnet_state& state);
+  // The state that the step has at a later time. Returns whether anything has crossed by then.
+  [[nodiscard]] bool look(const sdk::Host& host, double time, const springnet_state& state);
+  // Narrows the time down in which the first one crosses, by the last look(). Returns the time to look at next, inside.
+  [[nodiscard]] double next_time() noexcept;
+  [[nodiscard]] double low() const noexcept { return low_; }    // s, before
+  [[nodiscard]] double high() const noexcept { return high_; }  // s, after
+  // Of the last look(): 1 for what has crossed, [event_count].
+  [[nodiscard]] const std::int32_t* fired() const noexcept { return fired_.data(); }
+
+ private:
+  std::vector<double> first_, low_values_, high_values_, values_;
+  std::vector<std::int32_t> directions_, fired_, high_fired_;
+  double low_ = 0.0, high_ = 0.0;
+  double low_weight_ = 1.0, high_weight_ = 1.0;  // of the Illinois rule
+  int side_ = 0;                                 // that moved last: -1 low, 1 high
+  int looks_ = 0;
+};
+
+}  // namespace springnet::recurrent

@@ -1,0 +1,226 @@
+// How contacts change, and what impulses and forces of surfaces do to nodes that hang together, each against a closed
+// form.
+#include <cmath>
+#include <limits>
+#include <numbers>
+
+#include <doctest/doctest.h>
+
+#include "constraints/contact_state.hpp"
+#include "constraints/friction.hpp"
+#include "constraints/island.hpp"
+
+using namespace springnet;
+
+namespace {
+
+// Closed forms with a few operations on numbers of order 1.
+constexpr double rounding = 1e-13;
+
+ContactNode on_floor(const Vector3& velocity, const Friction& friction) {
+  ContactNode node;
+  ContactSide side;
+  side.surface = 0;
+  side.friction = friction;
+  side.velocity = velocity;
+  node.sides.push_back(side);
+  node.acceleration = {0, 0, -1};
+  return node;
+}
+constexpr Friction smooth{Friction::Kind::none, 0.0}, held{Friction::Kind::held, 0.0};
+Friction coulomb(double coefficient) { return {Friction::Kind::coulomb, coefficient}; }
+
+// The lower end of two equal masses (1 kg) on a rod that rises by `angle` towards +x: D = I - d d^T / 2.
+Eigen::MatrixXd end_of_rod(double angle) {
+  const Vector3 d(std::cos(angle), 0, std::sin(angle));
+  return Matrix3(Matrix3::Identity() - 0.5 * d * d.transpose());
+}
+
+}  // namespace
+
+TEST_CASE("a contact goes on with what is left of its surfaces") {
+  using Kind = ContactCause::Kind;
+  Touch touch;
+  CHECK(status_of(touch) == ContactStatus::free);
+  touch = after(touch, {Kind::touch, 4, false});
+  CHECK(touch == Touch{4, true});
+  CHECK(status_of(touch) == ContactStatus::sliding);
+  touch = after(touch, {Kind::touch, 4, true});  // a second time
+  CHECK(touch == Touch{4, true});
+  touch = after(touch, {Kind::stick});
+  CHECK(status_of(touch) == ContactStatus::sticking);
+  touch = after(touch, {Kind::touch, 2, false});
+  touch = after(touch, {Kind::touch, 7, false});
+  CHECK(touch == Touch{4, true, 2, 7});
+  CHECK(status_of(touch) == ContactStatus::cornered);
+  CHECK(after(touch, {Kind::touch, 9, false}) == touch);
+  CHECK(after(touch, {Kind::release, 9}) == touch);
+  CHECK(after(touch, {Kind::release, 4}) == Touch{2, true, 7});
+  CHECK(after(touch, {Kind::release, 2}) == Touch{4, true, 7});
+  CHECK(after(touch, {Kind::release, 7}) == Touch{4, true, 2});
+  CHECK(after(after(touch, {Kind::release, 4}), {Kind::release, 2}) == Touch{7, true});
+  CHECK(after(Touch{3, true}, {Kind::release, 3}) == Touch{});
+  CHECK(after(Touch{}, {Kind::slip}) == Touch{});
+  CHECK(after(Touch{}, {Kind::stick}) == Touch{});
+}
+
+TEST_CASE("a reaction is split into normal forces and what lies along all surfaces") {
+  const SplitReaction one = split_reaction({Vector3::UnitZ()}, {1, 2, 3});
+  CHECK(one.normal[0] == 3.0);
+  CHECK(one.along == Vector3(1, 2, 0));
+  // Two walls at 60 degrees: 2 and 5 N and 7 N along their edge.
+  const Vector3 a(0, 0, 1), b(std::sqrt(0.75), 0, 0.5);
+  const SplitReaction two = split_reaction({a, b}, 2 * a + 5 * b + 7 * Vector3::UnitY());
+  CHECK(two.normal[0] == doctest::Approx(2).epsilon(rounding));
+  CHECK(two.normal[1] == doctest::Approx(5).epsilon(rounding));
+  CHECK((two.along - 7 * Vector3::UnitY()).norm() <= rounding);
+}
+
+TEST_CASE("the cone of friction has one edge") {
+  CHECK(grip(0.5, 10, 5) == 0.0);
+  CHECK(grip(0.5, 10, 5.1) < 0.0);  // 2 % beyond
+  CHECK(grip(0.5, 10, 4.9) > 0.0);
+  CHECK(grip(std::numeric_limits<double>::infinity(), 0.0, 1e9) > 0.0);
+  CHECK(grip(std::numeric_limits<double>::infinity(), -1e-9, 1.0) < 0.0);
+}
+
+TEST_CASE("the derivative of friction is that of its differences") {
+  const Vector3 n = Vector3(1, 2, 3).normalized();
+  const Vector3 slip = Vector3(0.3, -0.9, 0.5) - n * n.dot(Vector3(0.3, -0.9, 0.5));
+  const auto force = [&](const Vector3& v) {
+    const Vector3 along = v - n * n.dot(v);
+    return Vector3(-4.0 * along.normalized());
+  };
+  const Matrix3 derivative = friction_by_velocity(4.0, slip, n);
+  constexpr double step = 1e-6;  // step^2 and rounding / step
+  for (int c = 0; c < 3; ++c) {
+    const Vector3 d = step * Vector3::Unit(c);
+    CHECK((derivative.col(c) - (force(slip + d) - force(slip - d)) / (2 * step)).norm() <= 1e-9);
+  }
+}
+
+TEST_CASE("a lone node that strikes: Newton's restitution, Coulomb's impulse") {
+  // 2 kg, down at 3 m/s, along at 1 m/s: the normal impulse is m v (1 + e), friction mu times that, or what stops it.
+  for (const double e : {0.0, 0.5, 1.0}) {
+    for (const double mu : {0.0, 0.1, 0.2}) {
+      ContactNode node = on_floor({1, 0, -3}, coulomb(mu));
+      node.sides[0].restitution = e;
+      Island island({node}, Matrix3(Matrix3::Identity() / 2));
+      CHECK(island.strike(1e-6));
+      const ContactNode& struck = island.nodes()[0];
+      const double normal = 2 * 3 * (1 + e), along = std::min(mu * normal, 2.0);
+      CHECK((struck.impulse[0] - Vector3(-along, 0, normal)).norm() <= rounding * normal);
+      CHECK((struck.sides[0].velocity - Vector3(1 - along / 2, 0, 3 * e)).norm() <= rounding * 3);
+    }
+  }
+  // Too slow to rebound.
+  ContactNode slow = on_floor({0, 0, -1e-7}, smooth);
+  slow.sides[0].restitution = 1.0;
+  Island island({slow}, Matrix3::Identity());
+  CHECK(island.strike(1e-6));
+  CHECK(island.nodes()[0].sides[0].velocity == Vector3::Zero());
+  // What moves off is not struck.
+  Island leaving({on_floor({1, 0, 0.1}, held)}, Matrix3::Identity());
+  CHECK_FALSE(leaving.strike(1e-6));
+}
+
+TEST_CASE("a rod that strikes with one end has the impulse of its effective mass") {
+  const double angle = 0.6, s = std::sin(angle);
+  Island island({on_floor({0, 0, -1}, smooth)}, end_of_rod(angle));
+  CHECK(island.strike(1e-6));
+  CHECK(island.nodes()[0].impulse[0].z() == doctest::Approx(1 / (1 - 0.5 * s * s)).epsilon(rounding));
+}
+
+TEST_CASE("a rod that stands on one end: normal force, and the friction that it takes to stick") {
+  // Both masses fall at 1 m/s^2 if nothing supports them. Frictionless N = 1 / D_zz; stuck f = D^-1 (0, 0, 1), which is
+  // (c s, 0, 1 + s^2).
+  const double angle = 0.6, s = std::sin(angle), c = std::cos(angle);
+  Island smooth_rod({on_floor(Vector3::Zero(), smooth)}, end_of_rod(angle));
+  CHECK(smooth_rod.resolve(1e-12));
+  CHECK(smooth_rod.nodes()[0].normal_force[0] == doctest::Approx(1 / (1 - 0.5 * s * s)).epsilon(rounding));
+  const double needed = c * s / (1 + s * s);
+  for (const double mu : {1.02 * needed, 0.98 * needed}) {
+    ContactNode node = on_floor(Vector3::Zero(), coulomb(mu));
+    node.sticks = true;
+    Island rod({node}, end_of_rod(angle));
+    CHECK(rod.resolve(1e-12));
+    CHECK(rod.nodes()[0].sticks == (mu > needed));
+    if (mu > needed) {
+      CHECK((rod.nodes()[0].force - Vector3(c * s, 0, 1 + s * s)).norm() <= rounding);
+    } else {
+      // It slips against its friction, away from where it leans to.
+      CHECK((rod.nodes()[0].slip + Vector3::UnitX()).norm() <= rounding);
+      CHECK(rod.acceleration(0).x() < 0.0);
+      CHECK(std::abs(rod.acceleration(0).z()) <= rounding);
+    }
+  }
+}
+
+TEST_CASE("where no finite force exists a rod jams") {
+  // D_zz - mu |D_xz| < 0: sliding so that friction presses it in (Painlevé). mu > (2 - s^2) / (c s) = 3 at 45 degrees.
+  for (const double mu : {2.9, 3.1}) {
+    ContactNode node = on_floor({-1, 0, 0}, coulomb(mu));
+    node.moves = true;
+    node.slip = -Vector3::UnitX();
+    Island rod({node}, end_of_rod(std::numbers::pi / 4));
+    const bool finite = rod.resolve(1e-12);
+    // Which way round friction presses in is a matter of the angle's sign.
+    ContactNode mirrored = on_floor({1, 0, 0}, coulomb(mu));
+    mirrored.moves = true;
+    mirrored.slip = Vector3::UnitX();
+    Island other({mirrored}, end_of_rod(std::numbers::pi / 4));
+    const bool other_finite = other.resolve(1e-12);
+    CHECK((finite && other_finite) == (mu < 3.0));
+    Island& jammed = finite ? other : rod;
+    if (mu < 3.0) continue;
+    CHECK(jammed.jam(1e-9));
+    CHECK(jammed.nodes()[0].sides[0].velocity == Vector3::Zero());
+    const Vector3 impulse = jammed.nodes()[0].impulse[0];
+    CHECK(impulse.z() > 0.0);
+    CHECK(std::hypot(impulse.x(), impulse.y()) <= mu * impulse.z());
+    CHECK(jammed.resolve(1e-12));
+    CHECK(jammed.nodes()[0].sticks);
+  }
+}
+
+TEST_CASE("a node between two planes: each bears its share, and the edge is free") {
+  // A V of 90 degrees, its edge inclined so that gravity has 1 across and 0.25 along.
+  const Vector3 a = Vector3(1, 0, 1).normalized(), b = Vector3(-1, 0, 1).normalized();
+  for (const double mu : {0.0, 0.1, 0.5}) {
+    ContactNode node;
+    for (const Vector3& n : {a, b}) {
+      ContactSide side;
+      side.surface = n == a ? 0 : 1;
+      side.normal = n;
+      side.friction = coulomb(mu);
+      node.sides.push_back(side);
+    }
+    node.acceleration = {0, 0.25, -1};
+    node.sticks = mu > 0.0;
+    Island island({node}, Matrix3::Identity());
+    CHECK(island.resolve(1e-12));
+    const double pressing = std::sqrt(0.5);
+    CHECK(island.nodes()[0].normal_force[0] == doctest::Approx(pressing).epsilon(rounding));
+    CHECK(island.nodes()[0].normal_force[1] == doctest::Approx(pressing).epsilon(rounding));
+    const double most = mu * 2 * pressing;
+    CHECK((island.acceleration(0) - Vector3(0, std::max(0.0, 0.25 - most), 0)).norm() <= rounding);
+    CHECK(island.nodes()[0].sticks == (most > 0.25));
+  }
+}
+
+TEST_CASE("what a force lifts is let go, and what lies on a surface under load is held") {
+  ContactNode lifted = on_floor(Vector3::Zero(), held);
+  lifted.acceleration = {0, 0, 1};
+  lifted.sticks = true;
+  Island up({lifted}, Matrix3::Identity());
+  CHECK(up.resolve(1e-12));
+  CHECK_FALSE(up.nodes()[0].sides[0].touches);
+  ContactNode lying = on_floor(Vector3::Zero(), held);
+  lying.sides[0].touches = false;
+  lying.acceleration = {5, 0, -1};
+  Island down({lying}, Matrix3::Identity());
+  CHECK(down.resolve(1e-12));
+  CHECK(down.nodes()[0].sides[0].touches);
+  CHECK(down.nodes()[0].sticks);
+  CHECK((down.nodes()[0].force - Vector3(-5, 0, 1)).norm() <= rounding);
+}

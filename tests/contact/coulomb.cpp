@@ -1,0 +1,119 @@
+// Coulomb friction between events, and where slip begins and ends: the reference's tolerance, the network's order.
+
+#include <doctest/doctest.h>
+
+#include <cmath>
+
+#include "run.hpp"
+#include "scenes.hpp"
+
+using namespace springnet;
+using namespace springnet::testing;
+
+namespace {
+
+// The printed uncertainty of a reference is how far it is from a second run with a hundredth of its tolerance.
+void check_tolerances(const Truth& truth, double factor) {
+  std::vector<Run> runs;
+  const double tolerances[] = {1e-6, 1e-7, 1e-8, 1e-9, 1e-10, 1e-11};
+  for (const double tolerance : tolerances) runs.push_back(follow(truth, cvode(tolerance), truth.until / 30.0));
+  for (std::size_t i = 0; i < runs.size(); ++i) {
+    CAPTURE(tolerances[i]);
+    CHECK(runs[i].error <= std::max(factor * tolerances[i], 5e-9));
+    CHECK(runs[i].pull <= 1e-9);
+    CHECK(runs[i].sink <= 1e-9);
+    if (i + 2 >= runs.size()) continue;
+    const double uncertainty = greatest_distance(runs[i].positions, runs[i + 2].positions);
+    CAPTURE(uncertainty);
+    CHECK(runs[i].error <= 1.5 * uncertainty + 1e-11);
+  }
+}
+
+}  // namespace
+
+TEST_CASE("a box of springs bounces on rough ground") {
+  const Truth truth(thrown_box(), 0.6);
+  check_tolerances(truth, 100.0);
+}
+
+TEST_CASE("an oscillator on a belt slips and sticks as its closed form") {
+  // x0 = mu m g / k, w^2 = k / m. From rest it slips, x = x0 (1 - cos w t), until it is as fast as the belt, is carried
+  // to x0, and swings about it for ever, x = x0 + v / w sin w (t - t2), the belt's speed at the most: that touch of
+  // the belt's speed is a grazing one.
+  constexpr double mass = 0.5, k = 20.0, mu = 0.3, g = 5.0, belt = 0.15;
+  const double x0 = mu * mass * g / k, w = std::sqrt(k / mass);
+  const double t1 = std::asin(belt / (x0 * w)) / w, x1 = x0 * (1.0 - std::cos(w * t1)), t2 = t1 + (x0 - x1) / belt;
+  REQUIRE(belt < x0 * w);
+  const auto x = [&](double t) {
+    return t < t1   ? x0 * (1.0 - std::cos(w * t))
+           : t < t2 ? x1 + belt * (t - t1)
+                    : x0 + belt / w * std::sin(w * (t - t2));
+  };
+  Network net;
+  Node wall = point({-1, 0, 0});
+  wall.fixed = true;
+  net.add_node(wall);
+  net.add_node(point({0, 0, 0}, mass));
+  net.add_spring(0, 1, net.add_material(damped(k, 0.0)));
+  net.set_gravity({0, 0, -g});
+  Plane plane;
+  plane.friction = {Friction::Kind::coulomb, mu};
+  plane.motion.emplace();
+  plane.motion->times = {0.0, 10.0};
+  plane.motion->displacements = {Vector3::Zero(), {10.0 * belt, 0, 0}};
+  plane.motion->interpolation = Motion::Interpolation::linear;
+  net.add_plane(plane);
+  const auto worst = [&](const LawUse& integrator, double h, double until) {
+    Simulation s = simulate(net, integrator, h);
+    double error = 0.0;
+    while (s.time() < until - 0.5 * h) {
+      s.step();
+      error = std::max(error, std::abs(s.position(1).x() - x(s.time())));
+    }
+    return error;
+  };
+  const double period = 2.0 * std::numbers::pi / w, grazes = t2 + period;
+  for (const double tolerance : {1e-6, 1e-7, 1e-8, 1e-9}) {
+    CAPTURE(tolerance);
+    CHECK(worst(cvode(tolerance), 0.01, grazes - 0.1 * period) <= 100.0 * tolerance);
+    // The touch of the belt's speed is located to the root of the tolerance; its error stays of second order in that.
+    CHECK(worst(cvode(tolerance), 0.01, grazes + 1.5 * period) <= 300.0 * tolerance);
+  }
+  for (const Way& way : stepping_ways(1e-10)) {
+    INFO(way.name);
+    double error[2];
+    for (const int halving : {0, 1})
+      error[halving] = worst(way.integrator, halving == 0 ? 0.004 : 0.002, grazes - 0.1 * period);
+    CAPTURE(error[0]);
+    CAPTURE(error[1]);
+    CHECK(error[0] <= (way.order == 1.0 ? 0.4 : 0.02) * 0.004);
+    CHECK(error[1] <= (way.order == 1.0 ? 0.4 : 0.02) * 0.002);
+  }
+}
+
+// A condition of sticking that is off by two per cent moves this time by two per cent.
+TEST_CASE("a force that grows makes a node slip where it reaches the cone") {
+  for (const Vector3& direction : {Vector3(1, 0, 0), Vector3(-0.6, 0.8, 0)}) {
+    const Network net = on_ramp(direction);
+    for (const Way& way : all_ways(1e-10)) {
+      INFO(way.name);
+      const double h = 0.0005;
+      Simulation s = simulate(net, way.integrator, way.order > 0.0 ? h : 0.05);
+      s.advance_to(ramp_slips + 0.25);
+      REQUIRE(s.events().size() >= 2);
+      double slipped = 0.0;
+      for (const Event& event : s.events()) {
+        if (event.kind != Event::Kind::slipped) continue;
+        if (slipped == 0.0) slipped = event.time;
+      }
+      // A step sees it at its end.
+      CHECK(std::abs(slipped - ramp_slips) <= (way.order > 0.0 ? 1.01 * h : 1e-8));
+      const double x = ramp_rate / ramp_mass * std::pow(0.25, 3) / 6.0;
+      // Verlet may stick for a step once more where slip begins.
+      CHECK((s.position(0) - x * direction).norm() <= (way.name == "verlet" ? 0.5 * h
+                                                       : way.order == 1.0   ? 0.1 * h
+                                                       : way.order == 2.0   ? 10.0 * h * h
+                                                                            : 1e-8));
+    }
+  }
+}

@@ -1,0 +1,145 @@
+// Restitution: Newton's law at each touch, with Coulomb's cone along the surface.
+
+#include <doctest/doctest.h>
+
+#include <cmath>
+#include <vector>
+
+#include <Eigen/Geometry>
+
+#include "run.hpp"
+#include "scenes.hpp"
+
+using namespace springnet;
+using namespace springnet::testing;
+
+namespace {
+
+constexpr double g = 9.81, height = 0.5, share = 0.8, mass = 0.7;  // m/s^2, m, 1, kg
+
+Network dropped(const Friction& friction, double along) {
+  Network net;
+  net.add_node(point({0, 0, height}, mass, {along, 0, 0}));
+  net.set_gravity({0, 0, -g});
+  Plane plane;
+  plane.friction = friction;
+  plane.restitution = share;
+  net.add_plane(plane);
+  return net;
+}
+
+// Height, and the place along the plane where each bounce takes mu times the change of the speed across. m
+Vector3 flight(double time, double along, double mu) {
+  double fall = std::sqrt(2.0 * height / g), up = std::sqrt(2.0 * g * height), x = 0.0;
+  if (time <= fall) return {along * time, 0, height - 0.5 * g * time * time};
+  x = along * fall;
+  time -= fall;
+  while (true) {
+    along = std::max(0.0, along - mu * (1.0 + share) * up);
+    up *= share;
+    const double lasts = 2.0 * up / g;
+    if (time <= lasts) return {x + along * time, 0, up * time - 0.5 * g * time * time};
+    x += along * lasts;
+    time -= lasts;
+  }
+}
+
+}  // namespace
+
+TEST_CASE("a dropped ball bounces as high as its coefficient says") {
+  const double first = std::sqrt(2.0 * height / g);
+  for (const double mu : {0.0, 0.1}) {
+    const Friction friction = mu > 0.0 ? Friction{Friction::Kind::coulomb, mu} : frictionless;
+    const double along = 2.5, until = 1.7;  // after four bounces
+    for (const Way& way : all_ways(1e-10)) {
+      INFO(way.name << ", friction " << mu);
+      const double h = 0.001;
+      Simulation s = simulate(dropped(friction, along), way.integrator, h);
+      if (!reaches(s, until)) continue;
+      // A touch within a step is off by up to h at 3.1 m/s, each time; the falls of first order by g t h / 2.
+      CHECK((s.position(0) - flight(until, along, mu)).norm() <= (way.order > 0.0 ? 15.0 * h : 1e-6));
+      std::vector<double> touched;
+      Vector3 impulse = Vector3::Zero();
+      for (const Event& event : s.events()) {
+        if (event.kind == Event::Kind::touched) touched.push_back(event.time);
+        impulse += event.impulse;
+      }
+      CHECK(touched.size() == 4);
+      if (touched.size() != 4) continue;
+      double time = first, up = std::sqrt(2.0 * g * height);
+      for (const double t : touched) {
+        // First order loses up to g h at each touch, and with it up to 2 h of the flight.
+        CHECK(std::abs(t - time) <= (way.order == 1.0 ? 20.0 * h : way.order == 2.0 ? 6.0 * h : 1e-7));
+        up *= share;
+        time += 2.0 * up / g;
+      }
+      CHECK((impulse - s.contact_impulse(0)).norm() <= 1e-9);
+      CHECK((s.surface_impulse(0) + s.contact_impulse(0)).norm() <= 1e-9);
+      const Vector3 given = mass * (s.velocity(0) - Vector3(along, 0, 0) + Vector3(0, 0, g * until));
+      if (way.order == 0.0) CHECK((given - s.contact_impulse(0)).norm() <= 1e-7);
+    }
+  }
+}
+
+TEST_CASE("bounces without end come to an end, and the ball lies on the floor") {
+  const double ends = std::sqrt(2.0 * height / g) * (1.0 + share) / (1.0 - share);
+  for (const Way& way : all_ways(1e-10)) {
+    INFO(way.name);
+    Simulation s = simulate(dropped(frictionless, 0.3), way.integrator, 0.002);
+    if (!reaches(s, ends + 0.3)) continue;
+    CHECK(s.touching(0));
+    CHECK(std::abs(s.position(0).z()) <= 1e-9);
+    CHECK(std::abs(s.velocity(0).z()) <= 1e-9);
+    CHECK(s.events().size() < 400);
+    CHECK(s.reaction(0).z() == doctest::Approx(mass * g).epsilon(1e-6));
+    // It slid on meanwhile.
+    CHECK(std::abs(s.position(0).x() - 0.3 * (ends + 0.3)) <= 1e-9);
+  }
+}
+
+TEST_CASE("a ball bounces off a plane that comes towards it with twice its speed more") {
+  // Up at w: v' = w + e (w - v).
+  constexpr double w = 0.9;
+  Network net = dropped(frictionless, 0.0);
+  Network moving;
+  moving.set_gravity({0, 0, 0});
+  moving.add_node(point({0, 0, height}, mass, {0.2, 0, -1.1}));
+  Plane plane = net.planes()[0];
+  plane.motion.emplace();
+  plane.motion->interpolation = Motion::Interpolation::linear;
+  plane.motion->times = {0.0, 10.0};
+  plane.motion->displacements = {Vector3::Zero(), {0, 0, 10.0 * w}};
+  moving.add_plane(plane);
+  const double meets = height / (w + 1.1), speed = w + share * (w + 1.1), until = 0.5;
+  for (const Way& way : all_ways(1e-10)) {
+    INFO(way.name);
+    const double h = 0.002;
+    Simulation s = simulate(moving, way.integrator, h);
+    if (!reaches(s, until)) continue;
+    CHECK((s.velocity(0) - Vector3(0.2, 0, speed)).norm() <= (way.order > 0.0 ? 1e-9 : 1e-7));
+    CHECK(std::abs(s.position(0).z() - (w * meets + speed * (until - meets))) <= (way.order > 0.0 ? 4.0 * h : 1e-7));
+  }
+}
+
+TEST_CASE("a ball leaves a sphere as light a mirror where nothing is lost") {
+  Network net;
+  const Vector3 from(-2, 0.3, 0.5), velocity(2, 0.1, -0.2);
+  net.add_node(point(from, mass, velocity));
+  Instrument sphere;
+  sphere.friction = frictionless;
+  sphere.restitution = 1.0;
+  net.add_instrument(sphere);
+  const double b = from.dot(velocity), v2 = velocity.squaredNorm();
+  const double hits = (-b - std::sqrt(b * b - v2 * (from.squaredNorm() - 1.0))) / v2;
+  const Vector3 n = from + hits * velocity, reflected = velocity - 2.0 * n.dot(velocity) * n;
+  const double until = 1.5;
+  for (const Way& way : all_ways(1e-10)) {
+    INFO(way.name);
+    const double h = 0.001;
+    Simulation s = simulate(net, way.integrator, h);
+    if (!reaches(s, until)) continue;
+    CHECK((s.velocity(0) - reflected).norm() <= (way.order > 0.0 ? 10.0 * h : 1e-6));
+    CHECK((s.position(0) - n - (until - hits) * reflected).norm() <= (way.order > 0.0 ? 15.0 * h : 1e-6));
+    CHECK(std::abs(s.kinetic_energy() - 0.5 * mass * v2) <= (way.order > 0.0 ? 1e-6 : 1e-7));
+  }
+}
