@@ -20,6 +20,13 @@ constexpr std::uint32_t no_cluster = 0xffffffffu;
 constexpr double length_accuracy = 1e-12;
 constexpr int most_corrections = 30;
 
+// From a rod's second end to its first.
+Vector3 direction(const Vector3& first, const Vector3& second) {
+  const Vector3 d = first - second;
+  const double length = d.norm();
+  return length > 0.0 ? Vector3(d / length) : Vector3::UnitX();
+}
+
 }  // namespace
 
 RigidConnections::RigidConnections(const Network& network, const std::vector<std::uint32_t>& user_number,
@@ -63,9 +70,8 @@ std::vector<ConstraintRow> RigidConnections::rods_of(const Cluster& cluster,
   rows.reserve(cluster.rods.size());
   for (const std::uint32_t r : cluster.rods) {
     const Rod& rod = rods_[r];
-    const Vector3 d = positions[member_of_[rod.first]] - positions[member_of_[rod.second]];
-    const double length = d.norm();
-    rows.push_back({rod.first, rod.second, length > 0.0 ? Vector3(d / length) : Vector3::UnitX()});
+    rows.push_back({rod.first, rod.second,
+                    direction(positions[member_of_[rod.first]], positions[member_of_[rod.second]])});
   }
   return rows;
 }
@@ -134,15 +140,10 @@ springnet_status RigidConnections::cannot_keep(const Cluster& cluster, springnet
   return SPRINGNET_RECOVERABLE;
 }
 
-void RigidConnections::accelerate(const Placement& at, const springnet_const_vectors& position,
+void RigidConnections::accelerate(const Placement& at, std::size_t number, const springnet_const_vectors& position,
                                   const springnet_const_vectors& velocity, const springnet_vectors& acceleration,
                                   double* force) const {
-  for (const Cluster& cluster : clusters_) accelerate(at, cluster, position, velocity, acceleration, force);
-}
-
-void RigidConnections::accelerate(const Placement& at, const Cluster& cluster, const springnet_const_vectors& position,
-                                  const springnet_const_vectors& velocity, const springnet_vectors& acceleration,
-                                  double* force) const {
+  const Cluster& cluster = clusters_[number];
   const std::size_t count = cluster.nodes.size();
   std::vector<Vector3> p(count), free(count), a(count);
   std::vector<Touch> touches(count);
@@ -238,10 +239,10 @@ Vector3 RigidConnections::pull(std::uint32_t node, const springnet_const_vectors
   return sum;
 }
 
-springnet_status RigidConnections::project(const Placement& at, const Cluster& cluster,
-                                           const springnet_vectors& position, const springnet_vectors& velocity,
-                                           springnet_message& message,
+springnet_status RigidConnections::project(const Placement& at, std::size_t number, const springnet_vectors& position,
+                                           const springnet_vectors& velocity, springnet_message& message,
                                            const std::vector<std::uint32_t>& stopped) const {
+  const Cluster& cluster = clusters_[number];
   const std::size_t count = cluster.nodes.size();
   std::vector<Vector3> p(count);
   std::vector<Touch> touches(count), sliding(count);
@@ -270,21 +271,6 @@ springnet_status RigidConnections::project(const Placement& at, const Cluster& c
   system.for_each_change(system.solve(-rate), [&](std::uint32_t node, const Vector3& change) {
     put_vector(velocity, node, vector_at(velocity, node) + change);
   });
-  return SPRINGNET_OK;
-}
-
-springnet_status RigidConnections::project(const Placement& at, const springnet_vectors& position,
-                                           const springnet_vectors& velocity, springnet_message& message,
-                                           const std::vector<std::uint32_t>& stopped) const {
-  for (const Cluster& cluster : clusters_) {
-    const springnet_status status = project(at, cluster, position, velocity, message, stopped);
-    if (status != SPRINGNET_OK) return status;
-  }
-  if (contact_.surfaces().empty()) return SPRINGNET_OK;
-  for (std::uint32_t k = 0; k < mass_.size(); ++k) {
-    if (!contact_.now(k).slides || (any() && cluster_of_[k] != no_cluster)) continue;
-    contact_.project_sliding(at, k, position, velocity);
-  }
   return SPRINGNET_OK;
 }
 
@@ -346,22 +332,11 @@ double RigidConnections::greatest_rate(const springnet_const_vectors& position,
   return greatest;
 }
 
-std::vector<ConstraintRow> RigidConnections::rows(const Placement& at, const springnet_const_vectors& position) const {
+std::vector<ConstraintRow> RigidConnections::rows(const springnet_const_vectors& position) const {
   std::vector<ConstraintRow> rows;
-  for (const Rod& rod : rods_) {
-    const Vector3 d = vector_at(position, rod.first) - vector_at(position, rod.second);
-    const double length = d.norm();
-    rows.push_back({rod.first, rod.second, length > 0.0 ? Vector3(d / length) : Vector3::UnitX()});
-  }
-  if (contact_.surfaces().empty()) return rows;
-  for (std::uint32_t k = 0; k < mass_.size(); ++k) {
-    const Touch& touch = contact_.now(k);
-    if (!touch.slides || contact_.fixed()[k] != 0) continue;
-    for (const std::int32_t surface : touch.surfaces())
-      if (surface >= 0)
-        rows.push_back({k, ConstraintRow::no_node,
-                        contact_.normal(at, static_cast<std::size_t>(surface), vector_at(position, k)), surface});
-  }
+  rows.reserve(rods_.size());
+  for (const Rod& rod : rods_)
+    rows.push_back({rod.first, rod.second, direction(vector_at(position, rod.first), vector_at(position, rod.second))});
   return rows;
 }
 

@@ -39,10 +39,10 @@ class RigidConnections {
   // and position. SPRINGNET_RECOVERABLE and a message if the lengths cannot be kept.
   springnet_status constrain(const Placement& end, std::size_t cluster, const springnet_sweep& sweep,
                              springnet_message& message) const;
-  // Takes out of the accelerations of all clusters' nodes what the constraints do not allow. `force` ([rod] N, null:
-  // not wanted) are the connections' tensions.
-  void accelerate(const Placement& at, const springnet_const_vectors& position, const springnet_const_vectors& velocity,
-                  const springnet_vectors& acceleration, double* force) const;
+  // Takes out of the accelerations of a cluster's nodes what the constraints do not allow. `force` ([rod] N, null: not
+  // wanted) are its connections' tensions.
+  void accelerate(const Placement& at, std::size_t cluster, const springnet_const_vectors& position,
+                  const springnet_const_vectors& velocity, const springnet_vectors& acceleration, double* force) const;
   // What the nodes of a cluster do at a state if no surface acted, but connections and fixation did.
   class Unsupported {
    public:
@@ -65,21 +65,18 @@ class RigidConnections {
     const std::vector<std::uint32_t>& rods_;
     ConstraintSystem system_;
   };
-  void accelerate(const Placement& at, std::size_t cluster, const springnet_const_vectors& position,
-                  const springnet_const_vectors& velocity, const springnet_vectors& acceleration, double* force) const {
-    accelerate(at, clusters_[cluster], position, velocity, acceleration, force);
-  }
   // The force of all connections on a node with these tensions ([rod] N).
   [[nodiscard]] Vector3 pull(std::uint32_t node, const springnet_const_vectors& position, const double* force) const;
-  // Puts positions, then velocities, where the constraints of the clusters and of single nodes that slide allow,
-  // weighted with the masses. Nodes that were just `stopped` by a surface may still move along it.
-  springnet_status project(const Placement& at, const springnet_vectors& position, const springnet_vectors& velocity,
-                           springnet_message& message, const std::vector<std::uint32_t>& stopped = {}) const;
+  // Puts positions, then velocities, of a cluster where the constraints allow, weighted with the masses. Nodes that were
+  // just `stopped` by a surface may still move along it.
+  springnet_status project(const Placement& at, std::size_t cluster, const springnet_vectors& position,
+                           const springnet_vectors& velocity, springnet_message& message,
+                           const std::vector<std::uint32_t>& stopped) const;
   // The greatest |rate of length| of a connection at these velocities, m/s.
   [[nodiscard]] double greatest_rate(const springnet_const_vectors& position,
                                      const springnet_const_vectors& velocity) const;
-  // All rows that bind the motion at these positions, sliding nodes' included.
-  [[nodiscard]] std::vector<ConstraintRow> rows(const Placement& at, const springnet_const_vectors& position) const;
+  // The rows of all rods at these positions.
+  [[nodiscard]] std::vector<ConstraintRow> rows(const springnet_const_vectors& position) const;
   // 1/m, or zero for a node that cannot move.
   [[nodiscard]] Eigen::Matrix3d mobility(std::uint32_t node) const;
 
@@ -99,11 +96,6 @@ class RigidConnections {
                                                    const std::vector<Vector3>& positions) const;
   [[nodiscard]] std::vector<ConstraintRow> rods_of(const Cluster& cluster, const std::vector<Vector3>& positions) const;
   springnet_status cannot_keep(const Cluster& cluster, springnet_message& message) const;
-  void accelerate(const Placement& at, const Cluster& cluster, const springnet_const_vectors& position,
-                  const springnet_const_vectors& velocity, const springnet_vectors& acceleration, double* force) const;
-  springnet_status project(const Placement& at, const Cluster& cluster, const springnet_vectors& position,
-                           const springnet_vectors& velocity, springnet_message& message,
-                           const std::vector<std::uint32_t>& stopped) const;
   [[nodiscard]] bool solve(Step& step) const;
   [[nodiscard]] bool revise_contacts(Step& step) const;
   [[nodiscard]] bool revise_contact(Step& step, std::size_t member) const;

@@ -36,8 +36,9 @@ Engine::Engine(const Network& network, const PluginHost& plugins, const Simulati
       mass_(masses(network, layout_.ordering().user)),
       evaluator_(layout_, mass_, options.instruction_set, options.threads),
       loads_(network, layout_),
-      contact_(network, layout_.ordering().user, layout_.ordering().engine, mass_),
-      rigid_(network, layout_.ordering().user, layout_.ordering().engine, mass_, contact_),
+      constraints_(network, layout_.ordering().user, layout_.ordering().engine, mass_),
+      contact_(constraints_.contact()),
+      rigid_(constraints_.rigid()),
       linearisation_(layout_, evaluator_, contact_.constrained()),
       no_cluster_(layout_.node_count(), 0xffffffffu),
       state_(layout_.node_count()),
@@ -134,13 +135,14 @@ void Engine::start_constraints(double size) {
           fmt::format("the initial velocities change the length of rigid connections by up to {:.3g} m/s; the nearest "
                       "velocities that do not are taken",
                       rate));
-    if (rigid_.project(*start, state_.view.position, state_.view.velocity, message_) != SPRINGNET_OK)
-      throw Error(ErrorKind::input, message_.text);
   }
+  const auto project = [&] {
+    if (constraints_.project(*start, state_.view.position, state_.view.velocity, message_) != SPRINGNET_OK)
+      throw Error(ErrorKind::input, message_.text);
+  };
+  project();
   if (settle_contacts(time_, state_) != SPRINGNET_OK) throw Error(ErrorKind::simulation, message_.text);
-  // What a surface stopped stops what hangs rigidly on it.
-  if (rigid_.any() && rigid_.project(*start, state_.view.position, state_.view.velocity, message_) != SPRINGNET_OK)
-    throw Error(ErrorKind::input, message_.text);
+  project();  // what a surface stopped stops what hangs rigidly on it
 }
 
 // Typical length, velocity and force, from which tolerances are made: mean rest length, or where there is no
@@ -244,8 +246,8 @@ springnet_status Engine::begin(double from, double until, Loads::Change loads) {
     unsettled_ = false;
     status = perform_due_ruptures();
     if (status == SPRINGNET_OK) status = settle_contacts(time_, state_);
-    if (status == SPRINGNET_OK && rigid_.any())
-      status = rigid_.project(*now, state_.view.position, state_.view.velocity, message_);
+    if (status == SPRINGNET_OK)
+      status = constraints_.project(*now, state_.view.position, state_.view.velocity, message_);
   }
   contact_.begin_step(now);
   swept_ = false;

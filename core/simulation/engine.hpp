@@ -13,8 +13,7 @@
 
 #include <springnet/simulation.hpp>
 
-#include "constraints/contact.hpp"
-#include "constraints/rigid.hpp"
+#include "constraints/constraint_set.hpp"
 #include "layers/elements.hpp"
 #include "layers/evaluator.hpp"
 #include "layers/linearisation.hpp"
@@ -74,8 +73,7 @@ class Engine {
   [[nodiscard]] double end_tolerance() const noexcept;
   [[nodiscard]] const layers::Layout& layout() const noexcept { return layout_; }
   [[nodiscard]] const layers::Evaluator& evaluator() const noexcept { return evaluator_; }
-  [[nodiscard]] const Contact& contact() const noexcept { return contact_; }
-  [[nodiscard]] const RigidConnections& rigid() const noexcept { return rigid_; }
+  [[nodiscard]] const ConstraintSet& constraints() const noexcept { return constraints_; }
   [[nodiscard]] const std::vector<std::string>& notes() const noexcept { return notes_; }
   [[nodiscard]] const std::vector<double>& mass() const noexcept { return mass_; }
   [[nodiscard]] double time() const noexcept { return time_; }
@@ -183,12 +181,10 @@ class Engine {
                                        springnet_message& message);
   springnet_status update_node(std::uint32_t node, std::uint32_t unit, void* tile_context,
                                const NodeEvaluation& evaluation, springnet_message& message);
-  springnet_status linearise_rigid(const springnet_evaluation& at);
-  springnet_status linearise_friction(const springnet_evaluation& at);
+  springnet_status linearise_constraints(const springnet_evaluation& at);
   void note_sweep(const springnet_sweep& sweep) noexcept;
   // The contacts of sweeps become the committed ones, and what surfaces gave at once is counted.
   springnet_status commit_sweeps(double time);
-  springnet_status constrain_clusters(const Placement& at, const springnet_sweep& sweep);
   void note(Event::Kind kind, double time, std::uint32_t user_index) { events_.push_back({kind, time, user_index}); }
   [[nodiscard]] const std::vector<EventSource>& event_sources();
   struct Rupturing {
@@ -209,8 +205,9 @@ class Engine {
   std::vector<double> mass_;
   layers::Evaluator evaluator_;
   Loads loads_;
-  Contact contact_;
-  RigidConnections rigid_;
+  ConstraintSet constraints_;
+  Contact& contact_;               // its contacts, which events change,
+  const RigidConnections& rigid_;  // and its rigid connections
   layers::Linearisation linearisation_;
   std::vector<std::uint32_t> no_cluster_;  // [node] of network_info without rigid connections
   State state_;
@@ -253,10 +250,6 @@ class Engine {
   layers::SurfaceVolumes asked_volumes_;    // and of a call of evaluate_nodes outside
   std::vector<std::uint8_t> cluster_done_;  // within a sweep in an order
   double interval_from_ = 0.0, interval_until_ = std::numeric_limits<double>::infinity();  // s, of begin_step
-  std::vector<ConstraintRow> linear_rows_;                                                 // of linearise
-  std::vector<double> project_mobility_;                                                   // of project_system_
-  bool project_known_ = false;
-  ConstraintSystem project_system_;
   std::vector<std::string> notes_;
   std::optional<double> potential_energy_;  // J; empty: not known
   bool energy_noted_ = false;

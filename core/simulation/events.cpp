@@ -217,22 +217,11 @@ springnet_status Engine::commit(double time, State& state) {
   } else {
     // What a solver left of rounding in unknowns that do not move.
     const std::shared_ptr<const Placement> now = placement(time);
-    for (std::uint32_t k = 0; k < layout_.node_count(); ++k) {
-      if (contact_.constrained()[k] == 0) continue;
-      if (contact_.fixed()[k] != 0) {
-        put_vector(state_.view.position, k, vector_at(state.view.position, k));
-        put_vector(state_.view.velocity, k, Vector3::Zero());
-        continue;
-      }
-      const auto j = static_cast<std::size_t>(contact_.committed(k).surface);
-      if (contact_.surfaces()[j].moves())
-        put_vector(state_.view.position, k, contact_.onto(*now, j, vector_at(state_.view.position, k)));
-      put_vector(state_.view.velocity, k, Contact::velocity(*now, j, vector_at(state_.view.position, k)));
-    }
+    constraints_.correct(*now, read_only(state.view.position), state_.view.position, state_.view.velocity);
     follow_prescribed();
     status = stop_penetration(time, state_);
     if (status == SPRINGNET_OK)
-      status = rigid_.project(*placement(time), state_.view.position, state_.view.velocity, message_);
+      status = constraints_.project(*placement(time), state_.view.position, state_.view.velocity, message_);
     contact_.note_slips(*placement(time), read_only(state_.view.position), read_only(state_.view.velocity));
   }
   if (status == SPRINGNET_OK && jumps) {
@@ -242,8 +231,8 @@ springnet_status Engine::commit(double time, State& state) {
     status = follow_jumps(from);
     follow_prescribed();
     // A velocity that jumped takes along what hangs on it.
-    if (status == SPRINGNET_OK && (rigid_.any() || !contact_.surfaces().empty()))
-      status = rigid_.project(*placement(time), state_.view.position, state_.view.velocity, message_);
+    if (status == SPRINGNET_OK)
+      status = constraints_.project(*placement(time), state_.view.position, state_.view.velocity, message_);
   }
   if (status != SPRINGNET_OK) return status;
   status = perform_due_ruptures();

@@ -1,10 +1,7 @@
 #include "simulation/reactions_at.hpp"
 
-#include <algorithm>
-
 #include <springnet/error.hpp>
 
-#include "constraints/island.hpp"
 #include "constraints/vectors.hpp"
 
 namespace springnet {
@@ -40,8 +37,8 @@ springnet_status Engine::ReactionsAt::of(std::uint32_t node, Vector3& reaction) 
   if (const springnet_status status = free_acceleration(node, free); status != SPRINGNET_OK) return status;
   Vector3 bound = free;
   double* const values[3] = {&bound[0], &bound[1], &bound[2]};
-  engine_.contact_.accelerate(*placement_, node, 1, position_, velocity_, values, nullptr);
-  reaction = engine_.mass_[node] * (bound - free);
+  engine_.constraints_.accelerate(*placement_, node, 1, position_, velocity_, values);
+  reaction = engine_.constraints_.reaction(node, free, bound, position_, nullptr);
   return SPRINGNET_OK;
 }
 
@@ -87,7 +84,7 @@ springnet_status Engine::ReactionsAt::know(std::uint32_t cluster) {
     if (const springnet_status status = free_acceleration(k, a); status != SPRINGNET_OK) return status;
     put_vector(free, k, a);
     double* const values[3] = {&a[0], &a[1], &a[2]};
-    engine_.contact_.accelerate(*placement_, k, 1, position_, velocity_, values, engine_.rigid_.cluster_of());
+    engine_.constraints_.accelerate(*placement_, k, 1, position_, velocity_, values);
     put_vector(bound, k, a);
   }
   engine_.rigid_.accelerate(*placement_, cluster, position_, velocity_, bound, tension_.data());
@@ -98,9 +95,10 @@ springnet_status Engine::ReactionsAt::know(std::uint32_t cluster) {
 springnet_status Engine::ReactionsAt::of_cluster(std::uint32_t cluster, std::uint32_t node, Vector3& reaction) {
   if (const springnet_status status = know(cluster); status != SPRINGNET_OK) return status;
   const std::size_t n = engine_.layout_.node_count();
-  for (std::size_t c = 0; c < 3; ++c)
-    reaction[static_cast<Eigen::Index>(c)] = engine_.mass_[node] * (bound_[c * n + node] - free_[c * n + node]);
-  reaction -= engine_.rigid_.pull(node, position_, tension_.data());
+  const auto of = [&](const std::vector<double>& values) {
+    return Vector3(values[node], values[n + node], values[2 * n + node]);
+  };
+  reaction = engine_.constraints_.reaction(node, of(free_), of(bound_), position_, tension_.data());
   return SPRINGNET_OK;
 }
 
@@ -121,23 +119,8 @@ const Engine::Reactions& Engine::reactions() {
 }
 
 Vector3 Engine::reaction_of(std::uint32_t node, std::size_t surface) {
-  const Vector3& reaction = reactions().node[node];
-  const Touch touch = contact_.committed(node);
-  if (touch.second < 0) return reaction;
-  const std::vector<Vector3> normals = contact_.normals(*placement(time_), node, vector_at(state_.view.position, node));
-  const SplitReaction split = split_reaction(normals, reaction);
-  // Friction along all of them is shared as their cones are.
-  double bears = 0.0, all = 0.0;
-  Vector3 result = Vector3::Zero();
-  for (std::size_t i = 0; i < normals.size(); ++i) {
-    const auto j = static_cast<std::size_t>(touch.surfaces()[i]);
-    const double share = sliding_coefficient_of(contact_.surfaces()[j].friction()) * std::max(0.0, split.normal[i]);
-    all += share;
-    if (j != surface) continue;
-    bears = share;
-    result = split.normal[i] * normals[i];
-  }
-  return all > 0.0 ? Vector3(result + bears / all * split.along) : result;
+  return constraints_.share_of(*placement(time_), node, surface, vector_at(state_.view.position, node),
+                               reactions().node[node]);
 }
 
 }  // namespace springnet

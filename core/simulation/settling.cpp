@@ -356,8 +356,7 @@ springnet_status Engine::Settling::settle(std::uint32_t node) {
 springnet_status Engine::Settling::finish() {
   if (!struck_ && stopped_.empty()) return SPRINGNET_OK;
   engine_.changed();
-  if (!engine_.rigid_.any()) return SPRINGNET_OK;
-  return engine_.rigid_.project(*at_, state_.view.position, state_.view.velocity, engine_.message_, stopped_);
+  return engine_.constraints_.project(*at_, state_.view.position, state_.view.velocity, engine_.message_, stopped_);
 }
 
 }  // namespace springnet

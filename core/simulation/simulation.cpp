@@ -90,9 +90,9 @@ struct Simulation::Impl {
                                                 engine.layout().elements().count()));
   }
   void check_surface(std::size_t surface) const {
-    if (surface >= engine.contact().surfaces().size())
+    if (surface >= engine.constraints().contact().surfaces().size())
       throw Error(ErrorKind::input, fmt::format("surface {} does not exist: the network has {} planes and instruments",
-                                                surface, engine.contact().surfaces().size()));
+                                                surface, engine.constraints().contact().surfaces().size()));
   }
   void check_arrival(const Vector3& position, double until) const {
     if (!position.allFinite() || !std::isfinite(until) || !(until > engine.time()))
@@ -104,7 +104,7 @@ struct Simulation::Impl {
   }
   [[nodiscard]] const Obstacle& surface(std::size_t index) const {
     check_surface(index);
-    return engine.contact().surfaces()[index];
+    return engine.constraints().contact().surfaces()[index];
   }
   // At the present time.
   [[nodiscard]] Pose pose(std::size_t index) const { return surface(index).at(just_after(engine.time())); }
@@ -112,7 +112,7 @@ struct Simulation::Impl {
   void for_each_touching(std::size_t index, Visit visit) const {
     check_surface(index);
     for (std::uint32_t k = 0; k < engine.layout().node_count(); ++k)
-      if (engine.contact().committed(k).has(static_cast<std::int32_t>(index))) visit(k);
+      if (engine.constraints().contact().committed(k).has(static_cast<std::int32_t>(index))) visit(k);
   }
   [[nodiscard]] ConstNodeMap map(const springnet_vectors& v) const {
     const std::uint32_t n = engine.layout().node_count();
@@ -295,16 +295,16 @@ Vector3 Simulation::force(NodeIndex node) const {
 }
 Vector3 Simulation::reaction(NodeIndex node) const { return impl_->engine.reactions().node[impl_->engine_node(node)]; }
 double Simulation::rigid_force(RigidIndex rigid) const {
-  if (rigid >= impl_->engine.rigid().rods().size())
+  if (rigid >= impl_->engine.constraints().rigid().rods().size())
     throw Error(ErrorKind::input, fmt::format("rigid connection {} does not exist: the network has {}", rigid,
-                                              impl_->engine.rigid().rods().size()));
+                                              impl_->engine.constraints().rigid().rods().size()));
   return impl_->engine.reactions().rigid[rigid];
 }
 
-std::size_t Simulation::surface_count() const noexcept { return impl_->engine.contact().surfaces().size(); }
+std::size_t Simulation::surface_count() const noexcept { return impl_->engine.constraints().contact().surfaces().size(); }
 const std::string& Simulation::surface_name(std::size_t surface) const {
   impl_->check_surface(surface);
-  return impl_->engine.contact().surfaces()[surface].name();
+  return impl_->engine.constraints().contact().surfaces()[surface].name();
 }
 Vector3 Simulation::surface_position(std::size_t surface) const {
   return impl_->pose(surface).from_start(impl_->surface(surface).origin());
@@ -334,22 +334,22 @@ std::size_t Simulation::nodes_touching(std::size_t surface) const {
   return count;
 }
 Vector3 Simulation::contact_impulse(NodeIndex node) const {
-  return impl_->engine.contact().impulse(impl_->engine_node(node));
+  return impl_->engine.constraints().contact().impulse(impl_->engine_node(node));
 }
 Vector3 Simulation::surface_impulse(std::size_t surface) const {
   impl_->check_surface(surface);
-  return impl_->engine.contact().surface_impulse(surface);
+  return impl_->engine.constraints().contact().surface_impulse(surface);
 }
 std::vector<std::size_t> Simulation::surfaces_of(NodeIndex node) const {
-  const Touch& touch = impl_->engine.contact().committed(impl_->engine_node(node));
+  const Touch& touch = impl_->engine.constraints().contact().committed(impl_->engine_node(node));
   std::vector<std::size_t> surfaces;
   for (const std::int32_t surface : touch.surfaces())
     if (surface >= 0) surfaces.push_back(static_cast<std::size_t>(surface));
   return surfaces;
 }
-bool Simulation::held(NodeIndex node) const { return impl_->engine.contact().held()[impl_->engine_node(node)] != 0; }
+bool Simulation::held(NodeIndex node) const { return impl_->engine.constraints().contact().held()[impl_->engine_node(node)] != 0; }
 bool Simulation::touching(NodeIndex node) const {
-  return impl_->engine.contact().touching()[impl_->engine_node(node)] != 0;
+  return impl_->engine.constraints().contact().touching()[impl_->engine_node(node)] != 0;
 }
 
 double Simulation::tension(SpringIndex spring) const {
@@ -425,7 +425,7 @@ void Simulation::set_gravity(const Vector3& acceleration) {
 void Simulation::set_position(NodeIndex node, const Vector3& position) {
   check_finite(position, fmt::format("position of node {}", node));
   const std::uint32_t k = impl_->engine_node(node);
-  const Contact& contact = impl_->engine.contact();
+  const Contact& contact = impl_->engine.constraints().contact();
   for (std::size_t j = 0; j < contact.surfaces().size() && contact.fixed()[k] == 0; ++j) {
     const double distance = contact.surfaces()[j].gap(impl_->pose(j), position);
     if (distance < 0.0)
@@ -440,7 +440,7 @@ void Simulation::set_position(NodeIndex node, const Vector3& position) {
 void Simulation::set_velocity(NodeIndex node, const Vector3& velocity) {
   check_finite(velocity, fmt::format("velocity of node {}", node));
   const std::uint32_t k = impl_->engine_node(node);
-  if (impl_->engine.contact().fixed()[k] != 0)
+  if (impl_->engine.constraints().contact().fixed()[k] != 0)
     throw Error(ErrorKind::input,
                 fmt::format("node {} is fixed and has no velocity; set_fixed(node, false) first", node));
   impl_->engine.set_node(k, std::nullopt, velocity);

@@ -18,16 +18,13 @@ namespace springnet {
 namespace {
 
 constexpr std::uint32_t no_node = 0xffffffffu, no_cluster = 0xffffffffu;
-// More clusters than this are worth threads.
-constexpr std::size_t clusters_worth_threads = 256;
 
 // What the finished tiles of an evaluation or a sweep need.
 struct TileContext {
   const layers::Evaluator* evaluator;
   const springnet_sweep* sweep = nullptr;
-  Contact* contact = nullptr;
+  ConstraintSet* constraints = nullptr;
   const Placement* at = nullptr;  // surfaces at `time`
-  const std::uint32_t* cluster = nullptr;
   springnet_vectors acceleration{};
   double time;
   layers::NodeArrays nodes;
@@ -65,8 +62,8 @@ springnet_status accelerate_tile(TileContext& context, std::uint32_t first, std:
                                                                    acceleration, nullptr, nullptr, nullptr, message);
   if (status != SPRINGNET_OK) return status;
   if (finite && !all_finite(acceleration, count)) note_bad_neuron(context, first, count, acceleration);
-  context.contact->accelerate(*context.at, first, count, {context.nodes.px, context.nodes.py, context.nodes.pz},
-                              {context.nodes.vx, context.nodes.vy, context.nodes.vz}, acceleration, context.cluster);
+  context.constraints->accelerate(*context.at, first, count, {context.nodes.px, context.nodes.py, context.nodes.pz},
+                              {context.nodes.vx, context.nodes.vy, context.nodes.vz}, acceleration);
   return SPRINGNET_OK;
 }
 
@@ -113,7 +110,7 @@ springnet_status update_tile(TileContext& context, std::uint32_t unit, std::uint
   if (in_place) read = {context.nodes.vx[first], context.nodes.vy[first], context.nodes.vz[first]};
   if (const springnet_status updated = call_update(*context.sweep, batch, message); updated != SPRINGNET_OK)
     return updated;
-  context.contact->constrain(*context.at, first, count, *context.sweep, context.cluster, in_place ? &read : nullptr);
+  context.constraints->constrain(*context.at, first, count, *context.sweep, in_place ? &read : nullptr);
   return SPRINGNET_OK;
 }
 
@@ -174,8 +171,7 @@ springnet_status Engine::evaluate(const springnet_evaluation& request) {
   TileContext context{};
   context.at = at.get();
   context.evaluator = &evaluator_;
-  context.contact = &contact_;
-  context.cluster = rigid_.cluster_of();
+  context.constraints = &constraints_;
   context.acceleration = request.acceleration;
   context.time = request.time;
   context.nodes = node_arrays(request.position, request.velocity);
@@ -193,8 +189,8 @@ springnet_status Engine::evaluate(const springnet_evaluation& request) {
     set_message(message_, non_finite_);
     return SPRINGNET_RECOVERABLE;
   }
-  if (request.acceleration.x != nullptr && rigid_.any())
-    rigid_.accelerate(*at, request.position, request.velocity, request.acceleration, nullptr);
+  if (request.acceleration.x != nullptr)
+    constraints_.accelerate_clusters(*at, request.position, request.velocity, request.acceleration);
   return SPRINGNET_OK;
 }
 
@@ -301,7 +297,7 @@ springnet_status Engine::update_cluster(std::size_t cluster, std::uint32_t unit,
         status != SPRINGNET_OK)
       return status;
   const TileContext& context = *static_cast<TileContext*>(tile_context);
-  return rigid_.constrain(*context.at, cluster, *context.sweep, message);
+  return constraints_.constrain_cluster(*context.at, cluster, *context.sweep, message);
 }
 
 // Whether a node, or one of its cluster, is one of a closed surface, whose nodes all see each other.
@@ -399,27 +395,6 @@ springnet_status Engine::sweep_in_order(const springnet_sweep& sweep, void* tile
   return SPRINGNET_OK;
 }
 
-springnet_status Engine::constrain_clusters(const Placement& at, const springnet_sweep& sweep) {
-  const auto count = static_cast<std::int64_t>(rigid_.cluster_count());
-  const bool threads = rigid_.cluster_count() >= clusters_worth_threads && evaluator_.threads() > 1;
-  std::int64_t failed_cluster = count;
-  springnet_status failure = SPRINGNET_OK;
-#pragma omp parallel for schedule(dynamic, 64) num_threads(static_cast <int>(evaluator_.threads())) if (threads)
-  for (std::int64_t c = 0; c < count; ++c) {
-    springnet_message message{};
-    const springnet_status status = sdk::detail::guarded(
-        &message, [&] { return rigid_.constrain(at, static_cast<std::size_t>(c), sweep, message); });
-    if (status == SPRINGNET_OK) continue;
-#pragma omp critical(springnet_clusters)
-    if (c < failed_cluster) {
-      failed_cluster = c;
-      failure = status;
-      message_ = message;
-    }
-  }
-  return failure;
-}
-
 void Engine::note_sweep(const springnet_sweep& sweep) noexcept {
   swept_ = true;
   swept_decided_ = sweep.contacts == 0;
@@ -443,8 +418,7 @@ springnet_status Engine::sweep(const springnet_sweep& request) {
   context.evaluator = &evaluator_;
   context.sweep = &sweep;
   context.at = at.get();
-  context.contact = &contact_;
-  context.cluster = rigid_.cluster_of();
+  context.constraints = &constraints_;
   context.time = sweep.time;
   context.nodes = node_arrays(sweep.position, sweep.velocity);
   context.force = {sweep.force.x, sweep.force.y, sweep.force.z};
@@ -455,7 +429,7 @@ springnet_status Engine::sweep(const springnet_sweep& request) {
     springnet_status status = evaluator_.evaluate(sweep.time, context.nodes, external_at(sweep.time), context.force,
                                                   {finish_tile, &context}, message_);
     if (status != SPRINGNET_OK) return failed(status, sweep.time, context.nodes);
-    status = constrain_clusters(*at, sweep);
+    status = constraints_.constrain_clusters(*at, sweep, evaluator_.threads(), message_);
     if (status != SPRINGNET_OK) return failed(status, sweep.time, context.nodes);
   }
   // The integrator sees for itself that the sweep diverged; the host remembers why.
@@ -467,8 +441,8 @@ springnet_status Engine::constrain(const springnet_sweep& request) {
   const springnet_sweep sweep = complete(request);
   const std::shared_ptr<const Placement> at = placement(sweep.time);
   note_sweep(sweep);
-  contact_.constrain(*at, 0, layout_.node_count(), sweep, rigid_.cluster_of());
-  return constrain_clusters(*at, sweep);
+  constraints_.constrain(*at, 0, layout_.node_count(), sweep);
+  return constraints_.constrain_clusters(*at, sweep, evaluator_.threads(), message_);
 }
 
 }  // namespace springnet

@@ -1,0 +1,215 @@
+#include "constraints/constraint_set.hpp"
+
+#include <algorithm>
+
+#include "constraints/island.hpp"
+#include "constraints/vectors.hpp"
+#include "layers/message.hpp"
+#include "plugin_host/call.hpp"
+
+namespace springnet {
+namespace {
+
+// More clusters than this are worth threads.
+constexpr std::size_t clusters_worth_threads = 256;
+
+}  // namespace
+
+ConstraintSet::ConstraintSet(const Network& network, const std::vector<std::uint32_t>& user_number,
+                             const std::vector<std::uint32_t>& engine_number, const std::vector<double>& mass)
+    : mass_(mass),
+      contact_(network, user_number, engine_number, mass),
+      rigid_(network, user_number, engine_number, mass, contact_) {}
+
+bool ConstraintSet::is_lone(std::uint32_t node) const noexcept {
+  const std::uint32_t* const clusters = rigid_.cluster_of();
+  return clusters == nullptr || clusters[node] == ConstraintRow::no_node;
+}
+
+void ConstraintSet::place_fixed(const Placement& at, std::uint32_t node, const springnet_const_vectors& start,
+                                const springnet_vectors& position, const springnet_vectors& velocity) const {
+  const Prescribed& prescribed = contact_.prescribed();
+  const bool moves = prescribed.moves(node);
+  put_vector(position, node, moves ? prescribed.position(at.motions, node) : vector_at(start, node));
+  put_vector(velocity, node, moves ? prescribed.velocity(at.motions, node) : Vector3::Zero());
+}
+
+void ConstraintSet::place(const Placement& at, const springnet_const_vectors& start, const springnet_vectors& position,
+                          const springnet_vectors& velocity) const {
+  for (std::uint32_t k = 0; k < mass_.size(); ++k) {
+    if (contact_.constrained()[k] == 0) continue;
+    if (contact_.fixed()[k] != 0) {
+      place_fixed(at, k, start, position, velocity);
+      continue;
+    }
+    const std::int32_t surface = contact_.now(k).surface;
+    const Vector3 place = contact_.carried(at, vector_at(start, k), surface);
+    put_vector(position, k, place);
+    put_vector(velocity, k, Contact::velocity(at, static_cast<std::size_t>(surface), place));
+  }
+}
+
+void ConstraintSet::correct(const Placement& at, const springnet_const_vectors& start,
+                            const springnet_vectors& position, const springnet_vectors& velocity) const {
+  for (std::uint32_t k = 0; k < mass_.size(); ++k) {
+    if (contact_.constrained()[k] == 0) continue;
+    if (contact_.fixed()[k] != 0) {
+      place_fixed(at, k, start, position, velocity);
+      continue;
+    }
+    const auto j = static_cast<std::size_t>(contact_.committed(k).surface);
+    if (contact_.surfaces()[j].moves()) put_vector(position, k, contact_.onto(at, j, vector_at(position, k)));
+    put_vector(velocity, k, Contact::velocity(at, j, vector_at(position, k)));
+  }
+}
+
+springnet_status ConstraintSet::project(const Placement& at, const springnet_vectors& position,
+                                        const springnet_vectors& velocity, springnet_message& message,
+                                        const std::vector<std::uint32_t>& stopped) const {
+  for (std::size_t c = 0; c < rigid_.cluster_count(); ++c) {
+    const springnet_status status = rigid_.project(at, c, position, velocity, message, stopped);
+    if (status != SPRINGNET_OK) return status;
+  }
+  for (std::uint32_t k = 0; !contact_.surfaces().empty() && k < mass_.size(); ++k)
+    if (contact_.now(k).slides && is_lone(k)) contact_.project_sliding(at, k, position, velocity);
+  return SPRINGNET_OK;
+}
+
+void ConstraintSet::accelerate(const Placement& at, std::uint32_t first, std::uint32_t count,
+                               const springnet_const_vectors& position, const springnet_const_vectors& velocity,
+                               double* const acceleration[3]) const {
+  contact_.accelerate(at, first, count, position, velocity, acceleration, rigid_.cluster_of());
+}
+
+void ConstraintSet::accelerate_clusters(const Placement& at, const springnet_const_vectors& position,
+                                        const springnet_const_vectors& velocity,
+                                        const springnet_vectors& acceleration) const {
+  for (std::size_t c = 0; c < rigid_.cluster_count(); ++c)
+    rigid_.accelerate(at, c, position, velocity, acceleration, nullptr);
+}
+
+Vector3 ConstraintSet::reaction(std::uint32_t node, const Vector3& free, const Vector3& bound,
+                                const springnet_const_vectors& position, const double* tension) const {
+  const Vector3 all = mass_[node] * (bound - free);
+  return is_lone(node) ? all : Vector3(all - rigid_.pull(node, position, tension));
+}
+
+Vector3 ConstraintSet::share_of(const Placement& at, std::uint32_t node, std::size_t surface, const Vector3& position,
+                                const Vector3& reaction) const {
+  const Touch touch = contact_.committed(node);
+  if (touch.second < 0) return reaction;
+  const std::vector<Vector3> normals = contact_.normals(at, node, position);
+  const SplitReaction split = split_reaction(normals, reaction);
+  double bears = 0.0, all = 0.0;
+  Vector3 result = Vector3::Zero();
+  for (std::size_t i = 0; i < normals.size(); ++i) {
+    const auto j = static_cast<std::size_t>(touch.surfaces()[i]);
+    const double share = sliding_coefficient_of(contact_.surfaces()[j].friction()) * std::max(0.0, split.normal[i]);
+    all += share;
+    if (j != surface) continue;
+    bears = share;
+    result = split.normal[i] * normals[i];
+  }
+  return all > 0.0 ? Vector3(result + bears / all * split.along) : result;
+}
+
+void ConstraintSet::constrain(const Placement& end, std::uint32_t first, std::uint32_t count,
+                              const springnet_sweep& sweep, const Vector3* read) {
+  contact_.constrain(end, first, count, sweep, rigid_.cluster_of(), read);
+}
+
+springnet_status ConstraintSet::constrain_cluster(const Placement& end, std::size_t cluster,
+                                                  const springnet_sweep& sweep, springnet_message& message) const {
+  return rigid_.constrain(end, cluster, sweep, message);
+}
+
+springnet_status ConstraintSet::constrain_clusters(const Placement& end, const springnet_sweep& sweep,
+                                                   unsigned most_threads, springnet_message& message) const {
+  const auto count = static_cast<std::int64_t>(rigid_.cluster_count());
+  const unsigned threads = rigid_.cluster_count() >= clusters_worth_threads ? most_threads : 1;
+  std::int64_t failed_cluster = count;
+  springnet_status failure = SPRINGNET_OK;
+#pragma omp parallel for schedule(dynamic, 64) num_threads(static_cast <int>(threads)) if (threads > 1)
+  for (std::int64_t c = 0; c < count; ++c) {
+    springnet_message own{};
+    // An exception that leaves the region would end the process.
+    const springnet_status status = sdk::detail::guarded(
+        &own, [&] { return constrain_cluster(end, static_cast<std::size_t>(c), sweep, own); });
+    if (status == SPRINGNET_OK) continue;
+#pragma omp critical(springnet_clusters)
+    if (c < failed_cluster) {
+      failed_cluster = c;
+      failure = status;
+      message = own;
+    }
+  }
+  return failure;
+}
+
+void ConstraintSet::linearise(const Placement& at, const springnet_const_vectors& position) {
+  factorised_ = false;
+  rows_ = rigid_.rows(position);
+  for (std::uint32_t k = 0; !contact_.surfaces().empty() && k < mass_.size(); ++k) {
+    const Touch& touch = contact_.now(k);
+    if (!touch.slides || contact_.fixed()[k] != 0) continue;
+    for (const std::int32_t surface : touch.surfaces())
+      if (surface >= 0)
+        rows_.push_back({k, ConstraintRow::no_node,
+                         contact_.normal(at, static_cast<std::size_t>(surface), vector_at(position, k)), surface});
+  }
+}
+
+Matrix3 ConstraintSet::turning_of(std::size_t rod, const springnet_const_vectors& position, double tension) const {
+  const auto& [first, second, length] = rigid_.rods()[rod];
+  const Vector3 n = (vector_at(position, first) - vector_at(position, second)).normalized();
+  return tension / length * (Matrix3::Identity() - n * n.transpose());
+}
+
+bool ConstraintSet::rubs(const ConstraintRow& row) const {
+  return row.surface >= 0 && contact_.slip_phase(row.first) == Contact::Slip::goes_on &&
+         contact_.now(row.first).second < 0 &&
+         sliding_coefficient_of(contact_.surfaces()[static_cast<std::size_t>(row.surface)].friction()) > 0.0;
+}
+
+Matrix3 ConstraintSet::friction_of(const Placement& at, const ConstraintRow& row,
+                                   const springnet_const_vectors& position, const springnet_const_vectors& velocity,
+                                   const Vector3& reaction) const {
+  const std::uint32_t k = row.first;
+  const auto j = static_cast<std::size_t>(row.surface);
+  const Vector3 slip = contact_.slip_vector(at, k, j, vector_at(position, k), vector_at(velocity, k));
+  const double pressing = std::max(0.0, row.direction.dot(reaction));
+  const double strength = sliding_coefficient_of(contact_.surfaces()[j].friction()) * pressing / mass_[k];
+  return friction_by_velocity(strength, slip, row.direction);
+}
+
+void ConstraintSet::project_change(const double* mobility, double* values) {
+  const std::size_t n = mass_.size();
+  for (std::size_t k = 0; k < n; ++k) {
+    if (contact_.constrained()[k] == 0) continue;
+    for (std::size_t c = 0; c < 3; ++c) values[c * n + k] = 0.0;
+  }
+  if (rows_.empty()) return;
+  const std::size_t wanted = mobility == nullptr ? 0 : 9 * n;
+  const bool same =
+      factorised_ && mobility_.size() == wanted && std::equal(mobility_.begin(), mobility_.end(), mobility);
+  if (!same) {
+    mobility_.assign(mobility, mobility + wanted);
+    system_.set(rows_, [&](std::uint32_t node) -> Matrix3 {
+      if (mobility == nullptr || contact_.constrained()[node] != 0) return rigid_.mobility(node);
+      return Eigen::Map<const Eigen::Matrix<double, 3, 3, Eigen::RowMajor>>(mobility + 9 * std::size_t{node});
+    });
+    factorised_ = true;
+  }
+  const auto at = [&](std::uint32_t k) { return Vector3(values[k], values[n + k], values[2 * n + k]); };
+  Eigen::VectorXd rate(static_cast<Eigen::Index>(rows_.size()));
+  for (std::size_t r = 0; r < rows_.size(); ++r) {
+    Vector3 relative = at(rows_[r].first);
+    if (rows_[r].second != ConstraintRow::no_node) relative -= at(rows_[r].second);
+    rate[static_cast<Eigen::Index>(r)] = rows_[r].direction.dot(relative);
+  }
+  system_.for_each_change(system_.solve(-rate), [&](std::uint32_t node, const Vector3& change) {
+    for (std::size_t c = 0; c < 3; ++c) values[c * n + node] += change[static_cast<Eigen::Index>(c)];
+  });
+}
+
+}  // namespace springnet
