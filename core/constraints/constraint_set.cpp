@@ -133,8 +133,8 @@ springnet_status ConstraintSet::constrain_clusters(const Placement& end, const s
   for (std::int64_t c = 0; c < count; ++c) {
     springnet_message own{};
     // An exception that leaves the region would end the process.
-    const springnet_status status = sdk::detail::guarded(
-        &own, [&] { return constrain_cluster(end, static_cast<std::size_t>(c), sweep, own); });
+    const springnet_status status =
+        sdk::detail::guarded(&own, [&] { return constrain_cluster(end, static_cast<std::size_t>(c), sweep, own); });
     if (status == SPRINGNET_OK) continue;
 #pragma omp critical(springnet_clusters)
     if (c < failed_cluster) {

@@ -1,6 +1,6 @@
-// Everything that restricts nodes, behind one face: fixation and prescribed motion, surfaces, rigid connections. Sweeps,
-// events, implicit methods, reactions and outputs ask it what a state may be, how it may change and what forces see to
-// that. Which contacts there are is contact()'s to say, what hangs together rigidly rigid()'s.
+// Everything that restricts nodes, behind one face: fixation and prescribed motion, surfaces, rigid connections.
+// Sweeps, events, implicit methods, reactions and outputs ask it what a state may be, how it may change and what forces
+// see to that. Which contacts there are is contact()'s to say, what hangs together rigidly rigid()'s.
 #pragma once
 
 #include <cstdint>
@@ -70,7 +70,8 @@ class ConstraintSet {
                                       springnet_message& message) const;
 
   // ---- small changes of a state ----
-  // Remembers the directions in which motion is bound at these positions: rods first, then surfaces that nodes slide on.
+  // Remembers the directions in which motion is bound at these positions: rods first, then surfaces that nodes slide
+  // on.
   void linearise(const Placement& at, const springnet_const_vectors& position);
   [[nodiscard]] const std::vector<ConstraintRow>& rows() const noexcept { return rows_; }
   // The derivative of the force of a rod by the position of its first end, N/m: it turns with the rod, like a spring of

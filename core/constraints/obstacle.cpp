@@ -7,6 +7,8 @@
 #include <cmath>
 #include <limits>
 
+#include "network/kinks.hpp"
+
 namespace springnet {
 
 Vector3 Pose::to_start(const Vector3& x) const {
@@ -60,6 +62,7 @@ Obstacle::Obstacle(const Instrument& instrument)
 
 void Obstacle::follow(const std::optional<Motion>& motion, const std::optional<Turn>& turn) {
   if (motion) trajectory_ = Trajectory(*motion);
+  looks_sampled_ = (motion && kinks_of(*motion).look_sampled()) || (turn && kinks_of(*turn).look_sampled());
   if (!turn) return;
   turning_ = Turning(*turn);
   turn_axis_ = turn->axis;

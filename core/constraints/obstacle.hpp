@@ -58,7 +58,12 @@ class Obstacle {
   // The displacement that has the origin at `position` at a time, s, however far the obstacle has turned by then; m.
   [[nodiscard]] Vector3 displacement_to(const Vector3& position, double time) const;
   // Replaces the motion; it turns as before.
-  void set_trajectory(Trajectory trajectory) { trajectory_ = std::move(trajectory); }
+  void set_trajectory(Trajectory trajectory) {
+    trajectory_ = std::move(trajectory);
+    looks_sampled_ = false;
+  }
+  // Its motion, or turn, is a linear table that looks sampled from a smooth one.
+  [[nodiscard]] bool looks_sampled() const noexcept { return looks_sampled_; }
   [[nodiscard]] Pose at(const SampleTime& time) const;
   // The next time after `time` at which its velocity or acceleration may jump; infinity if there is none. s
   [[nodiscard]] double next_change(double time) const {
@@ -114,6 +119,7 @@ class Obstacle {
   double radius_ = 0.0;                 // m: of a capsule, of a box's edges
   Trajectory trajectory_;
   Turning turning_;
+  bool looks_sampled_ = false;
   Vector3 turn_axis_ = Vector3::UnitZ();
   Vector3 pivot_;  // m: a point of the axis, at the start
 };

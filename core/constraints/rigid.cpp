@@ -70,8 +70,8 @@ std::vector<ConstraintRow> RigidConnections::rods_of(const Cluster& cluster,
   rows.reserve(cluster.rods.size());
   for (const std::uint32_t r : cluster.rods) {
     const Rod& rod = rods_[r];
-    rows.push_back({rod.first, rod.second,
-                    direction(positions[member_of_[rod.first]], positions[member_of_[rod.second]])});
+    rows.push_back(
+        {rod.first, rod.second, direction(positions[member_of_[rod.first]], positions[member_of_[rod.second]])});
   }
   return rows;
 }

@@ -67,8 +67,8 @@ class RigidConnections {
   };
   // The force of all connections on a node with these tensions ([rod] N).
   [[nodiscard]] Vector3 pull(std::uint32_t node, const springnet_const_vectors& position, const double* force) const;
-  // Puts positions, then velocities, of a cluster where the constraints allow, weighted with the masses. Nodes that were
-  // just `stopped` by a surface may still move along it.
+  // Puts positions, then velocities, of a cluster where the constraints allow, weighted with the masses. Nodes that
+  // were just `stopped` by a surface may still move along it.
   springnet_status project(const Placement& at, std::size_t cluster, const springnet_vectors& position,
                            const springnet_vectors& velocity, springnet_message& message,
                            const std::vector<std::uint32_t>& stopped) const;

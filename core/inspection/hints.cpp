@@ -8,6 +8,7 @@
 #include <fmt/format.h>
 
 #include "constraints/obstacle.hpp"
+#include "network/kinks.hpp"
 #include "text/counted.hpp"
 
 namespace springnet {
@@ -195,61 +196,30 @@ void hint_at_time_step(const Inspection& found, std::vector<Hint>& hints) {
                    found.slowest->period, steps, found.slowest->period / 20.0)});
 }
 
-// Velocities of a linear table, m/s or rad/s, that jump from piece to piece.
-class Kinks {
- public:
-  explicit Kinks(std::vector<Hint>& hints) : hints_(hints) {}
+// Of a motion or turn, in m/s or rad/s.
+void hint_at_kinks(const Kinks& kinks, const char* what, const std::string& whose, const char* unit,
+                   std::vector<Hint>& hints) {
+  if (!kinks.look_sampled()) return;
+  hints.push_back(
+      {Hint::Kind::kinks,
+       fmt::format("The {} of {} is a linear table: its velocity jumps at {} of its {} entries, by up to {:.3g} {}. "
+                   "What touches it there is hit, or parts from it. Set interpolation = \"smooth\" if the table was "
+                   "sampled from a smooth motion.",
+                   what, whose, kinks.count, kinks.entries, kinks.greatest, unit)});
+}
 
-  void motion(const Motion& motion, const std::string& whose) {
-    look(
-        motion.interpolation, motion.times, motion.displacements, [](const Vector3& v) { return v.norm(); }, "motion",
-        whose, "m/s");
-  }
-  void turn(const Turn& turn, const std::string& whose) {
-    look(
-        turn.interpolation, turn.times, turn.angles, [](double rate) { return std::abs(rate); }, "turn", whose,
-        "rad/s");
-  }
-  template <class Surface>
-  void surface(const Surface& surface, std::size_t number) {
-    const std::string whose = Obstacle(surface).description(number);
-    if (surface.motion) motion(*surface.motion, whose);
-    if (surface.turn) turn(*surface.turn, whose);
-  }
-
- private:
-  template <class Value, class Size>
-  void look(Motion::Interpolation interpolation, const std::vector<double>& times, const std::vector<Value>& values,
-            const Size& size, const char* what, const std::string& whose, const char* unit) {
-    constexpr std::size_t few = 3;  // entries: so many are written by hand, and meant
-    if (interpolation != Motion::Interpolation::linear || values.size() <= few) return;
-    const auto velocity = [&](std::size_t k) { return Value((values[k + 1] - values[k]) / (times[k + 1] - times[k])); };
-    double fastest = 0.0, greatest = 0.0;
-    for (std::size_t k = 0; k + 1 < values.size(); ++k) fastest = std::max(fastest, size(velocity(k)));
-    std::size_t count = 0;
-    for (std::size_t k = 0; k + 2 < values.size(); ++k) {
-      const double jump = size(Value(velocity(k + 1) - velocity(k)));
-      if (jump > 1e-6 * fastest) ++count;  // what rounding of the table leaves of an even motion does not count
-      greatest = std::max(greatest, jump);
-    }
-    if (count < 2) return;
-    hints_.push_back(
-        {Hint::Kind::kinks,
-         fmt::format("The {} of {} is a linear table: its velocity jumps at {} of its {} entries, by up to {:.3g} {}. "
-                     "What touches it there is hit, or parts from it. Set interpolation = \"smooth\" if the table was "
-                     "sampled from a smooth motion.",
-                     what, whose, count, values.size(), greatest, unit)});
-  }
-
-  std::vector<Hint>& hints_;
-};
+template <class Surface>
+void hint_at_kinks(const Surface& surface, std::size_t number, std::vector<Hint>& hints) {
+  const std::string whose = Obstacle(surface).description(number);
+  if (surface.motion) hint_at_kinks(kinks_of(*surface.motion), "motion", whose, "m/s", hints);
+  if (surface.turn) hint_at_kinks(kinks_of(*surface.turn), "turn", whose, "rad/s", hints);
+}
 
 void hint_at_kinks(const Network& network, std::vector<Hint>& hints) {
-  Kinks kinks(hints);
   for (std::size_t k = 0; k < network.moves().size(); ++k)
-    kinks.motion(network.moves()[k].motion, fmt::format("the nodes of move {}", k));
-  for (std::size_t k = 0; k < network.planes().size(); ++k) kinks.surface(network.planes()[k], k);
-  for (std::size_t k = 0; k < network.instruments().size(); ++k) kinks.surface(network.instruments()[k], k);
+    hint_at_kinks(kinks_of(network.moves()[k].motion), "motion", fmt::format("the nodes of move {}", k), "m/s", hints);
+  for (std::size_t k = 0; k < network.planes().size(); ++k) hint_at_kinks(network.planes()[k], k, hints);
+  for (std::size_t k = 0; k < network.instruments().size(); ++k) hint_at_kinks(network.instruments()[k], k, hints);
 }
 
 }  // namespace

@@ -267,6 +267,21 @@ springnet_status Engine::follow_jumps(double from) {
   return settle(time_, state_, findings);
 }
 
+void Engine::note_shed(double from, std::size_t first_event) {
+  for (std::size_t e = first_event; e < events_.size(); ++e) {
+    const Event& event = events_[e];
+    if (event.kind != Event::Kind::released || event.surface < 0) continue;
+    const auto j = static_cast<std::size_t>(event.surface);
+    const Obstacle& surface = contact_.surfaces()[j];
+    if (!surface.looks_sampled() || surface.next_change(from) > time_ || !shedding_.insert(j).second) continue;
+    note(
+        fmt::format("At {:g} s {} leaves node {} behind, first of those that it sheds, because the velocity of its "
+                    "linear table jumps there. Set interpolation = \"smooth\" if the table was sampled from a smooth "
+                    "motion.",
+                    time_, contact_.name_of(j), event.index));
+  }
+}
+
 void Engine::note_grazing(std::uint32_t node, std::size_t surface, double time) {
   const std::uint32_t user = layout_.ordering().user[node];
   report("grazing_touches", ++grazing_touches_);

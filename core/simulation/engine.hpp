@@ -168,6 +168,9 @@ class Engine {
   springnet_status settle(double time, State& state, const std::map<std::uint32_t, Finding>& findings);
   [[nodiscard]] double no_speed() const noexcept;  // m/s
   void note_grazing(std::uint32_t node, std::size_t surface, double time);
+  // Surfaces that left nodes behind, in events from this one on, because their velocity jumped in a step from `from`,
+  // s.
+  void note_shed(double from, std::size_t first_event);
   // Of a sweep in an order; `tile_context` is that of the sweep.
   springnet_status sweep_in_order(const springnet_sweep& sweep, void* tile_context);
   springnet_status sweep_set(std::uint32_t set, void* tile_context);
@@ -236,6 +239,7 @@ class Engine {
   std::uint64_t sources_revision_ = 0;
   std::vector<EventSource> sources_;
   double grazing_touches_ = 0.0;
+  std::set<std::size_t> shedding_;  // surfaces of which note_shed() told
   struct Touches {
     int count = 0;
     double last = -std::numeric_limits<double>::infinity();  // s

@@ -206,6 +206,7 @@ springnet_status Engine::commit(double time, State& state) {
   if (state.view.force_is_current != 0 && !state.forces_finite()) state.view.force_is_current = 0;
   state_.swap(state);
   const double from = time_;
+  const std::size_t events = events_.size();
   time_ = time;
   reactions_known_ = false;
   forces_stale_ = state_.view.force_is_current == 0;
@@ -235,6 +236,7 @@ springnet_status Engine::commit(double time, State& state) {
       status = constraints_.project(*placement(time), state_.view.position, state_.view.velocity, message_);
   }
   if (status != SPRINGNET_OK) return status;
+  if (jumps) note_shed(from, events);
   status = perform_due_ruptures();
   perform_due_cuts();
   return status;

@@ -301,7 +301,9 @@ double Simulation::rigid_force(RigidIndex rigid) const {
   return impl_->engine.reactions().rigid[rigid];
 }
 
-std::size_t Simulation::surface_count() const noexcept { return impl_->engine.constraints().contact().surfaces().size(); }
+std::size_t Simulation::surface_count() const noexcept {
+  return impl_->engine.constraints().contact().surfaces().size();
+}
 const std::string& Simulation::surface_name(std::size_t surface) const {
   impl_->check_surface(surface);
   return impl_->engine.constraints().contact().surfaces()[surface].name();
@@ -347,7 +349,9 @@ std::vector<std::size_t> Simulation::surfaces_of(NodeIndex node) const {
     if (surface >= 0) surfaces.push_back(static_cast<std::size_t>(surface));
   return surfaces;
 }
-bool Simulation::held(NodeIndex node) const { return impl_->engine.constraints().contact().held()[impl_->engine_node(node)] != 0; }
+bool Simulation::held(NodeIndex node) const {
+  return impl_->engine.constraints().contact().held()[impl_->engine_node(node)] != 0;
+}
 bool Simulation::touching(NodeIndex node) const {
   return impl_->engine.constraints().contact().touching()[impl_->engine_node(node)] != 0;
 }

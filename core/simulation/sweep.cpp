@@ -63,7 +63,7 @@ springnet_status accelerate_tile(TileContext& context, std::uint32_t first, std:
   if (status != SPRINGNET_OK) return status;
   if (finite && !all_finite(acceleration, count)) note_bad_neuron(context, first, count, acceleration);
   context.constraints->accelerate(*context.at, first, count, {context.nodes.px, context.nodes.py, context.nodes.pz},
-                              {context.nodes.vx, context.nodes.vy, context.nodes.vz}, acceleration);
+                                  {context.nodes.vx, context.nodes.vy, context.nodes.vz}, acceleration);
   return SPRINGNET_OK;
 }
 

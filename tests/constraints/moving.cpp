@@ -206,3 +206,38 @@ TEST_CASE("a table that turns round by a jump throws what does not stick to it")
     }
   }
 }
+
+TEST_CASE("a surface that sheds nodes at the kinks of a sampled table is named once, and advised to be smooth") {
+  for (const bool sampled : {true, false}) {
+    Network net;
+    for (const double x : {0.0, 0.5}) net.add_node(point({x, 0, 0}));
+    net.set_gravity({0, 0, -0.1});
+    Plane plane;
+    plane.name = "lift";
+    plane.motion.emplace();
+    plane.motion->interpolation = Motion::Interpolation::linear;
+    // Up to 0.4 m and down again as a cosine, or up and still as somebody wrote it down.
+    const int entries = sampled ? 21 : 3;
+    for (int i = 0; i < entries; ++i) {
+      plane.motion->times.push_back(0.1 * i);
+      plane.motion->displacements.emplace_back(
+          0, 0, sampled ? 0.2 * (1.0 - std::cos(3.14159265 * 0.1 * i)) : std::min(0.05 * i, 0.05));
+    }
+    net.add_plane(plane);
+    for (const Way& way : all_ways(1e-9)) {
+      INFO(way.name);
+      Simulation s = simulate(net, way.integrator, 0.01);
+      s.advance_to(0.9);
+      std::size_t released = 0, told = 0;
+      for (const Event& event : s.events()) released += event.kind == Event::Kind::released ? 1 : 0;
+      for (const std::string& note : s.notes()) {
+        if (note.find("plane 'lift'") == std::string::npos) continue;
+        ++told;
+        CHECK(note.find("linear table") != std::string::npos);
+        CHECK(note.find("interpolation = \"smooth\"") != std::string::npos);
+      }
+      CHECK(released >= 2);
+      CHECK(told == (sampled ? 1 : 0));
+    }
+  }
+}
