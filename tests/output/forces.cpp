@@ -193,6 +193,21 @@ TEST_CASE("impulses of touching: of a fall, told although the node has left agai
   // It touches within a step: off by what the weight of 5 N does in 1 ms.
   const Vector3 impulse = vector(reactions, 0, 8);
   CHECK((impulse - Vector3(0, 0, 0.5 * 2.0)).norm() <= 5.0 * 0.001 + 1e-12);
+  // The floor got the opposite, and keeps it in every record that follows.
+  const Csv surfaces = testing::read_csv(folder.path() / "surfaces.csv");
+  REQUIRE(surfaces.rows.size() == 5);
+  for (std::size_t row = 0; row < surfaces.rows.size(); ++row) {
+    CAPTURE(row);
+    CHECK((vector(surfaces, row, 12) + (row < 2 ? Vector3(Vector3::Zero()) : impulse)).norm() <= 1e-12);
+  }
+  const Csv events = testing::read_csv(folder.path() / "events.csv");
+  REQUIRE(events.rows.size() == 2);
+  CHECK(events.rows[0][1] == "touched");
+  CHECK(events.number(0, 0) == doctest::Approx(0.2).epsilon(0.006));
+  CHECK((vector(events, 0, 5) - impulse).norm() <= 1e-12);
+  CHECK(events.rows[1][1] == "released");
+  CHECK(vector(events, 1, 5) == Vector3::Zero());
+  for (const auto& row : events.rows) CHECK(row[4] == "floor");
 }
 
 TEST_CASE("a node in a corner has both surfaces in its row") {
