@@ -70,6 +70,8 @@ class Equations {
 
  private:
   [[nodiscard]] springnet_evaluation at(double time, N_Vector y) const noexcept;
+  // Whether a correction is no more than what a step's error is allowed to leave.
+  [[nodiscard]] bool is_small(N_Vector y, N_Vector correction) const noexcept;
   template <class Body>
   int guarded(const Body& body) noexcept;
 

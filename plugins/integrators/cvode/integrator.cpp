@@ -30,6 +30,8 @@ constexpr double root_accuracy = 1000.0;  // it locates roots to 100 roundings o
 
 // Internal steps after which the time should have gone on by more than a rounding each.
 constexpr long steps_worth_a_look = 500;
+// From a step past the end of a face down to one that ends at it, each failure makes the step four times shorter.
+constexpr int most_projection_failures = 40;
 
 // A network without springs, or one that nothing moves, may have no scale.
 double or_one(double scale) noexcept { return scale > 0.0 && std::isfinite(scale) ? scale : 1.0; }
@@ -186,6 +188,7 @@ void ReferenceIntegrator::bind(const springnet_network& network) {
     // Nodes, not constraints, are what errors are tested on: their error stays that before the projection.
     check(CVodeSetProjErrEst(memory_.get(), SUNFALSE));
     check(CVodeSetEpsProj(memory_.get(), 0.1));
+    check(CVodeSetMaxNumProjFails(memory_.get(), most_projection_failures));
   }
   if (bound || projects_) check(CVodeSetProjFrequency(memory_.get(), bound ? 1 : 0));
   projects_ = projects_ || bound;
