@@ -89,7 +89,7 @@ void Island::push(std::size_t node, const Vector3& impulse) {
   }
 }
 
-bool Island::strike(double rebound) {
+bool Island::strike(double rebound, double negligible) {
   struct Blow {
     std::size_t node, side;
     double wanted;  // m/s, of the gap afterwards
@@ -101,7 +101,7 @@ bool Island::strike(double rebound) {
     for (std::size_t s = 0; s < nodes_[i].sides.size(); ++s) {
       const ContactSide& side = nodes_[i].sides[s];
       const double rate = side.normal.dot(side.velocity);
-      approaches = approaches || rate < 0.0 || is_taken_along(side);
+      approaches = approaches || rate < -negligible || is_taken_along(side);
       scale = std::max(scale, side.velocity.norm());
       blows.push_back({i, s, rate < -rebound ? -side.restitution * rate : 0.0});
       nodes_[i].impulse[s].setZero();
@@ -117,7 +117,7 @@ bool Island::strike(double rebound) {
       // As if this one had not struck yet, seen from a surface that comes along as fast as it should leave.
       const Vector3 before = side.velocity - mobility * impulse - blow.wanted * side.normal;
       Vector3 now = Vector3::Zero();
-      if (side.normal.dot(before) < 0.0 || !impulse.isZero(0.0) || is_taken_along(side)) {
+      if (side.normal.dot(before) < -negligible || !impulse.isZero(0.0) || is_taken_along(side)) {
         const ContactAnswer answer = answer_contact(mobility, before, side.normal, side.friction);
         if (answer.normal > 0.0 || (answer.normal == 0.0 && answer.sticks)) now = answer.impulse;
       }

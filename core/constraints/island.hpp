@@ -65,8 +65,9 @@ class Island {
   [[nodiscard]] const std::vector<ContactNode>& nodes() const noexcept { return nodes_; }
 
   // Impulses that end all approach, with restitution (Newton: the gap grows as fast, times the coefficient, as it fell)
-  // where it was faster than `rebound` (m/s). Velocities of the sides change. Returns whether there was one.
-  bool strike(double rebound);
+  // where it was faster than `rebound` (m/s). Approach that is slower than `negligible` (m/s) is rounding. Velocities
+  // of the sides change. Returns whether there was an impulse.
+  bool strike(double rebound, double negligible = 0.0);
   // Impulses, of either sign, that end what is slower than `slow` (m/s) of gaps' rates: bodies that rock from one
   // contact to the other and back do so infinitely often in a finite time, and then lie still.
   void calm(double slow);

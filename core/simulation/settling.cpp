@@ -235,6 +235,7 @@ void Engine::Settling::take(const ContactNode& node) {
     if (side.touches || !before.has(side.surface)) continue;
     now = after(now, {ContactCause::Kind::release, side.surface});
     tell(Event::Kind::released, k, side.surface);
+    if (!side.leaves) part(k, side);
   }
   const bool stays = now.surface >= 0;
   for (std::size_t s = 0; s < node.sides.size(); ++s) {
@@ -271,6 +272,19 @@ void Engine::Settling::take(const ContactNode& node) {
   const bool slow = slip.norm() < contact.rest_speed();
   contact.set_slip(k, node.moves ? Vector3(slip.normalized()) : node.slip,
                    slow ? Contact::Slip::begins : Contact::Slip::goes_on);
+}
+
+// What is released begins without speed against the surface: what integration left of one would make it touch again.
+void Engine::Settling::part(std::uint32_t node, const ContactSide& side) {
+  if (rods_) return;
+  const Vector3 v = vector_at(state_.view.velocity, node);
+  const auto j = static_cast<std::size_t>(side.surface);
+  const double speed = side.normal.dot(v - Contact::velocity(*at_, j, vector_at(state_.view.position, node)));
+  if (std::abs(speed) > jump * engine_.info_.velocity_scale) return;
+  put_vector(state_.view.velocity, node, v - speed * side.normal);
+  const Vector3 impulse = -engine_.mass_[node] * speed * side.normal;
+  engine_.contact_.add_impulse(node, impulse);
+  engine_.contact_.add_surface_impulse(j, -impulse);
 }
 
 // Counts touches.
@@ -326,7 +340,7 @@ springnet_status Engine::Settling::settle(std::uint32_t node) {
   for (const ContactNode& each : nodes) contact_nodes_.push_back(each.node);
   Island island(std::move(nodes), rods_ ? rods_->mobility(contact_nodes_)
                                         : Eigen::MatrixXd(Eigen::MatrixXd::Identity(3, 3) / engine_.mass_[node]));
-  bool struck = island.strike(rebound_of(island));
+  bool struck = island.strike(rebound_of(island), no_speed_);
   for (int jams = 0;; ++jams) {
     if (struck && chatters(island))
       island.calm(std::max(slow_rocking * engine_.info_.velocity_scale, fall_in_step(island)));

@@ -54,6 +54,7 @@ class Engine::Settling {
   void find_slips(Island& island) const;
   void begin_slips(Island& island) const;
   void take(const ContactNode& node);
+  void part(std::uint32_t node, const ContactSide& side);
   void tell(Event::Kind kind, std::uint32_t node, std::int32_t surface, const Vector3& impulse = Vector3::Zero());
 
   Engine& engine_;

@@ -122,6 +122,14 @@ TEST_CASE("a lone node that strikes: Newton's restitution, Coulomb's impulse") {
   // What moves off is not struck.
   Island leaving({on_floor({1, 0, 0.1}, held)}, Matrix3::Identity());
   CHECK_FALSE(leaving.strike(1e-6));
+  // What rounding leaves of a velocity is no blow, and one that strikes with another that does not approach is left
+  // alone.
+  Island resting({on_floor({1, 0, -1e-17}, smooth)}, Matrix3::Identity());
+  CHECK_FALSE(resting.strike(1e-6, 1e-13));
+  Island both({on_floor({1, 0, -1e-17}, smooth), on_floor({0, 0, -1}, smooth)}, Eigen::MatrixXd::Identity(6, 6));
+  CHECK(both.strike(1e-6, 1e-13));
+  CHECK(both.nodes()[0].impulse[0] == Vector3::Zero());
+  CHECK(both.nodes()[1].impulse[0] == Vector3(0, 0, 1));
 }
 
 TEST_CASE("a rod that strikes with one end has the impulse of its effective mass") {
