@@ -99,18 +99,14 @@ Vector3 ConstraintSet::share_of(const Placement& at, std::uint32_t node, std::si
   const Touch touch = contact_.committed(node);
   if (touch.second < 0) return reaction;
   const std::vector<Vector3> normals = contact_.normals(at, node, position);
-  const SplitReaction split = split_reaction(normals, reaction);
-  double bears = 0.0, all = 0.0;
-  Vector3 result = Vector3::Zero();
+  std::vector<double> coefficients;
+  std::size_t place = normals.size();
   for (std::size_t i = 0; i < normals.size(); ++i) {
     const auto j = static_cast<std::size_t>(touch.surfaces()[i]);
-    const double share = sliding_coefficient_of(contact_.surfaces()[j].friction()) * std::max(0.0, split.normal[i]);
-    all += share;
-    if (j != surface) continue;
-    bears = share;
-    result = split.normal[i] * normals[i];
+    if (j == surface) place = i;
+    coefficients.push_back(sliding_coefficient_of(contact_.surfaces()[j].friction()));
   }
-  return all > 0.0 ? Vector3(result + bears / all * split.along) : result;
+  return place < normals.size() ? share_reaction(normals, coefficients, reaction)[place] : Vector3(Vector3::Zero());
 }
 
 void ConstraintSet::constrain(const Placement& end, std::uint32_t first, std::uint32_t count,

@@ -26,6 +26,7 @@ Contact::Contact(const Network& network, const std::vector<std::uint32_t>& user_
   changes_.assign(nodes, 0);
   stayed_.assign(nodes, 0);
   bounces_.assign(nodes, 0);
+  braced_.assign(nodes, 0);
   slip_phase_.assign(nodes, Slip::goes_on);
   last_surface_.assign(nodes, -1);
   for (auto* vectors : {&slip_, &impulse_, &sweep_impulse_}) vectors->assign(nodes, Vector3::Zero());
@@ -86,6 +87,7 @@ void Contact::set_fixed(std::uint32_t node, bool fixed) {
 void Contact::touch(std::uint32_t node, const Touch& touch, const Vector3& impulse) {
   committed_[node] = now_[node] = touch;
   impulse_[node] += impulse;
+  braced_[node] = 0;
   refresh(node);
 }
 
@@ -125,17 +127,19 @@ std::vector<ContactChange> Contact::commit_sweep(bool decided) {
       same = false;
       changes.push_back({Kind::released, k, j});
     }
-    const Vector3 impulse = sweep_impulse_[k];
     for (const std::int32_t j : after.surfaces()) {
       if (j < 0 || before.has(j)) continue;
-      // What it gives goes to the first of them; seldom are there two at once.
-      changes.push_back({Kind::touched, k, j, same ? impulse : Vector3::Zero()});
+      changes.push_back({Kind::touched, k, j});
       same = false;
       if (bounces_[k] != 0) changes.push_back({Kind::released, k, j});
     }
     if (same && before.slides != after.slides)
       changes.push_back({after.slides ? Kind::slipped : Kind::stuck, k, after.surface});
-    touch(k, bounces_[k] != 0 ? Touch{} : after, Vector3::Zero());
+    // What it bounces off it leaves; what it was on it stays on.
+    Touch kept = after;
+    for (const std::int32_t j : after.surfaces())
+      if (bounces_[k] != 0 && j >= 0 && !before.has(j)) kept = springnet::after(kept, {ContactCause::Kind::release, j});
+    touch(k, kept, Vector3::Zero());
   }
   std::stable_sort(changes.begin(), changes.end(),
                    [](const ContactChange& a, const ContactChange& b) { return a.kind < b.kind; });
@@ -182,8 +186,16 @@ Vector3 Contact::slid(const Placement& at, std::uint32_t node, const Vector3& po
     const Vector3 relative = velocity - Contact::velocity(at, j, position), n = normal(at, j, position);
     normals.col(i) = directions.col(i) = n;
     wanted[i] = -(n.dot(acceleration - Contact::acceleration(at, j, position)) + bending(at, j, position, relative));
-    if (const double mu = sliding_coefficient_of(surfaces_[j].friction()); mu > 0.0)
-      directions.col(i) -= mu * slip_direction(at, node, j, position, velocity);
+    const double mu = sliding_coefficient_of(surfaces_[j].friction());
+    if (mu == 0.0) continue;
+    Vector3 against = slip_direction(at, node, j, position, velocity);
+    if (count == 1 && slip_phase_[node] == Slip::begins) {
+      // Friction only shortens the acceleration that starts it.
+      const Vector3 pushed = acceleration - Contact::acceleration(at, j, position);
+      const Vector3 goes = pushed - n * n.dot(pushed);
+      if (goes.norm() > 0.0) against = goes.normalized();
+    }
+    directions.col(i) -= mu * against;
   }
   // A force that would pull is left for the caller to see; it makes no friction.
   if (count == 1) return acceleration + wanted[0] * (wanted[0] > 0.0 ? directions : normals).col(0);

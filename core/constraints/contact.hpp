@@ -25,7 +25,6 @@ struct ContactChange {
   Kind kind;
   std::uint32_t node;
   std::int32_t surface;
-  Vector3 impulse = Vector3::Zero();  // N s, of touched: what the surface gave the node in the step
 };
 
 class Contact {
@@ -82,11 +81,12 @@ class Contact {
   // Makes or changes a contact, of the committed state; the impulse (N s) counts.
   void touch(std::uint32_t node, const Touch& touch, const Vector3& impulse);
   void release(std::uint32_t node);
-  // Slip that is slower may be about to end, or has just begun: the direction in which friction acts against it is
-  // kept, so that the slip goes through zero smoothly and the time of that is found exactly; m/s.
+  // Slip that is slower may be about to end: the direction in which friction acts against it is kept, so that the slip
+  // goes through zero smoothly and the time of that is found exactly. Or it has just begun: friction acts against its
+  // acceleration, because the slip itself would be errors of integration; m/s.
   [[nodiscard]] double rest_speed() const noexcept { return rest_speed_; }
   void set_rest_speed(double speed) noexcept { rest_speed_ = speed; }
-  // Where a sliding node goes, or began to go; friction acts against that direction while the slip begins or ends.
+  // Where a sliding node goes, or began to go; friction acts against that direction while the slip ends.
   [[nodiscard]] const Vector3& slip(std::uint32_t node) const { return slip_[node]; }
   enum class Slip : std::uint8_t { goes_on, begins, ends };
   [[nodiscard]] Slip slip_phase(std::uint32_t node) const { return slip_phase_[node]; }
@@ -94,6 +94,10 @@ class Contact {
     slip_[node] = direction;
     slip_phase_[node] = phase;
   }
+  // Nodes that stick although their own force would pull: connections press them on, because without the surface they
+  // would go into it.
+  [[nodiscard]] bool braced(std::uint32_t node) const { return braced_[node] != 0; }
+  void set_braced(std::uint32_t node, bool braced) { braced_[node] = braced ? 1 : 0; }
   // Follows the slips of sliding nodes, at these velocities.
   void note_slips(const Placement& at, const springnet_const_vectors& position,
                   const springnet_const_vectors& velocity);
@@ -139,6 +143,9 @@ class Contact {
                                     const Meeting& meeting) const;
   // Where a node is at the end of a step that started in contact and was taken along.
   [[nodiscard]] Vector3 carried(const Placement& at, const Vector3& start, std::int32_t surface) const;
+  // A vector at a node that is taken along, as the surface turns it within the step.
+  [[nodiscard]] Vector3 turned_along(const Placement& at, std::int32_t surface, const Vector3& start,
+                                     const Vector3& vector) const;
   // The rule is discontinuous: a node that touches stops, which changes the forces on it by what dampers did, so that
   // it may not touch any more; then it moves, and touches. No state is a fixed point of that. Tells what is decided
   // for a node; true: it changed its mind too often in this step and stays in contact.
@@ -155,6 +162,8 @@ class Contact {
 
   // The decisions of the last sweep become the contacts; unless sweeps `decided`, they are those committed.
   [[nodiscard]] std::vector<ContactChange> commit_sweep(bool decided);
+  // Where everything was when the step began.
+  [[nodiscard]] const Placement& start() const { return *start_; }
   // Of the surfaces over the step just committed, N s; see decide().
   [[nodiscard]] const Vector3& sweep_impulse(std::uint32_t node) const { return sweep_impulse_[node]; }
   // The decisions of sweeps that were not committed are forgotten.
@@ -191,8 +200,13 @@ class Contact {
   // instead. rebound: m/s.
   [[nodiscard]] Slide along(const Within& within, std::int32_t surface, const Candidate& candidate,
                             const Vector3* normal_at = nullptr, double rebound = 0.0) const;
-  [[nodiscard]] Slide between(const Within& within, std::int32_t first, std::int32_t second,
-                              const Candidate& candidate) const;
+  // Along two; rebound: off the second, m/s.
+  [[nodiscard]] Slide between(const Within& within, std::int32_t first, std::int32_t second, const Candidate& candidate,
+                              double rebound = 0.0) const;
+  // Where three surfaces meet, which leaves no way to slide.
+  [[nodiscard]] Slide at_vertex(const Within& within, const Touch& touch, const Candidate& candidate) const;
+  // Of three the two that go on when the weakest lets go.
+  [[nodiscard]] Slide off_vertex(const Within& within, const Slide& vertex, const Candidate& candidate) const;
   void put(const Within& within, std::uint32_t node, const Slide& slide);
   // The same, unless another surface is in the way.
   void slide(const Within& within, std::uint32_t node, const Slide& slide, const Candidate& candidate);
@@ -218,7 +232,7 @@ class Contact {
   std::vector<Touch> committed_, now_;
   // Without surfaces the rest is empty. Within a step: how often the sweeps changed their mind on a node, what they
   // last decided, its last surface, and how it slid.
-  std::vector<std::uint8_t> changes_, stayed_, bounces_;
+  std::vector<std::uint8_t> changes_, stayed_, bounces_, braced_;
   std::vector<Slip> slip_phase_;
   std::vector<std::int32_t> last_surface_;
   std::vector<Vector3> slip_;

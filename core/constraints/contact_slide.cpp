@@ -2,6 +2,8 @@
 
 #include <Eigen/Geometry>
 #include <algorithm>
+#include <array>
+#include <cmath>
 
 #include "constraints/contact_within.hpp"
 #include "constraints/edge.hpp"
@@ -10,29 +12,20 @@
 namespace springnet {
 namespace {
 
-// A node that slips whatever the forces: friction acts against `kept`, until its slip goes that way itself.
+// A node that slips whatever the forces, and is as inert in all directions: friction acts against the way that it would
+// go without, so that where that is too little to overcome friction the slip goes back through zero, for its end to be
+// found; against `kept` where it would go back altogether.
 ContactAnswer answer_slipping(const Matrix3& mobility, const Vector3& relative, const Vector3& n, double friction,
                               const Vector3& kept) {
-  const auto along = [&](const Vector3& v) { return Vector3(v - n * n.dot(v)); };
-  Vector3 t = along(kept);
-  t = t.norm() > 0.0 ? Vector3(t.normalized()) : Vector3(Vector3::Zero());
-  ContactAnswer answer{};
-  constexpr int most_turns = 50;
-  for (int i = 0; i < most_turns; ++i) {
-    const auto with = [&](const Vector3& direction) {
-      const double impulse = -n.dot(relative) / n.dot(mobility * direction);
-      return ContactAnswer{relative + mobility * direction * impulse, direction * impulse, impulse, false};
-    };
-    answer = with(n);
-    if (answer.normal > 0.0) answer = with(n - friction * t);  // what would pull makes no friction
-    const Vector3 slip = along(answer.velocity);
-    if (!(slip.dot(t) > 0.0)) break;
-    const Vector3 direction = slip.normalized();
-    const double turned = (direction - t).norm();
-    t = direction;
-    if (turned <= 1e-14) break;
+  const double impulse = -n.dot(relative) / n.dot(mobility * n);
+  Vector3 direction = n;
+  if (impulse > 0.0) {  // what would pull makes no friction
+    Vector3 t = relative - n * n.dot(relative);
+    const Vector3 before = kept - n * n.dot(kept);
+    if (!(t.dot(before) > 0.0) && before.norm() > 0.0) t = before;
+    if (t.norm() > 0.0) direction -= friction * t.normalized();
   }
-  return answer;
+  return {relative + mobility * direction * impulse, direction * impulse, impulse, false};
 }
 
 }  // namespace
@@ -44,12 +37,17 @@ Contact::Slide Contact::along(const Within& within, std::int32_t surface, const 
   const Obstacle& obstacle = surfaces_[j];
   const Friction& friction = obstacle.friction();
   const double h = sweep.time_constant, theta = theta_of(sweep);
-  Candidate candidate = made;
+  const bool slips = sweep.contacts != 0 && friction.kind != Friction::Kind::none;
+  Candidate candidate = slips && !made.is_isotropic() ? made.isotropic() : made;
   // Where the surface takes the node, and its motion along: continuous where slip ends and it sticks. Without friction
   // the motion of a surface along itself is none of the node's.
   const bool taken = friction.kind != Friction::Kind::none;
   const Vector3 from = taken ? carried(at, candidate.start, surface) : candidate.start;
-  const Vector3 before = taken ? Contact::velocity(*start_, j, candidate.start) : Vector3(Vector3::Zero());
+  // Its slip at the start, which turns with the surface.
+  const Vector3 slipped = taken
+                              ? turned_along(at, surface, candidate.start,
+                                             candidate.start_velocity - Contact::velocity(*start_, j, candidate.start))
+                              : candidate.start_velocity;
   Slide result;
   result.position = onto(at, j, candidate.position);
   bool sticks = false;
@@ -66,7 +64,7 @@ Contact::Slide Contact::along(const Within& within, std::int32_t surface, const 
     ContactAnswer reaction = ask();
     const double pressing = n.dot(reaction.impulse);
     if (reaction.sticks && friction.kind == Friction::Kind::coulomb &&
-        (reaction.impulse - pressing * n).norm() > (1.0 + 1e-12) * friction.coefficient * pressing) {
+        grip(friction.coefficient, (1.0 + 1e-12) * pressing, (reaction.impulse - pressing * n).norm()) < 0.0) {
       candidate = candidate.isotropic();
       reaction = ask();
     }
@@ -78,8 +76,7 @@ Contact::Slide Contact::along(const Within& within, std::int32_t surface, const 
     sticks = reaction.sticks;
     const Vector3 last = result.position;
     const Vector3 goes = taken ? reaction.velocity : result.velocity;
-    if (h > 0.0)
-      result.position = onto(at, j, from + h * ((1.0 - theta) * (candidate.start_velocity - before) + theta * goes));
+    if (h > 0.0) result.position = onto(at, j, from + h * ((1.0 - theta) * slipped + theta * goes));
     const bool same = obstacle.is_flat() && !obstacle.turns();
     if (same || (result.position - last).norm() <= 1e-14 * result.position.norm()) break;
   }
@@ -106,8 +103,8 @@ Vector3 Contact::onto_both(const Placement& at, std::int32_t first, std::int32_t
   return p;
 }
 
-Contact::Slide Contact::between(const Within& within, std::int32_t first, std::int32_t second,
-                                const Candidate& made) const {
+Contact::Slide Contact::between(const Within& within, std::int32_t first, std::int32_t second, const Candidate& made,
+                                double rebound) const {
   const auto& [sweep, at] = within;
   const auto a = static_cast<std::size_t>(first), b = static_cast<std::size_t>(second);
   const double h = sweep.time_constant, theta = theta_of(sweep);
@@ -117,8 +114,11 @@ Contact::Slide Contact::between(const Within& within, std::int32_t first, std::i
   const std::int32_t rougher = rough_b > rough_a ? second : first;
   const bool taken = rough_a > 0.0 || rough_b > 0.0;
   const Vector3 from = taken ? carried(at, candidate.start, rougher) : candidate.start;
-  const Vector3 before =
-      taken ? Contact::velocity(*start_, static_cast<std::size_t>(rougher), candidate.start) : Vector3(Vector3::Zero());
+  const Vector3 slipped =
+      taken ? turned_along(at, rougher, candidate.start,
+                           candidate.start_velocity -
+                               Contact::velocity(*start_, static_cast<std::size_t>(rougher), candidate.start))
+            : candidate.start_velocity;
   Slide result;
   result.position = onto_both(at, first, second, candidate.position);
   bool sticks = false;
@@ -132,7 +132,7 @@ Contact::Slide Contact::between(const Within& within, std::int32_t first, std::i
     // How the edge moves.
     const Vector3 with = Contact::velocity(at, static_cast<std::size_t>(rougher), p);
     const Vector3 rates(directions.row(0).dot(Contact::velocity(at, a, p)),
-                        directions.row(1).dot(Contact::velocity(at, b, p)), directions.row(2).dot(with));
+                        directions.row(1).dot(Contact::velocity(at, b, p)) + rebound, directions.row(2).dot(with));
     const Vector3 w = directions.row(2).norm() > 1e-6 ? Vector3(directions.inverse() * rates) : with;
     const auto ask = [&] {
       const Vector3* kept = sweep.contacts != 0 ? &slip_[candidate.node] : nullptr;
@@ -151,15 +151,54 @@ Contact::Slide Contact::between(const Within& within, std::int32_t first, std::i
     result.velocity = w + reaction.velocity;
     sticks = reaction.sticks;
     const Vector3 goes = taken ? reaction.velocity : result.velocity;
-    if (h > 0.0)
-      result.position =
-          onto_both(at, first, second, from + h * ((1.0 - theta) * (candidate.start_velocity - before) + theta * goes));
+    if (h > 0.0) result.position = onto_both(at, first, second, from + h * ((1.0 - theta) * slipped + theta * goes));
     if ((result.position - p).norm() <= 1e-14 * result.position.norm()) break;
   }
   // What stays between two surfaces does not move by rounding.
   if (sticks && committed_[made.node].has(first) && committed_[made.node].has(second)) result.position = from;
-  result.touch = {first, !sticks, second};
+  result.touch = {first, !sticks || rebound > 0.0, second};
+  result.bounces = rebound > 0.0;
   return result;
+}
+
+Contact::Slide Contact::at_vertex(const Within& within, const Touch& touch, const Candidate& candidate) const {
+  const Placement& at = within.at;
+  Slide result;
+  result.position = candidate.position;
+  result.normal = -1.0;
+  result.weakest = touch.third;
+  result.touch = touch;
+  result.slip.setZero();
+  Matrix3 normals;
+  constexpr int most_turns = 20;
+  for (int i = 0; i < most_turns; ++i) {
+    Vector3 gaps, rates;
+    for (Eigen::Index r = 0; r < 3; ++r) {
+      const auto j = static_cast<std::size_t>(touch.surfaces()[static_cast<std::size_t>(r)]);
+      const Vector3 n = normal(at, j, result.position);
+      normals.row(r) = n.transpose();
+      gaps[r] = gap(at, j, result.position);
+      rates[r] = n.dot(Contact::velocity(at, j, result.position));
+    }
+    if (!(std::abs(normals.determinant()) > 1e-6)) return result;  // two of them are one
+    const Vector3 change = normals.inverse() * gaps;
+    result.position -= change;
+    result.velocity = normals.inverse() * rates;
+    if (change.norm() <= 1e-15 * result.position.norm()) break;
+  }
+  result.impulse = candidate.inertia * (result.velocity - candidate.velocity);
+  Eigen::Index least = 0;
+  result.normal = Vector3(normals.transpose().inverse() * result.impulse).minCoeff(&least);
+  result.weakest = touch.surfaces()[static_cast<std::size_t>(least)];
+  return result;
+}
+
+Contact::Slide Contact::off_vertex(const Within& within, const Slide& vertex, const Candidate& candidate) const {
+  std::array<std::int32_t, 2> rest{};
+  std::size_t count = 0;
+  for (const std::int32_t surface : vertex.touch.surfaces())
+    if (surface != vertex.weakest && count < 2) rest[count++] = surface;
+  return between(within, rest[0], rest[1], candidate);
 }
 
 }  // namespace springnet

@@ -52,6 +52,12 @@ Vector3 Contact::carried(const Placement& at, const Vector3& start, std::int32_t
   return after.from_start(before.to_start(start));
 }
 
+Vector3 Contact::turned_along(const Placement& at, std::int32_t surface, const Vector3& start,
+                              const Vector3& vector) const {
+  if (!surfaces_[static_cast<std::size_t>(surface)].turns()) return vector;
+  return carried(at, start + vector, surface) - carried(at, start, surface);
+}
+
 Contact::Meeting Contact::first_meeting(const Placement& at, const Vector3& start, const Vector3& end,
                                         std::int32_t except, std::int32_t and_except) const {
   Meeting first{-1, 2.0};
@@ -144,7 +150,19 @@ bool Contact::stay(const Within& within, std::uint32_t node, const Candidate& ca
   const Placement& at = within.at;
   const Touch& before = committed_[node];
   std::int32_t left = before.surface;
-  if (before.second >= 0) {
+  if (before.third >= 0 && before.slides) {
+    Slide on = at_vertex(within, before, candidate);
+    if (on.normal < 0.0) on = off_vertex(within, on, candidate);
+    if (on.normal >= 0.0) {
+      static_cast<void>(undecided(node, true));
+      if (on.touch.third >= 0)
+        put(within, node, on);
+      else
+        slide(within, node, on, candidate);
+      return true;
+    }
+    left = on.weakest == on.touch.surface ? on.touch.second : on.touch.surface;
+  } else if (before.second >= 0) {
     const Slide on = between(within, before.surface, before.second, candidate);
     if (on.normal >= 0.0) {
       static_cast<void>(undecided(node, true));
@@ -171,7 +189,11 @@ bool Contact::stay(const Within& within, std::uint32_t node, const Candidate& ca
 
 void Contact::follow(const Within& within, std::uint32_t node, const Candidate& candidate) {
   const Touch& touch = committed_[node];
-  if (!touch.slides || touch.third >= 0) {
+  if (touch.slides && touch.third >= 0) {
+    put(within, node, at_vertex(within, touch, candidate));
+    return;
+  }
+  if (!touch.slides) {
     stop(within, node, touch, carried(within.at, candidate.start, touch.surface), candidate);
     return;
   }
@@ -280,22 +302,49 @@ void Contact::slide(const Within& within, std::uint32_t node, const Slide& on, c
     return Way{node, candidate.start, candidate.start_velocity, of.position, of.velocity};
   };
   const Meeting next = second_meeting(at, way(on), on.touch.surface, on.touch.second);
-  if (next.surface < 0) {
+  // Flush with the one that it slides on, a surface adds nothing: they have no edge along which it could go.
+  constexpr double flush = 1e-12;
+  const auto normal_of = [&](std::int32_t j) { return normal(at, static_cast<std::size_t>(j), on.position); };
+  if (next.surface < 0 ||
+      (on.touch.second < 0 && normal_of(on.touch.surface).dot(normal_of(next.surface)) >= 1.0 - flush)) {
     put(within, node, on);
     return;
   }
   const auto holds = [&](std::int32_t j) {
     return surfaces_[static_cast<std::size_t>(j)].friction().kind == Friction::Kind::held;
   };
-  if (on.touch.second < 0 && !holds(on.touch.surface) && !holds(next.surface)) {
-    const Slide both = between(within, on.touch.surface, next.surface, candidate);
+  // Friction of three would stop it anyway.
+  const auto is_smooth = [&](const Touch& touch) {
+    const auto surfaces = touch.surfaces();
+    return std::none_of(surfaces.begin(), surfaces.end(), [&](std::int32_t j) {
+      return j >= 0 && surfaces_[static_cast<std::size_t>(j)].friction().kind != Friction::Kind::none;
+    });
+  };
+  if (on.touch.second >= 0 && is_smooth(on.touch) && is_smooth({next.surface})) {
+    Slide all = at_vertex(within, {on.touch.surface, true, on.touch.second, next.surface}, candidate);
+    if (all.normal < 0.0) all = off_vertex(within, all, candidate);
+    if (all.normal >= 0.0) {
+      put(within, node, all);
+      return;
+    }
+  }
+  const double rebounds = before.has(next.surface)
+                              ? 0.0
+                              : rebound(at, next.surface, on.position, candidate.start_velocity, candidate.velocity);
+  if (on.touch.second < 0 && !holds(on.touch.surface) && (!holds(next.surface) || rebounds > 0.0)) {
+    const Slide both = between(within, on.touch.surface, next.surface, candidate, rebounds);
     if (both.normal >= 0.0) {
       const Meeting third = second_meeting(at, way(both), on.touch.surface, next.surface);
       if (third.surface < 0) {
         put(within, node, both);
         return;
       }
-      stop_between(within, node, both, third, candidate);
+      Slide all = at_vertex(within, {both.touch.surface, true, both.touch.second, third.surface}, candidate);
+      if (all.normal < 0.0) all = off_vertex(within, all, candidate);
+      if (all.normal >= 0.0 && is_smooth(both.touch) && is_smooth({third.surface}))
+        put(within, node, all);
+      else
+        stop_between(within, node, both, third, candidate);
       return;
     }
     // The one that it met takes it off the first.

@@ -27,6 +27,7 @@ struct Contact::Candidate {
     result.mobility = Matrix3::Identity() / most;
     return result;
   }
+  [[nodiscard]] bool is_isotropic() const { return inertia == Matrix3(inertia(0, 0) * Matrix3::Identity()); }
 };
 
 // Where surfaces let a node go.

@@ -30,9 +30,13 @@ double sliding_coefficient_of(const Friction& friction) noexcept {
   return std::min(coefficient_of(friction), friction_of_held);
 }
 
+double bearing(double coefficient, double pressing) noexcept {
+  return std::isinf(coefficient) ? coefficient : coefficient * pressing;
+}
+
 double grip(double coefficient, double pressing, double along) noexcept {
   if (std::isinf(coefficient)) return pressing >= 0.0 ? coefficient : -along;
-  return coefficient * pressing - along;
+  return bearing(coefficient, pressing) - along;
 }
 
 Eigen::Matrix3d friction_by_velocity(double strength, const Vector3& slip, const Vector3& n) {
@@ -40,6 +44,29 @@ Eigen::Matrix3d friction_by_velocity(double strength, const Vector3& slip, const
   if (!(speed > 0.0)) return Eigen::Matrix3d::Zero();
   const Vector3 t = slip / speed;
   return -strength / speed * (Eigen::Matrix3d::Identity() - n * n.transpose() - t * t.transpose());
+}
+
+std::optional<Vector3> find_direction(const Vector3& n, const Vector3& start,
+                                      const std::function<double(const Vector3&)>& turn) {
+  const Vector3 across = n.cross(start);
+  const auto at = [&](double angle) { return Vector3(std::cos(angle) * start + std::sin(angle) * across); };
+  constexpr int most_turns = 40;
+  constexpr double first = 1e-3, longest = 0.5;  // rad
+  double before = 0.0, value_before = turn(start), angle = value_before == 0.0 ? 0.0 : first;
+  for (int i = 0; i < most_turns; ++i) {
+    const double value = turn(at(angle));
+    if (!std::isfinite(value)) return std::nullopt;
+    if (value == 0.0 || angle == before) return at(angle);
+    const double slope = (value - value_before) / (angle - before);
+    // Two values that are equal differ by rounding alone.
+    if (slope == 0.0) return std::abs(angle - before) <= 1e-7 ? std::optional(at(angle)) : std::nullopt;
+    const double step = std::clamp(-value / slope, -longest, longest);
+    before = angle;
+    value_before = value;
+    angle += step;
+    if (std::abs(step) <= 1e-15) return at(angle);
+  }
+  return std::abs(angle - before) <= 1e-9 ? std::optional(at(angle)) : std::nullopt;
 }
 
 ContactAnswer answer_contact(const Eigen::Matrix3d& mobility, const Vector3& relative, const Vector3& n,
@@ -91,10 +118,12 @@ ContactAnswer answer_contact(const Eigen::Matrix3d& mobility, const Vector3& rel
     return n.dot(assumed.cross(slip_of(with(assumed))));
   };
   constexpr int directions = 128;
+  double next = crossing(0.0);
   for (int i = 0; i < directions; ++i) {
     double low = 2.0 * std::numbers::pi * i / directions, high = 2.0 * std::numbers::pi * (i + 1) / directions;
-    const double sign = crossing(low);
-    if (sign * crossing(high) > 0.0) continue;
+    const double sign = next;
+    next = crossing(high);
+    if (sign * next > 0.0) continue;
     for (int halving = 0; halving < 60; ++halving) {
       const double middle = 0.5 * (low + high);
       (crossing(middle) * sign > 0.0 ? low : high) = middle;

@@ -1,6 +1,9 @@
 // What a surface does to one node in contact: no penetration, no pull, friction.
 #pragma once
 
+#include <functional>
+#include <optional>
+
 #include <Eigen/Core>
 
 #include <springnet/network.hpp>
@@ -17,12 +20,19 @@ inline constexpr double friction_of_held = 1e4;
 [[nodiscard]] double coefficient_of(const Friction& friction) noexcept;
 // The same of a node that slides.
 [[nodiscard]] double sliding_coefficient_of(const Friction& friction) noexcept;
+// The most force along a surface that friction bears, N, where this presses on it, N: without bounds where it holds.
+[[nodiscard]] double bearing(double coefficient, double pressing) noexcept;
 // How much more force along a surface friction could bear, N; < 0 where it cannot bear what there is. This is Coulomb's
 // cone, wherever it is asked for.
 [[nodiscard]] double grip(double coefficient, double pressing, double along) noexcept;
 // The derivative of the force -strength t(v), N, with t the direction of the slip v (m/s) on a surface with normal n,
 // by the node's velocity; N s/m.
 [[nodiscard]] Eigen::Matrix3d friction_by_velocity(double strength, const Vector3& slip, const Vector3& n);
+
+// The direction along a surface with normal n (unit) at which `turn` vanishes, by the secant method from `start` (unit,
+// along the surface); empty where that leads to none.
+[[nodiscard]] std::optional<Vector3> find_direction(const Vector3& n, const Vector3& start,
+                                                    const std::function<double(const Vector3&)>& turn);
 
 struct ContactAnswer {
   Vector3 velocity;  // m/s, relative to the surface, after it

@@ -8,28 +8,16 @@
 #include <set>
 
 #include "constraints/friction.hpp"
+#include "constraints/island_directions.hpp"
 
 namespace springnet {
 namespace {
 
-constexpr int most_rounds = 10'000;     // of impulses that depend on each other
+constexpr int most_rounds = Island::most_rounds;
 constexpr int most_changes = 200;       // of mind, before all possibilities are tried
 constexpr std::size_t most_coded = 64;  // bits of a code
 constexpr int most_bits = 12;           // of possibilities that are worth trying
 constexpr int most_directions = 200;    // of a slip that begins
-
-// The directions in which a node with these normals can slide: two, one (along an edge) or none.
-std::vector<Vector3> free_directions(const std::vector<Vector3>& normals) {
-  if (normals.size() == 1) {
-    const Vector3 e = normals[0].unitOrthogonal();
-    return {e, normals[0].cross(e)};
-  }
-  if (normals.size() == 2) {
-    const Vector3 e = normals[0].cross(normals[1]);
-    if (e.norm() > 1e-12) return {e.normalized()};
-  }
-  return {};
-}
 
 std::vector<Vector3> active_normals(const ContactNode& node) {
   std::vector<Vector3> normals;
@@ -38,17 +26,14 @@ std::vector<Vector3> active_normals(const ContactNode& node) {
   return normals;
 }
 
-// What of a vector lies in the directions in which a node can slide.
-Vector3 along(const std::vector<Vector3>& directions, const Vector3& v) {
-  Vector3 sum = Vector3::Zero();
-  for (const Vector3& e : directions) sum += e * e.dot(v);
-  return sum;
+// Of a surface that holds what touches it, this coefficient.
+Friction at_most(const Friction& friction, double most) {
+  return friction.kind == Friction::Kind::held ? Friction{Friction::Kind::coulomb, most} : friction;
 }
 
-// A surface that holds what touches it takes it along when its own velocity jumps.
-bool is_taken_along(const ContactSide& side) {
-  return side.touches && side.friction.kind == Friction::Kind::held && !side.velocity.isZero(0.0) &&
-         side.normal.dot(side.velocity) <= 0.0;
+// Coulomb's friction would need as much of a normal force as there is of force along it.
+bool can_brace(const ContactNode& node) {
+  return node.sticks && node.sides.size() == 1 && coefficient_of(node.sides[0].friction) >= friction_of_held;
 }
 
 double slip_friction(const ContactNode& node) {
@@ -74,106 +59,48 @@ SplitReaction split_reaction(const std::vector<Vector3>& normals, const Vector3&
   return result;
 }
 
+// Hildreth's method: x = matrix^T y with y >= 0, row by row. Quart. Appl. Math. 4 (1957).
+std::optional<Eigen::VectorXd> least_with(const Eigen::VectorXd& base, const Eigen::MatrixXd& matrix) {
+  Eigen::VectorXd x = Eigen::VectorXd::Zero(matrix.cols()), y = Eigen::VectorXd::Zero(matrix.rows());
+  const double negligible = 1e-12 * base.lpNorm<Eigen::Infinity>();
+  for (int round = 0; round < most_rounds; ++round) {
+    double worst = 0.0;
+    for (Eigen::Index r = 0; r < matrix.rows(); ++r) {
+      const double square = matrix.row(r).squaredNorm(), value = base[r] + matrix.row(r).dot(x);
+      worst = std::min(worst, value);
+      if (!(square > 1e-12 * matrix.squaredNorm())) continue;
+      const double change = std::max(-y[r], -value / square);
+      y[r] += change;
+      x += change * matrix.row(r).transpose();
+    }
+    if (worst >= -negligible) return x;
+  }
+  return std::nullopt;
+}
+
+std::vector<Vector3> share_reaction(const std::vector<Vector3>& normals, const std::vector<double>& coefficients,
+                                    const Vector3& reaction) {
+  if (normals.size() == 1) return {reaction};
+  const SplitReaction split = split_reaction(normals, reaction);
+  std::vector<Vector3> result;
+  std::vector<double> bears;
+  double all = 0.0;
+  for (std::size_t i = 0; i < normals.size(); ++i) {
+    result.emplace_back(split.normal[i] * normals[i]);
+    bears.push_back(coefficients[i] * std::max(0.0, split.normal[i]));
+    all += bears.back();
+  }
+  if (all == 0.0) result[0] += split.along;  // rounding
+  for (std::size_t i = 0; i < normals.size() && all > 0.0; ++i) result[i] += bears[i] / all * split.along;
+  return result;
+}
+
 Island::Island(std::vector<ContactNode> nodes, Eigen::MatrixXd mobility)
     : nodes_(std::move(nodes)), mobility_(std::move(mobility)) {
   for (ContactNode& node : nodes_) {
     node.normal_force.assign(node.sides.size(), 0.0);
     node.impulse.assign(node.sides.size(), Vector3::Zero());
   }
-}
-
-void Island::push(std::size_t node, const Vector3& impulse) {
-  for (std::size_t i = 0; i < nodes_.size(); ++i) {
-    const Vector3 change = block(i, node) * impulse;
-    for (ContactSide& side : nodes_[i].sides) side.velocity += change;
-  }
-}
-
-bool Island::strike(double rebound, double negligible) {
-  struct Blow {
-    std::size_t node, side;
-    double wanted;  // m/s, of the gap afterwards
-  };
-  std::vector<Blow> blows;
-  bool approaches = false;
-  double scale = 0.0;
-  for (std::size_t i = 0; i < nodes_.size(); ++i) {
-    for (std::size_t s = 0; s < nodes_[i].sides.size(); ++s) {
-      const ContactSide& side = nodes_[i].sides[s];
-      const double rate = side.normal.dot(side.velocity);
-      approaches = approaches || rate < -negligible || is_taken_along(side);
-      scale = std::max(scale, side.velocity.norm());
-      blows.push_back({i, s, rate < -rebound ? -side.restitution * rate : 0.0});
-      nodes_[i].impulse[s].setZero();
-    }
-  }
-  if (!approaches) return false;
-  for (int round = 0; round < most_rounds; ++round) {
-    double greatest = 0.0;
-    for (const Blow& blow : blows) {
-      ContactSide& side = nodes_[blow.node].sides[blow.side];
-      Vector3& impulse = nodes_[blow.node].impulse[blow.side];
-      const Matrix3 mobility = block(blow.node, blow.node);
-      // As if this one had not struck yet, seen from a surface that comes along as fast as it should leave.
-      const Vector3 before = side.velocity - mobility * impulse - blow.wanted * side.normal;
-      Vector3 now = Vector3::Zero();
-      if (side.normal.dot(before) < -negligible || !impulse.isZero(0.0) || is_taken_along(side)) {
-        const ContactAnswer answer = answer_contact(mobility, before, side.normal, side.friction);
-        if (answer.normal > 0.0 || (answer.normal == 0.0 && answer.sticks)) now = answer.impulse;
-      }
-      const Vector3 change = now - impulse;
-      if (change.isZero(0.0)) continue;
-      greatest = std::max(greatest, (mobility * change).norm());
-      impulse = now;
-      push(blow.node, change);
-    }
-    if (greatest <= 1e-15 * scale) break;
-  }
-  return true;
-}
-
-void Island::calm(double slow) {
-  for (int round = 0; round < most_rounds; ++round) {
-    double greatest = 0.0;
-    for (std::size_t i = 0; i < nodes_.size(); ++i) {
-      for (std::size_t s = 0; s < nodes_[i].sides.size(); ++s) {
-        const ContactSide& side = nodes_[i].sides[s];
-        const double rate = side.normal.dot(side.velocity), answers = side.normal.dot(block(i, i) * side.normal);
-        if (rate == 0.0 || std::abs(rate) > slow || !(answers > 0.0)) continue;
-        const Vector3 impulse = -rate / answers * side.normal;
-        nodes_[i].impulse[s] += impulse;
-        push(i, impulse);
-        greatest = std::max(greatest, std::abs(rate));
-      }
-    }
-    if (greatest <= 1e-12 * slow) break;
-  }
-  for (ContactNode& node : nodes_)
-    for (ContactSide& side : node.sides)
-      if (const double rate = side.normal.dot(side.velocity); std::abs(rate) <= 1e-9 * slow)
-        side.velocity -= rate * side.normal;
-}
-
-bool Island::jam(double negligible) {
-  bool any = false;
-  for (const std::size_t i : jammed_) {
-    ContactNode& node = nodes_[i];
-    for (std::size_t s = 0; s < node.sides.size(); ++s) {
-      ContactSide& side = node.sides[s];
-      if (side.friction.kind == Friction::Kind::none || side.velocity.norm() <= negligible) continue;
-      const Matrix3 mobility = block(i, i);
-      const Vector3 impulse = -mobility.completeOrthogonalDecomposition().solve(side.velocity);
-      if (!(side.normal.dot(impulse) >= 0.0) || impulse.isZero(0.0)) continue;
-      node.impulse[s] += impulse;
-      push(i, impulse);
-      side.velocity.setZero();
-      node.moves = false;
-      node.sticks = true;
-      any = true;
-      break;
-    }
-  }
-  return any;
 }
 
 void Island::solve_once() {
@@ -211,8 +138,27 @@ void Island::solve_once() {
       matrix(r, c) = row.row.dot(block(row.node, column.node) * column.column);
     }
   }
-  const Eigen::VectorXd x =
+  Eigen::VectorXd x =
       count > 0 ? Eigen::VectorXd(matrix.completeOrthogonalDecomposition().solve(right)) : Eigen::VectorXd();
+  const bool braced = std::any_of(nodes_.begin(), nodes_.end(), [](const auto& node) { return node.braced; });
+  if (braced && count > 0) {
+    std::vector<Eigen::Index> pressed;
+    for (Eigen::Index r = 0; r < count; ++r) {
+      const Unknown& unknown = unknowns[static_cast<std::size_t>(r)];
+      if (unknown.side != no_side && nodes_[unknown.node].sticks) pressed.push_back(r);
+    }
+    Eigen::FullPivLU<Eigen::MatrixXd> factors(matrix);
+    const Eigen::MatrixXd kernel = factors.setThreshold(1e-9).kernel();
+    // Enough for the friction beside it.
+    const double least = 2.0 * x.norm() / friction_of_held;
+    Eigen::VectorXd base(static_cast<Eigen::Index>(pressed.size()));
+    Eigen::MatrixXd more(base.size(), kernel.cols());
+    for (Eigen::Index r = 0; r < base.size(); ++r) {
+      base[r] = x[pressed[static_cast<std::size_t>(r)]] - least;
+      more.row(r) = kernel.row(pressed[static_cast<std::size_t>(r)]);
+    }
+    if (const auto stress = least_with(base, more)) x += kernel * *stress;
+  }
   for (ContactNode& node : nodes_) {
     node.force.setZero();
     std::fill(node.normal_force.begin(), node.normal_force.end(), 0.0);
@@ -239,7 +185,9 @@ void Island::solve() {
     double turned = 0.0;
     for (std::size_t i = 0; i < nodes_.size(); ++i) {
       ContactNode& node = nodes_[i];
-      if (node.sticks || node.moves || slip_friction(node) == 0.0) continue;
+      const double friction = slip_friction(node);
+      if (node.sticks || friction == 0.0) continue;
+      if (node.moves && (!node.begins || friction >= friction_of_held)) continue;
       const auto first = std::find_if(node.sides.begin(), node.sides.end(), [](const auto& s) { return s.touches; });
       if (first == node.sides.end()) continue;
       const Vector3 goes = along(free_directions(active_normals(node)), acceleration(i) - first->surface_acceleration);
@@ -252,51 +200,70 @@ void Island::solve() {
       // Half the way, because great friction would overshoot.
       node.slip = turn < 20 ? slip : Vector3((slip + node.slip).normalized());
     }
+    directions_fit_ = turned <= 1e-12;
     if (turned <= 1e-14) return;
   }
 }
 
-bool Island::relax() {
-  std::vector<Vector3> forces(nodes_.size(), Vector3::Zero());
+bool Island::relax(double most, int rounds, const std::vector<Vector3>& from) {
+  std::vector<std::vector<Vector3>> forces;
   std::vector<Vector3> accelerations;
-  for (const ContactNode& node : nodes_) accelerations.push_back(node.acceleration);
+  for (std::size_t i = 0; i < nodes_.size(); ++i) {
+    forces.emplace_back(nodes_[i].sides.size(), Vector3::Zero());
+    accelerations.push_back(nodes_[i].acceleration);
+    if (from.empty()) continue;
+    for (std::size_t k = 0; k < nodes_.size(); ++k) accelerations[i] += block(i, k) * from[k];
+    std::vector<Vector3> normals;
+    for (const ContactSide& side : nodes_[i].sides) normals.push_back(side.normal);
+    forces[i] = share_reaction(normals, std::vector<double>(normals.size(), 0.0), from[i]);
+  }
   double change = 0.0, size = 0.0;
-  for (int round = 0; round < most_rounds; ++round) {
+  for (int round = 0; round < rounds; ++round) {
     change = size = 0.0;
     for (std::size_t i = 0; i < nodes_.size(); ++i) {
       ContactNode& node = nodes_[i];
-      if (node.sides.size() != 1 || node.sides[0].leaves) continue;
-      const ContactSide& side = node.sides[0];
-      const Vector3& n = side.normal;
-      const Matrix3 mobility = block(i, i);
-      // Of the node against its surface, as if its own force did not act.
-      const Vector3 other = accelerations[i] - mobility * forces[i];
-      Vector3 relative = other - side.surface_acceleration;
-      relative += n * (n.dot(other) - side.needed - n.dot(relative));
-      Vector3 now = Vector3::Zero();
-      if (n.dot(relative) < 0.0) {
-        if (node.moves) {
-          const Vector3 direction = n - sliding_coefficient_of(side.friction) * node.slip;
-          const double answers = n.dot(mobility * direction);
-          if (!(answers > 0.0)) return false;
-          now = -n.dot(relative) / answers * direction;
-        } else {
-          const ContactAnswer answer = answer_contact(mobility, relative, n, side.friction);
-          if (answer.normal < 0.0) return false;
-          now = answer.impulse;
-          node.sticks = answer.sticks;
-          const Vector3 goes = answer.velocity - n * n.dot(answer.velocity);
-          if (!answer.sticks && goes.norm() > 0.0) node.slip = goes.normalized();
+      for (std::size_t s = 0; s < node.sides.size(); ++s) {
+        ContactSide& side = node.sides[s];
+        if (side.leaves) continue;
+        const Vector3& n = side.normal;
+        const Matrix3 mobility = block(i, i);
+        // Of the node against its surface, as if this force did not act.
+        const Vector3 other = accelerations[i] - mobility * forces[i][s];
+        Vector3 relative = other - side.surface_acceleration;
+        relative += n * (n.dot(other) - side.needed - n.dot(relative));
+        Vector3 now = Vector3::Zero();
+        if (n.dot(relative) < 0.0 || side.stays) {
+          if (node.moves) {
+            const Vector3 direction = n - sliding_coefficient_of(side.friction) * node.slip;
+            const double answers = n.dot(mobility * direction);
+            if (!(answers > 0.0)) return false;
+            now = -n.dot(relative) / answers * direction;
+          } else {
+            const ContactAnswer answer = answer_contact(mobility, relative, n, at_most(side.friction, most));
+            if (answer.normal < 0.0 && !side.stays) return false;
+            now = answer.impulse;
+            node.sticks = answer.sticks;
+            const Vector3 goes = answer.velocity - n * n.dot(answer.velocity);
+            if (!answer.sticks && goes.norm() > 0.0) node.slip = goes.normalized();
+          }
         }
+        // Where all hold each other, forces may go on where accelerations do not.
+        const Vector3 more = now - forces[i][s];
+        change = std::max(change, (mobility * more).norm());
+        size = std::max(size, (mobility * now).norm());
+        forces[i][s] = now;
+        side.touches = side.stays || !now.isZero(0.0);
+        for (std::size_t k = 0; k < nodes_.size(); ++k) accelerations[k] += block(k, i) * more;
       }
-      change = std::max(change, (now - forces[i]).norm());
-      size = std::max(size, now.norm());
-      const Vector3 more = now - forces[i];
-      forces[i] = now;
-      node.sides[0].touches = !now.isZero(0.0);
-      for (std::size_t k = 0; k < nodes_.size(); ++k) accelerations[k] += block(k, i) * more;
     }
-    if (change <= 1e-13 * size) return true;
+    if (change <= 1e-13 * size) break;
+  }
+  for (std::size_t i = 0; i < nodes_.size(); ++i) {
+    nodes_[i].force.setZero();
+    for (std::size_t s = 0; s < nodes_[i].sides.size(); ++s) {
+      nodes_[i].force += forces[i][s];
+      nodes_[i].normal_force[s] = nodes_[i].sides[s].normal.dot(forces[i][s]);
+    }
   }
   return change <= 1e-9 * size;
 }
@@ -324,9 +291,8 @@ Island::Violation Island::find_violation(double negligible) const {
     for (std::size_t s = 0; s < node.sides.size(); ++s) {
       const ContactSide& side = node.sides[s];
       if (side.touches) {
-        if (node.normal_force[s] < -negligible) return {Violation::Kind::pulls, i, s};
-        bears += coefficient_of(side.friction) * std::max(0.0, node.normal_force[s]);
-        if (std::isinf(coefficient_of(side.friction))) bears = coefficient_of(side.friction);
+        if (!side.stays && node.normal_force[s] < -negligible) return {Violation::Kind::pulls, i, s};
+        bears += bearing(coefficient_of(side.friction), std::max(0.0, node.normal_force[s]));
         if (first == nullptr) first = &side;
       } else if (!side.leaves && side.normal.dot(a) - side.needed < -negligible * mobility) {
         return {Violation::Kind::shrinks, i, s};
@@ -336,7 +302,7 @@ Island::Violation Island::find_violation(double negligible) const {
     const std::vector<Vector3> directions = free_directions(active_normals(node));
     if (directions.empty()) continue;
     if (node.sticks) {
-      if (along(directions, node.force).norm() > bears + negligible) return {Violation::Kind::slips, i, 0};
+      if (bears - along(directions, node.force).norm() < -negligible) return {Violation::Kind::slips, i, 0};
     } else if (bears > 0.0 && node.slip.dot(a - first->surface_acceleration) < -negligible * mobility) {
       return {Violation::Kind::rests, i, 0};
     }
@@ -354,25 +320,36 @@ std::uint64_t Island::code() const {
   return result;
 }
 
+std::size_t Island::bit_count() const {
+  std::size_t bits = 0;
+  for (const ContactNode& node : nodes_) bits += node.sides.size() + 1;
+  return bits;
+}
+
+std::uint64_t Island::braces() const {
+  std::uint64_t result = 0;
+  for (const ContactNode& node : nodes_) result = 2 * result + (node.braced ? 1 : 0);
+  return result;
+}
+
 void Island::set_code(std::uint64_t code) {
   for (auto node = nodes_.rbegin(); node != nodes_.rend(); ++node) {
-    node->sticks = (code & 1) != 0 && !node->moves && slip_friction(*node) > 0.0;
+    const bool sticks = (code & 1) != 0;
     code >>= 1;
     for (auto side = node->sides.rbegin(); side != node->sides.rend(); ++side) {
-      side->touches = (code & 1) != 0 && !side->leaves;
+      side->touches = ((code & 1) != 0 || side->stays) && !side->leaves;
       code >>= 1;
     }
+    node->sticks = sticks && !node->moves && slip_friction(*node) > 0.0;
   }
 }
 
-bool Island::resolve(double negligible) {
-  std::set<std::uint64_t> seen;
-  std::set<std::size_t> changed;
-  const std::uint64_t start = code();
+bool Island::pivot(double negligible, std::set<std::size_t>& changed) {
+  std::set<std::pair<std::uint64_t, std::uint64_t>> seen;
   std::vector<std::uint8_t> came_back(nodes_.size(), 0);
-  std::size_t bits = 0;
-  for (const ContactNode& node : nodes_) bits += node.sides.size() + 1;
-  for (int change = 0; change < most_changes && (bits > most_coded || seen.insert(code()).second); ++change) {
+  const bool coded = bit_count() <= most_coded;
+  const auto is_new = [&] { return !coded || seen.emplace(code(), braces()).second; };
+  for (int change = 0; change < most_changes && is_new(); ++change) {
     solve();
     const Violation violation = find_violation(negligible);
     ContactNode& node = nodes_[violation.node];
@@ -385,13 +362,15 @@ bool Island::resolve(double negligible) {
           begin_slip(violation.node);
           node.sticks = true;
         }
+        node.braced = false;
         node.sides[violation.side].touches = false;
         break;
       case Violation::Kind::shrinks: {
         ContactSide& side = node.sides[violation.side];
         side.touches = true;
-        // What could neither hold nor let go slides.
+        // What cannot leave is held by what braces it, or else slides.
         node.sticks = !node.moves && coefficient_of(side.friction) > 0.0 && came_back[violation.node] == 0;
+        node.braced = can_brace(node);
         came_back[violation.node] = 1;
         break;
       }
@@ -403,16 +382,65 @@ bool Island::resolve(double negligible) {
         break;
     }
   }
-  if (bits <= most_bits) {
-    for (std::uint64_t tried = 0; tried < (std::uint64_t{1} << bits); ++tried) {
+  return false;
+}
+
+bool Island::try_all(double negligible) {
+  for (const bool braced : {false, true}) {
+    for (std::uint64_t tried = 0; tried < (std::uint64_t{1} << bit_count()); ++tried) {
       set_code(tried);
       if (code() != tried) continue;
+      for (ContactNode& node : nodes_) node.braced = braced && can_brace(node);
       solve();
       if (find_violation(negligible).kind == Violation::Kind::none) return true;
     }
   }
+  for (ContactNode& node : nodes_) node.braced = false;
+  return false;
+}
+
+bool Island::resolve_impulses(double negligible) {
+  for (ContactNode& node : nodes_) node.braced = false;
+  std::set<std::size_t> changed;
+  const std::uint64_t start = code();
+  std::vector<Vector3> before;  // those that there are may be near
+  for (const ContactNode& node : nodes_) before.push_back(node.force);
+  if (pivot(negligible, changed) && directions_fit_) return true;
+  // One whose normal force vanishes can neither hold nor let go: how great its friction is hardly matters then.
+  bool relaxed = false;
+  for (const double most : {friction_of_held, 1.0}) {
+    if (bit_count() <= most_coded) set_code(start);
+    if ((relaxed = relax(most, most_rounds / 10, before))) break;
+  }
+  if (!relaxed) {
+    const std::vector<ContactNode> nearly = nodes_;
+    if (bit_count() <= most_bits && try_all(negligible)) return true;
+    nodes_ = nearly;
+    const bool holds = std::any_of(nodes_.begin(), nodes_.end(), [](const ContactNode& node) {
+      return std::any_of(node.sides.begin(), node.sides.end(),
+                         [](const ContactSide& side) { return side.friction.kind == Friction::Kind::held; });
+    });
+    if (!holds || bit_count() > most_coded) return false;
+    // The rule of surfaces that hold has no answer: what touches stays for this step, as a lone node does.
+    set_code(start);
+    solve();
+    return true;
+  }
+  // What acts may be told exactly from there.
+  const std::vector<ContactNode> found = nodes_;
+  solve();
+  if (!directions_fit_ || find_violation(negligible).kind != Violation::Kind::none) nodes_ = found;
+  return true;
+}
+
+bool Island::resolve(double negligible, bool thoroughly) {
+  std::set<std::size_t> changed;
+  const std::uint64_t start = code();
+  if (pivot(negligible, changed)) return true;
+  const std::size_t bits = bit_count();
+  if (thoroughly && bits <= most_bits && try_all(negligible)) return true;
   if (bits <= most_coded) set_code(start);
-  if (relax()) {
+  if (thoroughly && relax(friction_of_held, most_rounds, {})) {
     solve();
     if (find_violation(1e3 * negligible).kind == Violation::Kind::none) return true;
   }

@@ -12,6 +12,8 @@
 #pragma once
 
 #include <cstdint>
+#include <optional>
+#include <set>
 #include <vector>
 
 #include <Eigen/Core>
@@ -33,6 +35,7 @@ struct ContactSide {
   double needed = 0.0;                             // m/s^2: normal acceleration that keeps the gap at zero
   bool touches = true;                             // it acts: a normal force, or none
   bool leaves = false;                             // the gap grows already: it cannot act
+  bool stays = false;                              // it acts whatever the sign of its force
 };
 
 struct ContactNode {
@@ -40,8 +43,11 @@ struct ContactNode {
   std::vector<ContactSide> sides;          // one to three
   Vector3 acceleration = Vector3::Zero();  // m/s^2, without surfaces
   bool sticks = false;                     // friction stops it, as far as it touches
-  Vector3 slip = Vector3::Zero();          // unit: where it slides, or begins to
-  bool moves = false;                      // its slip has a speed, so that `slip` is given
+  bool braced = false;             // it sticks, pressed on by forces that nodes that stick brace themselves with
+  Vector3 slip = Vector3::Zero();  // unit: where it slides, or begins to
+  bool moves = false;              // its slip has a speed, so that `slip` is given
+  bool begins = false;             // its slip is so young that it goes where it is accelerated to
+  bool rests = false;              // its slip has come to an end: what is left of it is stopped
   // results
   Vector3 force = Vector3::Zero();     // N, of all its surfaces
   std::vector<double> normal_force{};  // N, [side]
@@ -56,6 +62,12 @@ struct SplitReaction {
 };
 [[nodiscard]] SplitReaction split_reaction(const std::vector<Vector3>& normals, const Vector3& reaction);
 
+// The smallest x with base + matrix x >= 0 in each row; empty where there is none.
+[[nodiscard]] std::optional<Eigen::VectorXd> least_with(const Eigen::VectorXd& base, const Eigen::MatrixXd& matrix);
+// What of R is each surface's, N, with these coefficients of friction: along all of them as their cones are.
+[[nodiscard]] std::vector<Vector3> share_reaction(const std::vector<Vector3>& normals,
+                                                  const std::vector<double>& coefficients, const Vector3& reaction);
+
 class Island {
  public:
   // mobility: D, 1/kg, three rows and columns a node, symmetric positive semidefinite.
@@ -66,8 +78,14 @@ class Island {
 
   // Impulses that end all approach, with restitution (Newton: the gap grows as fast, times the coefficient, as it fell)
   // where it was faster than `rebound` (m/s). Approach that is slower than `negligible` (m/s) is rounding. Velocities
-  // of the sides change. Returns whether there was an impulse.
-  bool strike(double rebound, double negligible = 0.0);
+  // of the sides change. Returns whether there was an impulse. Impulses that depend on each other are sought in this
+  // many rounds: of most_rounds what is left is rounding, of fewer a part of the step's own error. `begun`: they are
+  // sought from those that the nodes have.
+  static constexpr int most_rounds = 10'000;
+  bool strike(double rebound, double negligible = 0.0, int rounds = most_rounds, bool begun = false);
+  // Impulses that end what is left of the slip of nodes that rest; gaps whose rates are no more than `negligible` (m/s)
+  // stay as they are. Returns whether there was one.
+  bool stop(double negligible);
   // Impulses, of either sign, that end what is slower than `slow` (m/s) of gaps' rates: bodies that rock from one
   // contact to the other and back do so infinitely often in a finite time, and then lie still.
   void calm(double slow);
@@ -76,8 +94,12 @@ class Island {
   bool jam(double negligible);
   // Finds which sides go on acting and which nodes stick, beginning with what is set, such that nothing pulls, no gap
   // shrinks and friction stays in its cone; forces are results. Forces below `negligible` (N) count as zero. False: no
-  // finite forces do that.
-  [[nodiscard]] bool resolve(double negligible);
+  // finite forces do that; or, where `thoroughly` is not asked for, no choice of what acts was found that does.
+  [[nodiscard]] bool resolve(double negligible, bool thoroughly = true);
+  // The same of impulses over a step, that end all approach: nodes' and sides' accelerations are velocities, forces are
+  // impulses. With Coulomb's friction such impulses exist; surfaces that hold keep what they touch where there are
+  // none.
+  [[nodiscard]] bool resolve_impulses(double negligible);
   // Forces for what is set, whatever their signs.
   void solve();
   // A node that sticks begins to slip where its friction does not let it go any more, by the forces of solve().
@@ -89,19 +111,32 @@ class Island {
   struct Violation;
   [[nodiscard]] Violation find_violation(double negligible) const;
   [[nodiscard]] std::uint64_t code() const;
+  [[nodiscard]] std::size_t bit_count() const;  // of it
   void set_code(std::uint64_t code);
+  [[nodiscard]] std::uint64_t braces() const;
   void solve_once();
-  // Forces node by node until they agree, where no choice of what acts was found. Sets what acts; false: no such
-  // forces.
-  bool relax();
+  // From what is set, one change after another; `changed` are the nodes that did. False: that comes back to where it
+  // was.
+  bool pivot(double negligible, std::set<std::size_t>& changed);
+  bool try_all(double negligible);
+  // Forces node by node until they agree, where no choice of what acts was found; `most` is the friction of surfaces
+  // that hold, `from` the forces to begin with, if any. Sets what acts and the forces; false: no such forces.
+  bool relax(double most, int rounds, const std::vector<Vector3>& from);
   [[nodiscard]] auto block(std::size_t row, std::size_t column) const {
     return mobility_.block<3, 3>(static_cast<Eigen::Index>(3 * row), static_cast<Eigen::Index>(3 * column));
   }
   void push(std::size_t node, const Vector3& impulse);  // changes velocities
+  struct Row {
+    std::size_t node, side;
+    Vector3 direction;  // unit
+  };
+  void end_rates(const std::vector<Row>& rows);
+  void stop_all(const std::vector<ContactNode>& start);
 
   std::vector<ContactNode> nodes_;
   Eigen::MatrixXd mobility_;
   std::vector<std::size_t> jammed_;
+  bool directions_fit_ = true;  // slips of the last solve() go where friction against them lets them
 };
 
 }  // namespace springnet

@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include <Eigen/Geometry>
 #include <Eigen/LU>
 #include <algorithm>
 #include <boost/pending/disjoint_sets.hpp>
@@ -183,45 +184,67 @@ void RigidConnections::accelerate(const Placement& at, std::size_t number, const
     }
     return rates;
   };
-  a = free;
-  Eigen::VectorXd multipliers = system.solve(-turning - rates_of(free));
+  const Eigen::VectorXd without_friction = system.solve(-turning - rates_of(free));
+  Eigen::VectorXd multipliers = without_friction;
   // Friction is a share of normal forces, which it changes: N + Y N = N without friction, Y from unit normal forces.
   struct Rubbing {
     Eigen::Index row;
     std::uint32_t member;
-    Vector3 change;           // m/s^2, by the friction of a normal force of 1 N
-    Eigen::VectorXd answers;  // of the multipliers to that
+    double share;                       // m/s^2, of a normal force of 1 N
+    Vector3 against = Vector3::Zero();  // unit
+    Eigen::VectorXd answers{};          // of the multipliers to friction of a normal force of 1 N
   };
   std::vector<Rubbing> rubbing;
+  const auto rub = [&](Rubbing& each, const Vector3& against) {
+    std::vector<Vector3> changes(count, Vector3::Zero());
+    changes[each.member] = -each.share * against;
+    each.against = against;
+    each.answers = system.solve(-rates_of(changes));
+  };
   for (std::size_t r = rods; r < rows.size(); ++r) {
     const std::uint32_t i = member_of_[rows[r].first];
     const auto j = static_cast<std::size_t>(rows[r].surface);
     const double mu = sliding_coefficient_of(contact_.surfaces()[j].friction());
     if (mu == 0.0) continue;
-    const Vector3 change = -mu / mass_[rows[r].first] *
-                           contact_.slip_direction(at, rows[r].first, j, p[i], vector_at(velocity, rows[r].first));
-    std::vector<Vector3> changes(count, Vector3::Zero());
-    changes[i] = change;
-    rubbing.push_back({static_cast<Eigen::Index>(r), i, change, system.solve(-rates_of(changes))});
+    rubbing.push_back({static_cast<Eigen::Index>(r), i, mu / mass_[rows[r].first]});
+    rub(rubbing.back(), contact_.slip_direction(at, rows[r].first, j, p[i], vector_at(velocity, rows[r].first)));
   }
-  if (!rubbing.empty()) {
+  const auto finish = [&] {
+    a = free;
+    multipliers = without_friction;
     const auto size = static_cast<Eigen::Index>(rubbing.size());
     Eigen::MatrixXd matrix = Eigen::MatrixXd::Identity(size, size);
     Eigen::VectorXd pressing(size);
     for (Eigen::Index r = 0; r < size; ++r) {
       const Eigen::Index row = rubbing[static_cast<std::size_t>(r)].row;
-      pressing[r] = multipliers[row];
+      pressing[r] = without_friction[row];
       for (Eigen::Index c = 0; c < size; ++c) matrix(r, c) -= rubbing[static_cast<std::size_t>(c)].answers[row];
     }
     pressing = matrix.partialPivLu().solve(pressing).eval();
     for (Eigen::Index r = 0; r < size; ++r) {
       const Rubbing& each = rubbing[static_cast<std::size_t>(r)];
-      a[each.member] += pressing[r] * each.change;
+      a[each.member] -= pressing[r] * each.share * each.against;
       multipliers += pressing[r] * each.answers;
     }
+    system.for_each_change(multipliers,
+                           [&](std::uint32_t node, const Vector3& change) { a[member_of_[node]] += change; });
+  };
+  finish();
+  // Slip that begins goes where it is accelerated to, with the friction against that.
+  for (Rubbing& each : rubbing) {
+    const ConstraintRow& row = rows[static_cast<std::size_t>(each.row)];
+    if (contact_.slip_phase(row.first) != Contact::Slip::begins || contact_.now(row.first).second >= 0) continue;
+    const auto j = static_cast<std::size_t>(row.surface);
+    if (sliding_coefficient_of(contact_.surfaces()[j].friction()) >= friction_of_held) continue;
+    const Vector3 n = row.direction, kept = each.against;
+    const auto found = find_direction(n, kept, [&](const Vector3& against) {
+      rub(each, against);
+      finish();
+      return n.dot(against.cross(a[each.member] - Contact::acceleration(at, j, p[each.member])));
+    });
+    rub(each, found && found->dot(kept) > 0.5 ? *found : kept);
+    finish();
   }
-  system.for_each_change(multipliers,
-                         [&](std::uint32_t node, const Vector3& change) { a[member_of_[node]] += change; });
   for (std::size_t i = 0; i < count; ++i) put_vector(acceleration, cluster.nodes[i], a[i]);
   // A multiplier above 0 pushes the ends apart.
   for (std::size_t r = 0; force != nullptr && r < rods; ++r)
@@ -237,6 +260,32 @@ Vector3 RigidConnections::pull(std::uint32_t node, const springnet_const_vectors
     sum += force[r] * (vector_at(position, other) - vector_at(position, node)).normalized();
   }
   return sum;
+}
+
+void RigidConnections::pass_on(std::size_t cluster, const springnet_const_vectors& position,
+                               std::vector<Vector3>& impulses) const {
+  const std::vector<std::uint32_t>& nodes = clusters_[cluster].nodes;
+  std::vector<Vector3> p;
+  for (const std::uint32_t k : nodes) p.push_back(vector_at(position, k));
+  ConstraintSystem system;
+  system.set(rods_of(clusters_[cluster], p), [this](std::uint32_t node) {
+    return contact_.fixed()[node] != 0 ? Matrix3(Matrix3::Zero()) : Matrix3(Matrix3::Identity() / mass_[node]);
+  });
+  const std::vector<ConstraintRow>& rows = system.rows();
+  const auto given = [&](std::uint32_t node) {
+    return contact_.fixed()[node] != 0 ? Vector3(Vector3::Zero()) : Vector3(impulses[member_of_[node]] / mass_[node]);
+  };
+  Eigen::VectorXd rate(static_cast<Eigen::Index>(rows.size()));
+  for (std::size_t r = 0; r < rows.size(); ++r)
+    rate[static_cast<Eigen::Index>(r)] = rows[r].direction.dot(given(rows[r].first) - given(rows[r].second));
+  const Eigen::VectorXd multipliers = system.solve(rate);
+  for (const std::uint32_t k : nodes)
+    if (contact_.fixed()[k] != 0) impulses[member_of_[k]].setZero();
+  for (std::size_t r = 0; r < rows.size(); ++r) {
+    const Vector3 impulse = multipliers[static_cast<Eigen::Index>(r)] * rows[r].direction;
+    if (contact_.fixed()[rows[r].first] != 0) impulses[member_of_[rows[r].first]] += impulse;
+    if (contact_.fixed()[rows[r].second] != 0) impulses[member_of_[rows[r].second]] -= impulse;
+  }
 }
 
 springnet_status RigidConnections::project(const Placement& at, std::size_t number, const springnet_vectors& position,
@@ -283,6 +332,20 @@ RigidConnections::Unsupported::Unsupported(const RigidConnections& rigid, std::s
   system_.set(rigid.rods_of(rigid.clusters_[cluster], p), [&](std::uint32_t node) {
     return rigid_.contact_.fixed()[node] != 0 ? Matrix3(Matrix3::Zero())
                                               : Matrix3(Matrix3::Identity() / rigid_.mass_[node]);
+  });
+}
+
+void RigidConnections::Unsupported::project(const springnet_vectors& velocity) const {
+  ConstraintSystem system;
+  system.set(system_.rows(), [this](std::uint32_t node) { return rigid_.mobility(node); });
+  Eigen::VectorXd rate(static_cast<Eigen::Index>(system.rows().size()));
+  for (std::size_t r = 0; r < system.rows().size(); ++r) {
+    const ConstraintRow& row = system.rows()[r];
+    rate[static_cast<Eigen::Index>(r)] =
+        row.direction.dot(vector_at(velocity, row.first) - vector_at(velocity, row.second));
+  }
+  system.for_each_change(system.solve(-rate), [&](std::uint32_t node, const Vector3& change) {
+    put_vector(velocity, node, vector_at(velocity, node) + change);
   });
 }
 

@@ -51,6 +51,14 @@ class RigidConnections {
     // Takes out of accelerations what connections do not allow; [node].
     void accelerate(const springnet_const_vectors& position, const springnet_const_vectors& velocity,
                     std::vector<Vector3>& acceleration) const;
+    // In a step of h seconds that goes straight from those positions: `velocity` changes, by impulses along the
+    // connections' directions at its start, and `position`, at its end, with it, until lengths are kept there. [node].
+    // False if they cannot be.
+    [[nodiscard]] bool keep_lengths(double h, std::vector<Vector3>& velocity, std::vector<Vector3>& position) const;
+    // Takes out of velocities what connections do not allow; [node].
+    void project(std::vector<Vector3>& velocity) const;
+    // The same of the engine's, beside nodes that are fixed or stick.
+    void project(const springnet_vectors& velocity) const;
     // Effective mobility of some nodes, 1/kg: three rows and columns each.
     [[nodiscard]] Eigen::MatrixXd mobility(const std::vector<std::uint32_t>& nodes) const;
     // How velocities change by impulses on these nodes (m/s), and what reaches nodes that cannot move (N s): calls
@@ -67,11 +75,14 @@ class RigidConnections {
   };
   // The force of all connections on a node with these tensions ([rod] N).
   [[nodiscard]] Vector3 pull(std::uint32_t node, const springnet_const_vectors& position, const double* force) const;
+  // The impulses of connections that explain what they gave the nodes of a cluster that can move ([node of the cluster]
+  // N s), and from that what they gave the others, which are set.
+  void pass_on(std::size_t cluster, const springnet_const_vectors& position, std::vector<Vector3>& impulses) const;
   // Puts positions, then velocities, of a cluster where the constraints allow, weighted with the masses. Nodes that
   // were just `stopped` by a surface may still move along it.
   springnet_status project(const Placement& at, std::size_t cluster, const springnet_vectors& position,
                            const springnet_vectors& velocity, springnet_message& message,
-                           const std::vector<std::uint32_t>& stopped) const;
+                           const std::vector<std::uint32_t>& stopped = {}) const;
   // The greatest |rate of length| of a connection at these velocities, m/s.
   [[nodiscard]] double greatest_rate(const springnet_const_vectors& position,
                                      const springnet_const_vectors& velocity) const;
@@ -85,7 +96,7 @@ class RigidConnections {
     std::vector<std::uint32_t> nodes;
     std::vector<std::uint32_t> rods;
   };
-  struct Step;
+  class Step;  // of a cluster, within a sweep
 
   // Gauss-Newton towards the lengths and, for nodes that slide, their surfaces, weighted with the masses: positions
   // [node of the cluster] of those with `movable` change. False if it does not get there.
@@ -96,11 +107,6 @@ class RigidConnections {
                                                    const std::vector<Vector3>& positions) const;
   [[nodiscard]] std::vector<ConstraintRow> rods_of(const Cluster& cluster, const std::vector<Vector3>& positions) const;
   springnet_status cannot_keep(const Cluster& cluster, springnet_message& message) const;
-  [[nodiscard]] bool solve(Step& step) const;
-  [[nodiscard]] bool revise_contacts(Step& step) const;
-  [[nodiscard]] bool revise_contact(Step& step, std::size_t member) const;
-  [[nodiscard]] bool revise_friction(Step& step, std::size_t member) const;
-  [[nodiscard]] Vector3 tension_at(const Step& step, std::size_t member) const;
 
   const std::vector<double>& mass_;
   Contact& contact_;

@@ -1,17 +1,21 @@
 // Rigid connections within the sweeps of a step. A cluster's nodes have outputs that each would like alone; their
 // velocities get impulses along the connections, at the positions where they end, so that no length changes,
 //
-//   U = U_free + W G(P)^T x,    G(P) U = 0,    P = p + h ((1 - theta) v + theta U) + (1/m) G(P)^T y,    lengths(P) = l,
+//   U = U_free + W (G(P)^T x + f),    G(P) U = 0,    P = p + h ((1 - theta) v + theta U) + (1/m) G(P)^T y,
+//   lengths(P) = l,
 //
-// W the inverse of the inertia with which the outputs were made. Surfaces that the nodes slide on are rows of G as
-// well; nodes that are fixed, moved or held by a surface do not move for any impulse.
+// W the inverse of the inertia with which the outputs were made, and f the impulses of surfaces, which an island finds:
+// no approach at the end, no pull, friction in its cone, all contacts of the cluster at once (Moreau's time stepping).
+// Nodes that are fixed, moved or held by a surface do not move for any impulse.
 
 #include <fmt/format.h>
 
 #include <Eigen/LU>
 #include <algorithm>
 #include <cmath>
+#include <optional>
 
+#include "constraints/island.hpp"
 #include "constraints/rigid.hpp"
 #include "constraints/vectors.hpp"
 #include "layers/message.hpp"
@@ -19,321 +23,430 @@
 namespace springnet {
 namespace {
 
-constexpr int most_turns = 60;    // of positions and velocities that depend on each other
-constexpr int most_changes = 6;   // of mind on one node's contact, within a sweep
-constexpr int most_rounds = 100;  // of contacts and their friction
+constexpr int most_turns = 60;  // of positions and velocities that depend on each other
+// Turns after which contacts stay what they are, and after which their effective mobility is taken anew.
+constexpr int turns_of_choice = 20, turns_of_mobility = 10;
+constexpr std::size_t few_contacts = 6;  // of which the mobility is taken anew in each turn
 constexpr double accuracy = 1e-13;
+constexpr double least_impulse = 1e-11;  // of those in question, that counts
+constexpr double at_once = 1e-9;         // of a step: nodes that meet surfaces together
+
+Touch touch_of(const ContactNode& node) {
+  Touch touch;
+  for (const ContactSide& side : node.sides)
+    if (side.touches)
+      (touch.surface < 0 ? touch.surface : touch.second < 0 ? touch.second : touch.third) = side.surface;
+  touch.slides = touch.surface >= 0 && !node.sticks;
+  return touch;
+}
 
 }  // namespace
 
-struct RigidConnections::Step {
+class RigidConnections::Step {
+ public:
   struct Member {
     std::uint32_t node;
     bool fixed;
     Vector3 start, start_velocity;  // m, m/s, at the beginning of the step
     Vector3 free_position, free;    // m, m/s: outputs as if there were no constraint
-    Eigen::Matrix3d inertia, mobility;
-    Vector3 place, place_velocity;       // of a node that is fixed, moved or held
-    Vector3 friction = Vector3::Zero();  // N s
+    Matrix3 inertia, mobility;
+    Vector3 place, place_velocity;       // of a node that is fixed, moved or held; the velocity of the first two
+    Vector3 impulse = Vector3::Zero();   // N s, of surfaces
     Vector3 velocity = Vector3::Zero();  // results
-    int changes = 0;
+    Vector3 position = Vector3::Zero();
+    Touch touch{};
+    bool moves = true;     // else it stays at its place
     bool is_new = false;   // its contact
     double rebound = 0.0;  // m/s, off the surface that it met
   };
-  const Placement& at;  // the end of the step
-  const Cluster& cluster;
-  double h, theta;
-  bool decides;  // which nodes touch, slide and stick
-  std::vector<Member> members;
-  std::vector<Touch> touches;       // [member]
-  std::vector<Vector3> positions;   // [member] m
-  std::vector<std::uint8_t> moves;  // [member] 0: it stays at its place
-  ConstraintSystem system{};
-  Eigen::VectorXd multipliers{};  // N s
+
+  Step(const RigidConnections& rigid, const Placement& end, const Cluster& cluster, const springnet_sweep& sweep);
+  enum class Outcome { solved, lengths_apart, contacts_apart };
+  [[nodiscard]] Outcome solve();
+  [[nodiscard]] const std::vector<Member>& members() const noexcept { return members_; }
+  [[nodiscard]] bool decides() const noexcept { return decides_; }
+  [[nodiscard]] double weight() const noexcept { return h_ * theta_; }
+  // Impulses of the rigid connections, and what of those of surfaces lies along them, N s.
+  [[nodiscard]] std::vector<Vector3> tensions() const;
+  [[nodiscard]] Vector3 friction_on(std::size_t member) const;
+
+ private:
+  void add_member(std::uint32_t node, const springnet_sweep& sweep);
+  void touch(std::size_t member, std::int32_t surface, bool is_new, bool stays);
+  // Velocities with the impulses of surfaces that there are.
+  void respond();
+  [[nodiscard]] Eigen::MatrixXd effective_mobility() const;
+  // Finds these impulses, and with `choose` what touches and sticks. False: there are none.
+  bool find_impulses(bool choose);
+  void take_touches();
+  // Where velocities take the nodes; false if lengths cannot be kept.
+  bool place(std::vector<Vector3>& next) const;
+  bool hold_back(const std::vector<Vector3>& next, std::vector<Touch>& on) const;
+  // The surfaces that are met first on the way of the step, beside those that are known. True if there are any.
+  bool meet();
+  [[nodiscard]] std::vector<Vector3> positions() const;
+  [[nodiscard]] ContactNode* contact_of(std::size_t member);
+
+  const RigidConnections& rigid_;
+  const Contact& contact_;
+  const Placement& at_;  // the end of the step
+  const Cluster& cluster_;
+  double h_, theta_;
+  bool decides_;  // which nodes touch, slide and stick
+  double scale_ = 0.0;
+  std::vector<Member> members_;
+  ConstraintSystem rods_;
+  Eigen::VectorXd multipliers_;  // N s
+  std::optional<Island> island_;
+  Eigen::MatrixXd mobility_;  // of the island, 1/kg
+  bool mobility_stale_ = false;
 };
 
-// Velocities and positions for the present contacts. False if the lengths cannot be kept.
-bool RigidConnections::solve(Step& step) const {
-  const std::size_t count = step.members.size();
+RigidConnections::Step::Step(const RigidConnections& rigid, const Placement& end, const Cluster& cluster,
+                             const springnet_sweep& sweep)
+    : rigid_(rigid),
+      contact_(rigid.contact_),
+      at_(end),
+      cluster_(cluster),
+      h_(sweep.time_constant),
+      theta_(sweep.theta > 0.0 ? sweep.theta : 1.0),
+      decides_(sweep.contacts == 0) {
+  for (const std::uint32_t r : cluster.rods) scale_ = std::max(scale_, rigid.rods_[r].length);
+  members_.reserve(cluster.nodes.size());
+  for (const std::uint32_t k : cluster.nodes) add_member(k, sweep);
+}
+
+void RigidConnections::Step::add_member(std::uint32_t node, const springnet_sweep& sweep) {
+  Member m{};
+  m.node = node;
+  m.fixed = contact_.constrain_fixed(at_, node, sweep);
+  m.moves = !m.fixed;
+  m.start = vector_at(sweep.start_position, node);
+  m.start_velocity = vector_at(sweep.start_velocity, node);
+  m.free_position = m.place = m.position = vector_at(sweep.next_position, node);
+  m.free = m.place_velocity = vector_at(sweep.next_velocity, node);
+  m.inertia = sweep.inertia == nullptr ? Matrix3(rigid_.mass_[node] * Matrix3::Identity())
+                                       : Matrix3(Eigen::Map<const Matrix3>(sweep.inertia + 9 * std::size_t{node}));
+  m.mobility = m.fixed ? Matrix3(Matrix3::Zero()) : Matrix3(m.inertia.inverse());
+  members_.push_back(m);
+  if (contact_.surfaces().empty() || m.fixed) return;
+  const std::size_t i = members_.size() - 1;
+  const Touch committed = contact_.committed(node);
+  const bool stays = contact_.is_undecided(node);
+  if (committed.surface >= 0) {
+    members_[i].place = contact_.carried(at_, m.start, committed.surface);
+    for (const std::int32_t surface : committed.surfaces())
+      if (surface >= 0) touch(i, surface, false, stays);
+  } else if (decides_ && stays && contact_.could_reach(at_, node, m.start, m.free_position)) {
+    const std::int32_t last = contact_.last_surface(node);
+    members_[i].place = contact_.onto(at_, static_cast<std::size_t>(last), m.free_position);
+    touch(i, last, true, true);
+  }
+}
+
+ContactNode* RigidConnections::Step::contact_of(std::size_t member) {
+  if (!island_) return nullptr;
+  for (ContactNode& node : island_->nodes())
+    if (node.node == member) return &node;
+  return nullptr;
+}
+
+// In the island a node has its number in the cluster, and velocities and impulses stand for accelerations and forces.
+void RigidConnections::Step::touch(std::size_t member, std::int32_t surface, bool is_new, bool stays) {
+  Member& m = members_[member];
+  const Obstacle& obstacle = contact_.surfaces()[static_cast<std::size_t>(surface)];
+  ContactSide side;
+  side.surface = surface;
+  side.friction = obstacle.friction();
+  side.stays = stays || !decides_;
+  m.is_new = m.is_new || is_new;
+  if (is_new) m.rebound = contact_.rebound(at_, surface, m.position, m.start_velocity, m.free);
+  std::vector<ContactNode> nodes;
+  if (island_) nodes = std::move(island_->nodes());
+  auto place = std::lower_bound(nodes.begin(), nodes.end(), member,
+                                [](const ContactNode& node, std::size_t i) { return node.node < i; });
+  const bool is_first = place == nodes.end() || place->node != member;
+  if (is_first) place = nodes.insert(place, ContactNode{static_cast<std::uint32_t>(member), {}});
+  place->sides.push_back(side);
+  const bool rubs = sliding_coefficient_of(side.friction) > 0.0;
+  if (const Touch committed = contact_.committed(m.node); !is_new && committed.slides) {
+    place->sticks = false;
+    place->slip = contact_.slip(m.node);
+  } else {
+    place->sticks = is_first ? rubs : place->sticks || rubs;
+  }
+  island_.emplace(std::move(nodes), Eigen::MatrixXd());
+  mobility_stale_ = true;
+}
+
+std::vector<Vector3> RigidConnections::Step::positions() const {
+  std::vector<Vector3> result;
+  result.reserve(members_.size());
+  for (const Member& m : members_) result.push_back(m.position);
+  return result;
+}
+
+void RigidConnections::Step::respond() {
+  for (Member& m : members_) m.velocity = m.fixed ? m.place_velocity : Vector3(m.free + m.mobility * m.impulse);
+  const std::vector<ConstraintRow>& rows = rods_.rows();
+  Eigen::VectorXd rate(static_cast<Eigen::Index>(rows.size()));
+  for (std::size_t r = 0; r < rows.size(); ++r)
+    rate[static_cast<Eigen::Index>(r)] = rows[r].direction.dot(members_[rigid_.member_of_[rows[r].first]].velocity -
+                                                               members_[rigid_.member_of_[rows[r].second]].velocity);
+  multipliers_ = rods_.solve(-rate);
+  rods_.for_each_change(multipliers_, [&](std::uint32_t node, const Vector3& change) {
+    members_[rigid_.member_of_[node]].velocity += change;
+  });
+}
+
+Eigen::MatrixXd RigidConnections::Step::effective_mobility() const {
+  const std::vector<ContactNode>& nodes = island_->nodes();
+  const auto size = static_cast<Eigen::Index>(3 * nodes.size());
+  std::vector<Eigen::Index> first(members_.size(), -1);  // [member] row
+  for (std::size_t i = 0; i < nodes.size(); ++i) first[nodes[i].node] = static_cast<Eigen::Index>(3 * i);
+  Eigen::MatrixXd result = Eigen::MatrixXd::Zero(size, size);
+  const std::vector<ConstraintRow>& rows = rods_.rows();
+  Eigen::VectorXd rate(static_cast<Eigen::Index>(rows.size()));
+  for (const ContactNode& node : nodes) {
+    const Member& m = members_[node.node];
+    const Eigen::Index begin = first[node.node];
+    for (Eigen::Index c = 0; c < 3; ++c) {
+      const Vector3 dv = m.mobility.col(c);
+      for (std::size_t r = 0; r < rows.size(); ++r)
+        rate[static_cast<Eigen::Index>(r)] = rows[r].first == m.node    ? rows[r].direction.dot(dv)
+                                             : rows[r].second == m.node ? -rows[r].direction.dot(dv)
+                                                                        : 0.0;
+      result.block<3, 1>(begin, begin + c) += dv;
+      rods_.for_each_change(rods_.solve(-rate), [&](std::uint32_t changed, const Vector3& change) {
+        if (const Eigen::Index row = first[rigid_.member_of_[changed]]; row >= 0)
+          result.block<3, 1>(row, begin + c) += change;
+      });
+    }
+  }
+  return 0.5 * (result + result.transpose());
+}
+
+bool RigidConnections::Step::find_impulses(bool choose) {
+  if (mobility_stale_) {
+    mobility_ = effective_mobility();
+    std::vector<ContactNode> nodes = std::move(island_->nodes());
+    island_.emplace(std::move(nodes), mobility_);
+    mobility_stale_ = false;
+  }
+  std::vector<ContactNode>& nodes = island_->nodes();
   double scale = 0.0;
-  for (const std::uint32_t r : step.cluster.rods) scale = std::max(scale, rods_[r].length);
-  for (std::size_t i = 0; i < count; ++i) {
-    const Step::Member& m = step.members[i];
-    step.moves[i] = m.fixed || (step.touches[i].surface >= 0 && !step.touches[i].slides) ? 0 : 1;
-    if (step.moves[i] == 0) step.positions[i] = m.place;
+  for (std::size_t i = 0; i < nodes.size(); ++i) {
+    ContactNode& node = nodes[i];
+    const Member& m = members_[node.node];
+    // What it would do without the impulses that there are, so that the mobility need not be quite that of these
+    // positions.
+    node.acceleration = m.velocity;
+    for (std::size_t j = 0; j < nodes.size(); ++j)
+      node.acceleration -= mobility_.block<3, 3>(static_cast<Eigen::Index>(3 * i), static_cast<Eigen::Index>(3 * j)) *
+                           members_[nodes[j].node].impulse;
+    for (ContactSide& side : node.sides) {
+      const auto j = static_cast<std::size_t>(side.surface);
+      side.normal = contact_.normal(at_, j, m.position);
+      side.surface_acceleration = Contact::velocity(at_, j, m.position);
+      side.needed = side.normal.dot(side.surface_acceleration);
+      if (m.is_new && !contact_.committed(m.node).has(side.surface)) side.needed += m.rebound;
+    }
+    scale = std::max(scale, m.inertia.norm() * (node.acceleration - node.sides[0].surface_acceleration).norm());
   }
-  // A node that is stopped in this step comes to rest where the lengths want it on its surface.
-  std::vector<Touch> sliding = step.touches;
-  std::vector<std::uint8_t> placed = step.moves;
-  for (std::size_t i = 0; i < count; ++i)
-    if (!step.members[i].fixed && step.members[i].is_new && step.touches[i].surface >= 0) {
-      sliding[i].slides = true;
-      placed[i] = 1;
-    }
-  const auto mobility = [&](std::uint32_t node) -> Eigen::Matrix3d {
-    const std::size_t i = member_of_[node];
-    return step.moves[i] == 0 ? Eigen::Matrix3d(Eigen::Matrix3d::Zero()) : step.members[i].mobility;
-  };
-  double last = std::numeric_limits<double>::infinity();
-  for (int turn = 0; turn < most_turns; ++turn) {
-    step.system.set(rows_of(step.at, step.cluster, step.touches, step.positions), mobility);
-    const std::vector<ConstraintRow>& rows = step.system.rows();
-    for (std::size_t i = 0; i < count; ++i) {
-      Step::Member& m = step.members[i];
-      m.velocity = step.moves[i] == 0 ? m.place_velocity : Vector3(m.free + m.mobility * m.friction);
-    }
-    Eigen::VectorXd rate(static_cast<Eigen::Index>(rows.size()));
-    for (std::size_t r = 0; r < rows.size(); ++r) {
-      const std::size_t i = member_of_[rows[r].first];
-      const Vector3 other =
-          rows[r].second != ConstraintRow::no_node
-              ? step.members[member_of_[rows[r].second]].velocity
-              : Vector3(Contact::velocity(step.at, static_cast<std::size_t>(rows[r].surface), step.positions[i]) +
-                        step.members[i].rebound * rows[r].direction);
-      rate[static_cast<Eigen::Index>(r)] = rows[r].direction.dot(step.members[i].velocity - other);
-    }
-    step.multipliers = step.system.solve(-rate);
-    step.system.for_each_change(step.multipliers, [&](std::uint32_t node, const Vector3& change) {
-      step.members[member_of_[node]].velocity += change;
-    });
-    std::vector<Vector3> next(count);
-    for (std::size_t i = 0; i < count; ++i) {
-      const Step::Member& m = step.members[i];
-      next[i] = step.moves[i] == 0 ? m.place
-                : step.h > 0.0
-                    ? Vector3(m.start + step.h * ((1.0 - step.theta) * m.start_velocity + step.theta * m.velocity))
-                    : m.free_position;
-    }
-    if (!correct_positions(step.at, step.cluster, sliding, next, placed)) return false;
-    double moved = 0.0;
-    for (std::size_t i = 0; i < count; ++i) moved = std::max(moved, (next[i] - step.positions[i]).norm());
-    // As far as it goes, or as far as rounding lets it.
-    if (moved <= accuracy * scale || (moved <= 1e-10 * scale && moved >= 0.5 * last)) {
-      step.positions.swap(next);
-      return true;
-    }
-    // Directions that turn by much within the step overshoot: half the way then, as soon as that shows.
-    const bool overshoots = moved > 0.7 * last;
-    for (std::size_t i = 0; i < count; ++i)
-      step.positions[i] = overshoots ? Vector3(0.5 * (step.positions[i] + next[i])) : next[i];
-    last = moved;
+  bool found = true;
+  if (choose)
+    found = island_->resolve_impulses(least_impulse * scale);
+  else
+    island_->solve();
+  for (const ContactNode& node : island_->nodes()) members_[node.node].impulse = node.force;
+  return found;
+}
+
+void RigidConnections::Step::take_touches() {
+  for (const ContactNode& node : island_->nodes()) {
+    Member& m = members_[node.node];
+    m.touch = touch_of(node);
+    if (m.rebound > 0.0 && m.touch.surface >= 0) m.touch.slides = true;
+    m.moves = m.touch.surface < 0 || m.touch.slides;
   }
-  // Outputs that sweeps threw far off: the forces along the directions at the end, below, do not explain these
-  // velocities, so that the step cannot count as settled before they do.
+}
+
+bool RigidConnections::Step::place(std::vector<Vector3>& next) const {
+  std::vector<Touch> on(members_.size());
+  std::vector<std::uint8_t> movable(members_.size(), 0);
+  for (std::size_t i = 0; i < members_.size(); ++i) {
+    const Member& m = members_[i];
+    next[i] = !m.moves   ? m.place
+              : h_ > 0.0 ? Vector3(m.start + h_ * ((1.0 - theta_) * m.start_velocity + theta_ * m.velocity))
+                         : m.free_position;
+    movable[i] = m.moves ? 1 : 0;
+    on[i] = m.touch;
+    // A node that is stopped in this step comes to rest where the lengths want it on its surface.
+    if (m.is_new && m.touch.surface >= 0) {
+      on[i].slides = true;
+      movable[i] = 1;
+    }
+  }
+  if (!rigid_.correct_positions(at_, cluster_, on, next, movable)) return false;
+  while (island_ && hold_back(next, on))
+    if (!rigid_.correct_positions(at_, cluster_, on, next, movable)) return false;
   return true;
 }
 
-// The impulse of all rigid connections on a node, N s.
-Vector3 RigidConnections::tension_at(const Step& step, std::size_t member) const {
-  const std::uint32_t node = step.members[member].node;
-  Vector3 sum = Vector3::Zero();
-  for (std::size_t r = 0; r < step.cluster.rods.size(); ++r) {
-    const ConstraintRow& row = step.system.rows()[r];
-    const double x = step.multipliers[static_cast<Eigen::Index>(r)];
-    if (row.first == node) sum += x * row.direction;
-    if (row.second == node) sum -= x * row.direction;
+// A node that met or touched a surface and leaves it may end behind it, by what lengths take it aside, or because it
+// was turned round by what others met. Adds the surfaces where that is so.
+bool RigidConnections::Step::hold_back(const std::vector<Vector3>& next, std::vector<Touch>& on) const {
+  bool any = false;
+  for (const ContactNode& node : island_->nodes()) {
+    const Member& m = members_[node.node];
+    Touch& touch = on[node.node];
+    if (!m.moves) continue;
+    for (const ContactSide& side : node.sides) {
+      if (touch.has(side.surface) || touch.third >= 0) continue;
+      if (contact_.gap(at_, static_cast<std::size_t>(side.surface), next[node.node]) >= -accuracy * scale_) continue;
+      touch = after(touch, {ContactCause::Kind::touch, side.surface});
+      any = true;
+    }
   }
-  return sum;
+  return any;
 }
 
-// True if the contact of a node has to be another one than the solution was made for.
-bool RigidConnections::revise_contact(Step& step, std::size_t member) const {
-  Step::Member& m = step.members[member];
-  Touch& touch = step.touches[member];
-  const bool forced = contact_.is_undecided(m.node) || m.changes >= most_changes;
-  const Contact::Way way{m.node, m.start, m.start_velocity, step.positions[member], m.velocity};
-  if (!step.decides) return touch.slides && revise_friction(step, member);
-  if (touch.surface < 0) {
-    const Contact::Meeting meeting = contact_.first_meeting(step.at, m.start, step.positions[member]);
-    if (meeting.surface < 0 || contact_.leaves(step.at, meeting.surface, way)) return false;
-    const auto j = static_cast<std::size_t>(meeting.surface);
-    touch = {meeting.surface, contact_.surfaces()[j].friction().kind != Friction::Kind::held};
-    m.is_new = !contact_.committed(m.node).has(meeting.surface);
-    if (m.is_new)
-      m.rebound = contact_.rebound(step.at, meeting.surface, step.positions[member], m.start_velocity, m.free);
-    touch.slides = touch.slides || m.rebound > 0.0;
-    m.place = contact_.onto(step.at, j, contact_.taken_along(step.at, m.start, step.positions[member], meeting));
-    m.place_velocity = Contact::velocity(step.at, j, m.place);
-    ++m.changes;
-    return true;
-  }
-  const auto j = static_cast<std::size_t>(touch.surface);
-  const Friction& law = contact_.surfaces()[j].friction();
-  const Vector3 n = contact_.normal(step.at, j, step.positions[member]);
-  const auto leave = [&] {
-    if (m.is_new || forced) return false;
-    touch = {};
-    m.friction.setZero();
-    ++m.changes;
-    return true;
+bool RigidConnections::Step::meet() {
+  struct Found {
+    std::size_t member;
+    Contact::Meeting meeting;
   };
-  const auto is_smooth = [&](std::int32_t surface) {
-    return contact_.surfaces()[static_cast<std::size_t>(surface)].friction().kind == Friction::Kind::none;
-  };
-  if (touch.slides && !forced) {
-    const Contact::Meeting second = contact_.second_meeting(step.at, way, touch.surface, touch.second);
-    if (second.surface >= 0 && touch.second < 0 && is_smooth(touch.surface) && is_smooth(second.surface)) {
-      touch.second = second.surface;
-      ++m.changes;
-      return true;
+  std::vector<Found> found;
+  double first = 2.0;
+  for (std::size_t i = 0; i < members_.size(); ++i) {
+    const Member& m = members_[i];
+    if (m.fixed || contact_.is_undecided(m.node) || !m.moves) continue;
+    const ContactNode* known = contact_of(i);
+    if (known != nullptr && known->sides.size() == 3) continue;
+    const Contact::Way way{m.node, m.start, m.start_velocity, m.position, m.velocity};
+    Contact::Meeting meeting;
+    if (m.touch.surface >= 0) {
+      meeting = contact_.second_meeting(at_, way, m.touch.surface, m.touch.second);
+    } else {
+      meeting = contact_.first_meeting(at_, m.start, m.position);
+      // One that goes away is put back if it is behind what it goes away from.
+      if (meeting.surface >= 0 && contact_.leaves(at_, meeting.surface, way) &&
+          contact_.gap(at_, static_cast<std::size_t>(meeting.surface), m.position) >= -accuracy * scale_)
+        meeting.surface = -1;
     }
-    if (second.surface >= 0) {
-      const auto other = static_cast<std::size_t>(second.surface);
-      m.is_new = contact_.committed(m.node).surface != second.surface;
-      m.place = contact_.onto(step.at, other, contact_.taken_along(step.at, m.start, step.positions[member], second));
-      m.place_velocity = Contact::velocity(step.at, other, m.place);
-      m.friction.setZero();
-      touch = {second.surface, false};
-      ++m.changes;
-      return true;
-    }
+    const auto is_known = [&](const ContactSide& side) { return side.surface == meeting.surface; };
+    if (meeting.surface < 0) continue;
+    if (known != nullptr && std::any_of(known->sides.begin(), known->sides.end(), is_known)) continue;
+    found.push_back({i, meeting});
+    first = std::min(first, meeting.share);
   }
-  if (!touch.slides) {
-    const Vector3 impulse = m.inertia * (m.place_velocity - m.free) - tension_at(step, member);
-    const double pressing = n.dot(impulse);
-    if (pressing < 0.0) return leave();
-    if (law.kind != Friction::Kind::coulomb || m.changes >= most_changes) return false;
-    const Vector3 along = impulse - pressing * n;
-    if (grip(law.coefficient, pressing, along.norm()) >= 0.0) return false;
-    touch.slides = true;
-    m.friction = law.coefficient * pressing * along.normalized();
-    ++m.changes;
-    return true;
+  // What is met later may not be met any more once this is.
+  for (const Found& each : found) {
+    if (each.meeting.share > first + at_once) continue;
+    Member& m = members_[each.member];
+    const auto j = static_cast<std::size_t>(each.meeting.surface);
+    m.place = contact_.onto(at_, j, contact_.taken_along(at_, m.start, m.position, each.meeting));
+    touch(each.member, each.meeting.surface, true, false);
   }
-  for (std::size_t r = step.cluster.rods.size(); r < step.system.rows().size(); ++r) {
-    const ConstraintRow& row = step.system.rows()[r];
-    if (row.first != m.node || step.multipliers[static_cast<Eigen::Index>(r)] >= 0.0) continue;
-    if (touch.second < 0) {
-      if (leave()) return true;
-    } else if (!forced) {
-      touch = {row.surface == touch.surface ? touch.second : touch.surface, true};
-      ++m.changes;
-      return true;
-    }
-  }
-  return revise_friction(step, member);
+  return !found.empty();
 }
 
-// The friction of a node that slides, for the present normal forces; where nothing is to be decided it is against the
-// slip that it had, until it slips that way itself. True if it has to change.
-bool RigidConnections::revise_friction(Step& step, std::size_t member) const {
-  Step::Member& m = step.members[member];
-  Touch& touch = step.touches[member];
-  const auto j = static_cast<std::size_t>(touch.surface);
-  const Friction& law = contact_.surfaces()[j].friction();
-  if (law.kind != Friction::Kind::coulomb) return false;
-  double pressing = 0.0;
-  for (std::size_t r = step.cluster.rods.size(); r < step.system.rows().size(); ++r)
-    if (step.system.rows()[r].first == m.node)
-      pressing += std::max(0.0, step.multipliers[static_cast<Eigen::Index>(r)]);
-  const Vector3 n = contact_.normal(step.at, j, step.positions[member]);
-  const Vector3 relative = m.velocity - Contact::velocity(step.at, j, step.positions[member]);
-  Vector3 slip = relative - n * n.dot(relative);
-  const double most = law.coefficient * pressing;
-  if (!step.decides) {
-    const Vector3& kept = contact_.slip(m.node);
-    if (!(slip.dot(kept) > 0.0)) slip = kept - n * n.dot(kept);
-  } else if ((m.friction.dot(slip) > 0.0 || !(slip.norm() > 0.0)) && m.changes < most_changes) {
-    // Friction that turned the slip round is more than stops it.
-    touch.slides = false;
-    m.place = m.is_new ? contact_.onto(step.at, j, step.positions[member])
-                       : contact_.carried(step.at, m.start, touch.surface);
-    m.place_velocity = Contact::velocity(step.at, j, m.place);
-    m.friction.setZero();
-    ++m.changes;
-    return true;
+RigidConnections::Step::Outcome RigidConnections::Step::solve() {
+  const std::size_t count = members_.size();
+  const auto mobility = [&](std::uint32_t node) { return members_[rigid_.member_of_[node]].mobility; };
+  double last = std::numeric_limits<double>::infinity();
+  bool found = true;
+  int turn = 0;
+  while (turn < most_turns) {
+    rods_.set(rigid_.rods_of(cluster_, positions()), mobility);
+    respond();
+    if (island_) {
+      // Where sticking nodes brace each other, a mobility of other positions would contradict the velocities.
+      const bool is_small = island_->nodes().size() <= few_contacts;
+      if (is_small || turn % turns_of_mobility == turns_of_mobility - 1) mobility_stale_ = true;
+      found = find_impulses(decides_ && turn < turns_of_choice);
+      take_touches();
+      respond();
+    }
+    std::vector<Vector3> next(count);
+    if (!place(next)) return Outcome::lengths_apart;
+    double moved = 0.0;
+    for (std::size_t i = 0; i < count; ++i) moved = std::max(moved, (next[i] - members_[i].position).norm());
+    // As far as it goes, or as far as rounding lets it.
+    const bool done = moved <= accuracy * scale_ || (moved <= 1e-10 * scale_ && moved >= 0.5 * last);
+    // Directions that turn by much within the step overshoot: half the way then, as soon as that shows.
+    const bool overshoots = !done && moved > 0.7 * last;
+    for (std::size_t i = 0; i < count; ++i)
+      members_[i].position = overshoots ? Vector3(0.5 * (members_[i].position + next[i])) : next[i];
+    last = moved;
+    ++turn;
+    if (!done) continue;
+    if (!decides_ || contact_.surfaces().empty() || !meet()) break;
+    turn = 0;
+    last = std::numeric_limits<double>::infinity();
   }
-  if (!(slip.norm() > 0.0)) return false;
-  const Vector3 friction = -most * slip.normalized();
-  const double change = (friction - m.friction).norm();
-  m.friction = friction;
-  return change > 1e-12 * most;
+  // Outputs that sweeps threw far off: the forces along the directions at the end do not explain these velocities, so
+  // that the step cannot count as settled before they do.
+  for (Member& m : members_)
+    if (m.fixed)
+      m.velocity = m.place_velocity;
+    else if (!m.moves)
+      m.velocity = Contact::velocity(at_, static_cast<std::size_t>(m.touch.surface), m.position);
+  return found ? Outcome::solved : Outcome::contacts_apart;
 }
 
-bool RigidConnections::revise_contacts(Step& step) const {
-  bool changed = false;
-  for (std::size_t i = 0; i < step.members.size(); ++i)
-    if (!step.members[i].fixed && revise_contact(step, i)) changed = true;
-  return changed;
+std::vector<Vector3> RigidConnections::Step::tensions() const {
+  std::vector<Vector3> sums(members_.size(), Vector3::Zero());
+  const std::vector<ConstraintRow> rows = rigid_.rods_of(cluster_, positions());
+  for (std::size_t r = 0; r < rows.size(); ++r) {
+    const Vector3 impulse = multipliers_[static_cast<Eigen::Index>(r)] * rows[r].direction;
+    sums[rigid_.member_of_[rows[r].first]] += impulse;
+    sums[rigid_.member_of_[rows[r].second]] -= impulse;
+  }
+  return sums;
+}
+
+Vector3 RigidConnections::Step::friction_on(std::size_t member) const {
+  const Member& m = members_[member];
+  std::vector<Vector3> normals;
+  for (const std::int32_t surface : m.touch.surfaces())
+    if (surface >= 0) normals.push_back(contact_.normal(at_, static_cast<std::size_t>(surface), m.position));
+  return normals.empty() ? Vector3(Vector3::Zero()) : split_reaction(normals, m.impulse).along;
 }
 
 springnet_status RigidConnections::constrain(const Placement& end, std::size_t index, const springnet_sweep& sweep,
                                              springnet_message& message) const {
   const Cluster& cluster = clusters_[index];
-  const std::size_t count = cluster.nodes.size();
-  Step step{end, cluster, sweep.time_constant, sweep.theta > 0.0 ? sweep.theta : 1.0, sweep.contacts == 0, {}, {},
-            {},  {}};
-  step.members.reserve(count);
-  step.touches.resize(count);
-  step.positions.resize(count);
-  step.moves.resize(count);
-  const bool surfaces = !contact_.surfaces().empty();
-  for (std::size_t i = 0; i < count; ++i) {
-    const std::uint32_t k = cluster.nodes[i];
-    Step::Member m{};
-    m.node = k;
-    m.fixed = contact_.constrain_fixed(end, k, sweep);
-    m.start = vector_at(sweep.start_position, k);
-    m.start_velocity = vector_at(sweep.start_velocity, k);
-    m.free_position = m.place = step.positions[i] = vector_at(sweep.next_position, k);
-    m.free = m.place_velocity = vector_at(sweep.next_velocity, k);
-    m.inertia = sweep.inertia == nullptr
-                    ? Eigen::Matrix3d(mass_[k] * Eigen::Matrix3d::Identity())
-                    : Eigen::Matrix3d(Eigen::Map<const Eigen::Matrix3d>(sweep.inertia + 9 * std::size_t{k}));
-    m.mobility = m.inertia.inverse();
-    if (surfaces && !m.fixed) {
-      Touch touch = contact_.committed(k);
-      if (step.decides && touch.surface < 0 && contact_.is_undecided(k) &&
-          contact_.could_reach(end, k, m.start, m.free_position)) {
-        const std::int32_t last = contact_.last_surface(k);
-        const auto j = static_cast<std::size_t>(last);
-        touch = {last, contact_.surfaces()[j].friction().kind != Friction::Kind::held};
-        m.place = contact_.onto(end, j, m.free_position);
-        m.is_new = true;
-      } else if (touch.surface >= 0) {
-        m.place = contact_.carried(end, m.start, touch.surface);
-      }
-      if (touch.surface >= 0)
-        m.place_velocity = Contact::velocity(end, static_cast<std::size_t>(touch.surface), m.place);
-      step.touches[i] = touch;
-    }
-    step.members.push_back(m);
+  Step step(*this, end, cluster, sweep);
+  switch (step.solve()) {
+    case Step::Outcome::solved:
+      break;
+    case Step::Outcome::lengths_apart:
+      return cannot_keep(cluster, message);
+    case Step::Outcome::contacts_apart:
+      set_message(message,
+                  fmt::format("contacts and friction of the {} nodes that hang rigidly together with node {} depend "
+                              "on each other without an end; use a smaller time step, or less friction there",
+                              cluster.nodes.size(), user_number_[cluster.nodes.front()]));
+      return SPRINGNET_RECOVERABLE;
   }
-  bool revised = true;
-  for (int round = 0; round < most_rounds && revised; ++round) {
-    if (!solve(step)) return cannot_keep(cluster, message);
-    revised = surfaces && revise_contacts(step);
-  }
-  if (revised) {
-    set_message(message,
-                fmt::format("contacts and friction of the {} nodes that hang rigidly together with node {} depend "
-                            "on each other without an end; use a smaller time step, or less friction there",
-                            count, user_number_[cluster.nodes.front()]));
-    return SPRINGNET_RECOVERABLE;
-  }
-  std::vector<Vector3> impulses(count, Vector3::Zero());
-  const std::vector<ConstraintRow> rows = rows_of(end, cluster, step.touches, step.positions);
-  for (std::size_t r = 0; r < rows.size(); ++r) {
-    const Vector3 impulse = step.multipliers[static_cast<Eigen::Index>(r)] * rows[r].direction;
-    impulses[member_of_[rows[r].first]] += impulse;
-    if (rows[r].second != ConstraintRow::no_node) impulses[member_of_[rows[r].second]] -= impulse;
-  }
-  for (std::size_t i = 0; i < count; ++i) {
-    const Step::Member& m = step.members[i];
+  const std::vector<Vector3> tensions = step.tensions();
+  for (std::size_t i = 0; i < step.members().size(); ++i) {
+    const Step::Member& m = step.members()[i];
     if (m.fixed) continue;
-    put_vector(sweep.next_position, m.node, step.positions[i]);
+    put_vector(sweep.next_position, m.node, m.position);
     put_vector(sweep.next_velocity, m.node, m.velocity);
-    Vector3 impulse = Vector3::Zero();
-    if (step.moves[i] != 0) impulse = impulses[i] + m.friction;
-    if (sweep.constraint_force.x != nullptr && step.h > 0.0)
-      put_vector(sweep.constraint_force, m.node, impulse / (step.h * step.theta));
-    if (!surfaces) continue;
-    if (step.decides) static_cast<void>(contact_.undecided(m.node, step.touches[i].surface >= 0));
-    if (step.decides && step.touches[i].slides && m.friction.norm() > 0.0) contact_.set_slip(m.node, -m.friction);
-    contact_.decide(m.node, step.touches[i],
-                    step.touches[i].surface >= 0 ? Vector3(m.inertia * (m.velocity - m.free) - tension_at(step, i))
-                                                 : Vector3(Vector3::Zero()),
-                    m.rebound > 0.0 && step.touches[i].surface >= 0);
+    const Vector3 impulse = m.moves ? Vector3(tensions[i] + m.impulse) : Vector3(Vector3::Zero());
+    if (sweep.constraint_force.x != nullptr && step.weight() > 0.0)
+      put_vector(sweep.constraint_force, m.node, impulse / step.weight());
+    if (contact_.surfaces().empty()) continue;
+    const bool touches = m.touch.surface >= 0;
+    if (step.decides()) {
+      static_cast<void>(contact_.undecided(m.node, touches));
+      if (const Vector3 friction = step.friction_on(i); m.touch.slides && friction.norm() > 0.0)
+        contact_.set_slip(m.node, -friction);
+    }
+    contact_.decide(m.node, m.touch, touches ? m.impulse : Vector3(Vector3::Zero()), m.rebound > 0.0 && touches);
   }
   return SPRINGNET_OK;
 }

@@ -19,6 +19,10 @@ namespace {
 constexpr double penetration = 1e-9;
 // A node that a surface stopped has no speed against it but rounding, in units of the velocity scale.
 constexpr double rounding_of_speed = 1e-13;
+constexpr double rounding_of_force = 1e-14;  // likewise
+constexpr double least_force = 1e-9;         // likewise, of what is decided by forces
+// Slip that is so much faster than the speed of rest has a direction that friction follows.
+constexpr double quick_slip = 4.0;
 
 }  // namespace
 
@@ -48,28 +52,55 @@ const std::vector<Engine::EventSource>& Engine::event_sources() {
       const auto j = static_cast<std::uint32_t>(touch.surface);
       if (!touch.slides) {
         sources_.push_back({Kind::slip, k, j});
-      } else if (contact_.slip_phase(k) != Contact::Slip::goes_on) {
-        sources_.push_back({Kind::rest, k, j});
-        sources_.push_back({Kind::quick, k, j});
+        sources_.back().depth = beyond_cone(sources_.back());
       } else {
+        const Contact::Slip phase = contact_.slip_phase(k);
         sources_.push_back({Kind::rest, k, j});  // steps may go past the end of a slip
-        sources_.push_back({Kind::slow, k, j});
+        sources_.push_back({phase == Contact::Slip::goes_on ? Kind::slow : Kind::quick, k, j});
+        if (phase == Contact::Slip::begins) sources_.push_back({Kind::stall, k, j});
       }
     }
     if (touch.surface >= 0 && !touch.slides) continue;
     for (std::int32_t j = 0; j < surfaces; ++j) {
       if (touch.has(j)) continue;
       // From the contact tolerance on: a node that lies on the surface, up to rounding, has a value above 0 that falls
-      // through it when the node sinks in. One that was let go a little behind it too.
+      // through it when the node sinks in. One that was let go a little behind it too, and is watched for from several
+      // times as deep, because each time it is found again costs a restart.
       const auto surface = static_cast<std::size_t>(j);
       const double behind = -contact_.gap(*now, surface, vector_at(state_.view.position, k));
-      sources_.push_back({Kind::touch, k, static_cast<std::uint32_t>(j), depth + std::max(0.0, behind)});
+      sources_.push_back({Kind::touch, k, static_cast<std::uint32_t>(j), depth + 4.0 * std::max(0.0, behind)});
     }
   }
   for (const std::uint32_t s : rupturing().springs) sources_.push_back({Kind::rupture, s, 0});
   for (const std::uint32_t e : rupturing().elements) sources_.push_back({Kind::element_rupture, e, 0});
   sources_revision_ = revision_;
   return sources_;
+}
+
+// A node that is braced leaves when its gap would open if its surface did not hold it, m/s^2.
+springnet_status Engine::acceleration_let_go(const EventSource& source, const ReactionsAt& at, double& value) {
+  const std::uint32_t k = source.index;
+  const Touch touch = contact_.committed(k);
+  contact_.touch(k, {}, Vector3::Zero());
+  ReactionsAt without(at);
+  without.forget();
+  Vector3 a;
+  const springnet_status status = without.acceleration(k, a);
+  contact_.touch(k, touch, Vector3::Zero());
+  contact_.set_braced(k, true);
+  const Placement& placement = at.placement();
+  const Vector3 p = at.position(k);
+  value = contact_.normal(placement, source.surface, p).dot(a - Contact::acceleration(placement, source.surface, p));
+  return status;
+}
+
+// A node that rests beyond the cone of friction by rounding would not be seen to cross it: twice as far from there on.
+double Engine::beyond_cone(const EventSource& source) {
+  if (step_length_ > 0.0) return 0.0;  // nobody asks
+  ReactionsAt reactions(*this, time_, read_only(state_.view.position), read_only(state_.view.velocity));
+  double grip = 0.0;
+  if (contact_event(source, reactions, grip) != SPRINGNET_OK || grip > 0.0) return 0.0;
+  return -2.0 * grip + rounding_of_force * info_.force_scale;
 }
 
 // Of friction of a node on a surface, infinite where that holds it.
@@ -96,19 +127,28 @@ springnet_status Engine::contact_event(const EventSource& source, ReactionsAt& r
     }
     case Kind::rest:
       value = contact_.slip(k).dot(contact_.slip_vector(at, k, source.surface, p, reactions.velocity(k)));
-      // A slip that begins has no acceleration yet: what it has of speed may be rounding.
-      if (contact_.slip_phase(k) == Contact::Slip::begins) value += 0.1 * contact_.rest_speed();
+      // A slip that begins goes its way as long as it is accelerated, whatever errors of integration make of it.
+      if (contact_.slip_phase(k) == Contact::Slip::begins) value += quick_slip * contact_.rest_speed();
       return SPRINGNET_OK;
     case Kind::quick:
-      value =
-          contact_.slip_vector(at, k, source.surface, p, reactions.velocity(k)).norm() - 4.0 * contact_.rest_speed();
+      value = contact_.slip_vector(at, k, source.surface, p, reactions.velocity(k)).norm() -
+              quick_slip * contact_.rest_speed();
       return SPRINGNET_OK;
+    case Kind::stall: {
+      Vector3 a;
+      if (const springnet_status status = reactions.bound(k, a); status != SPRINGNET_OK) return status;
+      value = contact_.slip_direction(at, k, source.surface, p, reactions.velocity(k))
+                  .dot(a - Contact::acceleration(at, source.surface, p)) +
+              least_force * info_.force_scale / mass_[k];  // none, where connections to nodes that stick hold it
+      return SPRINGNET_OK;
+    }
     case Kind::slow:
       value = contact_.slip_vector(at, k, source.surface, p, reactions.velocity(k)).norm() - contact_.rest_speed();
       return SPRINGNET_OK;
     default:
       break;
   }
+  if (source.kind == Kind::release && contact_.braced(k)) return acceleration_let_go(source, reactions, value);
   Vector3 reaction;
   if (const springnet_status status = reactions.of(k, reaction); status != SPRINGNET_OK) return status;
   const Touch& touch = contact_.committed(k);
@@ -117,9 +157,9 @@ springnet_status Engine::contact_event(const EventSource& source, ReactionsAt& r
   for (std::size_t i = 0; i < split.normal.size(); ++i) {
     const auto j = static_cast<std::size_t>(touch.surfaces()[i]);
     if (j == source.surface) value = -split.normal[i];
-    bears += coefficient(k, j) * split.normal[i];
+    bears += bearing(coefficient(k, j), split.normal[i]);
   }
-  if (source.kind == Kind::slip) value = bears - split.along.norm();
+  if (source.kind == Kind::slip) value = bears - split.along.norm() + source.depth;
   return SPRINGNET_OK;
 }
 
@@ -144,9 +184,9 @@ springnet_status Engine::event_values(const springnet_evaluation& request, doubl
 }
 
 // Touches that are about to happen within the tolerance count beside those that were found.
-bool Engine::touches_now(const EventSource& source, const Placement& at, const State& state) const {
+bool Engine::touches_now(const EventSource& source, const Placement& at, const State& state, double depth) const {
   const Vector3 p = vector_at(state.view.position, source.index);
-  return contact_.gap(at, source.surface, p) <= contact_tolerance() &&
+  return contact_.gap(at, source.surface, p) <= depth &&
          contact_.normal(at, source.surface, p)
                  .dot(vector_at(state.view.velocity, source.index) - Contact::velocity(at, source.surface, p)) <
              -no_speed();
@@ -156,12 +196,15 @@ springnet_status Engine::fire_events(double time, State& state, const std::int32
   using Kind = EventSource::Kind;
   const std::shared_ptr<const Placement> at = placement(time);
   const std::vector<EventSource> sources = event_sources();
+  // What integration made of nodes that stick: whether and where they slip is decided from the motion of their surface.
+  constraints_.place(*at, read_only(state_.view.position), state.view.position, state.view.velocity);
   std::vector<std::uint32_t> broken, broken_elements;
   Settling::Findings findings;
+  const double depth = contact_.surfaces().empty() ? 0.0 : contact_tolerance();
   for (std::size_t e = 0; e < sources.size(); ++e) {
     const EventSource& source = sources[e];
     const std::uint32_t k = source.index;
-    if (fired[e] == 0 && !(source.kind == Kind::touch && touches_now(source, *at, state))) continue;
+    if (fired[e] == 0 && !(source.kind == Kind::touch && touches_now(source, *at, state, depth))) continue;
     switch (source.kind) {
       case Kind::rupture:
         broken.push_back(k);
@@ -170,11 +213,25 @@ springnet_status Engine::fire_events(double time, State& state, const std::int32
         broken_elements.push_back(k);
         break;
       case Kind::slow:
+        Settling(*this, time, state, findings).keep_direction(k);
+        changed();
+        break;
       case Kind::quick: {
         const Vector3 slip = contact_.slip_vector(*at, k, source.surface, vector_at(state.view.position, k),
                                                   vector_at(state.view.velocity, k));
-        contact_.set_slip(k, slip.normalized(),
-                          source.kind == Kind::slow ? Contact::Slip::ends : Contact::Slip::goes_on);
+        if (contact_.slip_phase(k) == Contact::Slip::ends) note_grazing_slip(k, source.surface, time);
+        contact_.set_slip(k, slip.normalized());
+        changed();
+        break;
+      }
+      case Kind::stall: {
+        const Vector3 slip = contact_.slip_vector(*at, k, source.surface, vector_at(state.view.position, k),
+                                                  vector_at(state.view.velocity, k));
+        note_grazing_slip(k, source.surface, time);
+        if (contact_.slip(k).dot(slip) > no_speed())
+          Settling(*this, time, state, findings).keep_direction(k);
+        else
+          findings[k].rests = true;
         changed();
         break;
       }
@@ -184,6 +241,7 @@ springnet_status Engine::fire_events(double time, State& state, const std::int32
         break;
       case Kind::touch:
         findings[k].touched.push_back(static_cast<std::int32_t>(source.surface));
+        changed();  // one that moves off already is watched for from where it is
         break;
       case Kind::release:
         findings[k].released.push_back(static_cast<std::int32_t>(source.surface));
@@ -267,8 +325,8 @@ springnet_status Engine::follow_jumps(double from) {
   return settle(time_, state_, findings);
 }
 
-void Engine::note_shed(double from, std::size_t first_event) {
-  for (std::size_t e = first_event; e < events_.size(); ++e) {
+void Engine::note_shed(double from) {
+  for (std::size_t e = committed_events_; e < events_.size(); ++e) {
     const Event& event = events_[e];
     if (event.kind != Event::Kind::released || event.surface < 0) continue;
     const auto j = static_cast<std::size_t>(event.surface);
@@ -290,6 +348,26 @@ void Engine::note_grazing(std::uint32_t node, std::size_t surface, double time) 
       fmt::format("At {:g} s node {} touches {} so slowly that errors of integration decide when, and whether; such "
                   "touches are counted as grazing_touches.",
                   time, user, contact_.name_of(surface)));
+}
+
+void Engine::note_unresolved(std::uint32_t node, double time) {
+  const double before = statistics_.contains("unresolved_contacts") ? statistics_.at("unresolved_contacts") : 0.0;
+  report("unresolved_contacts", before + 1.0);
+  if (before > 0.0) return;
+  note(fmt::format(
+      "At {:g} s no forces of surfaces were found that fit node {} and what hangs rigidly on it: one of them "
+      "may pull, or friction be more than it can; such moments are counted as unresolved_contacts.",
+      time, layout_.ordering().user[node]));
+}
+
+void Engine::note_grazing_slip(std::uint32_t node, std::size_t surface, double time) {
+  const double before = statistics_.contains("grazing_slips") ? statistics_.at("grazing_slips") : 0.0;
+  report("grazing_slips", before + 1.0);
+  if (before > 0.0) return;
+  note(
+      fmt::format("At {:g} s node {} slips on {} so slowly that errors of integration decide when that begins or ends, "
+                  "and whether; such slips are counted as grazing_slips.",
+                  time, layout_.ordering().user[node], contact_.name_of(surface)));
 }
 
 }  // namespace springnet

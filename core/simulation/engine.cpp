@@ -249,8 +249,12 @@ springnet_status Engine::begin(double from, double until, Loads::Change loads) {
     if (status == SPRINGNET_OK)
       status = constraints_.project(*now, state_.view.position, state_.view.velocity, message_);
   }
+  // What was let go since the last step has nothing left to be told of.
+  for (std::uint32_t k = 0; k < withheld_.size(); ++k)
+    if (contact_.touching()[k] == 0) withheld_[k].setZero();
   contact_.begin_step(now);
   swept_ = false;
+  if (status == SPRINGNET_OK) status = note_hanging();
   return status;
 }
 
@@ -291,6 +295,7 @@ void Engine::set_node(std::uint32_t node, const std::optional<Vector3>& position
       } else {
         put_vector(state_.view.velocity, node, *velocity - n * lifting);
         contact_.touch(node, {touch.surface, true}, Vector3::Zero());
+        contact_.set_slip(node, Vector3::Zero());  // it has a new one
       }
     }
   }

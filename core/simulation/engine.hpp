@@ -118,17 +118,19 @@ class Engine {
     bool done = false;
   };
   struct EventSource {
-    // rest: the slip that began or was about to end has no speed left along its direction; slow, quick: its direction
-    // is kept from now on, or followed.
+    // rest: the slip that is about to end has no speed left along its direction; slow, quick: its direction is kept
+    // from now on, or followed; stall: the acceleration of a slip that began turns round.
     // seam: a sliding node passes a line where the curvature of its surface jumps.
-    enum class Kind : std::uint8_t { touch, release, slip, rest, slow, quick, seam, rupture, element_rupture };
+    enum class Kind : std::uint8_t { touch, release, slip, rest, slow, quick, stall, seam, rupture, element_rupture };
     Kind kind;
     std::uint32_t index;  // node, spring or element
     std::uint32_t surface;
-    double depth = 0.0;  // m, of a touch: how far behind the surface it counts
+    double depth = 0.0;  // added to its value: of a touch, m, how far behind the surface it counts; of a slip, N
   };
   class ReactionsAt;
   class Settling;
+  struct Hanging;
+  class Stepping;
   struct NodeEvaluation;
 
   // What begins at `from`, once the loads are known.
@@ -160,17 +162,23 @@ class Engine {
   // they are, strike them, or take them along.
   springnet_status follow_jumps(double from);
   [[nodiscard]] double coefficient(std::uint32_t node, std::size_t surface) const;
+  springnet_status acceleration_let_go(const EventSource& release, const ReactionsAt& at, double& value);
+  [[nodiscard]] double beyond_cone(const EventSource& slip);  // N
   // The value of an event of a contact.
   springnet_status contact_event(const EventSource& source, ReactionsAt& reactions, double& value);
   // Whether a node is about to touch within the tolerance.
-  [[nodiscard]] bool touches_now(const EventSource& source, const Placement& at, const State& state) const;
+  [[nodiscard]] bool touches_now(const EventSource& source, const Placement& at, const State& state,
+                                 double depth) const;
   struct Finding;
   springnet_status settle(double time, State& state, const std::map<std::uint32_t, Finding>& findings);
   [[nodiscard]] double no_speed() const noexcept;  // m/s
   void note_grazing(std::uint32_t node, std::size_t surface, double time);
-  // Surfaces that left nodes behind, in events from this one on, because their velocity jumped in a step from `from`,
-  // s.
-  void note_shed(double from, std::size_t first_event);
+  // Surfaces that left nodes behind since the last commit, at `from`, s, because their velocity jumped.
+  void note_shed(double from);
+  // No forces and impulses of surfaces were found that fit a node and what hangs rigidly on it.
+  void note_unresolved(std::uint32_t node, double time);
+  // The slip of a node begins or ends where errors of integration decide whether.
+  void note_grazing_slip(std::uint32_t node, std::size_t surface, double time);
   // Of a sweep in an order; `tile_context` is that of the sweep.
   springnet_status sweep_in_order(const springnet_sweep& sweep, void* tile_context);
   springnet_status sweep_set(std::uint32_t set, void* tile_context);
@@ -188,6 +196,16 @@ class Engine {
   void note_sweep(const springnet_sweep& sweep) noexcept;
   // The contacts of sweeps become the committed ones, and what surfaces gave at once is counted.
   springnet_status commit_sweeps(double time);
+  // What surfaces gave a node, and what fixation gave it, at once, N s.
+  // Returns what of it is each surface's.
+  std::vector<Vector3> book_contact(std::uint32_t node, const std::vector<std::int32_t>& surfaces, const Placement& at,
+                                    const Vector3& impulse);
+  void book_motion(std::uint32_t node, const Placement& end);
+  springnet_status book_hanging(const Hanging& hanging, ReactionsAt& reactions);
+  // How nodes that hang rigidly on fixed ones begin the step, for that.
+  springnet_status note_hanging();
+  // What a constrain asks for that is a drift or a kick.
+  springnet_status step_explicitly(const springnet_sweep& step);
   void note(Event::Kind kind, double time, std::uint32_t user_index) { events_.push_back({kind, time, user_index}); }
   [[nodiscard]] const std::vector<EventSource>& event_sources();
   struct Rupturing {
@@ -221,12 +239,18 @@ class Engine {
   double advance_from_ = 0.0, advance_until_ = 0.0;  // s
   std::string misuse_;
   bool forces_stale_ = true;
-  bool unsettled_ = false;         // something changed after which contacts and ruptures are looked at anew
-  bool swept_ = false;             // since the last commit
-  bool swept_decided_ = false;     // about contacts
+  bool unsettled_ = false;              // something changed after which contacts and ruptures are looked at anew
+  bool swept_ = false;                  // since the last commit
+  bool swept_decided_ = false;          // about contacts
+  std::shared_ptr<Stepping> stepping_;  // of velocity Verlet, the last step; null: none
   std::vector<Vector3> withheld_;  // [node] N: what reactions_at.hpp's told() left out at the last commit; may be empty
-  double swept_rest_ = 0.0;        // s: 1 - theta times the time constant
-  double swept_weight_ = 0.0;      // s: theta times the time constant of the last sweep
+  struct Hanging {
+    std::size_t cluster;
+    std::vector<Vector3> velocity, acceleration;  // m/s, m/s^2, [node of the cluster]
+  };
+  std::vector<Hanging> hanging_;  // clusters with fixed nodes, as the step began
+  double swept_rest_ = 0.0;       // s: 1 - theta times the time constant
+  double swept_weight_ = 0.0;     // s: theta times the time constant of the last sweep
   std::vector<ScheduledCut> cuts_;
   std::vector<Event> events_;
   std::map<std::string, double> statistics_;
@@ -239,7 +263,8 @@ class Engine {
   std::uint64_t sources_revision_ = 0;
   std::vector<EventSource> sources_;
   double grazing_touches_ = 0.0;
-  std::set<std::size_t> shedding_;  // surfaces of which note_shed() told
+  std::size_t committed_events_ = 0;  // events when the last commit ended
+  std::set<std::size_t> shedding_;    // surfaces of which note_shed() told
   struct Touches {
     int count = 0;
     double last = -std::numeric_limits<double>::infinity();  // s

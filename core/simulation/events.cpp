@@ -4,7 +4,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <optional>
 #include <set>
 
 #include "constraints/vectors.hpp"
@@ -13,7 +12,6 @@
 #include "layers/message.hpp"
 #include "plugin_host/call.hpp"
 #include "simulation/engine.hpp"
-#include "simulation/reactions_at.hpp"
 
 namespace springnet {
 const Engine::Rupturing& Engine::rupturing() {
@@ -159,54 +157,11 @@ void Engine::follow_prescribed() {
   }
 }
 
-// Over the step surfaces gave (1 - theta) h R_start + J, with J of the sweeps; what is told of that as a force is
-// h ((1 - theta) R_start + theta R_end). The rest came at once, of nodes whose contact changed; of others it is what
-// the sweeps left, or what a single one does not know.
-springnet_status Engine::commit_sweeps(double time) {
-  if (contact_.surfaces().empty()) return SPRINGNET_OK;
-  using Kind = ContactChange::Kind;
-  const std::vector<ContactChange> changes = contact_.commit_sweep(swept_decided_);
-  if (!changes.empty()) ++revision_;
-  withheld_.resize(contact_.touching().size(), Vector3::Zero());
-  std::optional<ReactionsAt> reactions;
-  std::vector<Vector3> at_once(contact_.touching().size(), Vector3::Zero());
-  std::vector<std::int32_t> by(contact_.touching().size(), -1);  // [node] the surface whose contact changed
-  for (const ContactChange& change : changes) by[change.node] = change.surface;
-  for (std::uint32_t k = 0; k < at_once.size(); ++k) {
-    if (!withheld_[k].isZero(0.0) && by[k] < 0) by[k] = contact_.committed(k).surface;
-    at_once[k] = contact_.sweep_impulse(k) + swept_rest_ * withheld_[k];
-    withheld_[k].setZero();
-    if (contact_.touching()[k] == 0) continue;
-    if (!reactions) reactions.emplace(*this, time, read_only(state_.view.position), read_only(state_.view.velocity));
-    Vector3 reaction;
-    if (const springnet_status status = reactions->told(k, reaction, &withheld_[k]); status != SPRINGNET_OK)
-      return status;
-    at_once[k] -= swept_weight_ * reaction;
-  }
-  for (std::uint32_t k = 0; k < at_once.size(); ++k) {
-    if (by[k] < 0) continue;
-    contact_.add_impulse(k, at_once[k]);
-    contact_.add_surface_impulse(static_cast<std::size_t>(by[k]), -at_once[k]);
-  }
-  const auto tell = [&](const ContactChange& change) {
-    static constexpr Event::Kind kinds[] = {Event::Kind::touched, Event::Kind::released, Event::Kind::slipped,
-                                            Event::Kind::stuck};
-    Event event{kinds[static_cast<std::size_t>(change.kind)], time, layout_.ordering().user[change.node]};
-    event.surface = change.surface;
-    if (change.kind == Kind::touched) event.impulse = at_once[change.node];
-    events_.push_back(event);
-  };
-  for (const ContactChange& change : changes) tell(change);
-  contact_.note_slips(*placement(time), read_only(state_.view.position), read_only(state_.view.velocity));
-  return SPRINGNET_OK;
-}
-
 springnet_status Engine::commit(double time, State& state) {
   check_commit(time, state);
   if (state.view.force_is_current != 0 && !state.forces_finite()) state.view.force_is_current = 0;
   state_.swap(state);
   const double from = time_;
-  const std::size_t events = events_.size();
   time_ = time;
   reactions_known_ = false;
   forces_stale_ = state_.view.force_is_current == 0;
@@ -236,7 +191,8 @@ springnet_status Engine::commit(double time, State& state) {
       status = constraints_.project(*placement(time), state_.view.position, state_.view.velocity, message_);
   }
   if (status != SPRINGNET_OK) return status;
-  if (jumps) note_shed(from, events);
+  if (jumps) note_shed(from);
+  committed_events_ = events_.size();
   status = perform_due_ruptures();
   perform_due_cuts();
   return status;

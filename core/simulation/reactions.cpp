@@ -2,6 +2,7 @@
 
 #include <springnet/error.hpp>
 
+#include "constraints/island.hpp"
 #include "constraints/vectors.hpp"
 
 namespace springnet {
@@ -30,15 +31,18 @@ springnet_status Engine::ReactionsAt::free_acceleration(std::uint32_t node, Vect
                                           acceleration, nullptr, nullptr, engine_.message_);
 }
 
+Vector3 Engine::ReactionsAt::held(std::uint32_t node, Vector3 acceleration) const {
+  double* const values[3] = {&acceleration[0], &acceleration[1], &acceleration[2]};
+  engine_.constraints_.accelerate(*placement_, node, 1, position_, velocity_, values);
+  return acceleration;
+}
+
 springnet_status Engine::ReactionsAt::of(std::uint32_t node, Vector3& reaction) {
   const std::uint32_t* clusters = engine_.rigid_.cluster_of();
   if (clusters != nullptr && clusters[node] != 0xffffffffu) return of_cluster(clusters[node], node, reaction);
   Vector3 free;
   if (const springnet_status status = free_acceleration(node, free); status != SPRINGNET_OK) return status;
-  Vector3 bound = free;
-  double* const values[3] = {&bound[0], &bound[1], &bound[2]};
-  engine_.constraints_.accelerate(*placement_, node, 1, position_, velocity_, values);
-  reaction = engine_.constraints_.reaction(node, free, bound, position_, nullptr);
+  reaction = engine_.constraints_.reaction(node, free, held(node, free), position_, nullptr);
   return SPRINGNET_OK;
 }
 
@@ -74,6 +78,14 @@ springnet_status Engine::ReactionsAt::acceleration(std::uint32_t node, Vector3& 
   return SPRINGNET_OK;
 }
 
+springnet_status Engine::ReactionsAt::bound(std::uint32_t node, Vector3& acceleration) {
+  const std::uint32_t* clusters = engine_.rigid_.cluster_of();
+  if (clusters != nullptr && clusters[node] != 0xffffffffu) return this->acceleration(node, acceleration);
+  const springnet_status status = free_acceleration(node, acceleration);
+  if (status == SPRINGNET_OK) acceleration = held(node, acceleration);
+  return status;
+}
+
 springnet_status Engine::ReactionsAt::know(std::uint32_t cluster) {
   if (cluster_known_[cluster] != 0) return SPRINGNET_OK;
   const std::size_t n = engine_.layout_.node_count();
@@ -89,7 +101,44 @@ springnet_status Engine::ReactionsAt::know(std::uint32_t cluster) {
   }
   engine_.rigid_.accelerate(*placement_, cluster, position_, velocity_, bound, tension_.data());
   cluster_known_[cluster] = 1;
+  brace(cluster);
   return SPRINGNET_OK;
+}
+
+// Connections between nodes that stick may bear any force. The least is taken by which braced nodes press.
+void Engine::ReactionsAt::brace(std::uint32_t cluster) {
+  const Contact& contact = engine_.contact_;
+  const std::vector<std::uint32_t>& nodes = engine_.rigid_.nodes_of(cluster);
+  const auto sticks = [&](std::uint32_t k) { return contact.fixed()[k] == 0 && contact.held()[k] != 0; };
+  if (contact.surfaces().empty() || std::none_of(nodes.begin(), nodes.end(), [&](auto k) { return contact.braced(k); }))
+    return;
+  std::vector<std::size_t> rods;
+  for (std::size_t r = 0; r < tension_.size(); ++r) {
+    const RigidConnections::Rod& rod = engine_.rigid_.rods()[r];
+    if (engine_.rigid_.cluster_of()[rod.first] == cluster && sticks(rod.first) && sticks(rod.second)) rods.push_back(r);
+  }
+  std::vector<std::uint32_t> pressed;
+  for (const std::uint32_t k : nodes)
+    if (sticks(k) && contact.committed(k).count() == 1) pressed.push_back(k);
+  Eigen::VectorXd base(static_cast<Eigen::Index>(pressed.size()));
+  Eigen::MatrixXd more = Eigen::MatrixXd::Zero(base.size(), static_cast<Eigen::Index>(rods.size()));
+  for (Eigen::Index i = 0; i < base.size(); ++i) {
+    const std::uint32_t k = pressed[static_cast<std::size_t>(i)];
+    const Vector3 p = position(k);
+    const Vector3 n = contact.normal(*placement_, static_cast<std::size_t>(contact.committed(k).surface), p);
+    Vector3 reaction;
+    if (of_cluster(cluster, k, reaction) != SPRINGNET_OK) return;
+    base[i] = n.dot(reaction);
+    for (Eigen::Index r = 0; r < more.cols(); ++r) {
+      const RigidConnections::Rod& rod = engine_.rigid_.rods()[rods[static_cast<std::size_t>(r)]];
+      if (rod.first == k || rod.second == k)
+        more(i, r) = -n.dot((position(rod.first == k ? rod.second : rod.first) - p).normalized());
+    }
+  }
+  if (pressed.empty() || rods.empty()) return;
+  base.array() -= 1e-9 * base.lpNorm<Eigen::Infinity>();  // rounding would make it a pull
+  if (const auto least = least_with(base, more))
+    for (Eigen::Index r = 0; r < more.cols(); ++r) tension_[rods[static_cast<std::size_t>(r)]] += (*least)[r];
 }
 
 springnet_status Engine::ReactionsAt::of_cluster(std::uint32_t cluster, std::uint32_t node, Vector3& reaction) {

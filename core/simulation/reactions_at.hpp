@@ -1,6 +1,7 @@
 // Reactions of nodes at some state, evaluated as they are asked for; a cluster's all at once.
 #pragma once
 
+#include <algorithm>
 #include <vector>
 
 #include "simulation/engine.hpp"
@@ -19,17 +20,31 @@ class Engine::ReactionsAt {
   springnet_status told(std::uint32_t node, Vector3& reaction, Vector3* withheld = nullptr);
   // What the node would do if no surface held it now that does not yet, with its rigid connections, m/s^2.
   springnet_status acceleration(std::uint32_t node, Vector3& acceleration);
-  // The same if no surface acted, nor rigid connections.
+  // What it does, with all that holds it, m/s^2.
+  springnet_status bound(std::uint32_t node, Vector3& acceleration);
+  // What it would do if no surface acted, nor rigid connections.
   springnet_status unsupported(std::uint32_t node, Vector3& acceleration);
+  // What holds nodes has changed.
+  void forget() { std::fill(cluster_known_.begin(), cluster_known_.end(), std::uint8_t{0}); }
   [[nodiscard]] Vector3 position(std::uint32_t node) const;
   [[nodiscard]] Vector3 velocity(std::uint32_t node) const;
   // Evaluates a cluster, so that its tensions are known.
   springnet_status know(std::uint32_t cluster);
+  // Of a node whose cluster is known: without connections and surfaces, and with them, m/s^2.
+  [[nodiscard]] Vector3 free(std::uint32_t node) const { return part(free_, node); }
+  [[nodiscard]] Vector3 bound(std::uint32_t node) const { return part(bound_, node); }
   [[nodiscard]] const Placement& placement() const noexcept { return *placement_; }
   [[nodiscard]] const std::vector<double>& tensions() const noexcept { return tension_; }  // [rod] N
 
  private:
   springnet_status free_acceleration(std::uint32_t node, Vector3& acceleration);
+  void brace(std::uint32_t cluster);
+  // Of a lone node, from its acceleration without surfaces.
+  [[nodiscard]] Vector3 held(std::uint32_t node, Vector3 acceleration) const;
+  [[nodiscard]] Vector3 part(const std::vector<double>& values, std::uint32_t node) const {
+    const std::size_t n = values.size() / 3;
+    return {values[node], values[n + node], values[2 * n + node]};
+  }
   springnet_status of_cluster(std::uint32_t cluster, std::uint32_t node, Vector3& reaction);
 
   Engine& engine_;

@@ -2,10 +2,13 @@
 
 #include <fmt/format.h>
 
+#include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <utility>
 
+#include "constraints/friction.hpp"
 #include "constraints/vectors.hpp"
 
 namespace springnet {
@@ -108,9 +111,10 @@ void Engine::Settling::add_sides(ContactNode& node) const {
     // What integration leaves of a motion that the contact does not allow.
     const double least = was ? jump * engine_.info_.velocity_scale : no_speed_;
     if (std::abs(speed) <= least) side.velocity -= speed * side.normal;
-    if (found.rests) side.velocity = side.normal * side.normal.dot(side.velocity);
     node.sides.push_back(side);
   }
+  node.rests = found.rests && touch.slides;
+  node.braced = contact.braced(node.node) && found.released.empty();
 }
 
 // Nodes that stick have the velocity of their surface, without what integration made of it.
@@ -206,10 +210,11 @@ void Engine::Settling::find_slips(Island& island) const {
     node.moves = slip.norm() > no_speed_ && friction > 0.0;
     if (node.moves) node.slip = slip.normalized();
     node.sticks = !node.moves && friction > 0.0;
-    // One that just began to slip has no speed yet.
-    const Touch before = engine_.contact_.committed(node.node);
-    if (!node.sticks || !before.slides || before.count() == 0 || finding(node.node).rests) continue;
-    if (engine_.contact_.slip_phase(node.node) != Contact::Slip::begins) continue;
+    // Friction acts as it did: against what has no speed yet, or one that errors of integration have a part in.
+    if (!engine_.contact_.committed(node.node).slides || node.rests || friction == 0.0) continue;
+    const Contact::Slip phase = engine_.contact_.slip_phase(node.node);
+    if (phase == Contact::Slip::goes_on || (phase == Contact::Slip::ends && !node.moves)) continue;
+    node.begins = phase == Contact::Slip::begins;
     node.sticks = false;
     node.slip = engine_.contact_.slip(node.node);
   }
@@ -258,7 +263,10 @@ void Engine::Settling::take(const ContactNode& node) {
   if (stays && now.slides != (before.slides && !finding(k).rests))
     tell(now.slides ? Event::Kind::slipped : Event::Kind::stuck, k, now.surface);
   if (now != before || finding(k).rests || finding(k).slips) engine_.changed();
+  const bool was_braced = contact.braced(k), braced = node.braced && node.sticks && now.count() == 1;
+  if (was_braced != braced) engine_.changed();
   contact.touch(k, now, Vector3::Zero());
+  contact.set_braced(k, braced);
   if (now.surface < 0) return;
   const springnet_vectors &position = state_.view.position, &velocity = state_.view.velocity;
   const auto j = static_cast<std::size_t>(now.surface);
@@ -268,10 +276,69 @@ void Engine::Settling::take(const ContactNode& node) {
     if (arrived) stopped_.push_back(k);
     return;
   }
+  // What slips slowly, and how, is found once all of the island has its contacts.
   const Vector3 slip = contact.slip_vector(*at_, k, j, vector_at(position, k), vector_at(velocity, k));
-  const bool slow = slip.norm() < contact.rest_speed();
-  contact.set_slip(k, node.moves ? Vector3(slip.normalized()) : node.slip,
-                   slow ? Contact::Slip::begins : Contact::Slip::goes_on);
+  const bool begins = !node.moves || node.begins;
+  if (begins)
+    contact.set_slip(k, node.slip, Contact::Slip::begins);
+  else if (!before.slides || contact.slip_phase(k) != Contact::Slip::ends)
+    contact.set_slip(k, slip.normalized());
+}
+
+// Slip that is slow, and becomes slower, is about to end.
+void Engine::Settling::find_phase(const ContactNode& node, const Vector3& acceleration, double negligible) {
+  Contact& contact = engine_.contact_;
+  const std::uint32_t k = node.node;
+  const Touch& touch = contact.committed(k);
+  if (!touch.slides || !node.moves || contact.slip_phase(k) == Contact::Slip::ends) return;
+  const auto j = static_cast<std::size_t>(touch.surface);
+  const Vector3 p = vector_at(state_.view.position, k);
+  const Vector3 slip = contact.slip_vector(*at_, k, j, p, vector_at(state_.view.velocity, k));
+  const double speed = slip.norm();
+  if (speed > contact.rest_speed() && !node.begins) return;
+  const double grows = slip.dot(acceleration - Contact::acceleration(*at_, j, p));
+  if (grows < -negligible * speed)
+    keep_direction(k);
+  else if (!node.begins && speed <= 0.5 * contact.rest_speed())
+    contact.set_slip(k, slip / speed, Contact::Slip::begins);
+}
+
+// Friction keeps the direction from now on in which it ends all of the slip at once, s + T a(t) = 0 with a the
+// acceleration against the surface: that which it would have on the average.
+void Engine::Settling::keep_direction(std::uint32_t k) {
+  Contact& contact = engine_.contact_;
+  const Touch touch = contact.committed(k);
+  const auto j = static_cast<std::size_t>(touch.surface);
+  const Vector3 p = vector_at(state_.view.position, k), v = vector_at(state_.view.velocity, k);
+  const Vector3 slip = contact.slip_vector(*at_, k, j, p, v);
+  if (slip.isZero(0.0)) return;
+  const Vector3 n = contact.normal(*at_, j, p), goes = slip.normalized();
+  const auto keep = [&](const Vector3& direction) { contact.set_slip(k, direction, Contact::Slip::ends); };
+  keep(goes);
+  if (touch.second >= 0 || engine_.coefficient(k, j) >= friction_of_held) return;
+  double slows = 0.0;
+  const auto found = find_direction(n, goes, [&](const Vector3& against) {
+    keep(against);
+    ReactionsAt reactions(engine_, time_, read_only(state_.view.position), read_only(state_.view.velocity));
+    Vector3 a;
+    if (reactions.bound(k, a) != SPRINGNET_OK) return std::numeric_limits<double>::quiet_NaN();
+    a -= Contact::acceleration(*at_, j, p);
+    slows = -goes.dot(a);
+    return n.dot(goes.cross(a));
+  });
+  // Elsewhere it passes by its end.
+  keep(found && found->dot(goes) > 0.0 && slows > 0.0 ? *found : goes);
+}
+
+// What a surface that holds leaves of the slip of nodes that it struck, where it is no more than errors of integration.
+void Engine::Settling::stop_held(Island& island) const {
+  for (ContactNode& node : island.nodes()) {
+    for (std::size_t s = 0; s < node.sides.size(); ++s) {
+      const ContactSide& side = node.sides[s];
+      node.rests = node.rests || (!node.impulse[s].isZero(0.0) && coefficient_of(side.friction) >= friction_of_held &&
+                                  side.velocity.norm() <= jump * engine_.info_.velocity_scale);
+    }
+  }
 }
 
 // What is released begins without speed against the surface: what integration left of one would make it touch again.
@@ -334,6 +401,8 @@ springnet_status Engine::Settling::settle(std::uint32_t node) {
     members_ = {node};
   }
   take_along();
+  // What integration left of rates of lengths no impulses could end.
+  if (rods_) rods_->project(state_.view.velocity);
   std::vector<ContactNode> nodes = gather();
   if (nodes.empty()) return SPRINGNET_OK;
   contact_nodes_.clear();
@@ -341,29 +410,44 @@ springnet_status Engine::Settling::settle(std::uint32_t node) {
   Island island(std::move(nodes), rods_ ? rods_->mobility(contact_nodes_)
                                         : Eigen::MatrixXd(Eigen::MatrixXd::Identity(3, 3) / engine_.mass_[node]));
   bool struck = island.strike(rebound_of(island), no_speed_);
+  stop_held(island);
+  struck = island.stop(no_speed_) || struck;
+  std::vector<std::vector<Vector3>> blows;  // N s, [node of the island][side]
+  for (const ContactNode& each : island.nodes()) blows.emplace_back(each.sides.size(), Vector3::Zero());
   for (int jams = 0;; ++jams) {
     if (struck && chatters(island))
       island.calm(std::max(slow_rocking * engine_.info_.velocity_scale, fall_in_step(island)));
     if (struck) strike(island);
-    if (const springnet_status status = accelerate(island); status != SPRINGNET_OK) {
-      // Where nothing was struck there is nothing to decide for one that moves off a limit of its laws.
-      return status;
-    }
+    for (std::size_t i = 0; struck && i < blows.size(); ++i)
+      for (std::size_t s = 0; s < blows[i].size(); ++s) blows[i][s] += island.nodes()[i].impulse[s];
+    if (const springnet_status status = accelerate(island); status != SPRINGNET_OK) return status;
     find_slips(island);
     begin_slips(island);
     // Rounding of forces beside what was asked: those of stiff springs cancel.
     double forces = 0.0;
     for (const ContactNode& each : island.nodes())
       forces = std::max(forces, engine_.mass_[each.node] * each.acceleration.norm());
-    if (island.resolve(least_force * engine_.info_.force_scale + 1e-12 * forces) || jams == most_jams) break;
+    if (island.resolve(least_force * engine_.info_.force_scale + 1e-12 * forces)) break;
+    if (jams == most_jams) {
+      engine_.note_unresolved(node, time_);
+      break;
+    }
     for (ContactNode& each : island.nodes()) std::fill(each.impulse.begin(), each.impulse.end(), Vector3::Zero());
     struck = island.jam(10.0 * no_speed_);
-    if (!struck) break;
+    if (!struck) {
+      engine_.note_unresolved(node, time_);
+      break;
+    }
     for (const ContactNode& each : island.nodes())
       for (std::size_t s = 0; s < each.sides.size(); ++s)
         if (!each.impulse[s].isZero(0.0)) tell(Event::Kind::jammed, each.node, each.sides[s].surface, each.impulse[s]);
   }
+  for (std::size_t i = 0; i < blows.size(); ++i) island.nodes()[i].impulse = blows[i];
   for (const ContactNode& each : island.nodes()) take(each);
+  for (std::size_t i = 0; i < island.nodes().size(); ++i) {
+    const ContactNode& each = island.nodes()[i];
+    find_phase(each, island.acceleration(i), least_force * engine_.info_.force_scale / engine_.mass_[each.node]);
+  }
   return SPRINGNET_OK;
 }
 

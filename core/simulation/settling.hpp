@@ -30,6 +30,8 @@ class Engine::Settling {
   springnet_status settle(std::uint32_t node);
   // Velocities and lengths that fit again, where anything changed.
   springnet_status finish();
+  // The slip of a node is about to end.
+  void keep_direction(std::uint32_t node);
 
  private:
   [[nodiscard]] const Finding& finding(std::uint32_t node) const;
@@ -48,6 +50,7 @@ class Engine::Settling {
   [[nodiscard]] double fall_in_step(Island& island);
   // Speed from which nodes rebound, m/s.
   [[nodiscard]] double rebound_of(Island& island);
+  void stop_held(Island& island) const;
   // Impulses of the island change velocities.
   void strike(const Island& island);
   // Whether and where nodes slip, from their velocities.
@@ -55,6 +58,8 @@ class Engine::Settling {
   void begin_slips(Island& island) const;
   void take(const ContactNode& node);
   void part(std::uint32_t node, const ContactSide& side);
+  // acceleration, and what of it is rounding: m/s^2.
+  void find_phase(const ContactNode& node, const Vector3& acceleration, double negligible);
   void tell(Event::Kind kind, std::uint32_t node, std::int32_t surface, const Vector3& impulse = Vector3::Zero());
 
   Engine& engine_;

@@ -439,6 +439,7 @@ springnet_status Engine::sweep(const springnet_sweep& request) {
 
 springnet_status Engine::constrain(const springnet_sweep& request) {
   const springnet_sweep sweep = complete(request);
+  if (sweep.contacts > 1) return step_explicitly(sweep);
   const std::shared_ptr<const Placement> at = placement(sweep.time);
   note_sweep(sweep);
   constraints_.constrain(*at, 0, layout_.node_count(), sweep);

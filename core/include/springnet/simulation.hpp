@@ -119,7 +119,9 @@ class Simulation {
   [[nodiscard]] Vector3 surface_torque(std::size_t surface) const;
   [[nodiscard]] std::size_t nodes_touching(std::size_t surface) const;
   // Impulses of touching: velocities jump where nodes meet surfaces, by more than the forces explain. Sums of those
-  // that surfaces gave the node, and that nodes gave the surface, so far. N s
+  // that surfaces gave the node, and that nodes gave the surface, so far. N s. In the network also what the reactions
+  // that are told at the ends of a step do not explain of it, of the order of the step, so that momentum balances; that
+  // of a node that is fixed or moved is what holds it.
   [[nodiscard]] Vector3 contact_impulse(NodeIndex node) const;
   [[nodiscard]] Vector3 surface_impulse(std::size_t surface) const;
   // The surfaces that the node is in contact with.

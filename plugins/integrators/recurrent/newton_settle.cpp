@@ -116,7 +116,6 @@ bool Newton::find_stays(const Step& step) {
 
 void Newton::free_contacts(const Step& step, const springnet_state& outputs, const springnet_state& free) {
   const springnet_network& network = step.network;
-  const std::size_t n = network.node_count;
   const double w = step.weight();
   for (const std::uint32_t k : contacts_)
     Eigen::Map<NodeStep::Block>(inertia_.data() + 9 * std::size_t{k}) = network.mass[k] * NodeStep::Block::Identity();
@@ -147,11 +146,6 @@ void Newton::free_contacts(const Step& step, const springnet_state& outputs, con
     // direction.
     const double stiffest = node.positive.operatorNorm();
     inertia = stiffest * NodeStep::Block::Identity();
-    if (rigid && !stays) {
-      const double* f = here_.free.data() + k;
-      const double* r = here_.residual.data() + k;
-      leap = -Eigen::Vector3d(f[0] - r[0], f[n] - r[n], f[2 * n] - r[2 * n]);
-    }
     leap /= stiffest;
     if (!rigid && stays) {
       // No further than it moved in this step: where it cannot make up its mind, the host holds it there.

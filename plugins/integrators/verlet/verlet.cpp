@@ -7,10 +7,11 @@
 // Second order; symplectic where forces depend on positions alone. Explicit: stable for h below 2 / omega, omega the
 // greatest angular frequency of the network, and below less than that with damping (stability.hpp). Rigid connections,
 // moved nodes and surfaces are the host's, which puts positions and velocities where they allow. Swope, Andersen,
-// Berens, Wilson, J. Chem. Phys. 76 (1982) 637; for the constraints Andersen, J. Comput. Phys. 52 (1983) 24.
+// Berens, Wilson, J. Chem. Phys. 76 (1982) 637; for the constraints Andersen, J. Comput. Phys. 52 (1983) 24. What
+// touches a surface the host takes through both parts of the step, the drift from p to p' and the kick from v_1/2 to
+// v', because its reactions, of either part, decide about it.
 //
 // It is also the example of how an integrator is made: see "Integrators" in sdk/README.md.
-#include <algorithm>
 #include <cmath>
 #include <cstdint>
 #include <cstdio>
@@ -58,6 +59,8 @@ class Verlet : public Integrator {
         substeps_(options.integer("substeps")),
         state_(host.make_state()),
         acceleration_(host.network().node_count),
+        force_(host.network().node_count),
+        half_(host.network().node_count),
         change_(host.network().node_count),
         stability_(host) {}
 
@@ -93,31 +96,52 @@ class Verlet : public Integrator {
     const std::pair revisions(network.revision, host_.load_revision());
     if (revisions_ != revisions || network.rigid_count > 0) {
       springnet_evaluation at_start = evaluation_at(from, start);
+      at_start.force = force_.vectors();
       at_start.acceleration = acceleration_.vectors();
       host_.evaluate(at_start);
       revisions_ = revisions;
-      watch(at_start);
     }
 
     springnet_state& next = *state_;
-    advance_by(next.velocity, start.velocity, 0.5 * h, acceleration_.vectors(), n);  // v_1/2
-    advance_by(next.position, start.position, h, next.velocity, n);
-    advance_by(next.velocity, next.velocity, 0.5 * h, acceleration_.vectors(), n);  // v', as well as it is known
+    const springnet_vectors half = half_.vectors();
+    advance_by(half, start.velocity, 0.5 * h, acceleration_.vectors(), n);  // v_1/2
+    advance_by(next.position, start.position, h, half, n);
+    constrain(drift, start, next, until, h, half);
+    advance_by(next.velocity, half, 0.5 * h, acceleration_.vectors(), n);  // v', as well as it is known
     host_.project_state(until, next);
-    mark_events(until, next, false);  // friction that turns a node round turns back before the step ends
 
     change_.values = acceleration_.values;
     springnet_evaluation at_end = evaluation_at(until, next);
-    at_end.force = next.force;
+    at_end.force = force_.vectors();
     at_end.acceleration = acceleration_.vectors();
     host_.evaluate(at_end);
     for (std::size_t i = 0; i < 3 * n; ++i) change_.values[i] = acceleration_.values[i] - change_.values[i];
     advance_by(next.velocity, next.velocity, 0.5 * h, change_.vectors(), n);
     host_.project_state(until, next);
+    constrain(kick, start, next, until, h, next.velocity);
 
     next.force_is_current = 0;  // forces that depend on the velocity are those of the one before
-    fire_events(until, next);
-    host_.commit(until, next);
+    host_.commit(until, next);  // ruptures are carried out there
+  }
+
+  // Nodes in contact: see springnet_sweep::contacts.
+  enum Part : std::uint32_t { drift = 2, kick = 3 };
+  void constrain(Part part, const springnet_state& start, springnet_state& next, double until, double h,
+                 const springnet_vectors& velocity) {
+    if (host_.network().surface_count == 0) return;
+    springnet_sweep sweep{};
+    sweep.struct_size = sizeof sweep;
+    sweep.time = until;
+    sweep.time_constant = h;
+    sweep.start_position = view(start.position);
+    sweep.start_velocity = view(start.velocity);
+    sweep.position = view(next.position);
+    sweep.velocity = view(next.velocity);
+    sweep.next_position = next.position;
+    sweep.next_velocity = velocity;
+    sweep.force = force_.vectors();
+    sweep.contacts = part;
+    host_.constrain(sweep);
   }
 
   // Above the limit of stability numbers grow without end, and before that they are wrong: it is an error to begin.
@@ -165,37 +189,16 @@ class Verlet : public Integrator {
     throw Failure(text);
   }
 
-  // Contacts made and released, slip and rupture are noticed where a step ends.
-  void watch(const springnet_evaluation& at) {
-    const std::size_t count = host_.network().event_count;
-    values_.resize(count);
-    directions_.resize(count);
-    fired_.resize(count);
-    if (count > 0) host_.event_values(at, values_.data(), directions_.data());
-  }
-  // Those that have crossed their zero, beside those that were marked before where `more`.
-  void mark_events(double time, const springnet_state& state, bool more) {
-    if (values_.empty()) return;
-    host_.event_values(evaluation_at(time, state), values_.data(), directions_.data());
-    for (std::size_t i = 0; i < values_.size(); ++i)
-      fired_[i] = directions_[i] * values_[i] > 0.0 || (more && fired_[i] != 0) ? 1 : 0;
-  }
-  void fire_events(double time, springnet_state& state) {
-    mark_events(time, state, true);
-    if (std::any_of(fired_.begin(), fired_.end(), [](std::int32_t fired) { return fired != 0; }))
-      host_.fire_events(time, state, fired_.data());
-  }
-
   Host host_;
   std::int64_t substeps_;
   State state_;
   Field acceleration_;  // m/s^2, at the committed state
+  Field force_;         // N, likewise, without what holds nodes
+  Field half_;          // m/s, v_1/2
   Field change_;
   Stability stability_;
   // Revisions of the network and its loads that acceleration_ belongs to.
   std::optional<std::pair<std::uint64_t, std::uint64_t>> revisions_;
-  std::vector<double> values_;  // of events
-  std::vector<std::int32_t> directions_, fired_;
   static constexpr std::uint64_t steps_per_check = 256;  // laws may stiffen
   static constexpr double reserve = 1.03;                // of advice: they will a little
   double checked_step_ = 0.0;                            // s

@@ -363,7 +363,7 @@ typedef struct springnet_sweep {
   springnet_vectors constraint_force;
   /* since 1.3 */
   uint32_t contacts; /* 0: the sweep decides which nodes surfaces stop, let slide and let go; 1: they stay as committed,
-                        for methods that locate such events in time */
+                        for methods that locate such events in time; in constrain, 2 and 3: see there */
   uint32_t reserved;
 } springnet_sweep;
 
@@ -420,7 +420,11 @@ typedef struct springnet_host {
 
   /* Since 1.1. */
   /* The end of a sweep by itself: puts the outputs `next` where fixation, surfaces and rigid connections allow.
-   * `force` is read: net forces at (position, velocity), N. No update is called. */
+   * `force` is read: net forces at (position, velocity), N. No update is called.
+   * Since 1.3 also contact in the two parts of a step of velocity Verlet, by `contacts`. 2, the drift: `force` is that
+   * at the start, next_velocity v + h/2 a and next_position p + h (v + h/2 a), which change where surfaces are, with
+   * what hangs rigidly on those nodes; `status` says what touches then. 3, the kick, once after it: `force` is that at
+   * next_position, next_velocity the velocity at the end, which changes likewise; contacts are made and released. */
   springnet_status (*constrain)(void* context, const springnet_sweep* sweep);
   /* values -= W G^T (G W G^T)^-1 G values, 3n numbers, with G the derivatives of rigid connections and surfaces that
    * nodes slide on at the state last given to `linearise`, and 0 for nodes that are fixed or held. W: `mobility`

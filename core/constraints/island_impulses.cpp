@@ -1,0 +1,194 @@
+// Impulses of an island: nodes that arrive, come to rest, rock or jam.
+
+#include <Eigen/LU>
+#include <Eigen/QR>
+#include <algorithm>
+#include <cmath>
+
+#include "constraints/friction.hpp"
+#include "constraints/island.hpp"
+#include "constraints/island_directions.hpp"
+
+namespace springnet {
+namespace {
+
+// A surface that holds what touches it takes it along when its own velocity jumps.
+bool is_taken_along(const ContactSide& side) {
+  return side.touches && side.friction.kind == Friction::Kind::held && !side.velocity.isZero(0.0) &&
+         side.normal.dot(side.velocity) <= 0.0;
+}
+
+}  // namespace
+
+void Island::push(std::size_t node, const Vector3& impulse) {
+  for (std::size_t i = 0; i < nodes_.size(); ++i) {
+    const Vector3 change = block(i, node) * impulse;
+    for (ContactSide& side : nodes_[i].sides) side.velocity += change;
+  }
+}
+
+bool Island::strike(double rebound, double negligible, int rounds, bool begun) {
+  struct Blow {
+    std::size_t node, side;
+    double wanted;  // m/s, of the gap afterwards
+  };
+  std::vector<Blow> blows;
+  bool approaches = false;
+  double scale = 0.0;
+  for (std::size_t i = 0; i < nodes_.size(); ++i) {
+    for (std::size_t s = 0; s < nodes_[i].sides.size(); ++s) {
+      const ContactSide& side = nodes_[i].sides[s];
+      const double rate = side.normal.dot(side.velocity);
+      approaches = approaches || rate < -negligible || is_taken_along(side);
+      scale = std::max(scale, side.velocity.norm());
+      blows.push_back({i, s, rate < -rebound ? -side.restitution * rate : 0.0});
+      if (!begun) nodes_[i].impulse[s].setZero();
+    }
+  }
+  if (!approaches) return false;
+  const std::vector<ContactNode> start = nodes_;
+  for (std::size_t i = 0; begun && i < nodes_.size(); ++i)
+    for (const Vector3& impulse : nodes_[i].impulse) push(i, impulse);
+  bool agrees = false;
+  for (int round = 0; round < rounds; ++round) {
+    double greatest = 0.0;
+    for (const Blow& blow : blows) {
+      ContactSide& side = nodes_[blow.node].sides[blow.side];
+      Vector3& impulse = nodes_[blow.node].impulse[blow.side];
+      const Matrix3 mobility = block(blow.node, blow.node);
+      // As if this one had not struck yet, seen from a surface that comes along as fast as it should leave.
+      const Vector3 before = side.velocity - mobility * impulse - blow.wanted * side.normal;
+      Vector3 now = Vector3::Zero();
+      if (side.normal.dot(before) < -negligible || !impulse.isZero(0.0) || is_taken_along(side)) {
+        const ContactAnswer answer = answer_contact(mobility, before, side.normal, side.friction);
+        if (answer.normal > 0.0 || (answer.normal == 0.0 && answer.sticks)) now = answer.impulse;
+      }
+      const Vector3 change = now - impulse;
+      if (change.isZero(0.0)) continue;
+      greatest = std::max(greatest, (mobility * change).norm());
+      impulse = now;
+      push(blow.node, change);
+    }
+    agrees = greatest <= 1e-9 * scale;
+    if (greatest <= 1e-15 * scale) break;
+  }
+  if (!agrees && rounds == most_rounds) stop_all(start);
+  return true;
+}
+
+// Impulses that stop what approaches with all that friction stops, at once. It takes more energy than any others, where
+// none were found that each contact agrees to.
+void Island::stop_all(const std::vector<ContactNode>& start) {
+  std::vector<std::uint8_t> in(nodes_.size(), 1);
+  for (bool again = true; again;) {
+    again = false;
+    std::vector<Row> rows;
+    for (std::size_t i = 0; i < nodes_.size(); ++i) {
+      for (std::size_t s = 0; s < nodes_[i].sides.size() && in[i] != 0; ++s) {
+        const ContactSide& side = start[i].sides[s];
+        rows.push_back({i, s, side.normal});
+        if (s > 0 || coefficient_of(side.friction) == 0.0) continue;
+        for (const Vector3& e : free_directions(normals_of(start[i]))) rows.push_back({i, s, e});
+      }
+    }
+    nodes_ = start;
+    end_rates(rows);
+    // What would have to be drawn to its surface moves off.
+    for (std::size_t i = 0; i < nodes_.size(); ++i) {
+      double presses = 0.0, size = 0.0;
+      for (std::size_t s = 0; s < nodes_[i].sides.size(); ++s) {
+        presses += nodes_[i].sides[s].normal.dot(nodes_[i].impulse[s]);
+        size += nodes_[i].impulse[s].norm();
+      }
+      if (in[i] == 0 || presses >= -1e-9 * size) continue;
+      in[i] = 0;
+      again = true;
+    }
+  }
+}
+
+bool Island::stop(double negligible) {
+  std::vector<Row> rows;
+  double fastest = 0.0;
+  for (std::size_t i = 0; i < nodes_.size(); ++i) {
+    const ContactNode& node = nodes_[i];
+    // No contact opens or closes by it.
+    for (std::size_t s = 0; s < node.sides.size(); ++s)
+      if (std::abs(node.sides[s].normal.dot(node.sides[s].velocity)) <= negligible)
+        rows.push_back({i, s, node.sides[s].normal});
+    if (!node.rests || node.sides.empty()) continue;
+    const std::vector<Vector3> directions = free_directions(normals_of(node));
+    for (const Vector3& e : directions) rows.push_back({i, 0, e});
+    fastest = std::max(fastest, along(directions, node.sides.front().velocity).norm());
+  }
+  if (fastest > 0.0) end_rates(rows);
+  return fastest > 0.0;
+}
+
+// Impulses in these directions that end the velocities along them, the least that do so.
+void Island::end_rates(const std::vector<Row>& rows) {
+  const auto count = static_cast<Eigen::Index>(rows.size());
+  if (count == 0) return;
+  Eigen::MatrixXd matrix(count, count);
+  Eigen::VectorXd rates(count);
+  for (Eigen::Index r = 0; r < count; ++r) {
+    const Row& row = rows[static_cast<std::size_t>(r)];
+    rates[r] = row.direction.dot(nodes_[row.node].sides[row.side].velocity);
+    for (Eigen::Index c = 0; c < count; ++c) {
+      const Row& column = rows[static_cast<std::size_t>(c)];
+      matrix(r, c) = row.direction.dot(block(row.node, column.node) * column.direction);
+    }
+  }
+  const Eigen::VectorXd impulses = matrix.completeOrthogonalDecomposition().solve(-rates);
+  for (Eigen::Index r = 0; r < count; ++r) {
+    const Row& row = rows[static_cast<std::size_t>(r)];
+    nodes_[row.node].impulse[row.side] += impulses[r] * row.direction;
+    push(row.node, impulses[r] * row.direction);
+  }
+}
+
+void Island::calm(double slow) {
+  for (int round = 0; round < most_rounds; ++round) {
+    double greatest = 0.0;
+    for (std::size_t i = 0; i < nodes_.size(); ++i) {
+      for (std::size_t s = 0; s < nodes_[i].sides.size(); ++s) {
+        const ContactSide& side = nodes_[i].sides[s];
+        const double rate = side.normal.dot(side.velocity), answers = side.normal.dot(block(i, i) * side.normal);
+        if (rate == 0.0 || std::abs(rate) > slow || !(answers > 0.0)) continue;
+        const Vector3 impulse = -rate / answers * side.normal;
+        nodes_[i].impulse[s] += impulse;
+        push(i, impulse);
+        greatest = std::max(greatest, std::abs(rate));
+      }
+    }
+    if (greatest <= 1e-12 * slow) break;
+  }
+  for (ContactNode& node : nodes_)
+    for (ContactSide& side : node.sides)
+      if (const double rate = side.normal.dot(side.velocity); std::abs(rate) <= 1e-9 * slow)
+        side.velocity -= rate * side.normal;
+}
+
+bool Island::jam(double negligible) {
+  bool any = false;
+  for (const std::size_t i : jammed_) {
+    ContactNode& node = nodes_[i];
+    for (std::size_t s = 0; s < node.sides.size(); ++s) {
+      ContactSide& side = node.sides[s];
+      if (side.friction.kind == Friction::Kind::none || side.velocity.norm() <= negligible) continue;
+      const Matrix3 mobility = block(i, i);
+      const Vector3 impulse = -mobility.completeOrthogonalDecomposition().solve(side.velocity);
+      if (!(side.normal.dot(impulse) >= 0.0) || impulse.isZero(0.0)) continue;
+      node.impulse[s] += impulse;
+      push(i, impulse);
+      side.velocity.setZero();
+      node.moves = false;
+      node.sticks = true;
+      any = true;
+      break;
+    }
+  }
+  return any;
+}
+
+}  // namespace springnet

@@ -1,0 +1,49 @@
+// Rigid connections in a step that goes straight: lengths at its end by impulses along the directions at its start.
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "constraints/rigid.hpp"
+
+namespace springnet {
+
+bool RigidConnections::Unsupported::keep_lengths(double h, std::vector<Vector3>& velocity,
+                                                 std::vector<Vector3>& position) const {
+  constexpr int most_turns = 60;
+  constexpr double accuracy = 1e-13;  // of a length
+  const std::vector<ConstraintRow>& rows = system_.rows();
+  Eigen::VectorXd gap(static_cast<Eigen::Index>(rows.size()));
+  double last = std::numeric_limits<double>::infinity();
+  for (int turn = 0; turn < most_turns; ++turn) {
+    double worst = 0.0;
+    for (std::size_t r = 0; r < rows.size(); ++r) {
+      const double length = rigid_.rods_[rods_[r]].length;
+      const Vector3 d = position[rigid_.member_of_[rows[r].first]] - position[rigid_.member_of_[rows[r].second]];
+      gap[static_cast<Eigen::Index>(r)] = d.norm() - length;
+      worst = std::max(worst, std::abs(d.norm() / length - 1.0));
+    }
+    if (!std::isfinite(worst)) return false;
+    // Far from the origin rounding is all that is left.
+    if (worst <= accuracy || (worst <= 1e-10 && worst >= 0.5 * last)) return true;
+    last = worst;
+    system_.for_each_change(system_.solve(-gap / h), [&](std::uint32_t node, const Vector3& change) {
+      velocity[rigid_.member_of_[node]] += change;
+      position[rigid_.member_of_[node]] += h * change;
+    });
+  }
+  return last <= 1e-9;
+}
+
+void RigidConnections::Unsupported::project(std::vector<Vector3>& velocity) const {
+  const std::vector<ConstraintRow>& rows = system_.rows();
+  Eigen::VectorXd rate(static_cast<Eigen::Index>(rows.size()));
+  for (std::size_t r = 0; r < rows.size(); ++r)
+    rate[static_cast<Eigen::Index>(r)] =
+        rows[r].direction.dot(velocity[rigid_.member_of_[rows[r].first]] - velocity[rigid_.member_of_[rows[r].second]]);
+  system_.for_each_change(system_.solve(-rate), [&](std::uint32_t node, const Vector3& change) {
+    velocity[rigid_.member_of_[node]] += change;
+  });
+}
+
+}  // namespace springnet

@@ -1,0 +1,189 @@
+#include "simulation/stepping.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include <springnet/error.hpp>
+
+#include "constraints/vectors.hpp"
+#include "layers/message.hpp"
+
+namespace springnet {
+namespace {
+
+// A force this small, in units of the force scale, is rounding.
+constexpr double least_force = 1e-9;
+constexpr int most_strikes = 100;  // rounds of impulses that depend on each other
+
+}  // namespace
+
+Engine::Stepping::Stepping(Engine& engine, double until, double length, const Stepping* last)
+    : engine_(engine),
+      contact_(engine.contact_),
+      from_(engine.time_),
+      until_(until),
+      h_(length),
+      from_at_(engine.contact_.at(just_after(engine.time_))),
+      at_(engine.placement(until)) {
+  if (last == nullptr) return;
+  last_ = last->last_;
+  last_h_ = last->last_h_;
+}
+
+springnet_status Engine::Stepping::cannot_keep(const Body& body) const {
+  set_message(engine_.message_,
+              fmt::format("the rigid connections of the {} nodes that hang together with node {} cannot keep their "
+                          "lengths in a step of {:g} s; use a smaller time step",
+                          body.members.size(), engine_.layout_.ordering().user[body.nodes.front()], h_));
+  return SPRINGNET_RECOVERABLE;
+}
+
+Eigen::MatrixXd Engine::Stepping::mobility(const Body& body, const std::optional<Rods>& rods) const {
+  if (!rods) return Eigen::MatrixXd::Identity(3, 3) / engine_.mass_[body.nodes.front()];
+  std::vector<std::uint32_t> nodes;
+  for (const Toucher& toucher : body.touchers) nodes.push_back(body.nodes[toucher.member]);
+  return rods->mobility(nodes);
+}
+
+double Engine::Stepping::negligible(const Body& body) const {
+  // What rounding of places is as a force, and of velocities.
+  double force = least_force * engine_.info_.force_scale;
+  for (const Member& m : body.members) {
+    const double place = m.position.cwiseAbs().maxCoeff() / h_, speed = m.velocity.cwiseAbs().maxCoeff();
+    force =
+        std::max(force, 16.0 * std::numeric_limits<double>::epsilon() * engine_.mass_[m.node] * (place + speed) / h_);
+  }
+  return force;
+}
+
+void Engine::Stepping::strike(Island& island, const Body& body) const {
+  for (std::size_t i = 0; i < island.nodes().size(); ++i) {
+    ContactNode& node = island.nodes()[i];
+    std::size_t s = 0;
+    for (const Side& side : body.touchers[i].sides)
+      if (s < node.sides.size() && side.surface == node.sides[s].surface) node.impulse[s++] = side.impulse;
+  }
+  static_cast<void>(island.strike(0.0, 0.0, most_strikes, true));
+}
+
+void Engine::Stepping::remember(const Island& island, bool struck, Body& body) const {
+  for (std::size_t i = 0; i < island.nodes().size(); ++i) {
+    const ContactNode& node = island.nodes()[i];
+    std::size_t s = 0;
+    for (Side& side : body.touchers[i].sides) {
+      const bool acts = s < node.sides.size() && side.surface == node.sides[s].surface;
+      side.impulse.setZero();
+      if (acts && struck) side.impulse = node.impulse[s];
+      if (acts && !struck) side.impulse = 0.5 * h_ * node.normal_force[s] * node.sides[s].normal;
+      if (acts && !struck && node.sides.size() == 1) side.impulse = 0.5 * h_ * node.force;
+      if (acts) ++s;
+    }
+  }
+}
+
+Engine::Stepping::Body Engine::Stepping::body_of(const springnet_sweep& step,
+                                                 const std::vector<std::uint32_t>& nodes) const {
+  Body body;
+  body.nodes = nodes;
+  const Prescribed& prescribed = contact_.prescribed();
+  for (const std::uint32_t k : nodes) {
+    Member m{};
+    m.node = k;
+    m.fixed = contact_.fixed()[k] != 0;
+    m.start = vector_at(step.start_position, k);
+    m.start_velocity = vector_at(step.start_velocity, k);
+    m.position = vector_at(step.next_position, k);
+    m.velocity = vector_at(step.next_velocity, k);
+    if (m.fixed) {
+      const bool moves = prescribed.moves(k);
+      m.place = moves ? prescribed.position(at_->motions, k) : m.start;
+      m.place_velocity = moves ? prescribed.velocity(at_->motions, k) : Vector3::Zero();
+    }
+    body.members.push_back(m);
+  }
+  return body;
+}
+
+springnet_status Engine::Stepping::know_forces(Body& body, const springnet_sweep& step, double time,
+                                               const springnet_const_vectors& position,
+                                               const springnet_const_vectors& velocity) {
+  const layers::NodeArrays nodes = node_arrays(position, velocity);
+  for (Member& m : body.members) {
+    const double* const force[3] = {step.force.x + m.node, step.force.y + m.node, step.force.z + m.node};
+    Vector3 a;
+    double* const acceleration[3] = {&a[0], &a[1], &a[2]};
+    const springnet_status status = engine_.evaluator_.accelerations(m.node, 1, time, nodes, force, acceleration,
+                                                                     nullptr, nullptr, nullptr, engine_.message_);
+    if (status != SPRINGNET_OK) return status;
+    m.half = 0.5 * h_ * a;
+  }
+  return SPRINGNET_OK;
+}
+
+void Engine::Stepping::push(Body& body, const std::optional<Rods>& rods, const std::vector<Vector3>& impulses) const {
+  if (!rods) {
+    for (const Vector3& impulse : impulses) body.members[0].velocity += impulse / engine_.mass_[body.nodes[0]];
+    return;
+  }
+  std::vector<std::uint32_t> nodes;
+  for (const Toucher& toucher : body.touchers) nodes.push_back(body.nodes[toucher.member]);
+  rods->push(
+      nodes, impulses,
+      [&](std::uint32_t node, const Vector3& change) {
+        const auto place = std::lower_bound(body.nodes.begin(), body.nodes.end(), node) - body.nodes.begin();
+        Member& m = body.members[static_cast<std::size_t>(place)];
+        if (!m.fixed) m.velocity += change;
+      },
+      [](std::uint32_t, const Vector3&) {});
+}
+
+// What is the same of a side in both halves: at the member's present place and velocity.
+ContactSide Engine::Stepping::side_of(const Body& body, const Toucher& toucher, const Side& of) const {
+  const Member& m = body.members[toucher.member];
+  const auto j = static_cast<std::size_t>(of.surface);
+  const Obstacle& obstacle = contact_.surfaces()[j];
+  ContactSide side;
+  side.surface = of.surface;
+  side.friction = body.cluster ? bounded(obstacle.friction()) : obstacle.friction();
+  side.normal = contact_.normal(*at_, j, m.position);
+  side.velocity = m.velocity - Contact::velocity(*at_, j, m.position);
+  return side;
+}
+
+void Engine::Stepping::decide(const Body& body) const {
+  for (const Toucher& toucher : body.touchers) {
+    const std::uint32_t k = body.nodes[toucher.member];
+    Touch touch = contact_.committed(k);
+    bool is_new = false;
+    for (const Side& side : toucher.sides) {
+      if (side.is_new && side.touches) {
+        touch = after(touch, {ContactCause::Kind::touch, side.surface, false});
+        is_new = true;
+      } else if (!side.is_new && !side.touches) {
+        touch = after(touch, {ContactCause::Kind::release, side.surface});
+      }
+    }
+    if (!is_new) touch = after(touch, {toucher.sticks ? ContactCause::Kind::stick : ContactCause::Kind::slip});
+    contact_.decide(k, touch, Vector3::Zero());
+  }
+}
+
+springnet_status Engine::step_explicitly(const springnet_sweep& step) {
+  constexpr std::uint32_t drift = 2, kick = 3;
+  if (step.contacts != drift && step.contacts != kick)
+    throw Error(ErrorKind::plugin, fmt::format("contacts is {}, where plugin.h has 0 to 3", step.contacts));
+  if (contact_.surfaces().empty()) return SPRINGNET_OK;
+  if (step.contacts == kick) {
+    if (!stepping_ || !stepping_->is_of(time_, step.time))
+      throw Error(ErrorKind::plugin, "a kick comes after the drift of the same step, once");
+    return stepping_->kick(step);
+  }
+  if (!(step.time > time_) || !(step.time_constant > 0.0) || !std::isfinite(step.time_constant))
+    throw Error(ErrorKind::plugin, "a drift leads from the committed time to a later one, and has its time_constant");
+  stepping_ = std::make_shared<Stepping>(*this, step.time, step.time_constant, stepping_.get());
+  return stepping_->drift(step);
+}
+
+}  // namespace springnet

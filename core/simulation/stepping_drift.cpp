@@ -1,0 +1,336 @@
+// The first part of a step: where nodes go.
+
+#include "simulation/stepping.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+#include "constraints/vectors.hpp"
+
+namespace springnet {
+namespace {
+
+constexpr std::uint32_t no_cluster = 0xffffffffu;
+constexpr int most_turns = 40;      // of contacts and places that depend on each other
+constexpr int most_failures = 3;    // to find forces, within a step
+constexpr int most_rounds = 4;      // of positions that bring more surfaces with them
+constexpr double accuracy = 1e-14;  // of places, in units of their coordinates and the way
+
+}  // namespace
+
+// Whether a node is in contact, or comes to be on its way; one with rigid connections, whose way is not known yet for
+// certain, already where it is as near as it goes in the step.
+bool Engine::Stepping::is_near(const springnet_sweep& step, std::uint32_t node, bool alone) const {
+  if (contact_.fixed()[node] != 0) return false;
+  if (contact_.committed(node).surface >= 0) return true;
+  const Vector3 start = vector_at(step.start_position, node), end = vector_at(step.next_position, node);
+  if (alone) return contact_.first_meeting(*at_, start, end).surface >= 0;
+  for (std::size_t j = 0; j < contact_.surfaces().size(); ++j) {
+    const Vector3 from = contact_.carried(*at_, start, static_cast<std::int32_t>(j));
+    if (!(contact_.gap(*at_, j, end) > (end - from).norm())) return true;
+  }
+  return false;
+}
+
+springnet_status Engine::Stepping::drift(const springnet_sweep& step) {
+  const std::uint32_t* clusters = engine_.rigid_.cluster_of();
+  const auto add = [&](const std::vector<std::uint32_t>& nodes,
+                       std::optional<std::size_t> cluster) -> springnet_status {
+    Body body = body_of(step, nodes);
+    body.cluster = cluster;
+    springnet_status status = know_forces(body, step, engine_.time_, step.start_position, step.start_velocity);
+    if (status == SPRINGNET_OK) status = drift(body);
+    if (status != SPRINGNET_OK || body.touchers.empty()) return status;
+    for (const Member& m : body.members) {
+      put_vector(step.next_position, m.node, m.position);
+      put_vector(step.next_velocity, m.node, m.velocity);
+    }
+    bodies_.push_back(std::move(body));
+    return SPRINGNET_OK;
+  };
+  for (std::uint32_t k = 0; k < engine_.layout_.node_count(); ++k) {
+    if ((clusters != nullptr && clusters[k] != no_cluster) || !is_near(step, k, true)) continue;
+    if (const springnet_status status = add({k}, std::nullopt); status != SPRINGNET_OK) return status;
+  }
+  for (std::size_t c = 0; c < engine_.rigid_.cluster_count(); ++c) {
+    const std::vector<std::uint32_t>& nodes = engine_.rigid_.nodes_of(c);
+    if (std::none_of(nodes.begin(), nodes.end(), [&](std::uint32_t k) { return is_near(step, k, false); })) continue;
+    if (const springnet_status status = add(nodes, c); status != SPRINGNET_OK) return status;
+  }
+  return SPRINGNET_OK;
+}
+
+bool Engine::Stepping::go(Body& body, const std::optional<Rods>& rods, const std::vector<Vector3>& impulses) const {
+  for (Member& m : body.members) m.velocity = m.start_velocity + m.half;
+  push(body, rods, impulses);
+  std::vector<Vector3> u, p;
+  for (Member& m : body.members) {
+    if (m.fixed) m.velocity = (m.place - m.start) / h_;
+    u.push_back(m.velocity);
+    p.push_back(m.fixed ? m.place : Vector3(m.start + h_ * m.velocity));
+  }
+  const bool kept = !rods || rods->keep_lengths(h_, u, p);
+  for (std::size_t i = 0; i < u.size(); ++i) {
+    body.members[i].velocity = u[i];
+    body.members[i].position = p[i];
+  }
+  return kept;
+}
+
+Island Engine::Stepping::island_at_start(const Body& body, const std::optional<Rods>& rods) const {
+  std::vector<ContactNode> nodes;
+  for (const Toucher& toucher : body.touchers) {
+    const Member& m = body.members[toucher.member];
+    ContactNode node;
+    node.node = m.node;
+    for (const Side& of : toucher.sides) {
+      ContactSide side = side_of(body, toucher, of);
+      const auto j = static_cast<std::size_t>(of.surface);
+      side.normal = contact_.normal(*from_at_, j, m.start);
+      side.velocity = m.start_velocity - Contact::velocity(*from_at_, j, m.start);
+      node.sides.push_back(side);
+    }
+    if (rubs(node)) {
+      const Vector3 slip = along_surfaces(node, node.sides.front().velocity);
+      node.moves = slip.norm() > engine_.no_speed();
+      node.sticks = !node.moves;
+      if (node.moves) node.slip = slip.normalized();
+    }
+    nodes.push_back(std::move(node));
+  }
+  return {std::move(nodes), mobility(body, rods)};
+}
+
+// The drift is what a constant acceleration would do, 2 (u - v) / h, so that gaps at the end of the step ask for
+// accelerations: contacts answer as they do to those.
+springnet_status Engine::Stepping::hold(Body& body, const std::optional<Rods>& rods) {
+  Island island = island_at_start(body, rods);
+  std::vector<Vector3> impulses(body.touchers.size(), Vector3::Zero());
+  std::vector<std::uint8_t> turned(body.touchers.size(), 0);
+  const double per_way = 2.0 / (h_ * h_), per_speed = 2.0 / h_;
+  // Of the gaps and the places that stick: how far they are from where they should be, m.
+  double size = 0.0;
+  int failures = 0;
+  for (const Member& m : body.members)
+    size = std::max(size, m.start.cwiseAbs().maxCoeff() + (m.position - m.start).norm());
+  for (int turn = 0; turn < most_turns; ++turn) {
+    double off = 0.0;
+    bool again = turn == 0;
+    for (std::size_t i = 0; i < body.touchers.size(); ++i) {
+      const Member& m = body.members[body.touchers[i].member];
+      ContactNode& node = island.nodes()[i];
+      const Vector3 now = per_speed * (m.velocity - m.start_velocity);
+      node.acceleration = now - (island.acceleration(i) - node.acceleration);
+      for (ContactSide& side : node.sides) {
+        const auto j = static_cast<std::size_t>(side.surface);
+        const double gap = contact_.gap(*at_, j, m.position);
+        const Vector3 slipped = m.position - contact_.carried(*at_, m.start, side.surface);
+        side.needed = side.normal.dot(now) - per_way * gap;
+        side.surface_acceleration = now - per_way * slipped;
+        off = std::max(off, side.touches ? std::abs(gap) : -gap);
+        if (side.touches && node.sticks) off = std::max(off, along_surfaces(node, slipped).norm());
+      }
+      // Friction that would turn a slip round stops it.
+      const ContactSide* acts = first_acting(node);
+      if (turn == 0 || acts == nullptr || !node.moves || turned[i] != 0) continue;
+      if (node.slip.dot(m.position - contact_.carried(*at_, m.start, acts->surface)) > 0.0) continue;
+      turned[i] = 1;
+      node.moves = false;
+      node.sticks = true;
+      again = true;
+    }
+    if (!again && off <= accuracy * size) break;
+    if (!island.resolve(negligible(body), false)) {
+      // No finite force answers, or none was found; an impulse over the step does.
+      if (++failures > most_failures) break;
+      for (std::size_t i = 0; i < body.touchers.size(); ++i) {
+        ContactNode& node = island.nodes()[i];
+        for (ContactSide& side : node.sides) {
+          side.velocity = (node.acceleration - side.surface_acceleration) / per_speed;
+          side.velocity += side.normal * ((side.normal.dot(node.acceleration) - side.needed) / per_speed -
+                                          side.normal.dot(side.velocity));
+        }
+      }
+      strike(island, body);
+      for (ContactNode& node : island.nodes()) {
+        node.force = per_speed * sum_of(node.impulse);
+        for (std::size_t s = 0; s < node.sides.size(); ++s) node.sides[s].touches = !node.impulse[s].isZero(0.0);
+      }
+    }
+    for (std::size_t i = 0; i < impulses.size(); ++i) impulses[i] = island.nodes()[i].force / per_speed;
+    if (!go(body, rods, impulses)) return cannot_keep(body);
+  }
+  remember(island, failures > 0, body);
+  for (std::size_t i = 0; i < body.touchers.size(); ++i) {
+    const ContactNode& node = island.nodes()[i];
+    Toucher& toucher = body.touchers[i];
+    toucher.sticks = node.sticks;
+    toucher.slip = node.slip;
+    for (std::size_t s = 0; s < node.sides.size(); ++s) toucher.sides[s].touches = node.sides[s].touches;
+  }
+  return SPRINGNET_OK;
+}
+
+// Whether a node gets behind a surface that is in its straight way: one that leaves a curved surface goes round what
+// the straight way goes through.
+bool Engine::Stepping::reaches(const Member& m, std::size_t surface) const {
+  const Pose &before = from_at_->poses[surface], &after = at_->poses[surface];
+  const Vector3 from = after.from_start(before.to_start(m.start));  // as the surface sees it
+  const auto gap = [&](double share) {
+    const Vector3 bend = h_ * share * (1.0 - share) * (m.velocity - m.start_velocity);
+    return contact_.gap(*at_, surface, from + share * (m.position - from) - bend);
+  };
+  if (contact_.gap(*at_, surface, m.position) < 0.0) return true;
+  const Obstacle& obstacle = contact_.surfaces()[surface];
+  if (obstacle.is_flat()) return true;
+  // The least on the way, by golden section.
+  constexpr double golden = 0.6180339887498949;
+  const double rounding = accuracy * (m.start.cwiseAbs().maxCoeff() + (m.position - m.start).norm());
+  double low = 0.0, high = 1.0, x1 = 1.0 - golden, x2 = golden, f1 = gap(x1), f2 = gap(x2);
+  for (int i = 0; i < 40 && f1 >= -rounding && f2 >= -rounding; ++i) {
+    if (f1 < f2) {
+      high = x2;
+      x2 = x1;
+      f2 = f1;
+      f1 = gap(x1 = high - golden * (high - low));
+    } else {
+      low = x1;
+      x1 = x2;
+      f1 = f2;
+      f2 = gap(x2 = low + golden * (high - low));
+    }
+  }
+  return f1 < -rounding || f2 < -rounding;
+}
+
+bool Engine::Stepping::meet(Body& body) {
+  bool any = false;
+  for (std::size_t i = 0; i < body.members.size(); ++i) {
+    const Member& m = body.members[i];
+    if (m.fixed) continue;
+    const auto known = std::find_if(body.touchers.begin(), body.touchers.end(),
+                                    [i](const Toucher& toucher) { return toucher.member == i; });
+    const auto has = [&](std::int32_t surface) {
+      return known != body.touchers.end() &&
+             std::any_of(known->sides.begin(), known->sides.end(), [&](const Side& s) { return s.surface == surface; });
+    };
+    Contact::Meeting first{-1, 2.0};
+    for (std::int32_t j = 0; j < static_cast<std::int32_t>(contact_.surfaces().size()); ++j) {
+      if (has(j)) continue;
+      const auto surface = static_cast<std::size_t>(j);
+      const auto share =
+          contact_.surfaces()[surface].first_touch(from_at_->poses[surface], m.start, at_->poses[surface], m.position);
+      if (share && *share < first.share && reaches(m, surface)) first = {j, *share};
+    }
+    if (first.surface < 0) continue;
+    if (known != body.touchers.end() && known->sides.size() == 3) continue;
+    any = true;
+    if (!body.cluster && known == body.touchers.end()) {
+      arrive(body, first);
+      return true;
+    }
+    const auto j = static_cast<std::size_t>(first.surface);
+    const Vector3 velocity = m.start_velocity + 2.0 * first.share * (m.velocity - m.start_velocity);
+    const Vector3 n = contact_.normal(*at_, j, contact_.taken_along(*at_, m.start, m.position, first));
+    Side side{first.surface, true, true};
+    side.came = -n.dot(velocity - Contact::velocity(*at_, j, m.position));
+    if (known != body.touchers.end()) {
+      known->sides.push_back(side);
+    } else {
+      Toucher toucher{};
+      toucher.member = i;
+      toucher.sides.push_back(side);
+      body.touchers.push_back(toucher);
+    }
+  }
+  return any;
+}
+
+void Engine::Stepping::arrive(Body& body, const Contact::Meeting& meeting) {
+  Member& m = body.members[0];
+  const auto j = static_cast<std::size_t>(meeting.surface);
+  const Obstacle& obstacle = contact_.surfaces()[j];
+  const Vector3 place = contact_.taken_along(*at_, m.start, m.position, meeting);
+  const Vector3 w = Contact::velocity(*at_, j, place), gained = 2.0 * (m.velocity - m.start_velocity);
+  Toucher toucher{};
+  ContactNode node;
+  node.node = m.node;
+  ContactSide side;
+  side.surface = meeting.surface;
+  side.normal = contact_.normal(*at_, j, place);
+  side.friction = obstacle.friction();
+  side.velocity = m.start_velocity + meeting.share * gained - w;
+  side.restitution = obstacle.restitution();
+  node.sides.push_back(side);
+  Island island({std::move(node)}, Eigen::MatrixXd::Identity(3, 3) / engine_.mass_[m.node]);
+  // What rebounds slower than it falls again within the step stays.
+  const double falls = std::max(0.0, -side.normal.dot(gained - h_ * Contact::acceleration(*at_, j, place)));
+  const double least = side.restitution > 0.0 ? falls / side.restitution : std::numeric_limits<double>::infinity();
+  static_cast<void>(island.strike(least));
+  const ContactSide& struck = island.nodes()[0].sides[0];
+  const Vector3 arrival = island.nodes()[0].impulse[0];
+  const Vector3 before = side.velocity + w, after = before + arrival / engine_.mass_[m.node];
+  toucher.bounced = side.restitution > 0.0 && side.normal.dot(side.velocity) < -least;
+  const double rest = 1.0 - meeting.share;
+  const Vector3 slip = struck.velocity - side.normal * side.normal.dot(struck.velocity);
+  toucher.sticks = !toucher.bounced && is_rough(side) && slip.norm() <= engine_.no_speed();
+  toucher.slip = slip.norm() > 0.0 ? Vector3(slip.normalized()) : Vector3(Vector3::Zero());
+  m.position = place;
+  if (!toucher.sticks) m.position += rest * h_ * (after - w + 0.5 * rest * gained);
+  if (!toucher.bounced || contact_.gap(*at_, j, m.position) < 0.0) m.position = contact_.onto(*at_, j, m.position);
+  // Such that the kick, half a step of force, adds to what the force does after the touch.
+  m.velocity = after + (0.5 - meeting.share) * gained;
+  toucher.sides.push_back({meeting.surface, true, !toucher.bounced, 0.0, Vector3::Zero(), arrival});
+  body.touchers.push_back(toucher);
+}
+
+// What arrived is put on its surfaces, which hang together by rigid connections and by what touches already.
+springnet_status Engine::Stepping::fit(Body& body) {
+  decide(body);
+  const std::size_t n = engine_.layout_.node_count();
+  std::vector<double> values(6 * n);  // of which those of the members are used
+  const springnet_vectors position{values.data(), values.data() + n, values.data() + 2 * n};
+  const springnet_vectors velocity{values.data() + 3 * n, values.data() + 4 * n, values.data() + 5 * n};
+  for (const Member& m : body.members) put_vector(position, m.node, m.position);
+  springnet_status status = SPRINGNET_OK;
+  if (body.cluster)
+    status = engine_.rigid_.project(*at_, *body.cluster, position, velocity, engine_.message_);
+  else
+    contact_.project_sliding(*at_, body.nodes.front(), position, velocity);
+  for (Member& m : body.members) m.position = vector_at(position, m.node);
+  return status;
+}
+
+springnet_status Engine::Stepping::drift(Body& body) {
+  for (std::size_t i = 0; i < body.members.size(); ++i) {
+    const Touch touch = contact_.committed(body.nodes[i]);
+    if (body.members[i].fixed || touch.surface < 0) continue;
+    Toucher toucher{};
+    toucher.member = i;
+    for (const std::int32_t surface : touch.surfaces())
+      if (surface >= 0) toucher.sides.push_back({surface});
+    for (Side& side : toucher.sides)
+      if (const auto last = last_.find({body.nodes[i], side.surface}); last != last_.end())
+        side.impulse = last->second * (h_ / last_h_);
+    body.touchers.push_back(toucher);
+  }
+  std::optional<Rods> rods;
+  if (body.cluster) {
+    const State& start = engine_.state_;
+    rods.emplace(engine_.rigid_, *body.cluster, read_only(start.view.position));
+  }
+  if (!go(body, rods, std::vector<Vector3>(body.touchers.size(), Vector3::Zero()))) {
+    // What would go through a surface, far from where the lengths can be kept, is stopped below by what it meets.
+    return cannot_keep(body);
+  }
+  if (!body.touchers.empty())
+    if (const springnet_status status = hold(body, rods); status != SPRINGNET_OK) return status;
+  for (int round = 0; round < most_rounds && meet(body); ++round) {
+    if (body.touchers[0].bounced || (!body.cluster && body.touchers[0].sides.size() == 1)) continue;
+    if (const springnet_status status = fit(body); status != SPRINGNET_OK) return status;
+  }
+  decide(body);
+  return SPRINGNET_OK;
+}
+
+}  // namespace springnet
