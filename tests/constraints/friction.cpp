@@ -246,3 +246,26 @@ TEST_CASE("a node that friction holds in a corner makes no events without end") 
     CHECK(simulation.events().size() < 12);
   }
 }
+
+TEST_CASE("on two surfaces that are flush with each other a node slides as on one") {
+  // It falls onto both, loses mu times its fall's speed, and is slowed by mu g.
+  constexpr double g = 9.81, mu = 0.1, fall = 0.01, until = 0.3;
+  Network net;
+  net.add_node(point({0, 0, fall}, 1.0, {1, 0, 0}));
+  net.set_gravity({0, 0, -g});
+  Plane floor;
+  floor.friction = {Friction::Kind::coulomb, mu};
+  net.add_plane(floor);
+  Instrument tile;
+  tile.first = {0, 0, -0.5};
+  tile.box = BoxShape{{10, 10, 1}, Eigen::Matrix3d::Identity(), 0.0};
+  tile.friction = floor.friction;
+  net.add_instrument(tile);
+  const double expected = 1.0 - mu * g * until;  // the blow's share and the flight's make up for each other
+  for (const Way& way : all_ways(1e-9)) {
+    INFO(way.name);
+    Simulation s = simulate(net, way.integrator, 0.004);
+    s.advance_to(until);
+    CHECK(std::abs(s.velocity(0).x() - expected) <= (way.order > 0.0 ? 2.0 * mu * g * 0.004 : 1e-7));
+  }
+}

@@ -6,6 +6,8 @@
 
 #include <doctest/doctest.h>
 
+#include <Eigen/Geometry>
+
 #include "constraints/contact_state.hpp"
 #include "constraints/friction.hpp"
 #include "constraints/island.hpp"
@@ -231,4 +233,92 @@ TEST_CASE("what a force lifts is let go, and what lies on a surface under load i
   CHECK(down.nodes()[0].sides[0].touches);
   CHECK(down.nodes()[0].sticks);
   CHECK((down.nodes()[0].force - Vector3(-5, 0, 1)).norm() <= rounding);
+}
+
+TEST_CASE("what would pull although it cannot leave is braced by what it hangs on rigidly") {
+  // A rod along x, its ends held on the two sides of a roof; together they are drawn to -x, and each down. The least
+  // forces share the draw between them: more than what presses the left end on. Let go, it would sink in.
+  const double c = std::sqrt(0.5);
+  std::vector<ContactNode> nodes;
+  for (const double side : {-1.0, 1.0}) {
+    ContactNode node = on_floor(Vector3::Zero(), coulomb(friction_of_held));
+    node.sides[0].normal = {side * c, 0, c};
+    node.acceleration = {-5, 0, -1};
+    node.sticks = true;
+    nodes.push_back(node);
+  }
+  Eigen::MatrixXd mobility = Eigen::MatrixXd::Identity(6, 6);
+  mobility(0, 0) = mobility(3, 3) = mobility(0, 3) = mobility(3, 0) = 0.5;
+  Island island(nodes, mobility);
+  REQUIRE(island.resolve(1e-12));
+  CHECK(island.nodes()[0].braced);
+  for (std::size_t i = 0; i < 2; ++i) {
+    CHECK(island.nodes()[i].sticks);
+    CHECK(island.nodes()[i].normal_force[0] > 0.0);
+    CHECK(island.acceleration(i).norm() <= 10.0 * rounding);
+  }
+  CHECK((island.nodes()[0].force + island.nodes()[1].force - Vector3(10, 0, 2)).norm() <= 100.0 * rounding);
+}
+
+TEST_CASE("impulses that end a slip leave gaps as they are") {
+  ContactNode node = on_floor({0.3, -0.4, 0}, coulomb(0.5));
+  node.rests = true;
+  Island island({node}, end_of_rod(0.4));
+  CHECK(island.stop(1e-12));
+  CHECK(island.nodes()[0].sides[0].velocity.norm() <= rounding);
+  CHECK((end_of_rod(0.4) * island.nodes()[0].impulse[0] + Vector3(0.3, -0.4, 0)).norm() <= rounding);
+}
+
+TEST_CASE("the least numbers that lift all of some others above zero") {
+  Eigen::MatrixXd matrix(2, 2);
+  matrix << 1, 1, 0, -1;
+  const auto x = least_with(Eigen::Vector2d(-2, 0.5), matrix);
+  REQUIRE(x.has_value());
+  CHECK((*x - Eigen::Vector2d(1.5, 0.5)).norm() <= 1e-11);
+  CHECK_FALSE(least_with(Eigen::Vector2d(-1, -1), Eigen::Vector2d(1, -1)).has_value());
+}
+
+TEST_CASE("a direction is found where what turns it vanishes") {
+  const Vector3 n = Vector3::UnitZ(), goes(0.6, 0.8, 0);
+  const auto found = find_direction(n, Vector3::UnitX(), [&](const Vector3& t) { return n.dot(t.cross(goes)); });
+  REQUIRE(found.has_value());
+  CHECK((*found - goes).norm() <= rounding);
+  CHECK_FALSE(find_direction(n, Vector3::UnitX(), [](const Vector3&) { return 1.0; }).has_value());
+}
+
+TEST_CASE("impulses over a step end approach within the cone, for all contacts at once") {
+  // In an island of impulses accelerations stand for velocities. A lone node of 2 kg: as answer_contact has it.
+  for (const double mu : {0.1, 0.9}) {
+    ContactNode node = on_floor(Vector3::Zero(), coulomb(mu));
+    node.acceleration = {0.3, -0.4, -1.0};
+    node.sticks = true;
+    Island lone({node}, 0.5 * Matrix3::Identity());
+    REQUIRE(lone.resolve_impulses(1e-12));
+    const ContactAnswer answer = answer_contact(0.5 * Matrix3::Identity(), node.acceleration, {0, 0, 1}, coulomb(mu));
+    CHECK((lone.nodes()[0].force - answer.impulse).norm() <= rounding);
+    CHECK(lone.nodes()[0].sticks == answer.sticks);
+  }
+  // One that rises is let go, unless it stays.
+  ContactNode rising = on_floor(Vector3::Zero(), smooth);
+  rising.acceleration = {0, 0, 0.7};
+  Island leaves({rising}, Matrix3::Identity());
+  REQUIRE(leaves.resolve_impulses(1e-12));
+  CHECK_FALSE(leaves.nodes()[0].sides[0].touches);
+  CHECK(leaves.nodes()[0].force.isZero(0.0));
+  rising.sides[0].stays = true;
+  Island stays({rising}, Matrix3::Identity());
+  REQUIRE(stays.resolve_impulses(1e-12));
+  CHECK((stays.nodes()[0].force + Vector3(0, 0, 0.7)).norm() <= rounding);
+  // Two nodes braced between each other by a rod along x: only what differs from its direction moves them.
+  std::vector<ContactNode> braced(2, on_floor(Vector3::Zero(), coulomb(0.3)));
+  braced[1].node = 1;
+  for (ContactNode& node : braced) {
+    node.acceleration = {0, 0.1, -1.0};
+    node.sticks = true;
+  }
+  Eigen::MatrixXd mobility = Eigen::MatrixXd::Identity(6, 6);
+  mobility(0, 0) = mobility(3, 3) = mobility(0, 3) = mobility(3, 0) = 0.5;
+  Island pair(braced, mobility);
+  REQUIRE(pair.resolve_impulses(1e-12));
+  for (const ContactNode& node : pair.nodes()) CHECK((node.force - Vector3(0, -0.1, 1.0)).norm() <= rounding);
 }

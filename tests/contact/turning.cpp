@@ -78,6 +78,41 @@ TEST_CASE("a turntable carries what sticks to it round, and bears the centripeta
   }
 }
 
+TEST_CASE("a node at rest on a turntable is dragged along by friction against its slip") {
+  constexpr double mu = 0.05, until = 0.6;
+  const Vector3 place(0.9, -0.3, 0);
+  // v' = -mu g u / |u|, u = v - w x p; by Runge and Kutta's method of fourth order.
+  Vector3 p = place, v = Vector3::Zero();
+  const auto acceleration = [&](const Vector3& x, const Vector3& y) -> Vector3 {
+    return -mu * g * (y - rate * Vector3::UnitZ().cross(x)).normalized();
+  };
+  constexpr int steps = 6000;
+  const double dt = until / steps;
+  for (int i = 0; i < steps; ++i) {
+    const Vector3 a1 = acceleration(p, v), v2 = v + dt / 2 * a1, a2 = acceleration(p + dt / 2 * v, v2);
+    const Vector3 v3 = v + dt / 2 * a2, a3 = acceleration(p + dt / 2 * v2, v3);
+    const Vector3 v4 = v + dt * a3, a4 = acceleration(p + dt * v3, v4);
+    p += dt / 6 * (v + 2 * v2 + 2 * v3 + v4);
+    v += dt / 6 * (a1 + 2 * a2 + 2 * a3 + a4);
+  }
+  REQUIRE((v - rate * Vector3::UnitZ().cross(p)).norm() > 0.3);
+  const Network net = on_turntable({Friction::Kind::coulomb, mu}, place, Vector3::Zero());
+  for (const Way& way : all_ways(1e-10)) {
+    INFO(way.name);
+    double error[2];
+    for (const int halving : {0, 1}) {
+      Simulation s = simulate(net, way.integrator, halving == 0 ? 0.01 : 0.005);
+      if (!reaches(s, until)) continue;
+      error[halving] = (s.position(0) - p).norm();
+      CHECK_FALSE(s.held(0));
+    }
+    if (way.order == 0.0)
+      CHECK(error[1] <= 1e-6);
+    else
+      CHECK(std::log2(error[0] / error[1]) > way.order - 0.2);
+  }
+}
+
 TEST_CASE("a roller carries a held node over until the surface would have to draw it, and throws it") {
   // N = m (g cos - w^2 R) along the normal; then free flight with w R.
   for (const bool box : {false, true}) {

@@ -115,8 +115,10 @@ TEST_CASE("a load that comes on presses a resting node down, wherever steps and 
     CHECK(simulation.position(1)[2] ==
           doctest::Approx(0.75).epsilon(1e-5));  // 5 N on 20 N/m, settled for 14 decay times
     CHECK(simulation.reaction(0)[2] == doctest::Approx(5.0).epsilon(1e-4));
-    // Nothing but the start of the load makes the node touch, and it weighs nothing: no impulse.
-    CHECK(simulation.contact_impulse(0).norm() <= 1e-3);
+    // Nothing but the start of the load makes the node touch, and it weighs nothing: no impulse. A single sweep has the
+    // forces of the start of its step, so that what it gives lags behind what is told by a step of the reaction.
+    const double lag = integrator.parameters.contains("sweeps") ? 0.005 * 5.0 : 0.0;
+    CHECK(simulation.contact_impulse(0).norm() <= lag + 1e-3);
   }
 }
 

@@ -143,3 +143,68 @@ TEST_CASE("a ball leaves a sphere as light a mirror where nothing is lost") {
     CHECK(std::abs(s.kinetic_energy() - 0.5 * mass * v2) <= (way.order > 0.0 ? 1e-6 : 1e-7));
   }
 }
+
+TEST_CASE("a node that slides on a floor bounces off a wall and slides on; each surface is told its own impulse") {
+  constexpr double speed = 1.0, far = 0.3, elastic = 0.8, h = 0.002;
+  Network net;
+  net.add_node(point({0, 0, 0}, 0.5, {speed, 0.4, 0}));
+  net.set_gravity({0, 0, -9.81});
+  Plane floor, wall;
+  floor.name = "floor";
+  floor.friction = wall.friction = frictionless;
+  wall.point = {far, 0, 0};
+  wall.normal = {-1, 0, 0};
+  wall.restitution = elastic;
+  net.add_plane(floor);
+  net.add_plane(wall);
+  for (const Way& way : all_ways(1e-10)) {
+    INFO(way.name);
+    Simulation s = simulate(net, way.integrator, h);
+    s.advance_to(0.7);
+    const double back = far - elastic * speed * (0.7 - far / speed);
+    // The blow may fall anywhere within its step.
+    CHECK((s.position(0) - Vector3(back, 0.28, 0)).norm() <= (way.order > 0.0 ? 2.0 * h * speed : 1e-7));
+    CHECK((s.velocity(0) - Vector3(-elastic * speed, 0.4, 0)).norm() <= 1e-7);
+    CHECK(s.touching(0));
+    CHECK(s.nodes_touching(0) == 1);
+    CHECK(s.nodes_touching(1) == 0);
+    const Vector3 blow(-0.5 * speed * (1.0 + elastic), 0, 0);
+    CHECK((s.surface_impulse(1) + blow).norm() <= 1e-7);
+    std::size_t touched = 0, released = 0;
+    for (const Event& event : s.events()) {
+      if (event.time == 0.0) continue;  // it lies on the floor from the start
+      touched += event.kind == Event::Kind::touched ? 1 : 0;
+      released += event.kind == Event::Kind::released ? 1 : 0;
+      CHECK(event.surface == 1);
+      if (event.kind == Event::Kind::touched) CHECK((event.impulse - blow).norm() <= 1e-7);
+    }
+    CHECK(touched == 1);
+    CHECK(released == 1);
+  }
+}
+
+TEST_CASE("where a node falls into a corner each surface is told its own part of the blow") {
+  Network net;
+  net.add_node(point({0.25, 0, 0.25}, 0.5, {-1, 0, -1.2}));
+  for (const Vector3& normal : {Vector3(0, 0, 1), Vector3(1, 0, 0)}) {
+    Plane plane;
+    plane.friction = frictionless;
+    plane.normal = normal;
+    net.add_plane(plane);
+  }
+  for (const Way& way : all_ways(1e-10)) {
+    INFO(way.name);
+    for (const double h : {0.1, 0.004}) {  // in one step, and one after another
+      CAPTURE(h);
+      Simulation s = simulate(net, way.integrator, h);
+      s.advance_to(0.4);
+      CHECK(s.velocity(0).norm() <= 1e-9);
+      CHECK((s.surface_impulse(0) - Vector3(0, 0, -0.6)).norm() <= 1e-9);
+      CHECK((s.surface_impulse(1) - Vector3(-0.5, 0, 0)).norm() <= 1e-9);
+      CHECK((s.contact_impulse(0) - Vector3(0.5, 0, 0.6)).norm() <= 1e-9);
+      for (const Event& event : s.events())
+        if (event.kind == Event::Kind::touched)
+          CHECK((event.impulse + s.surface_impulse(static_cast<std::size_t>(event.surface))).norm() <= 1e-9);
+    }
+  }
+}
