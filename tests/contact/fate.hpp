@@ -1,0 +1,61 @@
+// What becomes of rigid bodies in contact: the reference goes on, keeps lengths and surfaces, takes no energy from
+// nowhere, and finds what it finds at every tolerance.
+#pragma once
+
+#include <algorithm>
+#include <exception>
+#include <string>
+#include <vector>
+
+#include "run.hpp"
+
+namespace springnet::testing {
+
+struct Fate {
+  Run run;
+  double gained = 0.0;  // J, the most that energy grew from its lowest value
+  double scale = 0.0;   // J
+};
+
+inline Fate tumble(const Network& net, double tolerance, double until) {
+  constexpr int count = 60;
+  const Reference shapes = surfaces_of(net);
+  Simulation s = simulate(net, cvode(tolerance, {{"max_steps", 3000}}), until / count);
+  const auto energy = [&] { return s.kinetic_energy() + s.potential_energy(); };
+  Fate fate;
+  double lowest = energy();
+  for (int i = 1; i <= count; ++i) {
+    s.advance_to(until * i / count);
+    look(net, shapes, s, fate.run);
+    auto& at = fate.run.positions.emplace_back();
+    for (NodeIndex k = 0; k < s.node_count(); ++k) at.push_back(s.position(k));
+    fate.scale = std::max({fate.scale, s.kinetic_energy(), std::abs(energy())});
+    fate.gained = std::max(fate.gained, energy() - lowest);
+    lowest = std::min(lowest, energy());
+  }
+  fate.run.events = s.events();
+  return fate;
+}
+
+inline void check_fate(const Network& net, double until) {
+  std::vector<Fate> fates;
+  for (const double tolerance : {1e-7, 1e-9}) {
+    CAPTURE(tolerance);
+    try {
+      fates.push_back(tumble(net, tolerance, until));
+    } catch (const std::exception& error) {
+      FAIL_CHECK(std::string(error.what()));
+      return;
+    }
+    const Fate& fate = fates.back();
+    CHECK(fate.gained <= 1e3 * tolerance * fate.scale);  // a thousand steps
+    CHECK(fate.run.stretch <= 1.001e-8);
+    CHECK(fate.run.sink <= 1e-7);
+    CHECK(fate.run.pull <= 1e-6);
+    CHECK(fate.run.events.size() <= 200);
+  }
+  // A touch makes errors grow; a body that goes another way is off by centimetres.
+  CHECK(greatest_distance(fates[0].run.positions, fates[1].run.positions) <= 1e-3);
+}
+
+}  // namespace springnet::testing
