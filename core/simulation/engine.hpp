@@ -173,6 +173,9 @@ class Engine {
   springnet_status settle(double time, State& state, const std::map<std::uint32_t, Finding>& findings);
   [[nodiscard]] double no_speed() const noexcept;  // m/s
   void note_grazing(std::uint32_t node, std::size_t surface, double time);
+  // Nodes that went through an obstacle since the last commit, when they were at `from` (s, m, m/s), and were not seen
+  // to.
+  void note_missed(double from, const springnet_const_vectors& position, const springnet_const_vectors& velocity);
   // Surfaces that left nodes behind since the last commit, at `from`, s, because their velocity jumped.
   void note_shed(double from);
   // No forces and impulses of surfaces were found that fit a node and what hangs rigidly on it.
