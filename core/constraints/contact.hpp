@@ -1,6 +1,7 @@
-// Unilateral contact without restitution of nodes with planes, spheres and capsules that may move. The paper's rule: a
-// node that crosses is held where it touched until a reverse force occurs; without friction, or with Coulomb's, it
-// slides. The same state and decisions serve the sweeps of the recurrent network and the events of the reference.
+// Unilateral contact of nodes with planes, spheres, capsules and boxes that may move and turn, with restitution. The
+// paper's rule: a node that crosses is held where it touched until a reverse force occurs; without friction, or with
+// Coulomb's, it slides. The same state and decisions serve the sweeps of the recurrent network and the events of the
+// reference.
 #pragma once
 
 #include <cstdint>
@@ -169,11 +170,11 @@ class Contact {
   // The decisions of sweeps that were not committed are forgotten.
   void forget_sweep();
 
-  // Takes out of accelerations (m/s^2, arrays from node `first`) of nodes [first, first + count) what fixation and
-  // surfaces do not allow, and puts in friction; nodes of `cluster` are left.
   // Puts a lone node that slides onto its surfaces, and its velocity along them.
   void project_sliding(const Placement& at, std::uint32_t node, const springnet_vectors& position,
                        const springnet_vectors& velocity) const;
+  // Takes out of accelerations (m/s^2, arrays from node `first`) of nodes [first, first + count) what fixation and
+  // surfaces do not allow, and puts in friction; nodes of `cluster` are left.
   void accelerate(const Placement& at, std::uint32_t first, std::uint32_t count,
                   const springnet_const_vectors& position, const springnet_const_vectors& velocity,
                   double* const acceleration[3], const std::uint32_t* cluster) const;
