@@ -7,6 +7,7 @@
 #include <cmath>
 #include <limits>
 
+#include "constraints/least_on_way.hpp"
 #include "network/kinks.hpp"
 
 namespace springnet {
@@ -211,25 +212,10 @@ std::optional<double> Obstacle::first_touch(const Vector3& a, const Vector3& b) 
   if (after >= 0.0) {
     // The distance changes by no more than the way: most nodes are too far off to have touched on it.
     if (is_plane() || before + after >= (b - a).norm()) return std::nullopt;
-    // The least distance on the way, by golden section; it counts where it is below zero.
-    constexpr double golden = 0.6180339887498949;
-    double low = 0.0, high = 1.0;
-    double x1 = 1.0 - golden, x2 = golden, f1 = at(x1), f2 = at(x2);
-    for (int i = 0; i < 60 && f1 >= 0.0 && f2 >= 0.0; ++i) {
-      if (f1 < f2) {
-        high = x2;
-        x2 = x1;
-        f2 = f1;
-        f1 = at(x1 = high - golden * (high - low));
-      } else {
-        low = x1;
-        x1 = x2;
-        f1 = f2;
-        f2 = at(x2 = low + golden * (high - low));
-      }
-    }
-    if (f1 >= 0.0 && f2 >= 0.0) return std::nullopt;
-    inside = f1 < 0.0 ? x1 : x2;
+    // The least distance on the way counts where it is below zero.
+    const LeastOnWay least = least_on_way(at, 0.0, 60);
+    if (least.value >= 0.0) return std::nullopt;
+    inside = least.share;
   }
   if (is_plane()) return before / (before - after);
   for (int i = 0; i < 60 && inside - outside > 1e-15; ++i) {

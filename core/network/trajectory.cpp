@@ -122,6 +122,10 @@ Trajectory::Sample Trajectory::on_sinusoid(double time) const {
   return sample;
 }
 
+double Trajectory::swing_rate() const noexcept {
+  return moves_ && motion_.displacements.empty() ? 2.0 * std::numbers::pi * motion_.frequency : 0.0;
+}
+
 double Trajectory::next_change(double time) const {
   constexpr double never = std::numeric_limits<double>::infinity();
   if (!moves_) return never;

@@ -24,6 +24,8 @@ class Trajectory {
   [[nodiscard]] Vector3 mean(double from, double until) const;
   // The next time after `time` at which velocity or acceleration may jump; infinity if there is none. s
   [[nodiscard]] double next_change(double time) const;
+  // Of a sinusoid, rad/s; 0 for others.
+  [[nodiscard]] double swing_rate() const noexcept;
   // False where the displacement is 0 at all times.
   [[nodiscard]] bool moves() const noexcept { return moves_; }
 

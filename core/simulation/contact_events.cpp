@@ -340,48 +340,6 @@ void Engine::note_shed(double from) {
   }
 }
 
-// Events are looked for where steps end. The way between may be bent by what the velocity changed, h |dv| / 8 at most:
-// what is deeper than that was inside.
-void Engine::note_missed(double from, const springnet_const_vectors& position,
-                         const springnet_const_vectors& velocity) {
-  const auto planes = [](const Obstacle& surface) { return surface.is_plane(); };
-  if (std::all_of(contact_.surfaces().begin(), contact_.surfaces().end(), planes) || !(time_ > from)) return;
-  const std::shared_ptr<const Placement> before = contact_.at(just_after(from));
-  const std::shared_ptr<const Placement> now = contact_.at(just_before(time_, time_ - from));
-  const double depth = contact_tolerance();
-  std::set<std::uint32_t> met;  // user's
-  for (std::size_t e = committed_events_; e < events_.size(); ++e)
-    if (events_[e].surface >= 0) met.insert(events_[e].index);
-  for (std::uint32_t k = 0; k < layout_.node_count(); ++k) {
-    if (contact_.fixed()[k] != 0 || contact_.touching()[k] != 0) continue;
-    const Vector3 a = vector_at(position, k), b = vector_at(state_.view.position, k);
-    const double bent = 0.125 * (time_ - from) * (vector_at(state_.view.velocity, k) - vector_at(velocity, k)).norm();
-    for (std::size_t j = 0; j < contact_.surfaces().size(); ++j) {
-      const Obstacle& surface = contact_.surfaces()[j];
-      if (surface.is_plane()) continue;
-      const Pose &first = before->poses[j], &last = now->poses[j];
-      const std::optional<double> share = surface.first_touch(first, a, last, b);
-      if (!share || surface.gap(last, b) < 0.0 || met.contains(layout_.ordering().user[k])) continue;
-      const Vector3 start = first.to_start(a), end = last.to_start(b);
-      double deepest = 0.0;
-      constexpr int places = 16;
-      for (int i = 1; i < places; ++i) {
-        const double at = *share + (1.0 - *share) * i / places;
-        deepest = std::max(deepest, -surface.gap(last, last.from_start(start + at * (end - start))));
-      }
-      if (deepest <= bent + depth) continue;
-      const double count = statistics_.contains("missed_touches") ? statistics_.at("missed_touches") : 0.0;
-      report("missed_touches", count + 1.0);
-      if (count > 0.0) continue;
-      note(fmt::format(
-          "Before {:g} s node {} went through {} within one step, unseen: touches are looked for where steps "
-          "end. Use a smaller time_step, of less than the obstacle's thickness on the way of the node; such "
-          "touches are counted as missed_touches.",
-          time_, layout_.ordering().user[k], contact_.name_of(j)));
-    }
-  }
-}
-
 void Engine::note_grazing(std::uint32_t node, std::size_t surface, double time) {
   const std::uint32_t user = layout_.ordering().user[node];
   report("grazing_touches", ++grazing_touches_);

@@ -46,6 +46,15 @@ class Engine {
   springnet_status project_state(double time, const springnet_vectors& position, const springnet_vectors& velocity);
   springnet_status event_values(const springnet_evaluation& at, double* values, std::int32_t* directions);
   springnet_status fire_events(double time, State& state, const std::int32_t* fired);
+  struct Span {
+    double from, until;  // s
+  };
+  struct DenseOutput {
+    springnet_dense_output state_at;
+    void* user;
+  };
+  // When a node first touches a surface in a part of a step, s; nan if none does. See springnet_host.
+  springnet_status time_of_impact(const Span& step, const Span& part, const DenseOutput& output, double& time);
   springnet_status commit(double time, State& state);
   [[nodiscard]] double next_discontinuity(double time) const noexcept;
   [[nodiscard]] layers::Linearisation& linearisation() noexcept { return linearisation_; }
@@ -127,6 +136,7 @@ class Engine {
     std::uint32_t surface;
     double depth = 0.0;  // added to its value: of a touch, m, how far behind the surface it counts; of a slip, N
   };
+  class ImpactSearch;
   class ReactionsAt;
   class Settling;
   struct Hanging;
@@ -173,9 +183,6 @@ class Engine {
   springnet_status settle(double time, State& state, const std::map<std::uint32_t, Finding>& findings);
   [[nodiscard]] double no_speed() const noexcept;  // m/s
   void note_grazing(std::uint32_t node, std::size_t surface, double time);
-  // Nodes that went through an obstacle since the last commit, when they were at `from` (s, m, m/s), and were not seen
-  // to.
-  void note_missed(double from, const springnet_const_vectors& position, const springnet_const_vectors& velocity);
   // Surfaces that left nodes behind since the last commit, at `from`, s, because their velocity jumped.
   void note_shed(double from);
   // No forces and impulses of surfaces were found that fit a node and what hangs rigidly on it.

@@ -167,7 +167,6 @@ springnet_status Engine::commit(double time, State& state) {
   forces_stale_ = state_.view.force_is_current == 0;
   springnet_status status = SPRINGNET_OK;
   const bool jumps = contact_.next_change(from) <= time;  // what moves, in its velocity or acceleration
-  const bool decided = swept_ && swept_decided_;          // about contacts, along the ways of the step
   if (swept_) {
     swept_ = false;
     status = commit_sweeps(time);
@@ -192,7 +191,6 @@ springnet_status Engine::commit(double time, State& state) {
       status = constraints_.project(*placement(time), state_.view.position, state_.view.velocity, message_);
   }
   if (status != SPRINGNET_OK) return status;
-  if (!decided) note_missed(from, read_only(state.view.position), read_only(state.view.velocity));
   if (jumps) note_shed(from);
   committed_events_ = events_.size();
   status = perform_due_ruptures();

@@ -167,6 +167,17 @@ springnet_status fire_events(void* context, double time, springnet_state* state,
     return engine.fire_events(time, engine.created_state(state), fired);
   });
 }
+springnet_status time_of_impact(void* context, double step_from, double step_until, double from, double until,
+                                springnet_dense_output state_at, void* user, double* time) {
+  return outside_of_sweeps(context, "time_of_impact", [&](Engine& engine) {
+    require_order(step_from, step_until);
+    require_finite(from, "from");
+    require_finite(until, "until");
+    if (state_at == nullptr) throw Error(ErrorKind::plugin, "state_at is null");
+    require_array(time, "time");
+    return engine.time_of_impact({step_from, step_until}, {from, until}, {state_at, user}, *time);
+  });
+}
 double next_discontinuity(void* context, double time) {
   if (context == nullptr) return std::numeric_limits<double>::infinity();
   return engine_of(context).next_discontinuity(time);
@@ -240,6 +251,7 @@ springnet_host make_host_table(Engine& engine) {
   host.project_state = project_state;
   host.note = note;
   host.begin_interval = begin_interval;
+  host.time_of_impact = time_of_impact;
   return host;
 }
 

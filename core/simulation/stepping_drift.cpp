@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "constraints/least_on_way.hpp"
 #include "constraints/vectors.hpp"
 
 namespace springnet {
@@ -183,24 +184,8 @@ bool Engine::Stepping::reaches(const Member& m, std::size_t surface) const {
   if (contact_.gap(*at_, surface, m.position) < 0.0) return true;
   const Obstacle& obstacle = contact_.surfaces()[surface];
   if (obstacle.is_flat()) return true;
-  // The least on the way, by golden section.
-  constexpr double golden = 0.6180339887498949;
   const double rounding = accuracy * (m.start.cwiseAbs().maxCoeff() + (m.position - m.start).norm());
-  double low = 0.0, high = 1.0, x1 = 1.0 - golden, x2 = golden, f1 = gap(x1), f2 = gap(x2);
-  for (int i = 0; i < 40 && f1 >= -rounding && f2 >= -rounding; ++i) {
-    if (f1 < f2) {
-      high = x2;
-      x2 = x1;
-      f2 = f1;
-      f1 = gap(x1 = high - golden * (high - low));
-    } else {
-      low = x1;
-      x1 = x2;
-      f1 = f2;
-      f2 = gap(x2 = low + golden * (high - low));
-    }
-  }
-  return f1 < -rounding || f2 < -rounding;
+  return least_on_way(gap, -rounding, 40).value < -rounding;
 }
 
 bool Engine::Stepping::meet(Body& body) {

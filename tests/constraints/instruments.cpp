@@ -154,34 +154,3 @@ TEST_CASE("a plane that rises takes a node along and throws it, at the accelerat
     CHECK(std::abs(released - leaves) <= (way.order > 0.0 ? 0.0021 : 1e-6));  // within a step, or two
   }
 }
-
-TEST_CASE("a node that goes through a thin obstacle between the ends of steps is told of") {
-  // 3 mm a step through a plate of 2 mm; then onto it, through nothing, and past it.
-  struct Example {
-    Vector3 start, velocity;  // m, m/s
-    bool passes;
-  };
-  for (const Example& example :
-       {Example{{0, 0, 0.0105}, {0, 0, -0.3}, true}, Example{{0, 0, 0.0105}, {0, 0, -0.03}, false},
-        Example{{0.6, 0, 0.0105}, {0, 0, -0.3}, false}}) {
-    Network net;
-    net.add_node(point(example.start, 1.0, example.velocity));
-    Instrument plate;
-    plate.name = "plate";
-    plate.box = BoxShape{{1, 1, 0.002}, Eigen::Matrix3d::Identity(), 0.0};
-    net.add_instrument(plate);
-    for (const LawUse& integrator :
-         {cvode(1e-8), recurrent(newton, 1e-9, {{"events", 1.0}}), recurrent(newton, 1e-9), LawUse{"verlet", {}}}) {
-      INFO(integrator.id << ", " << example.start.x() << ", " << example.velocity.z());
-      const bool looks_at_ends = integrator.id == "cvode" || integrator.parameters.contains("events");
-      Simulation s = simulate(net, integrator, 0.01);
-      s.advance_to(0.5);
-      const bool told = std::any_of(s.notes().begin(), s.notes().end(), [](const std::string& note) {
-        return note.find("instrument 'plate'") != std::string::npos && note.find("missed_touches") != std::string::npos;
-      });
-      CHECK(told == (example.passes && looks_at_ends));
-      CHECK(s.statistics().contains("missed_touches") == told);
-      if (!looks_at_ends && example.passes) CHECK(s.position(0).z() == doctest::Approx(0.001));
-    }
-  }
-}

@@ -52,9 +52,10 @@ int correction(double time, N_Vector y, N_Vector correction, double, N_Vector, v
   return callbacks_of(user_data).equations.correction(time, y, correction);
 }
 
-// y = [px py pz vx vy vz] to a state of the host.
-void unpack(const double* y, springnet_state& state, std::size_t n) noexcept {
-  for (const springnet_vectors& part : {state.position, state.velocity}) {
+// y = [px py pz vx vy vz] to vectors of the host.
+void unpack(const double* y, const springnet_vectors& position, const springnet_vectors& velocity,
+            std::size_t n) noexcept {
+  for (const springnet_vectors& part : {position, velocity}) {
     for (double* component : {part.x, part.y, part.z}) {
       std::copy_n(y, n, component);
       y += n;
@@ -163,6 +164,8 @@ void ReferenceIntegrator::restart(double time, const springnet_state& state, dou
   bind(network);
   check(CVodeSetInitStep(memory_.get(), first_step(time, stop)));
   watch_events(time);
+  impact_.reset();
+  looked_until_ = time;
   revision_ = network.revision;
   restart_ = false;
 }
@@ -295,30 +298,73 @@ void ReferenceIntegrator::step_towards(double until) {
   context_.clear_error();
   equations_.clear_failure();
 
-  double reached = time;
-  int flag = CV_SUCCESS;
-  // In parts, to see whether the time goes on.
-  for (long left = settings_.max_steps - (internal_steps() - steps_before_); flag >= 0; left -= steps_worth_a_look) {
-    if (left <= 0) fail(CV_TOO_MUCH_WORK, reached);
-    const double before = reached;
-    check(CVodeSetMaxNumSteps(memory, std::min(left, steps_worth_a_look)));
-    flag = CVode(memory, target, y_.get(), &reached, CV_NORMAL);
-    if (flag != CV_TOO_MUCH_WORK) break;
-    const double rounding = std::numeric_limits<double>::epsilon() * std::max(std::abs(reached), std::abs(target));
-    if (reached - before <= static_cast<double>(steps_worth_a_look) * rounding) fail(creeping, reached);
-    flag = CV_SUCCESS;
-  }
-  if (flag < 0) fail(flag, reached);
-  unpack(data(y_.get()), *state_, host_.network().node_count);
-  if (flag == CV_ROOT_RETURN) {
-    check(CVodeGetRootInfo(memory, fired_.data()));
-    for (std::int32_t& fired : fired_) fired = fired != 0 ? 1 : 0;
+  bool event = false;
+  const double reached = solve_until(target, event);
+  springnet_state& state = *state_;
+  unpack(data(y_.get()), state.position, state.velocity, host_.network().node_count);
+  if (event) {
     fire_events(reached);
   } else {
     commit(target);
     if (target == stop) restart_ = true;
   }
 }
+
+double ReferenceIntegrator::solve_until(double target, bool& event) {
+  double reached = host_.committed().time;
+  // In parts, to see whether the time goes on.
+  for (long left = settings_.max_steps - (internal_steps() - steps_before_); left > 0; left -= steps_worth_a_look) {
+    const double before = reached;
+    if (steps_reach(target, std::min(left, steps_worth_a_look), reached, event)) return reached;
+    const double rounding = std::numeric_limits<double>::epsilon() * std::max(std::abs(reached), std::abs(target));
+    if (reached - before <= static_cast<double>(steps_worth_a_look) * rounding) fail(creeping, reached);
+  }
+  fail(CV_TOO_MUCH_WORK, reached);
+}
+
+bool ReferenceIntegrator::steps_reach(double target, long most, double& reached, bool& event) {
+  void* memory = memory_.get();
+  const bool looks = host_.network().surface_count > 0;
+  // One by one where each is looked at.
+  check(CVodeSetMaxNumSteps(memory, looks ? 1 : most));
+  for (long done = 0; done < most; done += looks ? 1 : most) {
+    const int flag = CVode(memory, impact_ ? std::min(target, *impact_) : target, y_.get(), &reached, CV_NORMAL);
+    if (flag < 0 && flag != CV_TOO_MUCH_WORK) fail(flag, reached);
+    if (looks) look_for_impact(target);
+    if (impact_ && *impact_ <= reached) {
+      reached = *impact_;
+      interpolate(reached);
+      std::fill(fired_.begin(), fired_.end(), 0);
+      event = true;
+      return true;
+    }
+    if (flag == CV_ROOT_RETURN) {
+      check(CVodeGetRootInfo(memory, fired_.data()));
+      for (std::int32_t& fired : fired_) fired = fired != 0 ? 1 : 0;
+      event = true;
+    }
+    if (flag != CV_TOO_MUCH_WORK) return true;
+  }
+  return false;
+}
+
+void ReferenceIntegrator::look_for_impact(double until) {
+  double end = 0.0, length = 0.0;
+  check(CVodeGetCurrentTime(memory_.get(), &end));
+  check(CVodeGetLastStep(memory_.get(), &length));
+  const sdk::Host::Span part{looked_until_, std::min(end, until)};
+  if (impact_ || part.until <= part.from) return;
+  looked_until_ = part.until;
+  const std::size_t n = host_.network().node_count;
+  impact_ =
+      host_.time_of_impact({end - length, end}, part,
+                           [&](double time, const springnet_vectors& position, const springnet_vectors& velocity) {
+                             check(CVodeGetDky(memory_.get(), time, 0, probe_.get()));
+                             unpack(data(probe_.get()), position, velocity, n);
+                           });
+}
+
+void ReferenceIntegrator::interpolate(double time) { check(CVodeGetDky(memory_.get(), time, 0, y_.get())); }
 
 // Carries out the events marked in fired_, on state_, and commits it.
 void ReferenceIntegrator::fire_events(double time) {

@@ -4,6 +4,7 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <optional>
 #include <vector>
 
 #include <springnet/sdk/host.hpp>
@@ -37,6 +38,15 @@ class ReferenceIntegrator {
   void watch_events(double time);
   // To `until`, an event or a discontinuity, whichever is first, and commits that state.
   void step_towards(double until);
+  // CVODE's steps up to a time, a root, or a touch between roots, whichever is first: y_ is the state there. Returns
+  // when; `event`: whether something happened, marked in fired_.
+  double solve_until(double target, bool& event);
+  // The same, but no more than so many steps; false: they did not get there.
+  [[nodiscard]] bool steps_reach(double target, long most, double& reached, bool& event);
+  // A touch within the last step, up to a time, that roots, which compare its ends, do not show.
+  void look_for_impact(double until);
+  // y_ becomes the state at a time within the last step.
+  void interpolate(double time);
   [[nodiscard]] bool mark_past_events() noexcept;
   void fire_events(double time);
   void commit(double time);
@@ -62,6 +72,8 @@ class ReferenceIntegrator {
   std::uint64_t revision_ = 0;        // of the network when CVODE was started
   std::vector<double> event_values_;  // of the events that CVODE looks for
   std::vector<std::int32_t> fired_;   // 1: this one
+  std::optional<double> impact_;      // s: in the last step a node touches then;
+  double looked_until_ = 0.0;         // none does until then
   double last_event_time_;            // s
   std::uint64_t events_at_once_ = 0;
   long steps_before_ = 0;  // internal steps before advance()

@@ -22,6 +22,7 @@ void Crossings::begin(const sdk::Host& host, double time, const springnet_state&
   low_ = high_ = time;
   low_weight_ = high_weight_ = 1.0;
   side_ = looks_ = 0;
+  any_ = false;
 }
 
 bool Crossings::look(const sdk::Host& host, double time, const springnet_state& state) {
@@ -45,6 +46,7 @@ bool Crossings::look(const sdk::Host& host, double time, const springnet_state& 
     low_values_ = values_;
   }
   side_ = looks_ == 0 ? 0 : side;
+  any_ = any_ || any;
   ++looks_;
   return any;
 }

@@ -16,6 +16,8 @@ class Crossings {
   [[nodiscard]] bool look(const sdk::Host& host, double time, const springnet_state& state);
   // Narrows the time down in which the first one crosses, by the last look(). Returns the time to look at next, inside.
   [[nodiscard]] double next_time() noexcept;
+  // Whether anything has, at any of the times.
+  [[nodiscard]] bool any() const noexcept { return any_; }
   [[nodiscard]] double low() const noexcept { return low_; }    // s, before
   [[nodiscard]] double high() const noexcept { return high_; }  // s, after
   // Of the last look(): 1 for what has crossed, [event_count].
@@ -28,6 +30,7 @@ class Crossings {
   double low_weight_ = 1.0, high_weight_ = 1.0;  // of the Illinois rule
   int side_ = 0;                                 // that moved last: -1 low, 1 high
   int looks_ = 0;
+  bool any_ = false;
 };
 
 }  // namespace springnet::recurrent

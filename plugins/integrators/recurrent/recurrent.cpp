@@ -18,6 +18,7 @@
 #include <memory>
 #include <optional>
 #include <string>
+#include <vector>
 
 #include <springnet/sdk/integrator.hpp>
 
@@ -27,6 +28,7 @@
 #include "explanation.hpp"
 #include "force_rounding.hpp"
 #include "propagation.hpp"
+#include "step_course.hpp"
 
 namespace {
 
@@ -109,6 +111,8 @@ class Recurrent : public springnet::sdk::Integrator {
   springnet_status advance_once(double until, springnet_step_report& report);
   // Up to the next event, or `until`. False: a step did not settle, and nothing was done.
   [[nodiscard]] bool advance_to_event(double until, springnet_step_report& report);
+  // Where a step's ends show nothing: times, s, the earliest last, at which a node may be in a surface within it.
+  [[nodiscard]] std::vector<double> times_of_impact(const Step& step) const;
   [[nodiscard]] Step make_step(double until);
   // Sets tolerance and rounding of the step to what is known.
   void set_tolerance(Step& step);
@@ -174,6 +178,7 @@ bool Recurrent::advance_to_event(double until, springnet_step_report& report) {
   work_.host.begin_step(from, until);
   crossings_.begin(work_.host, from, start);
   double time = until;
+  std::vector<double> probes;  // s, where a touch within the step may show, the earliest last
   for (int looks = 0;; ++looks) {
     Step step = make_step(time);
     step.decides = false;
@@ -181,9 +186,22 @@ bool Recurrent::advance_to_event(double until, springnet_step_report& report) {
     if (!settled(attempt.verdict)) return false;
     fill(report, step, attempt);
     const bool crossed = crossings_.look(work_.host, time, *step.outputs);
-    if (!crossed && looks == 0) {
-      take(step, true);
-      return true;
+    if (looks == 0)
+      probes = times_of_impact(step);
+    else if (crossed)
+      probes.clear();
+    if (!probes.empty()) {
+      time = std::max(probes.back(), from + least_part * whole);
+      probes.pop_back();
+      continue;
+    }
+    if (!crossings_.any()) {
+      if (time == until) {
+        take(step, true);
+        return true;
+      }
+      time = until;
+      continue;
     }
     const bool narrow = crossings_.high() - crossings_.low() <= time_of_event * whole || looks >= most_looks;
     if (crossed && (narrow || time <= from + least_part * whole)) {
@@ -195,6 +213,22 @@ bool Recurrent::advance_to_event(double until, springnet_step_report& report) {
     }
     time = narrow ? crossings_.high() : std::max(crossings_.next_time(), from + least_part * whole);
   }
+}
+
+std::vector<double> Recurrent::times_of_impact(const Step& step) const {
+  if (step.network.surface_count == 0) return {};
+  const StepCourse course(step);
+  const std::optional<double> first =
+      work_.host.time_of_impact({step.from, step.until}, {step.from, step.until},
+                                [&](double time, const springnet_vectors& position, const springnet_vectors& velocity) {
+                                  course.write(time, position, velocity);
+                                });
+  if (!first) return {};
+  // A step that ends then differs from the course by the method's error: it may touch a little later.
+  std::vector<double> times;
+  for (double share = 0.5; share > 0.01; share *= 0.5) times.push_back(*first + share * (step.until - *first));
+  times.push_back(*first);
+  return times;
 }
 
 springnet_status Recurrent::advance_once(double until, springnet_step_report& report) {

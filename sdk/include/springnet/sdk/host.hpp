@@ -3,11 +3,13 @@
 #pragma once
 
 #include <atomic>
+#include <cmath>
 #include <cstddef>
 #include <cstdint>
 #include <exception>
 #include <memory>
 #include <new>
+#include <optional>
 #include <span>
 #include <stdexcept>
 #include <string>
@@ -158,6 +160,37 @@ class Host {
   }
   void fire_events(double time, springnet_state& state, const std::int32_t* fired) const {
     check(table_->fire_events(table_->context, time, &state, fired));
+  }
+  struct Span {
+    double from, until;  // s
+  };
+  // When a node first touches a surface in a part of a step, s, also where it has left it again by the end; empty where
+  // none does, or the host is before ABI 1.3. See plugin.h. `state_at(time, position, velocity)` writes the state at a
+  // time of the step into springnet_vectors; what it throws is thrown again here.
+  template <class StateAt>
+  [[nodiscard]] std::optional<double> time_of_impact(Span step, Span part, StateAt&& state_at) const {
+    if (!SPRINGNET_HAS_FIELD(springnet_host, table_, time_of_impact)) return std::nullopt;
+    using Callable = std::remove_reference_t<StateAt>;
+    struct Call {
+      Callable& state_at;
+      std::exception_ptr error{};
+    } call{state_at};
+    const auto write = [](void* user, double time, springnet_vectors position, springnet_vectors velocity) {
+      auto& self = *static_cast<Call*>(user);
+      try {
+        self.state_at(time, position, velocity);
+        return static_cast<springnet_status>(SPRINGNET_OK);
+      } catch (...) {
+        self.error = std::current_exception();
+        return static_cast<springnet_status>(SPRINGNET_FAILED);
+      }
+    };
+    double time = 0.0;
+    const springnet_status status =
+        table_->time_of_impact(table_->context, step.from, step.until, part.from, part.until, write, &call, &time);
+    if (call.error) std::rethrow_exception(call.error);
+    check(status);
+    return std::isnan(time) ? std::nullopt : std::optional(time);
   }
   // s; infinity if there is none.
   [[nodiscard]] double next_discontinuity(double time) const noexcept {

@@ -367,6 +367,10 @@ typedef struct springnet_sweep {
   uint32_t reserved;
 } springnet_sweep;
 
+/* Writes the positions (m) and velocities (m/s) of all nodes at a time (s) within a step that was made. */
+typedef springnet_status (*springnet_dense_output)(void* user, double time, springnet_vectors position,
+                                                   springnet_vectors velocity);
+
 /* Matrices I - velocity_weight da/dv - position_weight da/dp in 3n unknowns, x of all nodes, then y, then z, at the
  * state last given to `linearise`. Rows of fixed and held nodes are those of the identity. With rigid connections or
  * nodes that slide, `solve` answers with the x for which A x + W G^T (multipliers) = b and G x = G b. */
@@ -440,6 +444,14 @@ typedef struct springnet_host {
   /* begin_step for methods that choose their own steps in [from, until]: loads are not averaged, every evaluation has
    * those of its time (at `until` those just before). */
   springnet_status (*begin_interval)(void* context, double from, double until);
+
+  /* Since 1.3. */
+  /* When a node first touches a surface within [from, until], s, of a step from step_from to step_until, also where it
+   * has left the surface again by the end, through a thin obstacle say, which event_values at the ends do not show; nan
+   * if none does. The same to the last bit however a step is divided into such searches. No state is asked for after a
+   * failure of `state_at`, which is answered. fire_events at that time, with nothing marked, carries the touch out. */
+  springnet_status (*time_of_impact)(void* context, double step_from, double step_until, double from, double until,
+                                     springnet_dense_output state_at, void* user, double* time);
 } springnet_host;
 
 /* How a time step ended. */

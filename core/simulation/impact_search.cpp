@@ -1,0 +1,133 @@
+#include "simulation/impact_search.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "constraints/least_on_way.hpp"
+
+namespace springnet {
+namespace {
+
+// Times this near to each other are the same.
+constexpr double roundings = 16.0;
+// The way in so short a part of a step is the cubic through its ends: that errs there by 256^-4 of what it does over
+// the step.
+constexpr double shortest_part = 1.0 / 256.0;
+constexpr double tenth_of_turn = 0.6;  // rad
+
+}  // namespace
+
+Engine::ImpactSearch::ImpactSearch(Engine& engine, const Span& step, const Span& part, const DenseOutput& output)
+    : engine_(engine), step_(step), part_(part), output_(output), longest_(step.until - step.from) {
+  for (const EventSource& source : engine.event_sources())
+    if (source.kind == EventSource::Kind::touch) pairs_.push_back({source.index, source.surface, source.depth});
+  double quickest = 0.0;  // rad/s
+  for (const Obstacle& surface : engine.contact_.surfaces()) quickest = std::max(quickest, surface.swing_rate());
+  // A table may turn a surface all the way round and have it rest at both ends.
+  for (const double share : {0.0, 0.5, 1.0})
+    for (const Pose& pose : engine.placement(step.from + share * longest_)->poses)
+      quickest = std::max(quickest, pose.spin.norm());
+  if (quickest > 0.0) longest_ = std::min(longest_, tenth_of_turn / quickest);
+}
+
+std::optional<Engine::ImpactSearch::Instant> Engine::ImpactSearch::instant(double time) {
+  if (status_ != SPRINGNET_OK) return std::nullopt;
+  const std::size_t n = engine_.layout_.node_count();
+  Instant result{time, engine_.placement(time), std::vector<double>(6 * n)};
+  double* const x = result.values.data();
+  status_ = output_.state_at(output_.user, time, {x, x + n, x + 2 * n}, {x + 3 * n, x + 4 * n, x + 5 * n});
+  if (status_ != SPRINGNET_OK) return std::nullopt;
+  return result;
+}
+
+Vector3 Engine::ImpactSearch::position(const Instant& instant, std::uint32_t node) const {
+  const std::size_t n = engine_.layout_.node_count();
+  return {instant.values[node], instant.values[n + node], instant.values[2 * n + node]};
+}
+
+Vector3 Engine::ImpactSearch::velocity(const Instant& instant, std::uint32_t node) const {
+  const std::size_t n = engine_.layout_.node_count();
+  return {instant.values[3 * n + node], instant.values[4 * n + node], instant.values[5 * n + node]};
+}
+
+double Engine::ImpactSearch::value(const Instant& instant, const Pair& pair) const {
+  return engine_.contact_.gap(*instant.at, pair.surface, position(instant, pair.node)) + pair.depth;
+}
+
+// Seen from the surface, Hermite's cubic through both ends leaves the straight way c by h (s (1-s)^2 (u0 - c) - s^2
+// (1-s) (u1 - c)), where u are the velocities: by no more than 4/27 h (|u0 - c| + |u1 - c|). The way itself may bend
+// twice as much, and the gap changes by no more than the place. In a short part the cubic is taken for the way.
+bool Engine::ImpactSearch::comes_near(const Instant& from, const Instant& until, const Pair& pair,
+                                      bool short_part) const {
+  const double before = value(from, pair), after = value(until, pair);
+  if (before <= 0.0) return false;  // it touched then, or is watched for from deeper on
+  if (after <= 0.0) return true;
+  const Obstacle& surface = engine_.contact_.surfaces()[pair.surface];
+  const auto seen = [&](const Instant& instant, Vector3& place, Vector3& speed) {
+    const Pose& pose = instant.at->poses[pair.surface];
+    const Vector3 x = position(instant, pair.node);
+    place = pose.to_start(x);
+    speed = velocity(instant, pair.node) - pose.velocity_at(x);
+    if (pose.turns) speed = pose.rotation.transpose() * speed;
+  };
+  Vector3 a, b, u0, u1;
+  seen(from, a, u0);
+  seen(until, b, u1);
+  const double h = until.time - from.time;
+  const Vector3 way = b - a, bent0 = h * u0 - way, bent1 = h * u1 - way;
+  const Pose& pose = from.at->poses[pair.surface];
+  const auto towards = [&](const Vector3& bent) {
+    if (!surface.is_flat()) return bent.norm();
+    const Vector3 n = surface.normal(pose, position(from, pair.node));
+    return std::abs((pose.turns ? Vector3(pose.rotation.transpose() * n) : n).dot(bent));
+  };
+  const double bend = 2.0 * 4.0 / 27.0 * (towards(bent0) + towards(bent1));
+  if (before + after - way.norm() > 2.0 * bend) return false;
+  const auto gap = [&](double s) {
+    Vector3 place = a + s * way;
+    if (short_part) place += s * (1.0 - s) * ((1.0 - s) * bent0 - s * bent1);
+    return surface.gap(pose, pose.from_start(place)) + pair.depth;
+  };
+  constexpr int turns = 30;  // to 5e-7 of the way, and the square of that in the gap
+  const double least =
+      std::min({before, after, least_on_way(gap, -std::numeric_limits<double>::infinity(), turns).value});
+  return least <= (short_part ? 0.0 : bend);
+}
+
+std::optional<double> Engine::ImpactSearch::first(const Instant& from, const Instant& until,
+                                                  const std::vector<Pair>& pairs) {
+  const double length = until.time - from.time;
+  if (until.time <= part_.from || from.time >= part_.until) return std::nullopt;
+  const bool swings = length > longest_, short_part = length < shortest_part * longest_;
+  std::vector<Pair> near;
+  bool crosses = false;
+  for (const Pair& pair : pairs) {
+    if (!swings && !comes_near(from, until, pair, short_part)) continue;
+    near.push_back(pair);
+    crosses = crosses || (value(from, pair) > 0.0 && value(until, pair) <= 0.0);
+  }
+  if (near.empty()) return std::nullopt;
+  const double epsilon = roundings * std::numeric_limits<double>::epsilon();
+  if (length <= epsilon * std::max(std::abs(until.time), step_.until - step_.from))
+    return crosses ? std::optional(until.time) : std::nullopt;
+  const std::optional<Instant> middle = instant(from.time + 0.5 * length);
+  if (!middle) return std::nullopt;
+  const std::optional<double> early = first(from, *middle, near);
+  return early ? early : first(*middle, until, near);
+}
+
+springnet_status Engine::ImpactSearch::find(double& time) {
+  time = std::numeric_limits<double>::quiet_NaN();
+  if (pairs_.empty()) return SPRINGNET_OK;
+  const std::optional<Instant> start = instant(step_.from), end = instant(step_.until);
+  if (!start || !end) return status_;
+  if (const std::optional<double> found = first(*start, *end, pairs_)) time = *found;
+  return status_;
+}
+
+springnet_status Engine::time_of_impact(const Span& step, const Span& part, const DenseOutput& output, double& time) {
+  return ImpactSearch(*this, step, part, output).find(time);
+}
+
+}  // namespace springnet
