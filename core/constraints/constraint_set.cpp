@@ -197,13 +197,7 @@ void ConstraintSet::project_change(const double* mobility, double* values) {
     factorised_ = true;
   }
   const auto at = [&](std::uint32_t k) { return Vector3(values[k], values[n + k], values[2 * n + k]); };
-  Eigen::VectorXd rate(static_cast<Eigen::Index>(rows_.size()));
-  for (std::size_t r = 0; r < rows_.size(); ++r) {
-    Vector3 relative = at(rows_[r].first);
-    if (rows_[r].second != ConstraintRow::no_node) relative -= at(rows_[r].second);
-    rate[static_cast<Eigen::Index>(r)] = rows_[r].direction.dot(relative);
-  }
-  system_.for_each_change(system_.solve(-rate), [&](std::uint32_t node, const Vector3& change) {
+  system_.for_each_change(system_.solve(-system_.rates(at)), [&](std::uint32_t node, const Vector3& change) {
     for (std::size_t c = 0; c < 3; ++c) values[c * n + node] += change[static_cast<Eigen::Index>(c)];
   });
 }

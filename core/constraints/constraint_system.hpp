@@ -29,7 +29,33 @@ class ConstraintSystem {
   // The multipliers x of G W G^T x = b. Where rows are redundant the right side has to fit, as it does if it comes from
   // velocities or lengths; of the many answers it is the smallest.
   [[nodiscard]] Eigen::VectorXd solve(const Eigen::VectorXd& b) const;
-  // The change of a node's velocity (m/s) by multipliers (N s); calls `add(node, change)` for both ends of every row.
+  // G v, m/s: how fast the distance of each row's ends grows with velocities of(node). A row without a second node
+  // stands on something that moves with ground(row).
+  template <class Of, class Ground>
+  [[nodiscard]] Eigen::VectorXd rates(const Of& of, const Ground& ground) const {
+    Eigen::VectorXd result(static_cast<Eigen::Index>(rows_.size()));
+    for (std::size_t r = 0; r < rows_.size(); ++r) {
+      const ConstraintRow& row = rows_[r];
+      const Vector3 other = row.second != ConstraintRow::no_node ? Vector3(of(row.second)) : Vector3(ground(row));
+      result[static_cast<Eigen::Index>(r)] = row.direction.dot(of(row.first) - other);
+    }
+    return result;
+  }
+  template <class Of>
+  [[nodiscard]] Eigen::VectorXd rates(const Of& of) const {
+    return rates(of, [](const ConstraintRow&) -> Vector3 { return Vector3::Zero(); });
+  }
+  // G^T x: the impulses (N s) that multipliers are; calls `add(node, impulse)` for both ends of every row.
+  template <class Add>
+  void for_each_impulse(const Eigen::VectorXd& multipliers, Add&& add) const {
+    for (std::size_t r = 0; r < rows_.size(); ++r) {
+      const Vector3 impulse = multipliers[static_cast<Eigen::Index>(r)] * rows_[r].direction;
+      add(rows_[r].first, impulse);
+      if (rows_[r].second != ConstraintRow::no_node) add(rows_[r].second, Vector3(-impulse));
+    }
+  }
+  // W G^T x: the change of a node's velocity (m/s) by multipliers (N s); calls `add(node, change)` for both ends of
+  // every row.
   template <class Add>
   void for_each_change(const Eigen::VectorXd& multipliers, Add&& add) const {
     for (std::size_t r = 0; r < rows_.size(); ++r) {

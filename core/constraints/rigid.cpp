@@ -176,13 +176,7 @@ void RigidConnections::accelerate(const Placement& at, std::size_t number, const
     }
   }
   const auto rates_of = [&](const std::vector<Vector3>& of) {
-    Eigen::VectorXd rates(static_cast<Eigen::Index>(rows.size()));
-    for (std::size_t r = 0; r < rows.size(); ++r) {
-      Vector3 relative = of[member_of_[rows[r].first]];
-      if (rows[r].second != ConstraintRow::no_node) relative -= of[member_of_[rows[r].second]];
-      rates[static_cast<Eigen::Index>(r)] = rows[r].direction.dot(relative);
-    }
-    return rates;
+    return system.rates([&](std::uint32_t node) -> const Vector3& { return of[member_of_[node]]; });
   };
   const Eigen::VectorXd without_friction = system.solve(-turning - rates_of(free));
   Eigen::VectorXd multipliers = without_friction;
@@ -271,21 +265,15 @@ void RigidConnections::pass_on(std::size_t cluster, const springnet_const_vector
   system.set(rods_of(clusters_[cluster], p), [this](std::uint32_t node) {
     return contact_.fixed()[node] != 0 ? Matrix3(Matrix3::Zero()) : Matrix3(Matrix3::Identity() / mass_[node]);
   });
-  const std::vector<ConstraintRow>& rows = system.rows();
   const auto given = [&](std::uint32_t node) {
     return contact_.fixed()[node] != 0 ? Vector3(Vector3::Zero()) : Vector3(impulses[member_of_[node]] / mass_[node]);
   };
-  Eigen::VectorXd rate(static_cast<Eigen::Index>(rows.size()));
-  for (std::size_t r = 0; r < rows.size(); ++r)
-    rate[static_cast<Eigen::Index>(r)] = rows[r].direction.dot(given(rows[r].first) - given(rows[r].second));
-  const Eigen::VectorXd multipliers = system.solve(rate);
+  const Eigen::VectorXd multipliers = system.solve(system.rates(given));
   for (const std::uint32_t k : nodes)
     if (contact_.fixed()[k] != 0) impulses[member_of_[k]].setZero();
-  for (std::size_t r = 0; r < rows.size(); ++r) {
-    const Vector3 impulse = multipliers[static_cast<Eigen::Index>(r)] * rows[r].direction;
-    if (contact_.fixed()[rows[r].first] != 0) impulses[member_of_[rows[r].first]] += impulse;
-    if (contact_.fixed()[rows[r].second] != 0) impulses[member_of_[rows[r].second]] -= impulse;
-  }
+  system.for_each_impulse(multipliers, [&](std::uint32_t node, const Vector3& impulse) {
+    if (contact_.fixed()[node] != 0) impulses[member_of_[node]] += impulse;
+  });
 }
 
 springnet_status RigidConnections::project(const Placement& at, std::size_t number, const springnet_vectors& position,
@@ -309,15 +297,12 @@ springnet_status RigidConnections::project(const Placement& at, std::size_t numb
   for (std::size_t i = 0; i < count; ++i) put_vector(position, cluster.nodes[i], p[i]);
   ConstraintSystem system;
   system.set(rows_of(at, cluster, touches, p), [this](std::uint32_t node) { return mobility(node); });
-  Eigen::VectorXd rate(static_cast<Eigen::Index>(system.rows().size()));
-  for (std::size_t r = 0; r < system.rows().size(); ++r) {
-    const ConstraintRow& row = system.rows()[r];
-    const Vector3 other = row.second != ConstraintRow::no_node
-                              ? vector_at(velocity, row.second)
-                              : Contact::velocity(at, static_cast<std::size_t>(row.surface), p[member_of_[row.first]]);
-    rate[static_cast<Eigen::Index>(r)] = row.direction.dot(vector_at(velocity, row.first) - other);
-  }
-  system.for_each_change(system.solve(-rate), [&](std::uint32_t node, const Vector3& change) {
+  const Eigen::VectorXd rates =
+      system.rates([&](std::uint32_t node) { return vector_at(velocity, node); },
+                   [&](const ConstraintRow& row) {
+                     return Contact::velocity(at, static_cast<std::size_t>(row.surface), p[member_of_[row.first]]);
+                   });
+  system.for_each_change(system.solve(-rates), [&](std::uint32_t node, const Vector3& change) {
     put_vector(velocity, node, vector_at(velocity, node) + change);
   });
   return SPRINGNET_OK;
@@ -338,13 +323,8 @@ RigidConnections::Unsupported::Unsupported(const RigidConnections& rigid, std::s
 void RigidConnections::Unsupported::project(const springnet_vectors& velocity) const {
   ConstraintSystem system;
   system.set(system_.rows(), [this](std::uint32_t node) { return rigid_.mobility(node); });
-  Eigen::VectorXd rate(static_cast<Eigen::Index>(system.rows().size()));
-  for (std::size_t r = 0; r < system.rows().size(); ++r) {
-    const ConstraintRow& row = system.rows()[r];
-    rate[static_cast<Eigen::Index>(r)] =
-        row.direction.dot(vector_at(velocity, row.first) - vector_at(velocity, row.second));
-  }
-  system.for_each_change(system.solve(-rate), [&](std::uint32_t node, const Vector3& change) {
+  const Eigen::VectorXd rates = system.rates([&](std::uint32_t node) { return vector_at(velocity, node); });
+  system.for_each_change(system.solve(-rates), [&](std::uint32_t node, const Vector3& change) {
     put_vector(velocity, node, vector_at(velocity, node) + change);
   });
 }

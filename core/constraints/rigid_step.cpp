@@ -36,12 +36,8 @@ bool RigidConnections::Unsupported::keep_lengths(double h, std::vector<Vector3>&
 }
 
 void RigidConnections::Unsupported::project(std::vector<Vector3>& velocity) const {
-  const std::vector<ConstraintRow>& rows = system_.rows();
-  Eigen::VectorXd rate(static_cast<Eigen::Index>(rows.size()));
-  for (std::size_t r = 0; r < rows.size(); ++r)
-    rate[static_cast<Eigen::Index>(r)] =
-        rows[r].direction.dot(velocity[rigid_.member_of_[rows[r].first]] - velocity[rigid_.member_of_[rows[r].second]]);
-  system_.for_each_change(system_.solve(-rate), [&](std::uint32_t node, const Vector3& change) {
+  const auto of = [&](std::uint32_t node) -> const Vector3& { return velocity[rigid_.member_of_[node]]; };
+  system_.for_each_change(system_.solve(-system_.rates(of)), [&](std::uint32_t node, const Vector3& change) {
     velocity[rigid_.member_of_[node]] += change;
   });
 }
