@@ -43,6 +43,16 @@ void Contact::set_trajectory(std::size_t surface, Trajectory trajectory) {
   known_.reset();
 }
 
+void Contact::set_motion(std::uint32_t node, const Vector3& start, Trajectory trajectory) {
+  prescribed_.set(node, start, std::move(trajectory));
+  known_.reset();
+}
+
+void Contact::stop_motion(std::uint32_t node) {
+  prescribed_.stop(node);
+  known_.reset();
+}
+
 const std::shared_ptr<const Placement>& Contact::at(const SampleTime& time) const {
   const bool still = surfaces_.empty() && !prescribed_.any();
   if (known_ && (still || known_->time == time)) return known_;

@@ -37,7 +37,9 @@ class Contact {
   // For messages, as "plane 'floor' (number 0)".
   [[nodiscard]] std::string name_of(std::size_t surface) const;
   void set_trajectory(std::size_t surface, Trajectory trajectory);
-  [[nodiscard]] Prescribed& prescribed() noexcept { return prescribed_; }
+  // See Prescribed::set and stop.
+  void set_motion(std::uint32_t node, const Vector3& start, Trajectory trajectory);
+  void stop_motion(std::uint32_t node);
   [[nodiscard]] const Prescribed& prescribed() const noexcept { return prescribed_; }
 
   // Where surfaces and prescribed nodes are at a time. Not from several threads.
@@ -103,7 +105,10 @@ class Contact {
   void note_slips(const Placement& at, const springnet_const_vectors& position,
                   const springnet_const_vectors& velocity);
   // What a surface gave a node at once, beside its forces, N s.
-  void add_impulse(std::uint32_t node, const Vector3& impulse) { impulse_[node] += impulse; }
+  void add_impulse(std::uint32_t node, const Vector3& impulse) {
+    impulse_.resize(mass_.size(), Vector3::Zero());
+    impulse_[node] += impulse;
+  }
   void add_surface_impulse(std::size_t surface, const Vector3& impulse) { surface_impulse_[surface] += impulse; }
   // What nodes gave a surface at once so far, N s.
   [[nodiscard]] const Vector3& surface_impulse(std::size_t surface) const { return surface_impulse_[surface]; }

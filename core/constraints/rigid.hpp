@@ -10,6 +10,7 @@
 
 #include "constraints/constraint_system.hpp"
 #include "constraints/contact.hpp"
+#include "constraints/vectors.hpp"
 
 namespace springnet {
 
@@ -55,6 +56,9 @@ class RigidConnections {
     // connections' directions at its start, and `position`, at its end, with it, until lengths are kept there. [node].
     // False if they cannot be.
     [[nodiscard]] bool keep_lengths(double h, std::vector<Vector3>& velocity, std::vector<Vector3>& position) const;
+    // The same of the engine's, where fixed nodes move as they do: pass(node, impulse) tells what reaches those, N s.
+    template <class Pass>
+    void pull_along(const springnet_vectors& velocity, Pass&& pass) const;
     // Takes out of velocities what connections do not allow; [node].
     void project(std::vector<Vector3>& velocity) const;
     // The same of the engine's, beside nodes that are fixed or stick.
@@ -68,6 +72,13 @@ class RigidConnections {
               Pass&& pass) const;
 
    private:
+    template <class Pass>
+    void pass_to_fixed(const Eigen::VectorXd& multipliers, Pass&& pass) const {
+      system_.for_each_impulse(multipliers, [&](std::uint32_t node, const Vector3& impulse) {
+        if (rigid_.contact_.fixed()[node] != 0) pass(node, impulse);
+      });
+    }
+
     const RigidConnections& rigid_;
     const std::vector<std::uint32_t>& nodes_;
     const std::vector<std::uint32_t>& rods_;
@@ -120,25 +131,27 @@ class RigidConnections {
 template <class Change, class Pass>
 void RigidConnections::Unsupported::push(const std::vector<std::uint32_t>& nodes, const std::vector<Vector3>& impulses,
                                          Change&& change, Pass&& pass) const {
-  Eigen::VectorXd rate = Eigen::VectorXd::Zero(static_cast<Eigen::Index>(system_.rows().size()));
+  std::vector<Vector3> struck(nodes_.size(), Vector3::Zero());  // m/s
   for (std::size_t i = 0; i < nodes.size(); ++i) {
     if (rigid_.contact_.fixed()[nodes[i]] != 0) continue;
     const Vector3 dv = impulses[i] / rigid_.mass_[nodes[i]];
     change(nodes[i], dv);
-    for (std::size_t r = 0; r < system_.rows().size(); ++r) {
-      const ConstraintRow& row = system_.rows()[r];
-      if (row.first == nodes[i]) rate[static_cast<Eigen::Index>(r)] += row.direction.dot(dv);
-      if (row.second == nodes[i]) rate[static_cast<Eigen::Index>(r)] -= row.direction.dot(dv);
-    }
+    struck[rigid_.member_of_[nodes[i]]] += dv;
   }
-  const Eigen::VectorXd multipliers = system_.solve(-rate);
+  const Eigen::VectorXd multipliers = system_.solve(
+      -system_.rates([&](std::uint32_t node) -> const Vector3& { return struck[rigid_.member_of_[node]]; }));
   system_.for_each_change(multipliers, change);
-  for (std::size_t r = 0; r < system_.rows().size(); ++r) {
-    const ConstraintRow& row = system_.rows()[r];
-    const Vector3 impulse = multipliers[static_cast<Eigen::Index>(r)] * row.direction;
-    if (rigid_.contact_.fixed()[row.first] != 0) pass(row.first, impulse);
-    if (rigid_.contact_.fixed()[row.second] != 0) pass(row.second, Vector3(-impulse));
-  }
+  pass_to_fixed(multipliers, pass);
+}
+
+template <class Pass>
+void RigidConnections::Unsupported::pull_along(const springnet_vectors& velocity, Pass&& pass) const {
+  const Eigen::VectorXd multipliers =
+      system_.solve(-system_.rates([&](std::uint32_t node) { return vector_at(velocity, node); }));
+  system_.for_each_change(multipliers, [&](std::uint32_t node, const Vector3& change) {
+    if (rigid_.contact_.fixed()[node] == 0) put_vector(velocity, node, vector_at(velocity, node) + change);
+  });
+  pass_to_fixed(multipliers, pass);
 }
 
 }  // namespace springnet

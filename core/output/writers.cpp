@@ -110,8 +110,8 @@ void ElementWriter::close() { file_->close(); }
 
 ReactionWriter::ReactionWriter(const OutputFile& file, const Network& network, const OutputOptions& options)
     : file_(std::make_unique<CsvFile>(file, "time,node,fx,fy,fz,tx,ty,tz,jx,jy,jz,surface")),
-      nodes_(trajectory_form(network, options).numbers) {
-  if (!network.planes().empty() || !network.instruments().empty()) impulses_.assign(nodes_.size(), Vector3::Zero());
+      nodes_(trajectory_form(network, options).numbers),
+      impulses_(nodes_.size(), Vector3::Zero()) {
   fixed_.reserve(nodes_.size());
   for (const NodeIndex node : nodes_) fixed_.push_back(network.nodes().at(node).fixed);
 }
@@ -122,13 +122,9 @@ void ReactionWriter::record(const Simulation& simulation) {
   CsvFile& out = *file_;
   for (std::size_t k = 0; k < nodes_.size(); ++k) {
     const NodeIndex node = nodes_[k];
-    Vector3 impulse = Vector3::Zero();
-    bool bounced = false;  // since the last record, though it may be free again
-    if (!impulses_.empty()) {
-      impulse = simulation.contact_impulse(node);
-      bounced = impulse != impulses_[k];
-      impulses_[k] = impulse;
-    }
+    const Vector3 impulse = simulation.contact_impulse(node);
+    const bool bounced = impulse != impulses_[k];  // since the last record, though it may be free again
+    impulses_[k] = impulse;
     if (!fixed_[k] && !bounced && !simulation.touching(node)) continue;
     const Vector3 reaction = simulation.reaction(node);
     const Vector3 torque = simulation.position(node).cross(reaction);

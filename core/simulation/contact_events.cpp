@@ -308,6 +308,7 @@ springnet_status Engine::stop_penetration(double time, State& state) {
 }
 
 springnet_status Engine::follow_jumps(double from) {
+  const std::set<std::uint32_t> pulled = follow_prescribed();
   if (contact_.surfaces().empty()) return SPRINGNET_OK;
   const std::shared_ptr<const Placement> before = contact_.at(just_before(time_, time_ - from));
   const std::shared_ptr<const Placement> now = contact_.at(just_after(time_));
@@ -322,6 +323,9 @@ springnet_status Engine::follow_jumps(double from) {
     }
     if (jumps) findings[k];
   }
+  for (const std::uint32_t cluster : pulled)
+    for (const std::uint32_t k : rigid_.nodes_of(cluster))
+      if (contact_.touching()[k] != 0) findings[k];
   return settle(time_, state_, findings);
 }
 

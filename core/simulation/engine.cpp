@@ -303,7 +303,7 @@ void Engine::set_node(std::uint32_t node, const std::optional<Vector3>& position
 }
 
 void Engine::set_fixed(std::uint32_t node, bool fixed) {
-  contact_.prescribed().stop(node);
+  contact_.stop_motion(node);
   contact_.set_fixed(node, fixed);
   set_node(node, std::nullopt, fixed ? std::optional<Vector3>(Vector3::Zero()) : std::nullopt);
 }

@@ -152,8 +152,9 @@ class Engine {
     return contact_.at(sample_time(time));
   }
   [[nodiscard]] SampleTime sample_time(double time) const noexcept;
-  // Puts prescribed nodes where they are, right after the committed time.
-  void follow_prescribed();
+  // Puts prescribed nodes where they are, right after the committed time. Where the velocity of one jumps, what hangs
+  // rigidly on it is taken along, as if no surface acted, and who moves it is told the impulses. Returns these clusters.
+  std::set<std::uint32_t> follow_prescribed();
   // Decides anew which nodes are held, slide or are free, as velocities and forces have it.
   springnet_status settle_contacts(double time, State& state);
   [[nodiscard]] double contact_tolerance() const noexcept;

@@ -14,6 +14,13 @@
 #include "simulation/engine.hpp"
 
 namespace springnet {
+namespace {
+
+// A prescribed velocity that changes by less, in units of the velocity scale, is another sample of a smooth motion.
+constexpr double no_jump = 1e-9;
+
+}  // namespace
+
 const Engine::Rupturing& Engine::rupturing() {
   if (!rupturing_known_) {
     rupturing_ = {layers::rupturing_springs(layout_), layers::rupturing_elements(layout_)};
@@ -146,15 +153,27 @@ double Engine::next_discontinuity(double time) const noexcept {
   return next;
 }
 
-void Engine::follow_prescribed() {
+std::set<std::uint32_t> Engine::follow_prescribed() {
+  std::set<std::uint32_t> pulled;
   const Prescribed& prescribed = contact_.prescribed();
-  if (!prescribed.any()) return;
+  if (!prescribed.any()) return pulled;
   const std::shared_ptr<const Placement> now = contact_.at(just_after(time_));
+  const std::uint32_t* const clusters = rigid_.cluster_of();
   for (std::uint32_t k = 0; k < layout_.node_count(); ++k) {
     if (!prescribed.moves(k)) continue;
+    const Vector3 jump = prescribed.velocity(now->motions, k) - vector_at(state_.view.velocity, k);
     put_vector(state_.view.position, k, prescribed.position(now->motions, k));
     put_vector(state_.view.velocity, k, prescribed.velocity(now->motions, k));
+    if (jump.norm() <= no_jump * info_.velocity_scale) continue;
+    contact_.add_impulse(k, mass_[k] * jump);
+    if (clusters != nullptr && clusters[k] != ConstraintRow::no_node) pulled.insert(clusters[k]);
   }
+  for (const std::uint32_t cluster : pulled) {
+    const RigidConnections::Unsupported rods(rigid_, cluster, read_only(state_.view.position));
+    rods.pull_along(state_.view.velocity,
+                    [this](std::uint32_t fixed, const Vector3& impulse) { contact_.add_impulse(fixed, -impulse); });
+  }
+  return pulled;
 }
 
 springnet_status Engine::commit(double time, State& state) {
@@ -174,7 +193,6 @@ springnet_status Engine::commit(double time, State& state) {
     // What a solver left of rounding in unknowns that do not move.
     const std::shared_ptr<const Placement> now = placement(time);
     constraints_.correct(*now, read_only(state.view.position), state_.view.position, state_.view.velocity);
-    follow_prescribed();
     status = stop_penetration(time, state_);
     if (status == SPRINGNET_OK)
       status = constraints_.project(*placement(time), state_.view.position, state_.view.velocity, message_);
@@ -185,8 +203,6 @@ springnet_status Engine::commit(double time, State& state) {
     interval_until_ = std::numeric_limits<double>::infinity();
     changed();
     status = follow_jumps(from);
-    follow_prescribed();
-    // A velocity that jumped takes along what hangs on it.
     if (status == SPRINGNET_OK)
       status = constraints_.project(*placement(time), state_.view.position, state_.view.velocity, message_);
   }
@@ -216,8 +232,8 @@ void Engine::move_node(std::uint32_t node, const Vector3& position, double time)
   motion.times = {time_, time};
   motion.displacements = {Vector3::Zero(), position - now};
   contact_.set_fixed(node, true);
-  contact_.prescribed().set(node, now, Trajectory(motion));
-  follow_prescribed();
+  contact_.set_motion(node, now, Trajectory(motion));
+  static_cast<void>(follow_prescribed());
   changed();
 }
 

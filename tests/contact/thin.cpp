@@ -146,8 +146,8 @@ TEST_CASE("the time of a touch within a step does not depend on where outputs ar
     const double whole = first_touch(to_end(scene, cvode(1e-8)));
     Simulation s = simulate(scene.net, cvode(1e-8), 0.01);
     for (double time = 0.0037; time < scene.until; time += 0.0037) s.advance_to(time);
-    // Where an output falls into an obstacle CVODE itself finds the touch, to a hundred roundings.
-    CHECK(std::abs(first_touch(s) - whole) <= 1e-13 * whole);
+    // Where an output falls into an obstacle CVODE itself finds the touch, to a hundred roundings of its step.
+    CHECK(std::abs(first_touch(s) - whole) <= 1e-12);
   }
 }
 

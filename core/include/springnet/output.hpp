@@ -98,7 +98,7 @@ class ReactionWriter {
   std::unique_ptr<CsvFile> file_;
   std::vector<NodeIndex> nodes_;
   std::vector<bool> fixed_;        // of nodes_
-  std::vector<Vector3> impulses_;  // N s, of nodes_ at the last record; empty without surfaces
+  std::vector<Vector3> impulses_;  // N s, of nodes_ at the last record
 };
 
 // "time,surface,x,y,z,fx,fy,fz,tx,ty,tz,nodes,jx,jy,jz" in s, m, N, N m, N s: where each plane and instrument is (its

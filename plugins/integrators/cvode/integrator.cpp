@@ -331,7 +331,9 @@ bool ReferenceIntegrator::steps_reach(double target, long most, double& reached,
     const int flag = CVode(memory, impact_ ? std::min(target, *impact_) : target, y_.get(), &reached, CV_NORMAL);
     if (flag < 0 && flag != CV_TOO_MUCH_WORK) fail(flag, reached);
     if (looks) look_for_impact(target);
-    if (impact_ && *impact_ <= reached) {
+    // A root marks what else happens then.
+    const bool is_root = flag == CV_ROOT_RETURN && impact_ && same_time(*impact_, reached, root_accuracy);
+    if (impact_ && *impact_ <= reached && !is_root) {
       reached = *impact_;
       interpolate(reached);
       std::fill(fired_.begin(), fired_.end(), 0);
