@@ -23,6 +23,14 @@ struct SampleTime {
   return {time, time - std::max(rounding, 1e-12 * length)};
 }
 
+// In which nothing jumps, as its caller knows: at its end motions are those just before, elsewhere those just after.
+struct Interval {
+  double from = 0.0, until = std::numeric_limits<double>::infinity();  // s
+  [[nodiscard]] SampleTime at(double time) const noexcept {
+    return time >= until && std::isfinite(until) ? just_before(time, until - from) : just_after(time);
+  }
+};
+
 [[nodiscard]] inline Trajectory::Sample sample(const Trajectory& trajectory, const SampleTime& at) {
   Trajectory::Sample result = trajectory.at(at.rate);
   if (at.rate != at.time) result.displacement = trajectory.at(at.time).displacement;

@@ -212,11 +212,6 @@ const springnet_network& Engine::network_info() {
   return info_;
 }
 
-SampleTime Engine::sample_time(double time) const noexcept {
-  return time >= interval_until_ && std::isfinite(interval_until_) ? just_before(time, interval_until_ - interval_from_)
-                                                                   : just_after(time);
-}
-
 springnet_status Engine::begin_step(double from, double until) {
   step_length_ = until - from;
   const Loads::Change loads = loads_.set_interval(from, until);
@@ -235,8 +230,7 @@ springnet_status Engine::begin_interval(double from, double until) {
 
 springnet_status Engine::begin(double from, double until, Loads::Change loads) {
   non_finite_.clear();
-  interval_from_ = from;
-  interval_until_ = until > from ? until : std::numeric_limits<double>::infinity();
+  interval_ = until > from ? Interval{from, until} : Interval{};
   const std::shared_ptr<const Placement> now = contact_.at(just_after(time_));
   if (loads == Loads::Change::switched) changed();
   springnet_status status = SPRINGNET_OK;
@@ -294,7 +288,7 @@ void Engine::set_node(std::uint32_t node, const std::optional<Vector3>& position
         put_vector(state_.view.velocity, node, w);
       } else {
         put_vector(state_.view.velocity, node, *velocity - n * lifting);
-        contact_.touch(node, {touch.surface, true}, Vector3::Zero());
+        contact_.touch(node, after(touch, {ContactCause::Kind::slip}), Vector3::Zero());
         contact_.set_slip(node, Vector3::Zero());  // it has a new one
       }
     }

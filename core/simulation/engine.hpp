@@ -46,15 +46,8 @@ class Engine {
   springnet_status project_state(double time, const springnet_vectors& position, const springnet_vectors& velocity);
   springnet_status event_values(const springnet_evaluation& at, double* values, std::int32_t* directions);
   springnet_status fire_events(double time, State& state, const std::int32_t* fired);
-  struct Span {
-    double from, until;  // s
-  };
-  struct DenseOutput {
-    springnet_dense_output state_at;
-    void* user;
-  };
   // When a node first touches a surface in a part of a step, s; nan if none does. See springnet_host.
-  springnet_status time_of_impact(const Span& step, const Span& part, const DenseOutput& output, double& time);
+  springnet_status time_of_impact(const springnet_impact_search& search, double& time);
   springnet_status commit(double time, State& state);
   [[nodiscard]] double next_discontinuity(double time) const noexcept;
   [[nodiscard]] layers::Linearisation& linearisation() noexcept { return linearisation_; }
@@ -88,7 +81,7 @@ class Engine {
   [[nodiscard]] double time() const noexcept { return time_; }
   // Loads as they are in an evaluation at `time`, s; valid until one at another time.
   [[nodiscard]] layers::ExternalForces external_at(double time) {
-    loads_.follow(sample_time(time).rate);
+    loads_.follow(interval_.at(time).rate);
     return loads_.external();
   }
   // The committed state; its forces are evaluated anew if something changed since they were.
@@ -147,13 +140,13 @@ class Engine {
   springnet_status begin(double from, double until, Loads::Change loads);
   // `size`: of the scene, m.
   void start_constraints(double size);
-  // Where surfaces and moved nodes are at a time of the present step, or right after `time`.
+  // Where surfaces and moved nodes are at a time of the present interval.
   [[nodiscard]] const std::shared_ptr<const Placement>& placement(double time) const {
-    return contact_.at(sample_time(time));
+    return contact_.at(interval_.at(time));
   }
-  [[nodiscard]] SampleTime sample_time(double time) const noexcept;
   // Puts prescribed nodes where they are, right after the committed time. Where the velocity of one jumps, what hangs
-  // rigidly on it is taken along, as if no surface acted, and who moves it is told the impulses. Returns these clusters.
+  // rigidly on it is taken along, as if no surface acted, and who moves it is told the impulses. Returns these
+  // clusters.
   std::set<std::uint32_t> follow_prescribed();
   // Decides anew which nodes are held, slide or are free, as velocities and forces have it.
   springnet_status settle_contacts(double time, State& state);
@@ -289,7 +282,7 @@ class Engine {
   layers::SurfaceVolumes swept_volumes_;    // of closed surfaces within a sweep in an order,
   layers::SurfaceVolumes asked_volumes_;    // and of a call of evaluate_nodes outside
   std::vector<std::uint8_t> cluster_done_;  // within a sweep in an order
-  double interval_from_ = 0.0, interval_until_ = std::numeric_limits<double>::infinity();  // s, of begin_step
+  Interval interval_;                       // of begin_step, or begin_interval
   std::vector<std::string> notes_;
   std::optional<double> potential_energy_;  // J; empty: not known
   bool energy_noted_ = false;

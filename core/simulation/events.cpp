@@ -200,7 +200,7 @@ springnet_status Engine::commit(double time, State& state) {
   }
   if (status == SPRINGNET_OK && jumps) {
     // What was said of just before no longer holds.
-    interval_until_ = std::numeric_limits<double>::infinity();
+    interval_ = {};
     changed();
     status = follow_jumps(from);
     if (status == SPRINGNET_OK)
@@ -221,7 +221,7 @@ void Engine::move_surface(std::size_t surface, const Vector3& position, double t
   motion.times = {time_, time};
   motion.displacements = {now, contact_.surfaces()[surface].displacement_to(position, time)};
   contact_.set_trajectory(surface, Trajectory(motion));
-  interval_until_ = std::numeric_limits<double>::infinity();
+  interval_ = {};
   changed();  // nodes that touch it follow, or are left, when the next step begins
 }
 

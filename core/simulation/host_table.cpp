@@ -167,15 +167,10 @@ springnet_status fire_events(void* context, double time, springnet_state* state,
     return engine.fire_events(time, engine.created_state(state), fired);
   });
 }
-springnet_status time_of_impact(void* context, double step_from, double step_until, double from, double until,
-                                springnet_dense_output state_at, void* user, double* time) {
+springnet_status time_of_impact(void* context, const springnet_impact_search* search, double* time) {
   return outside_of_sweeps(context, "time_of_impact", [&](Engine& engine) {
-    require_order(step_from, step_until);
-    require_finite(from, "from");
-    require_finite(until, "until");
-    if (state_at == nullptr) throw Error(ErrorKind::plugin, "state_at is null");
     require_array(time, "time");
-    return engine.time_of_impact({step_from, step_until}, {from, until}, {state_at, user}, *time);
+    return engine.time_of_impact(checked(search), *time);
   });
 }
 double next_discontinuity(void* context, double time) {

@@ -18,15 +18,15 @@ constexpr double tenth_of_turn = 0.6;  // rad
 
 }  // namespace
 
-Engine::ImpactSearch::ImpactSearch(Engine& engine, const Span& step, const Span& part, const DenseOutput& output)
-    : engine_(engine), step_(step), part_(part), output_(output), longest_(step.until - step.from) {
+Engine::ImpactSearch::ImpactSearch(Engine& engine, const springnet_impact_search& search)
+    : engine_(engine), search_(search), longest_(search.step_until - search.step_from) {
   for (const EventSource& source : engine.event_sources())
     if (source.kind == EventSource::Kind::touch) pairs_.push_back({source.index, source.surface, source.depth});
   double quickest = 0.0;  // rad/s
   for (const Obstacle& surface : engine.contact_.surfaces()) quickest = std::max(quickest, surface.swing_rate());
   // A table may turn a surface all the way round and have it rest at both ends.
   for (const double share : {0.0, 0.5, 1.0})
-    for (const Pose& pose : engine.placement(step.from + share * longest_)->poses)
+    for (const Pose& pose : engine.placement(search.step_from + share * longest_)->poses)
       quickest = std::max(quickest, pose.spin.norm());
   if (quickest > 0.0) longest_ = std::min(longest_, tenth_of_turn / quickest);
 }
@@ -36,7 +36,7 @@ std::optional<Engine::ImpactSearch::Instant> Engine::ImpactSearch::instant(doubl
   const std::size_t n = engine_.layout_.node_count();
   Instant result{time, engine_.placement(time), std::vector<double>(6 * n)};
   double* const x = result.values.data();
-  status_ = output_.state_at(output_.user, time, {x, x + n, x + 2 * n}, {x + 3 * n, x + 4 * n, x + 5 * n});
+  status_ = search_.state_at(search_.user, time, {x, x + n, x + 2 * n}, {x + 3 * n, x + 4 * n, x + 5 * n});
   if (status_ != SPRINGNET_OK) return std::nullopt;
   return result;
 }
@@ -96,9 +96,9 @@ bool Engine::ImpactSearch::comes_near(const Instant& from, const Instant& until,
 }
 
 std::optional<double> Engine::ImpactSearch::first(const Instant& from, const Instant& until,
-                                                  const std::vector<Pair>& pairs) {
+                                                  const std::vector<Pair>& pairs, const Part& part) {
   const double length = until.time - from.time;
-  if (until.time <= part_.from || from.time >= part_.until) return std::nullopt;
+  if (until.time <= part.earliest || from.time >= part.latest) return std::nullopt;
   const bool swings = length > longest_, short_part = length < shortest_part * longest_;
   std::vector<Pair> near;
   bool crosses = false;
@@ -109,25 +109,36 @@ std::optional<double> Engine::ImpactSearch::first(const Instant& from, const Ins
   }
   if (near.empty()) return std::nullopt;
   const double epsilon = roundings * std::numeric_limits<double>::epsilon();
-  if (length <= epsilon * std::max(std::abs(until.time), step_.until - step_.from))
+  if (length <= epsilon * std::max(std::abs(until.time), search_.step_until - search_.step_from))
     return crosses ? std::optional(until.time) : std::nullopt;
   const std::optional<Instant> middle = instant(from.time + 0.5 * length);
   if (!middle) return std::nullopt;
-  const std::optional<double> early = first(from, *middle, near);
-  return early ? early : first(*middle, until, near);
+  const std::optional<double> early = first(from, *middle, near, part);
+  return early ? early : first(*middle, until, near, part);
 }
 
+// What goes deep enough is sought first, then where that began.
 springnet_status Engine::ImpactSearch::find(double& time) {
   time = std::numeric_limits<double>::quiet_NaN();
   if (pairs_.empty()) return SPRINGNET_OK;
-  const std::optional<Instant> start = instant(step_.from), end = instant(step_.until);
+  const std::optional<Instant> start = instant(search_.step_from), end = instant(search_.step_until);
   if (!start || !end) return status_;
-  if (const std::optional<double> found = first(*start, *end, pairs_)) time = *found;
+  std::vector<Pair> deep = pairs_;
+  for (Pair& pair : deep) pair.depth += search_.depth;
+  const std::optional<double> inside = first(*start, *end, deep, {search_.from, search_.until});
+  const std::optional<Instant> then = inside ? instant(*inside) : std::nullopt;
+  if (!then) return status_;
+  std::vector<Pair> there;
+  for (std::size_t i = 0; i < pairs_.size(); ++i)
+    if (value(*then, deep[i]) <= 0.0) there.push_back(pairs_[i]);
+  // No earlier than where another search found nothing: what it left is less deep.
+  const std::optional<double> begins = first(*start, *then, there, {search_.step_from, *inside});
+  if (status_ == SPRINGNET_OK) time = std::max(search_.from, begins.value_or(*inside));
   return status_;
 }
 
-springnet_status Engine::time_of_impact(const Span& step, const Span& part, const DenseOutput& output, double& time) {
-  return ImpactSearch(*this, step, part, output).find(time);
+springnet_status Engine::time_of_impact(const springnet_impact_search& search, double& time) {
+  return ImpactSearch(*this, search).find(time);
 }
 
 }  // namespace springnet

@@ -12,8 +12,7 @@ namespace springnet {
 
 class Engine::ImpactSearch {
  public:
-  // As in springnet_host::time_of_impact.
-  ImpactSearch(Engine& engine, const Span& step, const Span& part, const DenseOutput& output);
+  ImpactSearch(Engine& engine, const springnet_impact_search& search);
   // s; nan: nothing touches.
   springnet_status find(double& time);
 
@@ -36,12 +35,15 @@ class Engine::ImpactSearch {
   [[nodiscard]] double value(const Instant& instant, const Pair& pair) const;  // m; below 0: behind
   // Whether a pair has, or may have, a value below 0 between two instants.
   [[nodiscard]] bool comes_near(const Instant& from, const Instant& until, const Pair& pair, bool short_part) const;
-  // The first time at which one has, to rounding.
-  [[nodiscard]] std::optional<double> first(const Instant& from, const Instant& until, const std::vector<Pair>& pairs);
+  // The first time at which one has, to rounding, in the part from `earliest` to `latest`, s.
+  struct Part {
+    double earliest, latest;
+  };
+  [[nodiscard]] std::optional<double> first(const Instant& from, const Instant& until, const std::vector<Pair>& pairs,
+                                            const Part& part);
 
   Engine& engine_;
-  Span step_, part_;
-  DenseOutput output_;
+  const springnet_impact_search& search_;
   std::vector<Pair> pairs_;
   double longest_;  // s, between instants: the surfaces turn and swing by no more than a tenth of a turn
   springnet_status status_ = SPRINGNET_OK;

@@ -94,6 +94,19 @@ const springnet_evaluation& checked(const springnet_evaluation* evaluation) {
   return request;
 }
 
+const springnet_impact_search& checked(const springnet_impact_search* search) {
+  const springnet_impact_search& request = sized(search, "springnet_impact_search", sizeof *search);
+  require_finite(request.step_from, "step_from");
+  require_finite(request.step_until, "step_until");
+  if (!(request.step_until > request.step_from)) refuse("the step ends no later than it begins");
+  require_finite(request.from, "from");
+  require_finite(request.until, "until");
+  if (!(request.depth >= 0.0 && std::isfinite(request.depth)))
+    refuse(fmt::format("depth is {} m, has to be 0 or more", request.depth));
+  if (request.state_at == nullptr) refuse("state_at is a null pointer");
+  return request;
+}
+
 const springnet_sweep& checked_end(const springnet_sweep* sweep) {
   const springnet_sweep& request = sized(sweep, "springnet_sweep", sweep_size);
   check_ends(request);

@@ -19,6 +19,8 @@ void require_vectors(const springnet_const_vectors& vectors, const char* name);
 const springnet_evaluation& checked(const springnet_evaluation* evaluation);
 // The same for the end of a sweep by itself.
 const springnet_sweep& checked_end(const springnet_sweep* sweep);
+// A search for touches within a step.
+const springnet_impact_search& checked(const springnet_impact_search* search);
 // A sweep of a network of `node_count` nodes, but for its order.
 const springnet_sweep& checked(const springnet_sweep* sweep, std::uint32_t node_count);
 

@@ -88,11 +88,11 @@ struct FakeHost {
     table.fire_events = [](void* c, double time, springnet_state* s, const std::int32_t* fired) {
       return of(c).note("fire_events", time == 5.0 && s != nullptr && *fired == 1);
     };
-    table.time_of_impact = [](void* c, double step_from, double step_until, double from, double until,
-                              springnet_dense_output state_at, void* user, double* time) {
-      const springnet_status status = state_at(user, 0.5 * (from + until), {}, {});
-      *time = step_until < 9.0 ? until : std::numeric_limits<double>::quiet_NaN();
-      return status != SPRINGNET_OK ? status : of(c).note("time_of_impact", step_from == 1.0);
+    table.time_of_impact = [](void* c, const springnet_impact_search* search, double* time) {
+      const springnet_status status = search->state_at(search->user, 0.5 * (search->from + search->until), {}, {});
+      *time = search->step_until < 9.0 ? search->until : std::numeric_limits<double>::quiet_NaN();
+      const bool complete = search->struct_size == sizeof *search && search->step_from == 1.0 && search->depth == 0.1;
+      return status != SPRINGNET_OK ? status : of(c).note("time_of_impact", complete);
     };
     table.next_discontinuity = [](void*, double time) { return time + 1.0; };
     table.commit = [](void* c, double time, springnet_state* s) {
@@ -207,11 +207,11 @@ TEST_CASE("an integrator reaches every function of the host") {
     h.fire_events(5.0, *state, &fired);
     double asked = 0.0;
     const auto ask = [&](double time, const springnet_vectors&, const springnet_vectors&) { asked = time; };
-    CHECK(h.time_of_impact({1.0, 3.0}, {1.5, 2.5}, ask) == 2.5);
+    CHECK(h.time_of_impact({1.0, 3.0}, {1.5, 2.5}, 0.1, ask) == 2.5);
     CHECK(asked == 2.0);
-    CHECK_FALSE(h.time_of_impact({1.0, 9.0}, {1.5, 2.5}, ask).has_value());
+    CHECK_FALSE(h.time_of_impact({1.0, 9.0}, {1.5, 2.5}, 0.1, ask).has_value());
     const auto refuse = [](double, const springnet_vectors&, const springnet_vectors&) { throw Failure("no state"); };
-    CHECK_THROWS_WITH_AS(static_cast<void>(h.time_of_impact({1.0, 3.0}, {1.5, 2.5}, refuse)), "no state", Failure);
+    CHECK_THROWS_WITH_AS(static_cast<void>(h.time_of_impact({1.0, 3.0}, {1.5, 2.5}, 0.1, refuse)), "no state", Failure);
     CHECK(h.next_discontinuity(7.0) == 8.0);
     h.commit(6.0, *state);
     h.report("sweeps", 9.0);
@@ -240,7 +240,7 @@ TEST_CASE("a host before ABI 1.3 does not look through steps") {
   host.table.struct_size = offsetof(springnet_host, time_of_impact);
   CHECK(run(host, [](Host& h, springnet_step_report&) -> springnet_status {
           const auto state_at = [](double, const springnet_vectors&, const springnet_vectors&) {};
-          CHECK_FALSE(h.time_of_impact({1.0, 3.0}, {1.0, 3.0}, state_at).has_value());
+          CHECK_FALSE(h.time_of_impact({1.0, 3.0}, {1.0, 3.0}, 0.1, state_at).has_value());
           return SPRINGNET_OK;
         }) == SPRINGNET_OK);
   CHECK(host.calls.empty());

@@ -24,6 +24,7 @@ class Equations {
     double velocity;
   };
   void set_tolerances(const Tolerances& tolerances) noexcept { tolerances_ = tolerances; }
+  [[nodiscard]] const Tolerances& tolerances() const noexcept { return tolerances_; }
 
   // Functions for CVODE: 0 done, > 0 a smaller step may succeed, < 0 failed. The reason of the last that was not 0 is
   // failure().

@@ -28,6 +28,9 @@ bool same_time(double a, double b, double roundings) noexcept {
 constexpr double shortest_step = 16.0;    // CVODE cannot step between nearer times
 constexpr double root_accuracy = 1000.0;  // it locates roots to 100 roundings of the time and the step
 
+// Positions between the ends of a step are uncertain by so many tolerances.
+constexpr double uncertain = 10.0;
+
 // Internal steps after which the time should have gone on by more than a rounding each.
 constexpr long steps_worth_a_look = 500;
 // From a step past the end of a face down to one that ends at it, each failure makes the step four times shorter.
@@ -358,12 +361,12 @@ void ReferenceIntegrator::look_for_impact(double until) {
   if (impact_ || part.until <= part.from) return;
   looked_until_ = part.until;
   const std::size_t n = host_.network().node_count;
-  impact_ =
-      host_.time_of_impact({end - length, end}, part,
-                           [&](double time, const springnet_vectors& position, const springnet_vectors& velocity) {
-                             check(CVodeGetDky(memory_.get(), time, 0, probe_.get()));
-                             unpack(data(probe_.get()), position, velocity, n);
-                           });
+  const double depth = uncertain * equations_.tolerances().position;
+  const auto write = [&](double time, const springnet_vectors& position, const springnet_vectors& velocity) {
+    check(CVodeGetDky(memory_.get(), time, 0, probe_.get()));
+    unpack(data(probe_.get()), position, velocity, n);
+  };
+  impact_ = host_.time_of_impact({end - length, end}, part, depth, write);
 }
 
 void ReferenceIntegrator::interpolate(double time) { check(CVodeGetDky(memory_.get(), time, 0, y_.get())); }

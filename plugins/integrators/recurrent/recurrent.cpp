@@ -106,6 +106,7 @@ class Recurrent : public springnet::sdk::Integrator {
   static constexpr int most_events = 64;         // in a time step, beside those at its end
   static constexpr int most_looks = 60;          // for the time of one
   static constexpr double least_part = 1e-6;     // of a time step, from one event to the next
+  static constexpr double shallow = 1e-7;        // of the length scale: touches within a step that count are deeper
   static constexpr double time_of_event = 1e-9;  // accuracy, of the step that it divides
 
   springnet_status advance_once(double until, springnet_step_report& report);
@@ -218,11 +219,12 @@ bool Recurrent::advance_to_event(double until, springnet_step_report& report) {
 std::vector<double> Recurrent::times_of_impact(const Step& step) const {
   if (step.network.surface_count == 0) return {};
   const StepCourse course(step);
+  const Host::Span whole{step.from, step.until};
+  const auto write = [&](double time, const springnet_vectors& position, const springnet_vectors& velocity) {
+    course.write(time, position, velocity);
+  };
   const std::optional<double> first =
-      work_.host.time_of_impact({step.from, step.until}, {step.from, step.until},
-                                [&](double time, const springnet_vectors& position, const springnet_vectors& velocity) {
-                                  course.write(time, position, velocity);
-                                });
+      work_.host.time_of_impact(whole, whole, shallow * step.network.length_scale, write);
   if (!first) return {};
   // A step that ends then differs from the course by the method's error: it may touch a little later.
   std::vector<double> times;

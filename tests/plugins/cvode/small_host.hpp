@@ -233,9 +233,9 @@ inline void SmallHost::fill_table() {
     host.change();
     return SPRINGNET_OK;
   };
-  table_.time_of_impact = [](void*, double, double, double, double, springnet_dense_output, void*, double* time) {
+  table_.time_of_impact = [](void*, const springnet_impact_search*, double* time) -> springnet_status {
     *time = std::numeric_limits<double>::quiet_NaN();
-    return static_cast<springnet_status>(SPRINGNET_OK);
+    return SPRINGNET_OK;
   };
   table_.next_discontinuity = [](void* self, double time) {
     for (const double each : of(self).discontinuities) {

@@ -165,29 +165,36 @@ class Host {
     double from, until;  // s
   };
   // When a node first touches a surface in a part of a step, s, also where it has left it again by the end; empty where
-  // none does, or the host is before ABI 1.3. See plugin.h. `state_at(time, position, velocity)` writes the state at a
-  // time of the step into springnet_vectors; what it throws is thrown again here.
+  // none does, or the host is before ABI 1.3. `depth`: m; see plugin.h. `state_at(time, position, velocity)` writes the
+  // state at a time of the step into springnet_vectors; what it throws is thrown again here.
   template <class StateAt>
-  [[nodiscard]] std::optional<double> time_of_impact(Span step, Span part, StateAt&& state_at) const {
+  [[nodiscard]] std::optional<double> time_of_impact(Span step, Span part, double depth, StateAt&& state_at) const {
     if (!SPRINGNET_HAS_FIELD(springnet_host, table_, time_of_impact)) return std::nullopt;
     using Callable = std::remove_reference_t<StateAt>;
     struct Call {
       Callable& state_at;
       std::exception_ptr error{};
     } call{state_at};
-    const auto write = [](void* user, double time, springnet_vectors position, springnet_vectors velocity) {
+    auto search = sized<springnet_impact_search>();
+    search.step_from = step.from;
+    search.step_until = step.until;
+    search.from = part.from;
+    search.until = part.until;
+    search.depth = depth;
+    search.user = &call;
+    search.state_at = [](void* user, double time, springnet_vectors position,
+                         springnet_vectors velocity) -> springnet_status {
       auto& self = *static_cast<Call*>(user);
       try {
         self.state_at(time, position, velocity);
-        return static_cast<springnet_status>(SPRINGNET_OK);
+        return SPRINGNET_OK;
       } catch (...) {
         self.error = std::current_exception();
-        return static_cast<springnet_status>(SPRINGNET_FAILED);
+        return SPRINGNET_FAILED;
       }
     };
     double time = 0.0;
-    const springnet_status status =
-        table_->time_of_impact(table_->context, step.from, step.until, part.from, part.until, write, &call, &time);
+    const springnet_status status = table_->time_of_impact(table_->context, &search, &time);
     if (call.error) std::rethrow_exception(call.error);
     check(status);
     return std::isnan(time) ? std::nullopt : std::optional(time);

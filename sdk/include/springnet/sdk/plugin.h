@@ -371,6 +371,18 @@ typedef struct springnet_sweep {
 typedef springnet_status (*springnet_dense_output)(void* user, double time, springnet_vectors position,
                                                    springnet_vectors velocity);
 
+/* A search for touches in a part of a step whose states are known at all its times. */
+typedef struct springnet_impact_search {
+  uint32_t struct_size;
+  uint32_t reserved;
+  double step_from, step_until; /* s */
+  double from, until;           /* s, the part */
+  double depth; /* m: what is no deeper behind a surface counts as outside, because the positions between
+                   the ends are no more exact; event_values at the ends show it if it stays there */
+  springnet_dense_output state_at; /* not asked any more once it has failed, which is answered */
+  void* user;
+} springnet_impact_search;
+
 /* Matrices I - velocity_weight da/dv - position_weight da/dp in 3n unknowns, x of all nodes, then y, then z, at the
  * state last given to `linearise`. Rows of fixed and held nodes are those of the identity. With rigid connections or
  * nodes that slide, `solve` answers with the x for which A x + W G^T (multipliers) = b and G x = G b. */
@@ -446,12 +458,11 @@ typedef struct springnet_host {
   springnet_status (*begin_interval)(void* context, double from, double until);
 
   /* Since 1.3. */
-  /* When a node first touches a surface within [from, until], s, of a step from step_from to step_until, also where it
-   * has left the surface again by the end, through a thin obstacle say, which event_values at the ends do not show; nan
-   * if none does. The same to the last bit however a step is divided into such searches. No state is asked for after a
-   * failure of `state_at`, which is answered. fire_events at that time, with nothing marked, carries the touch out. */
-  springnet_status (*time_of_impact)(void* context, double step_from, double step_until, double from, double until,
-                                     springnet_dense_output state_at, void* user, double* time);
+  /* When a node first touches a surface in the part of the step that is searched, s, also where it has left the surface
+   * again by the end, through a thin obstacle say, which event_values at the ends do not show; nan if none does. The
+   * same to the last bit however a step is divided into such searches. fire_events at that time, with nothing marked,
+   * carries the touch out. */
+  springnet_status (*time_of_impact)(void* context, const springnet_impact_search* search, double* time);
 } springnet_host;
 
 /* How a time step ended. */
