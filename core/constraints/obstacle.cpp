@@ -68,6 +68,16 @@ void Obstacle::follow(const std::optional<Motion>& motion, const std::optional<T
   turning_ = Turning(*turn);
   turn_axis_ = turn->axis;
   if (turn->through) pivot_ = *turn->through;
+  turns_in_place_ = is_symmetric_about_turn();
+}
+
+bool Obstacle::is_symmetric_about_turn() const {
+  constexpr double rounding = 1e-12;
+  const Vector3 axis = turn_axis_.normalized();
+  if (shape_ == Shape::plane) return axis.cross(normal_).norm() <= rounding;
+  if (shape_ == Shape::box) return false;
+  const double size = radius_ + axis_.norm();
+  return axis.cross(origin_ - pivot_).norm() <= rounding * size && axis.cross(axis_).norm() <= rounding * size;
 }
 
 std::string Obstacle::description(std::size_t number) const {

@@ -55,6 +55,8 @@ class Obstacle {
   [[nodiscard]] const Vector3& origin() const noexcept { return origin_; }
   [[nodiscard]] bool moves() const noexcept { return trajectory_.moves() || turns(); }
   [[nodiscard]] bool turns() const noexcept { return turning_.turns(); }
+  // It turns about an axis of its own symmetry, so that its shape stays where it is: a drill, a turntable.
+  [[nodiscard]] bool turns_in_place() const noexcept { return turns_in_place_; }
   // The displacement that has the origin at `position` at a time, s, however far the obstacle has turned by then; m.
   [[nodiscard]] Vector3 displacement_to(const Vector3& position, double time) const;
   // Replaces the motion; it turns as before.
@@ -95,6 +97,7 @@ class Obstacle {
 
  private:
   void follow(const std::optional<Motion>& motion, const std::optional<Turn>& turn);
+  [[nodiscard]] bool is_symmetric_about_turn() const;
   // In the obstacle's own frame, where it started.
   [[nodiscard]] double gap(const Vector3& x) const;
   [[nodiscard]] Vector3 normal(const Vector3& x) const;
@@ -123,6 +126,7 @@ class Obstacle {
   Trajectory trajectory_;
   Turning turning_;
   bool looks_sampled_ = false;
+  bool turns_in_place_ = false;
   Vector3 turn_axis_ = Vector3::UnitZ();
   Vector3 pivot_;  // m: a point of the axis, at the start
 };

@@ -22,12 +22,15 @@ Engine::ImpactSearch::ImpactSearch(Engine& engine, const springnet_impact_search
     : engine_(engine), search_(search), longest_(search.step_until - search.step_from) {
   for (const EventSource& source : engine.event_sources())
     if (source.kind == EventSource::Kind::touch) pairs_.push_back({source.index, source.surface, source.depth});
+  const std::vector<Obstacle>& surfaces = engine.contact_.surfaces();
   double quickest = 0.0;  // rad/s
-  for (const Obstacle& surface : engine.contact_.surfaces()) quickest = std::max(quickest, surface.swing_rate());
+  for (const Obstacle& surface : surfaces) quickest = std::max(quickest, surface.swing_rate());
   // A table may turn a surface all the way round and have it rest at both ends.
-  for (const double share : {0.0, 0.5, 1.0})
-    for (const Pose& pose : engine.placement(search.step_from + share * longest_)->poses)
-      quickest = std::max(quickest, pose.spin.norm());
+  for (const double share : {0.0, 0.5, 1.0}) {
+    const std::shared_ptr<const Placement> at = engine.placement(search.step_from + share * longest_);
+    for (std::size_t j = 0; j < surfaces.size(); ++j)
+      if (!surfaces[j].turns_in_place()) quickest = std::max(quickest, at->poses[j].spin.norm());
+  }
   if (quickest > 0.0) longest_ = std::min(longest_, tenth_of_turn / quickest);
 }
 
@@ -64,8 +67,13 @@ bool Engine::ImpactSearch::comes_near(const Instant& from, const Instant& until,
   if (before <= 0.0) return false;  // it touched then, or is watched for from deeper on
   if (after <= 0.0) return true;
   const Obstacle& surface = engine_.contact_.surfaces()[pair.surface];
+  const auto pose_of = [&](const Instant& instant) {
+    Pose pose = instant.at->poses[pair.surface];
+    pose.turns = pose.turns && !surface.turns_in_place();
+    return pose;
+  };
   const auto seen = [&](const Instant& instant, Vector3& place, Vector3& speed) {
-    const Pose& pose = instant.at->poses[pair.surface];
+    const Pose pose = pose_of(instant);
     const Vector3 x = position(instant, pair.node);
     place = pose.to_start(x);
     speed = velocity(instant, pair.node) - pose.velocity_at(x);
@@ -76,7 +84,7 @@ bool Engine::ImpactSearch::comes_near(const Instant& from, const Instant& until,
   seen(until, b, u1);
   const double h = until.time - from.time;
   const Vector3 way = b - a, bent0 = h * u0 - way, bent1 = h * u1 - way;
-  const Pose& pose = from.at->poses[pair.surface];
+  const Pose pose = pose_of(from);
   const auto towards = [&](const Vector3& bent) {
     if (!surface.is_flat()) return bent.norm();
     const Vector3 n = surface.normal(pose, position(from, pair.node));

@@ -167,3 +167,27 @@ TEST_CASE("what passes by an obstacle does not touch it") {
       CHECK(std::isnan(first_touch(to_end(*scene, integrator))));
   }
 }
+
+TEST_CASE("what turns about its own axis costs no more the faster it turns") {
+  const auto roots = [](double rate) {
+    Network net;
+    net.add_node(point({0.3, 0, 0.5}, 1.0, {0.1, 0, 0}));
+    net.set_gravity({0, 0, -1});
+    Plane table;
+    table.friction = frictionless;
+    table.turn.emplace();
+    table.turn->rate = rate;
+    net.add_plane(table);
+    Instrument drill;
+    drill.second = {0, 0, 1};
+    drill.radius = 0.1;
+    drill.friction = frictionless;
+    drill.turn = table.turn;
+    net.add_instrument(drill);
+    Simulation s = simulate(net, cvode(1e-8), 0.5);
+    s.advance_to(2.0);
+    CHECK(first_touch(s) == doctest::Approx(1.0).epsilon(1e-7));
+    return s.statistics().at("internal_steps");
+  };
+  CHECK(roots(1e9) <= roots(1.0));
+}

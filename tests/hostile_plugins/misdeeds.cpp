@@ -321,6 +321,52 @@ std::vector<Case> all_cases() {
          return status == SPRINGNET_OK ? commit(h, h.until) : status;
        },
        false},
+      {"searches nothing for touches",
+       [](const Hands& h) {
+         double time = 0.0;
+         return h.host->time_of_impact(h.context, nullptr, &time);
+       }},
+      {"searches for touches and has no place for the time",
+       [](const Hands& h) {
+         springnet_impact_search search = h.search();
+         return h.host->time_of_impact(h.context, &search, nullptr);
+       }},
+      {"searches a step that goes back",
+       [](const Hands& h) {
+         springnet_impact_search search = h.search();
+         std::swap(search.step_from, search.step_until);
+         double time = 0.0;
+         return h.host->time_of_impact(h.context, &search, &time);
+       }},
+      {"searches a part that is none",
+       [](const Hands& h) {
+         springnet_impact_search search = h.search();
+         search.until = nan_value;
+         double time = 0.0;
+         return h.host->time_of_impact(h.context, &search, &time);
+       }},
+      {"searches in front of surfaces",
+       [](const Hands& h) {
+         springnet_impact_search search = h.search();
+         search.depth = -1.0;
+         double time = 0.0;
+         return h.host->time_of_impact(h.context, &search, &time);
+       }},
+      {"searches and knows no states",
+       [](const Hands& h) {
+         springnet_impact_search search = h.search();
+         search.state_at = nullptr;
+         double time = 0.0;
+         return h.host->time_of_impact(h.context, &search, &time);
+       }},
+      {"searches among states that are no numbers",
+       [](const Hands& h) {
+         springnet_impact_search search = h.search();
+         double time = 0.0;
+         const springnet_status status = h.host->time_of_impact(h.context, &search, &time);
+         return status == SPRINGNET_OK && std::isnan(time) ? commit(h, h.until) : status;
+       },
+       false},
       {"reports and notes nothing",
        [](const Hands& h) {
          h.host->report(h.context, nullptr, nan_value);

@@ -1,8 +1,10 @@
 // What an integrator may do against the rules of plugin.h.
 #pragma once
 
+#include <algorithm>
 #include <cstdint>
 #include <functional>
+#include <limits>
 #include <vector>
 
 #include <springnet/sdk/host.hpp>
@@ -19,6 +21,21 @@ struct Hands {
 
   [[nodiscard]] std::uint32_t nodes() const { return host->network(context)->node_count; }
   [[nodiscard]] springnet_evaluation at() const { return sdk::evaluation_at(until, *state); }
+  // A search for touches in the whole step, among states that are no numbers.
+  [[nodiscard]] springnet_impact_search search() const {
+    auto search = sdk::sized<springnet_impact_search>();
+    search.step_from = search.from = from;
+    search.step_until = search.until = until;
+    search.user = const_cast<Hands*>(this);
+    search.state_at = [](void* hands, double, springnet_vectors position,
+                         springnet_vectors velocity) -> springnet_status {
+      for (const springnet_vectors& each : {position, velocity})
+        for (double* axis : {each.x, each.y, each.z})
+          std::fill_n(axis, static_cast<const Hands*>(hands)->nodes(), std::numeric_limits<double>::quiet_NaN());
+      return SPRINGNET_OK;
+    };
+    return search;
+  }
   // A sweep that is right, all nodes at once: a second state takes the outputs.
   [[nodiscard]] springnet_sweep sweep(springnet_state& next) const {
     auto sweep = sdk::sized<springnet_sweep>();
