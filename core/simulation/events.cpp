@@ -193,6 +193,7 @@ springnet_status Engine::commit(double time, State& state) {
     // What a solver left of rounding in unknowns that do not move.
     const std::shared_ptr<const Placement> now = placement(time);
     constraints_.correct(*now, read_only(state.view.position), state_.view.position, state_.view.velocity);
+    if (!jumps) static_cast<void>(follow_prescribed());
     status = stop_penetration(time, state_);
     if (status == SPRINGNET_OK)
       status = constraints_.project(*placement(time), state_.view.position, state_.view.velocity, message_);
