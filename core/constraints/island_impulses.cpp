@@ -150,23 +150,34 @@ void Island::end_rates(const std::vector<Row>& rows) {
 void Island::calm(double slow) {
   for (int round = 0; round < most_rounds; ++round) {
     double greatest = 0.0;
+    const auto give = [&](std::size_t i, std::size_t s, const Vector3& impulse, double speed) {
+      nodes_[i].impulse[s] += impulse;
+      push(i, impulse);
+      greatest = std::max(greatest, speed);
+    };
     for (std::size_t i = 0; i < nodes_.size(); ++i) {
       for (std::size_t s = 0; s < nodes_[i].sides.size(); ++s) {
         const ContactSide& side = nodes_[i].sides[s];
         const double rate = side.normal.dot(side.velocity), answers = side.normal.dot(block(i, i) * side.normal);
         if (rate == 0.0 || std::abs(rate) > slow || !(answers > 0.0)) continue;
-        const Vector3 impulse = -rate / answers * side.normal;
-        nodes_[i].impulse[s] += impulse;
-        push(i, impulse);
-        greatest = std::max(greatest, std::abs(rate));
+        give(i, s, -rate / answers * side.normal, std::abs(rate));
       }
+      if (nodes_[i].sides.empty()) continue;
+      // Friction ends slip that is as slow.
+      const ContactSide& first = nodes_[i].sides.front();
+      const double speed = first.velocity.norm();
+      if (coefficient_of(first.friction) == 0.0 || speed == 0.0 || speed > slow) continue;
+      give(i, 0, -block(i, i).completeOrthogonalDecomposition().solve(first.velocity), speed);
     }
     if (greatest <= 1e-12 * slow) break;
   }
-  for (ContactNode& node : nodes_)
-    for (ContactSide& side : node.sides)
+  for (ContactNode& node : nodes_) {
+    for (ContactSide& side : node.sides) {
       if (const double rate = side.normal.dot(side.velocity); std::abs(rate) <= 1e-9 * slow)
         side.velocity -= rate * side.normal;
+      if (coefficient_of(side.friction) > 0.0 && side.velocity.norm() <= 1e-9 * slow) side.velocity.setZero();
+    }
+  }
 }
 
 bool Island::jam(double negligible) {

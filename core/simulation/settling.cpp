@@ -33,6 +33,9 @@ constexpr int most_jams = 20;
 // on its contacts ever faster; what is slower than this, in units of the velocity scale, then ends.
 constexpr int many_touches = 8;
 constexpr double soon = 1e-3, slow_rocking = 1e-3;
+// What leaves a surface more slowly, in units of the speed with which it falls through the tolerance of touching, does
+// not leave: it would be back at once, as fast.
+constexpr double times_of_fall = 2.0;
 constexpr double few_steps = 4.0;  // of a method with steps of its user's
 
 }  // namespace
@@ -380,6 +383,15 @@ double Engine::Settling::fall_in_step(Island& island) {
   return steps_of_fall * engine_.step_length_ * falls;
 }
 
+double Engine::Settling::fall_to_touch(Island& island) {
+  if (accelerate(island) != SPRINGNET_OK) return 0.0;
+  double falls = 0.0;
+  for (const ContactNode& node : island.nodes())
+    for (const ContactSide& side : node.sides)
+      falls = std::max(falls, side.needed - side.normal.dot(node.acceleration));
+  return times_of_fall * std::sqrt(2.0 * falls * depth_);
+}
+
 double Engine::Settling::rebound_of(Island& island) {
   const double least = least_rebound * engine_.info_.velocity_scale;
   for (const ContactNode& node : island.nodes())
@@ -415,8 +427,11 @@ springnet_status Engine::Settling::settle(std::uint32_t node) {
   std::vector<std::vector<Vector3>> blows;  // N s, [node of the island][side]
   for (const ContactNode& each : island.nodes()) blows.emplace_back(each.sides.size(), Vector3::Zero());
   for (int jams = 0;; ++jams) {
-    if (struck && chatters(island))
-      island.calm(std::max(slow_rocking * engine_.info_.velocity_scale, fall_in_step(island)));
+    if (struck) {
+      const bool rocks = chatters(island);
+      island.calm(std::max({fall_to_touch(island), rocks ? slow_rocking * engine_.info_.velocity_scale : 0.0,
+                            rocks ? fall_in_step(island) : 0.0}));
+    }
     if (struck) strike(island);
     for (std::size_t i = 0; struck && i < blows.size(); ++i)
       for (std::size_t s = 0; s < blows[i].size(); ++s) blows[i][s] += island.nodes()[i].impulse[s];

@@ -48,6 +48,8 @@ class Engine::Settling {
   [[nodiscard]] bool chatters(const Island& island);
   // What accelerations add to speeds in a few steps of a method with steps of its user's, m/s; 0: it has its own.
   [[nodiscard]] double fall_in_step(Island& island);
+  // Speeds below are not resolved, because nodes that fall through the tolerance of touching have them, m/s.
+  [[nodiscard]] double fall_to_touch(Island& island);
   // Speed from which nodes rebound, m/s.
   [[nodiscard]] double rebound_of(Island& island);
   void stop_held(Island& island) const;
