@@ -18,6 +18,7 @@ constexpr int most_changes = 200;       // of mind, before all possibilities are
 constexpr std::size_t most_coded = 64;  // bits of a code
 constexpr int most_bits = 12;           // of possibilities that are worth trying
 constexpr int most_directions = 200;    // of a slip that begins
+constexpr int most_guesses = 20;        // of those from its last acceleration
 
 std::vector<Vector3> active_normals(const ContactNode& node) {
   std::vector<Vector3> normals;
@@ -177,6 +178,28 @@ Vector3 Island::acceleration(std::size_t node) const {
   return sum;
 }
 
+// Where a node begins to slip on the one surface that it touches, if the forces of all other nodes are as they are;
+// empty where it does not.
+std::optional<Vector3> Island::slip_of(std::size_t i) const {
+  const ContactNode& node = nodes_[i];
+  const ContactSide* touched = nullptr;
+  for (const ContactSide& side : node.sides) {
+    if (!side.touches) continue;
+    if (touched != nullptr) return std::nullopt;
+    touched = &side;
+  }
+  if (touched == nullptr) return std::nullopt;
+  const Vector3& n = touched->normal;
+  const Matrix3 mobility = block(i, i);
+  const Vector3 other = acceleration(i) - mobility * node.force;
+  Vector3 relative = other - touched->surface_acceleration;
+  relative += n * (n.dot(other) - touched->needed - n.dot(relative));
+  const ContactAnswer answer = answer_contact(mobility, relative, n, at_most(touched->friction, friction_of_held));
+  const Vector3 goes = answer.velocity - n * n.dot(answer.velocity);
+  if (answer.sticks || !(answer.normal > 0.0) || goes.isZero(0.0)) return std::nullopt;
+  return goes.normalized();
+}
+
 // A slip that begins goes where its acceleration goes, which friction against it turns where the effective mass has
 // directions of its own.
 void Island::solve() {
@@ -191,14 +214,18 @@ void Island::solve() {
       const auto first = std::find_if(node.sides.begin(), node.sides.end(), [](const auto& s) { return s.touches; });
       if (first == node.sides.end()) continue;
       const Vector3 goes = along(free_directions(active_normals(node)), acceleration(i) - first->surface_acceleration);
-      // Too little to have a direction of its own, at the edge of the cone, or against what was assumed: it would
-      // stick.
+      const bool against = goes.dot(node.slip) < 0.0;
+      // Too little to have a direction of its own, at the edge of the cone.
       const double scale = (acceleration(i) - nodes_[i].acceleration).norm();
-      if (goes.norm() <= 1e-6 * scale || goes.dot(node.slip) < 0.0) continue;
-      const Vector3 slip = goes.normalized();
-      turned = std::max(turned, (slip - node.slip).norm());
-      // Half the way, because great friction would overshoot.
-      node.slip = turn < 20 ? slip : Vector3((slip + node.slip).normalized());
+      if (goes.norm() <= 1e-6 * scale && !against) continue;
+      // Great friction would overshoot, or turn slip round where it throws the mobility's normal part about: the
+      // direction then is sought all round.
+      std::optional<Vector3> slip;
+      if (against || turn >= most_guesses) slip = slip_of(i);
+      if (!slip && against) continue;  // it would stick
+      if (!slip) slip = turn < most_guesses ? goes.normalized() : Vector3((goes.normalized() + node.slip).normalized());
+      turned = std::max(turned, (*slip - node.slip).norm());
+      node.slip = *slip;
     }
     directions_fit_ = turned <= 1e-12;
     if (turned <= 1e-14) return;

@@ -115,6 +115,7 @@ class Island {
   void set_code(std::uint64_t code);
   [[nodiscard]] std::uint64_t braces() const;
   void solve_once();
+  [[nodiscard]] std::optional<Vector3> slip_of(std::size_t node) const;
   // From what is set, one change after another; `changed` are the nodes that did. False: that comes back to where it
   // was.
   bool pivot(double negligible, std::set<std::size_t>& changed);
