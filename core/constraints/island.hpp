@@ -104,6 +104,9 @@ class Island {
   void solve();
   // A node that sticks begins to slip where its friction does not let it go any more, by the forces of solve().
   void begin_slip(std::size_t node);
+  // A node on a surface that holds it slips only where the normal force vanishes. It is let go there, if its gap opens
+  // without the forces of solve() on it; else false.
+  bool let_go(std::size_t node);
   // m/s^2, of a node with the forces of the last solve().
   [[nodiscard]] Vector3 acceleration(std::size_t node) const;
 
@@ -133,6 +136,7 @@ class Island {
   };
   void end_rates(const std::vector<Row>& rows);
   void stop_all(const std::vector<ContactNode>& start);
+  [[nodiscard]] double approach() const;
 
   std::vector<ContactNode> nodes_;
   Eigen::MatrixXd mobility_;

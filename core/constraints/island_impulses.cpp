@@ -12,6 +12,10 @@
 namespace springnet {
 namespace {
 
+// Impulses that depend on each other agree when they change velocities by no more than this, in units of the fastest:
+// where contacts brace each other they come near slowly. What is left ends with what is too slow to be resolved.
+constexpr double nearly = 1e-7;
+
 // A surface that holds what touches it takes it along when its own velocity jumps.
 bool is_taken_along(const ContactSide& side) {
   return side.touches && side.friction.kind == Friction::Kind::held && !side.velocity.isZero(0.0) &&
@@ -69,11 +73,22 @@ bool Island::strike(double rebound, double negligible, int rounds, bool begun) {
       impulse = now;
       push(blow.node, change);
     }
-    agrees = greatest <= 1e-9 * scale;
+    agrees = greatest <= nearly * scale;
     if (greatest <= 1e-15 * scale) break;
   }
-  if (!agrees && rounds == most_rounds) stop_all(start);
+  if (agrees || rounds < most_rounds) return true;
+  const std::vector<ContactNode> found = nodes_;
+  stop_all(start);
+  if (approach() > nearly * scale) nodes_ = found;
   return true;
+}
+
+// m/s, of what comes nearest to its surface fastest.
+double Island::approach() const {
+  double fastest = 0.0;
+  for (const ContactNode& node : nodes_)
+    for (const ContactSide& side : node.sides) fastest = std::max(fastest, -side.normal.dot(side.velocity));
+  return fastest;
 }
 
 // Impulses that stop what approaches with all that friction stops, at once. It takes more energy than any others, where
