@@ -221,7 +221,8 @@ void Island::solve() {
       // Great friction would overshoot, or turn slip round where it throws the mobility's normal part about: the
       // direction then is sought all round.
       std::optional<Vector3> slip;
-      if (against || turn >= most_guesses) slip = slip_of(i);
+      const bool draws = node.normal_force[static_cast<std::size_t>(first - node.sides.begin())] < 0.0;
+      if (against || draws || turn >= most_guesses) slip = slip_of(i);
       if (!slip && against) continue;  // it would stick
       if (!slip) slip = turn < most_guesses ? goes.normalized() : Vector3((goes.normalized() + node.slip).normalized());
       turned = std::max(turned, (*slip - node.slip).norm());
@@ -300,6 +301,16 @@ void Island::begin_slip(std::size_t node) {
   const Vector3 grip = along(free_directions(active_normals(slips)), slips.force);
   slips.sticks = false;
   if (grip.norm() > 0.0) slips.slip = -grip.normalized();
+}
+
+bool Island::let_go(std::size_t node) {
+  ContactNode& held = nodes_[node];
+  if (!can_brace(held) || !held.sides[0].touches) return false;
+  ContactSide& side = held.sides[0];
+  const Vector3 free = acceleration(node) - block(node, node) * held.force;
+  if (side.normal.dot(free) <= side.needed) return false;
+  side.touches = held.braced = false;
+  return true;
 }
 
 struct Island::Violation {
@@ -387,9 +398,12 @@ bool Island::pivot(double negligible, std::set<std::size_t>& changed) {
       case Violation::Kind::pulls:
         if (node.sticks) {
           begin_slip(violation.node);
-          node.sticks = true;
+          // What sank in when it was let go, and is still drawn where it is braced, slides.
+          const bool slides = node.braced && !node.slip.isZero(0.0);
+          node.sticks = !slides;
+          node.braced = false;
+          if (slides) break;
         }
-        node.braced = false;
         node.sides[violation.side].touches = false;
         break;
       case Violation::Kind::shrinks: {

@@ -229,7 +229,7 @@ void Engine::Settling::begin_slips(Island& island) const {
   if (std::none_of(island.nodes().begin(), island.nodes().end(), slips)) return;
   island.solve();
   for (std::size_t i = 0; i < island.nodes().size(); ++i)
-    if (slips(island.nodes()[i])) island.begin_slip(i);
+    if (slips(island.nodes()[i]) && !island.let_go(i)) island.begin_slip(i);
 }
 
 // The contact that was found for a node becomes the node's.
