@@ -79,10 +79,11 @@ class RigidConnections {
   // N s), and from that what they gave the others, which are set.
   void pass_on(std::size_t cluster, const springnet_const_vectors& position, std::vector<Vector3>& impulses) const;
   // Puts positions, then velocities, of a cluster where the constraints allow, weighted with the masses. Nodes that
-  // were just `stopped` by a surface may still move along it.
+  // were just `stopped` by a surface may still move along it; those of `rebounds` begin on their surfaces, where
+  // lengths let them.
   springnet_status project(const Placement& at, std::size_t cluster, const springnet_vectors& position,
                            const springnet_vectors& velocity, springnet_message& message,
-                           const std::vector<std::uint32_t>& stopped = {}) const;
+                           const std::vector<std::uint32_t>& stopped = {}, const Rebounds& rebounds = {}) const;
   // The greatest |rate of length| of a connection at these velocities, m/s.
   [[nodiscard]] double greatest_rate(const springnet_const_vectors& position,
                                      const springnet_const_vectors& velocity) const;

@@ -259,6 +259,7 @@ void Engine::Settling::take(const ContactNode& node) {
       tell(Event::Kind::released, k, side.surface);
       put_vector(state_.view.position, k,
                  contact.onto(*at_, static_cast<std::size_t>(side.surface), vector_at(state_.view.position, k)));
+      rebounds_[k].push_back(side.surface);
     }
   }
   now = after(now, {node.sticks ? ContactCause::Kind::stick : ContactCause::Kind::slip});
@@ -469,7 +470,8 @@ springnet_status Engine::Settling::settle(std::uint32_t node) {
 springnet_status Engine::Settling::finish() {
   if (!struck_ && stopped_.empty()) return SPRINGNET_OK;
   engine_.changed();
-  return engine_.constraints_.project(*at_, state_.view.position, state_.view.velocity, engine_.message_, stopped_);
+  return engine_.constraints_.project(*at_, state_.view.position, state_.view.velocity, engine_.message_, stopped_,
+                                      rebounds_);
 }
 
 }  // namespace springnet

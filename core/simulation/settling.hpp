@@ -76,6 +76,7 @@ class Engine::Settling {
   std::optional<RigidConnections::Unsupported> rods_;
   std::vector<std::uint32_t> contact_nodes_;
   std::vector<std::uint32_t> stopped_;
+  Rebounds rebounds_;
   bool struck_ = false;
 };
 
