@@ -18,6 +18,7 @@ constexpr int most_changes = 200;       // of mind, before all possibilities are
 constexpr std::size_t most_coded = 64;  // bits of a code
 constexpr int most_bits = 12;           // of possibilities that are worth trying
 constexpr int most_directions = 200;    // of a slip that begins
+constexpr double singular = 1e-9;       // of the greatest pivot
 constexpr int most_guesses = 20;        // of those from its last acceleration
 
 std::vector<Vector3> active_normals(const ContactNode& node) {
@@ -35,6 +36,11 @@ Friction at_most(const Friction& friction, double most) {
 // Coulomb's friction would need as much of a normal force as there is of force along it.
 bool can_brace(const ContactNode& node) {
   return node.sticks && node.sides.size() == 1 && coefficient_of(node.sides[0].friction) >= friction_of_held;
+}
+
+// Bodies between surfaces may wedge themselves by friction, however little that is.
+bool can_wedge(const ContactNode& node) {
+  return node.sticks && node.sides.size() == 1 && coefficient_of(node.sides[0].friction) > 0.0;
 }
 
 double slip_friction(const ContactNode& node) {
@@ -58,25 +64,6 @@ SplitReaction split_reaction(const std::vector<Vector3>& normals, const Vector3&
   result.normal.assign(shares.begin(), shares.end());
   result.along = reaction - n * shares;
   return result;
-}
-
-// Hildreth's method: x = matrix^T y with y >= 0, row by row. Quart. Appl. Math. 4 (1957).
-std::optional<Eigen::VectorXd> least_with(const Eigen::VectorXd& base, const Eigen::MatrixXd& matrix) {
-  Eigen::VectorXd x = Eigen::VectorXd::Zero(matrix.cols()), y = Eigen::VectorXd::Zero(matrix.rows());
-  const double negligible = 1e-12 * base.lpNorm<Eigen::Infinity>();
-  for (int round = 0; round < most_rounds; ++round) {
-    double worst = 0.0;
-    for (Eigen::Index r = 0; r < matrix.rows(); ++r) {
-      const double square = matrix.row(r).squaredNorm(), value = base[r] + matrix.row(r).dot(x);
-      worst = std::min(worst, value);
-      if (!(square > 1e-12 * matrix.squaredNorm())) continue;
-      const double change = std::max(-y[r], -value / square);
-      y[r] += change;
-      x += change * matrix.row(r).transpose();
-    }
-    if (worst >= -negligible) return x;
-  }
-  return std::nullopt;
 }
 
 std::vector<Vector3> share_reaction(const std::vector<Vector3>& normals, const std::vector<double>& coefficients,
@@ -139,26 +126,34 @@ void Island::solve_once() {
       matrix(r, c) = row.row.dot(block(row.node, column.node) * column.column);
     }
   }
-  Eigen::VectorXd x =
-      count > 0 ? Eigen::VectorXd(matrix.completeOrthogonalDecomposition().solve(right)) : Eigen::VectorXd();
+  // Forces between nodes that brace each other are not determined: what is left of them beside rounding.
+  Eigen::CompleteOrthogonalDecomposition<Eigen::MatrixXd> factors;
+  factors.setThreshold(singular);
+  Eigen::VectorXd x;
+  if (count > 0) x = factors.compute(matrix).solve(right);
   const bool braced = std::any_of(nodes_.begin(), nodes_.end(), [](const auto& node) { return node.braced; });
   if (braced && count > 0) {
-    std::vector<Eigen::Index> pressed;
+    Eigen::FullPivLU<Eigen::MatrixXd> parts(matrix);
+    const Eigen::MatrixXd kernel = parts.setThreshold(singular).kernel();
+    std::vector<Cone> cones;
+    Eigen::VectorXd base = Eigen::VectorXd::Zero(3 * count);
+    Eigen::MatrixXd more = Eigen::MatrixXd::Zero(3 * count, kernel.cols());
+    Eigen::Index rows = 0;
     for (Eigen::Index r = 0; r < count; ++r) {
       const Unknown& unknown = unknowns[static_cast<std::size_t>(r)];
-      if (unknown.side != no_side && nodes_[unknown.node].sticks) pressed.push_back(r);
+      const ContactNode& node = nodes_[unknown.node];
+      if (unknown.side == no_side || !node.sticks) continue;
+      // Of several surfaces only that none draws. Where one holds, enough for the friction beside it.
+      const double mu = coefficient_of(node.sides[unknown.side].friction);
+      cones.push_back({mu, mu >= friction_of_held ? 2.0 * x.norm() / friction_of_held : 0.0});
+      const bool alone = active_normals(node).size() == 1;
+      for (Eigen::Index k = 0; k < (alone ? 3 : 1); ++k) {
+        base[rows + k] = x[r + k];
+        more.row(rows + k) = kernel.row(r + k);
+      }
+      rows += 3;
     }
-    Eigen::FullPivLU<Eigen::MatrixXd> factors(matrix);
-    const Eigen::MatrixXd kernel = factors.setThreshold(1e-9).kernel();
-    // Enough for the friction beside it.
-    const double least = 2.0 * x.norm() / friction_of_held;
-    Eigen::VectorXd base(static_cast<Eigen::Index>(pressed.size()));
-    Eigen::MatrixXd more(base.size(), kernel.cols());
-    for (Eigen::Index r = 0; r < base.size(); ++r) {
-      base[r] = x[pressed[static_cast<std::size_t>(r)]] - least;
-      more.row(r) = kernel.row(pressed[static_cast<std::size_t>(r)]);
-    }
-    if (const auto stress = least_with(base, more)) x += kernel * *stress;
+    if (const auto stress = least_in_cones(base.head(rows), more.topRows(rows), cones)) x += kernel * *stress;
   }
   for (ContactNode& node : nodes_) {
     node.force.setZero();
@@ -431,7 +426,7 @@ bool Island::try_all(double negligible) {
     for (std::uint64_t tried = 0; tried < (std::uint64_t{1} << bit_count()); ++tried) {
       set_code(tried);
       if (code() != tried) continue;
-      for (ContactNode& node : nodes_) node.braced = braced && can_brace(node);
+      for (ContactNode& node : nodes_) node.braced = braced && can_wedge(node);
       solve();
       if (find_violation(negligible).kind == Violation::Kind::none) return true;
     }

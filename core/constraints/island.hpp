@@ -20,6 +20,7 @@
 
 #include <springnet/network.hpp>
 
+#include "constraints/bracing.hpp"
 #include "constraints/obstacle.hpp"
 
 namespace springnet {
@@ -62,8 +63,6 @@ struct SplitReaction {
 };
 [[nodiscard]] SplitReaction split_reaction(const std::vector<Vector3>& normals, const Vector3& reaction);
 
-// The smallest x with base + matrix x >= 0 in each row; empty where there is none.
-[[nodiscard]] std::optional<Eigen::VectorXd> least_with(const Eigen::VectorXd& base, const Eigen::MatrixXd& matrix);
 // What of R is each surface's, N, with these coefficients of friction: along all of them as their cones are.
 [[nodiscard]] std::vector<Vector3> share_reaction(const std::vector<Vector3>& normals,
                                                   const std::vector<double>& coefficients, const Vector3& reaction);

@@ -149,8 +149,11 @@ springnet_status Engine::contact_event(const EventSource& source, ReactionsAt& r
       break;
   }
   if (source.kind == Kind::release && contact_.braced(k)) return acceleration_let_go(source, reactions, value);
+  // Whether a node that only bracing would press stays is decided when that begins.
   Vector3 reaction;
-  if (const springnet_status status = reactions.of(k, reaction); status != SPRINGNET_OK) return status;
+  const springnet_status status =
+      source.kind == Kind::release ? reactions.unbraced(k, reaction) : reactions.of(k, reaction);
+  if (status != SPRINGNET_OK) return status;
   const Touch& touch = contact_.committed(k);
   const SplitReaction split = split_reaction(contact_.normals(at, k, p), reaction);
   double bears = 0.0;
