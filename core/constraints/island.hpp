@@ -82,6 +82,8 @@ class Island {
   // sought from those that the nodes have.
   static constexpr int most_rounds = 10'000;
   bool strike(double rebound, double negligible = 0.0, int rounds = most_rounds, bool begun = false);
+  // m/s, of what comes nearest to its surface fastest.
+  [[nodiscard]] double approach() const;
   // Impulses that end what is left of the slip of nodes that rest; gaps whose rates are no more than `negligible` (m/s)
   // stay as they are. Returns whether there was one.
   bool stop(double negligible);
@@ -134,8 +136,7 @@ class Island {
     Vector3 direction;  // unit
   };
   void end_rates(const std::vector<Row>& rows);
-  void stop_all(const std::vector<ContactNode>& start);
-  [[nodiscard]] double approach() const;
+  void stop_all(const std::vector<ContactNode>& start, double negligible);
 
   std::vector<ContactNode> nodes_;
   Eigen::MatrixXd mobility_;

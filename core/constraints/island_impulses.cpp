@@ -77,13 +77,10 @@ bool Island::strike(double rebound, double negligible, int rounds, bool begun) {
     if (greatest <= 1e-15 * scale) break;
   }
   if (agrees || rounds < most_rounds) return true;
-  const std::vector<ContactNode> found = nodes_;
-  stop_all(start);
-  if (approach() > nearly * scale) nodes_ = found;
+  stop_all(start, nearly * scale);
   return true;
 }
 
-// m/s, of what comes nearest to its surface fastest.
 double Island::approach() const {
   double fastest = 0.0;
   for (const ContactNode& node : nodes_)
@@ -93,8 +90,9 @@ double Island::approach() const {
 
 // Impulses that stop what approaches with all that friction stops, at once. It takes more energy than any others, where
 // none were found that each contact agrees to.
-void Island::stop_all(const std::vector<ContactNode>& start) {
+void Island::stop_all(const std::vector<ContactNode>& start, double negligible) {
   std::vector<std::uint8_t> in(nodes_.size(), 1);
+  std::vector<ContactNode> before;
   for (bool again = true; again;) {
     again = false;
     std::vector<Row> rows;
@@ -108,6 +106,12 @@ void Island::stop_all(const std::vector<ContactNode>& start) {
     }
     nodes_ = start;
     end_rates(rows);
+    // Unless it went into it.
+    if (!before.empty() && approach() > negligible) {
+      nodes_ = before;
+      return;
+    }
+    before = nodes_;
     // What would have to be drawn to its surface moves off.
     for (std::size_t i = 0; i < nodes_.size(); ++i) {
       double presses = 0.0, size = 0.0;
@@ -154,7 +158,9 @@ void Island::end_rates(const std::vector<Row>& rows) {
       matrix(r, c) = row.direction.dot(block(row.node, column.node) * column.direction);
     }
   }
-  const Eigen::VectorXd impulses = matrix.completeOrthogonalDecomposition().solve(-rates);
+  Eigen::CompleteOrthogonalDecomposition<Eigen::MatrixXd> factors;
+  factors.setThreshold(1e-11);  // contacts that brace each other leave no more than rounding
+  const Eigen::VectorXd impulses = factors.compute(matrix).solve(-rates);
   for (Eigen::Index r = 0; r < count; ++r) {
     const Row& row = rows[static_cast<std::size_t>(r)];
     nodes_[row.node].impulse[row.side] += impulses[r] * row.direction;

@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <set>
 #include <utility>
 
 #include "constraints/friction.hpp"
@@ -29,6 +30,7 @@ constexpr double grazing = 1e-4;
 // A force this small, in units of the force scale, is rounding: a node was just released by it, say.
 constexpr double least_force = 1e-9;
 constexpr int most_jams = 20;
+constexpr double caught = 0.01;  // of the speed with which a body was approached
 // So many touches of a node, each within this part of the time in which it goes a typical length, are a body that rocks
 // on its contacts ever faster; what is slower than this, in units of the velocity scale, then ends.
 constexpr int many_touches = 8;
@@ -422,7 +424,15 @@ springnet_status Engine::Settling::settle(std::uint32_t node) {
   for (const ContactNode& each : nodes) contact_nodes_.push_back(each.node);
   Island island(std::move(nodes), rods_ ? rods_->mobility(contact_nodes_)
                                         : Eigen::MatrixXd(Eigen::MatrixXd::Identity(3, 3) / engine_.mass_[node]));
+  const double approached = island.approach();
   bool struck = island.strike(rebound_of(island), no_speed_);
+  // No impulses end the approach of surfaces between which a body is caught.
+  if (island.approach() > std::max(caught * approached, jump * engine_.info_.velocity_scale)) {
+    std::set<std::size_t> surfaces;
+    for (const ContactNode& each : island.nodes())
+      for (const ContactSide& side : each.sides) surfaces.insert(static_cast<std::size_t>(side.surface));
+    return engine_.no_place(node, surfaces, time_);
+  }
   stop_held(island);
   struck = island.stop(no_speed_) || struck;
   std::vector<std::vector<Vector3>> blows;  // N s, [node of the island][side]
