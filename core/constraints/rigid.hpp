@@ -40,9 +40,10 @@ class RigidConnections {
   springnet_status constrain(const Placement& end, std::size_t cluster, const springnet_sweep& sweep,
                              springnet_message& message) const;
   // Takes out of the accelerations of a cluster's nodes what the constraints do not allow. `force` ([rod] N, null: not
-  // wanted) are its connections' tensions.
+  // wanted) are its connections' tensions. No surface holds `without`, as if it had been let go.
   void accelerate(const Placement& at, std::size_t cluster, const springnet_const_vectors& position,
-                  const springnet_const_vectors& velocity, const springnet_vectors& acceleration, double* force) const;
+                  const springnet_const_vectors& velocity, const springnet_vectors& acceleration, double* force,
+                  std::uint32_t without = ConstraintRow::no_node) const;
   // What the nodes of a cluster do at a state if no surface acted, but connections and fixation did.
   class Unsupported {
    public:

@@ -85,16 +85,12 @@ const std::vector<Engine::EventSource>& Engine::event_sources() {
 }
 
 // A node that is braced leaves when its gap would open if its surface did not hold it, m/s^2.
-springnet_status Engine::acceleration_let_go(const EventSource& source, const ReactionsAt& at, double& value) {
+springnet_status Engine::acceleration_let_go(const EventSource& source, const ReactionsAt& at, double& value) const {
   const std::uint32_t k = source.index;
-  const Touch touch = contact_.committed(k);
-  contact_.touch(k, {}, Vector3::Zero());
   ReactionsAt without(at);
-  without.forget();
+  without.leave_out(k);
   Vector3 a;
   const springnet_status status = without.acceleration(k, a);
-  contact_.touch(k, touch, Vector3::Zero());
-  contact_.set_braced(k, true);
   const Placement& placement = at.placement();
   const Vector3 p = at.position(k);
   value = contact_.normal(placement, source.surface, p).dot(a - Contact::acceleration(placement, source.surface, p));

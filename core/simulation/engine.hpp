@@ -162,7 +162,7 @@ class Engine {
   // they are, strike them, or take them along.
   springnet_status follow_jumps(double from);
   [[nodiscard]] double coefficient(std::uint32_t node, std::size_t surface) const;
-  springnet_status acceleration_let_go(const EventSource& release, const ReactionsAt& at, double& value);
+  springnet_status acceleration_let_go(const EventSource& release, const ReactionsAt& at, double& value) const;
   [[nodiscard]] double beyond_cone(const EventSource& slip);  // N
   // The value of an event of a contact.
   springnet_status contact_event(const EventSource& source, ReactionsAt& reactions, double& value);

@@ -107,10 +107,10 @@ springnet_status Engine::ReactionsAt::know(std::uint32_t cluster) {
     if (const springnet_status status = free_acceleration(k, a); status != SPRINGNET_OK) return status;
     put_vector(free, k, a);
     double* const values[3] = {&a[0], &a[1], &a[2]};
-    engine_.constraints_.accelerate(*placement_, k, 1, position_, velocity_, values);
+    if (k != without_) engine_.constraints_.accelerate(*placement_, k, 1, position_, velocity_, values);
     put_vector(bound, k, a);
   }
-  engine_.rigid_.accelerate(*placement_, cluster, position_, velocity_, bound, tension_.data());
+  engine_.rigid_.accelerate(*placement_, cluster, position_, velocity_, bound, tension_.data(), without_);
   cluster_known_[cluster] = 1;
   brace(cluster);
   return SPRINGNET_OK;
@@ -121,9 +121,11 @@ springnet_status Engine::ReactionsAt::know(std::uint32_t cluster) {
 void Engine::ReactionsAt::brace(std::uint32_t cluster) {
   const Contact& contact = engine_.contact_;
   const std::vector<std::uint32_t>& nodes = engine_.rigid_.nodes_of(cluster);
-  const auto sticks = [&](std::uint32_t k) { return contact.fixed()[k] == 0 && contact.held()[k] != 0; };
-  if (contact.surfaces().empty() || std::none_of(nodes.begin(), nodes.end(), [&](auto k) { return contact.braced(k); }))
-    return;
+  const auto sticks = [&](std::uint32_t k) {
+    return k != without_ && contact.fixed()[k] == 0 && contact.held()[k] != 0;
+  };
+  const auto braced = [&](std::uint32_t k) { return k != without_ && contact.braced(k); };
+  if (contact.surfaces().empty() || std::none_of(nodes.begin(), nodes.end(), braced)) return;
   std::vector<std::size_t> rods;
   for (std::size_t r = 0; r < tension_.size(); ++r) {
     const RigidConnections::Rod& rod = engine_.rigid_.rods()[r];

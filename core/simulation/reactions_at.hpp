@@ -26,8 +26,9 @@ class Engine::ReactionsAt {
   springnet_status bound(std::uint32_t node, Vector3& acceleration);
   // What it would do if no surface acted, nor rigid connections.
   springnet_status unsupported(std::uint32_t node, Vector3& acceleration);
-  // What holds nodes has changed.
-  void forget() {
+  // From now on as if this node had been let go, which it has not.
+  void leave_out(std::uint32_t node) {
+    without_ = node;
     std::fill(cluster_known_.begin(), cluster_known_.end(), std::uint8_t{0});
     bracing_.clear();
   }
@@ -58,6 +59,7 @@ class Engine::ReactionsAt {
   layers::ExternalForces external_;
   std::shared_ptr<const Placement> placement_;
   layers::SurfaceVolumes volumes_;
+  std::uint32_t without_ = ConstraintRow::no_node;
   std::vector<std::uint8_t> cluster_known_;
   std::vector<double> free_, bound_;  // [3 node] m/s^2
   std::vector<double> tension_;       // [rod] N
