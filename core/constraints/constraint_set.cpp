@@ -65,9 +65,9 @@ void ConstraintSet::correct(const Placement& at, const springnet_const_vectors& 
 
 springnet_status ConstraintSet::project(const Placement& at, const springnet_vectors& position,
                                         const springnet_vectors& velocity, springnet_message& message,
-                                        const std::vector<std::uint32_t>& stopped) const {
+                                        const std::vector<std::uint32_t>& stopped, const Rebounds& rebounds) const {
   for (std::size_t c = 0; c < rigid_.cluster_count(); ++c) {
-    const springnet_status status = rigid_.project(at, c, position, velocity, message, stopped);
+    const springnet_status status = rigid_.project(at, c, position, velocity, message, stopped, rebounds);
     if (status != SPRINGNET_OK) return status;
   }
   for (std::uint32_t k = 0; !contact_.surfaces().empty() && k < mass_.size(); ++k)

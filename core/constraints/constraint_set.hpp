@@ -36,10 +36,11 @@ class ConstraintSet {
   void correct(const Placement& at, const springnet_const_vectors& start, const springnet_vectors& position,
                const springnet_vectors& velocity) const;
   // Puts positions, then velocities, of all other nodes where connections and surfaces allow, weighted with the masses.
-  // Nodes that were just `stopped` by a surface may still move along it. SPRINGNET_RECOVERABLE and a message if lengths
-  // cannot be kept.
+  // Nodes that were just `stopped` by a surface may still move along it; those of `rebounds` begin on their surfaces,
+  // where lengths let them. SPRINGNET_RECOVERABLE and a message if lengths cannot be kept.
   springnet_status project(const Placement& at, const springnet_vectors& position, const springnet_vectors& velocity,
-                           springnet_message& message, const std::vector<std::uint32_t>& stopped = {}) const;
+                           springnet_message& message, const std::vector<std::uint32_t>& stopped = {},
+                           const Rebounds& rebounds = {}) const;
 
   // ---- accelerations and forces ----
   // Takes out of accelerations (m/s^2, arrays from node `first`) of nodes [first, first + count) what fixation and

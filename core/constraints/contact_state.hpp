@@ -3,6 +3,8 @@
 
 #include <array>
 #include <cstdint>
+#include <map>
+#include <vector>
 
 namespace springnet {
 
@@ -39,5 +41,8 @@ struct ContactCause {
 // The contact that follows. A surface touched a second time, left without having been touched, a fourth surface, slip
 // and stick of a free node change nothing. Who leaves one of several surfaces goes on with the others as it did.
 [[nodiscard]] Touch after(const Touch& before, const ContactCause& cause) noexcept;
+
+// Nodes that rebound, and the surfaces from which they do.
+using Rebounds = std::map<std::uint32_t, std::vector<std::int32_t>>;
 
 }  // namespace springnet

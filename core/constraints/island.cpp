@@ -18,6 +18,8 @@ constexpr int most_changes = 200;       // of mind, before all possibilities are
 constexpr std::size_t most_coded = 64;  // bits of a code
 constexpr int most_bits = 12;           // of possibilities that are worth trying
 constexpr int most_directions = 200;    // of a slip that begins
+constexpr double singular = 1e-9;       // of the greatest pivot
+constexpr int most_guesses = 20;        // of those from its last acceleration
 
 std::vector<Vector3> active_normals(const ContactNode& node) {
   std::vector<Vector3> normals;
@@ -34,6 +36,11 @@ Friction at_most(const Friction& friction, double most) {
 // Coulomb's friction would need as much of a normal force as there is of force along it.
 bool can_brace(const ContactNode& node) {
   return node.sticks && node.sides.size() == 1 && coefficient_of(node.sides[0].friction) >= friction_of_held;
+}
+
+// Bodies between surfaces may wedge themselves by friction, however little that is.
+bool can_wedge(const ContactNode& node) {
+  return node.sticks && node.sides.size() == 1 && coefficient_of(node.sides[0].friction) > 0.0;
 }
 
 double slip_friction(const ContactNode& node) {
@@ -57,25 +64,6 @@ SplitReaction split_reaction(const std::vector<Vector3>& normals, const Vector3&
   result.normal.assign(shares.begin(), shares.end());
   result.along = reaction - n * shares;
   return result;
-}
-
-// Hildreth's method: x = matrix^T y with y >= 0, row by row. Quart. Appl. Math. 4 (1957).
-std::optional<Eigen::VectorXd> least_with(const Eigen::VectorXd& base, const Eigen::MatrixXd& matrix) {
-  Eigen::VectorXd x = Eigen::VectorXd::Zero(matrix.cols()), y = Eigen::VectorXd::Zero(matrix.rows());
-  const double negligible = 1e-12 * base.lpNorm<Eigen::Infinity>();
-  for (int round = 0; round < most_rounds; ++round) {
-    double worst = 0.0;
-    for (Eigen::Index r = 0; r < matrix.rows(); ++r) {
-      const double square = matrix.row(r).squaredNorm(), value = base[r] + matrix.row(r).dot(x);
-      worst = std::min(worst, value);
-      if (!(square > 1e-12 * matrix.squaredNorm())) continue;
-      const double change = std::max(-y[r], -value / square);
-      y[r] += change;
-      x += change * matrix.row(r).transpose();
-    }
-    if (worst >= -negligible) return x;
-  }
-  return std::nullopt;
 }
 
 std::vector<Vector3> share_reaction(const std::vector<Vector3>& normals, const std::vector<double>& coefficients,
@@ -138,26 +126,34 @@ void Island::solve_once() {
       matrix(r, c) = row.row.dot(block(row.node, column.node) * column.column);
     }
   }
-  Eigen::VectorXd x =
-      count > 0 ? Eigen::VectorXd(matrix.completeOrthogonalDecomposition().solve(right)) : Eigen::VectorXd();
+  // Forces between nodes that brace each other are not determined: what is left of them beside rounding.
+  Eigen::CompleteOrthogonalDecomposition<Eigen::MatrixXd> factors;
+  factors.setThreshold(singular);
+  Eigen::VectorXd x;
+  if (count > 0) x = factors.compute(matrix).solve(right);
   const bool braced = std::any_of(nodes_.begin(), nodes_.end(), [](const auto& node) { return node.braced; });
   if (braced && count > 0) {
-    std::vector<Eigen::Index> pressed;
+    Eigen::FullPivLU<Eigen::MatrixXd> parts(matrix);
+    const Eigen::MatrixXd kernel = parts.setThreshold(singular).kernel();
+    std::vector<Cone> cones;
+    Eigen::VectorXd base = Eigen::VectorXd::Zero(3 * count);
+    Eigen::MatrixXd more = Eigen::MatrixXd::Zero(3 * count, kernel.cols());
+    Eigen::Index rows = 0;
     for (Eigen::Index r = 0; r < count; ++r) {
       const Unknown& unknown = unknowns[static_cast<std::size_t>(r)];
-      if (unknown.side != no_side && nodes_[unknown.node].sticks) pressed.push_back(r);
+      const ContactNode& node = nodes_[unknown.node];
+      if (unknown.side == no_side || !node.sticks) continue;
+      // Of several surfaces only that none draws. Where one holds, enough for the friction beside it.
+      const double mu = coefficient_of(node.sides[unknown.side].friction);
+      cones.push_back({mu, mu >= friction_of_held ? 2.0 * x.norm() / friction_of_held : 0.0});
+      const bool alone = active_normals(node).size() == 1;
+      for (Eigen::Index k = 0; k < (alone ? 3 : 1); ++k) {
+        base[rows + k] = x[r + k];
+        more.row(rows + k) = kernel.row(r + k);
+      }
+      rows += 3;
     }
-    Eigen::FullPivLU<Eigen::MatrixXd> factors(matrix);
-    const Eigen::MatrixXd kernel = factors.setThreshold(1e-9).kernel();
-    // Enough for the friction beside it.
-    const double least = 2.0 * x.norm() / friction_of_held;
-    Eigen::VectorXd base(static_cast<Eigen::Index>(pressed.size()));
-    Eigen::MatrixXd more(base.size(), kernel.cols());
-    for (Eigen::Index r = 0; r < base.size(); ++r) {
-      base[r] = x[pressed[static_cast<std::size_t>(r)]] - least;
-      more.row(r) = kernel.row(pressed[static_cast<std::size_t>(r)]);
-    }
-    if (const auto stress = least_with(base, more)) x += kernel * *stress;
+    if (const auto stress = least_in_cones(base.head(rows), more.topRows(rows), cones)) x += kernel * *stress;
   }
   for (ContactNode& node : nodes_) {
     node.force.setZero();
@@ -177,6 +173,28 @@ Vector3 Island::acceleration(std::size_t node) const {
   return sum;
 }
 
+// Where a node begins to slip on the one surface that it touches, if the forces of all other nodes are as they are;
+// empty where it does not.
+std::optional<Vector3> Island::slip_of(std::size_t i) const {
+  const ContactNode& node = nodes_[i];
+  const ContactSide* touched = nullptr;
+  for (const ContactSide& side : node.sides) {
+    if (!side.touches) continue;
+    if (touched != nullptr) return std::nullopt;
+    touched = &side;
+  }
+  if (touched == nullptr) return std::nullopt;
+  const Vector3& n = touched->normal;
+  const Matrix3 mobility = block(i, i);
+  const Vector3 other = acceleration(i) - mobility * node.force;
+  Vector3 relative = other - touched->surface_acceleration;
+  relative += n * (n.dot(other) - touched->needed - n.dot(relative));
+  const ContactAnswer answer = answer_contact(mobility, relative, n, at_most(touched->friction, friction_of_held));
+  const Vector3 goes = answer.velocity - n * n.dot(answer.velocity);
+  if (answer.sticks || !(answer.normal > 0.0) || goes.isZero(0.0)) return std::nullopt;
+  return goes.normalized();
+}
+
 // A slip that begins goes where its acceleration goes, which friction against it turns where the effective mass has
 // directions of its own.
 void Island::solve() {
@@ -191,14 +209,19 @@ void Island::solve() {
       const auto first = std::find_if(node.sides.begin(), node.sides.end(), [](const auto& s) { return s.touches; });
       if (first == node.sides.end()) continue;
       const Vector3 goes = along(free_directions(active_normals(node)), acceleration(i) - first->surface_acceleration);
-      // Too little to have a direction of its own, at the edge of the cone, or against what was assumed: it would
-      // stick.
+      const bool against = goes.dot(node.slip) < 0.0;
+      // Too little to have a direction of its own, at the edge of the cone.
       const double scale = (acceleration(i) - nodes_[i].acceleration).norm();
-      if (goes.norm() <= 1e-6 * scale || goes.dot(node.slip) < 0.0) continue;
-      const Vector3 slip = goes.normalized();
-      turned = std::max(turned, (slip - node.slip).norm());
-      // Half the way, because great friction would overshoot.
-      node.slip = turn < 20 ? slip : Vector3((slip + node.slip).normalized());
+      if (goes.norm() <= 1e-6 * scale && !against) continue;
+      // Great friction would overshoot, or turn slip round where it throws the mobility's normal part about: the
+      // direction then is sought all round.
+      std::optional<Vector3> slip;
+      const bool draws = node.normal_force[static_cast<std::size_t>(first - node.sides.begin())] < 0.0;
+      if (against || draws || turn >= most_guesses) slip = slip_of(i);
+      if (!slip && against) continue;  // it would stick
+      if (!slip) slip = turn < most_guesses ? goes.normalized() : Vector3((goes.normalized() + node.slip).normalized());
+      turned = std::max(turned, (*slip - node.slip).norm());
+      node.slip = *slip;
     }
     directions_fit_ = turned <= 1e-12;
     if (turned <= 1e-14) return;
@@ -273,6 +296,16 @@ void Island::begin_slip(std::size_t node) {
   const Vector3 grip = along(free_directions(active_normals(slips)), slips.force);
   slips.sticks = false;
   if (grip.norm() > 0.0) slips.slip = -grip.normalized();
+}
+
+bool Island::let_go(std::size_t node) {
+  ContactNode& held = nodes_[node];
+  if (!can_brace(held) || !held.sides[0].touches) return false;
+  ContactSide& side = held.sides[0];
+  const Vector3 free = acceleration(node) - block(node, node) * held.force;
+  if (side.normal.dot(free) <= side.needed) return false;
+  side.touches = held.braced = false;
+  return true;
 }
 
 struct Island::Violation {
@@ -360,9 +393,12 @@ bool Island::pivot(double negligible, std::set<std::size_t>& changed) {
       case Violation::Kind::pulls:
         if (node.sticks) {
           begin_slip(violation.node);
-          node.sticks = true;
+          // What sank in when it was let go, and is still drawn where it is braced, slides.
+          const bool slides = node.braced && !node.slip.isZero(0.0);
+          node.sticks = !slides;
+          node.braced = false;
+          if (slides) break;
         }
-        node.braced = false;
         node.sides[violation.side].touches = false;
         break;
       case Violation::Kind::shrinks: {
@@ -390,7 +426,7 @@ bool Island::try_all(double negligible) {
     for (std::uint64_t tried = 0; tried < (std::uint64_t{1} << bit_count()); ++tried) {
       set_code(tried);
       if (code() != tried) continue;
-      for (ContactNode& node : nodes_) node.braced = braced && can_brace(node);
+      for (ContactNode& node : nodes_) node.braced = braced && can_wedge(node);
       solve();
       if (find_violation(negligible).kind == Violation::Kind::none) return true;
     }

@@ -20,6 +20,7 @@
 
 #include <springnet/network.hpp>
 
+#include "constraints/bracing.hpp"
 #include "constraints/obstacle.hpp"
 
 namespace springnet {
@@ -62,8 +63,6 @@ struct SplitReaction {
 };
 [[nodiscard]] SplitReaction split_reaction(const std::vector<Vector3>& normals, const Vector3& reaction);
 
-// The smallest x with base + matrix x >= 0 in each row; empty where there is none.
-[[nodiscard]] std::optional<Eigen::VectorXd> least_with(const Eigen::VectorXd& base, const Eigen::MatrixXd& matrix);
 // What of R is each surface's, N, with these coefficients of friction: along all of them as their cones are.
 [[nodiscard]] std::vector<Vector3> share_reaction(const std::vector<Vector3>& normals,
                                                   const std::vector<double>& coefficients, const Vector3& reaction);
@@ -83,6 +82,8 @@ class Island {
   // sought from those that the nodes have.
   static constexpr int most_rounds = 10'000;
   bool strike(double rebound, double negligible = 0.0, int rounds = most_rounds, bool begun = false);
+  // m/s, of what comes nearest to its surface fastest.
+  [[nodiscard]] double approach() const;
   // Impulses that end what is left of the slip of nodes that rest; gaps whose rates are no more than `negligible` (m/s)
   // stay as they are. Returns whether there was one.
   bool stop(double negligible);
@@ -104,6 +105,9 @@ class Island {
   void solve();
   // A node that sticks begins to slip where its friction does not let it go any more, by the forces of solve().
   void begin_slip(std::size_t node);
+  // A node on a surface that holds it slips only where the normal force vanishes. It is let go there, if its gap opens
+  // without the forces of solve() on it; else false.
+  bool let_go(std::size_t node);
   // m/s^2, of a node with the forces of the last solve().
   [[nodiscard]] Vector3 acceleration(std::size_t node) const;
 
@@ -115,6 +119,7 @@ class Island {
   void set_code(std::uint64_t code);
   [[nodiscard]] std::uint64_t braces() const;
   void solve_once();
+  [[nodiscard]] std::optional<Vector3> slip_of(std::size_t node) const;
   // From what is set, one change after another; `changed` are the nodes that did. False: that comes back to where it
   // was.
   bool pivot(double negligible, std::set<std::size_t>& changed);
@@ -131,7 +136,7 @@ class Island {
     Vector3 direction;  // unit
   };
   void end_rates(const std::vector<Row>& rows);
-  void stop_all(const std::vector<ContactNode>& start);
+  void stop_all(const std::vector<ContactNode>& start, double negligible);
 
   std::vector<ContactNode> nodes_;
   Eigen::MatrixXd mobility_;

@@ -12,6 +12,10 @@
 namespace springnet {
 namespace {
 
+// Impulses that depend on each other agree when they change velocities by no more than this, in units of the fastest:
+// where contacts brace each other they come near slowly. What is left ends with what is too slow to be resolved.
+constexpr double nearly = 1e-7;
+
 // A surface that holds what touches it takes it along when its own velocity jumps.
 bool is_taken_along(const ContactSide& side) {
   return side.touches && side.friction.kind == Friction::Kind::held && !side.velocity.isZero(0.0) &&
@@ -69,17 +73,26 @@ bool Island::strike(double rebound, double negligible, int rounds, bool begun) {
       impulse = now;
       push(blow.node, change);
     }
-    agrees = greatest <= 1e-9 * scale;
+    agrees = greatest <= nearly * scale;
     if (greatest <= 1e-15 * scale) break;
   }
-  if (!agrees && rounds == most_rounds) stop_all(start);
+  if (agrees || rounds < most_rounds) return true;
+  stop_all(start, nearly * scale);
   return true;
+}
+
+double Island::approach() const {
+  double fastest = 0.0;
+  for (const ContactNode& node : nodes_)
+    for (const ContactSide& side : node.sides) fastest = std::max(fastest, -side.normal.dot(side.velocity));
+  return fastest;
 }
 
 // Impulses that stop what approaches with all that friction stops, at once. It takes more energy than any others, where
 // none were found that each contact agrees to.
-void Island::stop_all(const std::vector<ContactNode>& start) {
+void Island::stop_all(const std::vector<ContactNode>& start, double negligible) {
   std::vector<std::uint8_t> in(nodes_.size(), 1);
+  std::vector<ContactNode> before;
   for (bool again = true; again;) {
     again = false;
     std::vector<Row> rows;
@@ -93,6 +106,12 @@ void Island::stop_all(const std::vector<ContactNode>& start) {
     }
     nodes_ = start;
     end_rates(rows);
+    // Unless it went into it.
+    if (!before.empty() && approach() > negligible) {
+      nodes_ = before;
+      return;
+    }
+    before = nodes_;
     // What would have to be drawn to its surface moves off.
     for (std::size_t i = 0; i < nodes_.size(); ++i) {
       double presses = 0.0, size = 0.0;
@@ -139,7 +158,9 @@ void Island::end_rates(const std::vector<Row>& rows) {
       matrix(r, c) = row.direction.dot(block(row.node, column.node) * column.direction);
     }
   }
-  const Eigen::VectorXd impulses = matrix.completeOrthogonalDecomposition().solve(-rates);
+  Eigen::CompleteOrthogonalDecomposition<Eigen::MatrixXd> factors;
+  factors.setThreshold(1e-11);  // contacts that brace each other leave no more than rounding
+  const Eigen::VectorXd impulses = factors.compute(matrix).solve(-rates);
   for (Eigen::Index r = 0; r < count; ++r) {
     const Row& row = rows[static_cast<std::size_t>(r)];
     nodes_[row.node].impulse[row.side] += impulses[r] * row.direction;
@@ -150,23 +171,34 @@ void Island::end_rates(const std::vector<Row>& rows) {
 void Island::calm(double slow) {
   for (int round = 0; round < most_rounds; ++round) {
     double greatest = 0.0;
+    const auto give = [&](std::size_t i, std::size_t s, const Vector3& impulse, double speed) {
+      nodes_[i].impulse[s] += impulse;
+      push(i, impulse);
+      greatest = std::max(greatest, speed);
+    };
     for (std::size_t i = 0; i < nodes_.size(); ++i) {
       for (std::size_t s = 0; s < nodes_[i].sides.size(); ++s) {
         const ContactSide& side = nodes_[i].sides[s];
         const double rate = side.normal.dot(side.velocity), answers = side.normal.dot(block(i, i) * side.normal);
         if (rate == 0.0 || std::abs(rate) > slow || !(answers > 0.0)) continue;
-        const Vector3 impulse = -rate / answers * side.normal;
-        nodes_[i].impulse[s] += impulse;
-        push(i, impulse);
-        greatest = std::max(greatest, std::abs(rate));
+        give(i, s, -rate / answers * side.normal, std::abs(rate));
       }
+      if (nodes_[i].sides.empty()) continue;
+      // Friction ends slip that is as slow.
+      const ContactSide& first = nodes_[i].sides.front();
+      const double speed = first.velocity.norm();
+      if (coefficient_of(first.friction) == 0.0 || speed == 0.0 || speed > slow) continue;
+      give(i, 0, -block(i, i).completeOrthogonalDecomposition().solve(first.velocity), speed);
     }
     if (greatest <= 1e-12 * slow) break;
   }
-  for (ContactNode& node : nodes_)
-    for (ContactSide& side : node.sides)
+  for (ContactNode& node : nodes_) {
+    for (ContactSide& side : node.sides) {
       if (const double rate = side.normal.dot(side.velocity); std::abs(rate) <= 1e-9 * slow)
         side.velocity -= rate * side.normal;
+      if (coefficient_of(side.friction) > 0.0 && side.velocity.norm() <= 1e-9 * slow) side.velocity.setZero();
+    }
+  }
 }
 
 bool Island::jam(double negligible) {

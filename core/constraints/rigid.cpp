@@ -143,7 +143,7 @@ springnet_status RigidConnections::cannot_keep(const Cluster& cluster, springnet
 
 void RigidConnections::accelerate(const Placement& at, std::size_t number, const springnet_const_vectors& position,
                                   const springnet_const_vectors& velocity, const springnet_vectors& acceleration,
-                                  double* force) const {
+                                  double* force, std::uint32_t without) const {
   const Cluster& cluster = clusters_[number];
   const std::size_t count = cluster.nodes.size();
   std::vector<Vector3> p(count), free(count), a(count);
@@ -152,10 +152,12 @@ void RigidConnections::accelerate(const Placement& at, std::size_t number, const
     const std::uint32_t k = cluster.nodes[i];
     p[i] = vector_at(position, k);
     free[i] = vector_at(acceleration, k);
-    touches[i] = contact_.now(k);
+    if (k != without) touches[i] = contact_.now(k);
   }
   ConstraintSystem system;
-  system.set(rows_of(at, cluster, touches, p), [this](std::uint32_t node) { return mobility(node); });
+  system.set(rows_of(at, cluster, touches, p), [&](std::uint32_t node) {
+    return node == without ? Matrix3(Matrix3::Identity() / mass_[node]) : Matrix3(mobility(node));
+  });
   const std::vector<ConstraintRow>& rows = system.rows();
   const std::size_t rods = cluster.rods.size();
   // d^2 g / dt^2 = G a + turning; for a rod of length l: (|dv|^2 - (n dv)^2) / l.
@@ -278,7 +280,7 @@ void RigidConnections::pass_on(std::size_t cluster, const springnet_const_vector
 
 springnet_status RigidConnections::project(const Placement& at, std::size_t number, const springnet_vectors& position,
                                            const springnet_vectors& velocity, springnet_message& message,
-                                           const std::vector<std::uint32_t>& stopped) const {
+                                           const std::vector<std::uint32_t>& stopped, const Rebounds& rebounds) const {
   const Cluster& cluster = clusters_[number];
   const std::size_t count = cluster.nodes.size();
   std::vector<Vector3> p(count);
@@ -293,7 +295,19 @@ springnet_status RigidConnections::project(const Placement& at, std::size_t numb
     sliding[i].slides = true;
     movable[i] = 1;
   }
-  if (!correct_positions(at, cluster, sliding, p, movable)) return cannot_keep(cluster, message);
+  // Rebounds begin on their surfaces where lengths let them.
+  std::vector<Touch> rebounding = sliding;
+  for (std::size_t i = 0; i < count; ++i) {
+    const auto found = rebounds.find(cluster.nodes[i]);
+    if (found == rebounds.end() || movable[i] == 0) continue;
+    for (const std::int32_t surface : found->second)
+      rebounding[i] = after(rebounding[i], {ContactCause::Kind::touch, surface});
+  }
+  const std::vector<Vector3> before = p;
+  if (rebounding == sliding || !correct_positions(at, cluster, rebounding, p, movable)) {
+    p = before;
+    if (!correct_positions(at, cluster, sliding, p, movable)) return cannot_keep(cluster, message);
+  }
   for (std::size_t i = 0; i < count; ++i) put_vector(position, cluster.nodes[i], p[i]);
   ConstraintSystem system;
   system.set(rows_of(at, cluster, touches, p), [this](std::uint32_t node) { return mobility(node); });

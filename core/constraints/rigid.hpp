@@ -41,9 +41,10 @@ class RigidConnections {
   springnet_status constrain(const Placement& end, std::size_t cluster, const springnet_sweep& sweep,
                              springnet_message& message) const;
   // Takes out of the accelerations of a cluster's nodes what the constraints do not allow. `force` ([rod] N, null: not
-  // wanted) are its connections' tensions.
+  // wanted) are its connections' tensions. No surface holds `without`, as if it had been let go.
   void accelerate(const Placement& at, std::size_t cluster, const springnet_const_vectors& position,
-                  const springnet_const_vectors& velocity, const springnet_vectors& acceleration, double* force) const;
+                  const springnet_const_vectors& velocity, const springnet_vectors& acceleration, double* force,
+                  std::uint32_t without = ConstraintRow::no_node) const;
   // What the nodes of a cluster do at a state if no surface acted, but connections and fixation did.
   class Unsupported {
    public:
@@ -90,10 +91,11 @@ class RigidConnections {
   // N s), and from that what they gave the others, which are set.
   void pass_on(std::size_t cluster, const springnet_const_vectors& position, std::vector<Vector3>& impulses) const;
   // Puts positions, then velocities, of a cluster where the constraints allow, weighted with the masses. Nodes that
-  // were just `stopped` by a surface may still move along it.
+  // were just `stopped` by a surface may still move along it; those of `rebounds` begin on their surfaces, where
+  // lengths let them.
   springnet_status project(const Placement& at, std::size_t cluster, const springnet_vectors& position,
                            const springnet_vectors& velocity, springnet_message& message,
-                           const std::vector<std::uint32_t>& stopped = {}) const;
+                           const std::vector<std::uint32_t>& stopped = {}, const Rebounds& rebounds = {}) const;
   // The greatest |rate of length| of a connection at these velocities, m/s.
   [[nodiscard]] double greatest_rate(const springnet_const_vectors& position,
                                      const springnet_const_vectors& velocity) const;

@@ -4,9 +4,12 @@
 
 #include <algorithm>
 #include <cmath>
+#include <set>
+#include <string>
 
 #include "constraints/vectors.hpp"
 #include "layers/elements.hpp"
+#include "layers/message.hpp"
 #include "simulation/engine.hpp"
 #include "simulation/reactions_at.hpp"
 #include "simulation/settling.hpp"
@@ -18,6 +21,8 @@ namespace {
 // the reference, say.
 constexpr double penetration = 1e-9;
 // A node that a surface stopped has no speed against it but rounding, in units of the velocity scale.
+// A node this far behind a surface that it touches has no place left; likewise.
+constexpr double squeezed = 1e-7;
 constexpr double rounding_of_speed = 1e-13;
 constexpr double rounding_of_force = 1e-14;  // likewise
 constexpr double least_force = 1e-9;         // likewise, of what is decided by forces
@@ -60,9 +65,11 @@ const std::vector<Engine::EventSource>& Engine::event_sources() {
         if (phase == Contact::Slip::begins) sources_.push_back({Kind::stall, k, j});
       }
     }
-    if (touch.surface >= 0 && !touch.slides) continue;
+    // What sticks reaches only what moves there, or is carried there itself.
+    const bool sticks = touch.surface >= 0 && !touch.slides;
+    const bool carried = sticks && contact_.surfaces()[static_cast<std::size_t>(touch.surface)].moves();
     for (std::int32_t j = 0; j < surfaces; ++j) {
-      if (touch.has(j)) continue;
+      if (touch.has(j) || (sticks && !carried && !contact_.surfaces()[static_cast<std::size_t>(j)].moves())) continue;
       // From the contact tolerance on: a node that lies on the surface, up to rounding, has a value above 0 that falls
       // through it when the node sinks in. One that was let go a little behind it too, and is watched for from several
       // times as deep, because each time it is found again costs a restart.
@@ -78,16 +85,12 @@ const std::vector<Engine::EventSource>& Engine::event_sources() {
 }
 
 // A node that is braced leaves when its gap would open if its surface did not hold it, m/s^2.
-springnet_status Engine::acceleration_let_go(const EventSource& source, const ReactionsAt& at, double& value) {
+springnet_status Engine::acceleration_let_go(const EventSource& source, const ReactionsAt& at, double& value) const {
   const std::uint32_t k = source.index;
-  const Touch touch = contact_.committed(k);
-  contact_.touch(k, {}, Vector3::Zero());
   ReactionsAt without(at);
-  without.forget();
+  without.leave_out(k);
   Vector3 a;
   const springnet_status status = without.acceleration(k, a);
-  contact_.touch(k, touch, Vector3::Zero());
-  contact_.set_braced(k, true);
   const Placement& placement = at.placement();
   const Vector3 p = at.position(k);
   value = contact_.normal(placement, source.surface, p).dot(a - Contact::acceleration(placement, source.surface, p));
@@ -149,8 +152,11 @@ springnet_status Engine::contact_event(const EventSource& source, ReactionsAt& r
       break;
   }
   if (source.kind == Kind::release && contact_.braced(k)) return acceleration_let_go(source, reactions, value);
+  // Whether a node that only bracing would press stays is decided when that begins.
   Vector3 reaction;
-  if (const springnet_status status = reactions.of(k, reaction); status != SPRINGNET_OK) return status;
+  const springnet_status status =
+      source.kind == Kind::release ? reactions.unbraced(k, reaction) : reactions.of(k, reaction);
+  if (status != SPRINGNET_OK) return status;
   const Touch& touch = contact_.committed(k);
   const SplitReaction split = split_reaction(contact_.normals(at, k, p), reaction);
   double bears = 0.0;
@@ -352,6 +358,36 @@ void Engine::note_grazing(std::uint32_t node, std::size_t surface, double time) 
       fmt::format("At {:g} s node {} touches {} so slowly that errors of integration decide when, and whether; such "
                   "touches are counted as grazing_touches.",
                   time, user, contact_.name_of(surface)));
+}
+
+springnet_status Engine::no_place(std::uint32_t node, const std::set<std::size_t>& surfaces, double time) {
+  std::string names;
+  for (const std::size_t j : surfaces) names += (names.empty() ? "" : ", ") + contact_.name_of(j);
+  const std::uint32_t* clusters = rigid_.cluster_of();
+  const bool rods = clusters != nullptr && clusters[node] != ConstraintRow::no_node;
+  set_message(message_,
+              fmt::format("At {:.9g} s there is no place left for node {}{}: {} and what else holds it close "
+                          "in on it. Stop what moves there before, or let it give way",
+                          time, layout_.ordering().user[node], rods ? " and what hangs rigidly on it" : "", names));
+  return SPRINGNET_FAILED;
+}
+
+springnet_status Engine::find_squeezed(double time, const State& state) {
+  if (contact_.surfaces().empty()) return SPRINGNET_OK;
+  const std::shared_ptr<const Placement> at = placement(time);
+  for (std::uint32_t k = 0; k < layout_.node_count(); ++k) {
+    if (contact_.fixed()[k] != 0 || contact_.touching()[k] == 0) continue;
+    double deepest = 0.0;
+    std::set<std::size_t> surfaces;
+    for (const std::int32_t surface : contact_.committed(k).surfaces()) {
+      if (surface < 0) continue;
+      const auto j = static_cast<std::size_t>(surface);
+      surfaces.insert(j);
+      deepest = std::max(deepest, -contact_.gap(*at, j, vector_at(state.view.position, k)));
+    }
+    if (deepest > squeezed * info_.length_scale) return no_place(k, surfaces, time);
+  }
+  return SPRINGNET_OK;
 }
 
 void Engine::note_unresolved(std::uint32_t node, double time) {

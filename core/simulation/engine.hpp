@@ -166,7 +166,7 @@ class Engine {
   // they are, strike them, or take them along.
   springnet_status follow_jumps(double from);
   [[nodiscard]] double coefficient(std::uint32_t node, std::size_t surface) const;
-  springnet_status acceleration_let_go(const EventSource& release, const ReactionsAt& at, double& value);
+  springnet_status acceleration_let_go(const EventSource& release, const ReactionsAt& at, double& value) const;
   [[nodiscard]] double beyond_cone(const EventSource& slip);  // N
   // The value of an event of a contact.
   springnet_status contact_event(const EventSource& source, ReactionsAt& reactions, double& value);
@@ -181,6 +181,10 @@ class Engine {
   void note_shed(double from);
   // No forces and impulses of surfaces were found that fit a node and what hangs rigidly on it.
   void note_unresolved(std::uint32_t node, double time);
+  // The error that these surfaces leave no place to a node.
+  springnet_status no_place(std::uint32_t node, const std::set<std::size_t>& surfaces, double time);
+  // Nodes that are behind surfaces that they touch, where no positions fit them all.
+  springnet_status find_squeezed(double time, const State& state);
   // The slip of a node begins or ends where errors of integration decide whether.
   void note_grazing_slip(std::uint32_t node, std::size_t surface, double time);
   // Of a sweep in an order; `tile_context` is that of the sweep.

@@ -197,6 +197,7 @@ springnet_status Engine::commit(double time, State& state) {
     status = stop_penetration(time, state_);
     if (status == SPRINGNET_OK)
       status = constraints_.project(*placement(time), state_.view.position, state_.view.velocity, message_);
+    if (status == SPRINGNET_OK) status = find_squeezed(time, state_);
     contact_.note_slips(*placement(time), read_only(state_.view.position), read_only(state_.view.velocity));
   }
   if (status == SPRINGNET_OK && jumps) {

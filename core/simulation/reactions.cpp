@@ -1,5 +1,8 @@
 #include "simulation/reactions_at.hpp"
 
+#include <Eigen/Geometry>
+#include <algorithm>
+
 #include <springnet/error.hpp>
 
 #include "constraints/island.hpp"
@@ -44,6 +47,14 @@ springnet_status Engine::ReactionsAt::of(std::uint32_t node, Vector3& reaction) 
   if (const springnet_status status = free_acceleration(node, free); status != SPRINGNET_OK) return status;
   reaction = engine_.constraints_.reaction(node, free, held(node, free), position_, nullptr);
   return SPRINGNET_OK;
+}
+
+springnet_status Engine::ReactionsAt::unbraced(std::uint32_t node, Vector3& reaction) {
+  const springnet_status status = of(node, reaction);
+  const std::uint32_t* clusters = engine_.rigid_.cluster_of();
+  if (status == SPRINGNET_OK && !bracing_.empty() && clusters[node] != ConstraintRow::no_node)
+    reaction += engine_.rigid_.pull(node, position_, bracing_.data());
+  return status;
 }
 
 springnet_status Engine::ReactionsAt::told(std::uint32_t node, Vector3& reaction, Vector3* withheld) {
@@ -96,22 +107,25 @@ springnet_status Engine::ReactionsAt::know(std::uint32_t cluster) {
     if (const springnet_status status = free_acceleration(k, a); status != SPRINGNET_OK) return status;
     put_vector(free, k, a);
     double* const values[3] = {&a[0], &a[1], &a[2]};
-    engine_.constraints_.accelerate(*placement_, k, 1, position_, velocity_, values);
+    if (k != without_) engine_.constraints_.accelerate(*placement_, k, 1, position_, velocity_, values);
     put_vector(bound, k, a);
   }
-  engine_.rigid_.accelerate(*placement_, cluster, position_, velocity_, bound, tension_.data());
+  engine_.rigid_.accelerate(*placement_, cluster, position_, velocity_, bound, tension_.data(), without_);
   cluster_known_[cluster] = 1;
   brace(cluster);
   return SPRINGNET_OK;
 }
 
-// Connections between nodes that stick may bear any force. The least is taken by which braced nodes press.
+// Connections between nodes that stick may bear any force. The least is taken by which braced nodes press, and friction
+// holds all that stick.
 void Engine::ReactionsAt::brace(std::uint32_t cluster) {
   const Contact& contact = engine_.contact_;
   const std::vector<std::uint32_t>& nodes = engine_.rigid_.nodes_of(cluster);
-  const auto sticks = [&](std::uint32_t k) { return contact.fixed()[k] == 0 && contact.held()[k] != 0; };
-  if (contact.surfaces().empty() || std::none_of(nodes.begin(), nodes.end(), [&](auto k) { return contact.braced(k); }))
-    return;
+  const auto sticks = [&](std::uint32_t k) {
+    return k != without_ && contact.fixed()[k] == 0 && contact.held()[k] != 0;
+  };
+  const auto braced = [&](std::uint32_t k) { return k != without_ && contact.braced(k); };
+  if (contact.surfaces().empty() || std::none_of(nodes.begin(), nodes.end(), braced)) return;
   std::vector<std::size_t> rods;
   for (std::size_t r = 0; r < tension_.size(); ++r) {
     const RigidConnections::Rod& rod = engine_.rigid_.rods()[r];
@@ -120,25 +134,37 @@ void Engine::ReactionsAt::brace(std::uint32_t cluster) {
   std::vector<std::uint32_t> pressed;
   for (const std::uint32_t k : nodes)
     if (sticks(k) && contact.committed(k).count() == 1) pressed.push_back(k);
-  Eigen::VectorXd base(static_cast<Eigen::Index>(pressed.size()));
+  if (pressed.empty() || rods.empty()) return;
+  Eigen::VectorXd base(static_cast<Eigen::Index>(3 * pressed.size()));
   Eigen::MatrixXd more = Eigen::MatrixXd::Zero(base.size(), static_cast<Eigen::Index>(rods.size()));
-  for (Eigen::Index i = 0; i < base.size(); ++i) {
-    const std::uint32_t k = pressed[static_cast<std::size_t>(i)];
-    const Vector3 p = position(k);
-    const Vector3 n = contact.normal(*placement_, static_cast<std::size_t>(contact.committed(k).surface), p);
+  std::vector<Cone> cones;
+  double most = 0.0;
+  for (std::size_t i = 0; i < pressed.size(); ++i) {
+    const std::uint32_t k = pressed[i];
+    const auto row = static_cast<Eigen::Index>(3 * i);
+    const auto surface = static_cast<std::size_t>(contact.committed(k).surface);
+    const Vector3 p = position(k), n = contact.normal(*placement_, surface, p), e = n.unitOrthogonal();
+    Matrix3 parts;
+    parts << n.transpose(), e.transpose(), n.cross(e).transpose();
     Vector3 reaction;
     if (of_cluster(cluster, k, reaction) != SPRINGNET_OK) return;
-    base[i] = n.dot(reaction);
+    base.segment<3>(row) = parts * reaction;
+    most = std::max(most, std::abs(base[row]));
     for (Eigen::Index r = 0; r < more.cols(); ++r) {
       const RigidConnections::Rod& rod = engine_.rigid_.rods()[rods[static_cast<std::size_t>(r)]];
       if (rod.first == k || rod.second == k)
-        more(i, r) = -n.dot((position(rod.first == k ? rod.second : rod.first) - p).normalized());
+        more.block<3, 1>(row, r) = -parts * (position(rod.first == k ? rod.second : rod.first) - p).normalized();
+    }
+    cones.push_back({engine_.coefficient(k, surface), 0.0});
+  }
+  for (Cone& cone : cones) cone.least = 1e-9 * most;  // rounding would make it a pull
+  if (const auto least = least_in_cones(base, more, cones)) {
+    bracing_.resize(tension_.size(), 0.0);
+    for (Eigen::Index r = 0; r < more.cols(); ++r) {
+      tension_[rods[static_cast<std::size_t>(r)]] += (*least)[r];
+      bracing_[rods[static_cast<std::size_t>(r)]] = (*least)[r];
     }
   }
-  if (pressed.empty() || rods.empty()) return;
-  base.array() -= 1e-9 * base.lpNorm<Eigen::Infinity>();  // rounding would make it a pull
-  if (const auto least = least_with(base, more))
-    for (Eigen::Index r = 0; r < more.cols(); ++r) tension_[rods[static_cast<std::size_t>(r)]] += (*least)[r];
 }
 
 springnet_status Engine::ReactionsAt::of_cluster(std::uint32_t cluster, std::uint32_t node, Vector3& reaction) {

@@ -15,6 +15,8 @@ class Engine::ReactionsAt {
               const springnet_const_vectors& velocity);
   // The force of fixation or a surface on the node, N.
   springnet_status of(std::uint32_t node, Vector3& reaction);
+  // The same without what nodes that stick brace themselves with.
+  springnet_status unbraced(std::uint32_t node, Vector3& reaction);
   // The same as it is told: what presses over a step of the network may pull at its end, where it then leaves. There it
   // is zero. `withheld`: that pull, if wanted.
   springnet_status told(std::uint32_t node, Vector3& reaction, Vector3* withheld = nullptr);
@@ -24,8 +26,12 @@ class Engine::ReactionsAt {
   springnet_status bound(std::uint32_t node, Vector3& acceleration);
   // What it would do if no surface acted, nor rigid connections.
   springnet_status unsupported(std::uint32_t node, Vector3& acceleration);
-  // What holds nodes has changed.
-  void forget() { std::fill(cluster_known_.begin(), cluster_known_.end(), std::uint8_t{0}); }
+  // From now on as if this node had been let go, which it has not.
+  void leave_out(std::uint32_t node) {
+    without_ = node;
+    std::fill(cluster_known_.begin(), cluster_known_.end(), std::uint8_t{0});
+    bracing_.clear();
+  }
   [[nodiscard]] Vector3 position(std::uint32_t node) const;
   [[nodiscard]] Vector3 velocity(std::uint32_t node) const;
   // Evaluates a cluster, so that its tensions are known.
@@ -53,9 +59,11 @@ class Engine::ReactionsAt {
   layers::ExternalForces external_;
   std::shared_ptr<const Placement> placement_;
   layers::SurfaceVolumes volumes_;
+  std::uint32_t without_ = ConstraintRow::no_node;
   std::vector<std::uint8_t> cluster_known_;
   std::vector<double> free_, bound_;  // [3 node] m/s^2
   std::vector<double> tension_;       // [rod] N
+  std::vector<double> bracing_;       // the part of it that braces; empty: none
 };
 
 }  // namespace springnet

@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <set>
 #include <utility>
 
 #include "constraints/friction.hpp"
@@ -29,10 +30,14 @@ constexpr double grazing = 1e-4;
 // A force this small, in units of the force scale, is rounding: a node was just released by it, say.
 constexpr double least_force = 1e-9;
 constexpr int most_jams = 20;
+constexpr double caught = 0.01;  // of the speed with which a body was approached
 // So many touches of a node, each within this part of the time in which it goes a typical length, are a body that rocks
 // on its contacts ever faster; what is slower than this, in units of the velocity scale, then ends.
 constexpr int many_touches = 8;
 constexpr double soon = 1e-3, slow_rocking = 1e-3;
+// What leaves a surface more slowly, in units of the speed with which it falls through the tolerance of touching, does
+// not leave: it would be back at once, as fast.
+constexpr double times_of_fall = 2.0;
 constexpr double few_steps = 4.0;  // of a method with steps of its user's
 
 }  // namespace
@@ -226,7 +231,7 @@ void Engine::Settling::begin_slips(Island& island) const {
   if (std::none_of(island.nodes().begin(), island.nodes().end(), slips)) return;
   island.solve();
   for (std::size_t i = 0; i < island.nodes().size(); ++i)
-    if (slips(island.nodes()[i])) island.begin_slip(i);
+    if (slips(island.nodes()[i]) && !island.let_go(i)) island.begin_slip(i);
 }
 
 // The contact that was found for a node becomes the node's.
@@ -256,6 +261,7 @@ void Engine::Settling::take(const ContactNode& node) {
       tell(Event::Kind::released, k, side.surface);
       put_vector(state_.view.position, k,
                  contact.onto(*at_, static_cast<std::size_t>(side.surface), vector_at(state_.view.position, k)));
+      rebounds_[k].push_back(side.surface);
     }
   }
   now = after(now, {node.sticks ? ContactCause::Kind::stick : ContactCause::Kind::slip});
@@ -380,6 +386,15 @@ double Engine::Settling::fall_in_step(Island& island) {
   return steps_of_fall * engine_.step_length_ * falls;
 }
 
+double Engine::Settling::fall_to_touch(Island& island) {
+  if (accelerate(island) != SPRINGNET_OK) return 0.0;
+  double falls = 0.0;
+  for (const ContactNode& node : island.nodes())
+    for (const ContactSide& side : node.sides)
+      falls = std::max(falls, side.needed - side.normal.dot(node.acceleration));
+  return times_of_fall * std::sqrt(2.0 * falls * depth_);
+}
+
 double Engine::Settling::rebound_of(Island& island) {
   const double least = least_rebound * engine_.info_.velocity_scale;
   for (const ContactNode& node : island.nodes())
@@ -409,14 +424,25 @@ springnet_status Engine::Settling::settle(std::uint32_t node) {
   for (const ContactNode& each : nodes) contact_nodes_.push_back(each.node);
   Island island(std::move(nodes), rods_ ? rods_->mobility(contact_nodes_)
                                         : Eigen::MatrixXd(Eigen::MatrixXd::Identity(3, 3) / engine_.mass_[node]));
+  const double approached = island.approach();
   bool struck = island.strike(rebound_of(island), no_speed_);
+  // No impulses end the approach of surfaces between which a body is caught.
+  if (island.approach() > std::max(caught * approached, jump * engine_.info_.velocity_scale)) {
+    std::set<std::size_t> surfaces;
+    for (const ContactNode& each : island.nodes())
+      for (const ContactSide& side : each.sides) surfaces.insert(static_cast<std::size_t>(side.surface));
+    return engine_.no_place(node, surfaces, time_);
+  }
   stop_held(island);
   struck = island.stop(no_speed_) || struck;
   std::vector<std::vector<Vector3>> blows;  // N s, [node of the island][side]
   for (const ContactNode& each : island.nodes()) blows.emplace_back(each.sides.size(), Vector3::Zero());
   for (int jams = 0;; ++jams) {
-    if (struck && chatters(island))
-      island.calm(std::max(slow_rocking * engine_.info_.velocity_scale, fall_in_step(island)));
+    if (struck) {
+      const bool rocks = chatters(island);
+      island.calm(std::max({fall_to_touch(island), rocks ? slow_rocking * engine_.info_.velocity_scale : 0.0,
+                            rocks ? fall_in_step(island) : 0.0}));
+    }
     if (struck) strike(island);
     for (std::size_t i = 0; struck && i < blows.size(); ++i)
       for (std::size_t s = 0; s < blows[i].size(); ++s) blows[i][s] += island.nodes()[i].impulse[s];
@@ -454,7 +480,8 @@ springnet_status Engine::Settling::settle(std::uint32_t node) {
 springnet_status Engine::Settling::finish() {
   if (!struck_ && stopped_.empty()) return SPRINGNET_OK;
   engine_.changed();
-  return engine_.constraints_.project(*at_, state_.view.position, state_.view.velocity, engine_.message_, stopped_);
+  return engine_.constraints_.project(*at_, state_.view.position, state_.view.velocity, engine_.message_, stopped_,
+                                      rebounds_);
 }
 
 }  // namespace springnet

@@ -48,6 +48,8 @@ class Engine::Settling {
   [[nodiscard]] bool chatters(const Island& island);
   // What accelerations add to speeds in a few steps of a method with steps of its user's, m/s; 0: it has its own.
   [[nodiscard]] double fall_in_step(Island& island);
+  // Speeds below are not resolved, because nodes that fall through the tolerance of touching have them, m/s.
+  [[nodiscard]] double fall_to_touch(Island& island);
   // Speed from which nodes rebound, m/s.
   [[nodiscard]] double rebound_of(Island& island);
   void stop_held(Island& island) const;
@@ -74,6 +76,7 @@ class Engine::Settling {
   std::optional<RigidConnections::Unsupported> rods_;
   std::vector<std::uint32_t> contact_nodes_;
   std::vector<std::uint32_t> stopped_;
+  Rebounds rebounds_;
   bool struck_ = false;
 };
 

@@ -278,6 +278,48 @@ TEST_CASE("the least numbers that lift all of some others above zero") {
   CHECK_FALSE(least_with(Eigen::Vector2d(-1, -1), Eigen::Vector2d(1, -1)).has_value());
 }
 
+// A force of 1 N across and (2, 0) N along a surface: x times (1, 0, 0) more, until friction of 1/2 bears it.
+TEST_CASE("the least bracing puts a force on the edge of its cone") {
+  Eigen::VectorXd base(3);
+  base << 1, 2, 0;
+  Eigen::MatrixXd matrix = Eigen::MatrixXd::Zero(3, 1);
+  matrix(0, 0) = 1.0;
+  const auto across = least_in_cones(base, matrix, {{0.5, 0.0}});
+  REQUIRE(across.has_value());
+  CHECK(std::abs((*across)[0] - 3.0) <= 1e-8);  // and the billionth that rounding is kept off by
+  // Turned into the plane: (1 + x)^2 = 4 ((2 - x)^2 + 1/4) is left where 3 x^2 - 18 x + 16 = 0.
+  base << 1, 2, 0.5;
+  matrix << 1, -1, 0;
+  const auto oblique = least_in_cones(base, matrix, {{0.5, 0.0}});
+  REQUIRE(oblique.has_value());
+  CHECK(((base + matrix * *oblique).tail<2>().norm() - 0.5 * (base + matrix * *oblique)[0]) <= 1e-8);
+  CHECK(std::abs((*oblique)[0] - (18.0 - std::sqrt(132.0)) / 6.0) <= 1e-7);
+  matrix << 0, 0, 1;
+  CHECK_FALSE(least_in_cones(base, matrix, {{0.5, 0.0}}).has_value());
+}
+
+// Friction of 1e4 would have to draw to hold it, and without the surface it sinks: it slips, with next to no normal
+// force.
+TEST_CASE("a contact that can neither hold nor leave slips") {
+  Eigen::MatrixXd mobility(3, 3);
+  mobility << 1.158093325, -0.2675637631, 1.176231253, -0.2675637631, 0.665681599, -0.6441033705, 1.176231253,
+      -0.6441033705, 2.846256427;
+  ContactNode node = on_floor(Vector3::Zero(), coulomb(1e4));
+  node.acceleration = {-0.524965, 6.35319, -4.37325};
+  node.sticks = true;
+  Island island({node}, mobility);
+  CHECK(island.resolve(1e-9));
+  const ContactNode& found = island.nodes()[0];
+  CHECK_FALSE(found.sticks);
+  CHECK(found.normal_force[0] > 0.0);
+  const Vector3 goes = island.acceleration(0);
+  CHECK(std::abs(goes.z()) <= 1e-11);
+  CHECK(goes.dot(found.slip) > 0.0);
+  CHECK(goes.cross(found.slip).norm() <= 1e-9);
+  CHECK((found.force + 1e4 * found.normal_force[0] * found.slip - found.normal_force[0] * Vector3::UnitZ()).norm() <=
+        1e-11);
+}
+
 TEST_CASE("a direction is found where what turns it vanishes") {
   const Vector3 n = Vector3::UnitZ(), goes(0.6, 0.8, 0);
   const auto found = find_direction(n, Vector3::UnitX(), [&](const Vector3& t) { return n.dot(t.cross(goes)); });

@@ -3,6 +3,7 @@
 #pragma once
 
 #include <algorithm>
+#include <cmath>
 #include <exception>
 #include <string>
 #include <vector>
@@ -50,7 +51,10 @@ inline void check_fate(const Network& net, double until) {
     const Fate& fate = fates.back();
     CHECK(fate.gained <= 1e3 * tolerance * fate.scale);  // a thousand steps
     CHECK(fate.run.stretch <= 1.001e-8);
-    CHECK(fate.run.sink <= 1e-7);
+    // A node that was just let go is where integration puts it, and a step may err in one of its components by as much
+    // as in all together: the root of their number, positions and velocities, times the tolerance (of 1 m at most).
+    const double step = std::sqrt(6.0 * static_cast<double>(net.nodes().size())) * tolerance;
+    CHECK(fate.run.sink <= std::max(1e-7, step));
     CHECK(fate.run.pull <= 1e-6);
     CHECK(fate.run.events.size() <= 200);
   }

@@ -1,0 +1,107 @@
+#include "constraints/bracing.hpp"
+
+#include <Eigen/QR>
+#include <algorithm>
+
+#include "constraints/friction.hpp"
+
+namespace springnet {
+namespace {
+
+constexpr int most_cuts = 100;  // of cones
+
+// The least u >= 0 of |columns u - goal|. Lawson and Hanson, Solving Least Squares Problems (1974), chapter 23.
+Eigen::VectorXd not_negative(const Eigen::MatrixXd& columns, const Eigen::VectorXd& goal) {
+  const Eigen::Index count = columns.cols();
+  Eigen::VectorXd u = Eigen::VectorXd::Zero(count);
+  std::vector<Eigen::Index> in;
+  for (Eigen::Index turn = 0; turn < 3 * count; ++turn) {
+    const Eigen::VectorXd gain = columns.transpose() * (goal - columns * u);
+    Eigen::Index best = -1;
+    for (Eigen::Index j = 0; j < count; ++j)
+      if (std::find(in.begin(), in.end(), j) == in.end() && gain[j] > 1e-13 && (best < 0 || gain[j] > gain[best]))
+        best = j;
+    if (best < 0) break;
+    in.push_back(best);
+    for (bool inside = false; !inside;) {
+      const Eigen::VectorXd z =
+          Eigen::MatrixXd(columns(Eigen::all, in)).completeOrthogonalDecomposition().solve(goal).eval();
+      double share = 1.0;
+      for (std::size_t i = 0; i < in.size(); ++i)
+        if (const double at = z[static_cast<Eigen::Index>(i)]; at <= 0.0)
+          share = std::min(share, u[in[i]] / (u[in[i]] - at));
+      inside = share >= 1.0;
+      std::vector<Eigen::Index> left;
+      for (std::size_t i = 0; i < in.size(); ++i) {
+        const double at = z[static_cast<Eigen::Index>(i)];
+        u[in[i]] += share * (at - u[in[i]]);
+        if (!inside && at <= 0.0 && u[in[i]] <= 1e-15)
+          u[in[i]] = 0.0;
+        else
+          left.push_back(in[i]);
+      }
+      inside = inside || left.size() == in.size();
+      in = left;
+    }
+  }
+  return u;
+}
+
+}  // namespace
+
+// The same, chapter 23.4: rows that hold with their least forces are those that cannot be left out.
+std::optional<Eigen::VectorXd> least_with(const Eigen::VectorXd& base, const Eigen::MatrixXd& matrix) {
+  Eigen::VectorXd x = Eigen::VectorXd::Zero(matrix.cols());
+  const double size = base.size() > 0 ? base.lpNorm<Eigen::Infinity>() : 0.0, negligible = 1e-12 * size;
+  if (base.size() == 0 || base.minCoeff() >= -negligible) return x;
+  const double greatest = matrix.size() > 0 ? matrix.rowwise().norm().maxCoeff() : 0.0;
+  if (!(greatest > 0.0)) return std::nullopt;
+  Eigen::MatrixXd columns(matrix.cols() + 1, base.size());
+  for (Eigen::Index r = 0; r < base.size(); ++r) {
+    columns.col(r).head(matrix.cols()) = matrix.row(r).transpose() / greatest;
+    columns(matrix.cols(), r) = -base[r] / size;
+  }
+  const Eigen::VectorXd goal = Eigen::VectorXd::Unit(columns.rows(), matrix.cols());
+  const Eigen::VectorXd left = columns * not_negative(columns, goal) - goal;
+  const double last = left[matrix.cols()];
+  if (!(last < -1e-12)) return std::nullopt;
+  x = -left.head(matrix.cols()) / last * (size / greatest);
+  if ((base + matrix * x).minCoeff() < -1e-9 * size) return std::nullopt;
+  return x;
+}
+
+// Cones are cut out of the half-spaces of their normal forces, by the plane that touches them where they are left.
+std::optional<Eigen::VectorXd> least_in_cones(const Eigen::VectorXd& base, const Eigen::MatrixXd& matrix,
+                                              const std::vector<Cone>& cones) {
+  const auto normals = static_cast<Eigen::Index>(cones.size());
+  // What rounding leaves of a force on the very edge of its cone would slip.
+  const double inside = 1e-9 * base.lpNorm<Eigen::Infinity>();
+  Eigen::VectorXd from(normals);
+  Eigen::MatrixXd rows(normals, matrix.cols());
+  for (Eigen::Index i = 0; i < normals; ++i) {
+    from[i] = base[3 * i] - cones[static_cast<std::size_t>(i)].least;
+    rows.row(i) = matrix.row(3 * i);
+  }
+  for (int cut = 0; cut < most_cuts; ++cut) {
+    const std::optional<Eigen::VectorXd> x = least_with(from, rows);
+    if (!x) return std::nullopt;
+    const Eigen::VectorXd forces = base + matrix * *x;
+    bool fits = true;
+    for (Eigen::Index i = 0; i < normals; ++i) {
+      const double mu = cones[static_cast<std::size_t>(i)].coefficient;
+      const Eigen::Vector2d along = forces.segment<2>(3 * i + 1);
+      const double size = along.norm();
+      if (size == 0.0 || grip(mu, forces[3 * i], size) >= 0.5 * inside) continue;
+      fits = false;
+      const Eigen::Vector2d against = along / size;
+      from.conservativeResize(from.size() + 1);
+      rows.conservativeResize(rows.rows() + 1, Eigen::NoChange);
+      from[from.size() - 1] = mu * base[3 * i] - against.dot(base.segment<2>(3 * i + 1)) - inside;
+      rows.row(rows.rows() - 1) = mu * matrix.row(3 * i) - against.transpose() * matrix.middleRows<2>(3 * i + 1);
+    }
+    if (fits) return x;
+  }
+  return std::nullopt;
+}
+
+}  // namespace springnet
