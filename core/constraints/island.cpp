@@ -452,4 +452,28 @@ bool Island::resolve(double negligible, bool thoroughly) {
   return false;
 }
 
+void Island::hold(double negligible) {
+  std::set<std::pair<std::size_t, std::size_t>> kept;
+  while (true) {
+    solve();
+    double most = -negligible;
+    std::size_t node = nodes_.size(), side = 0;
+    for (std::size_t i = 0; i < nodes_.size(); ++i) {
+      for (std::size_t s = 0; s < nodes_[i].sides.size(); ++s) {
+        if (!nodes_[i].sides[s].touches || nodes_[i].normal_force[s] >= most || kept.contains({i, s})) continue;
+        most = nodes_[i].normal_force[s];
+        node = i;
+        side = s;
+      }
+    }
+    if (node == nodes_.size()) return;
+    // What pulls lets go where the gap opens then; each is asked once.
+    kept.emplace(node, side);
+    ContactSide& pulls = nodes_[node].sides[side];
+    pulls.touches = false;
+    solve();
+    if (pulls.normal.dot(acceleration(node)) - pulls.needed < 0.0) pulls.touches = true;
+  }
+}
+
 }  // namespace springnet

@@ -100,6 +100,9 @@ class Island {
   // impulses. With Coulomb's friction such impulses exist; surfaces that hold keep what they touch where there are
   // none.
   [[nodiscard]] bool resolve_impulses(double negligible);
+  // Where resolve() found none: what is set stays, whatever the signs of its forces, unless its gap would open without
+  // it.
+  void hold(double negligible);
   // Forces for what is set, whatever their signs.
   void solve();
   // A node that sticks begins to slip where its friction does not let it go any more, by the forces of solve().
