@@ -174,6 +174,7 @@ bool Recurrent::advance_to_event(double until, springnet_step_report& report) {
   work_.host.begin_step(from, until);
   crossings_.begin(work_.host, from, start);
   double time = until;
+  bool last = false;  // the interval is as narrow as it gets
   for (int looks = 0;; ++looks) {
     Step step = make_step(time);
     step.decides = false;
@@ -181,7 +182,8 @@ bool Recurrent::advance_to_event(double until, springnet_step_report& report) {
     if (!settled(attempt.verdict)) return false;
     fill(report, step, attempt);
     const bool crossed = crossings_.look(work_.host, time, *step.outputs);
-    if (!crossed && looks == 0) {
+    // Where rounding decides it, what was seen to happen in a longer step may not happen here: then this one is taken.
+    if (!crossed && (looks == 0 || last)) {
       take(step, true);
       return true;
     }
@@ -193,6 +195,7 @@ bool Recurrent::advance_to_event(double until, springnet_step_report& report) {
       work_.host.report("located_events", ++all_events_);
       return true;
     }
+    last = narrow;
     time = narrow ? crossings_.high() : std::max(crossings_.next_time(), from + least_part * whole);
   }
 }
