@@ -173,10 +173,12 @@ bool Recurrent::advance_to_event(double until, springnet_step_report& report) {
   const double whole = until - from;
   work_.host.begin_step(from, until);
   crossings_.begin(work_.host, from, start);
+  const std::uint64_t revision = work_.host.network().revision;  // whose events these are
   double time = until;
   bool last = false;  // the interval is as narrow as it gets
   for (int looks = 0;; ++looks) {
     Step step = make_step(time);
+    if (work_.host.network().revision != revision) return false;
     step.decides = false;
     const Attempt attempt = propagate_from_start(step);
     if (!settled(attempt.verdict)) return false;
