@@ -38,6 +38,15 @@ std::string Contact::name_of(std::size_t surface) const {
   return surfaces_[surface].description(surface < planes ? surface : surface - planes);
 }
 
+std::string Contact::names_of(const std::vector<std::int32_t>& surfaces) const {
+  std::string result;
+  for (std::size_t i = 0; i < surfaces.size(); ++i) {
+    if (i > 0) result += i + 1 < surfaces.size() ? ", " : " and ";
+    result += name_of(static_cast<std::size_t>(surfaces[i]));
+  }
+  return result;
+}
+
 void Contact::set_trajectory(std::size_t surface, Trajectory trajectory) {
   surfaces_[surface].set_trajectory(std::move(trajectory));
   known_.reset();

@@ -170,6 +170,13 @@ class Contact {
   // The decisions of sweeps that were not committed are forgotten.
   void forget_sweep();
 
+  // Surfaces (two to four) that have closed so far that between them no place is left near this one, by more than
+  // `tolerance` (m); none: there is one.
+  [[nodiscard]] std::vector<std::int32_t> closed_around(const Placement& at, const Vector3& position,
+                                                        double tolerance) const;
+  // For messages: "plane 'left' (number 0) and plane 'right' (number 1)".
+  [[nodiscard]] std::string names_of(const std::vector<std::int32_t>& surfaces) const;
+
   // Puts a lone node that slides onto its surfaces, and its velocity along them.
   void project_sliding(const Placement& at, std::uint32_t node, const springnet_vectors& position,
                        const springnet_vectors& velocity) const;
