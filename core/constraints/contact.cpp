@@ -25,6 +25,8 @@ Contact::Contact(const Network& network, const std::vector<std::uint32_t>& user_
   surface_impulse_.assign(surfaces_.size(), Vector3::Zero());
   changes_.assign(nodes, 0);
   stayed_.assign(nodes, 0);
+  slide_changes_.assign(nodes, 0);
+  met_.assign(nodes, {});
   bounces_.assign(nodes, 0);
   braced_.assign(nodes, 0);
   slip_phase_.assign(nodes, Slip::goes_on);
@@ -108,6 +110,8 @@ void Contact::release(std::uint32_t node) {
 void Contact::begin_step(std::shared_ptr<const Placement> start) {
   start_ = std::move(start);
   std::fill(changes_.begin(), changes_.end(), std::uint8_t{0});
+  std::fill(slide_changes_.begin(), slide_changes_.end(), std::uint8_t{0});
+  for (std::vector<std::int32_t>& surfaces : met_) surfaces.clear();
   for (std::size_t k = 0; k < stayed_.size(); ++k) stayed_[k] = touching_[k];
   forget_sweep();
 }

@@ -223,7 +223,9 @@ bool Engine::Stepping::meet(Body& body) {
       if (share && *share < first.share && reaches(m, surface)) first = {j, *share};
     }
     if (first.surface < 0) continue;
-    if (known != body.touchers.end() && known->sides.size() == 3) continue;
+    if (known != body.touchers.end() &&
+        std::count_if(known->sides.begin(), known->sides.end(), [](const Side& side) { return side.touches; }) == 3)
+      continue;
     any = true;
     if (!body.cluster && known == body.touchers.end()) {
       arrive(body, first);
