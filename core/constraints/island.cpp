@@ -5,6 +5,7 @@
 #include <Eigen/QR>
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <set>
 
 #include "constraints/friction.hpp"
@@ -78,20 +79,47 @@ std::optional<Eigen::VectorXd> least_with(const Eigen::VectorXd& base, const Eig
   return std::nullopt;
 }
 
+std::vector<std::size_t> pressing_of(const std::vector<Vector3>& normals, const Vector3& reaction) {
+  const double rounding = 1e-12 * reaction.norm();
+  std::vector<std::size_t> best;
+  double least = std::numeric_limits<double>::infinity();  // what is left along them
+  const unsigned all = (1u << normals.size()) - 1;
+  for (unsigned set = all; set > 0; --set) {
+    std::vector<std::size_t> chosen;
+    std::vector<Vector3> some;
+    for (std::size_t i = 0; i < normals.size(); ++i) {
+      if ((set >> i & 1u) == 0) continue;
+      chosen.push_back(i);
+      some.push_back(normals[i]);
+    }
+    const SplitReaction split = split_reaction(some, reaction);
+    if (*std::min_element(split.normal.begin(), split.normal.end()) < -rounding) continue;
+    if (set == all) return chosen;
+    if (split.along.norm() >= least) continue;
+    least = split.along.norm();
+    best = chosen;
+  }
+  return best;
+}
+
 std::vector<Vector3> share_reaction(const std::vector<Vector3>& normals, const std::vector<double>& coefficients,
                                     const Vector3& reaction) {
   if (normals.size() == 1) return {reaction};
-  const SplitReaction split = split_reaction(normals, reaction);
-  std::vector<Vector3> result;
+  std::vector<std::size_t> pressing = pressing_of(normals, reaction);
+  for (std::size_t i = 0; pressing.empty() && i < normals.size(); ++i) pressing.push_back(i);  // all of them pull
+  std::vector<Vector3> some;
+  for (const std::size_t i : pressing) some.push_back(normals[i]);
+  const SplitReaction split = split_reaction(some, reaction);
+  std::vector<Vector3> result(normals.size(), Vector3::Zero());
   std::vector<double> bears;
   double all = 0.0;
-  for (std::size_t i = 0; i < normals.size(); ++i) {
-    result.emplace_back(split.normal[i] * normals[i]);
-    bears.push_back(coefficients[i] * std::max(0.0, split.normal[i]));
+  for (std::size_t s = 0; s < some.size(); ++s) {
+    result[pressing[s]] = split.normal[s] * some[s];
+    bears.push_back(coefficients[pressing[s]] * std::max(0.0, split.normal[s]));
     all += bears.back();
   }
-  if (all == 0.0) result[0] += split.along;  // rounding
-  for (std::size_t i = 0; i < normals.size() && all > 0.0; ++i) result[i] += bears[i] / all * split.along;
+  if (all == 0.0) result[pressing[0]] += split.along;  // rounding
+  for (std::size_t s = 0; s < some.size() && all > 0.0; ++s) result[pressing[s]] += bears[s] / all * split.along;
   return result;
 }
 

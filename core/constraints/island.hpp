@@ -62,6 +62,10 @@ struct SplitReaction {
 };
 [[nodiscard]] SplitReaction split_reaction(const std::vector<Vector3>& normals, const Vector3& reaction);
 
+// Which of these surfaces make up R (N) such that none pulls: all if they do, else those that leave the least of it
+// along them; none if all pull.
+[[nodiscard]] std::vector<std::size_t> pressing_of(const std::vector<Vector3>& normals, const Vector3& reaction);
+
 // The smallest x with base + matrix x >= 0 in each row; empty where there is none.
 [[nodiscard]] std::optional<Eigen::VectorXd> least_with(const Eigen::VectorXd& base, const Eigen::MatrixXd& matrix);
 // What of R is each surface's, N, with these coefficients of friction: along all of them as their cones are.

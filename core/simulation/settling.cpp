@@ -247,7 +247,9 @@ void Engine::Settling::take(const ContactNode& node) {
     const ContactSide& side = node.sides[s];
     if (before.has(side.surface)) continue;
     if (!side.touches && node.impulse[s].isZero(0.0)) continue;
-    tell(Event::Kind::touched, k, side.surface, node.impulse[s]);
+    // What ends the rocking of a body may draw a node back; that is no blow.
+    const bool pulls = side.normal.dot(node.impulse[s]) < 0.0;
+    tell(Event::Kind::touched, k, side.surface, pulls ? Vector3(Vector3::Zero()) : node.impulse[s]);
     if (side.touches) {
       now = after(now, {ContactCause::Kind::touch, side.surface, node.sticks});
       arrived = true;
