@@ -15,10 +15,11 @@ namespace springnet {
 namespace {
 
 constexpr int most_rounds = Island::most_rounds;
-constexpr int most_changes = 200;       // of mind, before all possibilities are tried
-constexpr std::size_t most_coded = 64;  // bits of a code
-constexpr int most_bits = 12;           // of possibilities that are worth trying
-constexpr int most_directions = 200;    // of a slip that begins
+constexpr int most_changes = 200;         // of mind, before all possibilities are tried
+constexpr std::size_t most_coded = 64;    // bits of a code
+constexpr std::size_t most_pivoted = 24;  // likewise, of impulses that are sought by changes first
+constexpr int most_bits = 12;             // of possibilities that are worth trying
+constexpr int most_directions = 200;      // of a slip that begins
 
 std::vector<Vector3> active_normals(const ContactNode& node) {
   std::vector<Vector3> normals;
@@ -433,13 +434,17 @@ bool Island::resolve_impulses(double negligible) {
   const std::uint64_t start = code();
   std::vector<Vector3> before;  // those that there are may be near
   for (const ContactNode& node : nodes_) before.push_back(node.force);
-  if (pivot(negligible, changed) && directions_fit_) return true;
+  // Each change of many contacts costs as much as rounds of all of them.
+  const bool is_large = bit_count() > most_pivoted;
+  if (!is_large && pivot(negligible, changed) && directions_fit_) return true;
   // One whose normal force vanishes can neither hold nor let go: how great its friction is hardly matters then.
   bool relaxed = false;
   for (const double most : {friction_of_held, 1.0}) {
     if (bit_count() <= most_coded) set_code(start);
-    if ((relaxed = relax(most, most_rounds / 10, before))) break;
+    if ((relaxed = relax(most, is_large ? most_rounds : most_rounds / 10, before))) break;
   }
+  if (!relaxed && is_large && bit_count() <= most_coded) set_code(start);
+  if (!relaxed && is_large && pivot(negligible, changed) && directions_fit_) return true;
   if (!relaxed) {
     const std::vector<ContactNode> nearly = nodes_;
     if (bit_count() <= most_bits && try_all(negligible)) return true;
@@ -454,6 +459,7 @@ bool Island::resolve_impulses(double negligible) {
     solve();
     return true;
   }
+  if (is_large) return true;
   // What acts may be told exactly from there.
   const std::vector<ContactNode> found = nodes_;
   solve();
