@@ -25,6 +25,8 @@ Contact::Contact(const Network& network, const std::vector<std::uint32_t>& user_
   surface_impulse_.assign(surfaces_.size(), Vector3::Zero());
   changes_.assign(nodes, 0);
   stayed_.assign(nodes, 0);
+  slide_changes_.assign(nodes, 0);
+  met_.assign(nodes, {});
   bounces_.assign(nodes, 0);
   braced_.assign(nodes, 0);
   slip_phase_.assign(nodes, Slip::goes_on);
@@ -36,6 +38,15 @@ std::string Contact::name_of(std::size_t surface) const {
   const auto planes = static_cast<std::size_t>(
       std::count_if(surfaces_.begin(), surfaces_.end(), [](const Obstacle& s) { return s.is_plane(); }));
   return surfaces_[surface].description(surface < planes ? surface : surface - planes);
+}
+
+std::string Contact::names_of(const std::vector<std::int32_t>& surfaces) const {
+  std::string result;
+  for (std::size_t i = 0; i < surfaces.size(); ++i) {
+    if (i > 0) result += i + 1 < surfaces.size() ? ", " : " and ";
+    result += name_of(static_cast<std::size_t>(surfaces[i]));
+  }
+  return result;
 }
 
 void Contact::set_trajectory(std::size_t surface, Trajectory trajectory) {
@@ -109,6 +120,8 @@ void Contact::release(std::uint32_t node) {
 void Contact::begin_step(std::shared_ptr<const Placement> start) {
   start_ = std::move(start);
   std::fill(changes_.begin(), changes_.end(), std::uint8_t{0});
+  std::fill(slide_changes_.begin(), slide_changes_.end(), std::uint8_t{0});
+  for (std::vector<std::int32_t>& surfaces : met_) surfaces.clear();
   for (std::size_t k = 0; k < stayed_.size(); ++k) stayed_[k] = touching_[k];
   forget_sweep();
 }

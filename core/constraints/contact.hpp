@@ -6,6 +6,7 @@
 
 #include <cstdint>
 #include <memory>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -136,9 +137,9 @@ class Contact {
     std::uint32_t node;
     Vector3 start, start_velocity, end, velocity;
   };
-  // A node that slides on `surface` (and on `other`): the next surface that it runs into; -1: none.
-  [[nodiscard]] Meeting second_meeting(const Placement& at, const Way& way, std::int32_t surface,
-                                       std::int32_t other = -1) const;
+  // A node that slides on some surfaces: the next one that it runs into, beside those that are known; -1: none.
+  [[nodiscard]] Meeting next_meeting(const Placement& at, const Way& way, const Touch& on,
+                                     const std::vector<std::int32_t>& known = {}) const;
   // Whether a node that was undecided may be held at its last surface, though it does not meet it on its way.
   [[nodiscard]] bool could_reach(const Placement& at, std::uint32_t node, const Vector3& start,
                                  const Vector3& end) const;
@@ -174,6 +175,13 @@ class Contact {
   [[nodiscard]] const Vector3& sweep_impulse(std::uint32_t node) const { return sweep_impulse_[node]; }
   // The decisions of sweeps that were not committed are forgotten.
   void forget_sweep();
+
+  // Surfaces (two to four) that have closed so far that between them no place is left near this one, by more than
+  // `tolerance` (m); none: there is one.
+  [[nodiscard]] std::vector<std::int32_t> closed_around(const Placement& at, const Vector3& position,
+                                                        double tolerance) const;
+  // For messages: "plane 'left' (number 0) and plane 'right' (number 1)".
+  [[nodiscard]] std::string names_of(const std::vector<std::int32_t>& surfaces) const;
 
   // Puts a lone node that slides onto its surfaces, and its velocity along them.
   void project_sliding(const Placement& at, std::uint32_t node, const springnet_vectors& position,
@@ -213,6 +221,12 @@ class Contact {
   [[nodiscard]] Slide at_vertex(const Within& within, const Touch& touch, const Candidate& candidate) const;
   // Of three the two that go on when the weakest lets go.
   [[nodiscard]] Slide off_vertex(const Within& within, const Slide& vertex, const Candidate& candidate) const;
+  // On which surfaces a node goes that slides on some and meets others, which become all that it meets; none found: it
+  // is stopped.
+  [[nodiscard]] std::optional<Slide> among(const Within& within, const Slide& on, std::vector<std::int32_t>& met,
+                                           const Candidate& candidate) const;
+  [[nodiscard]] bool is_flush(const Placement& at, const Touch& on, std::int32_t surface,
+                              const Vector3& position) const;
   void put(const Within& within, std::uint32_t node, const Slide& slide);
   // The same, unless another surface is in the way.
   void slide(const Within& within, std::uint32_t node, const Slide& slide, const Candidate& candidate);
@@ -239,6 +253,9 @@ class Contact {
   // Without surfaces the rest is empty. Within a step: how often the sweeps changed their mind on a node, what they
   // last decided, its last surface, and how it slid.
   std::vector<std::uint8_t> changes_, stayed_, bounces_, braced_;
+  // How often they changed their mind on which surfaces one slides, and those that it met beside.
+  std::vector<std::uint8_t> slide_changes_;
+  std::vector<std::vector<std::int32_t>> met_;
   std::vector<Slip> slip_phase_;
   std::vector<std::int32_t> last_surface_;
   std::vector<Vector3> slip_;

@@ -69,13 +69,18 @@ Contact::Meeting Contact::first_meeting(const Placement& at, const Vector3& star
   return first;
 }
 
-Contact::Meeting Contact::second_meeting(const Placement& at, const Way& way, std::int32_t surface,
-                                         std::int32_t other) const {
-  const Meeting second = first_meeting(at, way.start, way.end, surface, other);
-  if (second.surface < 0 || leaves(at, second.surface, way)) return {};
-  const bool behind =
-      gap(at, static_cast<std::size_t>(second.surface), way.end) < -beside * (way.end - way.start).norm();
-  return behind || second.share > 0.0 ? second : Meeting{};
+Contact::Meeting Contact::next_meeting(const Placement& at, const Way& way, const Touch& on,
+                                       const std::vector<std::int32_t>& known) const {
+  Meeting next{-1, 2.0};
+  for (std::size_t j = 0; j < surfaces_.size(); ++j) {
+    const auto surface = static_cast<std::int32_t>(j);
+    if (on.has(surface) || std::find(known.begin(), known.end(), surface) != known.end()) continue;
+    const auto share = surfaces_[j].first_touch(start_->poses[j], way.start, at.poses[j], way.end);
+    if (!share || *share >= next.share || leaves(at, surface, way)) continue;
+    const bool behind = gap(at, j, way.end) < -beside * (way.end - way.start).norm();
+    if (behind || (*share > 0.0 && !is_flush(at, on, surface, way.end))) next = {surface, *share};
+  }
+  return next;
 }
 
 Vector3 Contact::taken_along(const Placement& at, const Vector3& start, const Vector3& end,
@@ -155,10 +160,7 @@ bool Contact::stay(const Within& within, std::uint32_t node, const Candidate& ca
     if (on.normal < 0.0) on = off_vertex(within, on, candidate);
     if (on.normal >= 0.0) {
       static_cast<void>(undecided(node, true));
-      if (on.touch.third >= 0)
-        put(within, node, on);
-      else
-        slide(within, node, on, candidate);
+      slide(within, node, on, candidate);
       return true;
     }
     left = on.weakest == on.touch.surface ? on.touch.second : on.touch.surface;
@@ -295,68 +297,127 @@ void Contact::put(const Within& within, std::uint32_t node, const Slide& on) {
   if (on.touch.slides && weight > 0.0) put_force(sweep, node, on.impulse / weight);
 }
 
+// Which surfaces act where more are met than can: of all those that it meets one to three, such that none pulls and the
+// node does not go into any other. A node has three ways to go, so that three decide at most; which they are is what
+// the motion asks, not the order in which they were met. Velocities decide, as over a step that none of them is left in
+// (Moreau); the position is then put where it is behind none.
+std::optional<Contact::Slide> Contact::among(const Within& within, const Slide& on, std::vector<std::int32_t>& met,
+                                             const Candidate& candidate) const {
+  const Placement& at = within.at;
+  std::vector<std::int32_t> asked = std::move(met);
+  met.clear();
+  for (const std::int32_t surface : on.touch.surfaces())
+    if (surface >= 0) met.push_back(surface);
+  const auto comes = [&](const Slide& of, std::int32_t j) {
+    const auto surface = static_cast<std::size_t>(j);
+    const Vector3 relative = of.velocity - velocity(at, surface, of.position);
+    return normal(at, surface, of.position).dot(relative) < -beside * relative.norm();
+  };
+  std::optional<Slide> found = on;
+  while (true) {
+    std::int32_t more = -1;
+    if (!asked.empty()) {
+      more = asked.back();
+      asked.pop_back();
+      if (std::find(met.begin(), met.end(), more) != met.end()) continue;
+    } else {
+      const Way way{candidate.node, candidate.start, candidate.start_velocity, found->position, found->velocity};
+      more = next_meeting(at, way, found->touch, met).surface;
+      if (more < 0) return found;
+    }
+    if (comes(*found, more)) {
+      found.reset();
+      const auto take = [&](const Slide& of) {
+        const bool fits = of.normal >= 0.0 && std::none_of(met.begin(), met.end(), [&](std::int32_t j) {
+                            return !of.touch.has(j) && comes(of, j);
+                          });
+        if (!found && fits) found = of;
+      };
+      take(along(within, more, candidate));
+      for (std::size_t a = 0; a < met.size() && !found; ++a) take(between(within, met[a], more, candidate));
+      for (std::size_t a = 0; a < met.size() && !found; ++a)
+        for (std::size_t b = a + 1; b < met.size() && !found; ++b)
+          take(at_vertex(within, {met[a], true, met[b], more}, candidate));
+      if (!found) return std::nullopt;
+    }
+    met.push_back(more);
+    const double rounding = beside * (found->position - candidate.start).norm();
+    for (const std::int32_t j : met) {
+      const Touch& touch = found->touch;
+      if (touch.has(j) || touch.third >= 0) continue;
+      if (gap(at, static_cast<std::size_t>(j), found->position) >= -rounding) continue;
+      found->position = touch.second < 0
+                            ? onto_both(at, touch.surface, j, found->position)
+                            : at_vertex(within, {touch.surface, true, touch.second, j}, candidate).position;
+    }
+  }
+}
+
+// Flush with one that a node slides on, a surface adds nothing: they have no edge along which it could go.
+bool Contact::is_flush(const Placement& at, const Touch& on, std::int32_t surface, const Vector3& position) const {
+  constexpr double flush = 1e-12;
+  const Vector3 n = normal(at, static_cast<std::size_t>(surface), position);
+  const auto surfaces = on.surfaces();
+  return std::any_of(surfaces.begin(), surfaces.end(), [&](std::int32_t j) {
+    return j >= 0 && normal(at, static_cast<std::size_t>(j), position).dot(n) >= 1.0 - flush;
+  });
+}
+
 void Contact::slide(const Within& within, std::uint32_t node, const Slide& on, const Candidate& candidate) {
   const Placement& at = within.at;
   const Touch& before = committed_[node];
-  const auto way = [&](const Slide& of) {
-    return Way{node, candidate.start, candidate.start_velocity, of.position, of.velocity};
-  };
-  const Meeting next = second_meeting(at, way(on), on.touch.surface, on.touch.second);
-  // Flush with the one that it slides on, a surface adds nothing: they have no edge along which it could go.
-  constexpr double flush = 1e-12;
-  const auto normal_of = [&](std::int32_t j) { return normal(at, static_cast<std::size_t>(j), on.position); };
-  if (next.surface < 0 ||
-      (on.touch.second < 0 && normal_of(on.touch.surface).dot(normal_of(next.surface)) >= 1.0 - flush)) {
+  const Way way{node, candidate.start, candidate.start_velocity, on.position, on.velocity};
+  const Meeting next = next_meeting(at, way, on.touch);
+  // One that cannot make up its mind which surfaces it reaches in this step reaches all that it met so far.
+  const bool settles = slide_changes_[node] >= most_changes;
+  if (next.surface < 0 && !settles) {
+    if (now_[node] != on.touch) ++slide_changes_[node];
     put(within, node, on);
     return;
   }
-  const auto holds = [&](std::int32_t j) {
-    return surfaces_[static_cast<std::size_t>(j)].friction().kind == Friction::Kind::held;
-  };
-  // Friction of three would stop it anyway.
-  const auto is_smooth = [&](const Touch& touch) {
+  const auto friction_of = [&](std::int32_t j) { return surfaces_[static_cast<std::size_t>(j)].friction().kind; };
+  const auto any_is = [&](const Touch& touch, Friction::Kind kind) {
     const auto surfaces = touch.surfaces();
-    return std::none_of(surfaces.begin(), surfaces.end(), [&](std::int32_t j) {
-      return j >= 0 && surfaces_[static_cast<std::size_t>(j)].friction().kind != Friction::Kind::none;
-    });
+    return std::any_of(surfaces.begin(), surfaces.end(),
+                       [&](std::int32_t j) { return j >= 0 && friction_of(j) == kind; });
   };
-  if (on.touch.second >= 0 && is_smooth(on.touch) && is_smooth({next.surface})) {
-    Slide all = at_vertex(within, {on.touch.surface, true, on.touch.second, next.surface}, candidate);
-    if (all.normal < 0.0) all = off_vertex(within, all, candidate);
-    if (all.normal >= 0.0) {
-      put(within, node, all);
-      return;
-    }
-  }
-  const double rebounds = before.has(next.surface)
+  const double rebounds = next.surface < 0 || before.has(next.surface)
                               ? 0.0
                               : rebound(at, next.surface, on.position, candidate.start_velocity, candidate.velocity);
-  if (on.touch.second < 0 && !holds(on.touch.surface) && (!holds(next.surface) || rebounds > 0.0)) {
+  const bool holds = any_is(on.touch, Friction::Kind::held);
+  if (rebounds > 0.0 && on.touch.second < 0 && !holds) {
     const Slide both = between(within, on.touch.surface, next.surface, candidate, rebounds);
     if (both.normal >= 0.0) {
-      const Meeting third = second_meeting(at, way(both), on.touch.surface, next.surface);
-      if (third.surface < 0) {
-        put(within, node, both);
-        return;
-      }
-      Slide all = at_vertex(within, {both.touch.surface, true, both.touch.second, third.surface}, candidate);
-      if (all.normal < 0.0) all = off_vertex(within, all, candidate);
-      if (all.normal >= 0.0 && is_smooth(both.touch) && is_smooth({third.surface}))
-        put(within, node, all);
-      else
-        stop_between(within, node, both, third, candidate);
+      put(within, node, both);
       return;
     }
-    // The one that it met takes it off the first.
-    if (both.weakest == on.touch.surface && !before.has(next.surface)) {
-      const Slide other = along(within, next.surface, candidate);
-      if (other.normal >= 0.0) {
-        put(within, node, other);
-        return;
-      }
+  }
+  if (!holds && (next.surface < 0 || friction_of(next.surface) != Friction::Kind::held)) {
+    std::vector<std::int32_t> met;
+    const double length = (on.position - candidate.start).norm();
+    for (const std::int32_t j : met_[node])
+      if (settles && gap(at, static_cast<std::size_t>(j), on.position) <= length) met.push_back(j);
+    if (next.surface >= 0) met.push_back(next.surface);
+    const std::optional<Slide> found = among(within, on, met, candidate);
+    if (found && now_[node] != found->touch && !settles) ++slide_changes_[node];
+    for (const std::int32_t j : met)
+      if (std::find(met_[node].begin(), met_[node].end(), j) == met_[node].end()) met_[node].push_back(j);
+    if (found && found->touch.third >= 0 && any_is(found->touch, Friction::Kind::coulomb)) {
+      // Friction of three stops it.
+      const std::int32_t by = before.surface >= 0 && !before.slides ? before.surface : found->touch.surface;
+      const Vector3 place = before.surface == by ? carried(at, candidate.start, by) : found->position;
+      stop(within, node, {by, false}, place, candidate);
+      return;
+    }
+    if (found) {
+      put(within, node, *found);
+      return;
     }
   }
-  stop_between(within, node, on, next, candidate);
+  if (next.surface < 0)
+    put(within, node, on);
+  else
+    stop_between(within, node, on, next, candidate);
 }
 
 void Contact::stop(const Within& within, std::uint32_t node, const Touch& touch, const Vector3& place,

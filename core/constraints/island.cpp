@@ -5,6 +5,7 @@
 #include <Eigen/QR>
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <set>
 
 #include "constraints/friction.hpp"
@@ -14,12 +15,13 @@ namespace springnet {
 namespace {
 
 constexpr int most_rounds = Island::most_rounds;
-constexpr int most_changes = 200;       // of mind, before all possibilities are tried
-constexpr std::size_t most_coded = 64;  // bits of a code
-constexpr int most_bits = 12;           // of possibilities that are worth trying
-constexpr int most_directions = 200;    // of a slip that begins
-constexpr double singular = 1e-9;       // of the greatest pivot
-constexpr int most_guesses = 20;        // of those from its last acceleration
+constexpr int most_changes = 200;         // of mind, before all possibilities are tried
+constexpr std::size_t most_coded = 64;    // bits of a code
+constexpr std::size_t most_pivoted = 24;  // likewise, of impulses that are sought by changes first
+constexpr int most_bits = 12;             // of possibilities that are worth trying
+constexpr int most_directions = 200;      // of a slip that begins
+constexpr double singular = 1e-9;         // of the greatest pivot
+constexpr int most_guesses = 20;          // of those from its last acceleration
 
 std::vector<Vector3> active_normals(const ContactNode& node) {
   std::vector<Vector3> normals;
@@ -66,20 +68,47 @@ SplitReaction split_reaction(const std::vector<Vector3>& normals, const Vector3&
   return result;
 }
 
+std::vector<std::size_t> pressing_of(const std::vector<Vector3>& normals, const Vector3& reaction) {
+  const double rounding = 1e-12 * reaction.norm();
+  std::vector<std::size_t> best;
+  double least = std::numeric_limits<double>::infinity();  // what is left along them
+  const unsigned all = (1u << normals.size()) - 1;
+  for (unsigned set = all; set > 0; --set) {
+    std::vector<std::size_t> chosen;
+    std::vector<Vector3> some;
+    for (std::size_t i = 0; i < normals.size(); ++i) {
+      if ((set >> i & 1u) == 0) continue;
+      chosen.push_back(i);
+      some.push_back(normals[i]);
+    }
+    const SplitReaction split = split_reaction(some, reaction);
+    if (*std::min_element(split.normal.begin(), split.normal.end()) < -rounding) continue;
+    if (set == all) return chosen;
+    if (split.along.norm() >= least) continue;
+    least = split.along.norm();
+    best = chosen;
+  }
+  return best;
+}
+
 std::vector<Vector3> share_reaction(const std::vector<Vector3>& normals, const std::vector<double>& coefficients,
                                     const Vector3& reaction) {
   if (normals.size() == 1) return {reaction};
-  const SplitReaction split = split_reaction(normals, reaction);
-  std::vector<Vector3> result;
+  std::vector<std::size_t> pressing = pressing_of(normals, reaction);
+  for (std::size_t i = 0; pressing.empty() && i < normals.size(); ++i) pressing.push_back(i);  // all of them pull
+  std::vector<Vector3> some;
+  for (const std::size_t i : pressing) some.push_back(normals[i]);
+  const SplitReaction split = split_reaction(some, reaction);
+  std::vector<Vector3> result(normals.size(), Vector3::Zero());
   std::vector<double> bears;
   double all = 0.0;
-  for (std::size_t i = 0; i < normals.size(); ++i) {
-    result.emplace_back(split.normal[i] * normals[i]);
-    bears.push_back(coefficients[i] * std::max(0.0, split.normal[i]));
+  for (std::size_t s = 0; s < some.size(); ++s) {
+    result[pressing[s]] = split.normal[s] * some[s];
+    bears.push_back(coefficients[pressing[s]] * std::max(0.0, split.normal[s]));
     all += bears.back();
   }
-  if (all == 0.0) result[0] += split.along;  // rounding
-  for (std::size_t i = 0; i < normals.size() && all > 0.0; ++i) result[i] += bears[i] / all * split.along;
+  if (all == 0.0) result[pressing[0]] += split.along;  // rounding
+  for (std::size_t s = 0; s < some.size() && all > 0.0; ++s) result[pressing[s]] += bears[s] / all * split.along;
   return result;
 }
 
@@ -441,13 +470,17 @@ bool Island::resolve_impulses(double negligible) {
   const std::uint64_t start = code();
   std::vector<Vector3> before;  // those that there are may be near
   for (const ContactNode& node : nodes_) before.push_back(node.force);
-  if (pivot(negligible, changed) && directions_fit_) return true;
+  // Each change of many contacts costs as much as rounds of all of them.
+  const bool is_large = bit_count() > most_pivoted;
+  if (!is_large && pivot(negligible, changed) && directions_fit_) return true;
   // One whose normal force vanishes can neither hold nor let go: how great its friction is hardly matters then.
   bool relaxed = false;
   for (const double most : {friction_of_held, 1.0}) {
     if (bit_count() <= most_coded) set_code(start);
-    if ((relaxed = relax(most, most_rounds / 10, before))) break;
+    if ((relaxed = relax(most, is_large ? most_rounds : most_rounds / 10, before))) break;
   }
+  if (!relaxed && is_large && bit_count() <= most_coded) set_code(start);
+  if (!relaxed && is_large && pivot(negligible, changed) && directions_fit_) return true;
   if (!relaxed) {
     const std::vector<ContactNode> nearly = nodes_;
     if (bit_count() <= most_bits && try_all(negligible)) return true;
@@ -462,6 +495,7 @@ bool Island::resolve_impulses(double negligible) {
     solve();
     return true;
   }
+  if (is_large) return true;
   // What acts may be told exactly from there.
   const std::vector<ContactNode> found = nodes_;
   solve();
@@ -486,6 +520,30 @@ bool Island::resolve(double negligible, bool thoroughly) {
   if (jammed_.empty()) jammed_.assign(changed.begin(), changed.end());
   if (bits <= most_coded) set_code(start);
   return false;
+}
+
+void Island::hold(double negligible) {
+  std::set<std::pair<std::size_t, std::size_t>> kept;
+  while (true) {
+    solve();
+    double most = -negligible;
+    std::size_t node = nodes_.size(), side = 0;
+    for (std::size_t i = 0; i < nodes_.size(); ++i) {
+      for (std::size_t s = 0; s < nodes_[i].sides.size(); ++s) {
+        if (!nodes_[i].sides[s].touches || nodes_[i].normal_force[s] >= most || kept.contains({i, s})) continue;
+        most = nodes_[i].normal_force[s];
+        node = i;
+        side = s;
+      }
+    }
+    if (node == nodes_.size()) return;
+    // What pulls lets go where the gap opens then; each is asked once.
+    kept.emplace(node, side);
+    ContactSide& pulls = nodes_[node].sides[side];
+    pulls.touches = false;
+    solve();
+    if (pulls.normal.dot(acceleration(node)) - pulls.needed < 0.0) pulls.touches = true;
+  }
 }
 
 }  // namespace springnet

@@ -63,6 +63,10 @@ struct SplitReaction {
 };
 [[nodiscard]] SplitReaction split_reaction(const std::vector<Vector3>& normals, const Vector3& reaction);
 
+// Which of these surfaces make up R (N) such that none pulls: all if they do, else those that leave the least of it
+// along them; none if all pull.
+[[nodiscard]] std::vector<std::size_t> pressing_of(const std::vector<Vector3>& normals, const Vector3& reaction);
+
 // What of R is each surface's, N, with these coefficients of friction: along all of them as their cones are.
 [[nodiscard]] std::vector<Vector3> share_reaction(const std::vector<Vector3>& normals,
                                                   const std::vector<double>& coefficients, const Vector3& reaction);
@@ -101,6 +105,9 @@ class Island {
   // impulses. With Coulomb's friction such impulses exist; surfaces that hold keep what they touch where there are
   // none.
   [[nodiscard]] bool resolve_impulses(double negligible);
+  // Where resolve() found none: what is set stays, whatever the signs of its forces, unless its gap would open without
+  // it.
+  void hold(double negligible);
   // Forces for what is set, whatever their signs.
   void solve();
   // A node that sticks begins to slip where its friction does not let it go any more, by the forces of solve().

@@ -1,6 +1,7 @@
 // Directions in which a node in contact can move.
 #pragma once
 
+#include <cmath>
 #include <vector>
 
 #include <Eigen/Geometry>
@@ -9,17 +10,23 @@
 
 namespace springnet {
 
-// The directions in which a node with these normals can slide: two, one (along an edge) or none.
+// The directions in which a node with these normals can slide: two, one (along an edge) or none. Normals that are flush
+// or opposite, and those that lie in a plane, leave what one of them, and two, do.
 inline std::vector<Vector3> free_directions(const std::vector<Vector3>& normals) {
-  if (normals.size() == 1) {
-    const Vector3 e = normals[0].unitOrthogonal();
-    return {e, normals[0].cross(e)};
+  if (normals.empty()) return {};
+  constexpr double flush = 1e-12;
+  Vector3 edge = Vector3::Zero();
+  for (const Vector3& n : normals) {
+    if (edge.isZero(0.0)) {
+      const Vector3 e = normals[0].cross(n);
+      if (e.norm() > flush) edge = e.normalized();
+    } else if (std::abs(edge.dot(n)) > flush) {
+      return {};
+    }
   }
-  if (normals.size() == 2) {
-    const Vector3 e = normals[0].cross(normals[1]);
-    if (e.norm() > 1e-12) return {e.normalized()};
-  }
-  return {};
+  if (!edge.isZero(0.0)) return {edge};
+  const Vector3 e = normals[0].unitOrthogonal();
+  return {e, normals[0].cross(e)};
 }
 
 inline std::vector<Vector3> normals_of(const ContactNode& node) {

@@ -132,12 +132,21 @@ bool RigidConnections::correct_positions(const Placement& at, const Cluster& clu
 
 springnet_status RigidConnections::cannot_keep(const Cluster& cluster, springnet_message& message) const {
   const Rod& rod = rods_[cluster.rods.front()];
+  std::vector<std::int32_t> touched;
+  for (const std::uint32_t k : cluster.nodes)
+    for (const std::int32_t surface : contact_.now(k).surfaces())
+      if (surface >= 0 && std::find(touched.begin(), touched.end(), surface) == touched.end())
+        touched.push_back(surface);
+  std::sort(touched.begin(), touched.end());
   set_message(
       message,
       fmt::format("the rigid connections of the {} nodes that hang together with connection {} (nodes {} and "
-                  "{}) cannot keep their lengths: what is fixed, moved or in contact pulls them apart; look at "
+                  "{}) cannot keep their lengths: what is fixed, moved or in contact pulls them apart{}; look at "
                   "what moves there, or use a smaller time step",
-                  cluster.nodes.size(), cluster.rods.front(), user_number_[rod.first], user_number_[rod.second]));
+                  cluster.nodes.size(), cluster.rods.front(), user_number_[rod.first], user_number_[rod.second],
+                  touched.size() < 2
+                      ? ""
+                      : fmt::format(", or there is no place left for them between {}", contact_.names_of(touched))));
   return SPRINGNET_RECOVERABLE;
 }
 

@@ -326,7 +326,7 @@ bool RigidConnections::Step::meet() {
     const Contact::Way way{m.node, m.start, m.start_velocity, m.position, m.velocity};
     Contact::Meeting meeting;
     if (m.touch.surface >= 0) {
-      meeting = contact_.second_meeting(at_, way, m.touch.surface, m.touch.second);
+      meeting = contact_.next_meeting(at_, way, m.touch);
     } else {
       meeting = contact_.first_meeting(at_, m.start, m.position);
       // One that goes away is put back if it is behind what it goes away from.

@@ -350,6 +350,29 @@ void Engine::note_shed(double from) {
   }
 }
 
+// What surfaces that move leave of a node's place is none of the integrator's doing: no step and no force can mend it.
+springnet_status Engine::check_room(double time, const State& state) {
+  const std::vector<Obstacle>& surfaces = contact_.surfaces();
+  if (std::none_of(surfaces.begin(), surfaces.end(), [](const Obstacle& surface) { return surface.moves(); }))
+    return SPRINGNET_OK;
+  const std::shared_ptr<const Placement> at = placement(time);
+  for (std::uint32_t k = 0; k < layout_.node_count(); ++k) {
+    const Touch& touch = contact_.now(k);
+    if (contact_.fixed()[k] != 0 || touch.surface < 0) continue;
+    const Vector3 p = vector_at(state.view.position, k);
+    bool behind = false;
+    for (std::size_t j = 0; j < surfaces.size() && !behind; ++j) behind = contact_.gap(*at, j, p) < 0.0;
+    if (!behind) continue;
+    const std::vector<std::int32_t> closed = contact_.closed_around(*at, p, contact_tolerance());
+    if (closed.empty()) continue;
+    set_message(message_, fmt::format("At {:g} s there is no place left for node {} between {}: they have closed; stop "
+                                      "their motion before, or let the node get out of their way",
+                                      time, layout_.ordering().user[k], contact_.names_of(closed)));
+    return SPRINGNET_RECOVERABLE;
+  }
+  return SPRINGNET_OK;
+}
+
 void Engine::note_grazing(std::uint32_t node, std::size_t surface, double time) {
   const std::uint32_t user = layout_.ordering().user[node];
   report("grazing_touches", ++grazing_touches_);

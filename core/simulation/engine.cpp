@@ -242,6 +242,8 @@ springnet_status Engine::begin(double from, double until, Loads::Change loads) {
     if (status == SPRINGNET_OK) status = settle_contacts(time_, state_);
     if (status == SPRINGNET_OK)
       status = constraints_.project(*now, state_.view.position, state_.view.velocity, message_);
+    // Steps that begin here once more begin with the same contacts, also where none were found that fit.
+    unsettled_ = false;
   }
   // What was let go since the last step has nothing left to be told of.
   for (std::uint32_t k = 0; k < withheld_.size(); ++k)

@@ -229,6 +229,8 @@ class Engine {
   void note_energy();
   // Throws Error if the integrator may not commit this.
   void check_commit(double time, const State& state);
+  // SPRINGNET_RECOVERABLE and a message where surfaces have closed on a node that they touch.
+  springnet_status check_room(double time, const State& state);
 
   layers::Layout layout_;
   std::vector<double> mass_;

@@ -178,6 +178,7 @@ std::set<std::uint32_t> Engine::follow_prescribed() {
 
 springnet_status Engine::commit(double time, State& state) {
   check_commit(time, state);
+  if (const springnet_status room = check_room(time, state); room != SPRINGNET_OK) return room;
   if (state.view.force_is_current != 0 && !state.forces_finite()) state.view.force_is_current = 0;
   state_.swap(state);
   const double from = time_;

@@ -5,6 +5,7 @@
 
 #include <springnet/error.hpp>
 
+#include "constraints/friction.hpp"
 #include "constraints/island.hpp"
 #include "constraints/vectors.hpp"
 
@@ -60,12 +61,25 @@ springnet_status Engine::ReactionsAt::unbraced(std::uint32_t node, Vector3& reac
 springnet_status Engine::ReactionsAt::told(std::uint32_t node, Vector3& reaction, Vector3* withheld) {
   const springnet_status status = of(node, reaction);
   const Touch& touch = engine_.contact_.committed(node);
-  if (status != SPRINGNET_OK || touch.surface < 0 || touch.second >= 0) return status;
-  const Vector3 n =
-      engine_.contact_.normal(*placement_, static_cast<std::size_t>(touch.surface), vector_at(position_, node));
-  if (n.dot(reaction) >= 0.0) return status;
-  if (withheld != nullptr) *withheld = reaction;
+  if (status != SPRINGNET_OK || touch.surface < 0) return status;
+  const std::vector<Vector3> normals = engine_.contact_.normals(*placement_, node, vector_at(position_, node));
+  const std::vector<std::size_t> pressing = pressing_of(normals, reaction);
+  if (pressing.size() == normals.size()) return status;
+  const Vector3 all = reaction;
   reaction.setZero();
+  std::vector<Vector3> some;
+  for (const std::size_t i : pressing) some.push_back(normals[i]);
+  if (!some.empty()) {
+    const SplitReaction split = split_reaction(some, all);
+    double bears = 0.0;
+    for (std::size_t s = 0; s < some.size(); ++s) {
+      reaction += split.normal[s] * some[s];
+      const auto j = static_cast<std::size_t>(touch.surfaces()[pressing[s]]);
+      bears += bearing(engine_.coefficient(node, j), split.normal[s]);
+    }
+    if (const double along = split.along.norm(); along > 0.0) reaction += std::min(1.0, bears / along) * split.along;
+  }
+  if (withheld != nullptr) *withheld = all - reaction;
   return status;
 }
 

@@ -17,8 +17,8 @@ class Engine::ReactionsAt {
   springnet_status of(std::uint32_t node, Vector3& reaction);
   // The same without what nodes that stick brace themselves with.
   springnet_status unbraced(std::uint32_t node, Vector3& reaction);
-  // The same as it is told: what presses over a step of the network may pull at its end, where it then leaves. There it
-  // is zero. `withheld`: that pull, if wanted.
+  // The same as it is told: what presses over a step of the network may pull at its end, where it then leaves. Of such
+  // a surface it is zero. `withheld`: that pull, if wanted.
   springnet_status told(std::uint32_t node, Vector3& reaction, Vector3* withheld = nullptr);
   // What the node would do if no surface held it now that does not yet, with its rigid connections, m/s^2.
   springnet_status acceleration(std::uint32_t node, Vector3& acceleration);

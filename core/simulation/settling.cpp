@@ -252,7 +252,9 @@ void Engine::Settling::take(const ContactNode& node) {
     const ContactSide& side = node.sides[s];
     if (before.has(side.surface)) continue;
     if (!side.touches && node.impulse[s].isZero(0.0)) continue;
-    tell(Event::Kind::touched, k, side.surface, node.impulse[s]);
+    // What ends the rocking of a body may draw a node back; that is no blow.
+    const bool pulls = side.normal.dot(node.impulse[s]) < 0.0;
+    tell(Event::Kind::touched, k, side.surface, pulls ? Vector3(Vector3::Zero()) : node.impulse[s]);
     if (side.touches) {
       now = after(now, {ContactCause::Kind::touch, side.surface, node.sticks});
       arrived = true;
@@ -336,15 +338,17 @@ void Engine::Settling::keep_direction(std::uint32_t k) {
   keep(found && found->dot(goes) > 0.0 && slows > 0.0 ? *found : goes);
 }
 
-// What a surface that holds leaves of the slip of nodes that it struck, where it is no more than errors of integration.
-void Engine::Settling::stop_held(Island& island) const {
+// Ends the slip of nodes that a surface that holds struck, where it is slower than `slow` (m/s): no more than errors of
+// integration, or what is left of rocking. Returns whether there was any.
+bool Engine::Settling::stop_held(Island& island, double slow) const {
   for (ContactNode& node : island.nodes()) {
     for (std::size_t s = 0; s < node.sides.size(); ++s) {
       const ContactSide& side = node.sides[s];
       node.rests = node.rests || (!node.impulse[s].isZero(0.0) && coefficient_of(side.friction) >= friction_of_held &&
-                                  side.velocity.norm() <= jump * engine_.info_.velocity_scale);
+                                  side.velocity.norm() <= slow);
     }
   }
+  return island.stop(no_speed_);
 }
 
 // What is released begins without speed against the surface: what integration left of one would make it touch again.
@@ -403,6 +407,31 @@ double Engine::Settling::rebound_of(Island& island) {
   return least;
 }
 
+springnet_status Engine::Settling::hold_on(Island& island, double negligible,
+                                           std::vector<std::vector<Vector3>>& blows) {
+  const double slow = slow_rocking * engine_.info_.velocity_scale;
+  for (ContactNode& node : island.nodes()) {
+    std::fill(node.impulse.begin(), node.impulse.end(), Vector3::Zero());
+    node.rests = std::any_of(node.sides.begin(), node.sides.end(), [&](const ContactSide& side) {
+      const double mu = coefficient_of(side.friction);
+      return side.touches && mu > 0.0 && (mu >= friction_of_held || side.velocity.norm() <= slow);
+    });
+  }
+  if (island.stop(no_speed_)) {
+    strike(island);
+    for (std::size_t i = 0; i < blows.size(); ++i)
+      for (std::size_t s = 0; s < blows[i].size(); ++s) blows[i][s] += island.nodes()[i].impulse[s];
+    if (const springnet_status status = accelerate(island); status != SPRINGNET_OK) return status;
+  }
+  for (ContactNode& node : island.nodes()) {
+    if (!node.rests) continue;
+    node.moves = node.begins = false;
+    node.sticks = true;
+  }
+  island.hold(negligible);
+  return SPRINGNET_OK;
+}
+
 springnet_status Engine::Settling::settle(std::uint32_t node) {
   const std::uint32_t* clusters = engine_.rigid_.cluster_of();
   rods_.reset();
@@ -433,15 +462,18 @@ springnet_status Engine::Settling::settle(std::uint32_t node) {
       for (const ContactSide& side : each.sides) surfaces.insert(static_cast<std::size_t>(side.surface));
     return engine_.no_place(node, surfaces, time_);
   }
-  stop_held(island);
-  struck = island.stop(no_speed_) || struck;
+  struck = stop_held(island, jump * engine_.info_.velocity_scale) || struck;
   std::vector<std::vector<Vector3>> blows;  // N s, [node of the island][side]
   for (const ContactNode& each : island.nodes()) blows.emplace_back(each.sides.size(), Vector3::Zero());
   for (int jams = 0;; ++jams) {
     if (struck) {
       const bool rocks = chatters(island);
-      island.calm(std::max({fall_to_touch(island), rocks ? slow_rocking * engine_.info_.velocity_scale : 0.0,
-                            rocks ? fall_in_step(island) : 0.0}));
+      const double slow = std::max({fall_to_touch(island), rocks ? slow_rocking * engine_.info_.velocity_scale : 0.0,
+                                    rocks ? fall_in_step(island) : 0.0});
+      island.calm(slow);
+      // Its impulses, across the surfaces alone, turn the body: left as a slip, that would go on against friction that
+      // no finite forces fit.
+      if (rocks) stop_held(island, slow);
     }
     if (struck) strike(island);
     for (std::size_t i = 0; struck && i < blows.size(); ++i)
@@ -453,15 +485,13 @@ springnet_status Engine::Settling::settle(std::uint32_t node) {
     double forces = 0.0;
     for (const ContactNode& each : island.nodes())
       forces = std::max(forces, engine_.mass_[each.node] * each.acceleration.norm());
-    if (island.resolve(least_force * engine_.info_.force_scale + 1e-12 * forces)) break;
-    if (jams == most_jams) {
-      engine_.note_unresolved(node, time_);
-      break;
-    }
+    const double negligible = least_force * engine_.info_.force_scale + 1e-12 * forces;
+    if (island.resolve(negligible)) break;
     for (ContactNode& each : island.nodes()) std::fill(each.impulse.begin(), each.impulse.end(), Vector3::Zero());
-    struck = island.jam(10.0 * no_speed_);
+    struck = jams < most_jams && island.jam(10.0 * no_speed_);
     if (!struck) {
       engine_.note_unresolved(node, time_);
+      if (const springnet_status status = hold_on(island, negligible, blows); status != SPRINGNET_OK) return status;
       break;
     }
     for (const ContactNode& each : island.nodes())

@@ -140,8 +140,12 @@ springnet_status Engine::commit_sweeps(double time) {
                                             Event::Kind::stuck};
     Event event{kinds[static_cast<std::size_t>(change.kind)], time, layout_.ordering().user[change.node]};
     event.surface = change.surface;
+    // The reaction at the end may be more than that over a step that it did not last, or a method's error outweigh the
+    // blow: a surface never pulls, so that none is told then. The node's sum of impulses has what is missing.
     if (const auto blow = blows.find({change.node, change.surface});
-        change.kind == Kind::touched && blow != blows.end())
+        change.kind == Kind::touched && blow != blows.end() &&
+        contact_.normal(*at, static_cast<std::size_t>(change.surface), vector_at(state_.view.position, change.node))
+                .dot(blow->second) >= 0.0)
       event.impulse = blow->second;
     events_.push_back(event);
   };

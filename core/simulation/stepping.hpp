@@ -89,8 +89,9 @@ class Engine::Stepping {
   [[nodiscard]] bool reaches(const Member& m, std::size_t surface) const;
   // Surfaces that members meet on their way. Returns whether there are any.
   bool meet(Body& body);
-  // A lone node that was free stops at the surface, or bounces, within the step.
-  void arrive(Body& body, const Contact::Meeting& meeting);
+  // A lone node that was free stops at the surface, or bounces, from there to the next, within the step. Impulses of
+  // several bounces off one surface add up.
+  void arrive(Body& body, const Contact::Meeting& first);
   // Positions of what arrived fit again.
   springnet_status fit(Body& body);
   void decide(const Body& body) const;

@@ -14,6 +14,7 @@ namespace {
 constexpr std::uint32_t no_cluster = 0xffffffffu;
 constexpr int most_turns = 40;      // of contacts and places that depend on each other
 constexpr int most_failures = 3;    // to find forces, within a step
+constexpr int most_bounces = 1000;  // of a node, within a step
 constexpr int most_rounds = 4;      // of positions that bring more surfaces with them
 constexpr double accuracy = 1e-14;  // of places, in units of their coordinates and the way
 
@@ -199,16 +200,29 @@ bool Engine::Stepping::meet(Body& body) {
       return known != body.touchers.end() &&
              std::any_of(known->sides.begin(), known->sides.end(), [&](const Side& s) { return s.surface == surface; });
     };
+    // Flush with one that it is on already, a surface adds nothing.
+    const auto is_flush = [&](std::size_t surface) {
+      constexpr double flush = 1e-12;
+      const double rounding = accuracy * (m.start.cwiseAbs().maxCoeff() + (m.position - m.start).norm());
+      if (known == body.touchers.end() || contact_.gap(*at_, surface, m.position) < -rounding) return false;
+      const Vector3 n = contact_.normal(*at_, surface, m.position);
+      return std::any_of(known->sides.begin(), known->sides.end(), [&](const Side& side) {
+        return side.touches &&
+               contact_.normal(*at_, static_cast<std::size_t>(side.surface), m.position).dot(n) >= 1.0 - flush;
+      });
+    };
     Contact::Meeting first{-1, 2.0};
     for (std::int32_t j = 0; j < static_cast<std::int32_t>(contact_.surfaces().size()); ++j) {
       if (has(j)) continue;
       const auto surface = static_cast<std::size_t>(j);
       const auto share =
           contact_.surfaces()[surface].first_touch(from_at_->poses[surface], m.start, at_->poses[surface], m.position);
-      if (share && *share < first.share && reaches(m, surface)) first = {j, *share};
+      if (share && *share < first.share && reaches(m, surface) && !is_flush(surface)) first = {j, *share};
     }
     if (first.surface < 0) continue;
-    if (known != body.touchers.end() && known->sides.size() == 3) continue;
+    if (known != body.touchers.end() &&
+        std::count_if(known->sides.begin(), known->sides.end(), [](const Side& side) { return side.touches; }) == 3)
+      continue;
     any = true;
     if (!body.cluster && known == body.touchers.end()) {
       arrive(body, first);
@@ -231,41 +245,73 @@ bool Engine::Stepping::meet(Body& body) {
   return any;
 }
 
-void Engine::Stepping::arrive(Body& body, const Contact::Meeting& meeting) {
+void Engine::Stepping::arrive(Body& body, const Contact::Meeting& first) {
   Member& m = body.members[0];
-  const auto j = static_cast<std::size_t>(meeting.surface);
-  const Obstacle& obstacle = contact_.surfaces()[j];
-  const Vector3 place = contact_.taken_along(*at_, m.start, m.position, meeting);
-  const Vector3 w = Contact::velocity(*at_, j, place), gained = 2.0 * (m.velocity - m.start_velocity);
+  const Vector3 gained = 2.0 * (m.velocity - m.start_velocity);
   Toucher toucher{};
-  ContactNode node;
-  node.node = m.node;
-  ContactSide side;
-  side.surface = meeting.surface;
-  side.normal = contact_.normal(*at_, j, place);
-  side.friction = obstacle.friction();
-  side.velocity = m.start_velocity + meeting.share * gained - w;
-  side.restitution = obstacle.restitution();
-  node.sides.push_back(side);
-  Island island({std::move(node)}, Eigen::MatrixXd::Identity(3, 3) / engine_.mass_[m.node]);
-  // What rebounds slower than it falls again within the step stays.
-  const double falls = std::max(0.0, -side.normal.dot(gained - h_ * Contact::acceleration(*at_, j, place)));
-  const double least = side.restitution > 0.0 ? falls / side.restitution : std::numeric_limits<double>::infinity();
-  static_cast<void>(island.strike(least));
-  const ContactSide& struck = island.nodes()[0].sides[0];
-  const Vector3 arrival = island.nodes()[0].impulse[0];
-  const Vector3 before = side.velocity + w, after = before + arrival / engine_.mass_[m.node];
-  toucher.bounced = side.restitution > 0.0 && side.normal.dot(side.velocity) < -least;
-  const double rest = 1.0 - meeting.share;
-  const Vector3 slip = struck.velocity - side.normal * side.normal.dot(struck.velocity);
-  toucher.sticks = !toucher.bounced && is_rough(side) && slip.norm() <= engine_.no_speed();
-  toucher.slip = slip.norm() > 0.0 ? Vector3(slip.normalized()) : Vector3(Vector3::Zero());
-  m.position = place;
-  if (!toucher.sticks) m.position += rest * h_ * (after - w + 0.5 * rest * gained);
-  if (!toucher.bounced || contact_.gap(*at_, j, m.position) < 0.0) m.position = contact_.onto(*at_, j, m.position);
-  // Such that the kick, half a step of force, adds to what the force does after the touch.
-  m.velocity = after + (0.5 - meeting.share) * gained;
-  toucher.sides.push_back({meeting.surface, true, !toucher.bounced, 0.0, Vector3::Zero(), arrival});
+  // Where it is hit next, as the surface at the end of the step sees it, at what share of the step, and how fast it is.
+  Vector3 place = contact_.taken_along(*at_, m.start, m.position, first),
+          before = m.start_velocity + first.share * gained;
+  std::int32_t surface = first.surface;
+  double share = first.share;
+  for (int bounces = 1;; ++bounces) {
+    const auto j = static_cast<std::size_t>(surface);
+    const Obstacle& obstacle = contact_.surfaces()[j];
+    const Vector3 w = Contact::velocity(*at_, j, place);
+    ContactNode node;
+    node.node = m.node;
+    ContactSide side;
+    side.surface = surface;
+    side.normal = contact_.normal(*at_, j, place);
+    side.friction = obstacle.friction();
+    side.velocity = before - w;
+    side.restitution = obstacle.restitution();
+    node.sides.push_back(side);
+    Island island({std::move(node)}, Eigen::MatrixXd::Identity(3, 3) / engine_.mass_[m.node]);
+    // What rebounds slower than it falls again within the step stays.
+    const double falls = std::max(0.0, -side.normal.dot(gained - h_ * Contact::acceleration(*at_, j, place)));
+    const double least = side.restitution > 0.0 ? falls / side.restitution : std::numeric_limits<double>::infinity();
+    static_cast<void>(island.strike(least));
+    const ContactSide& struck = island.nodes()[0].sides[0];
+    const Vector3 arrival = island.nodes()[0].impulse[0];
+    const Vector3 after = before + arrival / engine_.mass_[m.node];
+    toucher.bounced = side.restitution > 0.0 && side.normal.dot(side.velocity) < -least;
+    const double rest = 1.0 - share;
+    const Vector3 slip = struck.velocity - side.normal * side.normal.dot(struck.velocity);
+    toucher.sticks = !toucher.bounced && is_rough(side) && slip.norm() <= engine_.no_speed();
+    toucher.slip = slip.norm() > 0.0 ? Vector3(slip.normalized()) : Vector3(Vector3::Zero());
+    m.position = place;
+    if (!toucher.sticks) m.position += rest * h_ * (after - w + 0.5 * rest * gained);
+    if (!toucher.bounced || contact_.gap(*at_, j, m.position) < 0.0) m.position = contact_.onto(*at_, j, m.position);
+    // Such that the kick, half a step of force, adds to what the force does after the touch.
+    m.velocity = after + (0.5 - share) * gained;
+    const auto same =
+        std::find_if(toucher.sides.begin(), toucher.sides.end(), [&](const Side& of) { return of.surface == surface; });
+    if (same == toucher.sides.end()) {
+      toucher.sides.push_back({surface, true, !toucher.bounced, 0.0, Vector3::Zero(), arrival});
+    } else {
+      same->arrival += arrival;
+      same->touches = !toucher.bounced;
+    }
+    if (!toucher.bounced || bounces == most_bounces) break;
+    // Off one it may come to another, from where it is now.
+    const Vector3 from = place - rest * h_ * w;
+    const std::shared_ptr<const Placement> now = contact_.at(just_after(from_ + share * h_));
+    Contact::Meeting next{-1, 2.0};
+    for (std::size_t k = 0; k < contact_.surfaces().size(); ++k) {
+      if (k == j) continue;
+      const auto met = contact_.surfaces()[k].first_touch(now->poses[k], from, at_->poses[k], m.position);
+      if (met && *met < next.share && contact_.gap(*at_, k, m.position) < 0.0)
+        next = {static_cast<std::int32_t>(k), *met};
+    }
+    if (next.surface < 0) break;
+    const auto k = static_cast<std::size_t>(next.surface);
+    const Vector3 start = now->poses[k].to_start(from), end = at_->poses[k].to_start(m.position);
+    place = contact_.onto(*at_, k, at_->poses[k].from_start(start + next.share * (end - start)));
+    before = after + next.share * rest * gained;
+    share += next.share * rest;
+    surface = next.surface;
+  }
   body.touchers.push_back(toucher);
 }
 

@@ -364,3 +364,17 @@ TEST_CASE("impulses over a step end approach within the cone, for all contacts a
   REQUIRE(pair.resolve_impulses(1e-12));
   for (const ContactNode& node : pair.nodes()) CHECK((node.force - Vector3(0, -0.1, 1.0)).norm() <= rounding);
 }
+
+TEST_CASE("a reaction is shared by surfaces that press, also between two that face each other") {
+  const Vector3 up(0, 0, 1), down(0, 0, -1), side(1, 0, 0);
+  const auto share = [](const std::vector<Vector3>& normals, const Vector3& reaction) {
+    return share_reaction(normals, std::vector<double>(normals.size(), 0.5), reaction);
+  };
+  CHECK((share({up, down}, {0, 0, 3})[0] - Vector3(0, 0, 3)).norm() <= 1e-12);
+  CHECK(share({up, down}, {0, 0, 3})[1].norm() <= 1e-12);
+  CHECK((share({up, side}, {2, 0, 3})[1] - Vector3(2, 0, 0)).norm() <= 1e-12);
+  // The side would have to pull: all of it is the floor's, as friction.
+  CHECK((share({up, side}, {-2, 0, 3})[0] - Vector3(-2, 0, 3)).norm() <= 1e-12);
+  CHECK(share({up, side}, {-2, 0, 3})[1].norm() == 0.0);
+  CHECK(pressing_of({up, side}, {-2, 0, -3}).empty());
+}

@@ -36,3 +36,35 @@ TEST_CASE("rigid bodies that tumble onto surfaces do not stop the network") {
     }
   }
 }
+
+TEST_CASE("no surface pulls at rigid bodies that tumble, nor is a blow told that does") {
+  std::vector<Way> ways = {{"verlet", {"verlet", {}}, 2.0}};
+  for (const double theta : {1.0, 0.5})
+    for (const double events : {0.0, 1.0})
+      ways.push_back({"theta " + std::to_string(theta) + ", events " + std::to_string(events),
+                      recurrent(newton, 1e-9, {{"theta", theta}, {"events", events}}), theta == 1.0 ? 1.0 : 2.0});
+  for (const std::uint64_t seed : {26, 27, 37}) {  // in a groove, on a plane
+    const Tumbling scene(seed);
+    const std::vector<Plane>& planes = scene.net.planes();
+    for (const Way& way : ways) {
+      INFO(scene.name() << ", seed " << seed << ": " << way.name);
+      Simulation s = simulate(scene.net, way.integrator, 0.0025);
+      double pull = 0.0, blow = 0.0;  // N, N s, the most
+      std::size_t seen = 0;
+      for (int i = 0; i < 600 && steps_on(s); ++i) {
+        for (std::size_t j = 0; j < planes.size(); ++j)
+          pull = std::max(pull, planes[j].normal.normalized().dot(s.surface_force(j)));
+        for (; seen < s.events().size(); ++seen) {
+          const Event& event = s.events()[seen];
+          if (event.kind != Event::Kind::touched || static_cast<std::size_t>(event.surface) >= planes.size()) continue;
+          const Plane& plane = planes[static_cast<std::size_t>(event.surface)];
+          blow = std::max(blow, -plane.normal.normalized().dot(event.impulse));
+        }
+      }
+      CHECK(seen > 0);
+      // Rounding of forces of some 10 N.
+      CHECK(pull <= 1e-9);
+      CHECK(blow <= 1e-12);
+    }
+  }
+}

@@ -178,10 +178,13 @@ bool Recurrent::advance_to_event(double until, springnet_step_report& report) {
   const double whole = until - from;
   work_.host.begin_step(from, until);
   crossings_.begin(work_.host, from, start);
+  const std::uint64_t revision = work_.host.network().revision;  // whose events these are
   double time = until;
   std::vector<double> probes;  // s, where a touch within the step may show, the earliest last
+  bool last = false;           // the interval is as narrow as it gets
   for (int looks = 0;; ++looks) {
     Step step = make_step(time);
+    if (work_.host.network().revision != revision) return false;
     step.decides = false;
     const Attempt attempt = propagate_from_start(step);
     if (!settled(attempt.verdict)) return false;
@@ -201,8 +204,13 @@ bool Recurrent::advance_to_event(double until, springnet_step_report& report) {
         take(step, true);
         return true;
       }
-      time = until;
-      continue;
+      // A step that decides on its way sees what passes by faster than the probes.
+      return false;
+    }
+    // Where rounding decides it, what was seen to happen in a longer step may not happen here: then this one is taken.
+    if (!crossed && last) {
+      take(step, true);
+      return true;
     }
     const bool narrow = crossings_.high() - crossings_.low() <= time_of_event * whole || looks >= most_looks;
     if (crossed && (narrow || time <= from + least_part * whole)) {
@@ -212,6 +220,7 @@ bool Recurrent::advance_to_event(double until, springnet_step_report& report) {
       work_.host.report("located_events", ++all_events_);
       return true;
     }
+    last = narrow;
     time = narrow ? crossings_.high() : std::max(crossings_.next_time(), from + least_part * whole);
   }
 }

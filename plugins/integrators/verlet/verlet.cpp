@@ -72,10 +72,17 @@ class Verlet : public Integrator {
         ++steps_since_check_ >= steps_per_check)
       check_stability(until - from);
     report.residual = report.force_difference = std::numeric_limits<double>::quiet_NaN();
+    bool commits = false;  // what is refused there, a smaller step does not mend
     try {
-      for (std::int64_t i = 1; i <= substeps_; ++i) step(i == substeps_ ? until : from + static_cast<double>(i) * h);
+      for (std::int64_t i = 1; i <= substeps_; ++i) {
+        const double end = i == substeps_ ? until : from + static_cast<double>(i) * h;
+        step(end);
+        commits = true;
+        host_.commit(end, *state_);  // ruptures are carried out there
+        commits = false;
+      }
     } catch (const Failure& failure) {
-      if (!failure.recoverable()) throw;
+      if (!failure.recoverable() || commits) throw;
       report.outcome = SPRINGNET_DIVERGING;
       throw Failure(std::string(failure.what()) + "; use a smaller time_step or more substeps", SPRINGNET_UNSETTLED);
     }
@@ -121,7 +128,6 @@ class Verlet : public Integrator {
     constrain(kick, start, next, until, h, next.velocity);
 
     next.force_is_current = 0;  // forces that depend on the velocity are those of the one before
-    host_.commit(until, next);  // ruptures are carried out there
   }
 
   // Nodes in contact: see springnet_sweep::contacts.
