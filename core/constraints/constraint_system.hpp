@@ -29,8 +29,8 @@ class ConstraintSystem {
   // The multipliers x of G W G^T x = b. Where rows are redundant the right side has to fit, as it does if it comes from
   // velocities or lengths; of the many answers it is the smallest.
   [[nodiscard]] Eigen::VectorXd solve(const Eigen::VectorXd& b) const;
-  // G v, m/s: how fast the distance of each row's ends grows with velocities of(node). A row without a second node
-  // stands on something that moves with ground(row).
+  // G v, one rate a row, m/s, of velocities of(node). A row without a second node stands on something that moves with
+  // ground(row).
   template <class Of, class Ground>
   [[nodiscard]] Eigen::VectorXd rates(const Of& of, const Ground& ground) const {
     Eigen::VectorXd result(static_cast<Eigen::Index>(rows_.size()));
@@ -45,7 +45,7 @@ class ConstraintSystem {
   [[nodiscard]] Eigen::VectorXd rates(const Of& of) const {
     return rates(of, [](const ConstraintRow&) -> Vector3 { return Vector3::Zero(); });
   }
-  // G^T x: the impulses (N s) that multipliers are; calls `add(node, impulse)` for both ends of every row.
+  // G^T x: the impulses (N s) of multipliers; calls `add(node, impulse)` for both ends of every row.
   template <class Add>
   void for_each_impulse(const Eigen::VectorXd& multipliers, Add&& add) const {
     for (std::size_t r = 0; r < rows_.size(); ++r) {

@@ -172,7 +172,9 @@ class Contact {
   // Where everything was when the step began.
   [[nodiscard]] const Placement& start() const { return *start_; }
   // Of the surfaces over the step just committed, N s; see decide().
-  [[nodiscard]] const Vector3& sweep_impulse(std::uint32_t node) const { return sweep_impulse_[node]; }
+  [[nodiscard]] Vector3 sweep_impulse(std::uint32_t node) const {
+    return sweep_impulse_.empty() ? Vector3(Vector3::Zero()) : sweep_impulse_[node];
+  }
   // The decisions of sweeps that were not committed are forgotten.
   void forget_sweep();
 

@@ -54,6 +54,16 @@ double slip_friction(const ContactNode& node) {
 
 }  // namespace
 
+bool surfaces_move_alike(const ContactNode& node, double negligible) {
+  const ContactSide* first = nullptr;
+  for (const ContactSide& side : node.sides) {
+    if (!side.touches) continue;
+    if (first != nullptr && (side.velocity - first->velocity).norm() > negligible) return false;
+    if (first == nullptr) first = &side;
+  }
+  return true;
+}
+
 SplitReaction split_reaction(const std::vector<Vector3>& normals, const Vector3& reaction) {
   SplitReaction result;
   if (normals.size() == 1) {

@@ -55,6 +55,9 @@ struct ContactNode {
   std::vector<Vector3> impulse{};      // N s, [side]
 };
 
+// Whether the surfaces that a node touches move alike, to `negligible` m/s: others cannot take it along together.
+[[nodiscard]] bool surfaces_move_alike(const ContactNode& node, double negligible);
+
 // Of a force R on a node that touches surfaces with these normals (one to three): normal forces that make up its part
 // across the directions in which the node can slide, and what is left along those.
 struct SplitReaction {

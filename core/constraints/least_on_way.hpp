@@ -1,4 +1,4 @@
-// The least value of a convex function on a way.
+// The minimum of a convex function on a way.
 #pragma once
 
 namespace springnet {
@@ -7,7 +7,8 @@ struct LeastOnWay {
   double share;  // of the way, 0 to 1
   double value;
 };
-// By golden section: so many turns, or until a value below `enough` was found. `value(share)` for shares between.
+// By golden section, in so many turns, or fewer once a value below `enough` was found. value(share) is asked for shares
+// between 0 and 1.
 template <class Value>
 [[nodiscard]] LeastOnWay least_on_way(const Value& value, double enough, int turns) {
   constexpr double golden = 0.6180339887498949;

@@ -73,7 +73,7 @@ void Obstacle::follow(const std::optional<Motion>& motion, const std::optional<T
 
 bool Obstacle::is_symmetric_about_turn() const {
   constexpr double rounding = 1e-12;
-  const Vector3 axis = turn_axis_.normalized();
+  const Vector3& axis = turn_axis_;
   if (shape_ == Shape::plane) return axis.cross(normal_).norm() <= rounding;
   if (shape_ == Shape::box) return false;
   const double size = radius_ + axis_.norm();
@@ -146,6 +146,21 @@ Vector3 Obstacle::onto(const Pose& pose, const Vector3& x) const { return x - ga
 std::optional<double> Obstacle::first_touch(const Pose& before, const Vector3& a, const Pose& after,
                                             const Vector3& b) const {
   return first_touch(before.to_start(a), after.to_start(b));
+}
+
+double Obstacle::inner_radius() const {
+  return is_plane() ? std::numeric_limits<double>::infinity()
+                    : radius_ + (shape_ == Shape::box ? half_.minCoeff() : 0.0);
+}
+
+double Obstacle::least_gap(const Pose& pose, const Vector3& x) const {
+  const Vector3 swing = 2.0 * trajectory_.amplitude();
+  double least = gap(pose, x) - (is_plane() && !turns() ? std::abs(normal_.dot(swing)) : swing.norm());
+  if (!pose.turns || turns_in_place()) return least;
+  if (is_plane()) return -std::numeric_limits<double>::infinity();
+  // Within a ball about the point that it turns about.
+  const double extent = (origin_ - pivot_).norm() + axis_.norm() + half_.norm() + radius_;
+  return (x - pivot_ - pose.displacement).norm() - extent - swing.norm();
 }
 
 Vector3 Obstacle::from_core(const Vector3& x, bool* between_ends) const {

@@ -86,9 +86,13 @@ class Obstacle {
   [[nodiscard]] double seam(const Pose& pose, const Vector3& x) const;
   // Onto the surface, along its normal.
   [[nodiscard]] Vector3 onto(const Pose& pose, const Vector3& x) const;
-  // How fast it swings, rad/s: its place is resolved by times that are apart by far less than the inverse. 0 where
-  // next_change() finds all that it does.
-  [[nodiscard]] double swing_rate() const noexcept { return trajectory_.swing_rate(); }
+  // How fast it swings from `time` to its next change, rad/s: its place is resolved by times that are apart by far less
+  // than the inverse. 0 where next_change() finds all that it does.
+  [[nodiscard]] double swing_rate(double time) const noexcept { return trajectory_.swing_rate(time); }
+  // The gap of a point that rests is never less than this while the obstacle swings or turns; m.
+  [[nodiscard]] double least_gap(const Pose& pose, const Vector3& x) const;
+  // Of the greatest ball inside, m; infinity for a plane.
+  [[nodiscard]] double inner_radius() const;
   // The share of the way from `a` (where the obstacle was at `before`) to `b` (at `after`), straight as the obstacle
   // sees it, at which a point first touches; empty if it does not. The gap is convex along a line, because the surface
   // bounds a convex body.

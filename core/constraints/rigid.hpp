@@ -57,7 +57,8 @@ class RigidConnections {
     // connections' directions at its start, and `position`, at its end, with it, until lengths are kept there. [node].
     // False if they cannot be.
     [[nodiscard]] bool keep_lengths(double h, std::vector<Vector3>& velocity, std::vector<Vector3>& position) const;
-    // The same of the engine's, where fixed nodes move as they do: pass(node, impulse) tells what reaches those, N s.
+    // Impulses of the connections give velocities that keep their lengths; those of fixed and moved nodes stay:
+    // pass(node, impulse) tells what reaches these, N s.
     template <class Pass>
     void pull_along(const springnet_vectors& velocity, Pass&& pass) const;
     // Takes out of velocities what connections do not allow; [node].
@@ -148,8 +149,14 @@ void RigidConnections::Unsupported::push(const std::vector<std::uint32_t>& nodes
 
 template <class Pass>
 void RigidConnections::Unsupported::pull_along(const springnet_vectors& velocity, Pass&& pass) const {
-  const Eigen::VectorXd multipliers =
-      system_.solve(-system_.rates([&](std::uint32_t node) { return vector_at(velocity, node); }));
+  Eigen::VectorXd rates = system_.rates([&](std::uint32_t node) { return vector_at(velocity, node); });
+  // Between two ends that stay nothing can be kept.
+  for (std::size_t r = 0; r < system_.rows().size(); ++r) {
+    const ConstraintRow& row = system_.rows()[r];
+    const std::vector<std::uint8_t>& fixed = rigid_.contact_.fixed();
+    if (fixed[row.first] != 0 && fixed[row.second] != 0) rates[static_cast<Eigen::Index>(r)] = 0.0;
+  }
+  const Eigen::VectorXd multipliers = system_.solve(-rates);
   system_.for_each_change(multipliers, [&](std::uint32_t node, const Vector3& change) {
     if (rigid_.contact_.fixed()[node] == 0) put_vector(velocity, node, vector_at(velocity, node) + change);
   });

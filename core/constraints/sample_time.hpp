@@ -23,7 +23,7 @@ struct SampleTime {
   return {time, time - std::max(rounding, 1e-12 * length)};
 }
 
-// In which nothing jumps, as its caller knows: at its end motions are those just before, elsewhere those just after.
+// The present step: motions at its end are those just before, elsewhere those just after.
 struct Interval {
   double from = 0.0, until = std::numeric_limits<double>::infinity();  // s
   [[nodiscard]] SampleTime at(double time) const noexcept {

@@ -24,8 +24,9 @@ class Trajectory {
   [[nodiscard]] Vector3 mean(double from, double until) const;
   // The next time after `time` at which velocity or acceleration may jump; infinity if there is none. s
   [[nodiscard]] double next_change(double time) const;
-  // Of a sinusoid, rad/s; 0 for others.
-  [[nodiscard]] double swing_rate() const noexcept;
+  // Of a sinusoid at a time, rad/s, and how far it swings, m; 0 for others.
+  [[nodiscard]] double swing_rate(double time) const noexcept;
+  [[nodiscard]] const Vector3& amplitude() const noexcept { return motion_.amplitude; }
   // False where the displacement is 0 at all times.
   [[nodiscard]] bool moves() const noexcept { return moves_; }
 

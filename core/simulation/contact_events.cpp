@@ -365,10 +365,7 @@ springnet_status Engine::check_room(double time, const State& state) {
     if (!behind) continue;
     const std::vector<std::int32_t> closed = contact_.closed_around(*at, p, contact_tolerance());
     if (closed.empty()) continue;
-    set_message(message_, fmt::format("At {:g} s there is no place left for node {} between {}: they have closed; stop "
-                                      "their motion before, or let the node get out of their way",
-                                      time, layout_.ordering().user[k], contact_.names_of(closed)));
-    return SPRINGNET_RECOVERABLE;
+    return no_place(k, closed, time);
   }
   return SPRINGNET_OK;
 }
@@ -383,16 +380,15 @@ void Engine::note_grazing(std::uint32_t node, std::size_t surface, double time) 
                   time, user, contact_.name_of(surface)));
 }
 
-springnet_status Engine::no_place(std::uint32_t node, const std::set<std::size_t>& surfaces, double time) {
-  std::string names;
-  for (const std::size_t j : surfaces) names += (names.empty() ? "" : ", ") + contact_.name_of(j);
+springnet_status Engine::no_place(std::uint32_t node, const std::vector<std::int32_t>& surfaces, double time) {
   const std::uint32_t* clusters = rigid_.cluster_of();
   const bool rods = clusters != nullptr && clusters[node] != ConstraintRow::no_node;
   set_message(message_,
-              fmt::format("At {:.9g} s there is no place left for node {}{}: {} and what else holds it close "
-                          "in on it. Stop what moves there before, or let it give way",
-                          time, layout_.ordering().user[node], rods ? " and what hangs rigidly on it" : "", names));
-  return SPRINGNET_FAILED;
+              fmt::format("At {:.9g} s there is no place left for node {}{} between {}{}: they have closed; stop their "
+                          "motion before, or let it get out of their way",
+                          time, layout_.ordering().user[node], rods ? ", with what hangs rigidly on it," : "",
+                          contact_.names_of(surfaces), surfaces.size() < 2 ? " and what else holds it" : ""));
+  return SPRINGNET_RECOVERABLE;
 }
 
 springnet_status Engine::find_squeezed(double time, const State& state) {
@@ -401,11 +397,11 @@ springnet_status Engine::find_squeezed(double time, const State& state) {
   for (std::uint32_t k = 0; k < layout_.node_count(); ++k) {
     if (contact_.fixed()[k] != 0 || contact_.touching()[k] == 0) continue;
     double deepest = 0.0;
-    std::set<std::size_t> surfaces;
+    std::vector<std::int32_t> surfaces;
     for (const std::int32_t surface : contact_.committed(k).surfaces()) {
       if (surface < 0) continue;
       const auto j = static_cast<std::size_t>(surface);
-      surfaces.insert(j);
+      surfaces.push_back(surface);
       deepest = std::max(deepest, -contact_.gap(*at, j, vector_at(state.view.position, k)));
     }
     if (deepest > squeezed * info_.length_scale) return no_place(k, surfaces, time);

@@ -182,7 +182,7 @@ class Engine {
   // No forces and impulses of surfaces were found that fit a node and what hangs rigidly on it.
   void note_unresolved(std::uint32_t node, double time);
   // The error that these surfaces leave no place to a node.
-  springnet_status no_place(std::uint32_t node, const std::set<std::size_t>& surfaces, double time);
+  springnet_status no_place(std::uint32_t node, const std::vector<std::int32_t>& surfaces, double time);
   // Nodes that are behind surfaces that they touch, where no positions fit them all.
   springnet_status find_squeezed(double time, const State& state);
   // The slip of a node begins or ends where errors of integration decide whether.

@@ -15,55 +15,70 @@ constexpr double roundings = 16.0;
 // the step.
 constexpr double shortest_part = 1.0 / 256.0;
 constexpr double tenth_of_turn = 0.6;  // rad
+// What is deeper in an obstacle than this share of the way to its middle is inside, however uncertain positions are.
+constexpr double share_of_inside = 0.25;
+
+// By how much a way may leave the straight one, m: twice what Hermite's cubic does, which is h (s (1-s)^2 (u0 - c) -
+// s^2 (1-s) (u1 - c)) for velocities u at its ends and c = way / h, and so at most 4/27 h (|u0 - c| + |u1 - c|).
+double bend_of(double bent0, double bent1) { return 2.0 * 4.0 / 27.0 * (bent0 + bent1); }
 
 }  // namespace
 
 Engine::ImpactSearch::ImpactSearch(Engine& engine, const springnet_impact_search& search)
-    : engine_(engine), search_(search), longest_(search.step_until - search.step_from) {
+    : engine_(engine), search_(search) {
   for (const EventSource& source : engine.event_sources())
     if (source.kind == EventSource::Kind::touch) pairs_.push_back({source.index, source.surface, source.depth});
-  const std::vector<Obstacle>& surfaces = engine.contact_.surfaces();
-  double quickest = 0.0;  // rad/s
-  for (const Obstacle& surface : surfaces) quickest = std::max(quickest, surface.swing_rate());
+  if (pairs_.empty()) return;
+  const double length = search.step_until - search.step_from;
+  for (const Obstacle& surface : engine.contact_.surfaces()) longest_.push_back(surface.swing_rate(search.step_from));
   // A table may turn a surface all the way round and have it rest at both ends.
   for (const double share : {0.0, 0.5, 1.0}) {
-    const std::shared_ptr<const Placement> at = engine.placement(search.step_from + share * longest_);
-    for (std::size_t j = 0; j < surfaces.size(); ++j)
-      if (!surfaces[j].turns_in_place()) quickest = std::max(quickest, at->poses[j].spin.norm());
+    const std::shared_ptr<const Placement> at = engine.placement(search.step_from + share * length);
+    for (std::size_t j = 0; j < longest_.size(); ++j)
+      if (!engine.contact_.surfaces()[j].turns_in_place())
+        longest_[j] = std::max(longest_[j], at->poses[j].spin.norm());
   }
-  if (quickest > 0.0) longest_ = std::min(longest_, tenth_of_turn / quickest);
+  for (double& each : longest_) each = each > 0.0 ? std::min(length, tenth_of_turn / each) : length;
 }
 
-std::optional<Engine::ImpactSearch::Instant> Engine::ImpactSearch::instant(double time) {
-  if (status_ != SPRINGNET_OK) return std::nullopt;
+bool Engine::ImpactSearch::evaluate(double time, Whole& whole) {
+  if (status_ != SPRINGNET_OK) return false;
   const std::size_t n = engine_.layout_.node_count();
-  Instant result{time, engine_.placement(time), std::vector<double>(6 * n)};
-  double* const x = result.values.data();
+  whole.time = time;
+  whole.at = engine_.placement(time);
+  whole.values.resize(6 * n);
+  double* const x = whole.values.data();
   status_ = search_.state_at(search_.user, time, {x, x + n, x + 2 * n}, {x + 3 * n, x + 4 * n, x + 5 * n});
-  if (status_ != SPRINGNET_OK) return std::nullopt;
+  return status_ == SPRINGNET_OK;
+}
+
+Engine::ImpactSearch::Place Engine::ImpactSearch::place(const Whole& whole, const Pair& pair) const {
+  const std::size_t n = engine_.layout_.node_count();
+  const double* const x = whole.values.data() + pair.node;
+  const Vector3 position(x[0], x[n], x[2 * n]);
+  return {position, {x[3 * n], x[4 * n], x[5 * n]}, engine_.contact_.gap(*whole.at, pair.surface, position)};
+}
+
+Engine::ImpactSearch::Instant Engine::ImpactSearch::instant(const Whole& whole, const std::vector<Pair>& pairs) const {
+  Instant result{whole.time, whole.at, {}};
+  result.places.reserve(pairs.size());
+  for (const Pair& pair : pairs) result.places.push_back(place(whole, pair));
   return result;
 }
 
-Vector3 Engine::ImpactSearch::position(const Instant& instant, std::uint32_t node) const {
-  const std::size_t n = engine_.layout_.node_count();
-  return {instant.values[node], instant.values[n + node], instant.values[2 * n + node]};
+bool Engine::ImpactSearch::may_reach(const Instant& from, const Instant& until, const Pair& pair, const Place& a,
+                                     const Place& b) const {
+  const double h = until.time - from.time;
+  const Vector3 way = b.position - a.position;
+  const double travel = way.norm() + bend_of((h * a.velocity - way).norm(), (h * b.velocity - way).norm());
+  const Obstacle& surface = engine_.contact_.surfaces()[pair.surface];
+  return surface.least_gap(from.at->poses[pair.surface], a.position) + pair.depth <= travel;
 }
 
-Vector3 Engine::ImpactSearch::velocity(const Instant& instant, std::uint32_t node) const {
-  const std::size_t n = engine_.layout_.node_count();
-  return {instant.values[3 * n + node], instant.values[4 * n + node], instant.values[5 * n + node]};
-}
-
-double Engine::ImpactSearch::value(const Instant& instant, const Pair& pair) const {
-  return engine_.contact_.gap(*instant.at, pair.surface, position(instant, pair.node)) + pair.depth;
-}
-
-// Seen from the surface, Hermite's cubic through both ends leaves the straight way c by h (s (1-s)^2 (u0 - c) - s^2
-// (1-s) (u1 - c)), where u are the velocities: by no more than 4/27 h (|u0 - c| + |u1 - c|). The way itself may bend
-// twice as much, and the gap changes by no more than the place. In a short part the cubic is taken for the way.
-bool Engine::ImpactSearch::comes_near(const Instant& from, const Instant& until, const Pair& pair,
-                                      bool short_part) const {
-  const double before = value(from, pair), after = value(until, pair);
+// As the surface sees it, that its gap changes by no more than the place. In a short part the cubic is the way.
+bool Engine::ImpactSearch::comes_near(const Instant& from, const Instant& until, const Pair& pair, const Place& a,
+                                      const Place& b, bool short_part) const {
+  const double before = a.gap + pair.depth, after = b.gap + pair.depth;
   if (before <= 0.0) return false;  // it touched then, or is watched for from deeper on
   if (after <= 0.0) return true;
   const Obstacle& surface = engine_.contact_.surfaces()[pair.surface];
@@ -72,34 +87,29 @@ bool Engine::ImpactSearch::comes_near(const Instant& from, const Instant& until,
     pose.turns = pose.turns && !surface.turns_in_place();
     return pose;
   };
-  const auto seen = [&](const Instant& instant, Vector3& place, Vector3& speed) {
-    const Pose pose = pose_of(instant);
-    const Vector3 x = position(instant, pair.node);
-    place = pose.to_start(x);
-    speed = velocity(instant, pair.node) - pose.velocity_at(x);
-    if (pose.turns) speed = pose.rotation.transpose() * speed;
+  const Pose first = pose_of(from), last = pose_of(until);
+  const auto seen = [](const Pose& pose, const Vector3& relative) {
+    return pose.turns ? Vector3(pose.rotation.transpose() * relative) : relative;
   };
-  Vector3 a, b, u0, u1;
-  seen(from, a, u0);
-  seen(until, b, u1);
   const double h = until.time - from.time;
-  const Vector3 way = b - a, bent0 = h * u0 - way, bent1 = h * u1 - way;
-  const Pose pose = pose_of(from);
-  const auto towards = [&](const Vector3& bent) {
-    if (!surface.is_flat()) return bent.norm();
-    const Vector3 n = surface.normal(pose, position(from, pair.node));
-    return std::abs((pose.turns ? Vector3(pose.rotation.transpose() * n) : n).dot(bent));
-  };
-  const double bend = 2.0 * 4.0 / 27.0 * (towards(bent0) + towards(bent1));
-  if (before + after - way.norm() > 2.0 * bend) return false;
-  const auto gap = [&](double s) {
-    Vector3 place = a + s * way;
-    if (short_part) place += s * (1.0 - s) * ((1.0 - s) * bent0 - s * bent1);
-    return surface.gap(pose, pose.from_start(place)) + pair.depth;
-  };
-  constexpr int turns = 30;  // to 5e-7 of the way, and the square of that in the gap
-  const double least =
-      std::min({before, after, least_on_way(gap, -std::numeric_limits<double>::infinity(), turns).value});
+  const Vector3 start = first.to_start(a.position), way = last.to_start(b.position) - start;
+  const Vector3 bent0 = h * seen(first, a.velocity - first.velocity_at(a.position)) - way;
+  const Vector3 bent1 = h * seen(last, b.velocity - last.velocity_at(b.position)) - way;
+  const bool flat = surface.is_flat();
+  const Vector3 n = flat ? seen(first, surface.normal(first, a.position)) : Vector3(Vector3::Zero());
+  const auto towards = [&](const Vector3& v) { return flat ? std::abs(n.dot(v)) : v.norm(); };
+  const double bend = bend_of(towards(bent0), towards(bent1));
+  if (before + after - towards(way) > 2.0 * bend) return false;
+  double least = std::min(before, after);
+  if (!flat || short_part) {
+    constexpr int turns = 30;  // to 5e-7 of the way, and the square of that in the gap
+    const auto gap = [&](double s) {
+      Vector3 place = start + s * way;
+      if (short_part) place += s * (1.0 - s) * ((1.0 - s) * bent0 - s * bent1);
+      return surface.gap(first, first.from_start(place)) + pair.depth;
+    };
+    least = std::min(least, least_on_way(gap, -std::numeric_limits<double>::infinity(), turns).value);
+  }
   return least <= (short_part ? 0.0 : bend);
 }
 
@@ -107,45 +117,64 @@ std::optional<double> Engine::ImpactSearch::first(const Instant& from, const Ins
                                                   const std::vector<Pair>& pairs, const Part& part) {
   const double length = until.time - from.time;
   if (until.time <= part.earliest || from.time >= part.latest) return std::nullopt;
-  const bool swings = length > longest_, short_part = length < shortest_part * longest_;
   std::vector<Pair> near;
+  Instant begin{from.time, from.at, {}}, end{until.time, until.at, {}};
   bool crosses = false;
-  for (const Pair& pair : pairs) {
-    if (!swings && !comes_near(from, until, pair, short_part)) continue;
+  for (std::size_t i = 0; i < pairs.size(); ++i) {
+    const Pair& pair = pairs[i];
+    const Place &a = from.places[i], &b = until.places[i];
+    const double longest = longest_[pair.surface];
+    if (length > longest ? !may_reach(from, until, pair, a, b)
+                         : !comes_near(from, until, pair, a, b, length < shortest_part * longest))
+      continue;
     near.push_back(pair);
-    crosses = crosses || (value(from, pair) > 0.0 && value(until, pair) <= 0.0);
+    begin.places.push_back(a);
+    end.places.push_back(b);
+    crosses = crosses || (a.gap + pair.depth > 0.0 && b.gap + pair.depth <= 0.0);
   }
   if (near.empty()) return std::nullopt;
-  const double epsilon = roundings * std::numeric_limits<double>::epsilon();
-  if (length <= epsilon * std::max(std::abs(until.time), search_.step_until - search_.step_from))
+  const double size = std::max(std::abs(until.time), search_.step_until - search_.step_from);
+  if (length <= roundings * std::numeric_limits<double>::epsilon() * size)
     return crosses ? std::optional(until.time) : std::nullopt;
-  const std::optional<Instant> middle = instant(from.time + 0.5 * length);
-  if (!middle) return std::nullopt;
-  const std::optional<double> early = first(from, *middle, near, part);
-  return early ? early : first(*middle, until, near, part);
+  if (!evaluate(from.time + 0.5 * length, between_)) return std::nullopt;
+  const Instant middle = instant(between_, near);
+  const std::optional<double> early = first(begin, middle, near, part);
+  return early ? early : first(middle, end, near, part);
 }
 
 // What goes deep enough is sought first, then where that began.
 springnet_status Engine::ImpactSearch::find(double& time) {
   time = std::numeric_limits<double>::quiet_NaN();
   if (pairs_.empty()) return SPRINGNET_OK;
-  const std::optional<Instant> start = instant(search_.step_from), end = instant(search_.step_until);
-  if (!start || !end) return status_;
   std::vector<Pair> deep = pairs_;
-  for (Pair& pair : deep) pair.depth += search_.depth;
-  const std::optional<double> inside = first(*start, *end, deep, {search_.from, search_.until});
-  const std::optional<Instant> then = inside ? instant(*inside) : std::nullopt;
-  if (!then) return status_;
+  for (Pair& pair : deep)
+    pair.depth += std::min(search_.depth, share_of_inside * engine_.contact_.surfaces()[pair.surface].inner_radius());
+  if (!evaluate(search_.step_from, between_)) return status_;
+  const Instant start = instant(between_, pairs_);
+  if (!evaluate(search_.step_until, between_)) return status_;
+  const std::optional<double> inside = first(start, instant(between_, pairs_), deep, {search_.from, search_.until});
+  if (!inside || !evaluate(*inside, between_)) return status_;
+  const Instant then = instant(between_, pairs_);
   std::vector<Pair> there;
-  for (std::size_t i = 0; i < pairs_.size(); ++i)
-    if (value(*then, deep[i]) <= 0.0) there.push_back(pairs_[i]);
+  Instant begin{start.time, start.at, {}}, end{then.time, then.at, {}};
+  for (std::size_t i = 0; i < pairs_.size(); ++i) {
+    if (then.places[i].gap + deep[i].depth > 0.0) continue;
+    there.push_back(pairs_[i]);
+    begin.places.push_back(start.places[i]);
+    end.places.push_back(then.places[i]);
+  }
   // No earlier than where another search found nothing: what it left is less deep.
-  const std::optional<double> begins = first(*start, *then, there, {search_.step_from, *inside});
+  const std::optional<double> begins = first(begin, end, there, {search_.step_from, *inside});
   if (status_ == SPRINGNET_OK) time = std::max(search_.from, begins.value_or(*inside));
   return status_;
 }
 
 springnet_status Engine::time_of_impact(const springnet_impact_search& search, double& time) {
+  struct Guard {
+    bool& flag;
+    explicit Guard(bool& of) : flag(of) { flag = true; }
+    ~Guard() { flag = false; }
+  } const guard(in_sweep_);  // the state that is asked for may not change what is searched
   return ImpactSearch(*this, search).find(time);
 }
 

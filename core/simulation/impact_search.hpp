@@ -12,6 +12,7 @@ namespace springnet {
 
 class Engine::ImpactSearch {
  public:
+  // As in springnet_host::time_of_impact.
   ImpactSearch(Engine& engine, const springnet_impact_search& search);
   // s; nan: nothing touches.
   springnet_status find(double& time);
@@ -24,28 +25,44 @@ class Engine::ImpactSearch {
     std::uint32_t surface;
     double depth;
   };
+  // All nodes at a time: [6 node], positions, then velocities, by components.
+  struct Whole {
+    double time;
+    std::shared_ptr<const Placement> at;
+    std::vector<double> values;
+  };
+  // Where the node of a pair is at a time, and the surface.
+  struct Place {
+    Vector3 position, velocity;  // m, m/s
+    double gap;                  // m
+  };
+  // Some pairs at a time.
   struct Instant {
     double time;
     std::shared_ptr<const Placement> at;
-    std::vector<double> values;  // [6 node]: positions, then velocities, by components
+    std::vector<Place> places;  // [pair]
   };
-  [[nodiscard]] std::optional<Instant> instant(double time);
-  [[nodiscard]] Vector3 position(const Instant& instant, std::uint32_t node) const;
-  [[nodiscard]] Vector3 velocity(const Instant& instant, std::uint32_t node) const;
-  [[nodiscard]] double value(const Instant& instant, const Pair& pair) const;  // m; below 0: behind
-  // Whether a pair has, or may have, a value below 0 between two instants.
-  [[nodiscard]] bool comes_near(const Instant& from, const Instant& until, const Pair& pair, bool short_part) const;
-  // The first time at which one has, to rounding, in the part from `earliest` to `latest`, s.
   struct Part {
-    double earliest, latest;
+    double earliest, latest;  // s
   };
+  [[nodiscard]] bool evaluate(double time, Whole& whole);
+  [[nodiscard]] Place place(const Whole& whole, const Pair& pair) const;
+  [[nodiscard]] Instant instant(const Whole& whole, const std::vector<Pair>& pairs) const;
+  // Whether a pair has, or may have, a gap below -depth between two times.
+  [[nodiscard]] bool comes_near(const Instant& from, const Instant& until, const Pair& pair, const Place& a,
+                                const Place& b, bool short_part) const;
+  // The same between times so far apart that its surface swings or turns unseen.
+  [[nodiscard]] bool may_reach(const Instant& from, const Instant& until, const Pair& pair, const Place& a,
+                               const Place& b) const;
+  // The first time in a part at which one has, to rounding.
   [[nodiscard]] std::optional<double> first(const Instant& from, const Instant& until, const std::vector<Pair>& pairs,
                                             const Part& part);
 
   Engine& engine_;
   const springnet_impact_search& search_;
   std::vector<Pair> pairs_;
-  double longest_;  // s, between instants: the surfaces turn and swing by no more than a tenth of a turn
+  std::vector<double> longest_;  // s, [surface] between times: it turns and swings by no more than a tenth of a turn
+  Whole between_{};              // of the last time that was asked for
   springnet_status status_ = SPRINGNET_OK;
 };
 

@@ -58,7 +58,7 @@ State& Engine::created_state(const springnet_state* state) {
 }
 
 void Engine::require_no_sweep() const {
-  if (in_sweep_) throw Error(ErrorKind::plugin, "it was called by the update of a node, within a sweep");
+  if (in_sweep_) throw Error(ErrorKind::plugin, "it was called within a sweep or a search, by what those call");
 }
 
 void Engine::refuse_call(const std::string& reason, bool misuse) noexcept {

@@ -101,6 +101,7 @@ const springnet_impact_search& checked(const springnet_impact_search* search) {
   if (!(request.step_until > request.step_from)) refuse("the step ends no later than it begins");
   require_finite(request.from, "from");
   require_finite(request.until, "until");
+  if (request.until < request.from) refuse("the part that is searched ends before it begins");
   if (!(request.depth >= 0.0 && std::isfinite(request.depth)))
     refuse(fmt::format("depth is {} m, has to be 0 or more", request.depth));
   if (request.state_at == nullptr) refuse("state_at is a null pointer");

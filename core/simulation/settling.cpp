@@ -214,7 +214,7 @@ void Engine::Settling::find_slips(Island& island) const {
     const Vector3 slip = split_reaction(normals, first->velocity).along;
     node.moves = slip.norm() > no_speed_ && friction > 0.0;
     if (node.moves) node.slip = slip.normalized();
-    node.sticks = !node.moves && friction > 0.0;
+    node.sticks = !node.moves && friction > 0.0 && surfaces_move_alike(node, jump * engine_.info_.velocity_scale);
     // Friction acts as it did: against what has no speed yet, or one that errors of integration have a part in.
     if (!engine_.contact_.committed(node.node).slides || node.rests || friction == 0.0) continue;
     const Contact::Slip phase = engine_.contact_.slip_phase(node.node);
@@ -457,10 +457,10 @@ springnet_status Engine::Settling::settle(std::uint32_t node) {
   bool struck = island.strike(rebound_of(island), no_speed_);
   // No impulses end the approach of surfaces between which a body is caught.
   if (island.approach() > std::max(caught * approached, jump * engine_.info_.velocity_scale)) {
-    std::set<std::size_t> surfaces;
+    std::set<std::int32_t> surfaces;
     for (const ContactNode& each : island.nodes())
-      for (const ContactSide& side : each.sides) surfaces.insert(static_cast<std::size_t>(side.surface));
-    return engine_.no_place(node, surfaces, time_);
+      for (const ContactSide& side : each.sides) surfaces.insert(side.surface);
+    return engine_.no_place(node, {surfaces.begin(), surfaces.end()}, time_);
   }
   struck = stop_held(island, jump * engine_.info_.velocity_scale) || struck;
   std::vector<std::vector<Vector3>> blows;  // N s, [node of the island][side]

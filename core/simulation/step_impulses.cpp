@@ -46,7 +46,8 @@ void Engine::book_motion(std::uint32_t node, const Placement& end) {
 
 springnet_status Engine::note_hanging() {
   hanging_.clear();
-  if (contact_.surfaces().empty() || step_length_ == 0.0) return SPRINGNET_OK;
+  const bool books = !contact_.surfaces().empty() || contact_.prescribed().any();
+  if (!books || step_length_ == 0.0) return SPRINGNET_OK;
   std::optional<ReactionsAt> reactions;
   for (std::size_t c = 0; c < rigid_.cluster_count(); ++c) {
     const std::vector<std::uint32_t>& nodes = rigid_.nodes_of(c);
@@ -90,7 +91,8 @@ springnet_status Engine::book_hanging(const Hanging& hanging, ReactionsAt& react
 }
 
 springnet_status Engine::commit_sweeps(double time) {
-  if (contact_.surfaces().empty()) return SPRINGNET_OK;
+  const bool surfaces_exist = !contact_.surfaces().empty();
+  if (!surfaces_exist && !contact_.prescribed().any()) return SPRINGNET_OK;
   using Kind = ContactChange::Kind;
   const std::vector<ContactChange> changes = contact_.commit_sweep(swept_decided_);
   if (!changes.empty()) ++revision_;
@@ -113,6 +115,7 @@ springnet_status Engine::commit_sweeps(double time) {
       if (contact_.prescribed().moves(k)) book_motion(k, *at);
       continue;
     }
+    if (!surfaces_exist) continue;
     at_once[k] = contact_.sweep_impulse(k) + swept_rest_ * withheld_[k];
     withheld_[k].setZero();
     std::vector<std::int32_t> surfaces;

@@ -183,7 +183,8 @@ void Engine::Stepping::take(const Body& body, const Island& island, const spring
       else
         tell(Event::Kind::released, k, surface);
     }
-    now = after(now, {node.sticks ? ContactCause::Kind::stick : ContactCause::Kind::slip});
+    const bool taken_along = node.sticks && surfaces_move_alike(node, 10.0 * engine_.no_speed());
+    now = after(now, {taken_along ? ContactCause::Kind::stick : ContactCause::Kind::slip});
     if (stays && now.slides != before.slides)
       tell(now.slides ? Event::Kind::slipped : Event::Kind::stuck, k, now.surface);
     contact_.touch(k, now, given);

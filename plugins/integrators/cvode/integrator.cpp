@@ -168,7 +168,7 @@ void ReferenceIntegrator::restart(double time, const springnet_state& state, dou
   check(CVodeSetInitStep(memory_.get(), first_step(time, stop)));
   watch_events(time);
   impact_.reset();
-  looked_until_ = time;
+  looked_until_ = restart_time_ = time;
   revision_ = network.revision;
   restart_ = false;
 }
@@ -331,6 +331,8 @@ bool ReferenceIntegrator::steps_reach(double target, long most, double& reached,
   // One by one where each is looked at.
   check(CVodeSetMaxNumSteps(memory, looks ? 1 : most));
   for (long done = 0; done < most; done += looks ? 1 : most) {
+    // What an output left of the last step.
+    if (looks) look_for_impact(target);
     const int flag = CVode(memory, impact_ ? std::min(target, *impact_) : target, y_.get(), &reached, CV_NORMAL);
     if (flag < 0 && flag != CV_TOO_MUCH_WORK) fail(flag, reached);
     if (looks) look_for_impact(target);
@@ -366,7 +368,7 @@ void ReferenceIntegrator::look_for_impact(double until) {
     check(CVodeGetDky(memory_.get(), time, 0, probe_.get()));
     unpack(data(probe_.get()), position, velocity, n);
   };
-  impact_ = host_.time_of_impact({end - length, end}, part, depth, write);
+  impact_ = host_.time_of_impact({std::max(end - length, restart_time_), end}, part, depth, write);
 }
 
 void ReferenceIntegrator::interpolate(double time) { check(CVodeGetDky(memory_.get(), time, 0, y_.get())); }

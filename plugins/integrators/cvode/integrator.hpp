@@ -43,7 +43,7 @@ class ReferenceIntegrator {
   double solve_until(double target, bool& event);
   // The same, but no more than so many steps; false: they did not get there.
   [[nodiscard]] bool steps_reach(double target, long most, double& reached, bool& event);
-  // A touch within the last step, up to a time, that roots, which compare its ends, do not show.
+  // The first touch within the last step, up to a time: roots show only those that its ends tell of.
   void look_for_impact(double until);
   // y_ becomes the state at a time within the last step.
   void interpolate(double time);
@@ -74,6 +74,7 @@ class ReferenceIntegrator {
   std::vector<std::int32_t> fired_;   // 1: this one
   std::optional<double> impact_;      // s: in the last step a node touches then;
   double looked_until_ = 0.0;         // none does until then
+  double restart_time_ = 0.0;         // s
   double last_event_time_;            // s
   std::uint64_t events_at_once_ = 0;
   long steps_before_ = 0;  // internal steps before advance()

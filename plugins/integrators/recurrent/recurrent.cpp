@@ -112,7 +112,7 @@ class Recurrent : public springnet::sdk::Integrator {
   springnet_status advance_once(double until, springnet_step_report& report);
   // Up to the next event, or `until`. False: a step did not settle, and nothing was done.
   [[nodiscard]] bool advance_to_event(double until, springnet_step_report& report);
-  // Where a step's ends show nothing: times, s, the earliest last, at which a node may be in a surface within it.
+  // When to look for touches inside of the step that its ends may not show; s, the earliest last.
   [[nodiscard]] std::vector<double> times_of_impact(const Step& step) const;
   [[nodiscard]] Step make_step(double until);
   // Sets tolerance and rounding of the step to what is known.
@@ -237,7 +237,7 @@ std::vector<double> Recurrent::times_of_impact(const Step& step) const {
   if (!first) return {};
   // A step that ends then differs from the course by the method's error: it may touch a little later.
   std::vector<double> times;
-  for (double share = 0.5; share > 0.01; share *= 0.5) times.push_back(*first + share * (step.until - *first));
+  for (const double share : {1.0 / 4.0, 1.0 / 16.0}) times.push_back(*first + share * (step.until - *first));
   times.push_back(*first);
   return times;
 }

@@ -459,9 +459,9 @@ typedef struct springnet_host {
 
   /* Since 1.3. */
   /* When a node first touches a surface in the part of the step that is searched, s, also where it has left the surface
-   * again by the end, through a thin obstacle say, which event_values at the ends do not show; nan if none does. The
-   * same to the last bit however a step is divided into such searches. fire_events at that time, with nothing marked,
-   * carries the touch out. */
+   * again by the end, through a thin obstacle say, which event_values at the ends do not show; nan if none does. How a
+   * step is divided into such searches does not matter. fire_events at that time, with nothing marked, carries the
+   * touch out. */
   springnet_status (*time_of_impact)(void* context, const springnet_impact_search* search, double* time);
 } springnet_host;
 
