@@ -161,7 +161,7 @@ Matrix3 ConstraintSet::turning_of(std::size_t rod, const springnet_const_vectors
   return tension / length * (Matrix3::Identity() - n * n.transpose());
 }
 
-bool ConstraintSet::rubs(const ConstraintRow& row) const {
+bool ConstraintSet::friction_follows_slip(const ConstraintRow& row) const {
   return row.surface >= 0 && contact_.slip_phase(row.first) == Contact::Slip::goes_on &&
          contact_.now(row.first).second < 0 &&
          sliding_coefficient_of(contact_.surfaces()[static_cast<std::size_t>(row.surface)].friction()) > 0.0;

@@ -80,7 +80,7 @@ class ConstraintSet {
   [[nodiscard]] Matrix3 turning_of(std::size_t rod, const springnet_const_vectors& position, double tension) const;
   // Whether friction along a row of a surface follows the slip, and then the derivative of the node's acceleration by
   // its velocity, 1/s, from its reaction, N. How normal forces change is left out.
-  [[nodiscard]] bool rubs(const ConstraintRow& row) const;
+  [[nodiscard]] bool friction_follows_slip(const ConstraintRow& row) const;
   [[nodiscard]] Matrix3 friction_of(const Placement& at, const ConstraintRow& row,
                                     const springnet_const_vectors& position, const springnet_const_vectors& velocity,
                                     const Vector3& reaction) const;

@@ -208,7 +208,8 @@ Vector3 Contact::slid(const Placement& at, std::uint32_t node, const Vector3& po
     const auto j = static_cast<std::size_t>(touch.surfaces()[static_cast<std::size_t>(i)]);
     const Vector3 relative = velocity - Contact::velocity(at, j, position), n = normal(at, j, position);
     normals.col(i) = directions.col(i) = n;
-    wanted[i] = -(n.dot(acceleration - Contact::acceleration(at, j, position)) + bending(at, j, position, relative));
+    wanted[i] =
+        -(n.dot(acceleration - Contact::acceleration(at, j, position)) + bias_acceleration(at, j, position, relative));
     const double mu = sliding_coefficient_of(surfaces_[j].friction());
     if (mu == 0.0) continue;
     Vector3 against = slip_direction(at, node, j, position, velocity);

@@ -67,9 +67,9 @@ class Contact {
   [[nodiscard]] Vector3 normal(const Placement& at, std::size_t surface, const Vector3& position) const {
     return surfaces_[surface].normal(at.poses[surface], position);
   }
-  [[nodiscard]] double bending(const Placement& at, std::size_t surface, const Vector3& position,
-                               const Vector3& relative) const {
-    return surfaces_[surface].bending(at.poses[surface], position, relative);
+  [[nodiscard]] double bias_acceleration(const Placement& at, std::size_t surface, const Vector3& position,
+                                         const Vector3& relative) const {
+    return surfaces_[surface].bias_acceleration(at.poses[surface], position, relative);
   }
   [[nodiscard]] Vector3 onto(const Placement& at, std::size_t surface, const Vector3& position) const {
     return surfaces_[surface].onto(at.poses[surface], position);
@@ -140,7 +140,7 @@ class Contact {
   // A node that slides on some surfaces: the next one that it runs into, beside those that are known; -1: none.
   [[nodiscard]] Meeting next_meeting(const Placement& at, const Way& way, const Touch& on,
                                      const std::vector<std::int32_t>& known = {}) const;
-  // Whether a node that was undecided may be held at its last surface, though it does not meet it on its way.
+  // Whether a node whose contact oscillated may be held at its last surface, though it does not meet it on its way.
   [[nodiscard]] bool could_reach(const Placement& at, std::uint32_t node, const Vector3& start,
                                  const Vector3& end) const;
   // Whether a node goes away from a surface that its straight way crosses.
@@ -156,8 +156,8 @@ class Contact {
   // The rule is discontinuous: a node that touches stops, which changes the forces on it by what dampers did, so that
   // it may not touch any more; then it moves, and touches. No state is a fixed point of that. Tells what is decided
   // for a node; true: it changed its mind too often in this step and stays in contact.
-  bool undecided(std::uint32_t node, bool stays);
-  [[nodiscard]] bool is_undecided(std::uint32_t node) const noexcept;
+  bool oscillates(std::uint32_t node, bool stays);
+  [[nodiscard]] bool oscillated(std::uint32_t node) const noexcept;
   // `impulse`: N s, of the surfaces over the step (of the reaction at its start, if theta < 1, none). One that bounces
   // touches, and is let go when the step is committed.
   void decide(std::uint32_t node, const Touch& touch, const Vector3& impulse, bool bounces = false);

@@ -23,11 +23,11 @@ void put_force(const springnet_sweep& sweep, std::uint32_t node, const Vector3& 
 
 }  // namespace
 
-bool Contact::is_undecided(std::uint32_t node) const noexcept {
+bool Contact::oscillated(std::uint32_t node) const noexcept {
   return !changes_.empty() && changes_[node] >= most_changes;
 }
 
-bool Contact::undecided(std::uint32_t node, bool stays) {
+bool Contact::oscillates(std::uint32_t node, bool stays) {
   if (changes_[node] >= most_changes) return true;
   if ((stayed_[node] != 0) != stays) ++changes_[node];
   stayed_[node] = stays ? 1 : 0;
@@ -127,7 +127,7 @@ void Contact::constrain_node(const Within& within, std::uint32_t node, const Vec
   const bool last_change = changes_[node] + (stayed_[node] != 0 ? 1 : 0) >= most_changes;
   if (committed_[node].surface < 0 && (!decides || (!last_change && first_meeting(at, start, end).surface < 0))) {
     // What most nodes do.
-    if (decides) static_cast<void>(undecided(node, false));
+    if (decides) static_cast<void>(oscillates(node, false));
     decide(node, {}, Vector3::Zero());
     return;
   }
@@ -159,7 +159,7 @@ bool Contact::stay(const Within& within, std::uint32_t node, const Candidate& ca
     Slide on = at_vertex(within, before, candidate);
     if (on.normal < 0.0) on = off_vertex(within, on, candidate);
     if (on.normal >= 0.0) {
-      static_cast<void>(undecided(node, true));
+      static_cast<void>(oscillates(node, true));
       slide(within, node, on, candidate);
       return true;
     }
@@ -167,7 +167,7 @@ bool Contact::stay(const Within& within, std::uint32_t node, const Candidate& ca
   } else if (before.second >= 0) {
     const Slide on = between(within, before.surface, before.second, candidate);
     if (on.normal >= 0.0) {
-      static_cast<void>(undecided(node, true));
+      static_cast<void>(oscillates(node, true));
       slide(within, node, on, candidate);
       return true;
     }
@@ -177,14 +177,14 @@ bool Contact::stay(const Within& within, std::uint32_t node, const Candidate& ca
   if (surfaces_[j].friction().kind == Friction::Kind::held) {
     const Vector3 place = carried(at, candidate.start, left);
     const Vector3 lacks = velocity(at, j, place) - candidate.velocity;
-    if (!is_undecided(node) && normal(at, j, place).dot(candidate.inertia * lacks) < 0.0) return false;
-    static_cast<void>(undecided(node, true));
+    if (!oscillated(node) && normal(at, j, place).dot(candidate.inertia * lacks) < 0.0) return false;
+    static_cast<void>(oscillates(node, true));
     stop(within, node, {left, false}, place, candidate);
     return true;
   }
   const Slide on = along(within, left, candidate);
   if (on.normal < 0.0) return false;
-  static_cast<void>(undecided(node, true));
+  static_cast<void>(oscillates(node, true));
   slide(within, node, on, candidate);
   return true;
 }
@@ -239,7 +239,7 @@ void Contact::meet(const Within& within, std::uint32_t node, const Candidate& ca
   const Way way{node, candidate.start, candidate.start_velocity, candidate.position, candidate.velocity};
   if (meeting.surface >= 0 && leaves(at, meeting.surface, way)) meeting.surface = -1;
   if (meeting.surface >= 0) last_surface_[node] = meeting.surface;
-  const bool stays = undecided(node, meeting.surface >= 0);
+  const bool stays = oscillates(node, meeting.surface >= 0);
   if (meeting.surface < 0 && !stays) {
     decide(node, {}, Vector3::Zero());
     return;

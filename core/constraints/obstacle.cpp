@@ -121,7 +121,7 @@ Matrix3 Obstacle::curvature(const Pose& pose, const Vector3& x) const {
 
 // In the obstacle's frame the point moves with R^T relative and is accelerated by R^T (a - acceleration_at - 2 spin x
 // relative).
-double Obstacle::bending(const Pose& pose, const Vector3& x, const Vector3& relative) const {
+double Obstacle::bias_acceleration(const Pose& pose, const Vector3& x, const Vector3& relative) const {
   double result = is_flat() ? 0.0 : relative.dot(curvature(pose, x) * relative);
   if (pose.turns) result -= 2.0 * normal(pose, x).dot(pose.spin.cross(relative));
   return result;

@@ -79,7 +79,7 @@ class Obstacle {
   [[nodiscard]] Matrix3 curvature(const Pose& pose, const Vector3& x) const;
   // The part of the gap's second derivative, m/s^2, that is not normal . (a - acceleration_at): of a point that moves
   // with `relative` (m/s) against the surface.
-  [[nodiscard]] double bending(const Pose& pose, const Vector3& x, const Vector3& relative) const;
+  [[nodiscard]] double bias_acceleration(const Pose& pose, const Vector3& x, const Vector3& relative) const;
   // Below and above 0 by turns on the pieces of a surface between which its curvature jumps, which a step of high order
   // must not cross: the faces, edges and corners of a box, the wall and the ends of a capsule; m. 0 between them,
   // infinity where the surface is of one piece.

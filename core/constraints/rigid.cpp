@@ -182,7 +182,7 @@ void RigidConnections::accelerate(const Placement& at, std::size_t number, const
       const std::uint32_t i = member_of_[rows[r].first];
       const auto j = static_cast<std::size_t>(rows[r].surface);
       turning[row] =
-          contact_.bending(at, j, p[i], vector_at(velocity, rows[r].first) - Contact::velocity(at, j, p[i])) -
+          contact_.bias_acceleration(at, j, p[i], vector_at(velocity, rows[r].first) - Contact::velocity(at, j, p[i])) -
           n.dot(Contact::acceleration(at, j, p[i]));
     }
   }

@@ -132,7 +132,7 @@ void RigidConnections::Step::add_member(std::uint32_t node, const springnet_swee
   if (contact_.surfaces().empty() || m.fixed) return;
   const std::size_t i = members_.size() - 1;
   const Touch committed = contact_.committed(node);
-  const bool stays = contact_.is_undecided(node);
+  const bool stays = contact_.oscillated(node);
   if (committed.surface >= 0) {
     members_[i].place = contact_.carried(at_, m.start, committed.surface);
     for (const std::int32_t surface : committed.surfaces())
@@ -168,12 +168,12 @@ void RigidConnections::Step::touch(std::size_t member, std::int32_t surface, boo
   const bool is_first = place == nodes.end() || place->node != member;
   if (is_first) place = nodes.insert(place, ContactNode{static_cast<std::uint32_t>(member), {}});
   place->sides.push_back(side);
-  const bool rubs = sliding_coefficient_of(side.friction) > 0.0;
+  const bool has_friction = sliding_coefficient_of(side.friction) > 0.0;
   if (const Touch committed = contact_.committed(m.node); !is_new && committed.slides) {
     place->sticks = false;
     place->slip = contact_.slip(m.node);
   } else {
-    place->sticks = is_first ? rubs : place->sticks || rubs;
+    place->sticks = is_first ? has_friction : place->sticks || has_friction;
   }
   island_.emplace(std::move(nodes), Eigen::MatrixXd());
   mobility_stale_ = true;
@@ -320,7 +320,7 @@ bool RigidConnections::Step::meet() {
   double first = 2.0;
   for (std::size_t i = 0; i < members_.size(); ++i) {
     const Member& m = members_[i];
-    if (m.fixed || contact_.is_undecided(m.node) || !m.moves) continue;
+    if (m.fixed || contact_.oscillated(m.node) || !m.moves) continue;
     const ContactNode* known = contact_of(i);
     if (known != nullptr && known->sides.size() == 3) continue;
     const Contact::Way way{m.node, m.start, m.start_velocity, m.position, m.velocity};
@@ -442,7 +442,7 @@ springnet_status RigidConnections::constrain(const Placement& end, std::size_t i
     if (contact_.surfaces().empty()) continue;
     const bool touches = m.touch.surface >= 0;
     if (step.decides()) {
-      static_cast<void>(contact_.undecided(m.node, touches));
+      static_cast<void>(contact_.oscillates(m.node, touches));
       if (const Vector3 friction = step.friction_on(i); m.touch.slides && friction.norm() > 0.0)
         contact_.set_slip(m.node, -friction);
     }

@@ -43,7 +43,7 @@ const std::vector<Engine::EventSource>& Engine::event_sources() {
   for (std::uint32_t k = 0; surfaces > 0 && k < layout_.node_count(); ++k) {
     if (contact_.fixed()[k] != 0) continue;
     const Touch touch = contact_.committed(k);
-    bool rubs = false;
+    bool has_friction = false;
     for (const std::int32_t j : touch.surfaces()) {
       if (j < 0) continue;
       sources_.push_back({Kind::release, k, static_cast<std::uint32_t>(j)});
@@ -51,9 +51,9 @@ const std::vector<Engine::EventSource>& Engine::event_sources() {
         sources_.push_back({Kind::seam, k, static_cast<std::uint32_t>(j)});
       const double mu = coefficient(k, static_cast<std::size_t>(j));
       // What holds without bounds does not slip.
-      rubs = rubs || (touch.slides ? mu > 0.0 : mu > 0.0 && std::isfinite(mu));
+      has_friction = has_friction || (touch.slides ? mu > 0.0 : mu > 0.0 && std::isfinite(mu));
     }
-    if (rubs && touch.third < 0) {
+    if (has_friction && touch.third < 0) {
       const auto j = static_cast<std::uint32_t>(touch.surface);
       if (!touch.slides) {
         sources_.push_back({Kind::slip, k, j});

@@ -250,7 +250,7 @@ springnet_status Engine::begin(double from, double until, Loads::Change loads) {
     if (contact_.touching()[k] == 0) withheld_[k].setZero();
   contact_.begin_step(now);
   swept_ = false;
-  if (status == SPRINGNET_OK) status = note_hanging();
+  if (status == SPRINGNET_OK) status = note_anchored();
   return status;
 }
 

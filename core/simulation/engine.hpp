@@ -132,7 +132,7 @@ class Engine {
   class ImpactSearch;
   class ReactionsAt;
   class Settling;
-  struct Hanging;
+  struct AnchoredCluster;
   class Stepping;
   struct NodeEvaluation;
 
@@ -209,9 +209,9 @@ class Engine {
   std::vector<Vector3> book_contact(std::uint32_t node, const std::vector<std::int32_t>& surfaces, const Placement& at,
                                     const Vector3& impulse);
   void book_motion(std::uint32_t node, const Placement& end);
-  springnet_status book_hanging(const Hanging& hanging, ReactionsAt& reactions);
+  springnet_status book_anchored(const AnchoredCluster& anchored, ReactionsAt& reactions);
   // How nodes that hang rigidly on fixed ones begin the step, for that.
-  springnet_status note_hanging();
+  springnet_status note_anchored();
   // What a constrain asks for that is a drift or a kick.
   springnet_status step_explicitly(const springnet_sweep& step);
   void note(Event::Kind kind, double time, std::uint32_t user_index) { events_.push_back({kind, time, user_index}); }
@@ -254,13 +254,13 @@ class Engine {
   bool swept_decided_ = false;          // about contacts
   std::shared_ptr<Stepping> stepping_;  // of velocity Verlet, the last step; null: none
   std::vector<Vector3> withheld_;  // [node] N: what reactions_at.hpp's told() left out at the last commit; may be empty
-  struct Hanging {
+  struct AnchoredCluster {
     std::size_t cluster;
     std::vector<Vector3> velocity, acceleration;  // m/s, m/s^2, [node of the cluster]
   };
-  std::vector<Hanging> hanging_;  // clusters with fixed nodes, as the step began
-  double swept_rest_ = 0.0;       // s: 1 - theta times the time constant
-  double swept_weight_ = 0.0;     // s: theta times the time constant of the last sweep
+  std::vector<AnchoredCluster> anchored_;  // clusters with fixed nodes, as the step began
+  double swept_rest_ = 0.0;                // s: 1 - theta times the time constant
+  double swept_weight_ = 0.0;              // s: theta times the time constant of the last sweep
   std::vector<ScheduledCut> cuts_;
   std::vector<Event> events_;
   std::map<std::string, double> statistics_;

@@ -28,7 +28,7 @@ springnet_status Engine::linearise_constraints(const springnet_evaluation& at) {
     linearisation_.add_bond(rigid_.rods()[r].first, rigid_.rods()[r].second,
                             constraints_.turning_of(r, at.position, known().tensions()[r]));
   for (const ConstraintRow& row : constraints_.rows()) {
-    if (!constraints_.rubs(row)) continue;
+    if (!constraints_.friction_follows_slip(row)) continue;
     Vector3 reaction;
     if (const springnet_status status = known().of(row.first, reaction); status != SPRINGNET_OK) return status;
     linearisation_.add_to_velocity_block(

@@ -101,7 +101,7 @@ void Engine::Settling::add_sides(ContactNode& node) const {
     side.restitution = obstacle.restitution();
     side.velocity = v - Contact::velocity(*at_, j, p);
     side.surface_acceleration = Contact::acceleration(*at_, j, p);
-    side.needed = side.normal.dot(side.surface_acceleration) - contact.bending(*at_, j, p, side.velocity);
+    side.needed = side.normal.dot(side.surface_acceleration) - contact.bias_acceleration(*at_, j, p, side.velocity);
     side.touches = was && !is_in(found.released, surface);
     const double speed = side.normal.dot(side.velocity);
     if (!was) {
@@ -161,7 +161,8 @@ springnet_status Engine::Settling::accelerate(Island& island) {
     const Vector3 p = vector_at(position, node.node);
     for (ContactSide& side : node.sides) {
       const auto j = static_cast<std::size_t>(side.surface);
-      side.needed = side.normal.dot(side.surface_acceleration) - engine_.contact_.bending(*at_, j, p, side.velocity);
+      side.needed =
+          side.normal.dot(side.surface_acceleration) - engine_.contact_.bias_acceleration(*at_, j, p, side.velocity);
     }
   }
   return SPRINGNET_OK;

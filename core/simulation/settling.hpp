@@ -55,8 +55,8 @@ class Engine::Settling {
   bool stop_held(Island& island, double slow) const;
   // Impulses of the island change velocities.
   void strike(const Island& island);
-  // Where no forces fit: what rubs comes to rest if it slips no faster than errors of integration or rocking, and
-  // stays. A surface that holds a node in vain takes energy; one that rubs with a pull gives some.
+  // Where no forces fit: what slips with friction comes to rest if it slips no faster than errors of integration or
+  // rocking, and stays. A surface that holds a node in vain takes energy; friction of a pull gives some.
   springnet_status hold_on(Island& island, double negligible, std::vector<std::vector<Vector3>>& blows);
   // Whether and where nodes slip, from their velocities.
   void find_slips(Island& island) const;

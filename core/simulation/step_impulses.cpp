@@ -44,8 +44,8 @@ void Engine::book_motion(std::uint32_t node, const Placement& end) {
                                             swept_weight_ * prescribed.acceleration(after, node)));
 }
 
-springnet_status Engine::note_hanging() {
-  hanging_.clear();
+springnet_status Engine::note_anchored() {
+  anchored_.clear();
   const bool books = !contact_.surfaces().empty() || contact_.prescribed().any();
   if (!books || step_length_ == 0.0) return SPRINGNET_OK;
   std::optional<ReactionsAt> reactions;
@@ -56,10 +56,10 @@ springnet_status Engine::note_hanging() {
     if (!reactions) reactions.emplace(*this, time_, read_only(state_.view.position), read_only(state_.view.velocity));
     if (const springnet_status status = reactions->know(static_cast<std::uint32_t>(c)); status != SPRINGNET_OK)
       return status;
-    Hanging& hanging = hanging_.emplace_back(Hanging{c, {}, {}});
+    AnchoredCluster& anchored = anchored_.emplace_back(AnchoredCluster{c, {}, {}});
     for (const std::uint32_t k : nodes) {
-      hanging.velocity.push_back(vector_at(state_.view.velocity, k));
-      hanging.acceleration.push_back(reactions->bound(k));
+      anchored.velocity.push_back(vector_at(state_.view.velocity, k));
+      anchored.acceleration.push_back(reactions->bound(k));
     }
   }
   return SPRINGNET_OK;
@@ -67,20 +67,20 @@ springnet_status Engine::note_hanging() {
 
 // What connections gave the nodes that can move is what forces, reactions and surfaces did not; what holds the others
 // bears the opposite of what they get.
-springnet_status Engine::book_hanging(const Hanging& hanging, ReactionsAt& reactions) {
-  const std::vector<std::uint32_t>& nodes = rigid_.nodes_of(hanging.cluster);
-  if (const springnet_status status = reactions.know(static_cast<std::uint32_t>(hanging.cluster));
+springnet_status Engine::book_anchored(const AnchoredCluster& anchored, ReactionsAt& reactions) {
+  const std::vector<std::uint32_t>& nodes = rigid_.nodes_of(anchored.cluster);
+  if (const springnet_status status = reactions.know(static_cast<std::uint32_t>(anchored.cluster));
       status != SPRINGNET_OK)
     return status;
   std::vector<Vector3> impulses;
   for (std::size_t i = 0; i < nodes.size(); ++i) {
     const std::uint32_t k = nodes[i];
-    const Vector3 change = vector_at(state_.view.velocity, k) - hanging.velocity[i];
+    const Vector3 change = vector_at(state_.view.velocity, k) - anchored.velocity[i];
     impulses.emplace_back(mass_[k] *
-                              (change - swept_rest_ * hanging.acceleration[i] - swept_weight_ * reactions.free(k)) -
+                              (change - swept_rest_ * anchored.acceleration[i] - swept_weight_ * reactions.free(k)) -
                           contact_.sweep_impulse(k));
   }
-  rigid_.pass_on(hanging.cluster, read_only(state_.view.position), impulses);
+  rigid_.pass_on(anchored.cluster, read_only(state_.view.position), impulses);
   for (std::size_t i = 0; i < nodes.size(); ++i) {
     if (contact_.fixed()[nodes[i]] == 0) continue;
     contact_.add_impulse(
@@ -136,8 +136,8 @@ springnet_status Engine::commit_sweeps(double time) {
     const std::vector<Vector3> shares = book_contact(k, surfaces, *at, at_once[k]);
     for (std::size_t i = 0; i < surfaces.size() && first != last; ++i) blows[{k, surfaces[i]}] = shares[i];
   }
-  for (const Hanging& hanging : hanging_)
-    if (const springnet_status status = book_hanging(hanging, reactions()); status != SPRINGNET_OK) return status;
+  for (const AnchoredCluster& anchored : anchored_)
+    if (const springnet_status status = book_anchored(anchored, reactions()); status != SPRINGNET_OK) return status;
   const auto tell = [&](const ContactChange& change) {
     static constexpr Event::Kind kinds[] = {Event::Kind::touched, Event::Kind::released, Event::Kind::slipped,
                                             Event::Kind::stuck};

@@ -134,7 +134,7 @@ class Engine::Stepping {
   const auto found = std::find_if(node.sides.begin(), node.sides.end(), [](const auto& s) { return s.touches; });
   return found == node.sides.end() ? nullptr : &*found;
 }
-[[nodiscard]] inline bool rubs(const ContactNode& node) {
+[[nodiscard]] inline bool has_friction(const ContactNode& node) {
   return std::any_of(node.sides.begin(), node.sides.end(), [](const auto& s) { return s.touches && is_rough(s); });
 }
 [[nodiscard]] inline Vector3 sum_of(const std::vector<Vector3>& impulses) {

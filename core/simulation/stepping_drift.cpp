@@ -92,7 +92,7 @@ Island Engine::Stepping::island_at_start(const Body& body, const std::optional<R
       side.velocity = m.start_velocity - Contact::velocity(*from_at_, j, m.start);
       node.sides.push_back(side);
     }
-    if (rubs(node)) {
+    if (has_friction(node)) {
       const Vector3 slip = along_surfaces(node, node.sides.front().velocity);
       node.moves = slip.norm() > engine_.no_speed();
       node.sticks = !node.moves;

@@ -65,8 +65,8 @@ springnet_status Engine::Stepping::kick(Body& body, const springnet_vectors& pos
       node.sides.push_back(side);
     }
     const bool slides = toucher.slip.norm() > 0.0;
-    node.sticks = rubs(node) && (toucher.sticks || !slides);
-    node.moves = rubs(node) && !node.sticks;
+    node.sticks = has_friction(node) && (toucher.sticks || !slides);
+    node.moves = has_friction(node) && !node.sticks;
     if (slides) node.slip = toucher.slip;
     nodes.push_back(std::move(node));
   }
@@ -87,7 +87,7 @@ springnet_status Engine::Stepping::kick(Body& body, const springnet_vectors& pos
       for (ContactSide& side : node.sides) side.touches = side.normal.dot(side.velocity) <= 10.0 * engine_.no_speed();
       const ContactSide* acts = first_acting(node);
       const Vector3 slip = acts != nullptr ? along_surfaces(node, acts->velocity) : Vector3(Vector3::Zero());
-      node.sticks = rubs(node) && slip.norm() <= 10.0 * engine_.no_speed();
+      node.sticks = has_friction(node) && slip.norm() <= 10.0 * engine_.no_speed();
       node.slip = slip.norm() > 0.0 ? Vector3(slip.normalized()) : node.slip;
     }
   };
@@ -105,7 +105,7 @@ springnet_status Engine::Stepping::kick(Body& body, const springnet_vectors& pos
       for (std::size_t i = 0; i < impulses.size(); ++i) {
         ContactNode& node = island.nodes()[i];
         const ContactSide* acts = first_acting(node);
-        if (acts == nullptr || node.sticks || !rubs(node)) continue;
+        if (acts == nullptr || node.sticks || !has_friction(node)) continue;
         const Vector3 slip = along_surfaces(node, island.acceleration(i) - acts->surface_acceleration);
         if (!node.moves || !(slip.norm() > 0.0)) continue;
         // Against the slip that is left: its direction is that of the slip without the node's own friction.

@@ -195,7 +195,8 @@ TEST_CASE("the distance of a moving point from a turning obstacle has the second
       const Pose pose = obstacle.at(just_after(time));
       const Vector3 n = obstacle.normal(pose, x), relative = velocity - pose.velocity_at(x);
       const double first = n.dot(relative);
-      const double second = n.dot(acceleration - pose.acceleration_at(x)) + obstacle.bending(pose, x, relative);
+      const double second =
+          n.dot(acceleration - pose.acceleration_at(x)) + obstacle.bias_acceleration(pose, x, relative);
       CHECK(std::abs(first - (gap(time + step) - gap(time - step)) / (2 * step)) <= 1e-5);
       // Where the nearest point goes from a face to an edge within the step the second derivative jumps; no such point
       // is among these. step^2 / 12 of fourth derivatives below 1e5, and rounding / step^2.

@@ -273,7 +273,7 @@ TEST_CASE("derivatives of a rod's force and of friction are those of differences
   rubbed.touches(0, {0, true}, slip.normalized());
   rubbed.set->linearise(rubbed.at(0), rubbed.position.in());
   const ConstraintRow& row = rubbed.set->rows().front();
-  REQUIRE(rubbed.set->rubs(row));
+  REQUIRE(rubbed.set->friction_follows_slip(row));
   const Vector3 reaction =
       rubbed.set->reaction(0, gravity, rubbed.accelerated(0, {gravity}).at(0), rubbed.position.in(), nullptr);
   const Matrix3 friction =
@@ -295,5 +295,5 @@ TEST_CASE("derivatives of a rod's force and of friction are those of differences
     CHECK((friction.col(c) - by_slip).norm() <= 1e-8);
   }
   rubbed.set->contact().set_slip(0, slip.normalized(), Contact::Slip::begins);
-  CHECK_FALSE(rubbed.set->rubs(row));  // its direction is kept
+  CHECK_FALSE(rubbed.set->friction_follows_slip(row));  // its direction is kept
 }

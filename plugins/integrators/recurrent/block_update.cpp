@@ -60,7 +60,7 @@ bool BlockUpdate::operator()(const springnet_node_batch& batch) const {
 }
 
 NodeStep::NodeStep(const Step& step, const springnet_state& from, const springnet_node_batch& batch, std::uint32_t i,
-                   bool guided)
+                   bool constrained)
     : velocity(at(from.velocity, batch.first + i)) {
   const std::uint32_t k = batch.first + i;
   const double w = step.weight();
@@ -68,7 +68,8 @@ NodeStep::NodeStep(const Step& step, const springnet_state& from, const springne
   const Eigen::Map<const Block> by_position(batch.acceleration_by_position + 9 * std::size_t{i});
   // A node that is not where its velocity takes it, at the start of the propagation, will be; one that something puts
   // elsewhere will not.
-  const Vector gap = guided ? Vector(Vector::Zero()) : at(step.free_position, k) + w * velocity - at(from.position, k);
+  const Vector gap =
+      constrained ? Vector(Vector::Zero()) : at(step.free_position, k) + w * velocity - at(from.position, k);
   residual = velocity - at(step.free_velocity, k) - w * (at(batch.acceleration, i) + by_position * gap);
   matrix = Block::Identity() - w * by_velocity - (w * w) * by_position;
   positive = 0.5 * (matrix + matrix.transpose());
@@ -79,8 +80,8 @@ NodeStep::NodeStep(const Step& step, const springnet_state& from, const springne
 
 bool BlockUpdate::update(const springnet_node_batch& batch, std::uint32_t i) const {
   const std::uint32_t k = batch.first + i;
-  const bool guided = is_guided(k);
-  const NodeStep node(step_, *step_.outputs, batch, i, guided);
+  const bool constrained = is_partly_constrained(k);
+  const NodeStep node(step_, *step_.outputs, batch, i, constrained);
   if (!node.finite) {
     put(k, node.velocity - node.residual);
     return false;
@@ -91,11 +92,11 @@ bool BlockUpdate::update(const springnet_node_batch& batch, std::uint32_t i) con
   const Block& matrix = node.definite && !constrained_ ? node.matrix : node.positive;
   const Vector direction = -(matrix.inverse() * node.residual);
   put(k, node.velocity + direction);
-  if (!guided && step_.network.fixed[k] == 0) search(k, node.velocity, node.residual, direction);
+  if (!constrained && step_.network.fixed[k] == 0) search(k, node.velocity, node.residual, direction);
   return at(position_, k).allFinite();
 }
 
-bool BlockUpdate::is_guided(std::uint32_t node) const noexcept {
+bool BlockUpdate::is_partly_constrained(std::uint32_t node) const noexcept {
   if (!constrained_) return false;
   const springnet_network& network = step_.network;
   return network.cluster[node] != no_node || network.touching[node] != 0 || network.status[node] != SPRINGNET_FREE;

@@ -31,9 +31,9 @@ struct BlockMemory {
 // Residual and matrices of one node, which stands in `at`, element i of a batch that has derivatives.
 struct NodeStep {
   using Block = Eigen::Matrix<double, 3, 3, Eigen::RowMajor>;
-  // `guided`: something puts the node elsewhere than at p* + w U.
+  // `constrained`: something puts the node elsewhere than at p* + w U.
   NodeStep(const Step& step, const springnet_state& at, const springnet_node_batch& batch, std::uint32_t i,
-           bool guided = false);
+           bool constrained = false);
 
   Eigen::Vector3d velocity;  // U, m/s
   Eigen::Vector3d residual;  // r, m/s
@@ -57,7 +57,7 @@ class BlockUpdate {
 
   bool update(const springnet_node_batch& batch, std::uint32_t i) const;
   // Whether rigid connections or a surface act on a node, or did in the last sweep.
-  [[nodiscard]] bool is_guided(std::uint32_t node) const noexcept;
+  [[nodiscard]] bool is_partly_constrained(std::uint32_t node) const noexcept;
   void put(std::uint32_t node, const Vector& velocity) const noexcept;
   [[nodiscard]] Vector acceleration_at(std::uint32_t node) const;
   void search(std::uint32_t node, const Vector& start, const Vector& residual, const Vector& direction) const;

@@ -44,10 +44,10 @@ void Newton::attach(const springnet_network& network) {
   stays_.assign(n, 0);
   status_.assign(n, SPRINGNET_FREE);
   linearised_ = false;
-  rubs_.clear();
+  has_friction_.clear();
   for (std::size_t k = 0; k < n; ++k) {
-    if (network.cluster[k] != no_node && network.cluster[k] >= rubs_.size())
-      rubs_.resize(network.cluster[k] + std::size_t{1});
+    if (network.cluster[k] != no_node && network.cluster[k] >= has_friction_.size())
+      has_friction_.resize(network.cluster[k] + std::size_t{1});
   }
   if (network.surface_count == 0) return;
   contacts_.clear();
@@ -73,10 +73,10 @@ void Newton::begin(Step& step) {
   moved_ = 0;
   work_.free_accelerations(step, outputs);
   std::copy_n(network.status, network.node_count, status_.begin());
-  std::fill(rubs_.begin(), rubs_.end(), std::uint8_t{0});
+  std::fill(has_friction_.begin(), has_friction_.end(), std::uint8_t{0});
   for (std::uint32_t k = 0; k < network.node_count; ++k) {
     stays_[k] = network.fixed[k] | network.held[k];
-    if (network.touching[k] != 0 && network.cluster[k] != no_node) rubs_[network.cluster[k]] = 1;
+    if (network.touching[k] != 0 && network.cluster[k] != no_node) has_friction_[network.cluster[k]] = 1;
   }
   assess(step, outputs, here_);
   settle(step, nullptr);
@@ -94,9 +94,9 @@ void Newton::assess(const Step& step, const springnet_state& state, Assessment& 
   for (std::size_t axis = 0; axis < 3; ++axis) {
     for (std::size_t k = 0; k < n; ++k) {
       const std::size_t i = axis * n + k;
-      const double acceleration = hangs(step, k) ? constrained_a[axis][k] : a[axis][k];
+      const double acceleration = joined_without_friction(step, k) ? constrained_a[axis][k] : a[axis][k];
       result.free[i] = u[axis][k] - v[axis][k] - w * acceleration;
-      const bool pulled = constrained && !hangs(step, k);
+      const bool pulled = constrained && !joined_without_friction(step, k);
       const double r = pulled ? result.free[i] - w / step.network.mass[k] * c[axis][k] : result.free[i];
       result.residual[i] = stays_[k] != 0 ? 0.0 : r;
     }
@@ -131,7 +131,7 @@ void Newton::set_up(const Step& step) {
     const double *start = axes(step.free_position)[axis], *u = axes(outputs.velocity)[axis];
     const double* p = axes(outputs.position)[axis];
     for (std::size_t k = 0; k < n; ++k) {
-      const bool free = stays_[k] == 0 && !is_guided(step, k);
+      const bool free = stays_[k] == 0 && !is_partly_constrained(step, k);
       const double gap = free ? gap_of(start[k], w, u[k], p[k]) : 0.0;
       gap_[axis * n + k] = gap;
       greatest = std::max(greatest, std::abs(gap));
@@ -173,7 +173,7 @@ void Newton::go(const Step& step, double share, const springnet_state& candidate
       const double change = stays_[k] != 0 ? 0.0 : share * direction_[i];
       next_u[axis][k] = u[axis][k] + change;
       // Free nodes exactly, so that rounding does not add up.
-      if (share == 1.0 && stays_[k] == 0 && !is_guided(step, k))
+      if (share == 1.0 && stays_[k] == 0 && !is_partly_constrained(step, k))
         next_p[axis][k] = start[axis][k] + w * next_u[axis][k];
       else
         next_p[axis][k] = p[axis][k] + w * (change + (stays_[k] != 0 ? 0.0 : share * gap_[i]));
@@ -279,7 +279,7 @@ void Newton::start_at_rest(const Step& step, const springnet_state& candidate) {
   const ThreeConst start = axes(step.free_position);
   for (std::size_t axis = 0; axis < 3; ++axis) {
     for (std::size_t k = 0; k < n; ++k) {
-      const bool free = stays_[k] == 0 && !is_guided(step, k);
+      const bool free = stays_[k] == 0 && !is_partly_constrained(step, k);
       next_p[axis][k] = p[axis][k];
       next_u[axis][k] = free ? (p[axis][k] - start[axis][k]) / step.weight() : u[axis][k];
     }
@@ -345,7 +345,7 @@ double Newton::residual(const Step& step) const {
     if (stays_[k] != 0) continue;
     const double* r = here_.residual.data() + k;
     double left = square(r[0], r[n], r[2 * n]);
-    if (!is_guided(step, k)) {
+    if (!is_partly_constrained(step, k)) {
       left = std::max(left, square(gap_of(step.free_position.x[k], w, outputs.velocity.x[k], outputs.position.x[k]),
                                    gap_of(step.free_position.y[k], w, outputs.velocity.y[k], outputs.position.y[k]),
                                    gap_of(step.free_position.z[k], w, outputs.velocity.z[k], outputs.position.z[k])));

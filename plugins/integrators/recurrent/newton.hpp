@@ -42,7 +42,7 @@ class Newton final : public Rule {
   // Puts the newest outputs, whose assessment is here_, where they belong: what constraints do, who is held. Leaves the
   // state `before` alone.
   void settle(Step& step, const springnet_state* before);
-  // Where nodes on surfaces would go if nothing held or guided them, for the host to decide on.
+  // Where nodes on surfaces would go if nothing held or constrained them, for the host to decide on.
   void free_contacts(const Step& step, const springnet_state& outputs, const springnet_state& free);
   bool find_stays(const Step& step);
   [[nodiscard]] double residual(const Step& step) const;  // N
@@ -66,9 +66,9 @@ class Newton final : public Rule {
   void start_at_rest(const Step& step, const springnet_state& candidate);
   void compare_forces(Step& step);
   // Of rigid connections that meet no surface.
-  [[nodiscard]] bool hangs(const Step& step, std::size_t node) const noexcept;
+  [[nodiscard]] bool joined_without_friction(const Step& step, std::size_t node) const noexcept;
   // Of rigid connections, or on a surface, and not held; also where it was on one when the step began.
-  [[nodiscard]] bool is_guided(const Step& step, std::size_t node) const noexcept;
+  [[nodiscard]] bool is_partly_constrained(const Step& step, std::size_t node) const noexcept;
 
   Workspace& work_;
   LinearSystem system_;
@@ -76,7 +76,7 @@ class Newton final : public Rule {
   std::vector<std::uint8_t> stays_;                // [n] held, or the scene says where it is
   std::vector<std::uint8_t> was_held_;             // [n] stays_ before the host decided anew
   std::vector<std::uint8_t> status_;               // [n] SPRINGNET_FREE …, likewise
-  std::vector<std::uint8_t> rubs_;                 // [cluster] a surface is there, or met in this step
+  std::vector<std::uint8_t> has_friction_;         // [cluster] a surface is there, or met in this step
   double shift_ = 0.0;                             // mu
   double rate_ = 1.0;                              // of the norm in the last sweep; 1 where contacts changed
   bool linearised_ = false;                        // there are derivatives, of this sweep or one before

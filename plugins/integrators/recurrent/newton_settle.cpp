@@ -33,15 +33,15 @@ bool differ(const springnet_vectors& a, const springnet_vectors& b, std::size_t 
 
 }  // namespace
 
-bool Newton::is_guided(const Step& step, std::size_t node) const noexcept {
+bool Newton::is_partly_constrained(const Step& step, std::size_t node) const noexcept {
   const springnet_network& network = step.network;
   if (stays_[node] != 0 || !step.constrained()) return false;
   return network.cluster[node] != no_node || network.touching[node] != 0 || network.status[node] == SPRINGNET_SLIDING;
 }
 
-bool Newton::hangs(const Step& step, std::size_t node) const noexcept {
+bool Newton::joined_without_friction(const Step& step, std::size_t node) const noexcept {
   const std::uint32_t cluster = step.network.cluster[node];
-  return cluster != no_node && stays_[node] == 0 && rubs_[cluster] == 0;
+  return cluster != no_node && stays_[node] == 0 && has_friction_[cluster] == 0;
 }
 
 void Newton::settle(Step& step, const springnet_state* before) {
@@ -57,10 +57,10 @@ void Newton::settle(Step& step, const springnet_state* before) {
     std::copy_n(p[axis], n, next_p[axis]);
     if (!step.constrained()) continue;
     for (std::size_t k = 0; k < n; ++k) {
-      if (!is_guided(step, k)) continue;
+      if (!is_partly_constrained(step, k)) continue;
       // Back to what forces alone make of it: the host knows from that how strong the constraint is.
       const std::size_t i = axis * n + k;
-      if (!hangs(step, k)) next_u[axis][k] -= here_.free[i] - here_.residual[i];
+      if (!joined_without_friction(step, k)) next_u[axis][k] -= here_.free[i] - here_.residual[i];
       // Rigid connections are where they are now: from elsewhere the host would have to find their directions.
       if (network.cluster[k] == no_node) next_p[axis][k] = start[axis][k] + step.weight() * next_u[axis][k];
     }
@@ -109,7 +109,7 @@ bool Newton::find_stays(const Step& step) {
     status_[k] = status;
     stays_[k] = status == SPRINGNET_PRESCRIBED || status == SPRINGNET_STICKING ? 1 : 0;
     const std::uint32_t cluster = network.cluster[k];
-    if (cluster != no_node && (status == SPRINGNET_STICKING || status == SPRINGNET_SLIDING)) rubs_[cluster] = 1;
+    if (cluster != no_node && (status == SPRINGNET_STICKING || status == SPRINGNET_SLIDING)) has_friction_[cluster] = 1;
   }
   return switched;
 }
@@ -121,7 +121,7 @@ void Newton::free_contacts(const Step& step, const springnet_state& outputs, con
     Eigen::Map<NodeStep::Block>(inertia_.data() + 9 * std::size_t{k}) = network.mass[k] * NodeStep::Block::Identity();
   contacts_.clear();
   for (std::uint32_t k = 0; k < network.node_count; ++k) {
-    const bool slides = is_guided(step, k) && !hangs(step, k);
+    const bool slides = is_partly_constrained(step, k) && !joined_without_friction(step, k);
     if ((stays_[k] != 0 || slides) && network.fixed[k] == 0) contacts_.push_back(k);
   }
   if (contacts_.empty()) return;
