@@ -47,6 +47,7 @@ const std::vector<Engine::EventSource>& Engine::event_sources() {
     for (const std::int32_t j : touch.surfaces()) {
       if (j < 0) continue;
       sources_.push_back({Kind::release, k, static_cast<std::uint32_t>(j)});
+      if (contact_.braced(k)) sources_.back().depth = beyond_brace(sources_.back());
       if (touch.slides && !contact_.surfaces()[static_cast<std::size_t>(j)].is_plane())
         sources_.push_back({Kind::seam, k, static_cast<std::uint32_t>(j)});
       const double mu = coefficient(k, static_cast<std::size_t>(j));
@@ -106,6 +107,15 @@ double Engine::beyond_cone(const EventSource& source) {
   return -2.0 * grip + rounding_of_force * info_.force_scale;
 }
 
+// What was braced with others stays, though it would leave if it alone was let go: until it would twice as fast.
+double Engine::beyond_brace(const EventSource& source) {
+  if (step_length_ > 0.0) return 0.0;  // nobody asks
+  ReactionsAt reactions(*this, time_, read_only(state_.view.position), read_only(state_.view.velocity));
+  double leaves = 0.0;
+  if (contact_event(source, reactions, leaves) != SPRINGNET_OK || leaves < 0.0) return 0.0;
+  return -2.0 * leaves - rounding_of_force * info_.force_scale / mass_[source.index];
+}
+
 // Of friction of a node on a surface, infinite where that holds it.
 double Engine::coefficient(std::uint32_t node, std::size_t surface) const {
   const std::uint32_t* clusters = rigid_.cluster_of();
@@ -151,7 +161,11 @@ springnet_status Engine::contact_event(const EventSource& source, ReactionsAt& r
     default:
       break;
   }
-  if (source.kind == Kind::release && contact_.braced(k)) return acceleration_let_go(source, reactions, value);
+  if (source.kind == Kind::release && contact_.braced(k)) {
+    const springnet_status status = acceleration_let_go(source, reactions, value);
+    value += source.depth;
+    return status;
+  }
   // Whether a node that only bracing would press stays is decided when that begins.
   Vector3 reaction;
   const springnet_status status =

@@ -167,7 +167,8 @@ class Engine {
   springnet_status follow_jumps(double from);
   [[nodiscard]] double coefficient(std::uint32_t node, std::size_t surface) const;
   springnet_status acceleration_let_go(const EventSource& release, const ReactionsAt& at, double& value) const;
-  [[nodiscard]] double beyond_cone(const EventSource& slip);  // N
+  [[nodiscard]] double beyond_cone(const EventSource& slip);      // N
+  [[nodiscard]] double beyond_brace(const EventSource& release);  // m/s^2
   // The value of an event of a contact.
   springnet_status contact_event(const EventSource& source, ReactionsAt& reactions, double& value);
   // Whether a node is about to touch within the tolerance.
