@@ -18,8 +18,9 @@ TEST_CASE("rigid bodies that stopped the reference once, or chattered in it, do 
   }
 }
 
-// A rod between springs comes to rest with friction on a plane, on both its nodes: what the rod bears between them is not
-// determined, and there are two motions. 1e-7, 1e-10 and 1e-11 find one, 1e-8 and 1e-9 the other, 6 mm apart from 1.35 s.
+// A rod between springs comes to rest with friction on a plane, on both its nodes: what the rod bears between them is
+// not determined, and there are two motions. 1e-7, 1e-10 and 1e-11 find one, 1e-8 and 1e-9 the other, 6 mm apart
+// from 1.35 s.
 TEST_CASE("rigid bodies go the same way at every tolerance") {
   const Tumbling scene(272);
   INFO(scene.name());
