@@ -209,4 +209,25 @@ Eigen::VectorXd ConstraintSystem::solve(const Eigen::VectorXd& b) const {
   return x;
 }
 
+Eigen::MatrixXd ConstraintSystem::effective_mobility(const std::vector<std::uint32_t>& nodes,
+                                                     const Mobility& mobility) const {
+  const auto size = static_cast<Eigen::Index>(3 * nodes.size());
+  Eigen::MatrixXd result = Eigen::MatrixXd::Zero(size, size);
+  for (std::size_t i = 0; i < nodes.size(); ++i) {
+    const Eigen::Matrix3d own = mobility(nodes[i]);
+    const auto begin = static_cast<Eigen::Index>(3 * i);
+    for (Eigen::Index c = 0; c < 3; ++c) {
+      const auto velocity = [&](std::uint32_t node) {
+        return node == nodes[i] ? Vector3(own.col(c)) : Vector3(Vector3::Zero());
+      };
+      result.block<3, 1>(begin, begin + c) += own.col(c);
+      for_each_change(solve(-rates(velocity)), [&](std::uint32_t changed, const Vector3& change) {
+        const auto place = std::find(nodes.begin(), nodes.end(), changed) - nodes.begin();
+        if (place < static_cast<std::ptrdiff_t>(nodes.size())) result.block<3, 1>(3 * place, begin + c) += change;
+      });
+    }
+  }
+  return result;
+}
+
 }  // namespace springnet

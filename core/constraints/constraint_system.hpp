@@ -65,6 +65,9 @@ class ConstraintSystem {
         add(rows_[r].second, Vector3(mobilities_[2 * r + 1] * rows_[r].direction * -x));
     }
   }
+  // Effective mobility of some nodes, 1/kg: W - W G^T (G W G^T)^-1 G W, three rows and columns each.
+  [[nodiscard]] Eigen::MatrixXd effective_mobility(const std::vector<std::uint32_t>& nodes,
+                                                   const Mobility& mobility) const;
 
  private:
   void set_rows();

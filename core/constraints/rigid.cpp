@@ -337,10 +337,12 @@ RigidConnections::Unsupported::Unsupported(const RigidConnections& rigid, std::s
   std::vector<Vector3> p;
   p.reserve(nodes_.size());
   for (const std::uint32_t k : nodes_) p.push_back(vector_at(position, k));
-  system_.set(rigid.rods_of(rigid.clusters_[cluster], p), [&](std::uint32_t node) {
-    return rigid_.contact_.fixed()[node] != 0 ? Matrix3(Matrix3::Zero())
-                                              : Matrix3(Matrix3::Identity() / rigid_.mass_[node]);
-  });
+  system_.set(rigid.rods_of(rigid.clusters_[cluster], p), [this](std::uint32_t node) { return own_mobility(node); });
+}
+
+Matrix3 RigidConnections::Unsupported::own_mobility(std::uint32_t node) const {
+  return rigid_.contact_.fixed()[node] != 0 ? Matrix3(Matrix3::Zero())
+                                            : Matrix3(Matrix3::Identity() / rigid_.mass_[node]);
 }
 
 void RigidConnections::Unsupported::project(const springnet_vectors& velocity) const {
@@ -370,21 +372,7 @@ void RigidConnections::Unsupported::accelerate(const springnet_const_vectors& po
 }
 
 Eigen::MatrixXd RigidConnections::Unsupported::mobility(const std::vector<std::uint32_t>& nodes) const {
-  const auto size = static_cast<Eigen::Index>(3 * nodes.size());
-  Eigen::MatrixXd result = Eigen::MatrixXd::Zero(size, size);
-  for (std::size_t i = 0; i < nodes.size(); ++i) {
-    for (Eigen::Index c = 0; c < 3; ++c) {
-      const Eigen::Index column = static_cast<Eigen::Index>(3 * i) + c;
-      push(
-          {nodes[i]}, {Vector3::Unit(c)},
-          [&](std::uint32_t node, const Vector3& change) {
-            for (std::size_t k = 0; k < nodes.size(); ++k)
-              if (nodes[k] == node) result.block<3, 1>(static_cast<Eigen::Index>(3 * k), column) += change;
-          },
-          [](std::uint32_t, const Vector3&) {});
-    }
-  }
-  return result;
+  return system_.effective_mobility(nodes, [this](std::uint32_t node) { return own_mobility(node); });
 }
 
 double RigidConnections::greatest_rate(const springnet_const_vectors& position,

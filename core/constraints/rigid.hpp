@@ -74,6 +74,7 @@ class RigidConnections {
               Pass&& pass) const;
 
    private:
+    [[nodiscard]] Matrix3 own_mobility(std::uint32_t node) const;  // 1/m, or zero for a node that is fixed
     template <class Pass>
     void pass_to_fixed(const Eigen::VectorXd& multipliers, Pass&& pass) const {
       system_.for_each_impulse(multipliers, [&](std::uint32_t node, const Vector3& impulse) {

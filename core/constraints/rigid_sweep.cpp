@@ -188,41 +188,18 @@ std::vector<Vector3> RigidConnections::Step::positions() const {
 
 void RigidConnections::Step::respond() {
   for (Member& m : members_) m.velocity = m.fixed ? m.place_velocity : Vector3(m.free + m.mobility * m.impulse);
-  const std::vector<ConstraintRow>& rows = rods_.rows();
-  Eigen::VectorXd rate(static_cast<Eigen::Index>(rows.size()));
-  for (std::size_t r = 0; r < rows.size(); ++r)
-    rate[static_cast<Eigen::Index>(r)] = rows[r].direction.dot(members_[rigid_.member_of_[rows[r].first]].velocity -
-                                                               members_[rigid_.member_of_[rows[r].second]].velocity);
-  multipliers_ = rods_.solve(-rate);
+  const auto of = [this](std::uint32_t node) -> const Vector3& { return members_[rigid_.member_of_[node]].velocity; };
+  multipliers_ = rods_.solve(-rods_.rates(of));
   rods_.for_each_change(multipliers_, [&](std::uint32_t node, const Vector3& change) {
     members_[rigid_.member_of_[node]].velocity += change;
   });
 }
 
 Eigen::MatrixXd RigidConnections::Step::effective_mobility() const {
-  const std::vector<ContactNode>& nodes = island_->nodes();
-  const auto size = static_cast<Eigen::Index>(3 * nodes.size());
-  std::vector<Eigen::Index> first(members_.size(), -1);  // [member] row
-  for (std::size_t i = 0; i < nodes.size(); ++i) first[nodes[i].node] = static_cast<Eigen::Index>(3 * i);
-  Eigen::MatrixXd result = Eigen::MatrixXd::Zero(size, size);
-  const std::vector<ConstraintRow>& rows = rods_.rows();
-  Eigen::VectorXd rate(static_cast<Eigen::Index>(rows.size()));
-  for (const ContactNode& node : nodes) {
-    const Member& m = members_[node.node];
-    const Eigen::Index begin = first[node.node];
-    for (Eigen::Index c = 0; c < 3; ++c) {
-      const Vector3 dv = m.mobility.col(c);
-      for (std::size_t r = 0; r < rows.size(); ++r)
-        rate[static_cast<Eigen::Index>(r)] = rows[r].first == m.node    ? rows[r].direction.dot(dv)
-                                             : rows[r].second == m.node ? -rows[r].direction.dot(dv)
-                                                                        : 0.0;
-      result.block<3, 1>(begin, begin + c) += dv;
-      rods_.for_each_change(rods_.solve(-rate), [&](std::uint32_t changed, const Vector3& change) {
-        if (const Eigen::Index row = first[rigid_.member_of_[changed]]; row >= 0)
-          result.block<3, 1>(row, begin + c) += change;
-      });
-    }
-  }
+  std::vector<std::uint32_t> nodes;
+  for (const ContactNode& node : island_->nodes()) nodes.push_back(members_[node.node].node);
+  const Eigen::MatrixXd result = rods_.effective_mobility(
+      nodes, [this](std::uint32_t node) { return members_[rigid_.member_of_[node]].mobility; });
   return 0.5 * (result + result.transpose());
 }
 
