@@ -110,26 +110,31 @@ ContactAnswer answer_contact(const Eigen::Matrix3d& mobility, const Vector3& rel
     t = left.normalized();
     if (turned <= 1e-14) return answer;
   }
-  // Directions all round: where the slip that is left crosses the one assumed, halved down.
-  const Vector3 e = n.unitOrthogonal(), f = n.cross(e);
-  const auto at = [&](double angle) { return Vector3(std::cos(angle) * e + std::sin(angle) * f); };
-  const auto crossing = [&](double angle) {
-    const Vector3 assumed = at(angle);
-    return n.dot(assumed.cross(slip_of(with(assumed))));
+  // Where the slip that is left crosses the one assumed: near the last, else all round, halved down.
+  const auto fits = [&](const Vector3& assumed) {
+    const ContactAnswer answer = with(assumed);
+    return answer.normal > 0.0 && slip_of(answer).dot(assumed) > 0.0;
   };
+  const auto across = [&](const Vector3& assumed) { return n.dot(assumed.cross(slip_of(with(assumed)))); };
+  if (const std::optional<Vector3> near = find_direction(n, t, across); near && fits(*near)) return with(*near);
   constexpr int directions = 128;
-  double next = crossing(0.0);
+  const Vector3 e = n.unitOrthogonal();
+  const double step = 2.0 * std::numbers::pi / directions, cosine = std::cos(step), sine = std::sin(step);
+  Vector3 low = e;
+  double value = across(low);
   for (int i = 0; i < directions; ++i) {
-    double low = 2.0 * std::numbers::pi * i / directions, high = 2.0 * std::numbers::pi * (i + 1) / directions;
-    const double sign = next;
-    next = crossing(high);
-    if (sign * next > 0.0) continue;
-    for (int halving = 0; halving < 60; ++halving) {
-      const double middle = 0.5 * (low + high);
-      (crossing(middle) * sign > 0.0 ? low : high) = middle;
+    const Vector3 high = i + 1 < directions ? Vector3((cosine * low + sine * n.cross(low)).normalized()) : e;
+    const double next = across(high);
+    if (value * next <= 0.0) {
+      Vector3 a = low, b = high;
+      for (int halving = 0; halving < 60; ++halving) {
+        const Vector3 middle = (a + b).normalized();
+        (across(middle) * value > 0.0 ? a : b) = middle;
+      }
+      if (fits(a)) return with(a);
     }
-    const ContactAnswer answer = with(at(low));
-    if (answer.normal > 0.0 && slip_of(answer).dot(at(low)) > 0.0) return answer;
+    low = high;
+    value = next;
   }
   // So much friction on so odd a mobility that no direction of slip fits: it is stopped.
   return {Vector3::Zero(), stop, std::max(pressing, 0.0), true};

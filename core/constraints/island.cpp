@@ -21,7 +21,8 @@ constexpr std::size_t most_pivoted = 24;  // likewise, of impulses that are soug
 constexpr int most_bits = 12;             // of possibilities that are worth trying
 constexpr int most_directions = 200;      // of a slip that begins
 constexpr double singular = 1e-9;         // of the greatest pivot
-constexpr int most_guesses = 20;          // of those from its last acceleration
+constexpr int rounds_per_look = most_rounds / 10;
+constexpr int most_guesses = 20;  // of those from its last acceleration
 
 std::vector<Vector3> active_normals(const ContactNode& node) {
   std::vector<Vector3> normals;
@@ -169,9 +170,14 @@ std::optional<Vector3> Island::slip_of(std::size_t i) const {
 // A slip that begins goes where its acceleration goes, which friction against it turns where the effective mass has
 // directions of its own.
 void Island::solve() {
+  double turned = 0.0, turned_before = std::numeric_limits<double>::infinity();  // at the last look
   for (int turn = 0; turn < most_directions; ++turn) {
+    if (turn > most_guesses && turn % most_guesses == 0) {
+      if (turned > 0.5 * turned_before) break;  // it goes round
+      turned_before = turned;
+    }
     solve_once();
-    double turned = 0.0;
+    turned = 0.0;
     for (std::size_t i = 0; i < nodes_.size(); ++i) {
       ContactNode& node = nodes_[i];
       const double friction = slip_friction(node);
@@ -212,7 +218,13 @@ bool Island::relax(double most, int rounds, const std::vector<Vector3>& from) {
     forces[i] = share_reaction(normals, std::vector<double>(normals.size(), 0.0), from[i]);
   }
   double change = 0.0, size = 0.0;
+  double change_before = std::numeric_limits<double>::infinity();  // at the last look
   for (int round = 0; round < rounds; ++round) {
+    if (round % rounds_per_look == rounds_per_look - 1) {
+      // At such a pace they would not agree within all rounds.
+      if (change > 0.5 * change_before) return false;
+      change_before = change;
+    }
     change = size = 0.0;
     for (std::size_t i = 0; i < nodes_.size(); ++i) {
       ContactNode& node = nodes_[i];
