@@ -69,7 +69,7 @@ TEST_CASE("a jump of a moved node gives what hangs on it, its surface and what m
     for (const LawUse& integrator : {cvode(1e-10), recurrent(newton, 1e-11), recurrent(newton, 1e-11, {{"theta", 0.5}}),
                                      recurrent(newton, 1e-11, {{"events", 1.0}}), LawUse{"verlet", {}}}) {
       INFO(jump.name << ", " << integrator.id);
-      constexpr double step = 1e-4;
+      constexpr double step = 1e-3;
       Simulation s = simulate(net, integrator, step);
       s.advance_to(at - step);
       const Vector3 moved = s.contact_impulse(0), hung = s.contact_impulse(1);
