@@ -127,7 +127,8 @@ class Engine {
     Kind kind;
     std::uint32_t index;  // node, spring or element
     std::uint32_t surface;
-    double depth = 0.0;  // added to its value: of a touch, m, how far behind the surface it counts; of a slip, N
+    // Added to its value: of a touch, m, how far behind the surface it counts; of a slip, N; of a release, m/s^2.
+    double depth = 0.0;
   };
   class ImpactSearch;
   class ReactionsAt;
