@@ -109,6 +109,11 @@ Vector3 ConstraintSet::share_of(const Placement& at, std::uint32_t node, std::si
   return place < normals.size() ? share_reaction(normals, coefficients, reaction)[place] : Vector3(Vector3::Zero());
 }
 
+double ConstraintSet::coefficient(std::uint32_t node, std::size_t obstacle) const {
+  const Friction& friction = contact_.surfaces()[obstacle].friction();
+  return coefficient_of(is_lone(node) ? friction : bounded(friction));
+}
+
 void ConstraintSet::constrain(const Placement& end, std::uint32_t first, std::uint32_t count,
                               const springnet_sweep& sweep, const Vector3* read) {
   contact_.constrain(end, first, count, sweep, rigid_.cluster_of(), read);

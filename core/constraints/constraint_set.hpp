@@ -60,6 +60,9 @@ class ConstraintSet {
   [[nodiscard]] Vector3 share_of(const Placement& at, std::uint32_t node, std::size_t surface, const Vector3& position,
                                  const Vector3& reaction) const;
 
+  // Of friction of a node on an obstacle; infinite where the obstacle holds it.
+  [[nodiscard]] double coefficient(std::uint32_t node, std::size_t obstacle) const;
+
   // ---- within a step ----
   // Outputs of nodes [first, first + count) without rigid connections, see Contact::constrain.
   void constrain(const Placement& end, std::uint32_t first, std::uint32_t count, const springnet_sweep& sweep,

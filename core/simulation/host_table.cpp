@@ -22,10 +22,10 @@ springnet_status guarded(void* context, const char* function, const Action& acti
   Engine& engine = engine_of(context);
   const auto refuse = [&](const char* reason, bool misuse) noexcept {
     try {
-      engine.refuse_call(misuse ? fmt::format("springnet_host::{}: {}", function, reason) : std::string(reason),
-                         misuse);
+      engine.calls().refuse(misuse ? fmt::format("springnet_host::{}: {}", function, reason) : std::string(reason),
+                            misuse);
     } catch (const std::exception&) {
-      sdk::detail::write_message(&engine.message(), "out of memory");
+      sdk::detail::write_message(&engine.model().journal.message, "out of memory");
     }
   };
   try {
@@ -44,7 +44,7 @@ springnet_status guarded(void* context, const char* function, const Action& acti
 template <class Action>
 springnet_status outside_of_sweeps(void* context, const char* function, const Action& action) noexcept {
   return guarded(context, function, [&](Engine& engine) -> springnet_status {
-    engine.require_no_sweep();
+    engine.calls().require_no_callback();
     return action(engine);
   });
 }
@@ -53,7 +53,7 @@ springnet_status outside_of_sweeps(void* context, const char* function, const Ac
 template <class Action>
 springnet_status linearised(void* context, const char* function, const Action& action) noexcept {
   return outside_of_sweeps(context, function, [&](Engine& engine) -> springnet_status {
-    if (!engine.linearisation().known()) throw Error(ErrorKind::plugin, "derivatives were asked for before linearise");
+    if (!engine.linear().known()) throw Error(ErrorKind::plugin, "derivatives were asked for before linearise");
     return action(engine);
   });
 }
@@ -70,21 +70,21 @@ const springnet_network* network(void* context) {
 springnet_state* state_create(void* context) {
   springnet_state* state = nullptr;
   static_cast<void>(guarded(context, "state_create", [&](Engine& engine) -> springnet_status {
-    state = engine.create_state();
+    state = engine.calls().create_state();
     return SPRINGNET_OK;
   }));
   return state;
 }
 
 void state_destroy(void* context, springnet_state* state) {
-  if (context != nullptr) engine_of(context).destroy_state(state);
+  if (context != nullptr) engine_of(context).calls().destroy_state(state);
 }
 
 const springnet_state* committed(void* context, double* time) {
   const springnet_state* state = nullptr;
   static_cast<void>(guarded(context, "committed", [&](Engine& engine) -> springnet_status {
-    state = &engine.state_without_forces().view;
-    if (time != nullptr) *time = engine.time();
+    state = &engine.model().state.view;
+    if (time != nullptr) *time = engine.model().time;
     return SPRINGNET_OK;
   }));
   return state;
@@ -109,34 +109,37 @@ springnet_status begin_interval(void* context, double from, double until) {
   });
 }
 springnet_status evaluate(void* context, const springnet_evaluation* evaluation) {
-  return outside_of_sweeps(context, "evaluate", [&](Engine& engine) { return engine.evaluate(checked(evaluation)); });
+  return outside_of_sweeps(context, "evaluate",
+                           [&](Engine& engine) { return engine.sweep().evaluate(checked(evaluation)); });
 }
 springnet_status evaluate_nodes(void* context, const springnet_evaluation* evaluation, const std::uint32_t* nodes,
                                 std::uint32_t count) {
   return guarded(context, "evaluate_nodes", [&](Engine& engine) {
-    check_nodes(nodes, count, engine.layout().node_count());
-    return engine.evaluate_nodes(checked(evaluation), nodes, count);
+    check_nodes(nodes, count, engine.model().node_count());
+    return engine.sweep().evaluate_nodes(checked(evaluation), nodes, count);
   });
 }
 springnet_status sweep(void* context, const springnet_sweep* request) {
-  return outside_of_sweeps(
-      context, "sweep", [&](Engine& engine) { return engine.sweep(checked(request, engine.layout().node_count())); });
+  return outside_of_sweeps(context, "sweep", [&](Engine& engine) {
+    return engine.run_sweep(checked(request, engine.model().node_count()));
+  });
 }
 springnet_status linearise(void* context, const springnet_evaluation* at) {
-  return outside_of_sweeps(context, "linearise", [&](Engine& engine) { return engine.linearise(checked(at)); });
+  return outside_of_sweeps(context, "linearise",
+                           [&](Engine& engine) { return engine.linear().linearise(checked(at)); });
 }
 springnet_status jacobian_times(void* context, const double* dp, const double* dv, double* out) {
   return linearised(context, "jacobian_times", [&](Engine& engine) {
     require_array(dp, "dp");
     require_array(dv, "dv");
     require_array(out, "out");
-    return engine.jacobian_times(dp, dv, out);
+    return engine.linear().times(dp, dv, out);
   });
 }
 springnet_status diagonal_blocks(void* context, double velocity_weight, double position_weight, double* out) {
   return linearised(context, "diagonal_blocks", [&](Engine& engine) -> springnet_status {
     require_array(out, "out");
-    engine.linearisation().diagonal_blocks(velocity_weight, position_weight, out);
+    engine.linear().diagonal_blocks(velocity_weight, position_weight, out);
     return SPRINGNET_OK;
   });
 }
@@ -144,27 +147,27 @@ springnet_status factorise(void* context, double velocity_weight, double positio
   return outside_of_sweeps(context, "factorise", [&](Engine& engine) {
     require_finite(velocity_weight, "velocity_weight");
     require_finite(position_weight, "position_weight");
-    return engine.factorise(velocity_weight, position_weight);
+    return engine.linear().factorise(velocity_weight, position_weight);
   });
 }
 springnet_status solve(void* context, std::int32_t transposed, const double* right_side, double* x) {
   return outside_of_sweeps(context, "solve", [&](Engine& engine) {
     require_array(right_side, "right_side");
     require_array(x, "x");
-    return engine.linearisation().solve(transposed != 0, right_side, x, engine.message());
+    return engine.linear().solve(transposed != 0, right_side, x);
   });
 }
 springnet_status event_values(void* context, const springnet_evaluation* at, double* values, std::int32_t* directions) {
   return outside_of_sweeps(context, "event_values", [&](Engine& engine) {
     if (engine.network_info().event_count > 0) require_array(values, "values");
-    return engine.event_values(checked(at), values, directions);
+    return engine.contact_events().values(checked(at), values, directions);
   });
 }
 springnet_status fire_events(void* context, double time, springnet_state* state, const std::int32_t* fired) {
   return outside_of_sweeps(context, "fire_events", [&](Engine& engine) {
     require_finite(time, "time");
     if (engine.network_info().event_count > 0) require_array(fired, "fired");
-    return engine.fire_events(time, engine.created_state(state), fired);
+    return engine.fire_events(time, engine.calls().created_state(state), fired);
   });
 }
 springnet_status time_of_impact(void* context, const springnet_impact_search* search, double* time) {
@@ -179,12 +182,12 @@ double next_discontinuity(void* context, double time) {
 }
 springnet_status commit(void* context, double time, springnet_state* state) {
   return outside_of_sweeps(context, "commit",
-                           [&](Engine& engine) { return engine.commit(time, engine.created_state(state)); });
+                           [&](Engine& engine) { return engine.commit(time, engine.calls().created_state(state)); });
 }
 void report(void* context, const char* name, double value) {
   static_cast<void>(guarded(context, "report", [&](Engine& engine) -> springnet_status {
     require_array(name, "name");
-    engine.report(name, value);
+    engine.model().journal.report(name, value);
     return SPRINGNET_OK;
   }));
 }
@@ -195,7 +198,7 @@ springnet_status constrain(void* context, const springnet_sweep* request) {
 springnet_status project(void* context, const double* mobility, double* values) {
   return linearised(context, "project", [&](Engine& engine) {
     require_array(values, "values");
-    return engine.project(mobility, values);
+    return engine.linear().project(mobility, values);
   });
 }
 springnet_status project_state(void* context, double time, springnet_vectors position, springnet_vectors velocity) {
@@ -209,11 +212,13 @@ springnet_status project_state(void* context, double time, springnet_vectors pos
 void note(void* context, const char* text) {
   static_cast<void>(guarded(context, "note", [&](Engine& engine) -> springnet_status {
     require_array(text, "text");
-    engine.note(text);
+    engine.model().journal.note(text);
     return SPRINGNET_OK;
   }));
 }
-springnet_message* message(void* context) { return context == nullptr ? nullptr : &engine_of(context).message(); }
+springnet_message* message(void* context) {
+  return context == nullptr ? nullptr : &engine_of(context).model().journal.message;
+}
 
 }  // namespace
 

@@ -24,64 +24,65 @@ double bend_of(double bent0, double bent1) { return 2.0 * 4.0 / 27.0 * (bent0 + 
 
 }  // namespace
 
-Engine::ImpactSearch::ImpactSearch(Engine& engine, const springnet_impact_search& search)
-    : engine_(engine), search_(search) {
-  for (const EventSource& source : engine.event_sources())
-    if (source.kind == EventSource::Kind::touch) pairs_.push_back({source.index, source.surface, source.depth});
+ImpactSearch::ImpactSearch(const Model& model, const std::vector<ContactEvents::Source>& sources,
+                           const springnet_impact_search& search)
+    : model_(model), search_(search) {
+  for (const ContactEvents::Source& source : sources)
+    if (source.kind == ContactEvents::Source::Kind::touch)
+      pairs_.push_back({source.index, source.surface, source.offset});
   if (pairs_.empty()) return;
   const double length = search.step_until - search.step_from;
-  for (const Obstacle& surface : engine.contact_.surfaces()) longest_.push_back(surface.swing_rate(search.step_from));
+  for (const Obstacle& surface : model.contact.surfaces()) longest_.push_back(surface.swing_rate(search.step_from));
   // A table may turn a surface all the way round and have it rest at both ends.
   for (const double share : {0.0, 0.5, 1.0}) {
-    const std::shared_ptr<const Placement> at = engine.placement(search.step_from + share * length);
+    const std::shared_ptr<const Placement> at = model.placement(search.step_from + share * length);
     for (std::size_t j = 0; j < longest_.size(); ++j)
-      if (!engine.contact_.surfaces()[j].turns_in_place())
-        longest_[j] = std::max(longest_[j], at->poses[j].spin.norm());
+      if (!model.contact.surfaces()[j].turns_in_place()) longest_[j] = std::max(longest_[j], at->poses[j].spin.norm());
   }
   for (double& each : longest_) each = each > 0.0 ? std::min(length, tenth_of_turn / each) : length;
 }
 
-bool Engine::ImpactSearch::evaluate(double time, Whole& whole) {
+bool ImpactSearch::evaluate(double time, Whole& whole) {
   if (status_ != SPRINGNET_OK) return false;
-  const std::size_t n = engine_.layout_.node_count();
+  const std::size_t n = model_.layout.node_count();
   whole.time = time;
-  whole.at = engine_.placement(time);
+  whole.at = model_.placement(time);
   whole.values.resize(6 * n);
   double* const x = whole.values.data();
   status_ = search_.state_at(search_.user, time, {x, x + n, x + 2 * n}, {x + 3 * n, x + 4 * n, x + 5 * n});
   return status_ == SPRINGNET_OK;
 }
 
-Engine::ImpactSearch::Place Engine::ImpactSearch::place(const Whole& whole, const Pair& pair) const {
-  const std::size_t n = engine_.layout_.node_count();
+ImpactSearch::Place ImpactSearch::place(const Whole& whole, const Pair& pair) const {
+  const std::size_t n = model_.layout.node_count();
   const double* const x = whole.values.data() + pair.node;
   const Vector3 position(x[0], x[n], x[2 * n]);
-  return {position, {x[3 * n], x[4 * n], x[5 * n]}, engine_.contact_.gap(*whole.at, pair.surface, position)};
+  return {position, {x[3 * n], x[4 * n], x[5 * n]}, model_.contact.gap(*whole.at, pair.surface, position)};
 }
 
-Engine::ImpactSearch::Instant Engine::ImpactSearch::instant(const Whole& whole, const std::vector<Pair>& pairs) const {
+ImpactSearch::Instant ImpactSearch::instant(const Whole& whole, const std::vector<Pair>& pairs) const {
   Instant result{whole.time, whole.at, {}};
   result.places.reserve(pairs.size());
   for (const Pair& pair : pairs) result.places.push_back(place(whole, pair));
   return result;
 }
 
-bool Engine::ImpactSearch::may_reach(const Instant& from, const Instant& until, const Pair& pair, const Place& a,
-                                     const Place& b) const {
+bool ImpactSearch::may_reach(const Instant& from, const Instant& until, const Pair& pair, const Place& a,
+                             const Place& b) const {
   const double h = until.time - from.time;
   const Vector3 way = b.position - a.position;
   const double travel = way.norm() + bend_of((h * a.velocity - way).norm(), (h * b.velocity - way).norm());
-  const Obstacle& surface = engine_.contact_.surfaces()[pair.surface];
+  const Obstacle& surface = model_.contact.surfaces()[pair.surface];
   return surface.least_gap(from.at->poses[pair.surface], a.position) + pair.depth <= travel;
 }
 
 // As the surface sees it, that its gap changes by no more than the place. In a short part the cubic is the way.
-bool Engine::ImpactSearch::comes_near(const Instant& from, const Instant& until, const Pair& pair, const Place& a,
-                                      const Place& b, bool short_part) const {
+bool ImpactSearch::comes_near(const Instant& from, const Instant& until, const Pair& pair, const Place& a,
+                              const Place& b, bool short_part) const {
   const double before = a.gap + pair.depth, after = b.gap + pair.depth;
   if (before <= 0.0) return false;  // it touched then, or is watched for from deeper on
   if (after <= 0.0) return true;
-  const Obstacle& surface = engine_.contact_.surfaces()[pair.surface];
+  const Obstacle& surface = model_.contact.surfaces()[pair.surface];
   const auto pose_of = [&](const Instant& instant) {
     Pose pose = instant.at->poses[pair.surface];
     pose.turns = pose.turns && !surface.turns_in_place();
@@ -113,8 +114,8 @@ bool Engine::ImpactSearch::comes_near(const Instant& from, const Instant& until,
   return least <= (short_part ? 0.0 : bend);
 }
 
-std::optional<double> Engine::ImpactSearch::first(const Instant& from, const Instant& until,
-                                                  const std::vector<Pair>& pairs, const Part& part) {
+std::optional<double> ImpactSearch::first(const Instant& from, const Instant& until, const std::vector<Pair>& pairs,
+                                          const Part& part) {
   const double length = until.time - from.time;
   if (until.time <= part.earliest || from.time >= part.latest) return std::nullopt;
   std::vector<Pair> near;
@@ -143,12 +144,12 @@ std::optional<double> Engine::ImpactSearch::first(const Instant& from, const Ins
 }
 
 // What goes deep enough is sought first, then where that began.
-springnet_status Engine::ImpactSearch::find(double& time) {
+springnet_status ImpactSearch::find(double& time) {
   time = std::numeric_limits<double>::quiet_NaN();
   if (pairs_.empty()) return SPRINGNET_OK;
   std::vector<Pair> deep = pairs_;
   for (Pair& pair : deep)
-    pair.depth += std::min(search_.depth, share_of_inside * engine_.contact_.surfaces()[pair.surface].inner_radius());
+    pair.depth += std::min(search_.depth, share_of_inside * model_.contact.surfaces()[pair.surface].inner_radius());
   if (!evaluate(search_.step_from, between_)) return status_;
   const Instant start = instant(between_, pairs_);
   if (!evaluate(search_.step_until, between_)) return status_;
@@ -167,15 +168,6 @@ springnet_status Engine::ImpactSearch::find(double& time) {
   const std::optional<double> begins = first(begin, end, there, {search_.step_from, *inside});
   if (status_ == SPRINGNET_OK) time = std::max(search_.from, begins.value_or(*inside));
   return status_;
-}
-
-springnet_status Engine::time_of_impact(const springnet_impact_search& search, double& time) {
-  struct Guard {
-    bool& flag;
-    explicit Guard(bool& of) : flag(of) { flag = true; }
-    ~Guard() { flag = false; }
-  } const guard(in_sweep_);  // the state that is asked for may not change what is searched
-  return ImpactSearch(*this, search).find(time);
 }
 
 }  // namespace springnet

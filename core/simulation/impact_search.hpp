@@ -6,14 +6,16 @@
 #include <optional>
 #include <vector>
 
-#include "simulation/engine.hpp"
+#include "simulation/contact_events.hpp"
+#include "simulation/model.hpp"
 
 namespace springnet {
 
-class Engine::ImpactSearch {
+class ImpactSearch {
  public:
-  // As in springnet_host::time_of_impact.
-  ImpactSearch(Engine& engine, const springnet_impact_search& search);
+  // As in springnet_host::time_of_impact, of the touches among these events.
+  ImpactSearch(const Model& model, const std::vector<ContactEvents::Source>& sources,
+               const springnet_impact_search& search);
   // s; nan: nothing touches.
   springnet_status find(double& time);
 
@@ -58,7 +60,7 @@ class Engine::ImpactSearch {
   [[nodiscard]] std::optional<double> first(const Instant& from, const Instant& until, const std::vector<Pair>& pairs,
                                             const Part& part);
 
-  Engine& engine_;
+  const Model& model_;
   const springnet_impact_search& search_;
   std::vector<Pair> pairs_;
   std::vector<double> longest_;  // s, [surface] between times: it turns and swings by no more than a tenth of a turn

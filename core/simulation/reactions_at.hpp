@@ -4,14 +4,23 @@
 #include <algorithm>
 #include <vector>
 
-#include "simulation/engine.hpp"
+#include "layers/surface_volumes.hpp"
+#include "simulation/model.hpp"
 
 namespace springnet {
 
-class Engine::ReactionsAt {
+// What holds, moves or stops nodes.
+struct Reactions {
+  std::vector<Vector3> node;  // [node] N, of fixation and obstacles; 0 for a node that nothing holds
+  std::vector<double> rigid;  // [rod] N, > 0 is tension
+};
+// At the committed state. Throws Error(simulation) where a law fails.
+[[nodiscard]] Reactions reactions_now(Model& model);
+
+class ReactionsAt {
  public:
   // The arrays have to outlive it.
-  ReactionsAt(Engine& engine, double time, const springnet_const_vectors& position,
+  ReactionsAt(Model& model, double time, const springnet_const_vectors& position,
               const springnet_const_vectors& velocity);
   // The force of fixation or a surface on the node, N.
   springnet_status of(std::uint32_t node, Vector3& reaction);
@@ -53,7 +62,7 @@ class Engine::ReactionsAt {
   }
   springnet_status of_cluster(std::uint32_t cluster, std::uint32_t node, Vector3& reaction);
 
-  Engine& engine_;
+  Model& model_;
   double time_;
   springnet_const_vectors position_, velocity_;
   layers::ExternalForces external_;

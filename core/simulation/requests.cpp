@@ -133,6 +133,13 @@ const springnet_sweep& checked(const springnet_sweep* sweep, std::uint32_t node_
   return request;
 }
 
+springnet_sweep complete(const springnet_sweep& request) {
+  springnet_sweep sweep{};
+  std::memcpy(&sweep, &request, std::min<std::size_t>(sizeof sweep, request.struct_size));
+  sweep.struct_size = sizeof sweep;
+  return sweep;
+}
+
 void check_nodes(const std::uint32_t* nodes, std::uint32_t count, std::uint32_t node_count) {
   if (count == 0) return;
   require_array(nodes, "nodes");

@@ -24,6 +24,9 @@ const springnet_impact_search& checked(const springnet_impact_search* search);
 // A sweep of a network of `node_count` nodes, but for its order.
 const springnet_sweep& checked(const springnet_sweep* sweep, std::uint32_t node_count);
 
+// A request as this host knows it, whatever the integrator was compiled against.
+[[nodiscard]] springnet_sweep complete(const springnet_sweep& request);
+
 // Nodes for evaluate_nodes.
 void check_nodes(const std::uint32_t* nodes, std::uint32_t count, std::uint32_t node_count);
 

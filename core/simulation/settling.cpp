@@ -11,6 +11,7 @@
 
 #include "constraints/friction.hpp"
 #include "constraints/vectors.hpp"
+#include "simulation/contact_notes.hpp"
 
 namespace springnet {
 namespace {
@@ -42,39 +43,39 @@ constexpr double few_steps = 4.0;  // of a method with steps of its user's
 
 }  // namespace
 
-Engine::Settling::Settling(Engine& engine, double time, State& state, const Findings& findings)
-    : engine_(engine),
+Settling::Settling(Model& model, double time, State& state, const Findings& findings)
+    : model_(model),
       time_(time),
       state_(state),
       findings_(findings),
-      at_(engine.placement(time)),
-      depth_(engine.contact_tolerance()),
-      no_speed_(engine.no_speed()),
-      done_(engine.rigid_.cluster_count(), 0) {}
+      at_(model.placement(time)),
+      depth_(model.contact_tolerance()),
+      no_speed_(model.no_speed()),
+      done_(model.rigid.cluster_count(), 0) {}
 
-const Engine::Finding& Engine::Settling::finding(std::uint32_t node) const {
+springnet_status settle(Model& model, double time, State& state, const Findings& findings) {
+  Settling settling(model, time, state, findings);
+  for (const auto& [node, finding] : findings)
+    if (const springnet_status status = settling.settle(node); status != SPRINGNET_OK) return status;
+  return settling.finish();
+}
+
+const Finding& Settling::finding(std::uint32_t node) const {
   static const Finding none;
   const auto found = findings_.find(node);
   return found == findings_.end() ? none : found->second;
 }
 
-void Engine::Settling::tell(Event::Kind kind, std::uint32_t node, std::int32_t surface, const Vector3& impulse) {
-  Event event{kind, time_, engine_.layout_.ordering().user[node]};
-  event.surface = surface;
-  event.impulse = impulse;
-  engine_.events_.push_back(event);
-}
-
-bool Engine::Settling::turns_round(std::uint32_t node, const ContactSide& side) const {
-  ReactionsAt reactions(engine_, time_, read_only(state_.view.position), read_only(state_.view.velocity));
+bool Settling::turns_round(std::uint32_t node, const ContactSide& side) const {
+  ReactionsAt reactions(model_, time_, read_only(state_.view.position), read_only(state_.view.velocity));
   Vector3 acceleration;
   if (reactions.acceleration(node, acceleration) != SPRINGNET_OK) return false;
   const double speed = side.normal.dot(side.velocity), grows = side.normal.dot(acceleration) - side.needed;
-  return grows > 0.0 && speed * speed <= 2.0 * grows * uncertain * engine_.info_.length_scale;
+  return grows > 0.0 && speed * speed <= 2.0 * grows * uncertain * model_.scales.length;
 }
 
-void Engine::Settling::add_sides(ContactNode& node) const {
-  const Contact& contact = engine_.contact_;
+void Settling::add_sides(ContactNode& node) const {
+  const Contact& contact = model_.contact;
   const Finding& found = finding(node.node);
   const Touch touch = contact.committed(node.node);
   const Vector3 p = vector_at(state_.view.position, node.node), v = vector_at(state_.view.velocity, node.node);
@@ -107,14 +108,14 @@ void Engine::Settling::add_sides(ContactNode& node) const {
     if (!was) {
       if (speed > no_speed_) continue;
       // Just released, what the distance is uncertain by crossed the tolerance once more.
-      if (speed < -no_speed_ && touch.surface < 0 && gap > -shallow * engine_.info_.length_scale &&
+      if (speed < -no_speed_ && touch.surface < 0 && gap > -shallow * model_.scales.length &&
           turns_round(node.node, side))
         continue;
-      if (speed < -no_speed_ && -speed < grazing * engine_.info_.velocity_scale && side.restitution == 0.0)
-        engine_.note_grazing(node.node, j, time_);
+      if (speed < -no_speed_ && -speed < grazing * model_.scales.velocity && side.restitution == 0.0)
+        note_grazing_touch(model_, node.node, j, time_);
     }
     // What integration leaves of a motion that the contact does not allow.
-    const double least = was ? jump * engine_.info_.velocity_scale : no_speed_;
+    const double least = was ? jump * model_.scales.velocity : no_speed_;
     if (std::abs(speed) <= least) side.velocity -= speed * side.normal;
     node.sides.push_back(side);
   }
@@ -123,22 +124,22 @@ void Engine::Settling::add_sides(ContactNode& node) const {
 }
 
 // Nodes that stick have the velocity of their surface, without what integration made of it.
-void Engine::Settling::take_along() {
-  const Contact& contact = engine_.contact_;
+void Settling::take_along() {
+  const Contact& contact = model_.contact;
   for (const std::uint32_t k : members_) {
     const Touch touch = contact.committed(k);
     if (touch.surface < 0 || touch.slides) continue;
     const auto j = static_cast<std::size_t>(touch.surface);
     const Vector3 w = Contact::velocity(*at_, j, vector_at(state_.view.position, k));
-    if ((vector_at(state_.view.velocity, k) - w).norm() <= jump * engine_.info_.velocity_scale)
+    if ((vector_at(state_.view.velocity, k) - w).norm() <= jump * model_.scales.velocity)
       put_vector(state_.view.velocity, k, w);
   }
 }
 
-std::vector<ContactNode> Engine::Settling::gather() const {
+std::vector<ContactNode> Settling::gather() const {
   std::vector<ContactNode> nodes;
   for (const std::uint32_t k : members_) {
-    if (engine_.contact_.fixed()[k] != 0) continue;
+    if (model_.contact.fixed()[k] != 0) continue;
     ContactNode node;
     node.node = k;
     add_sides(node);
@@ -147,9 +148,9 @@ std::vector<ContactNode> Engine::Settling::gather() const {
   return nodes;
 }
 
-springnet_status Engine::Settling::accelerate(Island& island) {
+springnet_status Settling::accelerate(Island& island) {
   const springnet_const_vectors position = read_only(state_.view.position), velocity = read_only(state_.view.velocity);
-  ReactionsAt reactions(engine_, time_, position, velocity);
+  ReactionsAt reactions(model_, time_, position, velocity);
   std::vector<Vector3> accelerations(members_.size());
   for (std::size_t i = 0; i < members_.size(); ++i)
     if (const springnet_status status = reactions.unsupported(members_[i], accelerations[i]); status != SPRINGNET_OK)
@@ -162,14 +163,14 @@ springnet_status Engine::Settling::accelerate(Island& island) {
     for (ContactSide& side : node.sides) {
       const auto j = static_cast<std::size_t>(side.surface);
       side.needed =
-          side.normal.dot(side.surface_acceleration) - engine_.contact_.bias_acceleration(*at_, j, p, side.velocity);
+          side.normal.dot(side.surface_acceleration) - model_.contact.bias_acceleration(*at_, j, p, side.velocity);
     }
   }
   return SPRINGNET_OK;
 }
 
-void Engine::Settling::strike(const Island& island) {
-  Contact& contact = engine_.contact_;
+void Settling::strike(const Island& island) {
+  Contact& contact = model_.contact;
   const springnet_vectors& velocity = state_.view.velocity;
   std::vector<Vector3> impulses;
   for (const ContactNode& node : island.nodes()) {
@@ -189,12 +190,12 @@ void Engine::Settling::strike(const Island& island) {
     rods_->push(contact_nodes_, impulses, change,
                 [&](std::uint32_t node, const Vector3& impulse) { contact.add_impulse(node, -impulse); });
   } else {
-    change(contact_nodes_.front(), impulses.front() / engine_.mass_[contact_nodes_.front()]);
+    change(contact_nodes_.front(), impulses.front() / model_.mass[contact_nodes_.front()]);
   }
   struck_ = true;
 }
 
-void Engine::Settling::find_slips(Island& island) const {
+void Settling::find_slips(Island& island) const {
   for (ContactNode& node : island.nodes()) {
     std::vector<Vector3> normals;
     const ContactSide* first = nullptr;
@@ -203,7 +204,7 @@ void Engine::Settling::find_slips(Island& island) const {
       ContactSide& side = node.sides[s];
       side.leaves = side.normal.dot(side.velocity) > no_speed_;
       // What arrived and was stopped lies there, though no force presses it.
-      const bool arrived = !node.impulse[s].isZero(0.0) && !engine_.contact_.committed(node.node).has(side.surface);
+      const bool arrived = !node.impulse[s].isZero(0.0) && !model_.contact.committed(node.node).has(side.surface);
       side.touches = !side.leaves && (side.touches || arrived);
       if (side.leaves) continue;
       normals.push_back(side.normal);
@@ -215,19 +216,19 @@ void Engine::Settling::find_slips(Island& island) const {
     const Vector3 slip = split_reaction(normals, first->velocity).along;
     node.moves = slip.norm() > no_speed_ && friction > 0.0;
     if (node.moves) node.slip = slip.normalized();
-    node.sticks = !node.moves && friction > 0.0 && surfaces_move_alike(node, jump * engine_.info_.velocity_scale);
+    node.sticks = !node.moves && friction > 0.0 && surfaces_move_alike(node, jump * model_.scales.velocity);
     // Friction acts as it did: against what has no speed yet, or one that errors of integration have a part in.
-    if (!engine_.contact_.committed(node.node).slides || node.rests || friction == 0.0) continue;
-    const Contact::Slip phase = engine_.contact_.slip_phase(node.node);
+    if (!model_.contact.committed(node.node).slides || node.rests || friction == 0.0) continue;
+    const Contact::Slip phase = model_.contact.slip_phase(node.node);
     if (phase == Contact::Slip::goes_on || (phase == Contact::Slip::ends && !node.moves)) continue;
     node.begins = phase == Contact::Slip::begins;
     node.sticks = false;
-    node.slip = engine_.contact_.slip(node.node);
+    node.slip = model_.contact.slip(node.node);
   }
 }
 
 // Nodes that were seen to slip, by the forces that held them until now.
-void Engine::Settling::begin_slips(Island& island) const {
+void Settling::begin_slips(Island& island) const {
   const auto slips = [this](const ContactNode& node) { return node.sticks && finding(node.node).slips; };
   if (std::none_of(island.nodes().begin(), island.nodes().end(), slips)) return;
   island.solve();
@@ -236,8 +237,8 @@ void Engine::Settling::begin_slips(Island& island) const {
 }
 
 // The contact that was found for a node becomes the node's.
-void Engine::Settling::take(const ContactNode& node) {
-  Contact& contact = engine_.contact_;
+void Settling::take(const ContactNode& node) {
+  Contact& contact = model_.contact;
   const std::uint32_t k = node.node;
   const Touch before = contact.committed(k);
   Touch now = before;
@@ -245,7 +246,7 @@ void Engine::Settling::take(const ContactNode& node) {
   for (const ContactSide& side : node.sides) {
     if (side.touches || !before.has(side.surface)) continue;
     now = after(now, {ContactCause::Kind::release, side.surface});
-    tell(Event::Kind::released, k, side.surface);
+    model_.record(Event::Kind::released, time_, k, side.surface);
     if (!side.leaves) part(k, side);
   }
   const bool stays = now.surface >= 0;
@@ -255,25 +256,25 @@ void Engine::Settling::take(const ContactNode& node) {
     if (!side.touches && node.impulse[s].isZero(0.0)) continue;
     // What ends the rocking of a body may draw a node back; that is no blow.
     const bool pulls = side.normal.dot(node.impulse[s]) < 0.0;
-    tell(Event::Kind::touched, k, side.surface, pulls ? Vector3(Vector3::Zero()) : node.impulse[s]);
+    model_.record(Event::Kind::touched, time_, k, side.surface, pulls ? Vector3(Vector3::Zero()) : node.impulse[s]);
     if (side.touches) {
       now = after(now, {ContactCause::Kind::touch, side.surface, node.sticks});
       arrived = true;
     } else {
       // It rebounds, from the surface itself: the next touch is one that falls through the tolerance again.
-      tell(Event::Kind::released, k, side.surface);
+      model_.record(Event::Kind::released, time_, k, side.surface);
       put_vector(state_.view.position, k,
                  contact.onto(*at_, static_cast<std::size_t>(side.surface), vector_at(state_.view.position, k)));
       rebounds_[k].push_back(side.surface);
     }
   }
   now = after(now, {node.sticks ? ContactCause::Kind::stick : ContactCause::Kind::slip});
-  if (stays && finding(k).rests) tell(Event::Kind::stuck, k, now.surface);
+  if (stays && finding(k).rests) model_.record(Event::Kind::stuck, time_, k, now.surface);
   if (stays && now.slides != (before.slides && !finding(k).rests))
-    tell(now.slides ? Event::Kind::slipped : Event::Kind::stuck, k, now.surface);
-  if (now != before || finding(k).rests || finding(k).slips) engine_.changed();
+    model_.record(now.slides ? Event::Kind::slipped : Event::Kind::stuck, time_, k, now.surface);
+  if (now != before || finding(k).rests || finding(k).slips) model_.changed();
   const bool was_braced = contact.braced(k), braced = node.braced && node.sticks && now.count() == 1;
-  if (was_braced != braced) engine_.changed();
+  if (was_braced != braced) model_.changed();
   contact.touch(k, now, Vector3::Zero());
   contact.set_braced(k, braced);
   if (now.surface < 0) return;
@@ -295,8 +296,8 @@ void Engine::Settling::take(const ContactNode& node) {
 }
 
 // Slip that is slow, and becomes slower, is about to end.
-void Engine::Settling::find_phase(const ContactNode& node, const Vector3& acceleration, double negligible) {
-  Contact& contact = engine_.contact_;
+void Settling::find_phase(const ContactNode& node, const Vector3& acceleration, double negligible) {
+  Contact& contact = model_.contact;
   const std::uint32_t k = node.node;
   const Touch& touch = contact.committed(k);
   if (!touch.slides || !node.moves || contact.slip_phase(k) == Contact::Slip::ends) return;
@@ -314,8 +315,8 @@ void Engine::Settling::find_phase(const ContactNode& node, const Vector3& accele
 
 // Friction keeps the direction from now on in which it ends all of the slip at once, s + T a(t) = 0 with a the
 // acceleration against the surface: that which it would have on the average.
-void Engine::Settling::keep_direction(std::uint32_t k) {
-  Contact& contact = engine_.contact_;
+void Settling::keep_direction(std::uint32_t k) {
+  Contact& contact = model_.contact;
   const Touch touch = contact.committed(k);
   const auto j = static_cast<std::size_t>(touch.surface);
   const Vector3 p = vector_at(state_.view.position, k), v = vector_at(state_.view.velocity, k);
@@ -324,11 +325,11 @@ void Engine::Settling::keep_direction(std::uint32_t k) {
   const Vector3 n = contact.normal(*at_, j, p), goes = slip.normalized();
   const auto keep = [&](const Vector3& direction) { contact.set_slip(k, direction, Contact::Slip::ends); };
   keep(goes);
-  if (touch.second >= 0 || engine_.coefficient(k, j) >= friction_of_held) return;
+  if (touch.second >= 0 || model_.constraints.coefficient(k, j) >= friction_of_held) return;
   double slows = 0.0;
   const auto found = find_direction(n, goes, [&](const Vector3& against) {
     keep(against);
-    ReactionsAt reactions(engine_, time_, read_only(state_.view.position), read_only(state_.view.velocity));
+    ReactionsAt reactions(model_, time_, read_only(state_.view.position), read_only(state_.view.velocity));
     Vector3 a;
     if (reactions.bound(k, a) != SPRINGNET_OK) return std::numeric_limits<double>::quiet_NaN();
     a -= Contact::acceleration(*at_, j, p);
@@ -341,7 +342,7 @@ void Engine::Settling::keep_direction(std::uint32_t k) {
 
 // Ends the slip of nodes that a surface that holds struck, where it is slower than `slow` (m/s): no more than errors of
 // integration, or what is left of rocking. Returns whether there was any.
-bool Engine::Settling::stop_held(Island& island, double slow) const {
+bool Settling::stop_held(Island& island, double slow) const {
   for (ContactNode& node : island.nodes()) {
     for (std::size_t s = 0; s < node.sides.size(); ++s) {
       const ContactSide& side = node.sides[s];
@@ -353,45 +354,43 @@ bool Engine::Settling::stop_held(Island& island, double slow) const {
 }
 
 // What is released begins without speed against the surface: what integration left of one would make it touch again.
-void Engine::Settling::part(std::uint32_t node, const ContactSide& side) {
+void Settling::part(std::uint32_t node, const ContactSide& side) {
   if (rods_) return;
   const Vector3 v = vector_at(state_.view.velocity, node);
   const auto j = static_cast<std::size_t>(side.surface);
   const double speed = side.normal.dot(v - Contact::velocity(*at_, j, vector_at(state_.view.position, node)));
-  if (std::abs(speed) > jump * engine_.info_.velocity_scale) return;
+  if (std::abs(speed) > jump * model_.scales.velocity) return;
   put_vector(state_.view.velocity, node, v - speed * side.normal);
-  const Vector3 impulse = -engine_.mass_[node] * speed * side.normal;
-  engine_.contact_.add_impulse(node, impulse);
-  engine_.contact_.add_surface_impulse(j, -impulse);
+  const Vector3 impulse = -model_.mass[node] * speed * side.normal;
+  model_.contact.add_impulse(node, impulse);
+  model_.contact.add_surface_impulse(j, -impulse);
 }
 
 // Counts touches.
-bool Engine::Settling::chatters(const Island& island) {
+bool Settling::chatters(const Island& island) {
   const double short_time =
-      std::max(soon * engine_.info_.length_scale / engine_.info_.velocity_scale, few_steps * engine_.step_length_);
+      std::max(soon * model_.scales.length / model_.scales.velocity, few_steps * model_.step_length);
   bool result = false;
   for (const ContactNode& node : island.nodes()) {
     const bool struck = std::any_of(node.impulse.begin(), node.impulse.end(),
                                     [](const Vector3& impulse) { return !impulse.isZero(0.0); });
-    if (!struck || engine_.contact_.committed(node.node).surface >= 0) continue;
-    Touches& touches = engine_.touches_[node.node];
-    touches.count = time_ - touches.last <= short_time ? touches.count + 1 : 1;
-    touches.last = time_;
-    result = result || touches.count >= many_touches;
+    if (!struck || model_.contact.committed(node.node).surface >= 0) continue;
+    const int touches = model_.recent_touches.count(node.node, time_, short_time);
+    result = result || touches >= many_touches;
   }
   return result;
 }
 
-double Engine::Settling::fall_in_step(Island& island) {
-  if (engine_.step_length_ == 0.0 || accelerate(island) != SPRINGNET_OK) return 0.0;
+double Settling::fall_in_step(Island& island) {
+  if (model_.step_length == 0.0 || accelerate(island) != SPRINGNET_OK) return 0.0;
   double falls = 0.0;
   for (const ContactNode& node : island.nodes())
     for (const ContactSide& side : node.sides)
       falls = std::max(falls, side.needed - side.normal.dot(node.acceleration));
-  return steps_of_fall * engine_.step_length_ * falls;
+  return steps_of_fall * model_.step_length * falls;
 }
 
-double Engine::Settling::fall_to_touch(Island& island) {
+double Settling::fall_to_touch(Island& island) {
   if (accelerate(island) != SPRINGNET_OK) return 0.0;
   double falls = 0.0;
   for (const ContactNode& node : island.nodes())
@@ -400,17 +399,16 @@ double Engine::Settling::fall_to_touch(Island& island) {
   return times_of_fall * std::sqrt(2.0 * falls * depth_);
 }
 
-double Engine::Settling::rebound_of(Island& island) {
-  const double least = least_rebound * engine_.info_.velocity_scale;
+double Settling::rebound_of(Island& island) {
+  const double least = least_rebound * model_.scales.velocity;
   for (const ContactNode& node : island.nodes())
     for (const ContactSide& side : node.sides)
       if (side.restitution > 0.0) return std::max(least, fall_in_step(island));
   return least;
 }
 
-springnet_status Engine::Settling::hold_on(Island& island, double negligible,
-                                           std::vector<std::vector<Vector3>>& blows) {
-  const double slow = slow_rocking * engine_.info_.velocity_scale;
+springnet_status Settling::hold_on(Island& island, double negligible, std::vector<std::vector<Vector3>>& blows) {
+  const double slow = slow_rocking * model_.scales.velocity;
   for (ContactNode& node : island.nodes()) {
     std::fill(node.impulse.begin(), node.impulse.end(), Vector3::Zero());
     node.rests = std::any_of(node.sides.begin(), node.sides.end(), [&](const ContactSide& side) {
@@ -433,15 +431,15 @@ springnet_status Engine::Settling::hold_on(Island& island, double negligible,
   return SPRINGNET_OK;
 }
 
-springnet_status Engine::Settling::settle(std::uint32_t node) {
-  const std::uint32_t* clusters = engine_.rigid_.cluster_of();
+springnet_status Settling::settle(std::uint32_t node) {
+  const std::uint32_t* clusters = model_.rigid.cluster_of();
   rods_.reset();
   if (clusters != nullptr && clusters[node] != ConstraintRow::no_node) {
     const std::uint32_t cluster = clusters[node];
     if (done_[cluster] != 0) return SPRINGNET_OK;
     done_[cluster] = 1;
-    members_ = engine_.rigid_.nodes_of(cluster);
-    rods_.emplace(engine_.rigid_, cluster, read_only(state_.view.position));
+    members_ = model_.rigid.nodes_of(cluster);
+    rods_.emplace(model_.rigid, cluster, read_only(state_.view.position));
   } else {
     members_ = {node};
   }
@@ -453,23 +451,23 @@ springnet_status Engine::Settling::settle(std::uint32_t node) {
   contact_nodes_.clear();
   for (const ContactNode& each : nodes) contact_nodes_.push_back(each.node);
   Island island(std::move(nodes), rods_ ? rods_->mobility(contact_nodes_)
-                                        : Eigen::MatrixXd(Eigen::MatrixXd::Identity(3, 3) / engine_.mass_[node]));
+                                        : Eigen::MatrixXd(Eigen::MatrixXd::Identity(3, 3) / model_.mass[node]));
   const double approached = island.approach();
   bool struck = island.strike(rebound_of(island), no_speed_);
   // No impulses end the approach of surfaces between which a body is caught.
-  if (island.approach() > std::max(caught * approached, jump * engine_.info_.velocity_scale)) {
+  if (island.approach() > std::max(caught * approached, jump * model_.scales.velocity)) {
     std::set<std::int32_t> surfaces;
     for (const ContactNode& each : island.nodes())
       for (const ContactSide& side : each.sides) surfaces.insert(side.surface);
-    return engine_.no_place(node, {surfaces.begin(), surfaces.end()}, time_);
+    return no_place(model_, node, {surfaces.begin(), surfaces.end()}, time_);
   }
-  struck = stop_held(island, jump * engine_.info_.velocity_scale) || struck;
+  struck = stop_held(island, jump * model_.scales.velocity) || struck;
   std::vector<std::vector<Vector3>> blows;  // N s, [node of the island][side]
   for (const ContactNode& each : island.nodes()) blows.emplace_back(each.sides.size(), Vector3::Zero());
   for (int jams = 0;; ++jams) {
     if (struck) {
       const bool rocks = chatters(island);
-      const double slow = std::max({fall_to_touch(island), rocks ? slow_rocking * engine_.info_.velocity_scale : 0.0,
+      const double slow = std::max({fall_to_touch(island), rocks ? slow_rocking * model_.scales.velocity : 0.0,
                                     rocks ? fall_in_step(island) : 0.0});
       island.calm(slow);
       // Its impulses, across the surfaces alone, turn the body: left as a slip, that would go on against friction that
@@ -485,34 +483,35 @@ springnet_status Engine::Settling::settle(std::uint32_t node) {
     // Rounding of forces beside what was asked: those of stiff springs cancel.
     double forces = 0.0;
     for (const ContactNode& each : island.nodes())
-      forces = std::max(forces, engine_.mass_[each.node] * each.acceleration.norm());
-    const double negligible = least_force * engine_.info_.force_scale + 1e-12 * forces;
+      forces = std::max(forces, model_.mass[each.node] * each.acceleration.norm());
+    const double negligible = least_force * model_.scales.force + 1e-12 * forces;
     if (island.resolve(negligible)) break;
     for (ContactNode& each : island.nodes()) std::fill(each.impulse.begin(), each.impulse.end(), Vector3::Zero());
     struck = jams < most_jams && island.jam(10.0 * no_speed_);
     if (!struck) {
-      engine_.note_unresolved(node, time_);
+      note_unresolved(model_, node, time_);
       if (const springnet_status status = hold_on(island, negligible, blows); status != SPRINGNET_OK) return status;
       break;
     }
     for (const ContactNode& each : island.nodes())
       for (std::size_t s = 0; s < each.sides.size(); ++s)
-        if (!each.impulse[s].isZero(0.0)) tell(Event::Kind::jammed, each.node, each.sides[s].surface, each.impulse[s]);
+        if (!each.impulse[s].isZero(0.0))
+          model_.record(Event::Kind::jammed, time_, each.node, each.sides[s].surface, each.impulse[s]);
   }
   for (std::size_t i = 0; i < blows.size(); ++i) island.nodes()[i].impulse = blows[i];
   for (const ContactNode& each : island.nodes()) take(each);
   for (std::size_t i = 0; i < island.nodes().size(); ++i) {
     const ContactNode& each = island.nodes()[i];
-    find_phase(each, island.acceleration(i), least_force * engine_.info_.force_scale / engine_.mass_[each.node]);
+    find_phase(each, island.acceleration(i), least_force * model_.scales.force / model_.mass[each.node]);
   }
   return SPRINGNET_OK;
 }
 
-springnet_status Engine::Settling::finish() {
+springnet_status Settling::finish() {
   if (!struck_ && stopped_.empty()) return SPRINGNET_OK;
-  engine_.changed();
-  return engine_.constraints_.project(*at_, state_.view.position, state_.view.velocity, engine_.message_, stopped_,
-                                      rebounds_);
+  model_.changed();
+  return model_.constraints.project(*at_, state_.view.position, state_.view.velocity, model_.journal.message, stopped_,
+                                    rebounds_);
 }
 
 }  // namespace springnet

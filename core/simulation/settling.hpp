@@ -8,24 +8,28 @@
 #include <vector>
 
 #include "constraints/island.hpp"
-#include "simulation/engine.hpp"
+#include "simulation/model.hpp"
 #include "simulation/reactions_at.hpp"
 
 namespace springnet {
 
 // What was found of a node.
-struct Engine::Finding {
+struct Finding {
   std::vector<std::int32_t> touched, released;  // surfaces
   bool slips = false;                           // friction cannot hold it any more
   bool rests = false;                           // its slip has no speed left
 };
 
-class Engine::Settling {
- public:
-  using Findings = std::map<std::uint32_t, Finding>;
+using Findings = std::map<std::uint32_t, Finding>;  // by node
 
-  // Of the engine's contacts and of `state` at `time`, s.
-  Settling(Engine& engine, double time, State& state, const Findings& findings);
+// Decides the contacts of these nodes, and of what is rigidly connected to them, at `time` (s); `state` changes with
+// them.
+springnet_status settle(Model& model, double time, State& state, const Findings& findings);
+
+class Settling {
+ public:
+  // Of the model's contacts and of `state` at `time`, s.
+  Settling(Model& model, double time, State& state, const Findings& findings);
   // A node with all that hangs rigidly on it, unless that was settled already.
   springnet_status settle(std::uint32_t node);
   // Velocities and lengths that fit again, where anything changed.
@@ -65,9 +69,8 @@ class Engine::Settling {
   void part(std::uint32_t node, const ContactSide& side);
   // acceleration, and what of it is rounding: m/s^2.
   void find_phase(const ContactNode& node, const Vector3& acceleration, double negligible);
-  void tell(Event::Kind kind, std::uint32_t node, std::int32_t surface, const Vector3& impulse = Vector3::Zero());
 
-  Engine& engine_;
+  Model& model_;
   double time_;
   State& state_;
   const Findings& findings_;

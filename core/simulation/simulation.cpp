@@ -12,6 +12,7 @@
 #include "network/checks.hpp"
 #include "network/spacing.hpp"
 #include "plugin_host/call.hpp"
+#include "simulation/embedding_changes.hpp"
 #include "simulation/engine.hpp"
 #include "simulation/host_table.hpp"
 #include "simulation/most_threads.hpp"
@@ -74,48 +75,48 @@ struct Simulation::Impl {
   }
   void advance(double until);
   [[nodiscard]] std::uint32_t engine_node(NodeIndex node) const {
-    if (node >= engine.layout().node_count())
+    if (node >= engine.model().layout.node_count())
       throw Error(ErrorKind::input, fmt::format("node {} does not exist: the network has nodes 0 to {}", node,
-                                                std::int64_t{engine.layout().node_count()} - 1));
-    return engine.layout().ordering().engine[node];
+                                                std::int64_t{engine.model().layout.node_count()} - 1));
+    return engine.model().layout.ordering().engine[node];
   }
   void check_spring(SpringIndex spring) const {
-    if (spring >= engine.layout().spring_count())
+    if (spring >= engine.model().layout.spring_count())
       throw Error(ErrorKind::input, fmt::format("spring {} does not exist: the network has springs 0 to {}", spring,
-                                                static_cast<std::int64_t>(engine.layout().spring_count()) - 1));
+                                                static_cast<std::int64_t>(engine.model().layout.spring_count()) - 1));
   }
   void check_element(ElementIndex element) const {
-    if (element >= engine.layout().elements().count())
+    if (element >= engine.model().layout.elements().count())
       throw Error(ErrorKind::input, fmt::format("element {} does not exist: the network has {} elements", element,
-                                                engine.layout().elements().count()));
+                                                engine.model().layout.elements().count()));
   }
   void check_surface(std::size_t surface) const {
-    if (surface >= engine.constraints().contact().surfaces().size())
+    if (surface >= engine.model().contact.surfaces().size())
       throw Error(ErrorKind::input, fmt::format("surface {} does not exist: the network has {} planes and instruments",
-                                                surface, engine.constraints().contact().surfaces().size()));
+                                                surface, engine.model().contact.surfaces().size()));
   }
   void check_arrival(const Vector3& position, double until) const {
-    if (!position.allFinite() || !std::isfinite(until) || !(until > engine.time()))
-      throw Error(
-          ErrorKind::input,
-          fmt::format("a motion to ({}, {}, {}) that ends at {}: the position must be finite, and the time "
-                      "after {}, which is now",
-                      position[0], position[1], position[2], checks::seconds(until), checks::seconds(engine.time())));
+    if (!position.allFinite() || !std::isfinite(until) || !(until > engine.model().time))
+      throw Error(ErrorKind::input,
+                  fmt::format("a motion to ({}, {}, {}) that ends at {}: the position must be finite, and the time "
+                              "after {}, which is now",
+                              position[0], position[1], position[2], checks::seconds(until),
+                              checks::seconds(engine.model().time)));
   }
   [[nodiscard]] const Obstacle& surface(std::size_t index) const {
     check_surface(index);
-    return engine.constraints().contact().surfaces()[index];
+    return engine.model().contact.surfaces()[index];
   }
   // At the present time.
-  [[nodiscard]] Pose pose(std::size_t index) const { return surface(index).at(just_after(engine.time())); }
+  [[nodiscard]] Pose pose(std::size_t index) const { return surface(index).at(just_after(engine.model().time)); }
   template <class Visit>
   void for_each_touching(std::size_t index, Visit visit) const {
     check_surface(index);
-    for (std::uint32_t k = 0; k < engine.layout().node_count(); ++k)
-      if (engine.constraints().contact().committed(k).has(static_cast<std::int32_t>(index))) visit(k);
+    for (std::uint32_t k = 0; k < engine.model().layout.node_count(); ++k)
+      if (engine.model().contact.committed(k).has(static_cast<std::int32_t>(index))) visit(k);
   }
   [[nodiscard]] ConstNodeMap map(const springnet_vectors& v) const {
-    const std::uint32_t n = engine.layout().node_count();
+    const std::uint32_t n = engine.model().layout.node_count();
     return {v.x, 3, static_cast<Eigen::Index>(n), Eigen::OuterStride<>(static_cast<Eigen::Index>(pitch_of(n)))};
   }
 
@@ -145,13 +146,14 @@ Vector3 column(const springnet_vectors& v, std::uint32_t k) { return {v.x[k], v.
 
 template <class Function>
 Simulation::Impl::Ending Simulation::Impl::call(const Function& function) {
-  engine.message().text[0] = '\0';
+  engine.model().journal.message.text[0] = '\0';
   Ending end;
   try {
     end.status = function();
     if (end.status == SPRINGNET_OK) return end;
-    end.text = text_of(engine.message());
-    end.broken = end.text.empty() || (!engine.misuse().empty() && end.text.find(engine.misuse()) != std::string::npos);
+    end.text = text_of(engine.model().journal.message);
+    end.broken = end.text.empty() ||
+                 (!engine.calls().misuse().empty() && end.text.find(engine.calls().misuse()) != std::string::npos);
     if (end.broken) end.text = broken_by(end.text.empty() ? "it failed without saying why" : end.text);
   } catch (const std::exception& error) {
     end.broken = true;
@@ -165,23 +167,23 @@ Simulation::Impl::Ending Simulation::Impl::call(const Function& function) {
 }
 
 void Simulation::Impl::advance(double until) {
-  const double from = engine.time();
+  const double from = engine.model().time;
   springnet_step_report report{};
   report.struct_size = sizeof report;
   report.start_node = 0xffffffffu;
   engine.begin_advance(until);
   Ending end = call([&] { return component->integrator().advance(integrator, until, &report); });
-  if (end.status == SPRINGNET_OK && !(std::abs(engine.time() - until) <= engine.end_tolerance())) {
+  if (end.status == SPRINGNET_OK && !(std::abs(engine.model().time - until) <= engine.calls().end_tolerance())) {
     end.status = SPRINGNET_FAILED;
     end.broken = true;
-    end.text = broken_by(
-        fmt::format("it committed {}",
-                    engine.time() > from ? fmt::format("no later state than that at {} s", engine.time()) : "nothing"));
-    for (const std::string& reason : {engine.misuse(), engine.non_finite()})
+    end.text = broken_by(fmt::format(
+        "it committed {}",
+        engine.model().time > from ? fmt::format("no later state than that at {} s", engine.model().time) : "nothing"));
+    for (const std::string& reason : {engine.calls().misuse(), engine.model().journal.non_finite})
       if (!reason.empty()) end.text += "; " + reason;
   }
   const springnet_status status = end.status;
-  const std::vector<std::uint32_t>& user = engine.layout().ordering().user;
+  const std::vector<std::uint32_t>& user = engine.model().layout.ordering().user;
   // Whatever an integrator says: a step that failed is not settled. Short of memory, it says nothing of the motion.
   const bool known = report.outcome >= SPRINGNET_SETTLED && report.outcome <= SPRINGNET_DIVERGING;
   Outcome outcome = known ? static_cast<Outcome>(report.outcome) : Outcome::diverging;
@@ -204,8 +206,8 @@ void Simulation::Impl::advance(double until) {
   std::string text =
       fmt::format("step from {} to {}: {}", checks::seconds(from), checks::seconds(until),
                   end.out_of_memory() ? "out of memory: simulate a smaller network, or on a larger machine" : end.text);
-  if (!engine.non_finite().empty() && text.find(engine.non_finite()) == std::string::npos)
-    text += fmt::format("; {}", engine.non_finite());
+  if (!engine.model().journal.non_finite.empty() && text.find(engine.model().journal.non_finite) == std::string::npos)
+    text += fmt::format("; {}", engine.model().journal.non_finite);
   throw Error(end.broken ? ErrorKind::plugin : ErrorKind::simulation, text);
 }
 
@@ -261,52 +263,48 @@ const StepReport& Simulation::advance_to(double until) {
   return impl.last;
 }
 
-double Simulation::time() const noexcept { return impl_->engine.time(); }
+double Simulation::time() const noexcept { return impl_->engine.model().time; }
 double Simulation::time_step() const noexcept { return impl_->options.time_step; }
 std::uint64_t Simulation::steps() const noexcept { return impl_->steps; }
 std::uint64_t Simulation::sweeps() const noexcept { return impl_->sweeps; }
-std::size_t Simulation::node_count() const noexcept { return impl_->engine.layout().node_count(); }
-std::size_t Simulation::spring_count() const noexcept { return impl_->engine.layout().spring_count(); }
-std::size_t Simulation::live_spring_count() const noexcept { return impl_->engine.layout().live_count(); }
-std::size_t Simulation::element_count() const noexcept { return impl_->engine.layout().elements().count(); }
-unsigned Simulation::threads() const noexcept { return impl_->engine.evaluator().threads(); }
-InstructionSet Simulation::instruction_set() const noexcept { return impl_->engine.evaluator().instruction_set(); }
+std::size_t Simulation::node_count() const noexcept { return impl_->engine.model().layout.node_count(); }
+std::size_t Simulation::spring_count() const noexcept { return impl_->engine.model().layout.spring_count(); }
+std::size_t Simulation::live_spring_count() const noexcept { return impl_->engine.model().layout.live_count(); }
+std::size_t Simulation::element_count() const noexcept { return impl_->engine.model().layout.elements().count(); }
+unsigned Simulation::threads() const noexcept { return impl_->engine.model().evaluator.threads(); }
+InstructionSet Simulation::instruction_set() const noexcept {
+  return impl_->engine.model().evaluator.instruction_set();
+}
 const StepReport& Simulation::last_report() const noexcept { return impl_->last; }
 
-ConstNodeMap Simulation::positions() const noexcept {
-  return impl_->map(impl_->engine.state_without_forces().view.position);
-}
-ConstNodeMap Simulation::velocities() const noexcept {
-  return impl_->map(impl_->engine.state_without_forces().view.velocity);
-}
-ConstNodeMap Simulation::forces() const { return impl_->map(impl_->engine.state().view.force); }
+ConstNodeMap Simulation::positions() const noexcept { return impl_->map(impl_->engine.model().state.view.position); }
+ConstNodeMap Simulation::velocities() const noexcept { return impl_->map(impl_->engine.model().state.view.velocity); }
+ConstNodeMap Simulation::forces() const { return impl_->map(impl_->engine.model().with_forces().view.force); }
 const std::vector<std::uint32_t>& Simulation::columns() const noexcept {
-  return impl_->engine.layout().ordering().engine;
+  return impl_->engine.model().layout.ordering().engine;
 }
 
 Vector3 Simulation::position(NodeIndex node) const {
-  return column(impl_->engine.state_without_forces().view.position, impl_->engine_node(node));
+  return column(impl_->engine.model().state.view.position, impl_->engine_node(node));
 }
 Vector3 Simulation::velocity(NodeIndex node) const {
-  return column(impl_->engine.state_without_forces().view.velocity, impl_->engine_node(node));
+  return column(impl_->engine.model().state.view.velocity, impl_->engine_node(node));
 }
 Vector3 Simulation::force(NodeIndex node) const {
-  return column(impl_->engine.state().view.force, impl_->engine_node(node));
+  return column(impl_->engine.model().with_forces().view.force, impl_->engine_node(node));
 }
 Vector3 Simulation::reaction(NodeIndex node) const { return impl_->engine.reactions().node[impl_->engine_node(node)]; }
 double Simulation::rigid_force(RigidIndex rigid) const {
-  if (rigid >= impl_->engine.constraints().rigid().rods().size())
+  if (rigid >= impl_->engine.model().rigid.rods().size())
     throw Error(ErrorKind::input, fmt::format("rigid connection {} does not exist: the network has {}", rigid,
-                                              impl_->engine.constraints().rigid().rods().size()));
+                                              impl_->engine.model().rigid.rods().size()));
   return impl_->engine.reactions().rigid[rigid];
 }
 
-std::size_t Simulation::surface_count() const noexcept {
-  return impl_->engine.constraints().contact().surfaces().size();
-}
+std::size_t Simulation::surface_count() const noexcept { return impl_->engine.model().contact.surfaces().size(); }
 const std::string& Simulation::surface_name(std::size_t surface) const {
   impl_->check_surface(surface);
-  return impl_->engine.constraints().contact().surfaces()[surface].name();
+  return impl_->engine.model().contact.surfaces()[surface].name();
 }
 Vector3 Simulation::surface_position(std::size_t surface) const {
   return impl_->pose(surface).from_start(impl_->surface(surface).origin());
@@ -325,7 +323,7 @@ Vector3 Simulation::surface_torque(std::size_t surface) const {
   const Vector3 about = surface_position(surface);
   Vector3 sum = Vector3::Zero();
   impl_->for_each_touching(surface, [&](std::uint32_t k) {
-    const Vector3 arm = column(impl_->engine.state_without_forces().view.position, k) - about;
+    const Vector3 arm = column(impl_->engine.model().state.view.position, k) - about;
     sum -= arm.cross(impl_->engine.reaction_of(k, surface));
   });
   return sum;
@@ -336,100 +334,102 @@ std::size_t Simulation::nodes_touching(std::size_t surface) const {
   return count;
 }
 Vector3 Simulation::contact_impulse(NodeIndex node) const {
-  return impl_->engine.constraints().contact().impulse(impl_->engine_node(node));
+  return impl_->engine.model().contact.impulse(impl_->engine_node(node));
 }
 Vector3 Simulation::surface_impulse(std::size_t surface) const {
   impl_->check_surface(surface);
-  return impl_->engine.constraints().contact().surface_impulse(surface);
+  return impl_->engine.model().contact.surface_impulse(surface);
 }
 std::vector<std::size_t> Simulation::surfaces_of(NodeIndex node) const {
-  const Touch& touch = impl_->engine.constraints().contact().committed(impl_->engine_node(node));
+  const Touch& touch = impl_->engine.model().contact.committed(impl_->engine_node(node));
   std::vector<std::size_t> surfaces;
   for (const std::int32_t surface : touch.surfaces())
     if (surface >= 0) surfaces.push_back(static_cast<std::size_t>(surface));
   return surfaces;
 }
 bool Simulation::held(NodeIndex node) const {
-  return impl_->engine.constraints().contact().held()[impl_->engine_node(node)] != 0;
+  return impl_->engine.model().contact.held()[impl_->engine_node(node)] != 0;
 }
 bool Simulation::touching(NodeIndex node) const {
-  return impl_->engine.constraints().contact().touching()[impl_->engine_node(node)] != 0;
+  return impl_->engine.model().contact.touching()[impl_->engine_node(node)] != 0;
 }
 
 double Simulation::tension(SpringIndex spring) const {
   impl_->check_spring(spring);
   const Engine& engine = impl_->engine;
-  return engine.layout().alive(spring) ? layers::tension(engine.layout(), engine.evaluator().instruction_set(),
-                                                         engine.time(), engine.state_without_forces().nodes(), spring)
-                                       : 0.0;
+  return engine.model().layout.alive(spring)
+             ? layers::tension(engine.model().layout, engine.model().evaluator.instruction_set(), engine.model().time,
+                               engine.model().state.nodes(), spring)
+             : 0.0;
 }
 void Simulation::tensions(std::vector<double>& out) const {
   const Engine& engine = impl_->engine;
   out.resize(spring_count());
-  layers::all_tensions(engine.layout(), engine.evaluator().instruction_set(), engine.time(),
-                       engine.state_without_forces().nodes(), out.data());
+  layers::all_tensions(engine.model().layout, engine.model().evaluator.instruction_set(), engine.model().time,
+                       engine.model().state.nodes(), out.data());
 }
 void Simulation::spring_energies(std::vector<double>& out) const {
   const Engine& engine = impl_->engine;
   out.resize(spring_count());
-  layers::all_energies(engine.layout(), engine.evaluator().instruction_set(), engine.time(),
-                       engine.state_without_forces().nodes(), out.data());
+  layers::all_energies(engine.model().layout, engine.model().evaluator.instruction_set(), engine.model().time,
+                       engine.model().state.nodes(), out.data());
 }
 bool Simulation::alive(SpringIndex spring) const {
   impl_->check_spring(spring);
-  return impl_->engine.layout().alive(spring);
+  return impl_->engine.model().layout.alive(spring);
 }
 
 double Simulation::element_value(ElementIndex element) const {
   impl_->check_element(element);
-  return layers::element_state(impl_->engine.layout(), impl_->engine.state_without_forces().nodes(), element).value;
+  return layers::element_state(impl_->engine.model().layout, impl_->engine.model().state.nodes(), element).value;
 }
 double Simulation::element_force(ElementIndex element) const {
   if (!element_alive(element)) return 0.0;
   const Engine& engine = impl_->engine;
-  return layers::element_force(engine.layout(), engine.evaluator().instruction_set(), engine.time(),
-                               engine.state_without_forces().nodes(), element);
+  return layers::element_force(engine.model().layout, engine.model().evaluator.instruction_set(), engine.model().time,
+                               engine.model().state.nodes(), element);
 }
 bool Simulation::element_alive(ElementIndex element) const {
   impl_->check_element(element);
-  return impl_->engine.layout().elements().alive(element);
+  return impl_->engine.model().layout.elements().alive(element);
 }
 
 double Simulation::kinetic_energy() const {
-  const springnet_vectors& v = impl_->engine.state_without_forces().view.velocity;
+  const springnet_vectors& v = impl_->engine.model().state.view.velocity;
   double sum = 0.0;
-  for (std::uint32_t k = 0; k < node_count(); ++k) sum += 0.5 * impl_->engine.mass()[k] * column(v, k).squaredNorm();
+  for (std::uint32_t k = 0; k < node_count(); ++k)
+    sum += 0.5 * impl_->engine.model().mass[k] * column(v, k).squaredNorm();
   return sum;
 }
 double Simulation::potential_energy() const { return impl_->engine.potential_energy(); }
 Vector3 Simulation::momentum() const {
   Vector3 sum = Vector3::Zero();
   for (std::uint32_t k = 0; k < node_count(); ++k)
-    sum += impl_->engine.mass()[k] * column(impl_->engine.state_without_forces().view.velocity, k);
+    sum += impl_->engine.model().mass[k] * column(impl_->engine.model().state.view.velocity, k);
   return sum;
 }
 Vector3 Simulation::angular_momentum() const {
-  const springnet_state& state = impl_->engine.state_without_forces().view;
+  const springnet_state& state = impl_->engine.model().state.view;
   Vector3 sum = Vector3::Zero();
   for (std::uint32_t k = 0; k < node_count(); ++k)
-    sum += impl_->engine.mass()[k] * column(state.position, k).cross(column(state.velocity, k));
+    sum += impl_->engine.model().mass[k] * column(state.position, k).cross(column(state.velocity, k));
   return sum;
 }
 
 void Simulation::set_force(NodeIndex node, const Vector3& force) {
   check_finite(force, fmt::format("force on node {}", node));
-  impl_->engine.loads().set_host_force(impl_->engine_node(node), force);
-  impl_->engine.changed();
+  impl_->engine.model().loads.set_host_force(impl_->engine_node(node), force);
+  impl_->engine.model().changed();
 }
 void Simulation::set_gravity(const Vector3& acceleration) {
   check_finite(acceleration, "gravity");
-  impl_->engine.loads().set_gravity(acceleration);
-  impl_->engine.changed();
+  impl_->engine.model().loads.set_gravity(acceleration);
+  impl_->engine.model().changed();
 }
 void Simulation::set_position(NodeIndex node, const Vector3& position) {
   check_finite(position, fmt::format("position of node {}", node));
   const std::uint32_t k = impl_->engine_node(node);
-  const Contact& contact = impl_->engine.constraints().contact();
+  const Contact& contact = impl_->engine.model().contact;
   for (std::size_t j = 0; j < contact.surfaces().size() && contact.fixed()[k] == 0; ++j) {
     const double distance = contact.surfaces()[j].gap(impl_->pose(j), position);
     if (distance < 0.0)
@@ -439,36 +439,40 @@ void Simulation::set_position(NodeIndex node, const Vector3& position) {
                       "first",
                       node, -distance, contact.surfaces()[j].is_plane() ? "behind" : "inside", contact.name_of(j)));
   }
-  impl_->engine.set_node(k, position, std::nullopt);
+  springnet::set_node(impl_->engine.model(), k, position, std::nullopt);
 }
 void Simulation::set_velocity(NodeIndex node, const Vector3& velocity) {
   check_finite(velocity, fmt::format("velocity of node {}", node));
   const std::uint32_t k = impl_->engine_node(node);
-  if (impl_->engine.constraints().contact().fixed()[k] != 0)
+  if (impl_->engine.model().contact.fixed()[k] != 0)
     throw Error(ErrorKind::input,
                 fmt::format("node {} is fixed and has no velocity; set_fixed(node, false) first", node));
-  impl_->engine.set_node(k, std::nullopt, velocity);
+  springnet::set_node(impl_->engine.model(), k, std::nullopt, velocity);
 }
-void Simulation::set_fixed(NodeIndex node, bool fixed) { impl_->engine.set_fixed(impl_->engine_node(node), fixed); }
+void Simulation::set_fixed(NodeIndex node, bool fixed) {
+  springnet::set_fixed(impl_->engine.model(), impl_->engine_node(node), fixed);
+}
 void Simulation::move_surface(std::size_t surface, const Vector3& position, double time) {
   impl_->check_surface(surface);
   impl_->check_arrival(position, time);
-  impl_->engine.move_surface(surface, position, time);
+  springnet::move_surface(impl_->engine.model(), surface, position, time);
 }
 void Simulation::move_node(NodeIndex node, const Vector3& position, double time) {
   impl_->check_arrival(position, time);
-  impl_->engine.move_node(impl_->engine_node(node), position, time);
+  springnet::move_node(impl_->engine.model(), impl_->engine_node(node), position, time);
 }
 std::size_t Simulation::cut(const std::vector<SpringIndex>& springs) {
   for (const SpringIndex s : springs) impl_->check_spring(s);
-  return impl_->engine.cut(springs);
+  return impl_->engine.topology().cut(springs);
 }
 std::size_t Simulation::cut_polygon(const std::vector<Vector3>& corners) {
-  return impl_->engine.cut(CuttingPolygon(corners));
+  return impl_->engine.topology().cut(CuttingPolygon(corners));
 }
 
-const std::vector<Event>& Simulation::events() const noexcept { return impl_->engine.events(); }
-const std::map<std::string, double>& Simulation::statistics() const noexcept { return impl_->engine.statistics(); }
-const std::vector<std::string>& Simulation::notes() const noexcept { return impl_->engine.notes(); }
+const std::vector<Event>& Simulation::events() const noexcept { return impl_->engine.model().journal.events(); }
+const std::map<std::string, double>& Simulation::statistics() const noexcept {
+  return impl_->engine.model().journal.numbers();
+}
+const std::vector<std::string>& Simulation::notes() const noexcept { return impl_->engine.model().journal.notes(); }
 
 }  // namespace springnet

@@ -23,14 +23,14 @@
 #include <vector>
 
 #include "constraints/island.hpp"
-#include "simulation/engine.hpp"
+#include "simulation/model.hpp"
 
 namespace springnet {
 
-class Engine::Stepping {
+class VerletContact {
  public:
   // Of the committed state, in a step of this length (s). `last`: the step before, or null.
-  Stepping(Engine& engine, double until, double length, const Stepping* last);
+  VerletContact(Model& model, double until, double length, const VerletContact* last);
   // step.next_position, next_velocity: P and u as if there were no contact, changed where there is; step.force: F, N.
   springnet_status drift(const springnet_sweep& step);
   // Whether a kick is to come, of the step between these times, s.
@@ -108,7 +108,7 @@ class Engine::Stepping {
   // Notes what the sides of the touchers had.
   void remember(const Island& island, bool struck, Body& body) const;
 
-  Engine& engine_;
+  Model& model_;
   Contact& contact_;
   double from_, until_, h_;  // s
   bool kicked_ = false;
@@ -119,6 +119,9 @@ class Engine::Stepping {
   std::map<std::pair<std::uint32_t, std::int32_t>, Vector3> last_;
   double last_h_ = 0.0;  // s, the step of that
 };
+
+// What springnet_host::constrain asks for that is a drift or a kick. `last`: the last step, null: none.
+springnet_status constrain_verlet(Model& model, const springnet_sweep& step, std::shared_ptr<VerletContact>& last);
 
 // Of nodes in contact, by what acts on them.
 [[nodiscard]] inline bool is_rough(const ContactSide& side) { return coefficient_of(side.friction) > 0.0; }

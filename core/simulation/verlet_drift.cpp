@@ -1,6 +1,6 @@
 // The first part of a step: where nodes go.
 
-#include "simulation/stepping.hpp"
+#include "simulation/verlet_contact.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -22,7 +22,7 @@ constexpr double accuracy = 1e-14;  // of places, in units of their coordinates 
 
 // Whether a node is in contact, or comes to be on its way; one with rigid connections, whose way is not known yet for
 // certain, already where it is as near as it goes in the step.
-bool Engine::Stepping::is_near(const springnet_sweep& step, std::uint32_t node, bool alone) const {
+bool VerletContact::is_near(const springnet_sweep& step, std::uint32_t node, bool alone) const {
   if (contact_.fixed()[node] != 0) return false;
   if (contact_.committed(node).surface >= 0) return true;
   const Vector3 start = vector_at(step.start_position, node), end = vector_at(step.next_position, node);
@@ -34,13 +34,13 @@ bool Engine::Stepping::is_near(const springnet_sweep& step, std::uint32_t node, 
   return false;
 }
 
-springnet_status Engine::Stepping::drift(const springnet_sweep& step) {
-  const std::uint32_t* clusters = engine_.rigid_.cluster_of();
+springnet_status VerletContact::drift(const springnet_sweep& step) {
+  const std::uint32_t* clusters = model_.rigid.cluster_of();
   const auto add = [&](const std::vector<std::uint32_t>& nodes,
                        std::optional<std::size_t> cluster) -> springnet_status {
     Body body = body_of(step, nodes);
     body.cluster = cluster;
-    springnet_status status = know_forces(body, step, engine_.time_, step.start_position, step.start_velocity);
+    springnet_status status = know_forces(body, step, model_.time, step.start_position, step.start_velocity);
     if (status == SPRINGNET_OK) status = drift(body);
     if (status != SPRINGNET_OK || body.touchers.empty()) return status;
     for (const Member& m : body.members) {
@@ -50,19 +50,19 @@ springnet_status Engine::Stepping::drift(const springnet_sweep& step) {
     bodies_.push_back(std::move(body));
     return SPRINGNET_OK;
   };
-  for (std::uint32_t k = 0; k < engine_.layout_.node_count(); ++k) {
+  for (std::uint32_t k = 0; k < model_.layout.node_count(); ++k) {
     if ((clusters != nullptr && clusters[k] != no_cluster) || !is_near(step, k, true)) continue;
     if (const springnet_status status = add({k}, std::nullopt); status != SPRINGNET_OK) return status;
   }
-  for (std::size_t c = 0; c < engine_.rigid_.cluster_count(); ++c) {
-    const std::vector<std::uint32_t>& nodes = engine_.rigid_.nodes_of(c);
+  for (std::size_t c = 0; c < model_.rigid.cluster_count(); ++c) {
+    const std::vector<std::uint32_t>& nodes = model_.rigid.nodes_of(c);
     if (std::none_of(nodes.begin(), nodes.end(), [&](std::uint32_t k) { return is_near(step, k, false); })) continue;
     if (const springnet_status status = add(nodes, c); status != SPRINGNET_OK) return status;
   }
   return SPRINGNET_OK;
 }
 
-bool Engine::Stepping::go(Body& body, const std::optional<Rods>& rods, const std::vector<Vector3>& impulses) const {
+bool VerletContact::go(Body& body, const std::optional<Rods>& rods, const std::vector<Vector3>& impulses) const {
   for (Member& m : body.members) m.velocity = m.start_velocity + m.half;
   push(body, rods, impulses);
   std::vector<Vector3> u, p;
@@ -79,7 +79,7 @@ bool Engine::Stepping::go(Body& body, const std::optional<Rods>& rods, const std
   return kept;
 }
 
-Island Engine::Stepping::island_at_start(const Body& body, const std::optional<Rods>& rods) const {
+Island VerletContact::island_at_start(const Body& body, const std::optional<Rods>& rods) const {
   std::vector<ContactNode> nodes;
   for (const Toucher& toucher : body.touchers) {
     const Member& m = body.members[toucher.member];
@@ -94,7 +94,7 @@ Island Engine::Stepping::island_at_start(const Body& body, const std::optional<R
     }
     if (has_friction(node)) {
       const Vector3 slip = along_surfaces(node, node.sides.front().velocity);
-      node.moves = slip.norm() > engine_.no_speed();
+      node.moves = slip.norm() > model_.no_speed();
       node.sticks = !node.moves;
       if (node.moves) node.slip = slip.normalized();
     }
@@ -105,7 +105,7 @@ Island Engine::Stepping::island_at_start(const Body& body, const std::optional<R
 
 // The drift is what a constant acceleration would do, 2 (u - v) / h, so that gaps at the end of the step ask for
 // accelerations: contacts answer as they do to those.
-springnet_status Engine::Stepping::hold(Body& body, const std::optional<Rods>& rods) {
+springnet_status VerletContact::hold(Body& body, const std::optional<Rods>& rods) {
   Island island = island_at_start(body, rods);
   std::vector<Vector3> impulses(body.touchers.size(), Vector3::Zero());
   std::vector<std::uint8_t> turned(body.touchers.size(), 0);
@@ -175,7 +175,7 @@ springnet_status Engine::Stepping::hold(Body& body, const std::optional<Rods>& r
 
 // Whether a node gets behind a surface that is in its straight way: one that leaves a curved surface goes round what
 // the straight way goes through.
-bool Engine::Stepping::reaches(const Member& m, std::size_t surface) const {
+bool VerletContact::reaches(const Member& m, std::size_t surface) const {
   const Pose &before = from_at_->poses[surface], &after = at_->poses[surface];
   const Vector3 from = after.from_start(before.to_start(m.start));  // as the surface sees it
   const auto gap = [&](double share) {
@@ -189,7 +189,7 @@ bool Engine::Stepping::reaches(const Member& m, std::size_t surface) const {
   return least_on_way(gap, -rounding, 40).value < -rounding;
 }
 
-bool Engine::Stepping::meet(Body& body) {
+bool VerletContact::meet(Body& body) {
   bool any = false;
   for (std::size_t i = 0; i < body.members.size(); ++i) {
     const Member& m = body.members[i];
@@ -245,7 +245,7 @@ bool Engine::Stepping::meet(Body& body) {
   return any;
 }
 
-void Engine::Stepping::arrive(Body& body, const Contact::Meeting& first) {
+void VerletContact::arrive(Body& body, const Contact::Meeting& first) {
   Member& m = body.members[0];
   const Vector3 gained = 2.0 * (m.velocity - m.start_velocity);
   Toucher toucher{};
@@ -267,18 +267,18 @@ void Engine::Stepping::arrive(Body& body, const Contact::Meeting& first) {
     side.velocity = before - w;
     side.restitution = obstacle.restitution();
     node.sides.push_back(side);
-    Island island({std::move(node)}, Eigen::MatrixXd::Identity(3, 3) / engine_.mass_[m.node]);
+    Island island({std::move(node)}, Eigen::MatrixXd::Identity(3, 3) / model_.mass[m.node]);
     // What rebounds slower than it falls again within the step stays.
     const double falls = std::max(0.0, -side.normal.dot(gained - h_ * Contact::acceleration(*at_, j, place)));
     const double least = side.restitution > 0.0 ? falls / side.restitution : std::numeric_limits<double>::infinity();
     static_cast<void>(island.strike(least));
     const ContactSide& struck = island.nodes()[0].sides[0];
     const Vector3 arrival = island.nodes()[0].impulse[0];
-    const Vector3 after = before + arrival / engine_.mass_[m.node];
+    const Vector3 after = before + arrival / model_.mass[m.node];
     toucher.bounced = side.restitution > 0.0 && side.normal.dot(side.velocity) < -least;
     const double rest = 1.0 - share;
     const Vector3 slip = struck.velocity - side.normal * side.normal.dot(struck.velocity);
-    toucher.sticks = !toucher.bounced && is_rough(side) && slip.norm() <= engine_.no_speed();
+    toucher.sticks = !toucher.bounced && is_rough(side) && slip.norm() <= model_.no_speed();
     toucher.slip = slip.norm() > 0.0 ? Vector3(slip.normalized()) : Vector3(Vector3::Zero());
     m.position = place;
     if (!toucher.sticks) m.position += rest * h_ * (after - w + 0.5 * rest * gained);
@@ -316,23 +316,23 @@ void Engine::Stepping::arrive(Body& body, const Contact::Meeting& first) {
 }
 
 // What arrived is put on its surfaces, which hang together by rigid connections and by what touches already.
-springnet_status Engine::Stepping::fit(Body& body) {
+springnet_status VerletContact::fit(Body& body) {
   decide(body);
-  const std::size_t n = engine_.layout_.node_count();
+  const std::size_t n = model_.layout.node_count();
   std::vector<double> values(6 * n);  // of which those of the members are used
   const springnet_vectors position{values.data(), values.data() + n, values.data() + 2 * n};
   const springnet_vectors velocity{values.data() + 3 * n, values.data() + 4 * n, values.data() + 5 * n};
   for (const Member& m : body.members) put_vector(position, m.node, m.position);
   springnet_status status = SPRINGNET_OK;
   if (body.cluster)
-    status = engine_.rigid_.project(*at_, *body.cluster, position, velocity, engine_.message_);
+    status = model_.rigid.project(*at_, *body.cluster, position, velocity, model_.journal.message);
   else
     contact_.project_sliding(*at_, body.nodes.front(), position, velocity);
   for (Member& m : body.members) m.position = vector_at(position, m.node);
   return status;
 }
 
-springnet_status Engine::Stepping::drift(Body& body) {
+springnet_status VerletContact::drift(Body& body) {
   for (std::size_t i = 0; i < body.members.size(); ++i) {
     const Touch touch = contact_.committed(body.nodes[i]);
     if (body.members[i].fixed || touch.surface < 0) continue;
@@ -347,8 +347,8 @@ springnet_status Engine::Stepping::drift(Body& body) {
   }
   std::optional<Rods> rods;
   if (body.cluster) {
-    const State& start = engine_.state_;
-    rods.emplace(engine_.rigid_, *body.cluster, read_only(start.view.position));
+    const State& start = model_.state;
+    rods.emplace(model_.rigid, *body.cluster, read_only(start.view.position));
   }
   if (!go(body, rods, std::vector<Vector3>(body.touchers.size(), Vector3::Zero()))) {
     // What would go through a surface, far from where the lengths can be kept, is stopped below by what it meets.

@@ -1,4 +1,4 @@
-#include "simulation/stepping.hpp"
+#include "simulation/verlet_contact.hpp"
 
 #include <fmt/format.h>
 
@@ -19,46 +19,45 @@ constexpr int most_strikes = 100;  // rounds of impulses that depend on each oth
 
 }  // namespace
 
-Engine::Stepping::Stepping(Engine& engine, double until, double length, const Stepping* last)
-    : engine_(engine),
-      contact_(engine.contact_),
-      from_(engine.time_),
+VerletContact::VerletContact(Model& model, double until, double length, const VerletContact* last)
+    : model_(model),
+      contact_(model.contact),
+      from_(model.time),
       until_(until),
       h_(length),
-      from_at_(engine.contact_.at(just_after(engine.time_))),
-      at_(engine.placement(until)) {
+      from_at_(model.contact.at(just_after(model.time))),
+      at_(model.placement(until)) {
   if (last == nullptr) return;
   last_ = last->last_;
   last_h_ = last->last_h_;
 }
 
-springnet_status Engine::Stepping::cannot_keep(const Body& body) const {
-  set_message(engine_.message_,
+springnet_status VerletContact::cannot_keep(const Body& body) const {
+  set_message(model_.journal.message,
               fmt::format("the rigid connections of the {} nodes that hang together with node {} cannot keep their "
                           "lengths in a step of {:g} s; use a smaller time step",
-                          body.members.size(), engine_.layout_.ordering().user[body.nodes.front()], h_));
+                          body.members.size(), model_.layout.ordering().user[body.nodes.front()], h_));
   return SPRINGNET_RECOVERABLE;
 }
 
-Eigen::MatrixXd Engine::Stepping::mobility(const Body& body, const std::optional<Rods>& rods) const {
-  if (!rods) return Eigen::MatrixXd::Identity(3, 3) / engine_.mass_[body.nodes.front()];
+Eigen::MatrixXd VerletContact::mobility(const Body& body, const std::optional<Rods>& rods) const {
+  if (!rods) return Eigen::MatrixXd::Identity(3, 3) / model_.mass[body.nodes.front()];
   std::vector<std::uint32_t> nodes;
   for (const Toucher& toucher : body.touchers) nodes.push_back(body.nodes[toucher.member]);
   return rods->mobility(nodes);
 }
 
-double Engine::Stepping::negligible(const Body& body) const {
+double VerletContact::negligible(const Body& body) const {
   // What rounding of places is as a force, and of velocities.
-  double force = least_force * engine_.info_.force_scale;
+  double force = least_force * model_.scales.force;
   for (const Member& m : body.members) {
     const double place = m.position.cwiseAbs().maxCoeff() / h_, speed = m.velocity.cwiseAbs().maxCoeff();
-    force =
-        std::max(force, 16.0 * std::numeric_limits<double>::epsilon() * engine_.mass_[m.node] * (place + speed) / h_);
+    force = std::max(force, 16.0 * std::numeric_limits<double>::epsilon() * model_.mass[m.node] * (place + speed) / h_);
   }
   return force;
 }
 
-void Engine::Stepping::strike(Island& island, const Body& body) const {
+void VerletContact::strike(Island& island, const Body& body) const {
   for (std::size_t i = 0; i < island.nodes().size(); ++i) {
     ContactNode& node = island.nodes()[i];
     std::size_t s = 0;
@@ -68,7 +67,7 @@ void Engine::Stepping::strike(Island& island, const Body& body) const {
   static_cast<void>(island.strike(0.0, 0.0, most_strikes, true));
 }
 
-void Engine::Stepping::remember(const Island& island, bool struck, Body& body) const {
+void VerletContact::remember(const Island& island, bool struck, Body& body) const {
   for (std::size_t i = 0; i < island.nodes().size(); ++i) {
     const ContactNode& node = island.nodes()[i];
     std::size_t s = 0;
@@ -83,8 +82,7 @@ void Engine::Stepping::remember(const Island& island, bool struck, Body& body) c
   }
 }
 
-Engine::Stepping::Body Engine::Stepping::body_of(const springnet_sweep& step,
-                                                 const std::vector<std::uint32_t>& nodes) const {
+VerletContact::Body VerletContact::body_of(const springnet_sweep& step, const std::vector<std::uint32_t>& nodes) const {
   Body body;
   body.nodes = nodes;
   const Prescribed& prescribed = contact_.prescribed();
@@ -106,25 +104,25 @@ Engine::Stepping::Body Engine::Stepping::body_of(const springnet_sweep& step,
   return body;
 }
 
-springnet_status Engine::Stepping::know_forces(Body& body, const springnet_sweep& step, double time,
-                                               const springnet_const_vectors& position,
-                                               const springnet_const_vectors& velocity) {
+springnet_status VerletContact::know_forces(Body& body, const springnet_sweep& step, double time,
+                                            const springnet_const_vectors& position,
+                                            const springnet_const_vectors& velocity) {
   const layers::NodeArrays nodes = node_arrays(position, velocity);
   for (Member& m : body.members) {
     const double* const force[3] = {step.force.x + m.node, step.force.y + m.node, step.force.z + m.node};
     Vector3 a;
     double* const acceleration[3] = {&a[0], &a[1], &a[2]};
-    const springnet_status status = engine_.evaluator_.accelerations(m.node, 1, time, nodes, force, acceleration,
-                                                                     nullptr, nullptr, nullptr, engine_.message_);
+    const springnet_status status = model_.evaluator.accelerations(m.node, 1, time, nodes, force, acceleration, nullptr,
+                                                                   nullptr, nullptr, model_.journal.message);
     if (status != SPRINGNET_OK) return status;
     m.half = 0.5 * h_ * a;
   }
   return SPRINGNET_OK;
 }
 
-void Engine::Stepping::push(Body& body, const std::optional<Rods>& rods, const std::vector<Vector3>& impulses) const {
+void VerletContact::push(Body& body, const std::optional<Rods>& rods, const std::vector<Vector3>& impulses) const {
   if (!rods) {
-    for (const Vector3& impulse : impulses) body.members[0].velocity += impulse / engine_.mass_[body.nodes[0]];
+    for (const Vector3& impulse : impulses) body.members[0].velocity += impulse / model_.mass[body.nodes[0]];
     return;
   }
   std::vector<std::uint32_t> nodes;
@@ -140,7 +138,7 @@ void Engine::Stepping::push(Body& body, const std::optional<Rods>& rods, const s
 }
 
 // What is the same of a side in both halves: at the member's present place and velocity.
-ContactSide Engine::Stepping::side_of(const Body& body, const Toucher& toucher, const Side& of) const {
+ContactSide VerletContact::side_of(const Body& body, const Toucher& toucher, const Side& of) const {
   const Member& m = body.members[toucher.member];
   const auto j = static_cast<std::size_t>(of.surface);
   const Obstacle& obstacle = contact_.surfaces()[j];
@@ -152,7 +150,7 @@ ContactSide Engine::Stepping::side_of(const Body& body, const Toucher& toucher, 
   return side;
 }
 
-void Engine::Stepping::decide(const Body& body) const {
+void VerletContact::decide(const Body& body) const {
   for (const Toucher& toucher : body.touchers) {
     const std::uint32_t k = body.nodes[toucher.member];
     Touch touch = contact_.committed(k);
@@ -170,20 +168,20 @@ void Engine::Stepping::decide(const Body& body) const {
   }
 }
 
-springnet_status Engine::step_explicitly(const springnet_sweep& step) {
+springnet_status constrain_verlet(Model& model, const springnet_sweep& step, std::shared_ptr<VerletContact>& last) {
   constexpr std::uint32_t drift = 2, kick = 3;
   if (step.contacts != drift && step.contacts != kick)
     throw Error(ErrorKind::plugin, fmt::format("contacts is {}, where plugin.h has 0 to 3", step.contacts));
-  if (contact_.surfaces().empty()) return SPRINGNET_OK;
+  if (model.contact.surfaces().empty()) return SPRINGNET_OK;
   if (step.contacts == kick) {
-    if (!stepping_ || !stepping_->is_of(time_, step.time))
+    if (!last || !last->is_of(model.time, step.time))
       throw Error(ErrorKind::plugin, "a kick comes after the drift of the same step, once");
-    return stepping_->kick(step);
+    return last->kick(step);
   }
-  if (!(step.time > time_) || !(step.time_constant > 0.0) || !std::isfinite(step.time_constant))
+  if (!(step.time > model.time) || !(step.time_constant > 0.0) || !std::isfinite(step.time_constant))
     throw Error(ErrorKind::plugin, "a drift leads from the committed time to a later one, and has its time_constant");
-  stepping_ = std::make_shared<Stepping>(*this, step.time, step.time_constant, stepping_.get());
-  return stepping_->drift(step);
+  last = std::make_shared<VerletContact>(model, step.time, step.time_constant, last.get());
+  return last->drift(step);
 }
 
 }  // namespace springnet

@@ -1,6 +1,6 @@
 // The second part of a step: velocities at its end, and what touches from then on.
 
-#include "simulation/stepping.hpp"
+#include "simulation/verlet_contact.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -14,7 +14,7 @@ constexpr int most_turns = 40;  // of friction and the slip that it is against
 
 }  // namespace
 
-springnet_status Engine::Stepping::kick(const springnet_sweep& step) {
+springnet_status VerletContact::kick(const springnet_sweep& step) {
   last_.clear();
   last_h_ = h_;
   kicked_ = true;
@@ -27,8 +27,7 @@ springnet_status Engine::Stepping::kick(const springnet_sweep& step) {
   return SPRINGNET_OK;
 }
 
-springnet_status Engine::Stepping::kick(Body& body, const springnet_vectors& position,
-                                        const springnet_vectors& velocity) {
+springnet_status VerletContact::kick(Body& body, const springnet_vectors& position, const springnet_vectors& velocity) {
   std::optional<Rods> rods;
   for (const Member& m : body.members) put_vector(position, m.node, m.position);
   std::vector<Vector3> v;
@@ -37,7 +36,7 @@ springnet_status Engine::Stepping::kick(Body& body, const springnet_vectors& pos
     v.push_back(m.velocity);
   }
   if (body.cluster) {
-    rods.emplace(engine_.rigid_, *body.cluster, read_only(position));
+    rods.emplace(model_.rigid, *body.cluster, read_only(position));
     rods->project(v);
     for (std::size_t i = 0; i < v.size(); ++i) body.members[i].velocity = v[i];
   }
@@ -84,10 +83,10 @@ springnet_status Engine::Stepping::kick(Body& body, const springnet_vectors& pos
     strike(island, body);
     for (ContactNode& node : island.nodes()) {
       node.force = per_speed * sum_of(node.impulse);
-      for (ContactSide& side : node.sides) side.touches = side.normal.dot(side.velocity) <= 10.0 * engine_.no_speed();
+      for (ContactSide& side : node.sides) side.touches = side.normal.dot(side.velocity) <= 10.0 * model_.no_speed();
       const ContactSide* acts = first_acting(node);
       const Vector3 slip = acts != nullptr ? along_surfaces(node, acts->velocity) : Vector3(Vector3::Zero());
-      node.sticks = has_friction(node) && slip.norm() <= 10.0 * engine_.no_speed();
+      node.sticks = has_friction(node) && slip.norm() <= 10.0 * model_.no_speed();
       node.slip = slip.norm() > 0.0 ? Vector3(slip.normalized()) : node.slip;
     }
   };
@@ -136,18 +135,18 @@ springnet_status Engine::Stepping::kick(Body& body, const springnet_vectors& pos
   return SPRINGNET_OK;
 }
 
-void Engine::Stepping::tell(Event::Kind kind, std::uint32_t node, std::int32_t surface, const Vector3& impulse) {
-  Event event{kind, until_, engine_.layout_.ordering().user[node]};
+void VerletContact::tell(Event::Kind kind, std::uint32_t node, std::int32_t surface, const Vector3& impulse) {
+  Event event{kind, until_, model_.layout.ordering().user[node]};
   event.surface = surface;
   event.impulse = impulse;
-  engine_.events_.push_back(event);
-  ++engine_.revision_;
-  engine_.reactions_known_ = false;
+  model_.journal.record(event);
+  ++model_.revision;
+  model_.stale.reactions = true;
 }
 
 // Contacts as they are at the end of the step.
-void Engine::Stepping::take(const Body& body, const Island& island, const springnet_vectors& position,
-                            const springnet_vectors& velocity) {
+void VerletContact::take(const Body& body, const Island& island, const springnet_vectors& position,
+                         const springnet_vectors& velocity) {
   for (std::size_t i = 0; i < body.touchers.size(); ++i) {
     const Toucher& toucher = body.touchers[i];
     const ContactNode& node = island.nodes()[i];
@@ -183,7 +182,7 @@ void Engine::Stepping::take(const Body& body, const Island& island, const spring
       else
         tell(Event::Kind::released, k, surface);
     }
-    const bool taken_along = node.sticks && surfaces_move_alike(node, 10.0 * engine_.no_speed());
+    const bool taken_along = node.sticks && surfaces_move_alike(node, 10.0 * model_.no_speed());
     now = after(now, {taken_along ? ContactCause::Kind::stick : ContactCause::Kind::slip});
     if (stays && now.slides != before.slides)
       tell(now.slides ? Event::Kind::slipped : Event::Kind::stuck, k, now.surface);

@@ -1,0 +1,156 @@
+#include "simulation/contact_changes.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <string>
+
+#include "constraints/vectors.hpp"
+#include "simulation/contact_notes.hpp"
+#include "simulation/settling.hpp"
+
+namespace springnet {
+namespace {
+
+// In units of the length scale: a node this far behind an obstacle was not seen to cross it, twice within one step of
+// the reference, say,
+constexpr double penetration = 1e-9;
+// and one this far behind an obstacle that it touches has no place left.
+constexpr double squeezed = 1e-7;
+// A prescribed velocity that changes by less, in units of the velocity scale, is another sample of a smooth motion.
+constexpr double no_jump = 1e-9;
+
+}  // namespace
+
+// Nodes in contact, and those that lie on an obstacle and may be pushed into it.
+springnet_status settle_contacts(Model& model) {
+  if (model.contact.surfaces().empty()) return SPRINGNET_OK;
+  const std::shared_ptr<const Placement> at = model.placement(model.time);
+  const double tolerance = model.contact_tolerance();
+  Findings findings;
+  for (std::uint32_t k = 0; k < model.node_count(); ++k) {
+    if (model.contact.fixed()[k] != 0) continue;
+    bool near = model.contact.committed(k).surface >= 0;
+    for (std::size_t j = 0; j < model.contact.surfaces().size() && !near; ++j)
+      near = model.contact.gap(*at, j, vector_at(model.state.view.position, k)) <= tolerance;
+    if (near) findings[k];
+  }
+  return settle(model, model.time, model.state, findings);
+}
+
+springnet_status stop_penetration(Model& model) {
+  const std::shared_ptr<const Placement> at = model.placement(model.time);
+  Findings findings;
+  for (std::size_t j = 0; j < model.contact.surfaces().size(); ++j) {
+    const auto surface = static_cast<std::int32_t>(j);
+    for (std::uint32_t k = 0; k < model.node_count(); ++k) {
+      if (model.contact.constrained()[k] != 0 || model.contact.committed(k).has(surface)) continue;
+      if (model.contact.gap(*at, j, vector_at(model.state.view.position, k)) >= -penetration * model.scales.length)
+        continue;
+      findings[k].touched.push_back(surface);
+    }
+  }
+  return settle(model, model.time, model.state, findings);
+}
+
+std::set<std::uint32_t> follow_prescribed(Model& model) {
+  std::set<std::uint32_t> pulled;
+  Contact& contact = model.contact;
+  const Prescribed& prescribed = contact.prescribed();
+  if (!prescribed.any()) return pulled;
+  const std::shared_ptr<const Placement> now = model.placement_now();
+  const springnet_vectors &position = model.state.view.position, &velocity = model.state.view.velocity;
+  const std::uint32_t* const clusters = model.rigid.cluster_of();
+  for (std::uint32_t k = 0; k < model.node_count(); ++k) {
+    if (!prescribed.moves(k)) continue;
+    const Vector3 change = prescribed.velocity(now->motions, k) - vector_at(velocity, k);
+    put_vector(position, k, prescribed.position(now->motions, k));
+    put_vector(velocity, k, prescribed.velocity(now->motions, k));
+    if (change.norm() <= no_jump * model.scales.velocity) continue;
+    contact.add_impulse(k, model.mass[k] * change);
+    if (clusters != nullptr && clusters[k] != ConstraintRow::no_node) pulled.insert(clusters[k]);
+  }
+  for (const std::uint32_t cluster : pulled) {
+    const RigidConnections::Unsupported rods(model.rigid, cluster, read_only(position));
+    rods.pull_along(velocity,
+                    [&](std::uint32_t fixed, const Vector3& impulse) { contact.add_impulse(fixed, -impulse); });
+  }
+  return pulled;
+}
+
+springnet_status follow_jumps(Model& model, double from) {
+  const std::set<std::uint32_t> pulled = follow_prescribed(model);
+  if (model.contact.surfaces().empty()) return SPRINGNET_OK;
+  const std::shared_ptr<const Placement> before = model.contact.at(just_before(model.time, model.time - from));
+  const std::shared_ptr<const Placement> now = model.placement_now();
+  Findings findings;
+  for (std::uint32_t k = 0; k < model.node_count(); ++k) {
+    const Vector3 p = vector_at(model.state.view.position, k);
+    bool jumps = false;
+    for (const std::int32_t surface : model.contact.committed(k).surfaces()) {
+      if (surface < 0) continue;
+      const auto j = static_cast<std::size_t>(surface);
+      jumps = jumps || Contact::velocity(*before, j, p) != Contact::velocity(*now, j, p);
+    }
+    if (jumps) findings[k];
+  }
+  for (const std::uint32_t cluster : pulled)
+    for (const std::uint32_t k : model.rigid.nodes_of(cluster))
+      if (model.contact.touching()[k] != 0) findings[k];
+  return settle(model, model.time, model.state, findings);
+}
+
+void note_shed(Model& model, std::size_t first_event, double from, std::set<std::size_t>& told) {
+  const std::vector<Event>& events = model.journal.events();
+  for (std::size_t e = first_event; e < events.size(); ++e) {
+    const Event& event = events[e];
+    if (event.kind != Event::Kind::released || event.surface < 0) continue;
+    const auto j = static_cast<std::size_t>(event.surface);
+    const Obstacle& surface = model.contact.surfaces()[j];
+    if (!surface.looks_sampled() || surface.next_change(from) > model.time || !told.insert(j).second) continue;
+    model.journal.note(
+        fmt::format("At {:g} s {} leaves node {} behind, first of those that it sheds, because the velocity of its "
+                    "linear table jumps there. Set interpolation = \"smooth\" if the table was sampled from a smooth "
+                    "motion.",
+                    model.time, model.contact.name_of(j), event.index));
+  }
+}
+
+springnet_status check_room(Model& model, double time, const State& state) {
+  const std::vector<Obstacle>& surfaces = model.contact.surfaces();
+  if (std::none_of(surfaces.begin(), surfaces.end(), [](const Obstacle& surface) { return surface.moves(); }))
+    return SPRINGNET_OK;
+  const std::shared_ptr<const Placement> at = model.placement(time);
+  for (std::uint32_t k = 0; k < model.node_count(); ++k) {
+    const Touch& touch = model.contact.now(k);
+    if (model.contact.fixed()[k] != 0 || touch.surface < 0) continue;
+    const Vector3 p = vector_at(state.view.position, k);
+    bool behind = false;
+    for (std::size_t j = 0; j < surfaces.size() && !behind; ++j) behind = model.contact.gap(*at, j, p) < 0.0;
+    if (!behind) continue;
+    const std::vector<std::int32_t> closed = model.contact.closed_around(*at, p, model.contact_tolerance());
+    if (closed.empty()) continue;
+    return no_place(model, k, closed, time);
+  }
+  return SPRINGNET_OK;
+}
+
+springnet_status find_squeezed(Model& model) {
+  if (model.contact.surfaces().empty()) return SPRINGNET_OK;
+  const std::shared_ptr<const Placement> at = model.placement(model.time);
+  for (std::uint32_t k = 0; k < model.node_count(); ++k) {
+    if (model.contact.fixed()[k] != 0 || model.contact.touching()[k] == 0) continue;
+    double deepest = 0.0;
+    std::vector<std::int32_t> surfaces;
+    for (const std::int32_t surface : model.contact.committed(k).surfaces()) {
+      if (surface < 0) continue;
+      const auto j = static_cast<std::size_t>(surface);
+      surfaces.push_back(surface);
+      deepest = std::max(deepest, -model.contact.gap(*at, j, vector_at(model.state.view.position, k)));
+    }
+    if (deepest > squeezed * model.scales.length) return no_place(model, k, surfaces, model.time);
+  }
+  return SPRINGNET_OK;
+}
+
+}  // namespace springnet

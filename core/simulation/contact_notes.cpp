@@ -1,0 +1,44 @@
+#include "simulation/contact_notes.hpp"
+
+#include <fmt/format.h>
+
+#include "layers/message.hpp"
+
+namespace springnet {
+
+void note_grazing_touch(Model& model, std::uint32_t node, std::size_t surface, double time) {
+  if (model.journal.count("grazing_touches") > 1.0) return;
+  model.journal.note(
+      fmt::format("At {:g} s node {} touches {} so slowly that errors of integration decide when, and whether; such "
+                  "touches are counted as grazing_touches.",
+                  time, model.user_number(node), model.contact.name_of(surface)));
+}
+
+void note_grazing_slip(Model& model, std::uint32_t node, std::size_t surface, double time) {
+  if (model.journal.count("grazing_slips") > 1.0) return;
+  model.journal.note(
+      fmt::format("At {:g} s node {} slips on {} so slowly that errors of integration decide when that begins or ends, "
+                  "and whether; such slips are counted as grazing_slips.",
+                  time, model.user_number(node), model.contact.name_of(surface)));
+}
+
+void note_unresolved(Model& model, std::uint32_t node, double time) {
+  if (model.journal.count("unresolved_contacts") > 1.0) return;
+  model.journal.note(fmt::format(
+      "At {:g} s no forces of surfaces were found that fit node {} and what hangs rigidly on it: one of them "
+      "may pull, or friction be more than it can; such moments are counted as unresolved_contacts.",
+      time, model.user_number(node)));
+}
+
+springnet_status no_place(Model& model, std::uint32_t node, const std::vector<std::int32_t>& surfaces, double time) {
+  const std::uint32_t* clusters = model.rigid.cluster_of();
+  const bool rods = clusters != nullptr && clusters[node] != ConstraintRow::no_node;
+  set_message(model.journal.message,
+              fmt::format("At {:.9g} s there is no place left for node {}{} between {}{}: they have closed; stop their "
+                          "motion before, or let it get out of their way",
+                          time, model.user_number(node), rods ? ", with what hangs rigidly on it," : "",
+                          model.contact.names_of(surfaces), surfaces.size() < 2 ? " and what else holds it" : ""));
+  return SPRINGNET_RECOVERABLE;
+}
+
+}  // namespace springnet

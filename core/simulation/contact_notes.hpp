@@ -1,0 +1,21 @@
+// What the user is told about contacts: notes, counted so that they appear once, and the error that a node has no place
+// left.
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+#include "simulation/model.hpp"
+
+namespace springnet {
+
+// A node touches an obstacle so slowly that errors of integration decide when, and whether.
+void note_grazing_touch(Model& model, std::uint32_t node, std::size_t surface, double time);
+// The slip of a node begins or ends where errors of integration decide whether.
+void note_grazing_slip(Model& model, std::uint32_t node, std::size_t surface, double time);
+// No forces and impulses of obstacles were found that fit a node and what is rigidly connected to it.
+void note_unresolved(Model& model, std::uint32_t node, double time);
+// Sets the message that these obstacles leave no place for a node; returns SPRINGNET_RECOVERABLE.
+springnet_status no_place(Model& model, std::uint32_t node, const std::vector<std::int32_t>& surfaces, double time);
+
+}  // namespace springnet

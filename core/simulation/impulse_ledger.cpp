@@ -1,0 +1,164 @@
+#include "simulation/impulse_ledger.hpp"
+
+#include <algorithm>
+#include <map>
+#include <optional>
+#include <utility>
+
+#include "constraints/island.hpp"
+#include "constraints/vectors.hpp"
+
+namespace springnet {
+
+springnet_status ImpulseLedger::begin_step() {
+  // A node that was released since the last step has nothing left to be told of.
+  for (std::uint32_t k = 0; k < withheld_.size(); ++k)
+    if (model_.contact.touching()[k] == 0) withheld_[k].setZero();
+  return begin_anchored();
+}
+
+std::vector<Vector3> ImpulseLedger::book_contact(std::uint32_t node, const std::vector<std::int32_t>& surfaces,
+                                                 const Placement& at, const Vector3& impulse) {
+  model_.contact.add_impulse(node, impulse);
+  std::vector<Vector3> normals;
+  std::vector<double> coefficients;
+  for (const std::int32_t surface : surfaces) {
+    const auto j = static_cast<std::size_t>(surface);
+    normals.push_back(model_.contact.normal(at, j, vector_at(model_.state.view.position, node)));
+    coefficients.push_back(sliding_coefficient_of(model_.contact.surfaces()[j].friction()));
+  }
+  std::vector<Vector3> shares = share_reaction(normals, coefficients, impulse);
+  for (std::size_t i = 0; i < surfaces.size(); ++i)
+    model_.contact.add_surface_impulse(static_cast<std::size_t>(surfaces[i]), -shares[i]);
+  return shares;
+}
+
+void ImpulseLedger::book_motion(std::uint32_t node, const Placement& end) {
+  const Prescribed& prescribed = model_.contact.prescribed();
+  const Prescribed::Samples &before = model_.contact.start().motions, &after = end.motions;
+  model_.contact.add_impulse(node,
+                             model_.mass[node] * (prescribed.velocity(after, node) - prescribed.velocity(before, node) -
+                                                  done_.rest * prescribed.acceleration(before, node) -
+                                                  done_.weight * prescribed.acceleration(after, node)));
+}
+
+springnet_status ImpulseLedger::begin_anchored() {
+  anchored_.clear();
+  const bool books = !model_.contact.surfaces().empty() || model_.contact.prescribed().any();
+  if (!books || model_.step_length == 0.0) return SPRINGNET_OK;
+  std::optional<ReactionsAt> reactions;
+  for (std::size_t c = 0; c < model_.rigid.cluster_count(); ++c) {
+    const std::vector<std::uint32_t>& nodes = model_.rigid.nodes_of(c);
+    if (std::none_of(nodes.begin(), nodes.end(), [this](std::uint32_t k) { return model_.contact.fixed()[k] != 0; }))
+      continue;
+    if (!reactions)
+      reactions.emplace(model_, model_.time, read_only(model_.state.view.position),
+                        read_only(model_.state.view.velocity));
+    if (const springnet_status status = reactions->know(static_cast<std::uint32_t>(c)); status != SPRINGNET_OK)
+      return status;
+    AnchoredCluster& anchored = anchored_.emplace_back(AnchoredCluster{c, {}, {}});
+    for (const std::uint32_t k : nodes) {
+      anchored.velocity.push_back(vector_at(model_.state.view.velocity, k));
+      anchored.acceleration.push_back(reactions->bound(k));
+    }
+  }
+  return SPRINGNET_OK;
+}
+
+springnet_status ImpulseLedger::book_anchored(const AnchoredCluster& anchored, ReactionsAt& reactions) {
+  const std::vector<std::uint32_t>& nodes = model_.rigid.nodes_of(anchored.cluster);
+  if (const springnet_status status = reactions.know(static_cast<std::uint32_t>(anchored.cluster));
+      status != SPRINGNET_OK)
+    return status;
+  std::vector<Vector3> impulses;
+  for (std::size_t i = 0; i < nodes.size(); ++i) {
+    const std::uint32_t k = nodes[i];
+    const Vector3 change = vector_at(model_.state.view.velocity, k) - anchored.velocity[i];
+    impulses.emplace_back(model_.mass[k] *
+                              (change - done_.rest * anchored.acceleration[i] - done_.weight * reactions.free(k)) -
+                          model_.contact.sweep_impulse(k));
+  }
+  model_.rigid.pass_on(anchored.cluster, read_only(model_.state.view.position), impulses);
+  for (std::size_t i = 0; i < nodes.size(); ++i) {
+    if (model_.contact.fixed()[nodes[i]] == 0) continue;
+    model_.contact.add_impulse(
+        nodes[i],
+        done_.weight * model_.rigid.pull(nodes[i], read_only(model_.state.view.position), reactions.tensions().data()) -
+            impulses[i]);
+  }
+  return SPRINGNET_OK;
+}
+
+springnet_status ImpulseLedger::commit(const Sweep::Done& done) {
+  done_ = done;
+  const double time = model_.time;
+  const bool surfaces_exist = !model_.contact.surfaces().empty();
+  if (!surfaces_exist && !model_.contact.prescribed().any()) return SPRINGNET_OK;
+  using Kind = ContactChange::Kind;
+  const std::vector<ContactChange> changes = model_.contact.commit_sweep(done_.decided);
+  if (!changes.empty()) ++model_.revision;
+  const auto by_node = [](const ContactChange& a, const ContactChange& b) { return a.node < b.node; };
+  std::vector<ContactChange> sorted = changes;
+  std::stable_sort(sorted.begin(), sorted.end(), by_node);
+  const std::shared_ptr<const Placement> at = model_.placement(time);
+  const std::size_t count = model_.node_count();
+  withheld_.resize(count, Vector3::Zero());
+  std::vector<Vector3> at_once(count, Vector3::Zero());
+  std::map<std::pair<std::uint32_t, std::int32_t>, Vector3> blows;  // [node, surface] N s
+  std::optional<ReactionsAt> known;
+  const auto reactions = [&]() -> ReactionsAt& {
+    if (!known)
+      known.emplace(model_, time, read_only(model_.state.view.position), read_only(model_.state.view.velocity));
+    return *known;
+  };
+  for (std::uint32_t k = 0; k < count; ++k) {
+    if (model_.contact.fixed()[k] != 0) {
+      withheld_[k].setZero();
+      if (model_.contact.prescribed().moves(k)) book_motion(k, *at);
+      continue;
+    }
+    if (!surfaces_exist) continue;
+    at_once[k] = model_.contact.sweep_impulse(k) + done_.rest * withheld_[k];
+    withheld_[k].setZero();
+    std::vector<std::int32_t> surfaces;
+    for (const std::int32_t surface : model_.contact.committed(k).surfaces())
+      if (surface >= 0) surfaces.push_back(surface);
+    if (!surfaces.empty()) {
+      Vector3 reaction;
+      if (const springnet_status status = reactions().told(k, reaction, &withheld_[k]); status != SPRINGNET_OK)
+        return status;
+      at_once[k] -= done_.weight * reaction;
+    }
+    if (at_once[k].isZero(0.0)) continue;
+    const auto [first, last] = std::equal_range(sorted.begin(), sorted.end(), ContactChange{{}, k, -1}, by_node);
+    for (auto change = first; change != last; ++change)
+      if (surfaces.size() < 3 && std::find(surfaces.begin(), surfaces.end(), change->surface) == surfaces.end())
+        surfaces.push_back(change->surface);
+    if (surfaces.empty()) surfaces.push_back(std::max(0, model_.contact.last_surface(k)));
+    const std::vector<Vector3> shares = book_contact(k, surfaces, *at, at_once[k]);
+    for (std::size_t i = 0; i < surfaces.size() && first != last; ++i) blows[{k, surfaces[i]}] = shares[i];
+  }
+  for (const AnchoredCluster& anchored : anchored_)
+    if (const springnet_status status = book_anchored(anchored, reactions()); status != SPRINGNET_OK) return status;
+  const auto tell = [&](const ContactChange& change) {
+    static constexpr Event::Kind kinds[] = {Event::Kind::touched, Event::Kind::released, Event::Kind::slipped,
+                                            Event::Kind::stuck};
+    Event event{kinds[static_cast<std::size_t>(change.kind)], time, model_.user_number(change.node)};
+    event.surface = change.surface;
+    // The reaction at the end may be more than that over a step that it did not last, or a method's error outweigh the
+    // blow: a surface never pulls, so that none is told then. The node's sum of impulses has what is missing.
+    if (const auto blow = blows.find({change.node, change.surface});
+        change.kind == Kind::touched && blow != blows.end() &&
+        model_.contact
+                .normal(*at, static_cast<std::size_t>(change.surface),
+                        vector_at(model_.state.view.position, change.node))
+                .dot(blow->second) >= 0.0)
+      event.impulse = blow->second;
+    model_.journal.record(event);
+  };
+  for (const ContactChange& change : changes) tell(change);
+  model_.contact.note_slips(*at, read_only(model_.state.view.position), read_only(model_.state.view.velocity));
+  return SPRINGNET_OK;
+}
+
+}  // namespace springnet

@@ -1,0 +1,46 @@
+#include "simulation/journal.hpp"
+
+#include <algorithm>
+
+#include <springnet/printable.hpp>
+
+namespace springnet {
+namespace {
+
+constexpr std::size_t most_notes = 200, most_numbers = 500, longest_note = 2000;
+
+}  // namespace
+
+void Journal::record(Event::Kind kind, double time, std::uint32_t user_node, std::int32_t surface,
+                     const Vector3& impulse) {
+  Event event{kind, time, user_node};
+  event.surface = surface;
+  event.impulse = impulse;
+  events_.push_back(event);
+}
+
+void Journal::note(const std::string& text) {
+  const std::lock_guard guard(lock_);
+  const std::string shown = printable(text, longest_note);
+  if (notes_.size() < most_notes && std::find(notes_.begin(), notes_.end(), shown) == notes_.end())
+    notes_.push_back(shown);
+}
+
+void Journal::set_number(const std::string& name, double value) {
+  if (numbers_.size() < most_numbers || numbers_.contains(name)) numbers_[name] = value;
+}
+
+void Journal::report(const std::string& name, double value) {
+  const std::lock_guard guard(lock_);
+  set_number(printable(name), value);
+}
+
+double Journal::count(const std::string& name) {
+  const std::lock_guard guard(lock_);
+  const auto known = numbers_.find(name);
+  const double sum = known == numbers_.end() ? 1.0 : known->second + 1.0;
+  set_number(name, sum);
+  return sum;
+}
+
+}  // namespace springnet

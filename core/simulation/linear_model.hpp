@@ -1,0 +1,38 @@
+// The motion near a state, on behalf of implicit methods: derivatives of the accelerations, linear systems of them, and
+// what of a change the constraints allow.
+#pragma once
+
+#include "layers/linearisation.hpp"
+#include "simulation/model.hpp"
+
+namespace springnet {
+
+class LinearModel {
+ public:
+  explicit LinearModel(Model& model);
+
+  // Takes the derivatives at a state; what follows is about it. Statuses and messages as in springnet_host.
+  springnet_status linearise(const springnet_evaluation& at);
+  // Whether there is such a state: nothing was removed from the network since.
+  [[nodiscard]] bool known() const noexcept { return blocks_.known(); }
+  // out = da/dp dp + da/dv dv, 3n numbers each, x of all nodes first.
+  springnet_status times(const double* dp, const double* dv, double* out);
+  // Diagonal blocks of I - velocity_weight da/dv - position_weight da/dp, [node][9].
+  void diagonal_blocks(double velocity_weight, double position_weight, double* out) const;
+  springnet_status factorise(double velocity_weight, double position_weight);
+  springnet_status solve(bool transposed, const double* right_side, double* x);
+  // The nearest change of velocities that the constraints allow, see springnet_host::project.
+  springnet_status project(const double* mobility, double* values);
+  // To be called after springs or elements were removed.
+  void topology_changed() noexcept { blocks_.topology_changed(); }
+
+ private:
+  // Rigid connections under tension turn like springs, and friction follows the slip. Implicit methods need both: they
+  // are stiff where tensions are great and slips slow.
+  springnet_status add_constraints(const springnet_evaluation& at);
+
+  Model& model_;
+  layers::Linearisation blocks_;
+};
+
+}  // namespace springnet

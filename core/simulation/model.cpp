@@ -1,0 +1,96 @@
+#include "simulation/model.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include <springnet/error.hpp>
+
+#include "constraints/vectors.hpp"
+#include "layers/message.hpp"
+
+namespace springnet {
+namespace {
+
+// In units of the length scale.
+constexpr double coincidence = 1e-10;
+// In units of the velocity scale.
+constexpr double rounding_of_speed = 1e-13;
+
+std::vector<double> masses(const Network& network, const std::vector<std::uint32_t>& user) {
+  std::vector<double> mass;
+  mass.reserve(user.size());
+  for (const std::uint32_t k : user) mass.push_back(network.nodes()[k].mass);
+  return mass;
+}
+
+}  // namespace
+
+Model::Model(const Network& network, const PluginHost& plugins, const SimulationOptions& options)
+    : layout(network, plugins, options.renumber),
+      mass(masses(network, layout.ordering().user)),
+      evaluator(layout, mass, options.instruction_set, options.threads),
+      loads(network, layout),
+      constraints(network, layout.ordering().user, layout.ordering().engine, mass),
+      contact(constraints.contact()),
+      rigid(constraints.rigid()),
+      state(layout.node_count()),
+      time_step(options.time_step),
+      step_length(0.0) {
+  const std::shared_ptr<const Placement> start = placement(0.0);
+  const Prescribed& prescribed = contact.prescribed();
+  for (std::uint32_t k = 0; k < node_count(); ++k) {
+    const Node& node = network.nodes()[user_number(k)];
+    const bool moves = prescribed.moves(k);
+    put_vector(state.view.position, k, moves ? prescribed.position(start->motions, k) : node.position);
+    put_vector(state.view.velocity, k,
+               moves        ? prescribed.velocity(start->motions, k)
+               : node.fixed ? Vector3::Zero()
+                            : node.velocity);
+  }
+  static_cast<void>(loads.set_interval(0.0, std::numeric_limits<double>::infinity()));
+}
+
+layers::ExternalForces Model::external_at(double at) {
+  loads.follow(interval.at(at).rate);
+  return loads.external();
+}
+
+const State& Model::with_forces() {
+  if (stale.forces) {
+    if (evaluator.evaluate(time, state.nodes(), external_at(time), state.forces(), {}, journal.message) != SPRINGNET_OK)
+      throw Error(ErrorKind::simulation, journal.message.text);
+    stale.forces = false;
+  }
+  return state;
+}
+
+void Model::changed() noexcept {
+  ++revision;
+  stale = {true, true, true, true};
+}
+
+double Model::contact_tolerance() const noexcept {
+  // Rounding of positions far from the origin, beside the part of the length scale that does not matter.
+  double size = 0.0;
+  const springnet_vectors& p = state.view.position;
+  for (const double* component : {p.x, p.y, p.z})
+    for (std::uint32_t k = 0; k < node_count(); ++k) size = std::max(size, std::abs(component[k]));
+  return coincidence * scales.length + 8.0 * std::numeric_limits<double>::epsilon() * size;
+}
+
+double Model::no_speed() const noexcept { return rounding_of_speed * scales.velocity; }
+
+void Model::explain(double at, const layers::NodeArrays& nodes, layers::Asked asked) {
+  if (journal.non_finite.empty())
+    journal.non_finite = explain_failure(layout, evaluator.instruction_set(), at, nodes, asked);
+}
+
+springnet_status Model::failed(springnet_status status, double at, const layers::NodeArrays& nodes) {
+  const std::string reason = explain_failure(layout, evaluator.instruction_set(), at, nodes);
+  if (!reason.empty()) set_message(journal.message, reason);
+  journal.non_finite = journal.message.text;
+  return status;
+}
+
+}  // namespace springnet

@@ -1,0 +1,36 @@
+#include "simulation/network_info.hpp"
+
+namespace springnet {
+
+const springnet_network& NetworkInfo::now() {
+  info_.load_revision = model_.load_revision;
+  if (revision_ == model_.revision) return info_;
+  revision_ = model_.revision;
+  const layers::Layout& layout = model_.layout;
+  const Contact& contact = model_.contact;
+  no_cluster_.assign(model_.rigid.any() ? 0 : model_.node_count(), ConstraintRow::no_node);
+  info_.struct_size = sizeof info_;
+  info_.node_count = model_.node_count();
+  info_.spring_count = layout.live_count();
+  info_.internal_count = 0;
+  info_.revision = model_.revision;
+  info_.unit_count = static_cast<std::uint32_t>(layout.units().size());
+  info_.event_count = static_cast<std::uint32_t>(events_.sources().size());
+  info_.surface_count = static_cast<std::uint32_t>(contact.surfaces().size());
+  info_.length_scale = model_.scales.length;
+  info_.velocity_scale = model_.scales.velocity;
+  info_.force_scale = model_.scales.force;
+  info_.mass = model_.mass.data();
+  info_.fixed = contact.fixed().data();
+  info_.held = contact.held().data();
+  info_.user_number = layout.ordering().user.data();
+  info_.neighbour_start = layout.neighbour_start().data();
+  info_.neighbours = layout.neighbours().data();
+  info_.touching = contact.touching().data();
+  info_.cluster = model_.rigid.any() ? model_.rigid.cluster_of() : no_cluster_.data();
+  info_.rigid_count = model_.rigid.rods().size();
+  info_.status = contact.status().data();
+  return info_;
+}
+
+}  // namespace springnet

@@ -1,0 +1,16 @@
+// How a simulation begins: magnitudes for tolerances, and a state that fits the constraints.
+#pragma once
+
+#include "simulation/model.hpp"
+
+namespace springnet {
+
+// Throws Error(simulation) where a law cannot be evaluated.
+[[nodiscard]] Scales find_scales(Model& model);
+
+// Makes lengths and velocities fit rigid connections; nodes that start on an obstacle, with a force into it, touch it
+// from the start. Throws Error(input) where a node starts inside an obstacle, or lengths cannot be kept. size: of the
+// scene, m.
+void start_constraints(Model& model, double size);
+
+}  // namespace springnet

@@ -1,0 +1,155 @@
+// A time step, stage by stage.
+//
+// An integrator that takes the user's steps (recurrent, verlet):
+//   begin_step       loads averaged over the step; due ruptures; contacts settled; constraints projected
+//   run_sweep        forces, the integrator's update of nodes, constraints; again until the outputs are settled
+//                    (velocity Verlet: evaluate, constrain for the drift, evaluate, constrain for the kick)
+//   commit           contacts that the sweeps decided; impulses; jumps; ruptures; cuts
+//
+// One that chooses its own steps and finds events (cvode):
+//   begin_interval   loads follow the time; otherwise as begin_step
+//   sweep().evaluate, linear()                 right sides and linear systems, as often as it likes
+//   contact_events().values, time_of_impact    has anything happened in this step?
+//   fire_events      what happened: contacts settled, springs broken
+//   commit           constraints projected; penetration stopped; jumps; ruptures; cuts
+
+#include <algorithm>
+#include <cmath>
+
+#include "constraints/vectors.hpp"
+#include "simulation/contact_changes.hpp"
+#include "simulation/engine.hpp"
+#include "simulation/impact_search.hpp"
+#include "simulation/verlet_contact.hpp"
+
+namespace springnet {
+
+// ---- begin ----------------------------------------------------------------------------------------------------------
+
+springnet_status Engine::begin_step(double from, double until) {
+  model_.step_length = until - from;
+  model_.interval = until > from ? Interval{from, until} : Interval{};
+  const Loads::Change loads = model_.loads.set_interval(from, until);
+  if (loads != Loads::Change::none) {
+    ++model_.load_revision;
+    model_.stale.reactions = model_.stale.forces = true;
+  }
+  return begin(loads);
+}
+
+springnet_status Engine::begin_interval(double from, double until) {
+  model_.step_length = 0.0;
+  model_.interval = until > from ? Interval{from, until} : Interval{};
+  return begin(model_.loads.begin_following(from));
+}
+
+springnet_status Engine::begin(Loads::Change loads) {
+  model_.journal.non_finite.clear();
+  if (loads == Loads::Change::switched) model_.changed();
+  const std::shared_ptr<const Placement> now = model_.placement_now();
+  springnet_status status = model_.stale.contacts ? settle() : SPRINGNET_OK;
+  model_.contact.begin_step(now);
+  sweep_.forget();
+  if (status == SPRINGNET_OK) status = ledger_.begin_step();
+  return status;
+}
+
+// A load was switched, a spring cut, a state set by the embedding program: the same nodes touch and the same springs
+// break, whatever the integrator and the length of its steps.
+springnet_status Engine::settle() {
+  springnet_status status = topology_.perform_due_ruptures();
+  if (status == SPRINGNET_OK) status = settle_contacts(model_);
+  if (status == SPRINGNET_OK)
+    status = model_.constraints.project(*model_.placement_now(), model_.state.view.position, model_.state.view.velocity,
+                                        model_.journal.message);
+  // Steps that begin here once more begin with the same contacts, also where none were found that fit.
+  model_.stale.contacts = false;
+  return status;
+}
+
+// ---- within
+// -----------------------------------------------------------------------------------------------------------
+
+springnet_status Engine::run_sweep(const springnet_sweep& sweep) { return sweep_.run(sweep, network_info()); }
+
+springnet_status Engine::constrain(const springnet_sweep& request) {
+  const springnet_sweep sweep = complete(request);
+  const bool of_verlet = sweep.contacts > 1;
+  return of_verlet ? constrain_verlet(model_, sweep, verlet_) : sweep_.constrain(sweep);
+}
+
+springnet_status Engine::fire_events(double time, State& state, const std::int32_t* fired) {
+  return contact_events_.fire(time, state, fired);
+}
+
+springnet_status Engine::time_of_impact(const springnet_impact_search& search, double& time) {
+  struct Guard {
+    bool& flag;
+    explicit Guard(bool& of) : flag(of) { flag = true; }
+    ~Guard() { flag = false; }
+  } const guard(model_.in_callback);  // the state that is asked for may not change what is searched
+  return ImpactSearch(model_, contact_events_.sources(), search).find(time);
+}
+
+springnet_status Engine::project_state(double time, const springnet_vectors& position,
+                                       const springnet_vectors& velocity) {
+  const std::shared_ptr<const Placement> now = model_.placement(time);
+  model_.constraints.place(*now, read_only(model_.state.view.position), position, velocity);
+  return model_.constraints.project(*now, position, velocity, model_.journal.message);
+}
+
+double Engine::next_discontinuity(double time) const noexcept {
+  return std::min({model_.loads.next_switch(time), model_.contact.next_change(time), topology_.next_cut(time)});
+}
+
+// ---- commit ---------------------------------------------------------------------------------------------------------
+
+springnet_status Engine::commit(double time, State& state) {
+  calls_.check_commit(time, state);
+  if (const springnet_status room = check_room(model_, time, state); room != SPRINGNET_OK) return room;
+  if (state.view.force_is_current != 0 && !state.forces_finite()) state.view.force_is_current = 0;
+  model_.state.swap(state);
+  const double from = model_.time;
+  model_.time = time;
+  model_.stale.reactions = true;
+  model_.stale.forces = model_.state.view.force_is_current == 0;
+  const bool jumps = model_.contact.next_change(from) <= time;  // what is prescribed, in its velocity or acceleration
+  springnet_status status = sweep_.done().any ? commit_sweeps() : commit_solution(state, jumps);
+  if (status == SPRINGNET_OK && jumps) status = commit_jumps(from);
+  if (status != SPRINGNET_OK) return status;
+  committed_events_ = model_.journal.events().size();
+  status = topology_.perform_due_ruptures();
+  topology_.perform_due_cuts();
+  return status;
+}
+
+springnet_status Engine::commit_sweeps() {
+  sweep_.forget();
+  return ledger_.commit(sweep_.done());
+}
+
+springnet_status Engine::commit_solution(const State& before, bool jumps) {
+  const springnet_vectors &position = model_.state.view.position, &velocity = model_.state.view.velocity;
+  const std::shared_ptr<const Placement> now = model_.placement(model_.time);
+  // What a solver left of rounding in unknowns that do not move.
+  model_.constraints.correct(*now, read_only(before.view.position), position, velocity);
+  if (!jumps) static_cast<void>(follow_prescribed(model_));
+  springnet_status status = stop_penetration(model_);
+  if (status == SPRINGNET_OK) status = model_.constraints.project(*now, position, velocity, model_.journal.message);
+  if (status == SPRINGNET_OK) status = find_squeezed(model_);
+  model_.contact.note_slips(*now, read_only(position), read_only(velocity));
+  return status;
+}
+
+springnet_status Engine::commit_jumps(double from) {
+  model_.interval = {};  // what held just before the jump no longer does
+  model_.changed();
+  springnet_status status = follow_jumps(model_, from);
+  if (status == SPRINGNET_OK)
+    status = model_.constraints.project(*model_.placement(model_.time), model_.state.view.position,
+                                        model_.state.view.velocity, model_.journal.message);
+  if (status == SPRINGNET_OK) note_shed(model_, committed_events_, from, shed_surfaces_);
+  return status;
+}
+
+}  // namespace springnet

@@ -1,0 +1,68 @@
+// Evaluations and sweeps on behalf of an integrator: forces of springs, elements and loads, accelerations of neurons,
+// the integrator's update of nodes, then what constrains them. Statuses and messages as in springnet_host.
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+#include "layers/surface_volumes.hpp"
+#include "simulation/model.hpp"
+#include "simulation/requests.hpp"
+
+namespace springnet {
+
+class Sweep {
+ public:
+  explicit Sweep(Model& model) : model_(model) {}
+
+  // The layers at a state, of all nodes and of some.
+  springnet_status evaluate(const springnet_evaluation& request);
+  springnet_status evaluate_nodes(const springnet_evaluation& request, const std::uint32_t* nodes, std::uint32_t count);
+  // A sweep of the network; `network` says when its connections changed.
+  springnet_status run(const springnet_sweep& request, const springnet_network& network);
+  // The end of a sweep by itself: constraints alone.
+  springnet_status constrain(const springnet_sweep& request);
+
+  // What a commit has to know of the sweeps since the last one.
+  struct Done {
+    bool any = false;
+    bool decided = false;  // about contacts
+    double weight = 0.0;   // s: theta times the time constant of the last sweep
+    double rest = 0.0;     // s: 1 - theta times it
+  };
+  [[nodiscard]] const Done& done() const noexcept { return done_; }
+  void forget() noexcept { done_.any = false; }
+
+ private:
+  struct Tiles;           // what the finished tiles of an evaluation or a sweep need
+  struct NodeEvaluation;  // of a node that has its turn
+  // Which nodes of a range: those of enclosures see each other, and have their turn after the others.
+  enum class Turn : std::uint8_t { all, others, joined_to_all };
+
+  static springnet_status finish_tile(void* tiles, std::uint32_t unit, std::uint32_t first, std::uint32_t count,
+                                      springnet_message& message);
+  springnet_status in_order(Tiles& tiles);
+  springnet_status one_set(std::uint32_t set, Tiles& tiles);
+  springnet_status range(std::uint32_t begin, std::uint32_t end, std::uint32_t unit, Turn turn, Tiles& tiles,
+                         springnet_message& message);
+  springnet_status cluster(std::size_t cluster, std::uint32_t unit, Tiles& tiles, springnet_message& message);
+  springnet_status evaluate_node(std::uint32_t node, Tiles& tiles, NodeEvaluation& result, springnet_message& message);
+  springnet_status update_node(std::uint32_t node, std::uint32_t unit, Tiles& tiles, const NodeEvaluation& evaluation,
+                               springnet_message& message);
+  [[nodiscard]] bool is_joined_to_all(std::uint32_t node) const;
+  void note_done(const springnet_sweep& sweep) noexcept;
+  // Remembers why the answers of an evaluation are not finite. True if they are.
+  bool check_finite(bool forces, std::uint32_t bad_neuron, double time, const layers::NodeArrays& nodes);
+
+  Model& model_;
+  Done done_;
+  bool in_sets_ = false;   // several threads write outputs of an order,
+  bool in_tiles_ = false;  // or tile by tile
+  OrderCheck order_check_;
+  layers::SurfaceVolumes swept_volumes_;    // of enclosures within a sweep in an order,
+  layers::SurfaceVolumes asked_volumes_;    // and of a call of evaluate_nodes outside
+  std::vector<std::uint8_t> cluster_done_;  // [cluster] within a sweep in an order
+  std::vector<double> scratch_;             // forces that nobody asked for
+};
+
+}  // namespace springnet

@@ -1,0 +1,100 @@
+// Evaluations of the layers at a state, outside of sweeps' updates.
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cstring>
+#include <mutex>
+
+#include "constraints/vectors.hpp"
+#include "layers/elements.hpp"
+#include "layers/message.hpp"
+#include "simulation/sweep_tiles.hpp"
+
+namespace springnet {
+
+bool Sweep::check_finite(bool forces, std::uint32_t bad_neuron, double time, const layers::NodeArrays& nodes) {
+  if (forces && bad_neuron == ConstraintRow::no_node) return true;
+  if (!forces) {
+    model_.explain(time, nodes);
+  } else if (model_.journal.non_finite.empty()) {
+    const layers::Layout& layout = model_.layout;
+    model_.journal.non_finite = fmt::format("neuron '{}' answered an acceleration that is not finite for node {}",
+                                            layout.laws().neurons[layout.neuron_kind()[bad_neuron]].component->id(),
+                                            model_.user_number(bad_neuron));
+  }
+  return false;
+}
+
+springnet_status Sweep::evaluate(const springnet_evaluation& request) {
+  const std::shared_ptr<const Placement> at = model_.placement(request.time);
+  layers::ForceArrays force{request.force.x, request.force.y, request.force.z};
+  if (force.x == nullptr) {
+    const std::size_t pitch = pitch_of(model_.node_count());
+    scratch_.resize(3 * pitch);
+    force = {scratch_.data(), scratch_.data() + pitch, scratch_.data() + 2 * pitch};
+  }
+  Tiles tiles{model_, at.get(), request.time,        node_arrays(request.position, request.velocity),
+              force,  nullptr,  request.acceleration};
+  const springnet_status status = model_.evaluator.evaluate(request.time, tiles.nodes, model_.external_at(request.time),
+                                                            tiles.force, {finish_tile, &tiles}, model_.journal.message);
+  if (status != SPRINGNET_OK) return model_.failed(status, request.time, tiles.nodes);
+  if (!check_finite(tiles.finite, tiles.bad_neuron, request.time, tiles.nodes)) {
+    set_message(model_.journal.message, model_.journal.non_finite);
+    return SPRINGNET_RECOVERABLE;
+  }
+  if (request.acceleration.x != nullptr)
+    model_.constraints.accelerate_clusters(*at, request.position, request.velocity, request.acceleration);
+  return SPRINGNET_OK;
+}
+
+springnet_status Sweep::evaluate_nodes(const springnet_evaluation& request, const std::uint32_t* nodes,
+                                       std::uint32_t count) {
+  springnet_evaluation wanted{};
+  std::memcpy(&wanted, &request, std::min<std::size_t>(sizeof wanted, request.struct_size));
+  const layers::FlushDenormals flush;
+  const layers::NodeArrays arrays = node_arrays(wanted.position, wanted.velocity);
+  const layers::ExternalForces external = model_.external_at(wanted.time);  // the same for all threads of a sweep
+  const layers::SurfaceVolumes* volumes = nullptr;
+  if (model_.layout.elements().live_surfaces() > 0) {
+    if (swept_volumes_.follows(arrays)) {
+      volumes = &swept_volumes_;
+    } else if (!in_sets_ && !in_tiles_) {
+      asked_volumes_.compute(model_.layout.elements(), arrays);
+      volumes = &asked_volumes_;
+    }
+  }
+  for (std::uint32_t i = 0; i < count; ++i) {
+    const std::uint32_t k = nodes[i];
+    Vector3 force, a = Vector3::Zero();
+    layers::NodeDerivatives derivatives;
+    const bool blocks = wanted.acceleration_by_velocity != nullptr || wanted.acceleration_by_position != nullptr;
+    springnet_message message{};
+    const springnet_status status =
+        wanted.acceleration.x == nullptr && !blocks && wanted.energy == nullptr
+            ? model_.evaluator.evaluate_node(k, wanted.time, arrays, external, volumes, force, message)
+            : model_.evaluator.evaluate_node(k, wanted.time, arrays, external, volumes, force, a,
+                                             blocks ? &derivatives : nullptr,
+                                             wanted.energy == nullptr ? nullptr : wanted.energy + k, message);
+    if (status != SPRINGNET_OK) {
+      const std::lock_guard guard(model_.journal.failure_lock);
+      model_.journal.message = message;
+      return in_sets_ ? status : model_.failed(status, wanted.time, arrays);
+    }
+    if (!force.allFinite() || !a.allFinite()) {
+      const std::lock_guard guard(model_.journal.failure_lock);
+      if (!in_sets_) static_cast<void>(check_finite(force.allFinite(), k, wanted.time, arrays));
+      set_message(model_.journal.message, model_.journal.non_finite);
+      return SPRINGNET_RECOVERABLE;
+    }
+    if (wanted.force.x != nullptr) put_vector(wanted.force, k, force);
+    if (wanted.acceleration.x != nullptr) put_vector(wanted.acceleration, k, a);
+    if (wanted.acceleration_by_velocity != nullptr)
+      std::copy_n(derivatives.by_velocity, 9, wanted.acceleration_by_velocity + 9 * std::size_t{k});
+    if (wanted.acceleration_by_position != nullptr)
+      std::copy_n(derivatives.by_position, 9, wanted.acceleration_by_position + 9 * std::size_t{k});
+  }
+  return SPRINGNET_OK;
+}
+
+}  // namespace springnet

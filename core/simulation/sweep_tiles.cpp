@@ -1,0 +1,103 @@
+#include "simulation/sweep_tiles.hpp"
+
+#include <cmath>
+#include <cstdio>
+
+#include <springnet/sdk/message.hpp>
+
+#include "constraints/vectors.hpp"
+
+namespace springnet {
+namespace {
+
+bool all_finite(const double* const values[3], std::uint32_t count) {
+  double sum = 0.0;
+  for (int c = 0; c < 3; ++c)
+    for (std::uint32_t i = 0; i < count; ++i) sum += values[c][i] * 0.0;
+  return sum == 0.0;
+}
+
+// The integrator's own function, which must not throw; an exception that it throws all the same ends the sweep.
+springnet_status call_update(const springnet_sweep& sweep, const springnet_node_batch& batch,
+                             springnet_message& message) noexcept {
+  try {
+    sweep.update(sweep.user, &batch);
+    return SPRINGNET_OK;
+  } catch (const std::exception& error) {
+    char text[2 * sizeof message.text];
+    std::snprintf(text, sizeof text, "the integrator's update of nodes threw an exception: %s", error.what());
+    sdk::detail::write_message(&message, text);
+  } catch (...) {
+    sdk::detail::write_message(&message, "the integrator's update of nodes threw something that is no std::exception");
+  }
+  return SPRINGNET_FAILED;
+}
+
+}  // namespace
+
+void Sweep::Tiles::note_bad_neuron(std::uint32_t first, std::uint32_t count, const double* const acceleration_of[3]) {
+  for (std::uint32_t i = 0; i < count; ++i) {
+    if (std::isfinite(acceleration_of[0][i]) && std::isfinite(acceleration_of[1][i]) &&
+        std::isfinite(acceleration_of[2][i]))
+      continue;
+    std::uint32_t least = bad_neuron.load();
+    while (first + i < least && !bad_neuron.compare_exchange_weak(least, first + i)) {
+    }
+    return;
+  }
+}
+
+springnet_status Sweep::Tiles::accelerate(std::uint32_t first, std::uint32_t count, bool forces_finite,
+                                          springnet_message& message) {
+  const double* of_tile[3] = {force.x + first, force.y + first, force.z + first};
+  double* accelerations[3] = {acceleration.x + first, acceleration.y + first, acceleration.z + first};
+  const springnet_status status = model.evaluator.accelerations(first, count, time, nodes, of_tile, accelerations,
+                                                                nullptr, nullptr, nullptr, message);
+  if (status != SPRINGNET_OK) return status;
+  if (forces_finite && !all_finite(accelerations, count)) note_bad_neuron(first, count, accelerations);
+  model.constraints.accelerate(*at, first, count, {nodes.px, nodes.py, nodes.pz}, {nodes.vx, nodes.vy, nodes.vz},
+                               accelerations);
+  return SPRINGNET_OK;
+}
+
+springnet_status Sweep::Tiles::update(std::uint32_t unit, std::uint32_t first, std::uint32_t count, bool forces_finite,
+                                      const layers::NodeDerivatives* derivatives, springnet_message& message) {
+  const double* of_tile[3] = {force.x + first, force.y + first, force.z + first};
+  alignas(64) double local[3][layers::tile_nodes];
+  double* accelerations[3] = {local[0], local[1], local[2]};
+  const springnet_status status = model.evaluator.accelerations(first, count, time, nodes, of_tile, accelerations,
+                                                                nullptr, nullptr, nullptr, message);
+  if (status != SPRINGNET_OK) return status;
+  if (forces_finite && !all_finite(accelerations, count)) note_bad_neuron(first, count, accelerations);
+  springnet_node_batch batch{};
+  batch.struct_size = sizeof batch;
+  batch.first = first;
+  batch.count = count;
+  batch.unit = unit;
+  batch.force = {of_tile[0], of_tile[1], of_tile[2]};
+  batch.acceleration = {accelerations[0], accelerations[1], accelerations[2]};
+  if (derivatives != nullptr) {
+    batch.acceleration_by_velocity = derivatives->by_velocity;
+    batch.acceleration_by_position = derivatives->by_position;
+  }
+  // The velocity that an update in place starts from; tile by tile it stays in the sweep's arrays.
+  Vector3 read = Vector3::Zero();
+  const bool in_place = count == 1 && sweep->order != nullptr;
+  if (in_place) read = {nodes.vx[first], nodes.vy[first], nodes.vz[first]};
+  if (const springnet_status updated = call_update(*sweep, batch, message); updated != SPRINGNET_OK) return updated;
+  model.constraints.constrain(*at, first, count, *sweep, in_place ? &read : nullptr);
+  return SPRINGNET_OK;
+}
+
+springnet_status Sweep::finish_tile(void* user, std::uint32_t unit, std::uint32_t first, std::uint32_t count,
+                                    springnet_message& message) {
+  Tiles& tiles = *static_cast<Tiles*>(user);
+  const double* force[3] = {tiles.force.x + first, tiles.force.y + first, tiles.force.z + first};
+  const bool finite = all_finite(force, count);
+  if (!finite) tiles.finite.store(false, std::memory_order_relaxed);
+  if (tiles.sweep != nullptr) return tiles.update(unit, first, count, finite, nullptr, message);
+  if (tiles.acceleration.x == nullptr) return SPRINGNET_OK;
+  return tiles.accelerate(first, count, finite, message);
+}
+
+}  // namespace springnet

@@ -1,0 +1,37 @@
+// What the finished tiles of an evaluation or a sweep need: forces to accelerations, and within a sweep the
+// integrator's update of nodes.
+#pragma once
+
+#include <atomic>
+
+#include "simulation/sweep.hpp"
+
+namespace springnet {
+
+struct Sweep::Tiles {
+  Model& model;
+  const Placement* at;  // obstacles and prescribed nodes at `time`
+  double time;          // s
+  layers::NodeArrays nodes;
+  layers::ForceArrays force;
+  const springnet_sweep* sweep = nullptr;  // null: an evaluation
+  springnet_vectors acceleration{};        // of an evaluation; null: not wanted
+  std::atomic<bool> finite{true};
+  std::atomic<std::uint32_t> bad_neuron{ConstraintRow::no_node};  // first whose force is finite, its acceleration not
+
+  // A tile of an evaluation: accelerations of the constrained motion.
+  springnet_status accelerate(std::uint32_t first, std::uint32_t count, bool forces_finite, springnet_message& message);
+  // A tile of a sweep: the integrator's update of nodes, then their constraints.
+  springnet_status update(std::uint32_t unit, std::uint32_t first, std::uint32_t count, bool forces_finite,
+                          const layers::NodeDerivatives* derivatives, springnet_message& message);
+
+ private:
+  void note_bad_neuron(std::uint32_t first, std::uint32_t count, const double* const acceleration_of[3]);
+};
+
+struct Sweep::NodeEvaluation {
+  layers::NodeDerivatives derivatives;
+  bool finite;
+};
+
+}  // namespace springnet

@@ -1,0 +1,159 @@
+#include "simulation/topology.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "constraints/vectors.hpp"
+#include "layers/element_questions.hpp"
+#include "layers/elements.hpp"
+#include "layers/message.hpp"
+#include "plugin_host/call.hpp"
+#include "simulation/linear_model.hpp"
+
+namespace springnet {
+
+Topology::Topology(Model& model, LinearModel& linear, const std::vector<Cut>& cuts) : model_(model), linear_(linear) {
+  for (const Cut& cut : cuts) {
+    ScheduledCut scheduled{cut.time, cut.springs, std::nullopt};
+    if (!cut.polygon.empty()) scheduled.polygon.emplace(cut.polygon);
+    cuts_.push_back(std::move(scheduled));
+  }
+}
+
+const Topology::Rupturing& Topology::rupturing() {
+  if (!rupturing_) rupturing_ = {layers::rupturing_springs(model_.layout), layers::rupturing_elements(model_.layout)};
+  return *rupturing_;
+}
+
+springnet_status Topology::margins(double time, const layers::NodeArrays& nodes, double* margins) {
+  const Rupturing& some = rupturing();
+  const InstructionSet set = model_.evaluator.instruction_set();
+  springnet_status status =
+      layers::rupture_margins(model_.layout, set, time, nodes, some.springs, margins, model_.journal.message);
+  if (status == SPRINGNET_OK)
+    status = layers::element_margins(model_.layout, set, time, nodes, some.elements, margins + some.springs.size(),
+                                     model_.journal.message);
+  if (status != SPRINGNET_OK) return status;
+  // A margin that is no number says neither that the element holds nor that it breaks.
+  const double* const bad = std::find_if(margins, margins + some.count(), [](double m) { return std::isnan(m); });
+  if (bad == margins + some.count()) return SPRINGNET_OK;
+  const auto i = static_cast<std::size_t>(bad - margins);
+  const bool element = i >= some.springs.size();
+  const std::uint32_t number = element ? some.elements[i - some.springs.size()] : some.springs[i];
+  const layers::Group& group =
+      model_.layout.laws()
+          .groups[element ? model_.layout.elements().group(number) : model_.layout.laws().group[number]];
+  const layers::Law& law = group.spring.can(SPRINGNET_HAS_RUPTURE) ? group.spring : group.viscosity;
+  const std::string reason = explain_failure(model_.layout, set, time, nodes);
+  set_message(model_.journal.message,
+              !reason.empty() ? reason
+                              : fmt::format("{} answered a rupture margin that is not a number for {} {}",
+                                            full_name(*law.component), element ? "element" : "spring", number));
+  return SPRINGNET_RECOVERABLE;
+}
+
+std::size_t Topology::remove(const Removal& removal, Event::Kind kind, double time) {
+  layers::Layout& layout = model_.layout;
+  const std::vector<std::uint32_t> removed = layout.remove(removal.springs);
+  for (const std::uint32_t s : removed) model_.journal.record({kind, time, s});
+  std::vector<std::pair<std::uint32_t, std::uint32_t>> ends;
+  for (const std::uint32_t s : removed) ends.emplace_back(layout.first(s), layout.second(s));
+  std::vector<std::uint32_t> broken;
+  if (layout.elements().live_count() > 0) {
+    broken = layout.elements().broken_by(ends);
+    broken.insert(broken.end(), removal.elements.begin(), removal.elements.end());
+    std::sort(broken.begin(), broken.end());
+    broken = layout.remove_elements(broken);
+    for (const std::uint32_t e : broken) model_.journal.record({kind, time, e, true});
+  }
+  bool faces_went = false;
+  if (layout.loaded_faces().count() > 0) {
+    std::vector<std::size_t> lost = layout.loaded_faces().broken_by(ends);
+    lost.insert(lost.end(), removal.faces.begin(), removal.faces.end());
+    faces_went = remove_faces(lost, time);
+  }
+  if (!removed.empty() || !broken.empty() || faces_went) {
+    rupturing_.reset();
+    linear_.topology_changed();
+    model_.changed();
+  }
+  return removed.size();
+}
+
+bool Topology::remove_faces(const std::vector<std::size_t>& faces, double time) {
+  const std::vector<std::size_t> removed = model_.layout.remove_faces(faces);
+  if (removed.empty()) return false;
+  model_.loads.faces_changed();
+  torn_faces_ += removed.size();
+  std::set<std::uint32_t> loads;
+  for (const std::size_t f : removed) loads.insert(model_.layout.loaded_faces().load_of(f));
+  for (const std::uint32_t load : loads) {
+    if (!torn_loads_.insert(load).second) continue;
+    model_.journal.note(fmt::format(
+        "Force {} ended on faces that were torn, first at {:g} s: a face goes with a spring along its side.", load,
+        time));
+  }
+  return true;
+}
+
+std::size_t Topology::cut(const std::vector<std::uint32_t>& springs) {
+  return remove({springs, {}, {}}, Event::Kind::cut, model_.time);
+}
+
+std::size_t Topology::cut(const CuttingPolygon& polygon) {
+  const auto crosses = [&](std::uint32_t a, std::uint32_t b) {
+    return polygon.crosses(vector_at(model_.state.view.position, a), vector_at(model_.state.view.position, b));
+  };
+  std::vector<std::uint32_t> crossed;
+  for (std::uint32_t s = 0; s < model_.layout.spring_count(); ++s)
+    if (model_.layout.alive(s) && crosses(model_.layout.first(s), model_.layout.second(s))) crossed.push_back(s);
+  return remove(
+      {crossed, model_.layout.elements().crossed_by(crosses), model_.layout.loaded_faces().crossed_by(crosses)},
+      Event::Kind::cut, model_.time);
+}
+
+void Topology::perform_due_cuts() {
+  // Rounding of times: a cut this close to a committed one is due at it.
+  const double slack = 1e-9 * std::min(model_.time_step, model_.time);
+  for (std::size_t k = 0; k < cuts_.size(); ++k) {
+    ScheduledCut& scheduled = cuts_[k];
+    if (scheduled.done || scheduled.time > model_.time + slack) continue;
+    scheduled.done = true;
+    const auto met = [this] { return model_.journal.events().size() + torn_faces_; };
+    const std::size_t before = met();
+    cut(scheduled.springs);
+    if (scheduled.polygon) cut(*scheduled.polygon);
+    if (met() == before)
+      model_.journal.note(fmt::format("Cut {} at {:g} s met nothing that was left to cut.", k, scheduled.time));
+  }
+}
+
+springnet_status Topology::perform_due_ruptures() {
+  const Rupturing& some = rupturing();
+  if (some.count() == 0) return SPRINGNET_OK;
+  std::vector<double> margins(some.count());
+  const springnet_status status = this->margins(model_.time, model_.state.nodes(), margins.data());
+  if (status != SPRINGNET_OK) return status;
+  std::vector<std::uint32_t> springs, elements;
+  for (std::size_t i = 0; i < margins.size(); ++i) {
+    if (margins[i] > 0.0) continue;
+    if (i < some.springs.size())
+      springs.push_back(some.springs[i]);
+    else
+      elements.push_back(some.elements[i - some.springs.size()]);
+  }
+  remove({springs, elements, {}}, Event::Kind::ruptured, model_.time);
+  return SPRINGNET_OK;
+}
+
+double Topology::next_cut(double time) const noexcept {
+  double next = std::numeric_limits<double>::infinity();
+  for (const ScheduledCut& cut : cuts_)
+    if (!cut.done && cut.time > time) next = std::min(next, cut.time);
+  return next;
+}
+
+}  // namespace springnet

@@ -1,0 +1,68 @@
+// What the network loses while it runs: springs, elements and loaded faces that are cut or break.
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <set>
+#include <vector>
+
+#include <springnet/network.hpp>
+
+#include "simulation/cutting.hpp"
+#include "simulation/model.hpp"
+
+namespace springnet {
+
+class LinearModel;
+
+class Topology {
+ public:
+  // The linear model's matrices lose what the network loses.
+  Topology(Model& model, LinearModel& linear, const std::vector<Cut>& cuts);
+
+  // What can break by itself: springs and elements whose law has a rupture margin.
+  struct Rupturing {
+    std::vector<std::uint32_t> springs, elements;
+    [[nodiscard]] std::size_t count() const noexcept { return springs.size() + elements.size(); }
+  };
+  [[nodiscard]] const Rupturing& rupturing();
+  // [rupturing().count()] margins of the springs, then of the elements, at a state; 0 or less breaks.
+  // SPRINGNET_RECOVERABLE and a message where one is not a number.
+  springnet_status margins(double time, const layers::NodeArrays& nodes, double* margins);
+
+  // Removes springs, and elements and loaded faces with an edge along one; further elements and faces besides. Records
+  // events of this kind. Returns the number of springs.
+  struct Removal {
+    std::vector<std::uint32_t> springs, elements;
+    std::vector<std::size_t> faces;
+  };
+  std::size_t remove(const Removal& removal, Event::Kind kind, double time);
+  // At the committed state.
+  std::size_t cut(const std::vector<std::uint32_t>& springs);
+  std::size_t cut(const CuttingPolygon& polygon);
+  // The scene's cuts up to the committed time.
+  void perform_due_cuts();
+  // What has no margin left at the committed state breaks.
+  springnet_status perform_due_ruptures();
+  // s, of the scene's cuts; infinity if none is to come.
+  [[nodiscard]] double next_cut(double time) const noexcept;
+
+ private:
+  struct ScheduledCut {
+    double time;  // s
+    std::vector<std::uint32_t> springs;
+    std::optional<CuttingPolygon> polygon;
+    bool done = false;
+  };
+  // Returns whether any face went.
+  bool remove_faces(const std::vector<std::size_t>& faces, double time);
+
+  Model& model_;
+  LinearModel& linear_;
+  std::vector<ScheduledCut> cuts_;
+  std::optional<Rupturing> rupturing_;  // empty: not known
+  std::set<std::uint32_t> torn_loads_;  // of which faces went
+  std::size_t torn_faces_ = 0;
+};
+
+}  // namespace springnet
