@@ -9,17 +9,16 @@
 namespace springnet {
 namespace {
 
-// Times this near to each other are the same.
+// Times that differ by so many roundings are the same.
 constexpr double roundings = 16.0;
-// The way in so short a part of a step is the cubic through its ends: that errs there by 256^-4 of what it does over
-// the step.
+// In so short a part of a step the path is the cubic through its ends: the error is 256^-4 of that over the step.
 constexpr double shortest_part = 1.0 / 256.0;
 constexpr double tenth_of_turn = 0.6;  // rad
-// What is deeper in an obstacle than this share of the way to its middle is inside, however uncertain positions are.
+// A node deeper in an obstacle than this share of its inner radius is inside, however uncertain positions are.
 constexpr double share_of_inside = 0.25;
 
-// By how much a way may leave the straight one, m: twice what Hermite's cubic does, which is h (s (1-s)^2 (u0 - c) -
-// s^2 (1-s) (u1 - c)) for velocities u at its ends and c = way / h, and so at most 4/27 h (|u0 - c| + |u1 - c|).
+// Bound of the distance between a path and its chord, m: twice that of Hermite's cubic, h (s (1-s)^2 (u0 - c) -
+// s^2 (1-s) (u1 - c)) with velocities u at its ends and c = chord / h, which is at most 4/27 h (|u0 - c| + |u1 - c|).
 double bend_of(double bent0, double bent1) { return 2.0 * 4.0 / 27.0 * (bent0 + bent1); }
 
 }  // namespace
@@ -33,7 +32,7 @@ ImpactSearch::ImpactSearch(const Model& model, const std::vector<ContactEvents::
   if (pairs_.empty()) return;
   const double length = search.step_until - search.step_from;
   for (const Obstacle& surface : model.contact.surfaces()) longest_.push_back(surface.swing_rate(search.step_from));
-  // A table may turn a surface all the way round and have it rest at both ends.
+  // A table may turn an obstacle all the way round between two rests.
   for (const double share : {0.0, 0.5, 1.0}) {
     const std::shared_ptr<const Placement> at = model.placement(search.step_from + share * length);
     for (std::size_t j = 0; j < longest_.size(); ++j)
@@ -76,11 +75,12 @@ bool ImpactSearch::may_reach(const Instant& from, const Instant& until, const Pa
   return surface.least_gap(from.at->poses[pair.surface], a.position) + pair.depth <= travel;
 }
 
-// As the surface sees it, that its gap changes by no more than the place. In a short part the cubic is the way.
+// In the frame of the obstacle, where the gap changes by no more than the position. In a short part the path is the
+// cubic.
 bool ImpactSearch::comes_near(const Instant& from, const Instant& until, const Pair& pair, const Place& a,
                               const Place& b, bool short_part) const {
   const double before = a.gap + pair.depth, after = b.gap + pair.depth;
-  if (before <= 0.0) return false;  // it touched then, or is watched for from deeper on
+  if (before <= 0.0) return false;  // it touched before, or counts from deeper on
   if (after <= 0.0) return true;
   const Obstacle& surface = model_.contact.surfaces()[pair.surface];
   const auto pose_of = [&](const Instant& instant) {
@@ -143,7 +143,7 @@ std::optional<double> ImpactSearch::first(const Instant& from, const Instant& un
   return early ? early : first(middle, end, near, part);
 }
 
-// What goes deep enough is sought first, then where that began.
+// First finds a node that is deep enough, then where it entered.
 springnet_status ImpactSearch::find(double& time) {
   time = std::numeric_limits<double>::quiet_NaN();
   if (pairs_.empty()) return SPRINGNET_OK;
@@ -164,7 +164,7 @@ springnet_status ImpactSearch::find(double& time) {
     begin.places.push_back(start.places[i]);
     end.places.push_back(then.places[i]);
   }
-  // No earlier than where another search found nothing: what it left is less deep.
+  // No earlier than the begin of the part: an earlier search found nothing there that is deep enough.
   const std::optional<double> begins = first(begin, end, there, {search_.step_from, *inside});
   if (status_ == SPRINGNET_OK) time = std::max(search_.from, begins.value_or(*inside));
   return status_;

@@ -1,5 +1,5 @@
-// Continuous collision detection: when a node first touches a surface within a step whose states are known at all its
-// times, also where it has left the surface again by the end.
+// Continuous collision detection: when a node first touches an obstacle within a step whose states are known at all
+// times, also if it has separated again by the end.
 #pragma once
 
 #include <memory>
@@ -20,8 +20,7 @@ class ImpactSearch {
   springnet_status find(double& time);
 
  private:
-  // A node that surfaces do not hold, and one of them that it does not touch; it counts as touching from `depth`, m,
-  // behind the surface.
+  // A node and an obstacle that are not in contact; they touch from `depth`, m, behind the surface.
   struct Pair {
     std::uint32_t node;
     std::uint32_t surface;
@@ -33,7 +32,7 @@ class ImpactSearch {
     std::shared_ptr<const Placement> at;
     std::vector<double> values;
   };
-  // Where the node of a pair is at a time, and the surface.
+  // The node of a pair at a time.
   struct Place {
     Vector3 position, velocity;  // m, m/s
     double gap;                  // m
@@ -53,7 +52,7 @@ class ImpactSearch {
   // Whether a pair has, or may have, a gap below -depth between two times.
   [[nodiscard]] bool comes_near(const Instant& from, const Instant& until, const Pair& pair, const Place& a,
                                 const Place& b, bool short_part) const;
-  // The same between times so far apart that its surface swings or turns unseen.
+  // The same between times so far apart that the obstacle may swing or turn unseen.
   [[nodiscard]] bool may_reach(const Instant& from, const Instant& until, const Pair& pair, const Place& a,
                                const Place& b) const;
   // The first time in a part at which one has, to rounding.
@@ -63,8 +62,8 @@ class ImpactSearch {
   const Model& model_;
   const springnet_impact_search& search_;
   std::vector<Pair> pairs_;
-  std::vector<double> longest_;  // s, [surface] between times: it turns and swings by no more than a tenth of a turn
-  Whole between_{};              // of the last time that was asked for
+  std::vector<double> longest_;  // [obstacle] s, in which it turns and swings by at most a tenth of a turn
+  Whole between_{};              // at the last time
   springnet_status status_ = SPRINGNET_OK;
 };
 

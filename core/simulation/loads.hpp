@@ -19,15 +19,15 @@ class Loads {
 
   enum class Change {
     none,
-    varied,   // a factor
+    varied,   // a factor changed
     switched  // a load came or went, at least for a part of the step
   };
-  // Averages the scene's loads over [from, until], so that their impulse is exact whatever the step; until infinite or
-  // not above from: as they are right after `from`.
+  // Averages the scene's loads over [from, until], s, so that their impulse is exact for any step. Without a finite
+  // interval (until infinite, or not above from) takes the loads right after `from`.
   Change set_interval(double from, double until);
-  // From now on they are as at the time that follow() was given last.
+  // From now on loads are those at the time last given to follow().
   Change begin_following(double time);
-  // Where they follow the time: those right after `time`. Otherwise nothing.
+  // After begin_following(): takes the loads right after `time`, s. Otherwise does nothing.
   void follow(double time) {
     if (follows_ && time != time_) static_cast<void>(set_time(time));
   }

@@ -130,8 +130,8 @@ springnet_status ReactionsAt::know(std::uint32_t cluster) {
   return SPRINGNET_OK;
 }
 
-// Connections between nodes that stick may bear any force. The least is taken by which braced nodes press, and friction
-// holds all that stick.
+// The force of a rod between two sticking nodes is not determined by the motion. Takes the least forces with which
+// braced nodes press and friction holds all nodes that stick.
 void ReactionsAt::brace(std::uint32_t cluster) {
   const Contact& contact = model_.contact;
   const std::vector<std::uint32_t>& nodes = model_.rigid.nodes_of(cluster);
@@ -171,7 +171,7 @@ void ReactionsAt::brace(std::uint32_t cluster) {
     }
     cones.push_back({model_.constraints.coefficient(k, surface), 0.0});
   }
-  for (Cone& cone : cones) cone.least = 1e-9 * most;  // rounding would make it a pull
+  for (Cone& cone : cones) cone.least = 1e-9 * most;  // otherwise rounding makes it a pull
   if (const auto least = least_in_cones(base, more, cones)) {
     bracing_.resize(tension_.size(), 0.0);
     for (Eigen::Index r = 0; r < more.cols(); ++r) {

@@ -1,4 +1,4 @@
-// Reactions of nodes at some state, evaluated as they are asked for; a cluster's all at once.
+// Reactions of nodes at some state, computed on demand; those of a cluster all at once.
 #pragma once
 
 #include <algorithm>
@@ -22,20 +22,21 @@ class ReactionsAt {
   // The arrays have to outlive it.
   ReactionsAt(Model& model, double time, const springnet_const_vectors& position,
               const springnet_const_vectors& velocity);
-  // The force of fixation or a surface on the node, N.
+  // The force of fixation or obstacles on a node, N.
   springnet_status of(std::uint32_t node, Vector3& reaction);
-  // The same without what nodes that stick brace themselves with.
+  // The same without the bracing of sticking nodes against each other.
   springnet_status unbraced(std::uint32_t node, Vector3& reaction);
-  // The same as it is told: what presses over a step of the network may pull at its end, where it then leaves. Of such
-  // a surface it is zero. `withheld`: that pull, if wanted.
+  // The same as it is reported: an obstacle that presses over a step of the network may pull at its end, where the node
+  // then separates; its part is zero. `withheld`: that pull, if wanted.
   springnet_status told(std::uint32_t node, Vector3& reaction, Vector3* withheld = nullptr);
-  // What the node would do if no surface held it now that does not yet, with its rigid connections, m/s^2.
+  // With rigid connections and the contacts that the node has, but without friction and contact of its own if it has no
+  // rigid connections, m/s^2.
   springnet_status acceleration(std::uint32_t node, Vector3& acceleration);
-  // What it does, with all that holds it, m/s^2.
+  // With everything that constrains it, m/s^2.
   springnet_status bound(std::uint32_t node, Vector3& acceleration);
-  // What it would do if no surface acted, nor rigid connections.
+  // Without obstacles and rigid connections, m/s^2.
   springnet_status unsupported(std::uint32_t node, Vector3& acceleration);
-  // From now on as if this node had been let go, which it has not.
+  // From now on as if this node had no contact.
   void leave_out(std::uint32_t node) {
     without_ = node;
     std::fill(cluster_known_.begin(), cluster_known_.end(), std::uint8_t{0});
@@ -43,9 +44,9 @@ class ReactionsAt {
   }
   [[nodiscard]] Vector3 position(std::uint32_t node) const;
   [[nodiscard]] Vector3 velocity(std::uint32_t node) const;
-  // Evaluates a cluster, so that its tensions are known.
+  // Computes a cluster, with its tensions.
   springnet_status know(std::uint32_t cluster);
-  // Of a node whose cluster is known: without connections and surfaces, and with them, m/s^2.
+  // Acceleration of a node whose cluster is known: without rigid connections and obstacles, and with them, m/s^2.
   [[nodiscard]] Vector3 free(std::uint32_t node) const { return part(free_, node); }
   [[nodiscard]] Vector3 bound(std::uint32_t node) const { return part(bound_, node); }
   [[nodiscard]] const Placement& placement() const noexcept { return *placement_; }
@@ -54,7 +55,7 @@ class ReactionsAt {
  private:
   springnet_status free_acceleration(std::uint32_t node, Vector3& acceleration);
   void brace(std::uint32_t cluster);
-  // Of a lone node, from its acceleration without surfaces.
+  // Of a node without rigid connections, from its acceleration without obstacles.
   [[nodiscard]] Vector3 held(std::uint32_t node, Vector3 acceleration) const;
   [[nodiscard]] Vector3 part(const std::vector<double>& values, std::uint32_t node) const {
     const std::size_t n = values.size() / 3;
@@ -72,7 +73,7 @@ class ReactionsAt {
   std::vector<std::uint8_t> cluster_known_;
   std::vector<double> free_, bound_;  // [3 node] m/s^2
   std::vector<double> tension_;       // [rod] N
-  std::vector<double> bracing_;       // the part of it that braces; empty: none
+  std::vector<double> bracing_;       // [rod] N, its part that braces; empty: none
 };
 
 }  // namespace springnet

@@ -16,30 +16,28 @@
 namespace springnet {
 namespace {
 
-// A surface whose velocity jumps leaves a node behind, or strikes it, where that is more than errors of integration, in
-// units of the velocity scale.
-constexpr double jump = 1e-6;
-// What positions of a reference are uncertain by at least, in units of the length scale.
+constexpr double jump = 1e-6;  // in units of the velocity scale
+// Least uncertainty of positions of the reference, in units of the length scale.
 constexpr double uncertain = 1e-8, shallow = 1e-7;
-// Rebounds that are slower, in units of the velocity scale, end: there are infinitely many in a finite time, and what
-// a node falls within the tolerance of touching makes up for what the last ones lose. Those that are slower than so
-// many times what the acceleration adds in a step end too.
+// Rebounds slower than this, in units of the velocity scale, end: there are infinitely many in a finite time, and the
+// fall within the contact tolerance makes up for the energy of the last ones. Rebounds slower than so many times the
+// speed that the acceleration adds in a step end too.
 constexpr double least_rebound = 1e-4;
 constexpr double steps_of_fall = 2.0;
-// Touches that are slower depend on errors of integration; likewise.
+// Errors of integration decide touches that are slower; likewise.
 constexpr double grazing = 1e-4;
-// A force this small, in units of the force scale, is rounding: a node was just released by it, say.
+// A force this small, in units of the force scale, is rounding, that of a node that was just released, say.
 constexpr double least_force = 1e-9;
 constexpr int most_jams = 20;
-constexpr double caught = 0.01;  // of the speed with which a body was approached
-// So many touches of a node, each within this part of the time in which it goes a typical length, are a body that rocks
-// on its contacts ever faster; what is slower than this, in units of the velocity scale, then ends.
+constexpr double caught = 0.01;  // of the speed with which obstacles approached a body
+// So many touches of a node, each within this part of the time in which it moves a typical length, are a body that
+// rocks on its contacts ever faster; motions slower than this, in units of the velocity scale, then end.
 constexpr int many_touches = 8;
 constexpr double soon = 1e-3, slow_rocking = 1e-3;
-// What leaves a surface more slowly, in units of the speed with which it falls through the tolerance of touching, does
-// not leave: it would be back at once, as fast.
+// A node that separates more slowly, in units of the speed that it gains while it falls through the contact tolerance,
+// keeps its contact: it would be back at once, as fast.
 constexpr double times_of_fall = 2.0;
-constexpr double few_steps = 4.0;  // of a method with steps of its user's
+constexpr double few_steps = 4.0;  // of the user's
 
 }  // namespace
 
@@ -51,6 +49,7 @@ Settling::Settling(Model& model, double time, State& state, const Findings& find
       at_(model.placement(time)),
       depth_(model.contact_tolerance()),
       no_speed_(model.no_speed()),
+      jump_(jump * model.scales.velocity),
       done_(model.rigid.cluster_count(), 0) {}
 
 springnet_status settle(Model& model, double time, State& state, const Findings& findings) {
@@ -82,7 +81,7 @@ void Settling::add_sides(ContactNode& node) const {
   const auto is_in = [](const std::vector<std::int32_t>& list, std::int32_t surface) {
     return std::find(list.begin(), list.end(), surface) != list.end();
   };
-  // Those that it touches come first; a fourth would bind nothing.
+  // Obstacles in contact come first; a fourth would bind nothing.
   std::vector<std::int32_t> surfaces;
   for (const std::int32_t surface : touch.surfaces())
     if (surface >= 0) surfaces.push_back(surface);
@@ -107,15 +106,15 @@ void Settling::add_sides(ContactNode& node) const {
     const double speed = side.normal.dot(side.velocity);
     if (!was) {
       if (speed > no_speed_) continue;
-      // Just released, what the distance is uncertain by crossed the tolerance once more.
+      // Of a node that was just released, the uncertainty of its gap crossed the tolerance once more.
       if (speed < -no_speed_ && touch.surface < 0 && gap > -shallow * model_.scales.length &&
           turns_round(node.node, side))
         continue;
       if (speed < -no_speed_ && -speed < grazing * model_.scales.velocity && side.restitution == 0.0)
         note_grazing_touch(model_, node.node, j, time_);
     }
-    // What integration leaves of a motion that the contact does not allow.
-    const double least = was ? jump * model_.scales.velocity : no_speed_;
+    // Errors of integration along a direction that the contact binds.
+    const double least = was ? jump_ : no_speed_;
     if (std::abs(speed) <= least) side.velocity -= speed * side.normal;
     node.sides.push_back(side);
   }
@@ -123,7 +122,7 @@ void Settling::add_sides(ContactNode& node) const {
   node.braced = contact.braced(node.node) && found.released.empty();
 }
 
-// Nodes that stick have the velocity of their surface, without what integration made of it.
+// Gives sticking nodes the velocity of their obstacle again, where they differ by errors of integration.
 void Settling::take_along() {
   const Contact& contact = model_.contact;
   for (const std::uint32_t k : members_) {
@@ -131,8 +130,7 @@ void Settling::take_along() {
     if (touch.surface < 0 || touch.slides) continue;
     const auto j = static_cast<std::size_t>(touch.surface);
     const Vector3 w = Contact::velocity(*at_, j, vector_at(state_.view.position, k));
-    if ((vector_at(state_.view.velocity, k) - w).norm() <= jump * model_.scales.velocity)
-      put_vector(state_.view.velocity, k, w);
+    if ((vector_at(state_.view.velocity, k) - w).norm() <= jump_) put_vector(state_.view.velocity, k, w);
   }
 }
 
@@ -186,7 +184,7 @@ void Settling::strike(const Island& island) {
     if (contact.fixed()[node] == 0) put_vector(velocity, node, vector_at(velocity, node) + dv);
   };
   if (rods_) {
-    // What fixes a node bears what reaches it.
+    // The fixation of a node bears the impulses that reach it.
     rods_->push(contact_nodes_, impulses, change,
                 [&](std::uint32_t node, const Vector3& impulse) { contact.add_impulse(node, -impulse); });
   } else {
@@ -195,48 +193,7 @@ void Settling::strike(const Island& island) {
   struck_ = true;
 }
 
-void Settling::find_slips(Island& island) const {
-  for (ContactNode& node : island.nodes()) {
-    std::vector<Vector3> normals;
-    const ContactSide* first = nullptr;
-    double friction = 0.0;
-    for (std::size_t s = 0; s < node.sides.size(); ++s) {
-      ContactSide& side = node.sides[s];
-      side.leaves = side.normal.dot(side.velocity) > no_speed_;
-      // What arrived and was stopped lies there, though no force presses it.
-      const bool arrived = !node.impulse[s].isZero(0.0) && !model_.contact.committed(node.node).has(side.surface);
-      side.touches = !side.leaves && (side.touches || arrived);
-      if (side.leaves) continue;
-      normals.push_back(side.normal);
-      friction += coefficient_of(side.friction);
-      if (first == nullptr) first = &side;
-    }
-    node.moves = node.sticks = false;
-    if (first == nullptr) continue;
-    const Vector3 slip = split_reaction(normals, first->velocity).along;
-    node.moves = slip.norm() > no_speed_ && friction > 0.0;
-    if (node.moves) node.slip = slip.normalized();
-    node.sticks = !node.moves && friction > 0.0 && surfaces_move_alike(node, jump * model_.scales.velocity);
-    // Friction acts as it did: against what has no speed yet, or one that errors of integration have a part in.
-    if (!model_.contact.committed(node.node).slides || node.rests || friction == 0.0) continue;
-    const Contact::Slip phase = model_.contact.slip_phase(node.node);
-    if (phase == Contact::Slip::goes_on || (phase == Contact::Slip::ends && !node.moves)) continue;
-    node.begins = phase == Contact::Slip::begins;
-    node.sticks = false;
-    node.slip = model_.contact.slip(node.node);
-  }
-}
-
-// Nodes that were seen to slip, by the forces that held them until now.
-void Settling::begin_slips(Island& island) const {
-  const auto slips = [this](const ContactNode& node) { return node.sticks && finding(node.node).slips; };
-  if (std::none_of(island.nodes().begin(), island.nodes().end(), slips)) return;
-  island.solve();
-  for (std::size_t i = 0; i < island.nodes().size(); ++i)
-    if (slips(island.nodes()[i]) && !island.let_go(i)) island.begin_slip(i);
-}
-
-// The contact that was found for a node becomes the node's.
+// Commits the contact that was found for a node.
 void Settling::take(const ContactNode& node) {
   Contact& contact = model_.contact;
   const std::uint32_t k = node.node;
@@ -254,14 +211,14 @@ void Settling::take(const ContactNode& node) {
     const ContactSide& side = node.sides[s];
     if (before.has(side.surface)) continue;
     if (!side.touches && node.impulse[s].isZero(0.0)) continue;
-    // What ends the rocking of a body may draw a node back; that is no blow.
+    // The impulses that end rocking may draw a node back; these are no blows.
     const bool pulls = side.normal.dot(node.impulse[s]) < 0.0;
     model_.record(Event::Kind::touched, time_, k, side.surface, pulls ? Vector3(Vector3::Zero()) : node.impulse[s]);
     if (side.touches) {
       now = after(now, {ContactCause::Kind::touch, side.surface, node.sticks});
       arrived = true;
     } else {
-      // It rebounds, from the surface itself: the next touch is one that falls through the tolerance again.
+      // It rebounds, starting on the surface itself: its next touch falls through the tolerance again.
       model_.record(Event::Kind::released, time_, k, side.surface);
       put_vector(state_.view.position, k,
                  contact.onto(*at_, static_cast<std::size_t>(side.surface), vector_at(state_.view.position, k)));
@@ -286,7 +243,7 @@ void Settling::take(const ContactNode& node) {
     if (arrived) stopped_.push_back(k);
     return;
   }
-  // What slips slowly, and how, is found once all of the island has its contacts.
+  // Slow slips are looked at once all of the island has its contacts, see find_phase().
   const Vector3 slip = contact.slip_vector(*at_, k, j, vector_at(position, k), vector_at(velocity, k));
   const bool begins = !node.moves || node.begins;
   if (begins)
@@ -295,78 +252,19 @@ void Settling::take(const ContactNode& node) {
     contact.set_slip(k, slip.normalized());
 }
 
-// Slip that is slow, and becomes slower, is about to end.
-void Settling::find_phase(const ContactNode& node, const Vector3& acceleration, double negligible) {
-  Contact& contact = model_.contact;
-  const std::uint32_t k = node.node;
-  const Touch& touch = contact.committed(k);
-  if (!touch.slides || !node.moves || contact.slip_phase(k) == Contact::Slip::ends) return;
-  const auto j = static_cast<std::size_t>(touch.surface);
-  const Vector3 p = vector_at(state_.view.position, k);
-  const Vector3 slip = contact.slip_vector(*at_, k, j, p, vector_at(state_.view.velocity, k));
-  const double speed = slip.norm();
-  if (speed > contact.rest_speed() && !node.begins) return;
-  const double grows = slip.dot(acceleration - Contact::acceleration(*at_, j, p));
-  if (grows < -negligible * speed)
-    keep_direction(k);
-  else if (!node.begins && speed <= 0.5 * contact.rest_speed())
-    contact.set_slip(k, slip / speed, Contact::Slip::begins);
-}
-
-// Friction keeps the direction from now on in which it ends all of the slip at once, s + T a(t) = 0 with a the
-// acceleration against the surface: that which it would have on the average.
-void Settling::keep_direction(std::uint32_t k) {
-  Contact& contact = model_.contact;
-  const Touch touch = contact.committed(k);
-  const auto j = static_cast<std::size_t>(touch.surface);
-  const Vector3 p = vector_at(state_.view.position, k), v = vector_at(state_.view.velocity, k);
-  const Vector3 slip = contact.slip_vector(*at_, k, j, p, v);
-  if (slip.isZero(0.0)) return;
-  const Vector3 n = contact.normal(*at_, j, p), goes = slip.normalized();
-  const auto keep = [&](const Vector3& direction) { contact.set_slip(k, direction, Contact::Slip::ends); };
-  keep(goes);
-  if (touch.second >= 0 || model_.constraints.coefficient(k, j) >= friction_of_held) return;
-  double slows = 0.0;
-  const auto found = find_direction(n, goes, [&](const Vector3& against) {
-    keep(against);
-    ReactionsAt reactions(model_, time_, read_only(state_.view.position), read_only(state_.view.velocity));
-    Vector3 a;
-    if (reactions.bound(k, a) != SPRINGNET_OK) return std::numeric_limits<double>::quiet_NaN();
-    a -= Contact::acceleration(*at_, j, p);
-    slows = -goes.dot(a);
-    return n.dot(goes.cross(a));
-  });
-  // Elsewhere it passes by its end.
-  keep(found && found->dot(goes) > 0.0 && slows > 0.0 ? *found : goes);
-}
-
-// Ends the slip of nodes that a surface that holds struck, where it is slower than `slow` (m/s): no more than errors of
-// integration, or what is left of rocking. Returns whether there was any.
-bool Settling::stop_held(Island& island, double slow) const {
-  for (ContactNode& node : island.nodes()) {
-    for (std::size_t s = 0; s < node.sides.size(); ++s) {
-      const ContactSide& side = node.sides[s];
-      node.rests = node.rests || (!node.impulse[s].isZero(0.0) && coefficient_of(side.friction) >= friction_of_held &&
-                                  side.velocity.norm() <= slow);
-    }
-  }
-  return island.stop(no_speed_);
-}
-
-// What is released begins without speed against the surface: what integration left of one would make it touch again.
+// A released node starts without speed relative to the obstacle: an error of integration would make it touch again.
 void Settling::part(std::uint32_t node, const ContactSide& side) {
   if (rods_) return;
   const Vector3 v = vector_at(state_.view.velocity, node);
   const auto j = static_cast<std::size_t>(side.surface);
   const double speed = side.normal.dot(v - Contact::velocity(*at_, j, vector_at(state_.view.position, node)));
-  if (std::abs(speed) > jump * model_.scales.velocity) return;
+  if (std::abs(speed) > jump_) return;
   put_vector(state_.view.velocity, node, v - speed * side.normal);
   const Vector3 impulse = -model_.mass[node] * speed * side.normal;
   model_.contact.add_impulse(node, impulse);
   model_.contact.add_surface_impulse(j, -impulse);
 }
 
-// Counts touches.
 bool Settling::chatters(const Island& island) {
   const double short_time =
       std::max(soon * model_.scales.length / model_.scales.velocity, few_steps * model_.step_length);
@@ -444,7 +342,7 @@ springnet_status Settling::settle(std::uint32_t node) {
     members_ = {node};
   }
   take_along();
-  // What integration left of rates of lengths no impulses could end.
+  // Errors of integration in the rates of lengths, which no impulses could end.
   if (rods_) rods_->project(state_.view.velocity);
   std::vector<ContactNode> nodes = gather();
   if (nodes.empty()) return SPRINGNET_OK;
@@ -454,14 +352,14 @@ springnet_status Settling::settle(std::uint32_t node) {
                                         : Eigen::MatrixXd(Eigen::MatrixXd::Identity(3, 3) / model_.mass[node]));
   const double approached = island.approach();
   bool struck = island.strike(rebound_of(island), no_speed_);
-  // No impulses end the approach of surfaces between which a body is caught.
-  if (island.approach() > std::max(caught * approached, jump * model_.scales.velocity)) {
+  // No impulses end the approach of obstacles between which a body is caught.
+  if (island.approach() > std::max(caught * approached, jump_)) {
     std::set<std::int32_t> surfaces;
     for (const ContactNode& each : island.nodes())
       for (const ContactSide& side : each.sides) surfaces.insert(side.surface);
     return no_place(model_, node, {surfaces.begin(), surfaces.end()}, time_);
   }
-  struck = stop_held(island, jump * model_.scales.velocity) || struck;
+  struck = stop_held(island, jump_) || struck;
   std::vector<std::vector<Vector3>> blows;  // N s, [node of the island][side]
   for (const ContactNode& each : island.nodes()) blows.emplace_back(each.sides.size(), Vector3::Zero());
   for (int jams = 0;; ++jams) {
@@ -470,7 +368,7 @@ springnet_status Settling::settle(std::uint32_t node) {
       const double slow = std::max({fall_to_touch(island), rocks ? slow_rocking * model_.scales.velocity : 0.0,
                                     rocks ? fall_in_step(island) : 0.0});
       island.calm(slow);
-      // Its impulses, across the surfaces alone, turn the body: left as a slip, that would go on against friction that
+      // Impulses along the normals alone turn the body; a slip that is left of that would go on, against friction that
       // no finite forces fit.
       if (rocks) stop_held(island, slow);
     }
@@ -480,7 +378,7 @@ springnet_status Settling::settle(std::uint32_t node) {
     if (const springnet_status status = accelerate(island); status != SPRINGNET_OK) return status;
     find_slips(island);
     begin_slips(island);
-    // Rounding of forces beside what was asked: those of stiff springs cancel.
+    // Rounding: large forces of stiff springs cancel.
     double forces = 0.0;
     for (const ContactNode& each : island.nodes())
       forces = std::max(forces, model_.mass[each.node] * each.acceleration.norm());

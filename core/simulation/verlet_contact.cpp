@@ -34,7 +34,7 @@ VerletContact::VerletContact(Model& model, double until, double length, const Ve
 
 springnet_status VerletContact::cannot_keep(const Body& body) const {
   set_message(model_.journal.message,
-              fmt::format("the rigid connections of the {} nodes that hang together with node {} cannot keep their "
+              fmt::format("the rigid connections of the {} nodes in the cluster of node {} cannot keep their "
                           "lengths in a step of {:g} s; use a smaller time step",
                           body.members.size(), model_.layout.ordering().user[body.nodes.front()], h_));
   return SPRINGNET_RECOVERABLE;
@@ -48,7 +48,7 @@ Eigen::MatrixXd VerletContact::mobility(const Body& body, const std::optional<Ro
 }
 
 double VerletContact::negligible(const Body& body) const {
-  // What rounding of places is as a force, and of velocities.
+  // Rounding of positions and velocities, as a force.
   double force = least_force * model_.scales.force;
   for (const Member& m : body.members) {
     const double place = m.position.cwiseAbs().maxCoeff() / h_, speed = m.velocity.cwiseAbs().maxCoeff();
@@ -137,7 +137,7 @@ void VerletContact::push(Body& body, const std::optional<Rods>& rods, const std:
       [](std::uint32_t, const Vector3&) {});
 }
 
-// What is the same of a side in both halves: at the member's present place and velocity.
+// A side at the member's present position and velocity, as both halves of the step need it.
 ContactSide VerletContact::side_of(const Body& body, const Toucher& toucher, const Side& of) const {
   const Member& m = body.members[toucher.member];
   const auto j = static_cast<std::size_t>(of.surface);

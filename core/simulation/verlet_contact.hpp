@@ -1,18 +1,18 @@
-// Contact in a step of velocity Verlet, where forces are known at the two ends of the step alone. What touches a
-// surface goes, with all that hangs on it rigidly, by RATTLE with one-sided constraints: with h the step, F and F' the
+// Contact in a step of velocity Verlet, where forces are known at the two ends of the step only. Bodies (nodes, or all
+// nodes that rigid connections join) in contact follow RATTLE with one-sided constraints: with h the step, F and F' the
 // forces at its ends, W the inverse masses,
 //
 //   drift   u = v + W (h/2 F + J),    P = p + h u,    lengths(P) = l,    gaps(P) >= 0,
 //   kick    V = u + W (h/2 F' + K),   rates of lengths = 0,   rates of gaps >= 0,
 //
-// J along the directions at p, K along those at P; a surface gives an impulse only where its gap, or the rate of that,
-// is zero, and never pulls. Friction is in Coulomb's cone, in the drift against the slip at p, in the kick against the
-// slip that is left. So a surface lets a node go where the node's way without it ends outside, whatever it does to the
-// reaction that the step crosses the end of a face, or the place where the force turns: decided once per step.
+// J along the directions at p, K along those at P. An obstacle gives an impulse only where its gap, or the rate of its
+// gap, is zero, and never pulls. Friction lies in Coulomb's cone: against the slip at p in the drift, against the slip
+// that is left in the kick. So a node separates where its path without the obstacle ends outside; that is decided once
+// per step, also where the reaction jumps within it, at the edge of a face, say.
 // Andersen, J. Comput. Phys. 52 (1983) 24; Jean, Comput. Methods Appl. Mech. Engrg. 177 (1999) 235.
 //
-// A touch is an impulse, Newton's and Coulomb's, between drift and kick. A lone node's is put where its way meets the
-// surface, so that only what hangs rigidly on others loses a part of a step at each touch.
+// An impact is an impulse, Newton's and Coulomb's, between drift and kick. That of a node without rigid connections
+// acts where its path meets the obstacle; only bodies of several nodes lose a part of the step at each impact.
 #pragma once
 
 #include <algorithm>
@@ -29,15 +29,15 @@ namespace springnet {
 
 class VerletContact {
  public:
-  // Of the committed state, in a step of this length (s). `last`: the step before, or null.
+  // From the committed state, in a step of this length (s). `last`: the step before, or null.
   VerletContact(Model& model, double until, double length, const VerletContact* last);
-  // step.next_position, next_velocity: P and u as if there were no contact, changed where there is; step.force: F, N.
+  // step.next_position, next_velocity: P and u without contact, replaced for bodies in contact; step.force: F, N.
   springnet_status drift(const springnet_sweep& step);
   // Whether a kick is to come, of the step between these times, s.
   [[nodiscard]] bool is_of(double from, double until) const noexcept {
     return !kicked_ && from == from_ && until == until_;
   }
-  // step.next_velocity: V, which is replaced for what touches; step.force: F' at P, N. Contacts become what they are
+  // step.next_velocity: V without contact, replaced for bodies in contact; step.force: F' at P, N. Commits the contacts
   // at the end of the step.
   springnet_status kick(const springnet_sweep& step);
 
@@ -46,7 +46,7 @@ class VerletContact {
     std::uint32_t node;
     bool fixed;
     Vector3 start, start_velocity;             // m, m/s
-    Vector3 half = Vector3::Zero();            // m/s: what the force adds in half a step
+    Vector3 half = Vector3::Zero();            // m/s: added by the force in half a step
     Vector3 velocity, position;                // u, P, then V; m/s, m
     Vector3 place = Vector3::Zero();           // of one that is fixed or moved, m
     Vector3 place_velocity = Vector3::Zero();  // m/s, likewise
@@ -55,9 +55,9 @@ class VerletContact {
     std::int32_t surface;
     bool is_new = false;
     bool touches = true;
-    double came = 0.0;                  // m/s, of a new one: how fast the node came
-    Vector3 impulse = Vector3::Zero();  // N s, as last known, of half a step
-    Vector3 arrival = Vector3::Zero();  // N s, of a touch within the step
+    double came = 0.0;                  // m/s, of a new contact: approach speed
+    Vector3 impulse = Vector3::Zero();  // N s, in half a step, as last known
+    Vector3 arrival = Vector3::Zero();  // N s, of an impact within the step
   };
   struct Toucher {
     std::size_t member;
@@ -66,7 +66,7 @@ class VerletContact {
     Vector3 slip = Vector3::Zero();  // unit, where it slides
     bool bounced = false;            // within the step
   };
-  // A node, or nodes that hang together rigidly.
+  // A node, or all nodes that rigid connections join.
   struct Body {
     std::vector<Member> members;
     std::vector<std::uint32_t> nodes;  // of the members
@@ -80,19 +80,19 @@ class VerletContact {
                                const springnet_const_vectors& position, const springnet_const_vectors& velocity);
   [[nodiscard]] bool is_near(const springnet_sweep& step, std::uint32_t node, bool alone) const;
   springnet_status drift(Body& body);
-  // Where members go with these impulses on the touchers, N s. False if lengths cannot be kept.
+  // Moves the members with these impulses on the touchers, N s. False if lengths cannot be kept.
   [[nodiscard]] bool go(Body& body, const std::optional<Rods>& rods, const std::vector<Vector3>& impulses) const;
   void push(Body& body, const std::optional<Rods>& rods, const std::vector<Vector3>& impulses) const;
   [[nodiscard]] Island island_at_start(const Body& body, const std::optional<Rods>& rods) const;
-  // Impulses of the contacts that the body has; the body goes with them.
+  // Finds the impulses of the contacts that the body has, and moves it with them.
   springnet_status hold(Body& body, const std::optional<Rods>& rods);
   [[nodiscard]] bool reaches(const Member& m, std::size_t surface) const;
-  // Surfaces that members meet on their way. Returns whether there are any.
+  // Adds obstacles that members meet on their path. Returns whether there are any.
   bool meet(Body& body);
-  // A lone node that was free stops at the surface, or bounces, from there to the next, within the step. Impulses of
-  // several bounces off one surface add up.
+  // A node without rigid connections that was free stops at the obstacle or bounces, from there to the next, within the
+  // step. Impulses of several bounces off one obstacle add up.
   void arrive(Body& body, const Contact::Meeting& first);
-  // Positions of what arrived fit again.
+  // Makes the positions of nodes that arrived fit again.
   springnet_status fit(Body& body);
   void decide(const Body& body) const;
   springnet_status kick(Body& body, const springnet_vectors& position, const springnet_vectors& velocity);
@@ -103,9 +103,9 @@ class VerletContact {
   [[nodiscard]] ContactSide side_of(const Body& body, const Toucher& toucher, const Side& side) const;
   [[nodiscard]] Eigen::MatrixXd mobility(const Body& body, const std::optional<Rods>& rods) const;
   [[nodiscard]] double negligible(const Body& body) const;  // N
-  // Impulses where no forces were found, begun with what the sides had last.
+  // Impulses where no forces were found, starting from the last ones of each side.
   void strike(Island& island, const Body& body) const;
-  // Notes what the sides of the touchers had.
+  // Remembers the impulses of the sides.
   void remember(const Island& island, bool struck, Body& body) const;
 
   Model& model_;
@@ -114,8 +114,7 @@ class VerletContact {
   bool kicked_ = false;
   std::shared_ptr<const Placement> from_at_, at_;  // where surfaces are at both ends
   std::vector<Body> bodies_;
-  // [node, surface] of the last kick, N s: where bodies rest on more contacts than bear them, what bears them is found
-  // from this.
+  // [node, obstacle] N s, of the last kick: the starting point where a body rests on more contacts than are needed.
   std::map<std::pair<std::uint32_t, std::int32_t>, Vector3> last_;
   double last_h_ = 0.0;  // s, the step of that
 };
@@ -123,10 +122,10 @@ class VerletContact {
 // What springnet_host::constrain asks for that is a drift or a kick. `last`: the last step, null: none.
 springnet_status constrain_verlet(Model& model, const springnet_sweep& step, std::shared_ptr<VerletContact>& last);
 
-// Of nodes in contact, by what acts on them.
+// ---- of a node in contact ----
 [[nodiscard]] inline bool is_rough(const ContactSide& side) { return coefficient_of(side.friction) > 0.0; }
 
-// What of `v` lies along all surfaces that act on a node.
+// The part of `v` along all surfaces that act on a node.
 [[nodiscard]] inline Vector3 along_surfaces(const ContactNode& node, const Vector3& v) {
   std::vector<Vector3> normals;
   for (const ContactSide& side : node.sides)

@@ -1,4 +1,4 @@
-// The first part of a step: where nodes go.
+// The first half of a step: positions.
 
 #include "simulation/verlet_contact.hpp"
 
@@ -12,16 +12,16 @@ namespace springnet {
 namespace {
 
 constexpr std::uint32_t no_cluster = 0xffffffffu;
-constexpr int most_turns = 40;      // of contacts and places that depend on each other
+constexpr int most_turns = 40;      // rounds of contacts and positions that depend on each other
 constexpr int most_failures = 3;    // to find forces, within a step
 constexpr int most_bounces = 1000;  // of a node, within a step
-constexpr int most_rounds = 4;      // of positions that bring more surfaces with them
-constexpr double accuracy = 1e-14;  // of places, in units of their coordinates and the way
+constexpr int most_rounds = 4;      // of positions that bring more obstacles with them
+constexpr double accuracy = 1e-14;  // of positions, in units of their coordinates and the path
 
 }  // namespace
 
-// Whether a node is in contact, or comes to be on its way; one with rigid connections, whose way is not known yet for
-// certain, already where it is as near as it goes in the step.
+// Whether a node is in contact, or meets an obstacle on its path. The path of a node with rigid connections is not
+// known yet; the answer is yes as soon as it is as near as it moves in the step.
 bool VerletContact::is_near(const springnet_sweep& step, std::uint32_t node, bool alone) const {
   if (contact_.fixed()[node] != 0) return false;
   if (contact_.committed(node).surface >= 0) return true;
@@ -103,14 +103,14 @@ Island VerletContact::island_at_start(const Body& body, const std::optional<Rods
   return {std::move(nodes), mobility(body, rods)};
 }
 
-// The drift is what a constant acceleration would do, 2 (u - v) / h, so that gaps at the end of the step ask for
-// accelerations: contacts answer as they do to those.
+// The drift is the motion under a constant acceleration, 2 (u - v) / h. Gaps at the end of the step therefore ask for
+// accelerations, and the contacts are solved as they are for those.
 springnet_status VerletContact::hold(Body& body, const std::optional<Rods>& rods) {
   Island island = island_at_start(body, rods);
   std::vector<Vector3> impulses(body.touchers.size(), Vector3::Zero());
   std::vector<std::uint8_t> turned(body.touchers.size(), 0);
   const double per_way = 2.0 / (h_ * h_), per_speed = 2.0 / h_;
-  // Of the gaps and the places that stick: how far they are from where they should be, m.
+  // Size of the body, m, for the rounding of gaps and of positions of sticking nodes.
   double size = 0.0;
   int failures = 0;
   for (const Member& m : body.members)
@@ -143,7 +143,7 @@ springnet_status VerletContact::hold(Body& body, const std::optional<Rods>& rods
     }
     if (!again && off <= accuracy * size) break;
     if (!island.resolve(negligible(body), false)) {
-      // No finite force answers, or none was found; an impulse over the step does.
+      // No finite force fits, or none was found: take an impulse over the step.
       if (++failures > most_failures) break;
       for (std::size_t i = 0; i < body.touchers.size(); ++i) {
         ContactNode& node = island.nodes()[i];
@@ -173,11 +173,11 @@ springnet_status VerletContact::hold(Body& body, const std::optional<Rods>& rods
   return SPRINGNET_OK;
 }
 
-// Whether a node gets behind a surface that is in its straight way: one that leaves a curved surface goes round what
-// the straight way goes through.
+// Whether a node gets behind an obstacle on its straight path: a node that separates from a curved surface passes round
+// what the straight line goes through.
 bool VerletContact::reaches(const Member& m, std::size_t surface) const {
   const Pose &before = from_at_->poses[surface], &after = at_->poses[surface];
-  const Vector3 from = after.from_start(before.to_start(m.start));  // as the surface sees it
+  const Vector3 from = after.from_start(before.to_start(m.start));  // in the frame of the obstacle
   const auto gap = [&](double share) {
     const Vector3 bend = h_ * share * (1.0 - share) * (m.velocity - m.start_velocity);
     return contact_.gap(*at_, surface, from + share * (m.position - from) - bend);
@@ -200,7 +200,7 @@ bool VerletContact::meet(Body& body) {
       return known != body.touchers.end() &&
              std::any_of(known->sides.begin(), known->sides.end(), [&](const Side& s) { return s.surface == surface; });
     };
-    // Flush with one that it is on already, a surface adds nothing.
+    // A surface that is flush with one in contact already adds nothing.
     const auto is_flush = [&](std::size_t surface) {
       constexpr double flush = 1e-12;
       const double rounding = accuracy * (m.start.cwiseAbs().maxCoeff() + (m.position - m.start).norm());
@@ -249,7 +249,7 @@ void VerletContact::arrive(Body& body, const Contact::Meeting& first) {
   Member& m = body.members[0];
   const Vector3 gained = 2.0 * (m.velocity - m.start_velocity);
   Toucher toucher{};
-  // Where it is hit next, as the surface at the end of the step sees it, at what share of the step, and how fast it is.
+  // Next impact: position, in the frame of the obstacle at the end of the step; velocity; share of the step.
   Vector3 place = contact_.taken_along(*at_, m.start, m.position, first),
           before = m.start_velocity + first.share * gained;
   std::int32_t surface = first.surface;
@@ -268,7 +268,7 @@ void VerletContact::arrive(Body& body, const Contact::Meeting& first) {
     side.restitution = obstacle.restitution();
     node.sides.push_back(side);
     Island island({std::move(node)}, Eigen::MatrixXd::Identity(3, 3) / model_.mass[m.node]);
-    // What rebounds slower than it falls again within the step stays.
+    // A rebound slower than the fall within the step ends in contact.
     const double falls = std::max(0.0, -side.normal.dot(gained - h_ * Contact::acceleration(*at_, j, place)));
     const double least = side.restitution > 0.0 ? falls / side.restitution : std::numeric_limits<double>::infinity();
     static_cast<void>(island.strike(least));
@@ -283,7 +283,7 @@ void VerletContact::arrive(Body& body, const Contact::Meeting& first) {
     m.position = place;
     if (!toucher.sticks) m.position += rest * h_ * (after - w + 0.5 * rest * gained);
     if (!toucher.bounced || contact_.gap(*at_, j, m.position) < 0.0) m.position = contact_.onto(*at_, j, m.position);
-    // Such that the kick, half a step of force, adds to what the force does after the touch.
+    // Such that with the kick, half a step of force, it has the velocity that the force gives it after the impact.
     m.velocity = after + (0.5 - share) * gained;
     const auto same =
         std::find_if(toucher.sides.begin(), toucher.sides.end(), [&](const Side& of) { return of.surface == surface; });
@@ -294,7 +294,7 @@ void VerletContact::arrive(Body& body, const Contact::Meeting& first) {
       same->touches = !toucher.bounced;
     }
     if (!toucher.bounced || bounces == most_bounces) break;
-    // Off one it may come to another, from where it is now.
+    // It may meet another obstacle on the rest of its path.
     const Vector3 from = place - rest * h_ * w;
     const std::shared_ptr<const Placement> now = contact_.at(just_after(from_ + share * h_));
     Contact::Meeting next{-1, 2.0};
@@ -315,7 +315,7 @@ void VerletContact::arrive(Body& body, const Contact::Meeting& first) {
   body.touchers.push_back(toucher);
 }
 
-// What arrived is put on its surfaces, which hang together by rigid connections and by what touches already.
+// Puts nodes that arrived on their surfaces, together with rigid connections and contacts that exist already.
 springnet_status VerletContact::fit(Body& body) {
   decide(body);
   const std::size_t n = model_.layout.node_count();
@@ -351,7 +351,6 @@ springnet_status VerletContact::drift(Body& body) {
     rods.emplace(model_.rigid, *body.cluster, read_only(start.view.position));
   }
   if (!go(body, rods, std::vector<Vector3>(body.touchers.size(), Vector3::Zero()))) {
-    // What would go through a surface, far from where the lengths can be kept, is stopped below by what it meets.
     return cannot_keep(body);
   }
   if (!body.touchers.empty())

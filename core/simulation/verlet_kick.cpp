@@ -1,4 +1,4 @@
-// The second part of a step: velocities at its end, and what touches from then on.
+// The second half of a step: velocities at its end, and the contacts from then on.
 
 #include "simulation/verlet_contact.hpp"
 
@@ -10,7 +10,7 @@
 namespace springnet {
 namespace {
 
-constexpr int most_turns = 40;  // of friction and the slip that it is against
+constexpr int most_turns = 40;  // rounds of friction and the slip that it acts against
 
 }  // namespace
 
@@ -55,7 +55,7 @@ springnet_status VerletContact::kick(Body& body, const springnet_vectors& positi
       side.surface_acceleration = per_speed * Contact::velocity(*at_, j, m.position);
       side.needed = side.normal.dot(side.surface_acceleration);
       const double comes = -side.normal.dot(side.velocity);
-      // It comes faster than when it touched, by what the force added since.
+      // It approaches faster than at the impact, by what the force has added since.
       if (of.is_new && of.came > 0.0 && comes > 0.0) {
         arrives = true;
         const double restitution = contact_.surfaces()[j].restitution();
@@ -107,12 +107,12 @@ springnet_status VerletContact::kick(Body& body, const springnet_vectors& positi
         if (acts == nullptr || node.sticks || !has_friction(node)) continue;
         const Vector3 slip = along_surfaces(node, island.acceleration(i) - acts->surface_acceleration);
         if (!node.moves || !(slip.norm() > 0.0)) continue;
-        // Against the slip that is left: its direction is that of the slip without the node's own friction.
+        // Against the slip that is left: it has the direction of the slip without the node's own friction.
         const auto place = static_cast<Eigen::Index>(3 * i);
         const Vector3 rubbed = answers.block<3, 3>(place, place) * along_surfaces(node, node.force);
         const Vector3 goes = (slip - along_surfaces(node, rubbed)).normalized();
         if (turned[i] == 0 && !(goes.dot(slip) > 0.0)) {
-          // Friction that would turn it round stops it.
+          // Friction that would reverse the slip ends it.
           turned[i] = 1;
           node.moves = false;
           node.sticks = true;
@@ -190,7 +190,7 @@ void VerletContact::take(const Body& body, const Island& island, const springnet
     if (now.surface < 0) continue;
     const auto j = static_cast<std::size_t>(now.surface);
     if (!now.slides) {
-      // Not moved by rounding.
+      // Free of rounding.
       if (!before.slides && before.surface == now.surface)
         put_vector(position, k, contact_.carried(*at_, body.members[toucher.member].start, now.surface));
       put_vector(velocity, k, Contact::velocity(*at_, j, vector_at(position, k)));

@@ -1,0 +1,113 @@
+// Slips: which nodes slip, how slips begin and how they end.
+
+#include <Eigen/Geometry>
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "constraints/friction.hpp"
+#include "constraints/vectors.hpp"
+#include "simulation/settling.hpp"
+
+namespace springnet {
+
+void Settling::find_slips(Island& island) const {
+  for (ContactNode& node : island.nodes()) {
+    std::vector<Vector3> normals;
+    const ContactSide* first = nullptr;
+    double friction = 0.0;
+    for (std::size_t s = 0; s < node.sides.size(); ++s) {
+      ContactSide& side = node.sides[s];
+      side.leaves = side.normal.dot(side.velocity) > no_speed_;
+      // A node that arrived and was stopped is in contact, even if no force presses it.
+      const bool arrived = !node.impulse[s].isZero(0.0) && !model_.contact.committed(node.node).has(side.surface);
+      side.touches = !side.leaves && (side.touches || arrived);
+      if (side.leaves) continue;
+      normals.push_back(side.normal);
+      friction += coefficient_of(side.friction);
+      if (first == nullptr) first = &side;
+    }
+    node.moves = node.sticks = false;
+    if (first == nullptr) continue;
+    const Vector3 slip = split_reaction(normals, first->velocity).along;
+    node.moves = slip.norm() > no_speed_ && friction > 0.0;
+    if (node.moves) node.slip = slip.normalized();
+    node.sticks = !node.moves && friction > 0.0 && surfaces_move_alike(node, jump_);
+    // Friction keeps its direction where the slip has no speed yet, or one that errors of integration change.
+    if (!model_.contact.committed(node.node).slides || node.rests || friction == 0.0) continue;
+    const Contact::Slip phase = model_.contact.slip_phase(node.node);
+    if (phase == Contact::Slip::goes_on || (phase == Contact::Slip::ends && !node.moves)) continue;
+    node.begins = phase == Contact::Slip::begins;
+    node.sticks = false;
+    node.slip = model_.contact.slip(node.node);
+  }
+}
+
+// Nodes that begin to slip do so along the force that held them until now.
+void Settling::begin_slips(Island& island) const {
+  const auto slips = [this](const ContactNode& node) { return node.sticks && finding(node.node).slips; };
+  if (std::none_of(island.nodes().begin(), island.nodes().end(), slips)) return;
+  island.solve();
+  for (std::size_t i = 0; i < island.nodes().size(); ++i)
+    if (slips(island.nodes()[i]) && !island.let_go(i)) island.begin_slip(i);
+}
+
+// A slip that is slow and becomes slower is about to end.
+void Settling::find_phase(const ContactNode& node, const Vector3& acceleration, double negligible) {
+  Contact& contact = model_.contact;
+  const std::uint32_t k = node.node;
+  const Touch& touch = contact.committed(k);
+  if (!touch.slides || !node.moves || contact.slip_phase(k) == Contact::Slip::ends) return;
+  const auto j = static_cast<std::size_t>(touch.surface);
+  const Vector3 p = vector_at(state_.view.position, k);
+  const Vector3 slip = contact.slip_vector(*at_, k, j, p, vector_at(state_.view.velocity, k));
+  const double speed = slip.norm();
+  if (speed > contact.rest_speed() && !node.begins) return;
+  const double grows = slip.dot(acceleration - Contact::acceleration(*at_, j, p));
+  if (grows < -negligible * speed)
+    keep_direction(k);
+  else if (!node.begins && speed <= 0.5 * contact.rest_speed())
+    contact.set_slip(k, slip / speed, Contact::Slip::begins);
+}
+
+// Friction keeps the direction in which it ends all of the slip s at one time T: s + T a = 0, with a the acceleration
+// relative to the obstacle. That is the direction that it would have on average.
+void Settling::keep_direction(std::uint32_t k) {
+  Contact& contact = model_.contact;
+  const Touch touch = contact.committed(k);
+  const auto j = static_cast<std::size_t>(touch.surface);
+  const Vector3 p = vector_at(state_.view.position, k), v = vector_at(state_.view.velocity, k);
+  const Vector3 slip = contact.slip_vector(*at_, k, j, p, v);
+  if (slip.isZero(0.0)) return;
+  const Vector3 n = contact.normal(*at_, j, p), goes = slip.normalized();
+  const auto keep = [&](const Vector3& direction) { contact.set_slip(k, direction, Contact::Slip::ends); };
+  keep(goes);
+  if (touch.second >= 0 || model_.constraints.coefficient(k, j) >= friction_of_held) return;
+  double slows = 0.0;
+  const auto found = find_direction(n, goes, [&](const Vector3& against) {
+    keep(against);
+    ReactionsAt reactions(model_, time_, read_only(state_.view.position), read_only(state_.view.velocity));
+    Vector3 a;
+    if (reactions.bound(k, a) != SPRINGNET_OK) return std::numeric_limits<double>::quiet_NaN();
+    a -= Contact::acceleration(*at_, j, p);
+    slows = -goes.dot(a);
+    return n.dot(goes.cross(a));
+  });
+  // Otherwise the slip does not end but passes zero by.
+  keep(found && found->dot(goes) > 0.0 && slows > 0.0 ? *found : goes);
+}
+
+// Ends the slip of nodes that struck an obstacle whose friction is `held`, where it is slower than `slow` (m/s): errors
+// of integration, or the rest of rocking. Returns whether there was any.
+bool Settling::stop_held(Island& island, double slow) const {
+  for (ContactNode& node : island.nodes()) {
+    for (std::size_t s = 0; s < node.sides.size(); ++s) {
+      const ContactSide& side = node.sides[s];
+      node.rests = node.rests || (!node.impulse[s].isZero(0.0) && coefficient_of(side.friction) >= friction_of_held &&
+                                  side.velocity.norm() <= slow);
+    }
+  }
+  return island.stop(no_speed_);
+}
+
+}  // namespace springnet
