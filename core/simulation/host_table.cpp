@@ -40,7 +40,7 @@ springnet_status guarded(void* context, const char* function, const Action& acti
   return SPRINGNET_FAILED;
 }
 
-// The same for what changes the engine or uses its buffers.
+// The same for functions that change the engine or use its buffers.
 template <class Action>
 springnet_status outside_of_sweeps(void* context, const char* function, const Action& action) noexcept {
   return guarded(context, function, [&](Engine& engine) -> springnet_status {
@@ -49,7 +49,7 @@ springnet_status outside_of_sweeps(void* context, const char* function, const Ac
   });
 }
 
-// The same for an action on the derivatives, once there are any.
+// The same for functions of the derivatives, which need a call of linearise first.
 template <class Action>
 springnet_status linearised(void* context, const char* function, const Action& action) noexcept {
   return outside_of_sweeps(context, function, [&](Engine& engine) -> springnet_status {

@@ -11,7 +11,7 @@
 namespace springnet {
 
 springnet_status ImpulseLedger::begin_step() {
-  // A node that was released since the last step has nothing left to be told of.
+  // Nothing is left of a node that was released since the last step.
   for (std::uint32_t k = 0; k < withheld_.size(); ++k)
     if (model_.contact.touching()[k] == 0) withheld_[k].setZero();
   return begin_anchored();
@@ -145,8 +145,8 @@ springnet_status ImpulseLedger::commit(const Sweep::Done& done) {
                                             Event::Kind::stuck};
     Event event{kinds[static_cast<std::size_t>(change.kind)], time, model_.user_number(change.node)};
     event.surface = change.surface;
-    // The reaction at the end may be more than that over a step that it did not last, or a method's error outweigh the
-    // blow: a surface never pulls, so that none is told then. The node's sum of impulses has what is missing.
+    // Where the reaction at the end is more than that over the step, or the error of the method outweighs the blow, the
+    // difference would be a pull: the event has no impulse then, the node's sum of impulses still does.
     if (const auto blow = blows.find({change.node, change.surface});
         change.kind == Kind::touched && blow != blows.end() &&
         model_.contact

@@ -1,4 +1,4 @@
-// Gravity and forces on nodes: the scene's, which change over time, and those of the embedding program.
+// Gravity and forces on nodes: of the scene, which change over time, and of the embedding program.
 #pragma once
 
 #include <cstdint>
@@ -47,8 +47,8 @@ class Loads {
  private:
   struct Entry {
     std::vector<std::uint32_t> nodes;  // engine's
-    Vector3 force;                     // N, on each of them
-    // What keeps its direction on faces, summed up by node: by rising engine's number.
+    Vector3 force;                     // N, on each
+    // Loads on faces with a fixed direction, summed up by node, in the engine's order.
     std::vector<std::pair<std::uint32_t, Vector3>> on_faces;
     std::vector<Vector3> face_third;  // N, [face] on each of its nodes
     double pressure;                  // Pa, of those that follow; else 0

@@ -15,7 +15,7 @@ namespace {
 
 constexpr std::uint32_t in_no_set = 0xffffffffu, no_cluster = 0xffffffffu;
 
-// Where the structs of ABI 1.0 ended: an integrator compiled against it gives no more.
+// Sizes of the structs in ABI 1.0; an integrator compiled against it gives no more.
 constexpr std::size_t evaluation_size = SPRINGNET_SIZE_TO(springnet_evaluation, internal_rate);
 constexpr std::size_t sweep_size = SPRINGNET_SIZE_TO(springnet_sweep, user);
 
@@ -179,7 +179,7 @@ void OrderCheck::check_order(const springnet_sweep& sweep, const springnet_netwo
   }
 }
 
-// Several threads update the nodes of a set: none of them may read what another one writes.
+// Several threads update the nodes of a set: no node may read what another one writes.
 void OrderCheck::check_sets(const springnet_sweep& sweep, const springnet_network& network) {
   if (sweep.set_start[0] != 0 || sweep.set_start[sweep.set_count] != sweep.order_count)
     refuse(fmt::format("set_start begins with {} and ends with {}, not with 0 and {}", sweep.set_start[0],

@@ -1,5 +1,5 @@
-// What an integrator asks of the host, checked before the engine reads it: an integrator may be wrong in any way, and
-// must not take the process with it. All functions throw Error(plugin), which says what is wrong.
+// Checks requests of an integrator before the engine reads them: whatever an integrator does wrong, the process goes
+// on. All functions throw Error(plugin), which says what is wrong.
 #pragma once
 
 #include <cstdint>
@@ -14,8 +14,8 @@ void require_finite(double value, const char* name);
 void require_vectors(const springnet_vectors& vectors, const char* name);
 void require_vectors(const springnet_const_vectors& vectors, const char* name);
 
-// A state to evaluate something at: as large as ABI 1.0 made it, with positions, velocities and a time; what it has of
-// outputs is whole.
+// A state to evaluate something at: at least as large as in ABI 1.0, with positions, velocities and a time; each output
+// has all three of its arrays, or none.
 const springnet_evaluation& checked(const springnet_evaluation* evaluation);
 // The same for the end of a sweep by itself.
 const springnet_sweep& checked_end(const springnet_sweep* sweep);
@@ -30,7 +30,7 @@ const springnet_sweep& checked(const springnet_sweep* sweep, std::uint32_t node_
 // Nodes for evaluate_nodes.
 void check_nodes(const std::uint32_t* nodes, std::uint32_t count, std::uint32_t node_count);
 
-// The order of sweeps. It is the same in many of them, so what was found right is kept, and compared.
+// Checks the order of sweeps. It is the same in many of them: an order that was found right is kept, and compared.
 class OrderCheck {
  public:
   // `network.revision` says when the network's connections changed.

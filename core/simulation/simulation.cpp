@@ -52,7 +52,7 @@ struct Simulation::Impl {
     if (integrator == nullptr) return;
     try {
       component->integrator().destroy(integrator);
-    } catch (...) {  // plugin.h forbids it, and here is nobody to tell
+    } catch (...) {  // plugin.h forbids it, and a destructor cannot report it
     }
   }
   Impl(const Impl&) = delete;
@@ -63,7 +63,7 @@ struct Simulation::Impl {
     springnet_status status = SPRINGNET_FAILED;
     bool broken = false;
     std::string text;  // why, unless the status is OK
-    // All that comes through the C ABI of an exception is its text.
+    // Only the text of an exception crosses the C ABI.
     [[nodiscard]] bool out_of_memory() const {
       return status != SPRINGNET_OK && (text == std::bad_alloc().what() || text == "out of memory");
     }
@@ -128,7 +128,7 @@ struct Simulation::Impl {
   void* integrator = nullptr;
   StepReport last;
   std::uint64_t steps = 0, sweeps = 0;
-  // The time grid: the next step ends at grid_start + (grid_steps + 1) time_step, without a growing error.
+  // The next step ends at grid_start + (grid_steps + 1) time_step, so that rounding does not add up.
   double grid_start = 0.0;
   std::uint64_t grid_steps = 0;
 };
@@ -184,7 +184,8 @@ void Simulation::Impl::advance(double until) {
   }
   const springnet_status status = end.status;
   const std::vector<std::uint32_t>& user = engine.model().layout.ordering().user;
-  // Whatever an integrator says: a step that failed is not settled. Short of memory, it says nothing of the motion.
+  // A step that failed is not settled, whatever the integrator reports; one that ran out of memory says nothing about
+  // the motion.
   const bool known = report.outcome >= SPRINGNET_SETTLED && report.outcome <= SPRINGNET_DIVERGING;
   Outcome outcome = known ? static_cast<Outcome>(report.outcome) : Outcome::diverging;
   if (status != SPRINGNET_OK && outcome == Outcome::settled) outcome = Outcome::diverging;
@@ -244,8 +245,8 @@ const StepReport& Simulation::advance_to(double until) {
                 fmt::format("cannot advance from {} to {}", checks::seconds(time()), checks::seconds(until)));
   impl.last = {};
   const double step = impl.options.time_step;
-  // A remainder as small as this is rounding of the times, no step of its own. Beside `until`, because a time step may
-  // be longer than all that is simulated.
+  // A remainder this small is rounding of the times, not a step. Compared with `until` too, because a time step may be
+  // longer than the whole simulation.
   const double slack = 1e-6 * std::min(step, until);
   while (true) {
     const double next = impl.grid_start + static_cast<double>(impl.grid_steps + 1) * step;

@@ -1,4 +1,4 @@
-// States of all nodes in memory that the host owns.
+// Positions, velocities and forces of all nodes, in memory that the host owns.
 #pragma once
 
 #include <cstdint>
@@ -10,7 +10,7 @@
 
 namespace springnet {
 
-// `view` is what crosses to integrators.
+// Integrators see `view`.
 struct State {
   springnet_state view{};
   std::vector<double> memory;
@@ -20,19 +20,19 @@ struct State {
   State(const State&) = delete;
   State& operator=(const State&) = delete;
 
-  // Exchanges the memory; both stay where they are.
+  // Exchanges the contents; both views stay valid.
   void swap(State& other) noexcept;
-  // Points `view` at the memory again, whatever an integrator wrote into it.
+  // Points `view` at the memory again, after an integrator may have written into it.
   void restore_view() noexcept;
-  // The first node whose position or velocity is not finite; the number of nodes if there is none. Of the forces.
+  // The first node whose position or velocity is not finite; the number of nodes if there is none.
   [[nodiscard]] std::uint32_t first_not_finite() const noexcept;
   [[nodiscard]] bool forces_finite() const noexcept;
   [[nodiscard]] layers::NodeArrays nodes() const noexcept;
   [[nodiscard]] layers::ForceArrays forces() const noexcept { return {view.force.x, view.force.y, view.force.z}; }
 };
 
-// Distance between the arrays of two coordinates, in numbers: not a multiple of a page, or the three coordinates of a
-// node would compete for the same cache lines.
+// Distance between the arrays of two coordinates, in numbers. Not a multiple of a page: the three coordinates of a node
+// would compete for the same cache sets.
 [[nodiscard]] std::uint32_t pitch_of(std::uint32_t nodes) noexcept;
 
 [[nodiscard]] inline layers::NodeArrays node_arrays(const springnet_const_vectors& p,

@@ -69,7 +69,7 @@ void Sweep::note_done(const springnet_sweep& sweep) noexcept {
   done_ = {true, sweep.contacts == 0, weight, sweep.time_constant - weight};
 }
 
-// A node's springs at the newest outputs.
+// Forces on a node at the newest outputs.
 springnet_status Sweep::evaluate_node(std::uint32_t node, Tiles& tiles, NodeEvaluation& result,
                                       springnet_message& message) {
   const layers::ExternalForces external = model_.external_at(tiles.time);
@@ -86,8 +86,8 @@ springnet_status Sweep::evaluate_node(std::uint32_t node, Tiles& tiles, NodeEval
   result.finite = force.allFinite();
   if (!result.finite) {
     tiles.finite.store(false, std::memory_order_relaxed);
-    // Before its update: afterwards the node's own outputs would not be finite either. Not while other threads write
-    // theirs.
+    // Explained before the node's update, which makes its own outputs not finite either; but not while other threads
+    // write outputs.
     if (!in_sets_) model_.explain(tiles.time, tiles.nodes);
   } else if (tiles.sweep->want_blocks != 0 && !in_sets_ && !all_finite(result.derivatives)) {
     model_.explain(tiles.time, tiles.nodes, layers::Asked::forces_and_derivatives);  // the update will not be finite
@@ -95,14 +95,13 @@ springnet_status Sweep::evaluate_node(std::uint32_t node, Tiles& tiles, NodeEval
   return SPRINGNET_OK;
 }
 
-// Then its update.
 springnet_status Sweep::update_node(std::uint32_t node, std::uint32_t unit, Tiles& tiles,
                                     const NodeEvaluation& evaluation, springnet_message& message) {
   return tiles.update(unit, node, 1, evaluation.finite,
                       tiles.sweep->want_blocks != 0 ? &evaluation.derivatives : nullptr, message);
 }
 
-// All nodes of a cluster read outputs that fit its connections, which those of its first nodes do not before the end.
+// All nodes of a cluster are evaluated before any is updated: outputs of some of its nodes do not fit the connections.
 springnet_status Sweep::cluster(std::size_t cluster, std::uint32_t unit, Tiles& tiles, springnet_message& message) {
   const std::vector<std::uint32_t>& nodes = model_.rigid.nodes_of(cluster);
   std::vector<NodeEvaluation> evaluations(nodes.size());
@@ -116,7 +115,7 @@ springnet_status Sweep::cluster(std::size_t cluster, std::uint32_t unit, Tiles& 
   return model_.constraints.constrain_cluster(*tiles.at, cluster, *tiles.sweep, message);
 }
 
-// Whether a node, or one of its cluster, is one of a enclosure, whose nodes all see each other.
+// Whether a node, or a node of its cluster, lies on an enclosure, whose nodes all see each other.
 bool Sweep::is_joined_to_all(std::uint32_t node) const {
   const layers::ElementLayout& elements = model_.layout.elements();
   if (elements.live_surfaces() == 0) return false;
@@ -130,7 +129,7 @@ bool Sweep::is_joined_to_all(std::uint32_t node) const {
   return std::any_of(members.begin(), members.end(), on_surface);
 }
 
-// Nodes [begin, end) of the order, one after another; a cluster when the first of its nodes has its turn.
+// Nodes [begin, end) of the order, one after another; a cluster in the place of its first node.
 springnet_status Sweep::range(std::uint32_t begin, std::uint32_t end, std::uint32_t unit, Turn turn, Tiles& tiles,
                               springnet_message& message) {
   const springnet_sweep& sweep = *tiles.sweep;
@@ -157,11 +156,11 @@ springnet_status Sweep::range(std::uint32_t begin, std::uint32_t end, std::uint3
   return SPRINGNET_OK;
 }
 
-// One set of a sweep: by threads what sees none but its neighbours, then one after another the nodes of
-// enclosures.
+// One set of a sweep: nodes that see only their neighbours by several threads, then the nodes of enclosures one after
+// another.
 springnet_status Sweep::one_set(std::uint32_t set, Tiles& tiles) {
   const springnet_sweep& sweep = *tiles.sweep;
-  // A set's nodes rise, so those of a unit of the layout stand together; a unit belongs to one thread at a time.
+  // Nodes of a set are sorted, so those of a unit of the layout are adjacent; one thread at a time works on a unit.
   const std::vector<layers::Unit>& units = model_.layout.units();
   const auto unit_count = static_cast<std::int64_t>(units.size());
   const std::uint32_t* begin = sweep.order + sweep.set_start[set];

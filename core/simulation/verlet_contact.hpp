@@ -33,7 +33,7 @@ class VerletContact {
   VerletContact(Model& model, double until, double length, const VerletContact* last);
   // step.next_position, next_velocity: P and u without contact, replaced for bodies in contact; step.force: F, N.
   springnet_status drift(const springnet_sweep& step);
-  // Whether a kick is to come, of the step between these times, s.
+  // Whether the kick of the step between these times (s) is still to come.
   [[nodiscard]] bool is_of(double from, double until) const noexcept {
     return !kicked_ && from == from_ && until == until_;
   }
@@ -112,14 +112,14 @@ class VerletContact {
   Contact& contact_;
   double from_, until_, h_;  // s
   bool kicked_ = false;
-  std::shared_ptr<const Placement> from_at_, at_;  // where surfaces are at both ends
+  std::shared_ptr<const Placement> from_at_, at_;  // obstacles at both ends
   std::vector<Body> bodies_;
   // [node, obstacle] N s, of the last kick: the starting point where a body rests on more contacts than are needed.
   std::map<std::pair<std::uint32_t, std::int32_t>, Vector3> last_;
-  double last_h_ = 0.0;  // s, the step of that
+  double last_h_ = 0.0;  // s, length of that step
 };
 
-// What springnet_host::constrain asks for that is a drift or a kick. `last`: the last step, null: none.
+// A drift or a kick, as springnet_host::constrain has them. `last`: the last step, null: none.
 springnet_status constrain_verlet(Model& model, const springnet_sweep& step, std::shared_ptr<VerletContact>& last);
 
 // ---- of a node in contact ----
