@@ -1,9 +1,9 @@
 #include "constraints/bracing.hpp"
 
-#include <Eigen/QR>
 #include <algorithm>
 
 #include "constraints/friction.hpp"
+#include "constraints/least_squares.hpp"
 
 namespace springnet {
 namespace {
@@ -24,8 +24,7 @@ Eigen::VectorXd not_negative(const Eigen::MatrixXd& columns, const Eigen::Vector
     if (best < 0) break;
     in.push_back(best);
     for (bool inside = false; !inside;) {
-      const Eigen::VectorXd z =
-          Eigen::MatrixXd(columns(Eigen::all, in)).completeOrthogonalDecomposition().solve(goal).eval();
+      const Eigen::VectorXd z = least_squares(columns(Eigen::all, in), goal);
       double share = 1.0;
       for (std::size_t i = 0; i < in.size(); ++i)
         if (const double at = z[static_cast<Eigen::Index>(i)]; at <= 0.0)

@@ -4,7 +4,9 @@
 #include <unordered_map>
 #include <utility>
 
+#include <Eigen/Cholesky>
 #include <Eigen/Eigenvalues>
+#include <Eigen/SparseCholesky>
 
 namespace springnet {
 namespace {
@@ -18,6 +20,18 @@ constexpr double shift_share = 1e-9;
 constexpr double rest_share = 1e-12;
 
 }  // namespace
+
+struct ConstraintSystem::Matrices {
+  Eigen::SparseMatrix<double> sparse;  // of form rows G W G^T, of form nodes G W^(1/2)
+  Eigen::SimplicialLDLT<Eigen::SparseMatrix<double>> sparse_factors;
+  Eigen::MatrixXd dense;
+  Eigen::LDLT<Eigen::MatrixXd> dense_factors;
+};
+
+ConstraintSystem::ConstraintSystem() : matrices_(std::make_unique<Matrices>()) {}
+ConstraintSystem::~ConstraintSystem() = default;
+ConstraintSystem::ConstraintSystem(ConstraintSystem&&) noexcept = default;
+ConstraintSystem& ConstraintSystem::operator=(ConstraintSystem&&) noexcept = default;
 
 void ConstraintSystem::set(std::vector<ConstraintRow> rows, const Mobility& mobility) {
   rows_ = std::move(rows);
@@ -59,7 +73,7 @@ void ConstraintSystem::set_rows() {
 
   const auto size = static_cast<Eigen::Index>(count);
   std::vector<Eigen::Triplet<double>> entries;
-  if (form_ == Form::dense) dense_matrix_.setZero(size, size);
+  if (form_ == Form::dense) matrices_->dense.setZero(size, size);
   for (std::size_t begin = 0; begin < ends.size();) {
     std::size_t end = begin;
     while (end < ends.size() && ends[end].node == ends[begin].node) ++end;
@@ -70,7 +84,7 @@ void ConstraintSystem::set_rows() {
         const double value = ends[j].sign * rows_[ends[j].row].direction.dot(moved);
         const auto row = static_cast<Eigen::Index>(ends[j].row), column = static_cast<Eigen::Index>(ends[i].row);
         if (form_ == Form::dense)
-          dense_matrix_(row, column) += value;
+          matrices_->dense(row, column) += value;
         else
           entries.emplace_back(static_cast<int>(row), static_cast<int>(column), value);
       }
@@ -78,15 +92,15 @@ void ConstraintSystem::set_rows() {
     begin = end;
   }
   if (form_ == Form::dense) {
-    Eigen::MatrixXd shifted = dense_matrix_;
+    Eigen::MatrixXd shifted = matrices_->dense;
     shifted.diagonal().array() += shift_;
-    dense_.compute(shifted);
+    matrices_->dense_factors.compute(shifted);
   } else {
     for (Eigen::Index r = 0; r < size; ++r) entries.emplace_back(static_cast<int>(r), static_cast<int>(r), 0.0);
-    matrix_.resize(size, size);
-    matrix_.setFromTriplets(entries.begin(), entries.end());
-    sparse_.setShift(shift_);
-    sparse_.compute(matrix_);
+    matrices_->sparse.resize(size, size);
+    matrices_->sparse.setFromTriplets(entries.begin(), entries.end());
+    matrices_->sparse_factors.setShift(shift_);
+    matrices_->sparse_factors.compute(matrices_->sparse);
   }
 }
 
@@ -126,37 +140,37 @@ bool ConstraintSystem::set_nodes() {
     add_end(rows_[r].first, 1.0);
     if (rows_[r].second != ConstraintRow::no_node) add_end(rows_[r].second, -1.0);
   }
-  matrix_.resize(static_cast<Eigen::Index>(rows_.size()), columns);
-  matrix_.setFromTriplets(entries.begin(), entries.end());
-  const Eigen::SparseMatrix<double> squares = matrix_.transpose() * matrix_;
-  sparse_.setShift(shift_);
-  sparse_.compute(squares);
+  matrices_->sparse.resize(static_cast<Eigen::Index>(rows_.size()), columns);
+  matrices_->sparse.setFromTriplets(entries.begin(), entries.end());
+  const Eigen::SparseMatrix<double> squares = matrices_->sparse.transpose() * matrices_->sparse;
+  matrices_->sparse_factors.setShift(shift_);
+  matrices_->sparse_factors.compute(squares);
   return true;
 }
 
 Eigen::VectorXd ConstraintSystem::product(const Eigen::VectorXd& x) const {
   switch (form_) {
     case Form::dense:
-      return dense_matrix_ * x;
+      return matrices_->dense * x;
     case Form::rows:
-      return matrix_ * x;
+      return matrices_->sparse * x;
     case Form::nodes:
       break;
   }
-  return matrix_ * (matrix_.transpose() * x).eval();
+  return matrices_->sparse * (matrices_->sparse.transpose() * x).eval();
 }
 
 Eigen::VectorXd ConstraintSystem::solve_shifted(const Eigen::VectorXd& b) const {
   switch (form_) {
     case Form::dense:
-      return dense_.solve(b);
+      return matrices_->dense_factors.solve(b);
     case Form::rows:
-      return sparse_.solve(b);
+      return matrices_->sparse_factors.solve(b);
     case Form::nodes:
       break;
   }
-  const Eigen::VectorXd y = sparse_.solve(matrix_.transpose() * b);
-  return (b - matrix_ * y) / shift_;
+  const Eigen::VectorXd y = matrices_->sparse_factors.solve(matrices_->sparse.transpose() * b);
+  return (b - matrices_->sparse * y) / shift_;
 }
 
 // Conjugate gradients with the shifted matrix as preconditioner, in which all eigenvalues that are large beside the

@@ -4,11 +4,10 @@
 
 #include <cstdint>
 #include <functional>
+#include <memory>
 #include <vector>
 
-#include <Eigen/Cholesky>
 #include <Eigen/Core>
-#include <Eigen/SparseCholesky>
 
 #include "layers/constraint_row.hpp"
 
@@ -21,6 +20,11 @@ class ConstraintSystem {
   enum class Form { dense, rows, nodes };
   // Mobility of a node, 1/kg: its velocity changes by that times an impulse. Zero for a node that cannot move.
   using Mobility = std::function<Eigen::Matrix3d(std::uint32_t)>;
+
+  ConstraintSystem();
+  ~ConstraintSystem();
+  ConstraintSystem(ConstraintSystem&&) noexcept;
+  ConstraintSystem& operator=(ConstraintSystem&&) noexcept;
 
   // Factorises G W G^T. Redundant rows, and rows between nodes that cannot move, are allowed: see solve().
   void set(std::vector<ConstraintRow> rows, const Mobility& mobility);
@@ -80,10 +84,8 @@ class ConstraintSystem {
   std::vector<Eigen::Matrix3d> mobilities_;  // [row][2]
   Form form_ = Form::dense;
   double shift_ = 0.0;
-  Eigen::SparseMatrix<double> matrix_;  // of form rows G W G^T, of form nodes G W^(1/2)
-  Eigen::SimplicialLDLT<Eigen::SparseMatrix<double>> sparse_;
-  Eigen::MatrixXd dense_matrix_;
-  Eigen::LDLT<Eigen::MatrixXd> dense_;
+  struct Matrices;  // and their factors: Eigen's templates for them are compiled in one file only
+  std::unique_ptr<Matrices> matrices_;
 };
 
 }  // namespace springnet

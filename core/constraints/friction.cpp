@@ -2,11 +2,12 @@
 
 #include <Eigen/Geometry>
 #include <Eigen/LU>
-#include <Eigen/QR>
 #include <algorithm>
 #include <cmath>
 #include <limits>
 #include <numbers>
+
+#include "constraints/least_squares.hpp"
 
 namespace springnet {
 
@@ -80,8 +81,8 @@ ContactAnswer answer_contact(const Eigen::Matrix3d& mobility, const Vector3& rel
   // Of a node that cannot move in every direction, within those in which it can.
   const double size = mobility.norm();
   const bool regular = mobility.determinant() > 1e-9 * size * size * size;
-  const Vector3 stop = regular ? Vector3(-(mobility.inverse() * relative))
-                               : Vector3(-mobility.completeOrthogonalDecomposition().solve(relative));
+  const Vector3 stop =
+      regular ? Vector3(-(mobility.inverse() * relative)) : Vector3(-least_squares(mobility, relative));
   const double pressing = n.dot(stop);
   Vector3 along = stop - pressing * n;
   if (friction.kind == Friction::Kind::held) return {Vector3::Zero(), stop, pressing, true};

@@ -2,7 +2,6 @@
 
 #include <Eigen/Geometry>
 #include <Eigen/LU>
-#include <Eigen/QR>
 #include <algorithm>
 #include <cmath>
 #include <limits>
@@ -10,6 +9,7 @@
 
 #include "constraints/friction.hpp"
 #include "constraints/island_directions.hpp"
+#include "constraints/least_squares.hpp"
 
 namespace springnet {
 namespace {
@@ -99,10 +99,8 @@ void Island::solve_once() {
     }
   }
   // Forces between nodes that brace each other are not determined: what is left of them beside rounding.
-  Eigen::CompleteOrthogonalDecomposition<Eigen::MatrixXd> factors;
-  factors.setThreshold(singular);
   Eigen::VectorXd x;
-  if (count > 0) x = factors.compute(matrix).solve(right);
+  if (count > 0) x = least_squares(matrix, right, singular);
   const bool braced = std::any_of(nodes_.begin(), nodes_.end(), [](const auto& node) { return node.braced; });
   if (braced && count > 0) {
     Eigen::FullPivLU<Eigen::MatrixXd> parts(matrix);

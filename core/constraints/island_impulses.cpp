@@ -1,13 +1,13 @@
 // Impulses of an island: nodes that arrive, come to rest, rock or jam.
 
 #include <Eigen/LU>
-#include <Eigen/QR>
 #include <algorithm>
 #include <cmath>
 
 #include "constraints/friction.hpp"
 #include "constraints/island.hpp"
 #include "constraints/island_directions.hpp"
+#include "constraints/least_squares.hpp"
 
 namespace springnet {
 namespace {
@@ -158,9 +158,8 @@ void Island::end_rates(const std::vector<Row>& rows) {
       matrix(r, c) = row.direction.dot(block(row.node, column.node) * column.direction);
     }
   }
-  Eigen::CompleteOrthogonalDecomposition<Eigen::MatrixXd> factors;
-  factors.setThreshold(1e-11);  // contacts that brace each other leave no more than rounding
-  const Eigen::VectorXd impulses = factors.compute(matrix).solve(-rates);
+  // Contacts that brace each other leave no more than rounding.
+  const Eigen::VectorXd impulses = least_squares(matrix, -rates, 1e-11);
   for (Eigen::Index r = 0; r < count; ++r) {
     const Row& row = rows[static_cast<std::size_t>(r)];
     nodes_[row.node].impulse[row.side] += impulses[r] * row.direction;
@@ -188,7 +187,7 @@ void Island::calm(double slow) {
       const ContactSide& first = nodes_[i].sides.front();
       const double speed = first.velocity.norm();
       if (coefficient_of(first.friction) == 0.0 || speed == 0.0 || speed > slow) continue;
-      give(i, 0, -block(i, i).completeOrthogonalDecomposition().solve(first.velocity), speed);
+      give(i, 0, -least_squares(block(i, i), first.velocity), speed);
     }
     if (greatest <= 1e-12 * slow) break;
   }
@@ -209,7 +208,7 @@ bool Island::jam(double negligible) {
       ContactSide& side = node.sides[s];
       if (side.friction.kind == Friction::Kind::none || side.velocity.norm() <= negligible) continue;
       const Matrix3 mobility = block(i, i);
-      const Vector3 impulse = -mobility.completeOrthogonalDecomposition().solve(side.velocity);
+      const Vector3 impulse = -least_squares(mobility, side.velocity);
       if (!(side.normal.dot(impulse) >= 0.0) || impulse.isZero(0.0)) continue;
       node.impulse[s] += impulse;
       push(i, impulse);

@@ -2,6 +2,8 @@
 
 #include <fmt/format.h>
 
+#include <Eigen/SparseCore>
+#include <Eigen/SparseLU>
 #include <algorithm>
 #include <cmath>
 
@@ -20,9 +22,25 @@ springnet_status require_derivatives(const Component& component, springnet_messa
   return SPRINGNET_FAILED;
 }
 
+struct Linearisation::System {
+  using Factors = Eigen::SparseLU<Eigen::SparseMatrix<double>, Eigen::COLAMDOrdering<int>>;
+
+  Eigen::SparseMatrix<double> matrix;  // 3n x 3n, unknown 3 node + coordinate
+  Factors factors;
+  // With rows: the same matrix bordered by them.
+  Eigen::SparseMatrix<double> bordered;
+  Factors bordered_factors;
+};
+
 Linearisation::Linearisation(const Layout& layout, const Evaluator& evaluator,
                              const std::vector<std::uint8_t>& constrained)
-    : layout_(layout), evaluator_(evaluator), constrained_(constrained), elements_(layout, evaluator) {}
+    : layout_(layout),
+      evaluator_(evaluator),
+      constrained_(constrained),
+      elements_(layout, evaluator),
+      system_(std::make_unique<System>()) {}
+
+Linearisation::~Linearisation() = default;
 
 springnet_status Linearisation::update(double time, const NodeArrays& nodes, const ExternalForces& external,
                                        springnet_message& message) {
@@ -179,8 +197,8 @@ void Linearisation::make_pattern() {
   const std::uint32_t n = layout_.node_count();
   const std::vector<std::uint32_t>& start = layout_.neighbour_start();
   const std::vector<std::uint32_t>& neighbours = layout_.neighbours();
-  matrix_.resize(3 * static_cast<Eigen::Index>(n), 3 * static_cast<Eigen::Index>(n));
-  matrix_.resizeNonZeros(9 * (static_cast<Eigen::Index>(neighbours.size()) + static_cast<Eigen::Index>(n)));
+  system_->matrix.resize(3 * static_cast<Eigen::Index>(n), 3 * static_cast<Eigen::Index>(n));
+  system_->matrix.resizeNonZeros(9 * (static_cast<Eigen::Index>(neighbours.size()) + static_cast<Eigen::Index>(n)));
   std::vector<std::uint32_t> rows;
   int at = 0;
   for (std::uint32_t j = 0; j < n; ++j) {
@@ -188,14 +206,14 @@ void Linearisation::make_pattern() {
     rows.push_back(j);
     std::sort(rows.begin(), rows.end());
     for (int c = 0; c < 3; ++c) {
-      matrix_.outerIndexPtr()[3 * j + static_cast<std::uint32_t>(c)] = at;
+      system_->matrix.outerIndexPtr()[3 * j + static_cast<std::uint32_t>(c)] = at;
       for (const std::uint32_t i : rows)
-        for (int r = 0; r < 3; ++r) matrix_.innerIndexPtr()[at++] = static_cast<int>(3 * i) + r;
+        for (int r = 0; r < 3; ++r) system_->matrix.innerIndexPtr()[at++] = static_cast<int>(3 * i) + r;
     }
   }
-  matrix_.outerIndexPtr()[3 * n] = at;
-  std::fill_n(matrix_.valuePtr(), at, 0.0);
-  factors_.analyzePattern(matrix_);
+  system_->matrix.outerIndexPtr()[3 * n] = at;
+  std::fill_n(system_->matrix.valuePtr(), at, 0.0);
+  system_->factors.analyzePattern(system_->matrix);
   pattern_known_ = true;
 }
 
@@ -206,11 +224,11 @@ void Linearisation::factorise_bound(const std::vector<ConstraintRow>& rows) {
   };
   if (!std::equal(rows.begin(), rows.end(), rows_.begin(), rows_.end(), same)) bordered_known_ = false;
   rows_ = rows;
-  const Eigen::Index size = matrix_.rows(), count = static_cast<Eigen::Index>(rows.size());
+  const Eigen::Index size = system_->matrix.rows(), count = static_cast<Eigen::Index>(rows.size());
   std::vector<Eigen::Triplet<double>> entries;
-  entries.reserve(static_cast<std::size_t>(matrix_.nonZeros() + 13 * count));
+  entries.reserve(static_cast<std::size_t>(system_->matrix.nonZeros() + 13 * count));
   for (Eigen::Index column = 0; column < size; ++column)
-    for (Eigen::SparseMatrix<double>::InnerIterator entry(matrix_, column); entry; ++entry)
+    for (Eigen::SparseMatrix<double>::InnerIterator entry(system_->matrix, column); entry; ++entry)
       entries.emplace_back(static_cast<int>(entry.row()), static_cast<int>(column), entry.value());
   double trace = 0.0;
   for (Eigen::Index r = 0; r < count; ++r) {
@@ -231,12 +249,12 @@ void Linearisation::factorise_bound(const std::vector<ConstraintRow>& rows) {
   const double shift = -1e-12 * (trace > 0.0 ? trace / static_cast<double>(count) : 1.0);
   for (Eigen::Index r = 0; r < count; ++r)
     entries.emplace_back(static_cast<int>(size + r), static_cast<int>(size + r), shift);
-  bordered_.resize(size + count, size + count);
-  bordered_.setFromTriplets(entries.begin(), entries.end());
-  bordered_.makeCompressed();
-  if (!bordered_known_) bordered_factors_.analyzePattern(bordered_);
+  system_->bordered.resize(size + count, size + count);
+  system_->bordered.setFromTriplets(entries.begin(), entries.end());
+  system_->bordered.makeCompressed();
+  if (!bordered_known_) system_->bordered_factors.analyzePattern(system_->bordered);
   bordered_known_ = true;
-  bordered_factors_.factorize(bordered_);
+  system_->bordered_factors.factorize(system_->bordered);
 }
 
 springnet_status Linearisation::factorise(double velocity_weight, double position_weight,
@@ -247,14 +265,14 @@ springnet_status Linearisation::factorise(double velocity_weight, double positio
   }
   if (!pattern_known_) make_pattern();
   const std::uint32_t n = layout_.node_count();
-  double* values = matrix_.valuePtr();
-  std::fill_n(values, matrix_.nonZeros(), 0.0);
+  double* values = system_->matrix.valuePtr();
+  std::fill_n(values, system_->matrix.nonZeros(), 0.0);
   std::vector<double> diagonal(9 * std::size_t{n});
   diagonal_blocks(velocity_weight, position_weight, false, diagonal.data());
   const auto add = [&](std::uint32_t i, std::uint32_t j, const Block& value) {
-    const int column = matrix_.outerIndexPtr()[3 * j];
-    const int height = matrix_.outerIndexPtr()[3 * j + 1] - column;
-    const int* places = matrix_.innerIndexPtr() + column;
+    const int column = system_->matrix.outerIndexPtr()[3 * j];
+    const int height = system_->matrix.outerIndexPtr()[3 * j + 1] - column;
+    const int* places = system_->matrix.innerIndexPtr() + column;
     const auto place = static_cast<int>(std::lower_bound(places, places + height, static_cast<int>(3 * i)) - places);
     for (int c = 0; c < 3; ++c)
       for (int r = 0; r < 3; ++r) values[column + c * height + place + r] += value(r, c);
@@ -282,11 +300,11 @@ springnet_status Linearisation::factorise(double velocity_weight, double positio
   }
   if (rows.empty()) {
     rows_.clear();
-    factors_.factorize(matrix_);
+    system_->factors.factorize(system_->matrix);
   } else {
     factorise_bound(rows);
   }
-  const auto& factors = rows.empty() ? factors_ : bordered_factors_;
+  const auto& factors = rows.empty() ? system_->factors : system_->bordered_factors;
   if (factors.info() != Eigen::Success) {
     set_message(message, fmt::format("the linear system of the step is singular: {}", factors.lastErrorMessage()));
     return SPRINGNET_RECOVERABLE;
@@ -304,7 +322,7 @@ springnet_status Linearisation::factorise(double velocity_weight, double positio
 // What closed surfaces add to the factorised matrix.
 void Linearisation::set_vectors(double velocity_weight, double position_weight) {
   const std::size_t live = layout_.elements().live_surfaces();
-  const Eigen::Index size = matrix_.rows() + static_cast<Eigen::Index>(rows_.size());
+  const Eigen::Index size = system_->matrix.rows() + static_cast<Eigen::Index>(rows_.size());
   const auto count = static_cast<Eigen::Index>(live > 0 ? elements_.vector_count() : 0);
   Eigen::MatrixXd columns = Eigen::MatrixXd::Zero(size, count), weights = columns;
   if (count > 0) {
@@ -320,7 +338,7 @@ void Linearisation::set_vectors(double velocity_weight, double position_weight) 
 }
 
 LowRank::Solve Linearisation::plain_solver() {
-  auto& factors = rows_.empty() ? factors_ : bordered_factors_;
+  auto& factors = rows_.empty() ? system_->factors : system_->bordered_factors;
   return [&factors](bool turned, const Eigen::MatrixXd& b) -> Eigen::MatrixXd {
     return turned ? Eigen::MatrixXd(factors.transpose().solve(b)) : Eigen::MatrixXd(factors.solve(b));
   };
@@ -331,7 +349,7 @@ Eigen::VectorXd Linearisation::solve_factorised(bool transposed, const Eigen::Ve
   if (vectors_.empty()) return plain(transposed, right_side);
   // The part without the surfaces may be far worse conditioned than the whole: what its solution is off by is solved
   // for once more.
-  const Eigen::SparseMatrix<double>& matrix = rows_.empty() ? matrix_ : bordered_;
+  const Eigen::SparseMatrix<double>& matrix = rows_.empty() ? system_->matrix : system_->bordered;
   Eigen::VectorXd x = vectors_.solve(transposed, right_side, plain);
   const Eigen::VectorXd product = transposed ? Eigen::VectorXd(matrix.transpose() * x) : Eigen::VectorXd(matrix * x);
   x += vectors_.solve(transposed, right_side - product - vectors_.times(transposed, x), plain);
@@ -341,7 +359,7 @@ Eigen::VectorXd Linearisation::solve_factorised(bool transposed, const Eigen::Ve
 springnet_status Linearisation::solve(bool transposed, const double* right_side, double* x,
                                       springnet_message& message) {
   const std::size_t n = layout_.node_count();
-  const auto& factors = rows_.empty() ? factors_ : bordered_factors_;
+  const auto& factors = rows_.empty() ? system_->factors : system_->bordered_factors;
   const auto size = static_cast<Eigen::Index>(3 * n + rows_.size());
   if (factors.info() != Eigen::Success || factors.rows() != size) {
     set_message(message, "solve was called without a factorisation");

@@ -2,9 +2,8 @@
 // the linear systems of implicit methods.
 #pragma once
 
-#include <Eigen/SparseCore>
-#include <Eigen/SparseLU>
 #include <cstdint>
+#include <memory>
 #include <vector>
 
 #include "layers/constraint_row.hpp"
@@ -21,6 +20,9 @@ class Linearisation {
  public:
   // References have to outlive it. constrained: [node] 1 where a node is fixed or held: its acceleration is 0.
   Linearisation(const Layout& layout, const Evaluator& evaluator, const std::vector<std::uint8_t>& constrained);
+  ~Linearisation();
+  Linearisation(const Linearisation&) = delete;
+  Linearisation& operator=(const Linearisation&) = delete;
 
   // Computes all blocks at a state. SPRINGNET_FAILED if a law or neuron has no derivatives, SPRINGNET_RECOVERABLE if
   // the answer of one is not finite there; the message says which, and for which spring, element or node.
@@ -54,6 +56,7 @@ class Linearisation {
 
  private:
   using Blocks = std::vector<double>;
+  struct System;  // sparse matrices and their factors: Eigen's templates for them are compiled in one file only
   struct Bond {
     std::uint32_t first, second;
     Block stiffness;
@@ -86,13 +89,9 @@ class Linearisation {
   std::vector<double> force_[3], acceleration_[3];
   bool known_ = false;
   bool pattern_known_ = false;
-  Eigen::SparseMatrix<double> matrix_;  // 3n x 3n, unknown 3 node + coordinate
-  Eigen::SparseLU<Eigen::SparseMatrix<double>, Eigen::COLAMDOrdering<int>> factors_;
-  // With rows: the same matrix bordered by them.
+  std::unique_ptr<System> system_;
   std::vector<ConstraintRow> rows_;
-  Eigen::SparseMatrix<double> bordered_;
-  bool bordered_known_ = false;  // its pattern
-  Eigen::SparseLU<Eigen::SparseMatrix<double>, Eigen::COLAMDOrdering<int>> bordered_factors_;
+  bool bordered_known_ = false;  // the pattern of the matrix with rows
   Eigen::VectorXd work_;
 };
 

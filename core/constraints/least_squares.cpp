@@ -1,0 +1,18 @@
+#include "constraints/least_squares.hpp"
+
+#include <Eigen/QR>
+
+namespace springnet {
+
+Eigen::VectorXd least_squares(const Eigen::MatrixXd& matrix, const Eigen::VectorXd& right_side,
+                              std::optional<double> threshold) {
+  Eigen::CompleteOrthogonalDecomposition<Eigen::MatrixXd> factors;
+  if (threshold) factors.setThreshold(*threshold);
+  return factors.compute(matrix).solve(right_side);
+}
+
+Eigen::Vector3d least_squares(const Eigen::Matrix3d& matrix, const Eigen::Vector3d& right_side) {
+  return matrix.completeOrthogonalDecomposition().solve(right_side);
+}
+
+}  // namespace springnet
