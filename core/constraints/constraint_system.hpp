@@ -10,7 +10,7 @@
 #include <Eigen/Core>
 #include <Eigen/SparseCholesky>
 
-#include "layers/constraint_row.hpp"
+#include "layers/linear/constraint_row.hpp"
 
 namespace springnet {
 

@@ -6,9 +6,9 @@
 #include <string>
 #include <vector>
 
+#include "layers/elements/enclosure_volumes.hpp"
 #include "layers/instruction_set.hpp"
 #include "layers/layout.hpp"
-#include "layers/surface_volumes.hpp"
 
 namespace springnet::layers {
 
@@ -46,17 +46,17 @@ class Evaluator {
   // memory of the evaluator first.
   springnet_status evaluate(double time, const NodeArrays& nodes, const ExternalForces& external,
                             const ForceArrays& force, TileFinished finished, springnet_message& message) const;
-  // Net force on one node: all its springs and elements, evaluated plainly. volumes: those of closed surfaces at this
+  // Net force on one node: all its springs and elements, evaluated plainly. volumes: those of closed enclosures at this
   // state; null: they are computed here, from all their nodes.
   springnet_status evaluate_node(std::uint32_t node, double time, const NodeArrays& nodes,
-                                 const ExternalForces& external, const SurfaceVolumes* volumes, Vector3& force,
+                                 const ExternalForces& external, const EnclosureVolumes* volumes, Vector3& force,
                                  springnet_message& message) const;
   // The same, the acceleration by the node's neuron, and what is wanted of its derivatives and its energy (J): that of
   // its springs and elements less the work of gravity and loads, nan where no potential exists (a law without energy or
   // one that reads the rate, a neuron other than force over mass). SPRINGNET_FAILED if derivatives are wanted and a law
   // or the neuron has none.
   springnet_status evaluate_node(std::uint32_t node, double time, const NodeArrays& nodes,
-                                 const ExternalForces& external, const SurfaceVolumes* volumes, Vector3& force,
+                                 const ExternalForces& external, const EnclosureVolumes* volumes, Vector3& force,
                                  Vector3& acceleration, NodeDerivatives* derivatives, double* energy,
                                  springnet_message& message) const;
   // Acceleration of nodes [first, first + count) of their neurons. `force` and `acceleration` are [count] arrays;
@@ -77,14 +77,14 @@ class Evaluator {
   springnet_status evaluate_elements(double time, const NodeArrays& nodes, springnet_message& message) const;
   springnet_status evaluate_batch(const ElementBatch& batch, double time, const NodeArrays& nodes,
                                   springnet_message& message) const;
-  springnet_status evaluate_surfaces(double time, springnet_message& message) const;
+  springnet_status evaluate_enclosures(double time, springnet_message& message) const;
   void add_elements(std::uint32_t begin, std::uint32_t end, const ForceArrays& force) const noexcept;
 
   struct NodeSums;
   springnet_status add_springs(std::uint32_t node, double time, const NodeArrays& nodes, NodeSums& sums,
                                springnet_message& message) const;
   springnet_status add_elements_of(std::uint32_t node, double time, const NodeArrays& nodes,
-                                   const SurfaceVolumes* volumes, NodeSums& sums, springnet_message& message) const;
+                                   const EnclosureVolumes* volumes, NodeSums& sums, springnet_message& message) const;
 
   const Layout& layout_;
   const std::vector<double>& mass_;
@@ -93,12 +93,12 @@ class Evaluator {
   unsigned threads_;
   // What an evaluation knows of elements: it is made and used within one call.
   struct Chunk {
-    std::uint32_t surface, begin, end;  // places
+    std::uint32_t enclosure, begin, end;  // places
   };
-  std::vector<Chunk> chunks_;                                  // of all closed surfaces
-  mutable std::vector<Vector3> element_gradient_;              // [slot] dq/dp
-  mutable std::vector<double> element_force_;                  // [element] Q
-  mutable std::vector<ClosedSurface::Values> surface_shares_;  // [chunk]
+  std::vector<Chunk> chunks_;                                // of all closed enclosures
+  mutable std::vector<Vector3> element_gradient_;            // [slot] dq/dp
+  mutable std::vector<double> element_force_;                // [element] Q
+  mutable std::vector<Enclosure::Values> enclosure_shares_;  // [chunk]
 };
 
 // Threads worth using for a network of this many springs (an element counts as several): one below some thousand, where

@@ -3,7 +3,7 @@
 
 #include <cstdint>
 
-#include <springnet/simulation.hpp>
+#include <springnet/instruction_set.hpp>
 
 #include "layers/kernels.hpp"
 

@@ -9,6 +9,7 @@
 
 #include "layers/kernels.hpp"
 #include "plugin_host/call.hpp"
+#include "plugin_host/message.hpp"
 
 namespace springnet::layers {
 namespace {
@@ -233,6 +234,15 @@ springnet_status call_law(const Group& group, const Law& law, std::uint32_t inst
     if (status != SPRINGNET_OK) return status;
   }
   return SPRINGNET_OK;
+}
+
+springnet_status require_derivatives(const Component& component, springnet_message& message) {
+  if ((component.description->capabilities & SPRINGNET_HAS_DERIVATIVES) != 0) return SPRINGNET_OK;
+  const char* header = component.kind() == ComponentKind::neuron ? "neuron" : "law";
+  set_message(message, fmt::format("{} '{}' offers no derivatives, which implicit methods need; write it with "
+                                   "springnet/sdk/{}.hpp, or choose an explicit method",
+                                   name_of(component.kind()), component.id(), header));
+  return SPRINGNET_FAILED;
 }
 
 }  // namespace springnet::layers

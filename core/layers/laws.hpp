@@ -1,7 +1,7 @@
 // Laws as the layers use them: a component, its parameters in columns, and how it is called on a batch.
 #pragma once
 
-#include <array>
+#include <cmath>
 #include <cstdint>
 #include <memory>
 #include <string>
@@ -77,5 +77,11 @@ struct LawOutputs {
 [[nodiscard]] springnet_status call_law(const Group& group, const Law& law, std::uint32_t instruction_set, double time,
                                         std::size_t count, const RowSelection& rows, const double* q,
                                         const double* rate, const LawOutputs& out, springnet_message* message);
+
+// SPRINGNET_FAILED with a message unless a law or neuron offers derivatives.
+[[nodiscard]] springnet_status require_derivatives(const Component& component, springnet_message& message);
+
+// The smaller of two margins; nan, which tells nothing, if one of them is.
+[[nodiscard]] inline double lesser(double a, double b) noexcept { return a < b || std::isnan(a) ? a : b; }
 
 }  // namespace springnet::layers

@@ -11,7 +11,7 @@
 
 #include <springnet/network.hpp>
 
-#include "layers/element_layout.hpp"
+#include "layers/elements/layout.hpp"
 #include "layers/kernels.hpp"
 #include "layers/laws.hpp"
 #include "layers/loaded_faces.hpp"

@@ -16,17 +16,10 @@
 
 #include <springnet/network.hpp>
 
+#include "layers/block.hpp"
 #include "layers/kernels.hpp"
-#include "layers/spring_blocks.hpp"
 
 namespace springnet::layers {
-
-// x -> a x x as a matrix.
-[[nodiscard]] inline Block cross_matrix(const Vector3& a) {
-  Block block;
-  block << 0.0, -a[2], a[1], a[2], 0.0, -a[0], -a[1], a[0], 0.0;
-  return block;
-}
 
 class LoadedFaces {
  public:

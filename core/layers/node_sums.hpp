@@ -1,8 +1,8 @@
 // What is summed over the springs and elements of one node.
 #pragma once
 
+#include "layers/block.hpp"
 #include "layers/evaluator.hpp"
-#include "layers/spring_blocks.hpp"
 
 namespace springnet::layers {
 

@@ -8,8 +8,8 @@
 #include <string>
 
 #include "constraints/vectors.hpp"
-#include "layers/elements.hpp"
-#include "layers/message.hpp"
+#include "layers/springs/queries.hpp"
+#include "plugin_host/message.hpp"
 #include "simulation/engine.hpp"
 #include "simulation/reactions_at.hpp"
 #include "simulation/settling.hpp"

@@ -9,9 +9,9 @@
 #include <springnet/error.hpp>
 
 #include "constraints/vectors.hpp"
-#include "layers/element_questions.hpp"
-#include "layers/elements.hpp"
-#include "layers/message.hpp"
+#include "layers/elements/queries.hpp"
+#include "layers/springs/queries.hpp"
+#include "plugin_host/message.hpp"
 
 namespace springnet {
 namespace {
@@ -68,7 +68,7 @@ Engine::Engine(const Network& network, const PluginHost& plugins, const Simulati
 double Engine::potential_energy() {
   if (potential_energy_) return *potential_energy_;  // the page and the check of a record ask for the same
   const layers::NodeArrays nodes = state_.nodes();
-  double sum = layers::elastic_energy(layout_, evaluator_.instruction_set(), time_, nodes) +
+  double sum = layers::spring_energy(layout_, evaluator_.instruction_set(), time_, nodes) +
                layers::element_energy(layout_, evaluator_.instruction_set(), time_, nodes);
   for (std::uint32_t k = 0; k < layout_.node_count(); ++k)
     sum -= mass_[k] * loads_.gravity().dot(vector_at(state_.view.position, k));

@@ -14,9 +14,9 @@
 #include <springnet/simulation.hpp>
 
 #include "constraints/constraint_set.hpp"
-#include "layers/elements.hpp"
 #include "layers/evaluator.hpp"
-#include "layers/linearisation.hpp"
+#include "layers/linear/linearisation.hpp"
+#include "layers/springs/queries.hpp"
 #include "simulation/cutting.hpp"
 #include "simulation/loads.hpp"
 #include "simulation/requests.hpp"
@@ -287,8 +287,8 @@ class Engine {
   bool in_sweep_ = false;                     // updates of the integrator are called,
   bool in_tiles_ = false;                     // tile by tile, from several threads
   OrderCheck order_check_;
-  layers::SurfaceVolumes swept_volumes_;    // of closed surfaces within a sweep in an order,
-  layers::SurfaceVolumes asked_volumes_;    // and of a call of evaluate_nodes outside
+  layers::EnclosureVolumes swept_volumes_;  // of closed surfaces within a sweep in an order,
+  layers::EnclosureVolumes asked_volumes_;  // and of a call of evaluate_nodes outside
   std::vector<std::uint8_t> cluster_done_;  // within a sweep in an order
   Interval interval_;                       // of begin_step, or begin_interval
   std::vector<std::string> notes_;

@@ -7,10 +7,10 @@
 #include <set>
 
 #include "constraints/vectors.hpp"
-#include "layers/element_questions.hpp"
-#include "layers/elements.hpp"
-#include "layers/message.hpp"
+#include "layers/elements/queries.hpp"
+#include "layers/springs/queries.hpp"
 #include "plugin_host/call.hpp"
+#include "plugin_host/message.hpp"
 #include "simulation/engine.hpp"
 
 namespace springnet {
@@ -32,7 +32,7 @@ const Engine::Rupturing& Engine::rupturing() {
 springnet_status Engine::rupture_margins(double time, const layers::NodeArrays& nodes, double* margins) {
   const Rupturing& some = rupturing();
   const InstructionSet set = evaluator_.instruction_set();
-  springnet_status status = layers::rupture_margins(layout_, set, time, nodes, some.springs, margins, message_);
+  springnet_status status = layers::spring_margins(layout_, set, time, nodes, some.springs, margins, message_);
   if (status == SPRINGNET_OK)
     status = layers::element_margins(layout_, set, time, nodes, some.elements, margins + some.springs.size(), message_);
   if (status != SPRINGNET_OK) return status;

@@ -20,7 +20,7 @@ Engine::ReactionsAt::ReactionsAt(Engine& engine, double time, const springnet_co
       external_(engine.external_at(time)),
       placement_(engine.placement(time)),
       cluster_known_(engine.rigid_.cluster_count(), 0) {
-  if (engine.layout_.elements().live_surfaces() > 0)
+  if (engine.layout_.elements().live_enclosures() > 0)
     volumes_.compute(engine.layout_.elements(), node_arrays(position, velocity));
   if (!cluster_known_.empty()) {
     const std::size_t n = engine.layout_.node_count();

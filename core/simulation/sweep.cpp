@@ -10,8 +10,8 @@
 #include <mutex>
 
 #include "constraints/vectors.hpp"
-#include "layers/elements.hpp"
-#include "layers/message.hpp"
+#include "layers/springs/queries.hpp"
+#include "plugin_host/message.hpp"
 #include "simulation/engine.hpp"
 
 namespace springnet {
@@ -201,8 +201,8 @@ springnet_status Engine::evaluate_nodes(const springnet_evaluation& request, con
   const layers::FlushDenormals flush;
   const layers::NodeArrays arrays = node_arrays(wanted.position, wanted.velocity);
   const layers::ExternalForces external = external_at(wanted.time);  // the same for all threads of a sweep
-  const layers::SurfaceVolumes* volumes = nullptr;
-  if (layout_.elements().live_surfaces() > 0) {
+  const layers::EnclosureVolumes* volumes = nullptr;
+  if (layout_.elements().live_enclosures() > 0) {
     if (swept_volumes_.follows(arrays)) {
       volumes = &swept_volumes_;
     } else if (!in_sets_ && !in_tiles_) {
@@ -303,10 +303,10 @@ springnet_status Engine::update_cluster(std::size_t cluster, std::uint32_t unit,
 // Whether a node, or one of its cluster, is one of a closed surface, whose nodes all see each other.
 bool Engine::is_joined_to_all(std::uint32_t node) const {
   const layers::ElementLayout& elements = layout_.elements();
-  if (elements.live_surfaces() == 0) return false;
+  if (elements.live_enclosures() == 0) return false;
   const auto on_surface = [&](std::uint32_t k) {
     const std::span<const layers::ElementShare> shares = elements.shares(k);
-    return !shares.empty() && shares.back().surface != layers::no_surface;
+    return !shares.empty() && shares.back().enclosure != layers::no_enclosure;
   };
   const std::uint32_t* clusters = rigid_.cluster_of();
   if (clusters == nullptr || clusters[node] == no_cluster) return on_surface(node);
@@ -319,7 +319,7 @@ springnet_status Engine::update_range(std::uint32_t begin, std::uint32_t end, st
                                       void* tile_context, springnet_message& message) {
   const springnet_sweep& sweep = *static_cast<TileContext*>(tile_context)->sweep;
   const std::uint32_t* clusters = rigid_.cluster_of();
-  const bool surfaces = layout_.elements().live_surfaces() > 0;
+  const bool surfaces = layout_.elements().live_enclosures() > 0;
   for (std::uint32_t i = begin; i < end; ++i) {
     const std::uint32_t k = sweep.order[i];
     if (surfaces && turn != Turn::all && is_joined_to_all(k) != (turn == Turn::joined_to_all)) continue;
@@ -374,7 +374,7 @@ springnet_status Engine::sweep_set(std::uint32_t set, void* tile_context) {
     }
   }
   in_sets_ = false;
-  if (failure != SPRINGNET_OK || layout_.elements().live_surfaces() == 0) return failure;
+  if (failure != SPRINGNET_OK || layout_.elements().live_enclosures() == 0) return failure;
   const layers::FlushDenormals flush;
   return update_range(sweep.set_start[set], sweep.set_start[set + 1], 0, Turn::joined_to_all, tile_context, message_);
 }
@@ -382,11 +382,11 @@ springnet_status Engine::sweep_set(std::uint32_t set, void* tile_context) {
 springnet_status Engine::sweep_in_order(const springnet_sweep& sweep, void* tile_context) {
   cluster_done_.assign(rigid_.cluster_count(), 0);
   struct Following {
-    layers::SurfaceVolumes& volumes;
+    layers::EnclosureVolumes& volumes;
     ~Following() { volumes.stop(); }
   } const following{swept_volumes_};
   const layers::FlushDenormals flush;
-  if (layout_.elements().live_surfaces() > 0)
+  if (layout_.elements().live_enclosures() > 0)
     swept_volumes_.follow(layout_.elements(), static_cast<TileContext*>(tile_context)->nodes);
   if (sweep.set_start == nullptr) return update_range(0, sweep.order_count, 0, Turn::all, tile_context, message_);
   for (std::uint32_t set = 0; set < sweep.set_count; ++set) {

@@ -4,13 +4,13 @@
 
 #include <cstddef>
 #include <filesystem>
-#include <map>
 #include <memory>
 #include <string>
 #include <string_view>
 #include <vector>
 
 #include <springnet/sdk/plugin.h>
+#include <springnet/parameters.hpp>
 
 namespace springnet {
 
@@ -48,10 +48,6 @@ struct Refusal {
   std::filesystem::path file;
   std::string reason;  // says what is wrong and what to do
 };
-
-// Parameter values by name, as a scene or a program gives them. Choices are given by their index, booleans as 0 or 1;
-// a scene gives names (see choice_index).
-using ParameterValues = std::map<std::string, double, std::less<>>;
 
 class PluginHost {
  public:

@@ -1,11 +1,11 @@
-#include "layers/elements.hpp"
+#include "layers/springs/queries.hpp"
 
 #include <fmt/format.h>
 
 #include <algorithm>
 #include <cmath>
 
-#include "layers/element_questions.hpp"
+#include "layers/elements/queries.hpp"
 #include "plugin_host/call.hpp"
 
 namespace springnet::layers {
@@ -37,15 +37,16 @@ springnet_status evaluate_group(const Layout& layout, InstructionSet set, double
 
 }  // namespace
 
-springnet_status evaluate_elements(const Layout& layout, InstructionSet set, double time, const NodeArrays& nodes,
-                                   std::size_t group, const std::uint32_t* springs, std::size_t count,
-                                   SegmentGeometry& geometry, const LawOutputs& spring, const LawOutputs& viscosity,
-                                   springnet_message& message) {
+springnet_status evaluate_springs(const Layout& layout, InstructionSet set, double time, const NodeArrays& nodes,
+                                  std::size_t group, const std::uint32_t* springs, std::size_t count,
+                                  SegmentGeometry& geometry, const LawOutputs& spring, const LawOutputs& viscosity,
+                                  springnet_message& message) {
   return evaluate_group(layout, set, time, nodes, layout.laws().groups[group], springs, count, geometry, spring,
                         viscosity, message);
 }
 
-double tension(const Layout& layout, InstructionSet set, double time, const NodeArrays& nodes, std::uint32_t spring) {
+double spring_tension(const Layout& layout, InstructionSet set, double time, const NodeArrays& nodes,
+                      std::uint32_t spring) {
   const auto geometry = std::make_unique<SegmentGeometry>();
   const std::size_t group_index = layout.laws().group[spring];
   const Group& group = layout.laws().groups[group_index];
@@ -55,7 +56,7 @@ double tension(const Layout& layout, InstructionSet set, double time, const Node
   out[1].force = &values[1];
   springnet_message message{};
   static_cast<void>(
-      evaluate_elements(layout, set, time, nodes, group_index, &spring, 1, *geometry, out[0], out[1], message));
+      evaluate_springs(layout, set, time, nodes, group_index, &spring, 1, *geometry, out[0], out[1], message));
   return (group.spring.relative ? 0.0 : values[0]) + (group.viscosity.relative ? 0.0 : values[1]);
 }
 
@@ -78,8 +79,8 @@ void for_each_batch(const Layout& layout, InstructionSet set, double time, const
       const bool has_energy = group.spring.can(SPRINGNET_HAS_ENERGY);
       if (energy && has_energy) out[0].energy = stored;
       springnet_message message{};
-      if (evaluate_elements(layout, set, time, nodes, g, springs.data() + begin, count, *geometry, out[0], out[1],
-                            message) != SPRINGNET_OK) {
+      if (evaluate_springs(layout, set, time, nodes, g, springs.data() + begin, count, *geometry, out[0], out[1],
+                           message) != SPRINGNET_OK) {
         for (auto* values : {force[0], force[1], stored}) std::fill_n(values, count, std::nan(""));
       } else if (energy && !has_energy) {
         std::fill_n(stored, count, group.spring ? std::nan("") : 0.0);
@@ -91,7 +92,7 @@ void for_each_batch(const Layout& layout, InstructionSet set, double time, const
 
 }  // namespace
 
-void all_tensions(const Layout& layout, InstructionSet set, double time, const NodeArrays& nodes, double* out) {
+void spring_tensions(const Layout& layout, InstructionSet set, double time, const NodeArrays& nodes, double* out) {
   std::fill_n(out, layout.spring_count(), 0.0);
   for_each_batch(layout, set, time, nodes, false,
                  [&](std::uint32_t s, const Group& group, double spring, double viscous, double) {
@@ -100,13 +101,13 @@ void all_tensions(const Layout& layout, InstructionSet set, double time, const N
                  });
 }
 
-void all_energies(const Layout& layout, InstructionSet set, double time, const NodeArrays& nodes, double* out) {
+void spring_energies(const Layout& layout, InstructionSet set, double time, const NodeArrays& nodes, double* out) {
   std::fill_n(out, layout.spring_count(), 0.0);
   for_each_batch(layout, set, time, nodes, true,
                  [&](std::uint32_t s, const Group&, double, double, double stored) { out[s] = stored; });
 }
 
-double elastic_energy(const Layout& layout, InstructionSet set, double time, const NodeArrays& nodes) {
+double spring_energy(const Layout& layout, InstructionSet set, double time, const NodeArrays& nodes) {
   const auto geometry = std::make_unique<SegmentGeometry>();
   double sum = 0.0;
   double energy[max_segment], force[max_segment];
@@ -123,8 +124,8 @@ double elastic_energy(const Layout& layout, InstructionSet set, double time, con
       LawOutputs unused;
       double viscous[max_segment];
       unused.force = viscous;
-      if (evaluate_elements(layout, set, time, nodes, g, springs.data() + begin, count, *geometry, out, unused,
-                            message) != SPRINGNET_OK)
+      if (evaluate_springs(layout, set, time, nodes, g, springs.data() + begin, count, *geometry, out, unused,
+                           message) != SPRINGNET_OK)
         return std::nan("");
       for (std::size_t i = 0; i < count; ++i) sum += energy[i];
     }
@@ -142,9 +143,9 @@ std::vector<std::uint32_t> rupturing_springs(const Layout& layout) {
   return springs;
 }
 
-springnet_status rupture_margins(const Layout& layout, InstructionSet set, double time, const NodeArrays& nodes,
-                                 const std::vector<std::uint32_t>& springs, double* margins,
-                                 springnet_message& message) {
+springnet_status spring_margins(const Layout& layout, InstructionSet set, double time, const NodeArrays& nodes,
+                                const std::vector<std::uint32_t>& springs, double* margins,
+                                springnet_message& message) {
   const auto geometry = std::make_unique<SegmentGeometry>();
   double force[2][max_segment], other[max_segment];
   for (std::size_t begin = 0; begin < springs.size();) {
@@ -159,8 +160,8 @@ springnet_status rupture_margins(const Layout& layout, InstructionSet set, doubl
     out[1].force = force[1];
     if (first) out[0].margin = margins + begin;
     if (second) out[1].margin = first ? other : margins + begin;
-    const springnet_status status = evaluate_elements(layout, set, time, nodes, group_index, springs.data() + begin,
-                                                      count, *geometry, out[0], out[1], message);
+    const springnet_status status = evaluate_springs(layout, set, time, nodes, group_index, springs.data() + begin,
+                                                     count, *geometry, out[0], out[1], message);
     if (status != SPRINGNET_OK) return status;
     if (first && second)
       for (std::size_t i = 0; i < count; ++i) margins[begin + i] = lesser(margins[begin + i], other[i]);
@@ -169,41 +170,8 @@ springnet_status rupture_margins(const Layout& layout, InstructionSet set, doubl
   return SPRINGNET_OK;
 }
 
-LawOutputs LawAnswer::outputs(const Law& law, Asked asked) {
-  LawOutputs out;
-  out.force = &force;
-  if (asked == Asked::forces_and_energies && law.can(SPRINGNET_HAS_ENERGY)) out.energy = &energy;
-  if (asked == Asked::forces_and_derivatives && law.can(SPRINGNET_HAS_DERIVATIVES)) {
-    out.force_by_q = &by_q;
-    if (law.reads_rate) out.force_by_rate = &by_rate;
-  }
-  return out;
-}
-
-std::string wrong_answer(const Component& component, springnet_status status, const LawAnswer& answer,
-                         const springnet_message& message) {
-  // fmt gives nan a sign that depends on the processor.
-  const auto number = [](double value) { return std::isnan(value) ? std::string("nan") : fmt::format("{}", value); };
-  if (status != SPRINGNET_OK) return text_of(message) + ";";
-  const std::string name = full_name(component);
-  if (!std::isfinite(answer.force)) return fmt::format("{} answered {}", name, number(answer.force));
-  if (!std::isfinite(answer.energy)) return fmt::format("{} answered an energy of {}", name, number(answer.energy));
-  if (!std::isfinite(answer.by_q)) return fmt::format("{} answered a derivative of {}", name, number(answer.by_q));
-  if (!std::isfinite(answer.by_rate))
-    return fmt::format("{} answered a derivative with respect to the rate of {}", name, number(answer.by_rate));
-  return {};
-}
-
-std::string explain_failure(const Layout& layout, InstructionSet set, double time, const NodeArrays& nodes,
-                            Asked asked) {
-  const std::vector<std::uint32_t>& engine = layout.ordering().engine;
-  for (std::size_t user = 0; user < engine.size(); ++user) {
-    const std::uint32_t k = engine[user];
-    const bool position = std::isfinite(nodes.px[k]) && std::isfinite(nodes.py[k]) && std::isfinite(nodes.pz[k]);
-    const bool velocity = std::isfinite(nodes.vx[k]) && std::isfinite(nodes.vy[k]) && std::isfinite(nodes.vz[k]);
-    if (!position || !velocity)
-      return fmt::format("the {} of node {} is not a finite number", position ? "velocity" : "position", user);
-  }
+std::string explain_spring_failure(const Layout& layout, InstructionSet set, double time, const NodeArrays& nodes,
+                                   Asked asked) {
   // Spring by spring: only the first that answers nonsense is of interest, and this is not the hot path.
   const auto geometry = std::make_unique<SegmentGeometry>();
   for (std::uint32_t s = 0; s < layout.spring_count(); ++s) {
@@ -225,7 +193,7 @@ std::string explain_failure(const Layout& layout, InstructionSet set, double tim
                          geometry->length[0], geometry->rate[0]);
     }
   }
-  return explain_element_failure(layout, set, time, nodes, asked);
+  return {};
 }
 
 }  // namespace springnet::layers

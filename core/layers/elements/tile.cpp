@@ -40,15 +40,15 @@ springnet_status Evaluator::evaluate_batch(const ElementBatch& batch, double tim
   return SPRINGNET_OK;
 }
 
-springnet_status Evaluator::evaluate_surfaces(double time, springnet_message& message) const {
+springnet_status Evaluator::evaluate_enclosures(double time, springnet_message& message) const {
   const ElementLayout& elements = layout_.elements();
   std::size_t next = 0;
-  for (std::uint32_t s = 0; s < elements.surfaces().size(); ++s) {
-    const std::uint32_t e = elements.surfaces()[s].element;
-    ClosedSurface::Values sum;
-    for (; next < chunks_.size() && chunks_[next].surface == s; ++next) {
-      sum.volume += surface_shares_[next].volume;
-      sum.rate += surface_shares_[next].rate;
+  for (std::uint32_t s = 0; s < elements.enclosures().size(); ++s) {
+    const std::uint32_t e = elements.enclosures()[s].element;
+    Enclosure::Values sum;
+    for (; next < chunks_.size() && chunks_[next].enclosure == s; ++next) {
+      sum.volume += enclosure_shares_[next].volume;
+      sum.rate += enclosure_shares_[next].rate;
     }
     if (!elements.alive(e)) continue;
     element_force_[e] = 0.0;
@@ -70,14 +70,14 @@ springnet_status Evaluator::evaluate_surfaces(double time, springnet_message& me
 springnet_status Evaluator::evaluate_elements(double time, const NodeArrays& nodes, springnet_message& message) const {
   const ElementLayout& elements = layout_.elements();
   const auto batches = static_cast<std::int64_t>(elements.batches().size());
-  const auto pieces = batches + static_cast<std::int64_t>(elements.live_surfaces() > 0 ? chunks_.size() : 0);
+  const auto pieces = batches + static_cast<std::int64_t>(elements.live_enclosures() > 0 ? chunks_.size() : 0);
   const auto evaluate_piece = [&](std::int64_t i, springnet_message& own_message) -> springnet_status {
     if (i < batches) return evaluate_batch(elements.batches()[static_cast<std::size_t>(i)], time, nodes, own_message);
     const auto c = static_cast<std::size_t>(i - batches);
-    const ElementLayout::Surface& surface = elements.surfaces()[chunks_[c].surface];
-    if (elements.alive(surface.element))
-      surface_shares_[c] = surface.surface.share(chunks_[c].begin, chunks_[c].end, nodes,
-                                                 element_gradient_.data() + elements.slot(surface.element));
+    const ElementLayout::EnclosureElement& enclosure = elements.enclosures()[chunks_[c].enclosure];
+    if (elements.alive(enclosure.element))
+      enclosure_shares_[c] = enclosure.shape.share(chunks_[c].begin, chunks_[c].end, nodes,
+                                                   element_gradient_.data() + elements.slot(enclosure.element));
     return SPRINGNET_OK;
   };
   const FlushDenormals flush;
@@ -85,7 +85,7 @@ springnet_status Evaluator::evaluate_elements(double time, const NodeArrays& nod
     for (std::int64_t i = 0; i < pieces; ++i) {
       if (const springnet_status status = evaluate_piece(i, message); status != SPRINGNET_OK) return status;
     }
-    return evaluate_surfaces(time, message);
+    return evaluate_enclosures(time, message);
   }
   std::int64_t failed = pieces;
   springnet_status failure = SPRINGNET_OK;
@@ -106,7 +106,7 @@ springnet_status Evaluator::evaluate_elements(double time, const NodeArrays& nod
       }
     }
   }
-  return failure == SPRINGNET_OK ? evaluate_surfaces(time, message) : failure;
+  return failure == SPRINGNET_OK ? evaluate_enclosures(time, message) : failure;
 }
 
 void Evaluator::add_elements(std::uint32_t begin, std::uint32_t end, const ForceArrays& force) const noexcept {

@@ -1,18 +1,18 @@
-// Volumes of all closed surfaces at a state, and how they change as nodes are updated one after another.
+// Volumes of all enclosures at a state, and how they change as nodes are updated one after another.
 #pragma once
 
 #include <cstdint>
 #include <vector>
 
-#include "layers/element_layout.hpp"
+#include "layers/elements/layout.hpp"
 
 namespace springnet::layers {
 
 // V and V' are linear in one node's own position and velocity. So a sweep over all nodes computes them once, and again
 // follows each node that was moved by what that node changes; the rounding of a sweep is that of a sum over its nodes.
-class SurfaceVolumes {
+class EnclosureVolumes {
  public:
-  // Of all live surfaces.
+  // Of all live enclosures.
   void compute(const ElementLayout& elements, const NodeArrays& nodes);
   // The same, and from here on until stop() they answer for these arrays while nodes in them change: at most those
   // since the last commit() that are no neighbours of the one asked for.
@@ -23,10 +23,10 @@ class SurfaceVolumes {
     return following_ && nodes.px == now_.px && nodes.vx == now_.vx;
   }
 
-  // As one of the nodes of a surface sees them: with itself where it is now, all others as they were at the last
-  // commit(). gradient, rate_gradient: of the surface at that node.
-  [[nodiscard]] ClosedSurface::Values seen_by(std::uint32_t node, std::uint32_t surface, const Vector3& gradient,
-                                              const Vector3& rate_gradient) const noexcept;
+  // As one of the nodes of an enclosure sees them: with itself where it is now, all others as they were at the last
+  // commit(). gradient, rate_gradient: of the enclosure at that node.
+  [[nodiscard]] Enclosure::Values seen_by(std::uint32_t node, std::uint32_t enclosure, const Vector3& gradient,
+                                          const Vector3& rate_gradient) const noexcept;
 
  private:
   [[nodiscard]] NodeArrays base() const noexcept {
@@ -38,8 +38,8 @@ class SurfaceVolumes {
   const ElementLayout* elements_ = nullptr;
   bool following_ = false;
   NodeArrays now_{};
-  std::vector<double> base_[6];                // [node] x, y, z of positions and velocities at the last commit
-  std::vector<ClosedSurface::Values> values_;  // [surface] there
+  std::vector<double> base_[6];            // [node] x, y, z of positions and velocities at the last commit
+  std::vector<Enclosure::Values> values_;  // [enclosure] there
 };
 
 }  // namespace springnet::layers

@@ -1,7 +1,7 @@
 // Derivatives of the forces of elements, and of pressures that follow faces, on nodes.
 //
 // Elements of three or four nodes are blocks between their nodes; those of all elements are summed up, so that a
-// product reads every neighbour of a node once. A closed surface joins all of its nodes: with g = dV/dp, h = dV'/dp its
+// product reads every neighbour of a node once. An enclosure joins all of its nodes: with g = dV/dp, h = dV'/dp its
 // part is
 //   -dF/dp = g (Q_q g + Q_u h)^T + Q d2V/dp dp,   -dF/dv = Q_u g g^T,
 // of which the second term is blocks between nodes with a common side, and the rest is kept as the vectors that it is.
@@ -10,9 +10,9 @@
 #include <cstdint>
 #include <vector>
 
-#include "layers/block_rows.hpp"
+#include "layers/elements/blocks.hpp"
 #include "layers/evaluator.hpp"
-#include "layers/invariant.hpp"
+#include "layers/linear/block_rows.hpp"
 
 namespace springnet::layers {
 
@@ -33,7 +33,7 @@ class ElementLinearisation {
   // To be called after elements or faces were removed, before the next update().
   void topology_changed() noexcept { pattern_known_ = false; }
 
-  // What all nodes of a surface contribute to a product, before force(): dp, dv as 3n numbers, x of all nodes first.
+  // What all nodes of an enclosure contribute to a product, before force(): dp, dv as 3n numbers, x of all nodes first.
   void prepare(const double* dp, const double* dv);
   // Change of the force on a node, N.
   [[nodiscard]] Vector3 force(std::uint32_t node, const double* dp, const double* dv) const;
@@ -42,13 +42,13 @@ class ElementLinearisation {
   // The same between two different nodes, without the vectors: what(i, j, block), for every block that there is.
   template <class What>
   void for_each_block(double velocity_weight, double position_weight, const What& what) const;
-  // The vectors: the sum over `vector_count()` surfaces of g (weight)^T. what(surface, node, g, weight).
-  [[nodiscard]] std::size_t vector_count() const noexcept { return layout_.elements().surfaces().size(); }
+  // The vectors: the sum over `vector_count()` enclosures of g (weight)^T. what(enclosure, node, g, weight).
+  [[nodiscard]] std::size_t vector_count() const noexcept { return layout_.elements().enclosures().size(); }
   template <class What>
   void for_each_vector(double velocity_weight, double position_weight, const What& what) const;
 
  private:
-  struct SurfaceDerivatives {
+  struct EnclosureDerivatives {
     ElementForce law;
     std::vector<Vector3> gradient;       // g, [place]
     std::vector<Vector3> rate_gradient;  // h, [place]
@@ -56,7 +56,7 @@ class ElementLinearisation {
   };
   springnet_status ask(const ElementBatch& batch, double time, const std::uint32_t* members, const double* q,
                        const double* rate, ElementForce* forces, springnet_message& message);
-  springnet_status update_surfaces(double time, const NodeArrays& nodes, springnet_message& message);
+  springnet_status update_enclosures(double time, const NodeArrays& nodes, springnet_message& message);
   void make_pattern();
   void add_pressures(const NodeArrays& nodes, const double* pressure);
   void add(const ElementBlocks& blocks, std::size_t count, const std::uint32_t* targets);
@@ -69,10 +69,10 @@ class ElementLinearisation {
   // Sums of blocks, [block of rows_]; of damping only where `damped_`: a law answers to rates.
   std::vector<Block> stiffness_, damping_;
   bool damped_ = false;
-  std::vector<std::uint32_t> targets_;          // blocks of rows_: for batched elements (i, j), row by row
-  std::vector<std::uint32_t> face_targets_;     // for each node and each of its faces: itself, next, last
-  std::vector<std::uint32_t> surface_targets_;  // for live surfaces, [spoke]
-  std::vector<SurfaceDerivatives> surfaces_;
+  std::vector<std::uint32_t> targets_;            // blocks of rows_: for batched elements (i, j), row by row
+  std::vector<std::uint32_t> face_targets_;       // for each node and each of its faces: itself, next, last
+  std::vector<std::uint32_t> enclosure_targets_;  // for live enclosures, [spoke]
+  std::vector<EnclosureDerivatives> enclosures_;
 };
 
 template <class What>
@@ -90,13 +90,13 @@ void ElementLinearisation::for_each_block(double velocity_weight, double positio
 template <class What>
 void ElementLinearisation::for_each_vector(double velocity_weight, double position_weight, const What& what) const {
   const ElementLayout& elements = layout_.elements();
-  for (std::size_t s = 0; s < surfaces_.size(); ++s) {
-    const ElementLayout::Surface& surface = elements.surfaces()[s];
-    if (!elements.alive(surface.element)) continue;
-    const SurfaceDerivatives& own = surfaces_[s];
+  for (std::size_t s = 0; s < enclosures_.size(); ++s) {
+    const ElementLayout::EnclosureElement& enclosure = elements.enclosures()[s];
+    if (!elements.alive(enclosure.element)) continue;
+    const EnclosureDerivatives& own = enclosures_[s];
     const double by_gradient = position_weight * own.law.by_q + velocity_weight * own.law.by_rate;
-    for (std::size_t place = 0; place < surface.surface.size(); ++place)
-      what(s, surface.surface.nodes()[place], own.gradient[place],
+    for (std::size_t place = 0; place < enclosure.shape.size(); ++place)
+      what(s, enclosure.shape.nodes()[place], own.gradient[place],
            Vector3(by_gradient * own.gradient[place] + position_weight * own.law.by_rate * own.rate_gradient[place]));
   }
 }

@@ -7,16 +7,16 @@
 #include <cstdint>
 #include <vector>
 
-#include "layers/constraint_row.hpp"
-#include "layers/element_linearisation.hpp"
 #include "layers/evaluator.hpp"
-#include "layers/low_rank.hpp"
-#include "layers/spring_blocks.hpp"
+#include "layers/linear/constraint_row.hpp"
+#include "layers/linear/element_linearisation.hpp"
+#include "layers/linear/low_rank.hpp"
+#include "layers/springs/blocks.hpp"
 
 namespace springnet::layers {
 
-// The blocks of springs are those of spring_blocks.hpp, those of elements of element_linearisation.hpp. What a closed
-// surface does to all of its nodes at once is no part of the sparse matrix: it would fill it.
+// The blocks of springs are those of spring_blocks.hpp, those of elements of element_linearisation.hpp. What an
+// enclosure does to all of its nodes at once is no part of the sparse matrix: it would fill it.
 class Linearisation {
  public:
   // References have to outlive it. constrained: [node] 1 where a node is fixed or held: its acceleration is 0.
@@ -66,9 +66,9 @@ class Linearisation {
   // SPRINGNET_RECOVERABLE with a message where what neurons answered is not finite.
   springnet_status check_neurons(springnet_message& message) const;
   void make_pattern();
-  // vectors: with what closed surfaces do to all of their nodes.
+  // vectors: with what enclosures do to all of their nodes.
   void diagonal_blocks(double velocity_weight, double position_weight, bool vectors, double* out) const;
-  // Of the factorised matrix without closed surfaces.
+  // Of the factorised matrix without enclosures.
   [[nodiscard]] LowRank::Solve plain_solver();
   // Of the factorised matrix and right sides of its size.
   [[nodiscard]] Eigen::VectorXd solve_factorised(bool transposed, const Eigen::VectorXd& right_side);
@@ -82,7 +82,7 @@ class Linearisation {
   Blocks by_force_, by_position_, by_velocity_;  // [node]
   std::vector<Bond> bonds_;
   ElementLinearisation elements_;
-  LowRank vectors_;  // of closed surfaces, as factorised
+  LowRank vectors_;  // of enclosures, as factorised
   std::vector<double> force_[3], acceleration_[3];
   bool known_ = false;
   bool pattern_known_ = false;

@@ -1,4 +1,4 @@
-#include "layers/low_rank.hpp"
+#include "layers/linear/low_rank.hpp"
 
 namespace springnet::layers {
 namespace {

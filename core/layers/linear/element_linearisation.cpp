@@ -1,4 +1,4 @@
-#include "layers/element_linearisation.hpp"
+#include "layers/linear/element_linearisation.hpp"
 
 #include <cmath>
 
@@ -7,8 +7,8 @@ namespace {
 
 // They come last among the shares of a node.
 template <class What>
-void for_each_surface(std::span<const ElementShare> shares, const What& what) {
-  for (std::size_t i = shares.size(); i > 0 && shares[i - 1].surface != no_surface; --i) what(shares[i - 1]);
+void for_each_enclosure(std::span<const ElementShare> shares, const What& what) {
+  for (std::size_t i = shares.size(); i > 0 && shares[i - 1].enclosure != no_enclosure; --i) what(shares[i - 1]);
 }
 
 }  // namespace
@@ -59,12 +59,12 @@ void ElementLinearisation::make_pattern() {
     for (const std::uint32_t i : own)
       for (const std::uint32_t j : own) targets_.push_back(rows_.find(i, j));
   }
-  surface_targets_.clear();
-  for (const ElementLayout::Surface& s : elements.surfaces()) {
+  enclosure_targets_.clear();
+  for (const ElementLayout::EnclosureElement& s : elements.enclosures()) {
     if (!elements.alive(s.element)) continue;
-    for (std::size_t place = 0; place < s.surface.size(); ++place)
-      for (const ClosedSurface::Spoke& to : s.surface.spokes(place))
-        surface_targets_.push_back(rows_.find(s.surface.nodes()[place], to.other));
+    for (std::size_t place = 0; place < s.shape.size(); ++place)
+      for (const Enclosure::Spoke& to : s.shape.spokes(place))
+        enclosure_targets_.push_back(rows_.find(s.shape.nodes()[place], to.other));
   }
   face_targets_.clear();
   for (std::uint32_t node = 0; faces.any_follows() && node < layout_.node_count(); ++node)
@@ -126,30 +126,30 @@ springnet_status ElementLinearisation::update(double time, const NodeArrays& nod
     }
   }
   add_pressures(nodes, pressure);
-  return update_surfaces(time, nodes, message);
+  return update_enclosures(time, nodes, message);
 }
 
-springnet_status ElementLinearisation::update_surfaces(double time, const NodeArrays& nodes,
-                                                       springnet_message& message) {
+springnet_status ElementLinearisation::update_enclosures(double time, const NodeArrays& nodes,
+                                                         springnet_message& message) {
   const ElementLayout& elements = layout_.elements();
-  surfaces_.resize(elements.surfaces().size());
-  const std::uint32_t* target = surface_targets_.data();
-  for (std::size_t s = 0; s < surfaces_.size(); ++s) {
-    const std::uint32_t e = elements.surfaces()[s].element;
+  enclosures_.resize(elements.enclosures().size());
+  const std::uint32_t* target = enclosure_targets_.data();
+  for (std::size_t s = 0; s < enclosures_.size(); ++s) {
+    const std::uint32_t e = elements.enclosures()[s].element;
     if (!elements.alive(e)) continue;
-    const ClosedSurface& surface = elements.surfaces()[s].surface;
-    SurfaceDerivatives& own = surfaces_[s];
-    const ClosedSurface::Values values = surface.values(nodes);
+    const Enclosure& enclosure = elements.enclosures()[s].shape;
+    EnclosureDerivatives& own = enclosures_[s];
+    const Enclosure::Values values = enclosure.values(nodes);
     const springnet_status status = ask({Invariant::enclosed_volume, elements.group(e), 0, 1}, time, &e, &values.volume,
                                         &values.rate, &own.law, message);
     if (status != SPRINGNET_OK) return status;
-    own.gradient.resize(surface.size());
-    own.rate_gradient.resize(surface.size());
-    for (std::size_t place = 0; place < surface.size(); ++place) {
-      own.gradient[place] = surface.gradient(place, nodes);
-      own.rate_gradient[place] = surface.rate_gradient(place, nodes);
-      for (const ClosedSurface::Spoke& to : surface.spokes(place))
-        stiffness_[*target++] += cross_matrix(own.law.force * ClosedSurface::across(to, nodes));
+    own.gradient.resize(enclosure.size());
+    own.rate_gradient.resize(enclosure.size());
+    for (std::size_t place = 0; place < enclosure.size(); ++place) {
+      own.gradient[place] = enclosure.gradient(place, nodes);
+      own.rate_gradient[place] = enclosure.rate_gradient(place, nodes);
+      for (const Enclosure::Spoke& to : enclosure.spokes(place))
+        stiffness_[*target++] += cross_matrix(own.law.force * Enclosure::across(to, nodes));
     }
   }
   return SPRINGNET_OK;
@@ -161,11 +161,11 @@ void ElementLinearisation::prepare(const double* dp, const double* dv) {
   const auto at = [n](const double* values, std::size_t k) {
     return Vector3(values[k], values[n + k], values[2 * n + k]);
   };
-  for (std::size_t s = 0; s < surfaces_.size(); ++s) {
-    SurfaceDerivatives& own = surfaces_[s];
+  for (std::size_t s = 0; s < enclosures_.size(); ++s) {
+    EnclosureDerivatives& own = enclosures_[s];
     own.product = 0.0;
-    if (!elements.alive(elements.surfaces()[s].element)) continue;
-    const std::vector<std::uint32_t>& nodes = elements.surfaces()[s].surface.nodes();
+    if (!elements.alive(elements.enclosures()[s].element)) continue;
+    const std::vector<std::uint32_t>& nodes = elements.enclosures()[s].shape.nodes();
     for (std::size_t place = 0; place < nodes.size(); ++place) {
       const Vector3 p = at(dp, nodes[place]), v = at(dv, nodes[place]);
       own.product += own.law.by_q * own.gradient[place].dot(p) +
@@ -185,8 +185,8 @@ Vector3 ElementLinearisation::force(std::uint32_t node, const double* dp, const 
   for (std::size_t b = begin; b < end; ++b) sum -= stiffness_[b] * at(dp, rows_.other(b));
   if (damped_)
     for (std::size_t b = begin; b < end; ++b) sum -= damping_[b] * at(dv, rows_.other(b));
-  for_each_surface(elements.shares(node), [&](const ElementShare& share) {
-    const SurfaceDerivatives& own = surfaces_[share.surface];
+  for_each_enclosure(elements.shares(node), [&](const ElementShare& share) {
+    const EnclosureDerivatives& own = enclosures_[share.enclosure];
     sum -= own.product * own.gradient[share.place];
   });
   return sum;
@@ -202,8 +202,8 @@ Block ElementLinearisation::diagonal(std::uint32_t node, double velocity_weight,
   sum = position_weight * stiffness_[own_block];
   if (damped_) sum += velocity_weight * damping_[own_block];
   if (!vectors) return sum;
-  for_each_surface(shares, [&](const ElementShare& share) {
-    const SurfaceDerivatives& own = surfaces_[share.surface];
+  for_each_enclosure(shares, [&](const ElementShare& share) {
+    const EnclosureDerivatives& own = enclosures_[share.enclosure];
     const Vector3& g = own.gradient[share.place];
     const Vector3 weight = (position_weight * own.law.by_q + velocity_weight * own.law.by_rate) * g +
                            position_weight * own.law.by_rate * own.rate_gradient[share.place];

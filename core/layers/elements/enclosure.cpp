@@ -1,4 +1,4 @@
-#include "layers/closed_surface.hpp"
+#include "layers/elements/enclosure.hpp"
 
 #include <Eigen/Geometry>
 #include <algorithm>
@@ -14,7 +14,7 @@ std::uint64_t directed(std::uint32_t from, std::uint32_t to) { return std::uint6
 
 }  // namespace
 
-ClosedSurface::ClosedSurface(const std::vector<std::uint32_t>& triangles) : nodes_(triangles) {
+Enclosure::Enclosure(const std::vector<std::uint32_t>& triangles) : nodes_(triangles) {
   std::sort(nodes_.begin(), nodes_.end());
   nodes_.erase(std::unique(nodes_.begin(), nodes_.end()), nodes_.end());
   std::unordered_map<std::uint64_t, std::uint32_t> left;
@@ -40,7 +40,7 @@ ClosedSurface::ClosedSurface(const std::vector<std::uint32_t>& triangles) : node
   });
 }
 
-bool ClosedSurface::has_side(std::uint32_t first, std::uint32_t second) const noexcept {
+bool Enclosure::has_side(std::uint32_t first, std::uint32_t second) const noexcept {
   const auto at = std::lower_bound(nodes_.begin(), nodes_.end(), first);
   if (at == nodes_.end() || *at != first) return false;
   const std::span<const Spoke> around = spokes(static_cast<std::size_t>(at - nodes_.begin()));
@@ -48,7 +48,7 @@ bool ClosedSurface::has_side(std::uint32_t first, std::uint32_t second) const no
 }
 
 // The area of the ring of neighbours as a vector, from one of them: 1/6 sum (b - o) x (c - o).
-Vector3 ClosedSurface::gradient(std::size_t place, const NodeArrays& nodes) const noexcept {
+Vector3 Enclosure::gradient(std::size_t place, const NodeArrays& nodes) const noexcept {
   const std::span<const Spoke> around = spokes(place);
   const Vector3 origin = position(nodes, around[0].other);
   Vector3 sum = Vector3::Zero();
@@ -56,7 +56,7 @@ Vector3 ClosedSurface::gradient(std::size_t place, const NodeArrays& nodes) cons
   return sum / 6.0;
 }
 
-Vector3 ClosedSurface::rate_gradient(std::size_t place, const NodeArrays& nodes) const noexcept {
+Vector3 Enclosure::rate_gradient(std::size_t place, const NodeArrays& nodes) const noexcept {
   const std::span<const Spoke> around = spokes(place);
   const Vector3 origin = position(nodes, around[0].other), moving = velocity(nodes, around[0].other);
   Vector3 sum = Vector3::Zero();
@@ -68,12 +68,12 @@ Vector3 ClosedSurface::rate_gradient(std::size_t place, const NodeArrays& nodes)
 }
 
 // In a . (b x c) / 6 + b . (a x d) / 6 the derivative by a and b is [d - c]x / 6.
-Vector3 ClosedSurface::across(const Spoke& spoke, const NodeArrays& nodes) noexcept {
+Vector3 Enclosure::across(const Spoke& spoke, const NodeArrays& nodes) noexcept {
   return (position(nodes, spoke.right) - position(nodes, spoke.left)) / 6.0;
 }
 
-ClosedSurface::Values ClosedSurface::share(std::size_t begin, std::size_t end, const NodeArrays& nodes,
-                                           Vector3* gradients) const noexcept {
+Enclosure::Values Enclosure::share(std::size_t begin, std::size_t end, const NodeArrays& nodes,
+                                   Vector3* gradients) const noexcept {
   const Vector3 origin = position(nodes, nodes_[0]), moving = velocity(nodes, nodes_[0]);
   Values sum;
   for (std::size_t place = begin; place < end; ++place) {
@@ -86,10 +86,10 @@ ClosedSurface::Values ClosedSurface::share(std::size_t begin, std::size_t end, c
   return sum;
 }
 
-ClosedSurface::Values ClosedSurface::values(const NodeArrays& nodes) const noexcept {
+Enclosure::Values Enclosure::values(const NodeArrays& nodes) const noexcept {
   Values sum;
-  for (std::size_t begin = 0; begin < size(); begin += surface_chunk) {
-    const Values part = share(begin, std::min(size(), begin + surface_chunk), nodes, nullptr);
+  for (std::size_t begin = 0; begin < size(); begin += enclosure_chunk) {
+    const Values part = share(begin, std::min(size(), begin + enclosure_chunk), nodes, nullptr);
     sum.volume += part.volume;
     sum.rate += part.rate;
   }

@@ -1,14 +1,10 @@
 // What one spring contributes to the derivatives of the forces on its ends.
 #pragma once
 
-#include <springnet/network.hpp>
-
+#include "layers/block.hpp"
 #include "layers/laws.hpp"
-#include "layers/message.hpp"
 
 namespace springnet::layers {
-
-using Block = Eigen::Matrix<double, 3, 3, Eigen::RowMajor>;
 
 // Forces of a spring's laws and their derivatives, summed over the laws of each kind, from zero.
 struct SpringForces {
@@ -60,8 +56,5 @@ struct SpringBlocks {
     }
   }
 };
-
-// SPRINGNET_FAILED with a message unless a law or neuron offers derivatives.
-[[nodiscard]] springnet_status require_derivatives(const Component& component, springnet_message& message);
 
 }  // namespace springnet::layers

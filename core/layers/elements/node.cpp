@@ -2,6 +2,7 @@
 
 #include <limits>
 
+#include "layers/elements/blocks.hpp"
 #include "layers/node_sums.hpp"
 
 namespace springnet::layers {
@@ -14,13 +15,13 @@ struct Seen {
   Corners corners;        // of three or four nodes
   FirstOrder geometry;    // likewise
   Vector3 gradient;       // dq/dp of the node
-  Vector3 rate_gradient;  // dq'/dp, of a closed surface
+  Vector3 rate_gradient;  // dq'/dp, of an enclosure
 };
 
 }  // namespace
 
 springnet_status Evaluator::add_elements_of(std::uint32_t node, double time, const NodeArrays& nodes,
-                                            const SurfaceVolumes* volumes, NodeSums& sums,
+                                            const EnclosureVolumes* volumes, NodeSums& sums,
                                             springnet_message& message) const {
   const ElementLayout& elements = layout_.elements();
   const std::span<const ElementShare> shares = elements.shares(node);
@@ -38,13 +39,13 @@ springnet_status Evaluator::add_elements_of(std::uint32_t node, double time, con
     for (std::size_t i = 0; i < count; ++i) {
       const ElementShare& share = shares[begin + i];
       Seen& own = seen[i];
-      if (share.surface != no_surface) {
-        const ClosedSurface& surface = elements.surfaces()[share.surface].surface;
-        own.gradient = surface.gradient(share.place, nodes);
-        own.rate_gradient = surface.rate_gradient(share.place, nodes);
-        const ClosedSurface::Values values =
-            volumes != nullptr ? volumes->seen_by(node, share.surface, own.gradient, own.rate_gradient)
-                               : surface.values(nodes);
+      if (share.enclosure != no_enclosure) {
+        const Enclosure& enclosure = elements.enclosures()[share.enclosure].shape;
+        own.gradient = enclosure.gradient(share.place, nodes);
+        own.rate_gradient = enclosure.rate_gradient(share.place, nodes);
+        const Enclosure::Values values = volumes != nullptr
+                                             ? volumes->seen_by(node, share.enclosure, own.gradient, own.rate_gradient)
+                                             : enclosure.values(nodes);
         q[i] = values.volume;
         rate[i] = values.rate;
       } else {
@@ -84,7 +85,7 @@ springnet_status Evaluator::add_elements_of(std::uint32_t node, double time, con
       sums.force -= forces[i].force * seen[i].gradient;
       if (!blocks) continue;
       Block stiffness, damping;
-      if (share.surface != no_surface) {
+      if (share.enclosure != no_enclosure) {
         // The volume is linear in the node's position.
         const Vector3 change = forces[i].by_q * seen[i].gradient + forces[i].by_rate * seen[i].rate_gradient;
         stiffness = seen[i].gradient * change.transpose();

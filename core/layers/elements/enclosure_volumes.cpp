@@ -1,4 +1,4 @@
-#include "layers/surface_volumes.hpp"
+#include "layers/elements/enclosure_volumes.hpp"
 
 #include <algorithm>
 #include <array>
@@ -13,27 +13,28 @@ std::array<const double*, 6> arrays_of(const NodeArrays& nodes) {
 
 }  // namespace
 
-void SurfaceVolumes::compute(const ElementLayout& elements, const NodeArrays& nodes) {
+void EnclosureVolumes::compute(const ElementLayout& elements, const NodeArrays& nodes) {
   elements_ = &elements;
   following_ = false;
-  values_.resize(elements.surfaces().size());
+  values_.resize(elements.enclosures().size());
   for (std::size_t s = 0; s < values_.size(); ++s) {
-    const ElementLayout::Surface& surface = elements.surfaces()[s];
-    if (elements.alive(surface.element)) values_[s] = surface.surface.values(nodes);
+    const ElementLayout::EnclosureElement& enclosure = elements.enclosures()[s];
+    if (elements.alive(enclosure.element)) values_[s] = enclosure.shape.values(nodes);
   }
 }
 
-void SurfaceVolumes::follow(const ElementLayout& elements, const NodeArrays& nodes) {
+void EnclosureVolumes::follow(const ElementLayout& elements, const NodeArrays& nodes) {
   compute(elements, nodes);
   const std::array<const double*, 6> from = arrays_of(nodes);
   std::uint32_t end = 0;
-  for (const ElementLayout::Surface& surface : elements.surfaces()) end = std::max(end, surface.surface.nodes().back());
+  for (const ElementLayout::EnclosureElement& enclosure : elements.enclosures())
+    end = std::max(end, enclosure.shape.nodes().back());
   for (std::size_t c = 0; c < 6; ++c) base_[c].assign(from[c], from[c] + end + 1);
   now_ = nodes;
   following_ = true;
 }
 
-void SurfaceVolumes::moved(std::uint32_t node, Vector3& position, Vector3& velocity) const noexcept {
+void EnclosureVolumes::moved(std::uint32_t node, Vector3& position, Vector3& velocity) const noexcept {
   const std::array<const double*, 6> now = arrays_of(now_);
   for (std::size_t c = 0; c < 3; ++c) {
     const auto row = static_cast<Eigen::Index>(c);
@@ -42,9 +43,9 @@ void SurfaceVolumes::moved(std::uint32_t node, Vector3& position, Vector3& veloc
   }
 }
 
-ClosedSurface::Values SurfaceVolumes::seen_by(std::uint32_t node, std::uint32_t surface, const Vector3& gradient,
-                                              const Vector3& rate_gradient) const noexcept {
-  ClosedSurface::Values seen = values_[surface];
+Enclosure::Values EnclosureVolumes::seen_by(std::uint32_t node, std::uint32_t enclosure, const Vector3& gradient,
+                                            const Vector3& rate_gradient) const noexcept {
+  Enclosure::Values seen = values_[enclosure];
   if (!following_) return seen;
   Vector3 position, velocity;
   moved(node, position, velocity);
@@ -53,13 +54,13 @@ ClosedSurface::Values SurfaceVolumes::seen_by(std::uint32_t node, std::uint32_t 
   return seen;
 }
 
-void SurfaceVolumes::commit(std::uint32_t node) {
+void EnclosureVolumes::commit(std::uint32_t node) {
   bool is_base_old = false;
   for (const ElementShare& share : elements_->shares(node)) {
-    if (share.surface == no_surface) continue;
-    const ClosedSurface& surface = elements_->surfaces()[share.surface].surface;
-    values_[share.surface] =
-        seen_by(node, share.surface, surface.gradient(share.place, base()), surface.rate_gradient(share.place, base()));
+    if (share.enclosure == no_enclosure) continue;
+    const Enclosure& enclosure = elements_->enclosures()[share.enclosure].shape;
+    values_[share.enclosure] = seen_by(node, share.enclosure, enclosure.gradient(share.place, base()),
+                                       enclosure.rate_gradient(share.place, base()));
     is_base_old = true;
   }
   if (!is_base_old) return;

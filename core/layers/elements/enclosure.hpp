@@ -1,4 +1,4 @@
-// A closed surface of triangles and the volume that it encloses.
+// A closed surface of triangles and the volume that it encloses. "Surface" alone means an obstacle's.
 //
 // V is linear in the position of each node alone, and so is V' = dV/dt in its position and velocity. V = 1/3 sum_k (p_k
 // - o) . g_k (Euler, degree 3; any o, because the gradients g_k = dV/dp_k add up to zero).
@@ -10,12 +10,12 @@
 
 #include <springnet/network.hpp>
 
+#include "layers/block.hpp"
 #include "layers/kernels.hpp"
-#include "layers/spring_blocks.hpp"
 
 namespace springnet::layers {
 
-class ClosedSurface {
+class Enclosure {
  public:
   // A directed edge from a node: the triangle (node, other, left) is on its left, (other, node, right) on its right.
   struct Spoke {
@@ -27,7 +27,7 @@ class ClosedSurface {
   };
 
   // triangles: three nodes each, every edge twice, once in each direction.
-  explicit ClosedSurface(const std::vector<std::uint32_t>& triangles);
+  explicit Enclosure(const std::vector<std::uint32_t>& triangles);
 
   // Each once, rising. A node's number in here is its place.
   [[nodiscard]] const std::vector<std::uint32_t>& nodes() const noexcept { return nodes_; }
@@ -58,7 +58,7 @@ class ClosedSurface {
   std::vector<Spoke> spokes_;
 };
 
-// Places of a surface that are summed together: sums have the same bits for every number of threads.
-inline constexpr std::size_t surface_chunk = 256;
+// Places of an enclosure that are summed together: sums have the same bits for every number of threads.
+inline constexpr std::size_t enclosure_chunk = 256;
 
 }  // namespace springnet::layers

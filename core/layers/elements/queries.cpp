@@ -1,4 +1,4 @@
-#include "layers/element_questions.hpp"
+#include "layers/elements/queries.hpp"
 
 #include <fmt/format.h>
 
@@ -24,7 +24,7 @@ const Group& group_of(const Layout& layout, std::uint32_t element) {
   return layout.laws().groups[layout.elements().group(element)];
 }
 
-// "nodes 1, 2 and 3"; a surface has too many.
+// "nodes 1, 2 and 3"; an enclosure has too many.
 std::string where(const Layout& layout, std::uint32_t element) {
   const ElementLayout& elements = layout.elements();
   const std::span<const std::uint32_t> nodes = elements.nodes(element);
@@ -40,9 +40,9 @@ std::string where(const Layout& layout, std::uint32_t element) {
 ElementState element_state(const Layout& layout, const NodeArrays& nodes, std::uint32_t element) {
   const ElementLayout& elements = layout.elements();
   if (elements.invariant(element) == Invariant::enclosed_volume) {
-    for (const ElementLayout::Surface& surface : elements.surfaces()) {
-      if (surface.element != element) continue;
-      const ClosedSurface::Values values = surface.surface.values(nodes);
+    for (const ElementLayout::EnclosureElement& enclosure : elements.enclosures()) {
+      if (enclosure.element != element) continue;
+      const Enclosure::Values values = enclosure.shape.values(nodes);
       return {values.volume, values.rate};
     }
   }

@@ -8,8 +8,8 @@
 
 #include <springnet/network.hpp>
 
-#include "layers/closed_surface.hpp"
-#include "layers/invariant.hpp"
+#include "layers/elements/enclosure.hpp"
+#include "layers/elements/invariant.hpp"
 #include "layers/laws.hpp"
 
 namespace springnet::layers {
@@ -20,11 +20,11 @@ inline constexpr std::size_t element_batch = 32;
 // An element as one of its nodes sees it.
 struct ElementShare {
   std::uint32_t element;
-  std::uint32_t place;    // which of the element's nodes this is
-  std::uint32_t group;    // of laws
-  std::uint32_t surface;  // number of the closed surface; no_surface: an element of three or four nodes
+  std::uint32_t place;      // which of the element's nodes this is
+  std::uint32_t group;      // of laws
+  std::uint32_t enclosure;  // number of the enclosure; no_enclosure: an element of three or four nodes
 };
-inline constexpr std::uint32_t no_surface = 0xffffffffu;
+inline constexpr std::uint32_t no_enclosure = 0xffffffffu;
 
 // Live elements of three or four nodes with one invariant and the same laws: batched()[begin, begin + count).
 struct ElementBatch {
@@ -47,7 +47,7 @@ class ElementLayout {
   [[nodiscard]] double reference(std::uint32_t element) const noexcept {
     return laws_.groups[group(element)].columns[0][row(element)];
   }
-  // Nodes of an element in the engine's numbers, each once: its corners, or those of its surface.
+  // Nodes of an element in the engine's numbers, each once: its corners, or those of its enclosure.
   [[nodiscard]] std::span<const std::uint32_t> nodes(std::uint32_t element) const noexcept {
     return {nodes_.data() + start_[element], nodes_.data() + start_[element + 1]};
   }
@@ -55,7 +55,7 @@ class ElementLayout {
   [[nodiscard]] std::size_t slot(std::uint32_t element) const noexcept { return start_[element]; }
   [[nodiscard]] std::size_t slot_count() const noexcept { return nodes_.size(); }
 
-  // Live elements at a node: those of three or four nodes by laws, then closed surfaces.
+  // Live elements at a node: those of three or four nodes by laws, then enclosures.
   [[nodiscard]] std::span<const ElementShare> shares(std::uint32_t node) const noexcept {
     if (live_count_ == 0) return {};
     return {shares_.data() + share_start_[node], shares_.data() + share_stop_[node]};
@@ -63,21 +63,21 @@ class ElementLayout {
   [[nodiscard]] const std::vector<ElementBatch>& batches() const noexcept { return batches_; }
   [[nodiscard]] const std::vector<std::uint32_t>& batched() const noexcept { return batched_; }
 
-  struct Surface {
+  struct EnclosureElement {
     std::uint32_t element;
-    ClosedSurface surface;
+    Enclosure shape;
   };
   // Those of removed elements included.
-  [[nodiscard]] const std::vector<Surface>& surfaces() const noexcept { return surfaces_; }
-  [[nodiscard]] std::size_t live_surfaces() const noexcept { return live_surfaces_; }
+  [[nodiscard]] const std::vector<EnclosureElement>& enclosures() const noexcept { return enclosures_; }
+  [[nodiscard]] std::size_t live_enclosures() const noexcept { return live_enclosures_; }
 
-  // Adds nodes that share an element with a node, of a closed surface those that share a triangle with it.
+  // Adds nodes that share an element with a node, of an enclosure those that share a triangle with it.
   void add_neighbours(std::uint32_t node, std::vector<std::uint32_t>& neighbours) const;
-  // Live elements that lose a spring between two nodes: those that have a side there, and closed surfaces one of whose
+  // Live elements that lose a spring between two nodes: those that have a side there, and enclosures one of whose
   // triangles has. By number, each once.
   [[nodiscard]] std::vector<std::uint32_t> broken_by(
       const std::vector<std::pair<std::uint32_t, std::uint32_t>>& springs) const;
-  // Live elements of which `crosses(node, node)` is true for a side, or for one of a triangle of a surface.
+  // Live elements of which `crosses(node, node)` is true for a side, or for one of a triangle of an enclosure.
   template <class Crosses>
   [[nodiscard]] std::vector<std::uint32_t> crossed_by(const Crosses& crosses) const;
 
@@ -102,10 +102,10 @@ class ElementLayout {
   const CompiledLaws& laws_;
   std::vector<Invariant> invariant_;
   std::vector<std::uint8_t> alive_;
-  std::size_t live_count_ = 0, live_surfaces_ = 0;
+  std::size_t live_count_ = 0, live_enclosures_ = 0;
   std::vector<std::size_t> start_;
   std::vector<std::uint32_t> nodes_;
-  std::vector<Surface> surfaces_;
+  std::vector<EnclosureElement> enclosures_;
   std::vector<std::size_t> share_start_, share_stop_;  // [node]; empty without elements
   std::vector<ElementShare> shares_;
   std::vector<ElementBatch> batches_;
@@ -115,15 +115,15 @@ class ElementLayout {
 template <class Crosses>
 std::vector<std::uint32_t> ElementLayout::crossed_by(const Crosses& crosses) const {
   std::vector<std::uint32_t> found;
-  std::size_t next_surface = 0;
+  std::size_t next_enclosure = 0;
   for (std::uint32_t e = 0; e < count(); ++e) {
     bool is_crossed = false;
     if (invariant_[e] == Invariant::enclosed_volume) {
-      const ClosedSurface& surface = surfaces_[next_surface++].surface;
-      for (std::size_t place = 0; place < surface.size() && alive(e) && !is_crossed; ++place)
-        for (const ClosedSurface::Spoke& spoke : surface.spokes(place))
+      const Enclosure& enclosure = enclosures_[next_enclosure++].shape;
+      for (std::size_t place = 0; place < enclosure.size() && alive(e) && !is_crossed; ++place)
+        for (const Enclosure::Spoke& spoke : enclosure.spokes(place))
           is_crossed =
-              is_crossed || (surface.nodes()[place] < spoke.other && crosses(surface.nodes()[place], spoke.other));
+              is_crossed || (enclosure.nodes()[place] < spoke.other && crosses(enclosure.nodes()[place], spoke.other));
     } else {
       const std::span<const std::uint32_t> corners = nodes(e);
       for (std::size_t i = 0; i < corners.size() && alive(e); ++i)

@@ -1,24 +1,16 @@
-#include "layers/linearisation.hpp"
+#include "layers/linear/linearisation.hpp"
 
 #include <fmt/format.h>
 
 #include <algorithm>
 #include <cmath>
 
-#include "layers/elements.hpp"
-#include "layers/message.hpp"
+#include "layers/failure.hpp"
+#include "layers/springs/queries.hpp"
 #include "plugin_host/call.hpp"
+#include "plugin_host/message.hpp"
 
 namespace springnet::layers {
-
-springnet_status require_derivatives(const Component& component, springnet_message& message) {
-  if ((component.description->capabilities & SPRINGNET_HAS_DERIVATIVES) != 0) return SPRINGNET_OK;
-  const char* header = component.kind() == ComponentKind::neuron ? "neuron" : "law";
-  set_message(message, fmt::format("{} '{}' offers no derivatives, which implicit methods need; write it with "
-                                   "springnet/sdk/{}.hpp, or choose an explicit method",
-                                   name_of(component.kind()), component.id(), header));
-  return SPRINGNET_FAILED;
-}
 
 Linearisation::Linearisation(const Layout& layout, const Evaluator& evaluator,
                              const std::vector<std::uint8_t>& constrained)
@@ -48,8 +40,8 @@ springnet_status Linearisation::update(double time, const NodeArrays& nodes, con
     for (std::size_t begin = 0; begin < springs.size(); begin += max_segment) {
       const std::size_t count = std::min(max_segment, springs.size() - begin);
       const springnet_status status =
-          evaluate_elements(layout_, evaluator_.instruction_set(), time, nodes, g, springs.data() + begin, count,
-                            *geometry, out[0], out[1], message);
+          evaluate_springs(layout_, evaluator_.instruction_set(), time, nodes, g, springs.data() + begin, count,
+                           *geometry, out[0], out[1], message);
       if (status != SPRINGNET_OK) return status;
       for (std::size_t i = 0; i < count; ++i) {
         const std::uint32_t s = springs[begin + i];
@@ -301,17 +293,17 @@ springnet_status Linearisation::factorise(double velocity_weight, double positio
   return SPRINGNET_OK;
 }
 
-// What closed surfaces add to the factorised matrix.
+// What enclosures add to the factorised matrix.
 void Linearisation::set_vectors(double velocity_weight, double position_weight) {
-  const std::size_t live = layout_.elements().live_surfaces();
+  const std::size_t live = layout_.elements().live_enclosures();
   const Eigen::Index size = matrix_.rows() + static_cast<Eigen::Index>(rows_.size());
   const auto count = static_cast<Eigen::Index>(live > 0 ? elements_.vector_count() : 0);
   Eigen::MatrixXd columns = Eigen::MatrixXd::Zero(size, count), weights = columns;
   if (count > 0) {
     elements_.for_each_vector(
         velocity_weight, position_weight,
-        [&](std::size_t surface, std::uint32_t node, const Vector3& gradient, const Vector3& weight) {
-          const auto column = static_cast<Eigen::Index>(surface), at = 3 * static_cast<Eigen::Index>(node);
+        [&](std::size_t enclosure, std::uint32_t node, const Vector3& gradient, const Vector3& weight) {
+          const auto column = static_cast<Eigen::Index>(enclosure), at = 3 * static_cast<Eigen::Index>(node);
           if (constrained_[node] == 0) columns.block<3, 1>(at, column) = block(by_force_, node) * gradient;
           weights.block<3, 1>(at, column) = weight;
         });
@@ -329,7 +321,7 @@ LowRank::Solve Linearisation::plain_solver() {
 Eigen::VectorXd Linearisation::solve_factorised(bool transposed, const Eigen::VectorXd& right_side) {
   const LowRank::Solve plain = plain_solver();
   if (vectors_.empty()) return plain(transposed, right_side);
-  // The part without the surfaces may be far worse conditioned than the whole: what its solution is off by is solved
+  // The part without the enclosures may be far worse conditioned than the whole: what its solution is off by is solved
   // for once more.
   const Eigen::SparseMatrix<double>& matrix = rows_.empty() ? matrix_ : bordered_;
   Eigen::VectorXd x = vectors_.solve(transposed, right_side, plain);

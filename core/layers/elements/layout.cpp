@@ -1,4 +1,4 @@
-#include "layers/element_layout.hpp"
+#include "layers/elements/layout.hpp"
 
 #include <algorithm>
 #include <tuple>
@@ -16,28 +16,28 @@ ElementLayout::ElementLayout(const Network& network, const CompiledLaws& laws, c
     for (const NodeIndex node : elements[e].nodes) nodes.push_back(engine[node]);
     invariant_.push_back(elements[e].invariant);
     if (elements[e].invariant == Invariant::enclosed_volume) {
-      surfaces_.push_back({e, ClosedSurface(nodes)});
-      nodes = surfaces_.back().surface.nodes();
+      enclosures_.push_back({e, Enclosure(nodes)});
+      nodes = enclosures_.back().shape.nodes();
     }
     nodes_.insert(nodes_.end(), nodes.begin(), nodes.end());
     start_.push_back(nodes_.size());
   }
-  live_surfaces_ = surfaces_.size();
+  live_enclosures_ = enclosures_.size();
 
   share_start_.assign(engine.size() + 1, 0);
   for (const std::uint32_t node : nodes_) ++share_start_[node + 1];
   for (std::size_t k = 0; k < engine.size(); ++k) share_start_[k + 1] += share_start_[k];
   shares_.resize(nodes_.size());
   share_stop_.assign(share_start_.begin(), share_start_.end() - 1);
-  std::uint32_t next_surface = 0;
+  std::uint32_t next_enclosure = 0;
   for (std::uint32_t e = 0; e < elements.size(); ++e) {
-    const std::uint32_t surface = invariant_[e] == Invariant::enclosed_volume ? next_surface++ : no_surface;
+    const std::uint32_t enclosure = invariant_[e] == Invariant::enclosed_volume ? next_enclosure++ : no_enclosure;
     const std::span<const std::uint32_t> own = this->nodes(e);
-    for (std::uint32_t i = 0; i < own.size(); ++i) shares_[share_stop_[own[i]]++] = {e, i, group(e), surface};
+    for (std::uint32_t i = 0; i < own.size(); ++i) shares_[share_stop_[own[i]]++] = {e, i, group(e), enclosure};
   }
   for (std::size_t k = 0; k < engine.size(); ++k) {
     const auto order = [this](const ElementShare& s) {
-      return std::tuple(s.surface != no_surface, s.group, invariant_[s.element], s.element);
+      return std::tuple(s.enclosure != no_enclosure, s.group, invariant_[s.element], s.element);
     };
     std::sort(shares_.data() + share_start_[k], shares_.data() + share_stop_[k],
               [&](const ElementShare& a, const ElementShare& b) { return order(a) < order(b); });
@@ -71,8 +71,8 @@ void ElementLayout::make_batches() {
 
 void ElementLayout::add_neighbours(std::uint32_t node, std::vector<std::uint32_t>& neighbours) const {
   for (const ElementShare& share : shares(node)) {
-    if (share.surface != no_surface) {
-      for (const ClosedSurface::Spoke& spoke : surfaces_[share.surface].surface.spokes(share.place))
+    if (share.enclosure != no_enclosure) {
+      for (const Enclosure::Spoke& spoke : enclosures_[share.enclosure].shape.spokes(share.place))
         neighbours.push_back(spoke.other);
       continue;
     }
@@ -87,8 +87,8 @@ std::vector<std::uint32_t> ElementLayout::broken_by(
   for (const auto& [first, second] : springs) {
     for (const ElementShare& share : shares(first)) {
       const std::span<const std::uint32_t> own = nodes(share.element);
-      if (share.surface != no_surface) {
-        if (surfaces_[share.surface].surface.has_side(first, second)) found.push_back(share.element);
+      if (share.enclosure != no_enclosure) {
+        if (enclosures_[share.enclosure].shape.has_side(first, second)) found.push_back(share.element);
         continue;
       }
       const auto a = static_cast<std::size_t>(std::find(own.begin(), own.end(), first) - own.begin());
@@ -107,7 +107,7 @@ std::vector<std::uint32_t> ElementLayout::remove(const std::vector<std::uint32_t
     if (!alive(e)) continue;
     alive_[e] = 0;
     removed.push_back(e);
-    if (invariant_[e] == Invariant::enclosed_volume) --live_surfaces_;
+    if (invariant_[e] == Invariant::enclosed_volume) --live_enclosures_;
   }
   if (removed.empty()) return removed;
   live_count_ -= removed.size();

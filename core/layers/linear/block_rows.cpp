@@ -1,4 +1,4 @@
-#include "layers/block_rows.hpp"
+#include "layers/linear/block_rows.hpp"
 
 #include <algorithm>
 #include <iterator>

@@ -1,4 +1,4 @@
-// Questions about chosen elements: values, forces, energies, margins. Outside the hot path.
+// Queries about chosen elements: values, forces, energies, margins. Outside the hot path.
 #pragma once
 
 #include <cmath>
@@ -6,7 +6,7 @@
 #include <string>
 #include <vector>
 
-#include "layers/elements.hpp"
+#include "layers/failure.hpp"
 #include "layers/instruction_set.hpp"
 #include "layers/layout.hpp"
 
@@ -23,9 +23,6 @@ struct ElementState {
                                    std::uint32_t element);
 // Energy stored in all live elements whose spring function has one, J.
 [[nodiscard]] double element_energy(const Layout& layout, InstructionSet set, double time, const NodeArrays& nodes);
-
-// The smaller of two margins; nan, which tells nothing, if one of them is.
-[[nodiscard]] inline double lesser(double a, double b) noexcept { return a < b || std::isnan(a) ? a : b; }
 
 // Live elements whose law can rupture, by number, and the smaller margin of their two laws in that order.
 [[nodiscard]] std::vector<std::uint32_t> rupturing_elements(const Layout& layout);
