@@ -94,8 +94,4 @@ class PluginHost {
 [[nodiscard]] std::vector<double> complete_parameters(const springnet_component& component,
                                                       const ParameterValues& given, std::string_view where);
 
-// Of `known`, the one or more names nearest to `name` by edit distance, as "did you mean 'a' or 'b'?"; empty if
-// nothing is near.
-[[nodiscard]] std::string suggestion(std::string_view name, const std::vector<std::string>& known);
-
 }  // namespace springnet

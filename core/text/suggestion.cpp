@@ -2,7 +2,7 @@
 #include <cctype>
 #include <numeric>
 
-#include <springnet/plugin_host.hpp>
+#include <springnet/suggestion.hpp>
 
 namespace springnet {
 namespace {
