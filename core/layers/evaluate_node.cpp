@@ -1,4 +1,4 @@
-// One node at a time: the wavefront reads the newest outputs of its neighbours.
+// Evaluation of a single node, for update rules that read the newest outputs of its neighbours.
 
 #include <limits>
 
@@ -7,7 +7,7 @@
 namespace springnet::layers {
 namespace {
 
-constexpr double rounding = 1e-12;  // of m times the derivative 1/m
+constexpr double rounding = 1e-12;  // of mass times da/dF, 1 for a point mass
 
 Vector3 external_force(std::uint32_t node, double mass, const NodeArrays& nodes, const LoadedFaces& faces,
                        const ExternalForces& external) {
@@ -28,7 +28,7 @@ springnet_status Evaluator::evaluate_node(std::uint32_t node, double time, const
   if (const springnet_status status = add_elements_of(node, time, nodes, volumes, sums, message);
       status != SPRINGNET_OK)
     return status;
-  return add_springs(node, time, nodes, sums, message);
+  return add_springs_of(node, time, nodes, sums, message);
 }
 
 springnet_status Evaluator::evaluate_node(std::uint32_t node, double time, const NodeArrays& nodes,
@@ -42,7 +42,8 @@ springnet_status Evaluator::evaluate_node(std::uint32_t node, double time, const
   const LoadedFaces& faces = layout_.loaded_faces();
   force = external_force(node, mass_[node], nodes, faces, external);
   if (energy != nullptr) {
-    // Amid faces under one pressure the force does not depend on where the node is; at their edge it has no potential.
+    // Surrounded by faces under one pressure, the force does not depend on the node's position; at their rim it has no
+    // potential.
     const bool potential = external.pressure == nullptr || faces.is_surrounded(node);
     *energy = potential ? -force.dot(Vector3(nodes.px[node], nodes.py[node], nodes.pz[node]))
                         : std::numeric_limits<double>::quiet_NaN();
@@ -53,7 +54,7 @@ springnet_status Evaluator::evaluate_node(std::uint32_t node, double time, const
   NodeSums sums{force, derivatives != nullptr ? &stiffness : nullptr, derivatives != nullptr ? &damping : nullptr,
                 energy};
   springnet_status status = add_elements_of(node, time, nodes, volumes, sums, message);
-  if (status == SPRINGNET_OK) status = add_springs(node, time, nodes, sums, message);
+  if (status == SPRINGNET_OK) status = add_springs_of(node, time, nodes, sums, message);
   if (status != SPRINGNET_OK) return status;
 
   Block by_force = Block::Zero(), by_position = Block::Zero(), by_velocity = Block::Zero();

@@ -12,7 +12,7 @@
 namespace springnet::layers {
 namespace {
 
-constexpr std::size_t springs_in_an_element = 4;  // as the time of an evaluation goes
+constexpr std::size_t springs_in_an_element = 4;  // by the time that its evaluation takes
 
 }  // namespace
 

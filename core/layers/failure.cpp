@@ -15,15 +15,15 @@ LawOutputs LawAnswer::outputs(const Law& law, Asked asked) {
   out.force = &force;
   if (asked == Asked::forces_and_energies && law.can(SPRINGNET_HAS_ENERGY)) out.energy = &energy;
   if (asked == Asked::forces_and_derivatives && law.can(SPRINGNET_HAS_DERIVATIVES)) {
-    out.force_by_q = &by_q;
-    if (law.reads_rate) out.force_by_rate = &by_rate;
+    out.by_q = &by_q;
+    out.by_rate = &by_rate;
   }
   return out;
 }
 
 std::string wrong_answer(const Component& component, springnet_status status, const LawAnswer& answer,
                          const springnet_message& message) {
-  // fmt gives nan a sign that depends on the processor.
+  // fmt writes the sign of a nan, which depends on the processor.
   const auto number = [](double value) { return std::isnan(value) ? std::string("nan") : fmt::format("{}", value); };
   if (status != SPRINGNET_OK) return text_of(message) + ";";
   const std::string name = full_name(component);

@@ -47,7 +47,7 @@ bool Enclosure::has_side(std::uint32_t first, std::uint32_t second) const noexce
   return std::any_of(around.begin(), around.end(), [second](const Spoke& s) { return s.other == second; });
 }
 
-// The area of the ring of neighbours as a vector, from one of them: 1/6 sum (b - o) x (c - o).
+// 1/6 sum (b - o) x (c - o) over the ring of neighbours, with one of them as the origin o.
 Vector3 Enclosure::gradient(std::size_t place, const NodeArrays& nodes) const noexcept {
   const std::span<const Spoke> around = spokes(place);
   const Vector3 origin = position(nodes, around[0].other);
@@ -67,7 +67,7 @@ Vector3 Enclosure::rate_gradient(std::size_t place, const NodeArrays& nodes) con
   return sum / 6.0;
 }
 
-// In a . (b x c) / 6 + b . (a x d) / 6 the derivative by a and b is [d - c]x / 6.
+// V has the terms a . (b x c) / 6 + b . (a x d) / 6; their derivative with respect to a and b is [d - c]x / 6.
 Vector3 Enclosure::across(const Spoke& spoke, const NodeArrays& nodes) noexcept {
   return (position(nodes, spoke.right) - position(nodes, spoke.left)) / 6.0;
 }

@@ -6,7 +6,7 @@
 namespace springnet::layers {
 namespace {
 
-// The arrays of a state, as those of the copy are ordered.
+// The arrays of a state in the order of base_.
 std::array<const double*, 6> arrays_of(const NodeArrays& nodes) {
   return {nodes.px, nodes.py, nodes.pz, nodes.vx, nodes.vy, nodes.vz};
 }

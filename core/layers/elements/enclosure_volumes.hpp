@@ -1,4 +1,4 @@
-// Volumes of all enclosures at a state, and how they change as nodes are updated one after another.
+// Volumes of all enclosures at a state, kept up to date while nodes are updated one after another.
 #pragma once
 
 #include <cstdint>
@@ -8,14 +8,14 @@
 
 namespace springnet::layers {
 
-// V and V' are linear in one node's own position and velocity. So a sweep over all nodes computes them once, and again
-// follows each node that was moved by what that node changes; the rounding of a sweep is that of a sum over its nodes.
+// V and V' are linear in a single node's position and velocity. So a sweep computes them once and then adds the change
+// that each updated node makes; rounding errors grow as in a sum over its nodes.
 class EnclosureVolumes {
  public:
-  // Of all live enclosures.
+  // Computes those of all live enclosures.
   void compute(const ElementLayout& elements, const NodeArrays& nodes);
-  // The same, and from here on until stop() they answer for these arrays while nodes in them change: at most those
-  // since the last commit() that are no neighbours of the one asked for.
+  // Incremental mode: computes them, and until stop() they follow changes of the arrays. Call commit() for each node
+  // that changed; before that, seen_by() may be asked for it and for nodes that are not its neighbours.
   void follow(const ElementLayout& elements, const NodeArrays& nodes);
   void commit(std::uint32_t node);
   void stop() noexcept { following_ = false; }
@@ -23,8 +23,8 @@ class EnclosureVolumes {
     return following_ && nodes.px == now_.px && nodes.vx == now_.vx;
   }
 
-  // As one of the nodes of an enclosure sees them: with itself where it is now, all others as they were at the last
-  // commit(). gradient, rate_gradient: of the enclosure at that node.
+  // Volume and rate with `node` at its present state and all others as last committed. gradient, rate_gradient: of the
+  // enclosure at that node.
   [[nodiscard]] Enclosure::Values seen_by(std::uint32_t node, std::uint32_t enclosure, const Vector3& gradient,
                                           const Vector3& rate_gradient) const noexcept;
 
@@ -32,7 +32,7 @@ class EnclosureVolumes {
   [[nodiscard]] NodeArrays base() const noexcept {
     return {base_[0].data(), base_[1].data(), base_[2].data(), base_[3].data(), base_[4].data(), base_[5].data()};
   }
-  // What moved since the last commit.
+  // Change of a node's state since its last commit.
   void moved(std::uint32_t node, Vector3& position, Vector3& velocity) const noexcept;
 
   const ElementLayout* elements_ = nullptr;

@@ -9,12 +9,12 @@
 namespace springnet::layers {
 namespace {
 
-// Below this sine an angle counts as straight: half the digits of its Hessian are gone there.
+// Below this sine an angle counts as straight: its Hessian has lost half of its digits.
 constexpr double least_sine = 1e-7;
-// Motion across a straight angle that is less, relative to that of its nodes, is none.
+// Transverse motion of a straight angle below this fraction of its nodes' motion counts as none.
 constexpr double rounding = 1e-13;
 
-// A vector over any number type: formulas below are evaluated with double, and with duals for their derivatives.
+// A vector over any number type: the formulas are evaluated with doubles, and with duals for their derivatives.
 template <class T>
 struct Triple {
   T x{}, y{}, z{};
@@ -55,8 +55,8 @@ void angle(const Triple<T>* p, Triple<T>* g) {
   g[1] = -1.0 * (g[0] + g[2]);
 }
 
-// e = b - a, normals m = e x (c - a), n = (d - a) x e: dq/dc = -|e| m / |m|^2, dq/dd = -|e| n / |n|^2. What the tips
-// take the ends of the edge give by the rule of the lever, at the feet of the tips on it.
+// e = b - a, normals m = e x (c - a), n = (d - a) x e: dq/dc = -|e| m / |m|^2, dq/dd = -|e| n / |n|^2. The ends
+// of the edge balance the tips by the lever rule at the feet of the tips on the edge.
 template <class T>
 void dihedral(const Triple<T>* p, Triple<T>* g) {
   using std::sqrt;
@@ -72,7 +72,7 @@ void dihedral(const Triple<T>* p, Triple<T>* g) {
   g[0] = -1.0 * (g[1] + g[2] + g[3]);
 }
 
-// dq/da = n x (c - b) / 2 with the unit normal n, and so on round.
+// dq/da = n x (c - b) / 2 with the unit normal n, and cyclically.
 template <class T>
 void area(const Triple<T>* p, Triple<T>* g) {
   using std::sqrt;
@@ -133,8 +133,8 @@ double value(Invariant invariant, const Triple<double>* p) {
   return 0.0;
 }
 
-// Rows of the Hessian by what corners 1, 2, .. do; corner 0 does the contrary of all the others together, because an
-// invariant does not change with a motion of all.
+// Completes a Hessian whose columns of corners 1, 2, .. are known: those of corner 0 are minus their sum, because an
+// invariant does not change under translation.
 template <std::size_t Count>
 void complete(const Corners& corners, SecondOrder& out) {
   for (std::size_t i = 0; i < Count; ++i) {
@@ -179,8 +179,8 @@ Block both(double scale, const Vector3& a, const Vector3& b) {
   return outer + outer.transpose();
 }
 
-// The formulas of dihedral() differentiated once more. With C = dq/dc = -|e| m / |m|^2, D = dq/dd = -|e| n / |n|^2 and
-// {a, b} = a b^T + b a^T, by the differences from a:
+// Derivatives of the formulas of dihedral(). With C = dq/dc = -|e| m / |m|^2, D = dq/dd = -|e| n / |n|^2 and
+// {a, b} = a b^T + b a^T, with respect to the differences from a:
 //   dC/dc = |e| / |m|^4 {m, m x e},   dC/de = -|e| / |m|^4 {m, m x c} - m e^T / (|m|^2 |e|),   dC/dd = 0
 //   dD/dd = -|e| / |n|^4 {n, n x e},  dD/de = |e| / |n|^4 {n, n x d} - n e^T / (|n|^2 |e|)
 //   dq/db = -(s C + t D), s = c . e / |e|^2, t = d . e / |e|^2, ds/de = (c - 2 s e) / |e|^2
@@ -240,8 +240,8 @@ void gather(const std::uint32_t* corners, std::size_t count, const NodeArrays& n
 
 namespace {
 
-// Of a straight angle, q = pi - |x| or |x|, that moves across itself: the limit along the motion, with the direction of
-// x' for that of x.
+// For a straight angle, q = pi - |x| or |x|, that is bending: the limit along the motion, where x has the direction of
+// x'.
 void straight_first_order(const Corners& corners, FirstOrder& out) noexcept {
   BentDirections bent;
   if (!is_straight(Invariant::angle, corners, bent)) return;
@@ -272,7 +272,7 @@ void first_order(Invariant invariant, const Corners& corners, FirstOrder& out) n
   out.rate = 0.0;
   for (std::size_t i = 0; i < count; ++i) {
     out.gradient[i] = {g[i].x, g[i].y, g[i].z};
-    // Against the first corner: the motion of all together does not count, to the last digit.
+    // Relative to the first corner, so that a common motion contributes exactly nothing.
     out.rate += out.gradient[i].dot(corners.velocity[i] - corners.velocity[0]);
   }
   if (invariant == Invariant::angle && out.gradient[0].isZero(0.0)) straight_first_order(corners, out);
@@ -293,7 +293,7 @@ void second_order(Invariant invariant, const Corners& corners, SecondOrder& out)
 }
 
 OwnSecondOrder own_second_order(Invariant invariant, const Corners& corners, std::size_t corner) noexcept {
-  using Number = sdk::Dual<4>;  // the corner's coordinates, and the motion of all
+  using Number = sdk::Dual<4>;  // by the corner's coordinates, and along the motion of all
   const std::size_t count = corners_of(invariant);
   Triple<Number> p[most_corners], g[most_corners];
   for (std::size_t i = 0; i < count; ++i) {

@@ -45,7 +45,7 @@ ElementLayout::ElementLayout(const Network& network, const CompiledLaws& laws, c
   make_batches();
 }
 
-// By invariant and laws, then by the lowest node: neighbours in memory read the same nodes.
+// Sorted by invariant and laws, then by lowest node, so that successive elements read the same nodes.
 void ElementLayout::make_batches() {
   batched_.clear();
   batches_.clear();

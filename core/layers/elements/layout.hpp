@@ -1,4 +1,4 @@
-// The elements in memory: which nodes they have, who has a share in them, and in which batches their laws are called.
+// The elements in memory: their nodes, the elements of each node, and batches for the evaluation of laws.
 #pragma once
 
 #include <cstdint>
@@ -14,19 +14,19 @@
 
 namespace springnet::layers {
 
-// Elements of one batch: their geometry fits the first-level cache.
+// Most elements of a batch: their geometry fits the first-level cache.
 inline constexpr std::size_t element_batch = 32;
 
-// An element as one of its nodes sees it.
+// An element seen from one of its nodes.
 struct ElementShare {
   std::uint32_t element;
   std::uint32_t place;      // which of the element's nodes this is
   std::uint32_t group;      // of laws
-  std::uint32_t enclosure;  // number of the enclosure; no_enclosure: an element of three or four nodes
+  std::uint32_t enclosure;  // index into enclosures(); no_enclosure for an element of three or four nodes
 };
 inline constexpr std::uint32_t no_enclosure = 0xffffffffu;
 
-// Live elements of three or four nodes with one invariant and the same laws: batched()[begin, begin + count).
+// Live elements of three or four nodes with the same invariant and laws: batched()[begin, begin + count).
 struct ElementBatch {
   Invariant invariant;
   std::uint32_t group;
@@ -47,15 +47,15 @@ class ElementLayout {
   [[nodiscard]] double reference(std::uint32_t element) const noexcept {
     return laws_.groups[group(element)].columns[0][row(element)];
   }
-  // Nodes of an element in the engine's numbers, each once: its corners, or those of its enclosure.
+  // Nodes of an element as the engine numbers them, each once: its corners, or those of its enclosure by place.
   [[nodiscard]] std::span<const std::uint32_t> nodes(std::uint32_t element) const noexcept {
     return {nodes_.data() + start_[element], nodes_.data() + start_[element + 1]};
   }
-  // Place of the first of an element's nodes in arrays over all nodes of all elements.
+  // Index of an element's first node in arrays over the nodes of all elements.
   [[nodiscard]] std::size_t slot(std::uint32_t element) const noexcept { return start_[element]; }
   [[nodiscard]] std::size_t slot_count() const noexcept { return nodes_.size(); }
 
-  // Live elements at a node: those of three or four nodes by laws, then enclosures.
+  // Live elements of a node: those of three or four nodes sorted by laws, then enclosures.
   [[nodiscard]] std::span<const ElementShare> shares(std::uint32_t node) const noexcept {
     if (live_count_ == 0) return {};
     return {shares_.data() + share_start_[node], shares_.data() + share_stop_[node]};
@@ -67,26 +67,26 @@ class ElementLayout {
     std::uint32_t element;
     Enclosure shape;
   };
-  // Those of removed elements included.
+  // By element, removed ones included.
   [[nodiscard]] const std::vector<EnclosureElement>& enclosures() const noexcept { return enclosures_; }
   [[nodiscard]] std::size_t live_enclosures() const noexcept { return live_enclosures_; }
 
-  // Adds nodes that share an element with a node, of an enclosure those that share a triangle with it.
+  // Appends the nodes that share an element with a node; of an enclosure only those that share a triangle with it.
   void add_neighbours(std::uint32_t node, std::vector<std::uint32_t>& neighbours) const;
-  // Live elements that lose a spring between two nodes: those that have a side there, and enclosures one of whose
-  // triangles has. By number, each once.
+  // Live elements with a side between the ends of one of these springs; for an enclosure, a side of a triangle. By
+  // number, each once.
   [[nodiscard]] std::vector<std::uint32_t> broken_by(
       const std::vector<std::pair<std::uint32_t, std::uint32_t>>& springs) const;
-  // Live elements of which `crosses(node, node)` is true for a side, or for one of a triangle of an enclosure.
+  // Live elements with a side (for an enclosure: of a triangle) for which crosses(node, node) is true.
   template <class Crosses>
   [[nodiscard]] std::vector<std::uint32_t> crossed_by(const Crosses& crosses) const;
 
-  // Numbers that are out already do not matter. Returns those that were in.
+  // Elements removed before are ignored; returns the others.
   std::vector<std::uint32_t> remove(const std::vector<std::uint32_t>& elements);
 
  private:
   void make_batches();
-  // Whether what joins corners i < j is part of the element: all but what joins the tips of a hinge, or the ends of an
+  // Whether the line between corners i < j is a side: not between the tips of a hinge, nor between the ends of an
   // angle.
   [[nodiscard]] bool is_side(std::uint32_t element, std::size_t i, std::size_t j) const noexcept {
     switch (invariant_[element]) {

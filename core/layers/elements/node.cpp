@@ -1,4 +1,4 @@
-// The elements of one node at the newest outputs of all others.
+// The elements of a single node: forces on it, derivative blocks, energy.
 
 #include <limits>
 
@@ -10,10 +10,10 @@ namespace {
 
 constexpr std::size_t chunk = 16;
 
-// One element as a node sees it.
+// One element seen from the node.
 struct Seen {
   Corners corners;        // of three or four nodes
-  FirstOrder geometry;    // likewise
+  FirstOrder geometry;    // of three or four nodes
   Vector3 gradient;       // dq/dp of the node
   Vector3 rate_gradient;  // dq'/dp, of an enclosure
 };
@@ -28,8 +28,9 @@ springnet_status Evaluator::add_elements_of(std::uint32_t node, double time, con
   if (shares.empty()) return SPRINGNET_OK;
   const bool blocks = sums.stiffness != nullptr;
   Seen seen[chunk];  // not initialised: written before it is read
-  double q[chunk], rate[chunk], value[chunk], by_q[chunk], by_rate[chunk], energy[chunk];
-  ElementForce forces[chunk];
+  double q[chunk], rate[chunk];
+  PairAnswers<chunk> answers;
+  const PairOutputs out = answers.outputs(blocks, sums.energy != nullptr);
   std::uint32_t rows[chunk];
   for (std::size_t begin = 0; begin < shares.size();) {
     std::size_t end = begin + 1;
@@ -57,42 +58,29 @@ springnet_status Evaluator::add_elements_of(std::uint32_t node, double time, con
         rate[i] = own.geometry.rate;
       }
       rows[i] = elements.row(share.element);
-      forces[i] = {};
     }
-    for (const Law* law : {&group.spring, &group.viscosity}) {
-      if (!*law) continue;
-      LawOutputs out;
-      out.force = value;
-      if (blocks) {
-        if (require_derivatives(*law->component, message) != SPRINGNET_OK) return SPRINGNET_FAILED;
-        out.force_by_q = by_q;
-        if (law->reads_rate) out.force_by_rate = by_rate;
-      }
-      const bool potential = law->can(SPRINGNET_HAS_ENERGY) && !law->reads_rate;
-      if (sums.energy != nullptr && potential) out.energy = energy;
-      const springnet_status status =
-          call_law(group, *law, abi_number(set_), time, count, {rows, 0}, q, rate, out, &message);
-      if (status != SPRINGNET_OK) return status;
-      for (std::size_t i = 0; i < count; ++i) {
-        forces[i].force += value[i];
-        if (blocks) forces[i].by_q += by_q[i];
-        if (blocks && law->reads_rate) forces[i].by_rate += by_rate[i];
-        if (sums.energy != nullptr) *sums.energy += potential ? energy[i] : std::numeric_limits<double>::quiet_NaN();
-      }
+    const springnet_status status = evaluate_laws({group, count, {rows, 0}, q, rate}, set_, time, out, message);
+    if (status != SPRINGNET_OK) return status;
+    const std::array<const Law*, 2> laws = group.laws();
+    for (std::size_t k = 0; k < laws.size() && sums.energy != nullptr; ++k) {
+      if (!*laws[k]) continue;
+      for (std::size_t i = 0; i < count; ++i)
+        *sums.energy += laws[k]->has_potential() ? answers.energy[k][i] : std::numeric_limits<double>::quiet_NaN();
     }
     for (std::size_t i = 0; i < count; ++i) {
       const ElementShare& share = shares[begin + i];
-      sums.force -= forces[i].force * seen[i].gradient;
+      const ElementForce law = element_force(group, answers, i, blocks);
+      sums.force -= law.force * seen[i].gradient;
       if (!blocks) continue;
       Block stiffness, damping;
       if (share.enclosure != no_enclosure) {
-        // The volume is linear in the node's position.
-        const Vector3 change = forces[i].by_q * seen[i].gradient + forces[i].by_rate * seen[i].rate_gradient;
+        // The volume is linear in the node's position, so its Hessian has no diagonal block.
+        const Vector3 change = law.by_q * seen[i].gradient + law.by_rate * seen[i].rate_gradient;
         stiffness = seen[i].gradient * change.transpose();
-        damping = forces[i].by_rate * seen[i].gradient * seen[i].gradient.transpose();
+        damping = law.by_rate * seen[i].gradient * seen[i].gradient.transpose();
       } else {
-        linearise_own(elements.invariant(share.element), seen[i].corners, seen[i].geometry, forces[i], share.place,
-                      stiffness, damping);
+        linearise_own(elements.invariant(share.element), seen[i].corners, seen[i].geometry, law, share.place, stiffness,
+                      damping);
       }
       *sums.stiffness += stiffness;
       *sums.damping += damping;

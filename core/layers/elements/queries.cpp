@@ -6,25 +6,24 @@
 #include <cmath>
 #include <limits>
 
-#include "plugin_host/call.hpp"
+#include "layers/elements/blocks.hpp"
 
 namespace springnet::layers {
 namespace {
-
-// One law of one element.
-springnet_status ask(const Layout& layout, InstructionSet set, double time, std::uint32_t element, const Law& law,
-                     const ElementState& state, const LawOutputs& out, springnet_message& message) {
-  const ElementLayout& elements = layout.elements();
-  const Group& group = layout.laws().groups[elements.group(element)];
-  return call_law(group, law, abi_number(set), time, 1, {nullptr, elements.row(element)}, &state.value, &state.rate,
-                  out, &message);
-}
 
 const Group& group_of(const Layout& layout, std::uint32_t element) {
   return layout.laws().groups[layout.elements().group(element)];
 }
 
-// "nodes 1, 2 and 3"; an enclosure has too many.
+// The laws of one element.
+springnet_status evaluate_element(const Layout& layout, InstructionSet set, double time, std::uint32_t element,
+                                  const ElementState& state, const PairOutputs& out, springnet_message& message) {
+  const LawBatch batch{
+      group_of(layout, element), 1, {nullptr, layout.elements().row(element)}, &state.value, &state.rate};
+  return evaluate_laws(batch, set, time, out, message);
+}
+
+// "nodes 1, 2 and 3"; of an enclosure only their number.
 std::string where(const Layout& layout, std::uint32_t element) {
   const ElementLayout& elements = layout.elements();
   const std::span<const std::uint32_t> nodes = elements.nodes(element);
@@ -57,32 +56,24 @@ ElementState element_state(const Layout& layout, const NodeArrays& nodes, std::u
 
 double element_force(const Layout& layout, InstructionSet set, double time, const NodeArrays& nodes,
                      std::uint32_t element) {
-  const ElementState state = element_state(layout, nodes, element);
-  const Group& group = group_of(layout, element);
-  double sum = 0.0;
-  for (const Law* law : {&group.spring, &group.viscosity}) {
-    if (!*law) continue;
-    double value = 0.0;
-    LawOutputs out;
-    out.force = &value;
-    springnet_message message{};
-    const bool answered = ask(layout, set, time, element, *law, state, out, message) == SPRINGNET_OK;
-    sum += answered ? value : std::numeric_limits<double>::quiet_NaN();
-  }
-  return sum;
+  PairAnswers<1> answers;
+  springnet_message message{};
+  if (evaluate_element(layout, set, time, element, element_state(layout, nodes, element), answers.outputs(false, false),
+                       message) != SPRINGNET_OK)
+    return std::numeric_limits<double>::quiet_NaN();
+  return element_force(group_of(layout, element), answers, 0, false).force;
 }
 
 double element_energy(const Layout& layout, InstructionSet set, double time, const NodeArrays& nodes) {
   double sum = 0.0;
   for (std::uint32_t e = 0; e < layout.elements().count(); ++e) {
-    const Law& law = group_of(layout, e).spring;
-    if (!layout.elements().alive(e) || !law.can(SPRINGNET_HAS_ENERGY)) continue;
+    if (!layout.elements().alive(e) || !group_of(layout, e).spring.can(SPRINGNET_HAS_ENERGY)) continue;
     double force = 0.0, energy = 0.0;
-    LawOutputs out;
-    out.force = &force;
-    out.energy = &energy;
+    PairOutputs out{};  // of the spring function alone
+    out[0].force = &force;
+    out[0].energy = &energy;
     springnet_message message{};
-    if (ask(layout, set, time, e, law, element_state(layout, nodes, e), out, message) != SPRINGNET_OK)
+    if (evaluate_element(layout, set, time, e, element_state(layout, nodes, e), out, message) != SPRINGNET_OK)
       return std::numeric_limits<double>::quiet_NaN();
     sum += energy;
   }
@@ -92,10 +83,7 @@ double element_energy(const Layout& layout, InstructionSet set, double time, con
 std::vector<std::uint32_t> rupturing_elements(const Layout& layout) {
   std::vector<std::uint32_t> found;
   for (std::uint32_t e = 0; e < layout.elements().count(); ++e) {
-    const Group& group = group_of(layout, e);
-    if (layout.elements().alive(e) &&
-        (group.spring.can(SPRINGNET_HAS_RUPTURE) || group.viscosity.can(SPRINGNET_HAS_RUPTURE)))
-      found.push_back(e);
+    if (layout.elements().alive(e) && group_of(layout, e).can(SPRINGNET_HAS_RUPTURE)) found.push_back(e);
   }
   return found;
 }
@@ -105,19 +93,19 @@ springnet_status element_margins(const Layout& layout, InstructionSet set, doubl
                                  springnet_message& message) {
   for (std::size_t i = 0; i < elements.size(); ++i) {
     const std::uint32_t e = elements[i];
-    const ElementState state = element_state(layout, nodes, e);
-    const Group& group = group_of(layout, e);
-    margins[i] = std::numeric_limits<double>::infinity();
-    for (const Law* law : {&group.spring, &group.viscosity}) {
-      if (!law->can(SPRINGNET_HAS_RUPTURE)) continue;
-      double force = 0.0, margin = 0.0;
-      LawOutputs out;
-      out.force = &force;
-      out.margin = &margin;
-      const springnet_status status = ask(layout, set, time, e, *law, state, out, message);
-      if (status != SPRINGNET_OK) return status;
-      margins[i] = lesser(margins[i], margin);
+    const std::array<const Law*, 2> laws = group_of(layout, e).laws();
+    double force[2], margin[2];
+    PairOutputs out{};
+    for (std::size_t k = 0; k < laws.size(); ++k) {
+      margin[k] = std::numeric_limits<double>::infinity();
+      if (!laws[k]->can(SPRINGNET_HAS_RUPTURE)) continue;
+      out[k].force = &force[k];
+      out[k].margin = &margin[k];
     }
+    const springnet_status status =
+        evaluate_element(layout, set, time, e, element_state(layout, nodes, e), out, message);
+    if (status != SPRINGNET_OK) return status;
+    margins[i] = lesser(margin[0], margin[1]);
   }
   return SPRINGNET_OK;
 }
@@ -126,15 +114,16 @@ std::string explain_element_failure(const Layout& layout, InstructionSet set, do
                                     Asked asked) {
   for (std::uint32_t e = 0; e < layout.elements().count(); ++e) {
     if (!layout.elements().alive(e)) continue;
-    const Group& group = group_of(layout, e);
     const ElementState state = element_state(layout, nodes, e);
-    for (const Law* law : {&group.spring, &group.viscosity}) {
-      if (!*law) continue;
+    const std::array<const Law*, 2> laws = group_of(layout, e).laws();
+    for (std::size_t k = 0; k < laws.size(); ++k) {
+      if (!*laws[k]) continue;
       LawAnswer answer;
-      const LawOutputs out = answer.outputs(*law, asked);
+      PairOutputs out{};  // of this law alone
+      out[k] = answer.outputs(*laws[k], asked);
       springnet_message message{};
-      const springnet_status status = ask(layout, set, time, e, *law, state, out, message);
-      const std::string what = wrong_answer(*law->component, status, answer, message);
+      const springnet_status status = evaluate_element(layout, set, time, e, state, out, message);
+      const std::string what = wrong_answer(*laws[k]->component, status, answer, message);
       if (what.empty()) continue;
       const std::string_view unit = unit_of(layout.elements().invariant(e));
       return fmt::format("{} for element {} ({}; {} {} {}, rate {} {}/s)", what, e, where(layout, e),

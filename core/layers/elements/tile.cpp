@@ -1,10 +1,12 @@
-// All elements at a state. Each writes for each of its nodes dq/dp, and its Q; a node adds up what its elements wrote,
-// in the order of its own list. So no two threads write to the same place, and the sums do not depend on their number.
+// All elements at a state, batch by batch. Each writes its Q, and dq/dp of each of its nodes; then each node sums the
+// forces of its elements in a fixed order. So no two threads write to the same place, and the sums do not depend on the
+// number of threads.
 
 #include <algorithm>
 
 #include <springnet/sdk/message.hpp>
 
+#include "layers/elements/blocks.hpp"
 #include "layers/evaluator.hpp"
 
 namespace springnet::layers {
@@ -13,7 +15,8 @@ springnet_status Evaluator::evaluate_batch(const ElementBatch& batch, double tim
                                            springnet_message& message) const {
   const ElementLayout& elements = layout_.elements();
   const Group& group = layout_.laws().groups[batch.group];
-  double q[element_batch], rate[element_batch], value[element_batch];
+  double q[element_batch], rate[element_batch];
+  PairAnswers<element_batch> answers;
   std::uint32_t rows[element_batch];
   const std::uint32_t* members = elements.batched().data() + batch.begin;
   for (std::size_t i = 0; i < batch.count; ++i) {
@@ -25,18 +28,13 @@ springnet_status Evaluator::evaluate_batch(const ElementBatch& batch, double tim
     q[i] = nearest_turn(batch.invariant, geometry.value, elements.reference(members[i]));
     rate[i] = geometry.rate;
     rows[i] = elements.row(members[i]);
-    element_force_[members[i]] = 0.0;
     std::copy_n(geometry.gradient, own.size(), element_gradient_.data() + elements.slot(members[i]));
   }
-  for (const Law* law : {&group.spring, &group.viscosity}) {
-    if (!*law) continue;
-    LawOutputs out;
-    out.force = value;
-    const springnet_status status =
-        call_law(group, *law, abi_number(set_), time, batch.count, {rows, 0}, q, rate, out, &message);
-    if (status != SPRINGNET_OK) return status;
-    for (std::size_t i = 0; i < batch.count; ++i) element_force_[members[i]] += value[i];
-  }
+  const springnet_status status =
+      evaluate_laws({group, batch.count, {rows, 0}, q, rate}, set_, time, answers.outputs(false, false), message);
+  if (status != SPRINGNET_OK) return status;
+  for (std::size_t i = 0; i < batch.count; ++i)
+    element_force_[members[i]] = element_force(group, answers, i, false).force;
   return SPRINGNET_OK;
 }
 
@@ -51,18 +49,12 @@ springnet_status Evaluator::evaluate_enclosures(double time, springnet_message& 
       sum.rate += enclosure_shares_[next].rate;
     }
     if (!elements.alive(e)) continue;
-    element_force_[e] = 0.0;
     const Group& group = layout_.laws().groups[elements.group(e)];
-    for (const Law* law : {&group.spring, &group.viscosity}) {
-      if (!*law) continue;
-      double value = 0.0;
-      LawOutputs out;
-      out.force = &value;
-      const springnet_status status = call_law(group, *law, abi_number(set_), time, 1, {nullptr, elements.row(e)},
-                                               &sum.volume, &sum.rate, out, &message);
-      if (status != SPRINGNET_OK) return status;
-      element_force_[e] += value;
-    }
+    PairAnswers<1> answers;
+    const springnet_status status = evaluate_laws({group, 1, {nullptr, elements.row(e)}, &sum.volume, &sum.rate}, set_,
+                                                  time, answers.outputs(false, false), message);
+    if (status != SPRINGNET_OK) return status;
+    element_force_[e] = element_force(group, answers, 0, false).force;
   }
   return SPRINGNET_OK;
 }

@@ -1,4 +1,4 @@
-// Which pairs of nodes have a 3 x 3 block in a sparse matrix, row by row; the blocks are arrays beside it.
+// Sparsity pattern of a matrix of 3 x 3 blocks over nodes, row by row; the blocks themselves are arrays of count().
 #pragma once
 
 #include <cstddef>
@@ -9,17 +9,17 @@ namespace springnet::layers {
 
 class BlockRows {
  public:
-  // columns(node, list) appends the nodes in a row, in any order and as often as it likes; a row that has any has the
-  // node itself too.
+  // columns(node, list) appends the column nodes of a row, in any order, repeats allowed. A row that is not empty gets
+  // a diagonal block too.
   template <class Columns>
   void make(std::uint32_t node_count, const Columns& columns);
 
   [[nodiscard]] std::size_t count() const noexcept { return others_.size(); }
-  // Blocks of a row: that of the node by itself first, then those with others by rising number.
+  // Blocks of a row: the diagonal one first, then the others by rising column.
   [[nodiscard]] std::size_t begin(std::uint32_t node) const noexcept { return start_[node]; }
   [[nodiscard]] std::size_t end(std::uint32_t node) const noexcept { return start_[node + 1]; }
   [[nodiscard]] std::uint32_t other(std::size_t block) const noexcept { return others_[block]; }
-  // The block of two nodes that have one.
+  // Index of a block that exists.
   [[nodiscard]] std::uint32_t find(std::uint32_t row, std::uint32_t column) const noexcept;
 
  private:

@@ -1,11 +1,9 @@
 #include "layers/linear/element_linearisation.hpp"
 
-#include <cmath>
-
 namespace springnet::layers {
 namespace {
 
-// They come last among the shares of a node.
+// Enclosures come last among the elements of a node.
 template <class What>
 void for_each_enclosure(std::span<const ElementShare> shares, const What& what) {
   for (std::size_t i = shares.size(); i > 0 && shares[i - 1].enclosure != no_enclosure; --i) what(shares[i - 1]);
@@ -13,36 +11,22 @@ void for_each_enclosure(std::span<const ElementShare> shares, const What& what) 
 
 }  // namespace
 
-// Q and its derivatives of elements with the same laws.
-springnet_status ElementLinearisation::ask(const ElementBatch& batch, double time, const std::uint32_t* members,
-                                           const double* q, const double* rate, ElementForce* forces,
-                                           springnet_message& message) {
+// Q and its derivatives for elements with the same laws.
+springnet_status ElementLinearisation::evaluate_elements(const ElementBatch& batch, double time,
+                                                         const std::uint32_t* members, const double* q,
+                                                         const double* rate, ElementForce* forces,
+                                                         springnet_message& message) {
   const Group& group = layout_.laws().groups[batch.group];
-  double value[element_batch], by_q[element_batch], by_rate[element_batch];
   std::uint32_t rows[element_batch];
+  for (std::size_t i = 0; i < batch.count; ++i) rows[i] = layout_.elements().row(members[i]);
+  PairAnswers<element_batch> answers;
+  const springnet_status status = evaluate_laws({group, batch.count, {rows, 0}, q, rate}, evaluator_.instruction_set(),
+                                                time, answers.outputs(true, false), message);
+  if (status != SPRINGNET_OK) return status;
   for (std::size_t i = 0; i < batch.count; ++i) {
-    rows[i] = layout_.elements().row(members[i]);
-    forces[i] = {};
+    forces[i] = element_force(group, answers, i, true);
+    finite_ = finite_ && forces[i].is_finite();
   }
-  for (const Law* law : {&group.spring, &group.viscosity}) {
-    if (!*law) continue;
-    if (require_derivatives(*law->component, message) != SPRINGNET_OK) return SPRINGNET_FAILED;
-    LawOutputs out;
-    out.force = value;
-    out.force_by_q = by_q;
-    if (law->reads_rate) out.force_by_rate = by_rate;
-    const springnet_status status = call_law(group, *law, abi_number(evaluator_.instruction_set()), time, batch.count,
-                                             {rows, 0}, q, rate, out, &message);
-    if (status != SPRINGNET_OK) return status;
-    for (std::size_t i = 0; i < batch.count; ++i) {
-      forces[i].force += value[i];
-      forces[i].by_q += by_q[i];
-      if (law->reads_rate) forces[i].by_rate += by_rate[i];
-    }
-  }
-  for (std::size_t i = 0; i < batch.count; ++i)
-    finite_ =
-        finite_ && std::isfinite(forces[i].force) && std::isfinite(forces[i].by_q) && std::isfinite(forces[i].by_rate);
   return SPRINGNET_OK;
 }
 
@@ -117,7 +101,7 @@ springnet_status ElementLinearisation::update(double time, const NodeArrays& nod
       q[i] = nearest_turn(batch.invariant, geometry[i].value, elements.reference(members[i]));
       rate[i] = geometry[i].rate;
     }
-    const springnet_status status = ask(batch, time, members, q, rate, forces, message);
+    const springnet_status status = evaluate_elements(batch, time, members, q, rate, forces, message);
     if (status != SPRINGNET_OK) return status;
     const std::size_t count = corners_of(batch.invariant);
     for (std::size_t i = 0; i < batch.count; ++i, targets += count * count) {
@@ -140,8 +124,8 @@ springnet_status ElementLinearisation::update_enclosures(double time, const Node
     const Enclosure& enclosure = elements.enclosures()[s].shape;
     EnclosureDerivatives& own = enclosures_[s];
     const Enclosure::Values values = enclosure.values(nodes);
-    const springnet_status status = ask({Invariant::enclosed_volume, elements.group(e), 0, 1}, time, &e, &values.volume,
-                                        &values.rate, &own.law, message);
+    const springnet_status status = evaluate_elements({Invariant::enclosed_volume, elements.group(e), 0, 1}, time, &e,
+                                                      &values.volume, &values.rate, &own.law, message);
     if (status != SPRINGNET_OK) return status;
     own.gradient.resize(enclosure.size());
     own.rate_gradient.resize(enclosure.size());

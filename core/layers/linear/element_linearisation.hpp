@@ -1,10 +1,9 @@
-// Derivatives of the forces of elements, and of pressures that follow faces, on nodes.
+// Derivatives of the forces of elements and of following pressures.
 //
-// Elements of three or four nodes are blocks between their nodes; those of all elements are summed up, so that a
-// product reads every neighbour of a node once. An enclosure joins all of its nodes: with g = dV/dp, h = dV'/dp its
-// part is
+// Elements of three or four nodes give blocks between their nodes, summed over the elements, so that a product reads
+// each neighbour of a node once. An enclosure couples all of its nodes: with g = dV/dp, h = dV'/dp its part is
 //   -dF/dp = g (Q_q g + Q_u h)^T + Q d2V/dp dp,   -dF/dv = Q_u g g^T,
-// of which the second term is blocks between nodes with a common side, and the rest is kept as the vectors that it is.
+// where the term with d2V has blocks only between nodes of a common side; the rank-one terms are kept as vectors.
 #pragma once
 
 #include <cstdint>
@@ -18,31 +17,31 @@ namespace springnet::layers {
 
 class ElementLinearisation {
  public:
-  // References have to outlive it.
+  // Layout and evaluator must outlive it.
   ElementLinearisation(const Layout& layout, const Evaluator& evaluator) : layout_(layout), evaluator_(evaluator) {}
 
-  // SPRINGNET_FAILED if a law has no derivatives.
-  // pressure: that of the external forces.
+  // Computes all blocks and vectors at a state. pressure: Pa, [load], or null. SPRINGNET_FAILED if a law has no
+  // derivatives.
   springnet_status update(double time, const NodeArrays& nodes, const double* pressure, springnet_message& message);
-  // Whether what the laws answered to the last update() is finite.
+  // Whether all that the laws answered in the last update() is finite.
   [[nodiscard]] bool finite() const noexcept { return finite_; }
-  // Whether there is anything at all.
+  // Whether there is any live element or face under a following pressure.
   [[nodiscard]] bool any() const noexcept {
     return layout_.elements().live_count() > 0 || layout_.loaded_faces().any_follows();
   }
-  // To be called after elements or faces were removed, before the next update().
+  // Call it after elements or faces were removed, before the next update().
   void topology_changed() noexcept { pattern_known_ = false; }
 
-  // What all nodes of an enclosure contribute to a product, before force(): dp, dv as 3n numbers, x of all nodes first.
+  // Per-enclosure scalars of the rank-one terms; call before force(). dp, dv: 3n numbers, x of all nodes first.
   void prepare(const double* dp, const double* dv);
-  // Change of the force on a node, N.
+  // Change of the force on a node for these dp (m) and dv (m/s), N.
   [[nodiscard]] Vector3 force(std::uint32_t node, const double* dp, const double* dv) const;
-  // velocity_weight (-dF/dv) + position_weight (-dF/dp) of a node by itself, with or without the vectors.
+  // Diagonal block of velocity_weight (-dF/dv) + position_weight (-dF/dp), with or without the rank-one terms.
   [[nodiscard]] Block diagonal(std::uint32_t node, double velocity_weight, double position_weight, bool vectors) const;
-  // The same between two different nodes, without the vectors: what(i, j, block), for every block that there is.
+  // Its other blocks, without the rank-one terms: what(i, j, block) for each i != j that has one.
   template <class What>
   void for_each_block(double velocity_weight, double position_weight, const What& what) const;
-  // The vectors: the sum over `vector_count()` enclosures of g (weight)^T. what(enclosure, node, g, weight).
+  // Its rank-one terms g weight^T, one for each enclosure: what(enclosure, node, g, weight).
   [[nodiscard]] std::size_t vector_count() const noexcept { return layout_.elements().enclosures().size(); }
   template <class What>
   void for_each_vector(double velocity_weight, double position_weight, const What& what) const;
@@ -54,8 +53,9 @@ class ElementLinearisation {
     std::vector<Vector3> rate_gradient;  // h, [place]
     double product = 0.0;                // of prepare()
   };
-  springnet_status ask(const ElementBatch& batch, double time, const std::uint32_t* members, const double* q,
-                       const double* rate, ElementForce* forces, springnet_message& message);
+  springnet_status evaluate_elements(const ElementBatch& batch, double time, const std::uint32_t* members,
+                                     const double* q, const double* rate, ElementForce* forces,
+                                     springnet_message& message);
   springnet_status update_enclosures(double time, const NodeArrays& nodes, springnet_message& message);
   void make_pattern();
   void add_pressures(const NodeArrays& nodes, const double* pressure);
@@ -66,12 +66,12 @@ class ElementLinearisation {
   bool pattern_known_ = false;
   bool finite_ = true;
   BlockRows rows_;
-  // Sums of blocks, [block of rows_]; of damping only where `damped_`: a law answers to rates.
+  // Sums over elements, [block of rows_]. damping_ is used only if damped_: some law depends on the rate.
   std::vector<Block> stiffness_, damping_;
   bool damped_ = false;
   std::vector<std::uint32_t> targets_;            // blocks of rows_: for batched elements (i, j), row by row
-  std::vector<std::uint32_t> face_targets_;       // for each node and each of its faces: itself, next, last
-  std::vector<std::uint32_t> enclosure_targets_;  // for live enclosures, [spoke]
+  std::vector<std::uint32_t> face_targets_;       // of each node, for each of its faces: itself, next, last
+  std::vector<std::uint32_t> enclosure_targets_;  // of live enclosures, [spoke]
   std::vector<EnclosureDerivatives> enclosures_;
 };
 

@@ -25,36 +25,26 @@ springnet_status Linearisation::update(double time, const NodeArrays& nodes, con
   damping_.resize(9 * layout_.spring_count());
   bool finite = true;
   const auto geometry = std::make_unique<SegmentGeometry>();
-  double q[2][max_segment], by_q[2][max_segment], by_rate[2][max_segment];
+  const auto answers = std::make_unique<PairAnswers<max_segment>>();
+  const PairOutputs out = answers->outputs(true, false);
   for (std::size_t g = 0; g < layout_.laws().groups.size(); ++g) {
     const Group& group = layout_.laws().groups[g];
-    LawOutputs out[2];
-    const Law* laws[2] = {&group.spring, &group.viscosity};
-    for (int i = 0; i < 2; ++i) {
-      if (*laws[i] && require_derivatives(*laws[i]->component, message) != SPRINGNET_OK) return SPRINGNET_FAILED;
-      out[i].force = q[i];
-      out[i].force_by_q = by_q[i];
-      if (laws[i]->reads_rate) out[i].force_by_rate = by_rate[i];
-    }
+    for (const Law* law : group.laws())
+      if (*law && require_derivatives(*law->component, message) != SPRINGNET_OK) return SPRINGNET_FAILED;
     const std::vector<std::uint32_t>& springs = layout_.springs_of(g);
     for (std::size_t begin = 0; begin < springs.size(); begin += max_segment) {
       const std::size_t count = std::min(max_segment, springs.size() - begin);
-      const springnet_status status =
-          evaluate_springs(layout_, evaluator_.instruction_set(), time, nodes, g, springs.data() + begin, count,
-                           *geometry, out[0], out[1], message);
+      const springnet_status status = evaluate_springs(layout_, evaluator_.instruction_set(), time, nodes, g,
+                                                       springs.data() + begin, count, *geometry, out, message);
       if (status != SPRINGNET_OK) return status;
       for (std::size_t i = 0; i < count; ++i) {
         const std::uint32_t s = springs[begin + i];
         const Vector3 normal(geometry->nx[i], geometry->ny[i], geometry->nz[i]);
         const Vector3 along(geometry->sx[i], geometry->sy[i], geometry->sz[i]);
-        SpringForces forces{};
-        for (int j = 0; j < 2; ++j) {
-          if (*laws[j]) forces.add(*laws[j], q[j][i], by_q[j][i], &by_rate[j][i]);
-        }
-        // What is not finite stays so in a sum. Between nodes that do not move it is no matter.
+        const SpringForces forces = spring_forces(group, *answers, i);
+        // Between constrained nodes it does not matter.
         const bool counts = constrained_[layout_.first(s)] == 0 || constrained_[layout_.second(s)] == 0;
-        finite = finite && (!counts || std::isfinite(forces.tension + forces.by_length + forces.by_rate + forces.pull +
-                                                     forces.by_speed));
+        finite = finite && (!counts || forces.is_finite());
         const SpringBlocks blocks(forces, geometry->length[i], normal, geometry->rate[i], geometry->speed[i], along);
         Eigen::Map<Block>(stiffness_.data() + 9 * std::size_t{s}) = blocks.stiffness;
         Eigen::Map<Block>(damping_.data() + 9 * std::size_t{s}) = blocks.damping;
@@ -92,7 +82,8 @@ springnet_status Linearisation::update(double time, const NodeArrays& nodes, con
 springnet_status Linearisation::not_finite(double time, const NodeArrays& nodes, springnet_message& message) const {
   const std::string reason =
       explain_failure(layout_, evaluator_.instruction_set(), time, nodes, Asked::forces_and_derivatives);
-  set_message(message, reason.empty() ? "a law's force or derivative is not finite, but was when asked again" : reason);
+  set_message(message,
+              reason.empty() ? "a law's force or derivative was not finite, but is when evaluated again" : reason);
   return SPRINGNET_RECOVERABLE;
 }
 
@@ -166,7 +157,7 @@ void Linearisation::diagonal_blocks(double velocity_weight, double position_weig
   }
 }
 
-// Column 3 j + c has rows 3 i + r for i = j and all neighbours i of j, r = 0, 1, 2, by rising engine's number.
+// Column 3 j + c has the rows 3 i + r, r = 0, 1, 2, of node j and its neighbours i, sorted.
 void Linearisation::make_pattern() {
   const std::uint32_t n = layout_.node_count();
   const std::vector<std::uint32_t>& start = layout_.neighbour_start();
@@ -191,7 +182,7 @@ void Linearisation::make_pattern() {
   pattern_known_ = true;
 }
 
-// The border keeps its pattern as long as the rows join the same nodes.
+// Borders the matrix by constraint rows. The pattern is kept while the rows join the same nodes.
 void Linearisation::factorise_bound(const std::vector<ConstraintRow>& rows) {
   const auto same = [](const ConstraintRow& a, const ConstraintRow& b) {
     return a.first == b.first && a.second == b.second;
@@ -219,7 +210,7 @@ void Linearisation::factorise_bound(const std::vector<ConstraintRow>& rows) {
       }
     }
   }
-  // Redundant rows would have no factorisation without this; it lets the rows' velocities off by 1e-12 of themselves.
+  // Makes redundant rows factorisable; violates the constraints by about 1e-12 of the velocities.
   const double shift = -1e-12 * (trace > 0.0 ? trace / static_cast<double>(count) : 1.0);
   for (Eigen::Index r = 0; r < count; ++r)
     entries.emplace_back(static_cast<int>(size + r), static_cast<int>(size + r), shift);
@@ -293,7 +284,7 @@ springnet_status Linearisation::factorise(double velocity_weight, double positio
   return SPRINGNET_OK;
 }
 
-// What enclosures add to the factorised matrix.
+// Rank-one terms that enclosures add to the factorised matrix.
 void Linearisation::set_vectors(double velocity_weight, double position_weight) {
   const std::size_t live = layout_.elements().live_enclosures();
   const Eigen::Index size = matrix_.rows() + static_cast<Eigen::Index>(rows_.size());
@@ -321,8 +312,7 @@ LowRank::Solve Linearisation::plain_solver() {
 Eigen::VectorXd Linearisation::solve_factorised(bool transposed, const Eigen::VectorXd& right_side) {
   const LowRank::Solve plain = plain_solver();
   if (vectors_.empty()) return plain(transposed, right_side);
-  // The part without the enclosures may be far worse conditioned than the whole: what its solution is off by is solved
-  // for once more.
+  // Without the rank-one terms the matrix may be far worse conditioned than the whole, so the solution is refined once.
   const Eigen::SparseMatrix<double>& matrix = rows_.empty() ? matrix_ : bordered_;
   Eigen::VectorXd x = vectors_.solve(transposed, right_side, plain);
   const Eigen::VectorXd product = transposed ? Eigen::VectorXd(matrix.transpose() * x) : Eigen::VectorXd(matrix * x);
@@ -351,7 +341,7 @@ springnet_status Linearisation::solve(bool transposed, const double* right_side,
   }
   Eigen::VectorXd solution = solve_factorised(transposed, work_);
   if (transposed) {
-    // x^T b with b = (r, G r): what the rows of the right side carry comes back to the nodes.
+    // The right side is b = (r, G r), so its adjoint adds G^T of the rows' solution to the nodes.
     for (std::size_t r = 0; r < rows_.size(); ++r) {
       const ConstraintRow& row = rows_[r];
       const double value = solution[static_cast<Eigen::Index>(3 * n + r)];

@@ -15,38 +15,39 @@
 
 namespace springnet::layers {
 
-// The blocks of springs are those of spring_blocks.hpp, those of elements of element_linearisation.hpp. What an
-// enclosure does to all of its nodes at once is no part of the sparse matrix: it would fill it.
+// Blocks of springs are kept one each (springs/blocks.hpp), those of elements summed (element_linearisation.hpp). The
+// rank-one terms of enclosures stay out of the sparse matrix, which they would fill.
 class Linearisation {
  public:
-  // References have to outlive it. constrained: [node] 1 where a node is fixed or held: its acceleration is 0.
+  // References must outlive it. constrained: [node] 1 where a node is fixed or held, so that its acceleration is 0.
   Linearisation(const Layout& layout, const Evaluator& evaluator, const std::vector<std::uint8_t>& constrained);
 
   // Computes all blocks at a state. SPRINGNET_FAILED if a law or neuron has no derivatives, SPRINGNET_RECOVERABLE if
-  // the answer of one is not finite there; the message says which, and for which spring, element or node.
+  // one answers a number that is not finite; the message names it, and the spring, element or node.
   springnet_status update(double time, const NodeArrays& nodes, const ExternalForces& external,
                           springnet_message& message);
-  // Adds to da/dv of one node, 1/s, after update().
+  // Adds to the da/dv block of one node, 1/s; call after update().
   void add_to_velocity_block(std::uint32_t node, const Block& block) {
     Eigen::Map<Block>(by_velocity_.data() + 9 * std::size_t{node}) += block;
   }
-  // Adds the stiffness (N/m) of a force between two nodes that are neighbours, after update().
+  // Adds a stiffness (N/m) between two neighbours; call after update().
   void add_bond(std::uint32_t first, std::uint32_t second, const Block& stiffness) {
     bonds_.push_back({first, second, stiffness});
   }
-  // Whether there is a state that the functions below speak of: update() succeeded, no spring was removed since.
+  // Whether update() succeeded and nothing was removed since: the functions below need it.
   [[nodiscard]] bool known() const noexcept { return known_; }
   // out = da/dp dp + da/dv dv; 3n numbers each, x of all nodes first.
   void times(const double* dp, const double* dv, double* out);
   // Diagonal blocks of I - velocity_weight da/dv - position_weight da/dp, [node][9].
   void diagonal_blocks(double velocity_weight, double position_weight, double* out) const;
-  // Of A = I - velocity_weight da/dv - position_weight da/dp, and, where `rows` bind the motion, of
+  // Factorises A = I - velocity_weight da/dv - position_weight da/dp or, if there are constraint rows,
   //   [A  W G^T; G  0], G the rows, W the derivatives of the accelerations with respect to forces.
+  // SPRINGNET_RECOVERABLE if the matrix is singular.
   springnet_status factorise(double velocity_weight, double position_weight, const std::vector<ConstraintRow>& rows,
                              springnet_message& message);
   // A x = b; with rows the x for which A x + W G^T (multipliers) = b and G x = G b.
   springnet_status solve(bool transposed, const double* right_side, double* x, springnet_message& message);
-  // To be called after springs or elements were removed.
+  // Call it after springs or elements were removed.
   void topology_changed() noexcept {
     pattern_known_ = known_ = bordered_known_ = false;
     elements_.topology_changed();
@@ -61,16 +62,16 @@ class Linearisation {
   [[nodiscard]] static Eigen::Map<const Block> block(const Blocks& blocks, std::size_t index) {
     return Eigen::Map<const Block>(blocks.data() + 9 * index);
   }
-  // What to say of a law whose answer at this state was not finite.
+  // SPRINGNET_RECOVERABLE with a message that says which law's answer is not finite.
   springnet_status not_finite(double time, const NodeArrays& nodes, springnet_message& message) const;
-  // SPRINGNET_RECOVERABLE with a message where what neurons answered is not finite.
+  // SPRINGNET_RECOVERABLE with a message if a neuron's answer is not finite.
   springnet_status check_neurons(springnet_message& message) const;
   void make_pattern();
-  // vectors: with what enclosures do to all of their nodes.
+  // vectors: with the rank-one terms of enclosures.
   void diagonal_blocks(double velocity_weight, double position_weight, bool vectors, double* out) const;
-  // Of the factorised matrix without enclosures.
+  // Solver of the factorised matrix without the rank-one terms.
   [[nodiscard]] LowRank::Solve plain_solver();
-  // Of the factorised matrix and right sides of its size.
+  // Solution with the rank-one terms; right_side has the size of the factorised matrix.
   [[nodiscard]] Eigen::VectorXd solve_factorised(bool transposed, const Eigen::VectorXd& right_side);
   void set_vectors(double velocity_weight, double position_weight);
   void factorise_bound(const std::vector<ConstraintRow>& rows);
@@ -82,7 +83,7 @@ class Linearisation {
   Blocks by_force_, by_position_, by_velocity_;  // [node]
   std::vector<Bond> bonds_;
   ElementLinearisation elements_;
-  LowRank vectors_;  // of enclosures, as factorised
+  LowRank vectors_;  // rank-one terms of enclosures, as of the last factorisation
   std::vector<double> force_[3], acceleration_[3];
   bool known_ = false;
   bool pattern_known_ = false;

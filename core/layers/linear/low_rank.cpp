@@ -3,7 +3,7 @@
 namespace springnet::layers {
 namespace {
 
-// Pivots of a matrix whose entries are sums of terms up to 1.
+// Relative threshold of pivots; entries are sums of terms up to 1.
 constexpr double rounding = 1e-14;
 
 }  // namespace
@@ -21,7 +21,7 @@ const LowRank::Small& LowRank::small(bool transposed, const Solve& solve_a) {
   answers_[which] = solve_a(transposed, transposed ? w_ : u_);
   Eigen::MatrixXd matrix = (transposed ? u_ : w_).transpose() * answers_[which];
   const auto one = Eigen::MatrixXd::Identity(matrix.rows(), matrix.cols());
-  Eigen::MatrixXd size = matrix.cwiseAbs() + one;  // of the terms of each sum: what is left of them may be rounding
+  Eigen::MatrixXd size = matrix.cwiseAbs() + one;  // size of the terms; their sum may cancel to rounding
   matrix += one;
   result.row = size.rowwise().maxCoeff().cwiseInverse();
   size = result.row.asDiagonal() * size;

@@ -1,31 +1,46 @@
 // What one spring contributes to the derivatives of the forces on its ends.
 #pragma once
 
+#include <cmath>
+
 #include "layers/block.hpp"
-#include "layers/laws.hpp"
+#include "layers/law_pair.hpp"
 
 namespace springnet::layers {
 
-// Forces of a spring's laws and their derivatives, summed over the laws of each kind, from zero.
+// Forces of a spring's laws and their derivatives: sums over its axial laws, and over those along the relative
+// velocity.
 struct SpringForces {
-  double tension;    // N, axial
-  double by_length;  // N/m
-  double by_rate;    // N s/m
-  double pull;       // N, along the relative velocity
-  double by_speed;   // N s/m
+  double tension = 0.0;    // T, N, axial
+  double by_length = 0.0;  // dT/dl, N/m
+  double by_rate = 0.0;    // dT/du, N s/m
+  double pull = 0.0;       // Q, N, along the relative velocity
+  double by_speed = 0.0;   // dQ/d|dv|, N s/m
 
-  // One law's answer; by_rate is null where the law does not read the rate.
-  void add(const Law& law, double force, double by_q, const double* by_u) noexcept {
+  void add(const Law& law, double force, double by_q, double by_u) noexcept {
     if (law.relative) {
       pull += force;
       by_speed += by_q;
     } else {
       tension += force;
       by_length += by_q;
-      if (law.reads_rate) by_rate += *by_u;
+      by_rate += by_u;
     }
   }
+  [[nodiscard]] bool is_finite() const noexcept {
+    return std::isfinite(tension + by_length + by_rate + pull + by_speed);
+  }
 };
+
+// Of member i of a batch of springs, from what its laws answered with derivatives.
+template <std::size_t capacity>
+[[nodiscard]] SpringForces spring_forces(const Group& group, const PairAnswers<capacity>& answers, std::size_t i) {
+  SpringForces sum;
+  const std::array<const Law*, 2> laws = group.laws();
+  for (std::size_t k = 0; k < laws.size(); ++k)
+    if (*laws[k]) sum.add(*laws[k], answers.force[k][i], answers.by_q[k][i], answers.by_rate[k][i]);
+  return sum;
+}
 
 // With dp, dv the relative position and velocity of a spring's ends, F the force on its first end:
 //   K = -dF/d(dp) = T' n n^T + (T / l)(I - n n^T) + T_u n w^T,   w = (dv - u n) / l

@@ -1,4 +1,4 @@
-// The springs of one node at the newest outputs of all others.
+// The springs of a single node: forces on it, derivative blocks, energy.
 
 #include <algorithm>
 #include <cmath>
@@ -12,7 +12,7 @@ namespace {
 
 constexpr std::size_t chunk = 64;
 
-// Geometry of `count` springs of one node, as the kernels define it.
+// Geometry of springs of one node; the same formulas as the kernels'.
 struct NodeGeometry {
   double length[chunk], rate[chunk], nx[chunk], ny[chunk], nz[chunk];
   double speed[chunk], sx[chunk], sy[chunk], sz[chunk];
@@ -48,12 +48,12 @@ void read(const Incident* springs, std::size_t count, std::uint32_t k, const Nod
 
 }  // namespace
 
-springnet_status Evaluator::add_springs(std::uint32_t node, double time, const NodeArrays& nodes, NodeSums& sums,
-                                        springnet_message& message) const {
+springnet_status Evaluator::add_springs_of(std::uint32_t node, double time, const NodeArrays& nodes, NodeSums& sums,
+                                           springnet_message& message) const {
   const bool blocks = sums.stiffness != nullptr;
   NodeGeometry geometry;
-  SpringForces forces[chunk];  // not initialised: written before it is read
-  double value[chunk], by_q[chunk], by_rate[chunk], energy[chunk];
+  PairAnswers<chunk> answers;
+  const PairOutputs out = answers.outputs(blocks, sums.energy != nullptr);
   const Incident* end = layout_.incident_end(node);
   for (const Incident* begin = layout_.incident_begin(node); begin != end;) {
     const Incident* stop = begin + 1;
@@ -65,39 +65,26 @@ springnet_status Evaluator::add_springs(std::uint32_t node, double time, const N
     read(begin, count, node, nodes, axial || blocks, relative || blocks, geometry);
     const bool one_row = std::all_of(begin, stop, [&](const Incident& i) { return i.row == begin->row; });
     const RowSelection rows = one_row ? RowSelection{nullptr, begin->row} : RowSelection{geometry.rows, 0};
-    if (blocks) std::fill_n(forces, count, SpringForces{});
-    for (const Law* law : {&group.spring, &group.viscosity}) {
-      if (!*law) continue;
-      LawOutputs out;
-      out.force = value;
-      if (blocks) {
-        if (require_derivatives(*law->component, message) != SPRINGNET_OK) return SPRINGNET_FAILED;
-        out.force_by_q = by_q;
-        if (law->reads_rate) out.force_by_rate = by_rate;
-      }
-      const bool potential = law->can(SPRINGNET_HAS_ENERGY) && !law->reads_rate && !law->relative;
-      if (sums.energy != nullptr && potential) out.energy = energy;
-      const springnet_status status =
-          call_law(group, *law, abi_number(set_), time, count, rows, law->relative ? geometry.speed : geometry.length,
-                   geometry.rate, out, &message);
-      if (status != SPRINGNET_OK) return status;
-      const double* x = law->relative ? geometry.sx : geometry.nx;
-      const double* y = law->relative ? geometry.sy : geometry.ny;
-      const double* z = law->relative ? geometry.sz : geometry.nz;
-      for (std::size_t i = 0; i < count; ++i) sums.force -= value[i] * Vector3(x[i], y[i], z[i]);
-      if (blocks) {
-        for (std::size_t i = 0; i < count; ++i) forces[i].add(*law, value[i], by_q[i], &by_rate[i]);
-      }
-      if (sums.energy != nullptr) {
-        for (std::size_t i = 0; i < count; ++i)
-          *sums.energy += potential ? energy[i] : std::numeric_limits<double>::quiet_NaN();
-      }
+    const LawBatch batch{group, count, rows, geometry.length, geometry.rate, geometry.speed};
+    const springnet_status status = evaluate_laws(batch, set_, time, out, message);
+    if (status != SPRINGNET_OK) return status;
+    const std::array<const Law*, 2> laws = group.laws();
+    for (std::size_t k = 0; k < laws.size(); ++k) {
+      const Law& law = *laws[k];
+      if (!law) continue;
+      const double* x = law.relative ? geometry.sx : geometry.nx;
+      const double* y = law.relative ? geometry.sy : geometry.ny;
+      const double* z = law.relative ? geometry.sz : geometry.nz;
+      for (std::size_t i = 0; i < count; ++i) sums.force -= answers.force[k][i] * Vector3(x[i], y[i], z[i]);
+      if (sums.energy == nullptr) continue;
+      for (std::size_t i = 0; i < count; ++i)
+        *sums.energy += law.has_potential() ? answers.energy[k][i] : std::numeric_limits<double>::quiet_NaN();
     }
     if (blocks) {
       for (std::size_t i = 0; i < count; ++i) {
         const NodeGeometry& g = geometry;
-        const SpringBlocks spring(forces[i], g.length[i], {g.nx[i], g.ny[i], g.nz[i]}, g.rate[i], g.speed[i],
-                                  {g.sx[i], g.sy[i], g.sz[i]});
+        const SpringBlocks spring(spring_forces(group, answers, i), g.length[i], {g.nx[i], g.ny[i], g.nz[i]}, g.rate[i],
+                                  g.speed[i], {g.sx[i], g.sy[i], g.sz[i]});
         *sums.stiffness += spring.stiffness;
         *sums.damping += spring.damping;
       }

@@ -4,18 +4,14 @@
 
 #include <algorithm>
 #include <cmath>
-
-#include "layers/elements/queries.hpp"
-#include "plugin_host/call.hpp"
+#include <limits>
+#include <memory>
 
 namespace springnet::layers {
 
-namespace {
-
-springnet_status evaluate_group(const Layout& layout, InstructionSet set, double time, const NodeArrays& nodes,
-                                const Group& group, const std::uint32_t* springs, std::size_t count,
-                                SegmentGeometry& geometry, const LawOutputs& spring, const LawOutputs& viscosity,
-                                springnet_message& message) {
+springnet_status evaluate_springs(const Layout& layout, InstructionSet set, double time, const NodeArrays& nodes,
+                                  std::size_t group, const std::uint32_t* springs, std::size_t count,
+                                  SegmentGeometry& geometry, const PairOutputs& out, springnet_message& message) {
   std::uint32_t first[max_segment], second[max_segment], rows[max_segment];
   for (std::size_t i = 0; i < count; ++i) {
     first[i] = layout.first(springs[i]);
@@ -26,118 +22,92 @@ springnet_status evaluate_group(const Layout& layout, InstructionSet set, double
   const Kernels& kernels = kernels_for(set);
   kernels.lengths_and_rates(segment, nodes, geometry);
   kernels.relative_speeds(segment, nodes, geometry);
-  const auto call = [&](const Law& law, const LawOutputs& out) -> springnet_status {
-    if (!law) return SPRINGNET_OK;
-    return call_law(group, law, abi_number(set), time, count, {rows, 0},
-                    law.relative ? geometry.speed : geometry.length, geometry.rate, out, &message);
-  };
-  const springnet_status status = call(group.spring, spring);
-  return status != SPRINGNET_OK ? status : call(group.viscosity, viscosity);
-}
-
-}  // namespace
-
-springnet_status evaluate_springs(const Layout& layout, InstructionSet set, double time, const NodeArrays& nodes,
-                                  std::size_t group, const std::uint32_t* springs, std::size_t count,
-                                  SegmentGeometry& geometry, const LawOutputs& spring, const LawOutputs& viscosity,
-                                  springnet_message& message) {
-  return evaluate_group(layout, set, time, nodes, layout.laws().groups[group], springs, count, geometry, spring,
-                        viscosity, message);
-}
-
-double spring_tension(const Layout& layout, InstructionSet set, double time, const NodeArrays& nodes,
-                      std::uint32_t spring) {
-  const auto geometry = std::make_unique<SegmentGeometry>();
-  const std::size_t group_index = layout.laws().group[spring];
-  const Group& group = layout.laws().groups[group_index];
-  double values[2] = {0.0, 0.0};
-  LawOutputs out[2];
-  out[0].force = &values[0];
-  out[1].force = &values[1];
-  springnet_message message{};
-  static_cast<void>(
-      evaluate_springs(layout, set, time, nodes, group_index, &spring, 1, *geometry, out[0], out[1], message));
-  return (group.spring.relative ? 0.0 : values[0]) + (group.viscosity.relative ? 0.0 : values[1]);
+  const LawBatch batch{layout.laws().groups[group], count, {rows, 0}, geometry.length, geometry.rate, geometry.speed};
+  return evaluate_laws(batch, set, time, out, message);
 }
 
 namespace {
 
-// Live springs a batch of one group at a time: what(springs, count, group, outputs of the two laws).
+// Evaluates the live springs of a group, calling what(springs, count, status of evaluate_springs) after each batch.
 template <class What>
-void for_each_batch(const Layout& layout, InstructionSet set, double time, const NodeArrays& nodes, bool energy,
-                    const What& what) {
+void for_each_batch(const Layout& layout, InstructionSet set, double time, const NodeArrays& nodes, std::size_t group,
+                    const PairOutputs& out, const What& what) {
   const auto geometry = std::make_unique<SegmentGeometry>();
-  double force[2][max_segment], stored[max_segment];
+  const std::vector<std::uint32_t>& springs = layout.springs_of(group);
+  for (std::size_t begin = 0; begin < springs.size(); begin += max_segment) {
+    const std::size_t count = std::min(max_segment, springs.size() - begin);
+    springnet_message message{};
+    const springnet_status status =
+        evaluate_springs(layout, set, time, nodes, group, springs.data() + begin, count, *geometry, out, message);
+    what(springs.data() + begin, count, status);
+  }
+}
+
+// Energies of the spring functions that have one: what(spring, J), nan where a law fails.
+template <class What>
+void for_each_energy(const Layout& layout, InstructionSet set, double time, const NodeArrays& nodes, const What& what) {
+  double force[max_segment], energy[max_segment];
+  PairOutputs out{};  // of the spring function alone
+  out[0].force = force;
+  out[0].energy = energy;
   for (std::size_t g = 0; g < layout.laws().groups.size(); ++g) {
-    const Group& group = layout.laws().groups[g];
-    const std::vector<std::uint32_t>& springs = layout.springs_of(g);
-    for (std::size_t begin = 0; begin < springs.size(); begin += max_segment) {
-      const std::size_t count = std::min(max_segment, springs.size() - begin);
-      LawOutputs out[2];
-      out[0].force = force[0];
-      out[1].force = force[1];
-      const bool has_energy = group.spring.can(SPRINGNET_HAS_ENERGY);
-      if (energy && has_energy) out[0].energy = stored;
-      springnet_message message{};
-      if (evaluate_springs(layout, set, time, nodes, g, springs.data() + begin, count, *geometry, out[0], out[1],
-                           message) != SPRINGNET_OK) {
-        for (auto* values : {force[0], force[1], stored}) std::fill_n(values, count, std::nan(""));
-      } else if (energy && !has_energy) {
-        std::fill_n(stored, count, group.spring ? std::nan("") : 0.0);
-      }
-      for (std::size_t i = 0; i < count; ++i) what(springs[begin + i], group, force[0][i], force[1][i], stored[i]);
-    }
+    if (!layout.laws().groups[g].spring.can(SPRINGNET_HAS_ENERGY)) continue;
+    for_each_batch(layout, set, time, nodes, g, out,
+                   [&](const std::uint32_t* springs, std::size_t count, springnet_status status) {
+                     for (std::size_t i = 0; i < count; ++i)
+                       what(springs[i], status == SPRINGNET_OK ? energy[i] : std::nan(""));
+                   });
   }
 }
 
 }  // namespace
 
+double spring_tension(const Layout& layout, InstructionSet set, double time, const NodeArrays& nodes,
+                      std::uint32_t spring) {
+  const auto geometry = std::make_unique<SegmentGeometry>();
+  const std::size_t group = layout.laws().group[spring];
+  double force[2] = {0.0, 0.0};
+  springnet_message message{};
+  static_cast<void>(evaluate_springs(layout, set, time, nodes, group, &spring, 1, *geometry,
+                                     {LawOutputs{&force[0]}, LawOutputs{&force[1]}}, message));
+  const Group& laws = layout.laws().groups[group];
+  return (laws.spring.relative ? 0.0 : force[0]) + (laws.viscosity.relative ? 0.0 : force[1]);
+}
+
 void spring_tensions(const Layout& layout, InstructionSet set, double time, const NodeArrays& nodes, double* out) {
   std::fill_n(out, layout.spring_count(), 0.0);
-  for_each_batch(layout, set, time, nodes, false,
-                 [&](std::uint32_t s, const Group& group, double spring, double viscous, double) {
-                   if (group.spring && !group.spring.relative) out[s] += spring;
-                   if (group.viscosity && !group.viscosity.relative) out[s] += viscous;
-                 });
+  double force[2][max_segment];
+  for (std::size_t g = 0; g < layout.laws().groups.size(); ++g) {
+    const std::array<const Law*, 2> laws = layout.laws().groups[g].laws();
+    for_each_batch(layout, set, time, nodes, g, {LawOutputs{force[0]}, LawOutputs{force[1]}},
+                   [&](const std::uint32_t* springs, std::size_t count, springnet_status status) {
+                     for (std::size_t k = 0; k < laws.size(); ++k) {
+                       if (!*laws[k] || laws[k]->relative) continue;
+                       for (std::size_t i = 0; i < count; ++i)
+                         out[springs[i]] += status == SPRINGNET_OK ? force[k][i] : std::nan("");
+                     }
+                   });
+  }
 }
 
 void spring_energies(const Layout& layout, InstructionSet set, double time, const NodeArrays& nodes, double* out) {
   std::fill_n(out, layout.spring_count(), 0.0);
-  for_each_batch(layout, set, time, nodes, true,
-                 [&](std::uint32_t s, const Group&, double, double, double stored) { out[s] = stored; });
+  for (std::size_t g = 0; g < layout.laws().groups.size(); ++g)
+    if (const Law& law = layout.laws().groups[g].spring; law && !law.can(SPRINGNET_HAS_ENERGY))
+      for (const std::uint32_t s : layout.springs_of(g)) out[s] = std::nan("");
+  for_each_energy(layout, set, time, nodes, [out](std::uint32_t s, double energy) { out[s] = energy; });
 }
 
 double spring_energy(const Layout& layout, InstructionSet set, double time, const NodeArrays& nodes) {
-  const auto geometry = std::make_unique<SegmentGeometry>();
   double sum = 0.0;
-  double energy[max_segment], force[max_segment];
-  for (std::size_t g = 0; g < layout.laws().groups.size(); ++g) {
-    const Group& group = layout.laws().groups[g];
-    if (!group.spring.can(SPRINGNET_HAS_ENERGY)) continue;
-    const std::vector<std::uint32_t>& springs = layout.springs_of(g);
-    for (std::size_t begin = 0; begin < springs.size(); begin += max_segment) {
-      const std::size_t count = std::min(max_segment, springs.size() - begin);
-      LawOutputs out;
-      out.force = force;
-      out.energy = energy;
-      springnet_message message{};
-      LawOutputs unused;
-      double viscous[max_segment];
-      unused.force = viscous;
-      if (evaluate_springs(layout, set, time, nodes, g, springs.data() + begin, count, *geometry, out, unused,
-                           message) != SPRINGNET_OK)
-        return std::nan("");
-      for (std::size_t i = 0; i < count; ++i) sum += energy[i];
-    }
-  }
+  for_each_energy(layout, set, time, nodes, [&sum](std::uint32_t, double energy) { sum += energy; });
   return sum;
 }
 
 std::vector<std::uint32_t> rupturing_springs(const Layout& layout) {
   std::vector<std::uint32_t> springs;
   for (std::size_t g = 0; g < layout.laws().groups.size(); ++g) {
-    const Group& group = layout.laws().groups[g];
-    if (group.spring.can(SPRINGNET_HAS_RUPTURE) || group.viscosity.can(SPRINGNET_HAS_RUPTURE))
+    if (layout.laws().groups[g].can(SPRINGNET_HAS_RUPTURE))
       springs.insert(springs.end(), layout.springs_of(g).begin(), layout.springs_of(g).end());
   }
   return springs;
@@ -147,24 +117,23 @@ springnet_status spring_margins(const Layout& layout, InstructionSet set, double
                                 const std::vector<std::uint32_t>& springs, double* margins,
                                 springnet_message& message) {
   const auto geometry = std::make_unique<SegmentGeometry>();
-  double force[2][max_segment], other[max_segment];
+  double force[2][max_segment], viscous[max_segment];
   for (std::size_t begin = 0; begin < springs.size();) {
-    const std::uint32_t group_index = layout.laws().group[springs[begin]];
+    const std::uint32_t group = layout.laws().group[springs[begin]];
     std::size_t end = begin;
-    while (end < springs.size() && end - begin < max_segment && layout.laws().group[springs[end]] == group_index) ++end;
+    while (end < springs.size() && end - begin < max_segment && layout.laws().group[springs[end]] == group) ++end;
     const std::size_t count = end - begin;
-    const Group& group = layout.laws().groups[group_index];
-    const bool first = group.spring.can(SPRINGNET_HAS_RUPTURE), second = group.viscosity.can(SPRINGNET_HAS_RUPTURE);
-    LawOutputs out[2];
-    out[0].force = force[0];
-    out[1].force = force[1];
-    if (first) out[0].margin = margins + begin;
-    if (second) out[1].margin = first ? other : margins + begin;
-    const springnet_status status = evaluate_springs(layout, set, time, nodes, group_index, springs.data() + begin,
-                                                     count, *geometry, out[0], out[1], message);
+    // Absent laws never rupture.
+    std::fill_n(margins + begin, count, std::numeric_limits<double>::infinity());
+    std::fill_n(viscous, count, std::numeric_limits<double>::infinity());
+    PairOutputs out{};
+    for (std::size_t k = 0; k < out.size(); ++k) out[k].force = force[k];
+    out[0].margin = margins + begin;
+    out[1].margin = viscous;
+    const springnet_status status =
+        evaluate_springs(layout, set, time, nodes, group, springs.data() + begin, count, *geometry, out, message);
     if (status != SPRINGNET_OK) return status;
-    if (first && second)
-      for (std::size_t i = 0; i < count; ++i) margins[begin + i] = lesser(margins[begin + i], other[i]);
+    for (std::size_t i = 0; i < count; ++i) margins[begin + i] = lesser(margins[begin + i], viscous[i]);
     begin = end;
   }
   return SPRINGNET_OK;
@@ -172,21 +141,19 @@ springnet_status spring_margins(const Layout& layout, InstructionSet set, double
 
 std::string explain_spring_failure(const Layout& layout, InstructionSet set, double time, const NodeArrays& nodes,
                                    Asked asked) {
-  // Spring by spring: only the first that answers nonsense is of interest, and this is not the hot path.
   const auto geometry = std::make_unique<SegmentGeometry>();
   for (std::uint32_t s = 0; s < layout.spring_count(); ++s) {
     if (!layout.alive(s)) continue;
-    const Group& group = layout.group_of(s);
-    for (const Law* law : {&group.spring, &group.viscosity}) {
-      if (!*law) continue;
+    const std::array<const Law*, 2> laws = layout.group_of(s).laws();
+    for (std::size_t k = 0; k < laws.size(); ++k) {
+      if (!*laws[k]) continue;
       LawAnswer answer;
-      const LawOutputs out = answer.outputs(*law, asked);
+      PairOutputs out{};  // of this law alone
+      out[k] = answer.outputs(*laws[k], asked);
       springnet_message message{};
-      Group alone = group;  // only this law
-      (law == &group.spring ? alone.viscosity : alone.spring) = {};
       const springnet_status status =
-          evaluate_group(layout, set, time, nodes, alone, &s, 1, *geometry, out, out, message);
-      const std::string what = wrong_answer(*law->component, status, answer, message);
+          evaluate_springs(layout, set, time, nodes, layout.laws().group[s], &s, 1, *geometry, out, message);
+      const std::string what = wrong_answer(*laws[k]->component, status, answer, message);
       if (what.empty()) continue;
       return fmt::format("{} for spring {} (nodes {} and {}, length {:.10g} m, rate {:.10g} m/s)", what, s,
                          layout.ordering().user[layout.first(s)], layout.ordering().user[layout.second(s)],

@@ -1,6 +1,7 @@
-// The springs of one segment of a tile: geometry by the kernels, laws a batch at a time, forces back to the nodes.
+// The springs of one segment of a tile: geometry, laws, forces back to the nodes.
 
 #include "layers/evaluator.hpp"
+#include "layers/law_pair.hpp"
 
 namespace springnet::layers {
 
@@ -23,22 +24,21 @@ springnet_status Evaluator::evaluate_segment(const Unit& unit, const Segment& se
     kernels_.lengths(springs, nodes, geometry);
   if (group.spring.relative || group.viscosity.relative) kernels_.relative_speeds(springs, nodes, geometry);
 
-  alignas(64) double values[2][max_segment];
+  alignas(64) double force_of[2][max_segment];  // [law]
+  const LawBatch batch{group, segment.count, rows, geometry.length, geometry.rate, geometry.speed};
+  const springnet_status status =
+      evaluate_laws(batch, set_, time, {LawOutputs{force_of[0]}, LawOutputs{force_of[1]}}, message);
+  if (status != SPRINGNET_OK) return status;
+
   const double* axial[2] = {nullptr, nullptr};
   std::size_t axial_count = 0;
-  for (const Law* law : {&group.spring, &group.viscosity}) {
-    if (!*law) continue;
-    double* value = values[law == &group.viscosity];
-    LawOutputs out;
-    out.force = value;
-    const springnet_status status =
-        call_law(group, *law, abi_number(set_), time, segment.count, rows,
-                 law->relative ? geometry.speed : geometry.length, geometry.rate, out, &message);
-    if (status != SPRINGNET_OK) return status;
-    if (law->relative)
-      kernels_.scatter_relative(springs, geometry, value, to_second, force);
+  const std::array<const Law*, 2> laws = group.laws();
+  for (std::size_t k = 0; k < laws.size(); ++k) {
+    if (!*laws[k]) continue;
+    if (laws[k]->relative)
+      kernels_.scatter_relative(springs, geometry, force_of[k], to_second, force);
     else
-      axial[axial_count++] = value;
+      axial[axial_count++] = force_of[k];
   }
   if (axial_count > 0) kernels_.scatter_axial(springs, geometry, axial[0], axial[1], to_second, force);
   return SPRINGNET_OK;
