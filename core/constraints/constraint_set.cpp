@@ -4,8 +4,8 @@
 
 #include "constraints/island.hpp"
 #include "constraints/vectors.hpp"
-#include "layers/message.hpp"
 #include "plugin_host/call.hpp"
+#include "plugin_host/message.hpp"
 
 namespace springnet {
 namespace {

@@ -9,7 +9,7 @@
 
 #include <Eigen/Core>
 
-#include "layers/constraint_row.hpp"
+#include "layers/linear/constraint_row.hpp"
 
 namespace springnet {
 

@@ -11,7 +11,7 @@
 #include <numeric>
 
 #include "constraints/vectors.hpp"
-#include "layers/message.hpp"
+#include "plugin_host/message.hpp"
 
 namespace springnet {
 namespace {

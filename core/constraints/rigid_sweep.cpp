@@ -18,7 +18,7 @@
 #include "constraints/island.hpp"
 #include "constraints/rigid.hpp"
 #include "constraints/vectors.hpp"
-#include "layers/message.hpp"
+#include "plugin_host/message.hpp"
 
 namespace springnet {
 namespace {

@@ -51,11 +51,11 @@ LinearElement element_at_rest(const Network& network, const Element& element, do
     linear.gradient.assign(geometry.gradient, geometry.gradient + linear.nodes.size());
     return linear;
   }
-  linear.surface.emplace_back(element.nodes);
-  linear.nodes = linear.surface[0].nodes();
+  linear.enclosure.emplace_back(element.nodes);
+  linear.nodes = linear.enclosure[0].nodes();
   const RestArrays arrays(network, linear.nodes);
   for (std::size_t i = 0; i < linear.nodes.size(); ++i)
-    linear.gradient.push_back(linear.surface[0].gradient(i, arrays.view()));
+    linear.gradient.push_back(linear.enclosure[0].gradient(i, arrays.view()));
   return linear;
 }
 
@@ -80,7 +80,7 @@ LinearElement pressed_face(const Network& network, const Face& face, double pres
 }
 
 void linearise_element(const Network& network, const Element& element, LinearElement& linear) {
-  if (!linear.is_surface()) {
+  if (!linear.is_enclosure()) {
     const layers::Corners corners = corners_of(network, linear.nodes);
     layers::FirstOrder geometry;
     layers::first_order(element.invariant, corners, geometry);
@@ -91,8 +91,8 @@ void linearise_element(const Network& network, const Element& element, LinearEle
   const RestArrays arrays(network, linear.nodes);
   linear.across.resize(linear.nodes.size());
   for (std::size_t i = 0; i < linear.nodes.size(); ++i)
-    for (const layers::ClosedSurface::Spoke& spoke : linear.surface[0].spokes(i))
-      linear.across[i].push_back(linear.force * layers::ClosedSurface::across(spoke, arrays.view()));
+    for (const layers::Enclosure::Spoke& spoke : linear.enclosure[0].spokes(i))
+      linear.across[i].push_back(linear.force * layers::Enclosure::across(spoke, arrays.view()));
 }
 
 LinearElements::LinearElements(const Network& network, std::vector<LinearElement> elements)
@@ -111,7 +111,7 @@ layers::Block LinearElements::diagonal(NodeIndex node, double stiffness_weight, 
   layers::Block sum = layers::Block::Zero();
   for (const LinearShare& share : of(node)) {
     const LinearElement& e = elements_[share.element];
-    if (e.is_surface()) {
+    if (e.is_enclosure()) {
       const Vector3& g = e.gradient[share.place];
       sum += (stiffness_weight * e.stiffness + damping_weight * e.damping) * g * g.transpose();
     } else {

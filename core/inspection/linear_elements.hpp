@@ -6,23 +6,23 @@
 
 #include <springnet/network.hpp>
 
-#include "layers/closed_surface.hpp"
-#include "layers/invariant.hpp"
+#include "layers/elements/blocks.hpp"
+#include "layers/elements/enclosure.hpp"
 
 namespace springnet {
 
 // The forces on its nodes change by -sum_j (K_ij dp_j + D_ij dv_j).
 struct LinearElement {
-  std::vector<NodeIndex> nodes;                // each once
-  double scale;                                // of q: 1 rad, or the area or volume at the start
-  double force;                                // Q at the start; nan if a law cannot be linearised
-  double stiffness, damping;                   // dQ/dq, dQ/dq'
-  layers::ElementBlocks blocks;                // of three or four nodes
-  std::vector<layers::ClosedSurface> surface;  // one of an enclosed volume, else none
-  std::vector<Vector3> gradient;               // dq/dp, [node]
-  std::vector<std::vector<Vector3>> across;    // Q d2V/dp dp_other x as a cross product, [node][spoke]
+  std::vector<NodeIndex> nodes;              // each once
+  double scale;                              // of q: 1 rad, or the area or volume at the start
+  double force;                              // Q at the start; nan if a law cannot be linearised
+  double stiffness, damping;                 // dQ/dq, dQ/dq'
+  layers::ElementBlocks blocks;              // of three or four nodes
+  std::vector<layers::Enclosure> enclosure;  // one of an enclosed volume, else none
+  std::vector<Vector3> gradient;             // dq/dp, [node]
+  std::vector<std::vector<Vector3>> across;  // Q d2V/dp dp_other x as a cross product, [node][spoke]
 
-  [[nodiscard]] bool is_surface() const { return !surface.empty(); }
+  [[nodiscard]] bool is_enclosure() const { return !enclosure.empty(); }
   // t^2 K + t D between two of its nodes. Of an enclosed volume: without what dV/dp makes of all its nodes.
   [[nodiscard]] layers::Block between(std::size_t i, std::size_t j, double t) const {
     return t * t * blocks.stiffness[i][j] + t * blocks.damping_block(i, j);

@@ -171,7 +171,7 @@ void count_mechanisms(const Network& network, const LinearNetwork& linear, const
   for (std::size_t e = 0; e < linear.elements.all().size(); ++e) {
     const LinearElement& element = linear.elements.all()[e];
     if (element.stiffness == 0.0 || !network.materials()[network.elements()[e].material].spring) continue;
-    if (element.is_surface()) {
+    if (element.is_enclosure()) {
       volumes.add(element.nodes, element.gradient.data());
       continue;
     }

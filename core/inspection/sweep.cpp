@@ -22,7 +22,7 @@ LinearSweep::LinearSweep(const Network& network, const LinearNetwork& linear, co
   if (rule == UpdateRule::wavefront || rule == UpdateRule::block) order_ = wave_order(joints, linear.nodes);
   if (rule == UpdateRule::coloured) order_ = colour_order(joints, cluster_);
   const std::vector<LinearElement>& elements = linear.elements.all();
-  if (std::any_of(elements.begin(), elements.end(), [](const LinearElement& e) { return e.is_surface(); }))
+  if (std::any_of(elements.begin(), elements.end(), [](const LinearElement& e) { return e.is_enclosure(); }))
     rates_.resize(elements.size());
   for (std::size_t k = 0; k < free_.size(); ++k) {
     const LinearNode& node = linear.nodes[k];
@@ -109,10 +109,10 @@ Vector3 LinearSweep::pulled_by_elements(NodeIndex node, const Eigen::VectorXd& u
   Vector3 sum = Vector3::Zero();
   for (const LinearShare& share : linear_.elements.of(node)) {
     const LinearElement& e = linear_.elements.all()[share.element];
-    if (e.is_surface()) {
+    if (e.is_enclosure()) {
       const Vector3& g = e.gradient[share.place];
       sum += e.of_volume(t) * (rates_[share.element] - g.dot(velocity(u, node))) * g;
-      const auto spokes = e.surface[0].spokes(share.place);
+      const auto spokes = e.enclosure[0].spokes(share.place);
       for (std::size_t i = 0; i < spokes.size(); ++i)
         sum += t * t * e.across[share.place][i].cross(velocity(u, spokes[i].other));
       continue;
@@ -127,7 +127,7 @@ void LinearSweep::sum_rates(const Eigen::VectorXd& u) {
   for (std::size_t e = 0; e < rates_.size(); ++e) {
     const LinearElement& element = linear_.elements.all()[e];
     rates_[e] = 0.0;
-    for (std::size_t i = 0; element.is_surface() && i < element.nodes.size(); ++i)
+    for (std::size_t i = 0; element.is_enclosure() && i < element.nodes.size(); ++i)
       rates_[e] += element.gradient[i].dot(velocity(u, element.nodes[i]));
   }
 }
@@ -136,7 +136,7 @@ void LinearSweep::change_rates(NodeIndex node, const Vector3& change) {
   if (rates_.empty()) return;
   for (const LinearShare& share : linear_.elements.of(node)) {
     const LinearElement& e = linear_.elements.all()[share.element];
-    if (e.is_surface()) rates_[share.element] += inverse_root_[node] * e.gradient[share.place].dot(change);
+    if (e.is_enclosure()) rates_[share.element] += inverse_root_[node] * e.gradient[share.place].dot(change);
   }
 }
 

@@ -86,7 +86,7 @@ bool is_within_reach(const Network& network, const LinearNetwork& linear, const 
   if (!linear.unknown_because.empty() || !mobility.known || !network.rigids().empty()) return false;
   if (mobility.mechanisms + mobility.rigid_body_motions > most_free_motions) return false;
   for (const LinearElement& element : linear.elements.all()) {
-    if (element.is_surface()) return false;
+    if (element.is_enclosure()) return false;
   }
   for (std::size_t k = 0; k < linear.nodes.size(); ++k) {
     if (!is_mass(linear.nodes[k], network.nodes()[k].mass)) return false;

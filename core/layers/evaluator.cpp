@@ -6,13 +6,13 @@
 #include <algorithm>
 #include <string>
 
-#include "layers/message.hpp"
 #include "plugin_host/call.hpp"
+#include "plugin_host/message.hpp"
 
 namespace springnet::layers {
 namespace {
 
-constexpr std::size_t springs_in_an_element = 4;  // as the time of an evaluation goes
+constexpr std::size_t springs_in_an_element = 4;  // by the time that its evaluation takes
 
 }  // namespace
 
@@ -35,12 +35,12 @@ Evaluator::Evaluator(const Layout& layout, const std::vector<double>& mass, Inst
   const ElementLayout& elements = layout.elements();
   element_gradient_.resize(elements.slot_count(), Vector3::Zero());
   element_force_.resize(elements.count());
-  for (std::uint32_t s = 0; s < elements.surfaces().size(); ++s) {
-    const auto size = static_cast<std::uint32_t>(elements.surfaces()[s].surface.size());
-    for (std::uint32_t begin = 0; begin < size; begin += surface_chunk)
-      chunks_.push_back({s, begin, std::min(size, begin + static_cast<std::uint32_t>(surface_chunk))});
+  for (std::uint32_t s = 0; s < elements.enclosures().size(); ++s) {
+    const auto size = static_cast<std::uint32_t>(elements.enclosures()[s].shape.size());
+    for (std::uint32_t begin = 0; begin < size; begin += enclosure_chunk)
+      chunks_.push_back({s, begin, std::min(size, begin + static_cast<std::uint32_t>(enclosure_chunk))});
   }
-  surface_shares_.resize(chunks_.size());
+  enclosure_shares_.resize(chunks_.size());
 }
 
 springnet_status Evaluator::evaluate(double time, const NodeArrays& nodes, const ExternalForces& external,
@@ -123,46 +123,6 @@ springnet_status Evaluator::evaluate_unit(std::uint32_t index, double time, cons
     const springnet_status status = finished.call(finished.user, index, tile.first_node, tile.node_count, message);
     if (status != SPRINGNET_OK) return status;
   }
-  return SPRINGNET_OK;
-}
-
-springnet_status Evaluator::evaluate_segment(const Unit& unit, const Segment& segment, double time,
-                                             const NodeArrays& nodes, const ForceArrays& force,
-                                             SegmentGeometry& geometry, springnet_message& message) const {
-  const Group& group = layout_.laws().groups[segment.group];
-  const SegmentSprings springs{unit.runs.data() + segment.run_begin,
-                               segment.run_count,
-                               segment.run_springs,
-                               segment.count,
-                               unit.first.data() + segment.begin,
-                               unit.second.data() + segment.begin};
-  const RowSelection rows =
-      segment.row == mixed_rows ? RowSelection{unit.row.data() + segment.begin, 0} : RowSelection{nullptr, segment.row};
-  const bool to_second = !segment.boundary;
-  if (group.spring.reads_rate || group.viscosity.reads_rate)
-    kernels_.lengths_and_rates(springs, nodes, geometry);
-  else if ((group.spring && !group.spring.relative) || (group.viscosity && !group.viscosity.relative))
-    kernels_.lengths(springs, nodes, geometry);
-  if (group.spring.relative || group.viscosity.relative) kernels_.relative_speeds(springs, nodes, geometry);
-
-  alignas(64) double values[2][max_segment];
-  const double* axial[2] = {nullptr, nullptr};
-  std::size_t axial_count = 0;
-  for (const Law* law : {&group.spring, &group.viscosity}) {
-    if (!*law) continue;
-    double* value = values[law == &group.viscosity];
-    LawOutputs out;
-    out.force = value;
-    const springnet_status status =
-        call_law(group, *law, abi_number(set_), time, segment.count, rows,
-                 law->relative ? geometry.speed : geometry.length, geometry.rate, out, &message);
-    if (status != SPRINGNET_OK) return status;
-    if (law->relative)
-      kernels_.scatter_relative(springs, geometry, value, to_second, force);
-    else
-      axial[axial_count++] = value;
-  }
-  if (axial_count > 0) kernels_.scatter_axial(springs, geometry, axial[0], axial[1], to_second, force);
   return SPRINGNET_OK;
 }
 

@@ -1,5 +1,6 @@
 #include "layers/instruction_set.hpp"
 
+#include <springnet/sdk/plugin.h>
 #include <springnet/error.hpp>
 
 #if defined(__x86_64__)

@@ -1,5 +1,5 @@
-// The inner loops over springs of one segment of a tile: from node arrays to lengths, rates and directions, and from
-// tensions back to nodes. Built once for each instruction set, all with the same bits.
+// Inner loops over the springs of a segment: lengths, rates and directions from the nodes' positions and velocities,
+// and forces back to the nodes. Compiled once for each instruction set; all give the same bits.
 #pragma once
 
 #include <cstddef>
@@ -7,17 +7,17 @@
 
 namespace springnet::layers {
 
-// A segment has at most this many springs, so that its scratch arrays stay in the first-level cache.
+// Most springs of a segment: its scratch arrays fit the first-level cache.
 inline constexpr std::size_t max_segment = 448;
 
-// Springs (first + i, second + i), i < count: no indices to read, both ends load contiguously.
+// Springs (first + i, second + i), i < count: no indices are read, and both ends are loaded contiguously.
 struct Run {
   std::uint32_t first;
   std::uint32_t second;
   std::uint32_t count;
 };
 
-// Springs of one segment: those of the runs, then pairs[run_springs …].
+// Springs of one segment: first run_springs of them in runs, then the others, by their ends.
 struct SegmentSprings {
   const Run* runs;
   std::uint32_t run_count;
@@ -36,7 +36,7 @@ struct ForceArrays {
   double *x, *y, *z;  // N
 };
 
-// Directions are zero where the ends coincide, so that no law can push such a spring.
+// Directions are zero where the ends coincide (or move alike), so that such a spring exerts no force.
 struct alignas(64) SegmentGeometry {
   double length[max_segment];                                // l = |dp|, m
   double rate[max_segment];                                  // u = n.dv, m/s
@@ -49,10 +49,11 @@ struct Kernels {
   void (*lengths)(const SegmentSprings& springs, const NodeArrays& nodes, SegmentGeometry& out);
   void (*lengths_and_rates)(const SegmentSprings& springs, const NodeArrays& nodes, SegmentGeometry& out);
   void (*relative_speeds)(const SegmentSprings& springs, const NodeArrays& nodes, SegmentGeometry& out);
-  // force on first ends -= (axial + axial_2) n, second ends += the same. axial_2 may be null.
+  // Subtracts (axial + axial_2) n from the force on the first ends; adds it to the second ends if `to_second`. axial_2
+  // may be null.
   void (*scatter_axial)(const SegmentSprings& springs, const SegmentGeometry& geometry, const double* axial,
                         const double* axial_2, bool to_second, const ForceArrays& force);
-  // The same along dv / |dv|.
+  // The same with value dv / |dv|.
   void (*scatter_relative)(const SegmentSprings& springs, const SegmentGeometry& geometry, const double* value,
                            bool to_second, const ForceArrays& force);
 };

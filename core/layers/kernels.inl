@@ -1,10 +1,10 @@
-// Included once for each instruction set with KERNEL_NAMESPACE defined. Plain loops only: an inline function of a
-// library, compiled here for a wider instruction set, could replace the portable one of the whole program.
+// Included once for each instruction set with KERNEL_NAMESPACE defined. Plain loops only: the linker could pick an
+// inline library function compiled here, for a wider instruction set, for the whole program.
 
 #include "layers/kernels.hpp"
 
 #define RESTRICT __restrict
-// No iteration of the loop that follows reads what another one writes.
+// Asserts that no iteration of the following loop reads what another one writes.
 #if defined(__clang__)
 #define INDEPENDENT_ITERATIONS _Pragma("clang loop vectorize(assume_safety)")
 #else
@@ -27,7 +27,7 @@ struct Direction {
 
 enum class Reads { length, length_and_rate, relative_speed };
 
-// Element `at` of the segment from nodes a and b.
+// Geometry of spring `at` of the segment, between nodes a and b.
 template <Reads reads>
 [[gnu::always_inline]] inline void element(const NodeArrays& n, std::size_t a, std::size_t b, SegmentGeometry& out,
                                            std::size_t at) {
@@ -68,7 +68,7 @@ void gather(const SegmentSprings& springs, const NodeArrays& node_arrays, Segmen
   for (std::size_t i = at; i < count; ++i) element<reads>(nodes, first[i], second[i], out, i);
 }
 
-// One component of the forces of a run. Ends are added in two loops: within a loop no node occurs twice.
+// One component of the forces of a run. First and second ends have a loop each, in which no node occurs twice.
 [[gnu::always_inline]] inline void scatter_run(const Run& run, const double* RESTRICT tension, const double* RESTRICT n,
                                                bool to_second, double* force) {
   const std::size_t count = run.count;

@@ -9,6 +9,7 @@
 
 #include "layers/kernels.hpp"
 #include "plugin_host/call.hpp"
+#include "plugin_host/message.hpp"
 
 namespace springnet::layers {
 namespace {
@@ -47,7 +48,7 @@ Law resolve(const std::optional<LawUse>& use, ComponentKind kind, std::size_t fi
   return law;
 }
 
-// What a law says that it reads.
+// For messages.
 std::string_view reading(std::uint32_t invariant) {
   switch (invariant) {
     case SPRINGNET_RELATIVE_SPEED:
@@ -65,7 +66,7 @@ std::string_view reading(std::uint32_t invariant) {
   }
 }
 
-// A law on the length is a formula in a number and its rate: it may be used on any element.
+// A law of a length is a formula in one scalar and its rate, so it may be used on any invariant.
 bool fits(const Law& law, Invariant invariant) {
   switch (law.invariant) {
     case SPRINGNET_LENGTH:
@@ -99,7 +100,7 @@ void check_use(const Law& law, Invariant invariant, std::size_t element) {
                   reading(law.invariant)));
 }
 
-// Key of a row: material and the bits of the rest length or reference.
+// Key of a row: the material, and the bits of the rest length or reference.
 struct RowKey {
   std::uint32_t material;
   std::uint64_t rest_length;
@@ -181,58 +182,13 @@ CompiledLaws compile_laws(const Network& network, const PluginHost& plugins) {
   return compiled;
 }
 
-springnet_status call_law(const Group& group, const Law& law, std::uint32_t instruction_set, double time,
-                          std::size_t count, const RowSelection& rows, const double* q, const double* rate,
-                          const LawOutputs& out, springnet_message* message) {
-  const double* parameters[max_parameters];
-  std::uint32_t strides[max_parameters];
-  const double* reference = nullptr;
-  // Columns that differ between the elements are expanded a few at a time; a law with more of them than fit is answered
-  // in smaller batches, which gives the same bits.
-  alignas(64) double expanded[(max_parameters + 1) * 64];
-  const bool uniform = rows.rows == nullptr || group.row_count() == 1;
-  const std::size_t batch_size = uniform ? count : std::size_t{64};
-
-  springnet_law_batch batch{};
-  batch.struct_size = sizeof batch;
-  batch.instruction_set = instruction_set;
-  batch.time = time;
-  batch.parameters = parameters;
-  batch.parameter_strides = strides;
-
-  for (std::size_t begin = 0; begin < count; begin += batch_size) {
-    const std::size_t size = count - begin < batch_size ? count - begin : batch_size;
-    const auto column = [&](std::size_t index, std::size_t slot, std::uint32_t& stride) -> const double* {
-      const std::vector<double>& values = group.columns[index];
-      if (uniform) {
-        stride = 0;
-        return values.data() + (rows.rows == nullptr ? rows.row : 0);
-      }
-      double* copy = expanded + slot * 64;
-      for (std::size_t i = 0; i < size; ++i) copy[i] = values[rows.rows[begin + i]];
-      stride = 1;
-      return copy;
-    };
-    reference = column(0, 0, batch.reference_stride);
-    for (std::size_t k = 0; k < law.parameter_count; ++k)
-      parameters[k] = column(law.first_column + k, k + 1, strides[k]);
-    batch.count = static_cast<std::uint32_t>(size);
-    batch.q = q + begin;
-    batch.rate = law.reads_rate && rate != nullptr ? rate + begin : nullptr;
-    batch.reference = reference;
-    const auto at = [begin](double* array) { return array == nullptr ? nullptr : array + begin; };
-    batch.force = at(out.force);
-    batch.energy = at(out.energy);
-    batch.force_by_q = at(out.force_by_q);
-    batch.force_by_rate = at(out.force_by_rate);
-    batch.margin = at(out.margin);
-    const springnet_status status = call_component(*law.component, *message, [&](springnet_message& own) {
-      batch.message = &own;
-      return law.component->law().evaluate(&batch);
-    });
-    if (status != SPRINGNET_OK) return status;
-  }
-  return SPRINGNET_OK;
+springnet_status require_derivatives(const Component& component, springnet_message& message) {
+  if ((component.description->capabilities & SPRINGNET_HAS_DERIVATIVES) != 0) return SPRINGNET_OK;
+  const char* header = component.kind() == ComponentKind::neuron ? "neuron" : "law";
+  set_message(message, fmt::format("{} '{}' offers no derivatives, which implicit methods need; write it with "
+                                   "springnet/sdk/{}.hpp, or choose an explicit method",
+                                   name_of(component.kind()), component.id(), header));
+  return SPRINGNET_FAILED;
 }
 
 }  // namespace springnet::layers

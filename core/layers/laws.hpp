@@ -1,7 +1,8 @@
-// Laws as the layers use them: a component, its parameters in columns, and how it is called on a batch.
+// Laws as the layers use them: components, and their parameters in columns.
 #pragma once
 
 #include <array>
+#include <cmath>
 #include <cstdint>
 #include <memory>
 #include <string>
@@ -14,7 +15,7 @@ namespace springnet::layers {
 
 inline constexpr std::size_t max_parameters = 32;  // of one law
 
-// A spring function or viscosity function; null component: none.
+// A spring function or viscosity function, or none.
 struct Law {
   std::shared_ptr<const Component> component;
   std::size_t parameter_count = 0;
@@ -27,27 +28,34 @@ struct Law {
   [[nodiscard]] bool can(std::uint32_t capability) const noexcept {
     return component && (component->description->capabilities & capability) != 0;
   }
+  // Whether its force derives from the energy that it returns.
+  [[nodiscard]] bool has_potential() const noexcept { return can(SPRINGNET_HAS_ENERGY) && !reads_rate && !relative; }
 };
 
-// Springs and elements of the same laws. columns[0] is the rest length or reference, then come the parameters of the
-// spring function and of the viscosity function; a row is a distinct combination of them.
+// Springs and elements with the same two laws. columns[0] is the rest length or reference value, followed by the
+// parameters of the spring function and of the viscosity function; each distinct combination is a row.
 struct Group {
   Law spring;
   Law viscosity;
   std::vector<std::vector<double>> columns;
 
   [[nodiscard]] std::size_t row_count() const noexcept { return columns[0].size(); }
+  // The spring function, then the viscosity function.
+  [[nodiscard]] std::array<const Law*, 2> laws() const noexcept { return {&spring, &viscosity}; }
+  [[nodiscard]] bool can(std::uint32_t capability) const noexcept {
+    return spring.can(capability) || viscosity.can(capability);
+  }
 };
 
-// Nodes of the same neuron and parameters.
+// A neuron with its parameters; nodes refer to it by index.
 struct NeuronKind {
   std::shared_ptr<const Component> component;
   std::vector<double> parameters;
 };
 
-// Groups and rows of all springs and elements of a network, neurons of all nodes. Throws Error if a component is not
-// there, a parameter is out of range, a law needs what this engine does not evaluate, or is used on what it does not
-// read.
+// Groups and rows of all springs and elements of a network, and the neurons of its nodes. Throws Error if a component
+// does not exist, a parameter is out of range, a law needs what this version does not provide (internal state, inputs,
+// tables), or a law is used on an invariant that it does not read.
 struct CompiledLaws {
   std::vector<Group> groups;
   std::vector<std::uint32_t> group;                       // [spring]
@@ -57,25 +65,10 @@ struct CompiledLaws {
 };
 [[nodiscard]] CompiledLaws compile_laws(const Network& network, const PluginHost& plugins);
 
-// Rows of the elements of a batch: one for all, or one an element.
-struct RowSelection {
-  const std::uint32_t* rows = nullptr;  // null: `row` for all
-  std::uint32_t row = 0;
-};
+// SPRINGNET_FAILED with a message if a law or neuron has no derivatives.
+[[nodiscard]] springnet_status require_derivatives(const Component& component, springnet_message& message);
 
-// What a batch of a law writes; null where it is not wanted.
-struct LawOutputs {
-  double* force = nullptr;
-  double* energy = nullptr;
-  double* force_by_q = nullptr;
-  double* force_by_rate = nullptr;
-  double* margin = nullptr;
-};
-
-// Calls a law on `count` elements. At most max_segment elements. Does not throw; on failure `message` names the law,
-// its plugin and the reason.
-[[nodiscard]] springnet_status call_law(const Group& group, const Law& law, std::uint32_t instruction_set, double time,
-                                        std::size_t count, const RowSelection& rows, const double* q,
-                                        const double* rate, const LawOutputs& out, springnet_message* message);
+// The smaller of two rupture margins; nan if either is.
+[[nodiscard]] inline double lesser(double a, double b) noexcept { return a < b || std::isnan(a) ? a : b; }
 
 }  // namespace springnet::layers

@@ -5,9 +5,9 @@
 namespace springnet::layers {
 namespace {
 
-// Fewer springs in a row of equal offset are better read through indices.
+// Springs of equal offset that make a run; fewer are faster read through indices.
 constexpr std::uint32_t shortest_run = 8;
-// A part of a tile with equal parameters is a segment of its own from this many springs on: its law reads no columns.
+// Springs of a tile with equal parameters that make a segment of their own, whose law reads one value per parameter.
 constexpr std::size_t smallest_uniform = 24;
 
 }  // namespace
@@ -59,7 +59,7 @@ void Layout::lay_out(Unit& unit) {
   unit.second.clear();
   unit.row.clear();
 
-  // Springs of each tile, those inside the unit before those across its boundary.
+  // Springs of each tile: those inside the unit, and those across its boundary.
   const std::uint32_t tile_count = (unit.node_count + tile_nodes - 1) / tile_nodes;
   std::vector<std::vector<std::uint32_t>> inside(tile_count), across(tile_count);
   const std::uint32_t unit_index = unit.node_count == 0 ? 0 : unit_of_[unit.first_node];
@@ -82,7 +82,7 @@ void Layout::lay_out(Unit& unit) {
   }
 }
 
-// Sorts springs of a tile by group and row, makes segments of rows that are frequent, and mixed ones of the rest.
+// Sorts the springs of a tile by group and row; frequent rows get segments of their own, the others mixed ones.
 void Layout::add_segments(Unit& unit, std::vector<std::uint32_t>& slots, bool boundary) {
   std::sort(slots.begin(), slots.end(), [this](std::uint32_t s, std::uint32_t t) {
     if (laws_.group[s] != laws_.group[t]) return laws_.group[s] < laws_.group[t];
@@ -119,7 +119,7 @@ void Layout::add_segment(Unit& unit, const std::uint32_t* slots, std::size_t cou
   const std::uint32_t unit_index = unit_of_[unit.first_node];
   for (std::size_t i = 0; i < count; ++i) {
     std::uint32_t a = first(slots[i]), b = second(slots[i]);
-    // The force is the same seen from either end: the lower one comes first, or the one inside.
+    // The force is the same seen from either end. First comes the lower node, or the one inside the unit.
     if (boundary ? unit_of_[a] != unit_index : b < a) std::swap(a, b);
     ends[i] = {a, b, slots[i]};
   }
@@ -129,7 +129,7 @@ void Layout::add_segment(Unit& unit, const std::uint32_t* slots, std::size_t cou
     return x.own != y.own ? x.own < y.own : x.spring < y.spring;
   });
 
-  // Maximal runs; those that are long enough go first.
+  // Maximal runs; those of shortest_run springs or more come first.
   struct Piece {
     std::size_t begin, end;
   };
@@ -204,7 +204,7 @@ void Layout::build_incidence() {
   for (std::size_t k = 0; k < nodes; ++k) incident_start_[k + 1] += incident_start_[k];
   incident_.resize(incident_start_[nodes]);
   incident_stop_.assign(incident_start_.begin(), incident_start_.end() - 1);
-  // Group by group, so that each node's springs come sorted by law.
+  // Group by group, so that each node's springs are sorted by group.
   for (const std::vector<std::uint32_t>& springs : springs_of_group_) {
     for (const std::uint32_t s : springs) {
       const std::uint32_t a = first(s), b = second(s);

@@ -1,8 +1,8 @@
-// The network in memory: nodes in units, springs in tiles of their first node, tiles in segments of equal law.
+// The network in memory: units of nodes, tiles of a unit's nodes, segments of a tile's springs with the same laws.
 //
-// A spring between two nodes of a unit stands in the tile of its lower node, so that a node's force is final when its
-// tile is done. A spring between two units stands in both, and adds to its own node only: no two units write to the
-// same node, whatever thread works on them, and the order of every sum is that of the layout.
+// A spring between two nodes of a unit belongs to the tile of its lower node, so that the forces on a tile are final
+// once it has been evaluated. A spring between two units is in both, and each adds to its own node only: no two units
+// write to the same node, whichever threads they run on, and the order of every sum is fixed by the layout.
 #pragma once
 
 #include <cstdint>
@@ -11,7 +11,7 @@
 
 #include <springnet/network.hpp>
 
-#include "layers/element_layout.hpp"
+#include "layers/elements/layout.hpp"
 #include "layers/kernels.hpp"
 #include "layers/laws.hpp"
 #include "layers/loaded_faces.hpp"
@@ -27,7 +27,7 @@ struct Segment {
   std::uint32_t row;           // of all its springs, or mixed_rows
   std::uint32_t begin, count;  // slots in the unit
   std::uint32_t run_begin, run_count, run_springs;
-  bool boundary;  // adds to first ends only
+  bool boundary;  // springs to other units: force on the first ends only
 };
 
 struct Tile {
@@ -37,7 +37,7 @@ struct Tile {
 
 struct Unit {
   std::uint32_t first_node = 0, node_count = 0;
-  std::vector<std::uint32_t> springs;  // all that touch it, as long as they are alive when it is laid out
+  std::vector<std::uint32_t> springs;  // with an end in the unit, removed ones included
   std::vector<Tile> tiles;
   std::vector<Segment> segments;
   std::vector<Run> runs;
@@ -45,7 +45,7 @@ struct Unit {
   std::vector<std::uint32_t> first, second, row;
 };
 
-// A spring as one of its ends sees it.
+// A spring seen from one of its ends.
 struct Incident {
   std::uint32_t other;  // node
   std::uint32_t group;
@@ -68,31 +68,32 @@ class Layout {
   [[nodiscard]] std::size_t spring_count() const noexcept { return alive_.size(); }
   [[nodiscard]] std::size_t live_count() const noexcept { return live_count_; }
   [[nodiscard]] bool alive(std::uint32_t spring) const noexcept { return alive_[spring] != 0; }
-  // Ends in the engine's numbers.
+  // Ends, as the engine numbers nodes.
   [[nodiscard]] std::uint32_t first(std::uint32_t spring) const noexcept { return ends_[2 * spring]; }
   [[nodiscard]] std::uint32_t second(std::uint32_t spring) const noexcept { return ends_[2 * spring + 1]; }
   [[nodiscard]] const Group& group_of(std::uint32_t spring) const noexcept { return laws_.groups[laws_.group[spring]]; }
 
-  // Live springs at a node, by law, then spring.
+  // Live springs of a node, sorted by group, then by number.
   [[nodiscard]] const Incident* incident_begin(std::uint32_t node) const noexcept {
     return incident_.data() + incident_start_[node];
   }
   [[nodiscard]] const Incident* incident_end(std::uint32_t node) const noexcept {
     return incident_.data() + incident_stop_[node];
   }
-  // Live springs of a group, by number.
+  // Live springs of a group, in rising order.
   [[nodiscard]] const std::vector<std::uint32_t>& springs_of(std::size_t group) const noexcept {
     return springs_of_group_[group];
   }
-  // Nodes of one neuron: kind[node] into laws().neurons.
+  // [node] index into laws().neurons.
   [[nodiscard]] const std::vector<std::uint32_t>& neuron_kind() const noexcept { return neuron_kind_; }
 
-  // Nodes joined by a live spring, element, a face under a following pressure or rigidly, by rising user's number, each
-  // once. Made when first asked for after a removal; one thread at a time.
+  // Neighbours of a node: nodes that it shares a live spring, element, face under a following pressure or rigid
+  // connection with, each once, sorted by the user's numbers. Built when first asked for after a removal; not thread
+  // safe.
   [[nodiscard]] const std::vector<std::uint32_t>& neighbour_start() const;
   [[nodiscard]] const std::vector<std::uint32_t>& neighbours() const;
 
-  // Takes springs out; numbers that are out already do not matter. Returns those that were in.
+  // Remove springs, elements, faces. Those removed before are ignored; returns the others.
   std::vector<std::uint32_t> remove(const std::vector<std::uint32_t>& springs);
   std::vector<std::uint32_t> remove_elements(const std::vector<std::uint32_t>& elements);
   std::vector<std::size_t> remove_faces(const std::vector<std::size_t>& faces);
@@ -111,7 +112,7 @@ class Layout {
   LoadedFaces loaded_faces_;
   std::vector<std::uint32_t> unit_of_;                          // [node]
   std::vector<std::uint32_t> ends_;                             // [2 spring]
-  std::vector<std::pair<std::uint32_t, std::uint32_t>> rigid_;  // both ways, sorted
+  std::vector<std::pair<std::uint32_t, std::uint32_t>> rigid_;  // pairs of nodes in both orders, sorted
   std::vector<std::uint8_t> alive_;
   std::size_t live_count_ = 0;
   std::vector<std::uint32_t> neuron_kind_;
@@ -119,7 +120,7 @@ class Layout {
   std::vector<std::uint64_t> incident_start_, incident_stop_;
   std::vector<Incident> incident_;
   std::vector<std::vector<std::uint32_t>> springs_of_group_;
-  mutable std::vector<std::uint32_t> neighbour_start_, neighbours_;  // empty: not made
+  mutable std::vector<std::uint32_t> neighbour_start_, neighbours_;  // empty until built
 };
 
 }  // namespace springnet::layers

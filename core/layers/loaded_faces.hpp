@@ -1,9 +1,9 @@
-// Faces that loads act on, and the pressures that follow them.
+// Faces under loads, and the following pressures on them.
 //
-// A pressure p on a triangle (a, b, c) with the area vector A = (b - a) x (c - a) / 2 puts -p A / 3 on each of its
-// nodes: linear shape functions share a uniform pressure equally. It follows the triangle, so it has derivatives:
+// A pressure p on a triangle (a, b, c) with area vector A = (b - a) x (c - a) / 2 exerts -p A / 3 on each of its nodes:
+// with linear shape functions a uniform pressure is shared equally. It follows the triangle, so it has derivatives:
 //   -dF/da = p/6 [c - b]x,  -dF/db = p/6 [a - c]x,  -dF/dc = p/6 [b - a]x,   for the force F on any of the three.
-// Summed over a closed surface under one pressure they are symmetric (the pressure has the potential p V), else not.
+// Their sum over a closed surface under one pressure is symmetric (the potential is p V); otherwise it is not.
 #pragma once
 
 #include <array>
@@ -16,59 +16,52 @@
 
 #include <springnet/network.hpp>
 
+#include "layers/block.hpp"
 #include "layers/kernels.hpp"
-#include "layers/spring_blocks.hpp"
 
 namespace springnet::layers {
 
-// x -> a x x as a matrix.
-[[nodiscard]] inline Block cross_matrix(const Vector3& a) {
-  Block block;
-  block << 0.0, -a[2], a[1], a[2], 0.0, -a[0], -a[1], a[0], 0.0;
-  return block;
-}
-
 class LoadedFaces {
  public:
-  // A face under a following pressure as one of its nodes sees it: the triangle (node, next, last).
+  // A face under a following pressure seen from one of its nodes: the triangle (node, next, last).
   struct Seen {
     std::uint32_t next, last;
-    std::uint32_t load;  // number among the network's
+    std::uint32_t load;  // index into Network::loads()
   };
 
   // engine: [user's node]
   LoadedFaces(const Network& network, const std::vector<std::uint32_t>& engine);
 
-  // Faces of all loads, each load's one after another; those that went included.
+  // Faces of all loads, load by load; removed ones included.
   [[nodiscard]] std::size_t count() const noexcept { return corners_.size(); }
   [[nodiscard]] bool alive(std::size_t face) const noexcept { return alive_[face] != 0; }
   [[nodiscard]] std::size_t first_of(std::size_t load) const noexcept { return first_[load]; }
   [[nodiscard]] const std::array<std::uint32_t, 3>& corners(std::size_t face) const noexcept { return corners_[face]; }
   [[nodiscard]] std::uint32_t load_of(std::size_t face) const noexcept { return load_[face]; }
 
-  // Whether any is left under a following pressure.
+  // Whether any live face is under a following pressure.
   [[nodiscard]] bool any_follows() const noexcept { return following_count_ > 0; }
-  // Those that are left at a node, by number.
+  // Live ones at a node, by number.
   [[nodiscard]] std::span<const Seen> seen_by(std::uint32_t node) const noexcept {
     if (following_count_ == 0) return {};
     return {seen_.data() + start_[node], seen_.data() + start_[node + 1]};
   }
-  // Force of the following pressures on a node, N. pressure: [load] Pa.
+  // Force of all following pressures on a node, N. pressure: [load] Pa.
   [[nodiscard]] Vector3 force(std::uint32_t node, const NodeArrays& nodes, const double* pressure) const noexcept;
-  // -dF/dp of that by the node's own position, N/m.
+  // -dF/dp of that force with respect to the node's own position, N/m.
   [[nodiscard]] Block stiffness(std::uint32_t node, const NodeArrays& nodes, const double* pressure) const noexcept;
-  // Whether that is zero wherever the nodes are: faces under the same pressures all around the node.
+  // Whether that stiffness vanishes at every state: the faces of each load close around the node.
   [[nodiscard]] bool is_surrounded(std::uint32_t node) const noexcept;
-  // -dF/dp by the positions of the node itself, `next` and `last`: the part of one face.
+  // -dF/dp of one face's force on the node, with respect to the positions of the node itself, `next` and `last`, N/m.
   [[nodiscard]] static std::array<Block, 3> blocks(std::uint32_t node, const Seen& face, const NodeArrays& nodes,
                                                    double pressure) noexcept;
-  // Adds nodes that share a following pressure's face with a node.
+  // Appends the nodes that share a face under a following pressure with a node; they may repeat.
   void add_neighbours(std::uint32_t node, std::vector<std::uint32_t>& neighbours) const;
 
-  // Faces left that have a spring between two nodes along a side. By number, each once.
+  // Live faces one of whose sides is among these pairs of nodes. By number, each once.
   [[nodiscard]] std::vector<std::size_t> broken_by(
       const std::vector<std::pair<std::uint32_t, std::uint32_t>>& springs) const;
-  // Those of which `crosses(node, node)` is true for a side.
+  // Live faces with a side for which crosses(node, node) is true.
   template <class Crosses>
   [[nodiscard]] std::vector<std::size_t> crossed_by(const Crosses& crosses) const {
     std::vector<std::size_t> found;
@@ -78,7 +71,7 @@ class LoadedFaces {
     }
     return found;
   }
-  // Returns those that were in.
+  // Returns those that were live.
   std::vector<std::size_t> remove(const std::vector<std::size_t>& faces);
 
  private:

@@ -1,12 +1,12 @@
-// What is summed over the springs and elements of one node.
+// Sums over the springs and elements of one node.
 #pragma once
 
+#include "layers/block.hpp"
 #include "layers/evaluator.hpp"
-#include "layers/spring_blocks.hpp"
 
 namespace springnet::layers {
 
-// Null where it is not wanted.
+// Null where not wanted.
 struct Evaluator::NodeSums {
   Vector3& force;              // N
   Block* stiffness = nullptr;  // N/m

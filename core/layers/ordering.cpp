@@ -11,8 +11,8 @@ namespace {
 
 using Nodes = std::vector<std::uint32_t>;
 
-// Halves [begin, end) of `nodes` along the longest side of its box until the parts are small enough. Ties go by the
-// user's number, so the result is a function of the network.
+// Halves [begin, end) of `nodes` along the longest side of their bounding box until the parts have at most max_unit.
+// Ties are broken by the user's number, so that the result depends on the network alone.
 void bisect(const Network& network, Nodes& nodes, std::size_t begin, std::size_t end,
             std::vector<std::uint32_t>& starts) {
   if (end - begin <= max_unit) {
@@ -22,7 +22,7 @@ void bisect(const Network& network, Nodes& nodes, std::size_t begin, std::size_t
   const std::vector<Node>& all = network.nodes();
   Eigen::AlignedBox3d box;
   for (std::size_t i = begin; i < end; ++i) box.extend(all[nodes[i]].position);
-  // Of equal sides the last one: lattices number their nodes along x first, and long rows of them make long runs.
+  // Of equal sides the last: lattices number their nodes along x first, and long rows along x make long runs.
   const Vector3 sides = box.sizes();
   Eigen::Index axis = 2;
   for (const Eigen::Index other : {1, 0})
@@ -37,7 +37,7 @@ void bisect(const Network& network, Nodes& nodes, std::size_t begin, std::size_t
   bisect(network, nodes, middle, end, starts);
 }
 
-// Joined nodes within one unit, in places relative to its start.
+// Pairs of nodes joined within a unit, numbered from its start.
 std::vector<std::pair<std::uint32_t, std::uint32_t>> edges_of_unit(const Network& network,
                                                                    const std::vector<std::uint32_t>& springs,
                                                                    const Nodes& place, std::uint32_t begin) {

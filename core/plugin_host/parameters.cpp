@@ -8,6 +8,7 @@
 #include <springnet/error.hpp>
 #include <springnet/plugin_host.hpp>
 #include <springnet/printable.hpp>
+#include <springnet/suggestion.hpp>
 
 namespace springnet {
 namespace {

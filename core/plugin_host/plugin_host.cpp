@@ -9,6 +9,7 @@
 #include <springnet/error.hpp>
 #include <springnet/plugin_host.hpp>
 #include <springnet/printable.hpp>
+#include <springnet/suggestion.hpp>
 
 #include "plugin_host/check_plugin.hpp"
 #include "plugin_host/library.hpp"

@@ -4,8 +4,7 @@
 #include <fmt/format.h>
 
 #include <springnet/printable.hpp>
-
-#include <springnet/plugin_host.hpp>
+#include <springnet/suggestion.hpp>
 
 #include "scene/parts.hpp"
 #include "scene/select.hpp"

@@ -7,6 +7,7 @@
 #include <fmt/ranges.h>
 
 #include <springnet/printable.hpp>
+#include <springnet/suggestion.hpp>
 
 #include "scene/keys.hpp"
 #include "text/grouped.hpp"

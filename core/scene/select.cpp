@@ -8,6 +8,7 @@
 #include <fmt/format.h>
 
 #include <springnet/printable.hpp>
+#include <springnet/suggestion.hpp>
 
 #include "text/grouped.hpp"
 

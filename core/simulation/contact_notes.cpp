@@ -2,7 +2,7 @@
 
 #include <fmt/format.h>
 
-#include "layers/message.hpp"
+#include "plugin_host/message.hpp"
 
 namespace springnet {
 

@@ -7,8 +7,8 @@
 #include <springnet/error.hpp>
 
 #include "constraints/vectors.hpp"
-#include "layers/element_questions.hpp"
-#include "layers/elements.hpp"
+#include "layers/elements/queries.hpp"
+#include "layers/springs/queries.hpp"
 #include "simulation/start.hpp"
 
 namespace springnet {
@@ -50,7 +50,7 @@ double Engine::potential_energy() {
   if (!model_.stale.energy) return potential_energy_;  // the page and the check of a record ask for the same
   const layers::NodeArrays nodes = model_.state.nodes();
   const InstructionSet set = model_.evaluator.instruction_set();
-  double sum = layers::elastic_energy(model_.layout, set, model_.time, nodes) +
+  double sum = layers::spring_energy(model_.layout, set, model_.time, nodes) +
                layers::element_energy(model_.layout, set, model_.time, nodes);
   for (std::uint32_t k = 0; k < model_.node_count(); ++k)
     sum -= model_.mass[k] * model_.loads.gravity().dot(vector_at(model_.state.view.position, k));

@@ -10,8 +10,8 @@
 #include <springnet/error.hpp>
 
 #include "constraints/vectors.hpp"
-#include "layers/message.hpp"
 #include "plugin_host/call.hpp"
+#include "plugin_host/message.hpp"
 
 namespace springnet {
 

@@ -2,7 +2,7 @@
 // what of a change the constraints allow.
 #pragma once
 
-#include "layers/linearisation.hpp"
+#include "layers/linear/linearisation.hpp"
 #include "simulation/model.hpp"
 
 namespace springnet {

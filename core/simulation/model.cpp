@@ -7,7 +7,7 @@
 #include <springnet/error.hpp>
 
 #include "constraints/vectors.hpp"
-#include "layers/message.hpp"
+#include "plugin_host/message.hpp"
 
 namespace springnet {
 namespace {

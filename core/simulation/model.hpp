@@ -10,8 +10,8 @@
 #include <springnet/simulation.hpp>
 
 #include "constraints/constraint_set.hpp"
-#include "layers/elements.hpp"
 #include "layers/evaluator.hpp"
+#include "layers/failure.hpp"
 #include "simulation/journal.hpp"
 #include "simulation/loads.hpp"
 #include "simulation/recent_touches.hpp"

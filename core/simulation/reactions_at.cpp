@@ -20,7 +20,7 @@ ReactionsAt::ReactionsAt(Model& model, double time, const springnet_const_vector
       external_(model.external_at(time)),
       placement_(model.placement(time)),
       cluster_known_(model.rigid.cluster_count(), 0) {
-  if (model.layout.elements().live_surfaces() > 0)
+  if (model.layout.elements().live_enclosures() > 0)
     volumes_.compute(model.layout.elements(), node_arrays(position, velocity));
   if (!cluster_known_.empty()) {
     const std::size_t n = model.layout.node_count();

@@ -4,7 +4,7 @@
 #include <algorithm>
 #include <vector>
 
-#include "layers/surface_volumes.hpp"
+#include "layers/elements/enclosure_volumes.hpp"
 #include "simulation/model.hpp"
 
 namespace springnet {
@@ -68,7 +68,7 @@ class ReactionsAt {
   springnet_const_vectors position_, velocity_;
   layers::ExternalForces external_;
   std::shared_ptr<const Placement> placement_;
-  layers::SurfaceVolumes volumes_;
+  layers::EnclosureVolumes volumes_;
   std::uint32_t without_ = ConstraintRow::no_node;
   std::vector<std::uint8_t> cluster_known_;
   std::vector<double> free_, bound_;  // [3 node] m/s^2

@@ -7,8 +7,8 @@
 #include <springnet/printable.hpp>
 #include <springnet/simulation.hpp>
 
-#include "layers/element_questions.hpp"
-#include "layers/elements.hpp"
+#include "layers/elements/queries.hpp"
+#include "layers/springs/queries.hpp"
 #include "network/checks.hpp"
 #include "network/spacing.hpp"
 #include "plugin_host/call.hpp"
@@ -359,21 +359,21 @@ double Simulation::tension(SpringIndex spring) const {
   impl_->check_spring(spring);
   const Engine& engine = impl_->engine;
   return engine.model().layout.alive(spring)
-             ? layers::tension(engine.model().layout, engine.model().evaluator.instruction_set(), engine.model().time,
-                               engine.model().state.nodes(), spring)
+             ? layers::spring_tension(engine.model().layout, engine.model().evaluator.instruction_set(),
+                                      engine.model().time, engine.model().state.nodes(), spring)
              : 0.0;
 }
 void Simulation::tensions(std::vector<double>& out) const {
   const Engine& engine = impl_->engine;
   out.resize(spring_count());
-  layers::all_tensions(engine.model().layout, engine.model().evaluator.instruction_set(), engine.model().time,
-                       engine.model().state.nodes(), out.data());
+  layers::spring_tensions(engine.model().layout, engine.model().evaluator.instruction_set(), engine.model().time,
+                          engine.model().state.nodes(), out.data());
 }
 void Simulation::spring_energies(std::vector<double>& out) const {
   const Engine& engine = impl_->engine;
   out.resize(spring_count());
-  layers::all_energies(engine.model().layout, engine.model().evaluator.instruction_set(), engine.model().time,
-                       engine.model().state.nodes(), out.data());
+  layers::spring_energies(engine.model().layout, engine.model().evaluator.instruction_set(), engine.model().time,
+                          engine.model().state.nodes(), out.data());
 }
 bool Simulation::alive(SpringIndex spring) const {
   impl_->check_spring(spring);

@@ -7,7 +7,6 @@
 #include <springnet/sdk/message.hpp>
 
 #include "constraints/vectors.hpp"
-#include "layers/elements.hpp"
 #include "simulation/sweep_tiles.hpp"
 
 namespace springnet {
@@ -118,10 +117,10 @@ springnet_status Sweep::cluster(std::size_t cluster, std::uint32_t unit, Tiles& 
 // Whether a node, or a node of its cluster, lies on an enclosure, whose nodes all see each other.
 bool Sweep::is_joined_to_all(std::uint32_t node) const {
   const layers::ElementLayout& elements = model_.layout.elements();
-  if (elements.live_surfaces() == 0) return false;
+  if (elements.live_enclosures() == 0) return false;
   const auto on_surface = [&](std::uint32_t k) {
     const std::span<const layers::ElementShare> shares = elements.shares(k);
-    return !shares.empty() && shares.back().surface != layers::no_surface;
+    return !shares.empty() && shares.back().enclosure != layers::no_enclosure;
   };
   const std::uint32_t* clusters = model_.rigid.cluster_of();
   if (clusters == nullptr || clusters[node] == no_cluster) return on_surface(node);
@@ -134,7 +133,7 @@ springnet_status Sweep::range(std::uint32_t begin, std::uint32_t end, std::uint3
                               springnet_message& message) {
   const springnet_sweep& sweep = *tiles.sweep;
   const std::uint32_t* clusters = model_.rigid.cluster_of();
-  const bool surfaces = model_.layout.elements().live_surfaces() > 0;
+  const bool surfaces = model_.layout.elements().live_enclosures() > 0;
   for (std::uint32_t i = begin; i < end; ++i) {
     const std::uint32_t k = sweep.order[i];
     if (surfaces && turn != Turn::all && is_joined_to_all(k) != (turn == Turn::joined_to_all)) continue;
@@ -188,7 +187,7 @@ springnet_status Sweep::one_set(std::uint32_t set, Tiles& tiles) {
     }
   }
   in_sets_ = false;
-  if (failure != SPRINGNET_OK || model_.layout.elements().live_surfaces() == 0) return failure;
+  if (failure != SPRINGNET_OK || model_.layout.elements().live_enclosures() == 0) return failure;
   const layers::FlushDenormals flush;
   return range(sweep.set_start[set], sweep.set_start[set + 1], 0, Turn::joined_to_all, tiles, model_.journal.message);
 }
@@ -197,11 +196,11 @@ springnet_status Sweep::in_order(Tiles& tiles) {
   const springnet_sweep& sweep = *tiles.sweep;
   cluster_done_.assign(model_.rigid.cluster_count(), 0);
   struct Following {
-    layers::SurfaceVolumes& volumes;
+    layers::EnclosureVolumes& volumes;
     ~Following() { volumes.stop(); }
   } const following{swept_volumes_};
   const layers::FlushDenormals flush;
-  if (model_.layout.elements().live_surfaces() > 0) swept_volumes_.follow(model_.layout.elements(), tiles.nodes);
+  if (model_.layout.elements().live_enclosures() > 0) swept_volumes_.follow(model_.layout.elements(), tiles.nodes);
   if (sweep.set_start == nullptr) return range(0, sweep.order_count, 0, Turn::all, tiles, model_.journal.message);
   for (std::uint32_t set = 0; set < sweep.set_count; ++set) {
     if (const springnet_status status = one_set(set, tiles); status != SPRINGNET_OK) return status;

@@ -5,7 +5,7 @@
 #include <cstdint>
 #include <vector>
 
-#include "layers/surface_volumes.hpp"
+#include "layers/elements/enclosure_volumes.hpp"
 #include "simulation/model.hpp"
 #include "simulation/requests.hpp"
 
@@ -59,8 +59,8 @@ class Sweep {
   bool in_sets_ = false;   // several threads write outputs of an order,
   bool in_tiles_ = false;  // or tile by tile
   OrderCheck order_check_;
-  layers::SurfaceVolumes swept_volumes_;    // of enclosures within a sweep in an order,
-  layers::SurfaceVolumes asked_volumes_;    // and of a call of evaluate_nodes outside
+  layers::EnclosureVolumes swept_volumes_;  // of enclosures within a sweep in an order,
+  layers::EnclosureVolumes asked_volumes_;  // and of a call of evaluate_nodes outside
   std::vector<std::uint8_t> cluster_done_;  // [cluster] within a sweep in an order
   std::vector<double> scratch_;             // forces that nobody asked for
 };

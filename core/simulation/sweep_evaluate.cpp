@@ -7,8 +7,7 @@
 #include <mutex>
 
 #include "constraints/vectors.hpp"
-#include "layers/elements.hpp"
-#include "layers/message.hpp"
+#include "plugin_host/message.hpp"
 #include "simulation/sweep_tiles.hpp"
 
 namespace springnet {
@@ -55,8 +54,8 @@ springnet_status Sweep::evaluate_nodes(const springnet_evaluation& request, cons
   const layers::FlushDenormals flush;
   const layers::NodeArrays arrays = node_arrays(wanted.position, wanted.velocity);
   const layers::ExternalForces external = model_.external_at(wanted.time);  // the same for all threads of a sweep
-  const layers::SurfaceVolumes* volumes = nullptr;
-  if (model_.layout.elements().live_surfaces() > 0) {
+  const layers::EnclosureVolumes* volumes = nullptr;
+  if (model_.layout.elements().live_enclosures() > 0) {
     if (swept_volumes_.follows(arrays)) {
       volumes = &swept_volumes_;
     } else if (!in_sets_ && !in_tiles_) {

@@ -7,10 +7,10 @@
 #include <limits>
 
 #include "constraints/vectors.hpp"
-#include "layers/element_questions.hpp"
-#include "layers/elements.hpp"
-#include "layers/message.hpp"
+#include "layers/elements/queries.hpp"
+#include "layers/springs/queries.hpp"
 #include "plugin_host/call.hpp"
+#include "plugin_host/message.hpp"
 #include "simulation/linear_model.hpp"
 
 namespace springnet {
@@ -32,7 +32,7 @@ springnet_status Topology::margins(double time, const layers::NodeArrays& nodes,
   const Rupturing& some = rupturing();
   const InstructionSet set = model_.evaluator.instruction_set();
   springnet_status status =
-      layers::rupture_margins(model_.layout, set, time, nodes, some.springs, margins, model_.journal.message);
+      layers::spring_margins(model_.layout, set, time, nodes, some.springs, margins, model_.journal.message);
   if (status == SPRINGNET_OK)
     status = layers::element_margins(model_.layout, set, time, nodes, some.elements, margins + some.springs.size(),
                                      model_.journal.message);

@@ -7,8 +7,8 @@
 #include <vector>
 
 #include <fmt/format.h>
-#include <springnet/plugin_host.hpp>
 #include <springnet/printable.hpp>
+#include <springnet/suggestion.hpp>
 
 #include "commands.hpp"
 #include "common.hpp"

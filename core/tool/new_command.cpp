@@ -8,6 +8,7 @@
 #include <fmt/format.h>
 #include <springnet/mesh_summary.hpp>
 #include <springnet/printable.hpp>
+#include <springnet/suggestion.hpp>
 
 #include "commands.hpp"
 #include "common.hpp"

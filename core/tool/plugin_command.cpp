@@ -5,6 +5,7 @@
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 #include <springnet/printable.hpp>
+#include <springnet/suggestion.hpp>
 
 #include "commands.hpp"
 #include "common.hpp"

@@ -9,8 +9,8 @@
 #include <doctest/doctest.h>
 
 #include "bodies.hpp"
-#include "layers/closed_surface.hpp"
-#include "layers/invariant.hpp"
+#include "layers/elements/enclosure.hpp"
+#include "layers/elements/invariant.hpp"
 
 using namespace springnet;
 using namespace springnet::testing;
@@ -235,20 +235,20 @@ TEST_CASE("an enclosed volume: value, gradients, and what it is linear in") {
     }
   }
   const layers::NodeArrays nodes{p[0].data(), p[1].data(), p[2].data(), v[0].data(), v[1].data(), v[2].data()};
-  const layers::ClosedSurface surface(mesh.triangles);
-  REQUIRE(surface.size() == n);
+  const layers::Enclosure enclosure(mesh.triangles);
+  REQUIRE(enclosure.size() == n);
   const auto plain_volume = [&] {
     std::vector<Vector3> corners;
     for (const NodeIndex k : mesh.triangles) corners.emplace_back(p[0][k], p[1][k], p[2][k]);
     return plain_invariant(Invariant::enclosed_volume, corners);
   };
-  const layers::ClosedSurface::Values values = surface.values(nodes);
+  const layers::Enclosure::Values values = enclosure.values(nodes);
   CHECK(values.volume == doctest::Approx(plain_volume()).epsilon(1e-13));
   double rate = 0.0;
   for (std::size_t k = 0; k < n; ++k) {
-    const Vector3 gradient = surface.gradient(k, nodes), rate_gradient = surface.rate_gradient(k, nodes);
+    const Vector3 gradient = enclosure.gradient(k, nodes), rate_gradient = enclosure.rate_gradient(k, nodes);
     for (std::size_t c = 0; c < 3; ++c) {
-      double& coordinate = p[c][surface.nodes()[k]];
+      double& coordinate = p[c][enclosure.nodes()[k]];
       const double value = coordinate;
       const auto moved = [&](const auto& what) {
         return derivative([&](double h) {
@@ -259,24 +259,24 @@ TEST_CASE("an enclosed volume: value, gradients, and what it is linear in") {
         });
       };
       const double by_p = moved(plain_volume);
-      const double rate_by_p = moved([&] { return surface.values(nodes).rate; });
+      const double rate_by_p = moved([&] { return enclosure.values(nodes).rate; });
       const auto row = static_cast<Eigen::Index>(c);
       CHECK(std::abs(gradient[row] - by_p) < 1e-11);  // a polynomial: rounding over the step
       CHECK(std::abs(rate_gradient[row] - rate_by_p) < 1e-11);
-      rate += by_p * v[c][surface.nodes()[k]];
+      rate += by_p * v[c][enclosure.nodes()[k]];
       // Linear in the node's own position, whatever the way.
       coordinate = value + 0.7;
-      CHECK(std::abs(surface.values(nodes).volume - values.volume - 0.7 * gradient[row]) < 1e-13);
-      CHECK((surface.gradient(k, nodes) - gradient).norm() == 0.0);
+      CHECK(std::abs(enclosure.values(nodes).volume - values.volume - 0.7 * gradient[row]) < 1e-13);
+      CHECK((enclosure.gradient(k, nodes) - gradient).norm() == 0.0);
       coordinate = value;
     }
-    for (const layers::ClosedSurface::Spoke& spoke : surface.spokes(k)) {
-      const Vector3 across = layers::ClosedSurface::across(spoke, nodes);
+    for (const layers::Enclosure::Spoke& spoke : enclosure.spokes(k)) {
+      const Vector3 across = layers::Enclosure::across(spoke, nodes);
       for (Eigen::Index c = 0; c < 3; ++c) {
         double& coordinate = p[static_cast<std::size_t>(c)][spoke.other];
         const double value = coordinate;
         coordinate = value + 1.0;
-        const Vector3 there = surface.gradient(k, nodes);
+        const Vector3 there = enclosure.gradient(k, nodes);
         coordinate = value;
         CHECK((there - gradient - across.cross(Vector3(Vector3::Unit(c)))).norm() < 1e-13);  // linear: exact
       }

@@ -8,9 +8,9 @@
 
 #include "../layers/random_net.hpp"
 #include "bodies.hpp"
-#include "layers/element_questions.hpp"
-#include "layers/elements.hpp"
-#include "layers/linearisation.hpp"
+#include "layers/elements/queries.hpp"
+#include "layers/linear/linearisation.hpp"
+#include "layers/springs/queries.hpp"
 
 using namespace springnet;
 using namespace springnet::testing;
@@ -34,7 +34,7 @@ TEST_CASE("forces are the slopes of the energy") {
   Laid laid(net);
   const auto energy = [&] {
     const InstructionSet set = laid.evaluator->instruction_set();
-    return layers::elastic_energy(laid.layout, set, 0.0, laid.nodes()) +
+    return layers::spring_energy(laid.layout, set, 0.0, laid.nodes()) +
            layers::element_energy(laid.layout, set, 0.0, laid.nodes());
   };
   laid.external.gravity.setZero();
@@ -149,11 +149,11 @@ TEST_CASE("a node by itself has the force and the blocks of the whole net") {
   std::vector<double> by_velocity(9 * std::size_t{n}), by_position(9 * std::size_t{n});
   linearisation.diagonal_blocks(1.0, 0.0, by_velocity.data());
   linearisation.diagonal_blocks(0.0, 1.0, by_position.data());
-  layers::SurfaceVolumes volumes;
+  layers::EnclosureVolumes volumes;
   volumes.compute(laid.layout.elements(), laid.nodes());
   for (std::uint32_t k = 0; k < n; ++k) {
-    for (const layers::SurfaceVolumes* known :
-         {static_cast<const layers::SurfaceVolumes*>(nullptr), static_cast<const layers::SurfaceVolumes*>(&volumes)}) {
+    for (const layers::EnclosureVolumes* known : {static_cast<const layers::EnclosureVolumes*>(nullptr),
+                                                  static_cast<const layers::EnclosureVolumes*>(&volumes)}) {
       Vector3 force, acceleration;
       layers::NodeDerivatives derivatives{};
       REQUIRE(laid.evaluator->evaluate_node(k, 0.0, laid.nodes(), laid.external, known, force, acceleration,
@@ -172,18 +172,18 @@ TEST_CASE("a node by itself has the force and the blocks of the whole net") {
 TEST_CASE("volumes follow nodes that move one after another") {
   const Network net = all_kinds(8);
   Laid laid(net);
-  layers::SurfaceVolumes volumes;
+  layers::EnclosureVolumes volumes;
   volumes.follow(laid.layout.elements(), laid.nodes());
-  const layers::ClosedSurface& surface = laid.layout.elements().surfaces()[0].surface;
-  for (std::size_t place = 0; place < surface.size(); ++place) {
-    const std::uint32_t k = surface.nodes()[place];
+  const layers::Enclosure& enclosure = laid.layout.elements().enclosures()[0].shape;
+  for (std::size_t place = 0; place < enclosure.size(); ++place) {
+    const std::uint32_t k = enclosure.nodes()[place];
     for (std::size_t c = 0; c < 3; ++c) {
       laid.p[c][k] += 0.1 * static_cast<double>(c + 1);
       laid.v[c][k] -= 0.3;
     }
-    const layers::ClosedSurface::Values exact = surface.values(laid.nodes());
-    const layers::ClosedSurface::Values seen =
-        volumes.seen_by(k, 0, surface.gradient(place, laid.nodes()), surface.rate_gradient(place, laid.nodes()));
+    const layers::Enclosure::Values exact = enclosure.values(laid.nodes());
+    const layers::Enclosure::Values seen =
+        volumes.seen_by(k, 0, enclosure.gradient(place, laid.nodes()), enclosure.rate_gradient(place, laid.nodes()));
     CHECK(std::abs(seen.volume - exact.volume) < 1e-12);  // rounding
     CHECK(std::abs(seen.rate - exact.rate) < 1e-12);
     volumes.commit(k);

@@ -10,7 +10,7 @@
 
 #include "../elements/bodies.hpp"
 #include "../layers/random_net.hpp"
-#include "layers/linearisation.hpp"
+#include "layers/linear/linearisation.hpp"
 
 using namespace springnet;
 using namespace springnet::testing;

@@ -4,7 +4,7 @@
 
 #include <Eigen/Dense>
 
-#include "layers/linearisation.hpp"
+#include "layers/linear/linearisation.hpp"
 #include "random_net.hpp"
 
 using namespace springnet;

@@ -2,7 +2,7 @@
 
 #include <doctest/doctest.h>
 
-#include "layers/low_rank.hpp"
+#include "layers/linear/low_rank.hpp"
 
 using namespace springnet::layers;
 

@@ -6,7 +6,7 @@
 
 #include <Eigen/Dense>
 
-#include "layers/linearisation.hpp"
+#include "layers/linear/linearisation.hpp"
 #include "random_net.hpp"
 
 using namespace springnet;

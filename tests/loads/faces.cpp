@@ -4,7 +4,7 @@
 #include <doctest/doctest.h>
 
 #include "../layers/random_net.hpp"
-#include "layers/linearisation.hpp"
+#include "layers/linear/linearisation.hpp"
 #include "loaded.hpp"
 
 using namespace springnet;

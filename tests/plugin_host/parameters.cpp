@@ -8,6 +8,7 @@
 
 #include <springnet/error.hpp>
 #include <springnet/plugin_host.hpp>
+#include <springnet/suggestion.hpp>
 
 using springnet::check_value;
 using springnet::choice_index;

@@ -14,7 +14,7 @@
 
 #include <Eigen/Core>
 
-#include <springnet/plugin_host.hpp>
+#include <springnet/parameters.hpp>
 
 namespace springnet {
 

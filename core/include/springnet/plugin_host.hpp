@@ -4,13 +4,13 @@
 
 #include <cstddef>
 #include <filesystem>
-#include <map>
 #include <memory>
 #include <string>
 #include <string_view>
 #include <vector>
 
 #include <springnet/sdk/plugin.h>
+#include <springnet/parameters.hpp>
 
 namespace springnet {
 
@@ -48,10 +48,6 @@ struct Refusal {
   std::filesystem::path file;
   std::string reason;  // says what is wrong and what to do
 };
-
-// Parameter values by name, as a scene or a program gives them. Choices are given by their index, booleans as 0 or 1;
-// a scene gives names (see choice_index).
-using ParameterValues = std::map<std::string, double, std::less<>>;
 
 class PluginHost {
  public:
@@ -97,9 +93,5 @@ class PluginHost {
 // the nearest known ones), a missing required value or one out of range; `where` begins the message.
 [[nodiscard]] std::vector<double> complete_parameters(const springnet_component& component,
                                                       const ParameterValues& given, std::string_view where);
-
-// Of `known`, the one or more names nearest to `name` by edit distance, as "did you mean 'a' or 'b'?"; empty if
-// nothing is near.
-[[nodiscard]] std::string suggestion(std::string_view name, const std::vector<std::string>& known);
 
 }  // namespace springnet

@@ -10,12 +10,11 @@
 
 #include <Eigen/Core>
 
+#include <springnet/instruction_set.hpp>
 #include <springnet/network.hpp>
 #include <springnet/plugin_host.hpp>
 
 namespace springnet {
-
-enum class InstructionSet { best, generic, avx2, avx512 };  // all give the same bits
 
 struct SimulationOptions {
   double time_step = 0.01;  // s: the paper's time constant t_c

@@ -5,7 +5,7 @@
 #include <limits>
 #include <span>
 
-#include "layers/laws.hpp"
+#include "layers/law_pair.hpp"
 #include "output/view/content.hpp"
 
 namespace springnet::view {
@@ -29,15 +29,13 @@ std::vector<double> stiffnesses(const Network& network, const PluginHost& plugin
     const layers::Group& group = laws.groups[laws.group[k]];
     if (!group.spring.can(SPRINGNET_HAS_DERIVATIVES)) continue;
     const double rest = network.springs()[k].rest_length, rate = 0.0;
-    double force = 0.0, by_length = 0.0, by_rate = 0.0;
+    double force = 0.0, by_length = 0.0;
+    layers::PairOutputs out{};  // of the spring function alone
+    out[0].force = &force;
+    out[0].by_q = &by_length;
     springnet_message message{};
-    layers::LawOutputs out;
-    out.force = &force;
-    out.force_by_q = &by_length;
-    if (group.spring.reads_rate) out.force_by_rate = &by_rate;
-    const layers::RowSelection row{nullptr, laws.row[k]};
-    if (layers::call_law(group, group.spring, SPRINGNET_GENERIC, 0.0, 1, row, &rest, &rate, out, &message) ==
-            SPRINGNET_OK &&
+    if (layers::evaluate_laws({group, 1, {nullptr, laws.row[k]}, &rest, &rate, &rest}, InstructionSet::generic, 0.0,
+                              out, message) == SPRINGNET_OK &&
         std::isfinite(by_length)) {
       found[k] = std::abs(by_length);
     }

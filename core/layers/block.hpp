@@ -1,0 +1,17 @@
+// Blocks of matrices over nodes: 3 x 3, row-major.
+#pragma once
+
+#include <springnet/network.hpp>
+
+namespace springnet::layers {
+
+using Block = Eigen::Matrix<double, 3, 3, Eigen::RowMajor>;
+
+// The matrix [a]x of x -> a x x.
+[[nodiscard]] inline Block cross_matrix(const Vector3& a) {
+  Block block;
+  block << 0.0, -a[2], a[1], a[2], 0.0, -a[0], -a[1], a[0], 0.0;
+  return block;
+}
+
+}  // namespace springnet::layers

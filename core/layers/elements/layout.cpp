@@ -1,0 +1,127 @@
+#include "layers/elements/layout.hpp"
+
+#include <algorithm>
+#include <tuple>
+
+namespace springnet::layers {
+
+ElementLayout::ElementLayout(const Network& network, const CompiledLaws& laws, const std::vector<std::uint32_t>& engine)
+    : laws_(laws), start_(1, 0) {
+  const std::vector<Element>& elements = network.elements();
+  if (elements.empty()) return;
+  alive_.assign(elements.size(), 1);
+  live_count_ = elements.size();
+  for (std::uint32_t e = 0; e < elements.size(); ++e) {
+    std::vector<std::uint32_t> nodes;
+    for (const NodeIndex node : elements[e].nodes) nodes.push_back(engine[node]);
+    invariant_.push_back(elements[e].invariant);
+    if (elements[e].invariant == Invariant::enclosed_volume) {
+      enclosures_.push_back({e, Enclosure(nodes)});
+      nodes = enclosures_.back().shape.nodes();
+    }
+    nodes_.insert(nodes_.end(), nodes.begin(), nodes.end());
+    start_.push_back(nodes_.size());
+  }
+  live_enclosures_ = enclosures_.size();
+
+  share_start_.assign(engine.size() + 1, 0);
+  for (const std::uint32_t node : nodes_) ++share_start_[node + 1];
+  for (std::size_t k = 0; k < engine.size(); ++k) share_start_[k + 1] += share_start_[k];
+  shares_.resize(nodes_.size());
+  share_stop_.assign(share_start_.begin(), share_start_.end() - 1);
+  std::uint32_t next_enclosure = 0;
+  for (std::uint32_t e = 0; e < elements.size(); ++e) {
+    const std::uint32_t enclosure = invariant_[e] == Invariant::enclosed_volume ? next_enclosure++ : no_enclosure;
+    const std::span<const std::uint32_t> own = this->nodes(e);
+    for (std::uint32_t i = 0; i < own.size(); ++i) shares_[share_stop_[own[i]]++] = {e, i, group(e), enclosure};
+  }
+  for (std::size_t k = 0; k < engine.size(); ++k) {
+    const auto order = [this](const ElementShare& s) {
+      return std::tuple(s.enclosure != no_enclosure, s.group, invariant_[s.element], s.element);
+    };
+    std::sort(shares_.data() + share_start_[k], shares_.data() + share_stop_[k],
+              [&](const ElementShare& a, const ElementShare& b) { return order(a) < order(b); });
+  }
+  make_batches();
+}
+
+// Sorted by invariant and laws, then by lowest node, so that successive elements read the same nodes.
+void ElementLayout::make_batches() {
+  batched_.clear();
+  batches_.clear();
+  for (std::uint32_t e = 0; e < count(); ++e)
+    if (alive(e) && invariant_[e] != Invariant::enclosed_volume) batched_.push_back(e);
+  const auto lowest = [this](std::uint32_t e) {
+    const std::span<const std::uint32_t> own = nodes(e);
+    return *std::min_element(own.begin(), own.end());
+  };
+  std::sort(batched_.begin(), batched_.end(), [&](std::uint32_t a, std::uint32_t b) {
+    return std::tuple(invariant_[a], group(a), lowest(a), a) < std::tuple(invariant_[b], group(b), lowest(b), b);
+  });
+  for (std::uint32_t begin = 0; begin < batched_.size();) {
+    const std::uint32_t e = batched_[begin];
+    std::uint32_t end = begin + 1;
+    while (end < batched_.size() && end - begin < element_batch && invariant_[batched_[end]] == invariant_[e] &&
+           group(batched_[end]) == group(e))
+      ++end;
+    batches_.push_back({invariant_[e], group(e), begin, end - begin});
+    begin = end;
+  }
+}
+
+void ElementLayout::add_neighbours(std::uint32_t node, std::vector<std::uint32_t>& neighbours) const {
+  for (const ElementShare& share : shares(node)) {
+    if (share.enclosure != no_enclosure) {
+      for (const Enclosure::Spoke& spoke : enclosures_[share.enclosure].shape.spokes(share.place))
+        neighbours.push_back(spoke.other);
+      continue;
+    }
+    for (const std::uint32_t other : nodes(share.element))
+      if (other != node) neighbours.push_back(other);
+  }
+}
+
+std::vector<std::uint32_t> ElementLayout::broken_by(
+    const std::vector<std::pair<std::uint32_t, std::uint32_t>>& springs) const {
+  std::vector<std::uint32_t> found;
+  for (const auto& [first, second] : springs) {
+    for (const ElementShare& share : shares(first)) {
+      const std::span<const std::uint32_t> own = nodes(share.element);
+      if (share.enclosure != no_enclosure) {
+        if (enclosures_[share.enclosure].shape.has_side(first, second)) found.push_back(share.element);
+        continue;
+      }
+      const auto a = static_cast<std::size_t>(std::find(own.begin(), own.end(), first) - own.begin());
+      const auto b = static_cast<std::size_t>(std::find(own.begin(), own.end(), second) - own.begin());
+      if (b < own.size() && is_side(share.element, std::min(a, b), std::max(a, b))) found.push_back(share.element);
+    }
+  }
+  std::sort(found.begin(), found.end());
+  found.erase(std::unique(found.begin(), found.end()), found.end());
+  return found;
+}
+
+std::vector<std::uint32_t> ElementLayout::remove(const std::vector<std::uint32_t>& elements) {
+  std::vector<std::uint32_t> removed;
+  for (const std::uint32_t e : elements) {
+    if (!alive(e)) continue;
+    alive_[e] = 0;
+    removed.push_back(e);
+    if (invariant_[e] == Invariant::enclosed_volume) --live_enclosures_;
+  }
+  if (removed.empty()) return removed;
+  live_count_ -= removed.size();
+  for (const std::uint32_t e : removed) {
+    for (const std::uint32_t node : nodes(e)) {
+      ElementShare* begin = shares_.data() + share_start_[node];
+      ElementShare* end = shares_.data() + share_stop_[node];
+      const ElementShare* kept =
+          std::remove_if(begin, end, [this](const ElementShare& s) { return !alive(s.element); });
+      share_stop_[node] = static_cast<std::size_t>(kept - shares_.data());
+    }
+  }
+  make_batches();
+  return removed;
+}
+
+}  // namespace springnet::layers

@@ -1,0 +1,139 @@
+// The elements in memory: their nodes, the elements of each node, and batches for the evaluation of laws.
+#pragma once
+
+#include <cstdint>
+#include <span>
+#include <utility>
+#include <vector>
+
+#include <springnet/network.hpp>
+
+#include "layers/elements/enclosure.hpp"
+#include "layers/elements/invariant.hpp"
+#include "layers/laws.hpp"
+
+namespace springnet::layers {
+
+// Most elements of a batch: their geometry fits the first-level cache.
+inline constexpr std::size_t element_batch = 32;
+
+// An element seen from one of its nodes.
+struct ElementShare {
+  std::uint32_t element;
+  std::uint32_t place;      // which of the element's nodes this is
+  std::uint32_t group;      // of laws
+  std::uint32_t enclosure;  // index into enclosures(); no_enclosure for an element of three or four nodes
+};
+inline constexpr std::uint32_t no_enclosure = 0xffffffffu;
+
+// Live elements of three or four nodes with the same invariant and laws: batched()[begin, begin + count).
+struct ElementBatch {
+  Invariant invariant;
+  std::uint32_t group;
+  std::uint32_t begin, count;
+};
+
+class ElementLayout {
+ public:
+  // engine: [user's node]
+  ElementLayout(const Network& network, const CompiledLaws& laws, const std::vector<std::uint32_t>& engine);
+
+  [[nodiscard]] std::size_t count() const noexcept { return alive_.size(); }
+  [[nodiscard]] std::size_t live_count() const noexcept { return live_count_; }
+  [[nodiscard]] bool alive(std::uint32_t element) const noexcept { return alive_[element] != 0; }
+  [[nodiscard]] Invariant invariant(std::uint32_t element) const noexcept { return invariant_[element]; }
+  [[nodiscard]] std::uint32_t group(std::uint32_t element) const noexcept { return laws_.element_group[element]; }
+  [[nodiscard]] std::uint32_t row(std::uint32_t element) const noexcept { return laws_.element_row[element]; }
+  [[nodiscard]] double reference(std::uint32_t element) const noexcept {
+    return laws_.groups[group(element)].columns[0][row(element)];
+  }
+  // Nodes of an element as the engine numbers them, each once: its corners, or those of its enclosure by place.
+  [[nodiscard]] std::span<const std::uint32_t> nodes(std::uint32_t element) const noexcept {
+    return {nodes_.data() + start_[element], nodes_.data() + start_[element + 1]};
+  }
+  // Index of an element's first node in arrays over the nodes of all elements.
+  [[nodiscard]] std::size_t slot(std::uint32_t element) const noexcept { return start_[element]; }
+  [[nodiscard]] std::size_t slot_count() const noexcept { return nodes_.size(); }
+
+  // Live elements of a node: those of three or four nodes sorted by laws, then enclosures.
+  [[nodiscard]] std::span<const ElementShare> shares(std::uint32_t node) const noexcept {
+    if (live_count_ == 0) return {};
+    return {shares_.data() + share_start_[node], shares_.data() + share_stop_[node]};
+  }
+  [[nodiscard]] const std::vector<ElementBatch>& batches() const noexcept { return batches_; }
+  [[nodiscard]] const std::vector<std::uint32_t>& batched() const noexcept { return batched_; }
+
+  struct EnclosureElement {
+    std::uint32_t element;
+    Enclosure shape;
+  };
+  // By element, removed ones included.
+  [[nodiscard]] const std::vector<EnclosureElement>& enclosures() const noexcept { return enclosures_; }
+  [[nodiscard]] std::size_t live_enclosures() const noexcept { return live_enclosures_; }
+
+  // Appends the nodes that share an element with a node; of an enclosure only those that share a triangle with it.
+  void add_neighbours(std::uint32_t node, std::vector<std::uint32_t>& neighbours) const;
+  // Live elements with a side between the ends of one of these springs; for an enclosure, a side of a triangle. By
+  // number, each once.
+  [[nodiscard]] std::vector<std::uint32_t> broken_by(
+      const std::vector<std::pair<std::uint32_t, std::uint32_t>>& springs) const;
+  // Live elements with a side (for an enclosure: of a triangle) for which crosses(node, node) is true.
+  template <class Crosses>
+  [[nodiscard]] std::vector<std::uint32_t> crossed_by(const Crosses& crosses) const;
+
+  // Elements removed before are ignored; returns the others.
+  std::vector<std::uint32_t> remove(const std::vector<std::uint32_t>& elements);
+
+ private:
+  void make_batches();
+  // Whether the line between corners i < j is a side: not between the tips of a hinge, nor between the ends of an
+  // angle.
+  [[nodiscard]] bool is_side(std::uint32_t element, std::size_t i, std::size_t j) const noexcept {
+    switch (invariant_[element]) {
+      case Invariant::dihedral:
+        return i != 2 || j != 3;
+      case Invariant::angle:
+        return i != 0 || j != 2;
+      default:
+        return true;
+    }
+  }
+
+  const CompiledLaws& laws_;
+  std::vector<Invariant> invariant_;
+  std::vector<std::uint8_t> alive_;
+  std::size_t live_count_ = 0, live_enclosures_ = 0;
+  std::vector<std::size_t> start_;
+  std::vector<std::uint32_t> nodes_;
+  std::vector<EnclosureElement> enclosures_;
+  std::vector<std::size_t> share_start_, share_stop_;  // [node]; empty without elements
+  std::vector<ElementShare> shares_;
+  std::vector<ElementBatch> batches_;
+  std::vector<std::uint32_t> batched_;
+};
+
+template <class Crosses>
+std::vector<std::uint32_t> ElementLayout::crossed_by(const Crosses& crosses) const {
+  std::vector<std::uint32_t> found;
+  std::size_t next_enclosure = 0;
+  for (std::uint32_t e = 0; e < count(); ++e) {
+    bool is_crossed = false;
+    if (invariant_[e] == Invariant::enclosed_volume) {
+      const Enclosure& enclosure = enclosures_[next_enclosure++].shape;
+      for (std::size_t place = 0; place < enclosure.size() && alive(e) && !is_crossed; ++place)
+        for (const Enclosure::Spoke& spoke : enclosure.spokes(place))
+          is_crossed =
+              is_crossed || (enclosure.nodes()[place] < spoke.other && crosses(enclosure.nodes()[place], spoke.other));
+    } else {
+      const std::span<const std::uint32_t> corners = nodes(e);
+      for (std::size_t i = 0; i < corners.size() && alive(e); ++i)
+        for (std::size_t j = 0; j < i; ++j) {
+          is_crossed = is_crossed || (is_side(e, j, i) && crosses(corners[j], corners[i]));
+        }
+    }
+    if (is_crossed) found.push_back(e);
+  }
+  return found;
+}
+
+}  // namespace springnet::layers

@@ -1,0 +1,136 @@
+#include "layers/elements/queries.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "layers/elements/blocks.hpp"
+
+namespace springnet::layers {
+namespace {
+
+const Group& group_of(const Layout& layout, std::uint32_t element) {
+  return layout.laws().groups[layout.elements().group(element)];
+}
+
+// The laws of one element.
+springnet_status evaluate_element(const Layout& layout, InstructionSet set, double time, std::uint32_t element,
+                                  const ElementState& state, const PairOutputs& out, springnet_message& message) {
+  const LawBatch batch{
+      group_of(layout, element), 1, {nullptr, layout.elements().row(element)}, &state.value, &state.rate};
+  return evaluate_laws(batch, set, time, out, message);
+}
+
+// "nodes 1, 2 and 3"; of an enclosure only their number.
+std::string where(const Layout& layout, std::uint32_t element) {
+  const ElementLayout& elements = layout.elements();
+  const std::span<const std::uint32_t> nodes = elements.nodes(element);
+  if (elements.invariant(element) == Invariant::enclosed_volume) return fmt::format("{} nodes", nodes.size());
+  std::string text = "nodes ";
+  for (std::size_t i = 0; i < nodes.size(); ++i)
+    text += fmt::format("{}{}", i == 0 ? "" : i + 1 < nodes.size() ? ", " : " and ", layout.ordering().user[nodes[i]]);
+  return text;
+}
+
+}  // namespace
+
+ElementState element_state(const Layout& layout, const NodeArrays& nodes, std::uint32_t element) {
+  const ElementLayout& elements = layout.elements();
+  if (elements.invariant(element) == Invariant::enclosed_volume) {
+    for (const ElementLayout::EnclosureElement& enclosure : elements.enclosures()) {
+      if (enclosure.element != element) continue;
+      const Enclosure::Values values = enclosure.shape.values(nodes);
+      return {values.volume, values.rate};
+    }
+  }
+  const std::span<const std::uint32_t> own = elements.nodes(element);
+  Corners corners;
+  FirstOrder geometry;
+  gather(own.data(), own.size(), nodes, corners);
+  first_order(elements.invariant(element), corners, geometry);
+  const Invariant invariant = elements.invariant(element);
+  return {nearest_turn(invariant, geometry.value, elements.reference(element)), geometry.rate};
+}
+
+double element_force(const Layout& layout, InstructionSet set, double time, const NodeArrays& nodes,
+                     std::uint32_t element) {
+  PairAnswers<1> answers;
+  springnet_message message{};
+  if (evaluate_element(layout, set, time, element, element_state(layout, nodes, element), answers.outputs(false, false),
+                       message) != SPRINGNET_OK)
+    return std::numeric_limits<double>::quiet_NaN();
+  return element_force(group_of(layout, element), answers, 0, false).force;
+}
+
+double element_energy(const Layout& layout, InstructionSet set, double time, const NodeArrays& nodes) {
+  double sum = 0.0;
+  for (std::uint32_t e = 0; e < layout.elements().count(); ++e) {
+    if (!layout.elements().alive(e) || !group_of(layout, e).spring.can(SPRINGNET_HAS_ENERGY)) continue;
+    double force = 0.0, energy = 0.0;
+    PairOutputs out{};  // of the spring function alone
+    out[0].force = &force;
+    out[0].energy = &energy;
+    springnet_message message{};
+    if (evaluate_element(layout, set, time, e, element_state(layout, nodes, e), out, message) != SPRINGNET_OK)
+      return std::numeric_limits<double>::quiet_NaN();
+    sum += energy;
+  }
+  return sum;
+}
+
+std::vector<std::uint32_t> rupturing_elements(const Layout& layout) {
+  std::vector<std::uint32_t> found;
+  for (std::uint32_t e = 0; e < layout.elements().count(); ++e) {
+    if (layout.elements().alive(e) && group_of(layout, e).can(SPRINGNET_HAS_RUPTURE)) found.push_back(e);
+  }
+  return found;
+}
+
+springnet_status element_margins(const Layout& layout, InstructionSet set, double time, const NodeArrays& nodes,
+                                 const std::vector<std::uint32_t>& elements, double* margins,
+                                 springnet_message& message) {
+  for (std::size_t i = 0; i < elements.size(); ++i) {
+    const std::uint32_t e = elements[i];
+    const std::array<const Law*, 2> laws = group_of(layout, e).laws();
+    double force[2], margin[2];
+    PairOutputs out{};
+    for (std::size_t k = 0; k < laws.size(); ++k) {
+      margin[k] = std::numeric_limits<double>::infinity();
+      if (!laws[k]->can(SPRINGNET_HAS_RUPTURE)) continue;
+      out[k].force = &force[k];
+      out[k].margin = &margin[k];
+    }
+    const springnet_status status =
+        evaluate_element(layout, set, time, e, element_state(layout, nodes, e), out, message);
+    if (status != SPRINGNET_OK) return status;
+    margins[i] = lesser(margin[0], margin[1]);
+  }
+  return SPRINGNET_OK;
+}
+
+std::string explain_element_failure(const Layout& layout, InstructionSet set, double time, const NodeArrays& nodes,
+                                    Asked asked) {
+  for (std::uint32_t e = 0; e < layout.elements().count(); ++e) {
+    if (!layout.elements().alive(e)) continue;
+    const ElementState state = element_state(layout, nodes, e);
+    const std::array<const Law*, 2> laws = group_of(layout, e).laws();
+    for (std::size_t k = 0; k < laws.size(); ++k) {
+      if (!*laws[k]) continue;
+      LawAnswer answer;
+      PairOutputs out{};  // of this law alone
+      out[k] = answer.outputs(*laws[k], asked);
+      springnet_message message{};
+      const springnet_status status = evaluate_element(layout, set, time, e, state, out, message);
+      const std::string what = wrong_answer(*laws[k]->component, status, answer, message);
+      if (what.empty()) continue;
+      const std::string_view unit = unit_of(layout.elements().invariant(e));
+      return fmt::format("{} for element {} ({}; {} {} {}, rate {} {}/s)", what, e, where(layout, e),
+                         name_of(layout.elements().invariant(e)), state.value, unit, state.rate, unit);
+    }
+  }
+  return {};
+}
+
+}  // namespace springnet::layers

@@ -1,0 +1,79 @@
+// Evaluation of a single node, for update rules that read the newest outputs of its neighbours.
+
+#include <limits>
+
+#include "layers/node_sums.hpp"
+
+namespace springnet::layers {
+namespace {
+
+constexpr double rounding = 1e-12;  // of mass times da/dF, 1 for a point mass
+
+Vector3 external_force(std::uint32_t node, double mass, const NodeArrays& nodes, const LoadedFaces& faces,
+                       const ExternalForces& external) {
+  Vector3 force = mass * external.gravity;
+  if (external.loads.x != nullptr)
+    force += Vector3(external.loads.x[node], external.loads.y[node], external.loads.z[node]);
+  if (external.pressure != nullptr) force += faces.force(node, nodes, external.pressure);
+  return force;
+}
+
+}  // namespace
+
+springnet_status Evaluator::evaluate_node(std::uint32_t node, double time, const NodeArrays& nodes,
+                                          const ExternalForces& external, const EnclosureVolumes* volumes,
+                                          Vector3& force, springnet_message& message) const {
+  force = external_force(node, mass_[node], nodes, layout_.loaded_faces(), external);
+  NodeSums sums{force};
+  if (const springnet_status status = add_elements_of(node, time, nodes, volumes, sums, message);
+      status != SPRINGNET_OK)
+    return status;
+  return add_springs_of(node, time, nodes, sums, message);
+}
+
+springnet_status Evaluator::evaluate_node(std::uint32_t node, double time, const NodeArrays& nodes,
+                                          const ExternalForces& external, const EnclosureVolumes* volumes,
+                                          Vector3& force, Vector3& acceleration, NodeDerivatives* derivatives,
+                                          double* energy, springnet_message& message) const {
+  const NeuronKind& neuron = layout_.laws().neurons[layout_.neuron_kind()[node]];
+  const bool differentiable = (neuron.component->description->capabilities & SPRINGNET_HAS_DERIVATIVES) != 0;
+  if (derivatives != nullptr && require_derivatives(*neuron.component, message) != SPRINGNET_OK)
+    return SPRINGNET_FAILED;
+  const LoadedFaces& faces = layout_.loaded_faces();
+  force = external_force(node, mass_[node], nodes, faces, external);
+  if (energy != nullptr) {
+    // Surrounded by faces under one pressure, the force does not depend on the node's position; at their rim it has no
+    // potential.
+    const bool potential = external.pressure == nullptr || faces.is_surrounded(node);
+    *energy = potential ? -force.dot(Vector3(nodes.px[node], nodes.py[node], nodes.pz[node]))
+                        : std::numeric_limits<double>::quiet_NaN();
+  }
+  Block stiffness = Block::Zero(), damping = Block::Zero();
+  if (derivatives != nullptr && external.pressure != nullptr)
+    stiffness = faces.stiffness(node, nodes, external.pressure);
+  NodeSums sums{force, derivatives != nullptr ? &stiffness : nullptr, derivatives != nullptr ? &damping : nullptr,
+                energy};
+  springnet_status status = add_elements_of(node, time, nodes, volumes, sums, message);
+  if (status == SPRINGNET_OK) status = add_springs_of(node, time, nodes, sums, message);
+  if (status != SPRINGNET_OK) return status;
+
+  Block by_force = Block::Zero(), by_position = Block::Zero(), by_velocity = Block::Zero();
+  const bool blocks = differentiable && (derivatives != nullptr || energy != nullptr);
+  const double* f[3] = {&force[0], &force[1], &force[2]};
+  double* const a[3] = {&acceleration[0], &acceleration[1], &acceleration[2]};
+  status = accelerations(node, 1, time, nodes, f, a, blocks ? by_force.data() : nullptr,
+                         blocks ? by_position.data() : nullptr, blocks ? by_velocity.data() : nullptr, message);
+  if (status != SPRINGNET_OK) return status;
+  if (derivatives != nullptr) {
+    Eigen::Map<Block>(derivatives->by_velocity) = by_velocity - by_force * damping;
+    Eigen::Map<Block>(derivatives->by_position) = by_position - by_force * stiffness;
+  }
+  if (energy != nullptr) {
+    const bool point_mass = differentiable && by_position.isZero(0.0) && by_velocity.isZero(0.0) &&
+                            (mass_[node] * by_force).isIdentity(rounding);
+    if (!point_mass) *energy = std::numeric_limits<double>::quiet_NaN();
+  }
+  return SPRINGNET_OK;
+}
+
+}  // namespace springnet::layers

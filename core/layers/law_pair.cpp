@@ -1,0 +1,92 @@
+#include "layers/law_pair.hpp"
+
+#include <algorithm>
+#include <limits>
+
+#include "plugin_host/call.hpp"
+
+namespace springnet::layers {
+namespace {
+
+springnet_status evaluate_law(const LawBatch& laws, const Law& law, std::uint32_t instruction_set, double time,
+                              const LawOutputs& out, springnet_message& message) {
+  const Group& group = laws.group;
+  const RowSelection& rows = laws.rows;
+  const std::size_t count = laws.count;
+  const double* q = law.relative ? laws.speed : laws.q;
+  const double* rate = law.reads_rate ? laws.rate : nullptr;
+  const double* parameters[max_parameters];
+  std::uint32_t strides[max_parameters];
+  const double* reference = nullptr;
+  // Parameters that differ between members are copied to `expanded`, for 64 members at a time; the size of
+  // a batch does not change the bits.
+  alignas(64) double expanded[(max_parameters + 1) * 64];
+  const bool uniform = rows.rows == nullptr || group.row_count() == 1;
+  const std::size_t batch_size = uniform ? count : std::size_t{64};
+
+  springnet_law_batch batch{};
+  batch.struct_size = sizeof batch;
+  batch.instruction_set = instruction_set;
+  batch.time = time;
+  batch.parameters = parameters;
+  batch.parameter_strides = strides;
+
+  for (std::size_t begin = 0; begin < count; begin += batch_size) {
+    const std::size_t size = count - begin < batch_size ? count - begin : batch_size;
+    const auto column = [&](std::size_t index, std::size_t slot, std::uint32_t& stride) -> const double* {
+      const std::vector<double>& values = group.columns[index];
+      if (uniform) {
+        stride = 0;
+        return values.data() + (rows.rows == nullptr ? rows.row : 0);
+      }
+      double* copy = expanded + slot * 64;
+      for (std::size_t i = 0; i < size; ++i) copy[i] = values[rows.rows[begin + i]];
+      stride = 1;
+      return copy;
+    };
+    reference = column(0, 0, batch.reference_stride);
+    for (std::size_t k = 0; k < law.parameter_count; ++k)
+      parameters[k] = column(law.first_column + k, k + 1, strides[k]);
+    batch.count = static_cast<std::uint32_t>(size);
+    batch.q = q + begin;
+    batch.rate = rate == nullptr ? nullptr : rate + begin;
+    batch.reference = reference;
+    const auto at = [begin](double* array) { return array == nullptr ? nullptr : array + begin; };
+    batch.force = at(out.force);
+    batch.energy = at(out.energy);
+    batch.force_by_q = at(out.by_q);
+    batch.force_by_rate = at(out.by_rate);
+    batch.margin = at(out.margin);
+    const springnet_status status = call_component(*law.component, message, [&](springnet_message& own) {
+      batch.message = &own;
+      return law.component->law().evaluate(&batch);
+    });
+    if (status != SPRINGNET_OK) return status;
+  }
+  return SPRINGNET_OK;
+}
+
+}  // namespace
+
+springnet_status evaluate_laws(const LawBatch& batch, InstructionSet set, double time, const PairOutputs& out,
+                               springnet_message& message) {
+  const auto answer_for = [&batch](double*& output, double value) {
+    if (output != nullptr) std::fill_n(output, batch.count, value);
+    output = nullptr;
+  };
+  const std::array<const Law*, 2> laws = batch.group.laws();
+  for (std::size_t k = 0; k < laws.size(); ++k) {
+    const Law& law = *laws[k];
+    if (!law || out[k].force == nullptr) continue;
+    LawOutputs own = out[k];
+    if (own.by_q != nullptr && require_derivatives(*law.component, message) != SPRINGNET_OK) return SPRINGNET_FAILED;
+    if (!law.reads_rate) answer_for(own.by_rate, 0.0);
+    if (!law.can(SPRINGNET_HAS_ENERGY)) answer_for(own.energy, std::numeric_limits<double>::quiet_NaN());
+    if (!law.can(SPRINGNET_HAS_RUPTURE)) answer_for(own.margin, std::numeric_limits<double>::infinity());
+    const springnet_status status = evaluate_law(batch, law, abi_number(set), time, own, message);
+    if (status != SPRINGNET_OK) return status;
+  }
+  return SPRINGNET_OK;
+}
+
+}  // namespace springnet::layers

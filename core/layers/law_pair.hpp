@@ -1,0 +1,68 @@
+// The two laws of a spring or element, its spring function and its viscosity function, evaluated on a batch. All laws
+// are called here.
+#pragma once
+
+#include <array>
+#include <cstddef>
+
+#include "layers/instruction_set.hpp"
+#include "layers/laws.hpp"
+
+namespace springnet::layers {
+
+// Rows of the members of a batch: one for all, or one each.
+struct RowSelection {
+  const std::uint32_t* rows = nullptr;  // null: `row` for all
+  std::uint32_t row = 0;
+};
+
+// Springs, or elements, of one group. Arrays are [count].
+struct LawBatch {
+  const Group& group;
+  std::size_t count;
+  RowSelection rows;
+  const double* q;                // invariant: length (m), angle (rad), area (m^2), volume (m^3)
+  const double* rate;             // dq/dt; may be null where no law of the group reads it
+  const double* speed = nullptr;  // |dv|, m/s; may be null where no law of the group reads it
+};
+
+// Where one law of a batch writes its answers, [count] each; null where they are not wanted.
+struct LawOutputs {
+  double* force = nullptr;  // null: the law is not evaluated
+  double* by_q = nullptr;
+  double* by_rate = nullptr;  // 0 for a law that does not read the rate
+  double* energy = nullptr;   // J; nan for a law without one
+  double* margin = nullptr;   // to rupture; infinity for a law that cannot rupture
+};
+using PairOutputs = std::array<LawOutputs, 2>;  // as Group::laws()
+
+// Evaluates the laws of the batch's group, the spring function first; outputs of a law that the group does not have are
+// left alone. Does not throw. Returns the status of the first law that failed, with a message that names it, its plugin
+// and the reason; SPRINGNET_FAILED if derivatives are wanted of a law without.
+springnet_status evaluate_laws(const LawBatch& batch, InstructionSet set, double time, const PairOutputs& out,
+                               springnet_message& message);
+
+// Memory for the answers of both laws to a batch of up to `capacity`: [law][member]. Not initialised.
+template <std::size_t capacity>
+struct PairAnswers {
+  alignas(64) double force[2][capacity];
+  double by_q[2][capacity];
+  double by_rate[2][capacity];
+  double energy[2][capacity];
+
+  // Forces, and what else is wanted.
+  [[nodiscard]] PairOutputs outputs(bool derivatives, bool energies) noexcept {
+    PairOutputs out{};
+    for (std::size_t k = 0; k < 2; ++k) {
+      out[k].force = force[k];
+      if (derivatives) {
+        out[k].by_q = by_q[k];
+        out[k].by_rate = by_rate[k];
+      }
+      if (energies) out[k].energy = energy[k];
+    }
+    return out;
+  }
+};
+
+}  // namespace springnet::layers

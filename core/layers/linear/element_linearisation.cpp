@@ -1,0 +1,199 @@
+#include "layers/linear/element_linearisation.hpp"
+
+namespace springnet::layers {
+namespace {
+
+// Enclosures come last among the elements of a node.
+template <class What>
+void for_each_enclosure(std::span<const ElementShare> shares, const What& what) {
+  for (std::size_t i = shares.size(); i > 0 && shares[i - 1].enclosure != no_enclosure; --i) what(shares[i - 1]);
+}
+
+}  // namespace
+
+// Q and its derivatives for elements with the same laws.
+springnet_status ElementLinearisation::evaluate_elements(const ElementBatch& batch, double time,
+                                                         const std::uint32_t* members, const double* q,
+                                                         const double* rate, ElementForce* forces,
+                                                         springnet_message& message) {
+  const Group& group = layout_.laws().groups[batch.group];
+  std::uint32_t rows[element_batch];
+  for (std::size_t i = 0; i < batch.count; ++i) rows[i] = layout_.elements().row(members[i]);
+  PairAnswers<element_batch> answers;
+  const springnet_status status = evaluate_laws({group, batch.count, {rows, 0}, q, rate}, evaluator_.instruction_set(),
+                                                time, answers.outputs(true, false), message);
+  if (status != SPRINGNET_OK) return status;
+  for (std::size_t i = 0; i < batch.count; ++i) {
+    forces[i] = element_force(group, answers, i, true);
+    finite_ = finite_ && forces[i].is_finite();
+  }
+  return SPRINGNET_OK;
+}
+
+void ElementLinearisation::make_pattern() {
+  const ElementLayout& elements = layout_.elements();
+  const LoadedFaces& faces = layout_.loaded_faces();
+  rows_.make(layout_.node_count(), [&](std::uint32_t node, std::vector<std::uint32_t>& columns) {
+    elements.add_neighbours(node, columns);
+    faces.add_neighbours(node, columns);
+  });
+  targets_.clear();
+  for (const std::uint32_t e : elements.batched()) {
+    const std::span<const std::uint32_t> own = elements.nodes(e);
+    for (const std::uint32_t i : own)
+      for (const std::uint32_t j : own) targets_.push_back(rows_.find(i, j));
+  }
+  enclosure_targets_.clear();
+  for (const ElementLayout::EnclosureElement& s : elements.enclosures()) {
+    if (!elements.alive(s.element)) continue;
+    for (std::size_t place = 0; place < s.shape.size(); ++place)
+      for (const Enclosure::Spoke& to : s.shape.spokes(place))
+        enclosure_targets_.push_back(rows_.find(s.shape.nodes()[place], to.other));
+  }
+  face_targets_.clear();
+  for (std::uint32_t node = 0; faces.any_follows() && node < layout_.node_count(); ++node)
+    for (const LoadedFaces::Seen& face : faces.seen_by(node))
+      for (const std::uint32_t other : {node, face.next, face.last}) face_targets_.push_back(rows_.find(node, other));
+  pattern_known_ = true;
+}
+
+void ElementLinearisation::add_pressures(const NodeArrays& nodes, const double* pressure) {
+  const LoadedFaces& faces = layout_.loaded_faces();
+  if (pressure == nullptr || !faces.any_follows()) return;
+  const std::uint32_t* target = face_targets_.data();
+  for (std::uint32_t node = 0; node < layout_.node_count(); ++node)
+    for (const LoadedFaces::Seen& face : faces.seen_by(node))
+      for (const Block& block : LoadedFaces::blocks(node, face, nodes, pressure[face.load]))
+        stiffness_[*target++] += block;
+}
+
+void ElementLinearisation::add(const ElementBlocks& blocks, std::size_t count, const std::uint32_t* targets) {
+  const std::uint32_t* target = targets;
+  for (std::size_t i = 0; i < count; ++i)
+    for (std::size_t j = 0; j < count; ++j) stiffness_[*target++] += blocks.stiffness[i][j];
+  if (blocks.damping == 0.0) return;
+  if (!damped_) damping_.assign(rows_.count(), Block::Zero());
+  damped_ = true;
+  for (std::size_t i = 0; i < count; ++i)
+    for (std::size_t j = 0; j < count; ++j) damping_[*targets++] += blocks.damping_block(i, j);
+}
+
+springnet_status ElementLinearisation::update(double time, const NodeArrays& nodes, const double* pressure,
+                                              springnet_message& message) {
+  const ElementLayout& elements = layout_.elements();
+  finite_ = true;
+  if (!any()) return SPRINGNET_OK;
+  if (!pattern_known_) make_pattern();
+  stiffness_.assign(rows_.count(), Block::Zero());
+  damped_ = false;
+  Corners corners[element_batch];
+  FirstOrder geometry[element_batch];
+  double q[element_batch], rate[element_batch];
+  ElementForce forces[element_batch];
+  ElementBlocks blocks;
+  const std::uint32_t* targets = targets_.data();
+  for (const ElementBatch& batch : elements.batches()) {
+    const std::uint32_t* members = elements.batched().data() + batch.begin;
+    for (std::size_t i = 0; i < batch.count; ++i) {
+      const std::span<const std::uint32_t> own = elements.nodes(members[i]);
+      gather(own.data(), own.size(), nodes, corners[i]);
+      first_order(batch.invariant, corners[i], geometry[i]);
+      q[i] = nearest_turn(batch.invariant, geometry[i].value, elements.reference(members[i]));
+      rate[i] = geometry[i].rate;
+    }
+    const springnet_status status = evaluate_elements(batch, time, members, q, rate, forces, message);
+    if (status != SPRINGNET_OK) return status;
+    const std::size_t count = corners_of(batch.invariant);
+    for (std::size_t i = 0; i < batch.count; ++i, targets += count * count) {
+      linearise(batch.invariant, corners[i], geometry[i], forces[i], blocks);
+      add(blocks, count, targets);
+    }
+  }
+  add_pressures(nodes, pressure);
+  return update_enclosures(time, nodes, message);
+}
+
+springnet_status ElementLinearisation::update_enclosures(double time, const NodeArrays& nodes,
+                                                         springnet_message& message) {
+  const ElementLayout& elements = layout_.elements();
+  enclosures_.resize(elements.enclosures().size());
+  const std::uint32_t* target = enclosure_targets_.data();
+  for (std::size_t s = 0; s < enclosures_.size(); ++s) {
+    const std::uint32_t e = elements.enclosures()[s].element;
+    if (!elements.alive(e)) continue;
+    const Enclosure& enclosure = elements.enclosures()[s].shape;
+    EnclosureDerivatives& own = enclosures_[s];
+    const Enclosure::Values values = enclosure.values(nodes);
+    const springnet_status status = evaluate_elements({Invariant::enclosed_volume, elements.group(e), 0, 1}, time, &e,
+                                                      &values.volume, &values.rate, &own.law, message);
+    if (status != SPRINGNET_OK) return status;
+    own.gradient.resize(enclosure.size());
+    own.rate_gradient.resize(enclosure.size());
+    for (std::size_t place = 0; place < enclosure.size(); ++place) {
+      own.gradient[place] = enclosure.gradient(place, nodes);
+      own.rate_gradient[place] = enclosure.rate_gradient(place, nodes);
+      for (const Enclosure::Spoke& to : enclosure.spokes(place))
+        stiffness_[*target++] += cross_matrix(own.law.force * Enclosure::across(to, nodes));
+    }
+  }
+  return SPRINGNET_OK;
+}
+
+void ElementLinearisation::prepare(const double* dp, const double* dv) {
+  const ElementLayout& elements = layout_.elements();
+  const std::size_t n = layout_.node_count();
+  const auto at = [n](const double* values, std::size_t k) {
+    return Vector3(values[k], values[n + k], values[2 * n + k]);
+  };
+  for (std::size_t s = 0; s < enclosures_.size(); ++s) {
+    EnclosureDerivatives& own = enclosures_[s];
+    own.product = 0.0;
+    if (!elements.alive(elements.enclosures()[s].element)) continue;
+    const std::vector<std::uint32_t>& nodes = elements.enclosures()[s].shape.nodes();
+    for (std::size_t place = 0; place < nodes.size(); ++place) {
+      const Vector3 p = at(dp, nodes[place]), v = at(dv, nodes[place]);
+      own.product += own.law.by_q * own.gradient[place].dot(p) +
+                     own.law.by_rate * (own.rate_gradient[place].dot(p) + own.gradient[place].dot(v));
+    }
+  }
+}
+
+Vector3 ElementLinearisation::force(std::uint32_t node, const double* dp, const double* dv) const {
+  const ElementLayout& elements = layout_.elements();
+  const std::size_t n = layout_.node_count();
+  const auto at = [n](const double* values, std::size_t k) {
+    return Vector3(values[k], values[n + k], values[2 * n + k]);
+  };
+  Vector3 sum = Vector3::Zero();
+  const std::size_t begin = rows_.begin(node), end = rows_.end(node);
+  for (std::size_t b = begin; b < end; ++b) sum -= stiffness_[b] * at(dp, rows_.other(b));
+  if (damped_)
+    for (std::size_t b = begin; b < end; ++b) sum -= damping_[b] * at(dv, rows_.other(b));
+  for_each_enclosure(elements.shares(node), [&](const ElementShare& share) {
+    const EnclosureDerivatives& own = enclosures_[share.enclosure];
+    sum -= own.product * own.gradient[share.place];
+  });
+  return sum;
+}
+
+Block ElementLinearisation::diagonal(std::uint32_t node, double velocity_weight, double position_weight,
+                                     bool vectors) const {
+  Block sum = Block::Zero();
+  if (!any()) return sum;
+  const std::span<const ElementShare> shares = layout_.elements().shares(node);
+  const std::size_t own_block = rows_.begin(node);
+  if (own_block == rows_.end(node)) return sum;
+  sum = position_weight * stiffness_[own_block];
+  if (damped_) sum += velocity_weight * damping_[own_block];
+  if (!vectors) return sum;
+  for_each_enclosure(shares, [&](const ElementShare& share) {
+    const EnclosureDerivatives& own = enclosures_[share.enclosure];
+    const Vector3& g = own.gradient[share.place];
+    const Vector3 weight = (position_weight * own.law.by_q + velocity_weight * own.law.by_rate) * g +
+                           position_weight * own.law.by_rate * own.rate_gradient[share.place];
+    sum += g * weight.transpose();
+  });
+  return sum;
+}
+
+}  // namespace springnet::layers

@@ -1,0 +1,99 @@
+// Derivatives of the accelerations with respect to positions and velocities, from those of the laws and neurons, and
+// the linear systems of implicit methods.
+#pragma once
+
+#include <cstdint>
+#include <memory>
+#include <vector>
+
+#include "layers/evaluator.hpp"
+#include "layers/linear/constraint_row.hpp"
+#include "layers/linear/element_linearisation.hpp"
+#include "layers/linear/low_rank.hpp"
+#include "layers/springs/blocks.hpp"
+
+namespace springnet::layers {
+
+// Blocks of springs are kept one each (springs/blocks.hpp), those of elements summed (element_linearisation.hpp). The
+// rank-one terms of enclosures stay out of the sparse matrix, which they would fill.
+class Linearisation {
+ public:
+  // References must outlive it. constrained: [node] 1 where a node is fixed or held, so that its acceleration is 0.
+  Linearisation(const Layout& layout, const Evaluator& evaluator, const std::vector<std::uint8_t>& constrained);
+  ~Linearisation();
+  Linearisation(const Linearisation&) = delete;
+  Linearisation& operator=(const Linearisation&) = delete;
+
+  // Computes all blocks at a state. SPRINGNET_FAILED if a law or neuron has no derivatives, SPRINGNET_RECOVERABLE if
+  // one answers a number that is not finite; the message names it, and the spring, element or node.
+  springnet_status update(double time, const NodeArrays& nodes, const ExternalForces& external,
+                          springnet_message& message);
+  // Adds to the da/dv block of one node, 1/s; call after update().
+  void add_to_velocity_block(std::uint32_t node, const Block& block) {
+    Eigen::Map<Block>(by_velocity_.data() + 9 * std::size_t{node}) += block;
+  }
+  // Adds a stiffness (N/m) between two neighbours; call after update().
+  void add_bond(std::uint32_t first, std::uint32_t second, const Block& stiffness) {
+    bonds_.push_back({first, second, stiffness});
+  }
+  // Whether update() succeeded and nothing was removed since: the functions below need it.
+  [[nodiscard]] bool known() const noexcept { return known_; }
+  // out = da/dp dp + da/dv dv; 3n numbers each, x of all nodes first.
+  void times(const double* dp, const double* dv, double* out);
+  // Diagonal blocks of I - velocity_weight da/dv - position_weight da/dp, [node][9].
+  void diagonal_blocks(double velocity_weight, double position_weight, double* out) const;
+  // Factorises A = I - velocity_weight da/dv - position_weight da/dp or, if there are constraint rows,
+  //   [A  W G^T; G  0], G the rows, W the derivatives of the accelerations with respect to forces.
+  // SPRINGNET_RECOVERABLE if the matrix is singular.
+  springnet_status factorise(double velocity_weight, double position_weight, const std::vector<ConstraintRow>& rows,
+                             springnet_message& message);
+  // A x = b; with rows the x for which A x + W G^T (multipliers) = b and G x = G b.
+  springnet_status solve(bool transposed, const double* right_side, double* x, springnet_message& message);
+  // Call it after springs or elements were removed.
+  void topology_changed() noexcept {
+    pattern_known_ = known_ = bordered_known_ = false;
+    elements_.topology_changed();
+  }
+
+ private:
+  using Blocks = std::vector<double>;
+  struct System;  // sparse matrices and their factors: Eigen's templates for them are compiled in one file only
+  struct Bond {
+    std::uint32_t first, second;
+    Block stiffness;
+  };
+  [[nodiscard]] static Eigen::Map<const Block> block(const Blocks& blocks, std::size_t index) {
+    return Eigen::Map<const Block>(blocks.data() + 9 * index);
+  }
+  // SPRINGNET_RECOVERABLE with a message that says which law's answer is not finite.
+  springnet_status not_finite(double time, const NodeArrays& nodes, springnet_message& message) const;
+  // SPRINGNET_RECOVERABLE with a message if a neuron's answer is not finite.
+  springnet_status check_neurons(springnet_message& message) const;
+  void make_pattern();
+  // vectors: with the rank-one terms of enclosures.
+  void diagonal_blocks(double velocity_weight, double position_weight, bool vectors, double* out) const;
+  // Solver of the factorised matrix without the rank-one terms.
+  [[nodiscard]] LowRank::Solve plain_solver();
+  // Solution with the rank-one terms; right_side has the size of the factorised matrix.
+  [[nodiscard]] Eigen::VectorXd solve_factorised(bool transposed, const Eigen::VectorXd& right_side);
+  void set_vectors(double velocity_weight, double position_weight);
+  void factorise_bound(const std::vector<ConstraintRow>& rows);
+
+  const Layout& layout_;
+  const Evaluator& evaluator_;
+  const std::vector<std::uint8_t>& constrained_;
+  Blocks stiffness_, damping_;                   // [spring]
+  Blocks by_force_, by_position_, by_velocity_;  // [node]
+  std::vector<Bond> bonds_;
+  ElementLinearisation elements_;
+  LowRank vectors_;  // rank-one terms of enclosures, as of the last factorisation
+  std::vector<double> force_[3], acceleration_[3];
+  bool known_ = false;
+  bool pattern_known_ = false;
+  std::unique_ptr<System> system_;
+  std::vector<ConstraintRow> rows_;
+  bool bordered_known_ = false;  // the pattern of the matrix with rows
+  Eigen::VectorXd work_;
+};
+
+}  // namespace springnet::layers

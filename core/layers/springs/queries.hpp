@@ -1,0 +1,41 @@
+// Queries about chosen springs: tensions, energies, rupture margins, failures. Outside the hot path.
+#pragma once
+
+#include <cstdint>
+#include <string>
+#include <vector>
+
+#include "layers/failure.hpp"
+#include "layers/instruction_set.hpp"
+#include "layers/law_pair.hpp"
+#include "layers/layout.hpp"
+
+namespace springnet::layers {
+
+// Geometry and laws of `count` <= max_segment springs of one group.
+springnet_status evaluate_springs(const Layout& layout, InstructionSet set, double time, const NodeArrays& nodes,
+                                  std::size_t group, const std::uint32_t* springs, std::size_t count,
+                                  SegmentGeometry& geometry, const PairOutputs& out, springnet_message& message);
+
+// Axial tension of a live spring, N; laws along the relative velocity do not contribute.
+[[nodiscard]] double spring_tension(const Layout& layout, InstructionSet set, double time, const NodeArrays& nodes,
+                                    std::uint32_t spring);
+// The same of all springs; 0 for removed ones, nan where a law fails. out: [spring_count]
+void spring_tensions(const Layout& layout, InstructionSet set, double time, const NodeArrays& nodes, double* out);
+// Energy stored by the spring function of each spring, J; 0 for removed springs and viscous connections, nan for a law
+// that has no energy or fails. out: [spring_count]
+void spring_energies(const Layout& layout, InstructionSet set, double time, const NodeArrays& nodes, double* out);
+// Energy stored in all live springs whose spring function has an energy, J; nan if one fails.
+[[nodiscard]] double spring_energy(const Layout& layout, InstructionSet set, double time, const NodeArrays& nodes);
+
+// Live springs one of whose laws can rupture, and, in the same order, the smaller margin of their two laws. Returns the
+// status of the first law that failed.
+[[nodiscard]] std::vector<std::uint32_t> rupturing_springs(const Layout& layout);
+springnet_status spring_margins(const Layout& layout, InstructionSet set, double time, const NodeArrays& nodes,
+                                const std::vector<std::uint32_t>& springs, double* margins, springnet_message& message);
+
+// Describes the first spring one of whose laws failed or answered a number that is not finite. Empty if there is none.
+[[nodiscard]] std::string explain_spring_failure(const Layout& layout, InstructionSet set, double time,
+                                                 const NodeArrays& nodes, Asked asked);
+
+}  // namespace springnet::layers
