@@ -85,7 +85,16 @@ class CheckedFile {
   std::string failure_;                                     // the message, after one
 };
 
-// Writes values as numbers of another type, little-endian on every machine.
+// Writes a number little-endian on every machine.
+template <class Stored>
+void write_number(CheckedFile& file, Stored value) {
+  char* const bytes = file.room(sizeof(Stored));
+  std::memcpy(bytes, &value, sizeof(Stored));
+  if constexpr (std::endian::native == std::endian::big) std::reverse(bytes, bytes + sizeof(Stored));
+  file.used(sizeof(Stored));
+}
+
+// The same for many, as numbers of another type.
 template <class Stored, class Value>
 void write_numbers(CheckedFile& file, std::span<const Value> values) {
   if constexpr (std::is_same_v<Stored, Value> && std::endian::native == std::endian::little) {

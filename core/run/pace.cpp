@@ -7,6 +7,7 @@
 #include <utility>
 
 #include <fmt/format.h>
+#include <springnet/error.hpp>
 
 namespace springnet {
 
@@ -23,8 +24,8 @@ void machine_sleep_until(double time) {
 
 }  // namespace
 
-RunClock clock_of(const RunOptions& options) {
-  if (options.clock.now && options.clock.sleep_until) return options.clock;
+RunClock or_machine(const RunClock& clock) {
+  if (clock.now && clock.sleep_until) return clock;
   return {machine_now, machine_sleep_until};
 }
 
@@ -36,7 +37,7 @@ Pace::Pace(double factor, double begin, RunClock clock) : begin_(begin), clock_(
 }
 
 bool Pace::wait(double time, const std::function<bool()>& go_on) {
-  constexpr double longest = 0.1;  // s: someone who wants to stop does not notice it
+  constexpr double longest = 0.1;  // s: too short to be noticed by someone who wants to stop
   double now = clock_.now();
   if (!std::exchange(started_, true)) start_ = now;
   const double end = due(time);

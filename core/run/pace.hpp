@@ -1,14 +1,14 @@
-// Keeping pace with a clock, and time as a run measures it.
+// Keeping pace with a clock.
 #pragma once
 
 #include <functional>
 
-#include <springnet/output.hpp>
+#include <springnet/run.hpp>
 
 namespace springnet {
 
-// The clock given, or the machine's where it is empty.
-[[nodiscard]] RunClock clock_of(const RunOptions& options);
+// This clock, or the machine's where it is empty.
+[[nodiscard]] RunClock or_machine(const RunClock& clock);
 
 class Pace {
  public:
@@ -16,8 +16,8 @@ class Pace {
   // a number above 0.
   Pace(double factor, double begin, RunClock clock);
 
-  // Waits until the time step that begins at `time` is due. Asks `go_on` ten times a second; returns false at once when
-  // it does.
+  // Waits until the time step that begins at `time` is due. Asks `go_on` ten times a second, and returns false as soon
+  // as that does.
   bool wait(double time, const std::function<bool()>& go_on);
   // The time step that ends at `time` is done.
   void finished(double time);

@@ -5,12 +5,16 @@
 #include <system_error>
 
 #include <fmt/format.h>
-#include <springnet/output.hpp>
+#include <springnet/run.hpp>
 
+#include "files/whole_file.hpp"
+#include "record/record.hpp"
+#include "run/outputs.hpp"
 #include "run/pace.hpp"
+#include "run/record_times.hpp"
 #include "run/recorder.hpp"
 #include "run/space.hpp"
-#include "files/whole_file.hpp"
+#include "run/time_loop.hpp"
 
 namespace springnet {
 
@@ -34,27 +38,7 @@ void require_space(const Scene& scene, const std::filesystem::path& folder) {
   if (refusal) throw Error(ErrorKind::input, *refusal);
 }
 
-// Adds a time step to the summary; the worst outcome is that of the run.
-class StepCounter {
- public:
-  void count(const StepReport& report, RunSummary& summary) {
-    if (report.outcome != Outcome::settled) ++summary.unsettled;
-    if (report.substeps > 0) ++summary.divided;
-    summary.substeps += report.substeps;
-    summary.stages += report.stages;
-    worst_ = std::max(worst_, report.outcome);
-    if (std::isnan(report.residual)) return;
-    summary.last_residual = report.residual;
-    summary.largest_residual =
-        std::isnan(summary.largest_residual) ? report.residual : std::max(summary.largest_residual, report.residual);
-  }
-  [[nodiscard]] Outcome worst() const { return worst_; }
-
- private:
-  Outcome worst_ = Outcome::settled;
-};
-
-// Memory to write the end of a run with that runs out of it.
+// Memory with which a run that is out of it writes its end.
 class MemoryReserve {
  public:
   void release() noexcept { block_.reset(); }
@@ -64,96 +48,115 @@ class MemoryReserve {
   std::unique_ptr<char[]> block_ = std::make_unique_for_overwrite<char[]>(bytes);
 };
 
-void simulate(const Scene& scene, Simulation& simulation, Recorder& recorder, const RunOptions& options,
-              MemoryReserve& memory, RunSummary& summary) {
-  const RunClock clock = clock_of(options);
-  const double time_step = scene.options.time_step;
-  // A remainder as small as this is rounding of the times (Simulation::advance_to takes it so).
-  const double slack = 1e-6 * std::min(time_step, scene.duration);
-  const double interval = std::max(scene.output.interval, time_step);
-  StepCounter counter;
-  const double start = clock.now();
-  double recorded = -std::numeric_limits<double>::infinity();  // s, when last
-  bool energy_is_finite = true;
-  const auto write_record = [&] {
-    const double begin = clock.now();
-    recorded = simulation.time();
-    recorder.record(simulation);
-    // Notes where it is not finite. A law may answer forces beyond its limit that look like any other.
-    energy_is_finite = energy_is_finite && std::isfinite(simulation.potential_energy());
-    for (VolumeSummary& volume : summary.volumes) {
-      volume.leaked = !simulation.element_alive(volume.element);
-      if (volume.leaked && summary.records > 0) continue;
-      volume.last = simulation.element_value(volume.element);
-      if (summary.records == 0) volume.first = volume.smallest = volume.greatest = volume.last;
-      volume.smallest = std::min(volume.smallest, volume.last);
-      volume.greatest = std::max(volume.greatest, volume.last);
-    }
-    ++summary.records;
-    summary.output_wall += clock.now() - begin;
-  };
-  // Whatever ends the run: how far it came, and what happened until then.
-  const auto write_end = [&] {
-    if (simulation.time() > recorded) write_record();
-    recorder.finish(simulation);
-  };
-  const auto wanted = [&] {
-    return !options.progress ||
-           options.progress({simulation.time(), scene.duration, simulation.steps(), clock.now() - start});
-  };
+// The simulation of a run with its records.
+class RunTimeline : public Timeline {
+ public:
+  RunTimeline(const Scene& scene, Simulation& simulation, Recorder& recorder, const RunClock& clock,
+              MemoryReserve& memory, RunSummary& summary)
+      : simulation_(simulation),
+        recorder_(recorder),
+        clock_(clock),
+        memory_(memory),
+        summary_(summary),
+        stepper_(simulation, clock),
+        state_(scene.network),
+        duration_(scene.duration),
+        interval_(record_interval(scene)),
+        slack_(time_slack(scene.options.time_step, scene.duration)),
+        next_record_(interval_) {}
 
-  write_record();
-  double next_record = interval;
-  summary.outcome = name_of(counter.worst());
-  std::optional<Pace> pace;
-  if (options.realtime != 0.0) pace.emplace(options.realtime, simulation.time(), clock);
-  const auto keep_report = [&] {
-    if (pace) summary.pace = pace->report();
-  };
-  keep_report();
-  while (simulation.time() < scene.duration - slack) {
-    if (pace && !pace->wait(simulation.time(), wanted)) {
-      summary.outcome = "stopped";
-      break;
-    }
-    const bool last = simulation.time() + time_step >= scene.duration - slack;
-    const double springs = static_cast<double>(simulation.live_spring_count());
-    const double begin = clock.now();
-    const auto count_work = [&] {
-      summary.wall += clock.now() - begin;
-      summary.spring_updates += static_cast<double>(simulation.last_report().sweeps) * springs;
-    };
+  [[nodiscard]] double time() const override { return simulation_.time(); }
+  [[nodiscard]] bool has_ended() const override { return stepper_.has_reached(duration_); }
+
+  void advance() override {
     try {
-      if (last) {
-        simulation.advance_to(scene.duration);
-      } else {
-        simulation.step();
-      }
+      stepper_.step(duration_);
     } catch (...) {
-      memory.release();  // so that there is some to end with, if it is that which is short
-      count_work();
+      memory_.release();  // it may be memory that is short
       try {
-        write_end();
-      } catch (...) {  // what ended the run is told, not what could not be written of it
+        record_end();
+      } catch (...) {  // the summary tells what ended the run, not what could not be written of it
       }
       throw;
     }
-    count_work();
-    if (pace) pace->finished(simulation.time());
-    keep_report();
-    counter.count(simulation.last_report(), summary);
-    summary.outcome = name_of(counter.worst());
-
-    if (last || simulation.time() >= next_record - slack) {
-      write_record();
-      next_record = interval * (std::floor((simulation.time() + slack) / interval) + 1.0);
-    }
-    if (!wanted()) {
-      if (!last) summary.outcome = "stopped";
-      break;
-    }
   }
-  write_end();
+
+  void record_if_due() override {
+    if (!has_ended() && time() < next_record_ - slack_) return;
+    record();
+    next_record_ = next_multiple(interval_, time(), slack_);
+  }
+
+  void record() {
+    const double begin = clock_.now();
+    recorded_ = time();
+    state_.take(simulation_);
+    recorder_.record(state_);
+    // Makes a note if it is not finite. A law may answer forces beyond its limit that look like any other.
+    energy_is_finite_ = energy_is_finite_ && std::isfinite(state_.potential_energy());
+    for (VolumeSummary& volume : summary_.volumes) add(volume);
+    ++summary_.records;
+    summary_.output_wall += clock_.now() - begin;
+  }
+
+  // Where the run ends, however it ends.
+  void record_end() {
+    if (time() > recorded_) {
+      record();
+    } else {
+      state_.take(simulation_);  // a step that failed may have left another one, though no time went by
+    }
+    recorder_.finish(state_);
+  }
+
+  [[nodiscard]] const Stepper::Totals& totals() const noexcept { return stepper_.totals(); }
+
+ private:
+  void add(VolumeSummary& volume) const {
+    volume.leaked = !simulation_.element_alive(volume.element);
+    if (volume.leaked && summary_.records > 0) return;
+    volume.last = state_.element_value(volume.element);
+    if (summary_.records == 0) volume.first = volume.smallest = volume.greatest = volume.last;
+    volume.smallest = std::min(volume.smallest, volume.last);
+    volume.greatest = std::max(volume.greatest, volume.last);
+  }
+
+  Simulation& simulation_;
+  Recorder& recorder_;
+  RunClock clock_;
+  MemoryReserve& memory_;
+  RunSummary& summary_;
+  Stepper stepper_;
+  Record state_;
+  double duration_, interval_, slack_;                          // s
+  double next_record_;                                          // s
+  double recorded_ = -std::numeric_limits<double>::infinity();  // s, when last
+  bool energy_is_finite_ = true;
+};
+
+// Simulates to the end, or until the options stop it. Throws what ends it otherwise.
+void simulate(RunTimeline& timeline, const Scene& scene, const Simulation& simulation, Pace* pace,
+              const RunClock& clock, const RunOptions& options, RunSummary& summary) {
+  const double start = clock.now();
+  const auto go_on = [&] {
+    return !options.progress ||
+           options.progress({simulation.time(), scene.duration, simulation.steps(), clock.now() - start});
+  };
+  timeline.record();
+  const bool ended = go_through(timeline, pace, go_on);
+  summary.outcome = ended ? name_of(timeline.totals().worst) : "stopped";
+  timeline.record_end();
+}
+
+void add(const Stepper::Totals& totals, RunSummary& summary) {
+  summary.wall = totals.wall;
+  summary.spring_updates = totals.spring_updates;
+  summary.unsettled = totals.unsettled;
+  summary.divided = totals.divided;
+  summary.substeps = totals.substeps;
+  summary.stages = totals.stages;
+  summary.largest_residual = totals.largest_residual;
+  summary.last_residual = totals.last_residual;
 }
 
 void take_failure(RunSummary& summary, ErrorKind kind, const std::string& message) {
@@ -227,7 +230,6 @@ RunSummary describe(const Scene& scene, const Simulation& simulation, const Plug
   }
   summary.nodes = simulation.node_count();
   summary.springs = simulation.spring_count();
-  summary.largest_residual = summary.last_residual = std::numeric_limits<double>::quiet_NaN();
   return summary;
 }
 
@@ -235,17 +237,21 @@ RunSummary describe(const Scene& scene, const Simulation& simulation, const Plug
 
 RunSummary run_scene(const Scene& scene, const std::shared_ptr<const PluginHost>& plugins, const RunOptions& options) {
   require_space(scene, options.folder);
-  if (options.realtime != 0.0) static_cast<void>(Pace(options.realtime, 0.0, clock_of(options)));  // refuses nonsense
+  const RunClock clock = or_machine(options.clock);
+  std::optional<Pace> pace;
+  if (options.realtime != 0.0) pace.emplace(options.realtime, 0.0, clock);
   check_starts(scene);
   Simulation simulation(scene.network, plugins, scene.options);
   RunSummary summary = describe(scene, simulation, *plugins, options.scene_name);
   const OutputFolder::Pointer folder = OutputFolder::make(options.folder);
   folder->lock();
   MemoryReserve memory;
-  std::optional<Recorder> recorder;  // none where not even the heads of its files could be written
+  std::optional<Recorder> recorder;  // none if not even the heads of its files could be written
+  std::optional<RunTimeline> timeline;
   keep_failure(summary, [&] {
     recorder.emplace(scene, plugins, folder);
-    simulate(scene, simulation, *recorder, options, memory, summary);
+    timeline.emplace(scene, simulation, *recorder, clock, memory, summary);
+    simulate(*timeline, scene, simulation, pace ? &*pace : nullptr, clock, options, summary);
   });
   memory.release();
   if (!recorder && summary.failure == ErrorKind::input) throw Error(ErrorKind::input, summary.error);
@@ -255,6 +261,8 @@ RunSummary run_scene(const Scene& scene, const std::shared_ptr<const PluginHost>
   if (summary.failure && recorder) recorder->failed(summary.error);
   if (recorder) keep_failure(summary, [&] { recorder->close(); });
 
+  if (timeline) add(timeline->totals(), summary);
+  if (pace) summary.pace = pace->report();
   summary.springs_left = simulation.live_spring_count();
   summary.steps = simulation.steps();
   summary.sweeps = simulation.sweeps();

@@ -1,4 +1,4 @@
-// Whether the output of a run fits the disk, and what to do where it does not.
+// Whether the output of a run fits the disk, and what to do if not.
 #pragma once
 
 #include <optional>
@@ -8,7 +8,7 @@
 
 namespace springnet {
 
-// What a run may write in all, bytes.
+// Room for a run's output, bytes.
 struct Space {
   double free = 0.0;     // on the disk
   double earlier = 0.0;  // in files of an earlier run, which this one removes
@@ -16,11 +16,11 @@ struct Space {
   [[nodiscard]] double available() const noexcept { return 0.98 * free + earlier; }
 };
 
-// Why the output does not fit, with remedies that help; nothing if it fits. `folder` is for the message.
+// Why the output does not fit, with remedies; nothing if it fits. `folder` is for the message.
 [[nodiscard]] std::optional<std::string> space_refusal(const Scene& scene, const Space& space,
                                                        const std::string& folder);
 
-// The least output.interval of two digits with which the output takes no more than so many bytes; nothing if there is
+// The smallest output.interval of two digits with which the output takes at most so many bytes, s; nothing if there is
 // none.
 [[nodiscard]] std::optional<double> interval_for(const Scene& scene, double bytes);
 

@@ -1,7 +1,7 @@
 #include <algorithm>
 
 #include <nlohmann/json.hpp>
-#include <springnet/output.hpp>
+#include <springnet/run.hpp>
 #include <springnet/version.hpp>
 
 namespace springnet {

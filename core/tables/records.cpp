@@ -9,7 +9,7 @@
 
 #include "files/checked_file.hpp"
 #include "tables/csv_file.hpp"
-#include "tables/table_file.hpp"
+#include "tables/table_form.hpp"
 
 namespace springnet {
 

@@ -1,9 +1,8 @@
-// The state of a simulation in the arrays of VTK files.
+#include "vtk/vtk_data.hpp"
+
 #include <algorithm>
 #include <limits>
 #include <utility>
-
-#include "vtk/vtk_series.hpp"
 
 namespace springnet {
 
@@ -16,8 +15,8 @@ constexpr std::uint8_t line_type = 3, triangle_type = 5;  // VTK_LINE, VTK_TRIAN
 constexpr std::uint8_t spring_kind = 0, face_kind = 1, rigid_kind = 2;
 constexpr double none = std::numeric_limits<double>::quiet_NaN();  // of cells that have no such quantity
 
-Type real_of(const OutputOptions& options) {
-  return options.precision == OutputOptions::Precision::float64 ? Type::float64 : Type::float32;
+Type real_of(OutputOptions::Precision precision) {
+  return precision == OutputOptions::Precision::float64 ? Type::float64 : Type::float32;
 }
 
 using Ends = std::pair<NodeIndex, NodeIndex>;  // the lower one first
@@ -53,10 +52,6 @@ VtkNet::VtkNet(const Network& network)
       springs(network.springs().size()),
       rigids(network.rigids().size()),
       faces(network.faces().size()),
-      time(1),
-      places(3 * nodes),
-      velocities(3 * nodes),
-      forces(3 * nodes),
       contact(nodes),
       surface(nodes),
       tension(springs, 0.0),
@@ -98,18 +93,12 @@ VtkNet::VtkNet(const Network& network)
   broken.resize(types.size());
 }
 
-void VtkNet::take(const Simulation& simulation) {
-  time[0] = simulation.time();
-  const std::vector<std::uint32_t>& columns = simulation.columns();
-  const auto fill = [&](const ConstNodeMap& from, std::vector<double>& to) {
-    for (std::size_t k = 0; k < nodes; ++k) {
-      const auto column = static_cast<Eigen::Index>(columns[k]);
-      for (Eigen::Index axis = 0; axis < 3; ++axis) to[3 * k + static_cast<std::size_t>(axis)] = from(axis, column);
-    }
-  };
-  fill(simulation.positions(), places);
-  fill(simulation.velocities(), velocities);
-  fill(simulation.forces(), forces);
+void VtkNet::take(const Record& record) {
+  const Simulation& simulation = record.simulation();
+  time = record.time();
+  places = record.positions().data();
+  velocities = record.velocities().data();
+  forces = record.forces().data();
   for (NodeIndex k = 0; k < nodes; ++k) {
     contact[k] = simulation.held(k) ? 2 : simulation.touching(k) ? 1 : 0;
     surface[k] = -1;
@@ -119,17 +108,12 @@ void VtkNet::take(const Simulation& simulation) {
     }
   }
 
-  simulation.tensions(tensions_);
-  simulation.spring_energies(energies_);
+  std::copy(record.tensions().begin(), record.tensions().end(), tension.begin());
+  std::copy(record.energies().begin(), record.energies().end(), energy.begin());
+  const std::vector<double>& lengths = record.lengths();
   for (SpringIndex k = 0; k < springs; ++k) {
-    tension[k] = tensions_[k];
-    energy[k] = energies_[k];
     broken[k] = simulation.alive(k) ? 0 : 1;
-    const auto end = [&](std::size_t which) {
-      return Eigen::Map<const Vector3>(&places[3 * static_cast<std::size_t>(connectivity[std::size_t{2} * k + which])]);
-    };
-    const double length = (end(1) - end(0)).norm();
-    strain[k] = rest_lengths_[k] > 0.0 ? length / rest_lengths_[k] - 1.0 : none;
+    strain[k] = rest_lengths_[k] > 0.0 ? lengths[k] / rest_lengths_[k] - 1.0 : none;
   }
   for (RigidIndex k = 0; k < rigids; ++k) tension[springs + k] = simulation.rigid_force(k);
   auto spring = edge_springs_.begin();
@@ -141,19 +125,19 @@ void VtkNet::take(const Simulation& simulation) {
   }
 }
 
-VtkFile VtkNet::file(const OutputOptions& options) const {
-  const Type real = real_of(options);
+VtkFile VtkNet::file(OutputOptions::Precision precision) const {
+  const Type real = real_of(precision);
   const std::size_t cells = types.size();
   return {VtkKind::unstructured,
           nodes,
           cells,
-          {{Place::field, "TimeValue", Type::float64, 1, 1, time.data()},
-           {Place::points, "Points", real, 3, nodes, places.data()},
+          {{Place::field, "TimeValue", Type::float64, 1, 1, &time},
+           {Place::points, "Points", real, 3, nodes, places},
            {Place::cells, "connectivity", Type::int64, 1, connectivity.size(), connectivity.data()},
            {Place::cells, "offsets", Type::int64, 1, cells, offsets.data()},
            {Place::cells, "types", Type::uint8, 1, cells, types.data()},
-           {Place::point_data, "velocity", real, 3, nodes, velocities.data()},
-           {Place::point_data, "force", real, 3, nodes, forces.data()},
+           {Place::point_data, "velocity", real, 3, nodes, velocities},
+           {Place::point_data, "force", real, 3, nodes, forces},
            {Place::point_data, "contact", Type::uint8, 1, nodes, contact.data()},
            {Place::point_data, "surface", Type::int64, 1, nodes, surface.data()},
            {Place::point_data, "fixed", Type::uint8, 1, nodes, fixed.data()},
@@ -168,7 +152,6 @@ VtkFile VtkNet::file(const OutputOptions& options) const {
 
 VtkSurfaces::VtkSurfaces(const Network& network)
     : shapes(shapes_of(network)),
-      time(1),
       places(3 * shapes.points.size()),
       forces(3 * shapes.triangles.size()),
       touching(shapes.triangles.size()) {
@@ -181,14 +164,13 @@ VtkSurfaces::VtkSurfaces(const Network& network)
   }
 }
 
-void VtkSurfaces::take(const Simulation& simulation) {
-  time[0] = simulation.time();
-  std::vector<Vector3> position, force;
+void VtkSurfaces::take(const Record& record) {
+  time = record.time();
+  std::vector<Vector3> position;
   std::vector<Eigen::Matrix3d> rotation;
   for (std::size_t k = 0; k < starts_.size(); ++k) {
-    position.push_back(simulation.surface_position(k));
-    rotation.push_back(simulation.surface_rotation(k));
-    force.push_back(simulation.surface_force(k));
+    position.push_back(record.simulation().surface_position(k));
+    rotation.push_back(record.simulation().surface_rotation(k));
   }
   for (std::size_t k = 0; k < shapes.points.size(); ++k) {
     const std::uint32_t which = shapes.point_surface[k];
@@ -196,20 +178,20 @@ void VtkSurfaces::take(const Simulation& simulation) {
     place = position[which] + rotation[which] * (shapes.points[k] - starts_[which]);
   }
   for (std::size_t k = 0; k < shapes.triangles.size(); ++k) {
-    const std::uint32_t which = shapes.triangle_surface[k];
-    Eigen::Map<Vector3> triangle_force(&forces[3 * k]);
-    triangle_force = force[which];
-    touching[k] = static_cast<std::int64_t>(simulation.nodes_touching(which));
+    const Record::SurfaceLoad& load = record.surface_loads()[shapes.triangle_surface[k]];
+    Eigen::Map<Vector3> force(&forces[3 * k]);
+    force = load.force;
+    touching[k] = static_cast<std::int64_t>(load.nodes);
   }
 }
 
-VtkFile VtkSurfaces::file(const OutputOptions& options) const {
-  const Type real = real_of(options);
+VtkFile VtkSurfaces::file(OutputOptions::Precision precision) const {
+  const Type real = real_of(precision);
   const std::size_t cells = shapes.triangles.size();
   return {VtkKind::polygons,
           shapes.points.size(),
           cells,
-          {{Place::field, "TimeValue", Type::float64, 1, 1, time.data()},
+          {{Place::field, "TimeValue", Type::float64, 1, 1, &time},
            {Place::points, "Points", real, 3, shapes.points.size(), places.data()},
            {Place::cells, "connectivity", Type::int64, 1, connectivity.size(), connectivity.data()},
            {Place::cells, "offsets", Type::int64, 1, cells, offsets.data()},

@@ -3,7 +3,7 @@
 #include <algorithm>
 
 #include <fmt/format.h>
-#include <springnet/output.hpp>
+#include <springnet/vtk.hpp>
 
 #include "files/output_error.hpp"
 
@@ -51,8 +51,8 @@ std::vector<std::string> vtk_series_files(const OutputFolder& folder) {
 
 double vtk_record_bytes(const Network& network, const OutputOptions& options) {
   const VtkSurfaces surfaces(network);
-  double bytes = static_cast<double>(vtk_bytes(VtkNet(network).file(options)));
-  if (!surfaces.empty()) bytes += static_cast<double>(vtk_bytes(surfaces.file(options)));
+  double bytes = static_cast<double>(vtk_bytes(VtkNet(network).file(options.precision)));
+  if (!surfaces.empty()) bytes += static_cast<double>(vtk_bytes(surfaces.file(options.precision)));
   return bytes;
 }
 
@@ -67,9 +67,11 @@ double vtk_index_bytes(const Network& network, double records) {
 }
 
 VtkSeries::VtkSeries(const OutputFile& folder, const Network& network, const OutputOptions& options)
-    : folder_(make(folder)), options_(options), net_(network), surfaces_(network), index_({folder_, index_name}) {
-  options_.nodes.clear();  // of tables alone, and not needed
-  options_.springs.clear();
+    : folder_(make(folder)),
+      precision_(options.precision),
+      net_(network),
+      surfaces_(network),
+      index_({folder_, index_name}) {
   index_.write(index_begin.data(), index_begin.size());
   index_end_ = index_begin.size();
   index_.write(index_close.data(), index_close.size());
@@ -77,9 +79,9 @@ VtkSeries::VtkSeries(const OutputFile& folder, const Network& network, const Out
   bytes_ = index_end_ + index_close.size();
 }
 
-void VtkSeries::record(const Simulation& simulation) {
+void VtkSeries::record(const Record& record) {
   try {
-    write_pictures(simulation);
+    write_pictures(record);
   } catch (const Error& error) {
     drop_last();
     throw OutputError(error.what(), last_);
@@ -87,31 +89,31 @@ void VtkSeries::record(const Simulation& simulation) {
     drop_last();
     throw;
   }
-  last_ = simulation.time();
+  last_ = record.time();
   ++records_;
 }
 
-// What is not in the index would be taken for a part of the series.
+// A picture that is not in the index would be taken for part of the series.
 void VtkSeries::drop_last() {
   folder_->remove(net_name(records_));
   folder_->remove(surface_name(records_));
   index_.restore_end(index_end_, index_close);
 }
 
-void VtkSeries::write_pictures(const Simulation& simulation) {
-  net_.take(simulation);
-  const VtkFile net = net_.file(options_);
+void VtkSeries::write_pictures(const Record& record) {
+  net_.take(record);
+  const VtkFile net = net_.file(precision_);
   write_vtk({folder_, net_name(records_)}, net);
   std::uintmax_t bytes = vtk_bytes(net);
-  std::string entries = entry(simulation.time(), 0, "net", net_name(records_));
+  std::string entries = entry(record.time(), 0, "net", net_name(records_));
   if (!surfaces_.empty()) {
-    surfaces_.take(simulation);
-    const VtkFile surfaces = surfaces_.file(options_);
+    surfaces_.take(record);
+    const VtkFile surfaces = surfaces_.file(precision_);
     write_vtk({folder_, surface_name(records_)}, surfaces);
     bytes += vtk_bytes(surfaces);
-    entries += entry(simulation.time(), 1, "surfaces", surface_name(records_));
+    entries += entry(record.time(), 1, "surfaces", surface_name(records_));
   }
-  // Over the closing tags, and these again behind: whoever reads it meanwhile finds a whole document.
+  // Replaces the closing tags and appends them again in one write: a reader finds a whole document at any time.
   const std::size_t added = entries.size();
   entries += index_close;
   index_.seek(index_end_);
@@ -121,11 +123,24 @@ void VtkSeries::write_pictures(const Simulation& simulation) {
   bytes_ += bytes + added;
 }
 
+struct VtkWriter::Impl {
+  Impl(const OutputFile& folder, const Network& network, const OutputOptions& options)
+      : state(network), series(folder, network, options) {}
+
+  Record state;
+  VtkSeries series;
+};
+
 VtkWriter::VtkWriter(const OutputFile& folder, const Network& network, const OutputOptions& options)
-    : series_(std::make_unique<VtkSeries>(folder, network, options)) {}
+    : impl_(std::make_unique<Impl>(folder, network, options)) {}
 VtkWriter::~VtkWriter() = default;
-void VtkWriter::record(const Simulation& simulation) { series_->record(simulation); }
-void VtkWriter::close() { series_->close(); }
-std::uintmax_t VtkWriter::bytes() const noexcept { return series_->bytes(); }
+
+void VtkWriter::record(const Simulation& simulation) {
+  impl_->state.take(simulation);
+  impl_->series.record(impl_->state);
+}
+
+void VtkWriter::close() { impl_->series.close(); }
+std::uintmax_t VtkWriter::bytes() const noexcept { return impl_->series.bytes(); }
 
 }  // namespace springnet

@@ -2,7 +2,7 @@
 #include <springnet/output.hpp>
 
 #include "nets.hpp"
-#include "run/recorder.hpp"
+#include "run/outputs.hpp"
 #include "run/space.hpp"
 #include "temporary_folder.hpp"
 

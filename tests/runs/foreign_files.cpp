@@ -197,7 +197,7 @@ TEST_CASE("a table never takes the place of a standard stream") {
   const int kept = dup(STDIN_FILENO);
   close(STDIN_FILENO);
   {
-    EventWriter events(folder.path() / "events.csv");
+    TableWriter events("events", folder.path() / "events.csv", Network{});
     CHECK(fcntl(STDIN_FILENO, F_GETFD) == -1);
   }
   dup2(kept, STDIN_FILENO);
@@ -208,7 +208,7 @@ TEST_CASE("a table of a path goes where a link leads, as the user says") {
   const TemporaryFolder folder;
   folder.write("table.csv", "old");
   fs::create_symlink("table.csv", folder.path() / "link.csv");
-  { EventWriter events(folder.path() / "link.csv"); }
+  { TableWriter events("events", folder.path() / "link.csv", Network{}); }
   CHECK(fs::is_symlink(folder.path() / "link.csv"));
   CHECK(read_text(folder.path() / "table.csv") == "time,event,element,index,surface,jx,jy,jz\n");
 }
