@@ -81,7 +81,7 @@ TEST_CASE("steps that do not settle are counted by their outcome, and those that
   Network net = testing::oscillator(testing::damped(4000.0, 0.0), 1.0, 0.1);
   const auto stepped = [&](double policy) {
     auto simulation = std::make_unique<Simulation>(testing::simulate(
-        net, testing::recurrent(testing::synchronous, 1e-9, {{"on_unsettled", policy}, {"max_sweeps", 20}}), 0.1));
+        net, testing::recurrent(testing::synchronous, 1e-9, {{"unsettled", policy}, {"max_sweeps", 20}}), 0.1));
     Stepper stepper(*simulation, or_machine({}));
     if (policy == testing::on_unsettled_error) {
       CHECK_THROWS_AS(stepper.advance_to(0.3), Error);
