@@ -11,7 +11,7 @@
 
 #include <CLI/CLI.hpp>
 #include <springnet/error.hpp>
-#include <springnet/output.hpp>
+#include <springnet/events.hpp>
 #include <springnet/plugin_host.hpp>
 #include <springnet/scene.hpp>
 

@@ -8,6 +8,7 @@
 #include <springnet/inspection.hpp>
 #include <springnet/mesh.hpp>
 #include <springnet/printable.hpp>
+#include <springnet/run.hpp>
 
 #include "commands.hpp"
 #include "common.hpp"

@@ -3,11 +3,14 @@
 #include <memory>
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
+#include <springnet/run.hpp>
 
 #include "commands.hpp"
 #include "common.hpp"
 #include "process.hpp"
 #include "progress.hpp"
+#include "tables/table.hpp"
 #include "text/counted.hpp"
 
 namespace springnet::tool {
@@ -15,20 +18,7 @@ namespace springnet::tool {
 namespace {
 
 constexpr const char* examples =
-    R"(Files (in the folder of the output; the scene's [output] says which, what of and how often):
-  trajectory.csv   time,node,x,y,z,vx,vy,vz   s, m, m/s; also forces, or only some of these
-  reactions.csv    time,node,fx,fy,fz,tx,…    N, N m: what holds nodes, if output.reactions = true
-  surfaces.csv     time,surface,x,y,z,fx,…    forces and torques on planes and instruments
-  rigid.csv        time,rigid,force           N: tension of rigid connections
-  springs.csv      time,spring,length,…       tensions and energies of the springs of output.springs
-  elements.csv     time,element,value,force   angles, areas, volumes and what acts on them
-  events.csv       time,event,element,index   cuts, ruptures, contacts
-  vtk/run.pvd      for ParaView, if output.vtk = true
-  view.html        a page that plays the run, if not output.view = false
-  summary.json     how the run went
-With output.format = "binary", trajectory, springs and elements are .bin files; 'springnet convert' turns them into text.
-
-Examples (the cube is that of 'springnet new --example cube'):
+    R"(Examples (the cube is that of 'springnet new --example cube'):
   springnet run cube/cube.toml
   springnet run cube/cube.toml --time-step 0.01 --duration 5 -o /tmp/cube
   springnet run cube/cube.toml --integrator cvode --set simulation.integrator.method=\"adams\"
@@ -37,6 +27,32 @@ Examples (the cube is that of 'springnet new --example cube'):
 
 Exit status:
   0 done   1 the simulation failed (what it wrote until then is kept)   2 usage or scene   3 plugin)";
+
+// "time,node,fx,fy,fz,tx,…": as many columns as fit.
+std::string heading(const tables::Table& table) {
+  constexpr std::size_t longest = 24;
+  const std::string header = csv_header(tables::form_of(table, {}, {}));
+  if (header.size() <= longest) return header;
+  return header.substr(0, header.rfind(',', longest - 2) + 1) + "…";
+}
+
+std::string footer() {
+  std::string text = "Files (in the folder of the output; the scene's [output] says which, what of and how often):\n";
+  std::vector<std::string> binary;
+  for (const tables::Table& table : tables::all()) {
+    text += fmt::format("  {:16} {:26} {}\n", tables::file_name(table, {}), heading(table), table.content);
+    if (table.numbers != nullptr) binary.emplace_back(table.name);
+  }
+  return text +
+         fmt::format(R"(  vtk/run.pvd      for ParaView, if output.vtk = true
+  view.html        a page that plays the run, if not output.view = false
+  summary.json     how the run went
+With output.format = "binary", {} are .bin files; 'springnet convert' turns them into text.
+
+)",
+                     fmt::join(binary, ", ")) +
+         examples;
+}
 
 struct RunArguments {
   SceneArguments scene;
@@ -202,7 +218,7 @@ void add_run(CLI::App& app, Action& action) {
                  "is a frame that starts when it is due; late ones are counted, none is left out")
       ->type_name("[=FACTOR]")
       ->check(factor_or_true());
-  command->footer(examples);
+  command->footer(footer());
   command->parse_complete_callback([arguments, command] { refuse_separate_factor(*command, *arguments); });
   command->callback([arguments, &action] { action = [arguments] { return run(*arguments); }; });
 }

@@ -1,71 +1,43 @@
 #include <algorithm>
-#include <chrono>
 #include <cmath>
+#include <memory>
 
 #include <fmt/format.h>
 #include <springnet/error.hpp>
 #include <springnet/validation.hpp>
 
-#include "text/counted.hpp"
+#include "run/time_loop.hpp"
 #include "validation/displacement.hpp"
 #include "validation/error_norm.hpp"
-#include "validation/scale.hpp"
+#include "validation/notes.hpp"
 
 namespace springnet {
 
 namespace {
 
-using Clock = std::chrono::steady_clock;
-
 constexpr const char* reference_id = "cvode";
 constexpr const char* subject_id = "recurrent";
 
-// One run among those that go on side by side.
-class Lane {
- public:
+SimulationOptions options_for(const Scene& scene, const LawUse& integrator, double time_step) {
+  SimulationOptions options = scene.options;
+  options.integrator = integrator;
+  options.time_step = time_step;
+  return options;
+}
+
+// One of the simulations that go side by side.
+struct Lane {
   Lane(const Scene& scene, const std::shared_ptr<const PluginHost>& plugins, const LawUse& integrator, double time_step)
-      : simulation_(scene.network, plugins, options_for(scene, integrator, time_step)) {}
+      : simulation(scene.network, plugins, options_for(scene, integrator, time_step)),
+        stepper(simulation, or_machine({})) {}
+  Lane(const Lane&) = delete;
+  Lane& operator=(const Lane&) = delete;
 
-  // Throws Error(simulation) if the run fails on the way.
-  void advance_to(double time) {
-    if (time <= simulation_.time()) return;
-    const auto begin = Clock::now();
-    const auto stop = [&] { wall_ += std::chrono::duration<double>(Clock::now() - begin).count(); };
-    try {
-      // One at a time, because the report of several steps has the outcome of the last.
-      while (time - simulation_.time() > (1.0 + 1e-6) * simulation_.time_step()) note(simulation_.step());
-      note(simulation_.advance_to(time));
-    } catch (...) {
-      stop();
-      throw;
-    }
-    stop();
-  }
-
-  [[nodiscard]] const Simulation& simulation() const { return simulation_; }
-  [[nodiscard]] double wall() const { return wall_; }
-  [[nodiscard]] Outcome worst() const { return worst_; }
-  // Time steps that did not settle, and were made in smaller ones.
-  [[nodiscard]] std::uint64_t divided() const { return divided_; }
-
- private:
-  void note(const StepReport& report) {
-    worst_ = std::max(worst_, report.outcome);
-    divided_ += report.substeps > 0 ? 1 : 0;
-  }
-  static SimulationOptions options_for(const Scene& scene, const LawUse& integrator, double time_step) {
-    SimulationOptions options = scene.options;
-    options.integrator = integrator;
-    options.time_step = time_step;
-    return options;
-  }
-  Simulation simulation_;
-  double wall_ = 0.0;  // s
-  Outcome worst_ = Outcome::settled;
-  std::uint64_t divided_ = 0;
+  Simulation simulation;
+  Stepper stepper;
 };
 
-// A run of the integrator that is examined.
+// A run of the integrator that is validated.
 struct Subject {
   Subject(const Scene& scene, const std::shared_ptr<const PluginHost>& plugins, const LawUse& integrator,
           double time_step)
@@ -119,23 +91,98 @@ std::vector<double> time_steps_of(const Scene& scene, const std::vector<double>&
 
 void finish(Subject& subject) {
   ValidationRun& run = subject.run;
-  const Simulation& simulation = subject.lane.simulation();
+  const Simulation& simulation = subject.lane.simulation;
   run.error = subject.norm.result();
   run.steps = simulation.steps();
   run.sweeps = simulation.sweeps();
-  run.wall = subject.lane.wall();
-  if (run.finished()) run.outcome = name_of(subject.lane.worst());
+  run.wall = subject.lane.stepper.totals().wall;
+  if (run.finished()) run.outcome = name_of(subject.lane.stepper.totals().worst);
   run.events = count_events(simulation);
 }
 
-// One record time further; a run that fails is left behind with its reason.
-void advance(Subject& subject, double time, const Simulation& reference) {
-  if (!subject.run.finished()) return;
-  const Simulation& simulation = subject.lane.simulation();
+void add(ErrorNorm& norm, double time, const Simulation& simulation, const Simulation& reference) {
+  norm.add(time, simulation.positions(), simulation.columns(), reference.positions(), reference.columns());
+}
+
+// All simulations of a validation, from record time to record time.
+class Comparison : public Timeline {
+ public:
+  Comparison(const Scene& scene, const std::shared_ptr<const PluginHost>& plugins, const ValidationOptions& options,
+             const std::vector<double>& time_steps, const RecordTimes& records);
+
+  [[nodiscard]] double time() const override { return records_.times[record_]; }
+  [[nodiscard]] bool has_ended() const override { return record_ + 1 == records_.times.size(); }
+  void advance() override;
+  // The errors at this time. Every stage ends at a record time.
+  void record_if_due() override;
+
+  Lane reference, certifier;
+  ErrorNorm certification;
+  DisplacementNorm displacement;
+  std::vector<std::unique_ptr<Subject>> subjects;
+  std::unique_ptr<Subject> second_order;  // null where the integrator has no theta to set
+
+ private:
+  void advance_reference(Lane& lane, double tolerance);
+  // A run that fails stays behind with its reason.
+  void advance(Subject& subject);
+  template <class Work>
+  void each_subject(const Work& work) {
+    for (const auto& subject : subjects) work(*subject);
+    if (second_order) work(*second_order);
+  }
+
+  const ValidationOptions& options_;
+  const RecordTimes& records_;
+  std::size_t record_ = 0;
+};
+
+Comparison::Comparison(const Scene& scene, const std::shared_ptr<const PluginHost>& plugins,
+                       const ValidationOptions& options, const std::vector<double>& time_steps,
+                       const RecordTimes& records)
+    : reference(scene, plugins, reference_use(scene, options.relative_tolerance, 1.0), records.times[1]),
+      certifier(
+          scene, plugins,
+          reference_use(scene, options.certifying_tolerance, options.certifying_tolerance / options.relative_tolerance),
+          records.times[1]),
+      displacement(scene.network),
+      options_(options),
+      records_(records) {
+  const LawUse integrator =
+      scene.options.integrator.id == reference_id ? LawUse{subject_id, {}} : scene.options.integrator;
+  for (const double time_step : time_steps) {
+    subjects.push_back(std::make_unique<Subject>(scene, plugins, integrator, time_step));
+    subjects.back()->run.of_scene = std::abs(time_step - scene.options.time_step) <= 1e-12 * time_step;
+  }
+  if (const auto use = with_second_order(integrator, *plugins)) {
+    second_order = std::make_unique<Subject>(scene, plugins, *use, scene.options.time_step);
+  }
+}
+
+void Comparison::advance() {
+  ++record_;
+  advance_reference(reference, options_.relative_tolerance);
+  advance_reference(certifier, options_.certifying_tolerance);
+  each_subject([&](Subject& subject) { advance(subject); });
+}
+
+void Comparison::advance_reference(Lane& lane, double tolerance) {
   try {
-    subject.lane.advance_to(time);
-    subject.norm.add(time, simulation.positions(), simulation.columns(), reference.positions(), reference.columns());
-    subject.run.reached = time;
+    lane.stepper.advance_to(time());
+  } catch (const Error& error) {
+    throw Error(error.kind(),
+                fmt::format("the reference ({}, relative tolerance {:g}) failed after {:g} s, so there is "
+                            "nothing to compare with: {}",
+                            reference_id, tolerance, lane.simulation.time(), error.what()));
+  }
+}
+
+void Comparison::advance(Subject& subject) {
+  if (!subject.run.finished()) return;
+  const Simulation& simulation = subject.lane.simulation;
+  try {
+    subject.lane.stepper.advance_to(time());
+    subject.run.reached = time();
   } catch (const Error& error) {
     const Outcome outcome = simulation.last_report().outcome;
     subject.run.failure = error.what();
@@ -145,15 +192,13 @@ void advance(Subject& subject, double time, const Simulation& reference) {
   }
 }
 
-void advance_reference(Lane& lane, double time, double tolerance) {
-  try {
-    lane.advance_to(time);
-  } catch (const Error& error) {
-    throw Error(error.kind(),
-                fmt::format("the reference ({}, relative tolerance {:g}) failed after {:g} s, so there is "
-                            "nothing to compare with: {}",
-                            reference_id, tolerance, lane.simulation().time(), error.what()));
-  }
+void Comparison::record_if_due() {
+  const Simulation& truth = reference.simulation;
+  add(certification, time(), certifier.simulation, truth);
+  displacement.add(time(), truth.positions(), truth.columns());
+  each_subject([&](Subject& subject) {
+    if (subject.run.finished()) add(subject.norm, time(), subject.lane.simulation, truth);
+  });
 }
 
 void find_orders(Validation& result) {
@@ -170,59 +215,6 @@ void find_orders(Validation& result) {
     ValidationRun& fine = result.runs[k];
     if (!coarse.finished() || !fine.finished()) continue;
     fine.order = observed_order({coarse.time_step, fine.time_step}, {coarse.error.rms, fine.error.rms}, floor);
-  }
-}
-
-// Where bodies move as a whole, their displacement says little about how exact their shape is.
-void write_displacement_note(Validation& result) {
-  constexpr double small = 0.1;
-  const Displacement& moved = result.displacement;
-  if (!(moved.deformation < small * moved.max) || moved.deformation <= 10.0 * result.uncertainty()) return;
-  const ValidationRun& own = result.run_of_scene();
-  result.notes.push_back(fmt::format(
-      "Bodies move mostly as a whole: by up to {}, while they deform by {} at most. {}", length_text(moved.max),
-      length_text(moved.deformation),
-      own.finished() ? fmt::format("Of that the greatest error is {}.", share_text(own.error.max / moved.deformation))
-                     : "Compare errors with that where shapes matter."));
-}
-
-void write_notes(const RecordTimes& records, Validation& result) {
-  for (const double time_step : records.shortened_time_steps) {
-    result.notes.push_back(
-        fmt::format("{:g} s does not divide the interval between records, so that the step before a record is "
-                    "shorter; its error is not quite that of equal steps.",
-                    time_step));
-  }
-  double least = std::numeric_limits<double>::infinity();
-  for (const ValidationRun& run : result.runs) {
-    if (!run.finished()) {
-      result.notes.push_back(fmt::format("The run with {:g} s ended at {:g} s; its errors count up to there: {}",
-                                         run.time_step, run.reached, run.failure));
-      continue;
-    }
-    least = std::min(least, run.error.max);
-    if (run.outcome != name_of(Outcome::settled)) {
-      result.notes.push_back(fmt::format("The run with {:g} s accepted time steps that had not settled ({}).",
-                                         run.time_step, run.outcome));
-    }
-    if (run.events.ruptured != result.reference_events.ruptured) {
-      result.notes.push_back(
-          fmt::format("With {:g} s {} ruptured, in the reference {}: from the first difference on these "
-                      "are different networks.",
-                      run.time_step, counted(run.events.ruptured, "spring"), result.reference_events.ruptured));
-    }
-  }
-  if (least < 10.0 * result.uncertainty()) {
-    result.notes.push_back(
-        "An error is less than ten times the reference's uncertainty: tighten the reference's tolerance to see "
-        "it exactly.");
-  }
-  write_displacement_note(result);
-  const EventCounts& happened = result.reference_events;
-  if (happened.touched + happened.released + happened.ruptured > 0) {
-    result.notes.push_back(
-        "Contact or rupture happens at the end of a time step in the network, at its exact time in the reference; the "
-        "order of convergence holds between such events only.");
   }
 }
 
@@ -262,72 +254,42 @@ Validation validate(const Scene& scene, const std::shared_ptr<const PluginHost>&
   }
   const std::vector<double> time_steps = time_steps_of(scene, options.time_steps);
   const RecordTimes records = common_record_times(scene.duration, scene.output.interval, time_steps);
-  const double interval = records.times[1];
-
-  Lane reference(scene, plugins, reference_use(scene, options.relative_tolerance, 1.0), interval);
-  Lane certifier(
-      scene, plugins,
-      reference_use(scene, options.certifying_tolerance, options.certifying_tolerance / options.relative_tolerance),
-      interval);
-  ErrorNorm certification;
-  const LawUse integrator =
-      scene.options.integrator.id == reference_id ? LawUse{subject_id, {}} : scene.options.integrator;
-  std::vector<Subject> subjects;
-  subjects.reserve(time_steps.size());
-  for (const double time_step : time_steps) {
-    subjects.emplace_back(scene, plugins, integrator, time_step);
-    subjects.back().run.of_scene = std::abs(time_step - scene.options.time_step) <= 1e-12 * time_step;
-  }
-  std::optional<Subject> second_order;
-  if (const auto use = with_second_order(integrator, *plugins)) {
-    second_order.emplace(scene, plugins, *use, scene.options.time_step);
-  }
-  DisplacementNorm displacement(scene.network);
-
-  for (const double time : records.times) {
-    const Simulation& truth = reference.simulation();
-    if (time > 0.0) {
-      advance_reference(reference, time, options.relative_tolerance);
-      advance_reference(certifier, time, options.certifying_tolerance);
-    }
-    certification.add(time, certifier.simulation().positions(), certifier.simulation().columns(), truth.positions(),
-                      truth.columns());
-    displacement.add(time, truth.positions(), truth.columns());
-    for (Subject& subject : subjects) advance(subject, time, truth);
-    if (second_order) advance(*second_order, time, truth);
-    if (options.progress && !options.progress({time, scene.duration})) {
-      throw Error(ErrorKind::simulation, fmt::format("validation stopped after {:g} s", time));
-    }
+  Comparison comparison(scene, plugins, options, time_steps, records);
+  const auto go_on = [&] { return !options.progress || options.progress({comparison.time(), scene.duration}); };
+  comparison.record_if_due();
+  if (!go_on() || !go_through(comparison, nullptr, go_on)) {
+    throw Error(ErrorKind::simulation, fmt::format("validation stopped after {:g} s", comparison.time()));
   }
 
   Validation result;
   result.scene = options.scene_name;
   result.title = scene.title;
-  result.nodes = reference.simulation().node_count();
-  result.springs = reference.simulation().spring_count();
+  result.nodes = comparison.reference.simulation.node_count();
+  result.springs = comparison.reference.simulation.spring_count();
   result.duration = scene.duration;
   result.times = records.times;
   result.reference = reference_id;
   result.relative_tolerance = options.relative_tolerance;
   result.certifying_tolerance = options.certifying_tolerance;
-  result.certification = certification.result();
-  result.displacement = displacement.result();
-  result.reference_wall = reference.wall() + certifier.wall();
-  result.reference_events = count_events(reference.simulation());
-  for (Subject& subject : subjects) {
-    finish(subject);
-    if (subject.lane.divided() > 0)
+  result.certification = comparison.certification.result();
+  result.displacement = comparison.displacement.result();
+  result.reference_wall = comparison.reference.stepper.totals().wall + comparison.certifier.stepper.totals().wall;
+  result.reference_events = count_events(comparison.reference.simulation);
+  for (const auto& subject : comparison.subjects) {
+    finish(*subject);
+    if (const std::uint64_t divided = subject->lane.stepper.totals().divided; divided > 0) {
       result.notes.push_back(
           fmt::format("With {:g} s: {} of {} time steps were divided; their error is that of the "
                       "smaller steps, and tells nothing of the order.",
-                      subject.run.time_step, subject.lane.divided(), subject.run.steps));
-    for (const std::string& note : subject.lane.simulation().notes())
-      result.notes.push_back(fmt::format("With {:g} s: {}.", subject.run.time_step, note));
-    result.runs.push_back(std::move(subject.run));
+                      subject->run.time_step, divided, subject->run.steps));
+    }
+    for (const std::string& note : subject->lane.simulation.notes())
+      result.notes.push_back(fmt::format("With {:g} s: {}.", subject->run.time_step, note));
+    result.runs.push_back(std::move(subject->run));
   }
-  if (second_order) {
-    finish(*second_order);
-    result.second_order = std::move(second_order->run);
+  if (comparison.second_order) {
+    finish(*comparison.second_order);
+    result.second_order = std::move(comparison.second_order->run);
   }
   find_orders(result);
   if (scene.options.integrator.id == reference_id) {

@@ -9,8 +9,8 @@
 #include <nlohmann/json.hpp>
 
 #include "csv.hpp"
-#include "output/view/base64.hpp"
-#include "output/view/content.hpp"
+#include "view/base64.hpp"
+#include "view/content.hpp"
 #include "scenes.hpp"
 #include "temporary_folder.hpp"
 

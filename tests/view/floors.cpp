@@ -4,8 +4,8 @@
 
 #include <doctest/doctest.h>
 
-#include "output/view/content.hpp"
-#include "output/view/floors.hpp"
+#include "view/content.hpp"
+#include "view/floors.hpp"
 #include "scenes.hpp"
 
 using namespace springnet;

@@ -3,8 +3,8 @@
 
 #include <doctest/doctest.h>
 
-#include "output/view/base64.hpp"
-#include "output/view/frames.hpp"
+#include "view/base64.hpp"
+#include "view/frames.hpp"
 
 using namespace springnet::view;
 

@@ -7,8 +7,8 @@
 #include <Eigen/Geometry>
 #include <nlohmann/json.hpp>
 
-#include "output/view/content.hpp"
-#include "output/view/units.hpp"
+#include "view/content.hpp"
+#include "view/units.hpp"
 #include "scenes.hpp"
 #include "temporary_folder.hpp"
 

@@ -2,7 +2,7 @@
 
 #include <doctest/doctest.h>
 
-#include "output/view/rounding.hpp"
+#include "view/rounding.hpp"
 
 using namespace springnet::view;
 

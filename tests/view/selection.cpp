@@ -3,7 +3,7 @@
 #include <doctest/doctest.h>
 #include <springnet/network.hpp>
 
-#include "output/view/selection.hpp"
+#include "view/selection.hpp"
 
 using namespace springnet;
 using view::Selection;

@@ -1,0 +1,161 @@
+#include "files/checked_file.hpp"
+
+#include <sys/stat.h>
+#include <unistd.h>
+
+#include <cerrno>
+#include <cmath>
+#include <utility>
+
+#include <fmt/format.h>
+
+#include "files/output_error.hpp"
+
+namespace springnet {
+
+CheckedFile::CheckedFile(const OutputFile& file, std::string_view remedy)
+    : file_(file), remedy_(remedy), descriptor_(-1), buffer_(std::make_unique_for_overwrite<char[]>(capacity)) {
+  descriptor_ = open_output(file);  // nothing throws after it
+}
+
+CheckedFile::~CheckedFile() {
+  if (descriptor_ < 0) return;
+  try {
+    if (failure_.empty()) {
+      drop_unfinished();
+      flush();
+    }
+  } catch (...) {  // nobody is there to hear of it
+  }
+  ::close(descriptor_);
+}
+
+void CheckedFile::make_room_for(std::size_t bytes) {
+  // Whole records, so that a run that is ended by force leaves no part of one, if they are not as large as the buffer.
+  if (!marks_.empty()) write_out(static_cast<std::size_t>(marks_.back().place - written_));
+  if (capacity - used_ < bytes) write_out(used_);
+}
+
+void CheckedFile::write(const void* data, std::size_t bytes) {
+  if (bytes == 0) return;  // An empty array may have no address, which memcpy does not allow.
+  const char* const begin = static_cast<const char*>(data);
+  if (bytes > capacity - used_) make_room_for(std::min(bytes, capacity));
+  if (bytes > capacity) {
+    put(begin, bytes);
+    return;
+  }
+  std::memcpy(buffer_.get() + used_, begin, bytes);
+  used_ += bytes;
+}
+
+void CheckedFile::flush() { write_out(used_); }
+
+void CheckedFile::write_out(std::size_t bytes) {
+  put(buffer_.get(), bytes);
+  used_ -= bytes;
+  std::memmove(buffer_.get(), buffer_.get() + bytes, used_);
+}
+
+void CheckedFile::put(const char* data, std::size_t bytes) {
+  if (!failure_.empty()) throw_failure();
+  while (bytes > 0) {
+    const ssize_t count = ::write(descriptor_, data, bytes);
+    if (count < 0 && errno == EINTR) continue;
+    if (count <= 0) fail(count < 0 ? errno : ENOSPC);
+    data += count;
+    bytes -= static_cast<std::size_t>(count);
+    written_ += static_cast<std::uint64_t>(count);
+  }
+  reach(written_);
+}
+
+void CheckedFile::end_record(double time) {
+  marked_ = true;
+  const std::uint64_t place = written_ + used_;
+  if (place == kept_.place && marks_.empty()) {
+    kept_.time = time;  // a record without rows
+  } else if (!marks_.empty() && marks_.back().place == place) {
+    marks_.back().time = time;
+  } else {
+    marks_.push_back({place, time});
+    if (used_ == 0) reach(place);
+  }
+}
+
+void CheckedFile::reach(std::uint64_t place) {
+  const auto beyond = std::find_if(marks_.begin(), marks_.end(), [place](const Mark& m) { return m.place > place; });
+  if (beyond == marks_.begin()) return;
+  kept_ = *std::prev(beyond);
+  marks_.erase(marks_.begin(), beyond);
+}
+
+void CheckedFile::drop_unfinished() {
+  if (!marked_) return;
+  const std::uint64_t end = marks_.empty() ? kept_.place : marks_.back().place;
+  if (end >= written_) {
+    used_ = static_cast<std::size_t>(end - written_);
+  } else {
+    used_ = 0;
+    cut(end);
+  }
+}
+
+// What cannot be cut, a pipe for instance, stays.
+void CheckedFile::cut(std::uint64_t place) noexcept {
+  if (ftruncate(descriptor_, static_cast<off_t>(place)) == 0) written_ = place;
+}
+
+void CheckedFile::close() {
+  if (descriptor_ < 0) return;
+  if (failure_.empty()) {
+    drop_unfinished();
+    flush();
+    if (is_gone()) {
+      failure_ = fmt::format(
+          "{}: was removed, or replaced by another file, while the run wrote it; what it recorded is lost. Run again, "
+          "and leave the folder alone until the end",
+          file_.path().string());
+      throw OutputError(failure_, std::numeric_limits<double>::quiet_NaN(), true);
+    }
+  }
+  // Linux has let go of the descriptor even where this fails.
+  const int failed = ::close(std::exchange(descriptor_, -1)) == 0 ? 0 : errno;
+  if (failed != 0 && failed != EINTR && failure_.empty()) fail(failed);
+}
+
+bool CheckedFile::is_gone() const noexcept {
+  if (file_.folder()) return !file_.folder()->has(file_.name(), descriptor_);
+  struct stat status;
+  return fstat(descriptor_, &status) == 0 && S_ISREG(status.st_mode) && status.st_nlink == 0;
+}
+
+void CheckedFile::seek(std::uint64_t place) {
+  flush();
+  if (lseek(descriptor_, static_cast<off_t>(place), SEEK_SET) < 0) fail(errno);
+  written_ = place;
+}
+
+void CheckedFile::restore_end(std::uint64_t place, std::string_view end) noexcept {
+  if (ftruncate(descriptor_, static_cast<off_t>(place)) != 0) return;
+  [[maybe_unused]] const ssize_t count = pwrite(descriptor_, end.data(), end.size(), static_cast<off_t>(place));
+}
+
+void CheckedFile::fail(int reason) {
+  used_ = 0;
+  if (marked_) {
+    reach(written_);
+    cut(kept_.place);
+  }
+  std::string kept;
+  if (marked_) {
+    kept = std::isnan(kept_.time) ? "no record of it was written; "
+                                  : fmt::format("its records until {:g} s are kept; ", kept_.time);
+  }
+  failure_ =
+      fmt::format("{}: cannot be written: {}; {}{}", file_.path().string(), std::strerror(reason), kept, remedy_);
+  throw_failure();
+}
+
+void CheckedFile::throw_failure() const { throw OutputError(failure_, kept_.time); }
+
+}  // namespace springnet

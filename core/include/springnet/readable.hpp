@@ -1,0 +1,11 @@
+// Numbers as people read them.
+#pragma once
+
+#include <string>
+
+namespace springnet {
+
+// "12 bytes", "3.4 MB"
+[[nodiscard]] std::string readable_bytes(double bytes);
+
+}  // namespace springnet

@@ -1,0 +1,145 @@
+// A run: simulates a scene and writes the files that it asks for. They are written as the run goes on, so that memory
+// does not grow with its length and a run that fails keeps what was written.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <filesystem>
+#include <functional>
+#include <limits>
+#include <map>
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include <springnet/error.hpp>
+#include <springnet/events.hpp>
+#include <springnet/plugin_host.hpp>
+#include <springnet/readable.hpp>
+#include <springnet/scene.hpp>
+#include <springnet/simulation.hpp>
+#include <springnet/tables.hpp>
+
+namespace springnet {
+
+// How large the files of a run become.
+struct OutputEstimate {
+  double records = 0.0;  // the one at the start included
+  double bytes = 0.0;    // of all files
+  std::vector<FileEstimate> files;
+};
+[[nodiscard]] OutputEstimate estimate_output(const Scene& scene);
+
+struct RunProgress {
+  double time;      // s, simulated
+  double duration;  // s
+  std::uint64_t steps;
+  double wall;  // s
+};
+
+// What a run measures time with, and keeps pace with.
+struct RunClock {
+  std::function<double()> now;              // s, from any start; never falls
+  std::function<void(double)> sleep_until;  // returns when now() is this, or somewhat earlier
+};
+
+// An enclosed volume over all records of a run, m^3; once a spring of its surface is gone it has leaked, and counts no
+// further.
+struct VolumeSummary {
+  ElementIndex element;
+  std::string name;  // of its [[element]], may be empty
+  double first, last, smallest, greatest;
+  bool leaked = false;
+};
+
+struct RunOptions {
+  std::filesystem::path folder;  // made if it is not there
+  std::string scene_name;        // for the summary
+  // Called after every time step, and ten times a second of waiting for the clock; false stops the run.
+  std::function<bool(const RunProgress&)> progress;
+  // Notes of the program that embeds the run: first of those in the summary.
+  std::vector<std::string> notes{};
+  // Simulated seconds per second of the clock; 0: as fast as possible.
+  double realtime = 0.0;
+  RunClock clock{};  // empty: the machine's
+};
+
+// How a run kept pace with the clock. Each time step is a frame: it starts when the clock reaches its first moment and
+// is due at its last. No frame is left out: after a late one the next ones start at once until they have caught up.
+struct PaceReport {
+  double factor = 1.0;          // simulated seconds per second of the clock
+  std::uint64_t frames = 0;     // time steps
+  std::uint64_t missed = 0;     // frames done after they were due
+  double greatest_delay = 0.0;  // s, of the missed ones
+};
+
+// A plugin that a run took components from.
+struct PluginUse {
+  std::string id;
+  std::string version;
+  std::string file;  // its name without folder; empty if linked into the program
+};
+// Plugins of the network's laws and neurons and of the integrator, by id.
+[[nodiscard]] std::vector<PluginUse> plugins_used(const Scene& scene, const PluginHost& plugins);
+
+// A file that could not be written to the end of the run.
+struct CutShort {
+  std::string file;    // name in the folder
+  double until = 0.0;  // s, of its last record; nan if it has none
+};
+
+struct RunSummary {
+  std::string scene;
+  std::string title;
+  LawUse integrator;
+  std::map<std::string, std::string> choices;  // names of those integrator options that are choices
+  double time_step = 0.0;                      // s
+  double duration = 0.0;                       // s, asked for
+  unsigned threads = 1;
+  std::string instruction_set;  // "generic", "avx2", "avx512"
+  std::vector<PluginUse> plugins;
+
+  std::size_t nodes = 0;
+  std::size_t springs = 0;
+  std::size_t springs_left = 0;
+  std::uint64_t steps = 0;
+  std::uint64_t sweeps = 0;
+  double spring_updates = 0.0;     // springs evaluated
+  double simulated = 0.0;          // s, reached
+  double wall = 0.0;               // s, simulating
+  double output_wall = 0.0;        // s, writing
+  std::optional<PaceReport> pace;  // of a run that kept pace with the clock
+  std::uint64_t unsettled = 0;     // time steps that were accepted without having settled
+  std::uint64_t divided = 0;       // time steps that were made as several smaller ones
+  std::uint64_t substeps = 0;      // those smaller ones
+  std::uint64_t stages = 0;        // smaller time constants passed on the way to the full one
+  double largest_residual = std::numeric_limits<double>::quiet_NaN();  // N, over the time steps; nan: never evaluated
+  double last_residual = std::numeric_limits<double>::quiet_NaN();     // N
+  EventCounts events;
+  std::vector<VolumeSummary> volumes;
+  std::map<std::string, double> statistics;
+  std::vector<std::string> notes;  // of RunOptions, of the scene (notes_of), of the simulation
+
+  std::uint64_t records = 0;
+  std::uintmax_t bytes = 0;         // of the tables and the page
+  std::vector<std::string> files;   // names in the folder, summary.json included
+  std::vector<CutShort> cut_short;  // of these, what could not be written to the end
+
+  std::string outcome;  // that of the worst time step ("settled", …), "failed" or "stopped"
+  std::string error;    // why it failed; empty otherwise
+  std::optional<ErrorKind> failure;
+};
+
+// Runs a scene and writes the files that it asks for (core/docs/output.md), events.csv and summary.json. A record is
+// made at the start, at the first time step that ends at or after each multiple of the output interval, and at the end,
+// also where the run fails or is stopped. Throws Error(input) or Error(plugin), before anything is written, if the
+// scene cannot be simulated, its output would not fit the disk, another run is writing to the folder, or a folder has
+// the name of a file. A failure later is told in the summary. The folder may be a link; links in it are replaced, never
+// followed.
+RunSummary run_scene(const Scene& scene, const std::shared_ptr<const PluginHost>& plugins, const RunOptions& options);
+
+// The text of summary.json.
+[[nodiscard]] std::string to_json(const RunSummary& summary);
+
+}  // namespace springnet

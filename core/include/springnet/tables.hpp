@@ -1,0 +1,53 @@
+// The tables of a run (core/docs/output.md), for programs that simulate on their own.
+#pragma once
+
+#include <memory>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include <springnet/network.hpp>
+#include <springnet/output_folder.hpp>
+#include <springnet/scene.hpp>
+#include <springnet/simulation.hpp>
+
+namespace springnet {
+
+// "trajectory", "reactions", …: those that a TableWriter writes, as files without their endings.
+[[nodiscard]] std::vector<std::string> table_names();
+
+// Writes one of the tables, as `springnet run` does: comma separated values below a header line, or the binary form of
+// springnet/records.hpp where the table has one and the options say so. Numbers in text are the shortest decimals that
+// read back as the same double. Nodes, springs and so on have the user's numbers.
+//
+// record() and close() throw Error(simulation) if the file cannot be written, on a full disk for instance. The file
+// then ends with its last whole record, whose time the message tells, and takes no more. Text is in the file a second
+// after record() at the latest, if records go on; binary records are there at once.
+class TableWriter {
+ public:
+  // Replaces a file that is there. The options say which rows and columns there are; whether the scene asks for the
+  // table does not matter. Throws Error(input) if there is no table of this name or the file cannot be created,
+  // Error(simulation) if its header cannot be written.
+  TableWriter(std::string_view table, const OutputFile& file, const Network& network,
+              const OutputOptions& options = {});
+  ~TableWriter();
+  TableWriter(TableWriter&&) noexcept;
+  TableWriter& operator=(TableWriter&&) noexcept;
+
+  // Writes the present state of a simulation of the network.
+  void record(const Simulation& simulation);
+  void close();
+
+ private:
+  struct Impl;
+  std::unique_ptr<Impl> impl_;
+};
+
+// How large a file of a run becomes, at most. Text is overestimated: each number counts as the longest that there is.
+struct FileEstimate {
+  std::string file;  // name in the folder
+  double bytes = 0.0;
+  bool exact = false;
+};
+
+}  // namespace springnet

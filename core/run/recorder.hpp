@@ -1,0 +1,50 @@
+// The files of one run, beside its summary: every record goes into each of them.
+#pragma once
+
+#include <cstdint>
+#include <limits>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include <springnet/run.hpp>
+
+#include "run/outputs.hpp"
+
+namespace springnet {
+
+class Recorder {
+ public:
+  // Removes what an earlier run has left in the folder, and makes the files that the scene asks for. Throws
+  // Error(input) if a file cannot be made.
+  Recorder(const Scene& scene, const std::shared_ptr<const PluginHost>& plugins, const OutputFolder::Pointer& folder);
+
+  // A file that fails ends there and takes no more; the others have the record. Then throws what the first one threw
+  // that failed at this record.
+  void record(const Record& record);
+  void finish(const Record& record);  // after the last record
+  void failed(const std::string& reason);
+  // Closes every file, then throws what the first one threw that failed.
+  void close();
+
+  // Once closed: names of the files that are there, those that end early, bytes of all.
+  [[nodiscard]] std::vector<std::string> files() const;
+  [[nodiscard]] std::vector<CutShort> cut_short() const;
+  [[nodiscard]] std::uintmax_t bytes() const;
+  [[nodiscard]] std::vector<std::string> notes() const;
+
+ private:
+  struct Entry {
+    std::unique_ptr<Sink> sink;
+    double kept_until = std::numeric_limits<double>::quiet_NaN();  // s
+    bool failed = false;
+    bool lost = false;
+  };
+  // On every file that has not failed.
+  template <class Work>
+  void each(const Work& work);
+
+  std::vector<Entry> entries_;
+};
+
+}  // namespace springnet

@@ -1,0 +1,287 @@
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <new>
+#include <system_error>
+
+#include <fmt/format.h>
+#include <springnet/run.hpp>
+
+#include "files/whole_file.hpp"
+#include "record/record.hpp"
+#include "run/outputs.hpp"
+#include "run/pace.hpp"
+#include "run/record_times.hpp"
+#include "run/recorder.hpp"
+#include "run/space.hpp"
+#include "run/time_loop.hpp"
+
+namespace springnet {
+
+namespace {
+
+std::filesystem::path nearest_existing(std::filesystem::path folder) {
+  std::error_code ignored;
+  folder = std::filesystem::absolute(folder, ignored);
+  while (!std::filesystem::exists(folder, ignored) && folder.has_parent_path() && folder != folder.parent_path()) {
+    folder = folder.parent_path();
+  }
+  return folder;
+}
+
+void require_space(const Scene& scene, const std::filesystem::path& folder) {
+  std::error_code unknown;
+  const std::filesystem::space_info space = std::filesystem::space(nearest_existing(folder), unknown);
+  if (unknown) return;  // a file system that does not say how much is free is not a reason to refuse
+  const auto refusal = space_refusal(
+      scene, {static_cast<double>(space.available), static_cast<double>(earlier_bytes(folder))}, folder.string());
+  if (refusal) throw Error(ErrorKind::input, *refusal);
+}
+
+// Memory with which a run that is out of it writes its end.
+class MemoryReserve {
+ public:
+  void release() noexcept { block_.reset(); }
+
+ private:
+  static constexpr std::size_t bytes = std::size_t{4} << 20;  // a summary, its notes and half a page of view.html
+  std::unique_ptr<char[]> block_ = std::make_unique_for_overwrite<char[]>(bytes);
+};
+
+// The simulation of a run with its records.
+class RunTimeline : public Timeline {
+ public:
+  RunTimeline(const Scene& scene, Simulation& simulation, Recorder& recorder, const RunClock& clock,
+              MemoryReserve& memory, RunSummary& summary)
+      : simulation_(simulation),
+        recorder_(recorder),
+        clock_(clock),
+        memory_(memory),
+        summary_(summary),
+        stepper_(simulation, clock),
+        state_(scene.network),
+        duration_(scene.duration),
+        interval_(record_interval(scene)),
+        slack_(time_slack(scene.options.time_step, scene.duration)),
+        next_record_(interval_) {}
+
+  [[nodiscard]] double time() const override { return simulation_.time(); }
+  [[nodiscard]] bool has_ended() const override { return stepper_.has_reached(duration_); }
+
+  void advance() override {
+    try {
+      stepper_.step(duration_);
+    } catch (...) {
+      memory_.release();  // it may be memory that is short
+      try {
+        record_end();
+      } catch (...) {  // the summary tells what ended the run, not what could not be written of it
+      }
+      throw;
+    }
+  }
+
+  void record_if_due() override {
+    if (!has_ended() && time() < next_record_ - slack_) return;
+    record();
+    next_record_ = next_multiple(interval_, time(), slack_);
+  }
+
+  void record() {
+    const double begin = clock_.now();
+    recorded_ = time();
+    state_.take(simulation_);
+    recorder_.record(state_);
+    // Makes a note if it is not finite. A law may answer forces beyond its limit that look like any other.
+    energy_is_finite_ = energy_is_finite_ && std::isfinite(state_.potential_energy());
+    for (VolumeSummary& volume : summary_.volumes) add(volume);
+    ++summary_.records;
+    summary_.output_wall += clock_.now() - begin;
+  }
+
+  // Where the run ends, however it ends.
+  void record_end() {
+    if (time() > recorded_) {
+      record();
+    } else {
+      state_.take(simulation_);  // a step that failed may have left another one, though no time went by
+    }
+    recorder_.finish(state_);
+  }
+
+  [[nodiscard]] const Stepper::Totals& totals() const noexcept { return stepper_.totals(); }
+
+ private:
+  void add(VolumeSummary& volume) const {
+    volume.leaked = !simulation_.element_alive(volume.element);
+    if (volume.leaked && summary_.records > 0) return;
+    volume.last = state_.element_value(volume.element);
+    if (summary_.records == 0) volume.first = volume.smallest = volume.greatest = volume.last;
+    volume.smallest = std::min(volume.smallest, volume.last);
+    volume.greatest = std::max(volume.greatest, volume.last);
+  }
+
+  Simulation& simulation_;
+  Recorder& recorder_;
+  RunClock clock_;
+  MemoryReserve& memory_;
+  RunSummary& summary_;
+  Stepper stepper_;
+  Record state_;
+  double duration_, interval_, slack_;                          // s
+  double next_record_;                                          // s
+  double recorded_ = -std::numeric_limits<double>::infinity();  // s, when last
+  bool energy_is_finite_ = true;
+};
+
+// Simulates to the end, or until the options stop it. Throws what ends it otherwise.
+void simulate(RunTimeline& timeline, const Scene& scene, const Simulation& simulation, Pace* pace,
+              const RunClock& clock, const RunOptions& options, RunSummary& summary) {
+  const double start = clock.now();
+  const auto go_on = [&] {
+    return !options.progress ||
+           options.progress({simulation.time(), scene.duration, simulation.steps(), clock.now() - start});
+  };
+  timeline.record();
+  const bool ended = go_through(timeline, pace, go_on);
+  summary.outcome = ended ? name_of(timeline.totals().worst) : "stopped";
+  timeline.record_end();
+}
+
+void add(const Stepper::Totals& totals, RunSummary& summary) {
+  summary.wall = totals.wall;
+  summary.spring_updates = totals.spring_updates;
+  summary.unsettled = totals.unsettled;
+  summary.divided = totals.divided;
+  summary.substeps = totals.substeps;
+  summary.stages = totals.stages;
+  summary.largest_residual = totals.largest_residual;
+  summary.last_residual = totals.last_residual;
+}
+
+void take_failure(RunSummary& summary, ErrorKind kind, const std::string& message) {
+  if (summary.failure) return;  // the first one is the cause
+  summary.failure = kind;
+  summary.error = message;
+  summary.outcome = "failed";
+}
+
+template <class Work>
+void keep_failure(RunSummary& summary, const Work& work) {
+  try {
+    work();
+  } catch (const Error& error) {
+    take_failure(summary, error.kind(), error.what());
+  } catch (const std::bad_alloc&) {
+    take_failure(summary, ErrorKind::simulation,
+                 "out of memory: simulate a smaller network, or on a larger machine, or make view.html smaller "
+                 "(output.view_size)");
+  } catch (const std::exception& error) {
+    take_failure(summary, ErrorKind::simulation, error.what());
+  }
+}
+
+// The last of the summary's files is this one.
+void write_summary(const OutputFolder::Pointer& folder, RunSummary& summary) {
+  bool written = false;
+  keep_failure(summary, [&] {
+    write_whole({folder, summary_file}, to_json(summary));
+    written = true;
+  });
+  if (!written) summary.files.pop_back();
+}
+
+RunSummary describe(const Scene& scene, const Simulation& simulation, const PluginHost& plugins,
+                    const std::string& name) {
+  RunSummary summary;
+  summary.scene = name;
+  summary.title = scene.title;
+  summary.integrator = scene.options.integrator;
+  const auto integrator = plugins.require(ComponentKind::integrator, scene.options.integrator.id);
+  for (const auto& [option, value] : summary.integrator.parameters) {
+    const std::ptrdiff_t index = parameter_index(*integrator->description, option);
+    if (index < 0) continue;
+    const springnet_parameter& parameter = *integrator->description->parameters[index];
+    if (parameter.type != SPRINGNET_CHOICE || !(value >= 0.0) || value >= parameter.choice_count) continue;
+    summary.choices[option] = parameter.choices[static_cast<std::size_t>(value)];
+  }
+  summary.time_step = scene.options.time_step;
+  summary.duration = scene.duration;
+  summary.threads = simulation.threads();
+  switch (simulation.instruction_set()) {
+    case InstructionSet::best:
+    case InstructionSet::generic:
+      summary.instruction_set = "generic";
+      break;
+    case InstructionSet::avx2:
+      summary.instruction_set = "avx2";
+      break;
+    case InstructionSet::avx512:
+      summary.instruction_set = "avx512";
+      break;
+  }
+  summary.plugins = plugins_used(scene, plugins);
+  for (ElementIndex e = 0; e < scene.network.elements().size(); ++e) {
+    if (scene.network.elements()[e].invariant != Invariant::enclosed_volume) continue;
+    const auto set = std::find_if(scene.elements.begin(), scene.elements.end(), [e](const ElementSet& each) {
+      return e >= each.first && e - each.first < each.count;
+    });
+    summary.volumes.push_back({e, set == scene.elements.end() ? "" : set->name, 0.0, 0.0, 0.0, 0.0});
+  }
+  summary.nodes = simulation.node_count();
+  summary.springs = simulation.spring_count();
+  return summary;
+}
+
+}  // namespace
+
+RunSummary run_scene(const Scene& scene, const std::shared_ptr<const PluginHost>& plugins, const RunOptions& options) {
+  require_space(scene, options.folder);
+  const RunClock clock = or_machine(options.clock);
+  std::optional<Pace> pace;
+  if (options.realtime != 0.0) pace.emplace(options.realtime, 0.0, clock);
+  check_starts(scene);
+  Simulation simulation(scene.network, plugins, scene.options);
+  RunSummary summary = describe(scene, simulation, *plugins, options.scene_name);
+  const OutputFolder::Pointer folder = OutputFolder::make(options.folder);
+  folder->lock();
+  MemoryReserve memory;
+  std::optional<Recorder> recorder;  // none if not even the heads of its files could be written
+  std::optional<RunTimeline> timeline;
+  keep_failure(summary, [&] {
+    recorder.emplace(scene, plugins, folder);
+    timeline.emplace(scene, simulation, *recorder, clock, memory, summary);
+    simulate(*timeline, scene, simulation, pace ? &*pace : nullptr, clock, options, summary);
+  });
+  memory.release();
+  if (!recorder && summary.failure == ErrorKind::input) throw Error(ErrorKind::input, summary.error);
+  if (summary.failure == ErrorKind::simulation && simulation.last_report().outcome != Outcome::settled) {
+    summary.outcome = name_of(simulation.last_report().outcome);
+  }
+  if (summary.failure && recorder) recorder->failed(summary.error);
+  if (recorder) keep_failure(summary, [&] { recorder->close(); });
+
+  if (timeline) add(timeline->totals(), summary);
+  if (pace) summary.pace = pace->report();
+  summary.springs_left = simulation.live_spring_count();
+  summary.steps = simulation.steps();
+  summary.sweeps = simulation.sweeps();
+  summary.simulated = simulation.time();
+  summary.statistics = simulation.statistics();
+  summary.events = count_events(simulation);
+  summary.notes = options.notes;
+  for (const auto& notes :
+       {notes_of(scene), simulation.notes(), recorder ? recorder->notes() : std::vector<std::string>{}}) {
+    summary.notes.insert(summary.notes.end(), notes.begin(), notes.end());
+  }
+  if (recorder) {
+    summary.bytes = recorder->bytes();
+    summary.files = recorder->files();
+    summary.cut_short = recorder->cut_short();
+  }
+  summary.files.emplace_back(summary_file);
+  write_summary(folder, summary);
+  return summary;
+}
+
+}  // namespace springnet

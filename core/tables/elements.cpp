@@ -1,0 +1,38 @@
+#include "tables/table.hpp"
+
+namespace springnet::tables {
+
+Table elements();
+
+Table elements() {
+  return {
+      .name = "elements",
+      .content = "angles, areas, volumes and what acts on them",
+      .columns = {{{"element"}, "", "number of the element", Columns::Cell::count},
+                  {{"value"}, "", "its angle, area or volume: rad, m², m³"},
+                  {{"force"},
+                   "",
+                   "what its law answers, above 0 where it pulls the value down: N m, N/m, Pa; the pressure of a "
+                   "filling is the negative of it"},
+                  {{"alive"}, "", "1, and 0 once it is removed", Columns::Cell::flag}},
+      .wanted = [](const Network& network,
+                   const OutputOptions& options) { return options.elements && !network.elements().empty(); },
+      .leave_out = "leave out {} (output.elements = false, or a list of names of [[element]] for some)",
+      .numbers =
+          [](const Network& network, const OutputOptions& options) {
+            return chosen_or_all(options.element_numbers, network.elements().size());
+          },
+      .writer = [](const Network& network, const OutputOptions& options) -> RowWriter {
+        return [elements = chosen_or_all(options.element_numbers, network.elements().size())](const Record& record,
+                                                                                              TableFile& file) {
+          for (const ElementIndex element : elements) {
+            file.row(record.time());
+            file << element << record.element_value(element) << record.simulation().element_force(element)
+                 << (record.simulation().element_alive(element) ? 1.0 : 0.0);
+          }
+        };
+      },
+  };
+}
+
+}  // namespace springnet::tables

@@ -1,0 +1,24 @@
+// Surfaces by the names that tables give them.
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include <springnet/network.hpp>
+#include <springnet/simulation.hpp>
+
+namespace springnet::tables {
+
+// The name of a surface; its number if it has none.
+[[nodiscard]] std::string label_of(const Simulation& simulation, std::size_t surface);
+// "floor;wall"
+[[nodiscard]] std::string labels_of(const Simulation& simulation, const std::vector<std::size_t>& surfaces);
+
+// Characters of the cell of each surface's label.
+[[nodiscard]] std::vector<double> label_lengths(const Network& network);
+
+[[nodiscard]] inline std::size_t surface_count(const Network& network) {
+  return network.planes().size() + network.instruments().size();
+}
+
+}  // namespace springnet::tables

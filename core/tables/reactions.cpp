@@ -1,0 +1,84 @@
+#include <algorithm>
+#include <functional>
+#include <numeric>
+
+#include <Eigen/Geometry>
+
+#include "tables/names.hpp"
+#include "tables/table.hpp"
+
+namespace springnet::tables {
+
+Table reactions();
+
+namespace {
+
+RowCount count_rows(const Network& network, const OutputOptions& options) {
+  const std::vector<NodeIndex> nodes = chosen_or_all(options.nodes, network.nodes().size());
+  // Any node may come to rest on a surface, and touch as many surfaces at once as this.
+  constexpr std::size_t most_touched = 3;
+  const auto rows = static_cast<double>(std::count_if(nodes.begin(), nodes.end(), [&](NodeIndex node) {
+    return surface_count(network) > 0 || network.nodes()[node].fixed;
+  }));
+  std::vector<double> labels = label_lengths(network);
+  std::sort(labels.begin(), labels.end(), std::greater<>());
+  labels.resize(std::min(labels.size(), most_touched));
+  for (double& label : labels) label += 1.0;  // ';'
+  return {rows, static_cast<double>(network.nodes().size()), rows * std::accumulate(labels.begin(), labels.end(), 0.0)};
+}
+
+class Rows {
+ public:
+  Rows(const Network& network, const OutputOptions& options)
+      : nodes_(chosen_or_all(options.nodes, network.nodes().size())), impulses_(nodes_.size(), Vector3::Zero()) {
+    fixed_.reserve(nodes_.size());
+    for (const NodeIndex node : nodes_) fixed_.push_back(network.nodes().at(node).fixed);
+  }
+
+  void operator()(const Record& record, TableFile& file) {
+    const Simulation& simulation = record.simulation();
+    for (std::size_t k = 0; k < nodes_.size(); ++k) {
+      const NodeIndex node = nodes_[k];
+      const Vector3 impulse = simulation.contact_impulse(node);
+      const bool struck = impulse != impulses_[k];  // since the last record, though it may be free again
+      impulses_[k] = impulse;
+      if (!fixed_[k] && !struck && !simulation.touching(node)) continue;
+      const Vector3 reaction = simulation.reaction(node);
+      const Vector3 torque = simulation.position(node).cross(reaction);
+      file.row(record.time());
+      file << node << reaction << torque << impulse << labels_of(simulation, simulation.surfaces_of(node));
+    }
+  }
+
+ private:
+  std::vector<NodeIndex> nodes_;
+  std::vector<bool> fixed_;        // of nodes_
+  std::vector<Vector3> impulses_;  // N s, of nodes_ at the last record
+};
+
+}  // namespace
+
+Table reactions() {
+  return {
+      .name = "reactions",
+      .content = "what holds and moves nodes, if output.reactions = true",
+      .columns = {{{"node"}, "", "number of the node", Columns::Cell::count},
+                  {{"fx", "fy", "fz"},
+                   "N",
+                   "force that holds or moves the node; rigid connections at the node are not part of it"},
+                  {{"tx", "ty", "tz"}, "N m", "its torque about the origin"},
+                  {{"jx", "jy", "jz"}, "N s", "impulses of touching that surfaces gave the node so far"},
+                  {{"surface"},
+                   "",
+                   "the surfaces that the node is in contact with, as in `surfaces.csv`, joined by `;`",
+                   Columns::Cell::text}},
+      .wanted = [](const Network&, const OutputOptions& options) { return options.reactions; },
+      .leave_out = "leave out {} (output.reactions = false)",
+      .rows = count_rows,
+      .writer = [](const Network& network, const OutputOptions& options) -> RowWriter {
+        return Rows(network, options);
+      },
+  };
+}
+
+}  // namespace springnet::tables

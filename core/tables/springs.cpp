@@ -1,0 +1,33 @@
+#include "tables/table.hpp"
+
+namespace springnet::tables {
+
+Table springs();
+
+Table springs() {
+  return {
+      .name = "springs",
+      .content = "lengths, tensions and energies of the springs of output.springs",
+      .columns = {{{"spring"}, "", "number of the spring", Columns::Cell::count},
+                  {{"length"}, "m", "distance of its ends"},
+                  {{"tension"},
+                   "N",
+                   "with the viscous part, above 0 where it pulls the ends together; 0 once it is removed"},
+                  {{"energy"}, "J", "stored in it, `nan` where the law has none; 0 once it is removed"},
+                  {{"alive"}, "", "1, and 0 once it is removed", Columns::Cell::flag}},
+      .wanted = [](const Network&, const OutputOptions& options) { return !options.springs.empty(); },
+      .leave_out = "write fewer springs to {} (output.springs)",
+      .numbers = [](const Network&, const OutputOptions& options) { return options.springs; },
+      .writer = [](const Network&, const OutputOptions& options) -> RowWriter {
+        return [springs = options.springs](const Record& record, TableFile& file) {
+          for (const SpringIndex spring : springs) {
+            file.row(record.time());
+            file << spring << record.lengths()[spring] << record.tensions()[spring] << record.energies()[spring]
+                 << (record.simulation().alive(spring) ? 1.0 : 0.0);
+          }
+        };
+      },
+  };
+}
+
+}  // namespace springnet::tables

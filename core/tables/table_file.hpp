@@ -1,0 +1,69 @@
+// The file of one table, in text or binary form.
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <string_view>
+
+#include <springnet/network.hpp>
+#include <springnet/output_folder.hpp>
+
+#include "files/checked_file.hpp"
+#include "tables/csv_file.hpp"
+#include "tables/table_form.hpp"
+
+namespace springnet {
+
+class TableFile {
+ public:
+  // Writes the header. `binary`: numbers of this precision, and in each record the rows of the form; text otherwise.
+  // Throws Error(input) if the file cannot be created, OutputError, as all below, if it cannot be written.
+  TableFile(const OutputFile& file, const TableForm& form, std::optional<OutputOptions::Precision> binary = {});
+
+  void begin_record(double time);  // s
+  // A row of this time, s; its cells follow in the order of the columns.
+  void row(double time) {
+    if (!text_) return;
+    if (row_is_open_) *text_ << '\n';
+    row_is_open_ = true;
+    *text_ << time;
+  }
+  TableFile& operator<<(double value) {
+    if (text_) {
+      *text_ << ',' << value;
+    } else {
+      write(value);
+    }
+    return *this;
+  }
+  TableFile& operator<<(const Vector3& vector) {
+    for (const double coordinate : vector) *this << coordinate;
+    return *this;
+  }
+  // A number of the scene, or a count. The binary form has those of the rows in its header, and no others.
+  TableFile& operator<<(std::uint32_t value) {
+    if (text_) *text_ << ',' << value;
+    return *this;
+  }
+  TableFile& operator<<(std::string_view text);  // in text only
+  void end_record();
+
+  void close();
+
+ private:
+  void write(double value) {
+    if (*binary_ == OutputOptions::Precision::float64) {
+      write_number(*numbers_, value);
+    } else {
+      write_number(*numbers_, static_cast<float>(value));
+    }
+  }
+
+  std::optional<OutputOptions::Precision> binary_;
+  std::optional<CsvFile> text_;         // one of these two
+  std::optional<CheckedFile> numbers_;  // binary
+  double time_ = 0.0;                   // s, of the record
+  bool row_is_open_ = false;            // its line has no end yet
+};
+
+}  // namespace springnet

@@ -1,0 +1,49 @@
+#include "tables/table.hpp"
+
+namespace springnet::tables {
+
+Table trajectory();
+
+Table trajectory() {
+  return {
+      .name = "trajectory",
+      .content = "places and velocities of nodes, forces on them; output.quantities chooses",
+      .columns = {{{"node"}, "", "number of the node", Columns::Cell::count},
+                  {{"x", "y", "z"},
+                   "m",
+                   "position",
+                   Columns::Cell::number,
+                   [](const OutputOptions& options) { return options.position; }},
+                  {{"vx", "vy", "vz"},
+                   "m/s",
+                   "velocity",
+                   Columns::Cell::number,
+                   [](const OutputOptions& options) { return options.velocity; }},
+                  {{"fx", "fy", "fz"},
+                   "N",
+                   "sum of the springs' forces and the loads, without what holds the node",
+                   Columns::Cell::number,
+                   [](const OutputOptions& options) { return options.force; }}},
+      .wanted = [](const Network&, const OutputOptions& options) { return options.trajectory; },
+      .leave_out = "leave out {} (output.trajectory = false)",
+      .smaller = "write fewer nodes (output.nodes)",
+      .numbers = [](const Network& network,
+                    const OutputOptions& options) { return chosen_or_all(options.nodes, network.nodes().size()); },
+      .writer = [](const Network& network, const OutputOptions& options) -> RowWriter {
+        return [nodes = chosen_or_all(options.nodes, network.nodes().size()), position = options.position,
+                velocity = options.velocity, force = options.force](const Record& record, TableFile& file) {
+          const Record::Vectors* const quantities[] = {position ? &record.positions() : nullptr,
+                                                       velocity ? &record.velocities() : nullptr,
+                                                       force ? &record.forces() : nullptr};
+          for (const NodeIndex node : nodes) {
+            file.row(record.time());
+            file << node;
+            for (const Record::Vectors* const quantity : quantities)
+              if (quantity != nullptr) file << quantity->col(static_cast<Eigen::Index>(node));
+          }
+        };
+      },
+  };
+}
+
+}  // namespace springnet::tables

@@ -1,0 +1,59 @@
+// What a page is made of.
+#pragma once
+
+#include <cstdint>
+#include <memory>
+#include <optional>
+#include <ostream>
+#include <string>
+#include <vector>
+
+#include <springnet/plugin_host.hpp>
+#include <springnet/scene.hpp>
+
+#include "view/forces.hpp"
+#include "view/frames.hpp"
+#include "view/rounding.hpp"
+#include "view/selection.hpp"
+
+namespace springnet::view {
+
+// Numbers of a frame besides those of nodes, springs and surfaces; the chosen elements' values follow.
+enum Scalar : std::size_t { time, kinetic, potential, steps, sweeps, events, fixed_scalars = events + 7 };
+
+struct Removal {
+  SpringIndex spring;
+  double time;           // s
+  std::uint64_t record;  // the first that it is missing in
+  bool ruptured;         // else cut
+};
+
+struct Content {
+  const Scene& scene;
+  Selection selection;
+  std::vector<ElementIndex> elements;  // whose values are plotted
+  Forces forces;
+  Frames frames;
+  std::vector<Removal> removed;
+  std::vector<std::string> notes;
+  std::string failure{};                        // why the run failed; empty: it did not
+  std::shared_ptr<const PluginHost> plugins{};  // for the units of laws
+};
+
+// Elements worth a curve: all if they are few, else the enclosed volumes.
+[[nodiscard]] std::vector<ElementIndex> plotted_elements(const Network& network);
+
+// Bytes of the page that are its program, without any data.
+[[nodiscard]] double program_size();
+
+// Bytes of the page without frames, and of a frame.
+[[nodiscard]] double size_once(const Content& content);
+[[nodiscard]] double size_of_frame(const Content& content, bool rounded);
+
+// Whether numbers of nodes and springs have to be rounded to 16 bits for the page to stay below `size` bytes.
+[[nodiscard]] bool must_round(const Content& content, double size);
+
+// With 16 bit numbers in these ranges, or with 32 bit floats.
+void write_page(std::ostream& out, const Content& content, const std::optional<Ranges>& rounded);
+
+}  // namespace springnet::view

@@ -1,0 +1,54 @@
+// The scene's loads as a page draws them: the resultant of each, and forces on nodes.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <span>
+#include <string>
+#include <vector>
+
+#include <springnet/network.hpp>
+#include <springnet/simulation.hpp>
+
+#include "view/selection.hpp"
+
+namespace springnet::view {
+
+// A load whose force is not zero; its arrows follow those of the load before it.
+struct DrawnLoad {
+  // A spring along a side of a face of the load: with it the face goes.
+  struct Side {
+    std::size_t face;
+    SpringIndex spring;
+  };
+  std::size_t load;   // of Network::loads()
+  std::size_t nodes;  // that it acts on
+  std::size_t arrows;
+  std::vector<Side> sides{};
+};
+
+// A force of a drawn load on a node that is shown.
+struct Arrow {
+  std::size_t drawn;   // place in Forces::loads
+  std::uint32_t node;  // place in Selection::nodes
+  NodeIndex user;
+};
+
+struct Forces {
+  std::size_t all = 0;             // forces of the scene's loads, each node of each load counted
+  std::vector<DrawnLoad> loads;    // those that have a shown node, or some of them
+  std::vector<Arrow> arrows;       // all of their forces on shown nodes, or some of each
+  std::vector<std::string> notes;  // what is left out
+};
+
+// More arrows than this are a thicket: then some of each load.
+inline constexpr std::size_t most_arrows = 200;
+
+[[nodiscard]] Forces forces_of(const Network& network, const Selection& selection);
+
+// The forces now, N: the resultant x, y, z of each drawn load, and x, y, z of each arrow. A resultant that is only the
+// rounding of forces that cancel is zero.
+void take_forces(const Forces& forces, const Network& network, const Simulation& simulation,
+                 std::span<float> resultants, std::span<float> arrows);
+
+}  // namespace springnet::view

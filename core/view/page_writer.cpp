@@ -1,0 +1,205 @@
+#include "view/page_writer.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <string_view>
+
+#include <fmt/format.h>
+#include <Eigen/Geometry>
+#include <springnet/readable.hpp>
+
+#include "files/whole_file.hpp"
+#include "view/floors.hpp"
+
+namespace springnet::view {
+
+namespace {
+
+// A run that diverges has numbers that no float holds.
+float to_float(double number) {
+  constexpr double most = std::numeric_limits<float>::max();
+  return static_cast<float>(std::clamp(number, -most, most));
+}
+
+// A motion should have at least so many frames to be seen as one; springs are left out for their sake.
+constexpr double wanted_frames = 60.0;
+
+double expected_records(const Scene& scene) {
+  return std::floor(scene.duration / std::max(scene.output.interval, scene.options.time_step)) + 2.0;
+}
+
+Selection select(const Scene& scene, double size) {
+  const double frames = std::min(expected_records(scene), wanted_frames);
+  return view::select(scene.network, frames, 0.75 * std::max(size - program_size(), 0.0));
+}
+
+FrameWidths widths_of(const Network& network, const Selection& selection, std::size_t elements, const Forces& forces) {
+  return {fixed_scalars + elements, selection.nodes.size(),
+          selection.springs.size(), network.planes().size() + network.instruments().size(),
+          forces.loads.size(),      forces.arrows.size()};
+}
+
+Content make_content(const Scene& scene, double size) {
+  Content content{scene, select(scene, size), plotted_elements(scene.network), {}, Frames({0, 0, 0, 0}, 2, 0), {}, {}};
+  content.forces = forces_of(scene.network, content.selection);
+  const double room = (size - size_once(content)) / size_of_frame(content, true);
+  const auto capacity = static_cast<std::size_t>(std::clamp(room, 2.0, 1e9));
+  content.frames = Frames(widths_of(scene.network, content.selection, content.elements.size(), content.forces),
+                          capacity, static_cast<std::size_t>(std::min(expected_records(scene), 1e6)));
+  return content;
+}
+
+constexpr std::string_view not_ended = R"(<!DOCTYPE html>
+<meta charset="utf-8"><title>springnet: no page yet</title>
+<p>The run that writes this page has not ended, or was ended from outside. The page is written when a run ends, also
+when it fails; springnet run again makes it.</p>
+)";
+
+}  // namespace
+
+PageWriter::PageWriter(const OutputFile& file, const Scene& scene, const ViewOptions& options)
+    : file_(file), size_(options.size), content_(make_content(scene, size_)) {
+  content_.plugins = options.plugins;
+  left_out_ = content_.selection.notes;
+  left_out_.insert(left_out_.end(), content_.forces.notes.begin(), content_.forces.notes.end());
+  CheckedFile out(file, CheckedFile::make_room);
+  out.write(not_ended.data(), not_ended.size());
+  out.close();
+}
+
+PageWriter::~PageWriter() {
+  try {
+    close();
+  } catch (...) {  // nobody is there to hear of it
+  }
+}
+
+void PageWriter::record(const Record& record) {
+  content_.frames.begin();
+  take_events(record.simulation());
+  take_scalars(record);
+  take_nodes(record.simulation());
+  take_springs(record);
+  take_surfaces(record.simulation());
+  take_forces(content_.forces, content_.scene.network, record.simulation(), content_.frames.resultants.last(),
+              content_.frames.forces.last());
+}
+
+void PageWriter::take_events(const Simulation& simulation) {
+  const std::vector<Event>& all = simulation.events();
+  for (; seen_ < all.size(); ++seen_) {
+    const Event& event = all[seen_];
+    if (event.element) continue;  // of springs and nodes alone
+    ++counts_.at(static_cast<std::size_t>(event.kind));
+    const bool ruptured = event.kind == Event::Kind::ruptured;
+    if (ruptured || event.kind == Event::Kind::cut) {
+      content_.removed.push_back({event.index, event.time, content_.frames.recorded() - 1, ruptured});
+    }
+  }
+}
+
+void PageWriter::take_scalars(const Record& record) {
+  const Simulation& simulation = record.simulation();
+  const auto row = content_.frames.scalars.last();
+  row[time] = record.time();
+  row[kinetic] = record.kinetic_energy();
+  row[potential] = record.potential_energy();
+  row[steps] = static_cast<double>(simulation.steps());
+  row[sweeps] = static_cast<double>(simulation.sweeps());
+  for (std::size_t k = 0; k < counts_.size(); ++k) row[events + k] = static_cast<double>(counts_[k]);
+  for (std::size_t k = 0; k < content_.elements.size(); ++k) {
+    row[fixed_scalars + k] = record.element_value(content_.elements[k]);
+  }
+}
+
+void PageWriter::take_nodes(const Simulation& simulation) {
+  const auto positions = content_.frames.positions.last();
+  const auto speeds = content_.frames.speeds.last();
+  const auto contact = content_.frames.contact.last();
+  std::fill(contact.begin(), contact.end(), std::uint8_t{0});
+  const ConstNodeMap all_positions = simulation.positions(), velocities = simulation.velocities();
+  const bool surfaces = simulation.surface_count() > 0;
+  for (std::size_t k = 0; k < content_.selection.nodes.size(); ++k) {
+    const NodeIndex node = content_.selection.nodes[k];
+    const auto column = static_cast<Eigen::Index>(simulation.columns()[node]);
+    for (std::size_t axis = 0; axis < 3; ++axis) {
+      positions[3 * k + axis] = to_float(all_positions(static_cast<Eigen::Index>(axis), column));
+    }
+    speeds[k] = to_float(velocities.col(column).norm());
+    if (surfaces && simulation.touching(node)) {
+      contact[k / 8] = static_cast<std::uint8_t>(contact[k / 8] | 1U << k % 8);
+    }
+  }
+}
+
+void PageWriter::take_springs(const Record& record) {
+  const std::vector<double>& tensions = record.tensions();
+  const auto row = content_.frames.tensions.last();
+  for (std::size_t k = 0; k < row.size(); ++k) row[k] = to_float(tensions[content_.selection.springs[k]]);
+}
+
+void PageWriter::take_surfaces(const Simulation& simulation) {
+  const auto row = content_.frames.surfaces.last();
+  for (std::size_t k = 0; k < simulation.surface_count(); ++k) {
+    Eigen::Vector<double, surface_numbers> pose;
+    pose << simulation.surface_position(k), Eigen::Quaterniond(simulation.surface_rotation(k)).coeffs();
+    for (std::size_t i = 0; i < surface_numbers; ++i) {
+      row[surface_numbers * k + i] = to_float(pose[static_cast<Eigen::Index>(i)]);
+    }
+  }
+}
+
+void PageWriter::note_what_is_missing(const std::optional<Ranges>& rounded) {
+  const Frames& frames = content_.frames;
+  if (frames.count() < frames.recorded()) {
+    left_out_.push_back(
+        fmt::format("{} of {} records are shown, one in {} and the last; a larger "
+                    "output.view_size shows more",
+                    frames.count(), frames.recorded(), frames.stride()));
+  }
+  const double least = size_once(content_) + 2.0 * size_of_frame(content_, true);
+  if (least > size_) {
+    left_out_.push_back(
+        fmt::format("the page is larger than output.view_size, {}: its program alone takes {}, the network and its "
+                    "first and last record {}",
+                    readable_bytes(size_), readable_bytes(program_size()), readable_bytes(least - program_size())));
+  }
+  if (!rounded) return;
+  const std::vector<std::string> notes = notes_of(*rounded);
+  left_out_.insert(left_out_.end(), notes.begin(), notes.end());
+}
+
+void PageWriter::close() {
+  if (closed_ || content_.frames.count() == 0) return;
+  closed_ = true;
+  drop_rounding(floors_of(content_.scene, content_.selection, content_.plugins.get()), content_.frames);
+  std::optional<Ranges> rounded;
+  if (must_round(content_, size_)) rounded = ranges_of(content_.frames);
+  note_what_is_missing(rounded);
+  content_.notes = left_out_;
+  try {
+    WholeFile page(file_);
+    write_page(page.stream(), content_, rounded);
+    page.finish();
+  } catch (...) {
+    remove_output(file_);  // the page that stands there says that the run goes on
+    throw;
+  }
+}
+
+}  // namespace springnet::view
+
+namespace springnet {
+
+double estimate_view(const Scene& scene) {
+  if (!scene.output.view) return 0.0;
+  const view::Content content = view::make_content(scene, scene.output.view_size);
+  const double once = view::size_once(content);
+  const double all = once + view::expected_records(scene) * view::size_of_frame(content, false);
+  // The first and the last record stand in the page whatever its size.
+  const double least = once + 2.0 * view::size_of_frame(content, true);
+  return std::min(all, std::max(least, scene.output.view_size));
+}
+
+}  // namespace springnet

@@ -1,0 +1,49 @@
+// Collects the records of a run and writes the page; springnet/view.hpp says what is kept and what is left out.
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include <springnet/output_folder.hpp>
+#include <springnet/scene.hpp>
+#include <springnet/view.hpp>
+
+#include "record/record.hpp"
+#include "view/content.hpp"
+
+namespace springnet::view {
+
+class PageWriter {
+ public:
+  // Replaces the file by a page that says that the run goes on. Throws Error(input) if it cannot be created.
+  PageWriter(const OutputFile& file, const Scene& scene, const ViewOptions& options);
+  ~PageWriter();  // closes it, without a word about failures
+  PageWriter(const PageWriter&) = delete;
+  PageWriter& operator=(const PageWriter&) = delete;
+
+  void record(const Record& record);
+  void failed(const std::string& reason) { content_.failure = reason; }
+  void close();  // throws OutputError
+  [[nodiscard]] const std::vector<std::string>& left_out() const noexcept { return left_out_; }
+
+ private:
+  void take_events(const Simulation& simulation);
+  void take_scalars(const Record& record);
+  void take_nodes(const Simulation& simulation);
+  void take_springs(const Record& record);
+  void take_surfaces(const Simulation& simulation);
+  void note_what_is_missing(const std::optional<Ranges>& rounded);
+
+  OutputFile file_;
+  double size_;  // bytes
+  Content content_;
+  std::array<std::uint64_t, 7> counts_{};  // of each kind of event
+  std::size_t seen_ = 0;                   // events
+  std::vector<std::string> left_out_;
+  bool closed_ = false;
+};
+
+}  // namespace springnet::view

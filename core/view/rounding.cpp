@@ -1,0 +1,87 @@
+#include "view/rounding.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <span>
+
+#include <fmt/format.h>
+
+namespace springnet::view {
+
+namespace {
+
+Range range_of(std::span<const float> numbers) {
+  if (numbers.empty()) return {};
+  const auto [low, high] = std::minmax_element(numbers.begin(), numbers.end());
+  return {*low, *high, false};
+}
+
+// Of the positions: within some sizes of the network from where it began.
+Range range_of_places(const Frames& frames) {
+  constexpr float sizes = 16.0F;
+  const std::vector<float>& all = frames.positions.numbers();
+  Range range = range_of(all);
+  const Range start = range_of(std::span(all).first(all.size() / std::max<std::size_t>(frames.count(), 1)));
+  const float size = start.high - start.low;
+  if (!(size > 0.0F)) return range;
+  const float low = start.low - sizes * size, high = start.high + sizes * size;
+  return {std::max(range.low, low), std::min(range.high, high), range.low < low || range.high > high};
+}
+
+// Of a frame's row, `width` numbers in each.
+std::span<const float> row(const std::vector<float>& numbers, std::size_t frame, std::size_t frames) {
+  const std::size_t width = numbers.size() / frames;
+  return std::span(numbers).subspan(frame * width, width);
+}
+
+// Symmetric, from the frames that have all nodes within the range of places; from all if none has.
+Range range_of_sizes(const std::vector<float>& numbers, const Frames& frames, const Range& places) {
+  float largest = 0.0F, usual = 0.0F;
+  for (std::size_t k = 0; k < frames.count(); ++k) {
+    const Range place = range_of(row(frames.positions.numbers(), k, frames.count()));
+    const Range size = range_of(row(numbers, k, frames.count()));
+    const float most = std::max(-size.low, size.high);
+    largest = std::max(largest, most);
+    if (place.low >= places.low && place.high <= places.high) usual = std::max(usual, most);
+  }
+  if (!(usual > 0.0F)) usual = largest;
+  return {-usual, usual, largest > usual};
+}
+
+}  // namespace
+
+Ranges ranges_of(const Frames& frames) {
+  Ranges ranges;
+  ranges.positions = range_of_places(frames);
+  ranges.speeds = range_of_sizes(frames.speeds.numbers(), frames, ranges.positions);
+  ranges.tensions = range_of_sizes(frames.tensions.numbers(), frames, ranges.positions);
+  ranges.speeds.low = 0.0F;
+  return ranges;
+}
+
+std::vector<std::uint16_t> shares_of(const std::vector<float>& numbers, const Range& range) {
+  std::vector<std::uint16_t> shares(numbers.size());
+  const float scale = range.high > range.low ? 65535.0F / (range.high - range.low) : 0.0F;
+  std::transform(numbers.begin(), numbers.end(), shares.begin(), [&](float number) {
+    return static_cast<std::uint16_t>(std::lround((std::clamp(number, range.low, range.high) - range.low) * scale));
+  });
+  return shares;
+}
+
+std::vector<std::string> notes_of(const Ranges& ranges) {
+  std::vector<std::string> notes{
+      "positions, speeds and tensions are rounded to 16 bits of their range, so that more records fit; a larger "
+      "output.view_size keeps more digits"};
+  if (ranges.positions.clipped) {
+    notes.push_back(fmt::format("coordinates outside of {:.3g} m to {:.3g} m are shown at these ends",
+                                ranges.positions.low, ranges.positions.high));
+  }
+  if (ranges.speeds.clipped)
+    notes.push_back(fmt::format("speeds above {0:.3g} m/s are shown as {0:.3g} m/s", ranges.speeds.high));
+  if (ranges.tensions.clipped) {
+    notes.push_back(fmt::format("tensions beyond {0:.3g} N are shown as {0:.3g} N", ranges.tensions.high));
+  }
+  return notes;
+}
+
+}  // namespace springnet::view

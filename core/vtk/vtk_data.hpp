@@ -1,0 +1,58 @@
+// A record in the arrays of VTK files.
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+#include <springnet/network.hpp>
+#include <springnet/scene.hpp>
+
+#include "record/record.hpp"
+#include "vtk/surface_shapes.hpp"
+#include "vtk/vtk_file.hpp"
+
+namespace springnet {
+
+// Nodes, springs, rigid connections and faces.
+struct VtkNet {
+  explicit VtkNet(const Network& network);
+  void take(const Record& record);
+  // Of the record taken last, with its arrays, so that it is valid as long as the record is; before the first one it
+  // has sizes alone.
+  [[nodiscard]] VtkFile file(OutputOptions::Precision precision) const;
+
+  // Points: nodes.
+  std::size_t nodes, springs, rigids, faces;
+  double time = 0.0;                                                         // s
+  const double *places = nullptr, *velocities = nullptr, *forces = nullptr;  // x, y, z of each
+  std::vector<std::uint8_t> contact, fixed;
+  std::vector<std::int64_t> surface, node;  // surface: that the node is in contact with, the first of several; -1: none
+  // Cells: springs, rigid connections, faces. A face is broken once a spring along one of its edges is.
+  std::vector<std::int64_t> connectivity, offsets, number;
+  std::vector<std::uint8_t> types, kind, broken;
+  std::vector<double> tension, energy, strain;
+
+ private:
+  std::vector<double> rest_lengths_;  // m
+  // Springs along the edges of all faces, face by face, and where those of each face end.
+  std::vector<SpringIndex> edge_springs_;
+  std::vector<std::size_t> edge_springs_end_;
+};
+
+// Planes and instruments.
+struct VtkSurfaces {
+  explicit VtkSurfaces(const Network& network);
+  void take(const Record& record);
+  [[nodiscard]] VtkFile file(OutputOptions::Precision precision) const;
+  [[nodiscard]] bool empty() const noexcept { return shapes.triangles.empty(); }
+
+  SurfaceShapes shapes;
+  double time = 0.0;  // s
+  std::vector<double> places, forces;
+  std::vector<std::int64_t> connectivity, offsets, surface, touching;
+
+ private:
+  std::vector<Vector3> starts_;  // m, where surface_position is when the surface is where the scene puts it
+};
+
+}  // namespace springnet
