@@ -149,7 +149,7 @@ TEST_CASE("a rod that stands on one end: normal force, and the friction that it 
   CHECK(smooth_rod.resolve(1e-12));
   CHECK(smooth_rod.nodes()[0].normal_force[0] == doctest::Approx(1 / (1 - 0.5 * s * s)).epsilon(rounding));
   const double needed = c * s / (1 + s * s);
-  for (const double mu : {1.02 * needed, 0.98 * needed}) {
+  for (const double mu : {1.001 * needed, 0.999 * needed}) {
     ContactNode node = on_floor(Vector3::Zero(), coulomb(mu));
     node.sticks = true;
     Island rod({node}, end_of_rod(angle));

@@ -96,3 +96,62 @@ TEST_CASE("a network without some springs is the network from which they were re
     REQUIRE((cut.force(k) - built.force(k)).norm() <= 1e-12 * (1.0 + built.force(k).norm()));  // another order of sums
   CHECK(cut.layout.neighbours() == built.layout.neighbours());
 }
+
+TEST_CASE("units are of a size, and do not depend on anything but the nodes' places") {
+  Lattice lattice;
+  lattice.nodes = {80, 15, 20};  // 24,000 nodes: halved twice
+  Network net;
+  net.add_lattice("box", lattice, Node{}, net.add_material(damped(1.0, 0.0)));
+  const layers::Ordering renumbered = layers::order_nodes(net, true), plain = layers::order_nodes(net, false);
+  CHECK(renumbered.unit_start == std::vector<std::uint32_t>{0, 6000, 12000, 18000, 24000});
+  CHECK(plain.unit_start == std::vector<std::uint32_t>{0, layers::max_unit, 2 * layers::max_unit, 24000});
+  for (std::uint32_t k = 0; k < 24000; ++k) REQUIRE(plain.user[k] == k);
+  // Halves along the longest side, so that a unit is a quarter of the box along x.
+  for (std::uint32_t u = 0; u < 4; ++u) {
+    for (std::uint32_t k = renumbered.unit_start[u]; k < renumbered.unit_start[u + 1]; ++k) {
+      const double x = net.nodes()[renumbered.user[k]].position.x();
+      REQUIRE(x >= 20.0 * u);
+      REQUIRE(x < 20.0 * (u + 1));
+    }
+  }
+}
+
+TEST_CASE("neighbours are what springs, rods, elements and followed faces join, by rising user's number") {
+  Network net;
+  for (int k = 0; k < 8; ++k) net.add_node(point({static_cast<double>(k * k), static_cast<double>(k % 3), 0}));
+  const MaterialIndex material = net.add_material(damped(1.0, 0.0));
+  net.add_spring(5, 0, material);
+  net.add_spring(0, 5, material);  // twice the same neighbour
+  net.add_rigid(0, 7);
+  net.add_element(Invariant::angle, {3, 0, 1}, material);
+  Load load;
+  load.faces = {{0, 2, 4}};
+  load.pressure = 1.0;
+  load.follow = true;
+  net.add_load(load);
+  layers::Layout layout(net, *plugins(), true);
+  const layers::Ordering& ordering = layout.ordering();
+  const auto of = [&](NodeIndex node) {
+    const std::uint32_t k = ordering.engine[node];
+    std::vector<NodeIndex> found;
+    for (std::uint32_t i = layout.neighbour_start()[k]; i < layout.neighbour_start()[k + 1]; ++i)
+      found.push_back(ordering.user[layout.neighbours()[i]]);
+    return found;
+  };
+  using Nodes = std::vector<NodeIndex>;
+  CHECK(of(0) == Nodes{1, 2, 3, 4, 5, 7});
+  CHECK(of(3) == Nodes{0, 1});
+  CHECK(of(6).empty());
+  CHECK(of(7) == Nodes{0});
+  CHECK(layout.remove({0}) == std::vector<std::uint32_t>{0});
+  CHECK(of(0) == Nodes{1, 2, 3, 4, 5, 7});  // there is the other one
+  CHECK(layout.remove({1, 0}) == std::vector<std::uint32_t>{1});
+  CHECK(of(0) == Nodes{1, 2, 3, 4, 7});
+  CHECK(of(5).empty());
+  CHECK(layout.remove_elements({0}).size() == 1);
+  CHECK(of(0) == Nodes{2, 4, 7});
+  CHECK(layout.remove_faces({0}).size() == 1);
+  CHECK(of(0) == Nodes{7});  // rods stay
+  CHECK(layout.live_count() == 0);
+  CHECK(layout.incident_begin(ordering.engine[0]) == layout.incident_end(ordering.engine[0]));
+}

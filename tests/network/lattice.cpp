@@ -102,6 +102,26 @@ TEST_CASE("equal springs have bitwise equal rest lengths, those of the spacing")
   }
 }
 
+TEST_CASE("faces are the boundary, outward and closed") {
+  const Vector3 spacing(0.5, 2.0, 1.0);
+  const Network solid = lattice_of({3, 4, 5}, Diagonals::none, spacing, {7.0, -3.0, 1.0});
+  CHECK(solid.faces().size() == 4 * (2 * 3 + 3 * 4 + 4 * 2));
+  double volume = 0.0;
+  Vector3 closed = Vector3::Zero();
+  for (const springnet::Face& face : solid.faces()) {
+    const Vector3 area = solid.area_of(face);
+    closed += area;
+    volume += area.dot(solid.nodes()[face[0]].position) / 3.0;
+    // Each by itself, seen from the middle.
+    CHECK(area.dot(solid.nodes()[face[0]].position - Vector3(7.5, 0.0, 3.0)) > 0.0);
+  }
+  CHECK(closed.norm() <= 1e-14);
+  CHECK(std::abs(volume - 1.0 * 6.0 * 4.0) <= 1e-13);
+  // A sheet has one side, a row none.
+  CHECK(lattice_of({3, 4, 1}, Diagonals::none).faces().size() == 2 * 2 * 3);
+  CHECK(lattice_of({3, 1, 1}, Diagonals::none).faces().empty());
+}
+
 TEST_CASE("one node in a direction: a plane, a row, a point") {
   CHECK(lattice_of({4, 4, 1}, Diagonals::all).springs().size() == 24 + 18);
   CHECK(lattice_of({4, 1, 4}, Diagonals::space).springs().size() == 24);

@@ -7,6 +7,7 @@
 
 #include <springnet/error.hpp>
 
+#include "facts.hpp"
 #include "nets.hpp"
 
 using namespace springnet;
@@ -36,10 +37,8 @@ std::string refusal(const Network& net) {
 }  // namespace
 
 TEST_CASE("lengths that are lost to the rounding of coordinates are refused") {
-  CHECK(refusal(pair_at(1e20, 1.0)) ==
-        "spring 0 from node 0 to node 1 is 1 m long, but at a coordinate of 1e+20 m neighbouring numbers are 1.6e+04 m "
-        "apart: its length is lost to rounding; move everything nearer to the origin");
-  CHECK(refusal(pair_at(1e14, 1.0)).find("neighbouring numbers are 0.016 m apart") != std::string::npos);
+  CHECK(has_all(refusal(pair_at(1e20, 1.0)), {"spring 0", "node 0", "node 1", " 1 m", "1e+20 m", "1.6e+04 m"}));
+  CHECK(has_all(refusal(pair_at(1e14, 1.0)), {"spring 0", "0.016 m"}));
   CHECK(refusal(pair_at(1e12, 1.0)).empty());
   // Where only a rest length tells what the distance was.
   CHECK(refusal(pair_at(1e12, 1e-3)).find("spring 0") != std::string::npos);
@@ -48,7 +47,7 @@ TEST_CASE("lengths that are lost to the rounding of coordinates are refused") {
   for (const Vector3& p : {Vector3(0, 1e14, 0), Vector3(1, 1e14, 0), Vector3(0, 1e14 + 1.0, 0)})
     area.add_node(point(p));
   area.add_element(Invariant::area, {0, 1, 2}, area.add_material(damped(1.0, 0.0)), 0.5);
-  CHECK(refusal(area).find("element 0 between node 0 and node 1 is 1 m long") == 0);
+  CHECK(has_all(refusal(area), {"element 0", "node 0", "node 1", " 1 m"}));
 
   // A rigid connection keeps its length to 1e-8 of it.
   Network rigid = chain(2, {1e9, 0, 0}, {1, 0, 0}, damped(1.0, 0.0));

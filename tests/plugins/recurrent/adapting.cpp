@@ -6,6 +6,7 @@
 #include <doctest/doctest.h>
 #include <springnet/error.hpp>
 
+#include "facts.hpp"
 #include "random_nets.hpp"
 
 namespace {
@@ -103,12 +104,10 @@ TEST_CASE("where no rule is named the engine picks one and says why") {
     return simulation.notes()[0];
   };
   const std::string easy = note_of(0.1, 0.0), hard = note_of(5.0, 0.0), viscous = note_of(0.1, 2.0);
-  CHECK(contains(easy, "update rule synchronous"));
-  CHECK(contains(easy, "about 0.2 times the critical time constant of synchronous propagation, 0.5 s"));
-  CHECK(contains(hard, "update rule newton"));
-  CHECK(contains(hard, "about 10 times the critical time constant of synchronous propagation, 0.5 s"));
+  CHECK(has_all(easy, {"rule synchronous", " 0.2 times", " 0.5 s"}));
+  CHECK(has_all(hard, {"rule newton", " 10 times", " 0.5 s"}));
   // t_c^2 k / m + t_c d / m = 1 at (sqrt(5) - 1) / 4 = 0.309 s.
-  CHECK(contains(viscous, "synchronous propagation, 0.31 s"));
+  CHECK(contains(viscous, " 0.31 s"));
 }
 
 TEST_CASE("where nothing limits the time step, the note has no numbers that say nothing") {
@@ -117,7 +116,9 @@ TEST_CASE("where nothing limits the time step, the note has no numbers that say 
   net.set_gravity({0, 0, -9.81});
   Simulation simulation = simulate(net, {"recurrent", {}}, 0.1);
   simulation.step();
-  CHECK(simulation.notes().at(0) == "update rule synchronous: no stiffness and no damping limits the time step");
+  const std::string note = simulation.notes().at(0);
+  CHECK(contains(note, "synchronous"));
+  CHECK(note.find_first_of("0123456789") == std::string::npos);
 }
 
 TEST_CASE("the rule picked gives way to a stronger one in a step that it does not settle") {
@@ -127,7 +128,7 @@ TEST_CASE("the rule picked gives way to a stronger one in a step that it does no
   Simulation simulation = simulate(net, {"recurrent", {}}, 0.1);
   for (int i = 0; i < 20; ++i) CHECK(simulation.step().outcome == Outcome::settled);
   CHECK(contains(simulation.notes().at(0), "synchronous"));
-  CHECK(contains(simulation.notes().at(1), "did not settle with update rule synchronous, but did with newton"));
+  CHECK(has_all(simulation.notes().at(1), {"synchronous", "newton"}));
   CHECK(simulation.statistics().at("escalated_steps") >= 1);
   // The same steps as with Newton's method throughout.
   Simulation newtons = simulate(net, recurrent(newton, 0), 0.1);

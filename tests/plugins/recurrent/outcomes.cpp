@@ -1,5 +1,6 @@
 // The four ends of a step, and what follows from them.
 #include <cmath>
+#include <set>
 #include <string>
 
 #include <doctest/doctest.h>
@@ -32,6 +33,14 @@ std::string failure(Simulation& simulation) {
 
 bool contains(const std::string& text, const std::string& part) { return text.find(part) != std::string::npos; }
 
+// Update rules that the message of a failed step advises, as it spells them in a scene.
+std::set<std::string> rules_in(const std::string& text) {
+  std::set<std::string> found;
+  for (const char* rule : {"synchronous", "wavefront", "block", "coloured", "newton", "automatic"})
+    if (contains(text, '"' + std::string(rule) + '"')) found.insert(rule);
+  return found;
+}
+
 void check_untouched(const Simulation& simulation) {
   CHECK(simulation.time() == 0.0);
   CHECK(simulation.position(1) == Vector3(1.1, 0, 0));
@@ -61,9 +70,9 @@ TEST_CASE("oscillating") {
     Simulation simulation = spring_of(1.0, update);
     const std::string why = failure(simulation);
     CHECK(simulation.last_report().outcome == Outcome::oscillating);
-    CHECK(contains(why, "oscillates after"));
+    CHECK(contains(why, std::to_string(simulation.last_report().sweeps)));
     CHECK(contains(why, "time_step"));
-    CHECK(contains(why, "\"accept\" takes them as they are"));
+    CHECK(contains(why, "\"accept\""));
     check_untouched(simulation);
   }
 }
@@ -75,7 +84,7 @@ TEST_CASE("out of sweeps") {
     const std::string why = failure(simulation);
     CHECK(simulation.last_report().outcome == Outcome::out_of_sweeps);
     CHECK(simulation.last_report().sweeps == 30);
-    CHECK(contains(why, "ran out of sweeps after 30 sweeps"));
+    CHECK(contains(why, " 30 "));
     CHECK(contains(why, "max_sweeps"));
     check_untouched(simulation);
   }
@@ -87,8 +96,9 @@ TEST_CASE("diverging") {
     Simulation simulation = spring_of(3.0, update);
     const std::string why = failure(simulation);
     CHECK(simulation.last_report().outcome == Outcome::diverging);
-    CHECK(contains(why, "diverges after"));
-    CHECK(contains(why, "use update = \"newton\", \"automatic\" or \"block\", a smaller time_step, or less stiffness"));
+    CHECK(contains(why, std::to_string(simulation.last_report().sweeps)));
+    CHECK(rules_in(why) == std::set<std::string>{"automatic", "block", "newton"});
+    CHECK(contains(why, "time_step"));
     check_untouched(simulation);
   }
 }
@@ -99,24 +109,29 @@ TEST_CASE("rules are advised that settle") {
     Simulation simulation = spring_of(stiffness, update, {{"max_sweeps", 30}, {"theta", theta}});
     return failure(simulation);
   };
+  using Rules = std::set<std::string>;
   const std::string near = advice(1.1, synchronous, 1.0), far = advice(1e6, synchronous, 1.0);
-  CHECK(contains(near, "update = \"newton\", \"automatic\", \"block\" or \"wavefront\""));
-  CHECK(contains(far, "update = \"newton\" or \"automatic\", a smaller"));
+  CHECK(rules_in(near) == Rules{"automatic", "block", "newton", "wavefront"});
+  CHECK(rules_in(far) == Rules{"automatic", "newton"});
   CHECK_FALSE(contains(near, "theta"));
   // Half the weight, a quarter of the stiffness; a greater one would make it worse.
-  CHECK(contains(advice(4.4, synchronous, 0.5), "\"block\" or \"wavefront\", a smaller time_step"));
+  const std::string half_weight = advice(4.4, synchronous, 0.5);
+  CHECK(rules_in(half_weight) == Rules{"automatic", "block", "newton", "wavefront"});
+  CHECK_FALSE(contains(half_weight, "theta"));
   CHECK_FALSE(contains(advice(1.1, wavefront, 1.0), "wavefront"));
   // A net of many springs, which blocks do not settle in so few sweeps.
-  Simulation blocks = simulate(cube(4e4, 0.0, 1.0, 0.081), recurrent(block, 1e-6, {{"max_sweeps", 30}}), 0.05);
-  CHECK(contains(failure(blocks), "use update = \"newton\" or \"automatic\", a smaller time_step, or less"));
-  Simulation newtons = simulate(cube(4e4, 0.0, 1.0, 0.081), recurrent(newton, 1e-6, {{"max_sweeps", 2}}), 0.05);
-  CHECK(contains(failure(newtons), "use a smaller time_step, or less"));
-  Simulation half =
-      simulate(cube(4e4, 0.0, 1.0, 0.081), recurrent(newton, 1e-6, {{"max_sweeps", 2}, {"theta", 0.5}}), 0.05);
-  CHECK(contains(failure(half), "use theta = 1, a smaller time_step, or less"));
-  Simulation picked =
-      simulate(cube(4e4, 0.0, 1.0, 0.081), recurrent(automatic, 1e-6, {{"max_sweeps", 2}, {"theta", 0.5}}), 0.05);
-  CHECK(contains(failure(picked), "use theta = 1, a smaller time_step, or less"));
+  const auto advice_for_cube = [](double update, double max_sweeps, double theta) {
+    Simulation simulation = simulate(cube(4e4, 0.0, 1.0, 0.081),
+                                     recurrent(update, 1e-6, {{"max_sweeps", max_sweeps}, {"theta", theta}}), 0.05);
+    return failure(simulation);
+  };
+  CHECK(rules_in(advice_for_cube(block, 30, 1.0)) == Rules{"automatic", "newton"});
+  CHECK(rules_in(advice_for_cube(newton, 2, 1.0)).empty());
+  CHECK_FALSE(contains(advice_for_cube(newton, 2, 1.0), "theta"));
+  for (const double update : {newton, automatic}) {
+    CHECK(rules_in(advice_for_cube(update, 2, 0.5)).empty());
+    CHECK(contains(advice_for_cube(update, 2, 0.5), "theta = 1"));
+  }
 }
 
 TEST_CASE("diverging to numbers that are not finite fails, whatever the policy") {
@@ -138,13 +153,11 @@ TEST_CASE("diverging to numbers that are not finite fails, whatever the policy")
         const std::string why = failure(simulation);
         CAPTURE(why);
         CHECK(simulation.last_report().outcome == Outcome::diverging);
-        CHECK(contains(why, "the step diverges after"));
         CHECK(contains(why, "time_step"));
         CHECK_FALSE(contains(why, "accept"));  // that would not help
         CHECK(contains(why, "exponential"));   // the host says which law it was, and where
         CHECK(contains(why, "spring 0"));
-        CHECK(contains(why, "no time_step helps") == (exponent == 7200.0));
-        CHECK(contains(why, "a smaller time_step") == (exponent == 1000.0));
+        CHECK(contains(why, "smaller") == (exponent == 1000.0));  // with 7200 no time step helps
         check_untouched(simulation);
       }
     }
@@ -165,7 +178,7 @@ TEST_CASE("the message names the user's node, also where nodes are renumbered") 
   net.add_spring(wall, victim, hard, 0.5);
   Simulation simulation = simulate(net, recurrent(wavefront, 1e-6), 0.1);
   const std::string why = failure(simulation);
-  CHECK(contains(why, "at node " + std::to_string(wall)));  // both ends see the same change: the lower number
+  CHECK(contains(why, "node " + std::to_string(wall)));  // both ends see the same change: the lower number
   CHECK(simulation.last_report().node == wall);
   CHECK(simulation.last_report().start_node == victim);
 }
