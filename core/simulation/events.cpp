@@ -169,7 +169,7 @@ std::set<std::uint32_t> Engine::follow_prescribed() {
     if (clusters != nullptr && clusters[k] != ConstraintRow::no_node) pulled.insert(clusters[k]);
   }
   for (const std::uint32_t cluster : pulled) {
-    const RigidConnections::Unsupported rods(rigid_, cluster, read_only(state_.view.position));
+    const RigidConnections::WithoutContact rods(rigid_, cluster, read_only(state_.view.position));
     rods.pull_along(state_.view.velocity,
                     [this](std::uint32_t fixed, const Vector3& impulse) { contact_.add_impulse(fixed, -impulse); });
   }

@@ -26,13 +26,13 @@ springnet_status Engine::linearise_constraints(const springnet_evaluation& at) {
     if (const springnet_status status = known().know(c); status != SPRINGNET_OK) return status;
   for (std::size_t r = 0; r < rigid_.rods().size(); ++r)
     linearisation_.add_bond(rigid_.rods()[r].first, rigid_.rods()[r].second,
-                            constraints_.turning_of(r, at.position, known().tensions()[r]));
+                            constraints_.rod_geometric_stiffness(r, at.position, known().tensions()[r]));
   for (const ConstraintRow& row : constraints_.rows()) {
     if (!constraints_.friction_follows_slip(row)) continue;
     Vector3 reaction;
     if (const springnet_status status = known().of(row.first, reaction); status != SPRINGNET_OK) return status;
     linearisation_.add_to_velocity_block(
-        row.first, constraints_.friction_of(known().placement(), row, at.position, at.velocity, reaction));
+        row.first, constraints_.friction_derivative(known().placement(), row, at.position, at.velocity, reaction));
   }
   return SPRINGNET_OK;
 }

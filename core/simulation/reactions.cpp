@@ -54,7 +54,7 @@ springnet_status Engine::ReactionsAt::unbraced(std::uint32_t node, Vector3& reac
   const springnet_status status = of(node, reaction);
   const std::uint32_t* clusters = engine_.rigid_.cluster_of();
   if (status == SPRINGNET_OK && !bracing_.empty() && clusters[node] != ConstraintRow::no_node)
-    reaction += engine_.rigid_.pull(node, position_, bracing_.data());
+    reaction += engine_.rigid_.connection_force(node, position_, bracing_.data());
   return status;
 }
 
@@ -172,7 +172,7 @@ void Engine::ReactionsAt::brace(std::uint32_t cluster) {
     cones.push_back({engine_.coefficient(k, surface), 0.0});
   }
   for (Cone& cone : cones) cone.least = 1e-9 * most;  // rounding would make it a pull
-  if (const auto least = least_in_cones(base, more, cones)) {
+  if (const auto least = min_norm_in_cones(base, more, cones)) {
     bracing_.resize(tension_.size(), 0.0);
     for (Eigen::Index r = 0; r < more.cols(); ++r) {
       tension_[rods[static_cast<std::size_t>(r)]] += (*least)[r];

@@ -232,7 +232,7 @@ void Engine::Settling::begin_slips(Island& island) const {
   if (std::none_of(island.nodes().begin(), island.nodes().end(), slips)) return;
   island.solve();
   for (std::size_t i = 0; i < island.nodes().size(); ++i)
-    if (slips(island.nodes()[i]) && !island.let_go(i)) island.begin_slip(i);
+    if (slips(island.nodes()[i]) && !island.release_held(i)) island.begin_slip(i);
 }
 
 // The contact that was found for a node becomes the node's.
@@ -471,7 +471,7 @@ springnet_status Engine::Settling::settle(std::uint32_t node) {
       const bool rocks = chatters(island);
       const double slow = std::max({fall_to_touch(island), rocks ? slow_rocking * engine_.info_.velocity_scale : 0.0,
                                     rocks ? fall_in_step(island) : 0.0});
-      island.calm(slow);
+      island.end_rocking(slow);
       // Its impulses, across the surfaces alone, turn the body: left as a slip, that would go on against friction that
       // no finite forces fit.
       if (rocks) stop_held(island, slow);

@@ -76,7 +76,7 @@ class Engine::Settling {
   double no_speed_;                 // m/s
   std::vector<std::uint8_t> done_;  // [cluster]
   std::vector<std::uint32_t> members_;
-  std::optional<RigidConnections::Unsupported> rods_;
+  std::optional<RigidConnections::WithoutContact> rods_;
   std::vector<std::uint32_t> contact_nodes_;
   std::vector<std::uint32_t> stopped_;
   Rebounds rebounds_;

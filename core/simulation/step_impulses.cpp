@@ -80,12 +80,12 @@ springnet_status Engine::book_anchored(const AnchoredCluster& anchored, Reaction
                               (change - swept_rest_ * anchored.acceleration[i] - swept_weight_ * reactions.free(k)) -
                           contact_.sweep_impulse(k));
   }
-  rigid_.pass_on(anchored.cluster, read_only(state_.view.position), impulses);
+  rigid_.find_fixed_impulses(anchored.cluster, read_only(state_.view.position), impulses);
   for (std::size_t i = 0; i < nodes.size(); ++i) {
     if (contact_.fixed()[nodes[i]] == 0) continue;
-    contact_.add_impulse(
-        nodes[i], swept_weight_ * rigid_.pull(nodes[i], read_only(state_.view.position), reactions.tensions().data()) -
-                      impulses[i]);
+    contact_.add_impulse(nodes[i], swept_weight_ * rigid_.connection_force(nodes[i], read_only(state_.view.position),
+                                                                           reactions.tensions().data()) -
+                                       impulses[i]);
   }
   return SPRINGNET_OK;
 }
