@@ -117,7 +117,7 @@ struct IntegratorGlue {
     } catch (const std::exception& error) {
       return fail(host, error.what(), SPRINGNET_FAILED);
     } catch (...) {
-      return fail(host, "the integrator threw something that is no std::exception", SPRINGNET_FAILED);
+      return fail(host, "the integrator threw something that is not a std::exception", SPRINGNET_FAILED);
     }
   }
 };
