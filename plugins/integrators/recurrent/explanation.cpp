@@ -80,7 +80,7 @@ std::string explain(const Step& step, const Attempt& attempt, const Circumstance
       forces_settled
           ? "the forces have settled, but the equation of motion is off by " + short_number(step.residual) + " N"
           : "the forces still change by " + short_number(step.differences.greatest) + " N at node " + node;
-  const std::string limit = step.tolerance > step.rounding ? "force_tolerance " : "what rounding leaves of them, ";
+  const std::string limit = step.tolerance > step.rounding ? "force_tolerance " : "their rounding error, ";
   return "the step " + outcome + after + what + ", more than " + limit + short_number(step.tolerance) + " N; " +
          remedy + besides + "; unsettled = \"adapt\" divides such steps, \"accept\" takes them as they are";
 }
