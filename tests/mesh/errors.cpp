@@ -40,7 +40,7 @@ TEST_CASE("files that are none") {
   CHECK_THROWS_WITH_AS(static_cast<void>(read_mesh(folder.path() / "folder.stl")), doctest::Contains("not a file"),
                        Error);
   check_error("a.obj", "", "a.obj: the file is empty");
-  check_error("a.obj", "v 0 0 0\n", "a.obj: there is no cell");
+  check_error("a.obj", "v 0 0 0\n", "a.obj: it has no usable cell");
   check_error("a.msh", "solid\n", "a.msh:1: a Gmsh file begins with $MeshFormat");
   check_error("a.vtk", "solid\n", "a.vtk:1: a legacy VTK file begins with");
   check_error("a.vtu", "solid\n", "this is not valid XML");
@@ -59,7 +59,7 @@ TEST_CASE("Gmsh") {
               "this point is farther away than 1e+100 m");
   check_error("a.msh",
               "$MeshFormat\n4.1 0 8\n$EndMeshFormat\n$Nodes\n0 0 0 0\n$EndNodes\n$Elements\n0 0 0 0\n$EndElements\n",
-              "a.msh: there is no cell in it");
+              "a.msh: it has no usable cell");
   check_error("a.msh", "$MeshFormat\n4.1 0 8\n$EndMeshFormat\n$Elements\n0 0 0 0\n$EndElements\n",
               "$Elements comes before $Nodes");
   check_error("a.msh", replaced(gmsh_text(), "4 112 115 124 133 ", "4 112 115 124 134 "),
@@ -70,7 +70,7 @@ TEST_CASE("Gmsh") {
               "there are 13 nodes, but 14 were declared");
   check_error("a.msh", replaced(gmsh_text(), "3 1 0 8 ", "3 1 0 88888888888 "),
               "the number of nodes of a block is 88888888888, but the file has only");
-  check_error("a.msh", replaced(gmsh_text(), "3 1 4 1 ", "3 1 77 1 "), "elements are of type 77");
+  check_error("a.msh", replaced(gmsh_text(), "3 1 4 1 ", "3 1 77 1 "), "elements are of the unknown type 77");
   check_error("a.msh", replaced(gmsh_text(), "103 \n", "100 \n"), "two nodes have the number 100");
   check_error("a.msh", gmsh_text().substr(0, gmsh_text().find("$Elements")), "there is no $Elements section");
   check_error("a.msh", replaced(gmsh_text(), "\n3\n2 5", "\n2\n2 5"), "this should be $EndPhysicalNames");
@@ -102,7 +102,7 @@ TEST_CASE("legacy VTK") {
   check_error("a.vtk", replaced(vtk_text(), "4 4 5 8 11", "99 4 5 8 11"), "cell 3 has 99 points, but the list");
   check_error("a.vtk", replaced(vtk_text(), "12 13 14", "12 13 13"),
               "cell 2 of VTK's type 13 has 5 points and needs 6");
-  check_error("a.vtk", replaced(vtk_text(), "CELL_TYPES 6", "CELL_TYPES 5"), "this should be a keyword");
+  check_error("a.vtk", replaced(vtk_text(), "CELL_TYPES 6", "CELL_TYPES 5"), "this should be a VTK keyword");
   check_error("a.vtk", replaced(vtk_text(), "material 1 6", "material 1 5"),
               "array 'material' has 5 values for 6 cells");
   check_error("a.vtk", replaced(grid_samples()[0].bytes, "3 2 2", "300000 200000 20"), "use a coarser grid");

@@ -81,9 +81,10 @@ TEST_CASE("a grid has a million points, or one for each byte of its file") {
     CAPTURE(dimensions);
     CHECK(error_of("a.vtk", grid(dimensions)).find("a.vtk:5: DIMENSIONS are ") != std::string::npos);
   }
-  CHECK(error_of("a.vtk", grid("256 256 256")) ==
-        "a.vtk:5: DIMENSIONS are 256 x 256 x 256, more than 1000000 points, which a file of 111 bytes may have; use a "
-        "coarser grid");
+  CHECK(
+      error_of("a.vtk", grid("256 256 256")) ==
+      "a.vtk:5: DIMENSIONS are 256 x 256 x 256, more than the 1000000 points that a file of 111 bytes may have; use a "
+      "coarser grid");
   CHECK(read_text_mesh("a.vtk", grid("1000000 1 1")).cell_count() == 999'999);
   std::string data = "CELL_DATA 1000001\nSCALARS a int\nLOOKUP_TABLE default\n";
   for (int k = 0; k < 1'000'001; ++k) data += "7 ";

@@ -295,7 +295,7 @@ TEST_CASE("pieces that share their data claim no more than the file can hold") {
     return text + "</UnstructuredGrid><AppendedData encoding=\"raw\">_" + data + packed.substr(0, size) +
            "</AppendedData></VTKFile>";
   };
-  CHECK(error_of("one.vtu", pieces(1)).find("there is no cell") != std::string::npos);
+  CHECK(error_of("one.vtu", pieces(1)).find("it has no usable cell") != std::string::npos);
   CHECK(error_of("many.vtu", pieces(200)).find("with those before more than the file can hold") != std::string::npos);
 }
 

@@ -360,7 +360,7 @@ TEST_CASE("motions that are none") {
   motion_refused(table({}, {Vector3::Zero()}), "has 0 times and 1 displacements");
   motion_refused(table({1}, {Vector3::Zero()}), "needs two entries or more, has 1");
   motion_refused(table({0, 0}, {Vector3::Zero(), Vector3::UnitX()}),
-                 "must rise, but entry 0 is at 0 s and entry 1 at 0");
+                 "must increase, but entry 0 is at 0 s and entry 1 at 0");
   motion_refused(table({0, 2, 1}, {Vector3::Zero(), Vector3::UnitX(), Vector3::Zero()}),
                  "entry 1 is at 2 s and entry 2 at 1 s");
   motion_refused(table({0, inf}, {Vector3::Zero(), Vector3::UnitX()}), "entry 1 of its table is infinity");
