@@ -8,10 +8,10 @@
 namespace springnet {
 namespace {
 
-constexpr int most_cuts = 100;  // of cones
+constexpr int most_cuts = 100;  // cutting planes of the cones
 
-// The least u >= 0 of |columns u - goal|. Lawson and Hanson, Solving Least Squares Problems (1974), chapter 23.
-Eigen::VectorXd not_negative(const Eigen::MatrixXd& columns, const Eigen::VectorXd& goal) {
+// Minimises |columns u - goal| over u >= 0. Lawson and Hanson, Solving Least Squares Problems (1974), chapter 23.
+Eigen::VectorXd nonnegative_least_squares(const Eigen::MatrixXd& columns, const Eigen::VectorXd& goal) {
   const Eigen::Index count = columns.cols();
   Eigen::VectorXd u = Eigen::VectorXd::Zero(count);
   std::vector<Eigen::Index> in;
@@ -48,8 +48,8 @@ Eigen::VectorXd not_negative(const Eigen::MatrixXd& columns, const Eigen::Vector
 
 }  // namespace
 
-// The same, chapter 23.4: rows that hold with their least forces are those that cannot be left out.
-std::optional<Eigen::VectorXd> least_with(const Eigen::VectorXd& base, const Eigen::MatrixXd& matrix) {
+// Least distance programming: ibid., chapter 23.4.
+std::optional<Eigen::VectorXd> min_norm_nonnegative(const Eigen::VectorXd& base, const Eigen::MatrixXd& matrix) {
   Eigen::VectorXd x = Eigen::VectorXd::Zero(matrix.cols());
   const double size = base.size() > 0 ? base.lpNorm<Eigen::Infinity>() : 0.0, negligible = 1e-12 * size;
   if (base.size() == 0 || base.minCoeff() >= -negligible) return x;
@@ -61,7 +61,7 @@ std::optional<Eigen::VectorXd> least_with(const Eigen::VectorXd& base, const Eig
     columns(matrix.cols(), r) = -base[r] / size;
   }
   const Eigen::VectorXd goal = Eigen::VectorXd::Unit(columns.rows(), matrix.cols());
-  const Eigen::VectorXd left = columns * not_negative(columns, goal) - goal;
+  const Eigen::VectorXd left = columns * nonnegative_least_squares(columns, goal) - goal;
   const double last = left[matrix.cols()];
   if (!(last < -1e-12)) return std::nullopt;
   x = -left.head(matrix.cols()) / last * (size / greatest);
@@ -69,11 +69,12 @@ std::optional<Eigen::VectorXd> least_with(const Eigen::VectorXd& base, const Eig
   return x;
 }
 
-// Cones are cut out of the half-spaces of their normal forces, by the plane that touches them where they are left.
-std::optional<Eigen::VectorXd> least_in_cones(const Eigen::VectorXd& base, const Eigen::MatrixXd& matrix,
-                                              const std::vector<Cone>& cones) {
+// Cutting planes: starts from the half-spaces normal force >= least; whenever a force is outside of its cone, adds the
+// half-space whose boundary touches the cone nearest to that force.
+std::optional<Eigen::VectorXd> min_norm_in_cones(const Eigen::VectorXd& base, const Eigen::MatrixXd& matrix,
+                                                 const std::vector<Cone>& cones) {
   const auto normals = static_cast<Eigen::Index>(cones.size());
-  // What rounding leaves of a force on the very edge of its cone would slip.
+  // Margin, N, inside of the cone: rounding must not make a force on its boundary slip.
   const double inside = 1e-9 * base.lpNorm<Eigen::Infinity>();
   Eigen::VectorXd from(normals);
   Eigen::MatrixXd rows(normals, matrix.cols());
@@ -82,7 +83,7 @@ std::optional<Eigen::VectorXd> least_in_cones(const Eigen::VectorXd& base, const
     rows.row(i) = matrix.row(3 * i);
   }
   for (int cut = 0; cut < most_cuts; ++cut) {
-    const std::optional<Eigen::VectorXd> x = least_with(from, rows);
+    const std::optional<Eigen::VectorXd> x = min_norm_nonnegative(from, rows);
     if (!x) return std::nullopt;
     const Eigen::VectorXd forces = base + matrix * *x;
     bool fits = true;

@@ -1,4 +1,5 @@
-// Rigid connections between nodes that stick may bear any force. How much of it nodes need to stay where they are.
+// Forces in rigid connections between sticking nodes are not unique. This finds the smallest that keep the nodes in
+// place.
 #pragma once
 
 #include <optional>
@@ -8,15 +9,18 @@
 
 namespace springnet {
 
-// The smallest x with base + matrix x >= 0 in each row; empty where there is none.
-[[nodiscard]] std::optional<Eigen::VectorXd> least_with(const Eigen::VectorXd& base, const Eigen::MatrixXd& matrix);
-// Of forces on nodes that stick, base + matrix x, three rows a node: normal force and two along the surface, N.
+// The x of least norm with base + matrix x >= 0 in each row; empty if there is none.
+[[nodiscard]] std::optional<Eigen::VectorXd> min_norm_nonnegative(const Eigen::VectorXd& base,
+                                                                  const Eigen::MatrixXd& matrix);
+// Friction cone of a sticking node. Its force is three rows of base + matrix x: the normal force and two tangential
+// components, N.
 struct Cone {
   double coefficient;  // of friction, 1
-  double least;        // N, of the normal force
+  double least;        // smallest normal force, N
 };
-// The smallest x with which friction bears them all; empty where there is none.
-[[nodiscard]] std::optional<Eigen::VectorXd> least_in_cones(const Eigen::VectorXd& base, const Eigen::MatrixXd& matrix,
-                                                            const std::vector<Cone>& cones);
+// The x of least norm with which every force is in its cone; empty if there is none.
+[[nodiscard]] std::optional<Eigen::VectorXd> min_norm_in_cones(const Eigen::VectorXd& base,
+                                                               const Eigen::MatrixXd& matrix,
+                                                               const std::vector<Cone>& cones);
 
 }  // namespace springnet

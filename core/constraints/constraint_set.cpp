@@ -10,7 +10,7 @@
 namespace springnet {
 namespace {
 
-// More clusters than this are worth threads.
+// From this many clusters on threads pay off.
 constexpr std::size_t clusters_worth_threads = 256;
 
 }  // namespace
@@ -91,7 +91,7 @@ void ConstraintSet::accelerate_clusters(const Placement& at, const springnet_con
 Vector3 ConstraintSet::reaction(std::uint32_t node, const Vector3& free, const Vector3& bound,
                                 const springnet_const_vectors& position, const double* tension) const {
   const Vector3 all = mass_[node] * (bound - free);
-  return is_lone(node) ? all : Vector3(all - rigid_.pull(node, position, tension));
+  return is_lone(node) ? all : Vector3(all - rigid_.connection_force(node, position, tension));
 }
 
 Vector3 ConstraintSet::share_of(const Placement& at, std::uint32_t node, std::size_t surface, const Vector3& position,
@@ -133,7 +133,7 @@ springnet_status ConstraintSet::constrain_clusters(const Placement& end, const s
 #pragma omp parallel for schedule(dynamic, 64) num_threads(static_cast <int>(threads)) if (threads > 1)
   for (std::int64_t c = 0; c < count; ++c) {
     springnet_message own{};
-    // An exception that leaves the region would end the process.
+    // An exception that left the parallel region would end the process.
     const springnet_status status =
         sdk::detail::guarded(&own, [&] { return constrain_cluster(end, static_cast<std::size_t>(c), sweep, own); });
     if (status == SPRINGNET_OK) continue;
@@ -160,7 +160,8 @@ void ConstraintSet::linearise(const Placement& at, const springnet_const_vectors
   }
 }
 
-Matrix3 ConstraintSet::turning_of(std::size_t rod, const springnet_const_vectors& position, double tension) const {
+Matrix3 ConstraintSet::rod_geometric_stiffness(std::size_t rod, const springnet_const_vectors& position,
+                                               double tension) const {
   const auto& [first, second, length] = rigid_.rods()[rod];
   const Vector3 n = (vector_at(position, first) - vector_at(position, second)).normalized();
   return tension / length * (Matrix3::Identity() - n * n.transpose());
@@ -172,9 +173,9 @@ bool ConstraintSet::friction_follows_slip(const ConstraintRow& row) const {
          sliding_coefficient_of(contact_.surfaces()[static_cast<std::size_t>(row.surface)].friction()) > 0.0;
 }
 
-Matrix3 ConstraintSet::friction_of(const Placement& at, const ConstraintRow& row,
-                                   const springnet_const_vectors& position, const springnet_const_vectors& velocity,
-                                   const Vector3& reaction) const {
+Matrix3 ConstraintSet::friction_derivative(const Placement& at, const ConstraintRow& row,
+                                           const springnet_const_vectors& position,
+                                           const springnet_const_vectors& velocity, const Vector3& reaction) const {
   const std::uint32_t k = row.first;
   const auto j = static_cast<std::size_t>(row.surface);
   const Vector3 slip = contact_.slip_vector(at, k, j, vector_at(position, k), vector_at(velocity, k));

@@ -11,13 +11,14 @@
 namespace springnet {
 namespace {
 
-// Up to this many rows a full matrix is the quicker one.
+// Up to this many rows a dense matrix is faster.
 constexpr std::size_t most_rows_dense = 32;
-// Added to the diagonal, in units of its mean, so that redundant rows have a factorisation; iteration takes its effect
-// out again.
+// Shift of the diagonal, in units of its mean, so that redundant rows can be factorised; iterative refinement removes
+// its effect.
 constexpr double shift_share = 1e-9;
-// What iteration leaves of the right side, at most, unless an eigenvalue is about as small as the shift, or less.
-constexpr double rest_share = 1e-12;
+// Relative residual above which conjugate gradients follow the refinement: some eigenvalue is not large beside the
+// shift.
+constexpr double residual_share = 1e-12;
 
 }  // namespace
 
@@ -54,10 +55,10 @@ void ConstraintSystem::set(std::vector<ConstraintRow> rows, const Mobility& mobi
     set_rows();
 }
 
-// The matrix over rows.
+// Assembles G W G^T over rows.
 void ConstraintSystem::set_rows() {
   const std::size_t count = rows_.size();
-  // By node, the rows that have it, with their sign.
+  // The ends of all rows, sorted by node; the second end has sign -1.
   struct End {
     std::uint32_t node;
     std::uint32_t row;
@@ -104,9 +105,9 @@ void ConstraintSystem::set_rows() {
   }
 }
 
-// The matrix over nodes, K = A^T A + shift with A = G W^(1/2), which solves for rows by
+// Assembles the matrix over nodes, K = A^T A + shift with A = G W^(1/2), which solves for rows by
 //   (A A^T + shift)^-1 = (1 - A K^-1 A^T) / shift.
-// False where it would not be the smaller one, or a mobility has no root.
+// False if it would not be smaller than the one over rows, or a mobility has no square root.
 bool ConstraintSystem::set_nodes() {
   std::unordered_map<std::uint32_t, std::pair<int, Eigen::Matrix3d>> nodes;  // first column and root of the mobility
   int columns = 0;
@@ -173,28 +174,28 @@ Eigen::VectorXd ConstraintSystem::solve_shifted(const Eigen::VectorXd& b) const 
   return (b - matrices_->sparse * y) / shift_;
 }
 
-// Conjugate gradients with the shifted matrix as preconditioner, in which all eigenvalues that are large beside the
-// shift are 1: the few others take about an iteration each. Zero where the right side does not fit.
+// Conjugate gradients, preconditioned with the shifted matrix: eigenvalues large beside the shift become 1, each of the
+// few others takes about one iteration. Zero if the right side is not in the range.
 Eigen::VectorXd ConstraintSystem::solve_by_gradients(const Eigen::VectorXd& b) const {
   constexpr int most_iterations = 40;
   const double greatest = b.lpNorm<Eigen::Infinity>();
   const Eigen::VectorXd none = Eigen::VectorXd::Zero(b.size());
-  Eigen::VectorXd x = none, best = none, rest = b, z = solve_shifted(rest), direction = z;
-  double least = greatest, product_before = rest.dot(z);
-  for (int i = 0; i < most_iterations && least > 1e-3 * rest_share * greatest; ++i) {
+  Eigen::VectorXd x = none, best = none, residual = b, z = solve_shifted(residual), direction = z;
+  double least = greatest, product_before = residual.dot(z);
+  for (int i = 0; i < most_iterations && least > 1e-3 * residual_share * greatest; ++i) {
     const Eigen::VectorXd image = product(direction);
     const double curvature = direction.dot(image);
-    // A direction that moves nothing is what no multipliers can answer.
+    // The direction is in the null space: no multipliers reduce the residual along it.
     if (!(curvature > 1e-6 * shift_ * direction.squaredNorm())) break;
     x += product_before / curvature * direction;
-    rest = b - product(x);
-    const double size = rest.lpNorm<Eigen::Infinity>();
+    residual = b - product(x);
+    const double size = residual.lpNorm<Eigen::Infinity>();
     if (size < least) {
       least = size;
       best = x;
     }
-    z = solve_shifted(rest);
-    const double product_now = rest.dot(z);
+    z = solve_shifted(residual);
+    const double product_now = residual.dot(z);
     direction = z + product_now / product_before * direction;
     product_before = product_now;
   }
@@ -209,17 +210,17 @@ Eigen::VectorXd ConstraintSystem::solve(const Eigen::VectorXd& b) const {
   // x += (S + shift)^-1 (b - S x): what the shift left out of x shrinks each time by shift / (eigenvalue + shift).
   constexpr int most_corrections = 10;
   double last = greatest, size = greatest;
-  Eigen::VectorXd rest;
+  Eigen::VectorXd residual;
   for (int i = 0; i < most_corrections; ++i) {
-    rest = b - product(x);
-    size = rest.lpNorm<Eigen::Infinity>();
-    // What does not shrink any more is rounding, or a right side that does not fit: x would only grow.
+    residual = b - product(x);
+    size = residual.lpNorm<Eigen::Infinity>();
+    // A residual that stops shrinking is rounding, or a right side out of range: x would only grow.
     if (size <= 1e-15 * greatest || !(size < 0.5 * last)) break;
     last = size;
-    x += solve_shifted(rest);
+    x += solve_shifted(residual);
   }
-  // Masses over many decades, say.
-  if (size > rest_share * greatest) x += solve_by_gradients(b - product(x));
+  // Needed where masses span many decades, for example.
+  if (size > residual_share * greatest) x += solve_by_gradients(b - product(x));
   return x;
 }
 

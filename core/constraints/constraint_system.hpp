@@ -1,5 +1,5 @@
-// Linear systems with the matrix G W G^T of constraints on nodes, where a row of G is a direction at one node, or the
-// opposite directions at the two ends of a rigid connection.
+// Linear systems with the constraint matrix G W G^T. A row of G is a direction at one node, or opposite directions at
+// the two ends of a rigid connection; W are the nodes' mobilities.
 #pragma once
 
 #include <cstdint>
@@ -15,10 +15,10 @@ namespace springnet {
 
 class ConstraintSystem {
  public:
-  // How the system is factorised: as a full matrix or a sparse one over rows, or, where rows are many more than the
-  // directions in which their nodes can move, as a sparse matrix over those.
+  // How the system is factorised: a dense or sparse matrix over rows; or, if rows outnumber the nodes' degrees of
+  // freedom, a sparse matrix over these.
   enum class Form { dense, rows, nodes };
-  // Mobility of a node, 1/kg: its velocity changes by that times an impulse. Zero for a node that cannot move.
+  // Mobility W of a node, 1/kg: dv = W J for an impulse J. Zero for a node that cannot move.
   using Mobility = std::function<Eigen::Matrix3d(std::uint32_t)>;
 
   ConstraintSystem();
@@ -30,11 +30,10 @@ class ConstraintSystem {
   void set(std::vector<ConstraintRow> rows, const Mobility& mobility);
   [[nodiscard]] const std::vector<ConstraintRow>& rows() const noexcept { return rows_; }
   [[nodiscard]] Form form() const noexcept { return form_; }
-  // The multipliers x of G W G^T x = b. Where rows are redundant the right side has to fit, as it does if it comes from
-  // velocities or lengths; of the many answers it is the smallest.
+  // The multipliers x of G W G^T x = b. With redundant rows b must be in the range of the matrix, as it is if it comes
+  // from velocities or lengths; x is then the solution of least norm.
   [[nodiscard]] Eigen::VectorXd solve(const Eigen::VectorXd& b) const;
-  // G v, one rate a row, m/s, of velocities of(node). A row without a second node stands on something that moves with
-  // ground(row).
+  // G v, one rate a row, m/s, from velocities of(node). A row without a second node is relative to ground(row), m/s.
   template <class Of, class Ground>
   [[nodiscard]] Eigen::VectorXd rates(const Of& of, const Ground& ground) const {
     Eigen::VectorXd result(static_cast<Eigen::Index>(rows_.size()));
@@ -58,8 +57,7 @@ class ConstraintSystem {
       if (rows_[r].second != ConstraintRow::no_node) add(rows_[r].second, Vector3(-impulse));
     }
   }
-  // W G^T x: the change of a node's velocity (m/s) by multipliers (N s); calls `add(node, change)` for both ends of
-  // every row.
+  // W G^T x: the velocity changes (m/s) of multipliers (N s); calls `add(node, change)` for both ends of every row.
   template <class Add>
   void for_each_change(const Eigen::VectorXd& multipliers, Add&& add) const {
     for (std::size_t r = 0; r < rows_.size(); ++r) {
@@ -69,7 +67,7 @@ class ConstraintSystem {
         add(rows_[r].second, Vector3(mobilities_[2 * r + 1] * rows_[r].direction * -x));
     }
   }
-  // Effective mobility of some nodes, 1/kg: W - W G^T (G W G^T)^-1 G W, three rows and columns each.
+  // Effective mobility of some nodes, 1/kg: W - W G^T (G W G^T)^-1 G W, three rows and columns a node.
   [[nodiscard]] Eigen::MatrixXd effective_mobility(const std::vector<std::uint32_t>& nodes,
                                                    const Mobility& mobility) const;
 

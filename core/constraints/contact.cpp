@@ -24,7 +24,7 @@ Contact::Contact(const Network& network, const std::vector<std::uint32_t>& user_
   if (surfaces_.empty()) return;
   surface_impulse_.assign(surfaces_.size(), Vector3::Zero());
   changes_.assign(nodes, 0);
-  stayed_.assign(nodes, 0);
+  was_in_contact_.assign(nodes, 0);
   slide_changes_.assign(nodes, 0);
   met_.assign(nodes, {});
   bounces_.assign(nodes, 0);
@@ -51,29 +51,29 @@ std::string Contact::names_of(const std::vector<std::int32_t>& surfaces) const {
 
 void Contact::set_trajectory(std::size_t surface, Trajectory trajectory) {
   surfaces_[surface].set_trajectory(std::move(trajectory));
-  known_.reset();
+  cached_placement_.reset();
 }
 
 void Contact::set_motion(std::uint32_t node, const Vector3& start, Trajectory trajectory) {
   prescribed_.set(node, start, std::move(trajectory));
-  known_.reset();
+  cached_placement_.reset();
 }
 
 void Contact::stop_motion(std::uint32_t node) {
   prescribed_.stop(node);
-  known_.reset();
+  cached_placement_.reset();
 }
 
 const std::shared_ptr<const Placement>& Contact::at(const SampleTime& time) const {
   const bool still = surfaces_.empty() && !prescribed_.any();
-  if (known_ && (still || known_->time == time)) return known_;
+  if (cached_placement_ && (still || cached_placement_->time == time)) return cached_placement_;
   auto placement = std::make_shared<Placement>();
   placement->time = time;
   placement->poses.reserve(surfaces_.size());
   for (const Obstacle& surface : surfaces_) placement->poses.push_back(surface.at(time));
   placement->motions = prescribed_.at(time);
-  known_ = std::move(placement);
-  return known_;
+  cached_placement_ = std::move(placement);
+  return cached_placement_;
 }
 
 double Contact::next_change(double time) const {
@@ -87,10 +87,10 @@ Vector3 Contact::impulse(std::uint32_t node) const { return impulse_.empty() ? V
 void Contact::refresh(std::uint32_t node) {
   held_[node] = committed_[node].surface >= 0 && !committed_[node].slides ? 1 : 0;
   touching_[node] = committed_[node].surface >= 0 ? 1 : 0;
-  tell_status(node);
+  update_status(node);
 }
 
-void Contact::tell_status(std::uint32_t node) noexcept {
+void Contact::update_status(std::uint32_t node) noexcept {
   const Touch& touch = now_[node];
   status_[node] = fixed_[node] != 0   ? SPRINGNET_PRESCRIBED
                   : touch.surface < 0 ? SPRINGNET_FREE
@@ -122,7 +122,7 @@ void Contact::begin_step(std::shared_ptr<const Placement> start) {
   std::fill(changes_.begin(), changes_.end(), std::uint8_t{0});
   std::fill(slide_changes_.begin(), slide_changes_.end(), std::uint8_t{0});
   for (std::vector<std::int32_t>& surfaces : met_) surfaces.clear();
-  for (std::size_t k = 0; k < stayed_.size(); ++k) stayed_[k] = touching_[k];
+  for (std::size_t k = 0; k < was_in_contact_.size(); ++k) was_in_contact_[k] = touching_[k];
   forget_sweep();
 }
 
@@ -158,7 +158,7 @@ std::vector<ContactChange> Contact::commit_sweep(bool decided) {
     }
     if (same && before.slides != after.slides)
       changes.push_back({after.slides ? Kind::slipped : Kind::stuck, k, after.surface});
-    // What it bounces off it leaves; what it was on it stays on.
+    // A bounce releases the new contacts and keeps the old ones.
     Touch kept = after;
     for (const std::int32_t j : after.surfaces())
       if (bounces_[k] != 0 && j >= 0 && !before.has(j)) kept = springnet::after(kept, {ContactCause::Kind::release, j});
@@ -196,12 +196,12 @@ Vector3 Contact::slip_direction(const Placement& at, std::uint32_t node, std::si
   return length > 0.0 ? Vector3(kept / length) : speed > 0.0 ? Vector3(slip / speed) : Vector3::Zero();
 }
 
-// d^2 (gap) / dt^2 = 0 for each surface; the forces for that are the normal forces, and friction is a share of them.
-Vector3 Contact::slid(const Placement& at, std::uint32_t node, const Vector3& position, const Vector3& velocity,
-                      const Vector3& acceleration) const {
+// Solves d^2 (gap) / dt^2 = 0 of each surface for the normal forces, with friction proportional to them.
+Vector3 Contact::sliding_acceleration(const Placement& at, std::uint32_t node, const Vector3& position,
+                                      const Vector3& velocity, const Vector3& acceleration) const {
   const Touch& touch = now_[node];
   const auto count = static_cast<Eigen::Index>(touch.count());
-  Eigen::Matrix<double, 3, 3> directions;  // of a surface's force, for a normal force of 1
+  Eigen::Matrix<double, 3, 3> directions;  // of each surface's force at unit normal force
   Eigen::Matrix<double, 3, 3> normals;
   Vector3 wanted;
   for (Eigen::Index i = 0; i < count; ++i) {
@@ -214,14 +214,14 @@ Vector3 Contact::slid(const Placement& at, std::uint32_t node, const Vector3& po
     if (mu == 0.0) continue;
     Vector3 against = slip_direction(at, node, j, position, velocity);
     if (count == 1 && slip_phase_[node] == Slip::begins) {
-      // Friction only shortens the acceleration that starts it.
+      // Friction opposes the sliding acceleration and only reduces it.
       const Vector3 pushed = acceleration - Contact::acceleration(at, j, position);
-      const Vector3 goes = pushed - n * n.dot(pushed);
-      if (goes.norm() > 0.0) against = goes.normalized();
+      const Vector3 along = pushed - n * n.dot(pushed);
+      if (along.norm() > 0.0) against = along.normalized();
     }
     directions.col(i) -= mu * against;
   }
-  // A force that would pull is left for the caller to see; it makes no friction.
+  // A pulling force is left for the caller to detect; it causes no friction.
   if (count == 1) return acceleration + wanted[0] * (wanted[0] > 0.0 ? directions : normals).col(0);
   const auto n = normals.leftCols(count), d = directions.leftCols(count);
   return acceleration + d * (n.transpose() * d).completeOrthogonalDecomposition().solve(wanted.head(count));
@@ -250,7 +250,7 @@ void Contact::project_sliding(const Placement& at, std::uint32_t node, const spr
     const auto count = static_cast<Eigen::Index>(touch.count());
     Eigen::Matrix<double, Eigen::Dynamic, 3> normals(count, 3);
     Eigen::VectorXd gaps(count), rates(count);
-    constexpr int most_turns = 20;  // of curved surfaces; two planes need one
+    constexpr int most_turns = 20;  // planes need one
     for (int turn = 0; turn < most_turns; ++turn) {
       for (Eigen::Index i = 0; i < count; ++i) {
         const auto j = static_cast<std::size_t>(touch.surfaces()[static_cast<std::size_t>(i)]);
@@ -283,8 +283,8 @@ void Contact::accelerate(const Placement& at, std::uint32_t first, std::uint32_t
       result = Contact::acceleration(at, static_cast<std::size_t>(touch.surface), vector_at(position, k));
     } else {
       if (cluster != nullptr && cluster[k] != 0xffffffffu) continue;
-      result = slid(at, k, vector_at(position, k), vector_at(velocity, k),
-                    {acceleration[0][i], acceleration[1][i], acceleration[2][i]});
+      result = sliding_acceleration(at, k, vector_at(position, k), vector_at(velocity, k),
+                                    {acceleration[0][i], acceleration[1][i], acceleration[2][i]});
     }
     for (int c = 0; c < 3; ++c) acceleration[c][i] = result[c];
   }

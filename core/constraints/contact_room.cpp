@@ -1,4 +1,4 @@
-// Whether surfaces that close leave a node a place.
+// Whether surfaces that close in on a node leave it any room.
 
 #include <Eigen/LU>
 #include <algorithm>
@@ -9,13 +9,13 @@
 namespace springnet {
 namespace {
 
-// Normals (unit) that add up to less, with factors of which the greatest is 1, oppose each other.
+// Unit normals are opposed if a positive combination with largest factor 1 vanishes to this tolerance.
 constexpr double opposed = 1e-6;
 
-// By how much these gaps are too small together, in m: where normals n_i oppose each other, sum x_i n_i = 0 with x > 0,
-// the sum of x_i gap_i is the same at every place near, and each gap can be at least zero only if that is (Farkas'
-// lemma, for the tangent planes). 0: there is a place, or fewer of them decide.
-double lacking(const Eigen::Matrix3Xd& normals, const Eigen::VectorXd& gaps) {
+// By how much these surfaces overlap, m. If their normals n_i are opposed, sum x_i n_i = 0 with x > 0, then sum x_i
+// gap_i is the same at every nearby point, and all gaps can be non-negative only if it is (Farkas' lemma, for the
+// tangent planes). 0: there is room, or a subset of the surfaces decides.
+double overlap(const Eigen::Matrix3Xd& normals, const Eigen::VectorXd& gaps) {
   Eigen::FullPivLU<Eigen::Matrix3Xd> factors(normals);
   factors.setThreshold(opposed);
   if (factors.dimensionOfKernel() != 1) return 0.0;
@@ -29,7 +29,7 @@ double lacking(const Eigen::Matrix3Xd& normals, const Eigen::VectorXd& gaps) {
 }  // namespace
 
 std::vector<std::int32_t> Contact::closed_around(const Placement& at, const Vector3& position, double tolerance) const {
-  // What is farther off than the node is behind any does not take part.
+  // A surface takes part only if its gap is at most the depth of the node behind the deepest surface.
   double deepest = tolerance;
   for (std::size_t j = 0; j < surfaces_.size(); ++j) deepest = std::max(deepest, -Contact::gap(at, j, position));
   std::vector<std::int32_t> near;
@@ -42,7 +42,7 @@ std::vector<std::int32_t> Contact::closed_around(const Placement& at, const Vect
     normals.push_back(normal(at, j, position));
     gaps.push_back(gap);
   }
-  // In space no more than four oppose each other without fewer of them doing so.
+  // A minimal set of opposed normals in space has at most four members.
   std::vector<std::size_t> chosen;
   const auto closed = [&](const auto& self, std::size_t from, std::size_t count) -> bool {
     if (count == 0) {
@@ -53,7 +53,7 @@ std::vector<std::int32_t> Contact::closed_around(const Placement& at, const Vect
         n.col(i) = normals[chosen[static_cast<std::size_t>(i)]];
         g[i] = gaps[chosen[static_cast<std::size_t>(i)]];
       }
-      return lacking(n, g) > tolerance;
+      return overlap(n, g) > tolerance;
     }
     for (std::size_t i = from; i + count <= near.size(); ++i) {
       chosen.push_back(i);

@@ -1,4 +1,4 @@
-// Where a node is at the end of a step that it spends on a surface, or along the edge between two.
+// A node at the end of a step that it spends on a surface, along the edge of two, or at the vertex of three.
 
 #include <Eigen/Geometry>
 #include <algorithm>
@@ -12,14 +12,14 @@
 namespace springnet {
 namespace {
 
-// A node that slips whatever the forces, and is as inert in all directions: friction acts against the way that it would
-// go without, so that where that is too little to overcome friction the slip goes back through zero, for its end to be
-// found; against `kept` where it would go back altogether.
-ContactAnswer answer_slipping(const Matrix3& mobility, const Vector3& relative, const Vector3& n, double friction,
-                              const Vector3& kept) {
+// A node that keeps slipping whatever the forces; the mobility is isotropic. Friction opposes the slip without
+// friction: if that is too little to overcome friction, the slip reverses through zero, so that its end can be located.
+// If the slip without friction already points against `kept`, friction opposes `kept`.
+ContactResponse solve_slipping(const Matrix3& mobility, const Vector3& relative, const Vector3& n, double friction,
+                               const Vector3& kept) {
   const double impulse = -n.dot(relative) / n.dot(mobility * n);
   Vector3 direction = n;
-  if (impulse > 0.0) {  // what would pull makes no friction
+  if (impulse > 0.0) {  // a pulling impulse causes no friction
     Vector3 t = relative - n * n.dot(relative);
     const Vector3 before = kept - n * n.dot(kept);
     if (!(t.dot(before) > 0.0) && before.norm() > 0.0) t = before;
@@ -39,12 +39,12 @@ Contact::Slide Contact::along(const Within& within, std::int32_t surface, const 
   const double h = sweep.time_constant, theta = theta_of(sweep);
   const bool slips = sweep.contacts != 0 && friction.kind != Friction::Kind::none;
   Candidate candidate = slips && !made.is_isotropic() ? made.isotropic() : made;
-  // Where the surface takes the node, and its motion along: continuous where slip ends and it sticks. Without friction
-  // the motion of a surface along itself is none of the node's.
-  const bool taken = friction.kind != Friction::Kind::none;
-  const Vector3 from = taken ? carried(at, candidate.start, surface) : candidate.start;
-  // Its slip at the start, which turns with the surface.
-  const Vector3 slipped = taken
+  // With friction the surface carries the node and slip adds to that, which is continuous at the transition to
+  // sticking. Without friction the tangential motion of the surface does not affect the node.
+  const bool is_carried = friction.kind != Friction::Kind::none;
+  const Vector3 from = is_carried ? carried(at, candidate.start, surface) : candidate.start;
+  // The slip at the start, rotated with the surface.
+  const Vector3 slipped = is_carried
                               ? turned_along(at, surface, candidate.start,
                                              candidate.start_velocity - Contact::velocity(*start_, j, candidate.start))
                               : candidate.start_velocity;
@@ -57,11 +57,11 @@ Contact::Slide Contact::along(const Within& within, std::int32_t surface, const 
     const Vector3 w = Contact::velocity(at, j, place), n = normal(at, j, place);
     const auto ask = [&] {
       const Vector3 relative = candidate.velocity - w - rebound * n;
-      return sweep.contacts != 0 ? answer_slipping(candidate.mobility, relative, n, sliding_coefficient_of(friction),
-                                                   slip_[candidate.node])
-                                 : answer_contact(candidate.mobility, relative, n, friction);
+      return sweep.contacts != 0 ? solve_slipping(candidate.mobility, relative, n, sliding_coefficient_of(friction),
+                                                  slip_[candidate.node])
+                                 : solve_contact(candidate.mobility, relative, n, friction);
     };
-    ContactAnswer reaction = ask();
+    ContactResponse reaction = ask();
     const double pressing = n.dot(reaction.impulse);
     if (reaction.sticks && friction.kind == Friction::Kind::coulomb &&
         grip(friction.coefficient, (1.0 + 1e-12) * pressing, (reaction.impulse - pressing * n).norm()) < 0.0) {
@@ -75,8 +75,8 @@ Contact::Slide Contact::along(const Within& within, std::int32_t surface, const 
     result.velocity = w + reaction.velocity;
     sticks = reaction.sticks;
     const Vector3 last = result.position;
-    const Vector3 goes = taken ? reaction.velocity : result.velocity;
-    if (h > 0.0) result.position = onto(at, j, from + h * ((1.0 - theta) * slipped + theta * goes));
+    const Vector3 rate = is_carried ? reaction.velocity : result.velocity;
+    if (h > 0.0) result.position = onto(at, j, from + h * ((1.0 - theta) * slipped + theta * rate));
     const bool same = obstacle.is_flat() && !obstacle.turns();
     if (same || (result.position - last).norm() <= 1e-14 * result.position.norm()) break;
   }
@@ -110,15 +110,15 @@ Contact::Slide Contact::between(const Within& within, std::int32_t first, std::i
   const double h = sweep.time_constant, theta = theta_of(sweep);
   const double rough_a = coefficient_of(surfaces_[a].friction()), rough_b = coefficient_of(surfaces_[b].friction());
   Candidate candidate = made;
-  // Along the edge the rougher surface takes the node along.
+  // Along the edge the rougher surface carries the node.
   const std::int32_t rougher = rough_b > rough_a ? second : first;
-  const bool taken = rough_a > 0.0 || rough_b > 0.0;
-  const Vector3 from = taken ? carried(at, candidate.start, rougher) : candidate.start;
+  const bool is_carried = rough_a > 0.0 || rough_b > 0.0;
+  const Vector3 from = is_carried ? carried(at, candidate.start, rougher) : candidate.start;
   const Vector3 slipped =
-      taken ? turned_along(at, rougher, candidate.start,
-                           candidate.start_velocity -
-                               Contact::velocity(*start_, static_cast<std::size_t>(rougher), candidate.start))
-            : candidate.start_velocity;
+      is_carried ? turned_along(at, rougher, candidate.start,
+                                candidate.start_velocity -
+                                    Contact::velocity(*start_, static_cast<std::size_t>(rougher), candidate.start))
+                 : candidate.start_velocity;
   Slide result;
   result.position = onto_both(at, first, second, candidate.position);
   bool sticks = false;
@@ -129,17 +129,17 @@ Contact::Slide Contact::between(const Within& within, std::int32_t first, std::i
     directions.row(0) = normal(at, a, p);
     directions.row(1) = normal(at, b, p);
     directions.row(2) = Vector3(directions.row(0)).cross(Vector3(directions.row(1)));
-    // How the edge moves.
+    // Velocity of the edge.
     const Vector3 with = Contact::velocity(at, static_cast<std::size_t>(rougher), p);
     const Vector3 rates(directions.row(0).dot(Contact::velocity(at, a, p)),
                         directions.row(1).dot(Contact::velocity(at, b, p)) + rebound, directions.row(2).dot(with));
     const Vector3 w = directions.row(2).norm() > 1e-6 ? Vector3(directions.inverse() * rates) : with;
     const auto ask = [&] {
       const Vector3* kept = sweep.contacts != 0 ? &slip_[candidate.node] : nullptr;
-      return answer_edge(candidate.mobility, candidate.velocity - w, directions.row(0), directions.row(1), rough_a,
-                         rough_b, kept);
+      return solve_edge(candidate.mobility, candidate.velocity - w, directions.row(0), directions.row(1), rough_a,
+                        rough_b, kept);
     };
-    EdgeAnswer reaction = ask();
+    EdgeResponse reaction = ask();
     if (!reaction.fits) {
       candidate = candidate.isotropic();
       reaction = ask();
@@ -150,11 +150,11 @@ Contact::Slide Contact::between(const Within& within, std::int32_t first, std::i
     result.slip = reaction.velocity;
     result.velocity = w + reaction.velocity;
     sticks = reaction.sticks;
-    const Vector3 goes = taken ? reaction.velocity : result.velocity;
-    if (h > 0.0) result.position = onto_both(at, first, second, from + h * ((1.0 - theta) * slipped + theta * goes));
+    const Vector3 rate = is_carried ? reaction.velocity : result.velocity;
+    if (h > 0.0) result.position = onto_both(at, first, second, from + h * ((1.0 - theta) * slipped + theta * rate));
     if ((result.position - p).norm() <= 1e-14 * result.position.norm()) break;
   }
-  // What stays between two surfaces does not move by rounding.
+  // A node that stays stuck between two surfaces must not drift by rounding.
   if (sticks && committed_[made.node].has(first) && committed_[made.node].has(second)) result.position = from;
   result.touch = {first, !sticks || rebound > 0.0, second};
   result.bounces = rebound > 0.0;
@@ -180,7 +180,7 @@ Contact::Slide Contact::at_vertex(const Within& within, const Touch& touch, cons
       gaps[r] = gap(at, j, result.position);
       rates[r] = n.dot(Contact::velocity(at, j, result.position));
     }
-    if (!(std::abs(normals.determinant()) > 1e-6)) return result;  // two of them are one
+    if (!(std::abs(normals.determinant()) > 1e-6)) return result;  // the normals are linearly dependent
     const Vector3 change = normals.inverse() * gaps;
     result.position -= change;
     result.velocity = normals.inverse() * rates;

@@ -1,4 +1,4 @@
-// How a node is in contact, and how that changes: one function says what follows from what happened.
+// The contact state of a node and its transitions, all in one function.
 #pragma once
 
 #include <array>
@@ -8,12 +8,13 @@
 
 namespace springnet {
 
-// A node that touches one surface, or two or three where they meet. It slides along all of them, or all take it along.
+// Contact of a node with one surface, or with two or three where they meet. It slides along all of them or sticks to
+// all.
 struct Touch {
   std::int32_t surface = -1;  // -1: none
-  bool slides = false;        // else the surfaces take it along
-  std::int32_t second = -1;   // likewise
-  std::int32_t third = -1;    // with three there is no direction left to slide in
+  bool slides = false;        // else it sticks: the surfaces carry it
+  std::int32_t second = -1;   // -1: none
+  std::int32_t third = -1;    // with three there is no direction to slide in
 
   [[nodiscard]] int count() const noexcept { return third >= 0 ? 3 : second >= 0 ? 2 : surface >= 0 ? 1 : 0; }
   [[nodiscard]] std::array<std::int32_t, 3> surfaces() const noexcept { return {surface, second, third}; }
@@ -26,23 +27,24 @@ struct Touch {
 enum class ContactStatus : std::uint8_t { free, sticking, sliding, cornered };
 [[nodiscard]] ContactStatus status_of(const Touch& touch) noexcept;
 
-// What happened to a node's contact.
+// A contact event of a node.
 struct ContactCause {
   enum class Kind : std::uint8_t {
-    touch,    // it met `surface`
+    touch,    // it reached `surface`
     release,  // it left `surface`
-    slip,     // friction cannot hold it any more
-    stick     // its slip came to an end
+    slip,     // it begins to slip
+    stick     // its slip ended
   };
   Kind kind;
-  std::int32_t surface = -1;  // of touch and release
-  bool sticks = false;        // of touch: friction stopped it
+  std::int32_t surface = -1;  // for touch and release
+  bool sticks = false;        // for touch: friction stops it
 };
-// The contact that follows. A surface touched a second time, left without having been touched, a fourth surface, slip
-// and stick of a free node change nothing. Who leaves one of several surfaces goes on with the others as it did.
+// The state after an event. No change: touch of a surface already touched or of a fourth one, release from a surface
+// not touched, slip and stick of a free node. A node released by one of several surfaces keeps sliding or sticking on
+// the others.
 [[nodiscard]] Touch after(const Touch& before, const ContactCause& cause) noexcept;
 
-// Nodes that rebound, and the surfaces from which they do.
+// Rebounding nodes, and the surfaces they rebound from.
 using Rebounds = std::map<std::uint32_t, std::vector<std::int32_t>>;
 
 }  // namespace springnet

@@ -1,4 +1,4 @@
-// Contact within the sweeps of a step: where the outputs of a node may be, at the end of the step.
+// Contact within the sweeps of a step: constrains the outputs of a node, at the end of the step.
 
 #include <Eigen/LU>
 #include <algorithm>
@@ -11,9 +11,9 @@
 namespace springnet {
 namespace {
 
-// Of mind, within a step, after which a node stays in contact.
+// Changes of decision within a step after which a contact stays active.
 constexpr std::uint8_t most_changes = 8;
-// Of its way within the step: a node that slides along a second surface may be this far behind it by rounding.
+// In units of the path length: a node that slides along a second surface may be this far behind it by rounding.
 constexpr double beside = 1e-9;
 constexpr std::uint32_t no_cluster = 0xffffffffu;
 
@@ -23,14 +23,14 @@ void put_force(const springnet_sweep& sweep, std::uint32_t node, const Vector3& 
 
 }  // namespace
 
-bool Contact::oscillated(std::uint32_t node) const noexcept {
+bool Contact::has_chattered(std::uint32_t node) const noexcept {
   return !changes_.empty() && changes_[node] >= most_changes;
 }
 
-bool Contact::oscillates(std::uint32_t node, bool stays) {
+bool Contact::record_decision(std::uint32_t node, bool in_contact) {
   if (changes_[node] >= most_changes) return true;
-  if ((stayed_[node] != 0) != stays) ++changes_[node];
-  stayed_[node] = stays ? 1 : 0;
+  if ((was_in_contact_[node] != 0) != in_contact) ++changes_[node];
+  was_in_contact_[node] = in_contact ? 1 : 0;
   return changes_[node] >= most_changes;
 }
 
@@ -40,14 +40,14 @@ void Contact::decide(std::uint32_t node, const Touch& touch, const Vector3& impu
   bounces_[node] = bounces ? 1 : 0;
   if (now_[node] == touch) return;
   now_[node] = touch;
-  tell_status(node);
+  update_status(node);
 }
 
 Vector3 Contact::carried(const Placement& at, const Vector3& start, std::int32_t surface) const {
   const auto j = static_cast<std::size_t>(surface);
   if (!surfaces_[j].moves()) return start;
   const Pose &before = start_->poses[j], &after = at.poses[j];
-  // Without turning by the difference: what lies still does not move by rounding.
+  // Without rotation add the difference, so that a resting node does not drift by rounding.
   if (!after.turns) return start + (after.displacement - before.displacement);
   return after.from_start(before.to_start(start));
 }
@@ -107,7 +107,7 @@ bool Contact::constrain_fixed(const Placement& end, std::uint32_t node, const sp
 
 void Contact::constrain(const Placement& end, std::uint32_t first, std::uint32_t count, const springnet_sweep& sweep,
                         const std::uint32_t* cluster, const Vector3* read) {
-  // Without surfaces there is nothing to do but for fixed nodes, and nothing to tell of the others.
+  // Without surfaces only fixed nodes are constrained, and the others have no contact force to report.
   const bool free_stay_free = surfaces_.empty() && sweep.constraint_force.x == nullptr;
   for (std::uint32_t k = first; k < first + count; ++k) {
     if (free_stay_free && fixed_[k] == 0) continue;
@@ -123,11 +123,11 @@ void Contact::constrain_node(const Within& within, std::uint32_t node, const Vec
   const auto& [sweep, at] = within;
   const Vector3 start = vector_at(sweep.start_position, node), end = vector_at(sweep.next_position, node);
   const bool decides = sweep.contacts == 0;
-  // A last change of mind is meet()'s business, which remembers the place.
-  const bool last_change = changes_[node] + (stayed_[node] != 0 ? 1 : 0) >= most_changes;
+  // The last permitted change of decision takes the long path: meet() then keeps the contact.
+  const bool last_change = changes_[node] + (was_in_contact_[node] != 0 ? 1 : 0) >= most_changes;
   if (committed_[node].surface < 0 && (!decides || (!last_change && first_meeting(at, start, end).surface < 0))) {
-    // What most nodes do.
-    if (decides) static_cast<void>(oscillates(node, false));
+    // The common case: the node stays free.
+    if (decides) static_cast<void>(record_decision(node, false));
     decide(node, {}, Vector3::Zero());
     return;
   }
@@ -149,8 +149,7 @@ void Contact::constrain_node(const Within& within, std::uint32_t node, const Vec
     meet(within, node, candidate);
 }
 
-// The reaction over the step decides whether a surface lets a node go. Undecided or not, what lets nodes slide does not
-// pull at them.
+// The reaction over the step decides about release. A surface on which nodes slide never pulls, even after chatter.
 bool Contact::stay(const Within& within, std::uint32_t node, const Candidate& candidate) {
   const Placement& at = within.at;
   const Touch& before = committed_[node];
@@ -159,7 +158,7 @@ bool Contact::stay(const Within& within, std::uint32_t node, const Candidate& ca
     Slide on = at_vertex(within, before, candidate);
     if (on.normal < 0.0) on = off_vertex(within, on, candidate);
     if (on.normal >= 0.0) {
-      static_cast<void>(oscillates(node, true));
+      static_cast<void>(record_decision(node, true));
       slide(within, node, on, candidate);
       return true;
     }
@@ -167,7 +166,7 @@ bool Contact::stay(const Within& within, std::uint32_t node, const Candidate& ca
   } else if (before.second >= 0) {
     const Slide on = between(within, before.surface, before.second, candidate);
     if (on.normal >= 0.0) {
-      static_cast<void>(oscillates(node, true));
+      static_cast<void>(record_decision(node, true));
       slide(within, node, on, candidate);
       return true;
     }
@@ -177,14 +176,14 @@ bool Contact::stay(const Within& within, std::uint32_t node, const Candidate& ca
   if (surfaces_[j].friction().kind == Friction::Kind::held) {
     const Vector3 place = carried(at, candidate.start, left);
     const Vector3 lacks = velocity(at, j, place) - candidate.velocity;
-    if (!oscillated(node) && normal(at, j, place).dot(candidate.inertia * lacks) < 0.0) return false;
-    static_cast<void>(oscillates(node, true));
+    if (!has_chattered(node) && normal(at, j, place).dot(candidate.inertia * lacks) < 0.0) return false;
+    static_cast<void>(record_decision(node, true));
     stop(within, node, {left, false}, place, candidate);
     return true;
   }
   const Slide on = along(within, left, candidate);
   if (on.normal < 0.0) return false;
-  static_cast<void>(oscillates(node, true));
+  static_cast<void>(record_decision(node, true));
   slide(within, node, on, candidate);
   return true;
 }
@@ -205,18 +204,18 @@ void Contact::follow(const Within& within, std::uint32_t node, const Candidate& 
   put(within, node, on);
 }
 
-// What a node that cannot make up its mind may be off by is the way that it goes in the step. One that is farther from
-// the surface was thrown about by sweeps that diverge, and may go on so, for all to see.
+// A chattering node can be off its surface by at most its path within the step. One that is farther away comes from
+// diverging sweeps; it stays free, so that the divergence is reported.
 bool Contact::could_reach(const Placement& at, std::uint32_t node, const Vector3& start, const Vector3& end) const {
   const auto j = static_cast<std::size_t>(last_surface_[node]);
   const Vector3 came = carried(at, start, last_surface_[node]) - start;  // the surface itself
   return gap(at, j, end) <= (end - start - came).norm();
 }
 
-// A surface that moves is where its motion says, a node where the step takes it, which is of lower order; and on a
-// curved surface the straight way of a step goes through what the node goes round. So a node that leaves such a surface
-// may for some steps be behind it, by what is of second order in h; what tells is whether it leaves. One that comes in
-// from outside meets a surface at rest all the same, and so does one that would get to its other side.
+// A surface moves exactly, a node with the error of the step; and the straight path of a step cuts through a curved
+// surface that the node passes around. So a separating node may be behind such a surface for some steps, by O(h^2); its
+// separating velocity tells that it is not meeting the surface. A node that comes from outside does meet a curved
+// surface at rest, and so does one that would pass to its far side.
 bool Contact::leaves(const Placement& at, std::int32_t surface, const Way& way) const {
   const auto j = static_cast<std::size_t>(surface);
   const Obstacle& obstacle = surfaces_[j];
@@ -231,7 +230,7 @@ bool Contact::leaves(const Placement& at, std::int32_t surface, const Way& way) 
          before.dot(way.start_velocity - Contact::velocity(*start_, j, way.start)) >= 0.0;
 }
 
-// A node that is free at the beginning of the step, or was released in it.
+// A node that is free at the start of the step, or was released within it.
 void Contact::meet(const Within& within, std::uint32_t node, const Candidate& candidate) {
   const auto& [sweep, at] = within;
   const Touch before = committed_[node];
@@ -239,8 +238,8 @@ void Contact::meet(const Within& within, std::uint32_t node, const Candidate& ca
   const Way way{node, candidate.start, candidate.start_velocity, candidate.position, candidate.velocity};
   if (meeting.surface >= 0 && leaves(at, meeting.surface, way)) meeting.surface = -1;
   if (meeting.surface >= 0) last_surface_[node] = meeting.surface;
-  const bool stays = oscillates(node, meeting.surface >= 0);
-  if (meeting.surface < 0 && !stays) {
+  const bool stays_active = record_decision(node, meeting.surface >= 0);
+  if (meeting.surface < 0 && !stays_active) {
     decide(node, {}, Vector3::Zero());
     return;
   }
@@ -253,22 +252,22 @@ void Contact::meet(const Within& within, std::uint32_t node, const Candidate& ca
                                         : 0.0;
   if (surfaces_[j].friction().kind != Friction::Kind::held || rebounds > 0.0) {
     Slide on = along(within, meeting.surface, candidate, nullptr, rebounds);
-    // It ran into a curved surface, along the far side of which it would leave again: what stops it is where it met.
+    // The path crosses a curved surface and ends on its far side, where the node would separate: use the normal where
+    // it met the surface.
     if (met && on.normal < 0.0) {
       const Vector3 place = taken_along(at, candidate.start, candidate.position, meeting);
       on = along(within, meeting.surface, candidate, &place, rebounds);
     }
-    // A step in which that goes to and fro without an end does not settle, for all to see.
+    // If this alternates without end, the step does not settle and is reported.
     if (on.normal < 0.0)
       decide(node, {}, Vector3::Zero());
     else
       slide(within, node, on, candidate);
     return;
   }
-  // Where it touched: on the way of its velocity at the beginning, and where that ends short of the surface, below its
-  // end. The same for every sweep, rule and change of mind; forces of a sweep would not do: those that press a node
-  // of a stiff net against the surface grow with its stiffness, and would throw it about. What the force adds to the
-  // way is of second order in h.
+  // Where it touched: where the path of its start velocity meets the surface, or the projection of its end if it falls
+  // short. This is the same for every sweep, rule and decision. The path under a sweep's forces would not do: in a
+  // stiff net they grow with the stiffness and would displace the node. The force changes the path by O(h^2) only.
   const Vector3 end = candidate.start + sweep.time_constant * candidate.start_velocity;
   const Meeting touched{meeting.surface,
                         surfaces_[j].first_touch(start_->poses[j], candidate.start, at.poses[j], end).value_or(2.0)};
@@ -297,10 +296,10 @@ void Contact::put(const Within& within, std::uint32_t node, const Slide& on) {
   if (on.touch.slides && weight > 0.0) put_force(sweep, node, on.impulse / weight);
 }
 
-// Which surfaces act where more are met than can: of all those that it meets one to three, such that none pulls and the
-// node does not go into any other. A node has three ways to go, so that three decide at most; which they are is what
-// the motion asks, not the order in which they were met. Velocities decide, as over a step that none of them is left in
-// (Moreau); the position is then put where it is behind none.
+// Chooses the active set among all surfaces that the node meets: one to three of them, such that none pulls and the
+// node approaches no other. A node has three degrees of freedom, so at most three are active; the motion selects them,
+// not the order in which they were met. Velocities decide, as in Moreau's time stepping; the position is then projected
+// so that it is behind none.
 std::optional<Contact::Slide> Contact::among(const Within& within, const Slide& on, std::vector<std::int32_t>& met,
                                              const Candidate& candidate) const {
   const Placement& at = within.at;
@@ -353,7 +352,7 @@ std::optional<Contact::Slide> Contact::among(const Within& within, const Slide& 
   }
 }
 
-// Flush with one that a node slides on, a surface adds nothing: they have no edge along which it could go.
+// A surface flush with one that the node slides on adds no constraint: the two have no edge.
 bool Contact::is_flush(const Placement& at, const Touch& on, std::int32_t surface, const Vector3& position) const {
   constexpr double flush = 1e-12;
   const Vector3 n = normal(at, static_cast<std::size_t>(surface), position);
@@ -368,7 +367,7 @@ void Contact::slide(const Within& within, std::uint32_t node, const Slide& on, c
   const Touch& before = committed_[node];
   const Way way{node, candidate.start, candidate.start_velocity, on.position, on.velocity};
   const Meeting next = next_meeting(at, way, on.touch);
-  // One that cannot make up its mind which surfaces it reaches in this step reaches all that it met so far.
+  // After too many changes of its surfaces the node counts as meeting all that it met so far.
   const bool settles = slide_changes_[node] >= most_changes;
   if (next.surface < 0 && !settles) {
     if (now_[node] != on.touch) ++slide_changes_[node];
@@ -403,7 +402,7 @@ void Contact::slide(const Within& within, std::uint32_t node, const Slide& on, c
     for (const std::int32_t j : met)
       if (std::find(met_[node].begin(), met_[node].end(), j) == met_[node].end()) met_[node].push_back(j);
     if (found && found->touch.third >= 0 && any_is(found->touch, Friction::Kind::coulomb)) {
-      // Friction of three stops it.
+      // Friction at a vertex of three surfaces stops it.
       const std::int32_t by = before.surface >= 0 && !before.slides ? before.surface : found->touch.surface;
       const Vector3 place = before.surface == by ? carried(at, candidate.start, by) : found->position;
       stop(within, node, {by, false}, place, candidate);
@@ -429,11 +428,11 @@ void Contact::stop(const Within& within, std::uint32_t node, const Touch& touch,
   put_vector(sweep.next_velocity, node, with);
 }
 
-// Where it met one surface more, and with that from there on.
+// Stops the node where it met one more surface, which carries it from there on.
 void Contact::stop_between(const Within& within, std::uint32_t node, const Slide& on, const Meeting& next,
                            const Candidate& candidate) {
   const Placement& at = within.at;
-  // One that is held between them already stays with the surface that held it first.
+  // A node already held between them stays with the surface that held it first.
   const Touch& before = committed_[node];
   const bool held = before.surface >= 0 && !before.slides;
   const std::int32_t by = held && before.surface == on.touch.surface ? on.touch.surface : next.surface;

@@ -1,4 +1,4 @@
-// What the parts of a sweep know of a node in contact.
+// Types shared by the parts of contact within a sweep.
 #pragma once
 
 #include <Eigen/LU>
@@ -9,16 +9,16 @@ namespace springnet {
 
 [[nodiscard]] inline double theta_of(const springnet_sweep& sweep) { return sweep.theta > 0.0 ? sweep.theta : 1.0; }
 
-// What an update made of a node, as if there were no surface.
+// A node's outputs by the update rule, before contact.
 struct Contact::Candidate {
   std::uint32_t node;
-  Vector3 start, start_velocity;  // m, m/s, at the beginning of the step
+  Vector3 start, start_velocity;  // m, m/s, at the start of the step
   Vector3 position, velocity;     // m, m/s
   Matrix3 inertia, mobility;      // kg, 1/kg
-  Vector3 read;                   // m/s: what the update started from
+  Vector3 read;                   // m/s: the velocity that the update started from
 
-  // The same update as if the node were as inert in every direction as in its most inert one: the fixed point stays,
-  // and friction always finds a direction.
+  // The same update with the isotropic inertia |inertia| I: the fixed point is the same, and a slip direction always
+  // exists.
   [[nodiscard]] Candidate isotropic() const {
     Candidate result = *this;
     const double most = inertia.norm();
@@ -30,14 +30,14 @@ struct Contact::Candidate {
   [[nodiscard]] bool is_isotropic() const { return inertia == Matrix3(inertia(0, 0) * Matrix3::Identity()); }
 };
 
-// Where surfaces let a node go.
+// A node constrained to the surfaces that it touches.
 struct Contact::Slide {
   Touch touch;
-  double normal;               // N s, the least of the surfaces; < 0 where one would have to pull
-  std::int32_t weakest;        // the surface of that
+  double normal;               // N s, smallest normal impulse; < 0: that surface would have to pull
+  std::int32_t weakest;        // the surface with this impulse
   Vector3 impulse;             // N s
-  Vector3 position, velocity;  // m, m/s, at the end
-  Vector3 slip;                // m/s, against the surface
+  Vector3 position, velocity;  // m, m/s, at the end of the step
+  Vector3 slip;                // m/s, relative to the surface
   bool bounces = false;
 };
 

@@ -59,7 +59,7 @@ std::optional<Vector3> find_direction(const Vector3& n, const Vector3& start,
     if (!std::isfinite(value)) return std::nullopt;
     if (value == 0.0 || angle == before) return at(angle);
     const double slope = (value - value_before) / (angle - before);
-    // Two values that are equal differ by rounding alone.
+    // Equal values: the difference is below rounding.
     if (slope == 0.0) return std::abs(angle - before) <= 1e-7 ? std::optional(at(angle)) : std::nullopt;
     const double step = std::clamp(-value / slope, -longest, longest);
     before = angle;
@@ -70,15 +70,15 @@ std::optional<Vector3> find_direction(const Vector3& n, const Vector3& start,
   return std::abs(angle - before) <= 1e-9 ? std::optional(at(angle)) : std::nullopt;
 }
 
-ContactAnswer answer_contact(const Eigen::Matrix3d& mobility, const Vector3& relative, const Vector3& n,
-                             const Friction& friction) {
+ContactResponse solve_contact(const Eigen::Matrix3d& mobility, const Vector3& relative, const Vector3& n,
+                              const Friction& friction) {
   if (!(n.dot(mobility * n) > 0.0)) return {relative, Vector3::Zero(), 0.0, false};
   const auto smooth = [&] {
     const double impulse = -n.dot(relative) / n.dot(mobility * n);
-    return ContactAnswer{relative + mobility * n * impulse, n * impulse, impulse, false};
+    return ContactResponse{relative + mobility * n * impulse, n * impulse, impulse, false};
   };
   if (friction.kind == Friction::Kind::none) return smooth();
-  // Of a node that cannot move in every direction, within those in which it can.
+  // A node that cannot move in every direction: least-squares solution within those in which it can.
   const double size = mobility.norm();
   const bool regular = mobility.determinant() > 1e-9 * size * size * size;
   const Vector3 stop =
@@ -86,34 +86,35 @@ ContactAnswer answer_contact(const Eigen::Matrix3d& mobility, const Vector3& rel
   const double pressing = n.dot(stop);
   Vector3 along = stop - pressing * n;
   if (friction.kind == Friction::Kind::held) return {Vector3::Zero(), stop, pressing, true};
-  ContactAnswer without = smooth();
+  ContactResponse without = smooth();
   if (without.normal <= 0.0) return without;
   if (pressing > 0.0 && grip(friction.coefficient, pressing, along.norm()) >= 0.0)
     return {Vector3::Zero(), stop, pressing, true};
-  // It slips: impulse p (n - mu t) with t the direction of the slip that is left, which the impulse itself may turn
-  // where the mobility has directions of its own. With one mobility for all directions the first t is the right one.
+  // Slip: impulse p (n - mu t), t the direction of the remaining slip. An anisotropic mobility lets the impulse turn t;
+  // with an isotropic one the first t is exact.
   const auto with = [&](const Vector3& t) {
     const Vector3 direction = n - friction.coefficient * t;
     const double impulse = -n.dot(relative) / n.dot(mobility * direction);
-    return ContactAnswer{relative + mobility * direction * impulse, direction * impulse, impulse, false};
+    return ContactResponse{relative + mobility * direction * impulse, direction * impulse, impulse, false};
   };
-  const auto slip_of = [&](const ContactAnswer& answer) {
+  const auto slip_of = [&](const ContactResponse& answer) {
     return Vector3(answer.velocity - n * n.dot(answer.velocity));
   };
   const Vector3 slip = slip_of(without);
   Vector3 t = slip.norm() > 0.0 ? Vector3(slip.normalized()) : Vector3(-along.normalized());
   constexpr int most_turns = 50;
   for (int i = 0; i < most_turns; ++i) {
-    const ContactAnswer answer = with(t);
+    const ContactResponse answer = with(t);
     const Vector3 left = slip_of(answer);
     if (!(answer.normal > 0.0) || left.dot(t) <= 0.0) break;
     const double turned = (left.normalized() - t).norm();
     t = left.normalized();
     if (turned <= 1e-14) return answer;
   }
-  // Where the slip that is left crosses the one assumed: near the last, else all round, halved down.
+  // Find t for which the remaining slip is parallel to t: near the last one first, else by bisection around the full
+  // circle.
   const auto fits = [&](const Vector3& assumed) {
-    const ContactAnswer answer = with(assumed);
+    const ContactResponse answer = with(assumed);
     return answer.normal > 0.0 && slip_of(answer).dot(assumed) > 0.0;
   };
   const auto across = [&](const Vector3& assumed) { return n.dot(assumed.cross(slip_of(with(assumed)))); };
@@ -137,7 +138,7 @@ ContactAnswer answer_contact(const Eigen::Matrix3d& mobility, const Vector3& rel
     low = high;
     value = next;
   }
-  // So much friction on so odd a mobility that no direction of slip fits: it is stopped.
+  // Great friction and a very anisotropic mobility: no slip direction fits, so the node is stopped.
   return {Vector3::Zero(), stop, std::max(pressing, 0.0), true};
 }
 

@@ -1,4 +1,4 @@
-// What a surface does to one node in contact: no penetration, no pull, friction.
+// Contact of one node with one surface: no penetration, no pull, friction.
 #pragma once
 
 #include <functional>
@@ -10,42 +10,42 @@
 
 namespace springnet {
 
-// Of a surface that holds what touches it, for nodes with rigid connections. There a contact whose normal force
-// vanishes can neither hold, because it would pull, nor let go, because what is left of the other forces presses it in
-// again: it slides, with no normal force and a force along the surface, which is the limit of great friction.
+// Friction coefficient that stands for a holding surface, for nodes with rigid connections. There a contact whose
+// normal force vanishes can neither hold (it would pull) nor open (the remaining forces press it in again). It slides,
+// with zero normal force and a finite tangential force: the limit of great friction.
 inline constexpr double friction_of_held = 1e4;
 [[nodiscard]] Friction bounded(const Friction& friction) noexcept;
 
-// The coefficient of a surface's friction, 1; infinite where it holds what touches it.
+// A surface's coefficient of friction, 1; infinite for a holding surface.
 [[nodiscard]] double coefficient_of(const Friction& friction) noexcept;
-// The same of a node that slides.
+// The same for a sliding node: finite.
 [[nodiscard]] double sliding_coefficient_of(const Friction& friction) noexcept;
-// The most force along a surface that friction bears, N, where this presses on it, N: without bounds where it holds.
+// Greatest tangential force that friction bears, N, at the normal force `pressing`, N; infinite for a holding surface.
 [[nodiscard]] double bearing(double coefficient, double pressing) noexcept;
-// How much more force along a surface friction could bear, N; < 0 where it cannot bear what there is. This is Coulomb's
-// cone, wherever it is asked for.
+// Margin to the boundary of the friction cone, N, at the tangential force `along`, N; < 0 outside of it. Every test of
+// Coulomb's cone uses this function.
 [[nodiscard]] double grip(double coefficient, double pressing, double along) noexcept;
-// The derivative of the force -strength t(v), N, with t the direction of the slip v (m/s) on a surface with normal n,
-// by the node's velocity; N s/m.
+// Derivative with respect to the node's velocity, N s/m, of the force -strength t(v), N; t is the direction of the slip
+// v (m/s) on a surface with normal n.
 [[nodiscard]] Eigen::Matrix3d friction_by_velocity(double strength, const Vector3& slip, const Vector3& n);
 
-// The direction along a surface with normal n (unit) at which `turn` vanishes, by the secant method from `start` (unit,
-// along the surface); empty where that leads to none.
+// The tangential direction at which `turn` vanishes, on a surface with normal n (unit), by the secant method from
+// `start` (unit, tangential); empty if it does not converge.
 [[nodiscard]] std::optional<Vector3> find_direction(const Vector3& n, const Vector3& start,
                                                     const std::function<double(const Vector3&)>& turn);
 
-struct ContactAnswer {
-  Vector3 velocity;  // m/s, relative to the surface, after it
+struct ContactResponse {
+  Vector3 velocity;  // m/s, relative to the surface, after the impulse
   Vector3 impulse;   // N s, on the node
-  double normal;     // N s; < 0 where the surface would have to pull
-  bool sticks;       // the surface takes the node along
+  double normal;     // N s; < 0: the surface would have to pull
+  bool sticks;       // the surface carries the node
 };
 
-// A node that would have the velocity `relative` (m/s) to the surface, and answers an impulse by `mobility` (1/kg,
+// The contact impulse on a node with velocity `relative` (m/s) to the surface without it, and `mobility` (1/kg,
 // symmetric positive definite). n: unit normal to the free side. The velocity along n becomes zero whatever the sign of
-// the impulse for that; what a negative one means is the caller's business. Implicit Coulomb friction: the node sticks
-// where an impulse within the cone of friction can stop it, else friction acts against its remaining slip.
-[[nodiscard]] ContactAnswer answer_contact(const Eigen::Matrix3d& mobility, const Vector3& relative, const Vector3& n,
-                                           const Friction& friction);
+// the impulse; the caller decides what a negative one means. Implicit Coulomb friction: the node sticks if an impulse
+// within the friction cone can stop it, else friction opposes the remaining slip.
+[[nodiscard]] ContactResponse solve_contact(const Eigen::Matrix3d& mobility, const Vector3& relative, const Vector3& n,
+                                            const Friction& friction);
 
 }  // namespace springnet

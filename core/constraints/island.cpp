@@ -15,14 +15,14 @@ namespace springnet {
 namespace {
 
 constexpr int most_rounds = Island::most_rounds;
-constexpr int most_changes = 200;         // of mind, before all possibilities are tried
-constexpr std::size_t most_coded = 64;    // bits of a code
-constexpr std::size_t most_pivoted = 24;  // likewise, of impulses that are sought by changes first
-constexpr int most_bits = 12;             // of possibilities that are worth trying
-constexpr int most_directions = 200;      // of a slip that begins
-constexpr double singular = 1e-9;         // of the greatest pivot
+constexpr int most_changes = 200;         // of the active set by pivoting
+constexpr std::size_t most_stored = 64;   // bits of an active set that is stored
+constexpr std::size_t most_pivoted = 24;  // bits of an active set of impulses that is pivoted first
+constexpr int most_bits = 12;             // of an active set that is found by enumeration
+constexpr int most_directions = 200;      // iterations for directions of beginning slip
+constexpr double singular = 1e-9;         // in units of the greatest pivot
 constexpr int rounds_per_look = most_rounds / 10;
-constexpr int most_guesses = 20;  // of those from its last acceleration
+constexpr int most_guesses = 20;  // of them, fixed-point iterations along the acceleration
 
 std::vector<Vector3> active_normals(const ContactNode& node) {
   std::vector<Vector3> normals;
@@ -31,17 +31,17 @@ std::vector<Vector3> active_normals(const ContactNode& node) {
   return normals;
 }
 
-// Of a surface that holds what touches it, this coefficient.
+// A holding surface gets this coefficient.
 Friction at_most(const Friction& friction, double most) {
   return friction.kind == Friction::Kind::held ? Friction{Friction::Kind::coulomb, most} : friction;
 }
 
-// Coulomb's friction would need as much of a normal force as there is of force along it.
+// Holding surfaces only: Coulomb friction would need a normal force comparable to the tangential one.
 bool can_brace(const ContactNode& node) {
   return node.sticks && node.sides.size() == 1 && coefficient_of(node.sides[0].friction) >= friction_of_held;
 }
 
-// Bodies between surfaces may wedge themselves by friction, however little that is.
+// Bodies between surfaces can wedge by friction, however small the coefficient.
 bool can_wedge(const ContactNode& node) {
   return node.sticks && node.sides.size() == 1 && coefficient_of(node.sides[0].friction) > 0.0;
 }
@@ -98,7 +98,7 @@ void Island::solve_once() {
       matrix(r, c) = row.row.dot(block(row.node, column.node) * column.column);
     }
   }
-  // Forces between nodes that brace each other are not determined: what is left of them beside rounding.
+  // Forces between nodes that brace each other are not unique; this is the least-squares solution.
   Eigen::VectorXd x;
   if (count > 0) x = least_squares(matrix, right, singular);
   const bool braced = std::any_of(nodes_.begin(), nodes_.end(), [](const auto& node) { return node.braced; });
@@ -113,7 +113,8 @@ void Island::solve_once() {
       const Unknown& unknown = unknowns[static_cast<std::size_t>(r)];
       const ContactNode& node = nodes_[unknown.node];
       if (unknown.side == no_side || !node.sticks) continue;
-      // Of several surfaces only that none draws. Where one holds, enough for the friction beside it.
+      // On several surfaces only require that none pulls. On a holding one require the normal force that its friction
+      // needs.
       const double mu = coefficient_of(node.sides[unknown.side].friction);
       cones.push_back({mu, mu >= friction_of_held ? 2.0 * x.norm() / friction_of_held : 0.0});
       const bool alone = active_normals(node).size() == 1;
@@ -123,7 +124,7 @@ void Island::solve_once() {
       }
       rows += 3;
     }
-    if (const auto stress = least_in_cones(base.head(rows), more.topRows(rows), cones)) x += kernel * *stress;
+    if (const auto stress = min_norm_in_cones(base.head(rows), more.topRows(rows), cones)) x += kernel * *stress;
   }
   for (ContactNode& node : nodes_) {
     node.force.setZero();
@@ -143,8 +144,8 @@ Vector3 Island::acceleration(std::size_t node) const {
   return sum;
 }
 
-// Where a node begins to slip on the one surface that it touches, if the forces of all other nodes are as they are;
-// empty where it does not.
+// The direction in which a node on a single surface begins to slip, with the forces of all other nodes kept; empty if
+// it does not slip.
 std::optional<Vector3> Island::slip_of(std::size_t i) const {
   const ContactNode& node = nodes_[i];
   const ContactSide* touched = nullptr;
@@ -159,19 +160,19 @@ std::optional<Vector3> Island::slip_of(std::size_t i) const {
   const Vector3 other = acceleration(i) - mobility * node.force;
   Vector3 relative = other - touched->surface_acceleration;
   relative += n * (n.dot(other) - touched->needed - n.dot(relative));
-  const ContactAnswer answer = answer_contact(mobility, relative, n, at_most(touched->friction, friction_of_held));
-  const Vector3 goes = answer.velocity - n * n.dot(answer.velocity);
-  if (answer.sticks || !(answer.normal > 0.0) || goes.isZero(0.0)) return std::nullopt;
-  return goes.normalized();
+  const ContactResponse answer = solve_contact(mobility, relative, n, at_most(touched->friction, friction_of_held));
+  const Vector3 sliding = answer.velocity - n * n.dot(answer.velocity);
+  if (answer.sticks || !(answer.normal > 0.0) || sliding.isZero(0.0)) return std::nullopt;
+  return sliding.normalized();
 }
 
-// A slip that begins goes where its acceleration goes, which friction against it turns where the effective mass has
-// directions of its own.
+// Beginning slip is parallel to the sliding acceleration. Friction opposes it, and with an anisotropic effective mass
+// turns the acceleration, so that the direction is found by iteration.
 void Island::solve() {
   double turned = 0.0, turned_before = std::numeric_limits<double>::infinity();  // at the last look
   for (int turn = 0; turn < most_directions; ++turn) {
     if (turn > most_guesses && turn % most_guesses == 0) {
-      if (turned > 0.5 * turned_before) break;  // it goes round
+      if (turned > 0.5 * turned_before) break;  // it cycles
       turned_before = turned;
     }
     solve_once();
@@ -183,18 +184,20 @@ void Island::solve() {
       if (node.moves && (!node.begins || friction >= friction_of_held)) continue;
       const auto first = std::find_if(node.sides.begin(), node.sides.end(), [](const auto& s) { return s.touches; });
       if (first == node.sides.end()) continue;
-      const Vector3 goes = along(free_directions(active_normals(node)), acceleration(i) - first->surface_acceleration);
-      const bool against = goes.dot(node.slip) < 0.0;
-      // Too little to have a direction of its own, at the edge of the cone.
+      const Vector3 sliding =
+          along(free_directions(active_normals(node)), acceleration(i) - first->surface_acceleration);
+      const bool against = sliding.dot(node.slip) < 0.0;
+      // At the boundary of the cone the acceleration is too small to have a direction.
       const double scale = (acceleration(i) - nodes_[i].acceleration).norm();
-      if (goes.norm() <= 1e-6 * scale && !against) continue;
-      // Great friction would overshoot, or turn slip round where it throws the mobility's normal part about: the
-      // direction then is sought all round.
+      if (sliding.norm() <= 1e-6 * scale && !against) continue;
+      // Great friction overshoots or reverses the slip through the mobility's coupling of normal and tangential
+      // directions. Then search all directions.
       std::optional<Vector3> slip;
-      const bool draws = node.normal_force[static_cast<std::size_t>(first - node.sides.begin())] < 0.0;
-      if (against || draws || turn >= most_guesses) slip = slip_of(i);
+      const bool pulls = node.normal_force[static_cast<std::size_t>(first - node.sides.begin())] < 0.0;
+      if (against || pulls || turn >= most_guesses) slip = slip_of(i);
       if (!slip && against) continue;  // it would stick
-      if (!slip) slip = turn < most_guesses ? goes.normalized() : Vector3((goes.normalized() + node.slip).normalized());
+      if (!slip)
+        slip = turn < most_guesses ? sliding.normalized() : Vector3((sliding.normalized() + node.slip).normalized());
       turned = std::max(turned, (*slip - node.slip).norm());
       node.slip = *slip;
     }
@@ -219,7 +222,7 @@ bool Island::relax(double most, int rounds, const std::vector<Vector3>& from) {
   double change_before = std::numeric_limits<double>::infinity();  // at the last look
   for (int round = 0; round < rounds; ++round) {
     if (round % rounds_per_look == rounds_per_look - 1) {
-      // At such a pace they would not agree within all rounds.
+      // At this rate it would not converge within all rounds.
       if (change > 0.5 * change_before) return false;
       change_before = change;
     }
@@ -231,7 +234,7 @@ bool Island::relax(double most, int rounds, const std::vector<Vector3>& from) {
         if (side.leaves) continue;
         const Vector3& n = side.normal;
         const Matrix3 mobility = block(i, i);
-        // Of the node against its surface, as if this force did not act.
+        // Relative to the surface, without this force.
         const Vector3 other = accelerations[i] - mobility * forces[i][s];
         Vector3 relative = other - side.surface_acceleration;
         relative += n * (n.dot(other) - side.needed - n.dot(relative));
@@ -243,15 +246,16 @@ bool Island::relax(double most, int rounds, const std::vector<Vector3>& from) {
             if (!(answers > 0.0)) return false;
             now = -n.dot(relative) / answers * direction;
           } else {
-            const ContactAnswer answer = answer_contact(mobility, relative, n, at_most(side.friction, most));
+            const ContactResponse answer = solve_contact(mobility, relative, n, at_most(side.friction, most));
             if (answer.normal < 0.0 && !side.stays) return false;
             now = answer.impulse;
             node.sticks = answer.sticks;
-            const Vector3 goes = answer.velocity - n * n.dot(answer.velocity);
-            if (!answer.sticks && goes.norm() > 0.0) node.slip = goes.normalized();
+            const Vector3 sliding = answer.velocity - n * n.dot(answer.velocity);
+            if (!answer.sticks && sliding.norm() > 0.0) node.slip = sliding.normalized();
           }
         }
-        // Where all hold each other, forces may go on where accelerations do not.
+        // Convergence is judged by accelerations: forces of nodes that brace each other may keep changing without
+        // effect.
         const Vector3 more = now - forces[i][s];
         change = std::max(change, (mobility * more).norm());
         size = std::max(size, (mobility * now).norm());
@@ -279,7 +283,7 @@ void Island::begin_slip(std::size_t node) {
   if (grip.norm() > 0.0) slips.slip = -grip.normalized();
 }
 
-bool Island::let_go(std::size_t node) {
+bool Island::release_held(std::size_t node) {
   ContactNode& held = nodes_[node];
   if (!can_brace(held) || !held.sides[0].touches) return false;
   ContactSide& side = held.sides[0];
@@ -324,8 +328,8 @@ Island::Violation Island::find_violation(double negligible) const {
   return {};
 }
 
-// What is set, in bits: a node's sides, then whether it sticks.
-std::uint64_t Island::code() const {
+// Bits of each node: whether its sides are active, then whether it sticks.
+std::uint64_t Island::active_set() const {
   std::uint64_t result = 0;
   for (const ContactNode& node : nodes_) {
     for (const ContactSide& side : node.sides) result = 2 * result + (side.touches ? 1 : 0);
@@ -340,19 +344,19 @@ std::size_t Island::bit_count() const {
   return bits;
 }
 
-std::uint64_t Island::braces() const {
+std::uint64_t Island::braced_set() const {
   std::uint64_t result = 0;
   for (const ContactNode& node : nodes_) result = 2 * result + (node.braced ? 1 : 0);
   return result;
 }
 
-void Island::set_code(std::uint64_t code) {
+void Island::set_active_set(std::uint64_t bits) {
   for (auto node = nodes_.rbegin(); node != nodes_.rend(); ++node) {
-    const bool sticks = (code & 1) != 0;
-    code >>= 1;
+    const bool sticks = (bits & 1) != 0;
+    bits >>= 1;
     for (auto side = node->sides.rbegin(); side != node->sides.rend(); ++side) {
-      side->touches = ((code & 1) != 0 || side->stays) && !side->leaves;
-      code >>= 1;
+      side->touches = ((bits & 1) != 0 || side->stays) && !side->leaves;
+      bits >>= 1;
     }
     node->sticks = sticks && !node->moves && slip_friction(*node) > 0.0;
   }
@@ -360,9 +364,9 @@ void Island::set_code(std::uint64_t code) {
 
 bool Island::pivot(double negligible, std::set<std::size_t>& changed) {
   std::set<std::pair<std::uint64_t, std::uint64_t>> seen;
-  std::vector<std::uint8_t> came_back(nodes_.size(), 0);
-  const bool coded = bit_count() <= most_coded;
-  const auto is_new = [&] { return !coded || seen.emplace(code(), braces()).second; };
+  std::vector<std::uint8_t> closed_before(nodes_.size(), 0);
+  const bool is_stored = bit_count() <= most_stored;
+  const auto is_new = [&] { return !is_stored || seen.emplace(active_set(), braced_set()).second; };
   for (int change = 0; change < most_changes && is_new(); ++change) {
     solve();
     const Violation violation = find_violation(negligible);
@@ -374,7 +378,7 @@ bool Island::pivot(double negligible, std::set<std::size_t>& changed) {
       case Violation::Kind::pulls:
         if (node.sticks) {
           begin_slip(violation.node);
-          // What sank in when it was let go, and is still drawn where it is braced, slides.
+          // A node that penetrated when released and is still pulled when braced: it slides.
           const bool slides = node.braced && !node.slip.isZero(0.0);
           node.sticks = !slides;
           node.braced = false;
@@ -385,10 +389,10 @@ bool Island::pivot(double negligible, std::set<std::size_t>& changed) {
       case Violation::Kind::shrinks: {
         ContactSide& side = node.sides[violation.side];
         side.touches = true;
-        // What cannot leave is held by what braces it, or else slides.
-        node.sticks = !node.moves && coefficient_of(side.friction) > 0.0 && came_back[violation.node] == 0;
+        // A side that cannot separate is held by bracing forces; if it closes a second time, it slides.
+        node.sticks = !node.moves && coefficient_of(side.friction) > 0.0 && closed_before[violation.node] == 0;
         node.braced = can_brace(node);
-        came_back[violation.node] = 1;
+        closed_before[violation.node] = 1;
         break;
       }
       case Violation::Kind::slips:
@@ -402,11 +406,11 @@ bool Island::pivot(double negligible, std::set<std::size_t>& changed) {
   return false;
 }
 
-bool Island::try_all(double negligible) {
+bool Island::enumerate(double negligible) {
   for (const bool braced : {false, true}) {
     for (std::uint64_t tried = 0; tried < (std::uint64_t{1} << bit_count()); ++tried) {
-      set_code(tried);
-      if (code() != tried) continue;
+      set_active_set(tried);
+      if (active_set() != tried) continue;
       for (ContactNode& node : nodes_) node.braced = braced && can_wedge(node);
       solve();
       if (find_violation(negligible).kind == Violation::Kind::none) return true;
@@ -419,36 +423,37 @@ bool Island::try_all(double negligible) {
 bool Island::resolve_impulses(double negligible) {
   for (ContactNode& node : nodes_) node.braced = false;
   std::set<std::size_t> changed;
-  const std::uint64_t start = code();
-  std::vector<Vector3> before;  // those that there are may be near
+  const std::uint64_t start = active_set();
+  std::vector<Vector3> before;  // the present forces may be close
   for (const ContactNode& node : nodes_) before.push_back(node.force);
-  // Each change of many contacts costs as much as rounds of all of them.
+  // With many contacts one pivot costs as much as several rounds of the iteration.
   const bool is_large = bit_count() > most_pivoted;
   if (!is_large && pivot(negligible, changed) && directions_fit_) return true;
-  // One whose normal force vanishes can neither hold nor let go: how great its friction is hardly matters then.
+  // A holding contact whose normal force vanishes can neither hold nor open; the friction coefficient that replaces it
+  // hardly matters.
   bool relaxed = false;
   for (const double most : {friction_of_held, 1.0}) {
-    if (bit_count() <= most_coded) set_code(start);
+    if (bit_count() <= most_stored) set_active_set(start);
     if ((relaxed = relax(most, is_large ? most_rounds : most_rounds / 10, before))) break;
   }
-  if (!relaxed && is_large && bit_count() <= most_coded) set_code(start);
+  if (!relaxed && is_large && bit_count() <= most_stored) set_active_set(start);
   if (!relaxed && is_large && pivot(negligible, changed) && directions_fit_) return true;
   if (!relaxed) {
     const std::vector<ContactNode> nearly = nodes_;
-    if (bit_count() <= most_bits && try_all(negligible)) return true;
+    if (bit_count() <= most_bits && enumerate(negligible)) return true;
     nodes_ = nearly;
     const bool holds = std::any_of(nodes_.begin(), nodes_.end(), [](const ContactNode& node) {
       return std::any_of(node.sides.begin(), node.sides.end(),
                          [](const ContactSide& side) { return side.friction.kind == Friction::Kind::held; });
     });
-    if (!holds || bit_count() > most_coded) return false;
-    // The rule of surfaces that hold has no answer: what touches stays for this step, as a lone node does.
-    set_code(start);
+    if (!holds || bit_count() > most_stored) return false;
+    // The rule of holding surfaces has no solution: keep all contacts for this step, as for a node without connections.
+    set_active_set(start);
     solve();
     return true;
   }
   if (is_large) return true;
-  // What acts may be told exactly from there.
+  // From this active set the forces may have an exact solution.
   const std::vector<ContactNode> found = nodes_;
   solve();
   if (!directions_fit_ || find_violation(negligible).kind != Violation::Kind::none) nodes_ = found;
@@ -457,11 +462,11 @@ bool Island::resolve_impulses(double negligible) {
 
 bool Island::resolve(double negligible, bool thoroughly) {
   std::set<std::size_t> changed;
-  const std::uint64_t start = code();
+  const std::uint64_t start = active_set();
   if (pivot(negligible, changed)) return true;
   const std::size_t bits = bit_count();
-  if (thoroughly && bits <= most_bits && try_all(negligible)) return true;
-  if (bits <= most_coded) set_code(start);
+  if (thoroughly && bits <= most_bits && enumerate(negligible)) return true;
+  if (bits <= most_stored) set_active_set(start);
   if (thoroughly && relax(friction_of_held, most_rounds, {})) {
     solve();
     if (find_violation(1e3 * negligible).kind == Violation::Kind::none) return true;
@@ -470,7 +475,7 @@ bool Island::resolve(double negligible, bool thoroughly) {
   for (const std::size_t i : changed)
     if (nodes_[i].moves) jammed_.push_back(i);
   if (jammed_.empty()) jammed_.assign(changed.begin(), changed.end());
-  if (bits <= most_coded) set_code(start);
+  if (bits <= most_stored) set_active_set(start);
   return false;
 }
 
@@ -489,7 +494,7 @@ void Island::hold(double negligible) {
       }
     }
     if (node == nodes_.size()) return;
-    // What pulls lets go where the gap opens then; each is asked once.
+    // Release a pulling side if its gap then opens; each is tried once.
     kept.emplace(node, side);
     ContactSide& pulls = nodes_[node].sides[side];
     pulls.touches = false;

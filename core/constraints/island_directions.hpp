@@ -10,8 +10,8 @@
 
 namespace springnet {
 
-// The directions in which a node with these normals can slide: two, one (along an edge) or none. Normals that are flush
-// or opposite, and those that lie in a plane, leave what one of them, and two, do.
+// The directions in which a node with these normals can slide: two, one (along an edge) or none. Parallel normals count
+// as one, coplanar ones as two.
 inline std::vector<Vector3> free_directions(const std::vector<Vector3>& normals) {
   if (normals.empty()) return {};
   constexpr double flush = 1e-12;
@@ -35,7 +35,7 @@ inline std::vector<Vector3> normals_of(const ContactNode& node) {
   return normals;
 }
 
-// What of a vector lies in the directions in which a node can slide.
+// The projection of a vector onto the directions in which a node can slide.
 inline Vector3 along(const std::vector<Vector3>& directions, const Vector3& v) {
   Vector3 sum = Vector3::Zero();
   for (const Vector3& e : directions) sum += e * e.dot(v);

@@ -1,4 +1,4 @@
-// Impulses of an island: nodes that arrive, come to rest, rock or jam.
+// Impulses of an island: impact, end of slip, rocking, jamming.
 
 #include <Eigen/LU>
 #include <algorithm>
@@ -12,11 +12,11 @@
 namespace springnet {
 namespace {
 
-// Impulses that depend on each other agree when they change velocities by no more than this, in units of the fastest:
-// where contacts brace each other they come near slowly. What is left ends with what is too slow to be resolved.
+// Coupled impulses have converged when they change velocities by at most this share of the fastest: with contacts that
+// brace each other convergence is slow. The rest is below the speeds that events resolve.
 constexpr double nearly = 1e-7;
 
-// A surface that holds what touches it takes it along when its own velocity jumps.
+// A holding surface carries its nodes when its own velocity jumps.
 bool is_taken_along(const ContactSide& side) {
   return side.touches && side.friction.kind == Friction::Kind::held && !side.velocity.isZero(0.0) &&
          side.normal.dot(side.velocity) <= 0.0;
@@ -24,7 +24,7 @@ bool is_taken_along(const ContactSide& side) {
 
 }  // namespace
 
-void Island::push(std::size_t node, const Vector3& impulse) {
+void Island::apply_impulse(std::size_t node, const Vector3& impulse) {
   for (std::size_t i = 0; i < nodes_.size(); ++i) {
     const Vector3 change = block(i, node) * impulse;
     for (ContactSide& side : nodes_[i].sides) side.velocity += change;
@@ -52,7 +52,7 @@ bool Island::strike(double rebound, double negligible, int rounds, bool begun) {
   if (!approaches) return false;
   const std::vector<ContactNode> start = nodes_;
   for (std::size_t i = 0; begun && i < nodes_.size(); ++i)
-    for (const Vector3& impulse : nodes_[i].impulse) push(i, impulse);
+    for (const Vector3& impulse : nodes_[i].impulse) apply_impulse(i, impulse);
   bool agrees = false;
   for (int round = 0; round < rounds; ++round) {
     double greatest = 0.0;
@@ -60,18 +60,18 @@ bool Island::strike(double rebound, double negligible, int rounds, bool begun) {
       ContactSide& side = nodes_[blow.node].sides[blow.side];
       Vector3& impulse = nodes_[blow.node].impulse[blow.side];
       const Matrix3 mobility = block(blow.node, blow.node);
-      // As if this one had not struck yet, seen from a surface that comes along as fast as it should leave.
+      // Without this impulse, and relative to the wanted gap rate.
       const Vector3 before = side.velocity - mobility * impulse - blow.wanted * side.normal;
       Vector3 now = Vector3::Zero();
       if (side.normal.dot(before) < -negligible || !impulse.isZero(0.0) || is_taken_along(side)) {
-        const ContactAnswer answer = answer_contact(mobility, before, side.normal, side.friction);
+        const ContactResponse answer = solve_contact(mobility, before, side.normal, side.friction);
         if (answer.normal > 0.0 || (answer.normal == 0.0 && answer.sticks)) now = answer.impulse;
       }
       const Vector3 change = now - impulse;
       if (change.isZero(0.0)) continue;
       greatest = std::max(greatest, (mobility * change).norm());
       impulse = now;
-      push(blow.node, change);
+      apply_impulse(blow.node, change);
     }
     agrees = greatest <= nearly * scale;
     if (greatest <= 1e-15 * scale) break;
@@ -88,8 +88,8 @@ double Island::approach() const {
   return fastest;
 }
 
-// Impulses that stop what approaches with all that friction stops, at once. It takes more energy than any others, where
-// none were found that each contact agrees to.
+// Fallback if the iteration did not converge: impulses that stop all approach and all slip at once. They dissipate more
+// energy than any others.
 void Island::stop_all(const std::vector<ContactNode>& start, double negligible) {
   std::vector<std::uint8_t> in(nodes_.size(), 1);
   std::vector<ContactNode> before;
@@ -106,13 +106,13 @@ void Island::stop_all(const std::vector<ContactNode>& start, double negligible) 
     }
     nodes_ = start;
     end_rates(rows);
-    // Unless it went into it.
+    // Undo the last release if it lets a node penetrate.
     if (!before.empty() && approach() > negligible) {
       nodes_ = before;
       return;
     }
     before = nodes_;
-    // What would have to be drawn to its surface moves off.
+    // Release nodes that their surfaces would have to pull.
     for (std::size_t i = 0; i < nodes_.size(); ++i) {
       double presses = 0.0, size = 0.0;
       for (std::size_t s = 0; s < nodes_[i].sides.size(); ++s) {
@@ -131,7 +131,7 @@ bool Island::stop(double negligible) {
   double fastest = 0.0;
   for (std::size_t i = 0; i < nodes_.size(); ++i) {
     const ContactNode& node = nodes_[i];
-    // No contact opens or closes by it.
+    // No contact may open or close.
     for (std::size_t s = 0; s < node.sides.size(); ++s)
       if (std::abs(node.sides[s].normal.dot(node.sides[s].velocity)) <= negligible)
         rows.push_back({i, s, node.sides[s].normal});
@@ -144,7 +144,7 @@ bool Island::stop(double negligible) {
   return fastest > 0.0;
 }
 
-// Impulses in these directions that end the velocities along them, the least that do so.
+// Applies the smallest impulses along these directions that end the velocities along them.
 void Island::end_rates(const std::vector<Row>& rows) {
   const auto count = static_cast<Eigen::Index>(rows.size());
   if (count == 0) return;
@@ -158,21 +158,21 @@ void Island::end_rates(const std::vector<Row>& rows) {
       matrix(r, c) = row.direction.dot(block(row.node, column.node) * column.direction);
     }
   }
-  // Contacts that brace each other leave no more than rounding.
+  // Of contacts that brace each other only rounding is left below the threshold.
   const Eigen::VectorXd impulses = least_squares(matrix, -rates, 1e-11);
   for (Eigen::Index r = 0; r < count; ++r) {
     const Row& row = rows[static_cast<std::size_t>(r)];
     nodes_[row.node].impulse[row.side] += impulses[r] * row.direction;
-    push(row.node, impulses[r] * row.direction);
+    apply_impulse(row.node, impulses[r] * row.direction);
   }
 }
 
-void Island::calm(double slow) {
+void Island::end_rocking(double slow) {
   for (int round = 0; round < most_rounds; ++round) {
     double greatest = 0.0;
     const auto give = [&](std::size_t i, std::size_t s, const Vector3& impulse, double speed) {
       nodes_[i].impulse[s] += impulse;
-      push(i, impulse);
+      apply_impulse(i, impulse);
       greatest = std::max(greatest, speed);
     };
     for (std::size_t i = 0; i < nodes_.size(); ++i) {
@@ -183,7 +183,7 @@ void Island::calm(double slow) {
         give(i, s, -rate / answers * side.normal, std::abs(rate));
       }
       if (nodes_[i].sides.empty()) continue;
-      // Friction ends slip that is as slow.
+      // Friction also ends slip below this speed.
       const ContactSide& first = nodes_[i].sides.front();
       const double speed = first.velocity.norm();
       if (coefficient_of(first.friction) == 0.0 || speed == 0.0 || speed > slow) continue;
@@ -211,7 +211,7 @@ bool Island::jam(double negligible) {
       const Vector3 impulse = -least_squares(mobility, side.velocity);
       if (!(side.normal.dot(impulse) >= 0.0) || impulse.isZero(0.0)) continue;
       node.impulse[s] += impulse;
-      push(i, impulse);
+      apply_impulse(i, impulse);
       side.velocity.setZero();
       node.moves = false;
       node.sticks = true;

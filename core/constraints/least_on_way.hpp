@@ -1,14 +1,13 @@
-// The minimum of a convex function on a way.
+// The minimum of a convex function on a path.
 #pragma once
 
 namespace springnet {
 
 struct LeastOnWay {
-  double share;  // of the way, 0 to 1
+  double share;  // of the path, 0 to 1
   double value;
 };
-// By golden section, in so many turns, or fewer once a value below `enough` was found. value(share) is asked for shares
-// between 0 and 1.
+// Golden section search over shares in [0, 1], up to `turns` iterations; stops early at a value below `enough`.
 template <class Value>
 [[nodiscard]] LeastOnWay least_on_way(const Value& value, double enough, int turns) {
   constexpr double golden = 0.6180339887498949;

@@ -51,7 +51,7 @@ Obstacle::Obstacle(const Instrument& instrument)
       radius_(instrument.radius),
       pivot_(instrument.first) {
   if (instrument.box) {
-    constexpr double sharp = 1e-6;  // of the least size: no node is told from one on a sharp edge
+    constexpr double sharp = 1e-6;  // of the smallest size: not distinguishable from a sharp edge
     axes_ = instrument.box->axes;
     radius_ = std::max(instrument.box->radius, sharp * instrument.box->size.minCoeff());
     half_ = 0.5 * instrument.box->size - Vector3::Constant(radius_);
@@ -119,8 +119,8 @@ Matrix3 Obstacle::curvature(const Pose& pose, const Vector3& x) const {
   return pose.turns ? Matrix3(pose.rotation * h * pose.rotation.transpose()) : h;
 }
 
-// In the obstacle's frame the point moves with R^T relative and is accelerated by R^T (a - acceleration_at - 2 spin x
-// relative).
+// In the obstacle's frame the point has the velocity R^T relative and the acceleration R^T (a - acceleration_at - 2
+// spin x relative): curvature and Coriolis terms.
 double Obstacle::bias_acceleration(const Pose& pose, const Vector3& x, const Vector3& relative) const {
   double result = is_flat() ? 0.0 : relative.dot(curvature(pose, x) * relative);
   if (pose.turns) result -= 2.0 * normal(pose, x).dot(pose.spin.cross(relative));
@@ -130,7 +130,8 @@ double Obstacle::bias_acceleration(const Pose& pose, const Vector3& x, const Vec
 double Obstacle::seam(const Pose& pose, const Vector3& x) const {
   const Vector3 place = pose.to_start(x);
   if (shape_ == Shape::box) {
-    // Beyond one pair of faces, two, three: the middle one and the least change their signs.
+    // The number of pairs of faces that the point is beyond changes where the middle or the smallest value changes its
+    // sign.
     Vector3 beyond = beyond_faces(place);
     std::sort(beyond.begin(), beyond.end());
     return std::min(beyond[1], -beyond[0]);
@@ -158,7 +159,7 @@ double Obstacle::least_gap(const Pose& pose, const Vector3& x) const {
   double least = gap(pose, x) - (is_plane() && !turns() ? std::abs(normal_.dot(swing)) : swing.norm());
   if (!pose.turns || turns_in_place()) return least;
   if (is_plane()) return -std::numeric_limits<double>::infinity();
-  // Within a ball about the point that it turns about.
+  // The obstacle stays within a ball about the pivot.
   const double extent = (origin_ - pivot_).norm() + axis_.norm() + half_.norm() + radius_;
   return (x - pivot_ - pose.displacement).norm() - extent - swing.norm();
 }
@@ -201,15 +202,15 @@ Vector3 Obstacle::normal(const Vector3& x) const {
   if (shape_ == Shape::box) return axes_ * out_of_core(x, beyond_faces(x));
   const Vector3 d = from_core(x);
   const double length = d.norm();
-  // On the core itself any direction is as good; a node can only be there for a moment of an iteration.
+  // On the core any direction will do; a node can be there only in the course of an iteration.
   return length > 0.0 ? Vector3(d / length) : axis_.isZero(0.0) ? Vector3::UnitZ() : axis_.unitOrthogonal();
 }
 
 Matrix3 Obstacle::curvature(const Vector3& x) const {
   if (shape_ == Shape::plane) return Matrix3::Zero();
   if (shape_ == Shape::box) {
-    // Beyond one pair of faces it is flat; the nearest point of the core is on an edge beyond two, a corner beyond
-    // three.
+    // Beyond one pair of faces the surface is flat; beyond two the nearest point of the core is on an edge, beyond
+    // three on a corner.
     const Vector3 beyond = beyond_faces(x), bends = (beyond.array() > 0.0).cast<double>();
     if (bends.sum() < 2.0) return Matrix3::Zero();
     const Vector3 n = out_of_core(x, beyond);
@@ -235,9 +236,9 @@ std::optional<double> Obstacle::first_touch(const Vector3& a, const Vector3& b) 
   const auto at = [&](double share) { return gap(a + share * (b - a)); };
   double outside = 0.0, inside = 1.0;
   if (after >= 0.0) {
-    // The distance changes by no more than the way: most nodes are too far off to have touched on it.
+    // The gap changes by at most the path length: most nodes are too far away to touch.
     if (is_plane() || before + after >= (b - a).norm()) return std::nullopt;
-    // The least distance on the way counts where it is below zero.
+    // The path may dip below the surface in between: search the smallest gap.
     const LeastOnWay least = least_on_way(at, 0.0, 60);
     if (least.value >= 0.0) return std::nullopt;
     inside = least.share;
@@ -260,7 +261,7 @@ double size_of(const Network& network) {
 }
 
 double starting_depth(const Obstacle& obstacle, const Pose& pose, const Vector3& x, double size) {
-  // Above what sums and products of coordinates round, below what anybody means.
+  // Above the rounding of coordinates, below any intended depth.
   constexpr double coincidence = 1e-9;
   const double depth = -obstacle.gap(pose, x);
   return depth > coincidence * size ? depth : 0.0;

@@ -1,5 +1,5 @@
-// Obstacles, which nodes do not pass: planes, spheres, capsules and boxes. Each may move and turn; where it is at a
-// time is its pose, which every question is asked with.
+// Obstacles, which nodes cannot penetrate: planes, spheres, capsules and boxes. Each may move and turn; queries take
+// its pose at the time in question.
 #pragma once
 
 #include <algorithm>
@@ -18,21 +18,22 @@ namespace springnet {
 
 using Matrix3 = Eigen::Matrix3d;
 
-// Where a rigid obstacle is and how it moves: a point x of it at the start is now at centre + rotation (x - pivot).
+// Position and motion of a rigid obstacle: its point at x at the start is now at pivot + displacement + rotation (x -
+// pivot).
 struct Pose {
-  Vector3 displacement = Vector3::Zero();  // m: centre - pivot
-  Vector3 velocity = Vector3::Zero();      // m/s, of the centre
-  Vector3 acceleration = Vector3::Zero();  // m/s^2, of the centre
-  bool turns = false;                      // else what follows is not read
+  Vector3 displacement = Vector3::Zero();  // m, of the pivot
+  Vector3 velocity = Vector3::Zero();      // m/s, of the pivot
+  Vector3 acceleration = Vector3::Zero();  // m/s^2, of the pivot
+  bool turns = false;                      // else the members below are not read
   Vector3 pivot = Vector3::Zero();         // m, at the start
   Matrix3 rotation = Matrix3::Identity();
   Vector3 spin = Vector3::Zero();               // rad/s
   Vector3 spin_acceleration = Vector3::Zero();  // rad/s^2
 
-  // Where a point of the obstacle that is at `x` now was at the start, and the other way round; m.
+  // Maps a point of the obstacle from its position now to that at the start, and back; m.
   [[nodiscard]] Vector3 to_start(const Vector3& x) const;
   [[nodiscard]] Vector3 from_start(const Vector3& x) const;
-  // Of the point of the obstacle that is at `x` now; m/s, m/s^2.
+  // Velocity and acceleration of the point of the obstacle that is at `x` now; m/s, m/s^2.
   [[nodiscard]] Vector3 velocity_at(const Vector3& x) const;
   [[nodiscard]] Vector3 acceleration_at(const Vector3& x) const;
 };
@@ -43,59 +44,57 @@ class Obstacle {
   explicit Obstacle(const Instrument& instrument);
 
   [[nodiscard]] const std::string& name() const noexcept { return name_; }
-  // "plane 'floor'", "instrument 2"; `number` counts its own kind.
+  // "plane 'floor' (number 0)", "instrument 2"; `number` counts obstacles of its kind.
   [[nodiscard]] std::string description(std::size_t number) const;
   [[nodiscard]] bool is_plane() const noexcept { return shape_ == Shape::plane; }
   // Its normal has the same direction everywhere.
   [[nodiscard]] bool is_flat() const noexcept { return is_plane(); }
   [[nodiscard]] const Friction& friction() const noexcept { return friction_; }
-  // The share of its normal velocity with which a node that hits it leaves again, 0 to 1.
+  // Coefficient of restitution, 0 to 1.
   [[nodiscard]] double restitution() const noexcept { return restitution_; }
-  // A plane's point, an instrument's first point, a box's middle, where it starts; m.
+  // A plane's point, an instrument's first point or a box's centre, at the start; m.
   [[nodiscard]] const Vector3& origin() const noexcept { return origin_; }
   [[nodiscard]] bool moves() const noexcept { return trajectory_.moves() || turns(); }
   [[nodiscard]] bool turns() const noexcept { return turning_.turns(); }
-  // It turns about an axis of its own symmetry, so that its shape stays where it is: a drill, a turntable.
+  // It turns about its axis of symmetry, so that its shape stays in place: a drill, a turntable.
   [[nodiscard]] bool turns_in_place() const noexcept { return turns_in_place_; }
-  // The displacement that has the origin at `position` at a time, s, however far the obstacle has turned by then; m.
+  // The displacement, m, that puts the origin at `position` at `time`, s, with the rotation at that time.
   [[nodiscard]] Vector3 displacement_to(const Vector3& position, double time) const;
   // Replaces the motion; it turns as before.
   void set_trajectory(Trajectory trajectory) {
     trajectory_ = std::move(trajectory);
     looks_sampled_ = false;
   }
-  // Its motion, or turn, is a linear table that looks sampled from a smooth one.
+  // Its motion or turn is a linear table that looks sampled from a smooth function.
   [[nodiscard]] bool looks_sampled() const noexcept { return looks_sampled_; }
   [[nodiscard]] Pose at(const SampleTime& time) const;
-  // The next time after `time` at which its velocity or acceleration may jump; infinity if there is none. s
+  // The next time after `time` at which its velocity or acceleration may jump, s; infinity if there is none.
   [[nodiscard]] double next_change(double time) const {
     return std::min(trajectory_.next_change(time), turning_.next_change(time));
   }
 
-  // Distance of a point, > 0 where nodes may be; m.
+  // Signed distance of a point, m; > 0 outside.
   [[nodiscard]] double gap(const Pose& pose, const Vector3& x) const;
-  // Its gradient, and that one's derivative (1/m): how the direction turns along the surface.
+  // Gradient of the gap (unit), and its Hessian (1/m).
   [[nodiscard]] Vector3 normal(const Pose& pose, const Vector3& x) const;
   [[nodiscard]] Matrix3 curvature(const Pose& pose, const Vector3& x) const;
-  // The part of the gap's second derivative, m/s^2, that is not normal . (a - acceleration_at): of a point that moves
-  // with `relative` (m/s) against the surface.
+  // Bias term of the gap acceleration, m/s^2: d^2 gap/dt^2 = normal . (a - acceleration_at) + bias, for a point with
+  // velocity `relative` (m/s) to the surface. Curvature term v_rel' H v_rel and, if it turns, the Coriolis term.
   [[nodiscard]] double bias_acceleration(const Pose& pose, const Vector3& x, const Vector3& relative) const;
-  // Below and above 0 by turns on the pieces of a surface between which its curvature jumps, which a step of high order
-  // must not cross: the faces, edges and corners of a box, the wall and the ends of a capsule; m. 0 between them,
-  // infinity where the surface is of one piece.
+  // A function (m) that changes its sign where the curvature jumps, which a step of high order must not cross: between
+  // faces, edges and corners of a box, between wall and ends of a capsule. Infinity if the surface is one smooth piece.
   [[nodiscard]] double seam(const Pose& pose, const Vector3& x) const;
-  // Onto the surface, along its normal.
+  // Projection onto the surface along its normal.
   [[nodiscard]] Vector3 onto(const Pose& pose, const Vector3& x) const;
-  // How fast it swings from `time` to its next change, rad/s: its place is resolved by times that are apart by far less
-  // than the inverse. 0 where next_change() finds all that it does.
+  // Angular frequency of its oscillation from `time` to its next change, rad/s; sampling times must be much closer than
+  // its inverse. 0 if next_change() finds all changes.
   [[nodiscard]] double swing_rate(double time) const noexcept { return trajectory_.swing_rate(time); }
-  // The gap of a point that rests is never less than this while the obstacle swings or turns; m.
+  // Lower bound of the gap of a resting point while the obstacle oscillates or turns; m.
   [[nodiscard]] double least_gap(const Pose& pose, const Vector3& x) const;
-  // Of the greatest ball inside, m; infinity for a plane.
+  // Radius of the largest inscribed ball, m; infinity for a plane.
   [[nodiscard]] double inner_radius() const;
-  // The share of the way from `a` (where the obstacle was at `before`) to `b` (at `after`), straight as the obstacle
-  // sees it, at which a point first touches; empty if it does not. The gap is convex along a line, because the surface
-  // bounds a convex body.
+  // The share of the path from `a` (obstacle at `before`) to `b` (at `after`), straight in the obstacle's frame, at
+  // which a point first touches; empty if it does not. The gap is convex along a line because the body is convex.
   [[nodiscard]] std::optional<double> first_touch(const Pose& before, const Vector3& a, const Pose& after,
                                                   const Vector3& b) const;
 
@@ -107,12 +106,13 @@ class Obstacle {
   [[nodiscard]] Vector3 normal(const Vector3& x) const;
   [[nodiscard]] Matrix3 curvature(const Vector3& x) const;
   [[nodiscard]] std::optional<double> first_touch(const Vector3& a, const Vector3& b) const;
-  // From the nearest point of a capsule's core, the segment between its ends.
+  // Vector to x from the nearest point of a capsule's core, the segment between its ends.
   [[nodiscard]] Vector3 from_core(const Vector3& x, bool* between_ends = nullptr) const;
-  // Along the axes of a box's core, the box that is left when the rounding is taken off: how far a point is beyond each
-  // pair of faces, m; < 0 between them.
+  // How far a point is beyond each pair of faces of a box's core (the box less its rounding), along its axes, m; < 0
+  // between them.
   [[nodiscard]] Vector3 beyond_faces(const Vector3& x) const;
-  // Out of a box's core, along its axes, length 1: from the nearest point, or through the nearest face.
+  // Unit vector out of a box's core, along its axes: from the nearest point of the core, or inside through the nearest
+  // face.
   [[nodiscard]] Vector3 out_of_core(const Vector3& x, const Vector3& beyond) const;
 
   enum class Shape { plane, capsule, box };  // a sphere is a capsule
@@ -135,14 +135,13 @@ class Obstacle {
   Vector3 pivot_;  // m: a point of the axis, at the start
 };
 
-// How far behind the surface, m, a node at `x` would start, where it may not: 0 where it may, as far as the rounding of
-// coordinates tells.
-// `size` is that of the body or the scene, m.
+// Depth, m, at which a node at `x` would start behind the surface; 0 if it is outside up to the rounding of
+// coordinates. `size`: of the body or the scene, m.
 [[nodiscard]] double starting_depth(const Obstacle& obstacle, const Pose& pose, const Vector3& x, double size);
-// The greatest coordinate of nodes and obstacles of a network, m.
+// The greatest absolute coordinate of nodes and obstacles of a network, m.
 [[nodiscard]] double size_of(const Network& network);
-// What is wrong with a node (user's number) that starts `depth` (m) behind a plane or inside an instrument, which is
-// described as `surface`.
+// Error message for a node (user's number) that starts `depth` (m) behind a plane or inside an instrument; `surface`
+// describes it.
 [[nodiscard]] std::string misplaced(NodeIndex node, double depth, bool plane, const std::string& surface);
 
 }  // namespace springnet

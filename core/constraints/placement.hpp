@@ -1,5 +1,5 @@
-// Where everything that moves by itself is at a time: obstacles and prescribed nodes. Functions that depend on the time
-// take it as this argument.
+// The state of all prescribed motion at a time: poses of obstacles, motions of nodes. Functions that depend on time
+// take it as an argument.
 #pragma once
 
 #include <vector>

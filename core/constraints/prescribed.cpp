@@ -17,7 +17,7 @@ Prescribed::Prescribed(const Network& network, const std::vector<std::uint32_t>&
       start_[k] = network.nodes()[user].position;
     }
   }
-  if (motion_of_.empty()) trajectories_.clear();  // motions of no node
+  if (motion_of_.empty()) trajectories_.clear();  // no motion has a node
 }
 
 Prescribed::Samples Prescribed::at(const SampleTime& time) const {
@@ -36,7 +36,7 @@ double Prescribed::next_change(double time) const {
 void Prescribed::set(std::uint32_t node, const Vector3& start, Trajectory trajectory) {
   motion_of_.resize(node_count_, none);
   start_.resize(node_count_);
-  // A node that a host moves at every frame takes the place of its own last motion.
+  // Reuse the slot of the node's last motion: a host may move a node at every frame.
   const std::uint32_t old = motion_of_[node];
   const bool alone = old != none && std::count(motion_of_.begin(), motion_of_.end(), old) == 1;
   if (!alone) {

@@ -20,7 +20,7 @@ class Prescribed {
   // All motions at a time, for the functions below.
   using Samples = std::vector<Trajectory::Sample>;
   [[nodiscard]] Samples at(const SampleTime& time) const;
-  // Of a node that moves(); m, m/s, m/s^2.
+  // For nodes with moves() only; m, m/s, m/s^2.
   [[nodiscard]] Vector3 position(const Samples& at, std::uint32_t node) const {
     return start_[node] + at[motion_of_[node]].displacement;
   }
@@ -32,7 +32,7 @@ class Prescribed {
   }
   // The next time after `time` at which a velocity or acceleration may jump; s.
   [[nodiscard]] double next_change(double time) const;
-  // From now on the node moves as `trajectory` says, from `start`; or it does not move any more.
+  // set(): from now on the node follows `trajectory`, relative to `start` (m). stop(): its motion ends.
   void set(std::uint32_t node, const Vector3& start, Trajectory trajectory);
   void stop(std::uint32_t node);
 

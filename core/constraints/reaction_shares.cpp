@@ -1,4 +1,4 @@
-// What of a reaction is whose, where a node touches several surfaces.
+// Shares of several surfaces in the reaction of a node.
 
 #include <Eigen/Geometry>
 #include <Eigen/QR>
@@ -37,7 +37,7 @@ SplitReaction split_reaction(const std::vector<Vector3>& normals, const Vector3&
 std::vector<std::size_t> pressing_of(const std::vector<Vector3>& normals, const Vector3& reaction) {
   const double rounding = 1e-12 * reaction.norm();
   std::vector<std::size_t> best;
-  double least = std::numeric_limits<double>::infinity();  // what is left along them
+  double least = std::numeric_limits<double>::infinity();  // tangential rest
   const unsigned all = (1u << normals.size()) - 1;
   for (unsigned set = all; set > 0; --set) {
     std::vector<std::size_t> chosen;

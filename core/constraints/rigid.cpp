@@ -17,7 +17,7 @@ namespace springnet {
 namespace {
 
 constexpr std::uint32_t no_cluster = 0xffffffffu;
-// Of its length, to which a connection is brought back: far below the 1e-8 that it promises, above rounding.
+// Relative accuracy of a corrected length: far below the guaranteed 1e-8, above rounding.
 constexpr double length_accuracy = 1e-12;
 constexpr int most_corrections = 30;
 
@@ -105,7 +105,7 @@ bool RigidConnections::correct_positions(const Placement& at, const Cluster& clu
   for (int turn = 0; turn < most_corrections; ++turn) {
     std::vector<ConstraintRow> rows = rows_of(at, cluster, touches, positions);
     Eigen::VectorXd gap(static_cast<Eigen::Index>(rows.size()));
-    double worst = 0.0;  // in units of a length, or of the longest for surfaces
+    double worst = 0.0;  // relative to the length, for surfaces to the longest one
     for (std::size_t r = 0; r < rows.size(); ++r) {
       const auto row = static_cast<Eigen::Index>(r);
       if (r < cluster.rods.size()) {
@@ -120,7 +120,7 @@ bool RigidConnections::correct_positions(const Placement& at, const Cluster& clu
     }
     if (!std::isfinite(worst)) return false;
     if (worst <= length_accuracy) return true;
-    // Far from the origin rounding is all that is left.
+    // Far from the origin only rounding is left.
     if (worst <= 1e-10 && worst >= 0.5 * last) return true;
     last = worst;
     system.set(std::move(rows), mobility);
@@ -140,7 +140,7 @@ springnet_status RigidConnections::cannot_keep(const Cluster& cluster, springnet
   std::sort(touched.begin(), touched.end());
   set_message(
       message,
-      fmt::format("the rigid connections of the {} nodes that hang together with connection {} (nodes {} and "
+      fmt::format("the rigid connections of the {} nodes in the cluster of connection {} (nodes {} and "
                   "{}) cannot keep their lengths: what is fixed, moved or in contact pulls them apart{}; look at "
                   "what moves there, or use a smaller time step",
                   cluster.nodes.size(), cluster.rods.front(), user_number_[rod.first], user_number_[rod.second],
@@ -169,19 +169,19 @@ void RigidConnections::accelerate(const Placement& at, std::size_t number, const
   });
   const std::vector<ConstraintRow>& rows = system.rows();
   const std::size_t rods = cluster.rods.size();
-  // d^2 g / dt^2 = G a + turning; for a rod of length l: (|dv|^2 - (n dv)^2) / l.
-  Eigen::VectorXd turning(static_cast<Eigen::Index>(rows.size()));
+  // d^2 g / dt^2 = G a + bias; for a rod of length l: (|dv|^2 - (n dv)^2) / l.
+  Eigen::VectorXd bias(static_cast<Eigen::Index>(rows.size()));
   for (std::size_t r = 0; r < rows.size(); ++r) {
     const auto row = static_cast<Eigen::Index>(r);
     const Vector3 n = rows[r].direction;
     if (r < rods) {
       const Vector3 dv = vector_at(velocity, rows[r].first) - vector_at(velocity, rows[r].second);
       const double length = (p[member_of_[rows[r].first]] - p[member_of_[rows[r].second]]).norm();
-      turning[row] = (dv.squaredNorm() - n.dot(dv) * n.dot(dv)) / length;
+      bias[row] = (dv.squaredNorm() - n.dot(dv) * n.dot(dv)) / length;
     } else {
       const std::uint32_t i = member_of_[rows[r].first];
       const auto j = static_cast<std::size_t>(rows[r].surface);
-      turning[row] =
+      bias[row] =
           contact_.bias_acceleration(at, j, p[i], vector_at(velocity, rows[r].first) - Contact::velocity(at, j, p[i])) -
           n.dot(Contact::acceleration(at, j, p[i]));
     }
@@ -189,65 +189,67 @@ void RigidConnections::accelerate(const Placement& at, std::size_t number, const
   const auto rates_of = [&](const std::vector<Vector3>& of) {
     return system.rates([&](std::uint32_t node) -> const Vector3& { return of[member_of_[node]]; });
   };
-  const Eigen::VectorXd without_friction = system.solve(-turning - rates_of(free));
+  const Eigen::VectorXd without_friction = system.solve(-bias - rates_of(free));
   Eigen::VectorXd multipliers = without_friction;
-  // Friction is a share of normal forces, which it changes: N + Y N = N without friction, Y from unit normal forces.
-  struct Rubbing {
+  // Friction is proportional to normal forces N and changes them: N = N_0 + Y N, with N_0 without friction and Y the
+  // response of normal forces to the friction of unit normal forces.
+  struct FrictionRow {
     Eigen::Index row;
     std::uint32_t member;
-    double share;                       // m/s^2, of a normal force of 1 N
+    double share;                       // m/s^2, at a normal force of 1 N
     Vector3 against = Vector3::Zero();  // unit
-    Eigen::VectorXd answers{};          // of the multipliers to friction of a normal force of 1 N
+    Eigen::VectorXd response{};         // of the multipliers to the friction of a normal force of 1 N
   };
-  std::vector<Rubbing> rubbing;
-  const auto rub = [&](Rubbing& each, const Vector3& against) {
+  std::vector<FrictionRow> friction_rows;
+  const auto set_direction = [&](FrictionRow& each, const Vector3& against) {
     std::vector<Vector3> changes(count, Vector3::Zero());
     changes[each.member] = -each.share * against;
     each.against = against;
-    each.answers = system.solve(-rates_of(changes));
+    each.response = system.solve(-rates_of(changes));
   };
   for (std::size_t r = rods; r < rows.size(); ++r) {
     const std::uint32_t i = member_of_[rows[r].first];
     const auto j = static_cast<std::size_t>(rows[r].surface);
     const double mu = sliding_coefficient_of(contact_.surfaces()[j].friction());
     if (mu == 0.0) continue;
-    rubbing.push_back({static_cast<Eigen::Index>(r), i, mu / mass_[rows[r].first]});
-    rub(rubbing.back(), contact_.slip_direction(at, rows[r].first, j, p[i], vector_at(velocity, rows[r].first)));
+    friction_rows.push_back({static_cast<Eigen::Index>(r), i, mu / mass_[rows[r].first]});
+    set_direction(friction_rows.back(),
+                  contact_.slip_direction(at, rows[r].first, j, p[i], vector_at(velocity, rows[r].first)));
   }
   const auto finish = [&] {
     a = free;
     multipliers = without_friction;
-    const auto size = static_cast<Eigen::Index>(rubbing.size());
+    const auto size = static_cast<Eigen::Index>(friction_rows.size());
     Eigen::MatrixXd matrix = Eigen::MatrixXd::Identity(size, size);
     Eigen::VectorXd pressing(size);
     for (Eigen::Index r = 0; r < size; ++r) {
-      const Eigen::Index row = rubbing[static_cast<std::size_t>(r)].row;
+      const Eigen::Index row = friction_rows[static_cast<std::size_t>(r)].row;
       pressing[r] = without_friction[row];
-      for (Eigen::Index c = 0; c < size; ++c) matrix(r, c) -= rubbing[static_cast<std::size_t>(c)].answers[row];
+      for (Eigen::Index c = 0; c < size; ++c) matrix(r, c) -= friction_rows[static_cast<std::size_t>(c)].response[row];
     }
     pressing = matrix.partialPivLu().solve(pressing).eval();
     for (Eigen::Index r = 0; r < size; ++r) {
-      const Rubbing& each = rubbing[static_cast<std::size_t>(r)];
+      const FrictionRow& each = friction_rows[static_cast<std::size_t>(r)];
       a[each.member] -= pressing[r] * each.share * each.against;
-      multipliers += pressing[r] * each.answers;
+      multipliers += pressing[r] * each.response;
     }
     system.for_each_change(multipliers,
                            [&](std::uint32_t node, const Vector3& change) { a[member_of_[node]] += change; });
   };
   finish();
-  // Slip that begins goes where it is accelerated to, with the friction against that.
-  for (Rubbing& each : rubbing) {
+  // Beginning slip is parallel to the sliding acceleration, which friction opposes.
+  for (FrictionRow& each : friction_rows) {
     const ConstraintRow& row = rows[static_cast<std::size_t>(each.row)];
     if (contact_.slip_phase(row.first) != Contact::Slip::begins || contact_.now(row.first).second >= 0) continue;
     const auto j = static_cast<std::size_t>(row.surface);
     if (sliding_coefficient_of(contact_.surfaces()[j].friction()) >= friction_of_held) continue;
     const Vector3 n = row.direction, kept = each.against;
     const auto found = find_direction(n, kept, [&](const Vector3& against) {
-      rub(each, against);
+      set_direction(each, against);
       finish();
       return n.dot(against.cross(a[each.member] - Contact::acceleration(at, j, p[each.member])));
     });
-    rub(each, found && found->dot(kept) > 0.5 ? *found : kept);
+    set_direction(each, found && found->dot(kept) > 0.5 ? *found : kept);
     finish();
   }
   for (std::size_t i = 0; i < count; ++i) put_vector(acceleration, cluster.nodes[i], a[i]);
@@ -256,7 +258,8 @@ void RigidConnections::accelerate(const Placement& at, std::size_t number, const
     force[cluster.rods[r]] = -multipliers[static_cast<Eigen::Index>(r)];
 }
 
-Vector3 RigidConnections::pull(std::uint32_t node, const springnet_const_vectors& position, const double* force) const {
+Vector3 RigidConnections::connection_force(std::uint32_t node, const springnet_const_vectors& position,
+                                           const double* force) const {
   Vector3 sum = Vector3::Zero();
   for (const std::uint32_t r : clusters_[cluster_of_[node]].rods) {
     const Rod& rod = rods_[r];
@@ -267,8 +270,8 @@ Vector3 RigidConnections::pull(std::uint32_t node, const springnet_const_vectors
   return sum;
 }
 
-void RigidConnections::pass_on(std::size_t cluster, const springnet_const_vectors& position,
-                               std::vector<Vector3>& impulses) const {
+void RigidConnections::find_fixed_impulses(std::size_t cluster, const springnet_const_vectors& position,
+                                           std::vector<Vector3>& impulses) const {
   const std::vector<std::uint32_t>& nodes = clusters_[cluster].nodes;
   std::vector<Vector3> p;
   for (const std::uint32_t k : nodes) p.push_back(vector_at(position, k));
@@ -331,8 +334,8 @@ springnet_status RigidConnections::project(const Placement& at, std::size_t numb
   return SPRINGNET_OK;
 }
 
-RigidConnections::Unsupported::Unsupported(const RigidConnections& rigid, std::size_t cluster,
-                                           const springnet_const_vectors& position)
+RigidConnections::WithoutContact::WithoutContact(const RigidConnections& rigid, std::size_t cluster,
+                                                 const springnet_const_vectors& position)
     : rigid_(rigid), nodes_(rigid.clusters_[cluster].nodes), rods_(rigid.clusters_[cluster].rods) {
   std::vector<Vector3> p;
   p.reserve(nodes_.size());
@@ -340,12 +343,12 @@ RigidConnections::Unsupported::Unsupported(const RigidConnections& rigid, std::s
   system_.set(rigid.rods_of(rigid.clusters_[cluster], p), [this](std::uint32_t node) { return own_mobility(node); });
 }
 
-Matrix3 RigidConnections::Unsupported::own_mobility(std::uint32_t node) const {
+Matrix3 RigidConnections::WithoutContact::own_mobility(std::uint32_t node) const {
   return rigid_.contact_.fixed()[node] != 0 ? Matrix3(Matrix3::Zero())
                                             : Matrix3(Matrix3::Identity() / rigid_.mass_[node]);
 }
 
-void RigidConnections::Unsupported::project(const springnet_vectors& velocity) const {
+void RigidConnections::WithoutContact::project(const springnet_vectors& velocity) const {
   ConstraintSystem system;
   system.set(system_.rows(), [this](std::uint32_t node) { return rigid_.mobility(node); });
   const Eigen::VectorXd rates = system.rates([&](std::uint32_t node) { return vector_at(velocity, node); });
@@ -354,9 +357,9 @@ void RigidConnections::Unsupported::project(const springnet_vectors& velocity) c
   });
 }
 
-void RigidConnections::Unsupported::accelerate(const springnet_const_vectors& position,
-                                               const springnet_const_vectors& velocity,
-                                               std::vector<Vector3>& acceleration) const {
+void RigidConnections::WithoutContact::accelerate(const springnet_const_vectors& position,
+                                                  const springnet_const_vectors& velocity,
+                                                  std::vector<Vector3>& acceleration) const {
   const std::vector<ConstraintRow>& rows = system_.rows();
   Eigen::VectorXd rate(static_cast<Eigen::Index>(rows.size()));
   for (std::size_t r = 0; r < rows.size(); ++r) {
@@ -371,7 +374,7 @@ void RigidConnections::Unsupported::accelerate(const springnet_const_vectors& po
   });
 }
 
-Eigen::MatrixXd RigidConnections::Unsupported::mobility(const std::vector<std::uint32_t>& nodes) const {
+Eigen::MatrixXd RigidConnections::WithoutContact::mobility(const std::vector<std::uint32_t>& nodes) const {
   return system_.effective_mobility(nodes, [this](std::uint32_t node) { return own_mobility(node); });
 }
 

@@ -1,5 +1,5 @@
-// Rigid connections: nodes that they join form clusters, and a cluster's nodes get their velocities, positions and
-// accelerations together, with the surfaces that they touch.
+// Rigid connections. The nodes that they join form clusters; velocities, positions and accelerations of a cluster are
+// solved together, with its contacts.
 #pragma once
 
 #include <cstdint>
@@ -16,12 +16,12 @@ namespace springnet {
 
 class RigidConnections {
  public:
-  // References have to outlive it.
+  // The arguments must outlive it.
   RigidConnections(const Network& network, const std::vector<std::uint32_t>& user_number,
                    const std::vector<std::uint32_t>& engine_number, const std::vector<double>& mass, Contact& contact);
 
   struct Rod {
-    std::uint32_t first, second;  // engine's
+    std::uint32_t first, second;  // engine's numbers
     double length;                // m
   };
   [[nodiscard]] bool any() const noexcept { return !rods_.empty(); }
@@ -31,50 +31,50 @@ class RigidConnections {
     return cluster_of_.empty() ? nullptr : cluster_of_.data();
   }
   [[nodiscard]] std::size_t cluster_count() const noexcept { return clusters_.size(); }
-  // Nodes of a cluster, by rising number.
+  // Nodes of a cluster, in ascending order.
   [[nodiscard]] const std::vector<std::uint32_t>& nodes_of(std::size_t cluster) const {
     return clusters_[cluster].nodes;
   }
 
-  // Within a sweep: puts the outputs of a cluster's nodes where connections, fixation and surfaces allow, in velocity
-  // and position. SPRINGNET_RECOVERABLE and a message if the lengths cannot be kept.
+  // Within a sweep: constrains positions and velocities of a cluster's outputs by connections, fixation and surfaces.
+  // SPRINGNET_RECOVERABLE and a message if the lengths cannot be kept.
   springnet_status constrain(const Placement& end, std::size_t cluster, const springnet_sweep& sweep,
                              springnet_message& message) const;
-  // Takes out of the accelerations of a cluster's nodes what the constraints do not allow. `force` ([rod] N, null: not
-  // wanted) are its connections' tensions. No surface holds `without`, as if it had been let go.
+  // Constrains the accelerations of a cluster's nodes. `force` ([rod] N, null: not wanted) receives the tensions of its
+  // connections. Node `without` counts as released from its surfaces.
   void accelerate(const Placement& at, std::size_t cluster, const springnet_const_vectors& position,
                   const springnet_const_vectors& velocity, const springnet_vectors& acceleration, double* force,
                   std::uint32_t without = ConstraintRow::no_node) const;
-  // What the nodes of a cluster do at a state if no surface acted, but connections and fixation did.
-  class Unsupported {
+  // A cluster at a state, with connections and fixation but without contact.
+  class WithoutContact {
    public:
-    // Calls of the other functions speak of a cluster's nodes, in the order of nodes_of().
-    Unsupported(const RigidConnections& rigid, std::size_t cluster, const springnet_const_vectors& position);
-    // Takes out of accelerations what connections do not allow; [node].
+    // Arrays [node] of the functions below are in the order of nodes_of().
+    WithoutContact(const RigidConnections& rigid, std::size_t cluster, const springnet_const_vectors& position);
+    // Projects accelerations ([node], m/s^2) onto those that the connections allow.
     void accelerate(const springnet_const_vectors& position, const springnet_const_vectors& velocity,
                     std::vector<Vector3>& acceleration) const;
-    // In a step of h seconds that goes straight from those positions: `velocity` changes, by impulses along the
-    // connections' directions at its start, and `position`, at its end, with it, until lengths are kept there. [node].
-    // False if they cannot be.
+    // For a straight step of h seconds from those positions: corrects `velocity` ([node], m/s) by impulses along the
+    // connections at the start of the step, and with it `position` ([node], m) at the end, until the lengths there are
+    // kept. False if they cannot be kept.
     [[nodiscard]] bool keep_lengths(double h, std::vector<Vector3>& velocity, std::vector<Vector3>& position) const;
-    // Impulses of the connections give velocities that keep their lengths; those of fixed and moved nodes stay:
-    // pass(node, impulse) tells what reaches these, N s.
+    // Projects velocities onto those that keep the lengths. Fixed and prescribed nodes keep theirs; pass(node, impulse)
+    // reports the impulses on them, N s.
     template <class Pass>
     void pull_along(const springnet_vectors& velocity, Pass&& pass) const;
-    // Takes out of velocities what connections do not allow; [node].
+    // Projects velocities ([node], m/s) onto those that the connections allow.
     void project(std::vector<Vector3>& velocity) const;
-    // The same of the engine's, beside nodes that are fixed or stick.
+    // The same for the engine's arrays; fixed and sticking nodes keep their velocities.
     void project(const springnet_vectors& velocity) const;
-    // Effective mobility of some nodes, 1/kg: three rows and columns each.
+    // Effective mobility of some nodes, 1/kg, three rows and columns a node.
     [[nodiscard]] Eigen::MatrixXd mobility(const std::vector<std::uint32_t>& nodes) const;
-    // How velocities change by impulses on these nodes (m/s), and what reaches nodes that cannot move (N s): calls
-    // change(node, dv) and pass(node, impulse).
+    // Response to impulses (N s) on these nodes: calls change(node, dv), m/s, for velocity changes and pass(node,
+    // impulse), N s, for the impulses on fixed nodes.
     template <class Change, class Pass>
     void push(const std::vector<std::uint32_t>& nodes, const std::vector<Vector3>& impulses, Change&& change,
               Pass&& pass) const;
 
    private:
-    [[nodiscard]] Matrix3 own_mobility(std::uint32_t node) const;  // 1/m, or zero for a node that is fixed
+    [[nodiscard]] Matrix3 own_mobility(std::uint32_t node) const;  // 1/mass, zero for a fixed node
     template <class Pass>
     void pass_to_fixed(const Eigen::VectorXd& multipliers, Pass&& pass) const {
       system_.for_each_impulse(multipliers, [&](std::uint32_t node, const Vector3& impulse) {
@@ -87,23 +87,24 @@ class RigidConnections {
     const std::vector<std::uint32_t>& rods_;
     ConstraintSystem system_;
   };
-  // The force of all connections on a node with these tensions ([rod] N).
-  [[nodiscard]] Vector3 pull(std::uint32_t node, const springnet_const_vectors& position, const double* force) const;
-  // The impulses of connections that explain what they gave the nodes of a cluster that can move ([node of the cluster]
-  // N s), and from that what they gave the others, which are set.
-  void pass_on(std::size_t cluster, const springnet_const_vectors& position, std::vector<Vector3>& impulses) const;
-  // Puts positions, then velocities, of a cluster where the constraints allow, weighted with the masses. Nodes that
-  // were just `stopped` by a surface may still move along it; those of `rebounds` begin on their surfaces, where
-  // lengths let them.
+  // The force (N) of all connections on a node, from their tensions ([rod] N).
+  [[nodiscard]] Vector3 connection_force(std::uint32_t node, const springnet_const_vectors& position,
+                                         const double* force) const;
+  // `impulses` ([node of the cluster], N s) are those of the connections. Given for nodes that can move; this finds the
+  // connections' multipliers from them and sets the impulses on fixed nodes.
+  void find_fixed_impulses(std::size_t cluster, const springnet_const_vectors& position,
+                           std::vector<Vector3>& impulses) const;
+  // Projects positions, then velocities, of a cluster onto its constraints, weighted with the masses. Nodes just
+  // `stopped` by a surface may still move along it; those of `rebounds` start on their surfaces if the lengths allow.
   springnet_status project(const Placement& at, std::size_t cluster, const springnet_vectors& position,
                            const springnet_vectors& velocity, springnet_message& message,
                            const std::vector<std::uint32_t>& stopped = {}, const Rebounds& rebounds = {}) const;
   // The greatest |rate of length| of a connection at these velocities, m/s.
   [[nodiscard]] double greatest_rate(const springnet_const_vectors& position,
                                      const springnet_const_vectors& velocity) const;
-  // The rows of all rods at these positions.
+  // The constraint rows of all rods at these positions.
   [[nodiscard]] std::vector<ConstraintRow> rows(const springnet_const_vectors& position) const;
-  // 1/m, or zero for a node that cannot move.
+  // 1/mass, zero for a node that cannot move; 1/kg.
   [[nodiscard]] Eigen::Matrix3d mobility(std::uint32_t node) const;
 
  private:
@@ -113,8 +114,8 @@ class RigidConnections {
   };
   class Step;  // of a cluster, within a sweep
 
-  // Gauss-Newton towards the lengths and, for nodes that slide, their surfaces, weighted with the masses: positions
-  // [node of the cluster] of those with `movable` change. False if it does not get there.
+  // Gauss-Newton iteration for the lengths and the surfaces of sliding nodes, weighted with the masses. Changes
+  // positions ([node of the cluster], m) of `movable` nodes. False if it does not converge.
   bool correct_positions(const Placement& at, const Cluster& cluster, const std::vector<Touch>& touches,
                          std::vector<Vector3>& positions, const std::vector<std::uint8_t>& movable) const;
   [[nodiscard]] std::vector<ConstraintRow> rows_of(const Placement& at, const Cluster& cluster,
@@ -133,8 +134,8 @@ class RigidConnections {
 };
 
 template <class Change, class Pass>
-void RigidConnections::Unsupported::push(const std::vector<std::uint32_t>& nodes, const std::vector<Vector3>& impulses,
-                                         Change&& change, Pass&& pass) const {
+void RigidConnections::WithoutContact::push(const std::vector<std::uint32_t>& nodes,
+                                            const std::vector<Vector3>& impulses, Change&& change, Pass&& pass) const {
   std::vector<Vector3> struck(nodes_.size(), Vector3::Zero());  // m/s
   for (std::size_t i = 0; i < nodes.size(); ++i) {
     if (rigid_.contact_.fixed()[nodes[i]] != 0) continue;
@@ -149,9 +150,9 @@ void RigidConnections::Unsupported::push(const std::vector<std::uint32_t>& nodes
 }
 
 template <class Pass>
-void RigidConnections::Unsupported::pull_along(const springnet_vectors& velocity, Pass&& pass) const {
+void RigidConnections::WithoutContact::pull_along(const springnet_vectors& velocity, Pass&& pass) const {
   Eigen::VectorXd rates = system_.rates([&](std::uint32_t node) { return vector_at(velocity, node); });
-  // Between two ends that stay nothing can be kept.
+  // A connection between two fixed ends cannot be corrected.
   for (std::size_t r = 0; r < system_.rows().size(); ++r) {
     const ConstraintRow& row = system_.rows()[r];
     const std::vector<std::uint8_t>& fixed = rigid_.contact_.fixed();

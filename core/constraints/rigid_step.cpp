@@ -1,4 +1,4 @@
-// Rigid connections in a step that goes straight: lengths at its end by impulses along the directions at its start.
+// Rigid connections in a straight step: impulses along the directions at its start keep the lengths at its end.
 
 #include <algorithm>
 #include <cmath>
@@ -8,8 +8,8 @@
 
 namespace springnet {
 
-bool RigidConnections::Unsupported::keep_lengths(double h, std::vector<Vector3>& velocity,
-                                                 std::vector<Vector3>& position) const {
+bool RigidConnections::WithoutContact::keep_lengths(double h, std::vector<Vector3>& velocity,
+                                                    std::vector<Vector3>& position) const {
   constexpr int most_turns = 60;
   constexpr double accuracy = 1e-13;  // of a length
   const std::vector<ConstraintRow>& rows = system_.rows();
@@ -24,7 +24,7 @@ bool RigidConnections::Unsupported::keep_lengths(double h, std::vector<Vector3>&
       worst = std::max(worst, std::abs(d.norm() / length - 1.0));
     }
     if (!std::isfinite(worst)) return false;
-    // Far from the origin rounding is all that is left.
+    // Far from the origin only rounding is left.
     if (worst <= accuracy || (worst <= 1e-10 && worst >= 0.5 * last)) return true;
     last = worst;
     system_.for_each_change(system_.solve(-gap / h), [&](std::uint32_t node, const Vector3& change) {
@@ -35,7 +35,7 @@ bool RigidConnections::Unsupported::keep_lengths(double h, std::vector<Vector3>&
   return last <= 1e-9;
 }
 
-void RigidConnections::Unsupported::project(std::vector<Vector3>& velocity) const {
+void RigidConnections::WithoutContact::project(std::vector<Vector3>& velocity) const {
   const auto of = [&](std::uint32_t node) -> const Vector3& { return velocity[rigid_.member_of_[node]]; };
   system_.for_each_change(system_.solve(-system_.rates(of)), [&](std::uint32_t node, const Vector3& change) {
     velocity[rigid_.member_of_[node]] += change;

@@ -1,12 +1,13 @@
-// Rigid connections within the sweeps of a step. A cluster's nodes have outputs that each would like alone; their
-// velocities get impulses along the connections, at the positions where they end, so that no length changes,
+// Rigid connections within the sweeps of a step. The update rule gives each node of a cluster its output without
+// constraints. Impulses along the connections, in their directions at the end of the step, correct the velocities so
+// that no length changes:
 //
 //   U = U_free + W (G(P)^T x + f),    G(P) U = 0,    P = p + h ((1 - theta) v + theta U) + (1/m) G(P)^T y,
 //   lengths(P) = l,
 //
-// W the inverse of the inertia with which the outputs were made, and f the impulses of surfaces, which an island finds:
-// no approach at the end, no pull, friction in its cone, all contacts of the cluster at once (Moreau's time stepping).
-// Nodes that are fixed, moved or held by a surface do not move for any impulse.
+// W is the inverse of the inertia of the update rule, f the impulses of surfaces. An island finds f for all contacts of
+// the cluster at once: no approach at the end, no pull, friction in its cone (Moreau's time stepping). Fixed,
+// prescribed and held nodes have W = 0.
 
 #include <fmt/format.h>
 
@@ -23,13 +24,13 @@
 namespace springnet {
 namespace {
 
-constexpr int most_turns = 60;  // of positions and velocities that depend on each other
-// Turns after which contacts stay what they are, and after which their effective mobility is taken anew.
+constexpr int most_turns = 60;  // of the coupled iteration for positions and velocities
+// Iterations after which the active set is frozen, and between updates of the effective mobility.
 constexpr int turns_of_choice = 20, turns_of_mobility = 10;
-constexpr std::size_t few_contacts = 6;  // of which the mobility is taken anew in each turn
+constexpr std::size_t few_contacts = 6;  // up to this many the mobility is updated in each iteration
 constexpr double accuracy = 1e-13;
-constexpr double least_impulse = 1e-11;  // of those in question, that counts
-constexpr double at_once = 1e-9;         // of a step: nodes that meet surfaces together
+constexpr double least_impulse = 1e-11;  // relative to the impulses without contact, that counts
+constexpr double at_once = 1e-9;         // share of the step within which meetings are simultaneous
 
 Touch touch_of(const ContactNode& node) {
   Touch touch;
@@ -47,16 +48,16 @@ class RigidConnections::Step {
   struct Member {
     std::uint32_t node;
     bool fixed;
-    Vector3 start, start_velocity;  // m, m/s, at the beginning of the step
-    Vector3 free_position, free;    // m, m/s: outputs as if there were no constraint
+    Vector3 start, start_velocity;  // m, m/s, at the start of the step
+    Vector3 free_position, free;    // m, m/s: outputs without constraints
     Matrix3 inertia, mobility;
-    Vector3 place, place_velocity;       // of a node that is fixed, moved or held; the velocity of the first two
+    Vector3 place, place_velocity;       // m, of a fixed, prescribed or held node; m/s, of the first two
     Vector3 impulse = Vector3::Zero();   // N s, of surfaces
     Vector3 velocity = Vector3::Zero();  // results
     Vector3 position = Vector3::Zero();
     Touch touch{};
-    bool moves = true;     // else it stays at its place
-    bool is_new = false;   // its contact
+    bool moves = true;     // else it stays at `place`
+    bool is_new = false;   // its contact began in this step
     double rebound = 0.0;  // m/s, off the surface that it met
   };
 
@@ -66,23 +67,23 @@ class RigidConnections::Step {
   [[nodiscard]] const std::vector<Member>& members() const noexcept { return members_; }
   [[nodiscard]] bool decides() const noexcept { return decides_; }
   [[nodiscard]] double weight() const noexcept { return h_ * theta_; }
-  // Impulses of the rigid connections, and what of those of surfaces lies along them, N s.
+  // Impulse of the rigid connections, by member, and the tangential part of the surfaces' impulse on one, N s.
   [[nodiscard]] std::vector<Vector3> tensions() const;
   [[nodiscard]] Vector3 friction_on(std::size_t member) const;
 
  private:
   void add_member(std::uint32_t node, const springnet_sweep& sweep);
   void touch(std::size_t member, std::int32_t surface, bool is_new, bool stays);
-  // Velocities with the impulses of surfaces that there are.
+  // Velocities with the present impulses of surfaces.
   void respond();
   [[nodiscard]] Eigen::MatrixXd effective_mobility() const;
-  // Finds these impulses, and with `choose` what touches and sticks. False: there are none.
+  // Finds the impulses of surfaces; with `choose` also the active set. False: there are none.
   bool find_impulses(bool choose);
   void take_touches();
-  // Where velocities take the nodes; false if lengths cannot be kept.
+  // Positions at the end of the step; false if lengths cannot be kept.
   bool place(std::vector<Vector3>& next) const;
   bool hold_back(const std::vector<Vector3>& next, std::vector<Touch>& on) const;
-  // The surfaces that are met first on the way of the step, beside those that are known. True if there are any.
+  // Adds the surfaces that are met first in the step and are not in the island yet. True if there are any.
   bool meet();
   [[nodiscard]] std::vector<Vector3> positions() const;
   [[nodiscard]] ContactNode* contact_of(std::size_t member);
@@ -92,7 +93,7 @@ class RigidConnections::Step {
   const Placement& at_;  // the end of the step
   const Cluster& cluster_;
   double h_, theta_;
-  bool decides_;  // which nodes touch, slide and stick
+  bool decides_;  // may change which nodes touch, slide and stick
   double scale_ = 0.0;
   std::vector<Member> members_;
   ConstraintSystem rods_;
@@ -132,7 +133,7 @@ void RigidConnections::Step::add_member(std::uint32_t node, const springnet_swee
   if (contact_.surfaces().empty() || m.fixed) return;
   const std::size_t i = members_.size() - 1;
   const Touch committed = contact_.committed(node);
-  const bool stays = contact_.oscillated(node);
+  const bool stays = contact_.has_chattered(node);
   if (committed.surface >= 0) {
     members_[i].place = contact_.carried(at_, m.start, committed.surface);
     for (const std::int32_t surface : committed.surfaces())
@@ -151,7 +152,7 @@ ContactNode* RigidConnections::Step::contact_of(std::size_t member) {
   return nullptr;
 }
 
-// In the island a node has its number in the cluster, and velocities and impulses stand for accelerations and forces.
+// In the island nodes are numbered as in the cluster; its accelerations and forces are velocities and impulses here.
 void RigidConnections::Step::touch(std::size_t member, std::int32_t surface, bool is_new, bool stays) {
   Member& m = members_[member];
   const Obstacle& obstacle = contact_.surfaces()[static_cast<std::size_t>(surface)];
@@ -215,7 +216,7 @@ bool RigidConnections::Step::find_impulses(bool choose) {
   for (std::size_t i = 0; i < nodes.size(); ++i) {
     ContactNode& node = nodes[i];
     const Member& m = members_[node.node];
-    // What it would do without the impulses that there are, so that the mobility need not be quite that of these
+    // Velocity without the present impulses: an exact fixed point although the mobility may be of slightly older
     // positions.
     node.acceleration = m.velocity;
     for (std::size_t j = 0; j < nodes.size(); ++j)
@@ -258,7 +259,7 @@ bool RigidConnections::Step::place(std::vector<Vector3>& next) const {
                          : m.free_position;
     movable[i] = m.moves ? 1 : 0;
     on[i] = m.touch;
-    // A node that is stopped in this step comes to rest where the lengths want it on its surface.
+    // A node stopped in this step may still move along its surface to satisfy the lengths.
     if (m.is_new && m.touch.surface >= 0) {
       on[i].slides = true;
       movable[i] = 1;
@@ -270,8 +271,8 @@ bool RigidConnections::Step::place(std::vector<Vector3>& next) const {
   return true;
 }
 
-// A node that met or touched a surface and leaves it may end behind it, by what lengths take it aside, or because it
-// was turned round by what others met. Adds the surfaces where that is so.
+// A node with a contact that is not active may still end behind the surface, because the lengths displace it or
+// contacts of other nodes turn it around. Adds those surfaces to `on`; false if there are none.
 bool RigidConnections::Step::hold_back(const std::vector<Vector3>& next, std::vector<Touch>& on) const {
   bool any = false;
   for (const ContactNode& node : island_->nodes()) {
@@ -297,7 +298,7 @@ bool RigidConnections::Step::meet() {
   double first = 2.0;
   for (std::size_t i = 0; i < members_.size(); ++i) {
     const Member& m = members_[i];
-    if (m.fixed || contact_.oscillated(m.node) || !m.moves) continue;
+    if (m.fixed || contact_.has_chattered(m.node) || !m.moves) continue;
     const ContactNode* known = contact_of(i);
     if (known != nullptr && known->sides.size() == 3) continue;
     const Contact::Way way{m.node, m.start, m.start_velocity, m.position, m.velocity};
@@ -306,7 +307,7 @@ bool RigidConnections::Step::meet() {
       meeting = contact_.next_meeting(at_, way, m.touch);
     } else {
       meeting = contact_.first_meeting(at_, m.start, m.position);
-      // One that goes away is put back if it is behind what it goes away from.
+      // A separating node does not meet the surface, unless it is behind it.
       if (meeting.surface >= 0 && contact_.leaves(at_, meeting.surface, way) &&
           contact_.gap(at_, static_cast<std::size_t>(meeting.surface), m.position) >= -accuracy * scale_)
         meeting.surface = -1;
@@ -317,7 +318,7 @@ bool RigidConnections::Step::meet() {
     found.push_back({i, meeting});
     first = std::min(first, meeting.share);
   }
-  // What is met later may not be met any more once this is.
+  // Later meetings may disappear once these are active.
   for (const Found& each : found) {
     if (each.meeting.share > first + at_once) continue;
     Member& m = members_[each.member];
@@ -338,7 +339,8 @@ RigidConnections::Step::Outcome RigidConnections::Step::solve() {
     rods_.set(rigid_.rods_of(cluster_, positions()), mobility);
     respond();
     if (island_) {
-      // Where sticking nodes brace each other, a mobility of other positions would contradict the velocities.
+      // With sticking nodes that brace each other, a mobility of older positions would be inconsistent with the
+      // velocities.
       const bool is_small = island_->nodes().size() <= few_contacts;
       if (is_small || turn % turns_of_mobility == turns_of_mobility - 1) mobility_stale_ = true;
       found = find_impulses(decides_ && turn < turns_of_choice);
@@ -349,9 +351,9 @@ RigidConnections::Step::Outcome RigidConnections::Step::solve() {
     if (!place(next)) return Outcome::lengths_apart;
     double moved = 0.0;
     for (std::size_t i = 0; i < count; ++i) moved = std::max(moved, (next[i] - members_[i].position).norm());
-    // As far as it goes, or as far as rounding lets it.
+    // Converged to the accuracy, or to rounding.
     const bool done = moved <= accuracy * scale_ || (moved <= 1e-10 * scale_ && moved >= 0.5 * last);
-    // Directions that turn by much within the step overshoot: half the way then, as soon as that shows.
+    // Directions that turn far within the step overshoot: damp the iteration by one half.
     const bool overshoots = !done && moved > 0.7 * last;
     for (std::size_t i = 0; i < count; ++i)
       members_[i].position = overshoots ? Vector3(0.5 * (members_[i].position + next[i])) : next[i];
@@ -362,8 +364,8 @@ RigidConnections::Step::Outcome RigidConnections::Step::solve() {
     turn = 0;
     last = std::numeric_limits<double>::infinity();
   }
-  // Outputs that sweeps threw far off: the forces along the directions at the end do not explain these velocities, so
-  // that the step cannot count as settled before they do.
+  // If sweeps diverge, the forces at the end do not explain these velocities: the residual shows it, and the step does
+  // not settle.
   for (Member& m : members_)
     if (m.fixed)
       m.velocity = m.place_velocity;
@@ -401,10 +403,9 @@ springnet_status RigidConnections::constrain(const Placement& end, std::size_t i
     case Step::Outcome::lengths_apart:
       return cannot_keep(cluster, message);
     case Step::Outcome::contacts_apart:
-      set_message(message,
-                  fmt::format("contacts and friction of the {} nodes that hang rigidly together with node {} depend "
-                              "on each other without an end; use a smaller time step, or less friction there",
-                              cluster.nodes.size(), user_number_[cluster.nodes.front()]));
+      set_message(message, fmt::format("contacts and friction of the {} nodes in the rigid cluster of node {} do not "
+                                       "converge; use a smaller time step, or less friction there",
+                                       cluster.nodes.size(), user_number_[cluster.nodes.front()]));
       return SPRINGNET_RECOVERABLE;
   }
   const std::vector<Vector3> tensions = step.tensions();
@@ -419,7 +420,7 @@ springnet_status RigidConnections::constrain(const Placement& end, std::size_t i
     if (contact_.surfaces().empty()) continue;
     const bool touches = m.touch.surface >= 0;
     if (step.decides()) {
-      static_cast<void>(contact_.oscillates(m.node, touches));
+      static_cast<void>(contact_.record_decision(m.node, touches));
       if (const Vector3 friction = step.friction_on(i); m.touch.slides && friction.norm() > 0.0)
         contact_.set_slip(m.node, -friction);
     }

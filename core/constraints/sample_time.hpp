@@ -1,4 +1,4 @@
-// Motions within a step: at its end velocity and acceleration are those just before, at its start those just after.
+// Sampling of motions within a step: velocity and acceleration are left limits at its end, right limits at its start.
 #pragma once
 
 #include <algorithm>
@@ -17,13 +17,13 @@ struct SampleTime {
 };
 
 [[nodiscard]] inline SampleTime just_after(double time) noexcept { return {time, time}; }
-// Far less before than a step of `length` seconds takes, and still another number.
+// Earlier by far less than a step of `length` seconds, but a different number.
 [[nodiscard]] inline SampleTime just_before(double time, double length) noexcept {
   const double rounding = 4.0 * std::numeric_limits<double>::epsilon() * std::abs(time);
   return {time, time - std::max(rounding, 1e-12 * length)};
 }
 
-// The present step: motions at its end are those just before, elsewhere those just after.
+// The present step: left limits at its end, right limits elsewhere.
 struct Interval {
   double from = 0.0, until = std::numeric_limits<double>::infinity();  // s
   [[nodiscard]] SampleTime at(double time) const noexcept {

@@ -1,4 +1,4 @@
-// One node's vector in a structure of arrays.
+// Access to one node's vector in a structure of arrays.
 #pragma once
 
 #include <cstdint>

@@ -20,7 +20,7 @@ struct KeyHash {
 }  // namespace
 
 std::vector<std::size_t> bearing_cells(const Mesh& mesh) {
-  // Faces and edges of cells of a higher dimension, where cells of a lower one are there to lie on them.
+  // Faces and edges of cells of higher dimension, collected only if the mesh has lower cells that may lie on them.
   bool has_surface = false, has_line = false;
   for (const CellType type : mesh.types) {
     has_surface = has_surface || dimension_of(type) == 2;

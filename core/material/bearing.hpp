@@ -1,4 +1,4 @@
-// What masses and stiffnesses share: the volume of a cell.
+// Volume of a cell, for masses and stiffnesses.
 #pragma once
 
 #include <cmath>
@@ -14,7 +14,7 @@ namespace springnet::material {
 
 [[noreturn]] inline void fail(const std::string& message) { throw Error(ErrorKind::input, message); }
 
-// m^3, with the section of surface and line cells. Throws Error(input) where that is missing or not above 0.
+// Volume, m^3; for surface and line cells with their section. Throws Error(input) if that is missing or not above 0.
 [[nodiscard]] double volume_of(const Mesh& mesh, std::size_t cell, const Section& section);
 
 }  // namespace springnet::material

@@ -10,7 +10,7 @@ Mesh mesh_of(const Lattice& lattice) {
   const double count = static_cast<double>(nx) * ny * nz;
   const auto too_many = [&] {
     material::fail(
-        fmt::format("a lattice of {:.4g} nodes is too large for its cells to be in memory: use fewer nodes", count));
+        fmt::format("the cells of a lattice of {:.4g} nodes do not fit into memory: use fewer nodes", count));
   };
   Mesh mesh;
   try {
@@ -27,7 +27,7 @@ Mesh mesh_of(const Lattice& lattice) {
       }
     }
   }
-  // The directions in which it extends; a cell is made of its corners 0 and 1 along each.
+  // Strides of the directions in which the lattice extends; a cell has the places 0 and 1 along each.
   const std::array<std::uint32_t, 3> strides{1, nx, nx * ny};
   std::vector<std::uint32_t> along;
   for (std::size_t axis = 0; axis < 3; ++axis) {

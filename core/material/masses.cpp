@@ -15,7 +15,7 @@ std::vector<double> masses_of(const Mesh& mesh, double density, const Section& s
   for (std::size_t k = 0; k < masses.size(); ++k) {
     if (masses[k] > 0) continue;
     material::fail(
-        fmt::format("point {} at {} gets no mass from the density: no cell with volume, area or length is at it; "
+        fmt::format("point {} at {} gets no mass from the density: no cell with volume, area or length contains it; "
                     "remove it, or give masses instead",
                     k, meshes::text(mesh.points[k])));
   }

@@ -1,4 +1,4 @@
-// How the stiffness of a cell is shared out among its springs.
+// Distribution of a cell's stiffness among its springs.
 #pragma once
 
 #include <springnet/material.hpp>
@@ -8,12 +8,12 @@ namespace springnet::material {
 enum class Sharing {
   // k l^2 is the same for all springs of a cell, k = E V / l^2 in a tetrahedron and E t A / l^2 in a triangle: A. Van
   // Gelder, Approximate simulation of elastic membranes by triangulated spring meshes, J. Graphics Tools 3 (1998)
-  // 21-41. Isotropic where the cell is regular.
+  // 21-41. Isotropic if the cell is regular.
   equal,
-  fitted,  // shares_of: isotropic wherever the directions of a cell's springs allow it
-  // Lines, triangles and tetrahedra: equal, others fitted. An irregular triangle or tetrahedron cannot be isotropic by
-  // itself, and a net of them is the stiffer, and nearer to what is wanted, the more even its springs are (measured:
-  // core/docs/material.md).
+  fitted,  // shares_of: isotropic if the directions of a cell's springs allow it
+  // `equal` for lines, triangles and tetrahedra, `fitted` for others. An irregular triangle or tetrahedron cannot be
+  // isotropic on its own; a net of them is stiffer, and closer to the wanted modulus, the more uniform its springs are
+  // (measured: core/docs/material.md).
   best
 };
 

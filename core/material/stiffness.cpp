@@ -21,7 +21,7 @@ struct CellSprings {
   std::vector<std::size_t> edges;
   std::vector<Vector3> vectors;  // m, from end to end
 
-  // Throws Error(input) if an edge is missing: without it the others do not say what the cell's shape is.
+  // Throws Error(input) if an edge is missing: without it the springs do not determine the cell's shape.
   void collect(const Mesh& mesh, std::size_t index, std::span<const Edge> all) {
     edges.clear();
     vectors.clear();
@@ -35,8 +35,8 @@ struct CellSprings {
           vectors.emplace_back(mesh.points[cell[second]] - mesh.points[cell[first]]);
         } else if (places.data() == edge_places(type).data()) {
           material::fail(
-              fmt::format("the edge from point {} to point {} of {} {} is not among those given: give all that "
-                          "edges_of finds, rising",
+              fmt::format("the edge from point {} to point {} of {} {} is missing: give all that edges_of finds, in "
+                          "ascending order",
                           cell[first], cell[second], name_of(type), index));
         }
       }
@@ -44,7 +44,7 @@ struct CellSprings {
   }
 };
 
-// Two corners at one place leave a spring without a direction, though the cell may have a volume.
+// Two coincident corners leave a spring without a direction, even if the cell has a volume.
 void check_corners(const Mesh& mesh, std::size_t index, const CellSprings& springs) {
   const bool fine = std::none_of(springs.vectors.begin(), springs.vectors.end(),
                                  [](const Vector3& vector) { return vector.squaredNorm() == 0.0; });
@@ -54,8 +54,8 @@ void check_corners(const Mesh& mesh, std::size_t index, const CellSprings& sprin
     for (std::size_t j = 0; j < i; ++j) {
       if (mesh.points[cell[i]] != mesh.points[cell[j]]) continue;
       material::fail(fmt::format(
-          "{} {}: its corners {} and {}, points {} and {}, are both at {}, so that no stiffness follows "
-          "for the spring between them: make them one point, or mend the cell",
+          "{} {}: its corners {} and {}, points {} and {}, are both at {}, so that the spring between them gets no "
+          "stiffness: merge the points or repair the cell",
           name_of(springs.type), index, j + 1, i + 1, cell[j], cell[i], meshes::text(mesh.points[cell[i]])));
     }
   }
@@ -65,8 +65,8 @@ bool is_simplex(CellType type) {
   return type == CellType::line || type == CellType::triangle || type == CellType::tetrahedron;
 }
 
-// What a cell gives to its springs, kept for the next cells of its shape: the cells of a lattice are alike but for
-// rounding, and so get springs that are alike to the bit.
+// A cell's contribution to its springs, cached for further cells of the same shape: cells of a lattice are equal up to
+// rounding and so get bitwise equal springs.
 struct CellShare {
   CellType type = CellType::vertex;
   std::vector<Vector3> vectors;   // m
@@ -75,7 +75,7 @@ struct CellShare {
   double squared_misfit = 0.0;
 
   [[nodiscard]] bool fits(const CellSprings& springs) const {
-    constexpr double rounding = 1e-10;  // of a length; far above that of coordinates, far below what matters
+    constexpr double rounding = 1e-10;  // relative; far above that of coordinates, far below a relevant difference
     return springs.type == type && springs.vectors.size() == vectors.size() &&
            std::equal(vectors.begin(), vectors.end(), springs.vectors.begin(), [](const Vector3& x, const Vector3& y) {
              return (x - y).squaredNorm() <= rounding * rounding * x.squaredNorm();
@@ -99,7 +99,7 @@ CellShare share_of(const CellSprings& springs, int dimension, double youngs_modu
   for (const Vector3& vector : springs.vectors) directions.emplace_back(vector.normalized());
   const material::Shares shares = shares_for(springs.type, directions, sharing);
   // The trace C_iijj is 15 lambda with lambda = 2 E / 5 in a solid, 8 lambda with lambda = 3 E / 8 in a sheet (plane
-  // stress), E along a line: 6 E, 3 E, E, by chance the number of edges of a simplex times E.
+  // stress), E along a line: 6 E, 3 E, E, which happens to be E times the number of edges of a simplex.
   const double trace = (dimension == 3 ? 6.0 : dimension == 2 ? 3.0 : 1.0) * youngs_modulus * volume;
   for (std::size_t i = 0; i < directions.size(); ++i) {
     share.stiffness.push_back(trace * shares[static_cast<Eigen::Index>(i)] / springs.vectors[i].squaredNorm());
@@ -146,8 +146,8 @@ NetStiffness material::stiffness_of(const Mesh& mesh, std::span<const Edge> edge
       const double volume = volume_of(mesh, c, section);
       if (!(volume > 0)) {
         fail(
-            fmt::format("{} {} at {} has no volume, so that no stiffness follows for its springs: mend the mesh, or "
-                        "give a stiffness instead",
+            fmt::format("{} {} at {} has no volume, so that its springs get no stiffness: repair the mesh, or give a "
+                        "stiffness instead",
                         name_of(springs.type), c, meshes::text(mesh.points[mesh.cell(c)[0]])));
       }
       share = share_of(springs, dimension, youngs_modulus, volume, sharing);

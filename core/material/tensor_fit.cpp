@@ -10,8 +10,9 @@ namespace {
 
 using Gram = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, 0, most_springs, most_springs>;
 
-// Parallel springs, and sets of directions that span the same tensors, leave the shares undetermined; this much on the
-// diagonal chooses the smallest, evenly. It costs the tensor about as much, relatively.
+// Tikhonov regularisation. Parallel springs, and directions that span the same tensors, leave the shares undetermined;
+// this term on the diagonal selects the smallest, distributed evenly. The relative error of the tensor is about as
+// large.
 constexpr double regularisation = 1e-10;
 
 double fourth_power(double x) { return (x * x) * (x * x); }
@@ -29,11 +30,11 @@ Gram gram_of(std::span<const Vector3> directions) {
 }
 
 using Marks = std::array<bool, most_springs>;
-constexpr int patience = 3;  // rounds
+constexpr int patience = 3;  // rounds without progress
 
 std::size_t at(Eigen::Index i) { return static_cast<std::size_t>(i); }
 
-// Shares with zero gradient of the marked springs, 0 of the others.
+// Shares with zero gradient for the marked springs, 0 for the others.
 Shares solve_for(const Gram& gram, const Marks& has_share) {
   std::array<Eigen::Index, most_springs> places{};
   Eigen::Index free = 0;
@@ -57,8 +58,8 @@ Shares shares_of(std::span<const Vector3> directions) {
   gram.diagonal().array() += regularisation;
   const Eigen::Index count = gram.rows();
 
-  // Springs with a share, and those without. Which are exchanged: all that are wrong while that makes fewer wrong, for
-  // a few rounds; else the last one that is wrong (Murty's rule), which ends.
+  // Block principal pivoting between springs with and without a share: exchange all infeasible ones as long as their
+  // number falls, allowing a few rounds without progress; else only the last one (Murty's rule), which terminates.
   Marks has_share{};
   std::fill_n(has_share.begin(), count, true);
   Shares shares(count);

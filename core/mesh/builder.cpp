@@ -13,10 +13,10 @@ namespace {
 
 constexpr std::size_t largest_count = std::numeric_limits<std::uint32_t>::max();
 
-// m. Volumes, its third powers, are far within what a double can be.
+// m. Volumes, its third powers, stay far within the range of a double.
 constexpr double largest_coordinate = 1e100;
 
-// So many cells may groups have for each cell of the mesh and beside, together.
+// Limit of the cells in all groups together: so many for each cell of the mesh, and so many in addition.
 constexpr std::size_t most_groups_per_cell = 100, most_beside = 1'000'000;
 
 constexpr std::size_t most_names = 5, most_notes = 20, longest_name = 40;
@@ -66,7 +66,7 @@ void Builder::add_polygon(std::span<const std::uint32_t> corners, Place place) {
   std::vector<std::uint32_t> sorted(corners.begin(), corners.end());
   sort_unique(sorted);
   if (sorted.size() != corners.size()) {
-    source_.fail(place, "a point is twice in this polygon; correct or remove it");
+    source_.fail(place, "this polygon has a point twice; correct or remove it");
   }
   for (std::size_t i = 1; i + 1 < corners.size(); ++i) {
     add_cell(CellType::triangle, std::array{corners[0], corners[i], corners[i + 1]}, place);
@@ -89,8 +89,8 @@ void Builder::add_cells_to_group(std::size_t group, std::size_t first_cell, std:
   grouped_cells_ += end_cell - first_cell;
   if (grouped_cells_ > most_beside + most_groups_per_cell * mesh_.cell_count()) {
     source_.fail(
-        fmt::format("groups have {} cells together, of the {} that there are so far; the file is damaged, or has far "
-                    "more groups than are of use: save it with fewer",
+        fmt::format("groups have {} cells in total, of {} cells so far; the file is damaged or has too many groups: "
+                    "save it with fewer",
                     grouped_cells_, mesh_.cell_count()));
   }
   std::vector<Range>& ranges = cells_of_group_[group];
@@ -164,7 +164,7 @@ void Builder::leave_out_unused_points() {
     count_note("point that no cell uses is left out", "points that no cell uses are left out", left_out);
 }
 
-// Cells and points of groups; leaves out those without any.
+// Fills in cells and points of groups; removes empty groups.
 void Builder::fill_groups() {
   for (std::size_t k = 0; k < mesh_.groups.size(); ++k) {
     MeshGroup& group = mesh_.groups[k];
@@ -181,8 +181,8 @@ void Builder::fill_groups() {
     }
     sort_unique(group.points);
     if (group.points.empty()) {
-      name_note("group without a cell or a point that is used is left out",
-                "groups without a cell or a point that is used are left out", fmt::format("'{}'", group.name));
+      name_note("group without a used cell or point is left out", "groups without a used cell or point are left out",
+                fmt::format("'{}'", group.name));
     }
   }
   std::erase_if(mesh_.groups, [](const MeshGroup& group) { return group.points.empty(); });
@@ -196,10 +196,10 @@ Mesh Builder::finish() && {
     mesh_.notes.resize(std::min(mesh_.notes.size(), most_notes));
     for (const std::string& sentence : mesh_.notes) why += fmt::format("{}{}", why.empty() ? " (" : "; ", sentence);
     if (!why.empty()) why += ")";
-    source_.fail(fmt::format(
-        "there is no cell in it that could be used{}; export lines, triangles, quadrilaterals, tetrahedra, hexahedra, "
-        "wedges or pyramids",
-        why));
+    source_.fail(
+        fmt::format("it has no usable cell{}; export lines, triangles, quadrilaterals, tetrahedra, hexahedra, "
+                    "wedges or pyramids",
+                    why));
   }
   leave_out_unused_points();
   fill_groups();

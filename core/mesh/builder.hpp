@@ -1,4 +1,4 @@
-// What all formats share in making a mesh: checks, groups, notes, and leaving out points that nothing uses.
+// Builds a mesh for all formats: checks, groups, notes, removal of unused points.
 #pragma once
 
 #include <algorithm>
@@ -25,34 +25,34 @@ class Builder {
   [[nodiscard]] std::size_t point_count() const noexcept { return mesh_.points.size(); }
   [[nodiscard]] std::size_t cell_count() const noexcept { return mesh_.cell_count(); }
 
-  // Grows by a factor at least: a file may have as many blocks as points.
+  // Grows at least by a factor of two: a file may have as many blocks as points.
   void reserve_points(std::size_t more) {
     const std::size_t wanted = mesh_.points.size() + more;
     if (wanted > mesh_.points.capacity()) mesh_.points.reserve(std::max(wanted, 2 * mesh_.points.capacity()));
   }
-  // Throws Error(input) for coordinates that are not finite or beyond 1e100 m, whose squares and volumes would not be
-  // finite, and for too many points.
+  // Throws Error(input) for coordinates that are not finite or beyond 1e100 m (their squares and volumes would not be
+  // finite), and for too many points.
   std::uint32_t add_point(const Vector3& position, Place place);
-  // Corners are points already added. Throws Error(input) for a point that is twice in it.
+  // Corners are points already added. Throws Error(input) if a point occurs twice.
   void add_cell(CellType type, std::span<const std::uint32_t> corners, Place place);
-  // Cells of three corners are triangles, of four quadrilaterals, of more triangles around the first corner.
+  // Three corners make a triangle, four a quadrilateral, more are divided into triangles around the first corner.
   void add_polygon(std::span<const std::uint32_t> corners, Place place);
 
-  // Groups of the same name are one.
+  // Groups of the same name are merged.
   std::size_t group(const std::string& name);
-  // Throws Error(input) where groups have so many cells that it can be no mesh: a small file may put all of its cells
-  // into thousands of groups.
+  // Throws Error(input) if groups have implausibly many cells: a small malicious file could put all of its cells into
+  // thousands of groups.
   void add_cells_to_group(std::size_t group, std::size_t first_cell, std::size_t end_cell);
   void add_point_to_group(std::size_t group, std::uint32_t point);
 
-  // [point]: whether a cell has it.
+  // [point]: whether a cell uses it.
   [[nodiscard]] std::vector<bool> used_points() const;
 
-  // Sentences quote nothing of the file but names that its format knows, because an error may repeat them.
+  // Notes quote nothing from the file except names that its format defines, because an error may repeat them.
   void note(const std::string& sentence);
-  // A note that is told once with the number of times; the sentence begins after the number: after a 1, after another.
+  // A note that is reported once with its count, as "1 `one`" or "5 `several`".
   void count_note(const std::string& one, const std::string& several, std::size_t times = 1);
-  // The same with names of what it was, the first few of them, which may be the file's: no error repeats them.
+  // The same with the first few names concerned. They may come from the file, so no error repeats them.
   void name_note(const std::string& one, const std::string& several, const std::string& name);
 
   // Throws Error(input) if there is no cell.
@@ -65,9 +65,9 @@ class Builder {
     std::vector<std::string> names{};  // different ones
     bool more_names = false;
   };
-  using Range = std::pair<std::size_t, std::size_t>;  // from, behind
+  using Range = std::pair<std::size_t, std::size_t>;  // first, one past the last
 
-  // Without names.
+  // number_of() omits the names.
   [[nodiscard]] static std::string number_of(const std::string& several, const Counted& note);
   [[nodiscard]] static std::string told(const std::string& several, const Counted& note);
   void leave_out_unused_points();

@@ -118,7 +118,7 @@ double tetrahedron_volume(const Vector3& a, const Vector3& b, const Vector3& c, 
 double solid_volume(const Mesh& mesh, std::size_t cell) {
   const auto corners = mesh.cell(cell);
   const Vector3& origin = mesh.points[corners[0]];
-  double sum = 0.0;  // divergence theorem: of the tetrahedra from `origin` to the triangles of the faces
+  double sum = 0.0;  // divergence theorem: tetrahedra from `origin` to the triangles of the faces
   for (const Places4& face : face_places(mesh.types[cell])) {
     const auto p = [&](std::size_t k) -> const Vector3& { return mesh.points[corners[face[k]]]; };
     if (face[3] == no_corner) {

@@ -1,4 +1,4 @@
-// Places as messages tell them.
+// Coordinates in messages.
 #pragma once
 
 #include <string>

@@ -22,7 +22,7 @@ bool parse_real(std::string_view text, double& value) {
   text = without_plus(text);
   const auto [end, failed] = std::from_chars(text.data(), text.data() + text.size(), value);
   if (end != text.data() + text.size()) return false;
-  // Too small for a double is a fine zero, too great is none; from_chars says the same of both.
+  // from_chars reports underflow and overflow alike: accept underflow as zero, reject overflow.
   if (failed == std::errc::result_out_of_range) {
     const std::size_t exponent = text.find_first_of("eE");
     const bool small = exponent == std::string_view::npos ? text.find_first_of("123456789") > text.find('.')

@@ -1,4 +1,4 @@
-// Reads words, numbers and bytes of a file one after the other.
+// Sequential reader of words, numbers and bytes of a file.
 #pragma once
 
 #include <bit>
@@ -29,27 +29,27 @@ class Cursor {
   [[nodiscard]] const Source& source() const noexcept { return *source_; }
   [[nodiscard]] std::size_t offset() const noexcept { return at_; }
   [[nodiscard]] std::size_t left() const noexcept { return end_ - at_; }
-  // Errors name bytes from here on.
+  // Errors from here on give a byte offset if binary, else a line.
   void set_binary(bool binary) noexcept { binary_ = binary; }
-  // Of what was read last, or of here.
+  // Place of the last item read, and the current place.
   [[nodiscard]] Place place() const noexcept { return {last_, binary_}; }
   [[nodiscard]] Place here() const noexcept { return {at_, binary_}; }
   [[noreturn]] void fail(std::string_view message) const { source_->fail(place(), message); }
 
-  // Whether nothing but white space is left; skips it.
+  // Skips white space; true if nothing is left.
   bool at_end() noexcept;
-  // All that follow name what should be there, for the error.
+  // `what` in the functions below names the expected item in errors.
   std::string_view word(std::string_view what);
   [[nodiscard]] std::string_view peek() noexcept;  // the next word, empty at the end
   double real(std::string_view what);              // finite
   template <std::integral T>
   T integer(std::string_view what);
-  // A number of things of which each takes that many bytes at least: checked against what is left, before anything is
-  // reserved for them.
+  // Reads a count of items that take at least `bytes_each` bytes each, and checks it against the rest of the file
+  // before memory is reserved.
   std::size_t count(std::string_view what, std::size_t bytes_each);
   void check_count(std::uint64_t count, std::size_t bytes_each, std::string_view what) const;
 
-  // What is left of this line, without the end of it; goes to the next one.
+  // The rest of this line without its end; advances to the next line.
   std::string_view line() noexcept;
   template <class T>
   T binary(bool swap, std::string_view what) {
@@ -66,7 +66,7 @@ class Cursor {
   bool binary_ = false;
 };
 
-// The whole of `text` as a number. False if it is none, or too great.
+// Parses all of `text` as a number. False if it is not one, or out of range.
 [[nodiscard]] bool parse_real(std::string_view text, double& value);
 template <std::integral T>
 [[nodiscard]] bool parse_integer(std::string_view text, T& value);

@@ -17,8 +17,8 @@
 namespace springnet::meshes {
 namespace {
 
-// Gmsh's Lagrange elements (GmshDefines.h), complete and incomplete ones, up to order 10: they begin with their
-// corners, in the order of the first of their kind. Its number for a type, then the nodes of that, and so on.
+// Gmsh's Lagrange elements (GmshDefines.h), complete and incomplete, up to order 10. They begin with their corners,
+// ordered as in the first element of their kind. Pairs of type number and node count.
 constexpr std::array vertex_types{15, 1};
 constexpr std::array line_types{1, 2, 8, 3, 26, 4, 27, 5, 28, 6, 62, 7, 63, 8, 64, 9, 65, 10, 66, 11};
 constexpr std::array triangle_types{2,  3,  9,  6,  20, 9,  21, 10, 22, 12, 23, 15, 24, 15, 25, 21, 42, 28,
@@ -64,11 +64,11 @@ constexpr std::array dimension_names{"point", "curve", "surface", "volume"};
 
 using EntityKey = std::pair<int, int>;  // dimension, number
 
-// Points by the numbers that the file gives them, which may have gaps.
+// Maps the node numbers of the file, which may have gaps, to points.
 class Tags {
  public:
   void add(std::uint64_t tag, std::uint32_t point) { entries_.emplace_back(tag, point); }
-  // The first tag that is there twice.
+  // Sorts; returns the first duplicate tag, if any.
   std::optional<std::uint64_t> sort() {
     if (!std::is_sorted(entries_.begin(), entries_.end())) std::sort(entries_.begin(), entries_.end());
     for (std::size_t i = 1; i < entries_.size(); ++i) {
@@ -94,7 +94,7 @@ class Tags {
  private:
   static constexpr std::uint32_t none = UINT32_MAX;
   std::vector<std::pair<std::uint64_t, std::uint32_t>> entries_;
-  std::vector<std::uint32_t> dense_;  // [tag - first_], where there are few gaps
+  std::vector<std::uint32_t> dense_;  // [tag - first_], if there are few gaps
   std::uint64_t first_ = 0;
 };
 
@@ -135,7 +135,7 @@ class GmshReader {
   }
 
  private:
-  // Numbers as text or bytes.
+  // Numbers in text or binary form.
   int small(std::string_view what) {
     return binary_ ? in_.binary<std::int32_t>(swap_, what) : in_.integer<std::int32_t>(what);
   }
@@ -151,7 +151,7 @@ class GmshReader {
     in_.check_count(value, binary_ ? binary_bytes : text_bytes, what);
     return static_cast<std::size_t>(value);
   }
-  // Numbers of nodes and elements are wide since 4.1.
+  // Node and element numbers have 64 bits since 4.1.
   std::uint64_t tag(std::string_view what) {
     if (!old_) return large(what);
     const int value = small(what);
@@ -170,10 +170,10 @@ class GmshReader {
     if (version != "4.1" && version != "4" && version != "4.0") {
       double number = 0.0;
       const bool is_number = version.size() <= 4 && parse_real(version, number);
-      in_.fail(
-          fmt::format("this is {} of MSH, 4.0 and 4.1 are read; save it as version 4: gmsh FILE -save -format msh41 -o "
-                      "NEW.msh",
-                      is_number ? fmt::format("version {}", version) : "another version"));
+      in_.fail(fmt::format(
+          "this is {} of MSH, only 4.0 and 4.1 are supported; save it as version 4: gmsh FILE -save -format msh41 -o "
+          "NEW.msh",
+          is_number ? fmt::format("version {}", version) : "another version"));
     }
     old_ = version != "4.1";
     const int kind = in_.integer<std::int32_t>("the kind of file");
@@ -181,14 +181,15 @@ class GmshReader {
       in_.fail(fmt::format("the kind of file is {}, not 0 (text) or 1 (binary); export the mesh again", kind));
     binary_ = kind == 1;
     const int size = in_.integer<std::int32_t>("the size of numbers");
-    if (size != 8) in_.fail(fmt::format("numbers are of {} bytes, 8 are read; save it by a 64-bit Gmsh", size));
+    if (size != 8)
+      in_.fail(fmt::format("numbers have {} bytes, only 8 are supported; save it with a 64-bit Gmsh", size));
     if (binary_) {
       in_.line();
-      const std::string_view one = in_.bytes(sizeof(std::int32_t), "the order of bytes");
+      const std::string_view one = in_.bytes(sizeof(std::int32_t), "the byte order");
       swap_ = from_bytes<std::int32_t>(one.data(), false) != 1;
       if (from_bytes<std::int32_t>(one.data(), swap_) != 1) {
         in_.set_binary(true);
-        in_.fail("the order of bytes cannot be told; the file is damaged, export the mesh again");
+        in_.fail("the byte order cannot be determined; the file is damaged, export the mesh again");
       }
     }
     end("$MeshFormat");
@@ -197,8 +198,9 @@ class GmshReader {
   void end(std::string_view section) {
     const std::string_view word = in_.word("the end of a section");
     if (word.substr(0, 4) == "$End" && word.substr(4) == section.substr(1)) return in_.set_binary(false);
-    in_.fail(fmt::format("this should be $End{}; counts in this section do not fit what it has, export the mesh again",
-                         section.substr(1)));
+    in_.fail(
+        fmt::format("this should be $End{}; counts in this section do not match its contents, export the mesh again",
+                    section.substr(1)));
   }
 
   void skip(const std::string& section) {
@@ -244,7 +246,7 @@ class GmshReader {
         for (int k = 0; k < reals; ++k) real("a bound of an entity");
         const std::size_t physicals = count("the number of physical groups", 2, 4);
         for (std::size_t k = 0; k < physicals; ++k) {
-          // Negative ones are of entities that count as turned.
+          // Negative numbers mark entities of reversed orientation.
           const std::int64_t physical = small("the number of a physical group");
           physicals_[{dimension, number}].push_back(static_cast<int>(std::abs(physical) & INT32_MAX));
         }
@@ -262,7 +264,7 @@ class GmshReader {
   struct Block {
     int dimension;
     int entity;
-    int kind;  // parametric, or type of elements
+    int kind;  // parametric flag of nodes, or type of elements
   };
   Block block(std::string_view what) {
     int dimension = small("the dimension of an entity"), entity = 0;
@@ -292,8 +294,8 @@ class GmshReader {
   }
   void check_total(std::string_view what, std::uint64_t promised, std::uint64_t found) const {
     if (promised == found) return;
-    in_.fail(
-        fmt::format("there are {} {}, {} were promised; the file is damaged, export it again", found, what, promised));
+    in_.fail(fmt::format("there are {} {}, but {} were declared; the file is damaged, export it again", found, what,
+                         promised));
   }
 
   void nodes() {
@@ -327,7 +329,7 @@ class GmshReader {
       in_.fail(fmt::format("two nodes have the number {}; export the mesh again", *twice));
   }
 
-  // Groups that the entity is in, each once, made where they are new.
+  // Groups of the entity, without duplicates; creates new ones.
   const std::vector<std::size_t>& groups_of(int dimension, int entity) {
     const auto [known, is_new] = groups_.try_emplace({dimension, entity});
     std::vector<std::size_t>& groups = known->second;
@@ -345,7 +347,7 @@ class GmshReader {
   }
 
   void elements() {
-    if (!has_nodes_) in_.fail("$Elements stands before $Nodes; export the mesh again");
+    if (!has_nodes_) in_.fail("$Elements comes before $Nodes; export the mesh again");
     const auto [blocks, promised] = totals("the number of elements");
     std::uint64_t found = 0;
     for (std::size_t i = 0; i < blocks; ++i) {
@@ -353,7 +355,7 @@ class GmshReader {
       const auto type = element_type(number);
       if (!type) {
         in_.fail(
-            fmt::format("elements are of type {}, which is not known here; save the mesh with elements of first order "
+            fmt::format("elements are of the unknown type {}; save the mesh with elements of first order "
                         "(gmsh -order 1)",
                         number));
       }
@@ -385,7 +387,7 @@ class GmshReader {
         builder_.add_cell(type.cell, std::span(points.data(), corner_count(type.cell)), place);
       }
     }
-    // Blocks may be empty, and as many as the groups of an entity.
+    // Skip empty blocks: there may be as many as groups of an entity.
     if (builder_.cell_count() > first) {
       for (const std::size_t group : groups) builder_.add_cells_to_group(group, first, builder_.cell_count());
     }
@@ -395,8 +397,8 @@ class GmshReader {
     }
   }
 
-  // Point elements of no group: Gmsh writes one for each point of the geometry, also for centres of arcs, where nothing
-  // of the body is.
+  // Point elements without a group: Gmsh writes one for each point of the geometry, even for centres of arcs, which are
+  // not part of the body.
   void single_points() {
     const bool alone = builder_.cell_count() == 0;
     const std::vector<bool> used = builder_.used_points();
@@ -412,9 +414,9 @@ class GmshReader {
   bool swap_ = false;
   bool has_nodes_ = false;
   Tags tags_;
-  std::map<EntityKey, std::string> names_;                // by dimension and number of the physical group
-  std::map<EntityKey, std::vector<int>> physicals_;       // of an entity; rising, each once
-  std::map<EntityKey, std::vector<std::size_t>> groups_;  // of the builder, of an entity
+  std::map<EntityKey, std::string> names_;                // [dimension, number of the physical group]
+  std::map<EntityKey, std::vector<int>> physicals_;       // [entity] physical groups; ascending, unique
+  std::map<EntityKey, std::vector<std::size_t>> groups_;  // [entity] groups of the builder
   std::vector<std::pair<std::uint32_t, Place>> singles_;
 };
 

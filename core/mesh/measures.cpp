@@ -18,7 +18,7 @@ double measure_of(const Mesh& mesh, std::size_t cell) {
       return (p(1) - p(0)).norm();
     case CellType::triangle:
       return 0.5 * (p(1) - p(0)).cross(p(2) - p(0)).norm();
-    case CellType::quadrilateral:  // half the product of the diagonals; exact where it is plane, convex or not
+    case CellType::quadrilateral:  // half the cross product of the diagonals; exact if it is plane, convex or not
       return 0.5 * (p(2) - p(0)).cross(p(3) - p(1)).norm();
     case CellType::tetrahedron:
     case CellType::hexahedron:

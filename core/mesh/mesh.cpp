@@ -52,7 +52,7 @@ Mesh read_mesh(const std::filesystem::path& file) {
   }
   throw Error(
       ErrorKind::input,
-      fmt::format("{}: '{}' is no ending of a mesh file; it has to be .msh (Gmsh), .vtk, .vtu, .vtp, .obj or .stl",
+      fmt::format("{}: '{}' is not the extension of a mesh file; use .msh (Gmsh), .vtk, .vtu, .vtp, .obj or .stl",
                   file.string(), ending));
 }
 

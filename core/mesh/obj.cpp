@@ -13,7 +13,7 @@
 namespace springnet::meshes {
 namespace {
 
-// What says nothing of points and cells: texture, normals, materials, smoothing, levels of detail.
+// Statements without geometry: texture, normals, materials, smoothing, levels of detail.
 constexpr std::array without_geometry{"vt",         "vn",        "vp",     "s",        "usemtl",
                                       "mtllib",     "lod",       "bevel",  "c_interp", "d_interp",
                                       "shadow_obj", "trace_obj", "maplib", "usemap",   "mg"};
@@ -28,11 +28,12 @@ class ObjReader {
       if (!words_.empty()) statement();
     }
     if (farthest_ > builder_.point_count()) {
-      builder_.source().fail(farthest_place_,
-                             fmt::format("there are {} points, and a number here is greater; correct it or add points",
-                                         builder_.point_count()));
+      builder_.source().fail(
+          farthest_place_,
+          fmt::format("a point number on this line is greater than {}, the number of points; correct it or add points",
+                      builder_.point_count()));
     }
-    // Cells may name points that come later in the file, so they are made when all are known.
+    // Cells may refer to points later in the file, so they are added at the end.
     for (const Cell& cell : cells_) add(cell);
     return std::move(builder_).finish();
   }
@@ -47,7 +48,7 @@ class ObjReader {
     std::size_t groups;  // index into groups_
   };
 
-  // The words up to a comment or the end of the line; a backslash at the end goes on in the next one.
+  // The words up to a comment or the end of the line; a backslash at the end continues the line.
   void words_of_line() {
     words_.clear();
     line_ = in_.here();
@@ -78,7 +79,7 @@ class ObjReader {
       name(keyword[0]);
     } else if (std::find(without_geometry.begin(), without_geometry.end(), keyword) == without_geometry.end()) {
       if (keyword.find_first_not_of("abcdefghijklmnopqrstuvwxyz_") != std::string_view::npos) {
-        fail("this is no statement of OBJ; correct the line");
+        fail("this is not an OBJ statement; correct the line");
       }
       builder_.name_note("statement is not read", "statements are not read", fmt::format("'{}'", keyword));
     }
@@ -89,7 +90,8 @@ class ObjReader {
     Vector3 position;
     for (std::size_t k = 0; k < 3; ++k) {
       if (parse_real(words_[k + 1], position[static_cast<Eigen::Index>(k)])) continue;
-      fail(fmt::format("coordinate {} of this point is no number; correct the line or export the mesh again", k + 1));
+      fail(
+          fmt::format("coordinate {} of this point is not a number; correct the line or export the mesh again", k + 1));
     }
     builder_.add_point(position, line_);
   }
@@ -101,14 +103,14 @@ class ObjReader {
       std::int64_t number = 0;
       if (!parse_integer(word, number) || number == 0) {
         fail(
-            fmt::format("'{}' needs numbers of points, 1 or more, or below 0 to count from the last one: word {} is "
-                        "none; correct the line",
+            fmt::format("'{}' needs point numbers, 1 or more, or below 0 to count back from the last point: word {} is "
+                        "neither; correct the line",
                         kind, k));
       }
       const auto count = static_cast<std::int64_t>(builder_.point_count());
       if (number < -count) {
-        fail(fmt::format("only {} points are above this line, and word {} counts farther back; correct the number",
-                         count, k));
+        fail(fmt::format("only {} points precede this line, and word {} counts farther back; correct the number", count,
+                         k));
       }
       if (number < 0) number += count + 1;
       if (static_cast<std::uint64_t>(number) > farthest_) {
@@ -165,9 +167,9 @@ class ObjReader {
   Place line_;
   std::vector<Cell> cells_;
   std::vector<std::uint32_t> corners_;
-  std::uint64_t farthest_ = 0;  // greatest number of a point that was named, counted from 1
+  std::uint64_t farthest_ = 0;  // greatest point number that occurred, counted from 1
   Place farthest_place_;
-  // Groups of the builder after each g, rising, and after each o, one at most, which may have spaces in its name.
+  // Groups of the builder after each g, ascending, and after each o, at most one, whose name may contain spaces.
   std::vector<std::vector<std::size_t>> groups_{{}}, objects_{{}};
 };
 

@@ -13,7 +13,7 @@
 namespace springnet::meshes {
 namespace {
 
-// Bytes. A file may claim more than the memory has, and take no room on the disk.
+// Bytes. A sparse file may be larger than the memory and take no room on the disk.
 constexpr std::uintmax_t largest_file = std::uintmax_t{4} << 30U;
 
 }  // namespace
@@ -27,11 +27,11 @@ Source::Source(const std::filesystem::path& file) : name_(file.string()) {
   const std::uintmax_t size = std::filesystem::file_size(file, failed);
   std::ifstream in(file, std::ios::binary);
   if (failed || !in) fail(fmt::format("the file cannot be opened ({}); check its permissions", std::strerror(errno)));
-  if (size > largest_file) fail("the file has more than 4 GiB; use a coarser mesh");
+  if (size > largest_file) fail("the file is larger than 4 GiB; use a coarser mesh");
   text_.resize(static_cast<std::size_t>(size));
   in.read(text_.data(), static_cast<std::streamsize>(text_.size()));
   if (static_cast<std::uintmax_t>(in.gcount()) != size) fail("the file cannot be read to its end; copy it again");
-  constexpr std::string_view byte_order_mark = "\xEF\xBB\xBF";  // of UTF-8; only texts begin so
+  constexpr std::string_view byte_order_mark = "\xEF\xBB\xBF";  // of UTF-8; only text files begin with it
   if (text_.starts_with(byte_order_mark)) text_.erase(0, byte_order_mark.size());
   if (text_.empty()) fail("the file is empty; export the mesh again");
 }

@@ -1,4 +1,4 @@
-// A mesh file, read whole, and where in it something is wrong.
+// A mesh file, read as a whole, and error messages with a place in it.
 #pragma once
 
 #include <cstddef>
@@ -8,7 +8,7 @@
 
 namespace springnet::meshes {
 
-// An offset into the file, told as a line of text or as a byte.
+// An offset into the file, reported as a line of text or as a byte.
 struct Place {
   std::size_t offset = 0;
   bool binary = false;
@@ -16,15 +16,15 @@ struct Place {
 
 class Source {
  public:
-  // Throws Error(input) for what is no file, cannot be read, or is empty.
+  // Throws Error(input) if it is not a regular file, cannot be read, or is empty.
   explicit Source(const std::filesystem::path& file);
 
   [[nodiscard]] std::string_view text() const noexcept { return text_; }
   [[nodiscard]] const std::string& name() const noexcept { return name_; }
   [[nodiscard]] std::string told(Place place) const;  // "line 3" or "byte 80"
 
-  // Messages of errors quote nothing of the file: it may be any file, one that its reader must not see too. Throws
-  // Error(input): "file:line: message" or "file: byte n: message".
+  // Error messages quote nothing from the file: a scene may name any file, even one that the reader of the message must
+  // not see. Throws Error(input): "file:line: message" or "file: byte n: message".
   [[noreturn]] void fail(Place place, std::string_view message) const;
   // Throws Error(input): "file: message".
   [[noreturn]] void fail(std::string_view message) const;

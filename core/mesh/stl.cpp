@@ -1,4 +1,4 @@
-// STL: triangles by the coordinates of their corners, as text or bytes.
+// STL: triangles by the coordinates of their corners, in text or binary form.
 #include <array>
 #include <cstring>
 #include <unordered_map>
@@ -41,12 +41,12 @@ class StlReader {
   }
 
  private:
-  // Some programs end the file with a line end or zeros: as much as is no triangle may follow the last one.
+  // Some programs append a line end or zeros: less than a triangle may follow the last one.
   [[nodiscard]] static bool fits(std::uint64_t bytes, std::uint64_t triangles) {
     return bytes >= triangle_size * triangles && bytes - triangle_size * triangles < triangle_size;
   }
 
-  // Binary files may begin with "solid" too, so what counts is whether the number of triangles fits the size.
+  // Binary files may begin with "solid" too, so the test is whether the number of triangles matches the size.
   [[nodiscard]] bool is_binary() const {
     const std::string_view text = builder_.source().text();
     if (text.size() >= header_size + 4) {
@@ -65,8 +65,8 @@ class StlReader {
     const auto count = in_.binary<std::uint32_t>(!is_little, "the number of triangles");
     if (!fits(in_.left(), count)) {
       in_.fail(
-          fmt::format("the number of triangles does not fit the {} bytes after it, {} for each; the file is cut off or "
-                      "damaged, or no STL, export it again",
+          fmt::format("the number of triangles does not match the {} bytes after it, {} for each; the file is cut off, "
+                      "damaged or not STL, export it again",
                       in_.left(), triangle_size));
     }
     for (std::uint32_t i = 0; i < count; ++i) {
@@ -74,13 +74,13 @@ class StlReader {
       const std::string_view bytes = in_.bytes(triangle_size, "a triangle");
       std::array<Vector3, 3> corners;
       for (std::size_t k = 0; k < 9; ++k) {
-        const std::size_t at = 12 + 4 * k;  // behind the normal
+        const std::size_t at = 12 + 4 * k;  // after the normal
         corners[k / 3][static_cast<Eigen::Index>(k % 3)] = from_bytes<float>(bytes.data() + at, !is_little);
       }
       triangle(corners, place);
     }
     if (in_.left() > 0)
-      builder_.count_note("byte behind the last triangle is not read", "bytes behind the last triangle are not read",
+      builder_.count_note("byte after the last triangle is not read", "bytes after the last triangle are not read",
                           in_.left());
   }
 
@@ -111,7 +111,7 @@ class StlReader {
     expect("facet");
     const Place place = in_.place();
     expect("normal");
-    for (int k = 0; k < 3; ++k) in_.word("a normal");  // it follows from the corners, and may be nonsense
+    for (int k = 0; k < 3; ++k) in_.word("a normal");  // ignored: the corners define it, and files often have it wrong
     expect("outer");
     expect("loop");
     std::array<Vector3, 3> corners;
@@ -127,7 +127,7 @@ class StlReader {
   void triangle(const std::array<Vector3, 3>& corners, Place place) {
     std::array<std::uint32_t, 3> points{};
     for (std::size_t k = 0; k < 3; ++k) {
-      // -0 + 0 is 0: both zeros are one point.
+      // -0 + 0 is 0: both zeros make the same point.
       const std::array<double, 3> position{corners[k].x() + 0.0, corners[k].y() + 0.0, corners[k].z() + 0.0};
       const auto found = points_.find(position);
       if (found != points_.end()) {

@@ -11,7 +11,7 @@
 namespace springnet {
 namespace {
 
-// A group as a mesh of its own. Its size is that of the group, as a mesh may have as many groups as cells.
+// A group as a mesh of its own. Its cost depends on the group alone, because a mesh may have as many groups as cells.
 Mesh part_of(const Mesh& mesh, const MeshGroup& group) {
   Mesh part;
   for (const std::uint32_t point : group.points) part.points.push_back(mesh.points[point]);
@@ -79,25 +79,25 @@ MeshExtent extent_of(const std::string& name, const Mesh& mesh) {
 }  // namespace
 
 UnitGuess guess_unit(double size) {
-  // Between these, coordinates in metres are ordinary. Up to `doubtful` they may be metres or millimetres.
+  // Sizes from `least` to `doubtful` are plausible in metres; up to `too_large` they may be metres or millimetres.
   constexpr double least = 1e-3, doubtful = 3.0, too_large = 10.0, micrometres = 2e4;
   const auto as = [&](const char* unit) { return fmt::format("{:.3g} {}", size, unit); };
-  if (!(size > 0.0)) return {"metres", 1.0, false, "It has no size to tell the unit by."};
+  if (!(size > 0.0)) return {"metres", 1.0, false, "It has no extent, so its unit is unknown."};
   if (size < least) {
     return {"metres", 1.0, false,
-            fmt::format("It is {:.3g} long: in metres less than a millimetre, and in no usual unit more.", size)};
+            fmt::format("It is {:.3g} long: less than a millimetre in metres, and even less in smaller units.", size)};
   }
   if (size <= doubtful) {
     return {
         "metres", 1.0, true,
-        fmt::format("It is {} long; as millimetres that would be {} µm.", as("m"), fmt::format("{:.3g}", 1e3 * size))};
+        fmt::format("It is {} long; in millimetres it would be {} µm.", as("m"), fmt::format("{:.3g}", 1e3 * size))};
   }
   if (size <= too_large) {
-    return {"metres", 1.0, false, fmt::format("It is {} or {} long; nothing says which.", as("m"), as("mm"))};
+    return {"metres", 1.0, false, fmt::format("It is {} or {} long; the file does not tell which.", as("m"), as("mm"))};
   }
   if (size <= micrometres) {
     return {"millimetres", 1e-3, true,
-            fmt::format("It is {} long; as metres it would be as large as a house.", as("mm"))};
+            fmt::format("It is {} long; in metres it would be as large as a house.", as("mm"))};
   }
   return {"micrometres", 1e-6, false,
           fmt::format("It is {:.3g} mm long in micrometres, {:.3g} m in millimetres.", 1e-3 * size, 1e-3 * size)};

@@ -19,7 +19,7 @@ using meshes::FaceKey;
 void divide(const std::array<std::uint32_t, 4>& corners, const std::vector<Vector3>& points, std::vector<Face>& faces) {
   const auto& [a, b, c, d] = corners;
   const double first = (points[c] - points[a]).squaredNorm(), second = (points[d] - points[b]).squaredNorm();
-  // Of two equal ones that at the lowest point, however the corners are listed.
+  // Of two equal diagonals the one at the lowest point number, whatever the order of the corners.
   if (first < second || (first == second && std::min(a, c) < std::min(b, d))) {
     faces.insert(faces.end(), {Face{a, b, c}, Face{a, c, d}});
   } else {
@@ -33,12 +33,12 @@ struct Side {
   std::uint32_t upper;
   std::size_t face;
   std::uint8_t side;
-  bool rising;  // from lower to upper
+  bool rising;  // runs from lower to upper
 };
 
 bool same_edge(const Side& a, const Side& b) { return a.lower == b.lower && a.upper == b.upper; }
 
-// Sides of all triangles, those of an edge one after the other, in the order of the triangles.
+// Sides of all triangles, grouped by edge, in the order of the triangles.
 std::vector<Side> sides_of(std::span<const Face> faces) {
   std::vector<Side> sides;
   sides.reserve(3 * faces.size());
@@ -54,7 +54,7 @@ std::vector<Side> sides_of(std::span<const Face> faces) {
   return sides;
 }
 
-// Calls with the sides of each edge.
+// Calls function(sides) for each edge.
 template <class Function>
 void for_each_edge(std::span<const Side> sides, const Function& function) {
   for (std::size_t begin = 0, end = 0; begin < sides.size(); begin = end) {
@@ -64,7 +64,7 @@ void for_each_edge(std::span<const Side> sides, const Function& function) {
 }
 
 struct Neighbour {
-  std::size_t face = std::numeric_limits<std::size_t>::max();  // that: none
+  std::size_t face = std::numeric_limits<std::size_t>::max();  // the default: none
   bool agrees = false;
 };
 
@@ -77,7 +77,7 @@ std::vector<std::array<Neighbour, 3>> neighbours_of(std::span<const Face> faces)
     if (edge.size() > 2) {
       fail(
           fmt::format("a surface: the edge from point {} to point {} belongs to {} triangles ({}, {}, {}, ...), so it "
-                      "has no inside: remove those that are too many",
+                      "is not a manifold: remove the surplus triangles",
                       edge[0].lower, edge[0].upper, edge.size(), edge[0].face, edge[1].face, edge[2].face));
     }
     if (edge.size() < 2) return;
@@ -107,7 +107,7 @@ std::vector<Face> surface_of(const Mesh& mesh) {
   std::sort(solid.begin(), solid.end(), [](const SolidFace& a, const SolidFace& b) {
     return std::tie(a.key, a.cell, a.face) < std::tie(b.key, b.cell, b.face);
   });
-  std::vector<FaceKey> keys;  // rising
+  std::vector<FaceKey> keys;  // ascending
   std::vector<SolidFace> outer;
   for (std::size_t begin = 0, end = 0; begin < solid.size(); begin = end) {
     while (end < solid.size() && solid[end].key == solid[begin].key) ++end;

@@ -14,11 +14,11 @@ namespace {
 constexpr std::array scalar_names{"Int8",   "UInt8", "Int16",  "UInt16",  "Int32",
                                   "UInt32", "Int64", "UInt64", "Float32", "Float64"};
 
-// zlib makes at most so many bytes of one.
+// zlib's greatest expansion factor.
 constexpr std::uint64_t most_expansion = 1032;
 
-// In memory, for each byte of the file: a number of one byte or of two characters takes eight bytes, some arrays may
-// share their data, and zlib makes a tenth of what meshes have; and so many bytes beside.
+// Limits of memory, in bytes for each byte of the file, and in addition: a number of one byte or two characters takes
+// eight bytes in memory, arrays may share their data, and zlib compresses meshes to about a tenth.
 constexpr std::uint64_t most_per_byte = 16, most_per_compressed_byte = 100, most_beside = 1U << 24U;
 
 int base64_digit(char c) noexcept {
@@ -29,8 +29,8 @@ int base64_digit(char c) noexcept {
   return c == '/' ? 63 : -1;
 }
 
-// Up to the first character that is not of it. VTK ends pieces with padding and goes on: header and data of compressed
-// arrays are two such pieces.
+// Decodes up to the first character that is not base64. VTK pads and concatenates pieces: header and data of a
+// compressed array are two pieces.
 std::string from_base64(std::string_view text) {
   std::string bytes;
   bytes.reserve(text.size() / 4 * 3);
@@ -56,7 +56,7 @@ Place ArrayReader::place(pugi::xml_node node) {
   return {static_cast<std::size_t>(std::max<std::ptrdiff_t>(node.offset_debug(), 0)), false};
 }
 
-// By what VTK or this reader knows it: its name may be anything.
+// For messages: only names that VTK or this reader defines, since the file's may be anything.
 std::string ArrayReader::name_of(pugi::xml_node array) {
   const std::string_view name = array.attribute("Name").value();
   if (name == "connectivity" || name == "offsets" || name == "types" || VtkCells::is_group_name(name)) {
@@ -83,7 +83,7 @@ Scalar ArrayReader::type(pugi::xml_node array) const {
   const std::string_view name = array.attribute("type").value();
   const auto found = std::find(scalar_names.begin(), scalar_names.end(), name);
   if (found == scalar_names.end()) {
-    fail(array, fmt::format("{} is of a type that is not read; export the mesh again", name_of(array)));
+    fail(array, fmt::format("{} has an unsupported type; export the mesh again", name_of(array)));
   }
   return static_cast<Scalar>(found - scalar_names.begin());
 }
@@ -92,10 +92,9 @@ void ArrayReader::claim(pugi::xml_node array, std::uint64_t count, std::uint64_t
   const std::uint64_t each = encoding_.compressed ? most_per_compressed_byte : most_per_byte;
   const std::uint64_t most = most_beside + source_.text().size() * each - claimed_;
   if (count > most / bytes_each) {
-    fail(array,
-         fmt::format("{} values are promised for {}, with those before more than the file can hold; it is damaged, "
-                     "export it again",
-                     count, name_of(array)));
+    fail(array, fmt::format("{} values are declared for {}, together with those before more than the file can hold; it "
+                            "is damaged, export it again",
+                            count, name_of(array)));
   }
   claimed_ += count * bytes_each;
 }
@@ -105,7 +104,7 @@ std::vector<double> ArrayReader::reals(pugi::xml_node array, std::uint64_t count
 }
 std::vector<std::int64_t> ArrayReader::integers(pugi::xml_node array, std::uint64_t count) {
   if (!is_integer(type(array))) {
-    fail(array, fmt::format("{} must be of whole numbers; export the mesh again", name_of(array)));
+    fail(array, fmt::format("{} must have whole numbers; export the mesh again", name_of(array)));
   }
   return values<std::int64_t>(array, count, 1);
 }
@@ -176,14 +175,15 @@ std::string ArrayReader::data(pugi::xml_node array, std::uint64_t bytes) const {
     }
     encoded = encoding_.appended.substr(static_cast<std::size_t>(offset));
     if (!encoding_.appended_raw) {
-      // Four characters for three bytes; what is compressed is hardly longer than what it was, but for its header.
+      // Base64 has four characters for three bytes; compressed data are at most slightly longer than the original, plus
+      // the header.
       const std::uint64_t enough = bytes < encoded.size() ? 2 * bytes + bytes / 64 + 4096 : encoded.size();
       decoded = from_base64(encoded.substr(0, static_cast<std::size_t>(enough)));
       encoded = decoded;
     }
   } else {
     fail(array,
-         fmt::format("{} has another format than 'ascii', 'binary' and 'appended'; export the mesh again", name));
+         fmt::format("{} has a format other than 'ascii', 'binary' and 'appended'; export the mesh again", name));
   }
   if (encoding_.compressed) return decompressed(array, encoded, bytes);
 
@@ -198,14 +198,16 @@ std::string ArrayReader::data(pugi::xml_node array, std::uint64_t bytes) const {
   return std::string(encoded.substr(header, static_cast<std::size_t>(bytes)));
 }
 
-// Number of blocks, size of a block, size of the last one (0: as the others), compressed size of each; then the blocks.
+// Layout: number of blocks, size of a block, size of the last one (0: as the others), compressed size of each; then the
+// blocks.
 std::string ArrayReader::decompressed(pugi::xml_node array, std::string_view encoded, std::uint64_t bytes) const {
   const auto check = [&](bool fine) {
     if (fine) return;
     fail(array,
-         fmt::format("the compressed data of {} are damaged or do not fit the {} bytes that the counts say; export "
-                     "the mesh again",
-                     name_of(array), bytes));
+         fmt::format(
+             "the compressed data of {} are damaged or do not match the {} bytes that the counts require; export "
+             "the mesh again",
+             name_of(array), bytes));
   };
   const std::size_t word = encoding_.wide_header ? 8 : 4;
   check(encoded.size() >= 3 * word && bytes <= encoded.size() * most_expansion);

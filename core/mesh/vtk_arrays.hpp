@@ -1,4 +1,4 @@
-// The DataArray elements of VTK's XML files, however they are encoded.
+// The DataArray elements of VTK's XML files, in all encodings.
 #pragma once
 
 #include <cstdint>
@@ -15,27 +15,27 @@ namespace springnet::meshes {
 
 // How a file encodes its arrays.
 struct ArrayEncoding {
-  bool swap = false;         // bytes are in the other order
-  bool wide_header = false;  // numbers before the data have 64 bits, not 32
+  bool swap = false;         // the file's byte order differs from the machine's
+  bool wide_header = false;  // header numbers have 64 bits, not 32
   bool compressed = false;   // zlib
   bool appended_raw = false;
-  std::string_view appended{};     // what follows the underscore of AppendedData
-  std::size_t appended_begin = 0;  // where that is in the file
+  std::string_view appended{};     // the data after the underscore of AppendedData
+  std::size_t appended_begin = 0;  // its offset in the file
 };
 
 class ArrayReader {
  public:
   ArrayReader(const Source& source, const ArrayEncoding& encoding) : source_(source), encoding_(encoding) {}
 
-  // `count` times `components` values. Throw Error(input) for another number, for values that do not fit, for damaged
-  // data, and where all arrays that were asked for together claim more than the file can hold (several may share the
-  // same data, so that each alone would be fine).
+  // Read `count` times `components` values. Throw Error(input) if the number differs, a value is out of range, the data
+  // are damaged, or all arrays read so far together claim more than the file can hold (arrays may share data, so that
+  // each alone would pass).
   [[nodiscard]] std::vector<double> reals(pugi::xml_node array, std::uint64_t count, std::uint64_t components = 1);
   [[nodiscard]] std::vector<std::int64_t> integers(pugi::xml_node array, std::uint64_t count);
 
   [[nodiscard]] static Place place(pugi::xml_node node);
   [[noreturn]] void fail(pugi::xml_node node, std::string_view message) const { source_.fail(place(node), message); }
-  // An attribute that is a whole number from 0 on.
+  // An attribute that is a whole number, 0 or more.
   [[nodiscard]] std::uint64_t number(pugi::xml_node node, const char* attribute) const;
   [[nodiscard]] Scalar type(pugi::xml_node array) const;
 
@@ -45,7 +45,7 @@ class ArrayReader {
   void claim(pugi::xml_node array, std::uint64_t count, std::uint64_t bytes_each);
   template <class To>
   std::vector<To> text_values(pugi::xml_node array, std::uint64_t count) const;
-  // The bytes of an array, without what stands before them.
+  // The bytes of an array, without its header.
   std::string data(pugi::xml_node array, std::uint64_t bytes) const;
   std::string decompressed(pugi::xml_node array, std::string_view encoded, std::uint64_t bytes) const;
   [[nodiscard]] static std::string name_of(pugi::xml_node array);

@@ -16,7 +16,7 @@ namespace {
 struct VtkType {
   int number;
   std::size_t points;
-  CellType cell;  // whose corners are its first points
+  CellType cell;  // its corners are the first points
 };
 constexpr std::array vtk_types{VtkType{1, 1, CellType::vertex},         VtkType{3, 2, CellType::line},
                                VtkType{5, 3, CellType::triangle},       VtkType{9, 4, CellType::quadrilateral},
@@ -37,7 +37,7 @@ constexpr std::array<std::size_t, 8> voxel_order{0, 1, 3, 2, 4, 5, 7, 6};
 
 constexpr std::array group_names{"group",         "groups",      "material",     "materials",
                                  "CellEntityIds", "PhysicalIds", "gmsh:physical"};
-constexpr std::size_t most_groups = 1000;  // more are no groups but a number for each cell
+constexpr std::size_t most_groups = 1000;  // more are not groups but a number for each cell
 
 template <class From, class To>
 void decode_as(std::string_view bytes, bool swap, std::vector<To>& values) {
@@ -46,7 +46,7 @@ void decode_as(std::string_view bytes, bool swap, std::vector<To>& values) {
   }
 }
 
-// The values that are there, or none if they are too many for groups.
+// Groups of the builder by value; empty if there are too many values for groups.
 std::optional<std::map<std::int64_t, std::size_t>> groups_for(Builder& builder, const std::string& name,
                                                               std::span<const std::int64_t> values) {
   std::map<std::int64_t, std::size_t> groups;
@@ -117,8 +117,8 @@ void VtkCells::add(int type, std::span<const std::int64_t> points, Place place) 
   corners_.clear();
   for (const std::int64_t point : points) {
     if (point < 0 || static_cast<std::uint64_t>(point) >= point_count) {
-      source.fail(place, fmt::format("cell {} has point {}, there are {} (0 to {}); export the mesh again", count() - 1,
-                                     point, point_count, static_cast<std::int64_t>(point_count) - 1));
+      source.fail(place, fmt::format("cell {} has point {}, but there are {} (0 to {}); export the mesh again",
+                                     count() - 1, point, point_count, static_cast<std::int64_t>(point_count) - 1));
     }
     corners_.push_back(first_point_ + static_cast<std::uint32_t>(point));
   }
@@ -143,7 +143,7 @@ void VtkCells::add(int type, std::span<const std::int64_t> points, Place place) 
       return;
     case vtk::triangle_strip:
       need(3, false);
-      for (std::size_t k = 2; k < corners.size(); ++k) {  // every second one is turned
+      for (std::size_t k = 2; k < corners.size(); ++k) {  // every second triangle is reversed
         const std::size_t odd = k % 2;
         builder_.add_cell(CellType::triangle, std::array{corners[k - 2 + odd], corners[k - 1 - odd], corners[k]},
                           place);
@@ -204,7 +204,7 @@ void VtkCells::groups_of_points(const std::string& name, std::span<const std::in
 }
 
 void add_grid_cells(VtkCells& cells, const std::array<std::size_t, 3>& dimensions, Place place) {
-  // In a direction with one point cells have no extent: one layer, and no step to a far corner.
+  // In a direction with one point cells have no extent: one layer, and no step along it.
   std::array<std::size_t, 3> layers{};
   for (std::size_t k = 0; k < 3; ++k) layers[k] = dimensions[k] > 1 ? dimensions[k] - 1 : 1;
   std::vector<std::array<std::size_t, 3>> steps{{0, 0, 0}};  // to the corners, in the order of pixels and voxels

@@ -1,4 +1,4 @@
-// Cells and data of VTK's files, text and XML alike.
+// Cells and data of VTK's files, legacy and XML.
 #pragma once
 
 #include <array>
@@ -15,16 +15,16 @@ namespace springnet::meshes {
 enum class Scalar : std::uint8_t { i8, u8, i16, u16, i32, u32, i64, u64, f32, f64 };
 [[nodiscard]] std::size_t size_of(Scalar type) noexcept;
 [[nodiscard]] bool is_integer(Scalar type) noexcept;
-// Values of that type one after the other; To is double or std::int64_t, the latter from integers alone.
+// Decodes consecutive values of that type; To is double, or for integer types std::int64_t.
 template <class To>
 [[nodiscard]] std::vector<To> decode(Scalar type, std::string_view bytes, bool swap);
 
-// VTK's numbers of cells that the readers name themselves.
+// VTK's cell type numbers that the readers use themselves.
 namespace vtk {
 constexpr int vertex = 1, poly_vertex = 2, line = 3, poly_line = 4, triangle_strip = 6, polygon = 7;
 }
 
-// Makes cells of a mesh from those of a piece of a file: a polyline becomes lines, a strip triangles.
+// Converts the cells of a piece of a file to those of a mesh: a polyline becomes lines, a strip triangles.
 class VtkCells {
  public:
   // Point 0 of the piece is the builder's `first_point`.
@@ -34,9 +34,9 @@ class VtkCells {
   void add(int type, std::span<const std::int64_t> points, Place place);
   [[nodiscard]] std::size_t count() const noexcept { return begins_.size(); }
 
-  // Whether an array of that name gives groups: "group", "material", "CellEntityIds", "PhysicalIds", … in any case.
+  // Whether an array of that name gives groups: "group", "material", "CellEntityIds", "PhysicalIds", …, ignoring case.
   [[nodiscard]] static bool is_group_name(std::string_view name);
-  // One group a number, named "NAME NUMBER". One value a cell, or a point of the piece.
+  // Makes one group for each number, named "NAME NUMBER". One value for each cell, or point, of the piece.
   void groups_of_cells(const std::string& name, std::span<const std::int64_t> values);
   void groups_of_points(const std::string& name, std::span<const std::int64_t> values);
 
@@ -47,7 +47,8 @@ class VtkCells {
   std::vector<std::uint32_t> corners_;
 };
 
-// Cells of a grid of points, x fastest: lines, quadrilaterals or hexahedra by how many dimensions are above 1.
+// Cells of a grid of points, x fastest: lines, quadrilaterals or hexahedra, depending on how many dimensions are above
+// 1.
 void add_grid_cells(VtkCells& cells, const std::array<std::size_t, 3>& dimensions, Place place);
 
 }  // namespace springnet::meshes

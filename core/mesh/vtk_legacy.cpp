@@ -15,14 +15,14 @@
 namespace springnet::meshes {
 namespace {
 
-// Points of a grid that the file need not have a byte for: a hundred bytes must not fill the memory.
+// Limit of implicit grid points, which take no bytes in the file: a file of a hundred bytes must not fill the memory.
 constexpr std::uint64_t most_implied_points = 1'000'000;
 
 struct NamedType {
   const char* name;
   Scalar type;
 };
-// vtkIdType is written as int; long has 8 bytes where VTK's files come from.
+// vtkIdType is written as int; long has 8 bytes on the platforms that write VTK files.
 constexpr std::array types{NamedType{"char", Scalar::i8},           NamedType{"unsigned_char", Scalar::u8},
                            NamedType{"short", Scalar::i16},         NamedType{"unsigned_short", Scalar::u16},
                            NamedType{"int", Scalar::i32},           NamedType{"unsigned_int", Scalar::u32},
@@ -97,7 +97,7 @@ class VtkLegacyReader {
     in_.fail("this should be a type of numbers; export the mesh with float, double or int");
   }
 
-  // As many values as are checked to be there. In binary files they follow the line, the highest byte first.
+  // Reads `count` values after checking that the file can hold them. In binary files they follow the line, big-endian.
   template <class To>
   std::vector<To> values(std::uint64_t count, Scalar type, std::string_view what) {
     if (std::is_same_v<To, std::int64_t> && !is_integer(type)) {
@@ -122,7 +122,7 @@ class VtkLegacyReader {
   }
   std::uint64_t number(std::string_view what) { return in_.integer<std::uint64_t>(what); }
 
-  // False where the rest of the file cannot be understood, and need not.
+  // False if the rest of the file cannot be parsed and is not needed.
   bool statement() {
     const std::string_view word = in_.word("a keyword");
     const auto is = [&](std::string_view keyword) { return equal_ignoring_case(word, keyword); };
@@ -172,7 +172,7 @@ class VtkLegacyReader {
       return attribute(word);
     } else {
       in_.fail(
-          "this should be a keyword of VTK; counts before it do not fit what the file has, or it is damaged: export it "
+          "this should be a VTK keyword; counts before it do not match the file, or it is damaged: export it "
           "again");
     }
     return true;
@@ -209,7 +209,7 @@ class VtkLegacyReader {
       if (lists.offsets.front() != 0 || lists.offsets.back() != static_cast<std::int64_t>(lists.points.size()) ||
           !std::is_sorted(lists.offsets.begin(), lists.offsets.end())) {
         in_.source().fail(lists.place,
-                          "OFFSETS do not rise from 0 to the length of CONNECTIVITY; export the mesh again");
+                          "OFFSETS do not increase from 0 to the length of CONNECTIVITY; export the mesh again");
       }
       return;
     }
@@ -228,7 +228,7 @@ class VtkLegacyReader {
       at += static_cast<std::size_t>(size) + 1;
     }
     if (lists.count() != first) {
-      in_.source().fail(lists.place, fmt::format("there are {} cells, {} were promised; export the mesh again",
+      in_.source().fail(lists.place, fmt::format("there are {} cells, but {} were declared; export the mesh again",
                                                  lists.count(), first));
     }
   }
@@ -242,7 +242,7 @@ class VtkLegacyReader {
       groups_.push_back({attributes_, name, values<std::int64_t>(tuples, scalar, name), place});
       return;
     }
-    if (gives_groups) builder_.note(fmt::format("array '{}' is not of whole numbers and gives no groups", name));
+    if (gives_groups) builder_.note(fmt::format("array '{}' does not have whole numbers and gives no groups", name));
     if (binary_) {
       in_.check_count(tuples * components, size_of(scalar), "the number of values");
       in_.line();
@@ -270,7 +270,7 @@ class VtkLegacyReader {
     return true;
   }
 
-  // Of arrays that are stepped over; none for bits and strings, behind which nothing more is read.
+  // Type of an array that is skipped; empty for bits and strings, after which nothing more is read.
   std::optional<Scalar> data_type() {
     const std::string_view name = in_.peek();
     if (equal_ignoring_case(name, "bit") || equal_ignoring_case(name, "string") ||
@@ -309,7 +309,7 @@ class VtkLegacyReader {
     const auto scalar = data_type();
     if (!scalar) return false;
     if (is("SCALARS")) {
-      // The number of components may be left out, so may the table of colours, which has a line.
+      // The number of components is optional, as is the colour table, which has its own line.
       const std::string_view next = in_.peek();
       if (next.size() == 1 && next[0] >= '1' && next[0] <= '4') components = number("components");
       if (equal_ignoring_case(in_.peek(), "LOOKUP_TABLE")) {
@@ -356,7 +356,7 @@ class VtkLegacyReader {
     const std::uint64_t most = std::max<std::uint64_t>(most_implied_points, builder_.source().text().size());
     check(nx <= most && ny <= most / nx && nz <= most / (nx * ny),
           fmt::format(
-              "DIMENSIONS are {} x {} x {}, more than {} points, which a file of {} bytes may have; use a coarser "
+              "DIMENSIONS are {} x {} x {}, more than the {} points that a file of {} bytes may have; use a coarser "
               "grid",
               nx, ny, nz, most, builder_.source().text().size()));
     if (equal_ignoring_case(dataset_, "STRUCTURED_GRID")) {
@@ -377,7 +377,7 @@ class VtkLegacyReader {
       }
       const auto& [x, y, z] = coordinates_;
       check(x.size() == nx && y.size() == ny && z.size() == nz,
-            "X_, Y_ and Z_COORDINATES are not as many as DIMENSIONS says; export the mesh again");
+            "the numbers of X_, Y_ and Z_COORDINATES do not match DIMENSIONS; export the mesh again");
       builder_.reserve_points(static_cast<std::size_t>(nx * ny * nz));
       for (const double pz : z) {
         for (const double py : y) {

@@ -22,7 +22,7 @@ class VtkXmlReader {
   Mesh read() {
     parse();
     const pugi::xml_node file = document_.child("VTKFile");
-    if (!file) source_.fail({0, false}, "this is XML without <VTKFile>, no file of VTK; give it its own ending");
+    if (!file) source_.fail({0, false}, "this is XML without <VTKFile>, so not a VTK file; give it its own extension");
     set_encoding(file);
     arrays_.emplace(source_, encoding_);
     const std::string_view type = file.attribute("type").value();
@@ -40,14 +40,14 @@ class VtkXmlReader {
     }
     if (pieces == 0) arrays_->fail(file, fmt::format("there is no <Piece> in <{}>; export the mesh again", type));
     if (pieces > 1) {
-      builder_.note(fmt::format(
-          "the file has {} pieces, which are not joined: points on their borders are there for each", pieces));
+      builder_.note(
+          fmt::format("the file has {} pieces, which are not joined: points on their borders are duplicated", pieces));
     }
     return std::move(builder_).finish();
   }
 
  private:
-  // Appended data may be any bytes, which are no XML: they are cut off before.
+  // Appended data may be arbitrary bytes, not valid XML: they are removed before parsing.
   void parse() {
     const std::string_view text = source_.text();
     std::string_view xml = text;
@@ -65,12 +65,12 @@ class VtkXmlReader {
       without_data = std::string(text.substr(0, appended)) + "</VTKFile>";
       xml = without_data;
     }
-    // Line ends stay as they are, so that offsets are those of the file.
+    // Keep line ends, so that offsets match the file.
     const auto options = pugi::parse_default & ~pugi::parse_eol;
     const pugi::xml_parse_result result = document_.load_buffer(xml.data(), xml.size(), options, pugi::encoding_utf8);
     if (!result) {
       source_.fail({static_cast<std::size_t>(std::max<std::ptrdiff_t>(result.offset, 0)), false},
-                   fmt::format("{}; this is no XML, or cut off: export the mesh again", result.description()));
+                   fmt::format("{}; this is not valid XML, or cut off: export the mesh again", result.description()));
     }
   }
 
@@ -79,7 +79,7 @@ class VtkXmlReader {
                            std::initializer_list<std::string_view> known) {
       if (std::find(known.begin(), known.end(), value) != known.end()) return;
       source_.fail(ArrayReader::place(file),
-                   fmt::format("{} should be '{}'; save the mesh so", attribute, fmt::join(known, "' or '")));
+                   fmt::format("{} should be '{}'; save the mesh with that", attribute, fmt::join(known, "' or '")));
     };
     const std::string_view order = file.attribute("byte_order").as_string("LittleEndian");
     check("byte_order", order, {"LittleEndian", "BigEndian"});
@@ -122,7 +122,7 @@ class VtkXmlReader {
     const std::string name = array.attribute("Name").value();
     if (!VtkCells::is_group_name(name) || array.attribute("NumberOfComponents").as_int(1) != 1) return false;
     if (is_integer(arrays_->type(array))) return true;
-    builder_.note(fmt::format("array '{}' is not of whole numbers and gives no groups", name));
+    builder_.note(fmt::format("array '{}' does not have whole numbers and gives no groups", name));
     return false;
   }
 
@@ -157,7 +157,7 @@ class VtkXmlReader {
     lists.ends = arrays_->integers(offsets, count);
     if (lists.ends.empty()) return lists;
     if (lists.ends.front() < 0 || !std::is_sorted(lists.ends.begin(), lists.ends.end())) {
-      arrays_->fail(offsets, "offsets of cells do not rise; export the mesh again");
+      arrays_->fail(offsets, "offsets of cells do not increase; export the mesh again");
     }
     lists.points = arrays_->integers(array_of(parent, "connectivity"), static_cast<std::uint64_t>(lists.ends.back()));
     return lists;

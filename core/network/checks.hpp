@@ -1,4 +1,4 @@
-// What the checks of a network share.
+// Shared parts of the network's input checks.
 #pragma once
 
 #include <algorithm>
@@ -17,7 +17,7 @@ namespace springnet::checks {
 
 inline std::string text(const Vector3& v) { return fmt::format("[{}, {}, {}]", v.x(), v.y(), v.z()); }
 
-// "0.57 s", without the digits that rounding leaves of 57 times 0.01; a time that is no number is told in words.
+// "0.57 s", without rounding digits as of 57 * 0.01; infinities and NaN in words.
 inline std::string seconds(double time) {
   if (std::isfinite(time)) return fmt::format("{:.10g} s", time);
   return std::isnan(time) ? "not a number" : time > 0.0 ? "infinity" : "minus infinity";
@@ -31,17 +31,18 @@ inline void check_finite(const Vector3& v, std::string_view what) {
   if (!v.allFinite()) fail(fmt::format("{} must be finite, is {}", what, text(v)));
 }
 
-// Rising, each once.
+// Sorts and removes duplicates.
 inline void sort(std::vector<NodeIndex>& nodes) {
   std::sort(nodes.begin(), nodes.end());
   nodes.erase(std::unique(nodes.begin(), nodes.end()), nodes.end());
 }
 
-// The times of a table of as many `values`.
+// Checks the times of a table with `count` entries of `values`.
 inline void check_times(const std::vector<double>& times, std::size_t count, std::string_view values,
                         std::string_view what) {
   if (times.size() != count) {
-    fail(fmt::format("{}: its table has {} times and {} {}: give as many of each", what, times.size(), count, values));
+    fail(fmt::format("{}: its table has {} times and {} {}: give equal numbers of both", what, times.size(), count,
+                     values));
   }
   if (count < 2) fail(fmt::format("{}: its table needs two entries or more, has {}", what, count));
   for (std::size_t k = 0; k < count; ++k) {
@@ -49,13 +50,13 @@ inline void check_times(const std::vector<double>& times, std::size_t count, std
       fail(fmt::format("{}: a time must be finite, entry {} of its table is {}", what, k, seconds(times[k])));
     }
     if (k > 0 && !(times[k - 1] < times[k])) {
-      fail(fmt::format("{}: the times of its table must rise, but entry {} is at {} and entry {} at {}", what, k - 1,
-                       seconds(times[k - 1]), k, seconds(times[k])));
+      fail(fmt::format("{}: the times of its table must increase, but entry {} is at {} and entry {} at {}", what,
+                       k - 1, seconds(times[k - 1]), k, seconds(times[k])));
     }
   }
 }
-// Throws Error(input) for a lattice that is not finite, whose nodes and springs have no numbers beside those there are,
-// or that the memory of this machine cannot hold.
+// Throws Error(input) if the lattice is not finite, would exceed the largest node or spring number together with those
+// that exist, or does not fit into this machine's memory.
 void check_lattice(const std::string& name, const Lattice& lattice, std::size_t nodes_there, std::size_t springs_there);
 
 }  // namespace springnet::checks

@@ -24,12 +24,12 @@ std::size_t nodes_of(Invariant invariant) {
     case Invariant::enclosed_volume:
       break;
   }
-  return 0;  // three a triangle
+  return 0;  // any number: three a triangle
 }
 
 std::uint64_t directed(NodeIndex from, NodeIndex to) { return std::uint64_t{from} << 32 | to; }
 
-// Every edge has to be that of two triangles, once in each direction.
+// Every edge must belong to two triangles, once in each direction.
 void check_closed(const std::vector<NodeIndex>& nodes) {
   std::unordered_map<std::uint64_t, std::size_t> triangle_of;  // by directed edge
   const auto corner = [&](std::size_t triangle, std::size_t k) { return nodes[3 * triangle + k % 3]; };
@@ -39,7 +39,7 @@ void check_closed(const std::vector<NodeIndex>& nodes) {
       if (is_new) continue;
       fail(
           fmt::format("an enclosed volume: triangles {} and {} both run from node {} to node {}: turn one of them, so "
-                      "that all are counterclockwise seen from outside, or leave out what is there twice",
+                      "that all are counterclockwise seen from outside, or remove duplicates",
                       other->second, t, corner(t, k), corner(t, k + 1)));
     }
   }
@@ -103,7 +103,7 @@ ElementIndex Network::add_element(Invariant invariant, std::vector<NodeIndex> no
     for (std::size_t i = begin; i < begin + corners; ++i) {
       for (std::size_t j = begin; j < i; ++j) {
         if (nodes[i] == nodes[j]) {
-          fail(fmt::format("{}: node {} is twice in it: give different nodes", what, nodes[i]));
+          fail(fmt::format("{}: it has node {} twice: give different nodes", what, nodes[i]));
         }
       }
     }
@@ -146,7 +146,7 @@ double Network::value_of(const Element& element) const {
     case Invariant::enclosed_volume:
       break;
   }
-  // From a node of the surface: far from the origin its coordinates would lose the digits that matter.
+  // Relative to a node of the surface: far from the origin the sum would lose significant digits.
   const Vector3 origin = p(0);
   double sum = 0.0;
   for (std::size_t k = 0; k < element.nodes.size(); k += 3)

@@ -17,7 +17,7 @@ Kinks kinks(Motion::Interpolation interpolation, const std::vector<double>& time
   Kinks result{values.size(), 0, 0.0};
   for (std::size_t k = 0; k + 2 < values.size(); ++k) {
     const double jump = size(Value(velocity(k + 1) - velocity(k)));
-    if (jump > 1e-6 * fastest) ++result.count;  // what rounding of the table leaves of an even motion does not count
+    if (jump > 1e-6 * fastest) ++result.count;  // rounding of the table's entries is no kink
     result.greatest = std::max(result.greatest, jump);
   }
   return result;

@@ -19,7 +19,7 @@ namespace {
 
 using Step = std::array<int, 3>;
 
-// From a node to its neighbours of higher number, so that each spring is met once.
+// Steps from a node to its neighbours of higher number, so that each spring is visited once.
 constexpr std::array<Step, 3> axial{{{1, 0, 0}, {0, 1, 0}, {0, 0, 1}}};
 constexpr std::array<Step, 6> across_faces{{{1, 1, 0}, {-1, 1, 0}, {1, 0, 1}, {-1, 0, 1}, {0, 1, 1}, {0, -1, 1}}};
 constexpr std::array<Step, 4> through_cells{{{1, 1, 1}, {-1, 1, 1}, {1, -1, 1}, {-1, -1, 1}}};
@@ -44,7 +44,7 @@ std::vector<Direction> directions_of(const Lattice& lattice) {
   return directions;
 }
 
-// Counts as double: products of three 32-bit numbers do not fit an integer, and are exact far beyond the limit.
+// Counts are double: a product of three 32-bit numbers can overflow an integer; a double is exact far beyond the limit.
 double node_count(const Lattice& lattice) {
   return static_cast<double>(lattice.nodes[0]) * lattice.nodes[1] * lattice.nodes[2];
 }
@@ -61,7 +61,7 @@ double spring_count(const Lattice& lattice, const std::vector<Direction>& direct
   return count;
 }
 
-// Bytes that this process may have, infinity where the system does not say.
+// Memory available to this process, bytes; infinity if unknown.
 double memory_of_machine() {
   const long pages = sysconf(_SC_PHYS_PAGES), page = sysconf(_SC_PAGESIZE);
   double memory = std::numeric_limits<double>::infinity();
@@ -70,7 +70,7 @@ double memory_of_machine() {
   if (getrlimit(RLIMIT_AS, &limit) == 0 && limit.rlim_cur != RLIM_INFINITY) {
     memory = std::min(memory, static_cast<double>(limit.rlim_cur));
   }
-  // Of a container.
+  // Limits of a container.
   for (const char* file : {"/sys/fs/cgroup/memory.max", "/sys/fs/cgroup/memory/memory.limit_in_bytes"}) {
     double most = 0.0;
     if (std::ifstream(file) >> most) memory = std::min(memory, most);
@@ -98,31 +98,30 @@ void checks::check_lattice(const std::string& name, const Lattice& lattice, std:
       fail(fmt::format("origin and spacing must keep it finite, its end along {} is {}", letter, end));
   }
   for (const Direction& direction : directions) {
-    if (!std::isfinite(direction.length)) fail("its spacing is so great that its diagonals are not finite");
+    if (!std::isfinite(direction.length)) fail("its spacing is so large that its diagonals are not finite");
   }
   constexpr double limit = std::numeric_limits<std::uint32_t>::max();
   const double nodes = static_cast<double>(nodes_there) + node_count(lattice);
   const double springs = static_cast<double>(springs_there) + spring_count(lattice, directions);
   if (nodes > limit || springs > limit) {
-    fail(
-        fmt::format("the network would have {:.4g} nodes and {:.4g} springs, at most {:.0f} of each have numbers: use "
-                    "fewer nodes",
-                    nodes, springs, limit));
+    fail(fmt::format(
+        "the network would have {:.4g} nodes and {:.4g} springs, but the limit is {:.0f} of each: use fewer nodes",
+        nodes, springs, limit));
   }
-  // A simulation has each node and spring at least once more.
+  // A simulation stores each node and spring at least once more.
   const double needed = 2 * (nodes * sizeof(Node) + springs * sizeof(Spring)), there = memory_of_machine();
   if (needed > there) {
-    fail(fmt::format(
-        "the network would have {:.4g} nodes and {:.4g} springs, whose simulation needs more than {:.3g} GB; "
-        "this machine has {:.3g} GB: use fewer nodes",
-        nodes, springs, needed * 1e-9, there * 1e-9));
+    fail(
+        fmt::format("the network would have {:.4g} nodes and {:.4g} springs, whose simulation needs more than {:.3g} "
+                    "GB, but this machine has {:.3g} GB: use fewer nodes",
+                    nodes, springs, needed * 1e-9, there * 1e-9));
   }
 }
 
 namespace {
 
-// The boundary of a lattice as triangles, outward; both halves of each quadrilateral of one that is a node thick, and
-// nothing of a row. Quadrilaterals are divided along the diagonal from their lowest corner.
+// The boundary of a lattice as outward triangles. A lattice one node thick gives its quadrilaterals, a single row
+// nothing. Quadrilaterals are divided along the diagonal from their lowest corner.
 class Boundary {
  public:
   Boundary(const Lattice& lattice, NodeIndex first) : nodes_(lattice.nodes), first_(first) {}
@@ -138,7 +137,7 @@ class Boundary {
   }
 
  private:
-  // The side at `place` along `axis`, seen from its upper end or from its lower one.
+  // Adds the side at `place` along `axis`, facing the axis' upper or lower end.
   void add_side(Network& network, std::size_t axis, std::uint32_t place, bool from_above) const {
     const std::size_t u = (axis + 1) % 3, v = (axis + 2) % 3;
     const std::array<NodeIndex, 3> strides{1, nodes_[0], nodes_[0] * nodes_[1]};
@@ -156,7 +155,8 @@ class Boundary {
   NodeIndex first_;
 };
 
-// Room for `more` elements; at least half as much again, so that thousands of small bodies are not copied each time.
+// Reserves room for `more` elements, growing by at least one half, so that thousands of small bodies do not cause a
+// copy each.
 template <class Element>
 void reserve(std::vector<Element>& vector, std::size_t more) {
   const std::size_t needed = vector.size() + more;
@@ -179,7 +179,7 @@ void Network::add_lattice(const std::string& name, const Lattice& lattice, const
   const auto out_of_memory = [&] {
     const double gigabytes = (nodes * sizeof(Node) + springs * sizeof(Spring)) * 1e-9;
     throw Error(ErrorKind::input, fmt::format("lattice '{}': its {:.4g} nodes and {:.4g} springs need {:.3g} GB, which "
-                                              "this machine does not give: use fewer nodes",
+                                              "this machine cannot provide: use fewer nodes",
                                               name, nodes, springs, gigabytes));
   };
   try {
@@ -202,7 +202,7 @@ void Network::add_lattice(const std::string& name, const Lattice& lattice, const
       }
     }
   }
-  // A step out of the lattice below 0 wraps to a great number, which is outside as well.
+  // A step below 0 wraps to a large number, which is outside as well.
   const auto inside = [&](std::uint32_t place, int step, std::uint32_t count) {
     return place + static_cast<std::uint32_t>(step) < count;
   };

@@ -17,7 +17,7 @@ LoadCourse::LoadCourse(const Load& load) : start_(std::isfinite(load.from) ? loa
     greatest_ = 0.0;
     for (const double factor : course.factors) {
       motion.displacements.emplace_back(factor, 0.0, 0.0);
-      greatest_ = std::max(greatest_, std::abs(factor));  // between entries the cubic overshoots none
+      greatest_ = std::max(greatest_, std::abs(factor));  // the monotone cubic does not overshoot between entries
     }
     table_ = Trajectory(motion);
   } else if (course.frequency > 0.0) {

@@ -1,4 +1,4 @@
-// The factor of a load at any time, and its mean over a step.
+// The time-dependent factor of a load, and its mean over a step.
 #pragma once
 
 #include <utility>
@@ -17,13 +17,13 @@ class LoadCourse {
 
   // Whether the factor is 1 at all times.
   [[nodiscard]] bool is_constant() const noexcept { return kind_ == Kind::constant; }
-  // Both disregard the load's window.
+  // Factor at a time, s, disregarding the load's window.
   [[nodiscard]] double at(double time) const;
-  // Over [from, until], exact but for rounding; s.
+  // Mean of the factor over [from, until], s, exact up to rounding, disregarding the window.
   [[nodiscard]] double mean(double from, double until) const;
-  // The next time after `time` at which the factor or one of its derivatives jumps; infinity if there is none. s
+  // The next time after `time` at which the factor or one of its derivatives jumps, s; infinity if there is none.
   [[nodiscard]] double next_kink(double time) const;
-  // Bound of the factor's magnitude.
+  // Upper bound of the factor's magnitude.
   [[nodiscard]] double greatest() const noexcept { return greatest_; }
 
  private:
@@ -38,10 +38,10 @@ class LoadCourse {
   double greatest_ = 1.0;
 };
 
-// The forces of a load on nodes, N, with the factor 1 and every face where the load was added: a node may come more
-// than once.
+// The forces of a load on nodes, N, at factor 1 and with the face areas of the time when the load was added. A node may
+// occur several times.
 [[nodiscard]] std::vector<std::pair<NodeIndex, Vector3>> forces_of(const Load& load);
-// The same with the pressure on these areas of the faces, m^2.
+// The same with the pressure acting on these face area vectors, m^2.
 [[nodiscard]] std::vector<std::pair<NodeIndex, Vector3>> forces_of(const Load& load,
                                                                    const std::vector<Vector3>& pressed_areas);
 

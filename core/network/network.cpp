@@ -9,12 +9,12 @@ namespace {
 
 using namespace checks;
 
-// Numbers of nodes and springs have 32 bits; the greatest stands for "none".
+// Numbers of nodes and springs have 32 bits; the largest stands for "none".
 constexpr std::size_t largest_count = std::numeric_limits<std::uint32_t>::max();
 
-constexpr double length_accuracy = 1e-8;  // of a rigid connection's length: what the integrators keep
+constexpr double length_accuracy = 1e-8;  // relative; the integrators keep lengths to this
 
-// A text that is equal exactly where the uses are.
+// A string that identifies a use: equal for equal uses only.
 std::string key_of(const LawUse& use, std::string_view what) {
   if (use.id.empty()) fail(fmt::format("a {} has no id: name a component of a plugin", what));
   std::string key = fmt::format("{}:{};", use.id.size(), use.id);

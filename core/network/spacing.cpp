@@ -8,14 +8,14 @@
 namespace springnet {
 namespace {
 
-// A length has to be known to three digits; that of a rigid connection as well as it is kept.
+// Relative accuracy that a length needs: three digits for springs, the kept accuracy for rigid connections.
 constexpr double spring_accuracy = 1e-3, rigid_accuracy = 1e-8;
 
 double greatest_coordinate(const Node& a, const Node& b) {
   return std::max(a.position.cwiseAbs().maxCoeff(), b.position.cwiseAbs().maxCoeff());
 }
 
-// The distance of neighbouring numbers at a coordinate, m.
+// Spacing of floating-point numbers at a coordinate, m.
 double rounding_at(double coordinate) {
   return std::nextafter(coordinate, std::numeric_limits<double>::infinity()) - coordinate;
 }

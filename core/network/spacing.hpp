@@ -1,4 +1,4 @@
-// Whether coordinates still tell how far nodes are apart.
+// Whether coordinates resolve the distances between nodes.
 #pragma once
 
 #include <cstddef>
@@ -7,13 +7,13 @@
 
 namespace springnet {
 
-// How many of each a check leaves out, because they have been checked.
+// Numbers of each that have been checked already and are skipped.
 struct Checked {
   std::size_t springs = 0, elements = 0, rigids = 0;
 };
 
 // Throws Error(input) for the first spring, element or rigid connection whose length is lost to the rounding of its
-// nodes' coordinates: far from the origin the distance of neighbouring numbers comes near the length.
+// nodes' coordinates: far from the origin the spacing of floating-point numbers approaches the length.
 void check_spacing(const Network& network, const Checked& checked = {});
 
 }  // namespace springnet

@@ -1,4 +1,4 @@
-// What acts on a network from outside: surfaces, motions, cuts, gravity.
+// External influences on a network: obstacles, motions, cuts, gravity.
 #include <algorithm>
 #include <cmath>
 
@@ -21,7 +21,7 @@ void check_table(const Motion& motion, std::string_view what) {
   }
 }
 
-// Of motions and turns: while from <= t < until.
+// Window of motions and turns: active while from <= t < until.
 void check_window(double from, double until, std::string_view what) {
   if (!std::isfinite(from)) fail(fmt::format("{}: its start must be finite, is {}", what, seconds(from)));
   if (!(from < until)) {
@@ -80,7 +80,7 @@ void check_box(const BoxShape& box, std::string_view what) {
   if (!(box.size.allFinite() && box.size.minCoeff() > 0)) {
     fail(fmt::format("{}: the size of its box must be finite and above 0 m, is {}", what, text(box.size)));
   }
-  // Far above what rounding leaves of a product of rotations, far below what a user could mean.
+  // Far above the rounding of a product of rotations, far below an intended deviation.
   constexpr double exactness = 1e-9;
   const Eigen::Matrix3d& axes = box.axes;
   if (!axes.allFinite() || !(axes.transpose() * axes).isIdentity(exactness) || axes.determinant() < 0) {
@@ -88,7 +88,7 @@ void check_box(const BoxShape& box, std::string_view what) {
                      what));
   }
   if (!(box.radius >= 0 && box.radius <= box.size.minCoeff() / 2)) {
-    fail(fmt::format("{}: the radius of its box's edges must be 0 to {:g} m, half its least size, is {} m", what,
+    fail(fmt::format("{}: the radius of its box's edges must be 0 to {:g} m, half its smallest size, is {} m", what,
                      box.size.minCoeff() / 2, box.radius));
   }
 }
@@ -111,7 +111,7 @@ void check_polygon(const std::vector<Vector3>& polygon) {
     fail(fmt::format("a cutting polygon needs three corners or more, has {}", polygon.size()));
   }
   for (const Vector3& corner : polygon) check_finite(corner, "a corner of a cutting polygon");
-  // Newell's normal, of twice the area's length, also right for polygons that are not convex.
+  // Newell's normal, of length twice the area; valid for polygons that are not convex, too.
   Vector3 normal = Vector3::Zero();
   double extent = 0;
   for (std::size_t i = 0; i < polygon.size(); ++i) {
@@ -119,7 +119,7 @@ void check_polygon(const std::vector<Vector3>& polygon) {
     normal += a.cross(Vector3(polygon[(i + 1) % polygon.size()] - polygon[0]));
     extent = std::max(extent, a.norm());
   }
-  constexpr double flatness = 1e-6;  // of the extent: far above rounding, far below what a user could mean
+  constexpr double flatness = 1e-6;  // relative to the extent: far above rounding, far below an intended deviation
   if (!(normal.norm() > flatness * extent * extent)) {
     fail("the corners of a cutting polygon lie on a line: give corners that span an area");
   }

@@ -16,9 +16,9 @@ Trajectory::Trajectory(const Motion& motion) : motion_(motion) {
   if (motion_.interpolation == Motion::Interpolation::smooth) find_slopes();
 }
 
-// Fritsch and Carlson: a cubic between two entries is monotone where its end slopes, divided by the secant, lie in the
-// disc of radius 3 around 0 and are not negative. Slopes start as those of the parabola through three entries, and are
-// shortened onto the disc. The first and the last are 0: it starts and ends at rest.
+// Fritsch and Carlson: a cubic between two entries is monotone if its end slopes, divided by the secant, are not
+// negative and lie in the disc of radius 3 around 0. Slopes start as those of the parabola through three entries and
+// are scaled onto the disc. The first and the last are 0: the motion starts and ends at rest.
 void Trajectory::find_slopes() {
   const std::vector<double>& t = motion_.times;
   const std::vector<Vector3>& y = motion_.displacements;
@@ -28,7 +28,7 @@ void Trajectory::find_slopes() {
     const auto secant = [&](std::size_t k) { return (y[k + 1][axis] - y[k][axis]) / (t[k + 1] - t[k]); };
     for (std::size_t k = 1; k + 1 < count; ++k) {
       const double before = secant(k - 1), after = secant(k);
-      if (!(before * after > 0)) continue;  // a turning point, or a level piece beside it
+      if (!(before * after > 0)) continue;  // a local extremum or next to a level piece: slope 0
       const double share = (t[k + 1] - t[k]) / (t[k + 1] - t[k - 1]);
       slopes_[k][axis] = share * before + (1 - share) * after;
     }
@@ -86,7 +86,7 @@ Trajectory::Cubic Trajectory::piece(std::size_t first) const {
           h * (slopes_[first] + slopes_[after]) - 2 * step};
 }
 
-// The mean of s^n between a and b is sum_i a^i b^(n-i) / (n + 1): no cancellation, however short the part.
+// The mean of s^n between a and b is sum_i a^i b^(n-i) / (n + 1): no cancellation, however short the interval.
 Vector3 Trajectory::mean(double from, double until) const {
   if (!moves_) return Vector3::Zero();
   const std::vector<double>& t = motion_.times;

@@ -1,4 +1,4 @@
-// Where a motion is, how fast, and how it is accelerated, at any time.
+// Displacement, velocity and acceleration of a motion at any time.
 #pragma once
 
 #include <vector>
@@ -9,7 +9,7 @@ namespace springnet {
 
 class Trajectory {
  public:
-  Trajectory() = default;  // rests where it starts
+  Trajectory() = default;  // at rest
   // The motion must be one that Network accepts.
   explicit Trajectory(const Motion& motion);
 
@@ -18,16 +18,16 @@ class Trajectory {
     Vector3 velocity = Vector3::Zero();      // m/s
     Vector3 acceleration = Vector3::Zero();  // m/s^2
   };
-  // Where velocity or acceleration jump: their values just after.
+  // State at a time, s. Where velocity or acceleration jump: their right limits.
   [[nodiscard]] Sample at(double time) const;
-  // Mean of the displacement of a table over [from, until], exact but for rounding; m.
+  // Mean displacement of a table over [from, until] (s), m, exact up to rounding.
   [[nodiscard]] Vector3 mean(double from, double until) const;
-  // The next time after `time` at which velocity or acceleration may jump; infinity if there is none. s
+  // The next time after `time` at which velocity or acceleration may jump, s; infinity if there is none.
   [[nodiscard]] double next_change(double time) const;
-  // Of a sinusoid at a time, rad/s, and how far it swings, m; 0 for others.
+  // Angular frequency of a sinusoid at a time, rad/s, and its amplitude, m; 0 for other motions.
   [[nodiscard]] double swing_rate(double time) const noexcept;
   [[nodiscard]] const Vector3& amplitude() const noexcept { return motion_.amplitude; }
-  // False where the displacement is 0 at all times.
+  // False if the displacement is 0 at all times.
   [[nodiscard]] bool moves() const noexcept { return moves_; }
 
  private:
@@ -35,7 +35,7 @@ class Trajectory {
   struct Cubic {
     Vector3 start, linear, square, cube;  // y = start + s (linear + s (square + s cube)), s from 0 to 1
   };
-  [[nodiscard]] Cubic piece(std::size_t first) const;  // of a table, from this entry to the next
+  [[nodiscard]] Cubic piece(std::size_t first) const;  // of a table, from entry `first` to the next
   [[nodiscard]] Sample on_table(double time) const;
   [[nodiscard]] Sample on_sinusoid(double time) const;
 

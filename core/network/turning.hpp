@@ -1,4 +1,4 @@
-// How far a turn has gone, how fast it is, and how that changes, at any time.
+// Angle, rate and angular acceleration of a rotation at any time.
 #pragma once
 
 #include <limits>
@@ -11,7 +11,7 @@ namespace springnet {
 
 class Turning {
  public:
-  Turning() = default;  // never turns
+  Turning() = default;  // no rotation
   // The turn must be one that Network accepts.
   explicit Turning(const Turn& turn);
 
@@ -20,11 +20,11 @@ class Turning {
     double rate = 0.0;          // rad/s
     double acceleration = 0.0;  // rad/s^2
   };
-  // Where rate or acceleration jump: their values just after.
+  // State at a time, s. Where rate or acceleration jump: their right limits.
   [[nodiscard]] Sample at(double time) const;
-  // The next time after `time` at which they may jump; infinity if there is none. s
+  // The next time after `time` at which they may jump, s; infinity if there is none.
   [[nodiscard]] double next_change(double time) const;
-  // False where the angle is 0 at all times.
+  // False if the angle is 0 at all times.
   [[nodiscard]] bool turns() const noexcept { return rate_ != 0.0 || table_.moves(); }
 
  private:

@@ -9,7 +9,7 @@
 namespace springnet {
 namespace {
 
-// Of a reason, in characters: the message has room for the component's name and the place too.
+// Characters of a reason: leaves room in the message for the component's name and file.
 constexpr std::size_t longest_reason = 300;
 
 }  // namespace

@@ -1,5 +1,5 @@
-// Calls of a plugin's functions. The ABI forbids exceptions and asks for a reason, but nothing makes a plugin obey:
-// what it throws becomes a failure, and every failure names the component, its plugin and a reason.
+// Calls of a plugin's functions. The ABI forbids exceptions and requires a reason for failures, but a plugin may not
+// comply: an exception becomes a failure, and every failure names the component, its plugin and a reason.
 #pragma once
 
 #include <exception>
@@ -10,15 +10,15 @@
 
 namespace springnet {
 
-// The text of a message as it may be shown: a plugin may have left it without its end, or with control characters.
+// The text of a message, safe to display: a plugin may leave it unterminated or with control characters.
 [[nodiscard]] std::string text_of(const springnet_message& message);
 
 // "spring function 'linear' of plugin org.springnet.laws"
 [[nodiscard]] std::string full_name(const Component& component);
-// The same with the plugin's file, where there is one: "… (/usr/lib/springnet/plugins/laws.springnet.so)".
+// The same with the plugin's file, if there is one: "… (/usr/lib/springnet/plugins/laws.springnet.so)".
 [[nodiscard]] std::string full_name_with_file(const Component& component);
 
-// Puts into `message` that the component failed, and why: what `reason` says, if it says anything.
+// Writes to `message` that the component failed, with `reason` unless it is empty.
 void write_failure(const Component& component, const springnet_message& reason, springnet_message& message) noexcept;
 
 // Runs `function(own_message)`, which calls the component and returns its status. Unless the status is SPRINGNET_OK,
@@ -34,7 +34,7 @@ springnet_status call_component(const Component& component, springnet_message& m
   } catch (const std::exception& error) {
     sdk::detail::write_message(&own, error.what());
   } catch (...) {
-    sdk::detail::write_message(&own, "it threw something that is no std::exception");
+    sdk::detail::write_message(&own, "it threw something that is not a std::exception");
   }
   if (status == SPRINGNET_OK) return status;
   write_failure(component, own, message);

@@ -16,9 +16,9 @@
 namespace springnet {
 namespace {
 
-// No plugin has as many of anything; a greater number comes from a damaged or foreign struct.
+// No plugin has more of anything; a greater count comes from a damaged or foreign struct.
 constexpr std::uint32_t largest_count = 4096;
-// Bytes of a name, and of any other text.
+// Most bytes of a name, and of any other text.
 constexpr std::size_t longest_name = 100, longest_text = 8192;
 
 const char* const rebuild = "rebuild the plugin with the SDK of this springnet";
@@ -27,7 +27,8 @@ std::string too_short(std::string_view what, std::uint32_t size, std::size_t nee
   return fmt::format("{} has {} bytes, plugin ABI {}.0 needs {}: {}", what, size, SPRINGNET_ABI_MAJOR, needed, rebuild);
 }
 
-// Struct pointers that are null or too short for ABI 1.0. Every struct but the plugin's begins with its size.
+// Rejects struct pointers that are null or too short for ABI 1.0. Every struct except springnet_plugin begins with its
+// size.
 template <class Struct>
 std::string check_struct(const Struct* pointer, std::size_t needed, std::string_view what) {
   if (pointer == nullptr) return fmt::format("{} is a null pointer: fill it in", what);
@@ -35,7 +36,7 @@ std::string check_struct(const Struct* pointer, std::size_t needed, std::string_
   return {};
 }
 
-// Empty if the texts of `owner`, none of them null, are of lengths that texts have: a damaged one may have no end.
+// Empty if all texts of `owner` (none of them null) have a plausible length: a damaged one may be unterminated.
 std::string check_lengths(std::string_view owner, std::initializer_list<std::pair<const char*, const char*>> texts) {
   for (const auto& [name, text] : texts) {
     if (strnlen(text, longest_text + 1) > longest_text)
@@ -55,7 +56,7 @@ bool is_snake_case(const char* text) {
   return !name.empty() && name[0] >= 'a' && name[0] <= 'z' && std::all_of(name.begin(), name.end(), allowed);
 }
 
-// Names that stand beside parameters in a scene's tables.
+// Keys that share a scene's table with parameters.
 bool is_taken_by_scenes(std::string_view name, std::uint32_t kind) {
   return name == "type" || name == "name" || (kind == SPRINGNET_NEURON && name == "mass");
 }
@@ -77,7 +78,7 @@ std::string check_choices(const springnet_parameter& parameter, const std::strin
 
 std::string check_bounds(const springnet_parameter& parameter, const std::string& what) {
   const bool has_bounds = parameter.type == SPRINGNET_NUMBER || parameter.type == SPRINGNET_INTEGER;
-  if (has_bounds && !(parameter.smallest <= parameter.largest)) {  // also where one is nan
+  if (has_bounds && !(parameter.smallest <= parameter.largest)) {  // also if one is nan
     return fmt::format("{}: smallest {} and largest {} leave no value: correct them", what, parameter.smallest,
                        parameter.largest);
   }
@@ -116,7 +117,7 @@ std::string check_parameter(const springnet_parameter* parameter, const std::str
   return check_bounds(*parameter, named);
 }
 
-// A list of parameters, states or inputs.
+// Checks a list of parameters, states or inputs.
 std::string check_parameters(const springnet_parameter* const* list, std::uint32_t count, std::uint32_t kind,
                              const std::string& owner, std::string_view noun) {
   if (count == 0) return {};
@@ -201,7 +202,7 @@ std::string check_component(const springnet_component* component, std::uint32_t 
   }
 }
 
-// Magic, version, size, in the order in which they can be read.
+// Checks magic number, version and size, in the order in which they can be read safely.
 std::string check_header(const springnet_plugin& plugin) {
   if (plugin.magic != SPRINGNET_MAGIC) {
     return fmt::format(

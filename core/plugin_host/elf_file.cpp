@@ -13,9 +13,9 @@
 namespace springnet {
 namespace {
 
-constexpr const char* cut_off = "the file ends before what its header promises";
+constexpr const char* cut_off = "the file is shorter than its header declares";
 
-// Whether `count` bytes from `begin` lie within `size`, without an overflow.
+// Whether `count` bytes from `begin` lie within `size`, safe against overflow.
 bool within(std::uint64_t begin, std::uint64_t count, std::uint64_t size) {
   return begin <= size && count <= size - begin;
 }
@@ -36,8 +36,8 @@ std::string check_elf(const std::filesystem::path& file) {
   ElfW(Ehdr) header;
   if (size < sizeof header) return "file too short";
   if (!read(in, 0, header)) return "it cannot be read";
-  if (std::memcmp(header.e_ident, ELFMAG, SELFMAG) != 0) return "it is no ELF file";
-  // The loader itself tells of other machines and word sizes, before it maps anything.
+  if (std::memcmp(header.e_ident, ELFMAG, SELFMAG) != 0) return "it is not an ELF file";
+  // The loader itself rejects other machines and word sizes before it maps anything.
   if (header.e_ident[EI_CLASS] != (sizeof(void*) == 8 ? ELFCLASS64 : ELFCLASS32)) return {};
   if (header.e_phentsize != sizeof(ElfW(Phdr))) return {};
   for (std::uint64_t k = 0; k < header.e_phnum; ++k) {

@@ -28,7 +28,7 @@ std::filesystem::path folder_of(const std::filesystem::path& file) {
   return (failed ? file : real).parent_path();
 }
 
-// What the system's loader said. Boost wraps it into words of its own: "… (dlerror system message: F: why): code".
+// The message of the system's loader, extracted from Boost's: "… (dlerror system message: F: why): code".
 std::string loader_message(const std::exception& error, const std::filesystem::path& file) {
   std::string text = error.what();
   const std::string before = "dlerror system message: ";
@@ -46,7 +46,7 @@ std::string unloadable(const std::string& why) {
       why);
 }
 
-// Opening anything else may wait for ever (a pipe), or do something (a device). Empty: a file.
+// Opening anything but a regular file may block (a pipe) or have side effects (a device). Empty: a regular file.
 std::string check_kind(const std::filesystem::path& file) {
   const auto kind = std::filesystem::status(file).type();
   if (kind == std::filesystem::file_type::regular) return {};
@@ -55,7 +55,7 @@ std::string check_kind(const std::filesystem::path& file) {
                            : kind == std::filesystem::file_type::socket    ? "a socket"
                            : kind == std::filesystem::file_type::character ? "a device"
                            : kind == std::filesystem::file_type::block     ? "a device"
-                                                                           : "no file";
+                                                                           : "not a regular file";
   return fmt::format("cannot be loaded as a library (it is {}): remove it, or name a plugin's file", what);
 }
 
@@ -94,14 +94,14 @@ std::vector<std::filesystem::path> own_plugin_folders() {
   std::vector<std::filesystem::path> folders;
   try {
     folders.push_back(folder_of(boost::dll::this_line_location()) / plugins);
-    // Linked statically, the library is where the program is.
+    // If linked statically, the library is at the program's location.
     const std::filesystem::path program = folder_of(boost::dll::program_location());
     if (program / plugins == folders.front()) {
       folders.push_back((program / ".." / "lib" / plugins).lexically_normal());
       folders.push_back((program / ".." / SPRINGNET_LIBRARY_FOLDER / plugins).lexically_normal());
     }
   } catch (const std::exception&) {
-    // A system that does not tell where its code lies: there is no own folder then.
+    // The system does not tell where the code is located: no own folder.
   }
   return folders;
 }

@@ -1,4 +1,4 @@
-// Shared libraries, which stay loaded for the life of the process, and the folder where the library finds its own.
+// Shared libraries, which stay loaded for the life of the process, and the folders of the library's own plugins.
 #pragma once
 
 #include <filesystem>
@@ -19,7 +19,7 @@ struct OpenedLibrary {
 // ".so", ".dylib" or ".dll".
 [[nodiscard]] std::string library_suffix();
 
-// The folders of the plugins that came with the library, best first.
+// The folders of the plugins that come with the library, preferred ones first.
 [[nodiscard]] std::vector<std::filesystem::path> own_plugin_folders();
 
 }  // namespace springnet

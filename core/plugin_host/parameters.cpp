@@ -17,7 +17,7 @@ std::span<const springnet_parameter* const> parameters_of(const springnet_compon
   return {component.parameters, component.parameter_count};
 }
 
-// "1" is the unit of what has none.
+// "1" stands for dimensionless.
 std::string with_unit(double value, const springnet_parameter& parameter) {
   const std::string unit = printable(parameter.unit);
   return unit == "1" ? fmt::format("{}", value) : fmt::format("{} {}", value, unit);

@@ -18,7 +18,7 @@ namespace springnet {
 
 namespace fs = std::filesystem;
 
-// Characters of a file's name that a message shows; a system has no longer ones.
+// Characters of a file name in messages; systems do not allow longer ones.
 constexpr std::size_t longest_path = 4096;
 
 std::string_view name_of(ComponentKind kind) noexcept {
@@ -38,7 +38,7 @@ std::string_view name_of(ComponentKind kind) noexcept {
 struct PluginHost::Impl {
   std::vector<std::shared_ptr<const Component>> components;
   std::vector<Refusal> refusals;
-  std::set<fs::path> seen;  // files that were looked at, by their canonical names
+  std::set<fs::path> seen;  // canonical names of the files examined
 
   [[nodiscard]] std::shared_ptr<const Component> find(ComponentKind kind, std::string_view id) const {
     const auto found = std::find_if(components.begin(), components.end(), [&](const auto& component) {
@@ -52,7 +52,7 @@ struct PluginHost::Impl {
     return false;
   }
 
-  // All components of the plugin, or none: half a plugin would hide that something is wrong.
+  // Takes all components of the plugin or none: half a plugin would hide that something is wrong.
   bool take(const springnet_plugin& plugin, const fs::path& file) {
     if (const std::string wrong = check_plugin(plugin); !wrong.empty()) return refuse(file, wrong);
     std::vector<std::shared_ptr<const Component>> taken;
@@ -60,10 +60,10 @@ struct PluginHost::Impl {
       taken.push_back(std::make_shared<const Component>(Component{plugin.components[i], &plugin, file}));
       const auto other = find(taken.back()->kind(), taken.back()->id());
       if (!other) continue;
-      if (other->plugin == &plugin) return true;  // the same plugin once more
+      if (other->plugin == &plugin) return true;  // the same plugin again
       const std::string owner = fmt::format("{} {}", printable(other->plugin->id), printable(other->plugin->version));
       return refuse(file,
-                    fmt::format("{} '{}' is taken already, by {}: rename it, or remove one of the two plugins",
+                    fmt::format("{} '{}' is already taken by {}: rename it, or remove one of the two plugins",
                                 name_of(other->kind()), other->id(),
                                 other->file.empty()
                                     ? owner

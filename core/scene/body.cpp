@@ -19,14 +19,14 @@ const char* const needs_a_law =
     "has springs, but none of 'spring', 'viscosity' and 'material' says what they are made of; add spring = { type = "
     "…, … }";
 
-// With the mass, unless that follows from a density.
+// Includes the mass, unless it follows from a density.
 Node read_prototype(const Table& body, const PluginHost& plugins, Network& network) {
   Node node;
   const Table neuron = body.need("neuron").open_table("body.neuron");
   const LawUse use = read_component(neuron, "type", ComponentKind::neuron, plugins);
   const auto mass = neuron.find("mass");
   if (mass && body.has("density")) {
-    mass->fail("has no meaning beside 'density', which gives the masses; remove one of them");
+    mass->fail("cannot be combined with 'density', which gives the masses; remove one of them");
   }
   if (mass) {
     node.mass = mass->number_above_0("kg");
@@ -41,7 +41,7 @@ Node read_prototype(const Table& body, const PluginHost& plugins, Network& netwo
   return node;
 }
 
-// A value that is made when it is first asked for.
+// A value that is computed on first use.
 template <class Result, class Make>
 auto lazily(Make make) {
   return [make, made = std::make_shared<std::optional<Result>>()]() -> const Result& {
@@ -58,7 +58,7 @@ struct BodyReader {
   Network& network;
   std::vector<std::string>& notes;
 
-  // Gives the springs of the body, which is the last one, the materials of the edges that they lie on.
+  // Sets the material of each spring of the last body to that of its edge.
   void set_materials(const std::vector<Edge>& edges, const std::vector<MaterialIndex>& materials) const {
     const Body& added = network.bodies().back();
     for (SpringIndex i = added.first_spring; i < added.first_spring + added.spring_count; ++i) {
@@ -124,7 +124,8 @@ struct BodyReader {
     const Mesh mesh = read_listed(body);
     const std::vector<Edge> edges = edges_of(mesh);
     if (body.has("material") && edges.size() < mesh.cell_count()) {
-      body.find("springs")->fail("joins two nodes twice, so that 'material' has no one stiffness for them; remove one");
+      body.find("springs")->fail(
+          "joins two nodes twice, so that their stiffness from 'material' is ambiguous; remove one");
     }
     const auto cells = [&]() -> const Mesh& { return mesh; };
     const auto sorted_edges = [&]() -> const std::vector<Edge>& { return edges; };
@@ -167,7 +168,7 @@ struct BodyReader {
   }
 };
 
-// What says where the body is.
+// The value that determines the body's position.
 Value placed_by(const Table& body) {
   if (body.has("nodes")) return body.need("nodes");
   const Table mesh = body.need("mesh").table("body.mesh");

@@ -40,7 +40,7 @@ void read_node_change(const Table& table, const PluginHost& plugins, Network& ne
   }
 }
 
-// What a [[spring]] says of one of the two functions: nothing, that there is none, or which.
+// What a [[spring]] changes of one of the two functions: nothing, removes it, or replaces it.
 struct FunctionChange {
   bool given = false;
   std::optional<LawUse> function;
@@ -86,7 +86,7 @@ void read_spring_change(const Table& table, const PluginHost& plugins, Network& 
   change_materials(table, springs, plugins, network);
   const auto length = table.find("rest_length");
   const auto scale = table.find("rest_length_scale");
-  if (length && scale) scale->fail("has no meaning beside 'rest_length'; remove one of them");
+  if (length && scale) scale->fail("cannot be combined with 'rest_length'; remove one of them");
   const double fixed = length ? length->number_from_0("m") : 0.0;
   const double factor = scale ? scale->number_above_0("") : 1.0;
   if (!length && !scale) return;
@@ -113,7 +113,7 @@ void read_cut(const Table& table, std::size_t& selected, Network& network) {
   }
   if (const auto polygon = table.find("polygon")) {
     for (const Value& corner : polygon->elements()) cut.polygon.push_back(corner.vector());
-    constexpr std::size_t most_corners = 10'000;  // springs are compared with each
+    constexpr std::size_t most_corners = 10'000;  // every spring is tested against each
     if (cut.polygon.size() > most_corners) {
       polygon->fail(fmt::format("has {} corners, at most {} are allowed; leave out those that change its shape least",
                                 grouped(cut.polygon.size()), grouped(most_corners)));

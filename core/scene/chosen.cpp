@@ -58,7 +58,7 @@ std::vector<Face> Chosen::triangles(const Network& network) const {
   return found;
 }
 
-// A quadrilateral is divided along one of its diagonals: all three corners of it that may be a triangle.
+// A quadrilateral may be divided along either diagonal: adds all four triangles of three of its corners.
 void Chosen::add_triangles(std::span<const std::uint32_t> cell, NodeIndex first) {
   for (std::size_t left_out = 0; left_out < (cell.size() == 4 ? 4U : 1U); ++left_out) {
     std::vector<std::uint32_t> corners;

@@ -1,4 +1,4 @@
-// Triangles and solid cells that a selection of nodes and groups takes.
+// Triangles and solid cells selected by nodes and groups.
 #pragma once
 
 #include <array>
@@ -15,9 +15,9 @@
 
 namespace springnet::scene {
 
-// What a selection takes: its nodes; of triangles and solid cells those with all nodes selected and, where it names
-// groups, in the cells of one of them. Of a group without such cells (a group of points, or of cells of another
-// dimension) those with all nodes in it.
+// A selection: its nodes, and the triangles and solid cells whose nodes are all selected. If it names groups, triangles
+// and cells must also belong to the cells of one of them; for a group without such cells (points, or cells of another
+// dimension) all of their nodes must be in it.
 class Chosen {
  public:
   Chosen(const Value& selection, const Network& network, const std::vector<Shape>& shapes);
@@ -25,9 +25,9 @@ class Chosen {
   [[nodiscard]] const std::vector<bool>& nodes() const { return nodes_; }
   [[nodiscard]] bool by_groups() const { return !groups_.empty(); }
   [[nodiscard]] bool has_triangle(const Face& face) const;
-  // Of a solid cell of a body, one of the tetrahedra that it divides into.
+  // Whether a tetrahedron, part of a body's solid cell, is selected.
   [[nodiscard]] bool has_part(std::size_t body, std::size_t cell, const std::array<NodeIndex, 4>& nodes) const;
-  // Of the faces of all bodies.
+  // The selected faces of all bodies.
   [[nodiscard]] std::vector<Face> triangles(const Network& network) const;
 
  private:

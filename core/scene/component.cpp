@@ -15,7 +15,7 @@ std::shared_ptr<const Component> find_component(const Value& name, ComponentKind
   try {
     return plugins.require(kind, name.text());
   } catch (const Error& error) {
-    // A wrong name in a scene is an error of the scene: it is there that it is corrected.
+    // An unknown name in a scene is an input error: it is corrected in the scene.
     if (error.kind() == ErrorKind::plugin) name.fail(error.what());
     throw;
   }
@@ -40,7 +40,7 @@ std::vector<std::string> parameters_of(const springnet_component& description) {
   return names;
 }
 
-// A use that has the supplied parameters, which the component has to know.
+// A use with the supplied parameters, which the component must have.
 LawUse begin_use(const Value& name, const Component& component, ComponentKind kind, const ParameterValues& supplied) {
   const std::vector<std::string> names = parameters_of(*component.description);
   for (const auto& [parameter, value] : supplied) {

@@ -11,17 +11,17 @@
 
 namespace springnet::scene {
 
-// `name_key` is the key of the component's id, "type" or "name"; what the list of keys has beside it is left to the
-// caller, every other key is a parameter. Those in `supplied` come from elsewhere: the component needs to have them,
-// the table must not.
+// `name_key` is the key of the component's id, "type" or "name". Other keys of the schema are left to the caller; every
+// key not in the schema is a parameter. Parameters in `supplied` come from elsewhere: the component must have them, the
+// table must not.
 [[nodiscard]] LawUse read_component(const Table& table, std::string_view name_key, ComponentKind kind,
                                     const PluginHost& plugins, const ParameterValues& supplied = {});
 
-// A component written as no more than its name.
+// A component given by its name only.
 [[nodiscard]] LawUse read_component_name(const Value& name, ComponentKind kind, const PluginHost& plugins,
                                          const ParameterValues& supplied = {});
 
-// The functions under the keys `spring` and `viscosity` of a table; none of them may be there.
+// The functions under the keys `spring` and `viscosity` of a table; both are optional.
 [[nodiscard]] Material read_material(const Table& table, const PluginHost& plugins);
 
 }  // namespace springnet::scene

@@ -13,12 +13,12 @@
 namespace springnet::scene {
 namespace {
 
-// A few words of a scene can ask for more than any machine holds.
+// A few words of a scene can request more springs than fit into memory.
 constexpr std::size_t most_springs_found = 10'000'000;
 // Far above the 13 of a lattice with all diagonals.
 constexpr std::size_t most_rigid_a_node = 20;
 
-// `found` counts what all tables have found.
+// `found` counts the springs found by all tables.
 void read_connection(const Table& connect, const PluginHost& plugins, std::size_t& found, Network& network) {
   const Material material = read_material(connect, plugins);
   if (!material.spring && !material.viscosity) {
@@ -26,7 +26,7 @@ void read_connection(const Table& connect, const PluginHost& plugins, std::size_
   }
   const auto length = connect.find("rest_length");
   const auto scale = connect.find("rest_length_scale");
-  if (length && scale) scale->fail("has no meaning beside 'rest_length'; remove one of them");
+  if (length && scale) scale->fail("cannot be combined with 'rest_length'; remove one of them");
   const double factor = scale ? scale->number_above_0("") : 1.0;
   std::optional<double> given;
   if (length) given = length->number_from_0("m");
@@ -67,7 +67,7 @@ std::size_t count_nodes(const std::vector<Pair>& pairs) {
   return static_cast<std::size_t>(std::unique(nodes.begin(), nodes.end()) - nodes.begin());
 }
 
-// A piece that is rigid through and through is costly, whatever holds it together.
+// A large piece that is rigid throughout is expensive, whatever the connections.
 void note_cost(const Table& rigid, const std::vector<Pair>& pairs, std::vector<std::string>& notes) {
   constexpr std::size_t many_nodes = 500;
   const std::size_t nodes = count_nodes(pairs);
@@ -81,18 +81,18 @@ void note_cost(const Table& rigid, const std::vector<Pair>& pairs, std::vector<s
 void read_rigid(const Table& rigid, Network& network, std::vector<std::string>& notes) {
   const auto limit = [](std::size_t from, std::size_t to) -> PairLimit {
     return {most_rigid_a_node * (from + to),
-            fmt::format("a [[rigid]] has at most {} a node: three hold it", most_rigid_a_node)};
+            fmt::format("a [[rigid]] has at most {} a node: three are enough", most_rigid_a_node)};
   };
   std::vector<Pair> pairs;
   if (const auto springs = rigid.find("springs")) {
     for (const char* key : {"pairs", "from", "to", "within", "nearest"}) {
-      if (rigid.has(key)) rigid.find(key)->fail("has no meaning beside 'springs'; remove one of them");
+      if (rigid.has(key)) rigid.find(key)->fail("cannot be combined with 'springs'; remove one of them");
     }
     pairs = ends_of(select_springs(*springs, network), network);
     if (const std::size_t nodes = count_nodes(pairs); pairs.size() > most_rigid_a_node * nodes) {
       springs->fail(
-          fmt::format("makes {} connections between {} nodes, but a [[rigid]] has at most {} a node: three "
-                      "hold it; select fewer springs",
+          fmt::format("makes {} connections between {} nodes, but a [[rigid]] has at most {} a node: three are enough; "
+                      "select fewer springs",
                       grouped(pairs.size()), grouped(nodes), most_rigid_a_node));
     }
   } else {

@@ -6,7 +6,7 @@
 namespace springnet::scene {
 namespace {
 
-// The place behind the string that begins at `place`, which has a quotation mark; the end of the text if it has no end.
+// The position after the string that begins with a quotation mark at `place`; the end of the text if it is not closed.
 std::size_t skip_string(std::string_view text, std::size_t place) {
   const char quote = text[place];
   const bool escapes = quote == '"';
@@ -26,7 +26,7 @@ std::size_t skip_string(std::string_view text, std::size_t place) {
     } else if (text[place] == quote) {
       if (!long_string) return place + 1;
       const std::size_t count = quotes_at(place);
-      // Up to two quotation marks may stand before the three that end it.
+      // Up to two quotation marks may precede the three that end it.
       if (count >= 3) return place + std::min<std::size_t>(count, 5);
       place += count - 1;
     }
@@ -44,9 +44,9 @@ TextPlace place_of(std::string_view text, std::size_t offset) {
 }  // namespace
 
 std::optional<TextPlace> find_too_deep(std::string_view text) {
-  std::vector<std::size_t> outside;  // levels at each open bracket
-  std::size_t levels = 0;            // of the innermost open bracket
-  std::size_t dots = 0;              // since the last separator; one of them may be that of a number
+  std::vector<std::size_t> outside;  // depth outside of each open bracket
+  std::size_t levels = 0;            // depth within the innermost open bracket
+  std::size_t dots = 0;              // since the last separator; one may be a decimal point
   for (std::size_t k = 0; k < text.size(); ++k) {
     switch (text[k]) {
       case '"':

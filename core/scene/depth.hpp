@@ -1,4 +1,4 @@
-// How deep a TOML text nests, seen before the TOML library does, which recurses without a bound for keys with many
+// Nesting depth of a TOML text, checked before parsing: the TOML library recurses without bound for keys with many
 // dots.
 #pragma once
 
@@ -8,7 +8,7 @@
 
 namespace springnet::scene {
 
-// Levels of tables, lists and parts of dotted keys; the keys of a scene need six.
+// Largest depth of tables, lists and parts of dotted keys; a scene needs six.
 inline constexpr std::size_t deepest_level = 32;
 
 struct TextPlace {
@@ -16,8 +16,8 @@ struct TextPlace {
   std::size_t column;  // from 1, in bytes
 };
 
-// Where a text first goes deeper than `deepest_level`: by brackets within brackets, by the dots of a key, or both. Of
-// text that is not TOML it may say anything, but only beyond the place where the TOML library stops.
+// Where a text first nests deeper than `deepest_level`, by brackets, dots of a key, or both. For text that is not TOML
+// the result is arbitrary, but only beyond the place of the TOML error.
 [[nodiscard]] std::optional<TextPlace> find_too_deep(std::string_view text);
 
 }  // namespace springnet::scene

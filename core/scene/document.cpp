@@ -23,7 +23,7 @@ const std::string too_deep =
 const std::string too_large =
     fmt::format("a scene has at most {} bytes; put nodes and springs into a mesh file", grouped(largest_scene));
 
-// A message of the TOML library, which quotes keys whole.
+// A message of the TOML library, shortened: it quotes keys in full.
 std::string described(const toml::parse_error& error) {
   constexpr std::size_t longest = 300;
   return printable(error.description(), longest);
@@ -41,7 +41,7 @@ std::vector<std::string> split(std::string_view path) {
   return steps;
 }
 
-// An override on its way to its place. Its name stands for the file in every later message about its value.
+// Applies an override to a document. Its name replaces the file in later messages about its value.
 class Override {
  public:
   explicit Override(const SceneOverride& given)
@@ -80,14 +80,14 @@ class Override {
       toml::table table = toml::parse(std::string_view(document), std::string_view(name_));
       if (table.size() == 1) return table;
     } catch (const toml::parse_error& error) {
-      // Its column would be one of a text that the user did not write.
+      // Without its column, which would refer to text that the user did not write.
       fail(fmt::format("the value is not TOML ({}); write a number, true, [1, 2], or a text in quotes as \"abc\"",
                        described(error)));
     }
-    fail("the value is more than one; set one key at a time");
+    fail("this sets more than one key; set one at a time");
   }
 
-  // The path up to and without step `count`.
+  // The first `count` steps of the path.
   [[nodiscard]] std::string path(std::size_t count) const {
     std::string text;
     for (std::size_t i = 0; i < count; ++i) text += (i == 0 ? "" : ".") + steps_[i];
@@ -106,11 +106,11 @@ class Override {
     const auto [end, failed] = std::from_chars(text.data(), text.data() + text.size(), index);
     if (failed == std::errc() && end == text.data() + text.size() && index < list.size()) return index;
     if (list.empty()) fail(fmt::format("'{}' is an empty list; set it as a whole", printable(path(step))));
-    fail(fmt::format("'{}' is a list of {}; write one of the numbers 0 to {} where '{}' stands", printable(path(step)),
+    fail(fmt::format("'{}' is a list of {}; write a number from 0 to {} in place of '{}'", printable(path(step)),
                      list.size(), list.size() - 1, printable(text)));
   }
 
-  // The node one step further, made where a table lacks it.
+  // The node one step further; creates a missing one in a table.
   [[nodiscard]] toml::node& child(toml::node& place, std::size_t step) const {
     if (toml::array* list = place.as_array()) return *list->get(element(*list, step));
     toml::table& parent = table(place, step);

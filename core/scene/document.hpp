@@ -1,4 +1,4 @@
-// A scene's TOML with its overrides in place, not looked at any further.
+// A scene's parsed TOML with overrides applied, not yet interpreted.
 #pragma once
 
 #include <string>
@@ -10,8 +10,8 @@
 
 namespace springnet::scene {
 
-// Throws Error(input) with file, line and column for text that is not TOML, and for an override that is not or that
-// leads nowhere.
+// Throws Error(input), with file, line and column, for text that is not TOML; and for an override whose value is not
+// TOML or whose path leads through something that is neither a table nor a list.
 [[nodiscard]] toml::table parse_document(std::string_view text, std::string_view name,
                                          const std::vector<SceneOverride>& overrides);
 

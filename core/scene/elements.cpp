@@ -21,7 +21,8 @@ namespace {
 
 using NodeLists = std::vector<std::vector<NodeIndex>>;
 
-// At each node inside with exactly two springs, to two different nodes: from the lower one over the node to the upper.
+// An angle at each node that has exactly two springs to different nodes, all three inside: lower neighbour, node, upper
+// neighbour.
 NodeLists find_angles(const Network& network, const std::vector<bool>& inside) {
   std::vector<std::vector<NodeIndex>> neighbours(network.nodes().size());
   const auto add = [&](NodeIndex node, NodeIndex other) {
@@ -78,7 +79,7 @@ NodeLists find_tetrahedra(const Network& network, const Chosen& chosen, const st
   return tetrahedra;
 }
 
-// All triangles chosen as one closed surface, seen from outside.
+// All selected triangles as one closed surface, oriented outward.
 NodeLists find_surface(const Value& selection, const Network& network, const Chosen& chosen) {
   std::vector<NodeIndex> surface;
   std::set<Edge> edges;  // directed
@@ -90,16 +91,16 @@ NodeLists find_surface(const Value& selection, const Network& network, const Cho
   for (const auto& [from, to] : edges) {
     if (edges.contains({to, from})) continue;
     selection.fail(fmt::format(
-        "the surface of these nodes is open at the edge from {} to {} (nodes {} and {}); select all of a "
-        "closed surface, or mend the mesh there",
+        "the surface of these nodes is open at the edge from {} to {} (nodes {} and {}); select all of a closed "
+        "surface, or repair the mesh there",
         meshes::text(network.nodes()[from].position), meshes::text(network.nodes()[to].position), from, to));
   }
-  // The wall of a cavity in a solid is turned into the cavity.
+  // The wall of a cavity in a solid is oriented into the cavity: reverse it.
   if (network.value_of({Invariant::enclosed_volume, surface, 0, 0.0}) < 0) std::reverse(surface.begin(), surface.end());
   return {surface};
 }
 
-// Parts of a surface of triangles that have no node in common.
+// Number of parts of a surface without common nodes.
 std::size_t count_parts(const std::vector<NodeIndex>& triangles) {
   std::map<NodeIndex, NodeIndex> parent;
   for (const NodeIndex node : triangles) parent.emplace(node, node);
@@ -146,7 +147,7 @@ NodeLists find_elements(const Value& selection, Invariant invariant, const Netwo
   if (found.empty()) {
     selection.fail(
         fmt::format("{}, all of whose nodes are selected{}; select more, or list the elements one by one with 'nodes'",
-                    what, chosen.by_groups() ? " and that is in a group that is named" : ""));
+                    what, chosen.by_groups() ? " and that is in one of the groups named" : ""));
   }
   return found;
 }
@@ -179,11 +180,11 @@ void read_element(const Table& table, const PluginHost& plugins, const std::vect
   if (selection && lists) table.fail("has both 'select' and 'nodes'; leave one out");
   if (!selection && !lists) table.fail("has no nodes; add 'select', or 'nodes' as [[0, 1, 2], [1, 2, 3]]");
   if (selection && table.has("body")) {
-    table.find("body")->fail("goes with 'nodes'; write select = { body = … } instead");
+    table.find("body")->fail("requires 'nodes'; write select = { body = … } instead");
   }
   const auto reference = table.find("reference");
   const auto scale = table.find("reference_scale");
-  if (reference && scale) scale->fail("has no meaning beside 'reference'; remove one of them");
+  if (reference && scale) scale->fail("cannot be combined with 'reference'; remove one of them");
   std::optional<double> given;
   if (reference) given = reference->number();
   const double factor = scale ? scale->number() : 1.0;

@@ -18,7 +18,7 @@ namespace {
 
 class Descriptor {
  public:
-  // Not blocking: opening a named pipe would wait for somebody who writes.
+  // Nonblocking: opening a named pipe would wait for a writer.
   explicit Descriptor(const std::filesystem::path& file)
       : number_(open(file.c_str(), O_RDONLY | O_CLOEXEC | O_NONBLOCK)) {}
   Descriptor(const Descriptor&) = delete;
@@ -32,7 +32,7 @@ class Descriptor {
   int number_;
 };
 
-// Bytes read, 0 at the end, or -1 with errno; waits for a writer that has more to say.
+// Bytes read, 0 at the end, or -1 with errno; waits for a pipe's writer.
 ssize_t read_some(int descriptor, char* buffer, std::size_t size) {
   while (true) {
     const ssize_t count = read(descriptor, buffer, size);

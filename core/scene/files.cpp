@@ -10,7 +10,7 @@
 namespace springnet::scene {
 namespace {
 
-constexpr std::size_t longest_path = 200;  // characters that a message shows of one
+constexpr std::size_t longest_path = 200;  // characters of it in messages
 
 std::filesystem::path follow_links(const std::filesystem::path& path, const Value& name) {
   std::error_code failed;
@@ -33,7 +33,7 @@ std::filesystem::path Files::resolve(const Value& name) const {
   if (folder.empty() && !(allowed && given.is_absolute())) {
     name.fail(
         "names a file, but this scene is in no folder: it was read from text or from a pipe; read it from a file, or "
-        "tell parse_scene the folder");
+        "pass the folder to parse_scene");
   }
   const std::filesystem::path path = given.is_absolute() ? given : folder / given;
   if (allowed) return path;

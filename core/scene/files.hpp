@@ -1,4 +1,4 @@
-// Files that a scene names, and where they may lie.
+// Files that a scene names, and where they may be.
 #pragma once
 
 #include <filesystem>
@@ -13,8 +13,8 @@ struct Files {
   std::filesystem::path folder;  // of the scene; may be empty
   OutsideFiles outside = OutsideFiles::refused;
 
-  // The path in a text of the scene, seen from its folder. Every reader of a file uses this. Throws Error(input) for a
-  // path that leads out of the folder, by "..", by links or because it is absolute, unless that is allowed.
+  // Resolves a path of the scene relative to its folder. Every reader of a file uses this. Throws Error(input) if the
+  // path leads out of the folder, by "..", a link or an absolute path, unless that is allowed.
   [[nodiscard]] std::filesystem::path resolve(const Value& name) const;
 };
 

@@ -15,8 +15,8 @@ struct Key {
   std::string_view form;
 };
 
-// "select.…" are the keys of every table that selects nodes or springs: node.select, connect.from, and so on;
-// "motion.…" and "turn.…" those of a plane's and an instrument's motion and turn.
+// "select.…" are the keys of every table that selects nodes or springs: node.select, connect.from and so on. "motion.…"
+// and "turn.…" are those of motion and turn of planes and instruments.
 constexpr std::array keys{
     Key{"version", "a whole number, 1"},
     Key{"title", "a text"},

@@ -1,5 +1,5 @@
-// The keys of a scene. The reader accepts exactly these (and the parameters of the components named), and the reference
-// page is checked against them.
+// The keys of a scene. The reader accepts exactly these and the parameters of components. The reference page is tested
+// against them.
 #pragma once
 
 #include <string>
@@ -8,8 +8,8 @@
 
 namespace springnet::scene {
 
-// What a key's value looks like, as it stands in messages: "a number above 0, s". Throws std::logic_error for a key
-// that is not listed, which would be a mistake in the reader.
+// The form of a key's value for messages: "a number above 0, s". Throws std::logic_error for an unlisted key, which is
+// a bug of the reader.
 [[nodiscard]] std::string_view form_of(std::string_view key);
 
 // The same for a table, which need not be listed: "a table with type and parameters".

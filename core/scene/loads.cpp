@@ -19,7 +19,7 @@ std::string_view kind_of(const Table& table) {
   for (const std::string_view key : kinds) {
     const auto value = table.find(key);
     if (!value) continue;
-    if (!kind.empty()) value->fail(fmt::format("stands beside '{}'; give each a [[force]] of its own", kind));
+    if (!kind.empty()) value->fail(fmt::format("cannot be combined with '{}'; give each its own [[force]]", kind));
     kind = key;
   }
   if (kind.empty()) {
@@ -43,7 +43,7 @@ void read_course(const Table& table, Course& course) {
     course.interpolation = read_interpolation(table);
     return;
   }
-  if (const auto interpolation = table.find("interpolation")) interpolation->fail("goes with 'table'; remove it");
+  if (const auto interpolation = table.find("interpolation")) interpolation->fail("requires 'table'; remove it");
   if (const auto sinusoid = table.find("sinusoid")) {
     refuse_beside(table, {"ramp"}, "sinusoid");
     const Table keys = sinusoid->table("force.sinusoid");
@@ -55,7 +55,7 @@ void read_course(const Table& table, Course& course) {
   if (const auto ramp = table.find("ramp")) course.ramp = ramp->number_above_0("s");
 }
 
-// The faces of bodies that are selected, and their areas.
+// Adds the selected faces of bodies, with their areas, to the load.
 void take_faces(const Value& selection, const Chosen& chosen, std::size_t index, Scene& scene, Load& load) {
   const Network& network = scene.network;
   load.faces = chosen.triangles(network);
@@ -63,7 +63,7 @@ void take_faces(const Value& selection, const Chosen& chosen, std::size_t index,
     selection.fail(fmt::format(
         "has no triangle among the faces of a body, all of whose nodes are selected{}; select more, or use 'force' or "
         "'total', which act on nodes",
-        chosen.by_groups() ? " and that is in a group that is named" : ""));
+        chosen.by_groups() ? " and that is in one of the groups named" : ""));
   }
   double greatest = 0.0;
   for (const Face& face : load.faces) {
@@ -71,7 +71,7 @@ void take_faces(const Value& selection, const Chosen& chosen, std::size_t index,
     greatest = std::max(greatest, load.areas.back().norm());
   }
   if (!(greatest > 0.0)) selection.fail("has only triangles without an area; nothing would act on them");
-  constexpr double none = 1e-12;  // of the greatest: rounding of coordinates
+  constexpr double none = 1e-12;  // relative to the greatest: rounding of coordinates
   const auto flat = std::count_if(load.areas.begin(), load.areas.end(),
                                   [&](const Vector3& area) { return area.norm() <= none * greatest; });
   if (flat > 0) {
@@ -88,7 +88,7 @@ bool is_surface(const std::vector<NodeIndex>& nodes, const std::vector<Face>& fa
   return std::includes(corners.begin(), corners.end(), nodes.begin(), nodes.end());
 }
 
-// A total in equal parts, or by area: then it is a traction.
+// Divides a total equally among nodes, or by area, as a traction.
 void share_total(const Table& table, const Vector3& total, const Chosen& chosen, std::size_t index, Scene& scene,
                  Load& load) {
   const Value selection = table.need("select");
@@ -113,10 +113,10 @@ void read_force(const Table& table, const std::vector<Shape>& shapes, Scene& sce
   const std::string_view kind = kind_of(table);
   const Value value = *table.find(kind), selection = table.need("select");
   if (kind != "total") {
-    if (const auto share = table.find("share")) share->fail("goes with 'total'; remove it");
+    if (const auto share = table.find("share")) share->fail("requires 'total'; remove it");
   }
   if (kind != "pressure") {
-    if (const auto follow = table.find("follow")) follow->fail("goes with 'pressure'; remove it");
+    if (const auto follow = table.find("follow")) follow->fail("requires 'pressure'; remove it");
   }
   Load load;
   if (kind == "force") {

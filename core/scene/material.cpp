@@ -20,7 +20,7 @@ Section read_section(const Table& body) {
   return section;
 }
 
-// The laws of a body's springs but for the stiffness, which is each spring's own.
+// The laws of a body's springs, without the stiffness, which differs between springs.
 struct Springs {
   Material material;
   double damping_time = 0.0;  // s
@@ -36,7 +36,7 @@ struct Springs {
 Springs read_springs(const Table& body, const Table& table, const PluginHost& plugins) {
   Springs springs{read_material(body, plugins)};
   if (springs.material.spring) {
-    body.find("spring")->fail("has no meaning beside 'material', which says what springs are made of; remove one");
+    body.find("spring")->fail("cannot be combined with 'material', which says what springs are made of; remove one");
   }
   const ParameterValues supplied{{stiffness, 1.0}};
   const auto law = table.find("law");
@@ -51,17 +51,17 @@ Springs read_springs(const Table& body, const Table& table, const PluginHost& pl
   if (const auto time = table.find("damping_time")) {
     springs.damping_time = time->number_from_0("s");
     if (springs.material.viscosity) {
-      time->fail("has no meaning beside 'viscosity', which says what damps the springs; remove one of them");
+      time->fail("cannot be combined with 'viscosity', which says what damps the springs; remove one of them");
     }
     if (springs.damping_time > 0) springs.material.viscosity = LawUse{"linear", {}};
   }
   return springs;
 }
 
-// How far the elasticity of cells may be from an isotropic one, relatively, before a note says so.
+// Relative deviation of the cells' elasticity from isotropy above which a note reports it.
 constexpr double noteworthy_misfit = 0.05;
 
-// What is asked for that a net of springs cannot have, and what it has.
+// Notes the actual Poisson ratio if it differs from the requested one.
 void check_poisson_ratio(const Table& table, const std::string& body, const NetStiffness& net,
                          std::vector<std::string>& notes) {
   const auto asked = table.find("poisson_ratio");

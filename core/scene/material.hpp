@@ -1,4 +1,4 @@
-// Masses and laws of a body from what it is made of: density, Young's modulus.
+// Masses and laws of a body from density and Young's modulus.
 #pragma once
 
 #include <functional>
@@ -13,14 +13,14 @@
 
 namespace springnet::scene {
 
-// Cells of the body, made when they are needed.
+// Cells of the body, computed when needed.
 using Cells = std::function<const Mesh&()>;
 
 // Masses of the points by body.density; empty without it.
 [[nodiscard]] std::vector<double> read_masses(const Table& body, const Cells& cells);
 
-// Materials of springs along `edges`: one for all by body.spring and body.viscosity, none if neither is there, or one
-// each by body.material. `edges` are sorted and each once. Notes name the body.
+// Materials of springs along `edges`: one for all from body.spring and body.viscosity, none if both are missing, or one
+// each from body.material. `edges` are sorted and unique. Notes name the body.
 [[nodiscard]] std::vector<MaterialIndex> read_materials(const Table& body, const Cells& cells,
                                                         const std::function<const std::vector<Edge>&()>& edges,
                                                         const PluginHost& plugins, Network& network,

@@ -11,7 +11,7 @@ std::string named(const std::string& what, const std::string& name, std::size_t 
   return name.empty() ? fmt::format("{} {}", what, index) : fmt::format("{} '{}'", what, name);
 }
 
-// Collects what never happens between 0 and `duration`.
+// Collects events outside of [0, duration].
 class Unreached {
  public:
   explicit Unreached(double duration) : duration_(duration) {}
@@ -23,7 +23,7 @@ class Unreached {
     if (from >= duration_) add(fmt::format("{}, which starts at {:g} s,", what, from));
     if (until <= 0) add(fmt::format("{}, which ends at {:g} s,", what, until));
   }
-  // A motion or a turn: `what` it is, of `whose`.
+  // A motion or a turn (`what`) of the object `whose`.
   template <class Course>
   void course(std::string_view what, const std::string& whose, const Course& course) {
     const bool table = !course.times.empty();
@@ -47,7 +47,7 @@ class Unreached {
   std::vector<std::string> notes_;
 };
 
-// Of values that nothing reads.
+// Notes options without effect.
 void add_idle_output(const OutputOptions& output, std::vector<std::string>& notes) {
   if (output.precision == OutputOptions::Precision::float32 && output.format == OutputOptions::Format::csv &&
       !output.vtk) {
@@ -66,9 +66,9 @@ void add_idle_output(const OutputOptions& output, std::vector<std::string>& note
 std::vector<std::string> notes_of(const Scene& scene) {
   std::vector<std::string> notes = scene.notes;
   add_idle_output(scene.output, notes);
-  if (!(scene.duration > 0)) return notes;  // no more than a look at the start
+  if (!(scene.duration > 0)) return notes;  // such a scene only shows its start
   const Network& network = scene.network;
-  // What a duration that is a number of steps leaves to rounding does not count.
+  // Tolerates rounding of a duration that is a multiple of the time step.
   if (const double step = scene.options.time_step; step > 1.000001 * scene.duration) {
     notes.push_back(
         fmt::format("time_step, {:g} s, is longer than the duration, {:g} s: the run is one time step of {:g} s.", step,

@@ -21,8 +21,8 @@ using Box = boost::geometry::model::box<Point>;
 using Entry = std::pair<Point, NodeIndex>;
 using Tree = index::rtree<Entry, index::quadratic<16>>;
 
-// Positions of lattices are rounded, so what is as far apart as allowed, or equally near, is so to this share of the
-// distance: far above rounding, far below any spacing that a user could mean.
+// Relative tolerance for comparing distances, because lattice positions are rounded: far above rounding, far below an
+// intended difference.
 constexpr double rounding = 1e-9;
 
 Tree make_tree(const std::vector<NodeIndex>& nodes, const Network& network) {
@@ -35,10 +35,10 @@ Tree make_tree(const std::vector<NodeIndex>& nodes, const Network& network) {
   return Tree(entries);
 }
 
-// Nodes of the tree at most `distance` from `node`, without itself, by rising number.
+// Nodes of the tree at most `distance` from `node`, without itself, in ascending order.
 std::vector<NodeIndex> neighbours(const Tree& tree, NodeIndex node, double distance, const Network& network) {
   const Vector3& p = network.nodes()[node].position;
-  // Wider by the rounding of the box's corners.
+  // Enlarged by the rounding of the box's corners.
   const Vector3 reach = Vector3::Constant(distance * (1 + rounding)) + 1e-15 * p.cwiseAbs();
   const Vector3 low = p - reach, high = p + reach;
   std::vector<Entry> found;
@@ -53,7 +53,7 @@ std::vector<NodeIndex> neighbours(const Tree& tree, NodeIndex node, double dista
   return result;
 }
 
-// Ends early, with more than `most`, where there are more.
+// Stops early once there are more than `most`.
 std::vector<Pair> pairs_within(const std::vector<NodeIndex>& from, const std::vector<NodeIndex>& to, double distance,
                                std::size_t most, const Network& network) {
   const Tree tree = make_tree(to, network);
@@ -63,7 +63,7 @@ std::vector<Pair> pairs_within(const std::vector<NodeIndex>& from, const std::ve
   std::vector<Pair> pairs;
   for (const NodeIndex a : from) {
     for (const NodeIndex b : neighbours(tree, a, distance, network)) {
-      // Where the selections overlap a pair would be found from both of its ends.
+      // If the selections overlap, a pair is found from both ends: keep one.
       if (b < a && in(from, b) && in(to, a)) continue;
       pairs.emplace_back(a, b);
     }
@@ -72,7 +72,7 @@ std::vector<Pair> pairs_within(const std::vector<NodeIndex>& from, const std::ve
   return pairs;
 }
 
-// For each node of `from` the nearest of `to` but itself; the lowest number where several are equally near.
+// For each node of `from` the nearest other node of `to`; the lowest number if several are equally near.
 std::vector<Pair> nearest_pairs(const std::vector<NodeIndex>& from, const std::vector<NodeIndex>& to,
                                 const Network& network) {
   const Tree tree = make_tree(to, network);
@@ -87,7 +87,7 @@ std::vector<Pair> nearest_pairs(const std::vector<NodeIndex>& from, const std::v
     if (found.empty()) continue;
     const double distance = (network.nodes()[found.front().second].position - p).norm();
     const NodeIndex b = neighbours(tree, a, distance, network).front();
-    // Where the selections overlap two nodes may be each other's nearest.
+    // If the selections overlap, two nodes may be each other's nearest.
     if (known.insert(std::minmax(a, b)).second) pairs.emplace_back(a, b);
   }
   return pairs;
@@ -115,7 +115,7 @@ std::vector<Pair> read_pairs(const Value& list, std::string_view schema, const N
 std::vector<Pair> find_pairs(const Table& connect, const Network& network, const LimitOf& limit) {
   if (const auto pairs = connect.find("pairs")) {
     for (const char* key : {"from", "to", "within", "nearest"}) {
-      if (connect.has(key)) connect.find(key)->fail("has no meaning beside 'pairs'; remove one of them");
+      if (connect.has(key)) connect.find(key)->fail("cannot be combined with 'pairs'; remove one of them");
     }
     return read_pairs(*pairs, fmt::format("{}.pairs", connect.schema()), network);
   }
@@ -136,7 +136,7 @@ std::vector<Pair> find_pairs(const Table& connect, const Network& network, const
                     "distance, or select fewer nodes",
                     grouped(allowed.most), grouped(from.size()), grouped(to.size()), allowed.reason));
   }
-  if (pairs.empty()) within->fail("no two nodes of 'from' and 'to' are that near; raise the distance");
+  if (pairs.empty()) within->fail("no two nodes of 'from' and 'to' are that close; increase the distance");
   return pairs;
 }
 

@@ -1,4 +1,4 @@
-// The parts of a scene that make its network, in the order in which they are read.
+// Readers of the parts of a scene, in the order in which they are called.
 #pragma once
 
 #include <optional>
@@ -15,15 +15,15 @@
 
 namespace springnet::scene {
 
-// What a body was made of, for what needs its cells: a mesh, a lattice, or neither.
+// The source of a body's cells: a mesh, a lattice, or neither.
 using Shape = std::variant<std::monostate, Mesh, Lattice>;
 
-// Each takes the whole document, and throws Error(input) with the place of what is wrong.
+// Each takes the whole document and throws Error(input) with the place of the mistake.
 
 // [[body]]. Returns the shape of each.
 [[nodiscard]] std::vector<Shape> read_bodies(const Table& root, const PluginHost& plugins, const Files& files,
                                              Scene& scene);
-// body.mesh.start: moves nodes to where they begin, after all that takes lengths from where they rest.
+// body.mesh.start: moves nodes to their start positions, after all rest lengths have been taken.
 void read_starts(const Table& root, const Files& files, Network& network);
 // [[element]]
 void read_elements(const Table& root, const PluginHost& plugins, const std::vector<Shape>& shapes, Scene& scene);
@@ -32,7 +32,7 @@ void read_connections(const Table& root, const PluginHost& plugins, Scene& scene
 void read_changes(const Table& root, const PluginHost& plugins, const std::vector<Shape>& shapes, Scene& scene);
 void read_loads(const Table& root, const std::vector<Shape>& shapes, Scene& scene);  // [[force]]
 void read_surroundings(const Table& root, Scene& scene);  // [[move]], [[plane]], [[instrument]]
-// [output], whose selections see the whole network and all elements.
+// [output], read last: its selections refer to the whole network and all elements.
 void read_output(const Table& root, Scene& scene);
 
 }  // namespace springnet::scene

@@ -33,7 +33,7 @@ std::string_view describe(const toml::node& node) {
   }
 }
 
-// Values of overrides come from documents of their own, whose names say so.
+// Values of overrides come from separate documents, named after the override.
 std::string location(const toml::source_region& region, std::string_view document) {
   if (region.path && *region.path != document) return *region.path;
   if (region.begin.line == 0) return std::string(document);
@@ -113,7 +113,7 @@ std::string Value::prose() const {
   const std::optional<std::string> value = node_->value_exact<std::string>();
   if (!value) wrong_type("a text in quotes");
   if (value->empty()) fail("must not be empty");
-  constexpr std::size_t longest = 4096;  // bytes, as of a path
+  constexpr std::size_t longest = 4096;  // bytes, as for a path
   if (value->size() > longest) {
     fail(fmt::format("must have at most {} bytes, has {}; shorten it", grouped(longest), grouped(value->size())));
   }
@@ -121,7 +121,7 @@ std::string Value::prose() const {
     const auto code = static_cast<unsigned char>(c);
     return (code < 0x20 && c != '\n' && c != '\r' && c != '\t') || code == 0x7f;
   });
-  // In UTF-8, and TOML is nothing else, those from U+0080 on are c2 and one byte up to 9f.
+  // In UTF-8, which TOML requires, the control characters from U+0080 on are c2 and a byte up to 9f.
   bool second_control = false;
   for (std::size_t k = 0; k + 1 < value->size(); ++k) {
     second_control = second_control || ((*value)[k] == '\xc2' && static_cast<unsigned char>((*value)[k + 1]) < 0xa0);

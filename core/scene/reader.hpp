@@ -1,5 +1,5 @@
-// Values of a TOML document that know where they stand, and read themselves strictly: every error says
-// "file:line:column: key: what; what to do".
+// Values of a TOML document with their location, read strictly: every error is "file:line:column: key: what; what to
+// do".
 #pragma once
 
 #include <cstdint>
@@ -17,11 +17,10 @@ namespace springnet::scene {
 
 class Table;
 
-// All of these throw Error(input) if the value is not what is asked for.
+// All readers throw Error(input) if the value does not have the requested form.
 class Value {
  public:
-  // `path` as in body.0.mesh.spacing; `document` is the name that stands in messages. Both the node and the name
-  // outlive the value.
+  // `path` as in body.0.mesh.spacing; `document` is the name in messages. Node and name must outlive the value.
   Value(const toml::node& node, std::string path, std::string_view document);
 
   [[noreturn]] void fail(std::string_view what) const;
@@ -38,12 +37,12 @@ class Value {
   [[nodiscard]] std::int64_t integer(std::int64_t smallest = std::numeric_limits<std::int64_t>::min(),
                                      std::int64_t largest = std::numeric_limits<std::int64_t>::max()) const;
   [[nodiscard]] bool boolean() const;
-  // Neither empty nor longer than a path can be, without control characters.
+  // Not empty, not longer than a path, without control characters.
   [[nodiscard]] std::string text() const;
-  [[nodiscard]] std::string prose() const;  // the same, but it may have lines
+  [[nodiscard]] std::string prose() const;  // the same, but may have several lines
   [[nodiscard]] std::size_t choice(const std::vector<std::string>& choices) const;
   [[nodiscard]] Vector3 vector() const;     // [x, y, z]
-  [[nodiscard]] Vector3 direction() const;  // the same of length 1
+  [[nodiscard]] Vector3 direction() const;  // the same, normalised
 
   [[nodiscard]] bool is_text() const noexcept { return node_->is_string(); }
   [[nodiscard]] bool is_boolean() const noexcept { return node_->is_boolean(); }
@@ -52,12 +51,12 @@ class Value {
   [[nodiscard]] std::vector<Value> elements() const;
   [[nodiscard]] std::vector<Value> elements(std::size_t count) const;  // exactly so many
 
-  // A table that has no other keys than those of `schema`.
+  // A table with no keys other than those of `schema`.
   [[nodiscard]] Table table(std::string_view schema) const;
-  // The same without a look at its keys.
+  // The same without checking its keys.
   [[nodiscard]] Table open_table(std::string_view schema) const;
 
-  // Calls `change`, and adds the place to errors of input that it throws.
+  // Calls `change` and adds the location to any Error(input) that it throws.
   template <class Change>
   auto at_this_place(Change&& change) const {
     try {
@@ -88,9 +87,9 @@ class Table {
   [[nodiscard]] bool has(std::string_view key) const;
   [[nodiscard]] std::optional<Value> find(std::string_view key) const;
   [[nodiscard]] Value need(std::string_view key) const;
-  // Elements of a list of tables, none if the key is not there.
+  // Elements of a list of tables; none if the key is missing.
   [[nodiscard]] std::vector<Value> tables(std::string_view key) const;
-  // A key of a component's parameter, which is not in the list of keys.
+  // A component's parameter, which is not in the list of keys.
   [[nodiscard]] std::optional<Value> find_parameter(std::string_view key) const;
 
   // Throws for the first key that is neither listed for this table nor among `more`; `owner` describes those.

@@ -18,7 +18,7 @@ namespace springnet {
 namespace scene {
 namespace {
 
-// What this library reads. It rises when a scene that was right would be refused or mean something else.
+// The version that this library reads. It increases when a valid scene would be refused or change its meaning.
 constexpr std::int64_t scene_version = 1;
 
 void check_version(const Table& root) {
@@ -60,7 +60,7 @@ Scene parse_scene(std::string_view text, std::string_view name, const PluginHost
   const std::string document(name.empty() ? "scene" : name);
   const toml::table content = scene::parse_document(text, document, overrides);
   const scene::Table root = scene::Value(content, "", document).open_table("");
-  scene::check_version(root);  // before keys, which a newer version may have more of
+  scene::check_version(root);  // before keys: a newer version may have more of them
   root.check_keys();
 
   const scene::Files files{folder, outside};
@@ -83,7 +83,7 @@ Scene parse_scene(std::string_view text, std::string_view name, const PluginHost
 Scene load_scene(const std::filesystem::path& file, const PluginHost& plugins,
                  const std::vector<SceneOverride>& overrides, OutsideFiles outside) {
   const std::string text = scene::read_scene_text(file);
-  // What is no file, as a pipe, lies in no folder that has meshes.
+  // Something other than a file, as a pipe, has no folder with meshes.
   std::error_code unknown;
   std::filesystem::path folder;
   if (std::filesystem::is_regular_file(file, unknown)) folder = file.has_parent_path() ? file.parent_path() : ".";

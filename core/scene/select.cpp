@@ -15,19 +15,19 @@
 namespace springnet::scene {
 namespace {
 
-// What lies on the boundary is inside. Positions of lattices and of mesh files are rounded, so a boundary is this much
-// thicker, relatively to the numbers compared. Far from the origin that could reach the next node: it is never more
-// than a small share of the shortest spring, as long as that is above the rounding of the numbers themselves.
+// Points on the boundary are inside. Positions of lattices and mesh files are rounded, so the boundary has this
+// tolerance, relative to the numbers compared. Far from the origin it could reach the next node, so it is limited to a
+// small share of the shortest spring, but never below the rounding of the numbers themselves.
 constexpr double thickness = 1e-9, least_thickness = 4.0 * std::numeric_limits<double>::epsilon();
 constexpr double greatest_share = 1e-3;  // of the shortest spring
 
 struct Region {
   std::vector<const Body*> bodies;  // in the order of their nodes; none: everywhere
   std::vector<SelectedGroup> groups;
-  std::optional<std::vector<NodeIndex>> grouped;  // their nodes, rising
+  std::optional<std::vector<NodeIndex>> grouped;  // their nodes, ascending
   std::optional<Vector3> smallest, largest, center;
   double radius = 0;
-  double most = std::numeric_limits<double>::infinity();  // m, of a boundary's thickness
+  double most = std::numeric_limits<double>::infinity();  // m, greatest tolerance of the boundary
 
   [[nodiscard]] bool has_shape() const { return smallest || largest || center; }
   [[nodiscard]] bool restricts() const { return has_shape() || grouped || !bodies.empty(); }
@@ -54,7 +54,7 @@ struct Region {
   }
 };
 
-// m, of those that have a length; infinity without any.
+// m, of springs with a length; infinity if there are none.
 double shortest_spring(const Network& network) {
   double shortest = std::numeric_limits<double>::infinity();
   for (const Spring& spring : network.springs()) {
@@ -75,7 +75,7 @@ void sort_and_unite(std::vector<Element>& elements) {
   elements.erase(std::unique(elements.begin(), elements.end()), elements.end());
 }
 
-// Adds the groups of this name that the bodies have.
+// Adds the groups of this name of the bodies.
 void add_group(const Value& name, const std::vector<const Body*>& bodies, const Network& network,
                std::vector<SelectedGroup>& groups) {
   const std::string wanted = name.text();
@@ -103,7 +103,7 @@ void add_group(const Value& name, const std::vector<const Body*>& bodies, const 
                         nearest.empty() ? "" : "; ", nearest, list_of(known)));
 }
 
-// Those of the bodies given, or of all.
+// Groups of the given bodies, or of all if none are given.
 std::vector<SelectedGroup> read_groups(const Value& value, std::vector<const Body*> bodies, const Network& network) {
   if (bodies.empty()) {
     for (const Body& body : network.bodies()) bodies.push_back(&body);
@@ -162,7 +162,7 @@ Region read_region(const Table& table, const Network& network) {
   return region;
 }
 
-// The one body within which numbers count, or null for those of the whole network.
+// The body within which numbers count; null: numbers of the whole network.
 const Body* body_of_numbers(const Value& numbers, const Region& region) {
   if (region.bodies.size() > 1) {
     numbers.fail("numbers count within one body; name one body, or none for the numbers of the whole network");
@@ -177,7 +177,7 @@ std::vector<Index> range(Index first, Index count) {
   return indices;
 }
 
-// Nodes that meet everything but `springs`; may be none.
+// Nodes that satisfy all keys except `springs`; may be empty.
 std::vector<NodeIndex> nodes_in(const Table& table, const Region& region, const Network& network) {
   std::vector<NodeIndex> candidates;
   if (const auto numbers = table.find("nodes")) {
@@ -205,7 +205,7 @@ SpringIndex read_spring(const Value& number, const Body* body, const Network& ne
   return static_cast<SpringIndex>(index) + (body != nullptr ? body->first_spring : 0);
 }
 
-// Where there is something to select, for who has missed it.
+// A hint for empty selections: the extent of the nodes.
 std::string extent_of(const Region& region, const Network& network) {
   if (!region.has_shape() || network.nodes().empty()) return "; check the numbers";
   Vector3 low = network.nodes()[0].position, high = low;
@@ -255,10 +255,10 @@ void count_selected(const Value& selection, std::size_t count, std::size_t& tota
   constexpr std::size_t most = 100'000'000;
   total += count;
   if (total <= most) return;
-  selection.fail(fmt::format(
-      "brings what the tables of this kind select to {}, at most {} are allowed; select less, or put what is "
-      "alike into one table",
-      grouped(total), grouped(most)));
+  selection.fail(
+      fmt::format("brings the total that tables of this kind select to {}, but at most {} are allowed; select less, or "
+                  "merge similar tables",
+                  grouped(total), grouped(most)));
 }
 
 std::vector<SelectedGroup> select_groups(const Value& selection, const Network& network) {
@@ -296,7 +296,7 @@ std::vector<SpringIndex> select_springs(const Value& selection, const Network& n
     });
   }
   if (springs.empty()) {
-    selection.fail("selects no spring (both ends have to meet what is given)" + extent_of(region, network));
+    selection.fail("selects no spring (both ends must match the selection)" + extent_of(region, network));
   }
   return springs;
 }

@@ -1,4 +1,4 @@
-// Selections of nodes and springs: by body, group, number, box and sphere; what is selected meets all that is given.
+// Selections of nodes and springs by body, group, number, box and sphere; all given criteria must be met.
 #pragma once
 
 #include <vector>
@@ -9,25 +9,25 @@
 
 namespace springnet::scene {
 
-// User's numbers, rising, each once. Boxes and spheres see the nodes where the scene puts them, before any motion.
-// Throw Error(input) if nothing is selected.
+// User's numbers, ascending, unique. Boxes and spheres refer to positions in the scene, before any motion. Throw
+// Error(input) if nothing is selected.
 [[nodiscard]] std::vector<NodeIndex> select_nodes(const Value& selection, const Network& network);
-// Both ends of a spring have to meet what is given.
+// Springs with both ends in the selection.
 [[nodiscard]] std::vector<SpringIndex> select_springs(const Value& selection, const Network& network);
 
-// Adds to what all tables of a kind have selected, where each selection is kept. Throws Error(input) for more than a
-// hundred million.
+// Adds `count` to the `total` selected by tables whose selections are stored. Throws Error(input) above a hundred
+// million.
 void count_selected(const Value& selection, std::size_t count, std::size_t& total);
 
-// A group that a selection names: of that body, which has that many before it.
+// A group that a selection names: indices of the body and of the group within it.
 struct SelectedGroup {
   std::size_t body;
   std::size_t group;
 };
-// Those of all bodies that it may be from; none if the selection names no group.
+// The groups of all bodies that the selection covers; empty if it names no group.
 [[nodiscard]] std::vector<SelectedGroup> select_groups(const Value& selection, const Network& network);
 
-// Names for a message: "left, right, skin", the first of them if they are many.
+// Names for a message: "left, right, skin"; only the first few of many.
 [[nodiscard]] std::string list_of(const std::vector<std::string>& names);
 
 // The body of this name.

@@ -20,7 +20,7 @@ void refuse(const Table& mesh, std::initializer_list<const char*> keys, std::str
   }
 }
 
-// Points p become origin + rotation (scale p).
+// Transforms points p to origin + rotation (scale p).
 void place(const Table& table, Mesh& mesh) {
   const auto scale = table.find("scale");
   const double factor = scale ? scale->number_above_0("") : 1.0;
@@ -118,7 +118,7 @@ Mesh read_listed(const Table& body) {
 
 namespace {
 
-// A surface that branches or has one side is drawn as its file turns it.
+// A surface that branches or is one-sided keeps the file's orientation.
 std::vector<Face> faces_of(const Mesh& mesh, const std::string& name, std::vector<std::string>& notes) {
   std::vector<Face> faces = surface_of(mesh);
   const bool solid = std::any_of(mesh.types.begin(), mesh.types.end(), [](CellType t) { return dimension_of(t) == 3; });
@@ -127,7 +127,7 @@ std::vector<Face> faces_of(const Mesh& mesh, const std::string& name, std::vecto
     return oriented(faces, mesh.points);
   } catch (const Error& error) {
     if (error.kind() != ErrorKind::input) throw;
-    notes.push_back(fmt::format("Body '{}': its triangles stay turned as the file has them: {}.", name, error.what()));
+    notes.push_back(fmt::format("Body '{}': its triangles keep the orientation of the file: {}.", name, error.what()));
     return faces;
   }
 }

@@ -81,7 +81,7 @@ Friction read_friction(const Value& value) {
   return {value.choice({"held", "none"}) == 0 ? Friction::Kind::held : Friction::Kind::none, 0.0};
 }
 
-// What planes and instruments have in common.
+// The keys common to planes and instruments.
 template <class Surface>
 void read_surface(const Table& table, Surface& surface) {
   if (const auto name = table.find("name")) surface.name = name->text();
@@ -124,7 +124,7 @@ void read_box(const Table& table, Instrument& instrument) {
   if (const auto radius = table.find("radius")) {
     box.radius = radius->number_from_0("m");
     if (const double most = box.size.minCoeff() / 2; box.radius > most) {
-      radius->fail(fmt::format("must be at most {:g} m, half the least size, is {} m", most, box.radius));
+      radius->fail(fmt::format("must be at most {:g} m, half the smallest size, is {} m", most, box.radius));
     }
   }
 }
@@ -162,8 +162,7 @@ void check_count(const std::vector<Value>& planes, const std::vector<Value>& ins
   const Value& first = allowed < planes.size() ? planes[allowed] : instruments[allowed - planes.size()];
   first.fail(
       fmt::format("{} planes and instruments; with {} nodes there are at most {}, as each node is compared with each "
-                  "of them: leave "
-                  "out those that no node comes near",
+                  "of them: leave out those that no node can reach",
                   grouped(count), grouped(nodes), grouped(allowed)));
 }
 

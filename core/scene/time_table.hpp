@@ -1,4 +1,4 @@
-// Rows [t, …] of numbers over time, and how they are joined.
+// Rows [t, …] of numbers over time, and their interpolation.
 #pragma once
 
 #include <vector>
@@ -9,7 +9,8 @@
 
 namespace springnet::scene {
 
-// `form`: of a row, as "[t, factor]"; take(time, numbers): of each row, s and `columns` numbers with the time first.
+// Reads the rows of a table. `form`: a row for messages, as "[t, factor]". Calls take(time, numbers) for each row:
+// time, s, and its `columns` numbers, the time first.
 template <class Take>
 void read_time_table(const Value& table, std::string_view form, std::size_t columns, const Take& take) {
   const std::vector<Value> rows = table.elements();
@@ -19,8 +20,8 @@ void read_time_table(const Value& table, std::string_view form, std::size_t colu
     const std::vector<Value> numbers = rows[k].elements(columns);
     const double time = numbers[0].number();
     if (k > 0 && !(last < time)) {
-      numbers[0].fail(
-          fmt::format("times must rise, but {} s follows {} s; sort the rows, and give each time once", time, last));
+      numbers[0].fail(fmt::format("times must increase, but {} s follows {} s; sort the rows, and give each time once",
+                                  time, last));
     }
     last = time;
     take(time, numbers);
@@ -33,10 +34,10 @@ void read_time_table(const Value& table, std::string_view form, std::size_t colu
                                                            : Motion::Interpolation::smooth;
 }
 
-// Keys that say nothing beside another.
+// Refuses keys that cannot be combined with another.
 inline void refuse_beside(const Table& table, std::initializer_list<std::string_view> keys, std::string_view other) {
   for (const std::string_view key : keys) {
-    if (const auto value = table.find(key)) value->fail(fmt::format("has no meaning beside '{}'; remove it", other));
+    if (const auto value = table.find(key)) value->fail(fmt::format("cannot be combined with '{}'; remove it", other));
   }
 }
 

@@ -71,7 +71,7 @@ std::set<std::uint32_t> follow_prescribed(Model& model) {
     if (clusters != nullptr && clusters[k] != ConstraintRow::no_node) pulled.insert(clusters[k]);
   }
   for (const std::uint32_t cluster : pulled) {
-    const RigidConnections::Unsupported rods(model.rigid, cluster, read_only(position));
+    const RigidConnections::WithoutContact rods(model.rigid, cluster, read_only(position));
     rods.pull_along(velocity,
                     [&](std::uint32_t fixed, const Vector3& impulse) { contact.add_impulse(fixed, -impulse); });
   }

@@ -78,13 +78,13 @@ springnet_status ImpulseLedger::book_anchored(const AnchoredCluster& anchored, R
                               (change - done_.rest * anchored.acceleration[i] - done_.weight * reactions.free(k)) -
                           model_.contact.sweep_impulse(k));
   }
-  model_.rigid.pass_on(anchored.cluster, read_only(model_.state.view.position), impulses);
+  model_.rigid.find_fixed_impulses(anchored.cluster, read_only(model_.state.view.position), impulses);
   for (std::size_t i = 0; i < nodes.size(); ++i) {
     if (model_.contact.fixed()[nodes[i]] == 0) continue;
     model_.contact.add_impulse(
-        nodes[i],
-        done_.weight * model_.rigid.pull(nodes[i], read_only(model_.state.view.position), reactions.tensions().data()) -
-            impulses[i]);
+        nodes[i], done_.weight * model_.rigid.connection_force(nodes[i], read_only(model_.state.view.position),
+                                                               reactions.tensions().data()) -
+                      impulses[i]);
   }
   return SPRINGNET_OK;
 }

@@ -26,14 +26,14 @@ springnet_status LinearModel::add_constraints(const springnet_evaluation& at) {
     if (const springnet_status status = known().know(c); status != SPRINGNET_OK) return status;
   for (std::size_t r = 0; r < model_.rigid.rods().size(); ++r) {
     const RigidConnections::Rod& rod = model_.rigid.rods()[r];
-    blocks_.add_bond(rod.first, rod.second, constraints.turning_of(r, at.position, known().tensions()[r]));
+    blocks_.add_bond(rod.first, rod.second, constraints.rod_geometric_stiffness(r, at.position, known().tensions()[r]));
   }
   for (const ConstraintRow& row : constraints.rows()) {
     if (!constraints.friction_follows_slip(row)) continue;
     Vector3 reaction;
     if (const springnet_status status = known().of(row.first, reaction); status != SPRINGNET_OK) return status;
     blocks_.add_to_velocity_block(
-        row.first, constraints.friction_of(known().placement(), row, at.position, at.velocity, reaction));
+        row.first, constraints.friction_derivative(known().placement(), row, at.position, at.velocity, reaction));
   }
   return SPRINGNET_OK;
 }

@@ -54,7 +54,7 @@ springnet_status ReactionsAt::unbraced(std::uint32_t node, Vector3& reaction) {
   const springnet_status status = of(node, reaction);
   const std::uint32_t* clusters = model_.rigid.cluster_of();
   if (status == SPRINGNET_OK && !bracing_.empty() && clusters[node] != ConstraintRow::no_node)
-    reaction += model_.rigid.pull(node, position_, bracing_.data());
+    reaction += model_.rigid.connection_force(node, position_, bracing_.data());
   return status;
 }
 
@@ -172,7 +172,7 @@ void ReactionsAt::brace(std::uint32_t cluster) {
     cones.push_back({model_.constraints.coefficient(k, surface), 0.0});
   }
   for (Cone& cone : cones) cone.least = 1e-9 * most;  // otherwise rounding makes it a pull
-  if (const auto least = least_in_cones(base, more, cones)) {
+  if (const auto least = min_norm_in_cones(base, more, cones)) {
     bracing_.resize(tension_.size(), 0.0);
     for (Eigen::Index r = 0; r < more.cols(); ++r) {
       tension_[rods[static_cast<std::size_t>(r)]] += (*least)[r];

@@ -367,7 +367,7 @@ springnet_status Settling::settle(std::uint32_t node) {
       const bool rocks = chatters(island);
       const double slow = std::max({fall_to_touch(island), rocks ? slow_rocking * model_.scales.velocity : 0.0,
                                     rocks ? fall_in_step(island) : 0.0});
-      island.calm(slow);
+      island.end_rocking(slow);
       // Impulses along the normals alone turn the body; a slip that is left of that would go on, against friction that
       // no finite forces fit.
       if (rocks) stop_held(island, slow);

@@ -78,7 +78,7 @@ class Settling {
   double jump_;                     // m/s: a smaller jump of an obstacle's velocity is an error of integration
   std::vector<std::uint8_t> done_;  // [cluster]
   std::vector<std::uint32_t> members_;
-  std::optional<RigidConnections::Unsupported> rods_;
+  std::optional<RigidConnections::WithoutContact> rods_;
   std::vector<std::uint32_t> contact_nodes_;
   std::vector<std::uint32_t> stopped_;
   Rebounds rebounds_;

@@ -49,7 +49,7 @@ void Settling::begin_slips(Island& island) const {
   if (std::none_of(island.nodes().begin(), island.nodes().end(), slips)) return;
   island.solve();
   for (std::size_t i = 0; i < island.nodes().size(); ++i)
-    if (slips(island.nodes()[i]) && !island.let_go(i)) island.begin_slip(i);
+    if (slips(island.nodes()[i]) && !island.release_held(i)) island.begin_slip(i);
 }
 
 // A slip that is slow and becomes slower is about to end.

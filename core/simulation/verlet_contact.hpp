@@ -73,7 +73,7 @@ class VerletContact {
     std::optional<std::size_t> cluster;
     std::vector<Toucher> touchers;
   };
-  using Rods = RigidConnections::Unsupported;
+  using Rods = RigidConnections::WithoutContact;
 
   [[nodiscard]] Body body_of(const springnet_sweep& step, const std::vector<std::uint32_t>& nodes) const;
   springnet_status know_forces(Body& body, const springnet_sweep& step, double time,

@@ -1,4 +1,4 @@
-// Numbers that people count the digits of.
+// Large numbers with digit grouping.
 #pragma once
 
 #include <cstdint>

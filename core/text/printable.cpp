@@ -11,12 +11,12 @@ namespace springnet {
 namespace {
 
 struct Character {
-  std::uint32_t code = 0;  // code point, or the byte where the text is not UTF-8
+  std::uint32_t code = 0;  // code point; the byte if it is not valid UTF-8
   std::size_t size = 1;    // bytes
   bool valid = false;
 };
 
-// The character at the front of `text`, which is not empty.
+// The first character of `text`, which is not empty.
 Character first_of(std::string_view text) {
   const auto byte = [&](std::size_t k) { return static_cast<std::uint32_t>(static_cast<unsigned char>(text[k])); };
   const std::uint32_t lead = byte(0);
@@ -35,7 +35,7 @@ Character first_of(std::string_view text) {
   return {code, size, true};
 }
 
-// Whether a terminal obeys this character, or shows another text than there is.
+// Whether a terminal would execute this character or display a misleading text: control and direction characters.
 bool misleads(std::uint32_t code) {
   const auto within = [code](std::uint32_t first, std::uint32_t last) { return code >= first && code <= last; };
   return code < 0x20 || within(0x7f, 0x9f) || within(0x200b, 0x200f) || within(0x2028, 0x202e) ||

@@ -32,8 +32,8 @@ std::size_t edit_distance(std::string_view a, std::string_view b) {
   return last.back();
 }
 
-// A name that was cut short ("damp" for "damping") is as near as one wrong letter.
-// What is above `largest` does not matter, and takes no time.
+// An abbreviation ("damp" for "damping") counts as one wrong letter. Values above `largest` are not computed exactly,
+// to save time.
 std::size_t distance(std::string_view a, std::string_view b, std::size_t largest) {
   constexpr std::size_t enough_to_tell = 3;
   const std::size_t common = std::min(a.size(), b.size());
@@ -46,13 +46,13 @@ std::size_t distance(std::string_view a, std::string_view b, std::size_t largest
 
 std::string suggestion(std::string_view name, const std::vector<std::string>& known) {
   constexpr std::size_t most_shown = 3;
-  // A wrong letter in three is a slip; more is another word.
+  // One wrong letter in three is a typing error; more is another word.
   const std::size_t largest = std::max<std::size_t>(1, name.size() / 3);
   const std::string wanted = lower(name);
   std::size_t best = largest + 1;
   std::vector<std::string> nearest;
   for (const std::string& candidate : known) {
-    // Names of one letter have nothing in common with one another.
+    // Names of one letter never resemble each other.
     if (candidate.size() < 2 && wanted != lower(candidate)) continue;
     const std::size_t d = distance(wanted, lower(candidate), largest);
     if (d >= std::max(wanted.size(), candidate.size())) continue;

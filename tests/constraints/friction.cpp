@@ -95,7 +95,7 @@ TEST_CASE("Coulomb's rule for one node: cone, slip direction, no pull, whatever 
     for (const Vector3& relative : {Vector3(-1, -2, -2), Vector3(3, 0, -2), Vector3(0.1, -4, 1), Vector3(1, 1, 1)}) {
       CAPTURE(mu);
       CAPTURE(relative[0]);
-      const ContactAnswer answer = answer_contact(mobility, relative, n, {Friction::Kind::coulomb, mu});
+      const ContactResponse answer = solve_contact(mobility, relative, n, {Friction::Kind::coulomb, mu});
       // Impulse and velocity belong together.
       CHECK((answer.velocity - relative - mobility * answer.impulse).norm() <= 1e-12);
       if (answer.normal < 0.0) {

@@ -272,10 +272,10 @@ TEST_CASE("impulses that end a slip leave gaps as they are") {
 TEST_CASE("the least numbers that lift all of some others above zero") {
   Eigen::MatrixXd matrix(2, 2);
   matrix << 1, 1, 0, -1;
-  const auto x = least_with(Eigen::Vector2d(-2, 0.5), matrix);
+  const auto x = min_norm_nonnegative(Eigen::Vector2d(-2, 0.5), matrix);
   REQUIRE(x.has_value());
   CHECK((*x - Eigen::Vector2d(1.5, 0.5)).norm() <= 1e-11);
-  CHECK_FALSE(least_with(Eigen::Vector2d(-1, -1), Eigen::Vector2d(1, -1)).has_value());
+  CHECK_FALSE(min_norm_nonnegative(Eigen::Vector2d(-1, -1), Eigen::Vector2d(1, -1)).has_value());
 }
 
 // A force of 1 N across and (2, 0) N along a surface: x times (1, 0, 0) more, until friction of 1/2 bears it.
@@ -284,18 +284,18 @@ TEST_CASE("the least bracing puts a force on the edge of its cone") {
   base << 1, 2, 0;
   Eigen::MatrixXd matrix = Eigen::MatrixXd::Zero(3, 1);
   matrix(0, 0) = 1.0;
-  const auto across = least_in_cones(base, matrix, {{0.5, 0.0}});
+  const auto across = min_norm_in_cones(base, matrix, {{0.5, 0.0}});
   REQUIRE(across.has_value());
   CHECK(std::abs((*across)[0] - 3.0) <= 1e-8);  // and the billionth that rounding is kept off by
   // Turned into the plane: (1 + x)^2 = 4 ((2 - x)^2 + 1/4) is left where 3 x^2 - 18 x + 16 = 0.
   base << 1, 2, 0.5;
   matrix << 1, -1, 0;
-  const auto oblique = least_in_cones(base, matrix, {{0.5, 0.0}});
+  const auto oblique = min_norm_in_cones(base, matrix, {{0.5, 0.0}});
   REQUIRE(oblique.has_value());
   CHECK(((base + matrix * *oblique).tail<2>().norm() - 0.5 * (base + matrix * *oblique)[0]) <= 1e-8);
   CHECK(std::abs((*oblique)[0] - (18.0 - std::sqrt(132.0)) / 6.0) <= 1e-7);
   matrix << 0, 0, 1;
-  CHECK_FALSE(least_in_cones(base, matrix, {{0.5, 0.0}}).has_value());
+  CHECK_FALSE(min_norm_in_cones(base, matrix, {{0.5, 0.0}}).has_value());
 }
 
 // Friction of 1e4 would have to draw to hold it, and without the surface it sinks: it slips, with next to no normal
@@ -329,14 +329,14 @@ TEST_CASE("a direction is found where what turns it vanishes") {
 }
 
 TEST_CASE("impulses over a step end approach within the cone, for all contacts at once") {
-  // In an island of impulses accelerations stand for velocities. A lone node of 2 kg: as answer_contact has it.
+  // In an island of impulses accelerations stand for velocities. A lone node of 2 kg: as solve_contact has it.
   for (const double mu : {0.1, 0.9}) {
     ContactNode node = on_floor(Vector3::Zero(), coulomb(mu));
     node.acceleration = {0.3, -0.4, -1.0};
     node.sticks = true;
     Island lone({node}, 0.5 * Matrix3::Identity());
     REQUIRE(lone.resolve_impulses(1e-12));
-    const ContactAnswer answer = answer_contact(0.5 * Matrix3::Identity(), node.acceleration, {0, 0, 1}, coulomb(mu));
+    const ContactResponse answer = solve_contact(0.5 * Matrix3::Identity(), node.acceleration, {0, 0, 1}, coulomb(mu));
     CHECK((lone.nodes()[0].force - answer.impulse).norm() <= rounding);
     CHECK(lone.nodes()[0].sticks == answer.sticks);
   }

@@ -114,14 +114,14 @@ TEST_CASE("an obstacle tells whether its turn moves its shape, how thick it is, 
 
 TEST_CASE("the least forces between nodes that stick are those that the cones of friction ask for") {
   const auto one = [](double value) { return Eigen::VectorXd::Constant(1, value); };
-  CHECK(least_with(one(-1.0), Eigen::MatrixXd::Constant(1, 1, 2.0)).value()[0] == doctest::Approx(0.5));
-  CHECK(least_with(one(1.0), Eigen::MatrixXd::Constant(1, 1, 2.0)).value()[0] == doctest::Approx(0.0));
-  CHECK_FALSE(least_with(one(-1.0), Eigen::MatrixXd::Zero(1, 1)));
+  CHECK(min_norm_nonnegative(one(-1.0), Eigen::MatrixXd::Constant(1, 1, 2.0)).value()[0] == doctest::Approx(0.5));
+  CHECK(min_norm_nonnegative(one(1.0), Eigen::MatrixXd::Constant(1, 1, 2.0)).value()[0] == doctest::Approx(0.0));
+  CHECK_FALSE(min_norm_nonnegative(one(-1.0), Eigen::MatrixXd::Zero(1, 1)));
   // A rod presses with x and pushes along with x / 2, where 1 N draws: x / 2 <= mu (x - 1).
   const Eigen::Vector3d base(-1.0, 0.0, 0.0), rod(1.0, 0.5, 0.0);
-  CHECK(least_in_cones(base, rod, {{1.0, 0.0}}).value()[0] == doctest::Approx(2.0).epsilon(1e-6));
-  CHECK(least_in_cones(base, rod, {{2.0, 0.0}}).value()[0] == doctest::Approx(4.0 / 3.0).epsilon(1e-6));
-  CHECK_FALSE(least_in_cones(base, rod, {{0.4, 0.0}}));
+  CHECK(min_norm_in_cones(base, rod, {{1.0, 0.0}}).value()[0] == doctest::Approx(2.0).epsilon(1e-6));
+  CHECK(min_norm_in_cones(base, rod, {{2.0, 0.0}}).value()[0] == doctest::Approx(4.0 / 3.0).epsilon(1e-6));
+  CHECK_FALSE(min_norm_in_cones(base, rod, {{0.4, 0.0}}));
 }
 
 TEST_CASE("surfaces that oppose each other leave no place where their gaps are too small together") {

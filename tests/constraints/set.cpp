@@ -263,7 +263,7 @@ TEST_CASE("derivatives of a rod's force and of friction are those of differences
   const double tension = 2.3, mu = 0.4, step = 1e-6;
   Bound rods(pair(1.0, 3.0, 2.0));
   rods.position.put(1, Vector3(1, -1, 0.5).normalized() * 2.0);
-  const Matrix3 turning = rods.set->turning_of(0, rods.position.in(), tension);
+  const Matrix3 stiffness = rods.set->rod_geometric_stiffness(0, rods.position.in(), tension);
   Network net;
   net.add_node(point({0, 0, 0}, 2.0));
   net.add_plane(floor_of({Friction::Kind::coulomb, mu}));
@@ -277,7 +277,7 @@ TEST_CASE("derivatives of a rod's force and of friction are those of differences
   const Vector3 reaction =
       rubbed.set->reaction(0, gravity, rubbed.accelerated(0, {gravity}).at(0), rubbed.position.in(), nullptr);
   const Matrix3 friction =
-      rubbed.set->friction_of(*rubbed.placement, row, rubbed.position.in(), rubbed.velocity.in(), reaction);
+      rubbed.set->friction_derivative(*rubbed.placement, row, rubbed.position.in(), rubbed.velocity.in(), reaction);
   for (Eigen::Index c = 0; c < 3; ++c) {
     const Vector3 e = step * Vector3::Unit(c);
     // The first end feels the tension towards the second.
@@ -285,7 +285,7 @@ TEST_CASE("derivatives of a rod's force and of friction are those of differences
       return Vector3(tension * (rods.position.at(1) - first).normalized());
     };
     const Vector3 by_place = -(force(e) - force(-e)) / (2.0 * step);
-    CHECK((turning.col(c) - by_place).norm() <= 1e-9);
+    CHECK((stiffness.col(c) - by_place).norm() <= 1e-9);
     if (c == 2) continue;  // it does not move across the plane
     const auto slowed = [&](const Vector3& v) {
       rubbed.velocity.put(0, v);

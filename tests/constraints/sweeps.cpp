@@ -142,23 +142,23 @@ TEST_CASE("what two surfaces do to a node where they meet") {
   Eigen::Matrix3d mobility = Eigen::Matrix3d::Identity() / 2.0;
   const Vector3 relative(-3, 5, -4);
   SUBCASE("without friction it keeps what it has along the edge") {
-    const EdgeAnswer answer = answer_edge(mobility, relative, a, b, 0.0, 0.0);
+    const EdgeResponse answer = solve_edge(mobility, relative, a, b, 0.0, 0.0);
     CHECK((answer.velocity - Vector3(0, 5, 0)).norm() <= 1e-15);
     CHECK(answer.first == doctest::Approx(8.0));
     CHECK(answer.second == doctest::Approx(6.0));
     CHECK_FALSE(answer.sticks);
   }
   SUBCASE("friction sums up") {
-    const EdgeAnswer slips = answer_edge(mobility, relative, a, b, 0.5, 0.9);
+    const EdgeResponse slips = solve_edge(mobility, relative, a, b, 0.5, 0.9);
     CHECK(slips.velocity.y() == doctest::Approx(5.0 - 0.5 * (0.5 * 8.0 + 0.9 * 6.0)));
     CHECK_FALSE(slips.sticks);
-    const EdgeAnswer sticks = answer_edge(mobility, relative, a, b, 0.5, 1.01);
+    const EdgeResponse sticks = solve_edge(mobility, relative, a, b, 0.5, 1.01);
     CHECK(sticks.sticks);
     CHECK(sticks.velocity.norm() == 0.0);
-    CHECK_FALSE(answer_edge(mobility, relative, a, b, 0.5, 0.99).sticks);
+    CHECK_FALSE(solve_edge(mobility, relative, a, b, 0.5, 0.99).sticks);
   }
   SUBCASE("a surface that would have to pull is told") {
-    const EdgeAnswer answer = answer_edge(mobility, {3, 5, -4}, a, b, 0.0, 0.0);
+    const EdgeResponse answer = solve_edge(mobility, {3, 5, -4}, a, b, 0.0, 0.0);
     CHECK(answer.first > 0.0);
     CHECK(answer.second < 0.0);
   }
@@ -166,7 +166,7 @@ TEST_CASE("what two surfaces do to a node where they meet") {
     mobility << 2, 0.3, 0.1, 0.3, 1, 0.2, 0.1, 0.2, 0.5;
     const Vector3 c = Vector3(1, 0.2, 1).normalized();
     for (const double friction : {0.0, 0.2}) {
-      const EdgeAnswer answer = answer_edge(mobility, {-1, 0.5, -2}, a, c, friction, 0.0);
+      const EdgeResponse answer = solve_edge(mobility, {-1, 0.5, -2}, a, c, friction, 0.0);
       CHECK(std::abs(a.dot(answer.velocity)) <= 1e-14);
       CHECK(std::abs(c.dot(answer.velocity)) <= 1e-14);
       CHECK((mobility * answer.impulse + Vector3(-1, 0.5, -2) - answer.velocity).norm() <= 1e-14);

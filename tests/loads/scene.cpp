@@ -95,17 +95,17 @@ TEST_CASE("what cannot be meant is refused where it stands") {
   };
   CHECK(says(refused("from = 0\n"), "force.0: does not say what acts"));
   CHECK(says(refused("force = [1, 0, 0]\npressure = 1\n"), "test.toml:12"));
-  CHECK(says(refused("force = [1, 0, 0]\npressure = 1\n"), "stands beside 'force'"));
-  CHECK(says(refused("force = [1, 0, 0]\nfollow = true\n"), "goes with 'pressure'"));
-  CHECK(says(refused("pressure = 1\nshare = 'area'\n"), "goes with 'total'"));
+  CHECK(says(refused("force = [1, 0, 0]\npressure = 1\n"), "cannot be combined with 'force'"));
+  CHECK(says(refused("force = [1, 0, 0]\nfollow = true\n"), "requires 'pressure'"));
+  CHECK(says(refused("pressure = 1\nshare = 'area'\n"), "requires 'total'"));
   CHECK(
       says(refused("pressure = 1\n", "[[force]]\nselect = { nodes = [0, 13] }\n"), "force.0.select: has no triangle"));
   CHECK(says(refused("total = [1, 0, 0]\nshare = 'area'\n", "[[force]]\nselect = { nodes = [13] }\n"),
              "has no triangle"));
-  CHECK(says(refused("pressure = 1\nramp = 1\nsinusoid = { frequency = 1 }\n"), "has no meaning beside 'sinusoid'"));
-  CHECK(says(refused("pressure = 1\nramp = 1\ntable = [[0, 0], [1, 1]]\n"), "has no meaning beside 'table'"));
-  CHECK(says(refused("pressure = 1\ninterpolation = 'linear'\n"), "goes with 'table'"));
-  CHECK(says(refused("pressure = 1\ntable = [[0, 0], [0, 1]]\n"), "times must rise"));
+  CHECK(says(refused("pressure = 1\nramp = 1\nsinusoid = { frequency = 1 }\n"), "cannot be combined with 'sinusoid'"));
+  CHECK(says(refused("pressure = 1\nramp = 1\ntable = [[0, 0], [1, 1]]\n"), "cannot be combined with 'table'"));
+  CHECK(says(refused("pressure = 1\ninterpolation = 'linear'\n"), "requires 'table'"));
+  CHECK(says(refused("pressure = 1\ntable = [[0, 0], [0, 1]]\n"), "times must increase"));
   CHECK(says(refused("pressure = 1\ntable = [[0, 0], [1, 0]]\n"), "nothing would act"));
   CHECK(says(refused("pressure = 1\ntable = [[0, 0]]\n"), "two rows [t, factor]"));
   CHECK(says(refused("pressure = 1\nramp = 0\n"), "force.0.ramp"));

@@ -218,7 +218,7 @@ TEST_CASE("STL: equal corners become one point") {
   // What is no whole triangle at the end of a binary file.
   const Mesh spare = read_text_mesh("spare.stl", stl_samples()[1].bytes + "\n");
   CHECK(spare.cell_count() == 4);
-  CHECK(has_note(spare, "1 byte behind the last triangle is not read"));
+  CHECK(has_note(spare, "1 byte after the last triangle is not read"));
 }
 
 TEST_CASE("what is not read of a file is told once, with the first names") {
@@ -233,7 +233,7 @@ TEST_CASE("what is not read of a file is told once, with the first names") {
   const Mesh groups = read_text_mesh("a.obj", many);
   CHECK(groups.groups.size() == 4);
   CHECK(has_note(groups,
-                 "40000 groups without a cell or a point that is used are left out: 'empty0', 'empty1', "
+                 "40000 groups without a used cell or point are left out: 'empty0', 'empty1', "
                  "'empty2', 'empty3', 'empty4' and others"));
   CHECK(groups.notes.size() == 4);
 }
@@ -295,7 +295,7 @@ TEST_CASE("pieces that share their data claim no more than the file can hold") {
     return text + "</UnstructuredGrid><AppendedData encoding=\"raw\">_" + data + packed.substr(0, size) +
            "</AppendedData></VTKFile>";
   };
-  CHECK(error_of("one.vtu", pieces(1)).find("there is no cell") != std::string::npos);
+  CHECK(error_of("one.vtu", pieces(1)).find("it has no usable cell") != std::string::npos);
   CHECK(error_of("many.vtu", pieces(200)).find("with those before more than the file can hold") != std::string::npos);
 }
 
@@ -371,7 +371,7 @@ TEST_CASE("arrays of points give groups of points, reals none") {
   CHECK(group_of(mesh, "PhysicalIds 4").cells.empty());
   CHECK(group_of(mesh, "PhysicalIds 4").points == Numbers{0, 1});  // and not the one that is left out
   CHECK(group_of(mesh, "PhysicalIds 5").points.size() == 10);
-  CHECK(has_note(mesh, "array 'group' is not of whole numbers"));
+  CHECK(has_note(mesh, "array 'group' does not have whole numbers"));
   const auto lines = std::count(text.begin(), text.end(), '\n');
   CHECK(has_note(mesh, fmt::format("data from line {} on are not read", lines + 8)));
 }

@@ -173,7 +173,7 @@ TEST_CASE("instruments: boxes") {
   box_refused({1, 1, 1}, -upright, 0, "right-handed");
   box_refused({1, 1, 1}, nan_value * upright, 0, "the axes of its box must be a rotation");
   box_refused({2, 1, 3}, upright, 0.51,
-              "the radius of its box's edges must be 0 to 0.5 m, half its least size, is 0.51");
+              "the radius of its box's edges must be 0 to 0.5 m, half its smallest size, is 0.51");
   box_refused({1, 1, 1}, upright, -0.1, "is -0.1 m");
   box_refused({1, 1, 1}, upright, nan_value, "is nan m");
   refused(
@@ -253,7 +253,7 @@ TEST_CASE("surfaces that turn") {
   turn_refused(wrong, ": an angle must be finite, entry 1 of its table has inf");
   wrong.angles = {0, 1};
   wrong.times = {1, 1};
-  turn_refused(wrong, ": the times of its table must rise");
+  turn_refused(wrong, ": the times of its table must increase");
 }
 
 TEST_CASE("restitution is 0 to 1") {
@@ -360,7 +360,7 @@ TEST_CASE("motions that are none") {
   motion_refused(table({}, {Vector3::Zero()}), "has 0 times and 1 displacements");
   motion_refused(table({1}, {Vector3::Zero()}), "needs two entries or more, has 1");
   motion_refused(table({0, 0}, {Vector3::Zero(), Vector3::UnitX()}),
-                 "must rise, but entry 0 is at 0 s and entry 1 at 0");
+                 "must increase, but entry 0 is at 0 s and entry 1 at 0");
   motion_refused(table({0, 2, 1}, {Vector3::Zero(), Vector3::UnitX(), Vector3::Zero()}),
                  "entry 1 is at 2 s and entry 2 at 1 s");
   motion_refused(table({0, inf}, {Vector3::Zero(), Vector3::UnitX()}), "entry 1 of its table is infinity");

@@ -156,7 +156,7 @@ TEST_CASE("of two plugins with the same kind and id the first is kept") {
   CHECK(host.components().size() == 1);
   const std::string reason = host.refusals().back().reason;
   CAPTURE(reason);
-  CHECK(contains(reason, "spring function 'fixture' is taken already, by org.example.fixture 1.2.3"));
+  CHECK(contains(reason, "spring function 'fixture' is already taken by org.example.fixture 1.2.3"));
   CHECK(contains(reason, fixture("good").string()));
   CHECK(contains(reason, "rename it, or remove"));
 

@@ -263,7 +263,7 @@ TEST_CASE("an id that is taken by another registration is refused, the same regi
   CHECK(host.components().size() == 3);
   CHECK_FALSE(host.add(second.plugin));
   CHECK(host.components().size() == 3);
-  CHECK(host.refusals().back().reason.find("taken already, by org.example.sample 1.0") != std::string::npos);
+  CHECK(host.refusals().back().reason.find("already taken by org.example.sample 1.0") != std::string::npos);
 }
 
 TEST_CASE("laws of two kinds may have one id") {

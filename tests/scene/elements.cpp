@@ -202,13 +202,13 @@ TEST_CASE("what is wrong with an element is said with its place") {
       contains(refused("invariant = \"angel\"\nselect = {}"), "test.toml:16:13: element.0.invariant: must be one of"));
   CHECK(contains(refused("invariant = \"area\""), "element.0: has no nodes; add 'select'"));
   CHECK(contains(refused("invariant = \"area\"\nselect = {}\nnodes = []"), "both 'select' and 'nodes'"));
-  CHECK(contains(refused("invariant = \"area\"\nselect = {}\nbody = \"bar\""), "goes with 'nodes'"));
+  CHECK(contains(refused("invariant = \"area\"\nselect = {}\nbody = \"bar\""), "requires 'nodes'"));
   CHECK(contains(refused("invariant = \"area\"\nnodes = []"), "lists no element"));
   CHECK(contains(refused("invariant = \"area\"\nnodes = [[0, 1, 9999]]"),
                  "test.toml:17:17: element.0.nodes.0.2: there is no node 9999"));
   CHECK(contains(refused("invariant = \"area\"\nnodes = [[0, 1, 2], [0, 1]]"), "test.toml:17:21: element.0.nodes.1: "));
   CHECK(contains(refused("invariant = \"area\"\nselect = {}\nreference = 1\nreference_scale = 1"),
-                 "no meaning beside 'reference'"));
+                 "combined with 'reference'"));
   CHECK(contains(refused("invariant = \"angle\"\nselect = { body = \"bar\" }"),
                  "element.0.select: has no node with exactly two springs"));
   CHECK(contains(refused("invariant = \"volume\"\nselect = { body = \"sheet\" }"), "has no solid cell of a mesh"));

@@ -92,10 +92,10 @@ TEST_CASE("a mesh to start from has the same rule, and a folder that is a link i
 TEST_CASE("a scene from text names files only if it is told its folder") {
   const Place place;
   const std::string absolute = with_mesh("{ file = \"" + (place.scene / "bar.msh").string() + "\" }");
-  CHECK(contains(Place::refusal_of(absolute, "", OutsideFiles::refused), "tell parse_scene the folder"));
+  CHECK(contains(Place::refusal_of(absolute, "", OutsideFiles::refused), "pass the folder to parse_scene"));
   CHECK(Place::refusal_of(absolute, "", OutsideFiles::allowed) == "");
   const std::string relative = with_mesh("{ file = \"bar.msh\" }");
-  CHECK(contains(Place::refusal_of(relative, "", OutsideFiles::allowed), "tell parse_scene the folder"));
+  CHECK(contains(Place::refusal_of(relative, "", OutsideFiles::allowed), "pass the folder to parse_scene"));
 }
 
 TEST_CASE("control characters are in no text of a scene, and in no message") {

@@ -225,5 +225,5 @@ TEST_CASE("a body without a mass is told both ways to give one") {
   CHECK(contains(refusal(body + "density = 1.0\n"), "mass (unless the body has a density)"));
   CHECK(refusal(body + "density = 1.0\nneuron = { type = \"point_mass\" }\n") == "");
   CHECK(contains(refusal(body + "density = 1.0\nneuron = { type = \"point_mass\", mass = 1 }\n"),
-                 "has no meaning beside 'density'"));
+                 "cannot be combined with 'density'"));
 }

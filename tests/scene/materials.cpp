@@ -177,14 +177,14 @@ TEST_CASE("what is wrong with a material is said with its place") {
   };
   const std::string material = "density = 1.0\nmaterial = { youngs_modulus = 1.0";
   CHECK(contains(refused("density = 1.0\n" + spring, ", mass = 1.0"),
-                 "test.toml:7:40: body.0.neuron.mass: has no meaning beside 'density'"));
+                 "test.toml:7:40: body.0.neuron.mass: cannot be combined with 'density'"));
   CHECK(contains(refused(spring), "has no mass; add 'mass' here"));
   CHECK(contains(refused("density = 0\n" + spring), "test.toml:8:11: body.0.density: must be above 0"));
-  CHECK(contains(refused(material + " }\n" + spring), "body.0.spring: has no meaning beside 'material'"));
+  CHECK(contains(refused(material + " }\n" + spring), "body.0.spring: cannot be combined with 'material'"));
   CHECK(contains(refused("density = 1.0\nmaterial = { }"), "the key 'youngs_modulus' is missing"));
   CHECK(contains(refused(material + ", poisson_ratio = 0.5 }"), "must lie between -1 and 0.5, is 0.5"));
   CHECK(contains(refused(material + ", damping_time = 1.0 }\nviscosity = { type = \"linear\", damping = 1.0 }"),
-                 "damping_time: has no meaning beside 'viscosity'"));
+                 "damping_time: cannot be combined with 'viscosity'"));
   CHECK(contains(refused(material + ", law = \"liner\" }"), "did you mean 'linear'"));
   CHECK(contains(refused(material + ", law = { type = \"linear\", stiffness = 1.0 } }"),
                  "body.0.material.law.stiffness: is set by the material"));

@@ -158,8 +158,8 @@ TEST_CASE("what a file has and a body does not becomes a note of the scene") {
     return all;
   };
   const std::string points = "v 0 0 0\nv 1 0 0\nv 0 1 0\nv 0 0 1\nv 0 -1 0\n";
-  CHECK(
-      notes(points + "f 1 2 3\nf 1 2 4\nf 1 2 5\n").starts_with("Body 'b': its triangles stay turned as the file has"));
+  CHECK(notes(points + "f 1 2 3\nf 1 2 4\nf 1 2 5\n")
+            .starts_with("Body 'b': its triangles keep the orientation of the file"));
   CHECK(notes(points + "f 1 2 3\nf 2 1 4\nf 1 5 3\n") == "");
   // Point 4 is of no cell.
   const std::string unused = notes(points + "f 1 2 3\nf 2 1 4\n");

@@ -278,7 +278,7 @@ TEST_CASE("no exception leaves an integrator; the host's message says why") {
         }) == SPRINGNET_RECOVERABLE);
   CHECK(std::string(host.text.text) == "too large a step");
   CHECK(run(host, [](Host&, springnet_step_report&) -> springnet_status { throw 1; }) == SPRINGNET_FAILED);
-  CHECK(std::string(host.text.text) == "the integrator threw something that is no std::exception");
+  CHECK(std::string(host.text.text) == "the integrator threw something that is not a std::exception");
 }
 
 TEST_CASE("what a node update throws ends the sweep, not the host") {

@@ -211,7 +211,7 @@ TEST_CASE("no exception leaves a law") {
   CHECK(failed.status == SPRINGNET_FAILED);
   CHECK(failed.message == "longer than 2 m");
   input.q = {-1.0, 1.0};
-  CHECK(evaluate(throwing, input).message == "the component threw something that is no std::exception");
+  CHECK(evaluate(throwing, input).message == "the component threw something that is not a std::exception");
 }
 
 TEST_CASE("a host that breaks the contract is told") {

@@ -124,7 +124,7 @@ TEST_CASE("a plugin that takes the place of one the scene would have is told of 
                                 (std::filesystem::path(SPRINGNET_FIXTURES) / "rival").string();
   const auto notes = testing::springnet(folder, arguments + " --json").json()["notes"];
   CAPTURE(notes);
-  CHECK(has(notes, own + ": spring function 'linear' is taken already, by org.example.rival 1.2.3"));
+  CHECK(has(notes, own + ": spring function 'linear' is already taken by org.example.rival 1.2.3"));
   CHECK(testing::springnet(folder, arguments).out.find("note: Plugin not taken: " + own) != std::string::npos);
 }
 

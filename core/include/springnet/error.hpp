@@ -7,9 +7,9 @@
 namespace springnet {
 
 enum class ErrorKind {
-  simulation,  // the run failed: a step did not settle, a law answered with a non-finite number, …
-  input,       // usage, scene, network: something given is wrong
-  plugin       // a plugin is missing, was refused, or broke its contract
+  simulation,  // the run failed: a step did not settle, a law returned a non-finite number, …
+  input,       // a mistake in usage, scene or network
+  plugin       // a plugin is missing, was refused, or violated its contract
 };
 
 class Error : public std::runtime_error {

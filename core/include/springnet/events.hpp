@@ -6,7 +6,7 @@
 
 namespace springnet {
 
-// How often each kind of event happened so far.
+// Numbers of events so far, by kind.
 struct EventCounts {
   std::size_t cut = 0;               // springs
   std::size_t ruptured = 0;          // springs

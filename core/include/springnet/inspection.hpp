@@ -1,6 +1,6 @@
-// What a network is made of, before it moves: counts, ranges, parts, how large a time step may be, and what looks like
-// a slip. Nothing is simulated; springs, elements and neurons are linearised where they are at the start, at rest.
-// core/docs/inspect.md explains the numbers.
+// Properties of a network before it is simulated: counts, ranges, parts, limits of the time step, likely input
+// mistakes. Springs, elements and neurons are linearised at the start, at rest. core/docs/inspect.md explains the
+// numbers.
 #pragma once
 
 #include <array>

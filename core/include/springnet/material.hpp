@@ -1,5 +1,5 @@
-// A material to springs and masses: from the cells of a mesh, Young's modulus and density to a stiffness for each edge
-// and a mass for each point. core/docs/material.md has the formulas and what they are worth.
+// Springs and masses from a material: a stiffness for each edge and a mass for each point, from the cells of a mesh,
+// Young's modulus and density. Formulas and their accuracy: core/docs/material.md.
 #pragma once
 
 #include <optional>
@@ -12,47 +12,48 @@
 
 namespace springnet {
 
-// What turns surface cells and line cells into volume. Needed where a mesh has such cells.
+// Dimensions that give surface and line cells a volume. Needed if a mesh has such cells.
 struct Section {
   std::optional<double> thickness{};      // m
   std::optional<double> cross_section{};  // m^2
 };
 
-// The Poisson ratio of an isotropic net of springs whose nodes move evenly. Forces along the lines between nodes leave
-// one elastic constant (Cauchy's relation), and with it 1/4 in a solid and 1/3 in a sheet (plane stress). Nets of
-// irregular cells, whose nodes do not, have another one (core/docs/material.md). Of dimension 2 and 3.
+// Poisson ratio of an isotropic net of springs under affine deformation, for dimension 2 and 3. Central forces leave
+// one elastic constant (Cauchy's relation), so the ratio is 1/4 in a solid and 1/3 in a sheet (plane stress). Nets of
+// irregular cells do not deform affinely and have another ratio (core/docs/material.md).
 [[nodiscard]] double poisson_ratio_of_net(int dimension) noexcept;
 
-// The cells that have substance: all but vertices and those that are a face or an edge of another cell (as the named
-// boundary of a solid is).
+// The cells that have mass and stiffness: all except vertices and cells that are a face or an edge of another cell,
+// such as the named boundary of a solid.
 [[nodiscard]] std::vector<std::size_t> bearing_cells(const Mesh& mesh);
 
-// Mass of each point, kg: that of each bearing cell in equal parts to its corners. `density` kg/m^3. Throws
-// Error(input) for a density that is not above 0, a thickness or cross section that is missing or not above 0, a point
-// that gets no mass.
+// Mass of each point, kg: the mass of each bearing cell is divided equally among its corners. `density`: kg/m^3. Throws
+// Error(input) for a density that is not above 0, a thickness or cross section that is missing or not above 0, or a
+// point without mass.
 [[nodiscard]] std::vector<double> masses_of(const Mesh& mesh, double density, const Section& section);
 
 struct NetStiffness {
   std::vector<double> stiffness;  // [edge], N/m, at least 0
-  int dimension = 0;              // the greatest of the bearing cells
-  // How far the elasticity tensors of single cells are from the isotropic one: the root mean square by volume of the
-  // relative difference (Frobenius norm). In the mean over neighbours much of it cancels. Of solid and surface cells.
+  int dimension = 0;              // the highest of the bearing cells
+  // Deviation of the cells' elasticity tensors from the isotropic one: relative difference (Frobenius norm), root mean
+  // square weighted by volume, over solid and surface cells. Much of it cancels in the mean over neighbours.
   double misfit = 0.0;
-  // The same over quadrilaterals, hexahedra, wedges and pyramids alone: their neighbours in a mesh are much as they
-  // are, so that little cancels, and the net is that far from what is wanted. (Triangles and tetrahedra, which are far
-  // from isotropic one by one, are not in good meshes.) 0 without such cells.
+  // The same over quadrilaterals, hexahedra, wedges and pyramids only: their neighbours have similar deviations, so
+  // that little cancels and the net has about this deviation. (Single triangles and tetrahedra are far from isotropic,
+  // good meshes of them are not.) 0 without such cells.
   double fitted_misfit = 0.0;
   bool lacks_shear = false;  // a quadrilateral or hexahedron has no diagonal among the edges
 };
 
-// Stiffness of springs along `edges` (those of edges_of) so that the net is as near as it can be to the isotropic
-// solid of Young's modulus `youngs_modulus`, Pa. Throws Error(input) as masses_of, for a cell without volume or with
-// two corners at one place, and for an edge of a cell that is not among `edges`.
+// Stiffness of springs along `edges` (those of edges_of) such that the net approximates the isotropic solid of Young's
+// modulus `youngs_modulus`, Pa, as closely as possible. Throws Error(input) as masses_of, for a cell without volume or
+// with coincident corners, and for an edge of a cell that is missing in `edges`.
 [[nodiscard]] NetStiffness stiffness_of(const Mesh& mesh, std::span<const Edge> edges, double youngs_modulus,
                                         const Section& section);
 
-// Points and cells of a lattice, numbered as its nodes: hexahedra; quadrilaterals where it is one node thick; lines
-// where it is a row; a vertex. Throws Error(input) for more nodes than there are numbers, or than memory has room for.
+// Points and cells of a lattice, numbered as its nodes: hexahedra; quadrilaterals if it is one node thick, lines if it
+// is a row, a vertex if it is one node. Throws Error(input) for more nodes than there are numbers or than fit into
+// memory.
 [[nodiscard]] Mesh mesh_of(const Lattice& lattice);
 
 }  // namespace springnet

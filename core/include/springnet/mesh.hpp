@@ -1,4 +1,4 @@
-// Meshes as files have them: points and cells, groups of them by name. A network is made of one by its edges.
+// Meshes as files contain them: points, cells and named groups. Their edges become the springs of a network.
 #pragma once
 
 #include <array>
@@ -15,17 +15,17 @@
 
 namespace springnet {
 
-// Nodes of a cell are in VTK's order (that of Gmsh's first-order elements too).
+// Nodes of a cell are in VTK's order, which is that of Gmsh's first-order elements too.
 enum class CellType : std::uint8_t { vertex, line, triangle, quadrilateral, tetrahedron, hexahedron, wedge, pyramid };
 [[nodiscard]] std::size_t corner_count(CellType type) noexcept;
 [[nodiscard]] int dimension_of(CellType type) noexcept;  // 0 to 3
 [[nodiscard]] std::string_view name_of(CellType type) noexcept;
 
-// Cells and points that a file names together: a physical group of Gmsh, a group of OBJ, a solid of STL.
+// A named set of cells and points: a physical group of Gmsh, a group of OBJ, a solid of STL.
 struct MeshGroup {
   std::string name;
-  std::vector<std::uint32_t> cells;   // rising
-  std::vector<std::uint32_t> points;  // those of the cells, and single ones; rising, each once
+  std::vector<std::uint32_t> cells;   // ascending
+  std::vector<std::uint32_t> points;  // of the cells, and single ones; ascending, unique
 };
 
 struct Mesh {
@@ -34,7 +34,8 @@ struct Mesh {
   std::vector<std::size_t> offsets{0};  // [cell + 1] into `corners`
   std::vector<std::uint32_t> corners;   // points of all cells
   std::vector<MeshGroup> groups;
-  // What the file has and this does not, in plain sentences: middle nodes of second-order cells, unknown sections, …
+  // Notes, in plain sentences, on what was not taken from the file: middle nodes of second-order cells, unknown
+  // sections, …
   std::vector<std::string> notes;
 
   [[nodiscard]] std::size_t cell_count() const noexcept { return types.size(); }
@@ -44,13 +45,14 @@ struct Mesh {
   void add_cell(CellType type, std::span<const std::uint32_t> points_of_cell);
 };
 
-// Whether the name ends as that of a mesh file that read_mesh takes.
+// Whether the file has an extension that read_mesh accepts.
 [[nodiscard]] bool has_mesh_ending(const std::filesystem::path& file);
 
-// By the ending: .msh (Gmsh 4.0 and 4.1, text and binary), .vtk (legacy, text and binary: unstructured grid, polydata,
-// structured ones), .vtu and .vtp (XML: text, inline binary, appended raw or base64, zlib), .obj, .stl (text and
-// binary; equal corners become one point). Points that no cell uses are left out, with a note. Throws Error(input) with
-// "file:line: what; what to do" (or the byte, in binary parts) for what cannot be read.
+// Reads a mesh file. The extension selects the format: .msh (Gmsh 4.0 and 4.1, text and binary), .vtk (legacy, text and
+// binary: unstructured grid, polydata, structured grids), .vtu and .vtp (XML: text, inline binary, appended raw or
+// base64, zlib), .obj, .stl (text and binary; equal corners become one point). Points that no cell uses are left out,
+// with a note. Throws Error(input) with "file:line: what; what to do" (in binary parts the byte) if the file cannot be
+// read.
 [[nodiscard]] Mesh read_mesh(const std::filesystem::path& file);
 
 // Which edges become springs.
@@ -60,29 +62,28 @@ struct EdgeOptions {
 };
 using Edge = std::pair<std::uint32_t, std::uint32_t>;  // lower point first
 
-// Edges of all cells and the diagonals wanted, each once, by rising points.
+// Edges of all cells and the requested diagonals, unique, in ascending order of points.
 [[nodiscard]] std::vector<Edge> edges_of(const Mesh& mesh, const EdgeOptions& options = {});
-// The same of one cell: pairs of places among its corners. `diagonals` are those of faces, then those through it.
+// The same for one cell: pairs of indices of its corners.
 [[nodiscard]] std::span<const std::array<std::uint8_t, 2>> edge_places(CellType type) noexcept;
 [[nodiscard]] std::span<const std::array<std::uint8_t, 2>> face_diagonal_places(CellType type) noexcept;
 [[nodiscard]] std::span<const std::array<std::uint8_t, 2>> space_diagonal_places(CellType type) noexcept;
 
-// Triangles of the surface: of solid cells the faces that belong to one cell alone, outward; of surface cells all, as
-// they are turned in the file, but those that lie on a solid cell. Quadrilaterals are divided along their shorter
-// diagonal.
+// Triangles of the surface: faces that belong to only one solid cell, outward; and surface cells, oriented as in the
+// file, except those that lie on a solid cell. Quadrilaterals are divided along their shorter diagonal.
 [[nodiscard]] std::vector<Face> surface_of(const Mesh& mesh);
-// Turns triangles so that neighbours agree, each part that is closed outward. Throws Error(input) if an edge belongs to
-// more than two triangles or the surface cannot be oriented (a Möbius strip).
+// Orients triangles consistently, and closed parts outward. Throws Error(input) if an edge belongs to more than two
+// triangles or the surface cannot be oriented (a Möbius strip).
 [[nodiscard]] std::vector<Face> oriented(std::vector<Face> faces, std::span<const Vector3> points);
 // Whether every edge belongs to two triangles.
 [[nodiscard]] bool is_closed(std::span<const Face> faces);
-// For each edge between two triangles: the edge's points, then the tips, as Invariant::dihedral wants them.
+// For each edge between two triangles: the edge's points, then the tips, as Invariant::dihedral takes them.
 [[nodiscard]] std::vector<std::array<std::uint32_t, 4>> hinges_of(std::span<const Face> faces);
 // Solid cells as tetrahedra of positive volume (hexahedra as six, wedges as three, pyramids as two).
 [[nodiscard]] std::vector<std::array<std::uint32_t, 4>> tetrahedra_of(const Mesh& mesh);
 [[nodiscard]] std::vector<std::array<std::uint32_t, 4>> tetrahedra_of(const Mesh& mesh, std::size_t cell);
 
-// Length, area or volume of a cell by its dimension; m, m^2, m^3. Positive however the cell is turned.
+// Length, area or volume of a cell, depending on its dimension; m, m^2, m^3. Positive for either orientation.
 [[nodiscard]] double measure_of(const Mesh& mesh, std::size_t cell);
 
 }  // namespace springnet

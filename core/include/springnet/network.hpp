@@ -1,5 +1,5 @@
-// A network as its user describes it: nodes and springs in his own numbers, bodies, loads, surfaces, cuts. It is plain
-// data; Simulation turns it into the engine's memory layout.
+// A network as the user describes it: nodes and springs in the user's numbers, bodies, loads, obstacles, cuts. It is
+// plain data; Simulation converts it to the engine's memory layout.
 #pragma once
 
 #include <array>
@@ -25,14 +25,14 @@ using MaterialIndex = std::uint32_t;
 using RigidIndex = std::uint32_t;
 using ElementIndex = std::uint32_t;
 
-// A component by id, with the parameters that differ from its defaults.
+// A component by id, with the parameters that differ from their defaults.
 struct LawUse {
   std::string id;
   ParameterValues parameters;
   friend bool operator==(const LawUse&, const LawUse&) = default;
 };
 
-// What a spring is made of. Both: elastic and viscous; only a viscosity function: a viscous connection.
+// The functions of a spring. Both: elastic and viscous; viscosity function only: a viscous connection.
 struct Material {
   std::optional<LawUse> spring;
   std::optional<LawUse> viscosity;
@@ -54,13 +54,13 @@ struct Spring {
   double rest_length;  // m
 };
 
-// What a law reads of an element's nodes in place of the length of a spring: the scalar q. Laws that read a length (and
-// its rate) may be used on any of them; their units change with q: a stiffness in N/m stands for N m/rad on an angle,
+// The scalar q of an element's nodes that a law reads in place of the length of a spring. Laws that read a length (and
+// its rate) can be used on any of them. Their units change with q: a stiffness in N/m becomes N m/rad on an angle,
 // N/m^3 on an area, N/m^5 on a volume.
 enum class Invariant {
   angle,     // three nodes a, b, c: the angle at b between the directions to a and c, 0 to pi, rad
   dihedral,  // four: the edge a b, then the tips c and d of the triangles (a, b, c) and (b, a, d): the angle between
-             // their normals, 0 where flat, > 0 where the tips lie on the side the normals point away from; rad
+             // their normals, 0: flat, > 0: the tips lie on the side opposite to the normals; rad
   area,      // three: area of the triangle, m^2
   volume,    // four: signed volume (b - a) . ((c - a) x (d - a)) / 6 of the tetrahedron, m^3
   enclosed_volume  // three a triangle of a closed surface, counterclockwise seen from outside: enclosed volume, m^3
@@ -68,22 +68,22 @@ enum class Invariant {
 [[nodiscard]] std::string_view name_of(Invariant invariant) noexcept;  // "angle", …
 [[nodiscard]] std::string_view unit_of(Invariant invariant) noexcept;  // "rad", "m^2", "m^3"
 
-// A law on an invariant of some nodes: bending, area, filling. The nodes get the forces -Q dq/dp.
+// A law on an invariant of some nodes: bending, area, enclosed volume. The nodes get the forces -Q dq/dp.
 struct Element {
   Invariant invariant;
   std::vector<NodeIndex> nodes;
   MaterialIndex material;
-  double reference;  // value at which the law rests, in the unit of the invariant
+  double reference;  // rest value, in the unit of the invariant
 };
 
-// A triangle of a body's surface, counterclockwise seen from outside: for pictures, selections and loads. By itself it
-// has no mechanics.
+// A triangle of a body's surface, counterclockwise seen from outside, for display, selections and loads. It has no
+// mechanical effect itself.
 using Face = std::array<NodeIndex, 3>;
 
-// Nodes with a name: a physical group of a mesh, for selections.
+// A named set of nodes, such as a physical group of a mesh, for selections.
 struct NodeGroup {
   std::string name;
-  std::vector<NodeIndex> nodes;  // rising, each once
+  std::vector<NodeIndex> nodes;  // ascending, unique
 };
 
 // Nodes [first_node, first_node + node_count), springs, elements and faces likewise.
@@ -100,23 +100,22 @@ struct Body {
   std::vector<NodeGroup> groups{};
 };
 
-// A connection whose length stays what it is, to 1e-8 of itself. The ends must not be closer than that length allows:
-// at the start their distance is the length.
+// A connection of constant length, to a relative accuracy of 1e-8. At the start the distance of its ends must equal the
+// length.
 struct Rigid {
   NodeIndex first;
   NodeIndex second;
   double length;  // m
 };
 
-// A displacement over time, in m from where something starts: a table, or a sinusoid.
+// A displacement over time, m, relative to the start position: a table or a sinusoid.
 struct Motion {
-  // linear: straight from one entry to the next, the velocity jumps there. smooth: cubic between entries with
-  // continuous velocity that overshoots no entry (Fritsch and Carlson, SIAM J. Numer. Anal. 17, 1980), each coordinate
-  // by itself.
+  // linear: straight between entries, where the velocity jumps. smooth: cubic between entries with continuous velocity,
+  // without overshoot (Fritsch and Carlson, SIAM J. Numer. Anal. 17, 1980), each coordinate separately.
   enum class Interpolation { linear, smooth };
   Interpolation interpolation = Interpolation::smooth;
-  std::vector<double> times;           // s, rising; before the first and after the last entry it rests
-  std::vector<Vector3> displacements;  // m, as many; empty: no table
+  std::vector<double> times;           // s, increasing; at rest before the first and after the last entry
+  std::vector<Vector3> displacements;  // m, one for each time; empty: no table
 
   // amplitude (sin(2 pi frequency (t - from) + phase) - sin(phase)) while from <= t < until, at rest before and after.
   Vector3 amplitude = Vector3::Zero();  // m
@@ -126,11 +125,11 @@ struct Motion {
   double until = std::numeric_limits<double>::infinity();
 };
 
-// How a load changes over time: a factor, 1 unless one of table, sinusoid and ramp is given. Times count from the start
-// of the load where that is finite, else from 0 s; those of a table are the simulation's.
+// Time course of a load: a factor, 1 unless a table, sinusoid or ramp is given. Times are relative to the start of the
+// load if that is finite, else to 0 s; times of a table are simulation times.
 struct Course {
-  std::vector<double> times;  // s, rising; before the first and after the last entry the factor stays what it is there
-  std::vector<double> factors;  // as many; empty: no table
+  std::vector<double> times;    // s, increasing; the factor is constant before the first and after the last entry
+  std::vector<double> factors;  // one for each time; empty: no table
   Motion::Interpolation interpolation = Motion::Interpolation::smooth;
 
   double frequency = 0.0;  // Hz; above 0: mean + amplitude sin(2 pi frequency (t - start) + phase)
@@ -138,37 +137,37 @@ struct Course {
   double amplitude = 1.0;
   double mean = 0.0;
 
-  double ramp = 0.0;  // s; above 0: from 0 at the start straight to 1 at start + ramp, 1 from then on
+  double ramp = 0.0;  // s; above 0: linear from 0 at the start to 1 at start + ramp, then 1
 };
 
-// Forces on nodes and faces while from <= time < until; they add up. What acts on a face acts with a third on each of
-// its nodes, and ends when the face goes: with a spring along one of its sides, or cut by a polygon.
+// Forces on nodes and faces while from <= time < until; they add up. Each node of a face gets a third of its force. A
+// load on a face ends when the face is removed: with a spring along one of its sides, or by a cutting polygon.
 struct Load {
   std::vector<NodeIndex> nodes;
   Vector3 force = Vector3::Zero();  // N, on each of the nodes
   double from = -std::numeric_limits<double>::infinity();
   double until = std::numeric_limits<double>::infinity();
   std::vector<Face> faces{};
-  Vector3 traction = Vector3::Zero();  // Pa, on the area where the load was added; keeps its direction
+  Vector3 traction = Vector3::Zero();  // Pa, on the area at the time of add_load; constant direction
   double pressure = 0.0;               // Pa, > 0 pushes against the outward normal
-  bool follow = false;  // true: the pressure acts on the present area and normal; false: on those where it was added
+  bool follow = false;  // pressure acts on the area and normal: true: at present; false: at the time of add_load
   Course course{};
   // Areas of the faces along their outward normals, m^2, [face]; empty: add_load takes them from the present positions.
   std::vector<Vector3> areas{};
 };
 
-// Nodes that a motion carries, as an instrument's tip or a grip does: fixed, but where the motion says.
+// Nodes with prescribed motion, as by an instrument's tip or a grip. They count as fixed.
 struct Move {
   std::vector<NodeIndex> nodes;
   Motion motion;
 };
 
-// What a surface does to a node in contact along itself.
+// Friction of a surface on nodes in contact.
 struct Friction {
   enum class Kind {
-    held,    // the paper: where it touched, until a force lifts it
-    none,    // it slides
-    coulomb  // it sticks up to `coefficient` times the normal force, and slides against that force beyond
+    held,    // the paper's rule: held where it touched until a reverse force occurs
+    none,    // slides
+    coulomb  // sticks up to `coefficient` times the normal force, beyond slides against that force
   };
   Kind kind = Kind::held;
   double coefficient = 0.0;  // 1
@@ -176,23 +175,22 @@ struct Friction {
 
 // A rotation over time about an axis of fixed direction: at a constant rate, or a table of angles.
 struct Turn {
-  Vector3 axis = Vector3::UnitZ();  // any length but 0, normalised when added; angles count counterclockwise seen from
+  Vector3 axis = Vector3::UnitZ();  // any length but 0, normalised when added; angles are counterclockwise seen from
                                     // its tip
-  // m: a point of the axis at the start, which moves along with the surface's motion. None: a plane's point, an
-  // instrument's `first`.
+  // m: a point of the axis at the start; it moves with the surface. None: a plane's point, an instrument's `first`.
   std::optional<Vector3> through{};
 
   double rate = 0.0;  // rad/s while from <= t < until, at rest before and after
   double from = 0.0;  // s
   double until = std::numeric_limits<double>::infinity();
 
-  std::vector<double> times;   // s, rising; before the first and after the last entry it rests
-  std::vector<double> angles;  // rad, as many; empty: no table
+  std::vector<double> times;   // s, increasing; at rest before the first and after the last entry
+  std::vector<double> angles;  // rad, one for each time; empty: no table
   Motion::Interpolation interpolation = Motion::Interpolation::smooth;
 };
 
-// The half space on the side of the normal is free. A node that crosses is held where it touched until a reverse force
-// occurs (the paper's rule), or slides with friction.
+// An obstacle; the half space on the side of its normal is free. A node that crosses it is held where it touched until
+// a reverse force occurs (the paper's rule), or slides with friction.
 struct Plane {
   std::string name;
   Vector3 point = Vector3::Zero();    // m
@@ -200,20 +198,21 @@ struct Plane {
   Friction friction{};
   std::optional<Motion> motion{};
   std::optional<Turn> turn{};
-  // Newton's coefficient, 0 to 1: a node that hits the surface leaves it with this share of the normal velocity.
+  // Newton's coefficient of restitution, 0 to 1: the share of the normal velocity after an impact.
   double restitution = 0.0;
 };
 
-// The shape of an instrument that is a box. Contact rounds its edges by a millionth of the least size at least: that
-// they are bent tells that a node which slides over one flies off.
+// The shape of a box instrument. Contact rounds its edges by at least a millionth of the smallest size: only from the
+// curvature of an edge does it follow that a node sliding over it separates.
 struct BoxShape {
   Vector3 size = Vector3::Ones();                      // m, from face to face, rounding included
   Eigen::Matrix3d axes = Eigen::Matrix3d::Identity();  // columns: directions of its edges, a rotation
-  double radius = 0.0;                                 // m, of edges and corners, at most half the least size; 0: sharp
+  double radius = 0.0;  // m, of edges and corners, at most half the smallest size; 0: sharp
 };
 
-// A sphere, or a capsule: all points within `radius` of the segment from `first` to `second`; or a box about `first`,
-// `second` and `radius` not being read. Nodes stay outside. Its forces and torques (about `first`) are outputs.
+// An obstacle: a sphere or capsule (all points within `radius` of the segment from `first` to `second`), or a box
+// centred at `first` (`second` and `radius` are not read). Nodes stay outside. Its forces and torques (about `first`)
+// are outputs.
 struct Instrument {
   std::string name;
   Vector3 first = Vector3::Zero();   // m
@@ -222,12 +221,12 @@ struct Instrument {
   Friction friction{};
   std::optional<Motion> motion{};
   std::optional<Turn> turn{};
-  double restitution = 0.0;  // as a plane's
+  double restitution = 0.0;  // as for planes
   std::optional<BoxShape> box{};
 };
 
-// Springs removed at a time: those listed, and those that cross the polygon (planar, convex or not, three corners or
-// more) at that time.
+// Springs removed at a time: those listed, and those that cross the polygon (planar, three corners or more, need not be
+// convex) at that time.
 struct Cut {
   double time = 0.0;  // s
   std::vector<SpringIndex> springs;
@@ -237,7 +236,7 @@ struct Cut {
 enum class Diagonals { none, face, space, all };
 
 // A box of nodes: node (i, j, k) at origin + spacing (i, j, k) has the number i + nodes[0] (j + nodes[1] k) in its
-// body. Axial springs, and diagonals of the faces of cells, through the cells, or both.
+// body. Springs along the axes, and along the diagonals of the cells' faces, the cells, or both.
 struct Lattice {
   std::array<std::uint32_t, 3> nodes{2, 2, 2};
   Vector3 spacing = Vector3::Ones();  // m
@@ -250,8 +249,8 @@ class Network {
   // Neuron 0 is "point_mass" with its defaults; material 0 does not exist until it is added.
   Network();
 
-  // Equal descriptions get the same index. Throw Error(input) for an empty id, a parameter that is not a finite number,
-  // a material without any function. Simulation checks them against the plugins.
+  // Equal descriptions get the same index. Throw Error(input) for an empty id, a parameter that is not finite, or a
+  // material without any function. Simulation checks them against the plugins.
   std::uint32_t add_neuron(const LawUse& neuron);
   MaterialIndex add_material(const Material& material);
 
@@ -264,39 +263,40 @@ class Network {
   SpringIndex add_spring(NodeIndex first, NodeIndex second, MaterialIndex material,
                          std::optional<double> rest_length = std::nullopt);
   // Reference: the present value of the invariant unless given. Throws Error(input) for a number of nodes that does not
-  // fit the invariant, a node that does not exist or is twice in an angle, hinge, triangle or tetrahedron, a surface
-  // that is not closed or not consistently oriented (every edge belongs to two triangles, once in each direction), a
-  // material that does not exist, a reference that is not finite.
+  // match the invariant, a node that does not exist or occurs twice in an angle, hinge, triangle or tetrahedron, a
+  // surface that is not closed or not consistently oriented (every edge must belong to two triangles, once in each
+  // direction), a material that does not exist, or a reference that is not finite.
   ElementIndex add_element(Invariant invariant, std::vector<NodeIndex> nodes, MaterialIndex material,
                            std::optional<double> reference = std::nullopt);
-  // Throws Error(input) for a node that does not exist or is twice in it.
+  // Throws Error(input) for a node that does not exist or occurs twice.
   void add_face(const Face& face);
-  // A group of the body that was begun. Throws Error(input) without one, for a name that is empty or that the body has
-  // already, a node that does not exist or is of another body.
+  // Adds a group to the body begun last. Throws Error(input) outside of a body, for a name that is empty or taken in
+  // the body, and for a node that does not exist or belongs to another body.
   void add_group(const std::string& name, std::vector<NodeIndex> nodes);
   // Nodes, springs, elements and faces added between these two calls form a body. Names are unique; throws Error(input)
   // otherwise.
   void begin_body(const std::string& name);
   void end_body();
-  // A body of a lattice. `prototype` gives mass, neuron and velocity. Springs of one direction have the same rest
-  // length to the bit. Its faces are its boundary, outward. Throws Error(input) for a number of nodes of 0, a spacing
-  // that is not above 0, more nodes or springs than there are numbers.
+  // Adds a body from a lattice. `prototype` gives mass, neuron and velocity. Springs of one direction have bitwise
+  // equal rest lengths. Its faces are its boundary, outward. Throws Error(input) for 0 nodes in a direction, a spacing
+  // that is not above 0, or more nodes or springs than there are numbers or than fit into memory.
   void add_lattice(const std::string& name, const Lattice& lattice, const Node& prototype, MaterialIndex material);
 
   void fix(NodeIndex node);
   // These throw Error(input) for a node or spring that does not exist, a number that is not finite (the ends of a
-  // load's window may be infinite), an empty window, a normal of length 0, a name that is taken, a polygon of fewer
-  // than three corners or that is not planar; for a face with a node that does not exist or is twice in it, a traction
-  // or pressure without faces, a course of more than one kind or whose table does not rise. A node named twice in a
-  // load counts once; a face named twice is loaded twice.
+  // load's window may be infinite), an empty window, a normal of length 0, a name that is taken, a polygon with fewer
+  // than three corners or that is not planar; for a face with a node that does not exist or occurs twice, a traction or
+  // pressure without faces, a course of more than one kind or whose times do not increase. A node listed twice in a
+  // load counts once; a face listed twice is loaded twice.
   void add_load(const Load& load);
   void add_plane(const Plane& plane);
-  // Names of planes and instruments are unique together. Throw Error(input) as above, and for a radius or a box's size
-  // that is not above 0, a box whose axes are no rotation or whose radius is more than half its least size, a negative
-  // coefficient of friction, a restitution outside 0 to 1, a motion that is no motion: neither table nor sinusoid, or
-  // both, times that do not rise, tables of different lengths, a negative frequency; likewise a turn.
+  // Planes and instruments share one set of unique names. Throw Error(input) as above, and for a radius or a box's size
+  // that is not above 0, a box whose axes are not a rotation or whose radius is more than half its smallest size, a
+  // negative coefficient of friction, a restitution outside of 0 to 1; for an invalid motion: neither table nor
+  // sinusoid, or both, times that do not increase, tables of different lengths, a negative frequency; and for an
+  // invalid turn.
   void add_instrument(const Instrument& instrument);
-  // A node may be in one motion only; it counts as fixed, and its own velocity is ignored.
+  // A node can have only one motion; it counts as fixed, and its own velocity is ignored.
   void add_move(const Move& move);
   // Length: the distance of the nodes unless given. Throws Error(input) for a node that does not exist or is joined to
   // itself, two connections between the same nodes, a length that is not above 0 or differs from the distance by more
@@ -320,16 +320,16 @@ class Network {
   [[nodiscard]] const std::vector<Cut>& cuts() const noexcept { return cuts_; }
   [[nodiscard]] const Vector3& gravity() const noexcept { return gravity_; }
 
-  // Changes of what was added, checked like the additions. A node that moves stays so; one that is joined rigidly keeps
-  // its distances.
+  // Change what was added, with the same checks. A node with prescribed motion keeps it. The new position of a rigidly
+  // connected node must keep the lengths.
   void set_node(NodeIndex index, const Node& node);
   void set_spring_material(SpringIndex spring, MaterialIndex material);
   void set_rest_length(SpringIndex spring, double rest_length);
   void set_reference(ElementIndex element, double reference);
 
-  // The invariant of an element with the nodes where the network has them, in its unit.
+  // The invariant of an element at the nodes' positions in this network, in its unit.
   [[nodiscard]] double value_of(const Element& element) const;
-  // Area of a face along its outward normal with the nodes where the network has them, m^2.
+  // Area vector of a face, along its outward normal, at the nodes' positions in this network, m^2.
   [[nodiscard]] Vector3 area_of(const Face& face) const;
 
  private:
@@ -356,11 +356,11 @@ class Network {
   std::vector<Cut> cuts_;
   Vector3 gravity_ = Vector3::Zero();
   bool in_body_ = false;
-  std::unordered_set<NodeIndex> moving_nodes_;    // those of all moves
+  std::unordered_set<NodeIndex> moving_nodes_;    // nodes of all moves
   std::unordered_set<std::uint64_t> rigid_ends_;  // lower node number 2^32 + upper one
   std::unordered_set<std::string> body_names_;
   std::unordered_set<std::string> group_names_;                  // of the last body that has groups
-  std::unordered_map<std::string, std::uint32_t> neuron_index_;  // by a text that is equal where the uses are
+  std::unordered_map<std::string, std::uint32_t> neuron_index_;  // by a string that identifies the use
   std::unordered_map<std::string, MaterialIndex> material_index_;
 };
 

@@ -43,7 +43,7 @@ struct Component {
   }
 };
 
-// A file or registration that was looked at and not taken.
+// A file or registration that was refused.
 struct Refusal {
   std::filesystem::path file;
   std::string reason;  // says what is wrong and what to do
@@ -59,15 +59,15 @@ class PluginHost {
 
   // A host that has searched, in this order: `folders`, those of SPRINGNET_PLUGIN_PATH (separated by ':'), the folders
   // of the installed library and of the build tree it comes from. Never the working directory. Files that cannot be
-  // taken are kept as refusals; this never throws because of one.
+  // loaded are kept as refusals; they never cause an exception.
   [[nodiscard]] static PluginHost with_default_search(const std::vector<std::filesystem::path>& folders = {});
 
-  // All files "*.springnet.so" (.dylib, .dll) of a folder, by name. A component whose kind and id are taken already is
-  // refused with its plugin. A folder that does not exist is recorded as a refusal.
+  // Loads all files "*.springnet.so" (.dylib, .dll) of a folder, in the order of their names. A plugin with a component
+  // whose kind and id are already taken is refused. A folder that does not exist is recorded as a refusal.
   void search(const std::filesystem::path& folder);
-  // One file. Returns false if it was refused: the reason is refusals().back().
+  // Loads one file. Returns false if it was refused; the reason is refusals().back().
   bool load(const std::filesystem::path& file);
-  // A plugin linked into the program; `plugin` has to outlive the host. Returns false as load().
+  // Adds a plugin linked into the program; `plugin` must outlive the host. Returns false like load().
   bool add(const springnet_plugin& plugin);
 
   [[nodiscard]] const std::vector<std::shared_ptr<const Component>>& components() const noexcept;
@@ -87,7 +87,7 @@ class PluginHost {
 [[nodiscard]] std::ptrdiff_t parameter_index(const springnet_component& component, std::string_view name) noexcept;
 // Index of a choice of a SPRINGNET_CHOICE parameter, or -1.
 [[nodiscard]] std::ptrdiff_t choice_index(const springnet_parameter& parameter, std::string_view choice) noexcept;
-// Empty if `value` may be given for the parameter, else what is wrong: "must be above 0 kg, is -1".
+// Empty if `value` is valid for the parameter, else what is wrong: "must be above 0 kg, is -1".
 [[nodiscard]] std::string check_value(const springnet_parameter& parameter, double value);
 // Values in the order of the component's parameters, defaults filled in. Throws Error(input) for an unknown name (with
 // the nearest known ones), a missing required value or one out of range; `where` begins the message.

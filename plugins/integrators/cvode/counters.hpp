@@ -1,4 +1,4 @@
-// Work done since the beginning, over all restarts. CVODE's own counters start again with each restart.
+// Total work over all restarts. CVODE's own counters are reset by each restart.
 #pragma once
 
 #include <cstdint>

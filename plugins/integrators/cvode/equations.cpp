@@ -5,7 +5,7 @@
 
 namespace springnet::cvode {
 
-// Nothing may be thrown through SUNDIALS, which is C.
+// No exception may pass through SUNDIALS, which is C.
 template <class Body>
 int Equations::guarded(const Body& body) noexcept {
   try {
@@ -105,9 +105,9 @@ int Equations::correction(double time, N_Vector y, N_Vector correction) noexcept
   return status != 0 || is_small(y, correction) ? status : 1;
 }
 
-// A step keeps the constraints up to its error. One that is brought back from afar went past the end of a piece of a
-// surface, such as the edge of a box's face, so that its end tells nothing of its course, and the error test saw only
-// the end.
+// A step satisfies the constraints up to its error. A large correction means that the step went past the end of a
+// smooth piece of a surface, such as the edge of a box's face: its course is then unknown, since the error test sees
+// only its end.
 bool Equations::is_small(N_Vector y, N_Vector correction) const noexcept {
   constexpr double far = 100.0;  // tolerances
   const std::size_t n = node_count();

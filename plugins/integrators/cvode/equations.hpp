@@ -16,8 +16,8 @@ class Equations {
  public:
   explicit Equations(const sdk::Host& host) noexcept : host_(host) {}
 
-  // Error weights 1 / tolerance of a component: `position` m for positions, so that the result does not depend on where
-  // the origin is; relative |v| + `velocity` m/s for velocities.
+  // Error weights are 1 / tolerance of a component: `position`, m, for positions, so that the result does not depend on
+  // the origin; relative |v| + `velocity`, m/s, for velocities.
   struct Tolerances {
     double relative;
     double position;
@@ -26,8 +26,8 @@ class Equations {
   void set_tolerances(const Tolerances& tolerances) noexcept { tolerances_ = tolerances; }
   [[nodiscard]] const Tolerances& tolerances() const noexcept { return tolerances_; }
 
-  // Functions for CVODE: 0 done, > 0 a smaller step may succeed, < 0 failed. The reason of the last that was not 0 is
-  // failure().
+  // Functions for CVODE: 0: done, > 0: a smaller step may succeed, < 0: failed. failure() has the reason of the last
+  // failure.
   int right_side(double time, N_Vector y, N_Vector rate) noexcept;
   int event_values(double time, N_Vector y, double* values) noexcept;  // needs event_directions() of the right size
   int error_weights(N_Vector y, N_Vector weights) const noexcept;
@@ -39,18 +39,19 @@ class Equations {
   int factorise(double gamma) noexcept;
   int solve(const double* right_side, double* x) noexcept;
   int diagonal_blocks(double velocity_weight, double position_weight, double* out) noexcept;
-  // Takes out of 3 node_count velocities what rigid connections and surfaces do not allow; mobility: see plugin.h.
+  // Projects 3 node_count velocities onto rigid connections and surfaces; mobility: see plugin.h.
   int project(const double* mobility, double* values) noexcept;
-  // correction = the nearest (p, v) that rigid connections and surfaces allow at `time`, less y.
+  // correction = projection of y onto rigid connections and surfaces at `time`, less y.
   int correction(double time, N_Vector y, N_Vector correction) noexcept;
 
   // Net forces at a state of the host, N.
   void evaluate_force(double time, springnet_state& state);
 
-  // As many as the network has now; which way each has to cross 0: -1 falling, +1 rising, as of the last evaluation.
+  // One for each event of the network: the direction in which it crosses 0, -1 falling, +1 rising, from the last
+  // evaluation.
   [[nodiscard]] std::vector<std::int32_t>& event_directions() noexcept { return event_directions_; }
 
-  // Whether rigid connections or surfaces that nodes slide on bind the motion now.
+  // Whether rigid connections or sliding contacts constrain the motion now.
   [[nodiscard]] bool bound() const;
   // Whether a node slides on a surface.
   [[nodiscard]] bool slides() const;
@@ -71,7 +72,7 @@ class Equations {
 
  private:
   [[nodiscard]] springnet_evaluation at(double time, N_Vector y) const noexcept;
-  // Whether a correction is no more than what a step's error is allowed to leave.
+  // Whether a correction is within what a step's error may leave.
   [[nodiscard]] bool is_small(N_Vector y, N_Vector correction) const noexcept;
   template <class Body>
   int guarded(const Body& body) noexcept;

@@ -18,8 +18,8 @@ std::string failure_text(const FailureFacts& facts, const Settings& settings) {
       if (settings.method == Method::adams) text << "; for stiff networks choose method = \"bdf\"";
       break;
     case creeping:
-      text << "its steps became so short that the time does not go on (the last one was " << facts.last_step
-           << " s long). Look at what moves, holds or pulls the nodes then";
+      text << "its steps became too short to advance the time (the last one was " << facts.last_step
+           << " s long). Look at what moves, holds or pulls the nodes at that time";
       break;
     case CV_TOO_MUCH_ACC:
       text << "the tolerances are finer than the rounding of the numbers. Raise relative_tolerance, position_tolerance "
@@ -31,7 +31,7 @@ std::string failure_text(const FailureFacts& facts, const Settings& settings) {
               "at that time, or raise relative_tolerance";
       break;
     case CV_CONV_FAILURE:
-      text << "the equations of a step could not be solved, however short (the last one was " << facts.last_step
+      text << "the equations of a step could not be solved, even for the shortest (the last one was " << facts.last_step
            << " s long). Look for springs whose derivatives are wrong or jump, or try linear_solver = \"direct\"";
       break;
     case CV_FIRST_RHSFUNC_ERR:
@@ -39,7 +39,7 @@ std::string failure_text(const FailureFacts& facts, const Settings& settings) {
       break;
     case CV_REPTD_RHSFUNC_ERR:
     case CV_UNREC_RHSFUNC_ERR:
-      text << "the forces are not finite there, however short the step";
+      text << "the forces are not finite there, even for the shortest step";
       break;
     case CV_RHSFUNC_FAIL:
       text << "the forces could not be evaluated";
@@ -50,7 +50,7 @@ std::string failure_text(const FailureFacts& facts, const Settings& settings) {
     case CV_PROJ_MEM_NULL:
     case CV_PROJFUNC_FAIL:
     case CV_REPTD_PROJFUNC_ERR:
-      text << "rigid connections, or surfaces that nodes slide on, could not be kept to";
+      text << "rigid connections, or surfaces that nodes slide on, could not be satisfied";
       break;
     case CV_LSETUP_FAIL:
     case CV_LSOLVE_FAIL:

@@ -1,4 +1,4 @@
-// Why CVODE gave up, in words: what happened, where, and what to do.
+// Error message for a failure of CVODE: what happened, when, and what to do.
 #pragma once
 
 #include <string>
@@ -7,15 +7,15 @@
 
 namespace springnet::cvode {
 
-// Beside the flags of CVODE: many steps in which the time did not go on.
+// In addition to CVODE's flags: many steps without advance of the time.
 inline constexpr int creeping = -1000;
 
 struct FailureFacts {
-  int flag = 0;               // what CVode returned, or creeping
+  int flag = 0;               // return value of CVode, or creeping
   double time = 0.0;          // s
   double last_step = 0.0;     // s
-  std::string reason;         // of the host function that failed last, or empty
-  std::string cvode_message;  // CVODE's own words
+  std::string reason;         // from the host function that failed last, or empty
+  std::string cvode_message;  // CVODE's own message
 };
 
 [[nodiscard]] std::string failure_text(const FailureFacts& facts, const Settings& settings);

@@ -13,30 +13,30 @@
 namespace springnet::cvode {
 namespace {
 
-// Up to this many nodes factorising costs about as much as iterating, and is safe for any stiffness. Above it a
-// factorisation grows faster: measured on lattices with all springs stiff, 3 times at 500 nodes, 5 times at 1300.
+// Up to this many nodes a factorisation costs about as much as iterations and is safe for any stiffness. Above it the
+// factorisation grows faster: 3 times the cost at 500 nodes, 5 times at 1300, measured on lattices of stiff springs.
 constexpr std::size_t most_nodes_direct = 300;
-// A step that is too long is shortened up to tenfold each time: enough to find any.
+// Each failure shortens a step by up to a factor of ten: enough to find any step length.
 constexpr int most_shortenings = 20;
-// Events at one time that are no chain of ruptures or contacts any more, but a contact that flutters.
+// More events at one time are not a chain of ruptures or contacts but a chattering contact.
 constexpr std::uint64_t few_events_at_once = 16;
 
-// Times that are at most so many roundings apart.
+// Whether times differ by at most so many roundings.
 bool same_time(double a, double b, double roundings) noexcept {
   return std::abs(b - a) <= roundings * std::numeric_limits<double>::epsilon() * std::max(std::abs(a), std::abs(b));
 }
-constexpr double shortest_step = 16.0;    // CVODE cannot step between nearer times
+constexpr double shortest_step = 16.0;    // CVODE cannot step between closer times
 constexpr double root_accuracy = 1000.0;  // it locates roots to 100 roundings of the time and the step
 
-// Positions between the ends of a step are uncertain by so many tolerances.
+// Uncertainty of positions between the ends of a step, in tolerances.
 constexpr double uncertain = 10.0;
 
-// Internal steps after which the time should have gone on by more than a rounding each.
+// Internal steps between checks that each advances the time by more than its rounding.
 constexpr long steps_worth_a_look = 500;
-// From a step past the end of a face down to one that ends at it, each failure makes the step four times shorter.
+// Each failure makes the step four times shorter, until a step past the end of a face ends at it.
 constexpr int most_projection_failures = 40;
 
-// A network without springs, or one that nothing moves, may have no scale.
+// A network without springs or without motion may have no scale.
 double or_one(double scale) noexcept { return scale > 0.0 && std::isfinite(scale) ? scale : 1.0; }
 
 Callbacks& callbacks_of(void* user_data) noexcept { return *static_cast<Callbacks*>(user_data); }
@@ -97,9 +97,10 @@ void ReferenceIntegrator::check(int status) const {
   if (status < 0) throw sdk::Failure("cvode: " + context_.last_error());
 }
 
-// SUNDIALS 6 uses a vector that it could not make (N_VClone), so all that it makes are tried first.
+// SUNDIALS 6 does not check for failed allocation of vectors (N_VClone), so allocate all of them once beforehand.
 void ReferenceIntegrator::require_memory() const {
-  constexpr std::size_t of_cvode = 30;  // orders of Adams, 13, weights, corrections, and those of a fixed point
+  constexpr std::size_t of_cvode =
+      30;  // 13 for the orders of Adams, weights, corrections, and those of the fixed-point solver
   constexpr std::size_t of_krylov = 46;
   std::vector<Vector> vectors(of_cvode + (linear_solver() == LinearSolverKind::krylov ? of_krylov : 0));
   const auto size = static_cast<sunindextype>(6 * equations_.node_count());
@@ -130,7 +131,7 @@ void ReferenceIntegrator::create(double time) {
   if (settings_.max_order > 0) check(CVodeSetMaxOrd(memory, settings_.max_order));
   if (settings_.max_step > 0.0) check(CVodeSetMaxStep(memory, settings_.max_step));
   check(CVodeSetMaxErrTestFails(memory, most_shortenings));
-  // The only warnings there are, which SUNDIALS 7 would print: steps below the rounding of the time, and events that
+  // Suppress CVODE's only warnings, which SUNDIALS 7 would print: steps below the rounding of the time, and events that
   // are 0 at the start.
   check(CVodeSetMaxHnilWarns(memory, -1));
   check(CVodeSetNoInactiveRootWarn(memory));
@@ -173,11 +174,11 @@ void ReferenceIntegrator::restart(double time, const springnet_state& state, dou
   restart_ = false;
 }
 
-// The accelerations keep the constraints up to the error of integration; the projection brings every step back to them.
-// CVODE has it for BDF only.
+// Accelerations satisfy the constraints up to the integration error; the projection after each step removes it. CVODE
+// has a projection for BDF only.
 void ReferenceIntegrator::bind(const springnet_network& network) {
-  // The stiffness of friction falls with the slip, by orders of magnitude within a few steps. With the greater one of
-  // an earlier state corrections are so small that they look converged.
+  // The stiffness of friction changes with the slip by orders of magnitude within a few steps. With the greater
+  // stiffness of an earlier state, corrections are so small that they seem converged.
   if (linear_solver() != LinearSolverKind::none) {
     const bool slides = equations_.slides();
     check(CVodeSetLSetupFrequency(memory_.get(), slides ? 1 : 0));
@@ -191,7 +192,7 @@ void ReferenceIntegrator::bind(const springnet_network& network) {
   const bool bound = equations_.bound();
   if (bound && !projects_) {
     check(CVodeSetProjFn(memory_.get(), &correction));
-    // Nodes, not constraints, are what errors are tested on: their error stays that before the projection.
+    // Test the error before the projection, as errors are those of nodes, not of constraints.
     check(CVodeSetProjErrEst(memory_.get(), SUNFALSE));
     check(CVodeSetEpsProj(memory_.get(), 0.1));
     check(CVodeSetMaxNumProjFails(memory_.get(), most_projection_failures));
@@ -200,8 +201,8 @@ void ReferenceIntegrator::bind(const springnet_network& network) {
   projects_ = projects_ || bound;
 }
 
-// The step whose second-order term h^2/2 y'' is a quarter of the tolerance. CVODE's own choice depends on when the
-// first output is due; this one does not, so that outputs change nothing but where the solution is read.
+// First step: its second-order term h^2/2 y'' is a quarter of the tolerance. CVODE's own choice depends on the time of
+// the first output; with this one outputs do not influence the solution.
 double ReferenceIntegrator::first_step(double time, double stop) {
   const springnet_network& network = host_.network();
   const double longest = 0.1 * or_one(network.length_scale) / or_one(network.velocity_scale);
@@ -211,7 +212,7 @@ double ReferenceIntegrator::first_step(double time, double stop) {
   }
   equations_.error_weights(y, weights);
   const double speed = N_VWrmsNorm(rate, weights);  // tolerances a second
-  // y'' from the change of y' while y goes as far as the tolerance.
+  // y'' from the change of y' over a probe step that changes y by the tolerance.
   const double probe = std::min({longest, stop - time, 1.0 / speed});
   N_VLinearSum(1.0, y, probe, rate, probe_.get());
   if (equations_.right_side(time + probe, probe_.get(), probe_rate_.get()) != 0) return 0.01 * probe;
@@ -224,7 +225,8 @@ double ReferenceIntegrator::first_step(double time, double stop) {
 void ReferenceIntegrator::watch_events(double time) {
   const std::uint32_t count = host_.network().event_count;
   std::vector<std::int32_t>& directions = equations_.event_directions();
-  // From scratch each time: CVODE would keep a root switched off that was 0 once, though it may be another's by now.
+  // Initialise anew each time: CVODE deactivates a root that was 0 at the start, but its index may belong to another
+  // event now.
   check(CVodeRootInit(memory_.get(), 0, nullptr));
   if (count > 0) check(CVodeRootInit(memory_.get(), static_cast<int>(count), &event_values));
   if (count != directions.size()) {
@@ -237,8 +239,8 @@ void ReferenceIntegrator::watch_events(double time) {
   check(CVodeSetRootDirection(memory_.get(), directions.data()));
 }
 
-// What rises through 0 is the force that lifts a node from a surface, and a load that is switched on, or a cut, makes
-// it jump: CVODE would wait for a crossing that has been. (Distances and rupture margins do not jump.)
+// Release is a force that rises through 0. A switched load or a cut makes it jump past 0, and CVODE would wait for a
+// crossing in vain. (Gaps and rupture margins do not jump.)
 bool ReferenceIntegrator::mark_past_events() noexcept {
   bool any = false;
   const std::vector<std::int32_t>& directions = equations_.event_directions();
@@ -265,7 +267,7 @@ void ReferenceIntegrator::advance(double until, springnet_step_report& report) {
   try {
     while (host_.committed().time < until) step_towards(until);
   } catch (const sdk::Failure& failure) {
-    restart_ = true;  // CVODE's history is of no use any more
+    restart_ = true;  // CVODE's history is no longer valid
     tell(SPRINGNET_DIVERGING);
     if (failure.recoverable()) throw sdk::Failure(failure.what());
     throw;
@@ -295,7 +297,7 @@ void ReferenceIntegrator::step_towards(double until) {
     }
   }
 
-  // CVODE itself would not step past a stop time, but an output before it must not shorten a step.
+  // CVODE does not step past a stop time; an earlier output must not shorten a step.
   void* memory = memory_.get();
   check(CVodeSetStopTime(memory, std::min(stop, std::numeric_limits<double>::max())));
   context_.clear_error();
@@ -315,7 +317,7 @@ void ReferenceIntegrator::step_towards(double until) {
 
 double ReferenceIntegrator::solve_until(double target, bool& event) {
   double reached = host_.committed().time;
-  // In parts, to see whether the time goes on.
+  // In parts, to check that the time advances.
   for (long left = settings_.max_steps - (internal_steps() - steps_before_); left > 0; left -= steps_worth_a_look) {
     const double before = reached;
     if (steps_reach(target, std::min(left, steps_worth_a_look), reached, event)) return reached;
@@ -328,15 +330,15 @@ double ReferenceIntegrator::solve_until(double target, bool& event) {
 bool ReferenceIntegrator::steps_reach(double target, long most, double& reached, bool& event) {
   void* memory = memory_.get();
   const bool looks = host_.network().surface_count > 0;
-  // One by one where each is looked at.
+  // Single steps if each is searched for impacts.
   check(CVodeSetMaxNumSteps(memory, looks ? 1 : most));
   for (long done = 0; done < most; done += looks ? 1 : most) {
-    // What an output left of the last step.
+    // First the rest of the last step, after an output.
     if (looks) look_for_impact(target);
     const int flag = CVode(memory, impact_ ? std::min(target, *impact_) : target, y_.get(), &reached, CV_NORMAL);
     if (flag < 0 && flag != CV_TOO_MUCH_WORK) fail(flag, reached);
     if (looks) look_for_impact(target);
-    // A root marks what else happens then.
+    // A root at the same time marks further events.
     const bool is_root = flag == CV_ROOT_RETURN && impact_ && same_time(*impact_, reached, root_accuracy);
     if (impact_ && *impact_ <= reached && !is_root) {
       reached = *impact_;
@@ -389,7 +391,7 @@ void ReferenceIntegrator::fire_events(double time) {
   restart_ = true;
 }
 
-// The state becomes the network's, with the net forces in it.
+// Commits the state, with its net forces.
 void ReferenceIntegrator::commit(double time) {
   equations_.evaluate_force(time, *state_);
   (*state_).force_is_current = 1;

@@ -1,5 +1,5 @@
-// CVODE (SUNDIALS) on the network's equations of motion: variable order, variable step, errors below the tolerances
-// asked for. The reference that other integrators are compared with.
+// CVODE (SUNDIALS) on the network's equations of motion: variable order, variable step, errors below given tolerances.
+// The reference for other integrators.
 #pragma once
 
 #include <cstddef>
@@ -19,11 +19,11 @@ namespace springnet::cvode {
 
 class ReferenceIntegrator {
  public:
-  // Throws sdk::Failure for settings that do not fit together.
+  // Throws sdk::Failure for inconsistent settings.
   ReferenceIntegrator(const sdk::Host& host, const Settings& settings);
 
-  // Commits the state at `until` (s), and on the way the states at events (contact, release, rupture) and at known
-  // discontinuities (loads that switch, cuts). The internal steps do not depend on where `until` lies between those.
+  // Commits the state at `until` (s), and before it the states at events (contact, release, rupture) and at known
+  // discontinuities (load switches, cuts). The internal steps do not depend on the position of `until` between those.
   // Throws sdk::Failure; the network is then in the state committed last.
   void advance(double until, springnet_step_report& report);
 
@@ -31,21 +31,21 @@ class ReferenceIntegrator {
   [[nodiscard]] LinearSolverKind linear_solver() const;
   void require_memory() const;
   void create(double time);
-  // CVODE from the committed state on, with an empty history; the next discontinuity is at `stop`.
+  // Restarts CVODE from the committed state; the next discontinuity is at `stop`.
   void restart(double time, const springnet_state& state, double stop);
   void bind(const springnet_network& network);
   [[nodiscard]] double first_step(double time, double stop);  // s
   void watch_events(double time);
-  // To `until`, an event or a discontinuity, whichever is first, and commits that state.
+  // Integrates to `until`, an event or a discontinuity, whichever is first, and commits that state.
   void step_towards(double until);
-  // CVODE's steps up to a time, a root, or a touch between roots, whichever is first: y_ is the state there. Returns
-  // when; `event`: whether something happened, marked in fired_.
+  // Integrates to a time, a root, or a touch between roots, whichever is first; y_ is the state there. Returns that
+  // time; `event`: whether there is an event, marked in fired_.
   double solve_until(double target, bool& event);
-  // The same, but no more than so many steps; false: they did not get there.
+  // The same with at most `most` steps; false if they do not get there.
   [[nodiscard]] bool steps_reach(double target, long most, double& reached, bool& event);
-  // The first touch within the last step, up to a time: roots show only those that its ends tell of.
+  // Finds the first touch within the last step, up to a time: roots show only touches that are visible at its ends.
   void look_for_impact(double until);
-  // y_ becomes the state at a time within the last step.
+  // Sets y_ to the state at a time within the last step.
   void interpolate(double time);
   [[nodiscard]] bool mark_past_events() noexcept;
   void fire_events(double time);
@@ -64,16 +64,16 @@ class ReferenceIntegrator {
   NonlinearSolver fixed_point_;
   Vector y_;
   Vector rate_, probe_, probe_rate_;  // of first_step
-  Memory memory_;                     // after everything that it points to
+  Memory memory_;                     // declared after everything that it points to
   sdk::State state_;
 
   bool restart_ = true;
-  bool projects_ = false;             // CVODE has a projection, used where something binds the motion
+  bool projects_ = false;             // CVODE's projection is active: the motion is constrained
   std::uint64_t revision_ = 0;        // of the network when CVODE was started
   std::vector<double> event_values_;  // of the events that CVODE looks for
   std::vector<std::int32_t> fired_;   // 1: this one
-  std::optional<double> impact_;      // s: in the last step a node touches then;
-  double looked_until_ = 0.0;         // none does until then
+  std::optional<double> impact_;      // s: a node touches in the last step
+  double looked_until_ = 0.0;         // s: up to here none does
   double restart_time_ = 0.0;         // s
   double last_event_time_;            // s
   std::uint64_t events_at_once_ = 0;

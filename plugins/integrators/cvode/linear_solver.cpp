@@ -22,7 +22,7 @@ class Direct final : public NewtonSystem {
         matrix_(SUNMatNewEmpty(context.get())),
         solver_(SUNLinSolNewEmpty(context.get())) {
     if (!matrix_ || !solver_) throw std::bad_alloc();
-    // The matrix is the host's; CVODE hands this object on to the functions below.
+    // The host holds the matrix; CVODE passes this object to the functions below.
     matrix_->content = this;
     matrix_->ops->getid = [](SUNMatrix) { return SUNMATRIX_CUSTOM; };
     solver_->content = this;
@@ -42,7 +42,7 @@ class Direct final : public NewtonSystem {
   }
 
  private:
-  // jok: the derivatives of an earlier state will do, only gamma has changed.
+  // jok: derivatives of an earlier state are good enough; only gamma has changed.
   static int linear_system(double time, N_Vector y, N_Vector, SUNMatrix matrix, sunbooleantype jok,
                            sunbooleantype* jcur, double gamma, void*, N_Vector, N_Vector, N_Vector) {
     auto& self = *static_cast<Direct*>(matrix->content);
@@ -117,7 +117,7 @@ class Krylov final : public NewtonSystem {
     return 0;
   }
 
-  // The mobility of a node within the preconditioner, for the projection on what binds the motion.
+  // Mobilities of the nodes in the preconditioner, for the projection onto the constraints.
   void set_mobilities() {
     const springnet_network& network = equations_.host().network();
     mobility_.resize(inverse_.size());
@@ -139,7 +139,7 @@ class Krylov final : public NewtonSystem {
       coupling = Block::Identity() - coupling;
       Eigen::Map<Block> inverse(&inverse_[i]);
       inverse = Block(inverse).inverse();
-      if (!inverse.allFinite()) return 1;  // singular: another gamma, from a smaller step, is not
+      if (!inverse.allFinite()) return 1;  // singular: recoverable, since a smaller step has another gamma
     }
     return 0;
   }
@@ -160,7 +160,7 @@ class Krylov final : public NewtonSystem {
       for (int c = 0; c < 3; ++c) dv[k + static_cast<std::size_t>(c) * n] = x[c];
     }
     if (self.bound_) {
-      // The answer moves against the constraints as the right side does, not more.
+      // Project only the difference: the result violates the constraints as much as the right side.
       for (std::size_t i = 0; i < 3 * n; ++i) dv[i] -= rv[i];
       if (const int status = self.equations_.project(self.mobility_.data(), dv); status != 0) return status;
       for (std::size_t i = 0; i < 3 * n; ++i) dv[i] += rv[i];
@@ -174,7 +174,7 @@ class Krylov final : public NewtonSystem {
   std::vector<double> coupling_;  // [node][3][3]
   std::vector<double> inverse_;   // [node][3][3]
   bool bound_ = false;
-  std::vector<double> mobility_;  // [node][3][3] 1/kg, where the motion is bound
+  std::vector<double> mobility_;  // [node][3][3] 1/kg, if the motion is constrained
   LinearSolver solver_;
 };
 

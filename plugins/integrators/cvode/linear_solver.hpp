@@ -15,7 +15,7 @@
 
 namespace springnet::cvode {
 
-// Keeps what CVODE uses of a solver alive: to be destroyed after the CVODE memory that it is attached to.
+// Owns what CVODE uses of a solver; must outlive the CVODE memory that it is attached to.
 class NewtonSystem {
  public:
   NewtonSystem() = default;
@@ -24,7 +24,7 @@ class NewtonSystem {
   virtual ~NewtonSystem() = default;
 };
 
-// The user data of CVODE's memory.
+// User data of CVODE's memory.
 struct Callbacks {
   Equations& equations;
   std::unique_ptr<NewtonSystem> newton;

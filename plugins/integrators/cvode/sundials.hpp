@@ -1,5 +1,5 @@
-// SUNDIALS behind RAII, and the one place that knows its versions: 6 and 7 differ in how a context is made and how
-// errors are reported. Nothing is ever printed; the last error is kept as text.
+// RAII for SUNDIALS, and the only place that depends on its version: 6 and 7 differ in the creation of a context and in
+// error reports. Nothing is printed; the last error is kept as text.
 #pragma once
 
 // SUNDIALS 7 may include mpi.h, whose C++ bindings would have to be linked.
@@ -40,7 +40,7 @@ using NonlinearSolver = Owned<SUNNonlinearSolver, SUNNonlinSolFree>;
 inline void free_memory(void* memory) noexcept { CVodeFree(&memory); }
 using Memory = std::unique_ptr<void, Destroy<free_memory>>;
 
-// What every SUNDIALS object of an integrator hangs on, and where its errors go. Its address must not change.
+// The context of all SUNDIALS objects of an integrator; receives their errors. Its address must not change.
 class Context {
  public:
   Context() {
@@ -59,7 +59,7 @@ class Context {
   Context(const Context&) = delete;
   Context& operator=(const Context&) = delete;
 
-  // Errors of this CVODE object go to last_error() as well.
+  // Directs errors of this CVODE object to last_error(), too.
   void watch([[maybe_unused]] void* memory) {
 #if SUNDIALS_VERSION_MAJOR < 7
     CVodeSetErrHandlerFn(memory, &Context::keep_error, this);

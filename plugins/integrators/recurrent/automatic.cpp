@@ -10,17 +10,17 @@
 namespace springnet::recurrent {
 namespace {
 
-// Up to this share of the critical weight synchronous sweeps settle in some tens.
+// Up to this share of the critical weight synchronous propagation settles within some tens of sweeps.
 constexpr double synchronous_share = 0.75;
-// A new estimate at the earliest after so many steps, unless a step failed.
+// Fewest steps between estimates, unless a step failed.
 constexpr std::uint64_t least_steps = 32;
 constexpr std::uint64_t most_patience = 1024;  // steps
 
 }  // namespace
 
 std::optional<Update> Automatic::after(Update update) noexcept {
-  // Friction that depends on the force that it acts against may be too much for Newton's method, which takes it as it
-  // was; a node by itself finds it.
+  // Newton's method uses the friction of the last sweep, which may not converge if friction depends strongly on the
+  // force that it opposes; `block` solves for it node by node.
   if (update == Update::block) return std::nullopt;
   return update == Update::newton ? Update::block : Update::newton;
 }
@@ -32,7 +32,7 @@ Update Automatic::choose(const Workspace& workspace, const Step& step) {
     return kept_rule_;
   }
   const bool changed = step.network.revision != revision_ && steps_ >= least_steps;
-  // Steps of one length differ by the rounding of their ends.
+  // Steps of equal length differ by the rounding of their ends.
   const bool same_step = std::abs(step.time_constant - time_constant_) <= 1e-6 * time_constant_;
   if (!chosen_ || changed || !same_step) estimate(workspace, step);
   return *chosen_;
@@ -54,15 +54,15 @@ void Automatic::estimate(const Workspace& workspace, const Step& step) {
     return;
   }
   chosen_ = step.weight() <= synchronous_share * weight_ ? Update::synchronous : Update::newton;
-  // The critical time constant changes from step to step; what it leads to is news.
+  // The critical time constant changes from step to step; note only a change of the rule.
   if (noted_ == chosen_) return;
   noted_ = chosen_;
   if (std::isinf(weight_)) {
-    // As of masses that nothing joins; a ratio and a limit would say nothing.
+    // As with masses without springs: a ratio and a limit would be meaningless.
     workspace.host.note("update rule synchronous: no stiffness and no damping limits the time step");
     return;
   }
-  // Two digits, but whole where it is large: 2098, not 2.1e+03.
+  // Two digits, but whole if it is large: 2098, not 2.1e+03.
   const double exact = step.weight() / weight_;
   const double ratio = exact < 99.5 ? exact : std::round(std::min(exact, 1e12));
   const int digits = exact < 99.5 ? 2 : 1 + static_cast<int>(std::log10(ratio));

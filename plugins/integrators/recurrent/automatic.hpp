@@ -1,4 +1,4 @@
-// The update rule that the engine picks where a scene names none.
+// Choice of the update rule if a scene names none.
 #pragma once
 
 #include <cstdint>
@@ -10,12 +10,12 @@ namespace springnet::recurrent {
 
 class Automatic {
  public:
-  // The rule for a step: estimated when first asked, when the time constant changed, after a step that did not settle
-  // and, from time to time, after the network changed. Says what it picked, and why.
+  // The rule for a step. Estimated at the first call, when the time constant changes, after a step that did not settle
+  // and, at intervals, after changes of the network. Notes the choice and its reason.
   [[nodiscard]] Update choose(const Workspace& workspace, const Step& step);
-  // What is tried where a rule did not settle a step; nothing if there is nothing left.
+  // The rule to try when `update` did not settle a step; empty if none is left.
   [[nodiscard]] static std::optional<Update> after(Update update) noexcept;
-  // A step settled with another rule than the one chosen.
+  // Records that a step settled with a rule other than the chosen one.
   void escalated(const Workspace& workspace, Update chosen, Update needed);
 
  private:
@@ -26,10 +26,10 @@ class Automatic {
   double weight_ = 0.0;          // s, critical
   std::uint64_t revision_ = 0;   // of the network at the estimate
   std::uint64_t steps_ = 0;      // since the estimate
-  std::optional<Update> noted_;  // the rule that was told last
+  std::optional<Update> noted_;  // the rule in the last note
   std::uint64_t patience_ = 16;  // steps that another rule is kept after a failure
   Update kept_rule_ = Update::newton;
-  std::uint64_t kept_ = 0;  // of them left
+  std::uint64_t kept_ = 0;  // steps left of them
   double escalations_ = 0.0;
 };
 

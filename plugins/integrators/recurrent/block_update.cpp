@@ -12,9 +12,9 @@ namespace {
 using Block = Eigen::Matrix<double, 3, 3, Eigen::RowMajor>;
 using Vector = Eigen::Vector3d;
 
-// Eigenvalues of B below this are taken for flat or negative. The mass contributes 1.
+// Eigenvalues of B below this count as zero or negative. The mass contributes 1.
 constexpr double least_eigenvalue = 0.05;
-// A step is too long where the slope at its end is this part of that at its beginning, the other way.
+// A step is too long if the slope at its end is reversed and at least this part of that at its start.
 constexpr double overshoot = 0.5;
 constexpr int most_halvings = 4;
 
@@ -23,8 +23,8 @@ bool is_definite(const Block& symmetric) {
   return s(0, 0) > 0.0 && s(0, 0) * s(1, 1) - s(0, 1) * s(1, 0) > 0.0 && s.determinant() > 0.0;
 }
 
-// The symmetric part of B with its eigenvalues made positive: where the node's potential is a hill, its height decides
-// how far a step goes down.
+// The symmetric part of B with its eigenvalues made positive: at negative curvature its magnitude sets the length of a
+// step.
 Block made_definite(const Block& symmetric) {
   const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> modes(symmetric);
   const Vector values = modes.eigenvalues().cwiseAbs().cwiseMax(least_eigenvalue);
@@ -66,8 +66,8 @@ NodeStep::NodeStep(const Step& step, const springnet_state& from, const springne
   const double w = step.weight();
   const Eigen::Map<const Block> by_velocity(batch.acceleration_by_velocity + 9 * std::size_t{i});
   const Eigen::Map<const Block> by_position(batch.acceleration_by_position + 9 * std::size_t{i});
-  // A node that is not where its velocity takes it, at the start of the propagation, will be; one that something puts
-  // elsewhere will not.
+  // At the start of the propagation a node may not be at p* + w U; the step moves it there, unless constraints place it
+  // elsewhere.
   const Vector gap =
       constrained ? Vector(Vector::Zero()) : at(step.free_position, k) + w * velocity - at(from.position, k);
   residual = velocity - at(step.free_velocity, k) - w * (at(batch.acceleration, i) + by_position * gap);
@@ -86,7 +86,7 @@ bool BlockUpdate::update(const springnet_node_batch& batch, std::uint32_t i) con
     put(k, node.velocity - node.residual);
     return false;
   }
-  // An impulse has to change the velocity by the inverse of what the step was made with.
+  // The effective mass of the step, for the response to impulses.
   if (constrained_)
     Eigen::Map<Block>(memory_.inertia.data() + 9 * std::size_t{k}) = step_.network.mass[k] * node.positive;
   const Block& matrix = node.definite && !constrained_ ? node.matrix : node.positive;
@@ -122,7 +122,7 @@ BlockUpdate::Vector BlockUpdate::acceleration_at(std::uint32_t node) const {
   return at(sdk::view(evaluation.acceleration), node);
 }
 
-// The outputs stand at start + direction.
+// The outputs are at start + direction.
 void BlockUpdate::search(std::uint32_t node, const Vector& start, const Vector& residual,
                          const Vector& direction) const {
   const double slope = residual.dot(direction);
@@ -137,7 +137,7 @@ void BlockUpdate::search(std::uint32_t node, const Vector& start, const Vector& 
       if (!failure.recoverable()) throw;
     }
     if (end <= -overshoot * slope) return;
-    // Where a straight line between the slopes is zero, but neither on the spot nor where it went.
+    // Zero of the linear interpolation of the slopes, away from both ends.
     const double zero = std::isfinite(end) ? slope / (slope - end) : 0.0;
     share *= zero < 0.1 ? 0.1 : zero > 0.5 ? 0.5 : zero;
     put(node, start + share * direction);

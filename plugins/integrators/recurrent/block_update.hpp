@@ -1,4 +1,4 @@
-// A node's step to its own equilibrium, the other nodes staying where they are.
+// A node's step to its own equilibrium, with the other nodes fixed.
 //
 // With w = theta h, the node's residual and its derivative are
 //
@@ -7,7 +7,7 @@
 // and the step is U' = U - M^-1 r, P' = p* + w U', where M is B, or, where its symmetric part is not positive definite
 // (a buckling spring, a law that softens), a positive definite matrix in its place. The fixed point r = 0 is that of
 // the other rules, whatever M. -r m is the slope of the node's potential m |U - v*|^2 / 2 + E(P) where one exists: the
-// step is shortened while the slope at its end says that it went much too far.
+// step is shortened while the slope at its end shows that it went much too far.
 #pragma once
 
 #include <cstdint>
@@ -28,10 +28,10 @@ struct BlockMemory {
   void attach(const springnet_network& network);
 };
 
-// Residual and matrices of one node, which stands in `at`, element i of a batch that has derivatives.
+// Residual and matrices of one node at state `at`, element i of a batch with derivatives.
 struct NodeStep {
   using Block = Eigen::Matrix<double, 3, 3, Eigen::RowMajor>;
-  // `constrained`: something puts the node elsewhere than at p* + w U.
+  // `constrained`: constraints place the node elsewhere than at p* + w U.
   NodeStep(const Step& step, const springnet_state& at, const springnet_node_batch& batch, std::uint32_t i,
            bool constrained = false);
 
@@ -39,15 +39,15 @@ struct NodeStep {
   Eigen::Vector3d residual;  // r, m/s
   Block matrix;              // B
   Block positive;            // its symmetric part, made positive definite
-  bool definite;             // it was
-  bool finite;               // the numbers; if false there are no matrices
+  bool definite;             // the symmetric part was positive definite
+  bool finite;               // false: numbers are not finite, no matrices
 };
 
 class BlockUpdate {
  public:
   BlockUpdate(const sdk::Host& host, const Step& step, BlockMemory& memory) noexcept;
 
-  // What a sweep with this update has to ask for.
+  // Sets the fields of a sweep that this update needs.
   void request(springnet_sweep& call) const noexcept;
   // Returns whether all new outputs are finite. From several threads, for different nodes.
   bool operator()(const springnet_node_batch& batch) const;

@@ -14,7 +14,7 @@ void Colouring::attach(const springnet_network& network) {
   const std::uint32_t count = network.node_count;
   std::vector<std::uint32_t> by_user(count);
   for (std::uint32_t k = 0; k < count; ++k) by_user[network.user_number[k]] = k;
-  // What gets a colour: a cluster, or a node by itself. Its members are next to each other here.
+  // Units that get a colour: a cluster, or a single node. Members of a unit are consecutive.
   std::vector<std::uint32_t> unit_of(count, none), members, unit_start{0};
   members.reserve(count);
   std::vector<std::vector<std::uint32_t>> clusters;
@@ -46,7 +46,7 @@ void Colouring::attach(const springnet_network& network) {
 
   const std::size_t units = unit_start.size() - 1;
   std::vector<std::uint32_t> colour(units, none);
-  std::vector<std::uint32_t> taken;  // [colour] by which unit
+  std::vector<std::uint32_t> taken;  // [colour] the unit that takes it
   for (std::uint32_t unit = 0; unit < units; ++unit) {
     for (std::uint32_t i = unit_start[unit]; i < unit_start[unit + 1]; ++i) {
       const std::uint32_t k = members[i];

@@ -1,5 +1,5 @@
-// Sets of nodes that may be updated at once: no two of a set read each other's outputs. Nodes that rigid connections
-// join are in one set, because they are updated together.
+// Sets of nodes that can be updated in parallel: no two nodes of a set read each other's outputs. Rigidly connected
+// nodes are in the same set, because they are updated together.
 #pragma once
 
 #include <cstdint>
@@ -11,10 +11,10 @@ namespace springnet::recurrent {
 
 class Colouring {
  public:
-  // Greedy, in the order of the user's numbers, so that it does not depend on the engine's.
+  // Greedy colouring in the order of the user's numbers, so that it does not depend on the engine's.
   void attach(const springnet_network& network);
 
-  // All nodes, colour by colour, by rising number within one; [colours + 1] places in it where colours begin.
+  // order(): all nodes, colour by colour, in ascending order within each. set_start(): [colours + 1] where they begin.
   [[nodiscard]] const std::vector<std::uint32_t>& order() const noexcept { return order_; }
   [[nodiscard]] const std::vector<std::uint32_t>& set_start() const noexcept { return set_start_; }
 

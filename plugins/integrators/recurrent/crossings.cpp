@@ -7,7 +7,7 @@
 namespace springnet::recurrent {
 namespace {
 
-// Every so many looks the interval is halved, whatever straight lines say.
+// Every so many evaluations the interval is bisected instead of interpolated.
 constexpr int looks_per_halving = 4;
 
 }  // namespace
@@ -56,7 +56,7 @@ double Crossings::next_time() noexcept {
   for (std::size_t e = 0; e < high_values_.size(); ++e) {
     if (high_fired_[e] == 0) continue;
     const double low = low_weight_ * low_values_[e], high = high_weight_ * high_values_[e];
-    // Where its straight line is zero.
+    // Zero of the linear interpolation.
     if (low != high) share = std::min(share, low / (low - high));
   }
   if (looks_ % looks_per_halving == 0) share = 0.5;

@@ -10,17 +10,18 @@ namespace springnet::recurrent {
 
 class Crossings {
  public:
-  // The step begins at `time` (s) with this state.
+  // Begins a step at `time` (s) with this state.
   void begin(const sdk::Host& host, double time, const springnet_state& state);
-  // The state that the step has at a later time. Returns whether anything has crossed by then.
+  // Evaluates the events at a later time of the step. Returns whether any has crossed by then.
   [[nodiscard]] bool look(const sdk::Host& host, double time, const springnet_state& state);
-  // Narrows the time down in which the first one crosses, by the last look(). Returns the time to look at next, inside.
+  // Narrows the interval of the first crossing by the result of the last look(). Returns the next time to evaluate,
+  // inside of the interval.
   [[nodiscard]] double next_time() noexcept;
-  // Whether anything has, at any of the times.
+  // Whether any event crossed at any of the times.
   [[nodiscard]] bool any() const noexcept { return any_; }
   [[nodiscard]] double low() const noexcept { return low_; }    // s, before
   [[nodiscard]] double high() const noexcept { return high_; }  // s, after
-  // Of the last look(): 1 for what has crossed, [event_count].
+  // [event_count], 1: crossed at the last look().
   [[nodiscard]] const std::int32_t* fired() const noexcept { return fired_.data(); }
 
  private:
@@ -28,7 +29,7 @@ class Crossings {
   std::vector<std::int32_t> directions_, fired_, high_fired_;
   double low_ = 0.0, high_ = 0.0;
   double low_weight_ = 1.0, high_weight_ = 1.0;  // of the Illinois rule
-  int side_ = 0;                                 // that moved last: -1 low, 1 high
+  int side_ = 0;                                 // end that moved last: -1 low, 1 high
   int looks_ = 0;
   bool any_ = false;
 };

@@ -8,8 +8,8 @@
 namespace springnet::recurrent {
 namespace {
 
-// Up to this multiple of the critical time constant wavefront sweeps settle for certain: their limit is at 1.4 to 2
-// times. Sweeps of blocks settle beyond, in some tens up to this.
+// Multiples of the critical time constant up to which wavefront certainly settles (its limit is 1.4 to 2 times), and up
+// to which block settles within some tens of sweeps.
 constexpr double wavefront_settles = 1.2, block_settles = 20.0;
 
 bool is_explicit(Update update) { return update == Update::synchronous || update == Update::wavefront; }
@@ -30,7 +30,7 @@ std::string better_rules(const Attempt& attempt, const Circumstances& circumstan
 std::string remedy_for(const Step& step, const Attempt& attempt, const Circumstances& circumstances) {
   std::vector<std::string> ways;
   if (const std::string rules = better_rules(attempt, circumstances); !rules.empty()) ways.push_back(rules);
-  // It damps what moves faster than the step can tell; but explicit sweeps have a longer way to go then.
+  // theta = 1 damps motion that the step cannot resolve, but makes explicit sweeps harder to settle.
   if (step.theta < 1.0 && !circumstances.exact_sweeps && !is_explicit(attempt.update)) ways.emplace_back("theta = 1");
   if (!circumstances.divided) ways.emplace_back("a smaller time_step");
   ways.emplace_back("less stiffness and damping");
@@ -42,7 +42,7 @@ std::string remedy_for(const Step& step, const Attempt& attempt, const Circumsta
 constexpr const char* hopeless =
     "it is so where the step starts, and no time_step helps: change that law or neuron, or what it starts from";
 
-// Messages of rigid connections and contacts say themselves what to do.
+// Messages of rigid connections and contacts contain their own advice.
 bool has_remedy(const std::string& message) { return message.find("smaller time") != std::string::npos; }
 
 std::string short_number(double value) {
@@ -80,7 +80,7 @@ std::string explain(const Step& step, const Attempt& attempt, const Circumstance
       forces_settled
           ? "the forces have settled, but the equation of motion is off by " + short_number(step.residual) + " N"
           : "the forces still change by " + short_number(step.differences.greatest) + " N at node " + node;
-  const std::string limit = step.tolerance > step.rounding ? "force_tolerance " : "what rounding leaves of them, ";
+  const std::string limit = step.tolerance > step.rounding ? "force_tolerance " : "their rounding error, ";
   return "the step " + outcome + after + what + ", more than " + limit + short_number(step.tolerance) + " N; " +
          remedy + besides + "; unsettled = \"adapt\" divides such steps, \"accept\" takes them as they are";
 }

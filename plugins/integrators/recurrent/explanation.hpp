@@ -1,4 +1,4 @@
-// Why a step did not settle, and what to do, in a sentence for the user.
+// Error message for a step that did not settle: the reason and what to do.
 #pragma once
 
 #include <limits>
@@ -12,15 +12,15 @@ namespace springnet::recurrent {
 struct Attempt {
   Verdict verdict = Verdict::diverging;
   Update update = Update::automatic;  // the rule it was made with
-  std::string law_message;            // of a law or neuron that had no finite answer
+  std::string law_message;            // of a law or neuron without a finite result
 };
 
-// What advice depends on.
+// Facts that the advice depends on.
 struct Circumstances {
   bool chosen_by_user = false;  // the update rule
   bool exact_sweeps = false;
   bool divided = false;        // smaller and smaller steps were tried
-  bool fails_at_once = false;  // a law or neuron has no finite answer where the step starts
+  bool fails_at_once = false;  // a law or neuron has no finite result at the start of the step
   // theta times the time constant over the critical one of synchronous sweeps; nan: not known.
   double over_critical = std::numeric_limits<double>::quiet_NaN();
 };

@@ -11,7 +11,7 @@ namespace {
 
 constexpr double eps = std::numeric_limits<double>::epsilon();
 constexpr int draws = 5;
-// Sweeps add some roundings up. (Measured: steps of stiff bodies stall at a fifth to a half of the result.)
+// Sweeps accumulate several roundings. (Measured: steps of stiff bodies stall at a fifth to a half of the result.)
 constexpr double several = 2.0;
 
 }  // namespace
@@ -60,7 +60,7 @@ void ForceRounding::estimate(const Step& step, const springnet_state& at) {
       const double share = static_cast<double>(bits >> 11) * 0x1p-52 - 1.0;
       const std::size_t k = i % n;
       const bool stays = network.fixed[k] != 0 || network.held[k] != 0;
-      // First all lengths and volumes by eps: their own arithmetic rounds, too.
+      // First scale all lengths and volumes by eps: their own evaluation rounds, too.
       position_[i] = stays ? 0.0 : draw == 0 ? eps * axes(at.position)[i / n][k] : share * eps * size_[k];
       velocity_[i] = stays || draw == 0 ? 0.0 : share * eps * speed_[k];
     }

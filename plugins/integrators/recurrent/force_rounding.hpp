@@ -1,8 +1,8 @@
-// What rounding leaves of the forces: no threshold can be met below it.
+// Rounding error of the forces: the lower limit of any force tolerance.
 //
 // Positions are known to eps |p|, and the distance of two nodes to eps (|p1| + |p2|), so that the force on a node is
 // known to the stiffness around it times that. The estimate is the change F(p + dp) - F(p) of the linearised net for
-// changes dp of that size at random, and F(v + dv) - F(v) likewise; springs, elements and fillings are all in it.
+// random changes dp of that size, and F(v + dv) - F(v) likewise; it includes springs, elements and enclosed volumes.
 // Velocities add m eps |v| / h to the residual of a step of h.
 #pragma once
 
@@ -19,15 +19,14 @@ class ForceRounding {
  public:
   explicit ForceRounding(sdk::Host host) : host_(host) {}
 
-  // Estimates it at a state; takes the place of what was linearised last. N; where derivatives are not known or not
-  // finite, 0.
+  // Estimates the error at a state; 0 if derivatives are missing or not finite. Replaces the host's last linearisation.
   void estimate(const Step& step, const springnet_state& at);
 
   [[nodiscard]] double force() const noexcept { return force_; }       // N, greatest over the nodes
   [[nodiscard]] std::uint32_t node() const noexcept { return node_; }  // where; no_node: not known
 
  private:
-  // m, m/s: greatest distance from the origin, and speed, of each node and those joined to it.
+  // Finds, for each node and its neighbours, the greatest distance from the origin, m, and speed, m/s.
   void find_sizes(const springnet_network& network, const springnet_state& at);
 
   sdk::Host host_;

@@ -13,13 +13,14 @@ namespace {
 
 using Block = Eigen::Matrix<double, 3, 3, Eigen::RowMajor>;
 
-// Nodes up to which a factorisation is always made, and up to which it is one way out (measured on lattices: from 64
-// nodes on it takes longer than iterations do, unless they are many).
+// Nodes up to which the system is always factorised, and up to which factorisation is the fallback (measured on
+// lattices: from 64 nodes on it takes longer than iterations, unless these are many).
 constexpr std::uint32_t most_for_direct = 32, most_for_fallback = 3000;
 constexpr Eigen::Index most_iterations = 400, fallback_iterations = 100;
-// An iteration that stops further from the solution than this, relatively, has no answer where there is no way out.
+// Relative residual above which the result of an iteration is rejected if there is no fallback.
 constexpr double useful = 0.5;
-// Looked at after every `fallback_iterations`: near enough to the accuracy; part to which the error has to fall.
+// Checked after every `fallback_iterations`: multiple of the accuracy that is good enough, and the factor by which the
+// error must fall to continue.
 constexpr double near = 2.0, stalls = 0.5;
 
 }  // namespace
@@ -57,7 +58,7 @@ bool LinearSystem::solve(double weight, double shift, const std::vector<double>&
   try {
     bool answered = !direct_ && iterate(velocity_weight, position_weight, work_, accuracy, x);
     if (!direct_ && !answered && may_factorise_) {
-      // A long chain, say: many iterations, but few factors.
+      // As with a long chain: many iterations, but a sparse factorisation.
       direct_ = true;
       factorised_ = false;
     }
@@ -82,8 +83,8 @@ bool LinearSystem::solve_directly(double velocity_weight, double position_weight
   return true;
 }
 
-// Inverses of the diagonal blocks; where nodes are constrained also what an impulse does through them, which has to be
-// symmetric and positive definite.
+// Inverts the diagonal blocks; with constraints also sets the nodes' mobilities, which must be symmetric and positive
+// definite.
 void LinearSystem::make_preconditioner(double velocity_weight, double position_weight) {
   if (factorised_ && velocity_weight_ == velocity_weight && position_weight_ == position_weight) return;
   host_.diagonal_blocks(velocity_weight, position_weight, inverse_.data());
@@ -136,7 +137,7 @@ bool LinearSystem::iterate(double velocity_weight, double position_weight, const
   Eigen::Map<Eigen::VectorXd> solution(x.data(), size);
   const Eigen::Map<const Eigen::VectorXd> right_side(b.data(), size);
   solution.setZero();
-  // In parts: where pre-stress makes the matrix indefinite the iteration may stall a little above the accuracy.
+  // In parts: if pre-stress makes the matrix indefinite, the iteration may stall slightly above the accuracy.
   double last = 1.0;
   for (Eigen::Index done = 0; done < (may_factorise_ ? fallback_iterations : most_iterations);) {
     solution = solver.solveWithGuess(right_side, solution);

@@ -1,6 +1,6 @@
-// The linear systems of Newton's method: iterative (BiCGSTAB, preconditioned with the 3x3 blocks of the nodes); direct,
-// by the host with a reused pattern, for small networks, and for those whose iterations do not converge unless they are
-// so large that their factors would fill up.
+// Linear systems of Newton's method. Iterative: BiCGSTAB, preconditioned with the 3x3 blocks of the nodes. Direct: by
+// the host with a reused pattern; for small networks, and as fallback if the iteration does not converge, unless the
+// network is so large that its factors would fill in.
 #pragma once
 
 #include <cstdint>
@@ -17,11 +17,11 @@ class LinearSystem {
   void attach(const springnet_network& network);
   // Derivatives at a state, for the systems that follow.
   void linearise(const springnet_evaluation& at);
-  // (I - w da/dv - w^2 da/dp + shift) x = b in the space that constraints allow, b being in it; [3 nodes], x of all
-  // nodes first. accuracy: of the iteration, relative to b. False: no answer, the matrix is as good as singular.
+  // Solves (I - w da/dv - w^2 da/dp + shift) x = b in the subspace that the constraints allow and that contains b; [3
+  // nodes], x of all nodes first. accuracy: of the iteration, relative to b. False: the matrix is practically singular.
   [[nodiscard]] bool solve(double weight, double shift, const std::vector<double>& b, double accuracy,
                            std::vector<double>& x);
-  // values -= what constraints do not allow; nothing where there are none.
+  // Projects values onto the constraints; no effect without any.
   void project(std::vector<double>& values) const;
 
  private:
@@ -36,7 +36,7 @@ class LinearSystem {
   sdk::Host host_;
   std::size_t nodes_ = 0;
   bool direct_ = true;         // now
-  bool may_factorise_ = true;  // where the iteration does not converge
+  bool may_factorise_ = true;  // if the iteration does not converge
   bool constrained_ = false;
   bool factorised_ = false;  // with the weights below, the derivatives since linearise()
   double velocity_weight_ = 0.0, position_weight_ = 0.0;

@@ -1,5 +1,4 @@
-// A matrix that is only known by its products, and a preconditioner that is only known by what it does, as Eigen's
-// iterative solvers want them.
+// A matrix given by its products and a preconditioner given by its action, for Eigen's iterative solvers.
 #pragma once
 
 #include <functional>

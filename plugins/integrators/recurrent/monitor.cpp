@@ -21,7 +21,7 @@ Verdict Monitor::judge(double difference) noexcept {
 }
 
 Verdict Monitor::judge_window() noexcept {
-  // The first window is compared with infinity: it has fallen.
+  // The first window is compared with infinity, so it counts as falling.
   growing_ = window_smallest_ > window_growth * last_window_ ? growing_ + 1 : 0;
   stalled_ = window_smallest_ > noticeable * smallest_ ? stalled_ + 1 : 0;
   smallest_ = std::min(smallest_, window_smallest_);

@@ -1,4 +1,4 @@
-// How the local propagation of one time step goes: it settles, or it shows in one of three ways that it will not.
+// Monitors the local propagation of one time step: it settles, or fails in one of three ways.
 #pragma once
 
 #include <cstdint>
@@ -17,20 +17,20 @@ enum class Verdict {
 };
 
 // Judges the greatest force differences of successive sweeps. Windows of sweeps are compared by their smallest
-// difference, so that a beat in an iteration that contracts is not mistaken for the end of the contraction.
+// difference, so that beats of a converging iteration are not taken for the end of convergence.
 class Monitor {
  public:
   static constexpr std::uint64_t window = 50;   // sweeps
-  static constexpr double noticeable = 0.99;    // a window that falls below this share of all before has fallen
-  static constexpr double window_growth = 2.0;  // a window that rises by this factor has grown
-  static constexpr double growth_limit = 1e9;   // beyond this multiple of the smallest difference nothing returns
+  static constexpr double noticeable = 0.99;    // a window below this share of all before counts as falling
+  static constexpr double window_growth = 2.0;  // a window that rises by this factor counts as growing
+  static constexpr double growth_limit = 1e9;   // beyond this multiple of the smallest difference it diverges
   static constexpr std::uint64_t patience = 2;  // windows in a row that decide
 
   // tolerance: N, >= 0. max_sweeps: >= 1.
   Monitor(double tolerance, std::uint64_t max_sweeps) noexcept : tolerance_(tolerance), max_sweeps_(max_sweeps) {}
 
-  // After each sweep, with its greatest force difference (N; a non-finite one is `diverging`). The first sweep has
-  // nothing that its forces may be compared with: outputs replace activities only in it, so it never settles.
+  // Call after each sweep with its greatest force difference (N; if not finite: `diverging`). The first sweep never
+  // settles: its outputs replace the activities, so its forces have nothing to be compared with.
   [[nodiscard]] Verdict judge(double difference) noexcept;
 
   [[nodiscard]] std::uint64_t sweeps() const noexcept { return sweeps_; }
@@ -41,7 +41,7 @@ class Monitor {
   double tolerance_;
   std::uint64_t max_sweeps_;
   std::uint64_t sweeps_ = 0;
-  double smallest_ = std::numeric_limits<double>::infinity();         // of the step so far, this window left out
+  double smallest_ = std::numeric_limits<double>::infinity();         // of the step so far, without this window
   double window_smallest_ = std::numeric_limits<double>::infinity();  // of this window
   double last_window_ = std::numeric_limits<double>::infinity();      // of the window before
   std::uint64_t growing_ = 0;                                         // windows in a row

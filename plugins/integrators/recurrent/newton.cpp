@@ -11,22 +11,23 @@ namespace springnet::recurrent {
 namespace {
 
 constexpr double infinite = std::numeric_limits<double>::infinity();
-// A share of the direction is good where the slope at its end is less than this part of that at the beginning, the
-// other way, unless the residual grew by this factor, or where it fell to this part.
+// A share of the direction is accepted if the slope at its end is not reversed to more than `overshoot` of that at the
+// start and the residual did not grow by `most_growth`, or if the residual fell to `good_fall`.
 constexpr double overshoot = 0.5, most_growth = 3.0, good_fall = 0.5;
 constexpr int most_shares = 5, most_shifts = 12;
-// Each restoration has to bring the residual down to this part, or the step is shortened. What it moves besides is
-// about 1 / pull of the step. Accuracy of iterative solutions. (Measured on fillings of 1e3 to 1e14 N/m^5.)
+// Each restoration must reduce the residual to `restores`, or the step is shortened. It moves other directions by about
+// 1 / pull of the step. `restored`: accuracy of iterative solutions. (Measured on enclosed volumes of 1e3 to 1e14
+// N/m^5.)
 constexpr double restores = 0.6, pull = 3.0, restored = 0.1;
 constexpr int most_restorations = 8;
 constexpr double first_shift = 1.0, shift_growth = 10.0, least_shift = 0.05;
-// Derivatives are used for another sweep while the residual falls to this part in one.
+// Derivatives are reused for another sweep while the residual falls to this part in each.
 constexpr double fast = 0.05;
 constexpr double roughest = 0.03, finest = 1e-4;  // accuracy of iterative solutions
 // Steps and corrections this small, relative to the positions, are rounding.
 constexpr double negligible = 1e-14;
 
-// How much faster a node has to be to get where its velocity would take it from `start`, p* (m), in the weight w (s).
+// Velocity that a node lacks, m/s: p* + w U - P over w, with `start` p* (m) and weight w (s).
 double gap_of(double start, double w, double velocity, double position) noexcept {
   const double gap = (start - position) / w + velocity;
   const double rounding = 4.0 * std::numeric_limits<double>::epsilon() * (std::abs(start) + std::abs(position)) / w;
@@ -87,7 +88,7 @@ void Newton::assess(const Step& step, const springnet_state& state, Assessment& 
   const bool constrained = step.constrained();
   const double w = step.weight();
   const ThreeConst a = axes(constrained ? work_.free_acceleration() : work_.acceleration());
-  // Where nodes only hang on rigid connections, these act along the lines in which they are now.
+  // On nodes with rigid connections only, these act along their present directions.
   const ThreeConst constrained_a = axes(work_.acceleration());
   const ThreeConst c = axes(work_.constraint_force()), v = axes(step.free_velocity);
   const Three u = axes(state.velocity);
@@ -101,7 +102,7 @@ void Newton::assess(const Step& step, const springnet_state& state, Assessment& 
       result.residual[i] = stays_[k] != 0 ? 0.0 : r;
     }
   }
-  // The forces of constraints are those at the outputs before: what they lack is no residual.
+  // Constraint forces are those at the previous outputs; project out their error, which is not a residual.
   if (linearised_) system_.project(result.residual);
   double square = 0.0, slope = 0.0;
   for (std::size_t i = 0; i < 3 * n; ++i) {
@@ -125,7 +126,7 @@ void Newton::set_up(const Step& step) {
   const double w = step.weight();
   const bool reuse = linearised_ && !elsewhere_ && (fresh_ || (shift_ == 0.0 && rate_ < fast));
   if (!reuse) linearise(step);
-  // Nodes that are not where their velocities take them will be: w^2 da/dp (p* + w U - P) / w.
+  // Nodes whose P is not p* + w U will be moved there: w^2 da/dp (p* + w U - P) / w.
   double greatest = 0.0;
   for (std::size_t axis = 0; axis < 3; ++axis) {
     const double *start = axes(step.free_position)[axis], *u = axes(outputs.velocity)[axis];
@@ -172,7 +173,7 @@ void Newton::go(const Step& step, double share, const springnet_state& candidate
       const std::size_t i = axis * n + k;
       const double change = stays_[k] != 0 ? 0.0 : share * direction_[i];
       next_u[axis][k] = u[axis][k] + change;
-      // Free nodes exactly, so that rounding does not add up.
+      // Free nodes exactly, so that rounding does not accumulate.
       if (share == 1.0 && stays_[k] == 0 && !is_partly_constrained(step, k))
         next_p[axis][k] = start[axis][k] + w * next_u[axis][k];
       else
@@ -202,7 +203,7 @@ bool Newton::is_good(const Step& step, double slope) const {
   const bool falls = there_.slope <= -overshoot * slope && there_.norm <= most_growth * here_.norm;
   if (falls || there_.norm <= good_fall * here_.norm) return true;
   if (greatest_force(step, there_.residual) <= step.rounding) return true;
-  // Steps that are only rounding end where they are.
+  // Steps of the size of rounding are accepted.
   const std::size_t n = step.network.node_count;
   double greatest = 0.0, size = 0.0;
   for (std::size_t axis = 0; axis < 3; ++axis) {
@@ -229,7 +230,7 @@ bool Newton::restore(const Step& step, const springnet_state& candidate) {
       system_.linearise(sdk::evaluation_at(step.until, candidate));
     } catch (const sdk::Failure& failure) {
       if (!failure.recoverable()) throw;
-      break;  // no derivatives there: a shorter step
+      break;  // no derivatives there: shorten the step
     }
     for (std::size_t i = 0; i < 3 * n; ++i) work_values_[i] = -there_.residual[i];
     system_.project(work_values_);
@@ -237,13 +238,13 @@ bool Newton::restore(const Step& step, const springnet_state& candidate) {
     for (std::size_t i = 0; i < 3 * n; ++i) direction_[i] += correction_[i];
     go(step, 1.0, candidate);
     if (!(there_.norm <= restores * before)) break;
-    // The first sweep has no slope to judge by.
+    // The first sweep has no slope to test.
     if (first_ ? there_.norm <= here_.norm : is_good(step, slope_along(step, direction_))) return true;
   }
   direction_ = straight_;
   there_.norm = infinite;
   there_.slope = straight_slope;
-  if (elsewhere_ && !first_) linearise(step);  // the first sweep starts afresh
+  if (elsewhere_ && !first_) linearise(step);  // the first sweep linearises anew
   return false;
 }
 
@@ -261,7 +262,7 @@ void Newton::search(Step& step, const springnet_state& candidate) {
           if (tries == 0) shift_ = shift_ / shift_growth < least_shift ? 0.0 : shift_ / shift_growth;
           return;
         }
-        // Where a straight line between the slopes is zero, but neither on the spot nor where it went.
+        // Zero of the linear interpolation of the slopes, away from both ends.
         const double zero = std::isfinite(there_.slope) ? slope / (slope - there_.slope) : 0.0;
         share *= std::clamp(zero, 0.1, 0.6);
       }
@@ -301,7 +302,7 @@ void Newton::sweep(Step& step) {
     } catch (const sdk::Failure& failure) {
       if (!failure.recoverable() || tries == most_shifts) throw;
     }
-    // So far the constraints cannot follow: less far.
+    // The constraints cannot be satisfied that far away: shorten the step.
     std::swap(here_, there_);
     step.outputs = &start;
     linearised_ = fresh_ = false;
@@ -333,7 +334,7 @@ void Newton::advance(Step& step, springnet_state& candidate) {
   fresh_ = false;
 }
 
-// As Workspace::residual(), and what is left to go of shortened steps.
+// As Workspace::residual(), plus the remainder of shortened steps.
 double Newton::residual(const Step& step) const {
   const springnet_network& network = step.network;
   const std::size_t n = network.node_count;
@@ -356,7 +357,7 @@ double Newton::residual(const Step& step) const {
   return std::sqrt(greatest.square);
 }
 
-// Those on nodes that stay too, as in the other rules.
+// Includes forces on pinned nodes, as in the other rules.
 void Newton::compare_forces(Step& step) {
   ForceRecord& record = work_.record;
   record.begin_sweep();

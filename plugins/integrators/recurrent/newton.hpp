@@ -4,11 +4,11 @@
 //   r = U - v* - w (a(P, U) + c / m),   (I - w da/dv - w^2 da/dp + mu) delta = -r
 //
 // and goes to U + s delta, P + s w delta. The share s is 1 unless the slope m r.delta at the end, which is that of the
-// potential m |U - v*|^2 / 2 + E(P) where one exists, says that the step went too far; mu is 0 unless delta does not
-// lead downhill, as where springs buckle or laws soften, or no share of it was good. Before a step is shortened, what
-// it did to stiff constraints at second order is put right: a filling as hard as water keeps its volume along delta to
-// first order only. What rigid connections and sliding contacts do not allow is projected out of r and delta. Nodes
-// stay held, or free, during the search; then the host puts the outputs where they belong and decides anew.
+// potential m |U - v*|^2 / 2 + E(P) where one exists, shows that the step went too far; mu is 0 unless delta is not a
+// descent direction, as where springs buckle or laws soften, or no share of it was accepted. Before a step is
+// shortened, its second-order error in stiff constraints is corrected: a filling as stiff as water keeps its volume
+// along delta to first order only. r and delta are projected onto rigid connections and sliding contacts. The set of
+// held nodes is fixed during the search; then the host constrains the outputs and decides it anew.
 #pragma once
 
 #include <cstdint>
@@ -27,7 +27,7 @@ class Newton final : public Rule {
   void sweep(Step& step) override;
 
  private:
-  // How good outputs are. Arrays of 3 n numbers have x of all nodes first.
+  // Residuals of outputs. Arrays of 3 n numbers have x of all nodes first.
   struct Assessment {
     std::vector<double> free;      // [3n] U - v* - w a, m/s
     std::vector<double> residual;  // [3n] r, 0 where a node stays, m/s
@@ -35,62 +35,61 @@ class Newton final : public Rule {
     double slope = 0.0;            // sum m r.delta
   };
 
-  // Of outputs whose forces were evaluated.
+  // Assesses outputs whose forces have been evaluated.
   void assess(const Step& step, const springnet_state& state, Assessment& result);
-  // From the outputs to the candidate, which becomes the outputs.
+  // Makes a step from the outputs to the candidate, which becomes the outputs.
   void advance(Step& step, springnet_state& candidate);
-  // Puts the newest outputs, whose assessment is here_, where they belong: what constraints do, who is held. Leaves the
-  // state `before` alone.
+  // Constrains the newest outputs, whose assessment is here_, and decides contacts. Does not change the state `before`.
   void settle(Step& step, const springnet_state* before);
-  // Where nodes on surfaces would go if nothing held or constrained them, for the host to decide on.
+  // Outputs of nodes on surfaces without constraints, on which the host bases its decisions.
   void free_contacts(const Step& step, const springnet_state& outputs, const springnet_state& free);
   bool find_stays(const Step& step);
   [[nodiscard]] double residual(const Step& step) const;  // N
-  // The right side, and the derivatives unless those of an earlier sweep will do.
+  // Sets the right side, and the derivatives unless those of an earlier sweep are good enough.
   void set_up(const Step& step);
   void linearise(const Step& step);
   void find_direction(const Step& step, double accuracy);
-  // Outputs + share * direction, and its assessment.
+  // Sets the candidate to outputs + share * direction, and assesses it.
   void go(const Step& step, double share, const springnet_state& candidate);
   // m r.direction at the outputs.
   [[nodiscard]] double slope_along(const Step& step, const std::vector<double>& direction) const;
-  // After go() along the whole direction, to where the residual is many times larger: stiff constraints are off there
-  // at second order. Adds to the direction what puts them right, and hardly moves anything else (Levenberg, Marquardt),
-  // and goes there. False: that does not help; the direction is as it was.
+  // For a go() along the whole direction that increased the residual many times because of second-order errors in stiff
+  // constraints. Adds a correction to the direction that removes them and hardly moves anything else (Levenberg,
+  // Marquardt), and goes there. False: it does not help; the direction is unchanged.
   [[nodiscard]] bool restore(const Step& step, const springnet_state& candidate);
-  // Of a residual, N.
+  // Greatest force of a residual, N.
   [[nodiscard]] static double greatest_force(const Step& step, const std::vector<double>& residual);
   [[nodiscard]] bool is_good(const Step& step, double slope) const;
   void search(Step& step, const springnet_state& candidate);
-  // Outputs that obey P = p* + w U at the positions where the step's propagation starts.
+  // Outputs with P = p* + w U at the positions where the step's propagation starts.
   void start_at_rest(const Step& step, const springnet_state& candidate);
   void compare_forces(Step& step);
-  // Of rigid connections that meet no surface.
+  // Whether a node belongs to rigid connections without contact.
   [[nodiscard]] bool joined_without_friction(const Step& step, std::size_t node) const noexcept;
-  // Of rigid connections, or on a surface, and not held; also where it was on one when the step began.
+  // Whether a node that is not held has rigid connections or is on a surface, now or at the start of the step.
   [[nodiscard]] bool is_partly_constrained(const Step& step, std::size_t node) const noexcept;
 
   Workspace& work_;
   LinearSystem system_;
-  Assessment here_, there_;                        // at the outputs, at the candidate
-  std::vector<std::uint8_t> stays_;                // [n] held, or the scene says where it is
-  std::vector<std::uint8_t> was_held_;             // [n] stays_ before the host decided anew
-  std::vector<std::uint8_t> status_;               // [n] SPRINGNET_FREE …, likewise
-  std::vector<std::uint8_t> has_friction_;         // [cluster] a surface is there, or met in this step
-  double shift_ = 0.0;                             // mu
-  double rate_ = 1.0;                              // of the norm in the last sweep; 1 where contacts changed
-  bool linearised_ = false;                        // there are derivatives, of this sweep or one before
-  bool fresh_ = false;                             // they are of the newest outputs, up to what settle() corrects
-  bool elsewhere_ = false;                         // they are of a candidate that restore() left
-  bool first_ = false;                             // sweep of a step
-  bool answered_ = false;                          // the linear system was solved
-  std::vector<double> right_side_, direction_;     // [3n] b, delta
-  std::vector<double> straight_, correction_;      // [3n] delta before it was corrected, what is added to it
-  std::vector<double> gap_, work_values_;          // [3n] (p* + w U - P) / w
-  std::vector<std::uint32_t> contacts_;            // nodes that surfaces hold or guide
-  Columns contact_acceleration_;                   // of theirs, if nothing held them, m/s^2
-  std::vector<double> inertia_;                    // [n][3][3] kg, what the host corrects outputs with
-  std::vector<double> by_velocity_, by_position_;  // [n][3][3], of theirs
+  Assessment here_, there_;                     // at the outputs, at the candidate
+  std::vector<std::uint8_t> stays_;             // [n] held, fixed or prescribed
+  std::vector<std::uint8_t> was_held_;          // [n] stays_ before the host decided anew
+  std::vector<std::uint8_t> status_;            // [n] SPRINGNET_FREE …, likewise
+  std::vector<std::uint8_t> has_friction_;      // [cluster] has contact, or had in this step
+  double shift_ = 0.0;                          // mu
+  double rate_ = 1.0;                           // reduction of the norm in the last sweep; 1 if contacts changed
+  bool linearised_ = false;                     // derivatives exist, of this sweep or an earlier one
+  bool fresh_ = false;                          // derivatives are at the newest outputs, up to corrections by settle()
+  bool elsewhere_ = false;                      // derivatives are at a candidate that restore() rejected
+  bool first_ = false;                          // first sweep of a step
+  bool answered_ = false;                       // the linear system was solved
+  std::vector<double> right_side_, direction_;  // [3n] b, delta
+  std::vector<double> straight_, correction_;   // [3n] delta before it was corrected, what is added to it
+  std::vector<double> gap_, work_values_;       // [3n] (p* + w U - P) / w
+  std::vector<std::uint32_t> contacts_;         // nodes in contact, held or sliding
+  Columns contact_acceleration_;                // [contacts] without constraints, m/s^2
+  std::vector<double> inertia_;                 // [n][3][3] kg, effective mass for the host's corrections
+  std::vector<double> by_velocity_, by_position_;  // [n][3][3], of contact_acceleration_
   int moved_ = 0;                                  // sweeps of the step in which contacts changed
 };
 

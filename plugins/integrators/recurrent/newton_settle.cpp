@@ -1,4 +1,4 @@
-// What surfaces and rigid connections make of the outputs of Newton's method.
+// Applies surfaces and rigid connections to the outputs of Newton's method.
 #include <algorithm>
 #include <cmath>
 
@@ -13,9 +13,9 @@ namespace {
 
 // Corrections this small, relative to the positions, are rounding.
 constexpr double negligible = 1e-14;
-// Nodes that are held move this share of the length scale, to see whether they leave.
+// Held nodes are moved by this share of the length scale to test for separation.
 constexpr double least_way = 1e-3;
-// Sweeps of a step that change contacts, after which nodes are held where they are.
+// Sweeps of a step that change contacts, after which nodes stay held.
 constexpr int patience = 6;
 
 // Whether outputs differ by more than rounding.
@@ -58,10 +58,11 @@ void Newton::settle(Step& step, const springnet_state* before) {
     if (!step.constrained()) continue;
     for (std::size_t k = 0; k < n; ++k) {
       if (!is_partly_constrained(step, k)) continue;
-      // Back to what forces alone make of it: the host knows from that how strong the constraint is.
+      // Restore the output without constraints, from which the host finds the constraint force.
       const std::size_t i = axis * n + k;
       if (!joined_without_friction(step, k)) next_u[axis][k] -= here_.free[i] - here_.residual[i];
-      // Rigid connections are where they are now: from elsewhere the host would have to find their directions.
+      // Keep positions of rigidly connected nodes: from other positions the host would have to find the directions
+      // again.
       if (network.cluster[k] == no_node) next_p[axis][k] = start[axis][k] + step.weight() * next_u[axis][k];
     }
   }
@@ -74,8 +75,8 @@ void Newton::settle(Step& step, const springnet_state* before) {
   was_held_ = stays_;
   const bool switched = find_stays(step);
   for (const std::uint32_t k : contacts_) {
-    // Nodes that leave go on from where they were held: their free motion tells that they do, not how far. And where a
-    // node touched depends on its free motion there: an iteration of its own, which may not converge.
+    // Separating nodes continue from where they were held: their free motion tells that they separate, not how far.
+    // Where a node touched would depend on its free motion: a separate iteration, which may not converge.
     const bool left = network.status[k] == SPRINGNET_FREE;
     const bool moves_on = stays_[k] != 0 && moved_ >= patience;
     if (was_held_[k] == 0 || network.cluster[k] != no_node || !(left || moves_on)) continue;
@@ -93,13 +94,13 @@ void Newton::settle(Step& step, const springnet_state* before) {
   if (network.rigid_count > 0) linearise(step);
   if (switched || changed) ++moved_;
   if (!changed && !switched && !step.constrained()) return;
-  // The derivatives may speak of other nodes than those that are free now.
+  // The derivatives may belong to another set of free nodes.
   if (switched && network.rigid_count == 0) linearised_ = false;
   assess(step, *step.outputs, here_);
   if (switched) rate_ = 1.0;
 }
 
-// What the host decided. Returns whether that is something else than before for any node.
+// Reads the host's decisions. Returns whether any node's changed.
 bool Newton::find_stays(const Step& step) {
   const springnet_network& network = step.network;
   bool switched = false;
@@ -142,19 +143,19 @@ void Newton::free_contacts(const Step& step, const springnet_state& outputs, con
     Eigen::Map<NodeStep::Block> inertia(inertia_.data() + 9 * std::size_t{k});
     Eigen::Vector3d leap = -node.residual;
     const bool stays = stays_[k] != 0;
-    // As inert as it is in its stiffest direction: connections under tension turn little then, and friction finds its
-    // direction.
+    // Isotropic, with the inertia of the stiffest direction: connections under tension then turn little, and friction
+    // finds its direction.
     const double stiffest = node.positive.operatorNorm();
     inertia = stiffest * NodeStep::Block::Identity();
     leap /= stiffest;
     if (!rigid && stays) {
-      // No further than it moved in this step: where it cannot make up its mind, the host holds it there.
+      // No farther than it moved in this step: the host holds a chattering node there.
       const double way = (at(outputs.position, k) - at(step.start.position, k)).norm();
       const double speed = at(step.start.velocity, k).norm();
       const double most = std::max({way, speed * step.time_constant, least_way * network.length_scale}) / w;
       if (const double share = most / leap.norm(); share < 1.0) {
         leap *= share;
-        inertia /= share;  // the impulse that holds it stays what it is
+        inertia /= share;  // keeps the impulse that holds it
       }
     }
     inertia *= network.mass[k];

@@ -1,4 +1,4 @@
-// The node layer of a sweep: velocity and position neurons, and what is recorded of the forces on the way.
+// The node layer of a sweep: velocity and position neurons, and the record of forces.
 #pragma once
 
 #include <algorithm>
@@ -40,8 +40,8 @@ class NodeUpdate {
   }
 
  private:
-  // One component. The result has its highest bit set if a new position is not finite, as it is where a velocity is
-  // not: an exponent of ones runs over into the place of the sign. In integers, so that the loop vectorises.
+  // One component. The result has its highest bit set if a new position is not finite (which includes a velocity that
+  // is not): an exponent of all ones overflows into the sign bit. In integers, so that the loop vectorises.
   std::uint64_t integrate(std::uint32_t count, const double* __restrict a, const double* __restrict p,
                           const double* __restrict v, double* __restrict next_p,
                           double* __restrict next_v) const noexcept {
@@ -63,8 +63,8 @@ class NodeUpdate {
   springnet_vectors next_position_, next_velocity_;
 };
 
-// A node with a magnitude; the greatest of some, the lowest user's number among equals. A magnitude that is not finite
-// beats every finite one, and nan counts as infinity, so that neither can hide.
+// The node with the greatest magnitude; among equals the one with the lowest user's number. Infinity exceeds every
+// finite magnitude, and nan counts as infinity.
 struct Greatest {
   double square = 0.0;
   std::uint32_t node = no_node;
@@ -80,10 +80,10 @@ struct Greatest {
   }
 };
 
-// The force that accelerates each node, m a: the net force for a mass point; for other neurons what the neuron makes of
-// it, the drag of a medium included. Comparing m a instead of the net force alone means that a neuron which feeds back
-// its own velocity has to settle as well. Differences are recorded a unit, in memory of that unit's own, so that no
-// thread waits for another and the result does not depend on their number.
+// The accelerating force m a of each node: for a mass point the net force; for other neurons it includes their own
+// terms, such as drag. Comparing m a instead of the net force makes a neuron that feeds back its own velocity settle as
+// well. Differences are recorded by unit, in separate memory, so that threads do not wait for each other and the result
+// does not depend on their number.
 class ForceRecord {
  public:
   struct Differences {
@@ -97,8 +97,8 @@ class ForceRecord {
     units_.resize(network.unit_count);
   }
 
-  // The forces that those of the first sweep are compared with. Where a node is fixed or held, `acceleration` is zero
-  // and its net force stands in for m a.
+  // Sets the forces that those of the first sweep are compared with. For fixed and held nodes, whose `acceleration` is
+  // zero, the net force replaces m a.
   void begin(const springnet_network& network, const springnet_const_vectors& force,
              const springnet_const_vectors& acceleration) noexcept {
     for (std::uint32_t k = 0; k < network.node_count; ++k) {
@@ -110,7 +110,7 @@ class ForceRecord {
     }
   }
 
-  // Where there is nothing to compare with: the first sweep then records the forces themselves.
+  // Without forces to compare with: the first sweep then records the forces themselves.
   void begin() noexcept {
     for (auto* component : {&x_, &y_, &z_}) std::fill(component->begin(), component->end(), 0.0);
   }
@@ -136,8 +136,7 @@ class ForceRecord {
     }
   }
 
-  // All nodes at once, of a sweep that evaluates them together; stays: [node_count] 1 where the net force stands in for
-  // m a.
+  // All nodes at once, for a sweep that evaluates them together; stays: [node_count] 1: the net force replaces m a.
   void take_all(const springnet_network& network, const springnet_const_vectors& force,
                 const springnet_const_vectors& acceleration, const std::vector<std::uint8_t>& stays) noexcept {
     Unit& unit = units_[0];

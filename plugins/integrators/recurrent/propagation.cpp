@@ -6,12 +6,12 @@
 namespace springnet::recurrent {
 namespace {
 
-constexpr double residual_limit = 2.0;      // of the tolerance
-constexpr std::uint64_t most_between = 16;  // sweeps from one look at the residual to the next
-constexpr std::uint64_t most_stalled = 12;  // looks without a smaller residual
+constexpr double residual_limit = 2.0;      // times the tolerance
+constexpr std::uint64_t most_between = 16;  // sweeps between evaluations of the residual
+constexpr std::uint64_t most_stalled = 12;  // evaluations without a smaller residual
 constexpr double noticeable = 0.9;          // of the smallest residual so far
 
-// Whether and when the residual is looked at once the forces have settled.
+// Decides when to evaluate the residual once the forces have settled.
 class ResidualCheck {
  public:
   // After a sweep whose forces had settled.

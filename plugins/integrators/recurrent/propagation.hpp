@@ -1,4 +1,4 @@
-// The local propagation of a step: sweeps of one rule until it is clear how the step ends.
+// Local propagation of a step: sweeps of one rule until the outcome of the step is known.
 #pragma once
 
 #include <cstdint>
@@ -13,16 +13,16 @@ struct Limits {
   std::uint64_t exact_sweeps;  // 0: until settled
 };
 
-// Exactly so many sweeps as were asked for (Verdict::go_on) settle a step by definition.
+// With a given number of sweeps (Verdict::go_on) a step counts as settled by definition.
 [[nodiscard]] inline bool settled(Verdict verdict) noexcept {
   return verdict == Verdict::settled || verdict == Verdict::go_on;
 }
 
-// Whether the equation of motion is fulfilled as well as a settled step's has to be; needs Workspace::complete().
+// Whether the residual of the equation of motion is small enough for a settled step; needs Workspace::complete().
 [[nodiscard]] bool within_tolerance(const Step& step) noexcept;
 
-// A step has settled when the forces have, and the outputs obey the equation of motion: a slow rule changes little long
-// before they do. The residual is only looked at when the forces have settled, and then less and less often.
+// A step has settled when the forces have and the residual of the equation of motion is small: a slow rule changes
+// little long before. The residual is evaluated only once the forces have settled, then less and less often.
 [[nodiscard]] Verdict propagate(Rule& rule, Workspace& workspace, Step& step, const Limits& limits);
 
 }  // namespace springnet::recurrent

@@ -43,11 +43,11 @@ using springnet::sdk::Parameter;
 using springnet::sdk::State;
 using springnet::sdk::view;
 
-constexpr double automatic_tolerance = 1e-6;  // of the network's force scale
+constexpr double automatic_tolerance = 1e-6;  // times the network's force scale
 constexpr int rules = 5;
-// What rounding leaves of the forces is estimated again after so many steps: laws stiffen, bodies travel.
+// Steps between estimates of the rounding of the forces: laws stiffen, bodies travel.
 constexpr std::uint64_t steps_per_estimate = 256;
-// Sweeps after which a rule that was picked gives way to a stronger one.
+// Sweeps after which an automatically chosen rule is replaced by a stronger one.
 constexpr std::uint64_t automatic_patience = 200;
 
 enum class Unsettled : int { error, accept, adapt };
@@ -103,33 +103,33 @@ class Recurrent : public springnet::sdk::Integrator {
   static constexpr int most_small_stages = 6;  // halvings of the time constant, to begin with
   static constexpr double least_raise = 1.05;  // of the time constant from stage to stage
   static constexpr double first_raise = 2.0;
-  static constexpr int most_events = 64;         // in a time step, beside those at its end
-  static constexpr int most_looks = 60;          // for the time of one
-  static constexpr double least_part = 1e-6;     // of a time step, from one event to the next
-  static constexpr double shallow = 1e-7;        // of the length scale: touches within a step that count are deeper
-  static constexpr double time_of_event = 1e-9;  // accuracy, of the step that it divides
+  static constexpr int most_events = 64;      // in a time step, apart from those at its end
+  static constexpr int most_looks = 60;       // evaluations to locate one
+  static constexpr double least_part = 1e-6;  // smallest part of a time step between events
+  static constexpr double shallow = 1e-7;  // times the length scale: smallest depth of touches within a step that count
+  static constexpr double time_of_event = 1e-9;  // accuracy, relative to the divided step
 
   springnet_status advance_once(double until, springnet_step_report& report);
-  // Up to the next event, or `until`. False: a step did not settle, and nothing was done.
+  // Advances to the next event, or `until`. False: a step did not settle, and nothing was committed.
   [[nodiscard]] bool advance_to_event(double until, springnet_step_report& report);
-  // When to look for touches inside of the step that its ends may not show; s, the earliest last.
+  // Times, s, the earliest last, at which to search for touches inside of the step that its ends may not show.
   [[nodiscard]] std::vector<double> times_of_impact(const Step& step) const;
   [[nodiscard]] Step make_step(double until);
-  // Sets tolerance and rounding of the step to what is known.
+  // Sets tolerance and rounding of the step from the current estimates.
   void set_tolerance(Step& step);
-  // Whether a step that did not settle came as far as rounding lets it; then that is the tolerance from now on.
+  // Whether a step that did not settle reached the limit of rounding, which then becomes the tolerance.
   [[nodiscard]] bool is_rounding(Step& step);
   [[nodiscard]] Rule& rule(Update update);
   // A propagation from step.outputs (none: the start) with the step's time constant.
   Attempt propagate_with(Update update, Step& step, std::uint64_t max_sweeps);
-  // From the start: the rule of the scene, or the one picked, and stronger ones in its place.
+  // From the start: the rule of the scene, or the chosen one and then stronger ones.
   Attempt propagate_from_start(Step& step);
   Attempt propagate_again(Update update, Step& step);
-  // With smaller time constants from the frozen activities, each from the outputs of the last.
+  // With increasing time constants from the frozen activities, each from the outputs of the last.
   Attempt raise_time_constant(Step& step, const Attempt& last);
   void take(const Step& step, bool is_settled);
   void subdivide(double until, int halvings, springnet_step_report& report);
-  // Of an attempt that failed, for its explanation.
+  // Circumstances of a failed attempt, for its explanation.
   [[nodiscard]] Circumstances circumstances(const Step& step, const Attempt& attempt);
   void fill(springnet_step_report& report, const Step& step, const Attempt& attempt) const;
   [[nodiscard]] bool single_sweep(const Step& step) const {
@@ -150,8 +150,8 @@ class Recurrent : public springnet::sdk::Integrator {
   ForceRounding rounding_;
   Automatic automatic_;
   std::array<std::unique_ptr<Rule>, rules> rules_;
-  std::array<std::optional<std::uint64_t>, rules> attached_;  // revision of the network that they know
-  std::optional<std::uint64_t> revision_;                     // that the workspace knows
+  std::array<std::optional<std::uint64_t>, rules> attached_;  // [rule] revision of the network at its last attach()
+  std::optional<std::uint64_t> revision_;                     // at the workspace's last attach()
   State stage_;                                               // outputs of the last stage that settled
   std::uint64_t sweeps_ = 0, stages_ = 0, substeps_ = 0;      // in this call
   double all_stages_ = 0.0, all_substeps_ = 0.0, accepted_ = 0.0;
@@ -167,7 +167,7 @@ springnet_status Recurrent::advance(double until, springnet_step_report& report)
     if (until - end < least_part * whole) end = until;
     if (parts < most_events && advance_to_event(end, report)) continue;
     if (parts >= most_events)
-      work_.host.note("events = \"located\": more events in a time step than are told apart; its rest was not divided");
+      work_.host.note("events = \"located\": too many events in a time step; its rest was not divided");
     return advance_once(until, report);
   }
   return SPRINGNET_OK;
@@ -180,8 +180,8 @@ bool Recurrent::advance_to_event(double until, springnet_step_report& report) {
   crossings_.begin(work_.host, from, start);
   const std::uint64_t revision = work_.host.network().revision;  // whose events these are
   double time = until;
-  std::vector<double> probes;  // s, where a touch within the step may show, the earliest last
-  bool last = false;           // the interval is as narrow as it gets
+  std::vector<double> probes;  // s, times to search for touches within the step, the earliest last
+  bool last = false;           // the interval cannot be narrowed further
   for (int looks = 0;; ++looks) {
     Step step = make_step(time);
     if (work_.host.network().revision != revision) return false;
@@ -204,10 +204,10 @@ bool Recurrent::advance_to_event(double until, springnet_step_report& report) {
         take(step, true);
         return true;
       }
-      // A step that decides on its way sees what passes by faster than the probes.
+      // A step that decides contacts itself sees nodes that pass by faster than the probes.
       return false;
     }
-    // Where rounding decides it, what was seen to happen in a longer step may not happen here: then this one is taken.
+    // If rounding decides, an event seen in a longer step may not occur in this one: take the step.
     if (!crossed && last) {
       take(step, true);
       return true;
@@ -235,7 +235,7 @@ std::vector<double> Recurrent::times_of_impact(const Step& step) const {
   const std::optional<double> first =
       work_.host.time_of_impact(whole, whole, shallow * step.network.length_scale, write);
   if (!first) return {};
-  // A step that ends then differs from the course by the method's error: it may touch a little later.
+  // A step that ends at that time differs from the dense output by the method's error: it may touch slightly later.
   std::vector<double> times;
   for (const double share : {1.0 / 4.0, 1.0 / 16.0}) times.push_back(*first + share * (step.until - *first));
   times.push_back(*first);
@@ -245,11 +245,11 @@ std::vector<double> Recurrent::times_of_impact(const Step& step) const {
 springnet_status Recurrent::advance_once(double until, springnet_step_report& report) {
   Step step = make_step(until);
   Attempt attempt = propagate_from_start(step);
-  // A rule that the scene did not ask for may come to the same state in its own way.
+  // A rule that the scene did not request may reach the same state in its own way.
   const bool may_raise = unsettled_ == Unsettled::adapt || update_ == Update::automatic;
   if (!settled(attempt.verdict) && may_raise) {
     attempt = raise_time_constant(step, attempt);
-    // What is told, or accepted, is the step with its own time constant.
+    // Report, or accept, the step with its own time constant.
     if (!settled(attempt.verdict) && unsettled_ != Unsettled::adapt)
       attempt = propagate_again(update_ == Update::automatic ? Update::newton : attempt.update, step);
   }
@@ -279,7 +279,7 @@ Step Recurrent::make_step(double until) {
   }
   const bool compares = !(limits_.exact_sweeps == 1 && update_ == Update::synchronous);
   Step step{from, until, until - from, theta_, 0.0, start, network, compares};
-  // Rules that need no derivatives are spared them, unless a step does not settle.
+  // No derivatives for rules that do not need them, unless a step does not settle.
   const bool has_derivatives = update_ != Update::synchronous && update_ != Update::wavefront;
   if (limits_.exact_sweeps == 0 && has_derivatives && ++steps_since_estimate_ > steps_per_estimate) {
     steps_since_estimate_ = 0;
@@ -299,7 +299,7 @@ void Recurrent::set_tolerance(Step& step) {
   rounding_noted_ = true;
   std::array<char, 320> text{};
   std::snprintf(text.data(), text.size(),
-                "force_tolerance, %.3g N%s, is below what rounding leaves of the forces, about %.2g N (stiffness times "
+                "force_tolerance, %.3g N%s, is below the rounding error of the forces, about %.2g N (stiffness times "
                 "the rounding of positions, greatest at node %u): steps settle to that",
                 asked, tolerance_ > 0.0 ? "" : " (1e-6 of the force scale)", step.rounding,
                 step.network.user_number[rounding_.node()]);
@@ -354,7 +354,7 @@ Attempt Recurrent::propagate_with(Update update, Step& step, std::uint64_t max_s
     }
   } catch (const Failure& failure) {
     if (!failure.recoverable()) throw;
-    step.finite = false;  // some law or neuron has no finite answer where the outputs went
+    step.finite = false;  // a law or neuron has no finite result at the outputs
     attempt.law_message = failure.what();
   }
   if (!step.finite) {
@@ -367,7 +367,7 @@ Attempt Recurrent::propagate_with(Update update, Step& step, std::uint64_t max_s
 
 Attempt Recurrent::propagate_from_start(Step& step) {
   if (update_ != Update::automatic) return propagate_with(update_, step, limits_.max_sweeps);
-  // Where the number of sweeps is given, the paper's rule.
+  // With a given number of sweeps, the paper's rule.
   if (limits_.exact_sweeps > 0) {
     work_.host.note("update rule wavefront: the number of sweeps is given");
     return propagate_with(Update::wavefront, step, limits_.max_sweeps);
@@ -384,7 +384,7 @@ Attempt Recurrent::propagate_from_start(Step& step) {
 }
 
 Attempt Recurrent::propagate_again(Update update, Step& step) {
-  work_.host.begin_step(step.from, step.until);  // forgets what the sweeps decided about contacts
+  work_.host.begin_step(step.from, step.until);  // discards the sweeps' decisions about contacts
   step.outputs = nullptr;
   return propagate_with(update, step, limits_.max_sweeps);
 }
@@ -442,7 +442,7 @@ void Recurrent::subdivide(double until, int halvings, springnet_step_report& rep
   const springnet_step_report before = report;
   fill(report, step, attempt);
   if (settled(attempt.verdict)) {
-    // The worst of the smaller steps stands for the step.
+    // The report has the worst of the smaller steps.
     if (substeps_ > 0 && before.residual > report.residual) {
       report.residual = before.residual;
       report.force_difference = before.force_difference;
@@ -482,7 +482,7 @@ Circumstances Recurrent::circumstances(const Step& step, const Attempt& attempt)
   if (attempt.update == Update::synchronous || attempt.update == Update::wavefront) {
     try {
       if (!result.fails_at_once) result.over_critical = step.weight() / critical_weight(work_.host, step);
-    } catch (const Failure&) {  // not known: a law without derivatives, say
+    } catch (const Failure&) {  // unknown, as for a law without derivatives
     }
   }
   return result;

@@ -1,4 +1,4 @@
-// The course of a time step between its ends: Hermite's cubic through positions and velocities there.
+// Dense output of a time step: cubic Hermite interpolation of positions and velocities at its ends.
 #pragma once
 
 #include <cstdint>
@@ -11,7 +11,7 @@ namespace springnet::recurrent {
 
 class StepCourse {
  public:
-  // A step that has outputs.
+  // The step must have outputs.
   explicit StepCourse(const Step& step) noexcept : step_(step) {}
   // Positions (m) and velocities (m/s) at a time of the step, s.
   void write(double time, const springnet_vectors& position, const springnet_vectors& velocity) const noexcept {

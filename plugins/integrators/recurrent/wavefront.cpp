@@ -9,7 +9,7 @@ namespace {
 
 constexpr std::uint32_t none = 0xffffffffu;
 
-// Whether the wave would rather start at node a than at node b.
+// Whether node a precedes node b as the start of the wave.
 bool precedes(const springnet_network& network, const springnet_const_vectors& force, std::uint32_t a,
               std::uint32_t b) {
   const bool a_free = network.fixed[a] == 0 && network.held[a] == 0;

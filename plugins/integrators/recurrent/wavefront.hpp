@@ -3,8 +3,8 @@
 // Simulation of Dynamic Spring Models". Parts of the network that the wave does not reach are appended one by one, each
 // from its own node with the greatest force, the part with the greatest such force first.
 //
-// Start nodes are free nodes wherever there is one, because a force on a fixed or held node moves nothing. Ties go to
-// the lowest of the user's numbers, also among the neighbours within a layer.
+// Start nodes are free nodes if there are any, because a force on a fixed or held node moves nothing. Ties go to the
+// lowest of the user's numbers, also among the neighbours within a layer.
 #pragma once
 
 #include <cstdint>
@@ -17,14 +17,13 @@ namespace springnet::recurrent {
 
 class Wavefront {
  public:
-  // Has to be called after every change of network.revision; finds the parts of the network that hang together.
+  // Call after every change of network.revision; finds the connected parts of the network.
   void attach(const springnet_network& network);
 
   // The node with the greatest force (arrays [node_count], N). The network must have a node.
   [[nodiscard]] std::uint32_t strongest(const springnet_network& network, const springnet_const_vectors& force) const;
 
-  // All nodes, once each, in the order of a wave that begins at `start`. Valid until the next call. Allocates nothing
-  // after attach().
+  // All nodes, once each, in the order of a wave that begins at `start`. Valid until the next call. Does not allocate.
   std::span<const std::uint32_t> order(const springnet_network& network, std::uint32_t start,
                                        const springnet_const_vectors& force);
 

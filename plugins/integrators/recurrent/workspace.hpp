@@ -1,5 +1,5 @@
-// What all update rules share: the host, memory for outputs, the record of forces, and the evaluation that completes a
-// step and tells how far its outputs are from the equation of motion.
+// Shared by all update rules: the host, memory for outputs, the record of forces, and the evaluation that completes a
+// step with the residual of its outputs.
 #pragma once
 
 #include <array>
@@ -22,18 +22,18 @@ class Workspace {
   explicit Workspace(sdk::Host table)
       : host(table), states_{table.make_state(), table.make_state(), table.make_state()} {}
 
-  // Has to be called after every change of network.revision.
+  // Call after every change of network.revision.
   void attach(const springnet_network& network);
 
   // Sets p* and v* of the step for its time constant; a_start must be known unless theta is 1.
   void set_free_motion(Step& step);
-  // The accelerations at the start of steps: those of the constrained motion at the committed state. They are evaluated
-  // where `revision` is not that of the last evaluation, which complete() did.
+  // Provides the accelerations at the start of the step, those of the constrained motion at the committed state.
+  // Evaluates them unless complete() did for the same `revision`.
   void know_start_acceleration(const Step& step);
-  // Before a commit: the accelerations at its outputs are those at the next start, if they were evaluated.
+  // Call before a commit: keeps the accelerations at its outputs, if evaluated, for the next start.
   void committed(const Step& step);
 
-  // One of the states for outputs that is neither of these.
+  // A state for outputs other than these two.
   [[nodiscard]] springnet_state& state_beside(const springnet_state* one,
                                               const springnet_state* other = nullptr) const noexcept {
     for (const sdk::State& state : states_) {
@@ -41,7 +41,7 @@ class Workspace {
     }
     return *states_[0];  // not reached: there are three
   }
-  // Outputs that a rule changes in place: those there are, or a copy of the start.
+  // Outputs for a rule that changes them in place: the newest, or a copy of the start.
   springnet_state& outputs_in_place(Step& step) const noexcept;
 
   // A sweep from `read` to `write`; without order.
@@ -51,26 +51,26 @@ class Workspace {
   // Forces at the newest outputs, internal state of laws, residual.
   void complete(Step& step);
 
-  // m ((U - v*) / h - theta a) - theta c over the nodes that nothing holds, N; c: what rigid connections, surfaces and
-  // friction did in the last sweep. Needs evaluate(). Leaves the free accelerations in free_acceleration().
+  // Residual m ((U - v*) / h - theta a) - theta c of nodes that are not pinned, N; c: constraint forces of the last
+  // sweep. Needs evaluate(). Sets free_acceleration().
   [[nodiscard]] Greatest residual(const Step& step, const springnet_state& at);
 
-  // The part of residual() that finds free_acceleration() and stays().
+  // The part of residual() that sets free_acceleration() and stays().
   void free_accelerations(const Step& step, const springnet_state& at) {
     if (step.constrained()) find_free_accelerations(step, at);
   }
 
-  // Of the last evaluate(): of the constrained motion; as if nothing held the nodes (after residual()).
+  // Accelerations of the last evaluate(): of the constrained motion; and without constraints (after residual()).
   [[nodiscard]] const Columns& acceleration() const noexcept { return acceleration_; }
   [[nodiscard]] const Columns& free_acceleration() const noexcept { return free_acceleration_; }
-  // A node that a surface holds now and did not at the start, though neither its velocity nor the force on it then
-  // take it there: sweeps that diverge throw nodes about until they hit something. no_node: there is none.
+  // A node with spurious contact: held by a surface that it did not touch at the start and that neither its start
+  // velocity nor its start force explains; diverging sweeps cause it. no_node: there is none.
   [[nodiscard]] std::uint32_t thrown_node(const Step& step);
-  // Of the last sweep, N.
+  // Constraint forces of the last sweep, N.
   [[nodiscard]] const Columns& constraint_force() const noexcept { return constraint_force_; }
-  // Before the first sweep there is none.
+  // Resets the constraint forces before the first sweep.
   void forget_constraint_force() noexcept;
-  // After residual(): 1 where something holds the node at all its coordinates.
+  // After residual(): 1 for pinned nodes, constrained in all coordinates.
   [[nodiscard]] const std::vector<std::uint8_t>& stays() const noexcept { return stays_; }
 
   const sdk::Host host;

@@ -5,13 +5,13 @@
 //   v'    = v_1/2 + h/2 a(p', v_1/2 + h/2 a)
 //
 // Second order; symplectic where forces depend on positions alone. Explicit: stable for h below 2 / omega, omega the
-// greatest angular frequency of the network, and below less than that with damping (stability.hpp). Rigid connections,
-// moved nodes and surfaces are the host's, which puts positions and velocities where they allow. Swope, Andersen,
-// Berens, Wilson, J. Chem. Phys. 76 (1982) 637; for the constraints Andersen, J. Comput. Phys. 52 (1983) 24. What
-// touches a surface the host takes through both parts of the step, the drift from p to p' and the kick from v_1/2 to
-// v', because its reactions, of either part, decide about it.
+// greatest angular frequency of the network, and below less than that with damping (stability.hpp). The host handles
+// rigid connections, moved nodes and surfaces, and projects positions and velocities onto them. Swope, Andersen,
+// Berens, Wilson, J. Chem. Phys. 76 (1982) 637; for the constraints Andersen, J. Comput. Phys. 52 (1983) 24. For nodes
+// in contact the host constrains both parts of the step, the drift from p to p' and the kick from v_1/2 to v', because
+// the reactions of each part decide about contact.
 //
-// It is also the example of how an integrator is made: see "Integrators" in sdk/README.md.
+// It is also the example of an integrator: see "Integrators" in sdk/README.md.
 #include <cmath>
 #include <cstdint>
 #include <cstdio>
@@ -28,7 +28,7 @@ namespace {
 
 using namespace springnet::sdk;
 
-// The three components of a vector quantity one after the other, as the host's functions on 3n numbers have them.
+// A vector quantity as 3n consecutive numbers, x of all nodes first, as in the host's linear functions.
 struct Field {
   std::vector<double> values;
   explicit Field(std::size_t nodes) : values(3 * nodes) {}

@@ -2,16 +2,16 @@
 // dT/de = a (T + b), with the strain e = (l - l0) / l0. Integrated from T = 0 at rest, and written with the stiffness
 // at rest k = a b / l0:
 //   T = (k l0 / a) (exp(a e) - 1),   E = k (l0 / a)^2 (exp(a e) - 1 - a e).
-// In compression the same formula holds: the spring softens and pushes with less than k l0 / a, as strands of tissue
-// do. It does not resist collapse; where a net needs that, other springs or its filling have to give it.
-// The rest length must be above 0.
+// The same formula holds in compression: the spring softens and pushes with less than k l0 / a, as strands of tissue
+// do. It does not resist collapse; if a net needs that, other springs or an enclosed volume must provide it. The rest
+// length must be above 0.
 #include <springnet/sdk/law.hpp>
 
 namespace {
 using namespace springnet::sdk;
 
-// exp(x) - 1 - x. Near 0, where the terms cancel, by its series x^2/2! + x^3/3! + …; at |x| < 1/2 what is left out
-// after x^15 is below 1e-16 of the sum.
+// exp(x) - 1 - x. Near 0, where the terms cancel, by the series x^2/2! + x^3/3! + …; for |x| < 1/2 its remainder after
+// x^15 is below 1e-16 of the sum.
 template <class Real>
 Real expm1_minus_x(const Real& x) {
   if (!(abs(x) < 0.5)) return expm1(x) - x;

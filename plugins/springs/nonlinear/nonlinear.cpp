@@ -1,6 +1,6 @@
 // A polynomial in the elongation x = l - l0, odd so that it pushes as it pulls:
 //   T = k x + k3 x^3 + k5 x^5,  E = k x^2 / 2 + k3 x^4 / 4 + k5 x^6 / 6.
-// A negative coefficient softens; T then falls, and a network may have several states of rest.
+// A negative coefficient softens the spring; where T falls, a network may have several equilibria.
 #include <springnet/sdk/law.hpp>
 
 namespace {

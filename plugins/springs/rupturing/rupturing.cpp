@@ -1,5 +1,5 @@
-// Hooke's law until the tension reaches a threshold: T = k (l - l0) while T < strength, then the spring is removed. It
-// breaks in tension; in compression only where asked.
+// Hooke's law up to a threshold: T = k (l - l0) while T < strength, then the spring is removed. It breaks in tension,
+// in compression only if breaks_in_compression is set.
 #include <springnet/sdk/law.hpp>
 
 namespace {

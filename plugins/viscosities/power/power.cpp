@@ -1,7 +1,7 @@
 // A damper whose force grows with a power of the rate u of its length: Q = d |u|^n sign(u). n = 1 is the dashpot, 2 the
 // drag of a turbulent flow, below 1 a shear-thinning fluid.
-// With n < 1 the slope of that formula at u = 0 is infinite, and no implicit method can step across it; there the force
-// is linear for |u| < linear_below, and joins the power at that rate: Q = d linear_below^(n - 1) u.
+// For n < 1 the slope of that formula at u = 0 is infinite, and no implicit method can step across it. The force is
+// then linear for |u| < linear_below and continuous there: Q = d linear_below^(n - 1) u.
 #include <cfloat>
 
 #include <springnet/sdk/law.hpp>
@@ -22,7 +22,7 @@ struct PowerViscosity : ViscosityFunction {
       number("linear_below", "m/s", "exponents below 1: rate under which the force is linear").above(0).preset(1e-6)};
 
   static auto force(const auto& e, const auto& p) {
-    // DBL_MIN: 0 to the power of exponent - 1 has no derivative; this one is finite, and multiplied by u = 0.
+    // DBL_MIN: 0^(exponent - 1) may have no derivative; this one is finite and is multiplied by u = 0.
     const auto least = p[exponent] < 1.0 ? p[linear_below] : DBL_MIN;
     return p[damping] * e.rate * pow(max(abs(e.rate), least), p[exponent] - 1.0);
   }

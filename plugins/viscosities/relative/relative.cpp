@@ -1,5 +1,5 @@
-// Damping of the whole relative velocity of both ends, also across the spring: Q = d |v1 - v2| along v1 - v2. It does
-// not conserve angular momentum: a rigid rotation is damped as well.
+// Damping of the whole relative velocity of both ends, including the part across the spring: Q = d |v1 - v2| along v1 -
+// v2. It does not conserve angular momentum: rigid rotation is damped, too.
 #include <springnet/sdk/law.hpp>
 
 namespace {

@@ -44,7 +44,7 @@ Network bar(double stiffness) {
 // The note on the limit; empty if there is none.
 std::string note_of(const Simulation& simulation) {
   for (const std::string& note : simulation.notes())
-    if (note.find("rounding leaves") != std::string::npos) return note;
+    if (note.find("rounding error") != std::string::npos) return note;
   return {};
 }
 

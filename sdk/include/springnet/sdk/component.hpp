@@ -1,4 +1,5 @@
-// From component classes to the one symbol that a plugin exports. Included by law.hpp, neuron.hpp and integrator.hpp.
+// Turns component classes into the one symbol that a plugin exports. Included by law.hpp, neuron.hpp and
+// integrator.hpp.
 #pragma once
 
 #include <array>

@@ -1,9 +1,9 @@
-// Forward-mode dual numbers: a value together with its derivatives with respect to N variables. Laws are written as
-// templates over their number type; with Dual in place of double the same formula answers with exact derivatives.
+// Forward-mode dual numbers: a value together with its derivatives with respect to N variables. Laws are templates over
+// their number type; with Dual in place of double the same formula gives exact derivatives.
 //
-// Comparisons look at the value alone. The value of every operation is computed exactly as for double. Where a
-// derivative does not exist the convention is: abs, min, max take 0 or the side that their value comes from; a function
-// with an infinite slope (sqrt at 0, …) leaves a derivative of 0 at 0, so that constants stay constants.
+// Comparisons use the value only. The value of every operation is computed exactly as for double. Conventions where a
+// derivative does not exist: abs takes 0, min and max that of the argument chosen; a function with an infinite slope
+// (sqrt at 0, …) keeps a derivative of 0, so that constants stay constants.
 #pragma once
 
 #include <algorithm>
@@ -103,7 +103,7 @@ struct Dual {
   friend SPRINGNET_INLINE constexpr auto operator<=>(const Dual& a, double b) { return a.value <=> b; }
 };
 
-// The number without its derivatives, of a double too.
+// The value without derivatives; also for double.
 template <std::size_t N>
 [[nodiscard]] SPRINGNET_INLINE constexpr double value_of(const Dual<N>& x) {
   return x.value;
@@ -118,7 +118,7 @@ SPRINGNET_INLINE Dual<N> chain(const Dual<N>& x, double value, double slope) {
   for (std::size_t i = 0; i < N; ++i) result.derivatives[i] = slope * x.derivatives[i];
   return result;
 }
-// The same where the slope may be infinite: what is constant stays constant.
+// The same if the slope may be infinite: constants stay constants.
 template <std::size_t N>
 SPRINGNET_INLINE Dual<N> chain_steep(const Dual<N>& x, double value, double slope) {
   Dual<N> result(value);
@@ -129,7 +129,7 @@ SPRINGNET_INLINE Dual<N> chain_steep(const Dual<N>& x, double value, double slop
 }
 }  // namespace detail
 
-// For laws that are evaluated with double; duals are found beside them.
+// For laws evaluated with double; the overloads below are for duals.
 using std::abs, std::min, std::max, std::sqrt, std::cbrt, std::hypot, std::exp, std::expm1, std::log, std::log1p,
     std::pow, std::sin, std::cos, std::tan, std::asin, std::acos, std::atan, std::atan2, std::sinh, std::cosh,
     std::tanh;
@@ -139,7 +139,7 @@ template <std::size_t N>
   const double slope = x.value > 0.0 ? 1.0 : (x.value < 0.0 ? -1.0 : 0.0);
   return detail::chain(x, std::abs(x.value), slope);
 }
-// As std::min and std::max: the first argument where both are equal or either is not a number.
+// As std::min and std::max: the first argument if both are equal or either is NaN.
 template <std::size_t N>
 [[nodiscard]] SPRINGNET_INLINE constexpr Dual<N> min(const Dual<N>& a, const Dual<N>& b) {
   return b.value < a.value ? b : a;

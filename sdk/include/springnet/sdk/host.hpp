@@ -1,5 +1,5 @@
-// The host's table of functions as an integrator in C++ sees it: the same calls, with RAII for states and exceptions
-// for failures. Shapes and units are those of plugin.h; node numbers are the engine's.
+// The host's function table for integrators in C++: the same calls, with RAII for states and exceptions for failures.
+// Shapes and units are those of plugin.h; node numbers are the engine's.
 #pragma once
 
 #include <atomic>
@@ -20,13 +20,13 @@
 
 namespace springnet::sdk {
 
-// A failed call, of the host or of the integrator itself; the glue turns it back into `status` and the host's message.
+// A failed call of the host, or a failure of the integrator; the glue turns it into `status` and the host's message.
 class Failure : public std::runtime_error {
  public:
   explicit Failure(const std::string& message, springnet_status status = SPRINGNET_FAILED)
       : std::runtime_error(message), status_(status) {}
   [[nodiscard]] springnet_status status() const noexcept { return status_; }
-  // A smaller step may succeed: the state asked for has no finite answer.
+  // No finite result at this state; a smaller step may succeed.
   [[nodiscard]] bool recoverable() const noexcept { return status_ == SPRINGNET_RECOVERABLE; }
 
  private:
@@ -65,8 +65,8 @@ struct Committed {
   const springnet_state& state;
 };
 
-// A view of the table, cheap to copy, valid as long as the integrator. Functions throw Failure with the host's message
-// and status; one that is recoverable has Failure::recoverable().
+// A view of the table, cheap to copy, valid for the life of the integrator. Functions throw Failure with the host's
+// message and status; see Failure::recoverable().
 class Host {
  public:
   explicit Host(const springnet_host& table) noexcept : table_(&table) {}
@@ -101,7 +101,7 @@ class Host {
     else
       begin_step(from, until);
   }
-  // What `load_revision` of the network is; 0 where the host is older, whose loads change with `revision` alone.
+  // The network's `load_revision`; 0 for an older host, whose loads change only with `revision`.
   [[nodiscard]] std::uint64_t load_revision() const {
     const springnet_network& known = network();
     return SPRINGNET_HAS_FIELD(springnet_network, &known, load_revision) ? known.load_revision : 0;
@@ -110,9 +110,8 @@ class Host {
   void evaluate_nodes(const springnet_evaluation& evaluation, std::span<const std::uint32_t> nodes) const {
     check(table_->evaluate_nodes(table_->context, &evaluation, nodes.data(), static_cast<std::uint32_t>(nodes.size())));
   }
-  // One sweep. `update(const springnet_node_batch&)` takes the place of sweep.update and sweep.user; it is called from
-  // several threads unless the sweep has an order, with different units. What it throws is thrown again here, after
-  // the sweep.
+  // One sweep. `update(const springnet_node_batch&)` replaces sweep.update and sweep.user; unless the sweep has an
+  // order, it is called from several threads with different units. An exception from it is rethrown after the sweep.
   template <class Update>
   void sweep(springnet_sweep sweep, Update&& update) const {
     using Callable = std::remove_reference_t<Update>;
@@ -135,13 +134,13 @@ class Host {
     check(status);
   }
 
-  // Derivatives of the accelerations at a state, for the functions that follow it.
+  // Computes the derivatives of the accelerations at a state, for the functions below.
   void linearise(const springnet_evaluation& at) const { check(table_->linearise(table_->context, &at)); }
   // out = da/dp dp + da/dv dv; 3 node_count numbers each, x of all nodes, then y, then z.
   void jacobian_times(const double* dp, const double* dv, double* out) const {
     check(table_->jacobian_times(table_->context, dp, dv, out));
   }
-  // Of A = I - velocity_weight da/dv - position_weight da/dp: out[node][3][3].
+  // Diagonal blocks of A = I - velocity_weight da/dv - position_weight da/dp: out[node][3][3].
   void diagonal_blocks(double velocity_weight, double position_weight, double* out) const {
     check(table_->diagonal_blocks(table_->context, velocity_weight, position_weight, out));
   }
@@ -154,7 +153,7 @@ class Host {
     check(table_->solve(table_->context, 1, right_side, x));
   }
 
-  // `values` and `directions` (may be null where a caller does not want them) have network().event_count entries.
+  // `values` and `directions` (null: not wanted) have network().event_count entries.
   void event_values(const springnet_evaluation& at, double* values, std::int32_t* directions) const {
     check(table_->event_values(table_->context, &at, values, directions));
   }
@@ -164,9 +163,9 @@ class Host {
   struct Span {
     double from, until;  // s
   };
-  // When a node first touches a surface in a part of a step, s, also where it has left it again by the end; empty where
-  // none does, or the host is before ABI 1.3. `depth`: m; see plugin.h. `state_at(time, position, velocity)` writes the
-  // state at a time of the step into springnet_vectors; what it throws is thrown again here.
+  // Time, s, at which a node first touches a surface in a part of a step, even if it has left again by the end; empty
+  // if none does, or the host is older than ABI 1.3. `depth`: m; see plugin.h. `state_at(time, position, velocity)`
+  // writes the state at a time of the step into springnet_vectors; an exception from it is rethrown.
   template <class StateAt>
   [[nodiscard]] std::optional<double> time_of_impact(Span step, Span part, double depth, StateAt&& state_at) const {
     if (!SPRINGNET_HAS_FIELD(springnet_host, table_, time_of_impact)) return std::nullopt;
@@ -199,7 +198,7 @@ class Host {
     check(status);
     return std::isnan(time) ? std::nullopt : std::optional(time);
   }
-  // s; infinity if there is none.
+  // Time of the next load switch or cut, s; infinity if there is none.
   [[nodiscard]] double next_discontinuity(double time) const noexcept {
     return table_->next_discontinuity(table_->context, time);
   }
@@ -207,8 +206,7 @@ class Host {
   // `state` and the committed state exchange their memory.
   void commit(double time, springnet_state& state) const { check(table_->commit(table_->context, time, &state)); }
 
-  // Functions of ABI 1.1. They throw Failure where the host is older.
-  // The end of a sweep by itself; see plugin.h.
+  // Functions of ABI 1.1. They throw Failure if the host is older. The end of a sweep by itself; see plugin.h.
   void constrain(const springnet_sweep& sweep) const {
     require(SPRINGNET_HAS_FIELD(springnet_host, table_, constrain));
     check(table_->constrain(table_->context, &sweep));
@@ -218,18 +216,18 @@ class Host {
     require(SPRINGNET_HAS_FIELD(springnet_host, table_, project));
     check(table_->project(table_->context, mobility, values));
   }
-  // Puts positions and velocities of `state` where the constraints at `time` (s) allow.
+  // Projects positions and velocities of `state` onto the constraints at `time` (s).
   void project_state(double time, springnet_state& state) const { project_state(time, state.position, state.velocity); }
   void project_state(double time, const springnet_vectors& position, const springnet_vectors& velocity) const {
     require(SPRINGNET_HAS_FIELD(springnet_host, table_, project_state));
     check(table_->project_state(table_->context, time, position, velocity));
   }
-  // Something the user should know, once. Nothing where the host is older.
+  // A note to the user, once. No effect if the host is older.
   void note(const std::string& text) const noexcept {
     if (SPRINGNET_HAS_FIELD(springnet_host, table_, note)) table_->note(table_->context, text.c_str());
   }
 
-  // A number about the run, in the summary under `name`.
+  // Reports a number for the summary, under `name`.
   void report(const char* name, double value) const noexcept { table_->report(table_->context, name, value); }
 
  private:

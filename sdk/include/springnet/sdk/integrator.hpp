@@ -32,7 +32,7 @@
 
 namespace springnet::sdk {
 
-// The values of an integrator's parameters, read by name in its constructor: options["max_step"].
+// Values of an integrator's parameters, by name: options["max_step"].
 class Options {
  public:
   Options(std::span<const Parameter> parameters, const double* values) noexcept
@@ -80,7 +80,7 @@ struct IntegratorGlue {
   static void destroy(void* integrator) noexcept { delete static_cast<Instance*>(integrator); }
   static springnet_status advance(void* integrator, double until, springnet_step_report* report) noexcept {
     auto& instance = *static_cast<Instance*>(integrator);
-    // A host with a smaller or larger report than this one: only what both know is exchanged.
+    // The host's report may be smaller or larger than this one: exchange only the common part.
     auto full = sized<springnet_step_report>();
     const std::size_t shared = std::min<std::size_t>(report->struct_size, sizeof full);
     const std::uint32_t size_of_host = report->struct_size;
@@ -117,7 +117,7 @@ struct IntegratorGlue {
     } catch (const std::exception& error) {
       return fail(host, error.what(), SPRINGNET_FAILED);
     } catch (...) {
-      return fail(host, "the integrator threw something that is no std::exception", SPRINGNET_FAILED);
+      return fail(host, "the integrator threw something that is not a std::exception", SPRINGNET_FAILED);
     }
   }
 };

@@ -1,5 +1,5 @@
-// What law.hpp and neuron.hpp share: parameters as formulas see them, arrays with strides made uniform, and kernels
-// that are compiled for several instruction sets.
+// Shared by law.hpp and neuron.hpp: parameters of a formula, arrays with uniform stride, kernels compiled for several
+// instruction sets.
 #pragma once
 
 #include <algorithm>
@@ -35,9 +35,9 @@ namespace detail {
 // Elements a kernel works on at a time; its arrays then stay in the first-level cache.
 inline constexpr std::uint32_t chunk_size = 256;
 
-// Up to Count input arrays with strides 0 or 1, read chunk by chunk. Either all have stride 0 (`uniform`): the values
-// are constants of the loop. Or those with stride 0 are spread over a buffer once, so that every loop has unit stride
-// and vectorises.
+// Up to Count input arrays with strides 0 or 1, read chunk by chunk. If all have stride 0 (`uniform`), the values are
+// loop constants. Otherwise those with stride 0 are copied to a buffer once, so that every loop has unit stride and
+// vectorises.
 template <std::size_t Count>
 class Streams {
  public:
@@ -56,7 +56,7 @@ class Streams {
     }
   }
   [[nodiscard]] SPRINGNET_INLINE bool uniform() const { return uniform_; }
-  // Array j from element `begin` on; of a uniform one the same buffer, or single value, for every chunk.
+  // Array j from element `begin` on; with stride 0 the same buffer or value for every chunk.
   [[nodiscard]] SPRINGNET_INLINE const double* at(std::size_t j, std::uint32_t begin) const {
     return source_[j] + (stride_[j] != 0 ? begin : 0u);
   }

@@ -12,8 +12,8 @@
 //   }  // namespace
 //   SPRINGNET_PLUGIN("org.example.linear", "1.0.0", "author", "MIT", Linear);
 //
-// force() gets an Element<Real> and Parameters<Real>: Real is double for the forces and a dual number for the
-// derivatives. A formula that has to name Real is written
+// force() gets an Element<Real> and Parameters<Real>; Real is double for the forces and a dual number for the
+// derivatives. A formula that needs to name Real is written
 //   template <class Real> static Real force(const Element<Real>& e, const Parameters<Real>& p)
 // Beside force() a class may have:
 //   energy(e, p)                            J; force must be its derivative with respect to e.q
@@ -25,8 +25,8 @@
 //   state_rates(e, p)                       std::array<Real, S>: dz/dt of the S states
 //   static Table prepare(const TableSource&)        data made once for a material, read as: const Table& t = e.table
 //
-// The functions are pure: they read their arguments and nothing else, and may be called from any thread. A number that
-// is not finite in their answer ends the run with an error that names the law and the spring.
+// The functions must be pure: they read only their arguments and may be called from any thread. A result that is not
+// finite ends the run with an error that names the law and the spring.
 #pragma once
 
 #include <algorithm>
@@ -42,7 +42,7 @@
 
 namespace springnet::sdk {
 
-// The data that a law made of its scene, with the type that it gave them.
+// A law's table, converted to the type that its prepare() returned.
 class TableView {
  public:
   SPRINGNET_INLINE explicit constexpr TableView(const void* table) : table_(table) {}
@@ -55,11 +55,11 @@ class TableView {
   const void* table_;
 };
 
-// What a law reads of one element, beside its parameters.
+// The inputs of a law for one element, besides its parameters.
 template <class Real>
 struct Element {
   Real q;          // the invariant: length, m; or relative speed, m/s
-  Real rate;       // dq/dt, where the law declares that it reads it
+  Real rate;       // dq/dt, if the law declares reads_rate
   Real reference;  // rest length, m
   double time;     // s
   TableView table;
@@ -72,8 +72,8 @@ struct Element {
   [[nodiscard]] SPRINGNET_INLINE const Real& input(std::size_t index) const { return inputs[index]; }
 };
 
-// Laws that do not declare `static constexpr bool reads_rate = true` are compiled once with elements whose rate is of
-// this type, which nothing can be done with: an error of the compiler about it has found a law that reads e.rate.
+// Laws without `static constexpr bool reads_rate = true` are compiled once with elements whose rate has this type,
+// which has no operations: a compiler error that mentions it means that the law reads e.rate.
 struct ReadsRateIsNotDeclared {};
 using Rateless = Dual<0>;
 template <>
@@ -107,7 +107,7 @@ class TableSource {
   const springnet_table_source* source_;
 };
 
-// What can be told from a law's class.
+// Properties deduced from a law's class.
 template <class Law>
 struct LawTraits {
   struct StateList {
@@ -415,7 +415,7 @@ struct LawGlue {
                                                 Traits::has_table ? &release : nullptr};
 
  private:
-  // A host that breaks the contract is told so; null if it keeps it.
+  // Describes a violation of the contract by the host; null if there is none.
   static const char* mistake_in(const springnet_law_batch& b) noexcept {
     if (b.q == nullptr) return "the host gave no invariant";
     if (Traits::reads_rate && b.rate == nullptr) return "the law reads the rate, which the host did not give";

@@ -29,7 +29,7 @@ springnet_status guarded(springnet_message* message, const Body& body) noexcept 
   } catch (const std::exception& error) {
     write_message(message, error.what());
   } catch (...) {
-    write_message(message, "the component threw something that is no std::exception");
+    write_message(message, "the component threw something that is not a std::exception");
   }
   return SPRINGNET_FAILED;
 }

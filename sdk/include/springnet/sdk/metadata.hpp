@@ -1,4 +1,4 @@
-// What a component says about itself, written as constants: its parameters (this file) and, beside them in its class,
+// Metadata of a component, as constants of its class: its parameters (this file), and
 //   static constexpr const char* id, summary;          // the name in a scene; one line
 //   static constexpr const char* reference;            // literature, optional
 //   static constexpr Parameter parameters[] = {…};     // optional; the order is that of p[0], p[1], …
@@ -17,7 +17,7 @@ namespace springnet::sdk {
 
 // A parameter, built with one of the functions below and refined by its members:
 //   number("stiffness", "N/m", "tension per elongation").above(0).learnable(100)
-// Without preset() a scene has to give it.
+// Without preset() a scene must give it.
 struct Parameter {
   static constexpr std::size_t most_choices = 8;
 
@@ -33,7 +33,7 @@ struct Parameter {
   std::uint32_t choice_count = 0;
   std::array<const char*, most_choices> choices{};
 
-  // The value where a scene gives none.
+  // The value if a scene gives none.
   [[nodiscard]] constexpr Parameter preset(double value) const {
     Parameter p = *this;
     p.default_value = value;
@@ -64,7 +64,7 @@ struct Parameter {
   }
 };
 
-// A number in the SI unit `unit` ("1" where it has none).
+// A number in the SI unit `unit` ("1": dimensionless).
 [[nodiscard]] constexpr Parameter number(const char* name, const char* unit, const char* summary) {
   Parameter p;
   p.name = name;

@@ -6,8 +6,8 @@
 //     static auto acceleration(const auto& n, const auto&) { return n.force / n.mass; }
 //   };
 //
-// acceleration() gets a Node<Real> and Parameters<Real> and answers with a Vector<Real>: Real is double, or a dual
-// number for the derivative blocks. It is pure, like a law.
+// acceleration() gets a Node<Real> and Parameters<Real> and returns a Vector<Real>; Real is double, or a dual number
+// for the derivative blocks. It must be pure, like a law.
 #pragma once
 
 #include <algorithm>
@@ -43,7 +43,7 @@ struct Vector {
   }
 };
 
-// What a neuron reads, beside its parameters.
+// The inputs of a neuron, besides its parameters.
 template <class Real>
 struct Node {
   Vector<Real> force;     // net force, N
@@ -146,7 +146,7 @@ template <class Model>
 struct NeuronGlue {
   static_assert(
       requires(const Node<double>& n, const Parameters<double>& p) { Vector<double>{Model::acceleration(n, p)}; },
-      "a neuron needs: static auto acceleration(const auto& n, const auto& p), which answers with a Vector");
+      "a neuron needs: static auto acceleration(const auto& n, const auto& p), which returns a Vector");
 
   static constexpr std::uint32_t capabilities = SPRINGNET_HAS_DERIVATIVES;
 

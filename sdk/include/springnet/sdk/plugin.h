@@ -8,7 +8,7 @@
  *   - structs only grow at their end, within one ABI major version, and carry their own size first;
  *   - structs are reached through pointers, never stored by value in arrays;
  *   - a reader uses a field only when struct_size covers it (SPRINGNET_HAS_FIELD);
- *   - a host takes a plugin whose structs are at least as large as the frozen *_SIZE_1_0 below.
+ *   - a host accepts a plugin whose structs are at least as large as the frozen *_SIZE_1_0 below.
  *
  * Quantities are SI throughout. Vector quantities are structures of arrays (x[], y[], z[]). Node numbers in this header
  * are the engine's own (renumbered for locality); springnet_network::user_number maps them to the user's.
@@ -37,16 +37,16 @@ extern "C" {
 #define SPRINGNET_HAS_FIELD(type, pointer, field) \
   ((pointer)->struct_size >= offsetof(type, field) + sizeof((pointer)->field))
 
-/* What every function that can fail returns. A function that fails also fills the message it was given. */
+/* The status of every function that can fail. A function that fails also fills the message that it was given. */
 enum {
   SPRINGNET_OK = 0,
   SPRINGNET_FAILED = 1,      /* the message says why; the run ends */
-  SPRINGNET_RECOVERABLE = 2, /* the state asked for has no finite answer; a smaller step may have one */
+  SPRINGNET_RECOVERABLE = 2, /* no finite result at this state; a smaller step may succeed */
   SPRINGNET_UNSETTLED = 3    /* advance: the step did not settle; its report says how */
 };
 typedef int32_t springnet_status;
 
-/* Where a plugin or the host writes why something failed; zero-terminated UTF-8, cut where it does not fit. */
+/* A reason of failure, written by a plugin or the host; zero-terminated UTF-8, truncated if too long. */
 typedef struct springnet_message {
   char text[512];
 } springnet_message;
@@ -61,7 +61,7 @@ typedef struct springnet_const_vectors {
 
 /* ---- metadata ------------------------------------------------------------------------------------------------- */
 
-/* How a parameter is written in a scene. All of them cross the boundary as double. */
+/* Type of a parameter in a scene. All types cross the boundary as double. */
 enum {
   SPRINGNET_NUMBER = 0,
   SPRINGNET_INTEGER = 1,
@@ -71,7 +71,7 @@ enum {
 
 enum {
   SPRINGNET_LEARNABLE = 1u << 0,         /* identification may change it */
-  SPRINGNET_EXCLUDES_SMALLEST = 1u << 1, /* the value must be above `smallest`, not at it */
+  SPRINGNET_EXCLUDES_SMALLEST = 1u << 1, /* the value must be greater than `smallest` */
   SPRINGNET_REQUIRED = 1u << 2           /* no default: a scene must give it */
 };
 
@@ -79,9 +79,9 @@ typedef struct springnet_parameter {
   uint32_t struct_size;
   uint32_t type;        /* SPRINGNET_NUMBER … */
   const char* name;     /* key in a scene, snake_case */
-  const char* unit;     /* SI, "1" where it has none */
+  const char* unit;     /* SI, "1": dimensionless */
   const char* summary;  /* one line */
-  double default_value; /* ignored where SPRINGNET_REQUIRED */
+  double default_value; /* ignored if SPRINGNET_REQUIRED */
   double smallest;
   double largest;
   double scale;               /* typical magnitude, for learning; > 0 */
@@ -98,24 +98,24 @@ enum {
   SPRINGNET_INTEGRATOR = 4
 };
 
-/* What a component can do beyond its force (or acceleration). */
+/* What a component provides beyond its force (or acceleration). */
 enum {
   SPRINGNET_HAS_ENERGY = 1u << 0,
   SPRINGNET_HAS_DERIVATIVES = 1u << 1,           /* with respect to q and its rate; F, p, v for a neuron */
   SPRINGNET_HAS_PARAMETER_DERIVATIVES = 1u << 2, /* with respect to each parameter */
-  SPRINGNET_HAS_RUPTURE = 1u << 3,               /* writes a margin; the element is removed where it is <= 0 */
+  SPRINGNET_HAS_RUPTURE = 1u << 3,               /* writes a margin; the element is removed once it is <= 0 */
   SPRINGNET_ACTS_IN_COMPRESSION = 1u << 4,       /* pushes as well as pulls */
-  SPRINGNET_READS_RATE = 1u << 5,                /* a law that does not spares the host the rate */
+  SPRINGNET_READS_RATE = 1u << 5,                /* else the host does not compute the rate */
   SPRINGNET_HAS_STATE_DERIVATIVES = 1u << 6
 };
 
 /* What a law reads of its element's nodes: an invariant q and its rate. The nodes get the forces -Q dq/dp. A law on
- * SPRINGNET_LENGTH is a formula in a number, its rate and a reference: hosts take it for springs and, with the units of
- * that invariant, for every element of more than two nodes. A law on one of the others is taken for those elements
- * alone. 3 to 6 are evaluated by hosts of ABI 1.1; those of 1.0 refuse them. */
+ * SPRINGNET_LENGTH is a formula in q, its rate and a reference: hosts use it for springs and, with the units of the
+ * invariant, for all elements of more than two nodes. A law on another invariant is used for elements of that kind
+ * only. Hosts of ABI 1.1 evaluate 3 to 6; those of 1.0 refuse them. */
 enum {
   SPRINGNET_LENGTH = 1,         /* q = |p1 - p2|, rate n.(v1 - v2); reference: rest length */
-  SPRINGNET_RELATIVE_SPEED = 2, /* q = |v1 - v2|, no rate; the force acts along v1 - v2; of springs alone */
+  SPRINGNET_RELATIVE_SPEED = 2, /* q = |v1 - v2|, no rate; the force acts along v1 - v2; springs only */
   SPRINGNET_ANGLE = 3,          /* rad: between two edges, 0 to pi, or of a hinge between two triangles, -pi to pi */
   SPRINGNET_AREA = 4,           /* m^2, of a triangle */
   SPRINGNET_VOLUME = 5,         /* m^3, of a tetrahedron (signed), or enclosed by a surface */
@@ -147,17 +147,17 @@ typedef struct springnet_plugin {
   const springnet_component* const* components;
 } springnet_plugin;
 
-/* The one symbol a plugin exports; it is data, so that a host reads it before it runs any code of the plugin. */
+/* The only symbol that a plugin exports: data, so that a host can read it before it runs any code of the plugin. */
 #define SPRINGNET_ENTRY_SYMBOL "springnet_plugin_entry"
 
 /* ---- laws: spring functions and viscosity functions ------------------------------------------------------------- */
 
-/* Instruction sets that kernels may be built for. Each gives the same bits (no contraction, no reassociation). */
+/* Instruction sets that kernels may be built for. All give the same bits (no contraction, no reassociation). */
 enum { SPRINGNET_GENERIC = 0, SPRINGNET_AVX2 = 1, SPRINGNET_AVX512 = 2 };
 
-/* One tile of elements. Input arrays have `count` values, or one where the stride is 0. Output arrays have `count`
- * values; those that are not wanted are null. Arrays do not overlap. An element is answered from its own inputs alone,
- * so any tile size gives the same bits. Called from any thread. */
+/* One tile of elements. Input arrays have `count` values, or one if the stride is 0. Output arrays have `count` values,
+ * or are null if not wanted. Arrays do not overlap. The outputs of an element depend on its own inputs only, so any
+ * tile size gives the same bits. Called from any thread. */
 typedef struct springnet_law_batch {
   uint32_t struct_size;
   uint32_t count;
@@ -172,7 +172,7 @@ typedef struct springnet_law_batch {
   const double* const* states;        /* [state_count] internal state */
   const double* const* inputs;        /* [input_count] input signals */
   const uint32_t* input_strides;      /* [input_count], 0 or 1 */
-  const void* table;                  /* what springnet_law::prepare made, or null */
+  const void* table;                  /* result of springnet_law::prepare, or null */
   double* force;                      /* Q, the generalised force: N; > 0 is tension; N m, N/m, Pa for 3 to 6 */
   double* energy;                     /* J */
   double* force_by_q;                 /* dQ/dq */
@@ -184,7 +184,7 @@ typedef struct springnet_law_batch {
   springnet_message* message;         /* filled on failure; may be null */
 } springnet_law_batch;
 
-/* Where a law finds the data of its table in a scene: named arrays of numbers. */
+/* Source of a law's table data in a scene: named arrays of numbers. */
 typedef struct springnet_table_source {
   uint32_t struct_size;
   uint32_t reserved;
@@ -201,7 +201,7 @@ typedef struct springnet_law {
   const springnet_parameter* const* states; /* name, unit, default = value at the start */
   const springnet_parameter* const* inputs;
   springnet_status (*evaluate)(const springnet_law_batch* batch);
-  /* Immutable table data made once for a material; null where the law has none. */
+  /* Makes immutable table data, once for each material; null if the law has none. */
   springnet_status (*prepare)(const springnet_table_source* source, void** table, springnet_message* message);
   void (*release)(void* table);
 } springnet_law;
@@ -239,60 +239,60 @@ typedef struct springnet_neuron_model {
 /* The state of all nodes in the host's memory. Made by springnet_host::state_create. */
 typedef struct springnet_state {
   uint32_t struct_size;
-  uint32_t force_is_current;  /* 1: `force` is that at this state; 0: the host evaluates it when it is asked for */
+  uint32_t force_is_current;  /* 1: `force` belongs to this state; 0: the host evaluates it on demand */
   springnet_vectors position; /* [node_count] m */
   springnet_vectors velocity; /* [node_count] m/s */
-  springnet_vectors force; /* [node_count] net force at this state, N: springs and loads, without what holds a node */
+  springnet_vectors force; /* [node_count] net force at this state, N: springs and loads, without constraint forces */
   double* internal;        /* [internal_count] internal state of laws */
 } springnet_state;
 
-/* What restricts a node, by itself; rigid connections besides: springnet_network::cluster. */
+/* Constraint status of a single node. Rigid connections are separate: springnet_network::cluster. */
 enum {
-  SPRINGNET_FREE = 0,       /* nothing does */
-  SPRINGNET_PRESCRIBED = 1, /* the scene says where it is: fixed, or moved over time */
-  SPRINGNET_STICKING = 2,   /* surfaces take it along */
-  SPRINGNET_SLIDING = 3     /* surfaces let it move along them, with or without friction */
+  SPRINGNET_FREE = 0,       /* no constraint */
+  SPRINGNET_PRESCRIBED = 1, /* fixed, or moved over time by the scene */
+  SPRINGNET_STICKING = 2,   /* carried by the surfaces that it touches */
+  SPRINGNET_SLIDING = 3     /* moves along the surfaces that it touches, with or without friction */
 };
 
-/* What an integrator may know of the network. `revision` rises with everything after which a multistep method has to
- * start afresh: a cut, a rupture, a contact made or released, a load switched, a state set by the embedding program. */
+/* The network as an integrator sees it. `revision` increases with every change after which a multistep method must
+ * restart: a cut, a rupture, a contact made or released, a load switched, a state set by the embedding program. */
 typedef struct springnet_network {
   uint32_t struct_size;
   uint32_t node_count;
   uint64_t spring_count; /* live springs */
   uint64_t internal_count;
   uint64_t revision;
-  uint32_t unit_count;    /* units of nodes that threads work on; does not depend on the number of threads */
+  uint32_t unit_count;    /* units of nodes for threads to work on; independent of the number of threads */
   uint32_t event_count;   /* changes only together with `revision` */
   uint32_t surface_count; /* planes and instruments */
   uint32_t reserved;
-  /* Typical magnitudes of the network as it was at the beginning, for tolerances; all above 0. */
+  /* Typical magnitudes of the network at its start, for tolerances; all above 0. */
   double length_scale;   /* m: mean rest length */
   double velocity_scale; /* m/s: greatest speed, or the one that the greatest acceleration reaches over length_scale */
   double force_scale;    /* N: greatest weight, load or net force of a node, or m v^2 / length_scale */
   const double* mass;    /* [node_count] kg */
-  const uint8_t* fixed;  /* [node_count] 1: the scene says where it is: fixed, or moved over time */
-  const uint8_t* held;   /* [node_count] 1: a surface holds it where it touched, and takes it along */
+  const uint8_t* fixed;  /* [node_count] 1: fixed, or moved over time by the scene */
+  const uint8_t* held;   /* [node_count] 1: a surface holds it where it touched, and carries it */
   const uint32_t* user_number;     /* [node_count] */
   const uint32_t* neighbour_start; /* [node_count + 1] */
-  const uint32_t* neighbours; /* nodes joined by a live spring, element or rigidly, by rising user number, each once */
+  const uint32_t* neighbours;      /* by a live spring, element or rigid connection; ascending user number, unique */
   /* since 1.1 */
   const uint8_t* touching; /* [node_count] 1: a surface holds it, or it slides on one */
   const uint32_t* cluster; /* [node_count] the same number for nodes that rigid connections join; 0xffffffff: none */
   uint64_t rigid_count;    /* rigid connections */
   /* since 1.2 */
-  uint64_t load_revision; /* rises with every begin_step whose loads differ from those before: accelerations known from
-                             the end of the last step are not those that this one starts with */
+  uint64_t load_revision; /* increases with every begin_step whose loads differ from those before: accelerations at the
+                             end of the last step are then not those at the start of this one */
   /* since 1.3 */
-  const uint8_t* status; /* [node_count] SPRINGNET_FREE …: as the last sweep, or constrain, of the step decided for the
-                            outputs that it left; before the first one, and after commit, as committed. The array stays
-                            where it is: within a sweep it may be read of the nodes of the batch, and holds what the
-                            sweep before decided */
+  const uint8_t* status; /* [node_count] SPRINGNET_FREE …: for the outputs of the step's last sweep or constrain; as
+                            committed before the first one and after commit. The address of the array does not change.
+                            Within a sweep it may be read for the nodes of the batch; it holds the decisions of the
+                            sweep before */
 } springnet_network;
 
-/* Evaluation of the layers at a state: springs, loads, neurons. Outputs that are not wanted are null (all three).
- * Accelerations are those of the constrained motion: what fixes, moves or holds a node, rigid connections, surfaces and
- * their friction act on them; `force` is without all of that. */
+/* Evaluation of the layers at a state: springs, loads, neurons. Outputs that are not wanted are null (all three
+ * components). Accelerations are those of the constrained motion: fixation, prescribed motion, rigid connections,
+ * contact and friction are included. `force` is without any of these. */
 typedef struct springnet_evaluation {
   uint32_t struct_size;
   uint32_t reserved;
@@ -300,25 +300,25 @@ typedef struct springnet_evaluation {
   springnet_const_vectors position;
   springnet_const_vectors velocity;
   const double* internal;
-  springnet_vectors force;        /* out: net force N, without what holds a node */
+  springnet_vectors force;        /* out: net force N, without constraint forces */
   springnet_vectors acceleration; /* out: m/s^2 */
   double* internal_rate;          /* out */
-  /* since 1.1, for evaluate_nodes alone; null where not wanted. Of a node by itself, as if nothing held it. */
+  /* since 1.1, for evaluate_nodes only; null if not wanted. For each node by itself, without constraints. */
   double* acceleration_by_velocity; /* out: [node_count][3][3] 1/s, with respect to the node's own velocity */
   double* acceleration_by_position; /* out: [node_count][3][3] 1/s^2 */
-  double* energy; /* out: [node_count] J, of the node's springs less the work of its loads; nan where no potential
-                     exists: a law without energy, or one that reads the rate */
+  double* energy; /* out: [node_count] J, of the node's springs less the work of its loads; nan if there is no
+                     potential: a law without energy, or one that reads the rate */
 } springnet_evaluation;
 
-/* Nodes whose net force is final, handed to the integrator's node update while they are in cache. Element i of the
- * arrays here belongs to node first + i. */
+/* Nodes whose net force is final, passed to the integrator's node update while they are in cache. Element i of the
+ * arrays belongs to node first + i. */
 typedef struct springnet_node_batch {
   uint32_t struct_size;
   uint32_t first; /* nodes first … first + count - 1 */
   uint32_t count;
-  uint32_t unit;                        /* only one thread at a time works on a unit */
+  uint32_t unit;                        /* at most one thread at a time works on a unit */
   springnet_const_vectors force;        /* [count] net force, N */
-  springnet_const_vectors acceleration; /* [count] of the node's neuron, m/s^2, as if nothing held the node */
+  springnet_const_vectors acceleration; /* [count] of the node's neuron, m/s^2, without constraints */
   /* since 1.1: with springnet_sweep::want_blocks, else null; as in springnet_evaluation, [count][3][3] */
   const double* acceleration_by_velocity;
   const double* acceleration_by_position;
@@ -326,20 +326,20 @@ typedef struct springnet_node_batch {
 typedef void (*springnet_node_update)(void* user, const springnet_node_batch* batch);
 
 /* One sweep of the recurrent network: springs read (position, velocity); each node's update writes its new outputs;
- * the host then puts nodes that are fixed, held or cross a surface where they belong.
+ * the host then applies fixation, prescribed motion and contact to the outputs.
  * Without an order all springs are evaluated before any output is replaced: `next` must differ from (position,
- * velocity), and updates come tile by tile, from several threads. With an order the nodes are updated one by one in it,
- * on the calling thread, each reading the newest outputs: `next` must equal (position, velocity). Nodes of one cluster
- * are updated together, when the first of them has its turn. Where `set_start` divides the order into sets, the nodes
- * of a set stand in it by rising number and are updated by several threads: no node of it may be joined to one of
- * another cluster or, if it is in none, to another of the set. An enclosed volume joins only those of its nodes that
- * share a triangle; all of them see it, and so the host updates them one after another, last in their set. */
+ * velocity), and updates are called tile by tile, from several threads. With an order the nodes are updated one by one
+ * in that order, on the calling thread, each reading the newest outputs: `next` must equal (position, velocity). Nodes
+ * of one cluster are updated together, in the place of the first of them. If `set_start` divides the order into sets,
+ * the nodes of a set are in ascending order and updated by several threads. No two nodes of a set may be joined, unless
+ * they belong to the same cluster. An enclosed volume counts as joining only those of its nodes that share a triangle.
+ * All of its nodes depend on it, so the host updates them one after another, last in their set. */
 typedef struct springnet_sweep {
   uint32_t struct_size;
   uint32_t order_count;
   const uint32_t* order;                  /* null, or nodes in the order of their update */
   double time;                            /* s, end of the step */
-  springnet_const_vectors start_position; /* frozen activities at the beginning of the step */
+  springnet_const_vectors start_position; /* frozen activities at the start of the step */
   springnet_const_vectors start_velocity;
   springnet_const_vectors position; /* outputs that springs read */
   springnet_const_vectors velocity;
@@ -349,43 +349,43 @@ typedef struct springnet_sweep {
   springnet_node_update update;
   void* user;
   /* since 1.1 */
-  double time_constant;      /* s, length of the step; needed where the network has rigid connections or surfaces */
+  double time_constant;      /* s, length of the step; needed if the network has rigid connections or surfaces */
   double theta;              /* P = p + time_constant ((1 - theta) v + theta U); 0 stands for 1 */
   const uint32_t* set_start; /* null, or [set_count + 1] places in `order` */
   uint32_t set_count;
   uint32_t want_blocks; /* with an order; 1: batches have derivatives */
-  /* [node_count][3][3] kg, symmetric positive definite, or null: an impulse on a node changes its new velocity by the
-   * inverse of this, as the update made it. Null: the neurons' own (mass). The update writes that of its nodes. */
+  /* [node_count][3][3] effective mass M of the update, kg, symmetric positive definite: an impulse J on a node changes
+   * its new velocity by dv = M^-1 J. The update writes that of its nodes. Null: the neurons' own (mass). */
   const double* inertia;
   /* out, N: what rigid connections, surfaces and friction add to the net force of each node at the end of the step,
    * so that m (U - v) / time_constant = (1 - theta) m a_start + theta (force + this); 0 for nodes that are fixed or
    * held. Null: not wanted. */
   springnet_vectors constraint_force;
   /* since 1.3 */
-  uint32_t contacts; /* 0: the sweep decides which nodes surfaces stop, let slide and let go; 1: they stay as committed,
-                        for methods that locate such events in time; in constrain, 2 and 3: see there */
+  uint32_t contacts; /* 0: the sweep decides which nodes stick, slide and separate; 1: they stay as committed, for
+                        methods that locate such events in time; 2 and 3: see constrain */
   uint32_t reserved;
 } springnet_sweep;
 
-/* Writes the positions (m) and velocities (m/s) of all nodes at a time (s) within a step that was made. */
+/* Writes the positions (m) and velocities (m/s) of all nodes at a time (s) within a completed step. */
 typedef springnet_status (*springnet_dense_output)(void* user, double time, springnet_vectors position,
                                                    springnet_vectors velocity);
 
-/* A search for touches in a part of a step whose states are known at all its times. */
+/* A search for touches in a part of a step with dense output. */
 typedef struct springnet_impact_search {
   uint32_t struct_size;
   uint32_t reserved;
   double step_from, step_until; /* s */
   double from, until;           /* s, the part */
-  double depth; /* m: what is no deeper behind a surface counts as outside, because the positions between
-                   the ends are no more exact; event_values at the ends show it if it stays there */
-  springnet_dense_output state_at; /* not asked any more once it has failed, which is answered */
+  double depth;                 /* m: nodes no deeper behind a surface count as outside, because positions between the
+                                   ends are not more accurate; event_values at the end shows those that stay behind it */
+  springnet_dense_output state_at; /* if it fails, the search ends with its status */
   void* user;
 } springnet_impact_search;
 
-/* Matrices I - velocity_weight da/dv - position_weight da/dp in 3n unknowns, x of all nodes, then y, then z, at the
- * state last given to `linearise`. Rows of fixed and held nodes are those of the identity. With rigid connections or
- * nodes that slide, `solve` answers with the x for which A x + W G^T (multipliers) = b and G x = G b. */
+/* Matrices A = I - velocity_weight da/dv - position_weight da/dp in 3n unknowns (x of all nodes, then y, then z), at
+ * the state last given to `linearise`. Rows of fixed and held nodes are those of the identity. With rigid connections
+ * or sliding nodes, `solve` returns the x with A x + W G^T (multipliers) = b and G x = G b. */
 typedef struct springnet_host {
   uint32_t struct_size;
   uint32_t abi_minor;
@@ -396,11 +396,11 @@ typedef struct springnet_host {
   void (*state_destroy)(void* context, springnet_state* state);
   const springnet_state* (*committed)(void* context, double* time);
 
-  /* Loads are averaged over [from, until], which makes their impulse exact whatever the step. */
+  /* Loads are averaged over [from, until], so that their impulse is exact for any step. */
   springnet_status (*begin_step)(void* context, double from, double until);
   springnet_status (*evaluate)(void* context, const springnet_evaluation* evaluation);
-  /* The same for some nodes, each by itself: accelerations are those of their neurons, as if nothing held them. The
-   * arrays are still those of all nodes. */
+  /* The same for some nodes, each by itself: accelerations are those of their neurons, without constraints. The arrays
+   * still cover all nodes. */
   springnet_status (*evaluate_nodes)(void* context, const springnet_evaluation* evaluation, const uint32_t* nodes,
                                      uint32_t count);
   springnet_status (*sweep)(void* context, const springnet_sweep* sweep);
@@ -415,53 +415,54 @@ typedef struct springnet_host {
   /* x may be right_side. */
   springnet_status (*solve)(void* context, int32_t transposed, const double* right_side, double* x);
 
-  /* Events: contact made (a distance falls through 0), contact released (a normal force rises through 0), rupture (a
-   * margin falls through 0). directions: -1 falling, +1 rising, 0 either, may be null; both arrays have
-   * network()->event_count entries. */
+  /* Events: contact made (a gap falls through 0), contact released (a normal force rises through 0), rupture (a margin
+   * falls through 0). directions: -1 falling, +1 rising, 0 either, may be null; both arrays have network()->event_count
+   * entries. */
   springnet_status (*event_values)(void* context, const springnet_evaluation* at, double* values, int32_t* directions);
-  /* Carries out the events marked 1 in `fired`, and those that coincide with them, on the given state: positions are
-   * put on the surface, velocities changed, springs removed. */
+  /* Carries out the events marked 1 in `fired`, and those that coincide with them, on the given state: projects
+   * positions onto surfaces, changes velocities, removes springs. */
   springnet_status (*fire_events)(void* context, double time, springnet_state* state, const int32_t* fired);
   /* The next time after `time` at which a load switches or a cut is due; infinity if there is none. */
   double (*next_discontinuity)(void* context, double time);
 
-  /* Makes `state` the state of the network at `time`: the two exchange their memory, ruptures and cuts that are due are
-   * carried out. Pointers into either are invalid after it. */
+  /* Makes `state` the committed state of the network at `time`: the two exchange their memory, and due ruptures and
+   * cuts are carried out. Pointers into either are invalid afterwards. */
   springnet_status (*commit)(void* context, double time, springnet_state* state);
 
-  /* A number about the run, by name, in the summary: the last one reported counts. */
+  /* Reports a number for the summary, by name; the last value counts. */
   void (*report)(void* context, const char* name, double value);
-  /* Why the last host function failed, and a place to say why the integrator does. */
+  /* The reason why the last host function failed; the integrator writes its own reason here. */
   springnet_message* (*message)(void* context);
 
   /* Since 1.1. */
-  /* The end of a sweep by itself: puts the outputs `next` where fixation, surfaces and rigid connections allow.
-   * `force` is read: net forces at (position, velocity), N. No update is called.
-   * Since 1.3 also contact in the two parts of a step of velocity Verlet, by `contacts`. 2, the drift: `force` is that
-   * at the start, next_velocity v + h/2 a and next_position p + h (v + h/2 a), which change where surfaces are, with
-   * what hangs rigidly on those nodes; `status` says what touches then. 3, the kick, once after it: `force` is that at
-   * next_position, next_velocity the velocity at the end, which changes likewise; contacts are made and released. */
+  /* The end of a sweep by itself: constrains the outputs `next` by fixation, surfaces and rigid connections. `force` is
+   * read: net forces at (position, velocity), N. No update is called.
+   * Since 1.3 also contact in the two parts of a velocity Verlet step, by `contacts`. 2, the drift: `force` is that at
+   * the start, next_velocity v + h/2 a and next_position p + h (v + h/2 a). Nodes in contact, and those rigidly
+   * connected to them, are corrected; `status` then tells which nodes are in contact. 3, the kick, once after the
+   * drift: `force` is that at next_position, next_velocity the velocity at the end, corrected likewise; contacts are
+   * made and released. */
   springnet_status (*constrain)(void* context, const springnet_sweep* sweep);
-  /* values -= W G^T (G W G^T)^-1 G values, 3n numbers, with G the derivatives of rigid connections and surfaces that
-   * nodes slide on at the state last given to `linearise`, and 0 for nodes that are fixed or held. W: `mobility`
-   * [node_count][3][3] 1/kg, or null: the neurons' own. Velocities so projected fit the constraints. */
+  /* values -= W G^T (G W G^T)^-1 G values, 3n numbers; 0 for fixed and held nodes. G: derivatives of rigid connections
+   * and of surfaces that nodes slide on, at the state last given to `linearise`. W: `mobility` [node_count][3][3] 1/kg,
+   * or null: the neurons' own. Velocities so projected satisfy the constraints. */
   springnet_status (*project)(void* context, const double* mobility, double* values);
-  /* Moves positions and velocities at `time` by as little as possible, weighted with the masses, to where they fit
-   * the nodes' fixation and prescribed motion, rigid connections and surfaces that nodes touch. */
+  /* Projects positions and velocities at `time`, weighted with the masses, onto the constraints: fixation, prescribed
+   * motion, rigid connections, surfaces that nodes touch. */
   springnet_status (*project_state)(void* context, double time, springnet_vectors position, springnet_vectors velocity);
-  /* Something the user should know, once: printed by the tool, kept in the summary. */
+  /* A note to the user, once: printed by the tool, kept in the summary. */
   void (*note)(void* context, const char* text);
 
   /* Since 1.2. */
   /* begin_step for methods that choose their own steps in [from, until]: loads are not averaged, every evaluation has
-   * those of its time (at `until` those just before). */
+   * those of its time (at `until` the left limit). */
   springnet_status (*begin_interval)(void* context, double from, double until);
 
   /* Since 1.3. */
-  /* When a node first touches a surface in the part of the step that is searched, s, also where it has left the surface
-   * again by the end, through a thin obstacle say, which event_values at the ends do not show; nan if none does. How a
-   * step is divided into such searches does not matter. fire_events at that time, with nothing marked, carries the
-   * touch out. */
+  /* Time, s, at which a node first touches a surface in the searched part of the step; nan if none does. Also finds
+   * nodes that have left again by the end, for example through a thin obstacle, which event_values at the ends does not
+   * show. The result does not depend on how a step is divided into searches. fire_events at that time, with nothing
+   * marked, carries out the touch. */
   springnet_status (*time_of_impact)(void* context, const springnet_impact_search* search, double* time);
 } springnet_host;
 
@@ -474,9 +475,9 @@ typedef struct springnet_step_report {
   uint64_t steps;          /* time steps done */
   uint64_t sweeps;         /* sweeps, or evaluations of all springs, done */
   double force_difference; /* N, between the last two sweeps */
-  double residual;         /* N, of the equation of motion over the step; nan where not evaluated */
+  double residual;         /* N, of the equation of motion over the step; nan if not evaluated */
   uint32_t node;           /* where the force difference was greatest */
-  uint32_t start_node;     /* where the last sweep started, 0xffffffff where it has no start */
+  uint32_t start_node;     /* where the last sweep started; 0xffffffff: it has no start node */
   /* since 1.1 */
   uint64_t substeps; /* smaller time steps made in place of steps that did not settle */
   uint64_t stages;   /* smaller time constants passed on the way to the full one */
@@ -485,16 +486,16 @@ typedef struct springnet_step_report {
 typedef struct springnet_integrator {
   uint32_t struct_size;
   uint32_t reserved;
-  /* Options arrive in the order of the component's parameters. */
+  /* `options` are in the order of the component's parameters. */
   springnet_status (*create)(const springnet_host* host, const double* options, void** integrator);
   void (*destroy)(void* integrator);
-  /* From the committed state to a committed state at time `until`, in one time step where the method has steps of its
-   * user's. On SPRINGNET_UNSETTLED the report says how the step ended and nothing of it was committed, but by a
-   * method that divides steps the smaller ones before that. */
+  /* Advances from the committed state to a committed state at time `until`: in one time step, or by internal steps if
+   * the method chooses its own. On SPRINGNET_UNSETTLED the report says how the step ended, and the step is not
+   * committed; a method that divides steps may have committed the smaller ones before. */
   springnet_status (*advance)(void* integrator, double until, springnet_step_report* report);
 } springnet_integrator;
 
-/* Sizes that a host of ABI 1.x requires at least: frozen, whatever is appended later. */
+/* Smallest sizes that a host of ABI 1.x accepts: frozen, whatever is appended later. */
 #define SPRINGNET_SIZE_TO(type, last) (offsetof(type, last) + sizeof(((type*)0)->last))
 #define SPRINGNET_PLUGIN_SIZE_1_0 SPRINGNET_SIZE_TO(springnet_plugin, components)
 #define SPRINGNET_COMPONENT_SIZE_1_0 SPRINGNET_SIZE_TO(springnet_component, implementation)
