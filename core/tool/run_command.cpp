@@ -14,7 +14,7 @@ namespace springnet::tool {
 
 namespace {
 
-constexpr const char* examples =
+constexpr const char* run_examples =
     R"(Files (in the folder of the output; the scene's [output] says which, what of and how often):
   trajectory.csv   time,node,x,y,z,vx,vy,vz   s, m, m/s; also forces, or only some of these
   reactions.csv    time,node,fx,fy,fz,tx,…    N, N m: what holds nodes, if output.reactions = true
@@ -202,7 +202,7 @@ void add_run(CLI::App& app, Action& action) {
                  "is a frame that starts when it is due; late ones are counted, none is left out")
       ->type_name("[=FACTOR]")
       ->check(factor_or_true());
-  command->footer(examples);
+  command->footer(run_examples);
   command->parse_complete_callback([arguments, command] { refuse_separate_factor(*command, *arguments); });
   command->callback([arguments, &action] { action = [arguments] { return run(*arguments); }; });
 }
