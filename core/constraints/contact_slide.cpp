@@ -32,7 +32,8 @@ ContactResponse solve_slipping(const Matrix3& mobility, const Vector3& relative,
 
 Contact::Slide Contact::along(const Within& within, std::int32_t surface, const Candidate& made,
                               const Vector3* normal_at, double rebound) const {
-  const auto& [sweep, at] = within;
+  const springnet_sweep& sweep = within.sweep;
+  const Placement& at = within.at;
   const auto j = static_cast<std::size_t>(surface);
   const Obstacle& obstacle = surfaces_[j];
   const Friction& friction = obstacle.friction();

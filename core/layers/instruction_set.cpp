@@ -10,7 +10,7 @@
 namespace springnet::layers {
 
 InstructionSet choose_instruction_set(InstructionSet wanted) {
-#if defined(__x86_64__)
+#if defined(__x86_64__) && !defined(SPRINGNET_GENERIC_ONLY)
   const bool has_avx2 = __builtin_cpu_supports("avx2") != 0;
   const bool has_avx512 = __builtin_cpu_supports("avx512f") != 0 && __builtin_cpu_supports("avx512dq") != 0 &&
                           __builtin_cpu_supports("avx512vl") != 0;
@@ -23,11 +23,13 @@ InstructionSet choose_instruction_set(InstructionSet wanted) {
       return has_avx512 ? InstructionSet::avx512 : has_avx2 ? InstructionSet::avx2 : InstructionSet::generic;
     case InstructionSet::avx512:
       if (!has_avx512)
-        throw Error(ErrorKind::input, "instruction set 'avx512' is not available on this processor; use 'best'");
+        throw Error(ErrorKind::input,
+                    "instruction set 'avx512' is not available on this processor or not in this build; use 'best'");
       break;
     case InstructionSet::avx2:
       if (!has_avx2)
-        throw Error(ErrorKind::input, "instruction set 'avx2' is not available on this processor; use 'best'");
+        throw Error(ErrorKind::input,
+                    "instruction set 'avx2' is not available on this processor or not in this build; use 'best'");
       break;
     case InstructionSet::generic:
       break;
@@ -36,7 +38,7 @@ InstructionSet choose_instruction_set(InstructionSet wanted) {
 }
 
 const Kernels& kernels_for(InstructionSet set) {
-#if defined(__x86_64__)
+#if defined(__x86_64__) && !defined(SPRINGNET_GENERIC_ONLY)
   if (set == InstructionSet::avx512) return avx512::kernels();
   if (set == InstructionSet::avx2) return avx2::kernels();
 #endif

@@ -15,7 +15,7 @@ namespace springnet::tool {
 
 namespace {
 
-constexpr const char* examples = R"(Examples (the first two lines make the file):
+constexpr const char* convert_examples = R"(Examples (the first two lines make the file):
   springnet new --example cube
   springnet run cube/cube.toml -o results/table --set 'output.format="binary"'
   springnet convert results/table/trajectory.bin            writes results/table/trajectory.csv
@@ -58,7 +58,7 @@ void add_convert(CLI::App& app, Action& action) {
       ->required();
   command->add_option("-o,--output", arguments->output, "File to write [the same name with .csv]")->type_name("FILE");
   command->add_flag("-q,--quiet", arguments->quiet, "Print nothing but errors");
-  command->footer(examples);
+  command->footer(convert_examples);
   command->callback([arguments, &action] { action = [arguments] { return convert(*arguments); }; });
 }
 

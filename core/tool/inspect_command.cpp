@@ -20,7 +20,7 @@ namespace springnet::tool {
 
 namespace {
 
-constexpr const char* examples =
+constexpr const char* inspect_examples =
     R"(It tells for each update rule of the recurrent network the largest time step under which it settles, found by power
 iteration on the network linearised at the start, and which node and spring set it; counts mechanisms (motions that no
 spring resists); and lists what looks like a slip: springs far stiffer than the rest, nodes without springs, parts that
@@ -286,7 +286,7 @@ void add_inspect(CLI::App& app, Action& action) {
   arguments->scene.add_to(*command, false);
   command->get_option("SCENE")->description("Scene file (TOML) or mesh file");
   command->add_flag("--json", arguments->json, "Print JSON");
-  command->footer(examples);
+  command->footer(inspect_examples);
   command->callback([arguments, &action] { action = [arguments] { return run(*arguments); }; });
 }
 

@@ -17,14 +17,14 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-constexpr const char* list_examples =
+constexpr const char* plugin_list_examples =
     R"(Plugins are files <name>.springnet.so in the folders of --plugins, of SPRINGNET_PLUGIN_PATH and of the
 installation. A file that was looked at and not taken is listed with the reason.
 
 Exit status:
   0 done   2 usage)";
 
-constexpr const char* show_examples = R"(Examples:
+constexpr const char* plugin_show_examples = R"(Examples:
   springnet plugin show linear                    every component of that name
   springnet plugin show linear --kind viscosity   one kind of it
   springnet plugin show recurrent --json
@@ -308,7 +308,7 @@ void add_list(CLI::App& parent, Action& action) {
   CLI::App* const command = parent.add_subcommand("list", "List laws, neurons and integrators, and refused files");
   arguments->plugins.add_to(*command);
   command->add_flag("--json", arguments->json, "Print JSON");
-  command->footer(list_examples);
+  command->footer(plugin_list_examples);
   command->callback(
       [arguments, &action] { action = [arguments] { return list(arguments->plugins, arguments->json); }; });
 }
@@ -327,7 +327,7 @@ void add_show(CLI::App& parent, Action& action) {
       ->check(CLI::IsMember({"spring", "viscosity", "neuron", "integrator"}));
   arguments->plugins.add_to(*command);
   command->add_flag("--json", arguments->json, "Print JSON");
-  command->footer(show_examples);
+  command->footer(plugin_show_examples);
   command->callback([arguments, &action] {
     action = [arguments] { return show(arguments->plugins, arguments->id, arguments->kind, arguments->json); };
   });

@@ -17,7 +17,7 @@ namespace springnet::tool {
 
 namespace {
 
-constexpr const char* examples =
+constexpr const char* run_examples =
     R"(Examples (the cube is that of 'springnet new --example cube'):
   springnet run cube/cube.toml
   springnet run cube/cube.toml --time-step 0.01 --duration 5 -o /tmp/cube
@@ -51,7 +51,7 @@ With output.format = "binary", {} are .bin files; 'springnet convert' turns them
 
 )",
                      fmt::join(binary, ", ")) +
-         examples;
+         run_examples;
 }
 
 struct RunArguments {

@@ -14,7 +14,7 @@ namespace springnet::tool {
 
 namespace {
 
-constexpr const char* examples =
+constexpr const char* validate_examples =
     R"(The scene runs in its own integrator (the recurrent network, usually) with several time steps, and in the
 reference CVODE, which is certified by a second run with a tighter tolerance. Compared are the positions of all
 nodes at common times, in metres and as a share of the reference's greatest displacement from the start. The paper's
@@ -130,7 +130,7 @@ void add_validate(CLI::App& app, Action& action) {
       ->type_name("R")
       ->check(number_between(1e-11, 1e-3));
   arguments->output.add_to(*command);
-  command->footer(examples);
+  command->footer(validate_examples);
   command->callback([arguments, &action] { action = [arguments] { return run(*arguments); }; });
 }
 

@@ -35,10 +35,10 @@ inline const springnet_law& law_of(const springnet_component& component) {
   return *static_cast<const springnet_law*>(component.implementation);
 }
 
-// What the processor can run, SPRINGNET_GENERIC first.
+// What the processor and this build can run, SPRINGNET_GENERIC first; ctest names the rest (tests/layers).
 inline std::vector<std::uint32_t> instruction_sets() {
   std::vector<std::uint32_t> sets{SPRINGNET_GENERIC};
-#if defined(__x86_64__)
+#if defined(__x86_64__) && !defined(SPRINGNET_GENERIC_ONLY)
   if (__builtin_cpu_supports("avx2")) sets.push_back(SPRINGNET_AVX2);
   if (__builtin_cpu_supports("avx512f") && __builtin_cpu_supports("avx512dq") && __builtin_cpu_supports("avx512vl") &&
       __builtin_cpu_supports("avx512bw") && __builtin_cpu_supports("avx512cd")) {

@@ -74,7 +74,7 @@ template <class Kernel, class Batch>
 void run_generic(const Batch& batch) {
   Kernel::run(batch);
 }
-#if defined(__x86_64__) && defined(__GNUC__)
+#if defined(__x86_64__) && defined(__GNUC__) && !defined(SPRINGNET_GENERIC_ONLY)
 template <class Kernel, class Batch>
 [[gnu::target("avx2"), gnu::flatten]] void run_avx2(const Batch& batch) {
   Kernel::run(batch);
@@ -86,7 +86,7 @@ template <class Kernel, class Batch>
 #endif
 template <class Kernel, class Batch>
 void run(const Batch& batch) {
-#if defined(__x86_64__) && defined(__GNUC__)
+#if defined(__x86_64__) && defined(__GNUC__) && !defined(SPRINGNET_GENERIC_ONLY)
   if (batch.instruction_set == SPRINGNET_AVX512) return run_avx512<Kernel>(batch);
   if (batch.instruction_set == SPRINGNET_AVX2) return run_avx2<Kernel>(batch);
 #endif
