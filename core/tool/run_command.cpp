@@ -36,7 +36,7 @@ std::string heading(const tables::Table& table) {
   return header.substr(0, header.rfind(',', longest - 2) + 1) + "…";
 }
 
-std::string footer() {
+std::string run_footer() {
   std::string text = "Files (in the folder of the output; the scene's [output] says which, what of and how often):\n";
   std::vector<std::string> binary;
   for (const tables::Table& table : tables::all()) {
@@ -218,7 +218,7 @@ void add_run(CLI::App& app, Action& action) {
                  "is a frame that starts when it is due; late ones are counted, none is left out")
       ->type_name("[=FACTOR]")
       ->check(factor_or_true());
-  command->footer(footer());
+  command->footer(run_footer());
   command->parse_complete_callback([arguments, command] { refuse_separate_factor(*command, *arguments); });
   command->callback([arguments, &action] { action = [arguments] { return run(*arguments); }; });
 }
