@@ -81,7 +81,9 @@ TEST_CASE("with constraints all rules move alike, order 1 and 2") {
                                                              {"sliding", sliding_tetrahedron(Friction::Kind::none)},
                                                              {"rubbing", sliding_tetrahedron(Friction::Kind::coulomb)},
                                                              {"shaken", shaken_block()}};
-  for (const auto& [name, net] : nets) {
+  for (const auto& each : nets) {
+    const std::string& name = each.first;  // Clang 14 captures no structured binding
+    const Network& net = each.second;
     for (const double theta : {1.0, 0.5}) {
       CAPTURE(name);
       CAPTURE(theta);
