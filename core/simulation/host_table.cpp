@@ -7,6 +7,7 @@
 #include <string>
 
 #include <springnet/error.hpp>
+#include <springnet/sdk/message.hpp>
 
 #include "simulation/requests.hpp"
 
