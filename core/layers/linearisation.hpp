@@ -5,6 +5,7 @@
 #include <Eigen/SparseCore>
 #include <Eigen/SparseLU>
 #include <cstdint>
+#include <utility>
 #include <vector>
 
 #include "layers/constraint_row.hpp"
@@ -40,6 +41,22 @@ class Linearisation {
   void times(const double* dp, const double* dv, double* out);
   // Diagonal blocks of I - velocity_weight da/dv - position_weight da/dp, [node][9].
   void diagonal_blocks(double velocity_weight, double position_weight, double* out) const;
+  // A = I - velocity_weight da/dv - position_weight da/dp as a sparse matrix, unknown 3 node + coordinate; without what
+  // closed surfaces do to all of their nodes. Valid until the next call of a function that is not const.
+  [[nodiscard]] const Eigen::SparseMatrix<double>& matrix(double velocity_weight, double position_weight);
+
+  // Whether no neuron by itself feeds a motion: its da/dp and da/dv are diagonal and nowhere above 0.
+  [[nodiscard]] bool neurons_dissipate() const;
+
+  // ---- node by node, for sweeps ----
+  // Weighs the blocks for others_of().
+  void weigh(double velocity_weight, double position_weight);
+  // (velocity_weight da/dv + position_weight da/dp) u of a node, without its own block; u: [3] components, [node].
+  // Closed surfaces: follow() first, and moved() after every change of u.
+  [[nodiscard]] Vector3 others_of(std::uint32_t node, const double* const u[3]) const;
+  void follow(const double* const u[3]) { elements_.follow(u); }
+  void moved(std::uint32_t node, const Vector3& change) { elements_.moved(node, change); }
+
   // Of A = I - velocity_weight da/dv - position_weight da/dp, and, where `rows` bind the motion, of
   //   [A  W G^T; G  0], G the rows, W the derivatives of the accelerations with respect to forces.
   springnet_status factorise(double velocity_weight, double position_weight, const std::vector<ConstraintRow>& rows,
@@ -81,6 +98,9 @@ class Linearisation {
   Blocks stiffness_, damping_;                   // [spring]
   Blocks by_force_, by_position_, by_velocity_;  // [node]
   std::vector<Bond> bonds_;
+  Blocks weighted_;                                                 // [spring], of weigh()
+  std::vector<std::pair<std::uint32_t, std::uint32_t>> bond_ends_;  // node and bond, sorted, likewise
+  double weighed_position_ = 0.0;
   ElementLinearisation elements_;
   LowRank vectors_;  // of closed surfaces, as factorised
   std::vector<double> force_[3], acceleration_[3];

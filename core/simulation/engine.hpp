@@ -24,6 +24,8 @@
 
 namespace springnet {
 
+class LinearSweep;
+
 class Engine {
  public:
   Engine(const Network& network, const PluginHost& plugins, const SimulationOptions& options);
@@ -43,6 +45,7 @@ class Engine {
   springnet_status jacobian_times(const double* dp, const double* dv, double* out);
   springnet_status factorise(double velocity_weight, double position_weight);
   springnet_status project(const double* mobility, double* values);
+  springnet_status linear_sweep(const springnet_sweep& sweep);
   springnet_status project_state(double time, const springnet_vectors& position, const springnet_vectors& velocity);
   springnet_status event_values(const springnet_evaluation& at, double* values, std::int32_t* directions);
   springnet_status fire_events(double time, State& state, const std::int32_t* fired);
@@ -63,10 +66,14 @@ class Engine {
   [[nodiscard]] State& created_state(const springnet_state* state);
   // Throws Error(plugin) within a sweep: a node's update may not call what changes the engine.
   void require_no_sweep() const;
+  // Throws Error(plugin) while the integrator tells its limits.
+  void require_advancing() const;
   // A failed call of the integrator: its reason becomes the message, and `misuse` if the fault was the integrator's.
   void refuse_call(const std::string& reason, bool misuse) noexcept;
 
   // ---- what Simulation asks for ----
+  // The integrator is about to tell its limits, or has: it may not commit or fire events meanwhile.
+  void ask_limits(bool asks) noexcept { asks_limits_ = asks; }
   // The integrator is about to advance the network to `until`, s: it may commit no later time. Forgets earlier misuse.
   void begin_advance(double until);
   // What the integrator last did against the rules of plugin.h since then; empty: nothing.
@@ -242,7 +249,8 @@ class Engine {
   Contact& contact_;               // its contacts, which events change,
   const RigidConnections& rigid_;  // and its rigid connections
   layers::Linearisation linearisation_;
-  std::vector<std::uint32_t> no_cluster_;  // [node] of network_info without rigid connections
+  std::shared_ptr<LinearSweep> linear_sweep_;  // of it; null: not made since linearise()
+  std::vector<std::uint32_t> no_cluster_;      // [node] of network_info without rigid connections
   State state_;
   std::vector<std::unique_ptr<State>> created_states_;
   double time_ = 0.0;
@@ -250,6 +258,7 @@ class Engine {
   double step_length_ = 0.0;                         // s, of a method with steps of its user's; 0: of its own
   double advance_from_ = 0.0, advance_until_ = 0.0;  // s
   std::string misuse_;
+  bool asks_limits_ = false;
   bool forces_stale_ = true;
   bool unsettled_ = false;              // something changed after which contacts and ruptures are looked at anew
   bool swept_ = false;                  // since the last commit

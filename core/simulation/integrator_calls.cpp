@@ -61,6 +61,11 @@ void Engine::require_no_sweep() const {
   if (in_sweep_) throw Error(ErrorKind::plugin, "it was called within a sweep or a search, by what those call");
 }
 
+void Engine::require_advancing() const {
+  if (asks_limits_)
+    throw Error(ErrorKind::plugin, "it was called by what tells limits, which must not change the network");
+}
+
 void Engine::refuse_call(const std::string& reason, bool misuse) noexcept {
   const std::lock_guard guard(failure_lock_);
   set_message(message_, reason);

@@ -9,6 +9,7 @@
 namespace springnet {
 
 springnet_status Engine::linearise(const springnet_evaluation& at) {
+  linear_sweep_.reset();
   constraints_.linearise(*placement(at.time), at.position);
   const springnet_status status =
       linearisation_.update(at.time, node_arrays(at.position, at.velocity), external_at(at.time), message_);

@@ -42,13 +42,6 @@ void require_all_or_none(const springnet_vectors& vectors, const char* name) {
   if (!none) require_all(vectors, name);
 }
 
-// Only the fields that the integrator's ABI has.
-springnet_sweep complete(const springnet_sweep& given) {
-  springnet_sweep sweep{};
-  std::memcpy(&sweep, &given, std::min<std::size_t>(sizeof sweep, given.struct_size));
-  return sweep;
-}
-
 bool same(const double* a, const double* b) { return a == b; }
 
 bool any_same(const springnet_const_vectors& a, const springnet_vectors& b) {
@@ -67,13 +60,19 @@ void check_ends(const springnet_sweep& sweep) {
   require_vectors(sweep.next_velocity, "next_velocity");
   require_vectors(sweep.force, "force");
   require_finite(sweep.time, "time");
-  const springnet_sweep later = complete(sweep);
+  const springnet_sweep later = complete_sweep(sweep);
   require_finite(later.time_constant, "time_constant");
   require_finite(later.theta, "theta");
   require_all_or_none(later.constraint_force, "constraint_force");
 }
 
 }  // namespace
+
+springnet_sweep complete_sweep(const springnet_sweep& given) {
+  springnet_sweep sweep{};
+  std::memcpy(&sweep, &given, std::min<std::size_t>(sizeof sweep, given.struct_size));
+  return sweep;
+}
 
 void require_array(const void* array, const char* name) {
   if (array == nullptr) refuse(fmt::format("{} is a null pointer", name));
@@ -131,6 +130,36 @@ const springnet_sweep& checked(const springnet_sweep* sweep, std::uint32_t node_
   if (request.order_count > node_count)
     refuse(fmt::format("the order has {} nodes, the network {}", request.order_count, node_count));
   return request;
+}
+
+const springnet_sweep& checked_linear(const springnet_sweep* sweep, std::uint32_t node_count) {
+  const springnet_sweep& request = sized(sweep, "springnet_sweep", sizeof *sweep);
+  require_array(request.order, "order");
+  require_array(reinterpret_cast<const void*>(request.update), "update");
+  require_vectors(request.position, "position");
+  require_vectors(request.velocity, "velocity");
+  if (!all_same(request.position, request.next_position) || !all_same(request.velocity, request.next_velocity))
+    refuse("next_position and next_velocity must be the arrays of position and velocity");
+  if (request.order_count > node_count)
+    refuse(fmt::format("the order has {} nodes, the network {}", request.order_count, node_count));
+  require_finite(request.theta, "theta");
+  if (!(request.time_constant > 0.0 && std::isfinite(request.time_constant)))
+    refuse(fmt::format("time_constant is {} s, has to be above 0", request.time_constant));
+  return request;
+}
+
+springnet_eigenvalue_search& checked(springnet_eigenvalue_search* search) {
+  static_cast<void>(sized(search, "springnet_eigenvalue_search", sizeof *search));
+  if (search->wanted > SPRINGNET_LARGEST_REAL_PART) refuse(fmt::format("wanted is {}", search->wanted));
+  require_array(reinterpret_cast<const void*>(search->map), "map");
+  if (search->size == 0) return *search;
+  require_array(search->start, "start");
+  if (search->most_vectors == 0) refuse("most_vectors is 0");
+  if (!(search->tolerance > 0.0)) refuse(fmt::format("tolerance is {}, has to be above 0", search->tolerance));
+  const double* const end = search->start + search->size;
+  if (std::any_of(static_cast<const double*>(search->start), end, [](double x) { return !std::isfinite(x); }))
+    refuse("start is not finite");
+  return *search;
 }
 
 void check_nodes(const std::uint32_t* nodes, std::uint32_t count, std::uint32_t node_count) {

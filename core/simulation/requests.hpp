@@ -17,12 +17,19 @@ void require_vectors(const springnet_const_vectors& vectors, const char* name);
 // A state to evaluate something at: as large as ABI 1.0 made it, with positions, velocities and a time; what it has of
 // outputs is whole.
 const springnet_evaluation& checked(const springnet_evaluation* evaluation);
+// Only the fields that the integrator's ABI has.
+[[nodiscard]] springnet_sweep complete_sweep(const springnet_sweep& given);
 // The same for the end of a sweep by itself.
 const springnet_sweep& checked_end(const springnet_sweep* sweep);
 // A search for touches within a step.
 const springnet_impact_search& checked(const springnet_impact_search* search);
 // A sweep of a network of `node_count` nodes, but for its order.
 const springnet_sweep& checked(const springnet_sweep* sweep, std::uint32_t node_count);
+
+// A sweep of the linearised network.
+const springnet_sweep& checked_linear(const springnet_sweep* sweep, std::uint32_t node_count);
+// A search for an eigenvalue.
+springnet_eigenvalue_search& checked(springnet_eigenvalue_search* search);
 
 // Nodes for evaluate_nodes.
 void check_nodes(const std::uint32_t* nodes, std::uint32_t count, std::uint32_t node_count);
