@@ -15,7 +15,7 @@ namespace springnet {
 
 namespace {
 
-// Bounds beyond which something is more likely a mistake than meant.
+// Beyond these bounds a mistake is more likely than intent.
 constexpr double large = 10.0;            // m, of a soft body
 constexpr double small = 1e-3;            // m
 constexpr double soft = 1e7;              // N/m^2: stiffness over length of a spring; tissue and rubber are below
@@ -56,10 +56,10 @@ std::vector<Piece> pieces_of(const Network& network) {
 
 // Median of stiffness over length, about Young's modulus over the number of springs that share a section; N/m^2. 0
 // where it is unknown.
-double softness_of(const LinearNetwork& linear, const Piece& piece) {
+double softness_of(const StartingNetwork& start, const Piece& piece) {
   std::vector<double> values;
   for (std::size_t s = piece.first_spring; s < piece.first_spring + piece.springs; ++s) {
-    const double value = std::abs(linear.springs[s].stiffness) / linear.springs[s].length;
+    const double value = std::abs(start.springs()[s].stiffness) / start.springs()[s].length;
     if (std::isfinite(value)) values.push_back(value);
   }
   if (values.empty()) return 0.0;
@@ -68,12 +68,13 @@ double softness_of(const LinearNetwork& linear, const Piece& piece) {
   return *middle;
 }
 
-void hint_at_sizes(const Network& network, const LinearNetwork& linear, std::vector<Hint>& hints) {
+void hint_at_sizes(const StartingNetwork& start, std::vector<Hint>& hints) {
+  const Network& network = start.network();
   for (const Piece& piece : pieces_of(network)) {
     Box box;
     for (std::size_t k = piece.first_node; k < piece.first_node + piece.nodes; ++k) box.add(network.nodes()[k]);
     if (piece.nodes < 2 || piece.springs == 0) continue;
-    const bool is_soft = softness_of(linear, piece) < soft;
+    const bool is_soft = softness_of(start, piece) < soft;
     if (box.size() > large && is_soft) {
       hints.push_back(
           {Hint::Kind::size,
@@ -120,7 +121,8 @@ std::vector<Obstacle> surfaces_of(const Network& network) {
   return surfaces;
 }
 
-void hint_at_starts(const Network& network, const LinearNetwork& linear, std::vector<Hint>& hints) {
+void hint_at_starts(const StartingNetwork& start, std::vector<Hint>& hints) {
+  const Network& network = start.network();
   const std::vector<Obstacle> surfaces = surfaces_of(network);
   const double size = size_of(network);
   for (std::size_t j = 0; j < surfaces.size(); ++j) {
@@ -130,7 +132,7 @@ void hint_at_starts(const Network& network, const LinearNetwork& linear, std::ve
     NodeIndex worst = 0;
     double deepest = 0.0;
     for (NodeIndex k = 0; k < network.nodes().size(); ++k) {
-      if (!linear.nodes[k].free) continue;
+      if (!start.is_free(k)) continue;
       const Vector3& place = network.nodes()[k].position;
       const double depth = starting_depth(surface, pose, place, size);
       if (depth == 0.0) continue;
@@ -245,12 +247,13 @@ std::string_view name_of(Hint::Kind kind) noexcept {
   }
 }
 
-std::vector<Hint> find_hints(const Network& network, const LinearNetwork& linear,
-                             const std::vector<std::uint32_t>& part, const Inspection& found) {
+std::vector<Hint> find_hints(const StartingNetwork& start, const std::vector<std::uint32_t>& part,
+                             const Inspection& found) {
+  const Network& network = start.network();
   std::vector<Hint> hints;
-  hint_at_sizes(network, linear, hints);
+  hint_at_sizes(start, hints);
   hint_at_gravity(network, hints);
-  hint_at_starts(network, linear, hints);
+  hint_at_starts(start, hints);
   hint_at_falls(network, part, found, hints);
   hint_at_time_step(found, hints);
   hint_at_kinks(network, hints);

@@ -1,4 +1,4 @@
-// Likely mistakes in a scene, most often of units.
+// Likely input mistakes, most often wrong units.
 #pragma once
 
 #include <cstdint>
@@ -6,12 +6,12 @@
 
 #include <springnet/inspection.hpp>
 
-#include "inspection/linearised.hpp"
+#include "inspection/start.hpp"
 
 namespace springnet {
 
 // `found`: all but the hints. part: of each node, as a number into found.parts.
-[[nodiscard]] std::vector<Hint> find_hints(const Network& network, const LinearNetwork& linear,
-                                           const std::vector<std::uint32_t>& part, const Inspection& found);
+[[nodiscard]] std::vector<Hint> find_hints(const StartingNetwork& start, const std::vector<std::uint32_t>& part,
+                                           const Inspection& found);
 
 }  // namespace springnet

@@ -3,13 +3,15 @@
 #include <numeric>
 #include <vector>
 
+#include <fmt/format.h>
+
+#include <springnet/error.hpp>
 #include <springnet/inspection.hpp>
 
 #include "inspection/hints.hpp"
 #include "inspection/limits.hpp"
-#include "inspection/linearised.hpp"
 #include "inspection/mobility.hpp"
-#include "inspection/orders.hpp"
+#include "inspection/start.hpp"
 #include "inspection/suspicions.hpp"
 #include "inspection/vibration.hpp"
 
@@ -24,8 +26,9 @@ void widen(std::optional<Range>& range, double value) {
   range->largest = std::max(range->largest, value);
 }
 
-void inspect_nodes(const Network& network, const LinearNetwork& linear, Inspection& result) {
-  for (std::size_t k = 0; k < network.nodes().size(); ++k) {
+void inspect_nodes(const StartingNetwork& start, Inspection& result) {
+  const Network& network = start.network();
+  for (NodeIndex k = 0; k < network.nodes().size(); ++k) {
     const Node& node = network.nodes()[k];
     if (result.mass) {
       result.lower = result.lower.cwiseMin(node.position);
@@ -35,56 +38,59 @@ void inspect_nodes(const Network& network, const LinearNetwork& linear, Inspecti
     }
     result.total_mass += node.mass;
     widen(result.mass, node.mass);
-    result.fixed_nodes += linear.nodes[k].free ? 0 : 1;
+    result.fixed_nodes += start.is_free(k) ? 0 : 1;
     ++result.neurons[network.neurons()[node.neuron].id];
   }
 }
 
-void inspect_springs(const Network& network, const std::vector<LinearSpring>& linear, Inspection& result) {
-  for (std::size_t s = 0; s < linear.size(); ++s) {
+void inspect_springs(const StartingNetwork& start, Inspection& result) {
+  const Network& network = start.network();
+  const std::vector<SpringAtStart>& springs = start.springs();
+  for (std::size_t s = 0; s < springs.size(); ++s) {
     const Spring& spring = network.springs()[s];
     const Material& material = network.materials()[spring.material];
     ++result.spring_functions[material.spring ? material.spring->id : "none"];
     ++result.viscosity_functions[material.viscosity ? material.viscosity->id : "none"];
-    widen(result.length, linear[s].length);
+    widen(result.length, springs[s].length);
     widen(result.rest_length, spring.rest_length);
-    if (material.spring) widen(result.stiffness, linear[s].stiffness);
-    if (material.viscosity) widen(result.damping, linear[s].axial_damping + linear[s].general_damping);
-    const bool relaxed = std::abs(linear[s].length - spring.rest_length) <= 1e-9 * spring.rest_length;
+    if (material.spring) widen(result.stiffness, springs[s].stiffness);
+    if (material.viscosity) widen(result.damping, springs[s].damping());
+    const bool relaxed = std::abs(springs[s].length - spring.rest_length) <= 1e-9 * spring.rest_length;
     result.springs_under_load += material.spring && !relaxed ? 1 : 0;
   }
 }
 
 // Fills result.parts; returns the part of each node.
-std::vector<std::uint32_t> inspect_parts(const Network& network, const LinearNetwork& linear, const Joints& joints,
-                                         Inspection& result) {
+std::vector<std::uint32_t> inspect_parts(const StartingNetwork& start, Inspection& result) {
   constexpr std::uint32_t none = 0xffffffffu;
-  std::vector<std::uint32_t> part(network.nodes().size(), none);
+  const std::vector<std::uint32_t>&first = start.layout().neighbour_start(), &neighbours = start.layout().neighbours();
+  const std::vector<std::uint32_t>& user = start.layout().ordering().user;
+  std::vector<std::uint32_t> part(user.size(), none);
   std::vector<Part> parts;
   std::vector<NodeIndex> front;
   for (NodeIndex node = 0; node < part.size(); ++node) {
+    result.nodes_without_springs += start.has_neighbours(node) ? 0 : 1;
     if (part[node] != none) continue;
     Part next{node};
     const auto number = static_cast<std::uint32_t>(parts.size());
     part[node] = number;
     front.assign(1, node);
-    std::size_t ends = 0;  // of springs
     while (!front.empty()) {
       const NodeIndex member = front.back();
       front.pop_back();
       ++next.nodes;
-      next.fixed_nodes += linear.nodes[member].free ? 0 : 1;
-      for (const Joint& joint : joints.of(member)) {
-        ends += joint.spring == no_spring ? 0 : 1;
-        if (part[joint.other] != none) continue;
-        part[joint.other] = number;
-        front.push_back(joint.other);
+      next.fixed_nodes += start.is_free(member) ? 0 : 1;
+      const std::uint32_t k = start.engine_node(member);
+      for (std::uint32_t i = first[k]; i < first[k + 1]; ++i) {
+        const NodeIndex other = user[neighbours[i]];
+        if (part[other] != none) continue;
+        part[other] = number;
+        front.push_back(other);
       }
     }
-    next.springs = ends / 2;
-    result.nodes_without_springs += joints.of(node).empty() ? 1 : 0;
     parts.push_back(next);
   }
+  for (const Spring& spring : start.network().springs()) ++parts[part[spring.first]].springs;
   // By falling size; they were found by rising first node.
   std::vector<std::uint32_t> place(parts.size()), order(parts.size());
   std::iota(order.begin(), order.end(), 0u);
@@ -100,19 +106,15 @@ std::vector<std::uint32_t> inspect_parts(const Network& network, const LinearNet
 
 }  // namespace
 
-std::string_view name_of(UpdateRule rule) noexcept {
-  switch (rule) {
-    case UpdateRule::synchronous:
-      return "synchronous";
-    case UpdateRule::wavefront:
-      return "wavefront";
-    case UpdateRule::block:
-      return "block";
-    case UpdateRule::coloured:
-      return "coloured";
-    default:
-      return "newton";
-  }
+double InspectionOptions::theta() const {
+  const auto given = integrator.parameters.find("theta");
+  return given != integrator.parameters.end() && given->second > 0.0 ? given->second : 1.0;
+}
+
+const TimeConstantLimit& Inspection::limit(std::string_view name) const {
+  const auto found = std::find_if(limits.begin(), limits.end(), [&](const auto& each) { return each.name() == name; });
+  if (found != limits.end()) return *found;
+  throw Error(ErrorKind::input, fmt::format("no integrator told a largest time step under the name '{}'", name));
 }
 
 Inspection inspect(const Network& network, const PluginHost& plugins, const InspectionOptions& options) {
@@ -128,16 +130,15 @@ Inspection inspect(const Network& network, const PluginHost& plugins, const Insp
   result.cuts = network.cuts().size();
   for (const Move& move : network.moves()) result.moved_nodes += move.nodes.size();
   for (const Element& element : network.elements()) ++result.elements[std::string(name_of(element.invariant))];
-  const LinearNetwork linear = linearise(network, plugins);
-  const Joints joints(network);
-  inspect_nodes(network, linear, result);
-  inspect_springs(network, linear.springs, result);
-  const std::vector<std::uint32_t> part = inspect_parts(network, linear, joints, result);
-  find_limits(network, linear, joints, result);
-  count_mechanisms(network, linear, part, result);
-  result.slowest = slowest_vibration(network, linear, result.mobility);
-  result.suspicions = find_suspicions(network, linear, joints);
-  result.hints = find_hints(network, linear, part, result);
+  const StartingNetwork start(network, plugins);
+  inspect_nodes(start, result);
+  inspect_springs(start, result);
+  const std::vector<std::uint32_t> part = inspect_parts(start, result);
+  find_limits(start, plugins, result);
+  count_mechanisms(start, part, result);
+  result.slowest = slowest_vibration(start, result.mobility);
+  result.suspicions = find_suspicions(start);
+  result.hints = find_hints(start, part, result);
   // Measured: peak of resident memory of `springnet run`, lattices of 0.2 to 1 million nodes with 3 to 13 damped
   // springs a node.
   constexpr double bytes_at_least = 10e6, bytes_per_node = 350.0, bytes_per_spring = 108.0;

@@ -59,7 +59,9 @@ Json json_of(const TimeConstantLimit& limit, const std::optional<double>& time_s
 Json limits(const Inspection& inspection) {
   Json result = Json::object();
   for (const TimeConstantLimit& limit : inspection.limits) {
-    result[std::string(name_of(limit.rule))] = json_of(limit, inspection.options.time_step);
+    // Two integrators may name a rule alike: the first one's has the name alone.
+    const std::string& name = limit.name();
+    result[result.contains(name) ? limit.integrator + "." + name : name] = json_of(limit, inspection.options.time_step);
   }
   return result;
 }
@@ -155,7 +157,7 @@ std::string to_json(const Inspection& inspection) {
       {"nodes_without_springs", inspection.nodes_without_springs},
       {"memory_bytes", inspection.memory_bytes},
       {"time_step_s", json_of(inspection.options.time_step)},
-      {"theta", inspection.options.theta},
+      {"theta", inspection.options.theta()},
       {"time_constants", limits(inspection)},
       {"unknown_because", inspection.unknown_because.empty() ? Json(nullptr) : Json(inspection.unknown_because)},
       {"unique_time_constant_s", json_of(inspection.unique_time_constant)},

@@ -1,16 +1,13 @@
-// The largest time constants.
+// The largest time steps: what the installed integrators tell, and up to where a time step has one solution.
 #pragma once
-
-#include <optional>
 
 #include <springnet/inspection.hpp>
 
-#include "inspection/linearised.hpp"
-#include "inspection/orders.hpp"
+#include "inspection/start.hpp"
 
 namespace springnet {
 
-// Fills limits, unknown_because and unique_time_constant of `result`, for result.options.theta.
-void find_limits(const Network& network, const LinearNetwork& linear, const Joints& joints, Inspection& result);
+// Fills limits, unknown_because and unique_time_constant of `result`, for result.options.integrator.
+void find_limits(const StartingNetwork& start, const PluginHost& plugins, Inspection& result);
 
 }  // namespace springnet

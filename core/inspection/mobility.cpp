@@ -15,20 +15,20 @@ namespace {
 
 using Matrix = Eigen::SparseMatrix<double>;
 
-// A motion counts as free if its stiffness is below this, where a spring's along itself is 1. Bending of a beam of 100
-// cells has about 1e-8; rounding leaves 1e-16.
+// A motion counts as free if its stiffness is below this share of a spring's own. Bending of a beam of 100 cells has
+// about 1e-8; rounding leaves 1e-16.
 constexpr double no_stiffness = 1e-12;
-// What is tried: some seconds, of which the pattern of the factors alone takes a part.
+// Limits of size: some seconds, of which the symbolic factorisation takes a part.
 constexpr Eigen::Index most_columns = 30000;
 constexpr double most_operations = 1e10;
 
 // Sylvester: a symmetric matrix has as many negative eigenvalues as its factorisation has negative pivots.
 class Inertia : public Eigen::SimplicialLDLT<Matrix> {
  public:
-  // The dimension of the null space of a positive semidefinite matrix; empty if it would take too long. Without
-  // pivoting that is sound here: a part of such a matrix is only singular where the rest does not touch it.
-  // more: further rows r, whose r^T r would fill the matrix: M + r^T r is what the pivot -1 of [M r^T; r -1] leaves,
-  // and so that has one negative pivot more.
+  // Nullity of a positive semidefinite matrix M; empty if factorising it would take too long. It needs no pivoting:
+  // where a pivot of such a matrix is zero, so are its row and column. more: rows r whose r^T r belongs to M but would
+  // fill it. M + r^T r is the Schur complement of the pivot -1 in [M r^T; r -1], which so has one negative pivot more
+  // for each row.
   std::optional<std::size_t> nullity(const Matrix& square, const Matrix& more) {
     if (square.rows() == 0) return 0;
     const Eigen::Index size = square.rows() + more.rows();
@@ -59,16 +59,15 @@ class Inertia : public Eigen::SimplicialLDLT<Matrix> {
 // One row a connection or element, with its direction in the columns of its free nodes.
 class Directions {
  public:
-  Directions(const Network& network, const LinearNetwork& linear)
-      : network_(network), column_(linear.nodes.size(), -1) {
-    for (std::size_t k = 0; k < column_.size(); ++k) {
-      if (!linear.nodes[k].free) continue;
+  explicit Directions(const StartingNetwork& start) : network_(start.network()), column_(network_.nodes().size(), -1) {
+    for (NodeIndex k = 0; k < column_.size(); ++k) {
+      if (!start.is_free(k)) continue;
       column_[k] = columns_;
       columns_ += 3;
     }
   }
   // One row of an element: derivatives by its nodes, of any size.
-  void add(const std::vector<NodeIndex>& nodes, const Vector3* by_node) {
+  void add(const std::vector<NodeIndex>& nodes, const std::vector<Vector3>& by_node) {
     double greatest = 0.0;
     for (std::size_t i = 0; i < nodes.size(); ++i) greatest = std::max(greatest, by_node[i].norm());
     for (std::size_t i = 0; i < nodes.size(); ++i) {
@@ -141,13 +140,12 @@ class RigidBody {
   Eigen::Matrix<double, 6, 6> resisting_ = Eigen::Matrix<double, 6, 6>::Zero();
 };
 
-std::size_t rigid_body_motions(const Network& network, const LinearNetwork& linear,
-                               const std::vector<std::uint32_t>& part, std::size_t parts) {
+std::size_t rigid_body_motions(const StartingNetwork& start, const std::vector<std::uint32_t>& part,
+                               std::size_t parts) {
+  const Network& network = start.network();
   std::vector<RigidBody> bodies(parts);
   for (std::size_t k = 0; k < part.size(); ++k) bodies[part[k]].add(network.nodes()[k].position);
-  for (std::size_t k = 0; k < part.size(); ++k) {
-    bodies[part[k]].add_motion(network.nodes()[k].position, linear.nodes[k].free);
-  }
+  for (NodeIndex k = 0; k < part.size(); ++k) bodies[part[k]].add_motion(network.nodes()[k].position, start.is_free(k));
   std::size_t sum = 0;
   for (const RigidBody& body : bodies) sum += body.motions();
   return sum;
@@ -155,12 +153,12 @@ std::size_t rigid_body_motions(const Network& network, const LinearNetwork& line
 
 }  // namespace
 
-void count_mechanisms(const Network& network, const LinearNetwork& linear, const std::vector<std::uint32_t>& part,
-                      Inspection& result) {
+void count_mechanisms(const StartingNetwork& start, const std::vector<std::uint32_t>& part, Inspection& result) {
+  const Network& network = start.network();
   Mobility& found = result.mobility;
-  Directions all(network, linear), rigid(network, linear), volumes(network, linear);
-  for (std::size_t s = 0; s < linear.springs.size(); ++s) {
-    const LinearSpring& spring = linear.springs[s];
+  Directions all(start), rigid(start), volumes(start);
+  for (std::size_t s = 0; s < start.springs().size(); ++s) {
+    const SpringAtStart& spring = start.springs()[s];
     if (!network.materials()[network.springs()[s].material].spring) continue;
     if (spring.stiffness != 0.0) all.add(network.springs()[s].first, network.springs()[s].second);
     // What rounding leaves at the rest length is no tension.
@@ -168,21 +166,22 @@ void count_mechanisms(const Network& network, const LinearNetwork& linear, const
     found.springs_under_tension += spring.tension > rounding ? 1 : 0;
     found.springs_under_compression += spring.tension < -rounding ? 1 : 0;
   }
-  for (std::size_t e = 0; e < linear.elements.all().size(); ++e) {
-    const LinearElement& element = linear.elements.all()[e];
-    if (element.stiffness == 0.0 || !network.materials()[network.elements()[e].material].spring) continue;
-    if (element.is_enclosure()) {
-      volumes.add(element.nodes, element.gradient.data());
+  for (std::size_t e = 0; e < start.elements().size(); ++e) {
+    const ElementAtStart& element = start.elements()[e];
+    const Element& described = network.elements()[e];
+    if (element.stiffness == 0.0 || !network.materials()[described.material].spring) continue;
+    if (described.invariant == Invariant::enclosed_volume) {
+      volumes.add(element.nodes, element.gradient);
       continue;
     }
-    all.add(element.nodes, element.blocks.row[0]);
-    all.add(element.nodes, element.blocks.row[1]);
+    all.add(element.nodes, element.gradient);
+    all.add(element.nodes, element.across);
   }
   for (const Rigid& connection : network.rigids()) {
     all.add(connection.first, connection.second);
     rigid.add(connection.first, connection.second);
   }
-  found.rigid_body_motions = rigid_body_motions(network, linear, part, result.parts.size());
+  found.rigid_body_motions = rigid_body_motions(start, part, result.parts.size());
   const Matrix directions = all.matrix();
   const std::optional<std::size_t> motions = Inertia().nullity(directions.transpose() * directions, volumes.matrix());
   const Matrix constraints = rigid.matrix();

@@ -3,13 +3,11 @@
 
 #include <springnet/inspection.hpp>
 
-#include "inspection/linearised.hpp"
-#include "inspection/orders.hpp"
+#include "inspection/start.hpp"
 
 namespace springnet {
 
 // Fills result.mobility; result.parts have to be known. part: [node] index into result.parts.
-void count_mechanisms(const Network& network, const LinearNetwork& linear, const std::vector<std::uint32_t>& part,
-                      Inspection& result);
+void count_mechanisms(const StartingNetwork& start, const std::vector<std::uint32_t>& part, Inspection& result);
 
 }  // namespace springnet

@@ -55,17 +55,18 @@ class SpringValues {
 
 }  // namespace
 
-Suspicions find_suspicions(const Network& network, const LinearNetwork& linear, const Joints& joints) {
+Suspicions find_suspicions(const StartingNetwork& start) {
+  const Network& network = start.network();
   Suspicions result;
   SpringValues stiffness(network), damping(network), elastic_rate(network), viscous_rate(network), strain(network);
-  for (std::size_t s = 0; s < linear.springs.size(); ++s) {
-    const LinearSpring& law = linear.springs[s];
+  for (std::size_t s = 0; s < start.springs().size(); ++s) {
+    const SpringAtStart& law = start.springs()[s];
     const Spring& spring = network.springs()[s];
     double inverse_mass = 0.0;
     for (const NodeIndex end : {spring.first, spring.second}) {
-      if (linear.nodes[end].free) inverse_mass += 1.0 / network.nodes()[end].mass;
+      if (start.is_free(end)) inverse_mass += 1.0 / network.nodes()[end].mass;
     }
-    const double d = law.axial_damping + law.general_damping;
+    const double d = law.damping();
     stiffness[s] = std::abs(law.stiffness);
     damping[s] = d;
     elastic_rate[s] = std::abs(law.stiffness) * inverse_mass;
@@ -83,10 +84,10 @@ Suspicions find_suspicions(const Network& network, const LinearNetwork& linear, 
   result.strain = strain.above(unusual_strain);
 
   for (NodeIndex k = 0; k < network.nodes().size(); ++k) {
-    if (joints.of(k).empty() && result.nodes_without_springs.size() < listed_at_most) {
+    if (!start.has_neighbours(k) && result.nodes_without_springs.size() < listed_at_most) {
       result.nodes_without_springs.push_back(k);
     }
-    if (!linear.nodes[k].free) continue;
+    if (!start.is_free(k)) continue;
     const auto mass = [&](NodeIndex node) { return network.nodes()[node].mass; };
     if (!result.lightest || mass(k) < mass(*result.lightest)) result.lightest = k;
     if (!result.heaviest || mass(k) > mass(*result.heaviest)) result.heaviest = k;

@@ -1,15 +1,12 @@
-// What looks like a slip in a scene.
+// Likely input mistakes in single springs and nodes.
 #pragma once
-
-#include <vector>
 
 #include <springnet/inspection.hpp>
 
-#include "inspection/linearised.hpp"
-#include "inspection/orders.hpp"
+#include "inspection/start.hpp"
 
 namespace springnet {
 
-[[nodiscard]] Suspicions find_suspicions(const Network& network, const LinearNetwork& linear, const Joints& joints);
+[[nodiscard]] Suspicions find_suspicions(const StartingNetwork& start);
 
 }  // namespace springnet

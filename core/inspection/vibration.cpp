@@ -1,16 +1,15 @@
 #include "inspection/vibration.hpp"
 
-#include <algorithm>
 #include <cmath>
+#include <utility>
 #include <vector>
 
-#include <Eigen/Eigenvalues>
 #include <Eigen/SparseCholesky>
+#include <springnet/sdk/limits.hpp>
 
-#include "inspection/dominant.hpp"
+#include "simulation/dominant.hpp"
 
 namespace springnet {
-
 namespace {
 
 using Matrix = Eigen::SparseMatrix<double>;
@@ -20,120 +19,112 @@ constexpr std::size_t most_free_motions = 24;
 // Of the greatest eigenvalue: keeps the factorisation regular, and is small beside that of a slow vibration (a beam of
 // 100 cells has 1e-8).
 constexpr double shift = 1e-10;
+// What is less symmetric than that has no frequencies to speak of; relative.
+constexpr double asymmetry = 1e-9;
 
-// Stiffness and damping in outputs times the root of the mass: symmetric, and the masses are gone.
+bool is_within_reach(const StartingNetwork& start, const Mobility& mobility) {
+  if (start.survey() == nullptr || !mobility.known || !start.network().rigids().empty()) return false;
+  if (mobility.mechanisms + mobility.rigid_body_motions > most_free_motions) return false;
+  return start.layout().elements().live_enclosures() == 0;
+}
+
+// -da/dp and -da/dv of the nodes that move, in outputs times the root of the mass.
 class Matrices {
  public:
-  Matrices(const Network& network, const LinearNetwork& linear) : column_(linear.nodes.size(), -1) {
+  explicit Matrices(Engine& engine) : engine_(engine), column_(engine.model().mass.size(), -1) {
+    const std::vector<std::uint8_t>& constrained = engine.model().contact.constrained();
     for (std::size_t k = 0; k < column_.size(); ++k) {
-      root_.push_back(std::sqrt(network.nodes()[k].mass));
-      if (!linear.nodes[k].free) continue;
+      if (constrained[k] != 0) continue;
       column_[k] = size_;
       size_ += 3;
     }
-    for (std::size_t s = 0; s < linear.springs.size(); ++s) {
-      const LinearSpring& spring = linear.springs[s];
-      const Block along = spring.direction * spring.direction.transpose();
-      const double across = spring.across_stiffness();
-      const Block stiffness = (spring.stiffness - across) * along + across * Block::Identity();
-      const Block damping = spring.axial_damping * along + spring.general_damping * Block::Identity();
-      const NodeIndex ends[] = {network.springs()[s].first, network.springs()[s].second};
-      for (const NodeIndex i : ends)
-        for (const NodeIndex j : ends) add(i, j, i == j ? stiffness : -stiffness, i == j ? damping : -damping);
-    }
-    for (const LinearElement& element : linear.elements.all()) {
-      for (std::size_t i = 0; i < element.nodes.size(); ++i)
-        for (std::size_t j = 0; j < element.nodes.size(); ++j)
-          add(element.nodes[i], element.nodes[j], element.blocks.stiffness[i][j], element.blocks.damping_block(i, j));
-    }
-    for (NodeIndex k = 0; k < column_.size(); ++k) {
-      const double mass = network.nodes()[k].mass;
-      add(k, k, -mass * linear.nodes[k].by_position, -mass * linear.nodes[k].by_velocity);
-    }
   }
   [[nodiscard]] int size() const { return size_; }
-  [[nodiscard]] Matrix stiffness() const { return matrix(stiffness_); }
-  [[nodiscard]] Matrix damping() const { return matrix(damping_); }
+  // scale: of the entries, about, so that the 1 on the host's diagonal does not hide them.
+  [[nodiscard]] Matrix stiffness(double scale) const { return reduced(0.0, 1.0 / scale); }
+  [[nodiscard]] Matrix damping(double scale) const { return reduced(1.0 / scale, 0.0); }
 
  private:
-  void add(NodeIndex i, NodeIndex j, const Block& stiffness, const Block& damping) {
-    if (column_[i] < 0 || column_[j] < 0) return;
-    const double weight = 1.0 / (root_[i] * root_[j]);
-    for (int a = 0; a < 3; ++a)
-      for (int b = 0; b < 3; ++b) {
-        stiffness_.emplace_back(column_[i] + a, column_[j] + b, weight * stiffness(a, b));
-        damping_.emplace_back(column_[i] + a, column_[j] + b, weight * damping(a, b));
-      }
-  }
-  [[nodiscard]] Matrix matrix(const std::vector<Eigen::Triplet<double>>& entries) const {
+  [[nodiscard]] Matrix reduced(double velocity_weight, double position_weight) const {
+    const double weight = velocity_weight + position_weight;
+    const std::vector<double>& mass = engine_.model().mass;
+    std::vector<Eigen::Triplet<double>> entries;
+    engine_.linear().matrices().for_each_entry(
+        velocity_weight, position_weight, [&](int row, int column, double value) {
+          const auto i = static_cast<std::size_t>(row / 3), j = static_cast<std::size_t>(column / 3);
+          if (column_[i] < 0 || column_[j] < 0) return;
+          const double entry = value - (row == column ? 1.0 : 0.0);
+          entries.emplace_back(column_[i] + row % 3, column_[j] + column % 3,
+                               entry / weight * std::sqrt(mass[i] / mass[j]));
+        });
     Matrix result(size_, size_);
     result.setFromTriplets(entries.begin(), entries.end());
     return result;
   }
 
+  Engine& engine_;
   std::vector<int> column_;
-  std::vector<double> root_;  // [node], kg^(1/2)
   int size_ = 0;
-  std::vector<Eigen::Triplet<double>> stiffness_, damping_;
 };
-
-// A neuron that is a mass, with a drag perhaps.
-bool is_mass(const LinearNode& node, double mass) {
-  return !node.free || (node.by_force - Block::Identity() / mass).norm() <= 1e-9 / mass;
-}
-
-bool is_within_reach(const Network& network, const LinearNetwork& linear, const Mobility& mobility) {
-  if (!linear.unknown_because.empty() || !mobility.known || !network.rigids().empty()) return false;
-  if (mobility.mechanisms + mobility.rigid_body_motions > most_free_motions) return false;
-  for (const LinearElement& element : linear.elements.all()) {
-    if (element.is_enclosure()) return false;
-  }
-  for (std::size_t k = 0; k < linear.nodes.size(); ++k) {
-    if (!is_mass(linear.nodes[k], network.nodes()[k].mass)) return false;
-  }
-  return true;
-}
 
 }  // namespace
 
-std::optional<Vibration> slowest_vibration(const Network& network, const LinearNetwork& linear,
-                                           const Mobility& mobility) {
-  if (!is_within_reach(network, linear, mobility)) return std::nullopt;
-  const Matrices matrices(network, linear);
-  const auto free_motions = static_cast<Eigen::Index>(mobility.mechanisms + mobility.rigid_body_motions);
-  if (matrices.size() <= free_motions) return std::nullopt;
-  const Matrix stiffness = matrices.stiffness();
+std::optional<Vibration> slowest_vibration(const StartingNetwork& start, const Mobility& mobility) {
+  if (!is_within_reach(start, mobility)) return std::nullopt;
+  const std::size_t free_motions = mobility.mechanisms + mobility.rigid_body_motions;
+  const sdk::Host host(start.survey()->table());
+  const Matrices matrices(start.survey()->engine());
+  if (static_cast<std::size_t>(matrices.size()) <= free_motions) return std::nullopt;
+  double guess = 0.0;  // s
+  try {
+    const auto [time, state] = host.committed();
+    host.begin_interval(time, time + 1.0);
+    host.linearise(sdk::evaluation_at(time, state));
+    guess = sdk::LinearisedNetwork(host).first_guess().value_or(0.0);
+  } catch (const sdk::Failure&) {  // a law without derivatives
+    return std::nullopt;
+  }
+  if (!(guess > 0.0)) return std::nullopt;
+  const Matrix stiffness = matrices.stiffness(1.0 / (guess * guess)), damping = matrices.damping(1.0 / guess);
   const double greatest = Eigen::VectorXd(stiffness.diagonal()).maxCoeff();
   if (!(greatest > 0.0) || !std::isfinite(greatest)) return std::nullopt;
+  if (!(Matrix(stiffness - Matrix(stiffness.transpose())).norm() <= asymmetry * stiffness.norm())) return std::nullopt;
 
   Matrix shifted = stiffness;
   for (int k = 0; k < matrices.size(); ++k) shifted.coeffRef(k, k) += shift * greatest;
   const Eigen::SimplicialLDLT<Matrix> factors(shifted);
   if (factors.info() != Eigen::Success || !(factors.vectorD().minCoeff() > 0.0)) return std::nullopt;
 
-  // Subspace iteration (Bathe): inverse iteration of several motions together, then the best in their span.
-  constexpr Eigen::Index more = 8;
-  constexpr int most_iterations = 40;
-  constexpr double accuracy = 1e-3;
-  const Eigen::Index size = matrices.size(), wanted = std::min(free_motions + more, size);
-  Eigen::MatrixXd motions(size, wanted);
-  const Eigen::VectorXd scattered = scattered_vector(size * wanted);
-  motions = Eigen::Map<const Eigen::MatrixXd>(scattered.data(), size, wanted);
-  double value = 0.0;
-  for (int iteration = 0; iteration < most_iterations; ++iteration) {
-    const Eigen::HouseholderQR<Eigen::MatrixXd> basis(factors.solve(motions));
-    motions = basis.householderQ() * Eigen::MatrixXd::Identity(size, wanted);
-    const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> inside(motions.transpose() * (stiffness * motions));
-    motions = motions * inside.eigenvectors();
-    const double last = value;
-    value = inside.eigenvalues()[free_motions];
-    if (std::abs(value - last) <= accuracy * value) break;
+  // Inverse iteration: the greatest eigenvalues of the inverse are those of the motions without stiffness, which are
+  // taken out one by one, then that of the slowest vibration.
+  std::vector<Eigen::VectorXd> out;
+  const auto take_out = [&](Eigen::VectorXd& x) {
+    for (int pass = 0; pass < 2; ++pass)
+      for (const Eigen::VectorXd& motion : out) x -= motion.dot(x) * motion;
+  };
+  const std::vector<double> scattered = sdk::scattered_vector(static_cast<std::size_t>(matrices.size()));
+  Dominant found;
+  while (out.size() <= free_motions) {
+    Eigen::VectorXd x = Eigen::Map<const Eigen::VectorXd>(scattered.data(), matrices.size());
+    take_out(x);
+    DominantOptions options;
+    // What is left of a motion without stiffness comes back many times larger.
+    options.tolerance = out.size() < free_motions ? 1e-10 : 1e-4;
+    found = dominant_eigenvalue(
+        [&](Eigen::VectorXd& values) {
+          take_out(values);
+          values = factors.solve(values).eval();
+          take_out(values);
+        },
+        x, options);
+    out.push_back(found.real.normalized());
   }
+  const double value = 1.0 / found.value.real() - shift * greatest;
   // Within rounding of the motions that nothing resists: nothing is known about it.
   if (!(value > 10.0 * shift * greatest)) return std::nullopt;
-  const Eigen::VectorXd mode = motions.col(free_motions);
+  const Eigen::VectorXd& mode = out.back();
   const double frequency = std::sqrt(value);  // rad/s
-  return Vibration{2.0 * std::acos(-1.0) / frequency, mode.dot(matrices.damping() * mode) / (2.0 * frequency)};
+  return Vibration{2.0 * std::acos(-1.0) / frequency, mode.dot(damping * mode) / (2.0 * frequency)};
 }
 
 }  // namespace springnet

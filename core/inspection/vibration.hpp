@@ -5,12 +5,11 @@
 
 #include <springnet/inspection.hpp>
 
-#include "inspection/linearised.hpp"
+#include "inspection/start.hpp"
 
 namespace springnet {
 
 // Of a network whose mobility is known already; empty as Inspection::slowest says.
-[[nodiscard]] std::optional<Vibration> slowest_vibration(const Network& network, const LinearNetwork& linear,
-                                                         const Mobility& mobility);
+[[nodiscard]] std::optional<Vibration> slowest_vibration(const StartingNetwork& start, const Mobility& mobility);
 
 }  // namespace springnet

@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <exception>
 #include <limits>
 #include <string>
@@ -9,6 +10,7 @@
 #include <springnet/error.hpp>
 #include <springnet/sdk/message.hpp>
 
+#include "simulation/dominant.hpp"
 #include "simulation/requests.hpp"
 
 namespace springnet {
@@ -166,6 +168,7 @@ springnet_status event_values(void* context, const springnet_evaluation* at, dou
 }
 springnet_status fire_events(void* context, double time, springnet_state* state, const std::int32_t* fired) {
   return outside_of_sweeps(context, "fire_events", [&](Engine& engine) {
+    engine.calls().require_advancing();
     require_finite(time, "time");
     if (engine.network_info().event_count > 0) require_array(fired, "fired");
     return engine.fire_events(time, engine.calls().created_state(state), fired);
@@ -182,8 +185,10 @@ double next_discontinuity(void* context, double time) {
   return engine_of(context).next_discontinuity(time);
 }
 springnet_status commit(void* context, double time, springnet_state* state) {
-  return outside_of_sweeps(context, "commit",
-                           [&](Engine& engine) { return engine.commit(time, engine.calls().created_state(state)); });
+  return outside_of_sweeps(context, "commit", [&](Engine& engine) {
+    engine.calls().require_advancing();
+    return engine.commit(time, engine.calls().created_state(state));
+  });
 }
 void report(void* context, const char* name, double value) {
   static_cast<void>(guarded(context, "report", [&](Engine& engine) -> springnet_status {
@@ -216,6 +221,49 @@ void note(void* context, const char* text) {
     engine.model().journal.note(text);
     return SPRINGNET_OK;
   }));
+}
+springnet_status linear_sweep(void* context, const springnet_sweep* request) {
+  return linearised(context, "linear_sweep", [&](Engine& engine) {
+    return engine.linear().sweep(checked_linear(request, engine.model().node_count()), engine.network_info());
+  });
+}
+
+struct MapFailed {
+  springnet_status status;
+};
+
+springnet_status dominant_eigenvalue(void* context, springnet_eigenvalue_search* request) {
+  return outside_of_sweeps(context, "dominant_eigenvalue", [&](Engine&) -> springnet_status {
+    springnet_eigenvalue_search& search = checked(request);
+    const auto size = static_cast<Eigen::Index>(search.size);
+    DominantOptions options;
+    if (search.wanted == SPRINGNET_LARGEST_REAL_PART) options.wanted = Wanted::largest_real;
+    options.basis = search.most_vectors;
+    options.applications = search.most_applications;
+    options.tolerance = search.tolerance;
+    Eigen::VectorXd start = Eigen::Map<const Eigen::VectorXd>(search.start, size);
+    if (size > 0 && !(start.norm() > 0.0)) throw Error(ErrorKind::plugin, "start is 0");
+    try {
+      const Dominant found = springnet::dominant_eigenvalue(
+          [&](Eigen::VectorXd& x) {
+            const springnet_status status = search.map(search.user, x.data());
+            if (status != SPRINGNET_OK) throw MapFailed{status};
+          },
+          start, options);
+      search.real = found.value.real();
+      search.imaginary = found.value.imag();
+      search.error = found.error;
+      search.applications = found.applications;
+      if (found.real.size() == size && size > 0) {
+        if (search.mode_real != nullptr) std::copy_n(found.real.data(), size, search.mode_real);
+        if (search.mode_imaginary != nullptr) std::copy_n(found.imaginary.data(), size, search.mode_imaginary);
+        std::copy_n(start.data(), size, search.start);
+      }
+    } catch (const MapFailed& failed) {
+      return failed.status;
+    }
+    return SPRINGNET_OK;
+  });
 }
 springnet_message* message(void* context) {
   return context == nullptr ? nullptr : &engine_of(context).model().journal.message;
@@ -253,6 +301,8 @@ springnet_host make_host_table(Engine& engine) {
   host.note = note;
   host.begin_interval = begin_interval;
   host.time_of_impact = time_of_impact;
+  host.linear_sweep = linear_sweep;
+  host.dominant_eigenvalue = dominant_eigenvalue;
   return host;
 }
 

@@ -42,6 +42,11 @@ void IntegratorCalls::require_no_callback() const {
     throw Error(ErrorKind::plugin, "it was called within a sweep or a search, by what those call");
 }
 
+void IntegratorCalls::require_advancing() const {
+  if (asks_limits_)
+    throw Error(ErrorKind::plugin, "it was called by what tells limits, which must not change the network");
+}
+
 void IntegratorCalls::refuse(const std::string& reason, bool misuse) noexcept {
   const std::lock_guard guard(model_.journal.failure_lock);
   set_message(model_.journal.message, reason);

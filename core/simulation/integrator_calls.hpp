@@ -21,6 +21,10 @@ class IntegratorCalls {
   [[nodiscard]] State& created_state(const springnet_state* state);
   // Throws Error(plugin) within a sweep or a search: functions of the integrator may not call what changes the model.
   void require_no_callback() const;
+  // Throws Error(plugin) while the integrator tells its limits.
+  void require_advancing() const;
+  // The integrator is about to tell its limits, or has: it may not commit or fire events meanwhile.
+  void ask_limits(bool asks) noexcept { asks_limits_ = asks; }
   // A failed call: its reason becomes the message, and `misuse` if the fault was the integrator's.
   void refuse(const std::string& reason, bool misuse) noexcept;
 
@@ -38,6 +42,7 @@ class IntegratorCalls {
   std::vector<std::unique_ptr<State>> states_;
   double from_ = 0.0, until_ = 0.0;  // s, the present advance
   std::string misuse_;
+  bool asks_limits_ = false;
 };
 
 }  // namespace springnet

@@ -2,6 +2,7 @@
 
 #include <optional>
 
+#include "simulation/linear_sweep.hpp"
 #include "simulation/reactions_at.hpp"
 
 namespace springnet {
@@ -9,7 +10,10 @@ namespace springnet {
 LinearModel::LinearModel(Model& model)
     : model_(model), blocks_(model.layout, model.evaluator, model.contact.constrained()) {}
 
+LinearModel::~LinearModel() = default;
+
 springnet_status LinearModel::linearise(const springnet_evaluation& at) {
+  sweep_.reset();
   model_.constraints.linearise(*model_.placement(at.time), at.position);
   const springnet_status status = blocks_.update(at.time, node_arrays(at.position, at.velocity),
                                                  model_.external_at(at.time), model_.journal.message);
@@ -53,6 +57,19 @@ springnet_status LinearModel::factorise(double velocity_weight, double position_
 
 springnet_status LinearModel::solve(bool transposed, const double* right_side, double* x) {
   return blocks_.solve(transposed, right_side, x, model_.journal.message);
+}
+
+springnet_status LinearModel::sweep(const springnet_sweep& request, const springnet_network& network) {
+  const springnet_sweep sweep = complete(request);
+  order_check_.check(sweep, network);
+  if (!sweep_) sweep_ = std::make_unique<LinearSweep>(model_.layout, blocks_, model_.constraints, model_.mass);
+  struct Updating {
+    bool& flag;
+    ~Updating() { flag = false; }
+  } const updating{model_.in_callback};
+  model_.in_callback = true;
+  sweep_->run(sweep);
+  return SPRINGNET_OK;
 }
 
 springnet_status LinearModel::project(const double* mobility, double* values) {

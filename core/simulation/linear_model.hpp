@@ -2,14 +2,20 @@
 // what of a change the constraints allow.
 #pragma once
 
+#include <memory>
+
 #include "layers/linear/linearisation.hpp"
 #include "simulation/model.hpp"
+#include "simulation/requests.hpp"
 
 namespace springnet {
+
+class LinearSweep;
 
 class LinearModel {
  public:
   explicit LinearModel(Model& model);
+  ~LinearModel();
 
   // Takes the derivatives at a state; what follows is about it. Statuses and messages as in springnet_host.
   springnet_status linearise(const springnet_evaluation& at);
@@ -21,6 +27,11 @@ class LinearModel {
   void diagonal_blocks(double velocity_weight, double position_weight, double* out) const;
   springnet_status factorise(double velocity_weight, double position_weight);
   springnet_status solve(bool transposed, const double* right_side, double* x);
+  // A sweep of the linearised network in an order, see springnet_host::linear_sweep; `network` says when its
+  // connections changed.
+  springnet_status sweep(const springnet_sweep& request, const springnet_network& network);
+  // The matrices by themselves.
+  [[nodiscard]] layers::Linearisation& matrices() noexcept { return blocks_; }
   // The nearest change of velocities that the constraints allow, see springnet_host::project.
   springnet_status project(const double* mobility, double* values);
   // To be called after springs or elements were removed.
@@ -33,6 +44,8 @@ class LinearModel {
 
   Model& model_;
   layers::Linearisation blocks_;
+  std::unique_ptr<LinearSweep> sweep_;  // of blocks_; null: not made since linearise()
+  OrderCheck order_check_;
 };
 
 }  // namespace springnet

@@ -42,13 +42,6 @@ void require_all_or_none(const springnet_vectors& vectors, const char* name) {
   if (!none) require_all(vectors, name);
 }
 
-// Only the fields that the integrator's ABI has.
-springnet_sweep complete(const springnet_sweep& given) {
-  springnet_sweep sweep{};
-  std::memcpy(&sweep, &given, std::min<std::size_t>(sizeof sweep, given.struct_size));
-  return sweep;
-}
-
 bool same(const double* a, const double* b) { return a == b; }
 
 bool any_same(const springnet_const_vectors& a, const springnet_vectors& b) {
@@ -74,6 +67,13 @@ void check_ends(const springnet_sweep& sweep) {
 }
 
 }  // namespace
+
+springnet_sweep complete(const springnet_sweep& given) {
+  springnet_sweep sweep{};
+  std::memcpy(&sweep, &given, std::min<std::size_t>(sizeof sweep, given.struct_size));
+  sweep.struct_size = sizeof sweep;
+  return sweep;
+}
 
 void require_array(const void* array, const char* name) {
   if (array == nullptr) refuse(fmt::format("{} is a null pointer", name));
@@ -133,11 +133,18 @@ const springnet_sweep& checked(const springnet_sweep* sweep, std::uint32_t node_
   return request;
 }
 
-springnet_sweep complete(const springnet_sweep& request) {
-  springnet_sweep sweep{};
-  std::memcpy(&sweep, &request, std::min<std::size_t>(sizeof sweep, request.struct_size));
-  sweep.struct_size = sizeof sweep;
-  return sweep;
+springnet_eigenvalue_search& checked(springnet_eigenvalue_search* search) {
+  static_cast<void>(sized(search, "springnet_eigenvalue_search", sizeof *search));
+  if (search->wanted > SPRINGNET_LARGEST_REAL_PART) refuse(fmt::format("wanted is {}", search->wanted));
+  require_array(reinterpret_cast<const void*>(search->map), "map");
+  if (search->size == 0) return *search;
+  require_array(search->start, "start");
+  if (search->most_vectors == 0) refuse("most_vectors is 0");
+  if (!(search->tolerance > 0.0)) refuse(fmt::format("tolerance is {}, has to be above 0", search->tolerance));
+  const double* const end = search->start + search->size;
+  if (std::any_of(static_cast<const double*>(search->start), end, [](double x) { return !std::isfinite(x); }))
+    refuse("start is not finite");
+  return *search;
 }
 
 void check_nodes(const std::uint32_t* nodes, std::uint32_t count, std::uint32_t node_count) {

@@ -26,6 +26,10 @@ const springnet_sweep& checked(const springnet_sweep* sweep, std::uint32_t node_
 
 // A request as this host knows it, whatever the integrator was compiled against.
 [[nodiscard]] springnet_sweep complete(const springnet_sweep& request);
+// A sweep of the linearised network.
+const springnet_sweep& checked_linear(const springnet_sweep* sweep, std::uint32_t node_count);
+// A search for an eigenvalue.
+springnet_eigenvalue_search& checked(springnet_eigenvalue_search* search);
 
 // Nodes for evaluate_nodes.
 void check_nodes(const std::uint32_t* nodes, std::uint32_t count, std::uint32_t node_count);

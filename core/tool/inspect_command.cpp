@@ -21,10 +21,10 @@ namespace springnet::tool {
 namespace {
 
 constexpr const char* inspect_examples =
-    R"(It tells for each update rule of the recurrent network the largest time step under which it settles, found by power
-iteration on the network linearised at the start, and which node and spring set it; counts mechanisms (motions that no
-spring resists); and lists what looks like a slip: springs far stiffer than the rest, nodes without springs, parts that
-nothing fixes; and hints at likely mistakes, as of units. The page inspect.md of the documentation explains the numbers.
+    R"(It lists the largest time steps that the installed integrators tell, for each update rule of the recurrent network that
+under which it settles, on the network linearised at the start, and which node and spring set it; counts mechanisms
+(motions that no spring resists); and points out likely input mistakes: springs far stiffer than the rest, nodes without
+springs, parts that nothing fixes, wrong units. The page inspect.md of the documentation explains the numbers.
 Of a mesh file it tells groups, sizes, edges, which unit its coordinates are likely in, and how a scene uses it.
 
 Examples:
@@ -122,16 +122,17 @@ std::string text_of(const Network& network, const std::optional<Bottleneck>& set
 // Whether a closed surface acts on its nodes together by more than a sweep of one node after another undoes soon.
 bool slow_for_fillings(const Scene& scene, const Inspection& found) {
   if (!found.elements.contains(std::string(name_of(Invariant::enclosed_volume)))) return false;
-  const TimeConstantLimit& limit = found.limit(UpdateRule::synchronous);
-  return limit.time_constant > 0.0 && scene.options.time_step > limit.time_constant;
+  return std::any_of(found.limits.begin(), found.limits.end(), [&](const TimeConstantLimit& limit) {
+    return limit.rule == "synchronous" && limit.time_constant > 0.0 && scene.options.time_step > limit.time_constant;
+  });
 }
 
 void print_limits(const Scene& scene, const Inspection& found) {
   fmt::print("\nLargest time step of each update rule, linearised at the start{}:\n",
-             found.options.theta == 1.0 ? "" : fmt::format(", theta {:g}", found.options.theta));
+             found.options.theta() == 1.0 ? "" : fmt::format(", theta {:g}", found.options.theta()));
   std::vector<std::vector<std::string>> rows{{"update", "largest time step", "the scene's", "set by"}};
   for (const TimeConstantLimit& limit : found.limits) {
-    std::vector<std::string> row{std::string(name_of(limit.rule))};
+    std::vector<std::string> row{printable(limit.name())};
     switch (limit.kind) {
       case TimeConstantLimit::Kind::none:
         row.insert(row.end(), {"no limit", "", ""});
@@ -248,9 +249,7 @@ InspectionOptions options_of(const Scene& scene, const PluginHost& plugins) {
   // An integrator that is given a tolerance of errors divides time steps by it.
   const auto integrator = plugins.find(ComponentKind::integrator, scene.options.integrator.id);
   options.steps_of_its_own = integrator && parameter_index(*integrator->description, "relative_tolerance") >= 0;
-  const ParameterValues& given = scene.options.integrator.parameters;
-  const auto theta = given.find("theta");
-  if (theta != given.end() && theta->second > 0.0) options.theta = theta->second;
+  options.integrator = scene.options.integrator;
   return options;
 }
 

@@ -79,6 +79,33 @@ Misdeed sweeps_in_sets(std::vector<std::uint32_t> order, std::vector<std::uint32
     return h.host->sweep(h.context, &sweep);
   };
 }
+// A sweep of the linearised network that a change has spoilt.
+Misdeed sweeps_linearly(std::function<void(springnet_sweep&)> change) {
+  return [change = std::move(change)](const Hands& h) {
+    const springnet_evaluation at = h.at();
+    if (const springnet_status status = h.host->linearise(h.context, &at); status != SPRINGNET_OK) return status;
+    std::vector<std::uint32_t> order(h.nodes());
+    for (std::uint32_t k = 0; k < order.size(); ++k) order[k] = k;
+    springnet_sweep sweep = h.sweep_in(order);
+    change(sweep);
+    return h.host->linear_sweep(h.context, &sweep);
+  };
+}
+// A search for an eigenvalue that a change has spoilt.
+Misdeed seeks_eigenvalue(std::function<void(springnet_eigenvalue_search&)> change) {
+  return [change = std::move(change)](const Hands& h) {
+    double start[3] = {1.0, 2.0, 3.0};
+    auto search = sdk::sized<springnet_eigenvalue_search>();
+    search.size = 3;
+    search.map = [](void*, double*) -> springnet_status { return SPRINGNET_OK; };
+    search.start = start;
+    search.tolerance = 1e-3;
+    search.most_applications = 10;
+    search.most_vectors = 3;
+    change(search);
+    return h.host->dominant_eigenvalue(h.context, &search);
+  };
+}
 // Calls something from the update of the nodes, and fails if that was let through.
 Misdeed updates(std::function<springnet_status(const Hands&)> call, bool ordered) {
   return [call = std::move(call), ordered](const Hands& h) {
@@ -367,6 +394,30 @@ std::vector<Case> all_cases() {
          return status == SPRINGNET_OK && std::isnan(time) ? commit(h, h.until) : status;
        },
        false},
+      {"sweeps linearly before it linearised",
+       [](const Hands& h) {
+         const std::vector<std::uint32_t> order{0};
+         const springnet_sweep sweep = h.sweep_in(order);
+         return h.host->linear_sweep(h.context, &sweep);
+       }},
+      {"sweeps linearly in no order", sweeps_linearly([](springnet_sweep& s) { s.order = nullptr; })},
+      {"sweeps linearly without an update", sweeps_linearly([](springnet_sweep& s) { s.update = nullptr; })},
+      {"sweeps linearly in a step of nothing", sweeps_linearly([](springnet_sweep& s) { s.time_constant = 0.0; })},
+      {"sweeps linearly in a step of nan s", sweeps_linearly([](springnet_sweep& s) { s.time_constant = nan_value; })},
+      {"sweeps linearly as ABI 1.0 did", sweeps_linearly([](springnet_sweep& s) { s.struct_size = 208; })},
+      {"sweeps linearly without velocities", sweeps_linearly([](springnet_sweep& s) { s.velocity.y = nullptr; })},
+      {"sweeps linearly to somewhere else",
+       sweeps_linearly([](springnet_sweep& s) { s.next_velocity = s.next_position; })},
+      {"sweeps linearly a node that is none",
+       sweeps_linearly([](springnet_sweep& s) { const_cast<std::uint32_t*>(s.order)[0] = 0xffffffffu; })},
+      {"seeks no eigenvalue", [](const Hands& h) { return h.host->dominant_eigenvalue(h.context, nullptr); }},
+      {"seeks the eigenvalue of no map", seeks_eigenvalue([](auto& s) { s.map = nullptr; })},
+      {"seeks an eigenvalue of another kind", seeks_eigenvalue([](auto& s) { s.wanted = 7; })},
+      {"seeks an eigenvalue from nowhere", seeks_eigenvalue([](auto& s) { s.start = nullptr; })},
+      {"seeks an eigenvalue from 0", seeks_eigenvalue([](auto& s) { std::fill_n(s.start, 3, 0.0); })},
+      {"seeks an eigenvalue from nan", seeks_eigenvalue([](auto& s) { s.start[1] = nan_value; })},
+      {"seeks an eigenvalue to a tolerance of 0", seeks_eigenvalue([](auto& s) { s.tolerance = 0.0; })},
+      {"seeks an eigenvalue without memory", seeks_eigenvalue([](auto& s) { s.most_vectors = 0; })},
       {"reports and notes nothing",
        [](const Hands& h) {
          h.host->report(h.context, nullptr, nan_value);

@@ -81,7 +81,7 @@ TEST_CASE("an empty network has nothing to measure") {
   CHECK(found.parts.empty());
   CHECK_FALSE(found.mass);
   CHECK_FALSE(found.stiffness);
-  CHECK(found.limit(UpdateRule::synchronous).kind == TimeConstantLimit::Kind::none);
+  CHECK(found.limit("synchronous").kind == TimeConstantLimit::Kind::none);
 }
 
 TEST_CASE("an unknown law is an error of the plugins") {

@@ -127,7 +127,7 @@ TEST_CASE("all of it is in the JSON") {
   const auto json = nlohmann::json::parse(to_json(found));
   const auto& synchronous = json["time_constants"]["synchronous"];
   CHECK(synchronous["limit"] == "known");
-  const double limit = found.limit(UpdateRule::synchronous).time_constant;
+  const double limit = found.limit("synchronous").time_constant;
   CHECK(synchronous["time_constant_s"] == limit);
   CHECK(synchronous["time_step_over_limit"] == 0.01 / limit);
   CHECK(synchronous["set_by"]["spring"] == 7);

@@ -25,7 +25,7 @@ TEST_CASE("a following pressure counts in the limits of time constants, as it ac
     if (later) load.from = 1.0;
     net.add_load(load);
     const Inspection found = inspect(net, *plugins());
-    const TimeConstantLimit& limit = found.limit(UpdateRule::synchronous);
+    const TimeConstantLimit& limit = found.limit("synchronous");
     REQUIRE(limit.kind == TimeConstantLimit::Kind::known);
     const double skew = later ? 0.0 : pressure / 6.0 * std::sqrt(2.0);
     CHECK(limit.time_constant == doctest::Approx(std::sqrt(mass / std::hypot(stiffness, skew))).epsilon(2e-3));

@@ -38,7 +38,16 @@
 /* And ABI 1.3. */
 #define SPRINGNET_ENDS_1_3(check)                        \
   check(springnet_network, status, 160)                  \
-  check(springnet_sweep, reserved, 280)
+  check(springnet_sweep, reserved, 280)                  \
+  check(springnet_impact_search, user, 64)               \
+  check(springnet_host, time_of_impact, 216)
+/* And ABI 1.4. */
+#define SPRINGNET_ENDS_1_4(check)                        \
+  check(springnet_eigenvalue_search, applications, 112)  \
+  check(springnet_limit, reason, 48)                     \
+  check(springnet_limits, tell, 24)                      \
+  check(springnet_integrator, limits, 40)                \
+  check(springnet_host, dominant_eigenvalue, 232)
 /* clang-format on */
 
 #ifdef __cplusplus

@@ -1,10 +1,12 @@
 // The examples of the author's guide at work in the engine.
 #include <doctest/doctest.h>
 
+#include <cmath>
 #include <memory>
 #include <string>
 
 #include <springnet/error.hpp>
+#include <springnet/inspection.hpp>
 #include <springnet/simulation.hpp>
 
 extern "C" {
@@ -87,4 +89,32 @@ TEST_CASE("the engine breaks the guide's brittle spring, and refuses its muscle"
 
   const Network with_memory = swinging({"muscle", {{"relaxation_time", 1.0}}}, {"point_mass", {}});
   CHECK_THROWS_WITH_AS(Simulation(with_memory, host, options), doctest::Contains("internal state"), Error);
+}
+
+TEST_CASE("inspect tells the limit of the guide's integrator, which is the one that it has") {
+  const auto host = plugins();
+  Network network;
+  network.add_node({});
+  network.add_node({.position = {1.0, 0.0, 0.0}, .velocity = {1e-3, 0.0, 0.0}, .mass = 0.5});
+  network.fix(0);
+  network.add_spring(
+      0, 1, network.add_material({LawUse{"linear", {{"stiffness", 8.0}}}, LawUse{"linear", {{"damping", 1.5}}}}));
+  InspectionOptions asked;
+  asked.integrator = {"euler", {{"parts", 3.0}}};
+  const TimeConstantLimit limit = inspect(network, *host, asked).limits.front();
+  CHECK(limit.name() == "euler");
+  REQUIRE(limit.kind == TimeConstantLimit::Kind::known);
+  // h^2 4 + h 1.5 = 1, three parts a step.
+  CHECK(limit.time_constant == doctest::Approx(3.0 * (std::sqrt(1.5 * 1.5 + 16.0) - 1.5) / 8.0).epsilon(2e-3));
+  REQUIRE(limit.set_by);
+  CHECK(limit.set_by->node == 1);
+  CHECK(limit.set_by->spring == 0u);
+  for (const double share : {0.97, 1.03}) {
+    SimulationOptions options;
+    options.time_step = share * limit.time_constant;
+    options.integrator = asked.integrator;
+    Simulation simulation(network, host, options);
+    for (int step = 0; step < 200; ++step) simulation.step();
+    CHECK((simulation.velocity(1).norm() < 1e-3) == (share < 1.0));
+  }
 }

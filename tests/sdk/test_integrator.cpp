@@ -2,6 +2,7 @@
 #include <doctest/doctest.h>
 
 #include <array>
+#include <complex>
 #include <cstdint>
 #include <cstring>
 #include <limits>
@@ -93,6 +94,23 @@ struct FakeHost {
       *time = search->step_until < 9.0 ? search->until : std::numeric_limits<double>::quiet_NaN();
       const bool complete = search->struct_size == sizeof *search && search->step_from == 1.0 && search->depth == 0.1;
       return status != SPRINGNET_OK ? status : of(c).note("time_of_impact", complete);
+    };
+    table.linear_sweep = [](void* c, const springnet_sweep* s) {
+      auto batch = sized<springnet_node_batch>();
+      batch.first = 3;
+      s->update(s->user, &batch);
+      return of(c).note("linear_sweep", s->order_count == 1);
+    };
+    table.dominant_eigenvalue = [](void* c, springnet_eigenvalue_search* search) {
+      const springnet_status status = search->map(search->user, search->start);
+      search->real = search->start[0];
+      search->imaginary = -1.0;
+      search->error = search->tolerance;
+      search->applications = 1;
+      search->mode_imaginary[1] = 7.0;
+      const bool complete = search->struct_size == sizeof *search && search->size == 2 && search->most_vectors == 40 &&
+                            search->wanted == SPRINGNET_LARGEST_REAL_PART;
+      return status != SPRINGNET_OK ? status : of(c).note("dominant_eigenvalue", complete);
     };
     table.next_discontinuity = [](void*, double time) { return time + 1.0; };
     table.commit = [](void* c, double time, springnet_state* s) {
@@ -212,6 +230,19 @@ TEST_CASE("an integrator reaches every function of the host") {
     CHECK_FALSE(h.time_of_impact({1.0, 9.0}, {1.5, 2.5}, 0.1, ask).has_value());
     const auto refuse = [](double, const springnet_vectors&, const springnet_vectors&) { throw Failure("no state"); };
     CHECK_THROWS_WITH_AS(static_cast<void>(h.time_of_impact({1.0, 3.0}, {1.5, 2.5}, 0.1, refuse)), "no state", Failure);
+    sweep.order_count = 1;
+    h.linear_sweep(sweep, [&](const springnet_node_batch& batch) { updated = batch.first; });
+    CHECK(updated == 3);
+    std::vector<double> start{3.0, 4.0};
+    DominantOptions dominant;
+    dominant.wanted = SPRINGNET_LARGEST_REAL_PART;
+    const Dominant mode = h.dominant_eigenvalue(start, dominant, [](double* x) { x[0] = 5.0; });
+    CHECK(mode.value == std::complex<double>(5.0, -1.0));
+    CHECK(mode.error == dominant.tolerance);
+    CHECK(mode.imaginary == std::vector<double>{0.0, 7.0});
+    CHECK(start[0] == 5.0);
+    const auto no_image = [](double*) { throw Failure("no image"); };
+    CHECK_THROWS_WITH_AS(static_cast<void>(h.dominant_eigenvalue(start, dominant, no_image)), "no image", Failure);
     CHECK(h.next_discontinuity(7.0) == 8.0);
     h.commit(6.0, *state);
     h.report("sweeps", 9.0);
@@ -222,7 +253,8 @@ TEST_CASE("an integrator reaches every function of the host") {
   CHECK(host.calls == std::vector<std::string>{"begin_step", "begin_interval", "evaluate", "evaluate_nodes", "sweep",
                                                "linearise", "jacobian_times", "diagonal_blocks", "factorise", "solve",
                                                "solve transposed", "event_values", "fire_events", "time_of_impact",
-                                               "time_of_impact", "commit", "sweeps 9"});
+                                               "time_of_impact", "linear_sweep", "dominant_eigenvalue", "commit",
+                                               "sweeps 9"});
 }
 
 TEST_CASE("a host before ABI 1.2 averages loads over an interval, and has one revision for all") {
@@ -244,6 +276,62 @@ TEST_CASE("a host before ABI 1.3 does not look through steps") {
           return SPRINGNET_OK;
         }) == SPRINGNET_OK);
   CHECK(host.calls.empty());
+}
+
+TEST_CASE("a host before ABI 1.4 searches for no eigenvalue, and says so") {
+  FakeHost host;
+  host.table.struct_size = offsetof(springnet_host, linear_sweep);
+  CHECK(run(host, [](Host& h, springnet_step_report&) -> springnet_status {
+          std::vector<double> start{1.0};
+          static_cast<void>(h.dominant_eigenvalue(start, {}, [](double*) {}));
+          return SPRINGNET_OK;
+        }) == SPRINGNET_FAILED);
+  CHECK(std::string(host.text.text).find("older than ABI 1.4") != std::string::npos);
+  CHECK(host.calls.empty());
+}
+
+namespace {
+
+// Tells what a test asks for.
+class Telling : public Integrator {
+ public:
+  static constexpr const char* id = "telling";
+  static constexpr const char* summary = "tells a limit";
+  static inline bool fails = false;
+  explicit Telling(Host, Options) {}
+  springnet_status advance(double, springnet_step_report&) { return SPRINGNET_OK; }
+  void limits(const LimitSink& sink) {
+    if (fails) throw Failure("no derivatives");
+    sink.tell("leap", {SPRINGNET_LIMIT_ESTIMATE, 0.5, 0.25, 3});
+    sink.tell("", {SPRINGNET_LIMIT_KNOWN, std::numeric_limits<double>::infinity()});
+    sink.unknown("hop", "it is dark");
+  }
+};
+
+}  // namespace
+
+TEST_CASE("an integrator that has limits tells them; one without has no such function") {
+  const bool any = functions.limits != nullptr;
+  CHECK_FALSE(any);
+  const auto& telling = *static_cast<const springnet_integrator*>(ComponentEntry<Telling>::value.implementation);
+  const bool tells = telling.limits != nullptr;
+  REQUIRE(tells);
+  FakeHost host;
+  void* integrator = nullptr;
+  REQUIRE(telling.create(&host.table, nullptr, &integrator) == SPRINGNET_OK);
+  std::vector<std::string> told;
+  springnet_limits sink{sizeof sink, 0, &told, [](void* context, const springnet_limit* limit) {
+                          static_cast<std::vector<std::string>*>(context)->push_back(
+                              std::string(limit->rule) + " " + std::to_string(limit->kind) + " " +
+                              (limit->reason == nullptr ? std::to_string(limit->node) : limit->reason));
+                        }};
+  CHECK(telling.limits(integrator, &sink) == SPRINGNET_OK);
+  CHECK(told == std::vector<std::string>{"leap 1 3", " 2 4294967295", "hop 3 it is dark"});
+  Telling::fails = true;
+  CHECK(telling.limits(integrator, &sink) == SPRINGNET_FAILED);
+  Telling::fails = false;
+  CHECK(std::string(host.text.text) == "no derivatives");
+  telling.destroy(integrator);
 }
 
 TEST_CASE("a failed call of the host becomes an exception, and the status of advance") {

@@ -1,10 +1,13 @@
 // Small networks in code, and the ways to integrate them, for tests.
 #pragma once
 
+#include <algorithm>
+#include <array>
 #include <cmath>
 #include <memory>
 #include <optional>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include <springnet/network.hpp>
@@ -21,6 +24,11 @@ inline std::shared_ptr<const PluginHost> plugins() {
 
 // Options of the integrator "recurrent" as it numbers its choices.
 inline constexpr double synchronous = 0, wavefront = 1, block = 2, coloured = 3, newton = 4, automatic = 5;
+inline constexpr std::array update_rules{"synchronous", "wavefront", "block", "coloured", "newton"};
+// The option `update` of a rule by its name.
+inline double update_named(std::string_view name) {
+  return static_cast<double>(std::find(update_rules.begin(), update_rules.end(), name) - update_rules.begin());
+}
 inline constexpr double on_unsettled_error = 0, on_unsettled_accept = 1, on_unsettled_adapt = 2;
 
 inline LawUse recurrent(double update, double force_tolerance, ParameterValues more = {}) {

@@ -34,7 +34,7 @@ TEST_CASE("inspect says what a scene is made of, and writes nothing") {
   CHECK_FALSE(std::filesystem::exists(folder.path() / "results"));
 }
 
-TEST_CASE("inspect says what looks like a slip, in the scene's numbers") {
+TEST_CASE("inspect points out unusual springs and nodes, in the scene's numbers") {
   const TemporaryFolder folder;
   folder.write("slips.toml", R"(
 [simulation]

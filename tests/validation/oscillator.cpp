@@ -59,7 +59,7 @@ constexpr springnet_integrator idle_functions{
       *integrator = &idle_instance;
       return SPRINGNET_OK;
     },
-    [](void*) {}, [](void*, double, springnet_step_report*) -> springnet_status { return SPRINGNET_OK; }};
+    [](void*) {}, [](void*, double, springnet_step_report*) -> springnet_status { return SPRINGNET_OK; }, nullptr};
 constexpr springnet_component idle{
     sizeof(springnet_component), SPRINGNET_INTEGRATOR, "idle", "", "", 0, 0, nullptr, &idle_functions};
 constexpr const springnet_component* idle_components[] = {&idle};

@@ -3,7 +3,6 @@
 // numbers.
 #pragma once
 
-#include <array>
 #include <cstddef>
 #include <map>
 #include <optional>
@@ -21,14 +20,8 @@ struct Range {
   double largest;
 };
 
-// The ways in which the recurrent network propagates.
-enum class UpdateRule { synchronous, wavefront, block, coloured, newton };
-inline constexpr std::array update_rules{UpdateRule::synchronous, UpdateRule::wavefront, UpdateRule::block,
-                                         UpdateRule::coloured, UpdateRule::newton};
-[[nodiscard]] std::string_view name_of(UpdateRule rule) noexcept;
-
-// What sets a limit: the node that moves most in the motion that grows first, and what acts on it most. At the limit t
-// (times theta).
+// What sets a limit: the node that moves most in the mode that grows first, and the spring or element that acts on it
+// most, in its shares of w^2 K / m and w D / m at the limit (w: the time constant times theta).
 struct Bottleneck {
   NodeIndex node;
   double mass;                        // kg
@@ -38,12 +31,12 @@ struct Bottleneck {
   std::optional<ElementIndex> element;
   double stiffness;      // N/m
   double damping;        // N s/m
-  double elastic_share;  // t^2 k / m
-  double viscous_share;  // t d / m
+  double elastic_share;  // w^2 k / m
+  double viscous_share;  // w d / m
 };
 
-// The time step from which on local propagation under a rule does not settle any more: where the spectral radius of a
-// linearised sweep reaches 1.
+// The time step from which on an integrator, or one of its update rules, does not settle or is not stable any more, as
+// the integrator tells it.
 struct TimeConstantLimit {
   enum class Kind {
     known,     // to about a per cent
@@ -51,10 +44,15 @@ struct TimeConstantLimit {
     none,      // there is no such time step, or only one thousands of times above those of other rules
     unknown    // a law or neuron cannot be linearised
   };
-  UpdateRule rule;
+  std::string integrator;  // id
+  std::string rule;        // as the integrator names it; empty: it has no rules to choose from
   Kind kind = Kind::unknown;
   double time_constant = 0.0;  // s; 0 where there is none or it is unknown
+  std::string reason;          // why there is none, or why it is unknown; may be empty
   std::optional<Bottleneck> set_by;
+
+  // What it is told under: the rule, or the integrator.
+  [[nodiscard]] const std::string& name() const noexcept { return rule.empty() ? integrator : rule; }
 };
 
 // Nodes that springs, elements and rigid connections join.
@@ -112,10 +110,13 @@ struct Mobility {
 };
 
 struct InspectionOptions {
-  double theta = 1.0;                 // of the integrator: limits are those of the spectral radius, over theta
-  std::optional<double> time_step{};  // s: that which the scene asks for
-  std::optional<double> duration{};   // s: likewise
-  bool steps_of_its_own = false;      // the integrator divides time steps by an error test, as cvode does
+  LawUse integrator{"recurrent", {}};  // that of the scene, whose limits come first; others tell theirs by default
+  std::optional<double> time_step{};   // s: that which the scene asks for
+  std::optional<double> duration{};    // s: likewise
+  bool steps_of_its_own = false;       // the integrator divides time steps by an error test, as cvode does
+
+  // The integrator's parameter of that name, 1 without one.
+  [[nodiscard]] double theta() const;
 };
 
 // The slowest motion that springs resist, linearised at the start.
@@ -128,7 +129,7 @@ inline constexpr double damped_out = 0.5;
 // and this many a period at least.
 inline constexpr double steps_a_period = 10.0;
 
-// A likely mistake in a scene, most often of units.
+// A likely input mistake, most often a wrong unit.
 struct Hint {
   enum class Kind { size, mass, density, gravity, start, fall, time_step, kinks };
   Kind kind;
@@ -160,7 +161,7 @@ struct Inspection {
   double memory_bytes = 0.0;              // about what a run in the recurrent integrator takes in all
 
   InspectionOptions options;
-  std::vector<TimeConstantLimit> limits;  // one for each of update_rules
+  std::vector<TimeConstantLimit> limits;  // of every installed integrator that tells any, rule by rule
   std::string unknown_because;            // why limits are unknown; else empty
   // s: up to here the equation of a time step, linearised at the start, has one solution; springs that push or soften
   // make it have several beyond (buckling). Empty: one for every time step, or not known.
@@ -173,9 +174,8 @@ struct Inspection {
   Suspicions suspicions;
   std::vector<Hint> hints;
 
-  [[nodiscard]] const TimeConstantLimit& limit(UpdateRule rule) const {
-    return limits.at(static_cast<std::size_t>(rule));
-  }
+  // By name(). Throws Error(input) if no integrator told of one.
+  [[nodiscard]] const TimeConstantLimit& limit(std::string_view name) const;
 };
 
 // Throws Error(plugin) for a component that `plugins` does not have, Error(input) for parameters it does not take.

@@ -176,6 +176,43 @@ Vector3 ElementLinearisation::force(std::uint32_t node, const double* dp, const 
   return sum;
 }
 
+void ElementLinearisation::follow(const double* const u[3]) {
+  const ElementLayout& elements = layout_.elements();
+  for (std::size_t s = 0; s < enclosures_.size(); ++s) {
+    EnclosureDerivatives& own = enclosures_[s];
+    own.product = 0.0;
+    if (!elements.alive(elements.enclosures()[s].element)) continue;
+    const std::vector<std::uint32_t>& nodes = elements.enclosures()[s].shape.nodes();
+    for (std::size_t place = 0; place < nodes.size(); ++place)
+      own.product += weight_of(own, place).dot(Vector3(u[0][nodes[place]], u[1][nodes[place]], u[2][nodes[place]]));
+  }
+}
+
+void ElementLinearisation::moved(std::uint32_t node, const Vector3& change) {
+  if (enclosures_.empty()) return;
+  for_each_enclosure(layout_.elements().shares(node), [&](const ElementShare& share) {
+    EnclosureDerivatives& own = enclosures_[share.enclosure];
+    own.product += weight_of(own, share.place).dot(change);
+  });
+}
+
+Vector3 ElementLinearisation::force_of_others(std::uint32_t node, const double* const u[3]) const {
+  const auto at = [&](std::uint32_t k) { return Vector3(u[0][k], u[1][k], u[2][k]); };
+  Vector3 sum = Vector3::Zero();
+  for (std::size_t b = rows_.begin(node); b < rows_.end(node); ++b) {
+    const std::uint32_t other = rows_.other(b);
+    if (other == node) continue;
+    sum -= position_weight_ * (stiffness_[b] * at(other));
+    if (damped_) sum -= velocity_weight_ * (damping_[b] * at(other));
+  }
+  if (enclosures_.empty()) return sum;
+  for_each_enclosure(layout_.elements().shares(node), [&](const ElementShare& share) {
+    const EnclosureDerivatives& own = enclosures_[share.enclosure];
+    sum -= (own.product - weight_of(own, share.place).dot(at(node))) * own.gradient[share.place];
+  });
+  return sum;
+}
+
 Block ElementLinearisation::diagonal(std::uint32_t node, double velocity_weight, double position_weight,
                                      bool vectors) const {
   Block sum = Block::Zero();

@@ -152,6 +152,41 @@ void Linearisation::times(const double* dp, const double* dv, double* out) {
   }
 }
 
+bool Linearisation::neurons_dissipate() const {
+  const auto dissipates = [](const auto& own) { return own.isDiagonal(0.0) && own.diagonal().maxCoeff() <= 0.0; };
+  for (std::uint32_t k = 0; k < layout_.node_count(); ++k)
+    if (constrained_[k] == 0 && !(dissipates(block(by_position_, k)) && dissipates(block(by_velocity_, k))))
+      return false;
+  return true;
+}
+
+void Linearisation::weigh(double velocity_weight, double position_weight) {
+  weighted_.resize(stiffness_.size());
+  for (std::size_t i = 0; i < weighted_.size(); ++i)
+    weighted_[i] = velocity_weight * damping_[i] + position_weight * stiffness_[i];
+  weighed_position_ = position_weight;
+  elements_.weigh(velocity_weight, position_weight);
+  bond_ends_.clear();
+  for (std::uint32_t b = 0; b < bonds_.size(); ++b)
+    for (const std::uint32_t end : {bonds_[b].first, bonds_[b].second}) bond_ends_.emplace_back(end, b);
+  std::sort(bond_ends_.begin(), bond_ends_.end());
+}
+
+Vector3 Linearisation::others_of(std::uint32_t node, const double* const u[3]) const {
+  if (constrained_[node] != 0) return Vector3::Zero();
+  const auto at = [&](std::uint32_t k) { return Vector3(u[0][k], u[1][k], u[2][k]); };
+  Vector3 force = Vector3::Zero();
+  for (const Incident* i = layout_.incident_begin(node); i != layout_.incident_end(node); ++i)
+    force += block(weighted_, i->spring) * at(i->other);
+  if (elements_.any()) force += elements_.force_of_others(node, u);
+  for (auto end = std::lower_bound(bond_ends_.begin(), bond_ends_.end(), std::pair(node, std::uint32_t{0}));
+       end != bond_ends_.end() && end->first == node; ++end) {
+    const Bond& bond = bonds_[end->second];
+    force += weighed_position_ * (bond.stiffness * at(bond.first == node ? bond.second : bond.first));
+  }
+  return block(by_force_, node) * force;
+}
+
 void Linearisation::diagonal_blocks(double velocity_weight, double position_weight, double* out) const {
   diagonal_blocks(velocity_weight, position_weight, true, out);
 }
@@ -240,12 +275,7 @@ void Linearisation::factorise_bound(const std::vector<ConstraintRow>& rows) {
   system_->bordered_factors.factorize(system_->bordered);
 }
 
-springnet_status Linearisation::factorise(double velocity_weight, double position_weight,
-                                          const std::vector<ConstraintRow>& rows, springnet_message& message) {
-  if (!known_) {
-    set_message(message, "factorise was called before linearise");
-    return SPRINGNET_FAILED;
-  }
+void Linearisation::fill(double velocity_weight, double position_weight) {
   if (!pattern_known_) make_pattern();
   const std::uint32_t n = layout_.node_count();
   double* values = system_->matrix.valuePtr();
@@ -281,6 +311,23 @@ springnet_status Linearisation::factorise(double velocity_weight, double positio
                                if (constrained_[i] == 0) add(i, j, block(by_force_, i) * value);
                              });
   }
+}
+
+void Linearisation::for_each_entry(double velocity_weight, double position_weight,
+                                   const std::function<void(int row, int column, double value)>& visit) {
+  fill(velocity_weight, position_weight);
+  for (int column = 0; column < system_->matrix.outerSize(); ++column)
+    for (Eigen::SparseMatrix<double>::InnerIterator entry(system_->matrix, column); entry; ++entry)
+      visit(static_cast<int>(entry.row()), column, entry.value());
+}
+
+springnet_status Linearisation::factorise(double velocity_weight, double position_weight,
+                                          const std::vector<ConstraintRow>& rows, springnet_message& message) {
+  if (!known_) {
+    set_message(message, "factorise was called before linearise");
+    return SPRINGNET_FAILED;
+  }
+  fill(velocity_weight, position_weight);
   if (rows.empty()) {
     rows_.clear();
     system_->factors.factorize(system_->matrix);

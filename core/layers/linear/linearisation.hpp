@@ -3,7 +3,9 @@
 #pragma once
 
 #include <cstdint>
+#include <functional>
 #include <memory>
+#include <utility>
 #include <vector>
 
 #include "layers/evaluator.hpp"
@@ -42,6 +44,23 @@ class Linearisation {
   void times(const double* dp, const double* dv, double* out);
   // Diagonal blocks of I - velocity_weight da/dv - position_weight da/dp, [node][9].
   void diagonal_blocks(double velocity_weight, double position_weight, double* out) const;
+  // The entries of A = I - velocity_weight da/dv - position_weight da/dp, unknown 3 node + coordinate, without the
+  // rank-one terms of enclosures.
+  void for_each_entry(double velocity_weight, double position_weight,
+                      const std::function<void(int row, int column, double value)>& visit);
+
+  // Whether no neuron by itself feeds a motion: its da/dp and da/dv are diagonal and nowhere above 0.
+  [[nodiscard]] bool neurons_dissipate() const;
+
+  // ---- node by node, for sweeps ----
+  // Weighs the blocks for others_of().
+  void weigh(double velocity_weight, double position_weight);
+  // (velocity_weight da/dv + position_weight da/dp) u of a node, without its own block; u: [3] components, [node].
+  // Enclosures: follow() first, and moved() after every change of u.
+  [[nodiscard]] Vector3 others_of(std::uint32_t node, const double* const u[3]) const;
+  void follow(const double* const u[3]) { elements_.follow(u); }
+  void moved(std::uint32_t node, const Vector3& change) { elements_.moved(node, change); }
+
   // Factorises A = I - velocity_weight da/dv - position_weight da/dp or, if there are constraint rows,
   //   [A  W G^T; G  0], G the rows, W the derivatives of the accelerations with respect to forces.
   // SPRINGNET_RECOVERABLE if the matrix is singular.
@@ -70,6 +89,8 @@ class Linearisation {
   // SPRINGNET_RECOVERABLE with a message if a neuron's answer is not finite.
   springnet_status check_neurons(springnet_message& message) const;
   void make_pattern();
+  // Writes A into the sparse matrix.
+  void fill(double velocity_weight, double position_weight);
   // vectors: with the rank-one terms of enclosures.
   void diagonal_blocks(double velocity_weight, double position_weight, bool vectors, double* out) const;
   // Solver of the factorised matrix without the rank-one terms.
@@ -85,6 +106,9 @@ class Linearisation {
   Blocks stiffness_, damping_;                   // [spring]
   Blocks by_force_, by_position_, by_velocity_;  // [node]
   std::vector<Bond> bonds_;
+  Blocks weighted_;                                                 // [spring], of weigh()
+  std::vector<std::pair<std::uint32_t, std::uint32_t>> bond_ends_;  // node and bond, sorted, likewise
+  double weighed_position_ = 0.0;
   ElementLinearisation elements_;
   LowRank vectors_;  // rank-one terms of enclosures, as of the last factorisation
   std::vector<double> force_[3], acceleration_[3];

@@ -48,6 +48,10 @@ class Cvode : public Integrator {
     return SPRINGNET_OK;
   }
 
+  void limits(const LimitSink& sink) {
+    sink.none("", "steps within a time step are its own, as long as its tolerances allow");
+  }
+
  private:
   static Settings read(const Options& options) {
     Settings settings;

@@ -92,7 +92,8 @@ bool BlockUpdate::update(const springnet_node_batch& batch, std::uint32_t i) con
   const Block& matrix = node.definite && !constrained_ ? node.matrix : node.positive;
   const Vector direction = -(matrix.inverse() * node.residual);
   put(k, node.velocity + direction);
-  if (!constrained && step_.network.fixed[k] == 0) search(k, node.velocity, node.residual, direction);
+  if (!constrained && step_.network.fixed[k] == 0 && !step_.is_linear)
+    search(k, node.velocity, node.residual, direction);
   return at(position_, k).allFinite();
 }
 

@@ -25,6 +25,7 @@ class Newton final : public Rule {
   void attach(const springnet_network& network) override;
   void begin(Step& step) override;
   void sweep(Step& step) override;
+  [[nodiscard]] bool has_linear_sweep() const noexcept override { return false; }
 
  private:
   // Residuals of outputs. Arrays of 3 n numbers have x of all nodes first.

@@ -20,20 +20,36 @@ void WavefrontRule::begin(Step& step) {
   step.start_node = order_.strongest(step.network, sdk::view(step.outputs->force));
 }
 
-void WavefrontRule::sweep(Step& step) {
+template <class Go>
+void WavefrontRule::with_update(Step& step, std::span<const std::uint32_t> order, const Go& go) {
   const springnet_state& outputs = *step.outputs;
-  if (step.differences.free_node != no_node) step.start_node = step.differences.free_node;
-  const auto order = order_.order(step.network, step.start_node, sdk::view(outputs.force));
   springnet_sweep call = work_.sweep_call(step, outputs, outputs);
   call.order = order.data();
   call.order_count = static_cast<std::uint32_t>(order.size());
   if (!block_) {
-    sweep_with(step, call, NodeUpdate(step.weight(), step.free_position, step.free_velocity, outputs));
+    go(call, NodeUpdate(step.weight(), step.free_position, step.free_velocity, outputs));
     return;
   }
   const BlockUpdate update(work_.host, step, memory_);
   update.request(call);
-  sweep_with(step, call, update);
+  go(call, update);
+}
+
+void WavefrontRule::sweep(Step& step) {
+  if (step.differences.free_node != no_node) step.start_node = step.differences.free_node;
+  const auto order = order_.order(step.network, step.start_node, sdk::view(step.outputs->force));
+  with_update(step, order, [&](const springnet_sweep& call, const auto& update) { sweep_with(step, call, update); });
+}
+
+// In the order of the first sweep of a run. Later ones begin elsewhere, which moves the limit by some per cent.
+void WavefrontRule::begin_linear(const Step& step) {
+  const springnet_const_vectors force = sdk::view(step.start.force);
+  linear_order_ = order_.order(step.network, order_.strongest(step.network, force), force);
+}
+
+void WavefrontRule::linear_sweep(Step& step) {
+  with_update(step, linear_order_,
+              [&](const springnet_sweep& call, const auto& update) { work_.host.linear_sweep(call, update); });
 }
 
 void Coloured::attach(const springnet_network& network) {
@@ -41,16 +57,27 @@ void Coloured::attach(const springnet_network& network) {
   memory_.attach(network);
 }
 
-void Coloured::sweep(Step& step) {
-  const springnet_state& outputs = *step.outputs;
-  springnet_sweep call = work_.sweep_call(step, outputs, outputs);
+springnet_sweep Coloured::call_in_order(const Step& step) {
+  springnet_sweep call = work_.sweep_call(step, *step.outputs, *step.outputs);
   call.order = colours_.order().data();
   call.order_count = static_cast<std::uint32_t>(colours_.order().size());
+  return call;
+}
+
+void Coloured::sweep(Step& step) {
+  springnet_sweep call = call_in_order(step);
   call.set_start = colours_.set_start().data();
   call.set_count = static_cast<std::uint32_t>(colours_.set_start().size() - 1);
   const BlockUpdate update(work_.host, step, memory_);
   update.request(call);
   sweep_with(step, call, update);
+}
+
+void Coloured::linear_sweep(Step& step) {
+  springnet_sweep call = call_in_order(step);
+  const BlockUpdate update(work_.host, step, memory_);
+  update.request(call);
+  work_.host.linear_sweep(call, update);
 }
 
 }  // namespace springnet::recurrent

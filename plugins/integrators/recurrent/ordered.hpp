@@ -1,6 +1,9 @@
 // Rules in which each node reads the newest outputs of the others, one node after another or one colour after another.
 #pragma once
 
+#include <cstdint>
+#include <span>
+
 #include "block_update.hpp"
 #include "colouring.hpp"
 #include "rule.hpp"
@@ -41,10 +44,17 @@ class WavefrontRule final : public Ordered {
   void attach(const springnet_network& network) override;
   void begin(Step& step) override;
   void sweep(Step& step) override;
+  void begin_linear(const Step& step) override;
+  void linear_sweep(Step& step) override;
 
  private:
+  // A call in an order, with the update that belongs to the rule: go(call, update).
+  template <class Go>
+  void with_update(Step& step, std::span<const std::uint32_t> order, const Go& go);
+
   bool block_;
   Wavefront order_;
+  std::span<const std::uint32_t> linear_order_;
   BlockMemory memory_;
 };
 
@@ -54,8 +64,11 @@ class Coloured final : public Ordered {
   explicit Coloured(Workspace& workspace) noexcept : Ordered(workspace) {}
   void attach(const springnet_network& network) override;
   void sweep(Step& step) override;
+  void linear_sweep(Step& step) override;
 
  private:
+  [[nodiscard]] springnet_sweep call_in_order(const Step& step);
+
   Colouring colours_;
   BlockMemory memory_;
 };

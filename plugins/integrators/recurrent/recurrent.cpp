@@ -27,6 +27,7 @@
 #include "crossings.hpp"
 #include "explanation.hpp"
 #include "force_rounding.hpp"
+#include "limits.hpp"
 #include "propagation.hpp"
 #include "step_course.hpp"
 
@@ -97,6 +98,11 @@ class Recurrent : public springnet::sdk::Integrator {
         rounding_(host) {}
 
   springnet_status advance(double until, springnet_step_report& report);
+  void limits(const springnet::sdk::LimitSink& sink) {
+    attach();
+    tell_limits(
+        work_, theta_, [this](Update update) -> Rule& { return rule(update); }, sink);
+  }
 
  private:
   static constexpr int most_halvings = 12;     // of a time step
@@ -114,6 +120,8 @@ class Recurrent : public springnet::sdk::Integrator {
   [[nodiscard]] bool advance_to_event(double until, springnet_step_report& report);
   // Times, s, the earliest last, at which to search for touches inside of the step that its ends may not show.
   [[nodiscard]] std::vector<double> times_of_impact(const Step& step) const;
+  // The network as it is now, which the workspace knows from then on.
+  const springnet_network& attach();
   [[nodiscard]] Step make_step(double until);
   // Sets tolerance and rounding of the step from the current estimates.
   void set_tolerance(Step& step);
@@ -266,17 +274,22 @@ springnet_status Recurrent::advance_once(double until, springnet_step_report& re
   return SPRINGNET_OK;
 }
 
+const springnet_network& Recurrent::attach() {
+  const springnet_network& network = work_.host.network();
+  if (revision_ != network.revision) {
+    work_.attach(network);
+    revision_ = network.revision;
+  }
+  return network;
+}
+
 Step Recurrent::make_step(double until) {
   const auto [from, start] = work_.host.committed();
   if (!(until > from)) {
     throw Failure("a time step has to end after " + std::to_string(from) + " s, where the network stands");
   }
   work_.host.begin_step(from, until);
-  const springnet_network& network = work_.host.network();
-  if (revision_ != network.revision) {
-    work_.attach(network);
-    revision_ = network.revision;
-  }
+  const springnet_network& network = attach();
   const bool compares = !(limits_.exact_sweeps == 1 && update_ == Update::synchronous);
   Step step{from, until, until - from, theta_, 0.0, start, network, compares};
   // No derivatives for rules that do not need them, unless a step does not settle.

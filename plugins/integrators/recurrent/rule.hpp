@@ -24,6 +24,13 @@ class Rule {
   virtual void begin(Step& step) = 0;
   // One sweep: sets step.outputs, differences, finite; and counts itself.
   virtual void sweep(Step& step) = 0;
+
+  // The same on the network that Host::linearise left, for limits. Outputs are small changes, in arrays of 3n numbers
+  // (x of all nodes first), with positions that belong to the velocities; step.start has the forces that the first
+  // sweep of a run would see. A rule that solves the linear system has no such sweep: has_linear_sweep().
+  [[nodiscard]] virtual bool has_linear_sweep() const noexcept { return true; }
+  virtual void begin_linear(const Step&) {}
+  virtual void linear_sweep(Step&) {}
 };
 
 [[nodiscard]] std::unique_ptr<Rule> make_rule(Update update, Workspace& workspace);

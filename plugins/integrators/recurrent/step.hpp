@@ -24,9 +24,10 @@ struct Step {
   double tolerance;      // N
   const springnet_state& start;
   const springnet_network& network;
-  bool compares;          // forces of successive sweeps are compared; a single synchronous sweep has nothing to compare
-  bool decides = true;    // which nodes touch, slide and stick; else that stays as committed
-  double rounding = 0.0;  // N, of the forces (force_rounding.hpp); 0: not known
+  bool compares;        // forces of successive sweeps are compared; a single synchronous sweep has nothing to compare
+  bool decides = true;  // which nodes touch, slide and stick; else that stays as committed
+  bool is_linear = false;  // outputs are small changes of the linearised network
+  double rounding = 0.0;   // N, of the forces (force_rounding.hpp); 0: not known
 
   springnet_const_vectors free_position{}, free_velocity{};  // p*, v*: where nodes go that nothing accelerates
   springnet_state* outputs = nullptr;                        // the newest; null: the start

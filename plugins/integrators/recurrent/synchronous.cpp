@@ -24,4 +24,15 @@ void Synchronous::sweep(Step& step) {
   step.finite = record.finite();
 }
 
+void Synchronous::linear_sweep(Step& step) {
+  const std::size_t size = 3 * std::size_t{step.network.node_count};
+  double *p = step.outputs->position.x, *u = step.outputs->velocity.x;
+  acceleration_.resize(size);
+  work_.host.jacobian_times(p, u, acceleration_.data());
+  for (std::size_t i = 0; i < size; ++i) {
+    u[i] = step.weight() * acceleration_[i];
+    p[i] = step.weight() * u[i];
+  }
+}
+
 }  // namespace springnet::recurrent

@@ -11,9 +11,11 @@ class Synchronous final : public Rule {
   void attach(const springnet_network&) override {}
   void begin(Step& step) override;
   void sweep(Step& step) override;
+  void linear_sweep(Step& step) override;
 
  private:
   Workspace& work_;
+  std::vector<double> acceleration_;  // of a linear sweep
 };
 
 }  // namespace springnet::recurrent

@@ -21,8 +21,9 @@ void copy(const springnet_const_vectors& from, const springnet_vectors& to, std:
 }
 
 void Workspace::attach(const springnet_network& network) {
-  if (!SPRINGNET_HAS_FIELD(springnet_network, &network, status))
-    throw sdk::Failure("the host is older than ABI 1.3, which this integrator needs; update the host");
+  if (!SPRINGNET_HAS_FIELD(springnet_network, &network, status) ||
+      !SPRINGNET_HAS_FIELD(springnet_host, &host.table(), dominant_eigenvalue))
+    throw sdk::Failure("the host is older than ABI 1.4, which this integrator needs; update the host");
   record.resize(network);
   internal_rate_.resize(network.internal_count);
   acceleration_.resize(network.node_count);

@@ -9,32 +9,31 @@
 // g = h c, and l = -1 is where it leaves the unit circle first. Where the acceleration is evaluated anew at each start,
 // the step is one of two variables, and stable while q < 4 - 2 g + g^2 and g < 2.
 //
-// Of a network k and c are the Rayleigh quotients of -da/dp and -da/dv in the mass inner product, and the limit is the
-// least over all directions; a conjugate gradient method finds it.
+// Of a network k and c are -da/dp and -da/dv, and the limit is where h^2 k / 4 + h c has the eigenvalue 1.
 #pragma once
 
+#include <cstdint>
 #include <vector>
 
-#include <springnet/sdk/host.hpp>
+#include <springnet/sdk/limits.hpp>
 
 class Stability {
  public:
   explicit Stability(springnet::sdk::Host host) : host_(host) {}
 
   // The limit, s, with the derivatives last given to Host::linearise: infinity where nothing limits the step, nan where
-  // derivatives are not finite. `restarts`: the acceleration is evaluated anew at the start of each step. It is an
-  // upper bound that is off by less than a per cent.
+  // derivatives are not finite. `restarts`: the acceleration is evaluated anew at the start of each step. It is off by
+  // less than a per cent.
   [[nodiscard]] double limit(bool restarts);
+  // Then the node that moves most in the motion that becomes unstable first; sdk::no_limit_node without a limit.
+  [[nodiscard]] std::uint32_t node() const;
 
  private:
-  using Values = std::vector<double>;
   // h^2 Q + h L has the eigenvalue 1 at the limit.
   enum class Form { lagging, restarting, restarting_damping };
-  [[nodiscard]] double least(Form form);
-  // quadratic = Q x, linear = L x.
-  void apply(Form form, const Values& x, Values& quadratic, Values& linear);
-  [[nodiscard]] double product(const Values& a, const Values& b) const;
+  // other: a limit that is known already; `mode_` is that of the smaller one.
+  [[nodiscard]] double least(springnet::sdk::LinearisedNetwork& network, Form form, double guess, double other);
 
   springnet::sdk::Host host_;
-  Values x_, x_quadratic_, x_linear_, d_, d_quadratic_, d_linear_, gradient_, last_gradient_, zero_, twice_;
+  std::vector<double> mode_;  // of the limit that limit() found; empty: none
 };

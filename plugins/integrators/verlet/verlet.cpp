@@ -72,7 +72,7 @@ class Verlet : public Integrator {
         ++steps_since_check_ >= steps_per_check)
       check_stability(until - from);
     report.residual = report.force_difference = std::numeric_limits<double>::quiet_NaN();
-    bool commits = false;  // what is refused there, a smaller step does not mend
+    bool commits = false;  // a smaller step does not help where a commit is refused
     try {
       for (std::int64_t i = 1; i <= substeps_; ++i) {
         const double end = i == substeps_ ? until : from + static_cast<double>(i) * h;
@@ -90,6 +90,23 @@ class Verlet : public Integrator {
     report.steps = 1;
     report.sweeps = static_cast<std::uint64_t>(substeps_);
     return SPRINGNET_OK;
+  }
+
+  void limits(const LimitSink& sink) {
+    if (is_any_sliding()) {
+      sink.unknown("", "nodes slide on an obstacle, and what their friction does to the limit is not known");
+      return;
+    }
+    const auto [time, state] = host_.committed();
+    try {
+      host_.linearise(evaluation_at(time, state));
+    } catch (const Failure& failure) {
+      sink.unknown("", failure.what());
+      return;
+    }
+    const double h = stability_.limit(host_.network().rigid_count > 0);
+    // Half a step is the weight: h^2 k / (4 m) + h d / m reaches 1.
+    sink.tell("", {SPRINGNET_LIMIT_KNOWN, h * static_cast<double>(substeps_), 0.5 * h, stability_.node()});
   }
 
  private:
@@ -150,16 +167,22 @@ class Verlet : public Integrator {
     host_.constrain(sweep);
   }
 
-  // Above the limit of stability numbers grow without end, and before that they are wrong: it is an error to begin.
+  // Friction is left out of the check: its derivative turns the direction, and however stiff it is, it limits no step.
+  [[nodiscard]] bool is_any_sliding() const {
+    const springnet_network& network = host_.network();
+    for (std::uint32_t k = 0; network.surface_count > 0 && k < network.node_count; ++k)
+      if (network.touching[k] != 0 && network.held[k] == 0) return true;
+    return false;
+  }
+
+  // Above the limit of stability the solution grows without bound: such a step is refused.
   void check_stability(double time_step) {
     const double h = time_step / static_cast<double>(substeps_);
     checked_step_ = h;
     checked_revision_ = host_.network().revision;
     steps_since_check_ = 0;
-    // The derivative of friction turns its direction, however stiff it is; it is no matter of stability.
+    if (is_any_sliding()) return;
     const springnet_network& network = host_.network();
-    for (std::uint32_t k = 0; network.surface_count > 0 && k < network.node_count; ++k)
-      if (network.touching[k] != 0 && network.held[k] == 0) return;
     const auto [from, start] = host_.committed();
     char text[320 + sizeof(springnet_message)];
     try {

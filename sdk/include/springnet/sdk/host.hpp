@@ -4,6 +4,7 @@
 
 #include <atomic>
 #include <cmath>
+#include <complex>
 #include <cstddef>
 #include <cstdint>
 #include <exception>
@@ -15,6 +16,7 @@
 #include <string>
 #include <type_traits>
 #include <utility>
+#include <vector>
 
 #include <springnet/sdk/plugin.h>
 
@@ -63,6 +65,19 @@ using State = std::unique_ptr<springnet_state, StateDeleter>;
 struct Committed {
   double time;  // s
   const springnet_state& state;
+};
+
+struct DominantOptions {
+  std::uint32_t wanted = SPRINGNET_LARGEST_MAGNITUDE;
+  double tolerance = 1e-4;            // of the residual, relative to the eigenvalue
+  std::uint64_t applications = 1000;  // of the map, about
+  std::uint32_t vectors = 40;         // kept at a time
+};
+struct Dominant {
+  std::complex<double> value;           // infinity where an image was not finite
+  double error = 0.0;                   // norm of the residual
+  std::uint64_t applications = 0;       // used
+  std::vector<double> real, imaginary;  // the eigenvector, norm 1
 };
 
 // A view of the table, cheap to copy, valid for the life of the integrator. Functions throw Failure with the host's
@@ -114,24 +129,7 @@ class Host {
   // order, it is called from several threads with different units. An exception from it is rethrown after the sweep.
   template <class Update>
   void sweep(springnet_sweep sweep, Update&& update) const {
-    using Callable = std::remove_reference_t<Update>;
-    struct Call {
-      Callable& update;
-      std::atomic_flag caught{};
-      std::exception_ptr error{};
-    } call{update};
-    sweep.user = &call;
-    sweep.update = [](void* user, const springnet_node_batch* batch) {
-      auto& self = *static_cast<Call*>(user);
-      try {
-        self.update(*batch);
-      } catch (...) {
-        if (!self.caught.test_and_set()) self.error = std::current_exception();
-      }
-    };
-    const springnet_status status = table_->sweep(table_->context, &sweep);
-    if (call.error) std::rethrow_exception(call.error);
-    check(status);
+    run_sweep(table_->sweep, sweep, update);
   }
 
   // Computes the derivatives of the accelerations at a state, for the functions below.
@@ -227,12 +225,87 @@ class Host {
     if (SPRINGNET_HAS_FIELD(springnet_host, table_, note)) table_->note(table_->context, text.c_str());
   }
 
+  // Functions of ABI 1.4. They throw Failure where the host is older.
+  // A sweep of the network linearised last, with an order; see plugin.h. `update` as in sweep().
+  template <class Update>
+  void linear_sweep(springnet_sweep sweep, Update&& update) const {
+    require(SPRINGNET_HAS_FIELD(springnet_host, table_, linear_sweep), "1.4");
+    run_sweep(table_->linear_sweep, sweep, update);
+  }
+  // The dominant eigenvalue of a linear map; `map(double* x)` replaces x ([start.size()]) by its image, and what it
+  // throws is thrown again here. `start` is where the search begins, and becomes a good start for a similar map; of
+  // size 0, the eigenvalue is 0.
+  template <class Map>
+  [[nodiscard]] Dominant dominant_eigenvalue(std::vector<double>& start, const DominantOptions& options,
+                                             Map&& map) const {
+    require(SPRINGNET_HAS_FIELD(springnet_host, table_, dominant_eigenvalue), "1.4");
+    using Callable = std::remove_reference_t<Map>;
+    struct Call {
+      Callable& map;
+      std::exception_ptr error{};
+    } call{map};
+    Dominant result;
+    result.real.resize(start.size());
+    result.imaginary.resize(start.size());
+    if (start.empty()) return result;
+    auto search = sized<springnet_eigenvalue_search>();
+    search.wanted = options.wanted;
+    search.size = start.size();
+    search.user = &call;
+    search.map = [](void* user, double* x) -> springnet_status {
+      auto& self = *static_cast<Call*>(user);
+      try {
+        self.map(x);
+        return SPRINGNET_OK;
+      } catch (...) {
+        self.error = std::current_exception();
+        return SPRINGNET_FAILED;
+      }
+    };
+    search.start = start.data();
+    search.tolerance = options.tolerance;
+    search.most_applications = options.applications;
+    search.most_vectors = options.vectors;
+    search.mode_real = result.real.data();
+    search.mode_imaginary = result.imaginary.data();
+    const springnet_status status = table_->dominant_eigenvalue(table_->context, &search);
+    if (call.error) std::rethrow_exception(call.error);
+    check(status);
+    result.value = {search.real, search.imaginary};
+    result.error = search.error;
+    result.applications = search.applications;
+    return result;
+  }
+
   // Reports a number for the summary, under `name`.
   void report(const char* name, double value) const noexcept { table_->report(table_->context, name, value); }
 
  private:
-  static void require(bool available) {
-    if (!available) throw Failure("the host is older than ABI 1.1, which this integrator needs; update the host");
+  template <class Update>
+  void run_sweep(springnet_status (*function)(void*, const springnet_sweep*), springnet_sweep sweep,
+                 Update& update) const {
+    struct Call {
+      Update& update;
+      std::atomic_flag caught{};
+      std::exception_ptr error{};
+    } call{update};
+    sweep.user = &call;
+    sweep.update = [](void* user, const springnet_node_batch* batch) {
+      auto& self = *static_cast<Call*>(user);
+      try {
+        self.update(*batch);
+      } catch (...) {
+        if (!self.caught.test_and_set()) self.error = std::current_exception();
+      }
+    };
+    const springnet_status status = function(table_->context, &sweep);
+    if (call.error) std::rethrow_exception(call.error);
+    check(status);
+  }
+  static void require(bool available, const char* since = "1.1") {
+    if (available) return;
+    throw Failure(std::string("the host is older than ABI ") + since +
+                  ", which this integrator needs; update the host");
   }
   void check(springnet_status status) const {
     if (status == SPRINGNET_OK) return;

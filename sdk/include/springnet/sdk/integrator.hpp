@@ -13,6 +13,12 @@
 // advance() takes the network from the committed state to a committed state at `until` (s) and returns SPRINGNET_OK, or
 // SPRINGNET_UNSETTLED with a report and nothing committed. Constructor and advance() may throw: Failure keeps its
 // status, any other exception becomes SPRINGNET_FAILED; what() becomes the host's message. The destructor must not.
+//
+// A class that has
+//
+//     void limits(const springnet::sdk::LimitSink& sink);
+//
+// tells the largest time steps at the committed state, for `springnet inspect` (limits.hpp); it may throw as advance().
 #pragma once
 
 #include <algorithm>
@@ -28,6 +34,7 @@
 
 #include <springnet/sdk/component.hpp>
 #include <springnet/sdk/host.hpp>
+#include <springnet/sdk/limits.hpp>
 #include <springnet/sdk/message.hpp>
 
 namespace springnet::sdk {
@@ -92,7 +99,18 @@ struct IntegratorGlue {
     report->struct_size = size_of_host;
     return status;
   }
-  static constexpr springnet_integrator implementation{sizeof(springnet_integrator), 0, &create, &destroy, &advance};
+  static springnet_status limits(void* integrator, const springnet_limits* limits) noexcept {
+    auto& instance = *static_cast<Instance*>(integrator);
+    return guarded(instance.host, [&]() -> springnet_status {
+      if constexpr (tells_limits) instance.component.limits(LimitSink(*limits));
+      return SPRINGNET_OK;
+    });
+  }
+  static constexpr bool tells_limits = requires(Component & component, const LimitSink& sink) {
+    component.limits(sink);
+  };
+  static constexpr springnet_integrator implementation{sizeof(springnet_integrator),    0, &create, &destroy, &advance,
+                                                       tells_limits ? &limits : nullptr};
 
  private:
   struct Instance {

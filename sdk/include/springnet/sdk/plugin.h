@@ -25,7 +25,7 @@ extern "C" {
 
 #define SPRINGNET_MAGIC UINT64_C(0x54454e474e525053) /* "SPRNGNET" in little-endian memory */
 #define SPRINGNET_ABI_MAJOR 1u
-#define SPRINGNET_ABI_MINOR 3u
+#define SPRINGNET_ABI_MINOR 4u
 
 #if defined(_WIN32)
 #define SPRINGNET_EXPORT __declspec(dllexport)
@@ -383,6 +383,32 @@ typedef struct springnet_impact_search {
   void* user;
 } springnet_impact_search;
 
+/* Since 1.4. A linear map of vectors of a fixed length: replaces x by its image. */
+typedef springnet_status (*springnet_linear_map)(void* user, double* x);
+
+/* Which eigenvalue is wanted: that of the largest magnitude, or the rightmost one in the complex plane. */
+enum { SPRINGNET_LARGEST_MAGNITUDE = 0, SPRINGNET_LARGEST_REAL_PART = 1 };
+
+/* A search for the dominant eigenvalue of a map. All eigenvalues count as they are: a map that is symmetric in some
+ * inner product is best given in coordinates in which that is the plain one (velocities times roots of masses). */
+typedef struct springnet_eigenvalue_search {
+  uint32_t struct_size;
+  uint32_t wanted; /* SPRINGNET_LARGEST_MAGNITUDE … */
+  uint64_t size;   /* length of the vectors */
+  springnet_linear_map map;
+  void* user;
+  double* start;              /* [size], not 0: where the search begins; out: a good start for a map nearly the same */
+  double tolerance;           /* of the residual, relative to the eigenvalue; > 0 */
+  uint64_t most_applications; /* of the map, about */
+  uint32_t most_vectors;      /* of `size` numbers, kept at a time */
+  uint32_t reserved;
+  double *mode_real, *mode_imaginary; /* out: [size] the eigenvector, norm 1; null: not wanted */
+  /* out */
+  double real, imaginary; /* the eigenvalue; infinity where an image was not finite */
+  double error;           /* norm of the residual, map(x) - eigenvalue x */
+  uint64_t applications;  /* used */
+} springnet_eigenvalue_search;
+
 /* Matrices A = I - velocity_weight da/dv - position_weight da/dp in 3n unknowns (x of all nodes, then y, then z), at
  * the state last given to `linearise`. Rows of fixed and held nodes are those of the identity. With rigid connections
  * or sliding nodes, `solve` returns the x with A x + W G^T (multipliers) = b and G x = G b. */
@@ -464,6 +490,17 @@ typedef struct springnet_host {
    * show. The result does not depend on how a step is divided into searches. fire_events at that time, with nothing
    * marked, carries out the touch. */
   springnet_status (*time_of_impact)(void* context, const springnet_impact_search* search, double* time);
+
+  /* Since 1.4. */
+  /* `sweep` with an order, of the network linearised at the state last given to `linearise`. The outputs are small
+   * changes: velocity u, and position w u with w = theta time_constant. A batch has a = da/dv u + da/dp w u, force m a
+   * and, with want_blocks, the node's own blocks of these derivatives; nodes that are fixed or held get u = 0, others
+   * what rigid connections and surfaces that they slide on leave of their update, weighted with `inertia`; the host
+   * sets positions to w u. What the start of a step and forces are is not read or written, time neither; sets are done
+   * one after another. For the limits of methods of sweeps. */
+  springnet_status (*linear_sweep)(void* context, const springnet_sweep* sweep);
+  /* The dominant eigenvalue of a map, by Arnoldi's method with restarts. */
+  springnet_status (*dominant_eigenvalue)(void* context, springnet_eigenvalue_search* search);
 } springnet_host;
 
 /* How a time step ended. */
@@ -483,6 +520,35 @@ typedef struct springnet_step_report {
   uint64_t stages;   /* smaller time constants passed on the way to the full one */
 } springnet_step_report;
 
+/* Since 1.4. Whether there is a largest time step. */
+enum {
+  SPRINGNET_LIMIT_KNOWN = 0,    /* to about a per cent */
+  SPRINGNET_LIMIT_ESTIMATE = 1, /* the search ended before it was that accurate */
+  SPRINGNET_LIMIT_NONE = 2,     /* every time step settles, or is stable, as far as linear theory tells */
+  SPRINGNET_LIMIT_UNKNOWN = 3   /* a law or neuron cannot be linearised, say */
+};
+
+/* The largest time step under one update rule of an integrator. */
+typedef struct springnet_limit {
+  uint32_t struct_size;
+  uint32_t kind;    /* SPRINGNET_LIMIT_KNOWN … */
+  const char* rule; /* its name, letters a to z, digits, '_'; "" for an integrator that has no rules to choose from */
+  double time_step; /* s; read of KNOWN and ESTIMATE */
+  double weight;    /* s: at the limit stiffness k and damping d act on a mass m as weight^2 k / m and weight d / m; 0:
+                       the time step */
+  uint32_t node;    /* that moves most in the motion that grows first; 0xffffffff: not known */
+  uint32_t reserved;
+  const char* reason; /* of NONE and UNKNOWN; may be null */
+} springnet_limit;
+
+/* Where an integrator tells its limits, rule by rule. What `limit` points to is read within the call. */
+typedef struct springnet_limits {
+  uint32_t struct_size;
+  uint32_t reserved;
+  void* context;
+  void (*tell)(void* context, const springnet_limit* limit);
+} springnet_limits;
+
 typedef struct springnet_integrator {
   uint32_t struct_size;
   uint32_t reserved;
@@ -493,6 +559,10 @@ typedef struct springnet_integrator {
    * the method chooses its own. On SPRINGNET_UNSETTLED the report says how the step ended, and the step is not
    * committed; a method that divides steps may have committed the smaller ones before. */
   springnet_status (*advance)(void* integrator, double until, springnet_step_report* report);
+  /* since 1.4; null where the integrator knows of none */
+  /* Tells the largest time steps at the committed state, with the options it was made with. Host functions are those of
+   * advance, but for commit and fire_events; loads are those of the committed time. */
+  springnet_status (*limits)(void* integrator, const springnet_limits* limits);
 } springnet_integrator;
 
 /* Smallest sizes that a host of ABI 1.x accepts: frozen, whatever is appended later. */

@@ -1,6 +1,6 @@
-// The dominant eigenvalue of a linear map that is known by what it does to vectors: power iteration, sped up by
-// Arnoldi's method (Saad, Numerical Methods for Large Eigenvalue Problems, 2nd ed., chapter 6), which sees complex
-// pairs as well.
+// The dominant eigenvalue of a linear map that is known by what it does to vectors: Arnoldi's method, restarted with
+// the best vector found (Saad, Numerical Methods for Large Eigenvalue Problems, 2nd ed., chapter 6). It sees complex
+// pairs as well. Integrators reach it through the host table, springnet_host::dominant_eigenvalue.
 #pragma once
 
 #include <complex>
@@ -19,13 +19,13 @@ enum class Wanted {
 struct DominantOptions {
   Wanted wanted = Wanted::largest_magnitude;
   std::size_t basis = 40;           // vectors kept at most
-  std::size_t applications = 1000;  // of the map at most
-  double tolerance = 1e-4;          // relative
+  std::size_t applications = 1000;  // of the map, about
+  double tolerance = 1e-4;          // of the residual, relative to the eigenvalue
 };
 
 struct Dominant {
-  std::complex<double> value;
-  double error = 0.0;               // norm of map(x) - value x for the unit vector x that was found
+  std::complex<double> value;       // infinity where an image was not finite
+  double error = 0.0;               // norm of the residual map(x) - value x, x the unit vector that was found
   Eigen::VectorXd real, imaginary;  // x
   std::size_t applications = 0;
 };
@@ -33,8 +33,5 @@ struct Dominant {
 // `start` is replaced by a good start for a map that is nearly the same. It must not be 0 unless the map's size is.
 [[nodiscard]] Dominant dominant_eigenvalue(const std::function<void(Eigen::VectorXd&)>& map, Eigen::VectorXd& start,
                                            const DominantOptions& options);
-
-// A vector with a part in every direction, the same on every machine; norm 1.
-[[nodiscard]] Eigen::VectorXd scattered_vector(Eigen::Index size);
 
 }  // namespace springnet

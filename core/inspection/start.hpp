@@ -1,0 +1,74 @@
+// The network as it starts, at rest and without obstacles, in the host's own model of it: what its laws answer there,
+// and the engine that integrators are asked on.
+#pragma once
+
+#include <cstdint>
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include <springnet/network.hpp>
+#include <springnet/plugin_host.hpp>
+
+#include "layers/layout.hpp"
+#include "simulation/limit_survey.hpp"
+
+namespace springnet {
+
+// What the laws of a spring answer; nan where unknown.
+struct SpringAtStart {
+  double length;           // m
+  double tension;          // N
+  double stiffness;        // N/m: dQ/dq of the spring function
+  double axial_damping;    // N s/m: dQ/dq' of laws that read a rate
+  double general_damping;  // N s/m: of laws that read the relative speed
+
+  [[nodiscard]] double damping() const { return axial_damping + general_damping; }
+};
+
+struct ElementAtStart {
+  double force;                   // Q
+  double stiffness, damping;      // dQ/dq, dQ/dq'; nan where unknown, as force
+  double scale;                   // of q: 1 rad, or the area or volume
+  std::vector<NodeIndex> nodes;   // each once
+  std::vector<Vector3> gradient;  // dq/dp, [node]
+  std::vector<Vector3> across;  // of a straight angle the other of the two directions in which it bends, else 0, [node]
+};
+
+class StartingNetwork {
+ public:
+  // Throws Error(plugin) for a component that is not there or does what the engine does not evaluate, Error(input) for
+  // parameters that it does not take. `network` has to outlive it.
+  StartingNetwork(const Network& network, const PluginHost& plugins);
+
+  [[nodiscard]] const Network& network() const noexcept { return network_; }
+  [[nodiscard]] const std::vector<SpringAtStart>& springs() const noexcept { return springs_; }
+  [[nodiscard]] const std::vector<ElementAtStart>& elements() const noexcept { return elements_; }
+  // Neither fixed nor moved.
+  [[nodiscard]] bool is_free(NodeIndex node) const { return free_[node] != 0; }
+  // Springs, elements, rigid connections and loaded faces as the engine laid them out; it has its own order of nodes.
+  [[nodiscard]] const layers::Layout& layout() const noexcept { return *layout_; }
+  [[nodiscard]] std::uint32_t engine_node(NodeIndex user) const { return layout_->ordering().engine[user]; }
+  [[nodiscard]] bool has_neighbours(NodeIndex user) const;
+  // Null where the engine cannot start, and why.
+  [[nodiscard]] LimitSurvey* survey() const noexcept { return survey_.get(); }
+  [[nodiscard]] const std::string& failure() const noexcept { return failure_; }
+
+ private:
+  void look_at_springs();
+  void look_at_elements();
+
+  const Network& network_;
+  std::vector<std::uint8_t> free_;
+  std::unique_ptr<LimitSurvey> survey_;
+  std::string failure_;
+  std::unique_ptr<layers::Layout> own_layout_;  // without an engine
+  const layers::Layout* layout_;
+  std::vector<double> coordinates_[3], zero_;  // [engine's node]
+  layers::NodeArrays nodes_{};
+  std::vector<SpringAtStart> springs_;
+  std::vector<ElementAtStart> elements_;
+};
+
+}  // namespace springnet

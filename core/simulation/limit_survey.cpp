@@ -1,0 +1,94 @@
+#include "simulation/limit_survey.hpp"
+
+#include <cmath>
+#include <exception>
+
+#include <fmt/format.h>
+
+#include <springnet/error.hpp>
+#include <springnet/printable.hpp>
+
+#include "plugin_host/call.hpp"
+#include "simulation/host_table.hpp"
+
+namespace springnet {
+namespace {
+
+constexpr std::size_t most_limits = 100, longest_name = 40, longest_reason = 500;
+
+struct Sink {
+  const std::vector<std::uint32_t>& user;
+  std::vector<ToldLimit> told;
+};
+
+ToldLimit read(const springnet_limit& limit, const std::vector<std::uint32_t>& user) {
+  ToldLimit told;
+  told.rule = limit.rule == nullptr ? "" : printable(limit.rule, longest_name);
+  told.kind = limit.kind;
+  if (limit.reason != nullptr) told.reason = printable(limit.reason, longest_reason);
+  if (limit.node < user.size()) told.node = user[limit.node];
+  const bool known = limit.kind == SPRINGNET_LIMIT_KNOWN || limit.kind == SPRINGNET_LIMIT_ESTIMATE;
+  if (!known && limit.kind != SPRINGNET_LIMIT_NONE) told.kind = SPRINGNET_LIMIT_UNKNOWN;
+  if (!known) return told;
+  told.time_step = limit.time_step;
+  told.weight = limit.weight > 0.0 && std::isfinite(limit.weight) ? limit.weight : limit.time_step;
+  if (limit.time_step > 0.0 && std::isfinite(limit.time_step)) return told;
+  told = {told.rule,    SPRINGNET_LIMIT_UNKNOWN,
+          0.0,          0.0,
+          std::nullopt, fmt::format("the integrator told a limit of {} s", limit.time_step)};
+  return told;
+}
+
+// Called by the plugin: nothing may be thrown.
+void tell(void* context, const springnet_limit* limit) {
+  auto& sink = *static_cast<Sink*>(context);
+  if (limit == nullptr || limit->struct_size < sizeof *limit || sink.told.size() >= most_limits) return;
+  try {
+    sink.told.push_back(read(*limit, sink.user));
+  } catch (const std::exception&) {
+    // Out of memory: the limit is not listed.
+  }
+}
+
+SimulationOptions survey_options() { return {}; }
+
+}  // namespace
+
+LimitSurvey::LimitSurvey(const Network& network, const PluginHost& plugins)
+    : engine_(network, plugins, survey_options()), table_(make_host_table(engine_)) {}
+
+std::vector<ToldLimit> LimitSurvey::ask(const Component& component, const ParameterValues& parameters) {
+  const springnet_integrator& functions = component.integrator();
+  if (!SPRINGNET_HAS_FIELD(springnet_integrator, &functions, limits) || functions.limits == nullptr) return {};
+  Sink sink{engine_.model().layout.ordering().user, {}};
+  springnet_limits limits{sizeof limits, 0, &sink, tell};
+  void* integrator = nullptr;
+  const auto failed = [&](const std::string& reason) {
+    return std::vector<ToldLimit>{{"", SPRINGNET_LIMIT_UNKNOWN, 0.0, 0.0, std::nullopt, reason}};
+  };
+  springnet_message message{};
+  springnet_status status = SPRINGNET_FAILED;
+  try {
+    const std::vector<double> values = complete_parameters(*component.description, parameters, full_name(component));
+    const double now = engine_.model().time;
+    engine_.begin_advance(now);
+    // Loads as they are now; the length does not matter to them.
+    status = engine_.begin_interval(now, now + 1.0);
+    if (status != SPRINGNET_OK) return failed(text_of(engine_.model().journal.message));
+    engine_.calls().ask_limits(true);
+    status = call_component(component, message, [&](springnet_message& own) {
+      engine_.model().journal.message.text[0] = '\0';
+      springnet_status result = functions.create(&table_, values.data(), &integrator);
+      if (result == SPRINGNET_OK) result = functions.limits(integrator, &limits);
+      if (result != SPRINGNET_OK) own = engine_.model().journal.message;
+      return result;
+    });
+    engine_.calls().ask_limits(false);
+    if (integrator != nullptr) functions.destroy(integrator);
+  } catch (const Error& error) {
+    return failed(error.what());
+  }
+  return status == SPRINGNET_OK ? sink.told : failed(text_of(message));
+}
+
+}  // namespace springnet

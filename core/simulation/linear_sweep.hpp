@@ -1,0 +1,57 @@
+// Sweeps of the linearised network, node by node: what the update rules of an integrator make of small changes of the
+// outputs. See springnet_host::linear_sweep.
+#pragma once
+
+#include <cstdint>
+#include <memory>
+#include <vector>
+
+#include <springnet/sdk/plugin.h>
+
+#include "constraints/constraint_set.hpp"
+#include "layers/linear/linearisation.hpp"
+
+namespace springnet {
+
+class LinearSweep {
+ public:
+  // Good until the next linearise(). References have to outlive it.
+  LinearSweep(const layers::Layout& layout, layers::Linearisation& linearisation, const ConstraintSet& constraints,
+              const std::vector<double>& mass);
+
+  // A request that was checked, in an order that was checked.
+  void run(const springnet_sweep& sweep);
+
+ private:
+  // Nodes that constraints couple: a cluster of rigid connections, with the surfaces that its nodes slide on, or a lone
+  // node that slides. They take their turn together.
+  struct Island {
+    std::vector<std::uint32_t> nodes;
+    std::vector<ConstraintRow> rows;
+    std::unique_ptr<ConstraintSystem> system = std::make_unique<ConstraintSystem>();
+    std::vector<double> inertia;  // [node][9] that the system was factorised with
+    bool is_factorised = false, is_done = false;
+  };
+  void set_weight(double weight);
+  [[nodiscard]] Vector3 velocity(std::uint32_t node) const;
+  void call_update(std::uint32_t node, const Vector3& acceleration);
+  // Applies fixation to the outputs of a node, and follows enclosures.
+  void finish(std::uint32_t node, const Vector3& before);
+  void update_island(Island& island);
+  void factorise(Island& island);
+  [[nodiscard]] Vector3 acceleration(std::uint32_t node) const;
+
+  const layers::Layout& layout_;
+  layers::Linearisation& linearisation_;
+  const ConstraintSet& constraints_;
+  const std::vector<double>& mass_;
+  double weight_ = 0.0;                            // s: position changes are this times velocity changes
+  std::vector<double> by_velocity_, by_position_;  // [node][9] own blocks of da/dv, da/dp
+  std::vector<std::uint32_t> island_of_;           // [node]
+  std::vector<Island> islands_;
+  const springnet_sweep* sweep_ = nullptr;  // that is run
+  const double* u_[3]{};                    // its velocities
+  std::vector<Vector3> members_, before_;   // of an island
+};
+
+}  // namespace springnet
