@@ -1,5 +1,5 @@
-// Binary tables that a run leaves behind (output.format = "binary"): the same rows of numbers at each of many times.
-// The layout stands in core/docs/output.md; whatever maps files into memory can read it.
+// Reading the binary tables of a run (output.format = "binary"): the same rows of numbers at many times.
+// core/docs/output.md has the layout, which suits programs that map files into memory.
 #pragma once
 
 #include <cstddef>
@@ -13,10 +13,10 @@
 
 namespace springnet {
 
-// Reads a table as far as it was written: that of a run that failed or still runs ends with its last whole record.
+// Reads a table up to its last whole record, also that of a run that failed or is still going on.
 class RecordReader {
  public:
-  // Throws Error(input) if the file cannot be read, is no such table, or has no whole record yet.
+  // Throws Error(input) if the file cannot be read, is not such a table, or has no whole record yet.
   explicit RecordReader(const std::filesystem::path& file);
 
   [[nodiscard]] const std::string& row_name() const noexcept { return row_; }  // "node", "spring", "element"
@@ -26,8 +26,8 @@ class RecordReader {
   [[nodiscard]] bool single_precision() const noexcept { return single_; }
   [[nodiscard]] std::size_t records() const noexcept { return records_; }
 
-  // Replaces `values` by [row][column] of a record and returns its time, s. Throws Error(input) for a record that is
-  // not there, or if the file cannot be read any more.
+  // Replaces `values` by the [row][column] of a record and returns its time, s. Throws Error(input) if there is no such
+  // record or the file can no longer be read.
   double read(std::size_t record, std::vector<double>& values);
 
  private:
@@ -47,9 +47,9 @@ class RecordReader {
   std::vector<char> buffer_;
 };
 
-// The table as text: what the run would have written with output.format = "csv", numbers of single precision with the
-// digits these have. Replaces a file that is there. Throws Error(input) or, if it cannot be written, Error(simulation);
-// then it ends with its last whole record.
+// Writes the table as text: what the run would have written with output.format = "csv", but single precision numbers
+// with their fewer digits. Replaces an existing file. Throws Error(input) if a file cannot be read or created,
+// Error(simulation) if writing fails; the text then ends with its last whole record.
 void write_csv(RecordReader& records, const OutputFile& file);
 
 }  // namespace springnet
