@@ -15,7 +15,7 @@ namespace springnet {
 
 CheckedFile::CheckedFile(const OutputFile& file, std::string_view remedy)
     : file_(file), remedy_(remedy), descriptor_(-1), buffer_(std::make_unique_for_overwrite<char[]>(capacity)) {
-  descriptor_ = open_output(file);  // nothing throws after it
+  descriptor_ = open_output(file);  // last, because nothing would close it if the constructor threw
 }
 
 CheckedFile::~CheckedFile() {
@@ -25,19 +25,19 @@ CheckedFile::~CheckedFile() {
       drop_unfinished();
       flush();
     }
-  } catch (...) {  // nobody is there to hear of it
+  } catch (...) {  // a destructor has nobody to report to
   }
   ::close(descriptor_);
 }
 
 void CheckedFile::make_room_for(std::size_t bytes) {
-  // Whole records, so that a run that is ended by force leaves no part of one, if they are not as large as the buffer.
+  // Only whole records if there are any, so that a killed run leaves no partial record (unless it exceeds the buffer).
   if (!marks_.empty()) write_out(static_cast<std::size_t>(marks_.back().place - written_));
   if (capacity - used_ < bytes) write_out(used_);
 }
 
 void CheckedFile::write(const void* data, std::size_t bytes) {
-  if (bytes == 0) return;  // An empty array may have no address, which memcpy does not allow.
+  if (bytes == 0) return;  // an empty array may have a null address, which memcpy does not allow
   const char* const begin = static_cast<const char*>(data);
   if (bytes > capacity - used_) make_room_for(std::min(bytes, capacity));
   if (bytes > capacity) {
@@ -100,7 +100,7 @@ void CheckedFile::drop_unfinished() {
   }
 }
 
-// What cannot be cut, a pipe for instance, stays.
+// A pipe, for instance, cannot be cut: then the partial record stays.
 void CheckedFile::cut(std::uint64_t place) noexcept {
   if (ftruncate(descriptor_, static_cast<off_t>(place)) == 0) written_ = place;
 }
@@ -118,7 +118,7 @@ void CheckedFile::close() {
       throw OutputError(failure_, std::numeric_limits<double>::quiet_NaN(), true);
     }
   }
-  // Linux has let go of the descriptor even where this fails.
+  // Linux releases the descriptor even if close() fails.
   const int failed = ::close(std::exchange(descriptor_, -1)) == 0 ? 0 : errno;
   if (failed != 0 && failed != EINTR && failure_.empty()) fail(failed);
 }

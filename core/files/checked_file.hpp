@@ -1,4 +1,4 @@
-// A file whose every write is checked and that ends with a whole record, and numbers in it.
+// A file that checks every write and always ends with a whole record; numbers in it.
 #pragma once
 
 #include <algorithm>
@@ -19,22 +19,22 @@
 
 namespace springnet {
 
-// Writes through a buffer. Once records are marked, what stands behind the last mark is part of a record: it is cut off
-// where the file cannot be written any more, and at the end. No more is written after a failure.
+// Writes through a buffer. Once records are marked, anything after the last mark is part of an unfinished record: it is
+// cut off when a write fails, and on close. Nothing is written after a failure.
 class CheckedFile {
  public:
   static constexpr std::string_view record_less =
       "make room, write to another disk, or record less often (output.interval)";
   static constexpr std::string_view make_room = "make room or write to another disk";
 
-  // Creates the file. Throws Error(input) if it cannot be. `remedy` is for the message where it cannot be written.
+  // Creates the file; throws Error(input) if that fails. `remedy` ends the message of a failed write.
   explicit CheckedFile(const OutputFile& file, std::string_view remedy = record_less);
-  // Left open by an exception: writes the whole records that there are, as far as they can be written.
+  // If still open, after an exception for instance: writes the whole records in the buffer, if it can.
   ~CheckedFile();
   CheckedFile(const CheckedFile&) = delete;
   CheckedFile& operator=(const CheckedFile&) = delete;
 
-  // Room for so many bytes, at most `most_room`, behind what there is; used() takes those that were used.
+  // Room for so many bytes, at most `most_room`, at the end of the buffer; used() says how many were written there.
   static constexpr std::size_t most_room = 4096;
   [[nodiscard]] char* room(std::size_t bytes) {
     if (capacity - used_ < bytes) make_room_for(bytes);
@@ -45,13 +45,16 @@ class CheckedFile {
   // These and room() throw OutputError if the file cannot be written.
   void write(const void* data, std::size_t bytes);
   void flush();
-  // Also throws if the file is no longer in its folder.
+  // Throws OutputError as well if the file is no longer in its folder.
   void close();
 
-  // A record ends here: that of this time, s, or nan for what stands before all records.
+  // Ends the record of this time, s; nan: what precedes all records.
   void end_record(double time);
+  // Drops what was written since then, if any record was marked.
+  void drop_unfinished();
 
-  // For a document whose end is written again and again: from where it is written next, and its end as it was.
+  // For a document whose end is rewritten with each addition: where to write next, and restoring the end after a
+  // failure.
   void seek(std::uint64_t place);
   void restore_end(std::uint64_t place, std::string_view end) noexcept;
 
@@ -64,10 +67,9 @@ class CheckedFile {
   };
 
   void make_room_for(std::size_t bytes);
-  void write_out(std::size_t bytes);  // the first of the buffer
+  void write_out(std::size_t bytes);  // from the front of the buffer
   void put(const char* data, std::size_t bytes);
-  void reach(std::uint64_t place);  // the marks up to there
-  void drop_unfinished();
+  void reach(std::uint64_t place);  // the marks up to there are in the file
   void cut(std::uint64_t place) noexcept;
   [[noreturn]] void fail(int reason);
   [[noreturn]] void throw_failure() const;

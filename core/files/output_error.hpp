@@ -1,4 +1,4 @@
-// Why a file of a run is shorter than the run, or gone.
+// Thrown when a file of a run cannot be written to the end, or is gone.
 #pragma once
 
 #include <limits>

@@ -19,7 +19,7 @@ namespace springnet {
 namespace {
 
 constexpr int folder_flags = O_RDONLY | O_DIRECTORY | O_CLOEXEC;
-constexpr mode_t all_may_read_and_write = 0666, all_may_enter = 0777;  // less the user's umask
+constexpr mode_t all_may_read_and_write = 0666, all_may_enter = 0777;  // before the umask
 
 [[noreturn]] void refuse_file(const std::filesystem::path& file, int reason) {
   if (reason == EISDIR) {
@@ -40,7 +40,7 @@ std::string reason_of(int error) {
   return error == ENOTDIR || error == ELOOP || error == EEXIST ? "a file is in the way" : std::strerror(error);
 }
 
-// Whoever embeds the library may have closed its standard streams: what it prints must not end up in a table.
+// A host may have closed its standard streams; a table on such a descriptor would receive what the host prints.
 int above_standard_streams(int descriptor) {
   if (descriptor < 0 || descriptor > STDERR_FILENO) return descriptor;
   const int higher = fcntl(descriptor, F_DUPFD_CLOEXEC, STDERR_FILENO + 1);
@@ -66,7 +66,7 @@ std::string part_name(std::string_view name) { return std::string(name) + ".part
 OutputFolder::Pointer OutputFolder::make(const std::filesystem::path& path) {
   std::error_code failed;
   std::filesystem::create_directories(path, failed);
-  // Where a link is in the way of a folder, this says that the file exists; opening it says whether it is a folder.
+  // If a link is in the way this reports EEXIST; opening it tells whether it is a folder.
   const int descriptor = above_standard_streams(::open(path.c_str(), folder_flags));
   if (descriptor < 0) refuse_folder(path, failed ? reason_of(failed.value()) : reason_of(errno));
   return Pointer(new OutputFolder(path, descriptor));
@@ -112,7 +112,7 @@ void OutputFolder::lock() const {
 }
 
 int OutputFolder::create(const std::string& name) const {
-  // Another process may put something there in between; twice is no accident.
+  // Another process may create the name in between; give up the second time.
   for (int tries = 0; tries < 3; ++tries) {
     if (unlinkat(descriptor_, name.c_str(), 0) != 0 && errno != ENOENT) break;
     const int made = ::openat(descriptor_, name.c_str(),
@@ -156,7 +156,7 @@ std::uintmax_t OutputFolder::size(const std::string& name) const noexcept {
 
 std::vector<std::string> OutputFolder::names() const {
   std::vector<std::string> names;
-  // A descriptor of its own: reading moves the place in the folder.
+  // A descriptor of its own, because reading moves the position in the folder.
   const int descriptor = ::openat(descriptor_, ".", folder_flags);
   DIR* const entries = descriptor < 0 ? nullptr : fdopendir(descriptor);
   if (entries == nullptr) {

@@ -1,4 +1,4 @@
-// A file that has its name only once it is whole: a reader, or a run that is ended by force, never leaves half of it.
+// A file that gets its name only once it is complete: no reader sees half of it, and a killed run leaves none.
 #pragma once
 
 #include <ostream>
@@ -10,9 +10,9 @@ namespace springnet {
 
 class WholeFile {
  public:
-  // Starts it under the name with ".part" behind it. Throws OutputError if that cannot be created.
+  // Creates it as "<name>.part". Throws OutputError if it cannot.
   explicit WholeFile(const OutputFile& file);
-  ~WholeFile();  // removes it if it was not finished
+  ~WholeFile();  // removes it unless finish() succeeded
   WholeFile(const WholeFile&) = delete;
   WholeFile& operator=(const WholeFile&) = delete;
 

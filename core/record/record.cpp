@@ -53,7 +53,7 @@ const std::vector<double>& Record::energies() const {
   return once(energies_, [&](std::vector<double>& out) { simulation_->spring_energies(out); });
 }
 
-// One by one, because an enclosed volume takes a pass over its surface and most readers ask for few.
+// One by one, because a volume takes a pass over its surface and most readers need few elements.
 double Record::element_value(ElementIndex element) const {
   static_cast<void>(once(elements_, [&](auto& values) { values.assign(simulation_->element_count(), std::nullopt); }));
   std::optional<double>& value = elements_.value.at(element);

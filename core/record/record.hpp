@@ -1,5 +1,5 @@
-// What is recorded of a state: each quantity is computed when somebody first asks for it, once, and shared by all
-// that write (tables, pictures, the page, the summary).
+// What outputs need of a state: each quantity is computed on first use, once per record, and shared by tables,
+// pictures, page and summary.
 #pragma once
 
 #include <cstdint>
@@ -25,11 +25,11 @@ class Record {
 
   explicit Record(const Network& network);
 
-  // Records the present state of the simulation, a simulation of that network. What is asked for below belongs to
-  // this state until the next call; the simulation may not be advanced or changed before it was asked for.
+  // Refers to the present state of a simulation of that network, until the next call. Quantities are computed on first
+  // use, so the simulation must not be advanced or changed in between.
   void take(const Simulation& simulation);
 
-  // For what the simulation stores anyway, so that asking twice costs nothing.
+  // For quantities that the simulation stores, so that reading them twice costs nothing.
   [[nodiscard]] const Simulation& simulation() const noexcept { return *simulation_; }
   [[nodiscard]] double time() const noexcept { return simulation_->time(); }  // s
 
@@ -37,7 +37,7 @@ class Record {
   [[nodiscard]] const Vectors& velocities() const;  // m/s
   [[nodiscard]] const Vectors& forces() const;      // N, as Simulation::forces(), and throws as that does
 
-  // By the user's spring; of all springs, removed ones included. Simulation says what the last two are for these.
+  // By the user's spring, removed ones included; tensions and energies as those of Simulation.
   [[nodiscard]] const std::vector<double>& lengths() const;   // m, distance of the ends
   [[nodiscard]] const std::vector<double>& tensions() const;  // N
   [[nodiscard]] const std::vector<double>& energies() const;  // J

@@ -1,5 +1,5 @@
-// What a run may write beside its summary: each of the tables, the page, the pictures. Whatever treats them alike
-// (making, recording, estimating, removing an earlier run's, finding room) goes through this list.
+// What a run may write beside its summary: each of the tables, the page, the pictures. Creating, recording, estimating,
+// cleaning up after an earlier run and refusing for want of space all go through this list.
 #pragma once
 
 #include <cstdint>
@@ -30,10 +30,10 @@ class Sink {
   [[nodiscard]] const std::string& file() const noexcept { return file_; }
 
   virtual void record(const Record& record) = 0;
-  // The state at which the run ends, however it ends; it has been recorded. For those that skip records.
+  // The state at the end of the run, however it ends; it has been recorded. For sinks that skip records.
   virtual void finish(const Record&) {}
   virtual void close() = 0;
-  // The run failed, before close(). For those that tell their reader.
+  // The run failed; called before close(). For sinks that report it to their reader.
   virtual void failed(const std::string& /*reason*/) {}
 
   // Once closed.
@@ -53,19 +53,18 @@ class Output {
   [[nodiscard]] virtual std::unique_ptr<Sink> open(const Scene& scene, const std::shared_ptr<const PluginHost>& plugins,
                                                    const OutputFolder::Pointer& folder) const = 0;
 
-  // Of a run with so many records; nothing where there is no telling.
+  // For a run with so many records; nothing if the size depends on what happens.
   [[nodiscard]] virtual std::optional<FileEstimate> estimate(const Scene& scene, double records) const = 0;
-  // How to do without it, and how to have less of it where there is a way (else empty): what a refusal for want of
-  // space offers.
+  // Remedies for want of space: how to leave it out, and how to make it smaller (empty if there is no way).
   [[nodiscard]] virtual std::string leave_out(const Scene& scene) const = 0;
   [[nodiscard]] virtual std::string smaller() const { return ""; }
 
   // Names of the files that it writes into the folder itself.
   [[nodiscard]] virtual std::vector<std::string> file_names() const = 0;
-  // Calls `visit` for what an earlier run has left: files and links with the names that it gives.
+  // Calls `visit` for files and links of an earlier run: those with names that it gives.
   using Visit = std::function<void(const OutputFolder& folder, const std::string& name)>;
   virtual void for_earlier(const OutputFolder::Pointer& folder, const Visit& visit) const;
-  // Removes that.
+  // Removes them.
   virtual void clear(const OutputFolder::Pointer& folder) const;
 };
 
@@ -74,17 +73,17 @@ class Output {
 
 inline constexpr const char* summary_file = "summary.json";
 
-// Bytes of what an earlier run has left in the folder and the next one removes.
+// Bytes of an earlier run's files in the folder, which the next one removes.
 [[nodiscard]] std::uintmax_t earlier_bytes(const std::filesystem::path& folder);
-// Removes it, so that it is not taken for a part of the next run. Throws Error(input), before anything is removed, if a
-// folder has the name of a file that a run writes.
+// Removes them, so that nobody takes them for part of the next run. Throws Error(input), before anything is removed, if
+// a folder has the name of a file that a run writes.
 void remove_earlier(const OutputFolder::Pointer& folder);
 
 struct OutputSize {
   const Output* output;
   FileEstimate file;
 };
-// Of those outputs that the scene asks for and that can be estimated.
+// Of the outputs that the scene asks for and that can be estimated.
 [[nodiscard]] std::vector<OutputSize> output_sizes(const Scene& scene);
 
 }  // namespace springnet

@@ -59,12 +59,12 @@ std::vector<std::string> Recorder::notes() const {
 }
 
 void Recorder::close() {
-  // One that has failed as well: its buffers are written as far as they are whole.
+  // Failed ones as well, so that whole records in their buffers are written.
   for (const Entry& entry : entries_) {
     if (!entry.failed) continue;
     try {
       entry.sink->close();
-    } catch (...) {  // its first failure has been told
+    } catch (...) {  // its first failure has been reported
     }
   }
   each([](Entry& entry) { entry.sink->close(); });

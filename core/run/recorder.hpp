@@ -15,16 +15,16 @@ namespace springnet {
 
 class Recorder {
  public:
-  // Removes what an earlier run has left in the folder, and makes the files that the scene asks for. Throws
-  // Error(input) if a file cannot be made.
+  // Removes the files of an earlier run and creates those that the scene asks for. Throws Error(input) if one cannot be
+  // created.
   Recorder(const Scene& scene, const std::shared_ptr<const PluginHost>& plugins, const OutputFolder::Pointer& folder);
 
-  // A file that fails ends there and takes no more; the others have the record. Then throws what the first one threw
-  // that failed at this record.
+  // Writes the record to every file. One that fails ends there and takes no more; the others go on. Then throws the
+  // first error of this record.
   void record(const Record& record);
   void finish(const Record& record);  // after the last record
   void failed(const std::string& reason);
-  // Closes every file, then throws what the first one threw that failed.
+  // Closes every file, then throws the first error.
   void close();
 
   // Once closed: names of the files that are there, those that end early, bytes of all.

@@ -32,7 +32,7 @@ std::filesystem::path nearest_existing(std::filesystem::path folder) {
 void require_space(const Scene& scene, const std::filesystem::path& folder) {
   std::error_code unknown;
   const std::filesystem::space_info space = std::filesystem::space(nearest_existing(folder), unknown);
-  if (unknown) return;  // a file system that does not say how much is free is not a reason to refuse
+  if (unknown) return;  // a file system that does not report its free space is no reason to refuse
   const auto refusal = space_refusal(
       scene, {static_cast<double>(space.available), static_cast<double>(earlier_bytes(folder))}, folder.string());
   if (refusal) throw Error(ErrorKind::input, *refusal);
@@ -75,7 +75,7 @@ class RunTimeline : public Timeline {
       memory_.release();  // it may be memory that is short
       try {
         record_end();
-      } catch (...) {  // the summary tells what ended the run, not what could not be written of it
+      } catch (...) {  // the summary reports what ended the run, not this
       }
       throw;
     }
@@ -92,7 +92,7 @@ class RunTimeline : public Timeline {
     recorded_ = time();
     state_.take(simulation_);
     recorder_.record(state_);
-    // Makes a note if it is not finite. A law may answer forces beyond its limit that look like any other.
+    // Makes a note if it is not finite. Beyond its limit a law may still return forces that look normal.
     energy_is_finite_ = energy_is_finite_ && std::isfinite(state_.potential_energy());
     for (VolumeSummary& volume : summary_.volumes) add(volume);
     ++summary_.records;
@@ -104,7 +104,7 @@ class RunTimeline : public Timeline {
     if (time() > recorded_) {
       record();
     } else {
-      state_.take(simulation_);  // a step that failed may have left another one, though no time went by
+      state_.take(simulation_);  // a failed step may have changed the state at the same time
     }
     recorder_.finish(state_);
   }
@@ -181,7 +181,7 @@ void keep_failure(RunSummary& summary, const Work& work) {
   }
 }
 
-// The last of the summary's files is this one.
+// summary.json is the last of the summary's files.
 void write_summary(const OutputFolder::Pointer& folder, RunSummary& summary) {
   bool written = false;
   keep_failure(summary, [&] {

@@ -1,5 +1,5 @@
-// The loop over time of everything that simulates a scene: a run, and a validation, in which several simulations go
-// side by side.
+// The loop over time of everything that simulates a scene: a run, and a validation, in which several simulations
+// advance together.
 #pragma once
 
 #include <cstdint>
@@ -19,8 +19,8 @@ class Stepper {
 
   // Whether the simulation has reached this time, s, up to rounding.
   [[nodiscard]] bool has_reached(double time) const;
-  // One time step towards `end`, s; the last one is shortened to end there. Throws as Simulation::step() does; what the
-  // step took is counted then, too.
+  // One time step towards `end`, s; the last one is shortened to end there. Throws as Simulation::step() does; the work
+  // of a failed step counts, too.
   void step(double end);
   void advance_to(double time) {
     while (!has_reached(time)) step(time);

@@ -1,4 +1,4 @@
-// A text file with every write checked.
+// A file of comma separated values, with every write checked.
 #pragma once
 
 #include <charconv>
@@ -7,21 +7,19 @@
 #include <string>
 #include <string_view>
 
-#include <springnet/network.hpp>
-
 #include "files/checked_file.hpp"
 
 namespace springnet {
 
-// A text as it stands in a cell: in quotes where a comma, a quote or an end of line would end it early.
+// The text of a cell, in quotes if it has a comma, a quote or an end of line.
 [[nodiscard]] std::string csv_cell(std::string_view text);
 
 class CsvFile {
  public:
   using Clock = std::chrono::steady_clock;
 
-  // Creates the file with this header line, which can be read at once, as can the first record. end_record() writes the
-  // file at most once in `patience`. Throws Error(input) if it cannot be created, OutputError if it cannot be written.
+  // Creates the file and writes the header line. The first record reaches the file at once, later ones at most once per
+  // `patience`. Throws Error(input) if it cannot be created, OutputError if it cannot be written.
   CsvFile(const OutputFile& file, std::string_view header, Clock::duration patience = std::chrono::seconds(1));
   CsvFile(const CsvFile&) = delete;
   CsvFile& operator=(const CsvFile&) = delete;
@@ -35,21 +33,17 @@ class CsvFile {
     return *this;
   }
   CsvFile& operator<<(std::string_view text);
-  // A comma and each coordinate.
-  CsvFile& operator<<(const Vector3& vector) {
-    for (const double coordinate : vector) *this << ',' << coordinate;
-    return *this;
-  }
 
   // These throw OutputError if the file cannot be written.
-  // The rows since the last call are the record of this time, s, and part of the table from now on. Writes now and
-  // then, so that a reader beside a run, or after its end by force, finds what happened until shortly before.
+  // Ends the record of this time, s: the rows since the last call. Writes now and then, so that whoever reads during
+  // the run, or after it was killed, finds recent records.
   void end_record(double time);
+  void drop_unfinished() { file_.drop_unfinished(); }  // the rows since then
   void flush();
   void close();
 
  private:
-  // Longest shortest decimal of a double is "-2.2250738585072014e-308": 24 characters.
+  // The longest of the shortest decimals of doubles, "-2.2250738585072014e-308", has 24 characters.
   static constexpr std::size_t longest_number = 32;
 
   template <class Number>

@@ -7,14 +7,14 @@ Table elements();
 Table elements() {
   return {
       .name = "elements",
-      .content = "angles, areas, volumes and what acts on them",
+      .content = "angles, areas, volumes and the forces of their laws",
       .columns = {{{"element"}, "", "number of the element", Columns::Cell::count},
-                  {{"value"}, "", "its angle, area or volume: rad, m², m³"},
+                  {{"value"}, "", "angle, area or volume: rad, m², m³"},
                   {{"force"},
                    "",
-                   "what its law answers, above 0 where it pulls the value down: N m, N/m, Pa; the pressure of a "
-                   "filling is the negative of it"},
-                  {{"alive"}, "", "1, and 0 once it is removed", Columns::Cell::flag}},
+                   "force of its law, above 0 where it pulls the value down: N m, N/m, Pa; a filling's pressure is the "
+                   "negative"},
+                  {{"alive"}, "", "1; 0 once it is removed", Columns::Cell::flag}},
       .wanted = [](const Network& network,
                    const OutputOptions& options) { return options.elements && !network.elements().empty(); },
       .leave_out = "leave out {} (output.elements = false, or a list of names of [[element]] for some)",

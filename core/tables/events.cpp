@@ -41,10 +41,10 @@ Table events() {
             "`released` from it, that `slipped` against friction or `stuck` again, that `jammed` (no finite "
             "force keeps such a node out of the surface with friction: an impulse stops it)",
             Columns::Cell::text},
-           {{"element"}, "", "what that happened to: `spring`, `element`, `node`", Columns::Cell::text},
+           {{"element"}, "", "what it happened to: `spring`, `element`, `node`", Columns::Cell::text},
            {{"index"}, "", "its number", Columns::Cell::count},
            {{"surface"}, "", "the surface at which it happened to a node, as in `surfaces.csv`", Columns::Cell::text},
-           {{"jx", "jy", "jz"}, "N s", "impulse that the surface gave the node then"}},
+           {{"jx", "jy", "jz"}, "N s", "impulse that the surface gave the node at the event"}},
       .wanted = [](const Network&, const OutputOptions&) { return true; },
       .leave_out = "",
       .writer = [](const Network&, const OutputOptions&) -> RowWriter {

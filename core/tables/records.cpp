@@ -15,7 +15,7 @@ namespace springnet {
 
 RecordReader::RecordReader(const std::filesystem::path& file) : path_(file) {
   std::error_code unknown;
-  // A pipe would wait for whoever writes into it.
+  // Opening a pipe would block.
   if (std::filesystem::exists(file, unknown) && !std::filesystem::is_regular_file(file, unknown)) {
     refuse("is no file; name a .bin file of a run");
   }
@@ -24,7 +24,7 @@ RecordReader::RecordReader(const std::filesystem::path& file) : path_(file) {
   if (!file_ || unknown) refuse("cannot be read; check its name and its permissions");
   constexpr std::string_view mark = "springnet records ";
   std::string line;
-  // Any other file may be one long line.
+  // A foreign file may be one long line.
   for (char c; line.size() < 64 && file_.get(c) && c != '\n';) line += c;
   if (!line.starts_with(mark)) {
     refuse("is no binary table of springnet; name a .bin file that a run with output.format = \"binary\" wrote");
@@ -49,12 +49,12 @@ RecordReader::RecordReader(const std::filesystem::path& file) : path_(file) {
   }
 }
 
-// What the header says, for so many bytes behind it: rows are counted only once there is a record that has them all.
+// Reads the header, which `bytes` bytes follow. Row numbers are allocated only if at least one whole record is there.
 void RecordReader::describe(const std::string& header, std::size_t bytes) {
   const auto check = [&](bool fine) {
     if (!fine) refuse("has a damaged header");
   };
-  // Lists of numbers and of names, nothing deeper: each level takes forty times the bytes that it has in the file.
+  // Lists of numbers and names, nothing deeper: nested JSON takes forty times its bytes in memory.
   const auto not_deeper = [&](int depth, nlohmann::json::parse_event_t, const nlohmann::json&) {
     check(depth <= 2);
     return true;

@@ -9,7 +9,7 @@ Table rigid() {
       .name = "rigid",
       .content = "tensions of rigid connections",
       .columns = {{{"rigid"}, "", "number of the connection", Columns::Cell::count},
-                  {{"force"}, "N", "in the connection, above 0 where it pulls its ends together"}},
+                  {{"force"}, "N", "tension, above 0 where it pulls the ends together"}},
       .wanted = [](const Network& network,
                    const OutputOptions& options) { return options.rigid && !network.rigids().empty(); },
       .leave_out = "leave out {} (output.rigid = false)",

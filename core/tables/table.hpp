@@ -1,8 +1,8 @@
-// One of the tables that a run writes, described once. The text file, the binary file, the estimate of its size, the
-// removal of an earlier run's, the help of `springnet run` and the check of core/docs/output.md all read this.
+// The description of a table that a run writes. Text file, binary file, size estimate, clean-up after an earlier run,
+// the help of `springnet run` and the check of core/docs/output.md all come from it.
 //
-// To add a table: write a file beside trajectory.cpp with a function that returns its Table, and name that in list.cpp
-// and in core/docs/output.md; a test tells what the page lacks.
+// To add a table, write a file beside trajectory.cpp with a function that returns its Table, name that in list.cpp, and
+// describe it in core/docs/output.md; a test says what the page lacks.
 #pragma once
 
 #include <cstdint>
@@ -27,60 +27,61 @@ struct Columns {
   enum class Cell {
     number,
     flag,   // 0 or 1
-    count,  // a whole number, below RowCount::counts
-    text    // RowCount::text says how long
+    count,  // a whole number below RowCount::counts
+    text    // of the length that RowCount::text says
   };
   std::vector<std::string_view> names;
   std::string_view unit;     // empty: none, or that of the element
-  std::string_view meaning;  // as it stands in core/docs/output.md
+  std::string_view meaning;  // as in core/docs/output.md
   Cell cell = Cell::number;
   bool (*wanted)(const OutputOptions&) = nullptr;  // null: always
 };
 
-// At most this in a record, for the estimate.
+// Upper bounds for a record, for the estimate.
 struct RowCount {
   double rows = 0.0;
-  double counts = 1.0;  // every number in the columns of counts is below this
+  double counts = 1.0;  // numbers in columns of counts are below this
   double text = 0.0;    // characters in the columns of text, of all rows
 };
 
-// Writes the rows of a record. It may keep what it needs from one record to the next.
+// Writes the rows of a record. It may keep state from record to record.
 using RowWriter = std::function<void(const Record&, TableFile&)>;
 
 struct Table {
-  std::string_view name;     // the file's without its ending
-  std::string_view content;  // for the help, a few words
-  // Behind the time; the first one says what a row belongs to.
+  std::string_view name;     // of the file, without its ending
+  std::string_view content;  // a few words for the help
+  // After the time; the first one says what a row belongs to.
   std::vector<Columns> columns;
   bool (*wanted)(const Network&, const OutputOptions&);
-  std::string_view leave_out;     // "{}" is the file: how to do without it where the disk has no room
-  std::string_view smaller = {};  // how to have less of it, if there is a way
-  // Numbers in the first column, rising, where each record has the same rows, and nothing but numbers and flags behind
-  // them: such a table has a binary form. Null for others.
+  // Remedies for want of disk space: how to leave it out ("{}" is the file), how to make it smaller if there is a way.
+  std::string_view leave_out;
+  std::string_view smaller = {};
+  // For a table with a binary form, that is with the same rows in each record, and nothing but numbers and flags after
+  // the first column: the rising numbers in that column. Null for others.
   std::vector<std::uint32_t> (*numbers)(const Network&, const OutputOptions&) = nullptr;
-  // Null where `numbers` says it, or where there is no telling beforehand: not estimated.
+  // Null if `numbers` says it, or if it depends on what happens: then there is no estimate.
   RowCount (*rows)(const Network&, const OutputOptions&) = nullptr;
   RowWriter (*writer)(const Network&, const OutputOptions&);
 };
 
-// All that there are, in the order in which a run makes them.
+// All tables, in the order in which a run creates them.
 [[nodiscard]] const std::vector<Table>& all();
 
-// "trajectory.csv", or "trajectory.bin" if the options ask for it and the table has that form.
+// "trajectory.csv", or "trajectory.bin" if the options ask for the binary form and the table has one.
 [[nodiscard]] std::string file_name(const Table& table, const OutputOptions& options);
-// Every name that its file may have.
+// Every name that its file can have.
 [[nodiscard]] std::vector<std::string> file_names(const Table& table);
 
-// Row, columns and units as the options have them.
+// Rows, columns and units under these options.
 [[nodiscard]] TableForm form_of(const Table& table, const Network& network, const OutputOptions& options);
 [[nodiscard]] std::unique_ptr<TableFile> create(const Table& table, const OutputFile& file, const Network& network,
                                                 const OutputOptions& options);
 
-// Of a run with so many records; nothing for a table whose length depends on what happens.
+// For a run with so many records; nothing if the length depends on what happens.
 [[nodiscard]] std::optional<FileEstimate> estimate(const Table& table, const Network& network,
                                                    const OutputOptions& options, double records);
 
-// 0, 1, …, or those chosen if there are any.
+// The chosen numbers; 0, 1, …, count - 1 if none are chosen.
 [[nodiscard]] std::vector<std::uint32_t> chosen_or_all(const std::vector<std::uint32_t>& chosen, std::size_t count);
 
 }  // namespace springnet::tables

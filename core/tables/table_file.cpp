@@ -19,7 +19,13 @@ TableFile::TableFile(const OutputFile& file, const TableForm& form, std::optiona
 
 void TableFile::begin_record(double time) {
   time_ = time;
-  if (numbers_) write_number(*numbers_, time);  // of eight bytes, whatever the precision
+  row_is_open_ = false;
+  if (text_) {
+    text_->drop_unfinished();
+  } else {
+    numbers_->drop_unfinished();
+    write_number(*numbers_, time);  // of eight bytes, whatever the precision
+  }
 }
 
 TableFile& TableFile::operator<<(std::string_view text) {
@@ -35,7 +41,7 @@ void TableFile::end_record() {
     return;
   }
   numbers_->end_record(time_);
-  numbers_->flush();  // so that whoever reads beside the run, or after it was killed, finds whole records
+  numbers_->flush();  // so that whoever reads during the run, or after it was killed, finds whole records
 }
 
 void TableFile::close() {

@@ -16,12 +16,13 @@ namespace springnet {
 
 class TableFile {
  public:
-  // Writes the header. `binary`: numbers of this precision, and in each record the rows of the form; text otherwise.
+  // Creates the file and writes its header: binary with this precision, if given, or text.
   // Throws Error(input) if the file cannot be created, OutputError, as all below, if it cannot be written.
   TableFile(const OutputFile& file, const TableForm& form, std::optional<OutputOptions::Precision> binary = {});
 
-  void begin_record(double time);  // s
-  // A row of this time, s; its cells follow in the order of the columns.
+  // Begins the record of this time, s, and drops one that an exception left unfinished.
+  void begin_record(double time);
+  // Begins a row of this time, s; its cells follow in the order of the columns.
   void row(double time) {
     if (!text_) return;
     if (row_is_open_) *text_ << '\n';
@@ -40,7 +41,7 @@ class TableFile {
     for (const double coordinate : vector) *this << coordinate;
     return *this;
   }
-  // A number of the scene, or a count. The binary form has those of the rows in its header, and no others.
+  // A number of the scene, or a count; in text only, because the header of the binary form has the numbers of the rows.
   TableFile& operator<<(std::uint32_t value) {
     if (text_) *text_ << ',' << value;
     return *this;

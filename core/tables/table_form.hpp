@@ -1,4 +1,4 @@
-// How the columns and rows of a table stand in its file: as text, or in the binary form of springnet/records.hpp.
+// Layout of a table's file: text, or the binary form of springnet/records.hpp.
 #pragma once
 
 #include <cstddef>
@@ -12,8 +12,8 @@ namespace springnet {
 
 struct TableForm {
   std::string row;                     // name of the column that says what a row belongs to: "node"
-  std::vector<std::uint32_t> numbers;  // of the rows, rising; unused where rows differ from record to record
-  std::vector<std::string> columns;    // the others, but for the time
+  std::vector<std::uint32_t> numbers;  // of the rows, rising; empty if rows differ from record to record
+  std::vector<std::string> columns;    // the other columns, without the time
   std::vector<std::string> units;      // of `columns`
 };
 

@@ -7,7 +7,7 @@ Table trajectory();
 Table trajectory() {
   return {
       .name = "trajectory",
-      .content = "places and velocities of nodes, forces on them; output.quantities chooses",
+      .content = "positions and velocities of nodes, and forces; see output.quantities",
       .columns = {{{"node"}, "", "number of the node", Columns::Cell::count},
                   {{"x", "y", "z"},
                    "m",
@@ -21,7 +21,7 @@ Table trajectory() {
                    [](const OutputOptions& options) { return options.velocity; }},
                   {{"fx", "fy", "fz"},
                    "N",
-                   "sum of the springs' forces and the loads, without what holds the node",
+                   "sum of spring forces and loads, without reactions",
                    Columns::Cell::number,
                    [](const OutputOptions& options) { return options.force; }}},
       .wanted = [](const Network&, const OutputOptions& options) { return options.trajectory; },

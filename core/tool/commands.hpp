@@ -1,4 +1,4 @@
-// The tool's commands. Each adds itself to the command line; what it returns is the exit status.
+// The tool's commands. Each adds itself to the command line.
 #pragma once
 
 #include <functional>
@@ -7,10 +7,11 @@
 
 namespace springnet::tool {
 
-// Set by a command's callback to what is to be done once the whole command line is known to be right.
+// Runs a command and returns the exit status. Set by the command's callback, called once the whole command line is
+// valid.
 using Action = std::function<int()>;
 
-// The whole command line: what it is called and says of itself, and every command below.
+// The whole command line: name, description and every command below.
 void add_all(CLI::App& app, Action& action);
 
 void add_new(CLI::App& app, Action& action);

@@ -25,7 +25,7 @@ bool is_same(const springnet_plugin& a, const springnet_plugin& b) {
   return std::string_view(a.id) == b.id && std::string_view(a.version) == b.version;
 }
 
-// Whether a scene has the component under this name.
+// Whether the scene uses the component.
 bool uses(const Scene& scene, const Component& component) {
   const auto is_it = [&](const std::optional<LawUse>& use) { return use && use->id == component.id(); };
   const std::vector<Material>& materials = scene.network.materials();
@@ -67,7 +67,7 @@ CLI::Validator number_between(double smallest, double largest) {
   return CLI::Validator(check, "");
 }
 
-// Where it cannot be printed, as on a full disk, the exit status still tells; fmt::print would throw.
+// Not fmt::print, which throws on a full disk, for instance; the exit status still reports the error.
 void print_error(std::string_view message) {
   std::fputs(fmt::format("springnet: error: {}\n", printable_message(message)).c_str(), stderr);
 }
@@ -76,7 +76,7 @@ void print_report(std::string_view report) {
   const std::string text = printable_message(report);
   const bool printed = std::fwrite(text.data(), 1, text.size(), stdout) == text.size() && std::fflush(stdout) == 0;
   if (printed || errno != EPIPE) return;
-  // What is printed from now on, and what waits to be, has nobody to read it.
+  // Nobody reads what is still buffered or printed from now on.
   if (std::freopen("/dev/null", "w", stdout) != nullptr) std::clearerr(stdout);
 }
 
@@ -115,7 +115,7 @@ std::shared_ptr<const PluginHost> PluginArguments::load() const {
 std::vector<std::string> PluginArguments::empty_folders() const {
   std::vector<std::string> notes;
   for (const std::filesystem::path& folder : folders) {
-    std::error_code unreadable;  // then the host has refused the folder itself
+    std::error_code unreadable;  // the host has reported the folder itself then
     bool found = false;
     for (std::filesystem::directory_iterator entry(folder, unreadable), end; !unreadable && entry != end;
          entry.increment(unreadable)) {
@@ -131,7 +131,7 @@ std::vector<std::string> PluginArguments::empty_folders() const {
 
 bool PluginArguments::matters(const Refusal& refusal, const PluginHost& host, const Scene& scene,
                               std::string_view integrator) const {
-  // By itself it may be sound: then others have the place of its components.
+  // The file may be sound by itself: then other plugins provide its components.
   PluginHost alone;
   if (alone.load(refusal.file)) {
     const auto& components = alone.components();
@@ -211,12 +211,12 @@ Scene SceneArguments::load(const PluginHost& host) const {
   }
 
   if (integrator) {
-    // Options of one integrator mean nothing to another, so they go when the name changes, and only then.
+    // Drop the options if and only if the name changes: those of one integrator mean nothing to another.
     bool same = false;
     try {
       same = load_scene(file, host, others, outside).options.integrator.id == *integrator;
     } catch (const Error&) {
-      // Loading it below says what is wrong, if it still is.
+      // Loading it below reports the error, if it is still there.
     }
     if (!same) {
       static_cast<void>(host.require(ComponentKind::integrator, *integrator));

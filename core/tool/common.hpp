@@ -1,4 +1,4 @@
-// What several commands share: the scene and its changes, plugins, the place of the output.
+// What several commands share: the scene and its overrides, plugins, the output folder.
 #pragma once
 
 #include <filesystem>
@@ -23,7 +23,7 @@ enum ExitStatus { done = 0, failed = 1, wrong_usage = 2, plugin_trouble = 3 };
 // "springnet: error: …" on stderr.
 void print_error(std::string_view message);
 
-// For options that take a number; says nothing in the help.
+// For options that take a number; adds nothing to the help.
 [[nodiscard]] CLI::Validator number_between(double smallest, double largest);
 inline constexpr double above_zero = std::numeric_limits<double>::min();
 inline constexpr double finite = std::numeric_limits<double>::max();
@@ -36,11 +36,11 @@ struct PluginArguments {
 
   void add_to(CLI::App& command);
   [[nodiscard]] std::shared_ptr<const PluginHost> load() const;
-  // A sentence for each of the folders that holds no plugin.
+  // A sentence for each folder without a plugin.
   [[nodiscard]] std::vector<std::string> empty_folders() const;
-  // These; then what was looked at and not taken, where it may matter to the run: what --plugins names cannot be used,
-  // or a component of the scene, or the integrator named, would be another one if the folders were searched in another
-  // order. The rest are counted.
+  // These, then refused plugin files that may matter to the run: those that --plugins names, and those that would
+  // provide a component of the scene, or the given integrator, if the folders were searched in another order. Others
+  // are counted.
   [[nodiscard]] std::vector<std::string> notes(const PluginHost& host, const Scene& scene,
                                                std::string_view integrator = {}) const;
 
@@ -56,7 +56,7 @@ struct SceneArguments {
   std::optional<double> time_step;        // s; else the scene's
   std::optional<double> duration;         // s; else the scene's
   std::optional<unsigned> threads;        // else the scene's
-  bool allow_outside = false;             // files that the scene names, outside of its folder
+  bool allow_outside = false;             // the scene may name files outside of its folder
   PluginArguments plugins;
 
   // --set, --allow-outside and --plugins; `simulation`: --integrator, --time-step, --duration and --threads as well.
@@ -75,8 +75,8 @@ struct OutputArguments {
   [[nodiscard]] bool silent() const noexcept { return json || quiet; }
 };
 
-// Text for a reader who may have seen enough: where stdout is a pipe that nobody reads any more (| head), the rest is
-// left out, which is no failure. Names and foreign texts in it are made printable.
+// Prints to stdout, with names and foreign texts made printable. If stdout is a pipe whose reader has gone (| head),
+// the rest is dropped, which is not a failure.
 void print_report(std::string_view report);
 
 }  // namespace springnet::tool

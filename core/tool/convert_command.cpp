@@ -39,7 +39,7 @@ int convert(const ConvertArguments& arguments) {
   if (std::filesystem::equivalent(text, arguments.file, unknown)) {
     throw Error(ErrorKind::input, fmt::format("{}: is the file to read; name another one with -o", text.string()));
   }
-  // Only what the user has named may be a link, or no regular file.
+  // Only a file that the user names may be a link, a pipe or a device.
   write_csv(records, named ? OutputFile(text) : OutputFile(OutputFolder::containing(text), text.filename().string()));
   if (!arguments.quiet) {
     fmt::print("{}: {} of {}\n", printable_message(text.string()), counted(records.records(), "record"),

@@ -14,13 +14,13 @@ namespace springnet::tool {
 
 namespace {
 
-// An installed tree may be moved, so nothing but the way from the program counts.
+// Relative to the program, because an installed tree may be moved.
 std::filesystem::path examples_folder() {
   const std::filesystem::path program = std::filesystem::weakly_canonical(boost::dll::program_location());
   return (program.parent_path() / ".." / SPRINGNET_DATA_FOLDER / "springnet" / "examples").lexically_normal();
 }
 
-// What follows the first line that begins with `start`, up to `end`.
+// The text between `start`, at the beginning of a line, and `end`; of the first such line.
 std::optional<std::string> first_line(const std::filesystem::path& file, const std::string& start, char end) {
   std::ifstream in(file);
   for (std::string line; std::getline(in, line);) {

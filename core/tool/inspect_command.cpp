@@ -52,7 +52,7 @@ std::string text_of(const std::map<std::string, std::size_t>& counts) {
   return text.empty() ? "none" : text;
 }
 
-// Two or three digits, and no power of ten where whole numbers do.
+// Two or three digits; whole numbers without a power of ten if possible.
 std::string ratio(double value, int digits) {
   return value >= 100.0 && value < 1e6 ? fmt::format("{:.0f}", value) : fmt::format("{:.{}g}", value, digits);
 }
@@ -119,7 +119,7 @@ std::string text_of(const Network& network, const std::optional<Bottleneck>& set
   return text + fmt::format("): t^2 k/m {:.2g}, t d/m {:.2g}", set_by->elastic_share, set_by->viscous_share);
 }
 
-// Whether a closed surface acts on its nodes together by more than a sweep of one node after another undoes soon.
+// Whether an enclosure couples its nodes so strongly that sweeps of one node after another converge slowly.
 bool slow_for_fillings(const Scene& scene, const Inspection& found) {
   if (!found.elements.contains(std::string(name_of(Invariant::enclosed_volume)))) return false;
   return std::any_of(found.limits.begin(), found.limits.end(), [&](const TimeConstantLimit& limit) {
@@ -159,7 +159,7 @@ void print_limits(const Scene& scene, const Inspection& found) {
   }
 }
 
-// One sentence a finding, then the worst springs.
+// A sentence per finding, then the worst springs.
 class Findings {
  public:
   void add(const std::string& text) { text_ += fmt::format("  - {}\n", text); }
@@ -246,7 +246,7 @@ InspectionOptions options_of(const Scene& scene, const PluginHost& plugins) {
   InspectionOptions options;
   options.time_step = scene.options.time_step;
   options.duration = scene.duration;
-  // An integrator that is given a tolerance of errors divides time steps by it.
+  // An integrator with an error tolerance chooses its own time steps.
   const auto integrator = plugins.find(ComponentKind::integrator, scene.options.integrator.id);
   options.steps_of_its_own = integrator && parameter_index(*integrator->description, "relative_tolerance") >= 0;
   options.integrator = scene.options.integrator;

@@ -16,7 +16,7 @@ namespace springnet::tool {
 
 namespace {
 
-// "triangle" has a plain plural, "hexahedron" and "vertex" have not.
+// Cell types with an irregular plural need it spelled out.
 std::string cells_text(const MeshExtent& extent) {
   std::string text;
   for (std::size_t k = 0; k < cell_type_count; ++k) {
@@ -31,7 +31,7 @@ std::string cells_text(const MeshExtent& extent) {
   return text.empty() ? "none" : text;
 }
 
-// Lengths, areas and volumes in the unit of the file, and in metres if that is another one.
+// Lengths, areas and volumes in the unit of the file, and in metres if that differs.
 class Lengths {
  public:
   explicit Lengths(double scale) : scale_(scale) {}

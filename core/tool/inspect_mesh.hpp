@@ -1,11 +1,11 @@
-// What `springnet inspect` tells of a mesh file.
+// What `springnet inspect` reports about a mesh file.
 #pragma once
 
 #include <filesystem>
 
 namespace springnet::tool {
 
-// Prints it; throws Error(input) for a file that cannot be read.
+// Prints the report. Throws Error(input) if the file cannot be read.
 void inspect_mesh(const std::filesystem::path& file, bool json);
 
 }  // namespace springnet::tool

@@ -18,7 +18,7 @@ namespace {
 
 using namespace springnet;
 
-// "; did you mean '--threads'?" for a word that no option or command of `command` has, or a scene without a command.
+// "; did you mean '--threads'?" for a word that is no option or command of `command`, or a scene without a command.
 std::string near(const CLI::App& command, const std::string& word) {
   std::vector<std::string> known;
   for (const CLI::Option* option : command.get_options()) {
@@ -39,7 +39,7 @@ std::string usage_error(const CLI::App* app, const CLI::Error& error) {
     name += " " + command->get_name();
   }
   std::string what = error.what();
-  // The first word that nothing takes is the cause of whatever else is missing.
+  // The first unknown word is the cause of whatever else is missing.
   const std::vector<std::string> unknown = app->remaining(true);
   if (!unknown.empty()) {
     const auto option = std::find_if(unknown.begin(), unknown.end(), [](const std::string& w) { return w[0] == '-'; });
@@ -51,7 +51,7 @@ std::string usage_error(const CLI::App* app, const CLI::Error& error) {
   return fmt::format("springnet: error: {}; '{} --help' shows how it is used\n", printable_message(what), name);
 }
 
-// CLI11 takes "--realtime=" for "--realtime".
+// CLI11 would read "--realtime=" as "--realtime".
 void refuse_missing_values(int argc, char** argv) {
   for (int k = 1; k < argc; ++k) {
     const std::string_view word = argv[k];
@@ -60,10 +60,10 @@ void refuse_missing_values(int argc, char** argv) {
   }
 }
 
-// An empty word is no name, file or number: a variable of a script that is not set.
+// An empty word is no name, file or number: probably an unset variable of a script.
 void refuse_empty_values(const CLI::App& command) {
   for (const CLI::Option* option : command.get_options()) {
-    if (option->get_items_expected_min() == 0) continue;  // one that may stand without a value
+    if (option->get_items_expected_min() == 0) continue;  // its value is optional
     const std::vector<std::string>& values = option->results();
     if (std::find(values.begin(), values.end(), "") == values.end()) continue;
     throw Error(ErrorKind::input, fmt::format("{}: an empty value was given; leave the option out, or name something",
@@ -82,14 +82,14 @@ int run(int argc, char** argv) {
   try {
     app.parse(argc, argv);
   } catch (const CLI::ParseError& error) {
-    // Help and version are "errors" that end well.
+    // CLI11 reports help and version as errors with status 0.
     return app.exit(error) == 0 ? tool::done : tool::wrong_usage;
   }
   refuse_empty_values(app);
   return action();
 }
 
-// Results that nobody could read are no results.
+// Output that could not be written is a failure.
 int checked(int status) {
   if (std::fflush(stdout) == 0 && std::ferror(stdout) == 0) return status;
   tool::print_error("the standard output cannot be written");

@@ -13,14 +13,15 @@ namespace {
 
 constexpr double gravity = 9.81;    // m/s^2
 constexpr double density = 1000.0;  // kg/m^3
-// Young's modulus over the weight of a column as long as the body: it sags by about 1 / (2 * stiffness) of itself.
+// Young's modulus over the weight per area of a column as long as the body, which then sags by 1 / (2 * stiffness) of
+// its length.
 constexpr double stiffness = 25.0;
-// Of the body's size: nodes that high hold it.
+// Nodes within this fraction of the body's size from its top hold it.
 constexpr double held_share = 0.02;
 // A mesh may have thousands of groups.
 constexpr std::size_t groups_offered = 20;
 
-// A TOML text.
+// As a TOML string.
 std::string toml_text(const std::string& text) {
   std::string result = "\"";
   for (const char c : text) {
@@ -34,7 +35,7 @@ std::string toml_text(const std::string& text) {
   return result + '"';
 }
 
-// With one digit, as people choose numbers.
+// Rounded to one digit, as people choose numbers.
 double rounded(double value) {
   const double power = std::pow(10.0, std::floor(std::log10(value)));
   return std::round(value / power) * power;
@@ -44,7 +45,7 @@ std::string line(const std::string& setting, const std::string& comment) {
   return fmt::format("{:<40}  # {}\n", setting, comment);
 }
 
-// Which of its cells have no volume by themselves, and whether edges alone would leave it without shear stiffness.
+// Which cells need a thickness or cross section, and whether edges alone would leave the body without shear stiffness.
 struct Needs {
   bool thickness = false, cross_section = false, diagonals = false;
 };
@@ -93,7 +94,7 @@ Body body_of(const std::string& file, const Mesh& mesh, const MeshSummary& summa
   return body;
 }
 
-// A beam of 10 x 1 x 1 lies flat, whatever rounding makes of its sides.
+// With room for rounding, so that a beam of 10 x 1 x 1 lies flat.
 int held_axis(const MeshSummary& summary) {
   const Vector3 sides = summary.whole.upper - summary.whole.lower;
   int axis = 2;
@@ -101,7 +102,7 @@ int held_axis(const MeshSummary& summary) {
   return axis;
 }
 
-// The box of the uppermost nodes, or, of a body that lies flat, of those at one end.
+// The box of the uppermost nodes or, if the body lies flat, of those at one end.
 std::string held_nodes(const MeshSummary& summary, double scale) {
   const Vector3 sides = scale * (summary.whole.upper - summary.whole.lower);
   const int axis = held_axis(summary);
@@ -113,7 +114,7 @@ std::string held_nodes(const MeshSummary& summary, double scale) {
   return corner;
 }
 
-// A body all of whose nodes are held does not move.
+// A body with all nodes held does not move.
 std::vector<std::string> groups_that_may_hold(const MeshSummary& summary) {
   std::vector<std::string> names;
   for (const MeshExtent& group : summary.groups) {
@@ -127,7 +128,7 @@ std::vector<std::string> groups_that_may_hold(const MeshSummary& summary) {
 MeshScene scene_of(const std::string& file, const Mesh& mesh, const MeshSummary& summary) {
   const Body body = body_of(file, mesh, summary);
   const std::string name = toml_text(body.name);
-  // About that of its stretching: 4 L sqrt(density / modulus) of a column that hangs.
+  // About the period of its longitudinal vibration: 4 L sqrt(density / modulus) for a hanging column.
   const double period = 4.0 * std::sqrt(body.size / (stiffness * gravity));
   const double time_step = rounded(period / 40.0);
   std::string text = fmt::format(

@@ -1,4 +1,4 @@
-// A scene to begin with, from what is known of a mesh.
+// A first scene for a mesh.
 #pragma once
 
 #include <string>
@@ -12,8 +12,8 @@ struct MeshScene {
   std::string body;   // [[body]]
   std::string scene;  // the whole file; it runs as it is
 };
-// file: the mesh as the scene names it; its stem becomes the name of the body. The body hangs from its uppermost nodes
-// in the earth's gravity, and is stiff enough to sag by about 2 % of its size. Needs a mesh with an extent.
+// `file`: the mesh as the scene names it; its stem becomes the name of the body. The body hangs from its uppermost
+// nodes under gravity and is stiff enough to sag by about 2 % of its size. The mesh must have an extent.
 [[nodiscard]] MeshScene scene_of(const std::string& file, const Mesh& mesh, const MeshSummary& summary);
 
 }  // namespace springnet::tool

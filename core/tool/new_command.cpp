@@ -41,7 +41,7 @@ struct NewArguments {
   std::filesystem::path folder;
 };
 
-// What is to be written: a text, or a copy of a file.
+// A file to write: a text, or a copy of another file.
 struct Planned {
   std::filesystem::path file;
   std::filesystem::path source;  // empty: the text
@@ -65,16 +65,16 @@ void refuse_existing(const std::vector<Planned>& files) {
                   printable_message(file.string()), reason));
 }
 
-// A part of the file is removed if it fails.
+// Removes the file if writing fails.
 void write(const Planned& planned) {
   std::error_code problem, ignored;
   if (!planned.source.empty()) {
-    std::filesystem::copy_file(planned.source, planned.file, problem);  // not over one that came meanwhile
+    std::filesystem::copy_file(planned.source, planned.file, problem);  // fails if the file exists by now
     if (problem && problem != std::errc::file_exists) std::filesystem::remove(planned.file, ignored);
     if (problem) fail_to_write(planned.file, problem.message());
     return;
   }
-  // "x": never a file that is there, nor through a link.
+  // "x": fails if the file exists, and does not follow a link.
   const std::unique_ptr<std::FILE, int (*)(std::FILE*)> out(std::fopen(planned.file.c_str(), "wx"), &std::fclose);
   if (!out) fail_to_write(planned.file, std::error_code(errno, std::generic_category()).message());
   if (std::fwrite(planned.text.data(), 1, planned.text.size(), out.get()) != planned.text.size() ||
@@ -100,7 +100,7 @@ void write_all(const std::filesystem::path& folder, const std::vector<Planned>& 
       written.push_back(planned.file);
     }
   } catch (const Error&) {
-    // Half of a scene would be in the way of the next attempt.
+    // Files of half a scene would block the next attempt.
     for (const std::filesystem::path& file : written) std::filesystem::remove(file, problem);
     throw;
   }
@@ -152,7 +152,7 @@ int scene_for_mesh(const NewArguments& arguments) {
   std::filesystem::path scene = folder / stem;
   scene += ".toml";
   const std::string text = scene_of(name.string(), mesh, summary).scene;
-  // What cannot be loaded is not written.
+  // Write only what can be loaded.
   const std::filesystem::path beside =
       arguments.mesh.has_parent_path() ? arguments.mesh.parent_path() : std::filesystem::path(".");
   const PluginHost plugins = PluginHost::with_default_search();

@@ -1,5 +1,5 @@
-// Writes the manual page or the completion for a shell from the command line itself, so that they have every command
-// and option of it. Used while springnet is built; not installed.
+// Generates the manual page or the shell completion from the command line itself, so that they have every command and
+// option. Used by the build; not installed.
 //   springnet_pages man | bash
 #include <algorithm>
 #include <cstdio>
@@ -17,9 +17,8 @@ namespace {
 using Words = std::vector<std::string>;
 
 // ---- the manual page
-// -------------------------------------------------------------------------------------------------
 
-// Text as roff prints it: no escapes, hyphens that can be searched for and copied, no control lines.
+// Escapes text for roff: backslashes, hyphens (so that they can be searched for and copied), control lines.
 std::string roff(std::string_view text) {
   std::string result;
   bool starts = true;
@@ -79,7 +78,6 @@ std::string manual(const CLI::App& app) {
 }
 
 // ---- completion for bash
-// ---------------------------------------------------------------------------------------------
 
 Words words_of(const CLI::App& command) {
   Words words;
@@ -100,7 +98,7 @@ void add_cases(const CLI::App& command, const std::string& path, std::string& pa
   }
 }
 
-// Options where the word begins with '-', commands where one is missing, and files (bash's default) everywhere else.
+// Completes options if the word begins with '-', commands if one is missing, and files (bash's default) otherwise.
 std::string bash(const CLI::App& app) {
   std::string paths, cases;
   add_cases(app, "", paths, cases);

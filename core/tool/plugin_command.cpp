@@ -66,7 +66,7 @@ std::vector<const springnet_parameter*> parameters_of(const Component& component
   return {description.parameters, description.parameters + description.parameter_count};
 }
 
-// Texts of a plugin's author, and names of files, for the terminal.
+// Makes texts of a plugin's author and file names printable.
 std::string shown(const char* text) {
   constexpr std::size_t longest = 400;
   return printable(text, longest);
@@ -77,7 +77,7 @@ std::string file_of(const Component& component) {
   return component.file.empty() ? "(linked into the program)" : shown(component.file);
 }
 
-// A parameter's value as a scene writes it.
+// A parameter's value as in a scene.
 std::string value_text(const springnet_parameter& parameter, double value) {
   switch (parameter.type) {
     case SPRINGNET_CHOICE:
@@ -102,7 +102,7 @@ std::string bounds_text(const springnet_parameter& parameter) {
   }
   if (parameter.type == SPRINGNET_BOOLEAN) return "true | false";
   const bool open = (parameter.flags & SPRINGNET_EXCLUDES_SMALLEST) != 0;
-  // The greatest numbers stand for no bound.
+  // The largest numbers mean no bound.
   const bool bounded_below = parameter.smallest > -1e300, bounded_above = parameter.largest < 1e300;
   const char* const what = parameter.type == SPRINGNET_INTEGER ? "whole, " : "";
   if (bounded_below && bounded_above) {
@@ -113,7 +113,7 @@ std::string bounds_text(const springnet_parameter& parameter) {
   return parameter.type == SPRINGNET_INTEGER ? "whole" : "any";
 }
 
-// A line for a scene that uses the component.
+// A line of a scene that uses the component.
 std::string scene_line(const Component& component) {
   std::string key, text;
   switch (component.kind()) {
@@ -184,7 +184,7 @@ std::string folder_of(const Component& component) {
   return component.file.empty() ? file_of(component) : shown(component.file.parent_path());
 }
 
-// In the order in which they were searched.
+// In search order.
 std::vector<std::string> folders_of(const PluginHost& host) {
   std::vector<std::string> folders;
   for (const auto& component : host.components()) {

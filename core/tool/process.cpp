@@ -32,7 +32,8 @@ void handle(int signal, void (*handler)(int), int flags) noexcept {
 void prepare_process() noexcept {
   for (int stream = STDIN_FILENO; stream <= STDERR_FILENO; ++stream) {
     if (fcntl(stream, F_GETFD) != -1) continue;
-    // The lowest free descriptor is this one. Open the wrong way, so that what uses it hears that it is closed.
+    // open() takes the lowest free descriptor, this one. Opened for the wrong direction, so that its users get an
+    // error.
     if (::open("/dev/null", stream == STDIN_FILENO ? O_WRONLY : O_RDONLY) < 0) return;
   }
   handle(SIGXFSZ, SIG_IGN, 0);
@@ -42,7 +43,7 @@ void catch_interrupts() noexcept {
   for (const int signal : {SIGINT, SIGTERM}) {
     if (!is_ignored(signal)) handle(signal, note_interrupt, SA_RESTART | static_cast<int>(SA_RESETHAND));
   }
-  // These come more than once by themselves: from the shell and the kernel, or every second.
+  // Not reset by the first one, because these repeat: SIGHUP from the shell and the kernel, SIGXCPU every second.
   for (const int signal : {SIGHUP, SIGXCPU}) {
     if (!is_ignored(signal)) handle(signal, note_interrupt, SA_RESTART);
   }

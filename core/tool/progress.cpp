@@ -8,6 +8,8 @@
 
 #include <fmt/format.h>
 
+#include "process.hpp"
+
 namespace springnet::tool {
 
 namespace {
@@ -24,8 +26,12 @@ Progress::Progress(bool silent) : silent_(silent), terminal_(isatty(STDERR_FILEN
 
 Progress::~Progress() { finish(); }
 
-void Progress::update(double time, double duration) {
-  if (silent_ || !(time < duration)) return;  // at the end there is nothing left to tell
+bool Progress::update(double time, double duration) {
+  if (!silent_ && time < duration) show(time, duration);  // nothing to show at the end
+  return !interrupted();
+}
+
+void Progress::show(double time, double duration) {
   const auto now = Clock::now();
   const std::chrono::duration<double> since_last = now - last_, since_start = now - start_;
   if (since_last.count() < (terminal_ ? 0.1 : 5.0)) return;
@@ -49,7 +55,7 @@ void Progress::finish() {
   drawn_ = false;
 }
 
-// A reader who has gone, or a disk that is full, ends the progress and not the run.
+// A reader that has gone, or a full disk, ends the progress display, not the run.
 void Progress::print(const std::string& text) {
   if (std::fputs(text.c_str(), stderr) < 0 || std::fflush(stderr) != 0) silent_ = true;
 }

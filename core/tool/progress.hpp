@@ -1,4 +1,4 @@
-// How far a run is: a bar on a terminal, a line now and then elsewhere. On stderr, which leaves stdout to results.
+// Progress of a run: a bar on a terminal, otherwise a line now and then. On stderr, so that stdout has results only.
 #pragma once
 
 #include <chrono>
@@ -13,10 +13,12 @@ class Progress {
   Progress(const Progress&) = delete;
   Progress& operator=(const Progress&) = delete;
 
-  void update(double time, double duration);  // s, simulated
-  void finish();                              // removes the bar
+  // Shows it; times are simulated, s. Returns whether to go on: false once the process was asked to end.
+  bool update(double time, double duration);
+  void finish();  // removes the bar
 
  private:
+  void show(double time, double duration);
   void print(const std::string& text);
 
   using Clock = std::chrono::steady_clock;

@@ -37,7 +37,8 @@ std::string heading(const tables::Table& table) {
 }
 
 std::string run_footer() {
-  std::string text = "Files (in the folder of the output; the scene's [output] says which, what of and how often):\n";
+  std::string text =
+      "Files (in the output folder; the scene's [output] says which of them, what is in them and how often):\n";
   std::vector<std::string> binary;
   for (const tables::Table& table : tables::all()) {
     text += fmt::format("  {:16} {:26} {}\n", tables::file_name(table, {}), heading(table), table.content);
@@ -47,7 +48,7 @@ std::string run_footer() {
          fmt::format(R"(  vtk/run.pvd      for ParaView, if output.vtk = true
   view.html        a page that plays the run, if not output.view = false
   summary.json     how the run went
-With output.format = "binary", {} are .bin files; 'springnet convert' turns them into text.
+With output.format = "binary" these are .bin files, which 'springnet convert' turns into text: {}.
 
 )",
                      fmt::join(binary, ", ")) +
@@ -57,29 +58,29 @@ With output.format = "binary", {} are .bin files; 'springnet convert' turns them
 struct RunArguments {
   SceneArguments scene;
   OutputArguments output;
-  std::string realtime;  // simulated seconds to one of the clock, "true": 1; empty: as fast as it goes
+  std::string realtime;  // simulated seconds per second of the clock, "true": 1; empty: as fast as possible
 };
 
-// A flag that is given without a value has the value "true".
+// CLI11 gives a flag without a value the value "true".
 CLI::Validator factor_or_true() {
   const CLI::Validator number = number_between(above_zero, finite);
   return CLI::Validator([number](const std::string& text) { return text == "true" ? std::string() : number(text); },
                         "");
 }
 
-// For '--realtime 2': a flag takes its value behind '=' alone, and the 2 is a word that nothing takes.
+// For '--realtime 2': a flag takes its value only after '=', so the 2 is an unknown word.
 void refuse_separate_factor(CLI::App& command, const RunArguments& arguments) {
   const std::vector<std::string> words = command.remaining();
   if (arguments.realtime != "true" || words.size() != 1) return;
   for (const std::string& word : {words.front(), arguments.scene.file.string()}) {
     if (!number_between(above_zero, finite)(word).empty()) continue;
     const std::string message = fmt::format("'{0}' is not known here; did you mean '--realtime={0}'?", word);
-    command.clear();  // of the word, which would be told of instead
+    command.clear();  // forget the word, or it would be reported instead
     throw CLI::ParseError(message, CLI::ExitCodes::ExtrasError);
   }
 }
 
-// What computing alone would reach.
+// What the simulation alone would reach, without output.
 std::string multiple_of_real_time(const RunSummary& summary) {
   if (!(summary.simulated > 0.0)) return "no time step";
   if (!(summary.wall > 0.0)) return "no time";
@@ -100,7 +101,7 @@ std::string estimate_text(const OutputEstimate& estimate, const std::filesystem:
   return text;
 }
 
-// Notes from number `first` on; those before stood on the terminal before the run.
+// Notes from number `first` on; the earlier ones were printed before the run.
 std::string result_text(const RunSummary& summary, const std::filesystem::path& folder, std::size_t first) {
   const auto steps = static_cast<double>(summary.steps);
   std::string text;
@@ -180,10 +181,7 @@ int run(const RunArguments& arguments) {
   if (!arguments.realtime.empty()) {
     options.realtime = arguments.realtime == "true" ? 1.0 : std::stod(arguments.realtime);
   }
-  options.progress = [&](const RunProgress& now) {
-    progress.update(now.time, now.duration);
-    return !interrupted();
-  };
+  options.progress = [&](const RunProgress& now) { return progress.update(now.time, now.duration); };
   const RunSummary summary = run_scene(scene, host, options);
   progress.finish();
 

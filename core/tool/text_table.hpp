@@ -1,4 +1,4 @@
-// Columns of text for a terminal.
+// Aligned columns of text for a terminal.
 #pragma once
 
 #include <string>
@@ -6,7 +6,7 @@
 
 namespace springnet::tool {
 
-// Each cell as wide as the widest of its column, two spaces between; the last column is not filled up.
+// Pads each cell to the widest of its column, with two spaces between; the last column is not padded.
 [[nodiscard]] std::string align_columns(const std::vector<std::vector<std::string>>& rows, std::size_t indent = 2);
 
 }  // namespace springnet::tool

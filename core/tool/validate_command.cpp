@@ -44,7 +44,7 @@ struct ValidateArguments {
 constexpr const char* numbers_file = "validation.json";
 constexpr const char* report_file = "report.html";
 
-// The folder, held until the files are in it.
+// The folder, locked until the files are written.
 OutputFolder::Pointer open_folder(const std::filesystem::path& path) {
   OutputFolder::Pointer folder = OutputFolder::make(path);
   folder->lock();
@@ -68,10 +68,7 @@ int run(const ValidateArguments& arguments) {
   options.relative_tolerance = arguments.reference_tolerance;
   options.certifying_tolerance = arguments.reference_tolerance / 100.0;
   options.scene_name = arguments.scene.file.string();
-  options.progress = [&](const ValidationProgress& now) {
-    progress.update(now.time, now.duration);
-    return !interrupted();
-  };
+  options.progress = [&](const ValidationProgress& now) { return progress.update(now.time, now.duration); };
   Validation validation = validate(scene, host, options);
   progress.finish();
   std::vector<std::string> notes = arguments.scene.plugins.notes(*host, scene, "cvode");
@@ -89,7 +86,7 @@ int run(const ValidateArguments& arguments) {
   }
   std::fflush(stdout);
 
-  // Nothing is validated by a run that did not reach the end.
+  // A run that did not reach the end validates nothing.
   const ValidationRun& own = validation.run_of_scene();
   const bool wanted = arguments.tolerance > 0.0;
   if (!own.finished()) {

@@ -11,12 +11,12 @@ namespace {
 
 using Points = Eigen::Matrix3Xd;
 
-// Greatest distance of `now` from `start` after the best rigid motion: W. Kabsch, A solution for the best rotation to
-// relate two sets of vectors, Acta Cryst. A32 (1976) 922-923. Both relative to their own centres.
+// Maximum distance of `now` from `start` after the best rigid motion: W. Kabsch, A solution for the best rotation to
+// relate two sets of vectors, Acta Cryst. A32 (1976) 922-923. Both are relative to their centres.
 double greatest_deformation(const Points& start, const Points& now) {
   const Eigen::JacobiSVD<Eigen::Matrix3d> svd(now * start.transpose(), Eigen::ComputeFullU | Eigen::ComputeFullV);
   Eigen::Matrix3d turn = svd.matrixU();
-  // A rotation, not a reflection: of the three directions the least counts the other way.
+  // A rotation, not a reflection: flip the direction of the smallest singular value.
   if ((turn * svd.matrixV().transpose()).determinant() < 0.0) turn.col(2) = -turn.col(2);
   return (now - turn * svd.matrixV().transpose() * start).colwise().norm().maxCoeff();
 }

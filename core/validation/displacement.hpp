@@ -11,7 +11,7 @@ namespace springnet {
 
 class DisplacementNorm {
  public:
-  // Bodies of the network are what may move as a whole; nodes of no body do so together.
+  // Each body of the network may move as a whole; the nodes without a body count as one.
   explicit DisplacementNorm(const Network& network);
 
   // Positions of one record, nodes in the order of `columns`.

@@ -10,7 +10,7 @@ namespace springnet {
 
 class ErrorNorm {
  public:
-  // Positions of one record, nodes in the order of `columns`; a record at the start has zero weight in the rms.
+  // Adds the positions of one record, columns in the order of nodes. The start does not count in the rms.
   void add(double time, const ConstNodeMap& positions, const std::vector<std::uint32_t>& columns,
            const ConstNodeMap& reference, const std::vector<std::uint32_t>& reference_columns);
   [[nodiscard]] PositionError result() const;

@@ -16,11 +16,11 @@ constexpr double left = 84.0, right = 20.0, bottom = 52.0;
 // The legend is above the frame, in lines.
 constexpr double legend_line = 20.0;
 constexpr const char* dashes = " stroke-dasharray=\"6 4\"";
-// Told apart by people who see colours differently as well (Okabe and Ito).
+// Distinguishable with colour vision deficiencies (Okabe and Ito).
 constexpr std::array<const char*, 7> colours{"#0072b2", "#d55e00", "#009e73", "#cc79a7",
                                              "#e69f00", "#56b4e9", "#6b6b6b"};
 
-// From values to places on the page.
+// Maps values to places on the page.
 class Scale {
  public:
   Scale(bool logarithmic, double smallest, double largest, double from, double to)
@@ -46,7 +46,7 @@ class Scale {
     return from_ + (transform(value) - low_) / (high_ - low_) * (to_ - from_);
   }
 
-  // Round values between the ends, and whether they get a number.
+  // Round values between the ends, and whether they are labelled.
   struct Tick {
     double value;
     bool labelled;
@@ -96,7 +96,7 @@ bool drawable(const Plot& plot, double x, double y) {
   return std::isfinite(x) && std::isfinite(y) && (!plot.x.logarithmic || x > 0.0) && (!plot.y.logarithmic || y > 0.0);
 }
 
-// The largest y in each of `buckets` groups of neighbours: peaks, which matter in an error, stay.
+// Keeps the largest y of each of `buckets` groups of neighbours: peaks matter in an error.
 PlotSeries thinned(const PlotSeries& series) {
   constexpr std::size_t buckets = 400;
   if (series.x.size() <= 2 * buckets) return series;
@@ -123,7 +123,7 @@ Bounds bounds_of(const Plot& plot) {
   for (const PlotSeries& series : plot.series) {
     for (std::size_t k = 0; k < series.x.size(); ++k) {
       const bool drawn = drawable(plot, series.x[k], series.y[k]);
-      // A linear axis shows its whole range, where nothing is drawn as well.
+      // A linear x axis shows its whole range, also where nothing is drawn.
       if (drawn || (!plot.x.logarithmic && std::isfinite(series.x[k]))) {
         bounds.x_low = std::min(bounds.x_low, series.x[k]);
         bounds.x_high = std::max(bounds.x_high, series.x[k]);
@@ -166,7 +166,7 @@ std::string draw_axes(const Plot& plot, double top, const Scale& x, const Scale&
 
 // Above the frame, whose upper end is `top`.
 std::string draw_legend(const Plot& plot, double& top) {
-  constexpr double key = 34.0, gap = 18.0, letter = 7.2;  // a letter is about so wide
+  constexpr double key = 34.0, gap = 18.0, letter = 7.2;  // mean width of a letter
   std::string svg;
   double x = left, line = legend_line;
   for (std::size_t k = 0; k < plot.series.size(); ++k) {

@@ -9,7 +9,7 @@
 namespace springnet {
 
 struct PlotSeries {
-  std::string label;  // plain text; without one the series is not in the legend
+  std::string label;  // plain text; empty: not in the legend
   std::vector<double> x, y;
   bool markers = false;
   bool dashed = false;
@@ -25,11 +25,11 @@ struct Plot {
   std::vector<PlotSeries> series;
 };
 
-// An <svg> element. Points that are not finite, or not above 0 on a logarithmic axis, interrupt their line. Series with
-// many points are thinned to the largest value in each of some hundred intervals. A plot without any point says so.
+// An <svg> element. Points that are not finite, or not above 0 on a logarithmic axis, interrupt their line. Long series
+// are thinned to the maximum of each of some hundred intervals. A plot without any point says so.
 [[nodiscard]] std::string to_svg(const Plot& plot);
 
-// Text with the characters that mean something in HTML replaced.
+// Text with the special characters of HTML escaped.
 [[nodiscard]] std::string escape_html(std::string_view text);
 
 }  // namespace springnet

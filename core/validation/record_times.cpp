@@ -11,7 +11,7 @@ namespace {
 
 bool divides(double time_step, double interval) {
   const double steps = interval / time_step;
-  // Decimal fractions such as 0.05 / 0.0125 are a few rounding errors away from whole numbers.
+  // Quotients of decimal fractions such as 0.05 / 0.0125 are whole numbers up to a few rounding errors.
   return std::round(steps) >= 1.0 && std::abs(steps - std::round(steps)) <= 1e-9 * steps;
 }
 

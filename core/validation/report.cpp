@@ -76,7 +76,7 @@ Plot error_over_time_step(const Validation& validation) {
     rms.y.push_back(run.error.rms);
   }
   if (rms.x.size() >= 2 && rms.y.front() > 0.0) {
-    // First order, as a line to hold against the others.
+    // First order, for comparison.
     const double ratio = rms.x.back() / rms.x.front();
     plot.series.push_back(
         {"first order", {rms.x.front(), rms.x.back()}, {rms.y.front(), rms.y.front() * ratio}, false, true});

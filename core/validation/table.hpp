@@ -1,4 +1,4 @@
-// The table of a validation, as cells; the first row is the heading.
+// The table of a validation as cells; the first row is the head.
 #pragma once
 
 #include <array>
@@ -13,7 +13,7 @@ using TableRow = std::array<std::string, 9>;
 
 [[nodiscard]] std::vector<TableRow> table_rows(const Validation& validation);
 
-// What theta = 0.5 does to the scene's own run, as a sentence; empty where that is not better.
+// What theta = 0.5 does for the scene's own run, as a sentence; empty if it is not better.
 [[nodiscard]] std::string second_order_advice(const Validation& validation);
 
 // "0.98", or "-" where there is none.

@@ -25,7 +25,7 @@ SimulationOptions options_for(const Scene& scene, const LawUse& integrator, doub
   return options;
 }
 
-// One of the simulations that go side by side.
+// One of the simulations that advance together.
 struct Lane {
   Lane(const Scene& scene, const std::shared_ptr<const PluginHost>& plugins, const LawUse& integrator, double time_step)
       : simulation(scene.network, plugins, options_for(scene, integrator, time_step)),
@@ -37,7 +37,7 @@ struct Lane {
   Stepper stepper;
 };
 
-// A run of the integrator that is validated.
+// A run of the integrator under validation.
 struct Subject {
   Subject(const Scene& scene, const std::shared_ptr<const PluginHost>& plugins, const LawUse& integrator,
           double time_step)
@@ -83,7 +83,7 @@ std::vector<double> time_steps_of(const Scene& scene, const std::vector<double>&
   std::vector<double> result = asked.empty() ? std::vector<double>{own / 2.0, own / 4.0} : asked;
   result.push_back(own);
   std::sort(result.begin(), result.end(), std::greater<>());
-  // The scene's own may have been named again, in other digits.
+  // The scene's own time step may have been given again, in other digits.
   const auto same = [](double a, double b) { return std::abs(a - b) <= 1e-12 * a; };
   result.erase(std::unique(result.begin(), result.end(), same), result.end());
   return result;
@@ -124,7 +124,7 @@ class Comparison : public Timeline {
 
  private:
   void advance_reference(Lane& lane, double tolerance);
-  // A run that fails stays behind with its reason.
+  // A run that fails stops there, with its reason.
   void advance(Subject& subject);
   template <class Work>
   void each_subject(const Work& work) {
@@ -232,7 +232,7 @@ bool Validation::second_order_is_better() const {
   if (!second_order || !second_order->finished()) return false;
   const ValidationRun& own = run_of_scene();
   constexpr double noteworthy = 0.5;
-  // Below the uncertainty of the reference nothing can be told apart.
+  // Differences below the reference's uncertainty mean nothing.
   return !own.finished() ||
          (own.error.max > 2.0 * uncertainty() && second_order->error.max <= noteworthy * own.error.max &&
           second_order->error.rms <= noteworthy * own.error.rms);

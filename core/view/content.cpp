@@ -20,7 +20,7 @@ void write_block(std::ostream& out, const std::string& name, const std::vector<N
   out << "<script type=\"application/octet-stream\" id=\"" << name << "\">" << base64_of(numbers) << "</script>\n";
 }
 
-// The range goes before the shares.
+// The range precedes the scaled numbers.
 void write_rounded(std::ostream& out, const std::string& name, const std::vector<float>& numbers, const Range& range) {
   write_block(out, name + "_range", std::vector<float>{range.low, range.high});
   write_block(out, name, shares_of(numbers, range));
@@ -43,7 +43,7 @@ void write_moving(std::ostream& out, const Frames& frames, const std::optional<R
   }
 }
 
-// The first frame that shows what was first so in a record.
+// The first frame at or after a record.
 std::uint32_t frame_of(std::uint64_t record, const Frames& frames) {
   const std::uint64_t frame = (record + frames.stride() - 1) / frames.stride();
   return static_cast<std::uint32_t>(std::min<std::uint64_t>(frame, frames.count() - 1));
@@ -108,7 +108,7 @@ void write_arrows(std::ostream& out, const Forces& forces) {
   write_block(out, "arrow_nodes", nodes);
 }
 
-// A triangle is torn where the spring along one of its edges is gone.
+// A triangle is torn once the spring along one of its edges is gone.
 void write_faces(std::ostream& out, const Content& content) {
   const Network& network = content.scene.network;
   std::vector<std::uint32_t> corners, torn;
@@ -145,7 +145,7 @@ double frame_bytes(const Content& content, bool rounded) {
 }  // namespace
 
 std::vector<ElementIndex> plotted_elements(const Network& network) {
-  constexpr std::size_t most = 8;  // curves that the eye tells apart
+  constexpr std::size_t most = 8;  // curves that the eye can distinguish
   std::vector<ElementIndex> chosen;
   for (ElementIndex k = 0; k < network.elements().size() && chosen.size() < most; ++k) {
     if (network.elements().size() <= most || network.elements()[k].invariant == Invariant::enclosed_volume) {

@@ -1,4 +1,4 @@
-// What a page is made of.
+// The content of a page.
 #pragma once
 
 #include <cstdint>
@@ -24,7 +24,7 @@ enum Scalar : std::size_t { time, kinetic, potential, steps, sweeps, events, fix
 struct Removal {
   SpringIndex spring;
   double time;           // s
-  std::uint64_t record;  // the first that it is missing in
+  std::uint64_t record;  // the first one without it
   bool ruptured;         // else cut
 };
 
@@ -50,7 +50,7 @@ struct Content {
 [[nodiscard]] double size_once(const Content& content);
 [[nodiscard]] double size_of_frame(const Content& content, bool rounded);
 
-// Whether numbers of nodes and springs have to be rounded to 16 bits for the page to stay below `size` bytes.
+// Whether the numbers of nodes and springs must be rounded to 16 bits to keep the page below `size` bytes.
 [[nodiscard]] bool must_round(const Content& content, double size);
 
 // With 16 bit numbers in these ranges, or with 32 bit floats.

@@ -80,7 +80,7 @@ Json surfaces_of(const Network& network) {
 Json elements_of(const Content& content) {
   const Network& network = content.scene.network;
   Json elements = Json::array();
-  std::set<std::string> known;  // the curves are told apart by their labels
+  std::set<std::string> known;  // labels identify curves
   for (const ElementIndex k : content.elements) {
     const Element& element = network.elements()[k];
     const auto set =

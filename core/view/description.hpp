@@ -1,4 +1,4 @@
-// What a page says of a run in words and single numbers.
+// The words and single numbers of a page.
 #pragma once
 
 #include <string>
@@ -7,7 +7,7 @@
 
 namespace springnet::view {
 
-// JSON that may stand in a script element.
+// JSON that is safe in a script element.
 [[nodiscard]] std::string describe(const Content& content, bool rounded);
 
 }  // namespace springnet::view

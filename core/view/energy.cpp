@@ -20,7 +20,7 @@ bool any_damps(const Network& network) {
                      [](const LawUse& each) { return each.id != "point_mass"; });
 }
 
-// Spring functions that tell no energy.
+// Spring functions without an energy.
 std::vector<std::string> without_energy(const Network& network, const PluginHost& plugins) {
   std::vector<std::string> laws;
   for (const Material& material : network.materials()) {

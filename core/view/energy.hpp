@@ -1,4 +1,4 @@
-// What kinetic and potential energy together leave out of a run's balance.
+// What the sum of kinetic and potential energy leaves out of a run's balance.
 #pragma once
 
 #include <string>
@@ -8,8 +8,8 @@
 
 namespace springnet::view {
 
-// In words that follow "leaves out", those that this run has, best listed with commas. Records are too far apart to add
-// up the work of forces between them. Empty: the sum is constant but for the integrator's own error.
+// The parts that this run has, as noun phrases to follow "leaves out". Records are too far apart to integrate the work
+// of forces between them. Empty: the sum is constant but for the integrator's error.
 [[nodiscard]] std::vector<std::string> left_out_of_energy(const Content& content);
 
 }  // namespace springnet::view

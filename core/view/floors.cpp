@@ -12,7 +12,7 @@ namespace springnet::view {
 
 namespace {
 
-// A few: differences and sums of some numbers.
+// For differences and sums of a few numbers.
 constexpr double roundings = 8.0 * std::numeric_limits<double>::epsilon();
 
 double largest_coordinate(const Network& network) {
@@ -21,7 +21,7 @@ double largest_coordinate(const Network& network) {
   return largest;
 }
 
-// dT/dl of each spring at its rest length, N/m; 0 where its law does not tell.
+// dT/dl of each spring at its rest length, N/m; 0 if its law has no derivatives.
 std::vector<double> stiffnesses(const Network& network, const PluginHost& plugins) {
   const layers::CompiledLaws laws = layers::compile_laws(network, plugins);
   std::vector<double> found(network.springs().size(), 0.0);

@@ -1,4 +1,4 @@
-// Below what a number of a run is nothing but rounding: a page shows 0 there.
+// Rounding levels: a page shows 0 for numbers below them.
 #pragma once
 
 #include <vector>
@@ -11,7 +11,7 @@
 
 namespace springnet::view {
 
-// Each is a few roundings of the largest number that enters the value.
+// Each is a few rounding errors of the largest number that enters the value.
 struct Floors {
   double position = 0.0;       // m: of the largest coordinate at the start
   double speed = 0.0;          // m/s: that rounding of position within a record
@@ -20,11 +20,10 @@ struct Floors {
   std::vector<float> tension;  // N, of each shown spring: its stiffness at rest times the rounding of its length
 };
 
-// Without plugins, and for laws without derivatives, the floors of tensions are 0.
+// The floors of tensions are 0 without plugins, and for laws without derivatives.
 [[nodiscard]] Floors floors_of(const Scene& scene, const Selection& selection, const PluginHost* plugins);
 
-// Numbers at or below their floor become 0, likewise those that are rounding of the largest of their kind in the same
-// frame.
+// Sets numbers at or below their floor to 0, and those below rounding of the largest of their kind in the same frame.
 void drop_rounding(const Floors& floors, Frames& frames);
 
 }  // namespace springnet::view

@@ -14,7 +14,7 @@ namespace springnet::view {
 
 namespace {
 
-constexpr double rounding = 1e-12;  // of forces that cancel, beside their sizes
+constexpr double rounding = 1e-12;  // of forces that cancel, relative to their sizes
 
 using OnNodes = std::map<NodeIndex, Vector3>;
 
@@ -51,7 +51,8 @@ void find_sides(const Network& network, std::vector<DrawnLoad>& loads) {
   }
 }
 
-// What a load puts on each of its nodes now, N. Steps end where a load is switched up to rounding of the time.
+// The force of a load on each of its nodes now, N. The slack is for steps that end where a load is switched, but for
+// rounding of the time.
 OnNodes forces_now(const Load& load, const DrawnLoad& drawn, const Simulation& simulation) {
   const double time = simulation.time() + 1e-6 * simulation.time_step();
   const double factor = load.from <= time && time < load.until ? LoadCourse(load).at(simulation.time()) : 0.0;

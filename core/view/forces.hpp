@@ -16,7 +16,7 @@ namespace springnet::view {
 
 // A load whose force is not zero; its arrows follow those of the load before it.
 struct DrawnLoad {
-  // A spring along a side of a face of the load: with it the face goes.
+  // A spring along an edge of one of the load's faces: the face is removed with it.
   struct Side {
     std::size_t face;
     SpringIndex spring;
@@ -41,13 +41,13 @@ struct Forces {
   std::vector<std::string> notes;  // what is left out
 };
 
-// More arrows than this are a thicket: then some of each load.
+// More arrows than this are unreadable: then only some of each load are drawn.
 inline constexpr std::size_t most_arrows = 200;
 
 [[nodiscard]] Forces forces_of(const Network& network, const Selection& selection);
 
-// The forces now, N: the resultant x, y, z of each drawn load, and x, y, z of each arrow. A resultant that is only the
-// rounding of forces that cancel is zero.
+// The forces now, N: x, y, z of the resultant of each drawn load and of each arrow. A resultant that is mere rounding
+// of cancelling forces is zero.
 void take_forces(const Forces& forces, const Network& network, const Simulation& simulation,
                  std::span<float> resultants, std::span<float> arrows);
 

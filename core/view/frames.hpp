@@ -37,12 +37,12 @@ struct FrameWidths {
   std::size_t loads = 0, arrows = 0;
 };
 
-// Records 0, stride, 2 stride, … and the last one. At most `capacity` frames (2 or more): beyond, the stride doubles.
+// Records 0, stride, 2 stride, … and the last one; at most `capacity` frames (2 or more), then the stride doubles.
 class Frames {
  public:
   Frames(const FrameWidths& widths, std::size_t capacity, std::size_t expected);
 
-  // Makes room for the next record: the last row of each of these.
+  // Makes room for the next record: the last row of each of the members below.
   void begin();
 
   Rows<double> scalars;

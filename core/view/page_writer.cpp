@@ -16,7 +16,7 @@ namespace springnet::view {
 
 namespace {
 
-// A run that diverges has numbers that no float holds.
+// A diverging run has numbers beyond the range of float.
 float to_float(double number) {
   constexpr double most = std::numeric_limits<float>::max();
   return static_cast<float>(std::clamp(number, -most, most));
@@ -71,7 +71,7 @@ PageWriter::PageWriter(const OutputFile& file, const Scene& scene, const ViewOpt
 PageWriter::~PageWriter() {
   try {
     close();
-  } catch (...) {  // nobody is there to hear of it
+  } catch (...) {  // a destructor has nobody to report to
   }
 }
 
@@ -197,7 +197,7 @@ double estimate_view(const Scene& scene) {
   const view::Content content = view::make_content(scene, scene.output.view_size);
   const double once = view::size_once(content);
   const double all = once + view::expected_records(scene) * view::size_of_frame(content, false);
-  // The first and the last record stand in the page whatever its size.
+  // The page has the first and the last record, whatever its size.
   const double least = once + 2.0 * view::size_of_frame(content, true);
   return std::min(all, std::max(least, scene.output.view_size));
 }

@@ -18,9 +18,9 @@ namespace springnet::view {
 
 class PageWriter {
  public:
-  // Replaces the file by a page that says that the run goes on. Throws Error(input) if it cannot be created.
+  // Writes a page that says that the run has not ended. Throws Error(input) if it cannot be created.
   PageWriter(const OutputFile& file, const Scene& scene, const ViewOptions& options);
-  ~PageWriter();  // closes it, without a word about failures
+  ~PageWriter();  // closes it, and ignores errors
   PageWriter(const PageWriter&) = delete;
   PageWriter& operator=(const PageWriter&) = delete;
 

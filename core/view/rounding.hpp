@@ -1,4 +1,4 @@
-// Numbers as 16 bit shares of a range, where a page would become too large otherwise.
+// Numbers as 16 bit fractions of a range, for pages that would become too large otherwise.
 #pragma once
 
 #include <cstdint>
@@ -14,9 +14,9 @@ struct Range {
   bool clipped = false;  // there are numbers outside of it
 };
 
-// Ranges for the numbers of all frames. A run that diverges ends in numbers that would leave no digits to the rest:
-// places far away from where the network began are outside, and what the frames with such places alone reach in speed
-// and tension.
+// Ranges for the numbers of all frames. The last numbers of a diverging run would leave no digits for the rest, so
+// places far from the start of the network are outside of the range, as are speeds and tensions that only such frames
+// have.
 struct Ranges {
   Range positions, speeds, tensions;
 };
@@ -25,7 +25,7 @@ struct Ranges {
 // 0 for `low` to 65535 for `high`; the nearest of these for numbers outside.
 [[nodiscard]] std::vector<std::uint16_t> shares_of(const std::vector<float>& numbers, const Range& range);
 
-// What a reader has to know of them, in plain sentences.
+// What a reader should know of them, in sentences.
 [[nodiscard]] std::vector<std::string> notes_of(const Ranges& ranges);
 
 }  // namespace springnet::view

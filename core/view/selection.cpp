@@ -29,7 +29,7 @@ std::vector<SpringIndex> springs_on_faces(const Network& network) {
   return on_faces;
 }
 
-// Spread by the golden ratio rather than every so-manieth one: meshes number their springs in patterns.
+// Spread by the golden ratio rather than every n-th spring, because meshes number their springs in patterns.
 void keep_share(std::vector<SpringIndex>& springs, double share) {
   std::erase_if(springs, [&](SpringIndex k) {
     const double place = static_cast<double>(k) * 0.6180339887498949;

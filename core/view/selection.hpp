@@ -20,11 +20,11 @@ struct Selection {
   std::vector<std::string> notes;  // what is left out
 };
 
-// All of it where `frames` frames take at most `bytes` (before base64). Otherwise the springs on the faces if there are
-// any, and of these as many as fit, spread over all.
+// Everything if `frames` frames of it take at most `bytes` (before base64). Otherwise the springs on faces if there are
+// any, and as many of them as fit, evenly spread.
 [[nodiscard]] Selection select(const Network& network, double frames, double bytes);
 
-// Bytes that are the same in every frame and those of each frame, with 16 bit numbers for what moves.
+// Bytes needed once, and in each frame, with 16 bit numbers for what moves.
 struct Cost {
   double once = 0.0;
   double frame = 0.0;

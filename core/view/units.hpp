@@ -8,7 +8,7 @@
 
 namespace springnet::view {
 
-// "linear (stiffness 6 N/m)"; without units where the plugins, which may be null, do not have the law.
+// "linear (stiffness 6 N/m)"; without units if `plugins` is null or does not have the law.
 [[nodiscard]] std::string text_of(const PluginHost* plugins, ComponentKind kind, const LawUse& use);
 [[nodiscard]] std::string text_of(const PluginHost* plugins, const Material& material);
 

@@ -13,7 +13,7 @@ namespace {
 
 class Builder {
  public:
-  // The next points and triangles are those of this surface.
+  // The next points and triangles belong to this surface.
   void begin(std::uint32_t surface) { surface_ = surface; }
   NodeIndex point(const Vector3& place) {
     shapes.points.push_back(place);
@@ -31,7 +31,7 @@ class Builder {
   std::uint32_t surface_ = 0;
 };
 
-// Two directions that are perpendicular to `axis` and to each other; lengths 1; axis, first, second right-handed.
+// Two unit vectors, perpendicular to `axis` and to each other; axis, first, second are right-handed.
 std::array<Vector3, 2> across(const Vector3& axis) {
   const Vector3 first = axis.unitOrthogonal();
   return {first, axis.cross(first)};
@@ -48,10 +48,10 @@ void add_plane(Builder& builder, const Plane& plane, const Vector3& middle, doub
   builder.triangle(first, first + 2, first + 3);
 }
 
-// Rings of points from pole to pole; a capsule's equator is there twice, once at each end.
+// Rings of points from pole to pole; a capsule has its equator twice, once at each end.
 void add_round(Builder& builder, const Instrument& instrument) {
   constexpr int around = 24;
-  constexpr int half = 6;  // rings from a pole to the equator, that included
+  constexpr int half = 6;  // rings from a pole to the equator, inclusive
   const Vector3 reach = instrument.second - instrument.first;
   const bool capsule = reach.norm() > 0.0;
   const Vector3 axis = capsule ? Vector3(reach.normalized()) : Vector3::UnitZ();
@@ -85,8 +85,8 @@ void add_round(Builder& builder, const Instrument& instrument) {
   for (NodeIndex k = 0; k < around; ++k) builder.triangle(last + k, last + (k + 1) % around, north);
 }
 
-// Rings about the third axis, from one end to the other: those of a sphere, drawn apart by the box's core in between. A
-// quarter of a ring belongs to one edge of the core, and is one point at the ends and where the box is sharp.
+// Rings about the third axis, from one end to the other: those of a sphere, pulled apart by the box's core. Each
+// quarter of a ring belongs to one edge of the core; it is a single point at the ends and if the box has sharp edges.
 void add_box(Builder& builder, const Vector3& middle, const BoxShape& box) {
   const int steps = box.radius > 0.0 ? 6 : 0;  // from one end of a quarter to the other
   const int points = steps + 1;

@@ -15,7 +15,7 @@ struct SurfaceShapes {
   std::vector<std::uint32_t> triangle_surface;
 };
 
-// A plane is a square about the foot of the network's middle on it, somewhat larger than the network.
+// A plane is a square about the projection of the network's middle, somewhat larger than the network.
 [[nodiscard]] SurfaceShapes shapes_of(const Network& network);
 
 }  // namespace springnet

@@ -13,7 +13,7 @@ using Type = VtkArray::Type;
 
 constexpr std::uint8_t line_type = 3, triangle_type = 5;  // VTK_LINE, VTK_TRIANGLE
 constexpr std::uint8_t spring_kind = 0, face_kind = 1, rigid_kind = 2;
-constexpr double none = std::numeric_limits<double>::quiet_NaN();  // of cells that have no such quantity
+constexpr double none = std::numeric_limits<double>::quiet_NaN();  // for cells without the quantity
 
 Type real_of(OutputOptions::Precision precision) {
   return precision == OutputOptions::Precision::float64 ? Type::float64 : Type::float32;

@@ -17,8 +17,8 @@ namespace springnet {
 struct VtkNet {
   explicit VtkNet(const Network& network);
   void take(const Record& record);
-  // Of the record taken last, with its arrays, so that it is valid as long as the record is; before the first one it
-  // has sizes alone.
+  // Of the last record, whose arrays it refers to, so that it is valid as long as that record; before the first one it
+  // has sizes only.
   [[nodiscard]] VtkFile file(OutputOptions::Precision precision) const;
 
   // Points: nodes.
@@ -52,7 +52,7 @@ struct VtkSurfaces {
   std::vector<std::int64_t> connectivity, offsets, surface, touching;
 
  private:
-  std::vector<Vector3> starts_;  // m, where surface_position is when the surface is where the scene puts it
+  std::vector<Vector3> starts_;  // m, surface_position at the start
 };
 
 }  // namespace springnet

@@ -45,7 +45,8 @@ std::string_view name_of(Type type) {
 std::size_t numbers_in(const VtkArray& array) { return array.count * static_cast<std::size_t>(array.components); }
 std::uint64_t bytes_in(const VtkArray& array) { return numbers_in(array) * size_of(array.type); }
 
-// The arrays of a place, each with where its bytes begin: after those of the arrays before it, each behind its length.
+// The arrays of a place with the offsets of their bytes, which follow those of earlier arrays; each is preceded by its
+// length.
 std::string section(const VtkFile& file, Place place, std::string_view element, std::string_view indent) {
   std::string text = fmt::format("{}<{}>\n", indent, element);
   std::uint64_t offset = 0;

@@ -1,5 +1,5 @@
-// One file of VTK's XML formats with its data appended as raw bytes. What the header says depends on the sizes alone,
-// so that the size of a file is known before there is data.
+// A file of VTK's XML formats with its data appended as raw bytes. The header depends on sizes alone, so that the size
+// of the file is known before there is data.
 #pragma once
 
 #include <cstdint>

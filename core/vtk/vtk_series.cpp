@@ -57,7 +57,7 @@ double vtk_record_bytes(const Network& network, const OutputOptions& options) {
 }
 
 double vtk_index_bytes(const Network& network, double records) {
-  constexpr double time = -2.2250738585072014e-308;  // no number is longer
+  constexpr double time = -2.2250738585072014e-308;  // the longest decimal
   // Names of a million records and more are longer by a few characters.
   double record = static_cast<double>(entry(time, 0, "net", net_name(99'999'999)).size());
   if (network.planes().size() + network.instruments().size() > 0) {

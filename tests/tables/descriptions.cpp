@@ -73,6 +73,20 @@ TEST_CASE("names of tables and of the columns of each differ") {
   }
 }
 
+TEST_CASE("remedies for want of space name keys of a scene") {
+  const std::vector<std::string>& keys = scene_keys();
+  for (const tables::Table& table : tables::all()) {
+    for (const std::string_view remedy : {table.leave_out, table.smaller}) {
+      if (remedy.empty()) continue;
+      CAPTURE(remedy);
+      const std::size_t begin = remedy.find("output.");
+      REQUIRE(begin != std::string_view::npos);
+      const std::string key(remedy.substr(begin, remedy.find_first_of(" )", begin) - begin));
+      CHECK(std::count(keys.begin(), keys.end(), key) == 1);
+    }
+  }
+}
+
 TEST_CASE("a writer of each table makes the file that a run makes") {
   Network net = testing::chain(4, {0, 0, 0}, {1, 0, 0}, testing::damped(40.0, 0.5));
   net.fix(0);
@@ -133,6 +147,36 @@ TEST_CASE("an estimate has room for the longest numbers") {
   CHECK(bytes("reactions") == 2 * 12 * (size(time + ",11,\n") + 9 * size(number) + size("0;") + size("\"a,b\";")));
   for (const tables::Table& table : tables::all()) {
     if (table.name == "events") CHECK_FALSE(tables::estimate(table, net, options, 2.0));
+  }
+}
+
+TEST_CASE("a record that an exception ends leaves no trace") {
+  const TemporaryFolder folder;
+  const TableForm form{"node", {3, 5}, {"x"}, {"m"}};
+  for (const auto binary :
+       {std::optional<OutputOptions::Precision>{}, std::optional(OutputOptions::Precision::float64)}) {
+    const std::filesystem::path path = folder.path() / (binary ? "table.bin" : "table.csv");
+    const auto write = [&](bool interrupted) {
+      TableFile file(path, form, binary);
+      for (const double time : {0.25, 0.5}) {
+        if (interrupted) {
+          file.begin_record(7.0);
+          file.row(7.0);
+          file << std::uint32_t{3} << 7.0;
+        }
+        file.begin_record(time);
+        for (const std::uint32_t node : form.numbers) {
+          file.row(time);
+          file << node << time * node;
+        }
+        file.end_record();
+      }
+      file.close();
+      return testing::read_text(path);
+    };
+    const std::string whole = write(false);
+    CHECK(write(true) == whole);
+    if (!binary) CHECK(whole == "time,node,x\n0.25,3,0.75\n0.25,5,1.25\n0.5,3,1.5\n0.5,5,2.5\n");
   }
 }
 

@@ -1,5 +1,5 @@
-// Binary tables written by a run (output.format = "binary"): the same rows of numbers at each of many times. Layout:
-// core/docs/output.md; any program that maps files into memory can read it.
+// Reading the binary tables of a run (output.format = "binary"): the same rows of numbers at many times.
+// core/docs/output.md has the layout, which suits programs that map files into memory.
 #pragma once
 
 #include <cstddef>
@@ -13,11 +13,10 @@
 
 namespace springnet {
 
-// Reads a table as far as it was written. The table of a run that failed or is not finished ends with its last complete
-// record.
+// Reads a table up to its last whole record, also that of a run that failed or is still going on.
 class RecordReader {
  public:
-  // Throws Error(input) if the file cannot be read, is not such a table, or has no complete record yet.
+  // Throws Error(input) if the file cannot be read, is not such a table, or has no whole record yet.
   explicit RecordReader(const std::filesystem::path& file);
 
   [[nodiscard]] const std::string& row_name() const noexcept { return row_; }  // "node", "spring", "element"
@@ -27,8 +26,8 @@ class RecordReader {
   [[nodiscard]] bool single_precision() const noexcept { return single_; }
   [[nodiscard]] std::size_t records() const noexcept { return records_; }
 
-  // Replaces `values` by [row][column] of a record and returns its time, s. Throws Error(input) for a record that does
-  // not exist, or if the file can no longer be read.
+  // Replaces `values` by the [row][column] of a record and returns its time, s. Throws Error(input) if there is no such
+  // record or the file can no longer be read.
   double read(std::size_t record, std::vector<double>& values);
 
  private:
@@ -48,9 +47,9 @@ class RecordReader {
   std::vector<char> buffer_;
 };
 
-// Writes the table as text, as the run would have with output.format = "csv"; single precision numbers with their own
-// digits. Replaces an existing file. Throws Error(input) or, if it cannot be written, Error(simulation); the file then
-// ends with its last complete record.
+// Writes the table as text: what the run would have written with output.format = "csv", but single precision numbers
+// with their fewer digits. Replaces an existing file. Throws Error(input) if a file cannot be read or created,
+// Error(simulation) if writing fails; the text then ends with its last whole record.
 void write_csv(RecordReader& records, const OutputFile& file);
 
 }  // namespace springnet

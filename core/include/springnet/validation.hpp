@@ -1,5 +1,5 @@
-// One scene in the recurrent network and in a reference integrator: how far apart they are, and what the time step has
-// to do with it.
+// Compares a scene in the recurrent network with a reference integrator: how far apart they are, and how that depends
+// on the time step.
 #pragma once
 
 #include <cstddef>
@@ -19,12 +19,12 @@
 namespace springnet {
 
 struct ValidationProgress {
-  double time;      // s, the newest record time that all runs have reached
+  double time;      // s, the last record time that all runs have reached
   double duration;  // s
 };
 
 struct ValidationOptions {
-  // s; beside the scene's own. Empty: the scene's own, a half and a quarter of it.
+  // s; in addition to the scene's own. Empty: a half and a quarter of that.
   std::vector<double> time_steps;
   // Of the reference, and of the second run that certifies it.
   double relative_tolerance = 1e-8;
@@ -34,24 +34,23 @@ struct ValidationOptions {
   std::function<bool(const ValidationProgress&)> progress;
 };
 
-// Distances between positions of two runs at common times: Euclidean, in metres. max and rms are nan if the runs have
-// no time in common but the start.
+// Euclidean distances between the nodes of two runs at common times, m. max and rms are nan if the runs share no time
+// but the start.
 struct PositionError {
   double max = 0.0;  // over all nodes and record times
-  double rms = 0.0;  // root of the mean square over all nodes and record times, the start left out
+  double rms = 0.0;  // root mean square over all nodes and record times but the start
   NodeIndex node = 0;
-  double time = 0.0;                // s, node and time of the greatest
-  std::vector<double> max_by_time;  // one a record time, over the nodes
+  double time = 0.0;                // s, node and time of the maximum
+  std::vector<double> max_by_time;  // over the nodes, for each record time
 };
 
-// How far the reference moves, to measure errors by: distances from where the nodes start, over all nodes and record
-// times, m.
+// How far the reference moves, the scale for errors: distances of nodes from their start, over all record times, m.
 struct Displacement {
   double max = 0.0;
   NodeIndex node = 0;
-  double time = 0.0;  // s, node and time of the greatest
-  // The same after each body's best rigid motion (translation and rotation, by least squares) is taken out: what is
-  // left of the displacement of a body that falls, flies or turns as a whole.
+  double time = 0.0;  // s, node and time of the maximum
+  // The maximum without each body's rigid motion (translation and rotation by least squares): what remains of the
+  // displacement of a body that falls, flies or turns as a whole.
   double deformation = 0.0;
 };
 
@@ -63,11 +62,11 @@ struct ValidationRun {
   std::uint64_t steps = 0;
   std::uint64_t sweeps = 0;
   EventCounts events;
-  double reached = 0.0;                            // s
+  double reached = 0.0;                            // s, simulated
   double wall = 0.0;                               // s
   std::string outcome;                             // that of the worst time step ("settled", …) or "failed"
-  std::string failure;                             // why it did not reach the end; empty otherwise
-  ErrorKind failure_kind = ErrorKind::simulation;  // whose fault that was
+  std::string failure;                             // why it failed; empty otherwise
+  ErrorKind failure_kind = ErrorKind::simulation;  // of that failure
   // log(e1 / e2) / log(t1 / t2) of rms errors, from the next larger time step to this one; nan where there is none.
   double order = std::numeric_limits<double>::quiet_NaN();
 
@@ -91,29 +90,28 @@ struct Validation {
   double reference_wall = 0.0;  // s, both runs
 
   std::vector<ValidationRun> runs;  // by falling time step
-  // The scene's time step once more, with the integrator's theta at 0.5 (second order). Empty where the integrator has
-  // no such parameter, or the scene gives it already.
+  // The scene's time step with theta = 0.5 (second order). Empty if the integrator has no such parameter, or the scene
+  // sets that value already.
   std::optional<ValidationRun> second_order;
-  // Slope of the logarithm of the rms error over that of the time step, by least squares; nan with fewer than two runs.
-  // Runs that did not finish do not count, nor do errors below ten times the reference's uncertainty.
+  // Least-squares slope of log(rms error) over log(time step); nan with fewer than two points. Runs that failed, and
+  // errors below ten times the reference's uncertainty, do not count.
   double observed_order = std::numeric_limits<double>::quiet_NaN();
   std::vector<std::string> notes;  // what a reader should know about these numbers
 
   [[nodiscard]] double uncertainty() const noexcept { return certification.max; }
-  // An error as a share of the greatest displacement of the reference; nan where nothing moves.
+  // An error as a fraction of the reference's maximum displacement; nan if nothing moves.
   [[nodiscard]] double share_of_displacement(double error) const noexcept;
-  // Whether second_order came to the end and halves both errors of the scene's own run at least, or that run failed.
+  // Whether second_order finished and at least halves both errors of the scene's own run, or that run failed.
   [[nodiscard]] bool second_order_is_better() const;
   [[nodiscard]] const ValidationRun& run_of_scene() const;
-  // The scene's own time step is within `tolerance` metres of the true solution, the reference's uncertainty included.
+  // Whether the scene's own run is within `tolerance` m of the true solution, the reference's uncertainty included.
   [[nodiscard]] bool within(double tolerance) const;
 };
 
 // Runs the scene in the reference integrator `cvode` (twice, with different tolerances) and in the scene's integrator
-// (`recurrent` if that is the reference's) with each time step, and once with theta = 0.5. All runs go on side by side
-// from record time to record time, so that no trajectory has to be kept. A run that fails stays in the result with its
-// outcome. Throws Error(input) for time steps that cannot be used, Error(plugin), and Error(simulation) if the
-// reference fails.
+// (`recurrent` if that is the reference) with each time step, and once with theta = 0.5. All runs advance together from
+// record time to record time, so that no trajectory is stored. A run that fails stays in the result with its outcome.
+// Throws Error(input) for unusable time steps, Error(plugin), and Error(simulation) if the reference fails.
 [[nodiscard]] Validation validate(const Scene& scene, const std::shared_ptr<const PluginHost>& plugins,
                                   const ValidationOptions& options = {});
 
@@ -122,7 +120,7 @@ struct Validation {
                                     double floor = 0.0);
 
 // Record times for the given time steps: multiples of an interval that all of them divide, if there is one at or near
-// the wanted interval, and the duration. Throws Error(input) for a time step that is not above 0 or above the duration.
+// the wanted interval, and the duration. Throws Error(input) for a time step outside of (0, duration].
 struct RecordTimes {
   std::vector<double> times;                 // s, from 0
   std::vector<double> shortened_time_steps;  // those that do not divide the interval
@@ -130,7 +128,7 @@ struct RecordTimes {
 [[nodiscard]] RecordTimes common_record_times(double duration, double wanted_interval,
                                               const std::vector<double>& time_steps);
 
-// The text of validation.json; a page with the table and plots, which needs no other file; the table as text.
+// The text of validation.json; a self-contained page with table and plots; the table as text.
 [[nodiscard]] std::string to_json(const Validation& validation);
 [[nodiscard]] std::string to_html(const Validation& validation);
 [[nodiscard]] std::string to_table(const Validation& validation);

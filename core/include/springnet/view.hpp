@@ -1,5 +1,4 @@
-// view.html: one page that plays a run in a browser, with nothing to install and nothing fetched when it is opened.
-// core/docs/view.md says what it shows.
+// view.html: a self-contained page that plays a run in a browser. core/docs/view.md says what it shows.
 #pragma once
 
 #include <cstdint>
@@ -15,32 +14,31 @@
 namespace springnet {
 
 struct ViewOptions {
-  double size = 16e6;                                   // bytes that the page should not exceed
-  std::shared_ptr<const PluginHost> plugins = nullptr;  // those of the run, for the units of laws; null: no units
+  double size = 16e6;                                   // largest size of the page, bytes
+  std::shared_ptr<const PluginHost> plugins = nullptr;  // of the run, for the units of laws; null: no units
 };
 
-// Collects the records of a run and writes the page. What is kept in memory is bounded by the size of the page: where a
-// run has more records than fit, every second one is dropped, evenly over the run; where a network has more springs
-// than can be drawn, some are left out. Both are told on the page and by left_out(). The first and the last record
-// always stand in it.
+// Collects the records of a run and writes the page. The size of the page bounds the memory: once there are more
+// records than fit, every second one is dropped, evenly over the run; of a network with more springs than can be drawn,
+// some are left out. The page and left_out() report both. The first and the last record are always there.
 class ViewWriter {
  public:
-  // Replaces the file by a page that says that the run goes on. Throws Error(input) if it cannot be created. The scene
-  // has to outlive the writer.
+  // Writes a page that says that the run has not ended. Throws Error(input) if it cannot be created. The scene must
+  // outlive the writer.
   ViewWriter(const OutputFile& file, const Scene& scene, const ViewOptions& options = {});
   ~ViewWriter();
   ViewWriter(const ViewWriter&) = delete;
   ViewWriter& operator=(const ViewWriter&) = delete;
 
-  // The state now, and what happened since the last call.
+  // Records the present state and the events since the last call.
   void record(const Simulation& simulation);
-  // The run failed: the page begins with the reason, plain text of any length. Of several calls the last one counts.
+  // The run failed: the page will begin with the reason, plain text of any length. The last call counts.
   void failed(const std::string& reason);
-  // Writes the page with what was recorded, also after a failure. Where it cannot be written, throws Error(simulation)
-  // and there is no file. The destructor does the same where it was not called, but is silent.
+  // Writes the page with what was recorded, also after a failure. If that is not possible, throws Error(simulation) and
+  // leaves no file. The destructor calls it if nobody else did, and ignores errors.
   void close();
 
-  // What the page leaves out or rounds, in plain sentences; complete after close().
+  // What the page leaves out or rounds, in sentences; complete after close().
   [[nodiscard]] const std::vector<std::string>& left_out() const noexcept;
 
  private:
@@ -48,7 +46,7 @@ class ViewWriter {
   std::unique_ptr<Impl> impl_;
 };
 
-// How large the page of a run becomes at most, bytes; 0 if the scene asks for none.
+// Largest size of a run's page, bytes; 0 if the scene asks for none.
 [[nodiscard]] double estimate_view(const Scene& scene);
 
 }  // namespace springnet
