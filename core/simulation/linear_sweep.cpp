@@ -41,6 +41,15 @@ void LinearSweep::set_weight(double weight) {
   if (weight == weight_) return;
   weight_ = weight;
   linearisation_.weigh(weight, weight * weight);
+  own_.resize(9 * mass_.size());
+  linearisation_.diagonal_blocks(weight, weight * weight, own_.data());
+  for (std::size_t i = 0; i < own_.size(); ++i) own_[i] = ((i % 9 % 4 == 0 ? 1.0 : 0.0) - own_[i]) / weight;
+  by_velocity_.clear();
+}
+
+void LinearSweep::find_blocks() {
+  if (!by_velocity_.empty()) return;
+  const double weight = weight_;
   by_velocity_.resize(9 * mass_.size());
   by_position_.resize(9 * mass_.size());
   // Blocks of I - weight da/dv and I - weight^2 da/dp.
@@ -56,10 +65,8 @@ void LinearSweep::set_weight(double weight) {
 Vector3 LinearSweep::velocity(std::uint32_t node) const { return {u_[0][node], u_[1][node], u_[2][node]}; }
 
 Vector3 LinearSweep::acceleration(std::uint32_t node) const {
-  const Eigen::Map<const Block> by_velocity(by_velocity_.data() + 9 * std::size_t{node});
-  const Eigen::Map<const Block> by_position(by_position_.data() + 9 * std::size_t{node});
-  const Vector3 u = velocity(node);
-  return linearisation_.others_of(node, u_) / weight_ + by_velocity * u + weight_ * (by_position * u);
+  const Eigen::Map<const Block> own(own_.data() + 9 * std::size_t{node});
+  return linearisation_.others_of(node, u_) / weight_ + own * velocity(node);
 }
 
 void LinearSweep::call_update(std::uint32_t node, const Vector3& acceleration) {
@@ -126,6 +133,7 @@ void LinearSweep::run(const springnet_sweep& sweep) {
   u_[1] = sweep.velocity.y;
   u_[2] = sweep.velocity.z;
   set_weight(sweep.time_constant * (sweep.theta > 0.0 ? sweep.theta : 1.0));
+  if (sweep.want_blocks != 0) find_blocks();
   linearisation_.follow(u_);
   for (Island& island : islands_) island.is_done = false;
   for (std::uint32_t i = 0; i < sweep.order_count; ++i) {

@@ -33,6 +33,7 @@ class LinearSweep {
     bool is_factorised = false, is_done = false;
   };
   void set_weight(double weight);
+  void find_blocks();
   [[nodiscard]] Vector3 velocity(std::uint32_t node) const;
   void call_update(std::uint32_t node, const Vector3& acceleration);
   // Applies fixation to the outputs of a node, and follows enclosures.
@@ -46,7 +47,8 @@ class LinearSweep {
   const ConstraintSet& constraints_;
   const std::vector<double>& mass_;
   double weight_ = 0.0;                            // s: position changes are this times velocity changes
-  std::vector<double> by_velocity_, by_position_;  // [node][9] own blocks of da/dv, da/dp
+  std::vector<double> own_;                        // [node][9] own block of da/dv + weight da/dp
+  std::vector<double> by_velocity_, by_position_;  // [node][9] of each of them, where batches have blocks; else empty
   std::vector<std::uint32_t> island_of_;           // [node]
   std::vector<Island> islands_;
   const springnet_sweep* sweep_ = nullptr;  // that is run

@@ -98,6 +98,10 @@ void tell_limits(Workspace& workspace, double theta, const std::function<Rule&(U
                  const sdk::LimitSink& sink) {
   const sdk::Host& host = workspace.host;
   const auto [time, state] = host.committed();
+  if (host.network().node_count == 0) {
+    for (const Update update : all_rules) sink.none(name_of(update));
+    return;
+  }
   try {
     host.linearise(sdk::evaluation_at(time, state));
   } catch (const sdk::Failure& failure) {

@@ -183,12 +183,13 @@ template <class Map>
 [[nodiscard]] double critical_step(const Host& host, double guess, std::vector<double>& start, std::uint32_t vectors,
                                    Map&& map, double accuracy = 1e-3) {
   constexpr int most_steps = 12, most_raises = 1;
+  constexpr std::uint32_t most_vectors = 30;
   constexpr double raise = 1e6;
   DominantOptions options;
   options.wanted = SPRINGNET_LARGEST_REAL_PART;
-  options.tolerance = 0.1 * std::sqrt(accuracy);
-  options.applications = 120;
-  options.vectors = vectors;
+  options.tolerance = 0.3 * std::sqrt(accuracy);
+  options.applications = 90;
+  options.vectors = std::min(vectors, most_vectors);
   const auto is_zero = [](double value) { return value == 0.0; };
   if (std::all_of(start.begin(), start.end(), is_zero)) return std::numeric_limits<double>::infinity();
   double h = guess;
