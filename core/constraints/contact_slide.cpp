@@ -106,7 +106,8 @@ Vector3 Contact::onto_both(const Placement& at, std::int32_t first, std::int32_t
 
 Contact::Slide Contact::between(const Within& within, std::int32_t first, std::int32_t second, const Candidate& made,
                                 double rebound) const {
-  const auto& [sweep, at] = within;
+  const springnet_sweep& sweep = within.sweep;
+  const Placement& at = within.at;
   const auto a = static_cast<std::size_t>(first), b = static_cast<std::size_t>(second);
   const double h = sweep.time_constant, theta = theta_of(sweep);
   const double rough_a = coefficient_of(surfaces_[a].friction()), rough_b = coefficient_of(surfaces_[b].friction());

@@ -2,6 +2,7 @@
 // keeps lengths and surfaces, takes no energy from nowhere, and finds what it finds at every tolerance.
 
 #include <doctest/doctest.h>
+#include <initializer_list>
 
 #include "fate.hpp"
 #include "tumbling.hpp"
@@ -10,7 +11,8 @@ using namespace springnet;
 using namespace springnet::testing;
 
 TEST_CASE("rigid bodies that tumble onto surfaces do not stop the reference") {
-  for (const std::uint64_t seed : {12, 34, 47, 50, 61, 73, 84, 99, 112, 117, 128, 143, 147, 164, 191, 196}) {
+  for (const auto seed :
+       std::initializer_list<std::uint64_t>{12, 34, 47, 50, 61, 73, 84, 99, 112, 117, 128, 143, 147, 164, 191, 196}) {
     const Tumbling scene(seed);
     INFO(scene.name() << ", seed " << seed);
     check_fate(scene.net, Tumbling::until);
@@ -19,7 +21,7 @@ TEST_CASE("rigid bodies that tumble onto surfaces do not stop the reference") {
 
 // These rocked without end, lay wedged, slipped where no direction was found, or went two ways.
 TEST_CASE("rigid bodies that tumble into grooves come to rest there") {
-  for (const std::uint64_t seed : {23, 27, 44, 56, 63, 104, 131, 156, 184, 307}) {
+  for (const auto seed : std::initializer_list<std::uint64_t>{23, 27, 44, 56, 63, 104, 131, 156, 184, 307}) {
     const Tumbling scene(seed);
     INFO(scene.name() << ", seed " << seed);
     check_fate(scene.net, Tumbling::until);

@@ -2,6 +2,7 @@
 // keeps lengths and surfaces, and takes no energy from nowhere.
 
 #include <doctest/doctest.h>
+#include <initializer_list>
 
 #include "run.hpp"
 #include "tumbling.hpp"
@@ -13,7 +14,7 @@ TEST_CASE("rigid bodies that tumble onto surfaces do not stop the network") {
   const Way ways[] = {{"newton, theta 1", recurrent(newton, 1e-9), 1.0},
                       {"newton, theta 1/2", recurrent(newton, 1e-9, {{"theta", 0.5}}), 2.0},
                       {"block, theta 1", recurrent(block, 1e-9), 1.0}};
-  for (const std::uint64_t seed : {0, 2, 11, 12, 17, 27, 37, 41, 47, 49, 50, 51, 56, 59}) {
+  for (const auto seed : std::initializer_list<std::uint64_t>{0, 2, 11, 12, 17, 27, 37, 41, 47, 49, 50, 51, 56, 59}) {
     const Tumbling scene(seed);
     const Reference shapes = surfaces_of(scene.net);
     for (const Way& way : ways) {
@@ -43,7 +44,7 @@ TEST_CASE("no surface pulls at rigid bodies that tumble, nor is a blow told that
     for (const double events : {0.0, 1.0})
       ways.push_back({"theta " + std::to_string(theta) + ", events " + std::to_string(events),
                       recurrent(newton, 1e-9, {{"theta", theta}, {"events", events}}), theta == 1.0 ? 1.0 : 2.0});
-  for (const std::uint64_t seed : {26, 27, 37}) {  // in a groove, on a plane
+  for (const auto seed : std::initializer_list<std::uint64_t>{26, 27, 37}) {  // in a groove, on a plane
     const Tumbling scene(seed);
     const std::vector<Plane>& planes = scene.net.planes();
     for (const Way& way : ways) {

@@ -30,11 +30,11 @@ springnet_status evaluate(const springnet_law_batch* batch) {
 // A plugin of one law with two parameters, in memory that can be changed.
 struct Description {
   static constexpr const char* names[] = {"soft", "hard"};
+  std::array<const char*, 2> choices{names[0], names[1]};
   springnet_parameter stiffness{
       sizeof(springnet_parameter), SPRINGNET_NUMBER, "stiffness", "N/m", "of it", 1.0, 0.0, 10.0, 1.0, 0, 0, nullptr};
   springnet_parameter kind{
       sizeof(springnet_parameter), SPRINGNET_CHOICE, "kind", "1", "of it", 0.0, 0.0, 1.0, 1.0, 0, 2, choices.data()};
-  std::array<const char*, 2> choices{names[0], names[1]};
   std::array<const springnet_parameter*, 2> parameters{&stiffness, &kind};
   springnet_law law{sizeof(springnet_law), SPRINGNET_LENGTH, 0, 0, nullptr, nullptr, evaluate, nullptr, nullptr};
   springnet_component component{

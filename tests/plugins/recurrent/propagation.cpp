@@ -314,14 +314,14 @@ TEST_CASE("a node that feeds back its own velocity settles on its own backward E
 
 TEST_CASE("the automatic tolerance is a millionth of the greatest weight") {
   const Network net = cube(3.0, 2.0, 0.2, 0.081);
-  Simulation automatic = simulate(net, recurrent(wavefront, 0.0), 0.05);
+  Simulation unset = simulate(net, recurrent(wavefront, 0.0), 0.05);
   Simulation given = simulate(net, recurrent(wavefront, 1e-6 * 0.2), 0.05);
   for (int i = 0; i < 20; ++i) {
-    automatic.step();
+    unset.step();
     given.step();
   }
-  CHECK(automatic.sweeps() == given.sweeps());
-  CHECK(automatic.positions() == given.positions());
+  CHECK(unset.sweeps() == given.sweeps());
+  CHECK(unset.positions() == given.positions());
 }
 
 TEST_CASE("nothing depends on the number of threads") {
