@@ -11,7 +11,7 @@
 #include <springnet/error.hpp>
 #include <springnet/simulation.hpp>
 
-#include "simulation/engine.hpp"  // internal: there is no public way to evaluate without a step
+#include "simulation/sweep.hpp"  // internal: there is no public way to evaluate without a step
 
 namespace {
 
@@ -73,16 +73,17 @@ springnet::Network cube() {
 // Net forces of all nodes, of springs and loads, at a state that does not change.
 void evaluation(benchmark::State& state) {
   const springnet::SimulationOptions options{.threads = static_cast<unsigned>(state.range(1))};
-  springnet::Engine engine(lattice(static_cast<std::uint32_t>(state.range(0)), 100.0, 0.1), *plugins(), options);
-  const springnet_state& at = engine.state().view;
+  springnet::Model model(lattice(static_cast<std::uint32_t>(state.range(0)), 100.0, 0.1), *plugins(), options);
+  springnet::Sweep sweep(model);
+  const springnet_state& at = model.state.view;
   springnet_evaluation request{};
   request.struct_size = sizeof request;
   request.position = springnet::read_only(at.position);
   request.velocity = springnet::read_only(at.velocity);
   for ([[maybe_unused]] auto iteration : state) {
-    if (engine.evaluate(request) != SPRINGNET_OK) state.SkipWithError(engine.message().text);
+    if (sweep.evaluate(request) != SPRINGNET_OK) state.SkipWithError(model.journal.message.text);
   }
-  const auto springs = static_cast<std::int64_t>(engine.layout().live_count());
+  const auto springs = static_cast<std::int64_t>(model.layout.live_count());
   state.SetItemsProcessed(state.iterations() * springs);
   state.counters["springs"] = static_cast<double>(springs);
 }
