@@ -9,10 +9,10 @@
 #include <nlohmann/json.hpp>
 
 #include "csv.hpp"
-#include "view/base64.hpp"
-#include "view/content.hpp"
 #include "scenes.hpp"
 #include "temporary_folder.hpp"
+#include "view/base64.hpp"
+#include "view/content.hpp"
 
 using namespace springnet;
 using testing::plugins;

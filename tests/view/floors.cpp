@@ -4,9 +4,9 @@
 
 #include <doctest/doctest.h>
 
+#include "scenes.hpp"
 #include "view/content.hpp"
 #include "view/floors.hpp"
-#include "scenes.hpp"
 
 using namespace springnet;
 using testing::plugins;

@@ -7,10 +7,10 @@
 #include <Eigen/Geometry>
 #include <nlohmann/json.hpp>
 
-#include "view/content.hpp"
-#include "view/units.hpp"
 #include "scenes.hpp"
 #include "temporary_folder.hpp"
+#include "view/content.hpp"
+#include "view/units.hpp"
 
 using namespace springnet;
 using testing::plugins;

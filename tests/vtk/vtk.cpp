@@ -12,8 +12,8 @@
 
 #include "csv.hpp"
 #include "nets.hpp"
-#include "vtk/surface_shapes.hpp"
 #include "temporary_folder.hpp"
+#include "vtk/surface_shapes.hpp"
 
 using namespace springnet;
 using testing::plugins;
