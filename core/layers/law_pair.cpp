@@ -18,8 +18,8 @@ springnet_status evaluate_law(const LawBatch& laws, const Law& law, std::uint32_
   const double* parameters[max_parameters];
   std::uint32_t strides[max_parameters];
   const double* reference = nullptr;
-  // Parameters that differ between members are copied to `expanded`, for 64 members at a time; the size of
-  // a batch does not change the bits.
+  // Parameters that differ between members are copied to `expanded`, for 64 members at a time; the size of a batch does
+  // not change the bits.
   alignas(64) double expanded[(max_parameters + 1) * 64];
   const bool uniform = rows.rows == nullptr || group.row_count() == 1;
   const std::size_t batch_size = uniform ? count : std::size_t{64};
@@ -70,8 +70,9 @@ springnet_status evaluate_law(const LawBatch& laws, const Law& law, std::uint32_
 
 springnet_status evaluate_laws(const LawBatch& batch, InstructionSet set, double time, const PairOutputs& out,
                                springnet_message& message) {
-  const auto answer_for = [&batch](double*& output, double value) {
-    if (output != nullptr) std::fill_n(output, batch.count, value);
+  const std::uint32_t instruction_set = abi_number(set);
+  const auto fill = [&batch](double*& output, double value) {
+    std::fill_n(output, batch.count, value);
     output = nullptr;
   };
   const std::array<const Law*, 2> laws = batch.group.laws();
@@ -80,10 +81,12 @@ springnet_status evaluate_laws(const LawBatch& batch, InstructionSet set, double
     if (!law || out[k].force == nullptr) continue;
     LawOutputs own = out[k];
     if (own.by_q != nullptr && require_derivatives(*law.component, message) != SPRINGNET_OK) return SPRINGNET_FAILED;
-    if (!law.reads_rate) answer_for(own.by_rate, 0.0);
-    if (!law.can(SPRINGNET_HAS_ENERGY)) answer_for(own.energy, std::numeric_limits<double>::quiet_NaN());
-    if (!law.can(SPRINGNET_HAS_RUPTURE)) answer_for(own.margin, std::numeric_limits<double>::infinity());
-    const springnet_status status = evaluate_law(batch, law, abi_number(set), time, own, message);
+    if (own.by_rate != nullptr && !law.reads_rate) fill(own.by_rate, 0.0);
+    if (own.energy != nullptr && !law.can(SPRINGNET_HAS_ENERGY))
+      fill(own.energy, std::numeric_limits<double>::quiet_NaN());
+    if (own.margin != nullptr && !law.can(SPRINGNET_HAS_RUPTURE))
+      fill(own.margin, std::numeric_limits<double>::infinity());
+    const springnet_status status = evaluate_law(batch, law, instruction_set, time, own, message);
     if (status != SPRINGNET_OK) return status;
   }
   return SPRINGNET_OK;
