@@ -54,12 +54,15 @@ Expected backward_euler_error(double time_step, double record, double duration) 
 // An integrator that says that all went well, and commits nothing.
 int idle_instance = 0;
 constexpr springnet_integrator idle_functions{
-    sizeof(springnet_integrator), 0,
+    sizeof(springnet_integrator),
+    0,
     [](const springnet_host*, const double*, void** integrator) -> springnet_status {
       *integrator = &idle_instance;
       return SPRINGNET_OK;
     },
-    [](void*) {}, [](void*, double, springnet_step_report*) -> springnet_status { return SPRINGNET_OK; }, nullptr};
+    [](void*) {},
+    [](void*, double, springnet_step_report*) -> springnet_status { return SPRINGNET_OK; },
+    nullptr};
 constexpr springnet_component idle{
     sizeof(springnet_component), SPRINGNET_INTEGRATOR, "idle", "", "", 0, 0, nullptr, &idle_functions};
 constexpr const springnet_component* idle_components[] = {&idle};
