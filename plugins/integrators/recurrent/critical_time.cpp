@@ -1,5 +1,6 @@
 #include "critical_time.hpp"
 
+#include <algorithm>
 #include <limits>
 #include <optional>
 #include <vector>
@@ -21,7 +22,8 @@ double critical_weight(const sdk::Host& host, const Step& step) {
   if (!guess) return std::numeric_limits<double>::infinity();
   std::vector<double> start = network.start();
   return sdk::critical_step(
-      host, *guess, start, most_vectors, [&](double w, double* x) { network.times(-w * w, -w, x); }, accuracy);
+      host, *guess, start, std::min(most_vectors, network.most_vectors()),
+      [&](double w, double* x) { network.times(-w * w, -w, x); }, accuracy);
 }
 
 }  // namespace springnet::recurrent
