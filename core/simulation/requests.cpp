@@ -147,6 +147,22 @@ springnet_eigenvalue_search& checked(springnet_eigenvalue_search* search) {
   return *search;
 }
 
+const springnet_sweep& checked_linear(const springnet_sweep* sweep, std::uint32_t node_count) {
+  const springnet_sweep& request = sized(sweep, "springnet_sweep", sizeof *sweep);
+  require_array(request.order, "order");
+  require_array(reinterpret_cast<const void*>(request.update), "update");
+  require_vectors(request.position, "position");
+  require_vectors(request.velocity, "velocity");
+  if (!all_same(request.position, request.next_position) || !all_same(request.velocity, request.next_velocity))
+    refuse("next_position and next_velocity must be the arrays of position and velocity");
+  if (request.order_count > node_count)
+    refuse(fmt::format("the order has {} nodes, the network {}", request.order_count, node_count));
+  require_finite(request.theta, "theta");
+  if (!(request.time_constant > 0.0 && std::isfinite(request.time_constant)))
+    refuse(fmt::format("time_constant is {} s, has to be above 0", request.time_constant));
+  return request;
+}
+
 void check_nodes(const std::uint32_t* nodes, std::uint32_t count, std::uint32_t node_count) {
   if (count == 0) return;
   require_array(nodes, "nodes");
