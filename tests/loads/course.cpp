@@ -122,7 +122,7 @@ TEST_CASE("loads that are none are refused") {
   short_table.factors.pop_back();
   slow.frequency = -1.0;
   CHECK(has(refusal(with(two)), "more than one of table, sinusoid and ramp"));
-  CHECK(has(refusal(with(falls)), "must rise"));
+  CHECK(has(refusal(with(falls)), "must increase"));
   CHECK(has(refusal(with(short_table)), "4 times and 3 factors"));
   CHECK(has(refusal(with(slow)), "above 0 Hz"));
   Load load;
