@@ -11,6 +11,7 @@
 #include "constraints/bracing.hpp"
 #include "constraints/constraint_system.hpp"
 #include "constraints/contact.hpp"
+#include "constraints/island.hpp"
 #include "constraints/least_on_way.hpp"
 #include "nets.hpp"
 
@@ -122,6 +123,19 @@ TEST_CASE("the least forces between nodes that stick are those that the cones of
   CHECK(min_norm_in_cones(base, rod, {{1.0, 0.0}}).value()[0] == doctest::Approx(2.0).epsilon(1e-6));
   CHECK(min_norm_in_cones(base, rod, {{2.0, 0.0}}).value()[0] == doctest::Approx(4.0 / 3.0).epsilon(1e-6));
   CHECK_FALSE(min_norm_in_cones(base, rod, {{0.4, 0.0}}));
+}
+
+TEST_CASE("friction of a node on two surfaces is shared as their cones bear it") {
+  const std::vector<Vector3> normals{Vector3::UnitZ(), Vector3::UnitX()};
+  const Vector3 reaction(2.0, 0.7, 4.0);
+  // The first bears 0.3 times 4 N, the second 0.1 times 2 N.
+  std::vector<Vector3> shares = share_reaction(normals, {0.3, 0.1}, reaction);
+  REQUIRE(shares.size() == 2);
+  CHECK((shares[0] - Vector3(0, 0.6, 4)).norm() <= 1e-15);
+  CHECK((shares[1] - Vector3(2, 0.1, 0)).norm() <= 1e-15);
+  shares = share_reaction(normals, {0.0, 0.2}, reaction);
+  CHECK((shares[0] - Vector3(0, 0, 4)).norm() <= 1e-15);
+  CHECK((shares[1] - Vector3(2, 0.7, 0)).norm() <= 1e-15);
 }
 
 TEST_CASE("surfaces that oppose each other leave no place where their gaps are too small together") {

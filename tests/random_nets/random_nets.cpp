@@ -169,27 +169,33 @@ class Judge {
     const std::vector<Vector3> forces =
         plain_forces(network_, state, live_springs(simulation), live_elements(simulation));
     double worst = 0.0;
+    const auto take = [&](double wrong, const char* what, NodeIndex k) {
+      if (!(wrong > 1.0)) return;
+      worst = std::max(worst, wrong);
+      INFO("node " << k << ": " << std::string(what) << " " << wrong);
+      CHECK(wrong <= 1.0);
+    };
     for (NodeIndex k = 0; k < kinds.size(); ++k) {
       if (kinds[k] != Kind::touching) continue;
       const double length = 1e-12 * (1.0 + state.position[k].norm()), force = 1e-9 * (tolerance_ / 1e-6);
       const Vector3 reaction = simulation.reaction(k);
-      worst = std::max(worst, std::abs(state.position[k].z() - network_.planes()[0].point.z()) / length);
-      worst = std::max(worst, -reaction.z() / force);
+      take(std::abs(state.position[k].z() - network_.planes()[0].point.z()) / length, "off the floor", k);
+      take(-reaction.z() / force, "is pulled", k);
       if (simulation.held(k)) {
-        worst = std::max(worst, state.velocity[k].norm() / 1e-12);
-        if (held_[k]) worst = std::max(worst, (state.position[k] - start_.position[k]).norm() / length);
+        take(state.velocity[k].norm() / 1e-12, "is held and moves", k);
+        if (held_[k]) take((state.position[k] - start_.position[k]).norm() / length, "was held and went", k);
       }
       if (rigid_[k]) continue;
       // A surface that would have to pull is told to do nothing.
       const double pressing = std::max(0.0, -forces[k].z());
       const double rounded = force + 1e-9 * forces[k].norm();
-      worst = std::max(worst, std::abs(reaction.z() - pressing) / rounded);
+      take(std::abs(reaction.z() - pressing) / rounded, "normal reaction", k);
       const Friction& friction = network_.planes()[0].friction;
       const double most = friction.coefficient * pressing, along = reaction.head<2>().norm();
-      if (friction.kind == Friction::Kind::none) worst = std::max(worst, along / rounded);
-      if (friction.kind == Friction::Kind::coulomb) worst = std::max(worst, (along - most) / rounded);
+      if (friction.kind == Friction::Kind::none) take(along / rounded, "friction without any", k);
+      if (friction.kind == Friction::Kind::coulomb) take((along - most) / rounded, "friction out of its cone", k);
       if (simulation.held(k) && pressing > 0.0 && (friction.kind == Friction::Kind::held || along < 0.99 * most))
-        worst = std::max(worst, (reaction + forces[k]).head<2>().norm() / rounded);
+        take((reaction + forces[k]).head<2>().norm() / rounded, "friction of a held node", k);
     }
     return worst;
   }
@@ -331,7 +337,7 @@ TEST_CASE("random networks: the reference goes where small steps of the network 
     CAPTURE(seed);
     const Network network = testing::RandomNet(seed).network;
     if (network.nodes().size() > 60) continue;
-    constexpr double end = 0.004, tolerance = 1e-8;  // s, of the reference
+    constexpr double end = 2e-4, tolerance = 1e-8;  // s, some periods of the stiffest; of the reference
     const auto course = [&](const LawUse& integrator, double step) {
       Simulation simulation = testing::simulate(network, integrator, step);
       simulation.advance_to(end);
@@ -357,7 +363,7 @@ TEST_CASE("random networks: the reference goes where small steps of the network 
       // nothing can be told: the tolerance, of lengths of about 1 m, in each of some dozen steps.
       CAPTURE(moved);
       CAPTURE(far);
-      CHECK(near <= 0.8 * far + 100.0 * tolerance);
+      CHECK(near <= 0.8 * far + 1e-3 * moved + 100.0 * tolerance);
       CHECK(near <= 0.5 * moved + 100.0 * tolerance);
     } catch (const Error& error) {
       CHECK(error.kind() == ErrorKind::simulation);

@@ -71,6 +71,23 @@ TEST_CASE("held from the start with a force into the floor, released by a revers
   }
 }
 
+TEST_CASE("a rigid body that falls flat leaves the floor with its coefficient's share of the speed, under every rule") {
+  for (const double update : {synchronous, wavefront, block, coloured, newton}) {
+    CAPTURE(update);
+    Network net;
+    net.add_node(point({0, 0, 0.1}, 2.0, {0.3, 0, -2.0}));
+    net.add_node(point({1, 0, 0.1}, 2.0, {0.3, 0, -2.0}));
+    net.add_rigid(0, 1);
+    Plane floor;
+    floor.friction.kind = Friction::Kind::none;
+    floor.restitution = 0.6;
+    net.add_plane(floor);
+    Simulation simulation = simulate(net, recurrent(update, 1e-12), 0.02);
+    simulation.advance_to(0.1);
+    for (const NodeIndex k : {0u, 1u}) CHECK((simulation.velocity(k) - Vector3(0.3, 0, 1.2)).norm() <= 1e-12);
+  }
+}
+
 TEST_CASE("two planes: a point slides into the corner of neither") {
   for (const LawUse& integrator : integrators) {
     Network net;

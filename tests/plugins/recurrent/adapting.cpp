@@ -106,6 +106,9 @@ TEST_CASE("where no rule is named the engine picks one and says why") {
   const std::string easy = note_of(0.1, 0.0), hard = note_of(5.0, 0.0), viscous = note_of(0.1, 2.0);
   CHECK(has_all(easy, {"rule synchronous", " 0.2 times", " 0.5 s"}));
   CHECK(has_all(hard, {"rule newton", " 10 times", " 0.5 s"}));
+  // Synchronous sweeps up to three quarters of it.
+  CHECK(contains(note_of(0.36, 0.0), "rule synchronous"));
+  CHECK(contains(note_of(0.39, 0.0), "rule newton"));
   // t_c^2 k / m + t_c d / m = 1 at (sqrt(5) - 1) / 4 = 0.309 s.
   CHECK(contains(viscous, " 0.31 s"));
 }

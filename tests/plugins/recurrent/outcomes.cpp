@@ -220,6 +220,27 @@ TEST_CASE("accept takes an unsettled step, says so, and counts") {
   }
 }
 
+TEST_CASE("the residual that is told is that of the equation of motion, N, under every rule") {
+  constexpr double h = 0.1, mass = 0.7;
+  const Material stiffening{LawUse{"nonlinear", {{"stiffness", 2.0}, {"cubic", 40.0}}},
+                            LawUse{"linear", {{"damping", 0.3}}}};
+  for (const double update : {synchronous, wavefront, block, coloured, newton}) {
+    for (const double theta : {1.0, 0.5}) {
+      CAPTURE(update);
+      CAPTURE(theta);
+      Simulation simulation = simulate(
+          oscillator(stiffening, mass, 0.4, 1.0),
+          recurrent(update, 1e-12, {{"max_sweeps", 2}, {"theta", theta}, {"unsettled", on_unsettled_accept}}), h);
+      const Vector3 velocity = simulation.velocity(1), force = simulation.force(1);
+      const StepReport report = simulation.step();
+      const Vector3 change = mass / h * (simulation.velocity(1) - velocity);
+      const double residual = (change - theta * simulation.force(1) - (1.0 - theta) * force).norm();
+      CHECK(residual > 1e-6);
+      CHECK(report.residual == doctest::Approx(residual).epsilon(1e-9));
+    }
+  }
+}
+
 TEST_CASE("exactly n sweeps settle by definition") {
   // Three sweeps of an iteration that grows threefold each.
   for (const double update : {synchronous, wavefront}) {
