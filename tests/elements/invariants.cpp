@@ -9,6 +9,7 @@
 #include <doctest/doctest.h>
 
 #include "bodies.hpp"
+#include "layers/elements/blocks.hpp"
 #include "layers/elements/enclosure.hpp"
 #include "layers/elements/invariant.hpp"
 
