@@ -1,9 +1,9 @@
 #include "constraints/contact.hpp"
 
-#include <Eigen/QR>
 #include <algorithm>
 
 #include "constraints/island.hpp"
+#include "constraints/least_squares.hpp"
 #include "constraints/vectors.hpp"
 
 namespace springnet {
@@ -224,7 +224,7 @@ Vector3 Contact::sliding_acceleration(const Placement& at, std::uint32_t node, c
   // A pulling force is left for the caller to detect; it causes no friction.
   if (count == 1) return acceleration + wanted[0] * (wanted[0] > 0.0 ? directions : normals).col(0);
   const auto n = normals.leftCols(count), d = directions.leftCols(count);
-  return acceleration + d * (n.transpose() * d).completeOrthogonalDecomposition().solve(wanted.head(count));
+  return acceleration + d * least_squares(n.transpose() * d, wanted.head(count));
 }
 
 void Contact::note_slips(const Placement& at, const springnet_const_vectors& position,
@@ -248,7 +248,7 @@ void Contact::project_sliding(const Placement& at, std::uint32_t node, const spr
     v -= n * n.dot(v - Contact::velocity(at, j, p));
   } else {
     const auto count = static_cast<Eigen::Index>(touch.count());
-    Eigen::Matrix<double, Eigen::Dynamic, 3> normals(count, 3);
+    Eigen::MatrixXd normals(count, 3);
     Eigen::VectorXd gaps(count), rates(count);
     constexpr int most_turns = 20;  // planes need one
     for (int turn = 0; turn < most_turns; ++turn) {
@@ -259,11 +259,11 @@ void Contact::project_sliding(const Placement& at, std::uint32_t node, const spr
         gaps[i] = gap(at, j, p);
         rates[i] = n.dot(v - Contact::velocity(at, j, p));
       }
-      const Vector3 change = normals.completeOrthogonalDecomposition().solve(gaps);
+      const Vector3 change = least_squares(normals, gaps);
       p -= change;
       if (change.norm() <= 1e-15 * p.norm()) break;
     }
-    v -= Vector3(normals.completeOrthogonalDecomposition().solve(rates));
+    v -= Vector3(least_squares(normals, rates));
   }
   put_vector(position, node, p);
   put_vector(velocity, node, v);

@@ -11,8 +11,4 @@ Eigen::VectorXd least_squares(const Eigen::MatrixXd& matrix, const Eigen::Vector
   return factors.compute(matrix).solve(right_side);
 }
 
-Eigen::Vector3d least_squares(const Eigen::Matrix3d& matrix, const Eigen::Vector3d& right_side) {
-  return matrix.completeOrthogonalDecomposition().solve(right_side);
-}
-
 }  // namespace springnet

@@ -12,6 +12,5 @@ namespace springnet {
 // the greatest count as zero; without it Eigen's default, the rounding of the type times the size.
 [[nodiscard]] Eigen::VectorXd least_squares(const Eigen::MatrixXd& matrix, const Eigen::VectorXd& right_side,
                                             std::optional<double> threshold = {});
-[[nodiscard]] Eigen::Vector3d least_squares(const Eigen::Matrix3d& matrix, const Eigen::Vector3d& right_side);
 
 }  // namespace springnet

@@ -1,12 +1,12 @@
 // Shares of several surfaces in the reaction of a node.
 
 #include <Eigen/Geometry>
-#include <Eigen/QR>
 #include <algorithm>
 #include <cmath>
 #include <limits>
 
 #include "constraints/island.hpp"
+#include "constraints/least_squares.hpp"
 
 namespace springnet {
 
@@ -26,9 +26,9 @@ SplitReaction split_reaction(const std::vector<Vector3>& normals, const Vector3&
     const double pressing = normals[0].dot(reaction);
     return {{pressing}, reaction - pressing * normals[0]};
   }
-  Eigen::Matrix<double, 3, Eigen::Dynamic> n(3, static_cast<Eigen::Index>(normals.size()));
+  Eigen::MatrixXd n(3, static_cast<Eigen::Index>(normals.size()));
   for (std::size_t i = 0; i < normals.size(); ++i) n.col(static_cast<Eigen::Index>(i)) = normals[i];
-  const Eigen::VectorXd shares = n.completeOrthogonalDecomposition().solve(reaction);
+  const Eigen::VectorXd shares = least_squares(n, reaction);
   result.normal.assign(shares.begin(), shares.end());
   result.along = reaction - n * shares;
   return result;

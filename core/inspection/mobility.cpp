@@ -123,7 +123,7 @@ class RigidBody {
   [[nodiscard]] std::size_t motions() const {
     // Squares of offsets relative to the extent: a line or a plane may be bent by a millionth.
     constexpr double none = 1e-11;
-    const Eigen::SelfAdjointEigenSolver<Eigen::Matrix<double, 6, 6>> held(resisting_);
+    const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> held(resisting_);
     const auto kept = (held.eigenvalues().array() <= none).count();
     const Eigen::MatrixXd allowed = held.eigenvectors().leftCols(kept);
     if (kept == 0) return 0;
