@@ -28,11 +28,6 @@ Engine::Engine(const Network& network, const PluginHost& plugins, const Simulati
   start_constraints(model_, size_of(network));
 }
 
-void Engine::begin_advance(double until) {
-  calls_.begin_advance(until);
-  model_.stale.energy = true;
-}
-
 const Reactions& Engine::reactions() {
   if (model_.stale.reactions) {
     reactions_ = reactions_now(model_);
@@ -47,15 +42,12 @@ Vector3 Engine::reaction_of(std::uint32_t node, std::size_t surface) {
 }
 
 double Engine::potential_energy() {
-  if (!model_.stale.energy) return potential_energy_;  // the page and the check of a record ask for the same
   const layers::NodeArrays nodes = model_.state.nodes();
   const InstructionSet set = model_.evaluator.instruction_set();
   double sum = layers::spring_energy(model_.layout, set, model_.time, nodes) +
                layers::element_energy(model_.layout, set, model_.time, nodes);
   for (std::uint32_t k = 0; k < model_.node_count(); ++k)
     sum -= model_.mass[k] * model_.loads.gravity().dot(vector_at(model_.state.view.position, k));
-  potential_energy_ = sum;
-  model_.stale.energy = false;
   if (std::isfinite(sum) || energy_noted_) return sum;
   energy_noted_ = true;
   const std::string reason =

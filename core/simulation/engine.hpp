@@ -49,8 +49,6 @@ class Engine {
   [[nodiscard]] IntegratorCalls& calls() noexcept { return calls_; }
 
   // ---- for Simulation ----
-  // The integrator is about to advance the network to `until`, s.
-  void begin_advance(double until);
   // At the committed state, computed when they are asked for. Errors: Error(simulation) where a law fails.
   [[nodiscard]] const Reactions& reactions();
   // The part of a node's reaction that one obstacle exerts, N.
@@ -78,7 +76,6 @@ class Engine {
   ImpulseLedger ledger_;
   std::shared_ptr<VerletContact> verlet_;  // contact in the last step of velocity Verlet; null: none
   Reactions reactions_;
-  double potential_energy_ = 0.0;  // J
   bool energy_noted_ = false;
   std::size_t committed_events_ = 0;     // events when the last commit ended
   std::set<std::size_t> shed_surfaces_;  // of which note_shed() told

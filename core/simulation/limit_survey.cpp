@@ -71,7 +71,7 @@ std::vector<ToldLimit> LimitSurvey::ask(const Component& component, const Parame
   try {
     const std::vector<double> values = complete_parameters(*component.description, parameters, full_name(component));
     const double now = engine_.model().time;
-    engine_.begin_advance(now);
+    engine_.calls().begin_advance(now);
     // Loads as they are now; the length does not matter to them.
     status = engine_.begin_interval(now, now + 1.0);
     if (status != SPRINGNET_OK) return failed(text_of(engine_.model().journal.message));

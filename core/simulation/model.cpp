@@ -67,7 +67,7 @@ const State& Model::with_forces() {
 
 void Model::changed() noexcept {
   ++revision;
-  stale = {true, true, true, true};
+  stale = {true, true, true};
 }
 
 double Model::contact_tolerance() const noexcept {

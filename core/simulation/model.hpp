@@ -56,7 +56,6 @@ struct Model {
     bool forces = true;     // of `state`
     bool contacts = false;  // whether they and ruptures fit the forces, which changed from outside of a step
     bool reactions = true;
-    bool energy = true;
   } stale;
   // The integrator's own functions are running, which must not change the model.
   bool in_callback = false;

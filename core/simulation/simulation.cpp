@@ -171,7 +171,7 @@ void Simulation::Impl::advance(double until) {
   springnet_step_report report{};
   report.struct_size = sizeof report;
   report.start_node = 0xffffffffu;
-  engine.begin_advance(until);
+  engine.calls().begin_advance(until);
   Ending end = call([&] { return component->integrator().advance(integrator, until, &report); });
   if (end.status == SPRINGNET_OK && !(std::abs(engine.model().time - until) <= engine.calls().end_tolerance())) {
     end.status = SPRINGNET_FAILED;

@@ -25,8 +25,6 @@ class LinearSystem {
   void project(std::vector<double>& values) const;
 
  private:
-  struct Operator;
-  struct Preconditioner;
   bool solve_directly(double velocity_weight, double position_weight, const std::vector<double>& b,
                       std::vector<double>& x);
   bool iterate(double velocity_weight, double position_weight, const std::vector<double>& b, double accuracy,
