@@ -45,6 +45,8 @@ using springnet::sdk::State;
 using springnet::sdk::view;
 
 constexpr double automatic_tolerance = 1e-6;  // times the network's force scale
+// Growth of the rounding over a step, where it is above the typical force.
+constexpr double stiffening = 4.0;
 constexpr int rules = 5;
 // Steps between estimates of the rounding of the forces: laws stiffen, bodies travel.
 constexpr std::uint64_t steps_per_estimate = 256;
@@ -323,6 +325,13 @@ bool Recurrent::is_rounding(Step& step) {
   if (!step.finite || step.outputs == nullptr) return false;
   rounding_.estimate(step, *step.outputs);
   steps_since_estimate_ = 0;
+  // Outputs far from a solution may stretch a law until its stiffness hides any force. Rounding above the typical force
+  // counts only if it is there from the start of the step.
+  if (const double at_outputs = rounding_.force(); at_outputs > step.network.force_scale) {
+    rounding_.estimate(step, step.start);
+    if (at_outputs > stiffening * rounding_.force()) return false;
+    rounding_.estimate(step, *step.outputs);
+  }
   if (!(step.differences.greatest <= rounding_.force())) return false;
   set_tolerance(step);
   work_.complete(step);
