@@ -298,9 +298,10 @@ bool RigidConnections::Step::meet() {
   double first = 2.0;
   for (std::size_t i = 0; i < members_.size(); ++i) {
     const Member& m = members_[i];
-    if (m.fixed || contact_.has_chattered(m.node) || !m.moves) continue;
+    if (m.fixed || !m.moves) continue;
     const ContactNode* known = contact_of(i);
-    if (known != nullptr && known->sides.size() == 3) continue;
+    // A node that has chattered keeps its contacts, and meets no others; without any, rods may still draw it in.
+    if (known != nullptr && (known->sides.size() == 3 || contact_.has_chattered(m.node))) continue;
     const Contact::Way way{m.node, m.start, m.start_velocity, m.position, m.velocity};
     Contact::Meeting meeting;
     if (m.touch.surface >= 0) {
@@ -335,7 +336,7 @@ RigidConnections::Step::Outcome RigidConnections::Step::solve() {
   double last = std::numeric_limits<double>::infinity();
   bool found = true;
   int turn = 0;
-  while (turn < most_turns) {
+  while (true) {
     rods_.set(rigid_.rods_of(cluster_, positions()), mobility);
     respond();
     if (island_) {
@@ -359,7 +360,8 @@ RigidConnections::Step::Outcome RigidConnections::Step::solve() {
       members_[i].position = overshoots ? Vector3(0.5 * (members_[i].position + next[i])) : next[i];
     last = moved;
     ++turn;
-    if (!done) continue;
+    // Positions that have not converged by then still tell which surfaces they are behind.
+    if (!done && turn < most_turns) continue;
     if (!decides_ || contact_.surfaces().empty() || !meet()) break;
     turn = 0;
     last = std::numeric_limits<double>::infinity();

@@ -311,7 +311,10 @@ TEST_CASE("random networks: no wrong answer without a word under any update rule
                                                   {"newton", testing::newton}};
   std::size_t settled[5] = {};
   const std::uint64_t count = testing::repetitions("SPRINGNET_RANDOM_NETS", 200);
-  for (std::uint64_t seed = 1; seed <= count; ++seed) {
+  std::vector<std::uint64_t> seeds(count);
+  std::iota(seeds.begin(), seeds.end(), std::uint64_t{1});
+  seeds.push_back(1437);  // a rigid body on the floor, whose places converge slowly
+  for (const std::uint64_t seed : seeds) {
     const testing::RandomNet random(seed);
     const double tolerance = 1e-6 * force_scale(random.network);
     CAPTURE(seed);
