@@ -10,6 +10,11 @@
 #include "constraints/vectors.hpp"
 
 namespace springnet {
+namespace {
+
+constexpr double rounding = 1e-9;  // of friction at the edge of its cone, relative to the reaction
+
+}  // namespace
 
 ReactionsAt::ReactionsAt(Model& model, double time, const springnet_const_vectors& position,
                          const springnet_const_vectors& velocity)
@@ -64,11 +69,10 @@ springnet_status ReactionsAt::told(std::uint32_t node, Vector3& reaction, Vector
   if (status != SPRINGNET_OK || touch.surface < 0) return status;
   const std::vector<Vector3> normals = model_.contact.normals(*placement_, node, vector_at(position_, node));
   const std::vector<std::size_t> pressing = pressing_of(normals, reaction);
-  if (pressing.size() == normals.size()) return status;
-  const Vector3 all = reaction;
-  reaction.setZero();
   std::vector<Vector3> some;
   for (const std::size_t i : pressing) some.push_back(normals[i]);
+  const Vector3 all = reaction;
+  reaction.setZero();
   if (!some.empty()) {
     const SplitReaction split = split_reaction(some, all);
     double bears = 0.0;
@@ -77,7 +81,13 @@ springnet_status ReactionsAt::told(std::uint32_t node, Vector3& reaction, Vector
       const auto j = static_cast<std::size_t>(touch.surfaces()[pressing[s]]);
       bears += bearing(model_.constraints.coefficient(node, j), split.normal[s]);
     }
-    if (const double along = split.along.norm(); along > 0.0) reaction += std::min(1.0, bears / along) * split.along;
+    const double along = split.along.norm();
+    if (some.size() == normals.size() && along <= bears + rounding * all.norm()) {
+      reaction = all;
+      return status;
+    }
+    // A slip that ended within the step may start again at once: sticking would take more than friction bears.
+    if (along > 0.0) reaction += std::min(1.0, bears / along) * split.along;
   }
   if (withheld != nullptr) *withheld = all - reaction;
   return status;

@@ -291,6 +291,7 @@ TEST_CASE("random networks: no wrong answer without a word, and nearly all settl
   for (const std::uint64_t seed : {1110u, 2808u, 2929u, 3491u, 3740u, 3854u}) seeds.push_back(seed);
   // Steps that stall where an exponential law is so stretched that its stiffness would hide any force as rounding.
   for (const std::uint64_t seed : {375u, 691u, 1107u, 1122u, 1216u}) seeds.push_back(seed);
+  seeds.push_back(335);  // a slip ends within a step, and more than friction bears acts on the node at its end
   std::size_t settled_nets = 0;
   for (const std::uint64_t seed : seeds) {
     const testing::RandomNet random(seed);
