@@ -144,7 +144,8 @@ TEST_CASE("nonsense that an integrator tells, or does, is a limit that is unknow
   CHECK(refused.find("springnet_host::commit") != std::string::npos);
   const Inspection many = inspect_with([](const springnet_limits& sink) -> springnet_status {
     for (int i = 0; i < 1000; ++i) {
-      const springnet_limit one = limit(17, ("rule_" + std::to_string(i)).c_str(), 1.0);
+      const std::string rule = "rule_" + std::to_string(i);
+      const springnet_limit one = limit(17, rule.c_str(), 1.0);
       sink.tell(sink.context, &one);
     }
     return SPRINGNET_OK;
