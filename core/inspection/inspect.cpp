@@ -114,7 +114,7 @@ double InspectionOptions::theta() const {
 const TimeConstantLimit& Inspection::limit(std::string_view name) const {
   const auto found = std::find_if(limits.begin(), limits.end(), [&](const auto& each) { return each.name() == name; });
   if (found != limits.end()) return *found;
-  throw Error(ErrorKind::input, fmt::format("no integrator told a largest time step under the name '{}'", name));
+  throw Error(ErrorKind::input, fmt::format("no integrator has a largest time step under the name '{}'", name));
 }
 
 Inspection inspect(const Network& network, const PluginHost& plugins, const InspectionOptions& options) {

@@ -5,6 +5,7 @@
 #include <Eigen/Geometry>
 
 #include "network/checks.hpp"
+#include "network/corners.hpp"
 
 namespace springnet {
 namespace {
@@ -12,20 +13,6 @@ namespace {
 using namespace checks;
 
 constexpr std::size_t largest_count = std::numeric_limits<std::uint32_t>::max();
-
-std::size_t nodes_of(Invariant invariant) {
-  switch (invariant) {
-    case Invariant::angle:
-    case Invariant::area:
-      return 3;
-    case Invariant::dihedral:
-    case Invariant::volume:
-      return 4;
-    case Invariant::enclosed_volume:
-      break;
-  }
-  return 0;  // any number: three a triangle
-}
 
 std::uint64_t directed(NodeIndex from, NodeIndex to) { return std::uint64_t{from} << 32 | to; }
 
@@ -90,7 +77,7 @@ ElementIndex Network::add_element(Invariant invariant, std::vector<NodeIndex> no
                                   std::optional<double> reference) {
   if (elements_.size() >= largest_count) fail(fmt::format("a network has at most {} elements", largest_count));
   const std::string what = fmt::format("an element of {}", name_of(invariant));
-  const std::size_t wanted = nodes_of(invariant);
+  const std::size_t wanted = corners_of(invariant);
   if (wanted > 0 ? nodes.size() != wanted : nodes.size() < 12 || nodes.size() % 3 != 0) {
     fail(fmt::format("{} has {} nodes, needs {}", what, nodes.size(),
                      wanted > 0 ? std::to_string(wanted) : "three for each triangle, of four triangles or more"));

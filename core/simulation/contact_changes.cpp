@@ -100,14 +100,14 @@ springnet_status follow_jumps(Model& model, double from) {
   return settle(model, model.time, model.state, findings);
 }
 
-void note_shed(Model& model, std::size_t first_event, double from, std::set<std::size_t>& told) {
+void note_shed(Model& model, std::size_t first_event, double from, std::set<std::size_t>& noted) {
   const std::vector<Event>& events = model.journal.events();
   for (std::size_t e = first_event; e < events.size(); ++e) {
     const Event& event = events[e];
     if (event.kind != Event::Kind::released || event.surface < 0) continue;
     const auto j = static_cast<std::size_t>(event.surface);
     const Obstacle& surface = model.contact.surfaces()[j];
-    if (!surface.looks_sampled() || surface.next_change(from) > model.time || !told.insert(j).second) continue;
+    if (!surface.looks_sampled() || surface.next_change(from) > model.time || !noted.insert(j).second) continue;
     model.journal.note(
         fmt::format("At {:g} s {} leaves node {} behind, first of those that it sheds, because the velocity of its "
                     "linear table jumps there. Set interpolation = \"smooth\" if the table was sampled from a smooth "

@@ -25,8 +25,8 @@ springnet_status follow_jumps(Model& model, double from);
 springnet_status check_room(Model& model, double time, const State& state);
 // The same of nodes that are behind obstacles that they touch in the committed state, where no positions fit them all.
 springnet_status find_squeezed(Model& model);
-// Points out obstacles that left nodes behind because their table's velocity jumps, once each: `told` has them. Events
-// from `first_event` on are looked at; from: s, as above.
-void note_shed(Model& model, std::size_t first_event, double from, std::set<std::size_t>& told);
+// Notes obstacles that left nodes behind because the velocity of their table jumps, once each: `noted` has those of
+// before. Looks at events from `first_event` on; from: s, as above.
+void note_shed(Model& model, std::size_t first_event, double from, std::set<std::size_t>& noted);
 
 }  // namespace springnet

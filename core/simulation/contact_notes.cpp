@@ -25,8 +25,8 @@ void note_grazing_slip(Model& model, std::uint32_t node, std::size_t surface, do
 void note_unresolved(Model& model, std::uint32_t node, double time) {
   if (model.journal.count("unresolved_contacts") > 1.0) return;
   model.journal.note(fmt::format(
-      "At {:g} s no forces of surfaces were found that fit node {} and what hangs rigidly on it: one of them "
-      "may pull, or friction be more than it can; such moments are counted as unresolved_contacts.",
+      "At {:g} s no contact forces were found that fit node {} and the nodes rigidly connected to it: one of them may "
+      "pull, or friction exceed its limit; such moments are counted as unresolved_contacts.",
       time, model.user_number(node)));
 }
 
@@ -36,7 +36,7 @@ springnet_status no_place(Model& model, std::uint32_t node, const std::vector<st
   set_message(model.journal.message,
               fmt::format("At {:.9g} s there is no place left for node {}{} between {}{}: they have closed; stop their "
                           "motion before, or let it get out of their way",
-                          time, model.user_number(node), rods ? ", with what hangs rigidly on it," : "",
+                          time, model.user_number(node), rods ? " and the nodes rigidly connected to it" : "",
                           model.contact.names_of(surfaces), surfaces.size() < 2 ? " and what else holds it" : ""));
   return SPRINGNET_RECOVERABLE;
 }

@@ -1,5 +1,4 @@
-// What the user is told about contacts: notes, counted so that they appear once, and the error that a node has no place
-// left.
+// Notes on contacts for the user, counted and written once, and the error that a node has no place left.
 #pragma once
 
 #include <cstdint>

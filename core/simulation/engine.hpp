@@ -78,7 +78,7 @@ class Engine {
   Reactions reactions_;
   bool energy_noted_ = false;
   std::size_t committed_events_ = 0;     // events when the last commit ended
-  std::set<std::size_t> shed_surfaces_;  // of which note_shed() told
+  std::set<std::size_t> shed_surfaces_;  // noted by note_shed()
 };
 
 }  // namespace springnet

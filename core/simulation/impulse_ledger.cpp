@@ -125,7 +125,7 @@ springnet_status ImpulseLedger::commit(const Sweep::Done& done) {
       if (surface >= 0) surfaces.push_back(surface);
     if (!surfaces.empty()) {
       Vector3 reaction;
-      if (const springnet_status status = reactions().told(k, reaction, &withheld_[k]); status != SPRINGNET_OK)
+      if (const springnet_status status = reactions().reported(k, reaction, &withheld_[k]); status != SPRINGNET_OK)
         return status;
       at_once[k] -= done_.weight * reaction;
     }

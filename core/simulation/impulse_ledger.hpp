@@ -45,7 +45,7 @@ class ImpulseLedger {
 
   Model& model_;
   Sweep::Done done_;
-  std::vector<Vector3> withheld_;  // [node] N: what ReactionsAt::told() left out at the last commit; may be empty
+  std::vector<Vector3> withheld_;  // [node] N: what ReactionsAt::reported() left out at the last commit; may be empty
   std::vector<AnchoredCluster> anchored_;
 };
 

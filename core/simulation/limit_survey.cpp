@@ -14,6 +14,8 @@
 namespace springnet {
 namespace {
 
+// A limit as ABI 1.4 made it; it grows at its end.
+constexpr std::size_t limit_size = SPRINGNET_SIZE_TO(springnet_limit, reason);
 constexpr std::size_t most_limits = 100, longest_name = 40, longest_reason = 500;
 
 struct Sink {
@@ -35,14 +37,14 @@ ToldLimit read(const springnet_limit& limit, const std::vector<std::uint32_t>& u
   if (limit.time_step > 0.0 && std::isfinite(limit.time_step)) return told;
   told = {told.rule,    SPRINGNET_LIMIT_UNKNOWN,
           0.0,          0.0,
-          std::nullopt, fmt::format("the integrator told a limit of {} s", limit.time_step)};
+          std::nullopt, fmt::format("the integrator reported a limit of {} s", limit.time_step)};
   return told;
 }
 
 // Called by the plugin: nothing may be thrown.
 void tell(void* context, const springnet_limit* limit) {
   auto& sink = *static_cast<Sink*>(context);
-  if (limit == nullptr || limit->struct_size < sizeof *limit || sink.told.size() >= most_limits) return;
+  if (limit == nullptr || limit->struct_size < limit_size || sink.told.size() >= most_limits) return;
   try {
     sink.told.push_back(read(*limit, sink.user));
   } catch (const std::exception&) {
@@ -50,12 +52,31 @@ void tell(void* context, const springnet_limit* limit) {
   }
 }
 
-SimulationOptions survey_options() { return {}; }
+// While an integrator is asked it may not change the network.
+class Asking {
+ public:
+  explicit Asking(IntegratorCalls& calls) : calls_(calls) { calls_.ask_limits(true); }
+  ~Asking() { calls_.ask_limits(false); }
+  Asking(const Asking&) = delete;
+  Asking& operator=(const Asking&) = delete;
+
+ private:
+  IntegratorCalls& calls_;
+};
+
+void destroy(const springnet_integrator& functions, void* integrator) noexcept {
+  if (integrator == nullptr) return;
+  try {
+    functions.destroy(integrator);
+  } catch (...) {
+    // plugin.h forbids it; the limits are known already.
+  }
+}
 
 }  // namespace
 
 LimitSurvey::LimitSurvey(const Network& network, const PluginHost& plugins)
-    : engine_(network, plugins, survey_options()), table_(make_host_table(engine_)) {}
+    : engine_(network, plugins, {}), table_(make_host_table(engine_)) {}
 
 std::vector<ToldLimit> LimitSurvey::ask(const Component& component, const ParameterValues& parameters) {
   const springnet_integrator& functions = component.integrator();
@@ -75,7 +96,7 @@ std::vector<ToldLimit> LimitSurvey::ask(const Component& component, const Parame
     // Loads as they are now; the length does not matter to them.
     status = engine_.begin_interval(now, now + 1.0);
     if (status != SPRINGNET_OK) return failed(text_of(engine_.model().journal.message));
-    engine_.calls().ask_limits(true);
+    const Asking asking(engine_.calls());
     status = call_component(component, message, [&](springnet_message& own) {
       engine_.model().journal.message.text[0] = '\0';
       springnet_status result = functions.create(&table_, values.data(), &integrator);
@@ -83,8 +104,7 @@ std::vector<ToldLimit> LimitSurvey::ask(const Component& component, const Parame
       if (result != SPRINGNET_OK) own = engine_.model().journal.message;
       return result;
     });
-    engine_.calls().ask_limits(false);
-    if (integrator != nullptr) functions.destroy(integrator);
+    destroy(functions, integrator);
   } catch (const Error& error) {
     return failed(error.what());
   }

@@ -63,7 +63,7 @@ springnet_status ReactionsAt::unbraced(std::uint32_t node, Vector3& reaction) {
   return status;
 }
 
-springnet_status ReactionsAt::told(std::uint32_t node, Vector3& reaction, Vector3* withheld) {
+springnet_status ReactionsAt::reported(std::uint32_t node, Vector3& reaction, Vector3* withheld) {
   const springnet_status status = of(node, reaction);
   const Touch& touch = model_.contact.committed(node);
   if (status != SPRINGNET_OK || touch.surface < 0) return status;
@@ -208,7 +208,7 @@ Reactions reactions_now(Model& model) {
   result.node.assign(model.node_count(), Vector3::Zero());
   springnet_status status = SPRINGNET_OK;
   for (std::uint32_t k = 0; k < model.node_count() && status == SPRINGNET_OK; ++k)
-    if (model.contact.fixed()[k] != 0 || model.contact.touching()[k] != 0) status = at.told(k, result.node[k]);
+    if (model.contact.fixed()[k] != 0 || model.contact.touching()[k] != 0) status = at.reported(k, result.node[k]);
   for (std::uint32_t c = 0; c < model.rigid.cluster_count() && status == SPRINGNET_OK; ++c) status = at.know(c);
   if (status != SPRINGNET_OK) throw Error(ErrorKind::simulation, model.journal.message.text);
   result.rigid = at.tensions();

@@ -29,7 +29,7 @@ class ReactionsAt {
   // The same as it is reported: an obstacle that presses over a step of the network may pull at its end, where the node
   // then separates; its part is zero. Friction that sticks over a step may be outside its cone at its end, where the
   // node then slips; it is cut to the cone. `withheld`: what is left out, if wanted.
-  springnet_status told(std::uint32_t node, Vector3& reaction, Vector3* withheld = nullptr);
+  springnet_status reported(std::uint32_t node, Vector3& reaction, Vector3* withheld = nullptr);
   // With rigid connections and the contacts that the node has, but without friction and contact of its own if it has no
   // rigid connections, m/s^2.
   springnet_status acceleration(std::uint32_t node, Vector3& acceleration);

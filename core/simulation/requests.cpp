@@ -18,6 +18,10 @@ constexpr std::uint32_t in_no_set = 0xffffffffu, no_cluster = 0xffffffffu;
 // Sizes of the structs in ABI 1.0; an integrator compiled against it gives no more.
 constexpr std::size_t evaluation_size = SPRINGNET_SIZE_TO(springnet_evaluation, internal_rate);
 constexpr std::size_t sweep_size = SPRINGNET_SIZE_TO(springnet_sweep, user);
+// Of requests that came later, as they came: they grow at their end, too.
+constexpr std::size_t impact_search_size = SPRINGNET_SIZE_TO(springnet_impact_search, user);           // 1.3
+constexpr std::size_t linear_sweep_size = SPRINGNET_SIZE_TO(springnet_sweep, reserved);                // 1.4
+constexpr std::size_t eigenvalue_size = SPRINGNET_SIZE_TO(springnet_eigenvalue_search, applications);  // 1.4
 
 [[noreturn]] void refuse(const std::string& what) { throw Error(ErrorKind::plugin, what); }
 
@@ -95,7 +99,7 @@ const springnet_evaluation& checked(const springnet_evaluation* evaluation) {
 }
 
 const springnet_impact_search& checked(const springnet_impact_search* search) {
-  const springnet_impact_search& request = sized(search, "springnet_impact_search", sizeof *search);
+  const springnet_impact_search& request = sized(search, "springnet_impact_search", impact_search_size);
   require_finite(request.step_from, "step_from");
   require_finite(request.step_until, "step_until");
   if (!(request.step_until > request.step_from)) refuse("the step ends no later than it begins");
@@ -134,7 +138,7 @@ const springnet_sweep& checked(const springnet_sweep* sweep, std::uint32_t node_
 }
 
 springnet_eigenvalue_search& checked(springnet_eigenvalue_search* search) {
-  static_cast<void>(sized(search, "springnet_eigenvalue_search", sizeof *search));
+  static_cast<void>(sized(search, "springnet_eigenvalue_search", eigenvalue_size));
   if (search->wanted > SPRINGNET_LARGEST_REAL_PART) refuse(fmt::format("wanted is {}", search->wanted));
   require_array(reinterpret_cast<const void*>(search->map), "map");
   if (search->size == 0) return *search;
@@ -148,7 +152,7 @@ springnet_eigenvalue_search& checked(springnet_eigenvalue_search* search) {
 }
 
 const springnet_sweep& checked_linear(const springnet_sweep* sweep, std::uint32_t node_count) {
-  const springnet_sweep& request = sized(sweep, "springnet_sweep", sizeof *sweep);
+  const springnet_sweep& request = sized(sweep, "springnet_sweep", linear_sweep_size);
   require_array(request.order, "order");
   require_array(reinterpret_cast<const void*>(request.update), "update");
   require_vectors(request.position, "position");

@@ -64,7 +64,7 @@ TEST_CASE("values, rates and gradients are those of plain formulas") {
       CHECK(found.value == doctest::Approx(plain(invariant, corners)).epsilon(1e-13));  // some roundings
       Vector3 sum = Vector3::Zero(), torque = Vector3::Zero();
       double rate = 0.0;
-      for (std::size_t i = 0; i < layers::corners_of(invariant); ++i) {
+      for (std::size_t i = 0; i < corners_of(invariant); ++i) {
         for (Eigen::Index c = 0; c < 3; ++c) {
           const double expected = derivative([&](double h) {
             Corners moved = corners;
@@ -92,7 +92,7 @@ TEST_CASE("Hessians are the derivatives of the gradients, and what they make of 
       const Corners corners = shape(seed);
       layers::SecondOrder found;
       layers::second_order(invariant, corners, found);
-      const std::size_t count = layers::corners_of(invariant);
+      const std::size_t count = corners_of(invariant);
       for (std::size_t j = 0; j < count; ++j) {
         for (Eigen::Index c = 0; c < 3; ++c) {
           using Gradients = Eigen::Matrix<double, 12, 1>;
@@ -158,9 +158,9 @@ TEST_CASE("an invariant without direction pushes nobody") {
     layers::ElementBlocks blocks;
     layers::linearise(invariant, corners, found, {1.0, 2.0, 3.0}, blocks);
     double size = 0.0;
-    for (std::size_t i = 0; i < layers::corners_of(invariant); ++i) {
+    for (std::size_t i = 0; i < corners_of(invariant); ++i) {
       size += found.gradient[i].norm();
-      for (std::size_t j = 0; j < layers::corners_of(invariant); ++j) {
+      for (std::size_t j = 0; j < corners_of(invariant); ++j) {
         REQUIRE(blocks.stiffness[i][j].allFinite());
         REQUIRE(blocks.damping_block(i, j).allFinite());
       }

@@ -130,7 +130,7 @@ TEST_CASE("nonsense that an integrator tells, or does, is a limit that is unknow
       sink.tell(sink.context, nullptr);
       return SPRINGNET_OK;
     });
-    CHECK(reason.find("told a limit of") != std::string::npos);
+    CHECK(reason.find("reported a limit of") != std::string::npos);
   }
   CHECK_FALSE(unknown([](const springnet_limits&) -> springnet_status { return SPRINGNET_FAILED; }).empty());
   CHECK(unknown([](const springnet_limits&) -> springnet_status {

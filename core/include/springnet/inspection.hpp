@@ -51,7 +51,7 @@ struct TimeConstantLimit {
   std::string reason;          // why there is none, or why it is unknown; may be empty
   std::optional<Bottleneck> set_by;
 
-  // What it is told under: the rule, or the integrator.
+  // Its name: the rule, or the integrator.
   [[nodiscard]] const std::string& name() const noexcept { return rule.empty() ? integrator : rule; }
 };
 
@@ -174,7 +174,7 @@ struct Inspection {
   Suspicions suspicions;
   std::vector<Hint> hints;
 
-  // By name(). Throws Error(input) if no integrator told of one.
+  // By name(). Throws Error(input) if no integrator has one of that name.
   [[nodiscard]] const TimeConstantLimit& limit(std::string_view name) const;
 };
 

@@ -135,7 +135,7 @@ struct RunSummary {
 // made at the start, at the first time step that ends at or after each multiple of the output interval, and at the end,
 // also where the run fails or is stopped. Throws Error(input) or Error(plugin), before anything is written, if the
 // scene cannot be simulated, its output would not fit the disk, another run is writing to the folder, or a folder has
-// the name of a file. A failure later is told in the summary. The folder may be a link; links in it are replaced, never
+// the name of a file. The summary reports a later failure. The folder may be a link; links in it are replaced, never
 // followed.
 RunSummary run_scene(const Scene& scene, const std::shared_ptr<const PluginHost>& plugins, const RunOptions& options);
 

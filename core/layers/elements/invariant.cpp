@@ -216,20 +216,6 @@ void dihedral_second_order(const Corners& corners, SecondOrder& out) {
 
 }  // namespace
 
-std::size_t corners_of(Invariant invariant) noexcept {
-  switch (invariant) {
-    case Invariant::angle:
-    case Invariant::area:
-      return 3;
-    case Invariant::dihedral:
-    case Invariant::volume:
-      return 4;
-    case Invariant::enclosed_volume:
-      break;
-  }
-  return 0;
-}
-
 void gather(const std::uint32_t* corners, std::size_t count, const NodeArrays& nodes, Corners& out) noexcept {
   for (std::size_t i = 0; i < count; ++i) {
     const std::uint32_t k = corners[i];

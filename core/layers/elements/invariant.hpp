@@ -12,12 +12,11 @@
 
 #include "layers/block.hpp"
 #include "layers/kernels.hpp"
+#include "network/corners.hpp"
 
 namespace springnet::layers {
 
 inline constexpr std::size_t most_corners = 4;
-// 0 for an enclosed volume, which has as many as its surface (enclosure.hpp).
-[[nodiscard]] std::size_t corners_of(Invariant invariant) noexcept;
 
 struct Corners {
   Vector3 position[most_corners];  // m

@@ -99,8 +99,8 @@ void ReferenceIntegrator::check(int status) const {
 
 // SUNDIALS 6 does not check for failed allocation of vectors (N_VClone), so allocate all of them once beforehand.
 void ReferenceIntegrator::require_memory() const {
-  constexpr std::size_t of_cvode =
-      30;  // 13 for the orders of Adams, weights, corrections, and those of the fixed-point solver
+  // 13 for the orders of Adams, weights, corrections, and those of the fixed-point solver.
+  constexpr std::size_t of_cvode = 30;
   constexpr std::size_t of_krylov = 46;
   std::vector<Vector> vectors(of_cvode + (linear_solver() == LinearSolverKind::krylov ? of_krylov : 0));
   const auto size = static_cast<sunindextype>(6 * equations_.node_count());

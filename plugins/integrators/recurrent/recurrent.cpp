@@ -26,10 +26,10 @@
 #include "critical_time.hpp"
 #include "crossings.hpp"
 #include "explanation.hpp"
-#include "force_rounding.hpp"
 #include "limits.hpp"
 #include "propagation.hpp"
 #include "step_course.hpp"
+#include "threshold.hpp"
 
 namespace {
 
@@ -44,12 +44,7 @@ using springnet::sdk::Parameter;
 using springnet::sdk::State;
 using springnet::sdk::view;
 
-constexpr double automatic_tolerance = 1e-6;  // times the network's force scale
-// Growth of the rounding over a step, where it is above the typical force.
-constexpr double stiffening = 4.0;
 constexpr int rules = 5;
-// Steps between estimates of the rounding of the forces: laws stiffen, bodies travel.
-constexpr std::uint64_t steps_per_estimate = 256;
 // Sweeps after which an automatically chosen rule is replaced by a stronger one.
 constexpr std::uint64_t automatic_patience = 200;
 
@@ -91,13 +86,12 @@ class Recurrent : public springnet::sdk::Integrator {
 
   Recurrent(Host host, Options options)
       : update_(options.choice<Update>("update")),
-        tolerance_(options["force_tolerance"]),
         limits_{options.integer<std::uint64_t>("max_sweeps"), options.integer<std::uint64_t>("sweeps")},
         unsettled_(options.choice<Unsettled>("unsettled")),
         theta_(options["theta"]),
         locates_(options.choice<Events>("events") == Events::located),
         work_(host),
-        rounding_(host) {}
+        threshold_(host, options["force_tolerance"], limits_.exact_sweeps > 0) {}
 
   springnet_status advance(double until, springnet_step_report& report);
   void limits(const springnet::sdk::LimitSink& sink) {
@@ -125,10 +119,8 @@ class Recurrent : public springnet::sdk::Integrator {
   // The network as it is now, which the workspace knows from then on.
   const springnet_network& attach();
   [[nodiscard]] Step make_step(double until);
-  // Sets tolerance and rounding of the step from the current estimates.
-  void set_tolerance(Step& step);
-  // Whether a step that did not settle reached the limit of rounding, which then becomes the tolerance.
-  [[nodiscard]] bool is_rounding(Step& step);
+  // Whether a step that stalled has settled but for the rounding of its forces.
+  [[nodiscard]] bool settles_to_rounding(Step& step);
   [[nodiscard]] Rule& rule(Update update);
   // A propagation from step.outputs (none: the start) with the step's time constant.
   Attempt propagate_with(Update update, Step& step, std::uint64_t max_sweeps);
@@ -147,9 +139,6 @@ class Recurrent : public springnet::sdk::Integrator {
   }
 
   Update update_;
-  double tolerance_;  // N, 0: automatic
-  bool rounding_noted_ = false;
-  std::uint64_t steps_since_estimate_ = steps_per_estimate;
   Limits limits_;
   Unsettled unsettled_;
   double theta_;
@@ -157,7 +146,7 @@ class Recurrent : public springnet::sdk::Integrator {
   Crossings crossings_;
   double all_events_ = 0.0;
   Workspace work_;
-  ForceRounding rounding_;
+  Threshold threshold_;
   Automatic automatic_;
   std::array<std::unique_ptr<Rule>, rules> rules_;
   std::array<std::optional<std::uint64_t>, rules> attached_;  // [rule] revision of the network at its last attach()
@@ -296,44 +285,12 @@ Step Recurrent::make_step(double until) {
   Step step{from, until, until - from, theta_, 0.0, start, network, compares};
   // No derivatives for rules that do not need them, unless a step does not settle.
   const bool has_derivatives = update_ != Update::synchronous && update_ != Update::wavefront;
-  if (limits_.exact_sweeps == 0 && has_derivatives && ++steps_since_estimate_ > steps_per_estimate) {
-    steps_since_estimate_ = 0;
-    rounding_.estimate(step, start);
-  }
-  set_tolerance(step);
+  threshold_.begin(step, has_derivatives);
   return step;
 }
 
-void Recurrent::set_tolerance(Step& step) {
-  const double asked = tolerance_ > 0.0 ? tolerance_ : automatic_tolerance * step.network.force_scale;
-  step.rounding = rounding_.force();
-  step.tolerance = std::max(asked, step.rounding);
-  if (asked >= step.rounding || limits_.exact_sweeps > 0) return;
-  work_.host.report("force_rounding", step.rounding);
-  if (rounding_noted_) return;
-  rounding_noted_ = true;
-  std::array<char, 320> text{};
-  std::snprintf(text.data(), text.size(),
-                "force_tolerance, %.3g N%s, is below the rounding error of the forces, about %.2g N (stiffness times "
-                "the rounding of positions, greatest at node %u): steps settle to that",
-                asked, tolerance_ > 0.0 ? "" : " (1e-6 of the force scale)", step.rounding,
-                step.network.user_number[rounding_.node()]);
-  work_.host.note(text.data());
-}
-
-bool Recurrent::is_rounding(Step& step) {
-  if (!step.finite || step.outputs == nullptr) return false;
-  rounding_.estimate(step, *step.outputs);
-  steps_since_estimate_ = 0;
-  // Outputs far from a solution may stretch a law until its stiffness hides any force. Rounding above the typical force
-  // counts only if it is there from the start of the step.
-  if (const double at_outputs = rounding_.force(); at_outputs > step.network.force_scale) {
-    rounding_.estimate(step, step.start);
-    if (at_outputs > stiffening * rounding_.force()) return false;
-    rounding_.estimate(step, *step.outputs);
-  }
-  if (!(step.differences.greatest <= rounding_.force())) return false;
-  set_tolerance(step);
+bool Recurrent::settles_to_rounding(Step& step) {
+  if (!step.finite || step.outputs == nullptr || !threshold_.is_rounding(step)) return false;
   work_.complete(step);
   return within_tolerance(step);
 }
@@ -362,7 +319,7 @@ Attempt Recurrent::propagate_with(Update update, Step& step, std::uint64_t max_s
     work_.set_free_motion(step);
     attempt.verdict = propagate(rule(update), work_, step, {max_sweeps, limits_.exact_sweeps});
     const bool stalled = attempt.verdict == Verdict::oscillating || attempt.verdict == Verdict::out_of_sweeps;
-    if (stalled && is_rounding(step)) attempt.verdict = Verdict::settled;
+    if (stalled && settles_to_rounding(step)) attempt.verdict = Verdict::settled;
     const bool taken = settled(attempt.verdict) || unsettled_ == Unsettled::accept;
     if (step.finite && taken && !single_sweep(step)) work_.complete(step);
     // Rules that may diverge.
