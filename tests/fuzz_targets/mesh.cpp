@@ -1,4 +1,4 @@
-// A mesh of the format whose ending is ENDING: refused, or sound.
+// A mesh of one format: refused, or sound.
 #include <springnet/mesh.hpp>
 
 #include "mesh/soundness.hpp"
@@ -6,8 +6,10 @@
 
 using namespace springnet;
 
+extern const char* const mesh_file;  // "mesh.msh": its ending is the format
+
 int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
-  const std::filesystem::path& file = testing::file_of(data, size, "mesh" ENDING);
+  const std::filesystem::path& file = testing::file_of(data, size, mesh_file);
   testing::read_or_refuse(file.native(), [&] {
     const Mesh mesh = read_mesh(file);
     testing::require(testing::is_sound(mesh), "the mesh is sound");

@@ -8,10 +8,11 @@
 #include <vector>
 
 #include <doctest/doctest.h>
-#include <Eigen/Dense>
+#include <Eigen/LU>
 #include <springnet/sdk/limits.hpp>
 
 #include "../elements/bodies.hpp"
+#include "eigenvalues.hpp"
 #include "simulation/limit_survey.hpp"
 
 using namespace springnet;
@@ -136,7 +137,7 @@ TEST_CASE("the dominant eigenvalue of symmetric and other matrices, and what is 
   for (Eigen::Index i = 0; i < size * size; ++i) full.data()[i] = static_cast<double>(random()) * 0x1p-32 - 0.5;
   for (const bool symmetric : {true, false}) {
     const Eigen::MatrixXd matrix = symmetric ? Eigen::MatrixXd(full + full.transpose()) : full;
-    const Eigen::VectorXcd values = matrix.eigenvalues();
+    const Eigen::VectorXcd values = eigenvalues(matrix);
     for (const std::uint32_t wanted : {SPRINGNET_LARGEST_MAGNITUDE, SPRINGNET_LARGEST_REAL_PART}) {
       sdk::DominantOptions options;
       options.wanted = wanted;

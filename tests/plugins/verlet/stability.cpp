@@ -3,7 +3,7 @@
 
 #include <doctest/doctest.h>
 
-#include <Eigen/Dense>
+#include <Eigen/Core>
 #include <cmath>
 #include <cstdlib>
 #include <string>
@@ -12,6 +12,7 @@
 #include <springnet/error.hpp>
 
 #include "../../random_nets/generator.hpp"
+#include "eigenvalues.hpp"
 #include "nets.hpp"
 
 using namespace springnet;
@@ -83,7 +84,7 @@ struct DampedNet {
     const auto greatest = [&](double h) {
       const MatrixXd both = 0.25 * h * h * stiffness + h * damping;
       const MatrixXd symmetric = root.asDiagonal() * both * root.cwiseInverse().asDiagonal();
-      return Eigen::SelfAdjointEigenSolver<MatrixXd>(symmetric, Eigen::EigenvaluesOnly).eigenvalues().maxCoeff();
+      return greatest_eigenvalue(symmetric);
     };
     double low = 0.0, high = 1.0;
     while (greatest(high) < 1.0) high *= 2.0;
@@ -103,7 +104,7 @@ struct DampedNet {
     step = drift;
     step.middleRows(n, n) += 0.5 * acceleration;
     step.bottomRows(n) = acceleration;
-    return step.eigenvalues().cwiseAbs().maxCoeff();
+    return spectral_radius(step);
   }
 };
 

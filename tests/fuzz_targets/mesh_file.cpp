@@ -1,0 +1,3 @@
+// The part of a mesh target that depends on its format.
+extern const char* const mesh_file;
+const char* const mesh_file = "mesh" ENDING;
