@@ -92,7 +92,7 @@ std::optional<double> unique_weight(const StartingNetwork& start) {
     const std::optional<double> guess = network.first_guess();
     if (!guess || !network.is_symmetric(*guess)) return std::nullopt;
     std::vector<double> x = network.start();
-    const double w = sdk::critical_step(host, *guess, x, network.most_vectors(),
+    const double w = sdk::critical_step(host, *guess, x, network.max_vectors(),
                                         [&](double h, double* values) { network.times(h * h, h, values); });
     constexpr double hopeless = 1e3;  // times the guess
     return w <= hopeless * *guess ? std::optional(w) : std::nullopt;

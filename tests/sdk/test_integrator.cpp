@@ -302,8 +302,8 @@ class Telling : public Integrator {
   springnet_status advance(double, springnet_step_report&) { return SPRINGNET_OK; }
   void limits(const LimitSink& sink) {
     if (fails) throw Failure("no derivatives");
-    sink.tell("leap", {SPRINGNET_LIMIT_ESTIMATE, 0.5, 0.25, 3});
-    sink.tell("", {SPRINGNET_LIMIT_KNOWN, std::numeric_limits<double>::infinity()});
+    sink.report("leap", {SPRINGNET_LIMIT_ESTIMATE, 0.5, 0.25, 3});
+    sink.report("", {SPRINGNET_LIMIT_KNOWN, std::numeric_limits<double>::infinity()});
     sink.unknown("hop", "it is dark");
   }
 };
