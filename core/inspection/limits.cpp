@@ -116,7 +116,7 @@ void find_limits(const StartingNetwork& start, const PluginHost& plugins, Inspec
   for (const auto& component : integrators) {
     if (start.survey() == nullptr) break;
     const bool is_used = component->id() == used.id;
-    for (ToldLimit& told : start.survey()->ask(*component, is_used ? used.parameters : ParameterValues{})) {
+    for (ReportedLimit& told : start.survey()->ask(*component, is_used ? used.parameters : ParameterValues{})) {
       TimeConstantLimit limit;
       limit.integrator = component->id();
       limit.rule = std::move(told.rule);
