@@ -154,7 +154,7 @@ Simulation::Impl::Ending Simulation::Impl::call(const Function& function) {
     end.text = text_of(engine.model().journal.message);
     end.broken = end.text.empty() ||
                  (!engine.calls().misuse().empty() && end.text.find(engine.calls().misuse()) != std::string::npos);
-    if (end.broken) end.text = broken_by(end.text.empty() ? "it failed without a message" : end.text);
+    if (end.broken) end.text = broken_by(end.text.empty() ? "it failed without saying why" : end.text);
   } catch (const std::exception& error) {
     end.broken = true;
     end.text =
