@@ -37,7 +37,7 @@ constexpr long steps_per_check = 500;
 constexpr int max_projection_failures = 40;
 
 // Networks without springs or motion may have no scale.
-double or_one(double scale) noexcept { return scale > 0.0 && std::isfinite(scale) ? scale : 1.0; }
+double positive_or_one(double scale) noexcept { return scale > 0.0 && std::isfinite(scale) ? scale : 1.0; }
 
 Callbacks& callbacks_of(void* user_data) noexcept { return *static_cast<Callbacks*>(user_data); }
 
@@ -156,8 +156,8 @@ void ReferenceIntegrator::restart(double time, const springnet_state& state, dou
 
   const double relative = settings_.relative_tolerance;
   const double position = settings_.position_tolerance, velocity = settings_.velocity_tolerance;
-  equations_.set_tolerances({relative, position > 0.0 ? position : relative * or_one(network.length_scale),
-                             velocity > 0.0 ? velocity : relative * or_one(network.velocity_scale)});
+  equations_.set_tolerances({relative, position > 0.0 ? position : relative * positive_or_one(network.length_scale),
+                             velocity > 0.0 ? velocity : relative * positive_or_one(network.velocity_scale)});
   if (!memory_) {
     create(time);
   } else {
@@ -205,7 +205,7 @@ void ReferenceIntegrator::bind(const springnet_network& network) {
 // time of the first output; outputs must not influence the solution.
 double ReferenceIntegrator::first_step(double time, double stop) {
   const springnet_network& network = host_.network();
-  const double longest = 0.1 * or_one(network.length_scale) / or_one(network.velocity_scale);
+  const double longest = 0.1 * positive_or_one(network.length_scale) / positive_or_one(network.velocity_scale);
   N_Vector y = y_.get(), rate = rate_.get(), weights = probe_rate_.get();
   if (const int status = equations_.right_side(time, y, rate); status != 0) {
     fail(status > 0 ? CV_FIRST_RHSFUNC_ERR : CV_RHSFUNC_FAIL, time);
