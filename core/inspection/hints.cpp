@@ -15,7 +15,7 @@ namespace springnet {
 
 namespace {
 
-// Beyond these bounds a mistake is more likely than intent.
+// Beyond these bounds, a mistake is more likely than intent.
 constexpr double large = 10.0;            // m, of a soft body
 constexpr double small = 1e-3;            // m
 constexpr double soft = 1e7;              // N/m^2: stiffness over length of a spring; tissue and rubber are below
@@ -54,8 +54,8 @@ std::vector<Piece> pieces_of(const Network& network) {
   return pieces;
 }
 
-// Median of stiffness over length, about Young's modulus over the number of springs that share a section; N/m^2. 0
-// where it is unknown.
+// Median of stiffness over length, about Young's modulus over the number of springs in a cross-section, N/m^2; 0 if
+// unknown.
 double softness_of(const StartingNetwork& start, const Piece& piece) {
   std::vector<double> values;
   for (std::size_t s = piece.first_spring; s < piece.first_spring + piece.springs; ++s) {
@@ -78,8 +78,7 @@ void hint_at_sizes(const StartingNetwork& start, std::vector<Hint>& hints) {
     if (box.size() > large && is_soft) {
       hints.push_back(
           {Hint::Kind::size,
-           fmt::format("{} is {:.3g} m large, and soft. If its coordinates are in millimetres, set mesh.scale = "
-                       "0.001.",
+           fmt::format("{} is {:.3g} m large and soft. If its coordinates are in millimetres, set mesh.scale = 0.001.",
                        piece.name, box.size())});
     }
     if (box.size() > 0.0 && box.size() < small) {
@@ -92,11 +91,11 @@ void hint_at_sizes(const StartingNetwork& start, std::vector<Hint>& hints) {
     if (box.mass > heavy && is_soft) {
       hints.push_back(
           {Hint::Kind::mass,
-           fmt::format("{} has a mass of {:.3g} kg. Check its density (in kg/m^3, that of water is 1000) or its "
-                       "masses, and its size: {:.3g} m.",
+           fmt::format("{} has a mass of {:.3g} kg. Check its density (in kg/m^3; water has 1000) or its masses, and "
+                       "its size, {:.3g} m.",
                        piece.name, box.mass, box.size())});
     }
-    // The box of a sheet or a chain has no volume to speak of.
+    // The box of a sheet or chain has hardly any volume.
     const Vector3 sides = box.sides();
     if (sides.minCoeff() > 0.01 * box.size() && box.mass > dense * sides.prod()) {
       hints.push_back(
@@ -152,7 +151,7 @@ void hint_at_starts(const StartingNetwork& start, std::vector<Hint>& hints) {
   }
 }
 
-// Whether something may stop a fall: a plane that faces it, or any instrument.
+// Whether something may stop a fall: a plane facing against gravity, or any instrument.
 bool something_is_below(const Network& network) {
   const Vector3& g = network.gravity();
   return !network.instruments().empty() || std::any_of(network.planes().begin(), network.planes().end(),
@@ -167,15 +166,15 @@ void hint_at_falls(const Network& network, const std::vector<std::uint32_t>& par
   const auto parts = static_cast<std::size_t>(
       std::count_if(found.parts.begin(), found.parts.end(), [&](const Part& each) { return !is_held(each); }));
   if (parts == 0) return;
-  std::string way;
+  std::string distance;
   if (found.options.duration) {
     Box box;
     for (std::size_t k = 0; k < part.size(); ++k) {
       if (!is_held(found.parts[part[k]])) box.add(network.nodes()[k]);
     }
     const double fall = 0.5 * strength * *found.options.duration * *found.options.duration;
-    if (fall <= box.size()) return;  // it flies for a moment
-    way = fmt::format(", {:.3g} m in {:g} s", fall, *found.options.duration);
+    if (fall <= box.size()) return;  // a short flight
+    distance = fmt::format(", {:.3g} m in {:g} s", fall, *found.options.duration);
   }
   const auto first = std::find_if_not(found.parts.begin(), found.parts.end(), is_held);
   hints.push_back(
@@ -183,31 +182,32 @@ void hint_at_falls(const Network& network, const std::vector<std::uint32_t>& par
        fmt::format("{} (the largest from node {}, {}){}: there is gravity, nothing fixes {}, and no plane is "
                    "below. Add [[fix]] or [[plane]], or leave out [gravity].",
                    counted(parts, "part falls freely", "parts fall freely"), first->first_node,
-                   counted(first->nodes, "node"), way, parts == 1 ? "it" : "them")});
+                   counted(first->nodes, "node"), distance, parts == 1 ? "it" : "them")});
 }
 
 void hint_at_time_step(const Inspection& found, std::vector<Hint>& hints) {
-  if (!found.slowest || !found.options.time_step || found.options.steps_of_its_own) return;
+  if (!found.slowest || !found.options.time_step || found.options.adaptive_steps) return;
   const double steps = found.slowest->period / *found.options.time_step;
   if (steps >= steps_a_period || found.slowest->damping_ratio >= damped_out) return;
   hints.push_back(
       {Hint::Kind::time_step,
-       fmt::format("The slowest vibration has a period of {:.3g} s, {:.2g} time steps: too few to follow it. "
-                   "Take a time_step of {:.1g} s (20 a period) if its course matters, or check stiffness and "
+       fmt::format("The slowest vibration has a period of {:.3g} s, {:.2g} time steps: too few to resolve it. "
+                   "Set a time_step of {:.1g} s (20 per period) if its course matters, or check stiffness and "
                    "masses.",
                    found.slowest->period, steps, found.slowest->period / 20.0)});
 }
 
-// Of a motion or turn, in m/s or rad/s.
+// For a motion (m/s) or a turn (rad/s).
 void hint_at_kinks(const Kinks& kinks, const char* what, const std::string& whose, const char* unit,
                    std::vector<Hint>& hints) {
   if (!kinks.look_sampled()) return;
   hints.push_back(
       {Hint::Kind::kinks,
-       fmt::format("The {} of {} is a linear table: its velocity jumps at {} of its {} entries, by up to {:.3g} {}. "
-                   "What touches it there is hit, or parts from it. Set interpolation = \"smooth\" if the table was "
-                   "sampled from a smooth motion.",
-                   what, whose, kinks.count, kinks.entries, kinks.greatest, unit)});
+       fmt::format(
+           "The {} of {} is a linear table: its velocity jumps at {} of its {} entries, by up to {:.3g} {}. "
+           "Nodes that touch it then are struck, or separate from it. Set interpolation = \"smooth\" if the table was "
+           "sampled from a smooth motion.",
+           what, whose, kinks.count, kinks.entries, kinks.greatest, unit)});
 }
 
 template <class Surface>

@@ -10,7 +10,7 @@
 
 namespace springnet {
 
-// `found`: all but the hints. part: of each node, as a number into found.parts.
+// `found`: complete except for the hints. part: [node] index into found.parts.
 [[nodiscard]] std::vector<Hint> find_hints(const StartingNetwork& start, const std::vector<std::uint32_t>& part,
                                            const Inspection& found);
 

@@ -22,7 +22,7 @@ TimeConstantLimit::Kind kind_of(std::uint32_t kind) {
   }
 }
 
-// Of the springs and elements at a node the one that acts on it most in the weight w, s.
+// The spring or element with the greatest share at a node, for the weight w, s.
 Bottleneck bottleneck(const StartingNetwork& start, NodeIndex node, double w) {
   constexpr double alike = 1.0 - 1e-3;  // differences below are rounding: the lowest number wins
   Bottleneck result{node, start.network().nodes()[node].mass, std::nullopt, std::nullopt, 0.0, 0.0, 0.0, 0.0};
@@ -60,10 +60,10 @@ Bottleneck bottleneck(const StartingNetwork& start, NodeIndex node, double w) {
   return result;
 }
 
-// Whether no motion can gain energy from springs and elements. It may be so otherwise as well.
+// Whether springs and elements certainly feed no energy into any motion. Sufficient, not necessary.
 bool plainly_definite(const StartingNetwork& start) {
   const Network& network = start.network();
-  // What rounding leaves of the load on what is at its reference is none.
+  // Smaller forces, relative to stiffness times size, are rounding.
   constexpr double no_load = 1e-12;
   const auto follows = [](const Load& load) { return load.follow && load.pressure != 0.0; };
   return std::all_of(start.springs().begin(), start.springs().end(),
@@ -79,7 +79,8 @@ bool plainly_definite(const StartingNetwork& start) {
          std::none_of(network.loads().begin(), network.loads().end(), follows);
 }
 
-// Up to where I + A, A = w^2 M^-1 K + w M^-1 D, is positive definite; the greatest eigenvalue of -A reaches 1 there.
+// The weight w up to which I + A, with A = w^2 M^-1 K + w M^-1 D, is positive definite: there the greatest eigenvalue
+// of -A reaches 1.
 std::optional<double> unique_weight(const StartingNetwork& start) {
   LimitSurvey& survey = *start.survey();
   const sdk::Host host(survey.table());
@@ -92,10 +93,10 @@ std::optional<double> unique_weight(const StartingNetwork& start) {
     const std::optional<double> guess = network.first_guess();
     if (!guess || !network.is_symmetric(*guess)) return std::nullopt;
     std::vector<double> x = network.start();
-    const double w = sdk::critical_step(host, *guess, x, network.most_vectors(),
+    const double w = sdk::critical_step(host, *guess, x, network.max_vectors(),
                                         [&](double h, double* values) { network.times(h * h, h, values); });
-    constexpr double hopeless = 1e3;  // times the guess
-    return w <= hopeless * *guess ? std::optional(w) : std::nullopt;
+    constexpr double max_factor = 1e3;  // of the guess: a limit beyond does not matter
+    return w <= max_factor * *guess ? std::optional(w) : std::nullopt;
   } catch (const sdk::Failure&) {  // a law without derivatives
     return std::nullopt;
   }
@@ -109,21 +110,21 @@ void find_limits(const StartingNetwork& start, const PluginHost& plugins, Inspec
   std::vector<std::shared_ptr<const Component>> integrators;
   for (const auto& component : plugins.components())
     if (component->kind() == ComponentKind::integrator) integrators.push_back(component);
-  // The scene's first.
+  // The scene's integrator first.
   std::stable_sort(integrators.begin(), integrators.end(), [&](const auto& a, const auto& b) {
     return std::pair(a->id() != used.id, a->id()) < std::pair(b->id() != used.id, b->id());
   });
   for (const auto& component : integrators) {
     if (start.survey() == nullptr) break;
     const bool is_used = component->id() == used.id;
-    for (ToldLimit& told : start.survey()->ask(*component, is_used ? used.parameters : ParameterValues{})) {
+    for (ReportedLimit& reported : start.survey()->ask(*component, is_used ? used.parameters : ParameterValues{})) {
       TimeConstantLimit limit;
       limit.integrator = component->id();
-      limit.rule = std::move(told.rule);
-      limit.kind = kind_of(told.kind);
-      limit.time_constant = told.time_step;
-      limit.reason = std::move(told.reason);
-      if (told.node) limit.set_by = bottleneck(start, *told.node, told.weight);
+      limit.rule = std::move(reported.rule);
+      limit.kind = kind_of(reported.kind);
+      limit.time_constant = reported.time_step;
+      limit.reason = std::move(reported.reason);
+      if (reported.node) limit.set_by = bottleneck(start, *reported.node, reported.weight);
       if (limit.kind == TimeConstantLimit::Kind::unknown && result.unknown_because.empty())
         result.unknown_because = limit.reason;
       result.limits.push_back(std::move(limit));

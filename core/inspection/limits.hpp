@@ -1,4 +1,5 @@
-// The largest time steps: what the installed integrators tell, and up to where a time step has one solution.
+// The largest time steps: those that the installed integrators report, and the one up to which a step has a unique
+// solution.
 #pragma once
 
 #include <springnet/inspection.hpp>

@@ -15,24 +15,24 @@ namespace {
 
 using Matrix = Eigen::SparseMatrix<double>;
 
-// A motion counts as free if its stiffness is below this share of a spring's own. Bending of a beam of 100 cells has
-// about 1e-8; rounding leaves 1e-16.
+// A motion counts as free if its stiffness is below this share of that of a spring. Bending of a beam of 100 cells has
+// about 1e-8, rounding 1e-16.
 constexpr double no_stiffness = 1e-12;
-// Limits of size: some seconds, of which the symbolic factorisation takes a part.
-constexpr Eigen::Index most_columns = 30000;
-constexpr double most_operations = 1e10;
+// Limits of size, for a few seconds of work including the symbolic factorisation.
+constexpr Eigen::Index max_columns = 30000;
+constexpr double max_operations = 1e10;
 
 // Sylvester: a symmetric matrix has as many negative eigenvalues as its factorisation has negative pivots.
 class Inertia : public Eigen::SimplicialLDLT<Matrix> {
  public:
-  // Nullity of a positive semidefinite matrix M; empty if factorising it would take too long. It needs no pivoting:
-  // where a pivot of such a matrix is zero, so are its row and column. more: rows r whose r^T r belongs to M but would
-  // fill it. M + r^T r is the Schur complement of the pivot -1 in [M r^T; r -1], which so has one negative pivot more
-  // for each row.
+  // Nullity of a positive semidefinite matrix M; empty if its factorisation would take too long. No pivoting is needed:
+  // if a pivot of such a matrix is zero, so are its row and column. more: rows r whose r^T r belongs to M but would
+  // fill it in. M + r^T r is the Schur complement of the pivot -1 in [M r^T; r -1], which thus has one more negative
+  // pivot for each row.
   std::optional<std::size_t> nullity(const Matrix& square, const Matrix& more) {
     if (square.rows() == 0) return 0;
     const Eigen::Index size = square.rows() + more.rows();
-    if (size > most_columns) return std::nullopt;
+    if (size > max_columns) return std::nullopt;
     std::vector<Eigen::Triplet<double>> entries;
     for (Eigen::Index column = 0; column < square.cols(); ++column)
       for (Matrix::InnerIterator entry(square, column); entry; ++entry)
@@ -49,14 +49,14 @@ class Inertia : public Eigen::SimplicialLDLT<Matrix> {
     matrix.setFromTriplets(entries.begin(), entries.end());
     analyzePattern(matrix);
     const double operations = m_nonZerosPerCol.head(matrix.rows()).cast<double>().squaredNorm();
-    if (operations > most_operations) return std::nullopt;
+    if (operations > max_operations) return std::nullopt;
     factorize(matrix);
     if (info() != Eigen::Success) return std::nullopt;
     return static_cast<std::size_t>((vectorD().array() < 0.0).count()) - static_cast<std::size_t>(more.rows());
   }
 };
 
-// One row a connection or element, with its direction in the columns of its free nodes.
+// One row for each connection or element, with its direction in the columns of its free nodes.
 class Directions {
  public:
   explicit Directions(const StartingNetwork& start) : network_(start.network()), column_(network_.nodes().size(), -1) {
@@ -66,7 +66,7 @@ class Directions {
       columns_ += 3;
     }
   }
-  // One row of an element: derivatives by its nodes, of any size.
+  // The row of an element: derivatives by its nodes, of any magnitude.
   void add(const std::vector<NodeIndex>& nodes, const std::vector<Vector3>& by_node) {
     double greatest = 0.0;
     for (std::size_t i = 0; i < nodes.size(); ++i) greatest = std::max(greatest, by_node[i].norm());
@@ -101,8 +101,7 @@ class Directions {
   std::vector<Eigen::Triplet<double>> entries_;
 };
 
-// How many motions as a rigid body a part has: of the six, those that leave its fixed nodes where they are and move
-// another.
+// Counts the rigid-body motions of a part: of the six, those that leave its fixed nodes at rest and move another node.
 class RigidBody {
  public:
   void add(const Vector3& position) {
@@ -111,7 +110,7 @@ class RigidBody {
     lower_ = lower_.cwiseMin(position);
     upper_ = upper_.cwiseMax(position);
   }
-  // Once all are added, again for each.
+  // For each node, once all are added.
   void add_motion(const Vector3& position, bool free) {
     const double extent = (upper_ - lower_).norm();
     const Vector3 arm = (position - sum_ / static_cast<double>(count_)) / (extent > 0.0 ? extent : 1.0);
@@ -121,7 +120,7 @@ class RigidBody {
     (free ? moving_ : resisting_) += motion.transpose() * motion;
   }
   [[nodiscard]] std::size_t motions() const {
-    // Squares of offsets relative to the extent: a line or a plane may be bent by a millionth.
+    // Squares of offsets relative to the extent: deviations of about 1e-6 from a line or plane are ignored.
     constexpr double none = 1e-11;
     const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> held(resisting_);
     const auto kept = (held.eigenvalues().array() <= none).count();
@@ -161,7 +160,7 @@ void count_mechanisms(const StartingNetwork& start, const std::vector<std::uint3
     const SpringAtStart& spring = start.springs()[s];
     if (!network.materials()[network.springs()[s].material].spring) continue;
     if (spring.stiffness != 0.0) all.add(network.springs()[s].first, network.springs()[s].second);
-    // What rounding leaves at the rest length is no tension.
+    // Smaller tensions are rounding.
     const double rounding = 1e-12 * std::abs(spring.stiffness) * spring.length;
     found.springs_under_tension += spring.tension > rounding ? 1 : 0;
     found.springs_under_compression += spring.tension < -rounding ? 1 : 0;

@@ -1,4 +1,4 @@
-// Mechanisms: motions that nothing resists to first order.
+// Mechanisms: motions that nothing resists, to first order.
 #pragma once
 
 #include <springnet/inspection.hpp>
@@ -7,7 +7,7 @@
 
 namespace springnet {
 
-// Fills result.mobility; result.parts have to be known. part: [node] index into result.parts.
+// Fills result.mobility; needs result.parts. part: [node] index into result.parts.
 void count_mechanisms(const StartingNetwork& start, const std::vector<std::uint32_t>& part, Inspection& result);
 
 }  // namespace springnet

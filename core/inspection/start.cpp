@@ -17,8 +17,8 @@ namespace {
 constexpr double unknown = std::numeric_limits<double>::quiet_NaN();
 constexpr InstructionSet set = InstructionSet::generic;
 
-// Without velocities and obstacles; nodes that the scene moves are fixed. A node in contact moves less, so obstacles
-// hardly lower a limit, and a body may leave them.
+// The network without velocities and obstacles; nodes moved by the scene are fixed. Obstacles are left out because
+// bodies may separate from them, and contact hardly lowers a limit: it takes motions away.
 Network at_rest(const Network& network, const std::vector<std::uint8_t>& free) {
   Network result;
   for (const LawUse& neuron : network.neurons()) result.add_neuron(neuron);
@@ -65,8 +65,8 @@ StartingNetwork::StartingNetwork(const Network& network, const PluginHost& plugi
     for (Eigen::Index c = 0; c < 3; ++c) coordinates_[c][engine_node(k)] = network.nodes()[k].position[c];
   nodes_ = {coordinates_[0].data(), coordinates_[1].data(), coordinates_[2].data(),
             zero_.data(),           zero_.data(),           zero_.data()};
-  look_at_springs();
-  look_at_elements();
+  linearise_springs();
+  linearise_elements();
 }
 
 bool StartingNetwork::has_neighbours(NodeIndex user) const {
@@ -74,12 +74,12 @@ bool StartingNetwork::has_neighbours(NodeIndex user) const {
   return layout_->neighbour_start()[k] < layout_->neighbour_start()[k + 1];
 }
 
-void StartingNetwork::look_at_springs() {
+void StartingNetwork::linearise_springs() {
   springs_.resize(network_.springs().size());
   for (std::size_t s = 0; s < springs_.size(); ++s) {
     const Spring& spring = network_.springs()[s];
-    const Vector3 way = network_.nodes()[spring.first].position - network_.nodes()[spring.second].position;
-    springs_[s] = {way.norm(), unknown, unknown, unknown, unknown};
+    const Vector3 difference = network_.nodes()[spring.first].position - network_.nodes()[spring.second].position;
+    springs_[s] = {difference.norm(), unknown, unknown, unknown, unknown};
   }
   const auto geometry = std::make_unique<layers::SegmentGeometry>();
   const auto answers = std::make_unique<layers::PairAnswers<layers::max_segment>>();
@@ -87,7 +87,7 @@ void StartingNetwork::look_at_springs() {
   for (std::size_t g = 0; g < layout_->laws().groups.size(); ++g) {
     const layers::Group& group = layout_->laws().groups[g];
     if (!has_derivatives(group.spring) || !has_derivatives(group.viscosity)) continue;
-    const auto look = [&](const std::uint32_t* numbers, std::size_t count) {
+    const auto linearise = [&](const std::uint32_t* numbers, std::size_t count) {
       springnet_message message{};
       if (layers::evaluate_springs(*layout_, set, 0.0, nodes_, g, numbers, count, *geometry, out, message) !=
           SPRINGNET_OK)
@@ -101,13 +101,13 @@ void StartingNetwork::look_at_springs() {
     const std::vector<std::uint32_t>& springs = layout_->springs_of(g);
     for (std::size_t begin = 0; begin < springs.size(); begin += layers::max_segment) {
       const std::size_t count = std::min(layers::max_segment, springs.size() - begin);
-      if (look(springs.data() + begin, count)) continue;
-      for (std::size_t i = begin; i < begin + count; ++i) static_cast<void>(look(springs.data() + i, 1));
+      if (linearise(springs.data() + begin, count)) continue;
+      for (std::size_t i = begin; i < begin + count; ++i) static_cast<void>(linearise(springs.data() + i, 1));
     }
   }
 }
 
-void StartingNetwork::look_at_elements() {
+void StartingNetwork::linearise_elements() {
   const layers::ElementLayout& elements = layout_->elements();
   const std::vector<std::uint32_t>& user = layout_->ordering().user;
   elements_.resize(network_.elements().size());

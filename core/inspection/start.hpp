@@ -1,5 +1,5 @@
-// The network as it starts, at rest and without obstacles, in the host's own model of it: what its laws answer there,
-// and the engine that integrators are asked on.
+// The network at its start, at rest and without obstacles: forces and derivatives of its laws, and the engine on which
+// integrators report their limits.
 #pragma once
 
 #include <cstdint>
@@ -16,7 +16,7 @@
 
 namespace springnet {
 
-// What the laws of a spring answer; nan where unknown.
+// Forces and derivatives of a spring's laws; nan where unknown.
 struct SpringAtStart {
   double length;           // m
   double tension;          // N
@@ -33,13 +33,13 @@ struct ElementAtStart {
   double scale;                   // of q: 1 rad, or the area or volume
   std::vector<NodeIndex> nodes;   // each once
   std::vector<Vector3> gradient;  // dq/dp, [node]
-  std::vector<Vector3> across;  // of a straight angle the other of the two directions in which it bends, else 0, [node]
+  std::vector<Vector3> across;    // [node] for a straight angle the second direction in which it bends, else 0
 };
 
 class StartingNetwork {
  public:
-  // Throws Error(plugin) for a component that is not there or does what the engine does not evaluate, Error(input) for
-  // parameters that it does not take. `network` has to outlive it.
+  // Throws Error(plugin) for a component that is missing or not supported by the engine, Error(input) for wrong
+  // parameters. `network` must outlive it.
   StartingNetwork(const Network& network, const PluginHost& plugins);
 
   [[nodiscard]] const Network& network() const noexcept { return network_; }
@@ -47,17 +47,17 @@ class StartingNetwork {
   [[nodiscard]] const std::vector<ElementAtStart>& elements() const noexcept { return elements_; }
   // Neither fixed nor moved.
   [[nodiscard]] bool is_free(NodeIndex node) const { return free_[node] != 0; }
-  // Springs, elements, rigid connections and loaded faces as the engine laid them out; it has its own order of nodes.
+  // The engine's layout of springs, elements, rigid connections and loaded faces, in its own order of nodes.
   [[nodiscard]] const layers::Layout& layout() const noexcept { return *layout_; }
   [[nodiscard]] std::uint32_t engine_node(NodeIndex user) const { return layout_->ordering().engine[user]; }
   [[nodiscard]] bool has_neighbours(NodeIndex user) const;
-  // Null where the engine cannot start, and why.
+  // Null if the engine cannot start; failure() has the reason.
   [[nodiscard]] LimitSurvey* survey() const noexcept { return survey_.get(); }
   [[nodiscard]] const std::string& failure() const noexcept { return failure_; }
 
  private:
-  void look_at_springs();
-  void look_at_elements();
+  void linearise_springs();
+  void linearise_elements();
 
   const Network& network_;
   std::vector<std::uint8_t> free_;

@@ -14,21 +14,21 @@ namespace {
 
 using Matrix = Eigen::SparseMatrix<double>;
 
-// Motions without stiffness come before the first vibration; with more of them the search would take long.
-constexpr std::size_t most_free_motions = 24;
-// Of the greatest eigenvalue: keeps the factorisation regular, and is small beside that of a slow vibration (a beam of
-// 100 cells has 1e-8).
+// Motions without stiffness are found before the first vibration; with more of them the search would take too long.
+constexpr std::size_t max_free_motions = 24;
+// Relative to the greatest eigenvalue: keeps the factorisation regular, and is small beside a slow vibration (1e-8 for
+// a beam of 100 cells).
 constexpr double shift = 1e-10;
-// What is less symmetric than that has no frequencies to speak of; relative.
+// Relative asymmetry above which frequencies make no sense.
 constexpr double asymmetry = 1e-9;
 
 bool is_within_reach(const StartingNetwork& start, const Mobility& mobility) {
   if (start.survey() == nullptr || !mobility.known || !start.network().rigids().empty()) return false;
-  if (mobility.mechanisms + mobility.rigid_body_motions > most_free_motions) return false;
+  if (mobility.mechanisms + mobility.rigid_body_motions > max_free_motions) return false;
   return start.layout().elements().live_enclosures() == 0;
 }
 
-// -da/dp and -da/dv of the nodes that move, in outputs times the root of the mass.
+// -da/dp and -da/dv of the free nodes, in coordinates scaled by the root of the mass.
 class Matrices {
  public:
   explicit Matrices(Engine& engine) : engine_(engine), column_(engine.model().mass.size(), -1) {
@@ -40,7 +40,7 @@ class Matrices {
     }
   }
   [[nodiscard]] int size() const { return size_; }
-  // scale: of the entries, about, so that the 1 on the host's diagonal does not hide them.
+  // scale: approximate size of the entries, so that the 1 on the host's diagonal does not hide them.
   [[nodiscard]] Matrix stiffness(double scale) const { return reduced(0.0, 1.0 / scale); }
   [[nodiscard]] Matrix damping(double scale) const { return reduced(1.0 / scale, 0.0); }
 
@@ -96,33 +96,33 @@ std::optional<Vibration> slowest_vibration(const StartingNetwork& start, const M
   if (factors.info() != Eigen::Success || !(factors.vectorD().minCoeff() > 0.0)) return std::nullopt;
 
   // Inverse iteration: the greatest eigenvalues of the inverse are those of the motions without stiffness, which are
-  // taken out one by one, then that of the slowest vibration.
-  std::vector<Eigen::VectorXd> out;
-  const auto take_out = [&](Eigen::VectorXd& x) {
+  // removed one by one, then that of the slowest vibration.
+  std::vector<Eigen::VectorXd> found_modes;
+  const auto remove_found_modes = [&](Eigen::VectorXd& x) {
     for (int pass = 0; pass < 2; ++pass)
-      for (const Eigen::VectorXd& motion : out) x -= motion.dot(x) * motion;
+      for (const Eigen::VectorXd& motion : found_modes) x -= motion.dot(x) * motion;
   };
   const std::vector<double> scattered = sdk::scattered_vector(static_cast<std::size_t>(matrices.size()));
   Dominant found;
-  while (out.size() <= free_motions) {
+  while (found_modes.size() <= free_motions) {
     Eigen::VectorXd x = Eigen::Map<const Eigen::VectorXd>(scattered.data(), matrices.size());
-    take_out(x);
+    remove_found_modes(x);
     DominantOptions options;
-    // What is left of a motion without stiffness comes back many times larger.
-    options.tolerance = out.size() < free_motions ? 1e-10 : 1e-4;
+    // Remainders of motions without stiffness would be amplified many times.
+    options.tolerance = found_modes.size() < free_motions ? 1e-10 : 1e-4;
     found = dominant_eigenvalue(
         [&](Eigen::VectorXd& values) {
-          take_out(values);
+          remove_found_modes(values);
           values = factors.solve(values).eval();
-          take_out(values);
+          remove_found_modes(values);
         },
         x, options);
-    out.push_back(found.real.normalized());
+    found_modes.push_back(found.real.normalized());
   }
   const double value = 1.0 / found.value.real() - shift * greatest;
-  // Within rounding of the motions that nothing resists: nothing is known about it.
+  // Not distinguishable from the motions that nothing resists.
   if (!(value > 10.0 * shift * greatest)) return std::nullopt;
-  const Eigen::VectorXd& mode = out.back();
+  const Eigen::VectorXd& mode = found_modes.back();
   const double frequency = std::sqrt(value);  // rad/s
   return Vibration{2.0 * std::acos(-1.0) / frequency, mode.dot(damping * mode) / (2.0 * frequency)};
 }

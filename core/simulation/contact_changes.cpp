@@ -12,17 +12,17 @@
 namespace springnet {
 namespace {
 
-// In units of the length scale: a node this far behind an obstacle was not seen to cross it, twice within one step of
-// the reference, say,
+// In units of the length scale. A node deeper behind an obstacle crossed it unnoticed, for example twice within one
+// step of the reference.
 constexpr double penetration = 1e-9;
-// and one this far behind an obstacle that it touches has no place left.
+// A node deeper behind an obstacle that it touches has no room left.
 constexpr double squeezed = 1e-7;
-// A prescribed velocity that changes by less, in units of the velocity scale, is another sample of a smooth motion.
+// Smaller changes of a prescribed velocity, in units of the velocity scale, belong to a smooth motion.
 constexpr double no_jump = 1e-9;
 
 }  // namespace
 
-// Nodes in contact, and those that lie on an obstacle and may be pushed into it.
+// Considers nodes in contact, and nodes that lie on an obstacle and may be pushed into it.
 springnet_status settle_contacts(Model& model) {
   if (model.contact.surfaces().empty()) return SPRINGNET_OK;
   const std::shared_ptr<const Placement> at = model.placement(model.time);
@@ -54,10 +54,10 @@ springnet_status stop_penetration(Model& model) {
 }
 
 std::set<std::uint32_t> follow_prescribed(Model& model) {
-  std::set<std::uint32_t> pulled;
+  std::set<std::uint32_t> affected;
   Contact& contact = model.contact;
   const Prescribed& prescribed = contact.prescribed();
-  if (!prescribed.any()) return pulled;
+  if (!prescribed.any()) return affected;
   const std::shared_ptr<const Placement> now = model.placement_now();
   const springnet_vectors &position = model.state.view.position, &velocity = model.state.view.velocity;
   const std::uint32_t* const clusters = model.rigid.cluster_of();
@@ -68,14 +68,14 @@ std::set<std::uint32_t> follow_prescribed(Model& model) {
     put_vector(velocity, k, prescribed.velocity(now->motions, k));
     if (change.norm() <= no_jump * model.scales.velocity) continue;
     contact.add_impulse(k, model.mass[k] * change);
-    if (clusters != nullptr && clusters[k] != ConstraintRow::no_node) pulled.insert(clusters[k]);
+    if (clusters != nullptr && clusters[k] != ConstraintRow::no_node) affected.insert(clusters[k]);
   }
-  for (const std::uint32_t cluster : pulled) {
+  for (const std::uint32_t cluster : affected) {
     const RigidConnections::WithoutContact rods(model.rigid, cluster, read_only(position));
     rods.pull_along(velocity,
                     [&](std::uint32_t fixed, const Vector3& impulse) { contact.add_impulse(fixed, -impulse); });
   }
-  return pulled;
+  return affected;
 }
 
 springnet_status follow_jumps(Model& model, double from) {
@@ -100,7 +100,7 @@ springnet_status follow_jumps(Model& model, double from) {
   return settle(model, model.time, model.state, findings);
 }
 
-void note_shed(Model& model, std::size_t first_event, double from, std::set<std::size_t>& noted) {
+void note_left_behind(Model& model, std::size_t first_event, double from, std::set<std::size_t>& noted) {
   const std::vector<Event>& events = model.journal.events();
   for (std::size_t e = first_event; e < events.size(); ++e) {
     const Event& event = events[e];
@@ -109,9 +109,8 @@ void note_shed(Model& model, std::size_t first_event, double from, std::set<std:
     const Obstacle& surface = model.contact.surfaces()[j];
     if (!surface.looks_sampled() || surface.next_change(from) > model.time || !noted.insert(j).second) continue;
     model.journal.note(
-        fmt::format("At {:g} s {} leaves node {} behind, first of those that it sheds, because the velocity of its "
-                    "linear table jumps there. Set interpolation = \"smooth\" if the table was sampled from a smooth "
-                    "motion.",
+        fmt::format("At {:g} s {} separates from node {}, and perhaps from others, because the velocity of its linear "
+                    "table jumps there. Set interpolation = \"smooth\" if the table was sampled from a smooth motion.",
                     model.time, model.contact.name_of(j), event.index));
   }
 }

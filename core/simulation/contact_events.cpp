@@ -11,8 +11,8 @@ namespace springnet {
 namespace {
 
 constexpr double rounding_of_force = 1e-14;  // in units of the force scale
-constexpr double least_force = 1e-9;         // likewise, of what is decided by forces
-// Slip that is so much faster than the speed of rest has a direction that friction follows.
+constexpr double min_force = 1e-9;           // likewise: smaller forces decide nothing
+// Friction follows the direction of a slip faster than this multiple of the rest speed.
 constexpr double quick_slip = 4.0;
 
 }  // namespace
@@ -43,7 +43,7 @@ void ContactEvents::add_sources_of(std::uint32_t k, double tolerance, const Plac
     if (touch.slides && !contact.surfaces()[static_cast<std::size_t>(j)].is_plane())
       sources_.push_back({Kind::seam, k, static_cast<std::uint32_t>(j)});
     const double mu = model_.constraints.coefficient(k, static_cast<std::size_t>(j));
-    // What holds without bounds does not slip.
+    // Friction without a limit does not slip.
     has_friction = has_friction || (touch.slides ? mu > 0.0 : mu > 0.0 && std::isfinite(mu));
   }
   if (has_friction && touch.third < 0) {
@@ -58,7 +58,7 @@ void ContactEvents::add_sources_of(std::uint32_t k, double tolerance, const Plac
       if (phase == Contact::Slip::begins) sources_.push_back({Kind::stall, k, j});
     }
   }
-  // A sticking node reaches only obstacles that move, unless its own carries it there.
+  // A sticking node reaches only obstacles that move, unless its own obstacle carries it.
   const bool sticks = touch.surface >= 0 && !touch.slides;
   const bool carried = sticks && contact.surfaces()[static_cast<std::size_t>(touch.surface)].moves();
   for (std::size_t j = 0; j < contact.surfaces().size(); ++j) {
@@ -71,7 +71,8 @@ void ContactEvents::add_sources_of(std::uint32_t k, double tolerance, const Plac
   }
 }
 
-springnet_status ContactEvents::leaving_acceleration(const Source& source, const ReactionsAt& at, double& value) const {
+springnet_status ContactEvents::separating_acceleration(const Source& source, const ReactionsAt& at,
+                                                        double& value) const {
   const std::uint32_t k = source.index;
   ReactionsAt without(at);
   without.leave_out(k);
@@ -84,10 +85,10 @@ springnet_status ContactEvents::leaving_acceleration(const Source& source, const
   return status;
 }
 
-// A node whose force lies beyond the friction cone by rounding would not be seen to cross it: it slips once it is twice
-// as far beyond.
+// A force already beyond the friction cone by rounding would never be seen to cross it: with this offset the node slips
+// once the force is twice as far beyond.
 double ContactEvents::beyond_cone(const Source& source) const {
-  if (model_.step_length > 0.0) return 0.0;  // nobody asks
+  if (model_.step_length > 0.0) return 0.0;  // only methods that choose their own steps need it
   ReactionsAt reactions(model_, model_.time, read_only(model_.state.view.position),
                         read_only(model_.state.view.velocity));
   double grip = 0.0;
@@ -95,15 +96,15 @@ double ContactEvents::beyond_cone(const Source& source) const {
   return -2.0 * grip + rounding_of_force * model_.scales.force;
 }
 
-// A node that is braced with others stays although it would leave if it alone were released: until it would leave twice
-// as fast.
+// A node braced with others stays in contact although it would separate if it alone were released. With this offset it
+// is released once it would separate twice as fast.
 double ContactEvents::beyond_brace(const Source& source) const {
-  if (model_.step_length > 0.0) return 0.0;  // nobody asks
+  if (model_.step_length > 0.0) return 0.0;  // only methods that choose their own steps need it
   ReactionsAt reactions(model_, model_.time, read_only(model_.state.view.position),
                         read_only(model_.state.view.velocity));
-  double leaves = 0.0;
-  if (this->value(source, reactions, leaves) != SPRINGNET_OK || leaves < 0.0) return 0.0;
-  return -2.0 * leaves - rounding_of_force * model_.scales.force / model_.mass[source.index];
+  double separating = 0.0;
+  if (this->value(source, reactions, separating) != SPRINGNET_OK || separating < 0.0) return 0.0;
+  return -2.0 * separating - rounding_of_force * model_.scales.force / model_.mass[source.index];
 }
 
 springnet_status ContactEvents::value(const Source& source, ReactionsAt& reactions, double& value) const {
@@ -132,10 +133,9 @@ springnet_status ContactEvents::value(const Source& source, ReactionsAt& reactio
     case Kind::stall: {
       Vector3 a;
       if (const springnet_status status = reactions.bound(k, a); status != SPRINGNET_OK) return status;
-      value =
-          contact.slip_direction(at, k, source.surface, p, reactions.velocity(k))
-              .dot(a - Contact::acceleration(at, source.surface, p)) +
-          least_force * model_.scales.force / model_.mass[k];  // none, where connections to nodes that stick hold it
+      value = contact.slip_direction(at, k, source.surface, p, reactions.velocity(k))
+                  .dot(a - Contact::acceleration(at, source.surface, p)) +
+              min_force * model_.scales.force / model_.mass[k];  // a is 0 if rods to sticking nodes hold it
       return SPRINGNET_OK;
     }
     case Kind::slow:
@@ -145,11 +145,11 @@ springnet_status ContactEvents::value(const Source& source, ReactionsAt& reactio
       break;
   }
   if (source.kind == Kind::release && contact.braced(k)) {
-    const springnet_status status = leaving_acceleration(source, reactions, value);
+    const springnet_status status = separating_acceleration(source, reactions, value);
     value += source.offset;
     return status;
   }
-  // Bracing decided that a node stays when it began; here the node counts without it.
+  // Bracing has decided that the node sticks; its event function is that of the unbraced reaction.
   Vector3 reaction;
   const springnet_status status =
       source.kind == Kind::release ? reactions.unbraced(k, reaction) : reactions.of(k, reaction);
@@ -184,7 +184,8 @@ springnet_status ContactEvents::values(const springnet_evaluation& request, doub
                                            values + (all.size() - breaking));
 }
 
-bool ContactEvents::touches_now(const Source& source, const Placement& at, const State& state, double tolerance) const {
+bool ContactEvents::is_impacting(const Source& source, const Placement& at, const State& state,
+                                 double tolerance) const {
   const Vector3 p = vector_at(state.view.position, source.index);
   return model_.contact.gap(at, source.surface, p) <= tolerance &&
          model_.contact.normal(at, source.surface, p)
@@ -195,8 +196,7 @@ bool ContactEvents::touches_now(const Source& source, const Placement& at, const
 springnet_status ContactEvents::fire(double time, State& state, const std::int32_t* fired) {
   const std::shared_ptr<const Placement> at = model_.placement(time);
   const std::vector<Source> all = this->sources();  // they change below
-  // Without what integration made of sticking nodes: whether and where they slip follows from the motion of their
-  // obstacle.
+  // Place sticking nodes exactly: integration errors must not decide whether and where they slip.
   model_.constraints.place(*at, read_only(model_.state.view.position), state.view.position, state.view.velocity);
   std::vector<std::uint32_t> broken, broken_elements;
   Findings findings;
@@ -208,7 +208,7 @@ springnet_status ContactEvents::fire(double time, State& state, const std::int32
   for (std::size_t e = 0; e < all.size(); ++e) {
     const Source& source = all[e];
     const std::uint32_t k = source.index;
-    if (fired[e] == 0 && !(source.kind == Kind::touch && touches_now(source, *at, state, tolerance))) continue;
+    if (fired[e] == 0 && !(source.kind == Kind::touch && is_impacting(source, *at, state, tolerance))) continue;
     switch (source.kind) {
       case Kind::rupture:
         broken.push_back(k);
@@ -243,7 +243,7 @@ springnet_status ContactEvents::fire(double time, State& state, const std::int32
         break;
       case Kind::touch:
         findings[k].touched.push_back(static_cast<std::int32_t>(source.surface));
-        model_.changed();  // the touch of a separating node counts from where it is
+        model_.changed();  // the offset of a separating node's touch follows its position
         break;
       case Kind::release:
         findings[k].released.push_back(static_cast<std::int32_t>(source.surface));
@@ -253,8 +253,8 @@ springnet_status ContactEvents::fire(double time, State& state, const std::int32
         break;
       case Kind::rest: {
         const Vector3 slip = slip_of(source);
-        // A slip that turned by a right angle goes on; one that was turned round by a step that went past its end
-        // rests.
+        // A slip that turned by a right angle continues. One that reversed, because a step went past its end, has come
+        // to rest.
         const double rest = model_.contact.rest_speed();
         if (slip.norm() > rest && std::abs(model_.contact.slip(k).dot(slip)) <= rest) {
           model_.contact.set_slip(k, slip.normalized());

@@ -1,4 +1,4 @@
-// Contacts and ruptures as events of an integrator with root finding: made, released, slipping, sticking; broken.
+// Event functions of contacts (touch, release, slip, stick) and ruptures, for integrators with root finding.
 #pragma once
 
 #include <cstdint>
@@ -14,24 +14,24 @@ class ContactEvents {
  public:
   ContactEvents(Model& model, Topology& topology) : model_(model), topology_(topology) {}
 
-  // One event function of a node and an obstacle, or of what may break.
+  // One event function: of a node and an obstacle, or of a spring or element that may break.
   struct Source {
-    // rest: the slip that is about to end has no speed left along its direction; slow, quick: its direction is kept
-    // from now on, or followed; stall: the acceleration of a slip that began turns round.
-    // seam: a sliding node passes a line where the curvature of its obstacle jumps.
+    // rest: a slip has no speed left along its direction. slow: it is about to end, friction keeps its direction;
+    // quick: friction follows the slip again. stall: the acceleration of a starting slip reverses. seam: a sliding node
+    // crosses a line where the curvature of its obstacle jumps.
     enum class Kind : std::uint8_t { touch, release, slip, rest, slow, quick, stall, seam, rupture, element_rupture };
     Kind kind;
     std::uint32_t index;  // node, spring or element
     std::uint32_t surface;
-    // Added to its value: of a touch, m, how far behind the obstacle it counts; of a slip, N; of a release, m/s^2.
+    // Added to the value. Touch: depth behind the obstacle at which it counts, m; slip: N; release: m/s^2.
     double offset = 0.0;
   };
-  // Those of the present revision of the model.
+  // For the present revision of the model.
   [[nodiscard]] const std::vector<Source>& sources();
   // Values and directions of all of them, as in springnet_host::event_values.
   springnet_status values(const springnet_evaluation& at, double* values, std::int32_t* directions);
-  // Carries out the events marked in `fired`, and touches that are about to happen within the tolerance; then the
-  // forces of `state`.
+  // Carries out the events marked in `fired`, and touches within the contact tolerance; then evaluates the forces of
+  // `state`.
   springnet_status fire(double time, State& state, const std::int32_t* fired);
 
  private:
@@ -39,11 +39,11 @@ class ContactEvents {
   void add_sources_of(std::uint32_t node, double tolerance, const Placement& now);
   // The value of an event of a contact.
   springnet_status value(const Source& source, ReactionsAt& reactions, double& value) const;
-  // Of a node that is braced: how fast its gap would grow if its obstacle did not hold it, m/s^2.
-  springnet_status leaving_acceleration(const Source& release, const ReactionsAt& at, double& value) const;
+  // Of a braced node: acceleration of its gap if it had no contact, m/s^2.
+  springnet_status separating_acceleration(const Source& release, const ReactionsAt& at, double& value) const;
   [[nodiscard]] double beyond_cone(const Source& slip) const;      // N
   [[nodiscard]] double beyond_brace(const Source& release) const;  // m/s^2
-  [[nodiscard]] bool touches_now(const Source& touch, const Placement& at, const State& state, double tolerance) const;
+  [[nodiscard]] bool is_impacting(const Source& touch, const Placement& at, const State& state, double tolerance) const;
 
   Model& model_;
   Topology& topology_;

@@ -35,7 +35,7 @@ springnet_status no_place(Model& model, std::uint32_t node, const std::vector<st
   const bool rods = clusters != nullptr && clusters[node] != ConstraintRow::no_node;
   set_message(model.journal.message,
               fmt::format("At {:.9g} s there is no place left for node {}{} between {}{}: they have closed; stop their "
-                          "motion before, or let it get out of their way",
+                          "motion earlier, or let the node escape",
                           time, model.user_number(node), rods ? " and the nodes rigidly connected to it" : "",
                           model.contact.names_of(surfaces), surfaces.size() < 2 ? " and what else holds it" : ""));
   return SPRINGNET_RECOVERABLE;

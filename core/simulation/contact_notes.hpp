@@ -1,4 +1,4 @@
-// Notes on contacts for the user, counted and written once, and the error that a node has no place left.
+// Notes for the user on contacts, each counted and written once, and the error that a node has no place left.
 #pragma once
 
 #include <cstdint>
@@ -8,11 +8,11 @@
 
 namespace springnet {
 
-// A node touches an obstacle so slowly that errors of integration decide when, and whether.
+// A node touches an obstacle so slowly that integration errors decide when, and whether.
 void note_grazing_touch(Model& model, std::uint32_t node, std::size_t surface, double time);
-// The slip of a node begins or ends where errors of integration decide whether.
+// A slip begins or ends so slowly that integration errors decide when, and whether.
 void note_grazing_slip(Model& model, std::uint32_t node, std::size_t surface, double time);
-// No forces and impulses of obstacles were found that fit a node and what is rigidly connected to it.
+// No contact forces were found that satisfy all contacts of a node and what is rigidly connected to it.
 void note_unresolved(Model& model, std::uint32_t node, double time);
 // Sets the message that these obstacles leave no place for a node; returns SPRINGNET_RECOVERABLE.
 springnet_status no_place(Model& model, std::uint32_t node, const std::vector<std::int32_t>& surfaces, double time);

@@ -13,7 +13,7 @@ namespace {
 // Sizes of the basis at which convergence is checked, besides the full one.
 constexpr std::array<Eigen::Index, 2> early{10, 20};
 
-// Krylov space of the map: basis V, projection H = V^T map V, norm of what leaves the space `next`.
+// Krylov space of the map: basis V, projection H = V^T map V, `next`: norm of the part of the last image outside V.
 class Krylov {
  public:
   Krylov(const std::function<void(Eigen::VectorXd&)>& map, const Eigen::VectorXd& start, Eigen::Index limit)
@@ -21,9 +21,9 @@ class Krylov {
     vector_ = start / start.norm();
   }
 
-  // Up to `wanted` vectors; fewer once the space is closed.
+  // Up to `wanted` vectors; fewer if the space becomes invariant.
   void grow(Eigen::Index wanted) {
-    while (size_ < wanted && !closed_) {
+    while (size_ < wanted && !invariant_) {
       basis_.col(size_) = vector_;
       map_(vector_);
       scale_ = std::max(scale_, vector_.norm());
@@ -35,14 +35,14 @@ class Krylov {
         projection_.col(size_ - 1).head(size_) += part;
       }
       next_ = vector_.norm();
-      closed_ = !(next_ > 1e-12 * scale_) || !std::isfinite(next_);  // what is left is rounding
-      if (closed_) return;
+      invariant_ = !(next_ > 1e-12 * scale_) || !std::isfinite(next_);  // the rest is rounding
+      if (invariant_) return;
       if (size_ < projection_.rows()) projection_(size_, size_ - 1) = next_;
       vector_ /= next_;
     }
   }
   [[nodiscard]] Eigen::Index size() const { return size_; }
-  [[nodiscard]] bool is_closed() const { return closed_; }
+  [[nodiscard]] bool is_invariant() const { return invariant_; }
   [[nodiscard]] double next() const { return next_; }
   [[nodiscard]] auto basis() const { return basis_.leftCols(size_); }
   [[nodiscard]] Eigen::MatrixXd projection() const { return projection_.topLeftCorner(size_, size_); }
@@ -53,15 +53,15 @@ class Krylov {
   Eigen::VectorXd vector_;
   Eigen::Index size_ = 0;
   double next_ = 0.0, scale_ = 0.0;
-  bool closed_ = false;
+  bool invariant_ = false;
 };
 
 bool better(Wanted wanted, const std::complex<double>& a, const std::complex<double>& b) {
   return wanted == Wanted::largest_real ? a.real() > b.real() : std::norm(a) > std::norm(b);
 }
 
-// The best eigenvalue of the projection, and its residual. False where numbers are not finite.
-bool look(const Krylov& krylov, Wanted wanted, Dominant& result, Eigen::VectorXcd& inside) {
+// The wanted eigenvalue of the projection, and its residual. False if numbers are not finite.
+bool find_eigenvalue(const Krylov& krylov, Wanted wanted, Dominant& result, Eigen::VectorXcd& inside) {
   const Eigen::MatrixXd projection = krylov.projection();
   if (!projection.allFinite()) return false;
   const Eigen::EigenSolver<Eigen::MatrixXd> ritz(projection);
@@ -91,8 +91,8 @@ Dominant dominant_eigenvalue(const std::function<void(Eigen::VectorXd&)>& map, E
       const Eigen::Index wanted = i < early.size() ? early[i] : limit;
       if (wanted >= limit && i < early.size()) continue;
       krylov.grow(wanted);
-      finite = look(krylov, options.wanted, result, inside);
-      if (finite && (converged() || krylov.is_closed())) break;
+      finite = find_eigenvalue(krylov, options.wanted, result, inside);
+      if (finite && (converged() || krylov.is_invariant())) break;
     }
     result.applications += static_cast<std::size_t>(krylov.size());
     if (!finite) {
@@ -102,9 +102,9 @@ Dominant dominant_eigenvalue(const std::function<void(Eigen::VectorXd&)>& map, E
     result.real = krylov.basis() * inside.real();
     result.imaginary = krylov.basis() * inside.imag();
     start = result.real + result.imaginary;
-    const bool still =
+    const bool stalled =
         std::abs(std::abs(result.value) - std::abs(last)) <= 0.1 * options.tolerance * std::abs(result.value);
-    if (converged() || still || krylov.is_closed() || limit == start.size()) break;
+    if (converged() || stalled || krylov.is_invariant() || limit == start.size()) break;
     last = result.value;
   } while (result.applications + static_cast<std::size_t>(limit) <= options.applications);
   return result;

@@ -1,5 +1,5 @@
-// The dominant eigenvalue of a linear map that is known by what it does to vectors: Arnoldi's method, restarted with
-// the best vector found (Saad, Numerical Methods for Large Eigenvalue Problems, 2nd ed., chapter 6). It sees complex
+// The dominant eigenvalue of a linear map given by its products: Arnoldi's method, restarted with the best vector
+// found (Saad, Numerical Methods for Large Eigenvalue Problems, 2nd ed., chapter 6). It sees complex
 // pairs as well. Integrators reach it through the host table, springnet_host::dominant_eigenvalue.
 #pragma once
 
@@ -30,7 +30,7 @@ struct Dominant {
   std::size_t applications = 0;
 };
 
-// `start` is replaced by a good start for a map that is nearly the same. It must not be 0 unless the map's size is.
+// `start` is replaced by a good start for a similar map. It must not be 0, unless it is empty.
 [[nodiscard]] Dominant dominant_eigenvalue(const std::function<void(Eigen::VectorXd&)>& map, Eigen::VectorXd& start,
                                            const DominantOptions& options);
 

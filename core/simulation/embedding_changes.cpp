@@ -31,7 +31,7 @@ void set_velocity(Model& model, std::uint32_t node, const Vector3& velocity) {
   const Vector3 p = vector_at(model.state.view.position, node);
   const Vector3 n = contact.normal(*now, j, p), w = Contact::velocity(*now, j, p);
   const double separating = n.dot(velocity - w);
-  // Between two obstacles it meets them anew, where it still approaches them.
+  // A node between two obstacles is released; it touches again those that it still approaches.
   if (touch.second >= 0 || separating > 0.0) {
     release(model, node);
   } else if (contact.surfaces()[j].friction().kind == Friction::Kind::held) {

@@ -1,4 +1,4 @@
-// What an embedding program changes between two steps. Contacts and forces are found anew when the next step begins.
+// Changes by the embedding program between two steps. Contacts and forces are found anew when the next step begins.
 #pragma once
 
 #include <cstdint>
@@ -8,11 +8,11 @@
 
 namespace springnet {
 
-// m, m/s. A node with a new position loses its contacts; one with a new velocity those from which it separates.
+// m, m/s. A new position releases all contacts of the node, a new velocity those that it separates from.
 void set_node(Model& model, std::uint32_t node, const std::optional<Vector3>& position,
               const std::optional<Vector3>& velocity);
 void set_fixed(Model& model, std::uint32_t node, bool fixed);
-// From where it is now in a straight line, to be there at `time`, s.
+// In a straight line from the present position, to arrive at `time`, s.
 void move_surface(Model& model, std::size_t surface, const Vector3& position, double time);
 void move_node(Model& model, std::uint32_t node, const Vector3& position, double time);
 

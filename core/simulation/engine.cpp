@@ -53,8 +53,8 @@ double Engine::potential_energy() {
   const std::string reason =
       layers::explain_failure(model_.layout, set, model_.time, nodes, layers::Asked::forces_and_energies);
   model_.journal.note(
-      fmt::format("At {:g} s the energy is not a finite number{}{}. What follows is no solution where a law was driven "
-                  "beyond its limit; use a smaller time_step.",
+      fmt::format("At {:g} s the energy is not a finite number{}{}. If a law was driven beyond its limit, what follows "
+                  "is not a solution; use a smaller time_step.",
                   model_.time, reason.empty() ? "" : ": ", reason));
   return sum;
 }

@@ -1,6 +1,5 @@
-// The network at work: owns the model and the parts that work on it, and calls them in order. The stages of a step
-// stand in step.cpp. Integrators act on the engine through the host table (host_table.cpp); Simulation is its public
-// face.
+// Owns the model and the parts that work on it, and calls them in order. The stages of a step are in step.cpp.
+// Integrators act on the engine through the host table (host_table.cpp); Simulation is its public face.
 #pragma once
 
 #include <memory>
@@ -27,7 +26,7 @@ class Engine {
   Engine(const Engine&) = delete;
   Engine& operator=(const Engine&) = delete;
 
-  // ---- a step, as integrators ask for it: statuses and messages as in springnet_host ----
+  // ---- a step, for integrators: statuses and messages as in springnet_host ----
   springnet_status begin_step(double from, double until);
   springnet_status begin_interval(double from, double until);
   springnet_status run_sweep(const springnet_sweep& sweep);
@@ -49,21 +48,21 @@ class Engine {
   [[nodiscard]] IntegratorCalls& calls() noexcept { return calls_; }
 
   // ---- for Simulation ----
-  // At the committed state, computed when they are asked for. Errors: Error(simulation) where a law fails.
+  // At the committed state, computed on demand. Throws Error(simulation) if a law fails.
   [[nodiscard]] const Reactions& reactions();
   // The part of a node's reaction that one obstacle exerts, N.
   [[nodiscard]] Vector3 reaction_of(std::uint32_t node, std::size_t surface);
-  // J, of springs, elements and gravity. Where it is not finite, a note says since when, and which law it is.
+  // J, of springs, elements and gravity. If it is not finite, a note names the time and the law.
   [[nodiscard]] double potential_energy();
 
  private:
   springnet_status begin(Loads::Change loads);
-  // Contacts and ruptures that fit what changed from outside.
+  // Settles contacts and ruptures after changes from outside.
   springnet_status settle();
-  // The end of a step of sweeps, and of other methods: the committed state fits its constraints.
+  // End of a step, with sweeps or another method: makes the committed state satisfy its constraints.
   springnet_status commit_sweeps();
   springnet_status commit_solution(const State& before, bool jumps);
-  // Velocities of what is prescribed jump at the committed time; from: s, the one before.
+  // For jumps of prescribed velocities at the committed time. from: s, the time committed before.
   springnet_status commit_jumps(double from);
 
   Model model_;
@@ -77,8 +76,8 @@ class Engine {
   std::shared_ptr<VerletContact> verlet_;  // contact in the last step of velocity Verlet; null: none
   Reactions reactions_;
   bool energy_noted_ = false;
-  std::size_t committed_events_ = 0;     // events when the last commit ended
-  std::set<std::size_t> shed_surfaces_;  // noted by note_shed()
+  std::size_t committed_events_ = 0;   // events when the last commit ended
+  std::set<std::size_t> left_behind_;  // noted by note_left_behind()
 };
 
 }  // namespace springnet

@@ -9,15 +9,15 @@
 namespace springnet {
 namespace {
 
-// Times that differ by so many roundings are the same.
+// Times that differ by this many roundings are the same.
 constexpr double roundings = 16.0;
-// In so short a part of a step the path is the cubic through its ends: the error is 256^-4 of that over the step.
+// In parts this short the path is taken as the cubic through its ends: its error is 256^-4 of that over the step.
 constexpr double shortest_part = 1.0 / 256.0;
 constexpr double tenth_of_turn = 0.6;  // rad
-// A node deeper in an obstacle than this share of its inner radius is inside, however uncertain positions are.
+// A node deeper than this share of the obstacle's inner radius is inside, however uncertain positions are.
 constexpr double share_of_inside = 0.25;
 
-// Bound of the distance between a path and its chord, m: twice that of Hermite's cubic, h (s (1-s)^2 (u0 - c) -
+// Bound on the distance between a path and its chord, m: twice that of Hermite's cubic, h (s (1-s)^2 (u0 - c) -
 // s^2 (1-s) (u1 - c)) with velocities u at its ends and c = chord / h, which is at most 4/27 h (|u0 - c| + |u1 - c|).
 double bend_of(double bent0, double bent1) { return 2.0 * 4.0 / 27.0 * (bent0 + bent1); }
 
@@ -41,33 +41,33 @@ ImpactSearch::ImpactSearch(const Model& model, const std::vector<ContactEvents::
   for (double& each : longest_) each = each > 0.0 ? std::min(length, tenth_of_turn / each) : length;
 }
 
-bool ImpactSearch::evaluate(double time, Whole& whole) {
+bool ImpactSearch::evaluate(double time, Snapshot& snapshot) {
   if (status_ != SPRINGNET_OK) return false;
   const std::size_t n = model_.layout.node_count();
-  whole.time = time;
-  whole.at = model_.placement(time);
-  whole.values.resize(6 * n);
-  double* const x = whole.values.data();
+  snapshot.time = time;
+  snapshot.at = model_.placement(time);
+  snapshot.values.resize(6 * n);
+  double* const x = snapshot.values.data();
   status_ = search_.state_at(search_.user, time, {x, x + n, x + 2 * n}, {x + 3 * n, x + 4 * n, x + 5 * n});
   return status_ == SPRINGNET_OK;
 }
 
-ImpactSearch::Place ImpactSearch::place(const Whole& whole, const Pair& pair) const {
+ImpactSearch::NodeState ImpactSearch::node_state(const Snapshot& snapshot, const Pair& pair) const {
   const std::size_t n = model_.layout.node_count();
-  const double* const x = whole.values.data() + pair.node;
+  const double* const x = snapshot.values.data() + pair.node;
   const Vector3 position(x[0], x[n], x[2 * n]);
-  return {position, {x[3 * n], x[4 * n], x[5 * n]}, model_.contact.gap(*whole.at, pair.surface, position)};
+  return {position, {x[3 * n], x[4 * n], x[5 * n]}, model_.contact.gap(*snapshot.at, pair.surface, position)};
 }
 
-ImpactSearch::Instant ImpactSearch::instant(const Whole& whole, const std::vector<Pair>& pairs) const {
-  Instant result{whole.time, whole.at, {}};
-  result.places.reserve(pairs.size());
-  for (const Pair& pair : pairs) result.places.push_back(place(whole, pair));
+ImpactSearch::Instant ImpactSearch::instant(const Snapshot& snapshot, const std::vector<Pair>& pairs) const {
+  Instant result{snapshot.time, snapshot.at, {}};
+  result.states.reserve(pairs.size());
+  for (const Pair& pair : pairs) result.states.push_back(node_state(snapshot, pair));
   return result;
 }
 
-bool ImpactSearch::may_reach(const Instant& from, const Instant& until, const Pair& pair, const Place& a,
-                             const Place& b) const {
+bool ImpactSearch::may_reach(const Instant& from, const Instant& until, const Pair& pair, const NodeState& a,
+                             const NodeState& b) const {
   const double h = until.time - from.time;
   const Vector3 way = b.position - a.position;
   const double travel = way.norm() + bend_of((h * a.velocity - way).norm(), (h * b.velocity - way).norm());
@@ -75,12 +75,12 @@ bool ImpactSearch::may_reach(const Instant& from, const Instant& until, const Pa
   return surface.least_gap(from.at->poses[pair.surface], a.position) + pair.depth <= travel;
 }
 
-// In the frame of the obstacle, where the gap changes by no more than the position. In a short part the path is the
-// cubic.
-bool ImpactSearch::comes_near(const Instant& from, const Instant& until, const Pair& pair, const Place& a,
-                              const Place& b, bool short_part) const {
+// In the frame of the obstacle, where the gap changes by no more than the position. In a short part the path is taken
+// as the cubic.
+bool ImpactSearch::comes_near(const Instant& from, const Instant& until, const Pair& pair, const NodeState& a,
+                              const NodeState& b, bool short_part) const {
   const double before = a.gap + pair.depth, after = b.gap + pair.depth;
-  if (before <= 0.0) return false;  // it touched before, or counts from deeper on
+  if (before <= 0.0) return false;  // it is inside already
   if (after <= 0.0) return true;
   const Obstacle& surface = model_.contact.surfaces()[pair.surface];
   const auto pose_of = [&](const Instant& instant) {
@@ -123,14 +123,14 @@ std::optional<double> ImpactSearch::first(const Instant& from, const Instant& un
   bool crosses = false;
   for (std::size_t i = 0; i < pairs.size(); ++i) {
     const Pair& pair = pairs[i];
-    const Place &a = from.places[i], &b = until.places[i];
+    const NodeState &a = from.states[i], &b = until.states[i];
     const double longest = longest_[pair.surface];
     if (length > longest ? !may_reach(from, until, pair, a, b)
                          : !comes_near(from, until, pair, a, b, length < shortest_part * longest))
       continue;
     near.push_back(pair);
-    begin.places.push_back(a);
-    end.places.push_back(b);
+    begin.states.push_back(a);
+    end.states.push_back(b);
     crosses = crosses || (a.gap + pair.depth > 0.0 && b.gap + pair.depth <= 0.0);
   }
   if (near.empty()) return std::nullopt;
@@ -143,7 +143,7 @@ std::optional<double> ImpactSearch::first(const Instant& from, const Instant& un
   return early ? early : first(middle, end, near, part);
 }
 
-// First finds a node that is deep enough, then where it entered.
+// First finds the time at which a node is deep enough, then the time at which it entered.
 springnet_status ImpactSearch::find(double& time) {
   time = std::numeric_limits<double>::quiet_NaN();
   if (pairs_.empty()) return SPRINGNET_OK;
@@ -156,16 +156,16 @@ springnet_status ImpactSearch::find(double& time) {
   const std::optional<double> inside = first(start, instant(between_, pairs_), deep, {search_.from, search_.until});
   if (!inside || !evaluate(*inside, between_)) return status_;
   const Instant then = instant(between_, pairs_);
-  std::vector<Pair> there;
+  std::vector<Pair> entered;
   Instant begin{start.time, start.at, {}}, end{then.time, then.at, {}};
   for (std::size_t i = 0; i < pairs_.size(); ++i) {
-    if (then.places[i].gap + deep[i].depth > 0.0) continue;
-    there.push_back(pairs_[i]);
-    begin.places.push_back(start.places[i]);
-    end.places.push_back(then.places[i]);
+    if (then.states[i].gap + deep[i].depth > 0.0) continue;
+    entered.push_back(pairs_[i]);
+    begin.states.push_back(start.states[i]);
+    end.states.push_back(then.states[i]);
   }
-  // No earlier than the begin of the part: an earlier search found nothing there that is deep enough.
-  const std::optional<double> begins = first(begin, end, there, {search_.step_from, *inside});
+  // No earlier than the start of the searched part: earlier searches found no node deep enough.
+  const std::optional<double> begins = first(begin, end, entered, {search_.step_from, *inside});
   if (status_ == SPRINGNET_OK) time = std::max(search_.from, begins.value_or(*inside));
   return status_;
 }

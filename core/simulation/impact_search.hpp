@@ -1,5 +1,5 @@
-// Continuous collision detection: when a node first touches an obstacle within a step whose states are known at all
-// times, also if it has separated again by the end.
+// Continuous collision detection: the time at which a node first touches an obstacle within a step with dense output,
+// even if it has separated again by the end.
 #pragma once
 
 #include <memory>
@@ -13,10 +13,10 @@ namespace springnet {
 
 class ImpactSearch {
  public:
-  // As in springnet_host::time_of_impact, of the touches among these events.
+  // Searches the touches among these events; see springnet_host::time_of_impact.
   ImpactSearch(const Model& model, const std::vector<ContactEvents::Source>& sources,
                const springnet_impact_search& search);
-  // s; nan: nothing touches.
+  // time: s; nan if nothing touches.
   springnet_status find(double& time);
 
  private:
@@ -26,44 +26,44 @@ class ImpactSearch {
     std::uint32_t surface;
     double depth;
   };
-  // All nodes at a time: [6 node], positions, then velocities, by components.
-  struct Whole {
+  // All nodes at one time: [6 node], positions, then velocities, by components.
+  struct Snapshot {
     double time;
     std::shared_ptr<const Placement> at;
     std::vector<double> values;
   };
-  // The node of a pair at a time.
-  struct Place {
+  // The node of a pair at one time.
+  struct NodeState {
     Vector3 position, velocity;  // m, m/s
     double gap;                  // m
   };
-  // Some pairs at a time.
+  // Some pairs at one time.
   struct Instant {
     double time;
     std::shared_ptr<const Placement> at;
-    std::vector<Place> places;  // [pair]
+    std::vector<NodeState> states;  // [pair]
   };
   struct Part {
     double earliest, latest;  // s
   };
-  [[nodiscard]] bool evaluate(double time, Whole& whole);
-  [[nodiscard]] Place place(const Whole& whole, const Pair& pair) const;
-  [[nodiscard]] Instant instant(const Whole& whole, const std::vector<Pair>& pairs) const;
-  // Whether a pair has, or may have, a gap below -depth between two times.
-  [[nodiscard]] bool comes_near(const Instant& from, const Instant& until, const Pair& pair, const Place& a,
-                                const Place& b, bool short_part) const;
-  // The same between times so far apart that the obstacle may swing or turn unseen.
-  [[nodiscard]] bool may_reach(const Instant& from, const Instant& until, const Pair& pair, const Place& a,
-                               const Place& b) const;
-  // The first time in a part at which one has, to rounding.
+  [[nodiscard]] bool evaluate(double time, Snapshot& snapshot);
+  [[nodiscard]] NodeState node_state(const Snapshot& snapshot, const Pair& pair) const;
+  [[nodiscard]] Instant instant(const Snapshot& snapshot, const std::vector<Pair>& pairs) const;
+  // Whether the gap of a pair is, or may be, below -depth between two times.
+  [[nodiscard]] bool comes_near(const Instant& from, const Instant& until, const Pair& pair, const NodeState& a,
+                                const NodeState& b, bool short_part) const;
+  // The same between times so far apart that the obstacle may swing or turn far in between.
+  [[nodiscard]] bool may_reach(const Instant& from, const Instant& until, const Pair& pair, const NodeState& a,
+                               const NodeState& b) const;
+  // The first time in a part at which a gap is below -depth, to rounding.
   [[nodiscard]] std::optional<double> first(const Instant& from, const Instant& until, const std::vector<Pair>& pairs,
                                             const Part& part);
 
   const Model& model_;
   const springnet_impact_search& search_;
   std::vector<Pair> pairs_;
-  std::vector<double> longest_;  // [obstacle] s, in which it turns and swings by at most a tenth of a turn
-  Whole between_{};              // at the last time
+  std::vector<double> longest_;  // [obstacle] s, time in which it turns and swings by at most a tenth of a turn
+  Snapshot between_{};           // at the last time evaluated
   springnet_status status_ = SPRINGNET_OK;
 };
 

@@ -11,7 +11,7 @@
 namespace springnet {
 
 springnet_status ImpulseLedger::begin_step() {
-  // Nothing is left of a node that was released since the last step.
+  // Drop what was withheld from nodes released since the last step.
   for (std::uint32_t k = 0; k < withheld_.size(); ++k)
     if (model_.contact.touching()[k] == 0) withheld_[k].setZero();
   return begin_anchored();
@@ -103,8 +103,8 @@ springnet_status ImpulseLedger::commit(const Sweep::Done& done) {
   const std::shared_ptr<const Placement> at = model_.placement(time);
   const std::size_t count = model_.node_count();
   withheld_.resize(count, Vector3::Zero());
-  std::vector<Vector3> at_once(count, Vector3::Zero());
-  std::map<std::pair<std::uint32_t, std::int32_t>, Vector3> blows;  // [node, surface] N s
+  std::vector<Vector3> impulses(count, Vector3::Zero());
+  std::map<std::pair<std::uint32_t, std::int32_t>, Vector3> impacts;  // [node, surface] N s
   std::optional<ReactionsAt> known;
   const auto reactions = [&]() -> ReactionsAt& {
     if (!known)
@@ -118,7 +118,7 @@ springnet_status ImpulseLedger::commit(const Sweep::Done& done) {
       continue;
     }
     if (!surfaces_exist) continue;
-    at_once[k] = model_.contact.sweep_impulse(k) + done_.rest * withheld_[k];
+    impulses[k] = model_.contact.sweep_impulse(k) + done_.rest * withheld_[k];
     withheld_[k].setZero();
     std::vector<std::int32_t> surfaces;
     for (const std::int32_t surface : model_.contact.committed(k).surfaces())
@@ -127,16 +127,16 @@ springnet_status ImpulseLedger::commit(const Sweep::Done& done) {
       Vector3 reaction;
       if (const springnet_status status = reactions().reported(k, reaction, &withheld_[k]); status != SPRINGNET_OK)
         return status;
-      at_once[k] -= done_.weight * reaction;
+      impulses[k] -= done_.weight * reaction;
     }
-    if (at_once[k].isZero(0.0)) continue;
+    if (impulses[k].isZero(0.0)) continue;
     const auto [first, last] = std::equal_range(sorted.begin(), sorted.end(), ContactChange{{}, k, -1}, by_node);
     for (auto change = first; change != last; ++change)
       if (surfaces.size() < 3 && std::find(surfaces.begin(), surfaces.end(), change->surface) == surfaces.end())
         surfaces.push_back(change->surface);
     if (surfaces.empty()) surfaces.push_back(std::max(0, model_.contact.last_surface(k)));
-    const std::vector<Vector3> shares = book_contact(k, surfaces, *at, at_once[k]);
-    for (std::size_t i = 0; i < surfaces.size() && first != last; ++i) blows[{k, surfaces[i]}] = shares[i];
+    const std::vector<Vector3> shares = book_contact(k, surfaces, *at, impulses[k]);
+    for (std::size_t i = 0; i < surfaces.size() && first != last; ++i) impacts[{k, surfaces[i]}] = shares[i];
   }
   for (const AnchoredCluster& anchored : anchored_)
     if (const springnet_status status = book_anchored(anchored, reactions()); status != SPRINGNET_OK) return status;
@@ -145,15 +145,15 @@ springnet_status ImpulseLedger::commit(const Sweep::Done& done) {
                                             Event::Kind::stuck};
     Event event{kinds[static_cast<std::size_t>(change.kind)], time, model_.user_number(change.node)};
     event.surface = change.surface;
-    // Where the reaction at the end is more than that over the step, or the error of the method outweighs the blow, the
-    // difference would be a pull: the event has no impulse then, the node's sum of impulses still does.
-    if (const auto blow = blows.find({change.node, change.surface});
-        change.kind == Kind::touched && blow != blows.end() &&
+    // If the reaction at the end exceeds that over the step, or the error of the method outweighs the impact, the
+    // difference is a pull: then the event has no impulse, but the node's sum of impulses still includes it.
+    if (const auto impact = impacts.find({change.node, change.surface});
+        change.kind == Kind::touched && impact != impacts.end() &&
         model_.contact
                 .normal(*at, static_cast<std::size_t>(change.surface),
                         vector_at(model_.state.view.position, change.node))
-                .dot(blow->second) >= 0.0)
-      event.impulse = blow->second;
+                .dot(impact->second) >= 0.0)
+      event.impulse = impact->second;
     model_.journal.record(event);
   };
   for (const ContactChange& change : changes) tell(change);

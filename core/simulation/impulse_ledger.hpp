@@ -1,11 +1,12 @@
-// The impulses of obstacles and fixation in a step of sweeps, so that momentum balances. Over the step each node has
+// Books the impulses of obstacles and fixation in a step of sweeps, so that momentum balances. Over the step each node
+// has
 //
 //   m (v' - v) = h ((1 - theta) (F + R) + theta F') + J,
 //
-// F forces, R reactions at its start, primes at its end, J impulses of the sweeps. The part of J that appears as a
-// force of an obstacle is h ((1 - theta) R + theta R'); the rest is an impulse: the blow where a node touched,
-// otherwise the error of the method's order. What holds or moves a node gets the same from the rigid connections of the
-// node.
+// with F forces and R reactions at the start, primed at the end, and J the impulses of the sweeps. The part of J that
+// is reported as a force of an obstacle is h ((1 - theta) R + theta R'). The rest is booked as an impulse: that of the
+// impact if a node touched, otherwise an error of the method's order. Fixed and moved nodes are treated alike, with the
+// impulses of their rigid connections.
 #pragma once
 
 #include <cstdint>
@@ -23,29 +24,29 @@ class ImpulseLedger {
 
   // Before the first sweep of a step, at the committed state.
   springnet_status begin_step();
-  // After the last one, once its state is committed: the contacts that sweeps decided become the committed ones, with
-  // their events, and impulses are added up.
+  // After the last sweep, once its state is committed: commits the contacts that the sweeps decided, records their
+  // events, and adds up impulses.
   springnet_status commit(const Sweep::Done& done);
 
  private:
-  // A cluster with fixed nodes, as the step began: [node of the cluster] m/s, m/s^2.
+  // A cluster with fixed nodes at the start of the step: [node of the cluster] m/s, m/s^2.
   struct AnchoredCluster {
     std::size_t cluster;
     std::vector<Vector3> velocity, acceleration;
   };
   springnet_status begin_anchored();
-  // N s, by `surfaces` and fixation on a node. Returns the part of each surface.
+  // Books an impulse (N s) of `surfaces` on a node. Returns the share of each surface.
   std::vector<Vector3> book_contact(std::uint32_t node, const std::vector<std::int32_t>& surfaces, const Placement& at,
                                     const Vector3& impulse);
-  // What moves a node gives it the impulse that its acceleration does not.
+  // Books what the prescribed motion of a node needs beyond its accelerations.
   void book_motion(std::uint32_t node, const Placement& end);
-  // Rods gave the nodes that can move the impulse that forces, reactions and obstacles did not; what holds the other
-  // nodes bears the opposite of theirs.
+  // Rods gave the free nodes the impulses that forces, reactions and obstacles did not; the fixation of the other nodes
+  // bears the opposite.
   springnet_status book_anchored(const AnchoredCluster& anchored, ReactionsAt& reactions);
 
   Model& model_;
   Sweep::Done done_;
-  std::vector<Vector3> withheld_;  // [node] N: what ReactionsAt::reported() left out at the last commit; may be empty
+  std::vector<Vector3> withheld_;  // [node] N: left out by ReactionsAt::reported() at the last commit; may be empty
   std::vector<AnchoredCluster> anchored_;
 };
 

@@ -30,7 +30,7 @@ State& IntegratorCalls::created_state(const springnet_state* state) {
   const auto found =
       std::find_if(states_.begin(), states_.end(), [state](const auto& each) { return &each->view == state; });
   if (found == states_.end())
-    throw Error(ErrorKind::plugin, "the state is none that state_create made, or was destroyed");
+    throw Error(ErrorKind::plugin, "the state was not made by state_create, or was destroyed");
   const std::uint32_t current = (*found)->view.force_is_current;
   (*found)->restore_view();
   (*found)->view.force_is_current = current;
@@ -38,20 +38,19 @@ State& IntegratorCalls::created_state(const springnet_state* state) {
 }
 
 void IntegratorCalls::require_no_callback() const {
-  if (model_.in_callback)
-    throw Error(ErrorKind::plugin, "it was called within a sweep or a search, by what those call");
+  if (model_.in_callback) throw Error(ErrorKind::plugin, "it was called from a callback of a sweep or a search");
 }
 
 void IntegratorCalls::require_advancing() const {
-  if (asks_limits_)
-    throw Error(ErrorKind::plugin, "it was called by what tells limits, which must not change the network");
+  if (reports_limits_)
+    throw Error(ErrorKind::plugin, "it was called while limits are reported, which must not change the network");
 }
 
 void IntegratorCalls::refuse(const std::string& reason, bool misuse) noexcept {
   const std::lock_guard guard(model_.journal.failure_lock);
   set_message(model_.journal.message, reason);
   try {
-    if (misuse) misuse_ = text_of(model_.journal.message);  // as the integrator may repeat it
+    if (misuse) misuse_ = text_of(model_.journal.message);  // as truncated: the integrator may repeat it
   } catch (const std::exception&) {
     misuse_.clear();  // out of memory: the message has it
   }
@@ -75,7 +74,7 @@ void IntegratorCalls::check_commit(double time, const State& state) const {
     throw Error(ErrorKind::plugin, fmt::format("{} s lies after {} s, where the advance ends", time, until_));
   const std::uint32_t node = state.first_not_finite();
   if (node == model_.node_count()) return;
-  // A law or a neuron was at fault.
+  // A law or a neuron caused it.
   if (!model_.journal.non_finite.empty()) throw Error(ErrorKind::simulation, model_.journal.non_finite);
   const bool position = !vector_at(state.view.position, node).allFinite();
   throw Error(ErrorKind::plugin, fmt::format("the {} of node {} at {} s is not finite",

@@ -1,5 +1,5 @@
-// What an integrator may do: states that it owns in the engine's memory, the time up to which it may commit, and what
-// it did against the rules of plugin.h.
+// Supervises the calls of an integrator: its states in the engine's memory, the time up to which it may commit, and
+// violations of the rules of plugin.h.
 #pragma once
 
 #include <memory>
@@ -19,18 +19,18 @@ class IntegratorCalls {
   void destroy_state(const springnet_state* state) noexcept;
   // Throws Error(plugin) if `state` is none of them.
   [[nodiscard]] State& created_state(const springnet_state* state);
-  // Throws Error(plugin) within a sweep or a search: functions of the integrator may not call what changes the model.
+  // Throws Error(plugin) within a sweep or a search: callbacks of the integrator must not change the model.
   void require_no_callback() const;
-  // Throws Error(plugin) while the integrator tells its limits.
+  // Throws Error(plugin) while the integrator reports its limits.
   void require_advancing() const;
-  // The integrator is about to tell its limits, or has: it may not commit or fire events meanwhile.
-  void ask_limits(bool asks) noexcept { asks_limits_ = asks; }
-  // A failed call: its reason becomes the message, and `misuse` if the fault was the integrator's.
+  // Whether the integrator is reporting its limits: it must not commit or fire events meanwhile.
+  void set_reporting_limits(bool reports) noexcept { reports_limits_ = reports; }
+  // Records the reason of a failed call as the message, and as misuse() if the integrator broke a rule.
   void refuse(const std::string& reason, bool misuse) noexcept;
 
   // The integrator is about to advance the network to `until`, s. Forgets earlier misuse.
   void begin_advance(double until);
-  // What the integrator last did against the rules since then; empty: nothing.
+  // The last violation of the rules since then; empty: none.
   [[nodiscard]] const std::string& misuse() const noexcept { return misuse_; }
   // Rounding of the end of the present advance, s.
   [[nodiscard]] double end_tolerance() const noexcept;
@@ -42,7 +42,7 @@ class IntegratorCalls {
   std::vector<std::unique_ptr<State>> states_;
   double from_ = 0.0, until_ = 0.0;  // s, the present advance
   std::string misuse_;
-  bool asks_limits_ = false;
+  bool reports_limits_ = false;
 };
 
 }  // namespace springnet

@@ -1,4 +1,4 @@
-// What a run has to tell beside its motion: events, notes, numbers, and why something failed.
+// What a run reports besides its motion: events, notes, numbers, and reasons of failures.
 #pragma once
 
 #include <map>
@@ -14,22 +14,22 @@ namespace springnet {
 // Any thread of a sweep may call note(), report() and count(); events belong to the thread of the integrator.
 class Journal {
  public:
-  // Of the two texts below, where several threads may fail.
+  // Guards the two texts below, as several threads may fail.
   std::mutex failure_lock;
   // Why the last host function failed; integrators read and write it.
   springnet_message message{};
-  // Why numbers were not finite, or could not be evaluated, since the step began; empty: all went well.
+  // Why numbers are not finite, or could not be evaluated, in the present step; empty: they are finite.
   std::string non_finite;
 
   void record(const Event& event) { events_.push_back(event); }
   // Records an event of a node and an obstacle. impulse: N s.
   void record(Event::Kind kind, double time, std::uint32_t user_node, std::int32_t surface,
               const Vector3& impulse = Vector3::Zero());
-  // Text that the user should read, once. Beyond a few hundred, further notes and numbers are dropped: an integrator
-  // that reports something new in every step must not fill the memory.
+  // Notes are kept once each. Beyond a few hundred, notes and numbers are dropped: an integrator that reports something
+  // new in every step must not fill the memory.
   void note(const std::string& text);
   void report(const std::string& name, double value);
-  // Adds 1 to a number; returns the sum.
+  // Adds 1 to a number and returns it.
   double count(const std::string& name);
 
   [[nodiscard]] const std::vector<Event>& events() const noexcept { return events_; }

@@ -14,31 +14,31 @@
 namespace springnet {
 namespace {
 
-// A limit as ABI 1.4 made it; it grows at its end.
+// Size of a limit in ABI 1.4; the struct may grow at its end.
 constexpr std::size_t limit_size = SPRINGNET_SIZE_TO(springnet_limit, reason);
 constexpr std::size_t most_limits = 100, longest_name = 40, longest_reason = 500;
 
 struct Sink {
   const std::vector<std::uint32_t>& user;
-  std::vector<ToldLimit> told;
+  std::vector<ReportedLimit> told;
 };
 
-ToldLimit read(const springnet_limit& limit, const std::vector<std::uint32_t>& user) {
-  ToldLimit told;
-  told.rule = limit.rule == nullptr ? "" : printable(limit.rule, longest_name);
-  told.kind = limit.kind;
-  if (limit.reason != nullptr) told.reason = printable(limit.reason, longest_reason);
-  if (limit.node < user.size()) told.node = user[limit.node];
+ReportedLimit read(const springnet_limit& limit, const std::vector<std::uint32_t>& user) {
+  ReportedLimit result;
+  result.rule = limit.rule == nullptr ? "" : printable(limit.rule, longest_name);
+  result.kind = limit.kind;
+  if (limit.reason != nullptr) result.reason = printable(limit.reason, longest_reason);
+  if (limit.node < user.size()) result.node = user[limit.node];
   const bool known = limit.kind == SPRINGNET_LIMIT_KNOWN || limit.kind == SPRINGNET_LIMIT_ESTIMATE;
-  if (!known && limit.kind != SPRINGNET_LIMIT_NONE) told.kind = SPRINGNET_LIMIT_UNKNOWN;
-  if (!known) return told;
-  told.time_step = limit.time_step;
-  told.weight = limit.weight > 0.0 && std::isfinite(limit.weight) ? limit.weight : limit.time_step;
-  if (limit.time_step > 0.0 && std::isfinite(limit.time_step)) return told;
-  told = {told.rule,    SPRINGNET_LIMIT_UNKNOWN,
-          0.0,          0.0,
-          std::nullopt, fmt::format("the integrator reported a limit of {} s", limit.time_step)};
-  return told;
+  if (!known && limit.kind != SPRINGNET_LIMIT_NONE) result.kind = SPRINGNET_LIMIT_UNKNOWN;
+  if (!known) return result;
+  result.time_step = limit.time_step;
+  result.weight = limit.weight > 0.0 && std::isfinite(limit.weight) ? limit.weight : limit.time_step;
+  if (limit.time_step > 0.0 && std::isfinite(limit.time_step)) return result;
+  result = {result.rule,  SPRINGNET_LIMIT_UNKNOWN,
+            0.0,          0.0,
+            std::nullopt, fmt::format("the integrator reported a limit of {} s", limit.time_step)};
+  return result;
 }
 
 // Called by the plugin: nothing may be thrown.
@@ -52,13 +52,13 @@ void tell(void* context, const springnet_limit* limit) {
   }
 }
 
-// While an integrator is asked it may not change the network.
-class Asking {
+// While this exists, the integrator must not change the network.
+class ReportingLimits {
  public:
-  explicit Asking(IntegratorCalls& calls) : calls_(calls) { calls_.ask_limits(true); }
-  ~Asking() { calls_.ask_limits(false); }
-  Asking(const Asking&) = delete;
-  Asking& operator=(const Asking&) = delete;
+  explicit ReportingLimits(IntegratorCalls& calls) : calls_(calls) { calls_.set_reporting_limits(true); }
+  ~ReportingLimits() { calls_.set_reporting_limits(false); }
+  ReportingLimits(const ReportingLimits&) = delete;
+  ReportingLimits& operator=(const ReportingLimits&) = delete;
 
  private:
   IntegratorCalls& calls_;
@@ -69,7 +69,7 @@ void destroy(const springnet_integrator& functions, void* integrator) noexcept {
   try {
     functions.destroy(integrator);
   } catch (...) {
-    // plugin.h forbids it; the limits are known already.
+    // plugin.h forbids exceptions; the limits are known already.
   }
 }
 
@@ -78,14 +78,14 @@ void destroy(const springnet_integrator& functions, void* integrator) noexcept {
 LimitSurvey::LimitSurvey(const Network& network, const PluginHost& plugins)
     : engine_(network, plugins, {}), table_(make_host_table(engine_)) {}
 
-std::vector<ToldLimit> LimitSurvey::ask(const Component& component, const ParameterValues& parameters) {
+std::vector<ReportedLimit> LimitSurvey::ask(const Component& component, const ParameterValues& parameters) {
   const springnet_integrator& functions = component.integrator();
   if (!SPRINGNET_HAS_FIELD(springnet_integrator, &functions, limits) || functions.limits == nullptr) return {};
   Sink sink{engine_.model().layout.ordering().user, {}};
   springnet_limits limits{sizeof limits, 0, &sink, tell};
   void* integrator = nullptr;
   const auto failed = [&](const std::string& reason) {
-    return std::vector<ToldLimit>{{"", SPRINGNET_LIMIT_UNKNOWN, 0.0, 0.0, std::nullopt, reason}};
+    return std::vector<ReportedLimit>{{"", SPRINGNET_LIMIT_UNKNOWN, 0.0, 0.0, std::nullopt, reason}};
   };
   springnet_message message{};
   springnet_status status = SPRINGNET_FAILED;
@@ -93,10 +93,10 @@ std::vector<ToldLimit> LimitSurvey::ask(const Component& component, const Parame
     const std::vector<double> values = complete_parameters(*component.description, parameters, full_name(component));
     const double now = engine_.model().time;
     engine_.calls().begin_advance(now);
-    // Loads as they are now; the length does not matter to them.
+    // For the present loads; the length of the interval does not matter.
     status = engine_.begin_interval(now, now + 1.0);
     if (status != SPRINGNET_OK) return failed(text_of(engine_.model().journal.message));
-    const Asking asking(engine_.calls());
+    const ReportingLimits guard(engine_.calls());
     status = call_component(component, message, [&](springnet_message& own) {
       engine_.model().journal.message.text[0] = '\0';
       springnet_status result = functions.create(&table_, values.data(), &integrator);

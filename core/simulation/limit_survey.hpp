@@ -1,4 +1,4 @@
-// What integrators tell of their largest time steps at the start of a network; see springnet_integrator::limits.
+// The largest time steps that integrators report for the start of a network; see springnet_integrator::limits.
 #pragma once
 
 #include <optional>
@@ -12,7 +12,7 @@
 
 namespace springnet {
 
-struct ToldLimit {
+struct ReportedLimit {
   std::string rule;               // "": the integrator has no rules to choose from
   std::uint32_t kind;             // SPRINGNET_LIMIT_KNOWN …
   double time_step = 0.0;         // s
@@ -21,17 +21,17 @@ struct ToldLimit {
   std::string reason;
 };
 
-// One engine that stands at the start, for all integrators that are asked.
+// One engine at the start, on which all integrators report their limits.
 class LimitSurvey {
  public:
-  // Throws as Simulation.
+  // Throws like Simulation.
   LimitSurvey(const Network& network, const PluginHost& plugins);
 
-  // Rule by rule; empty if the integrator tells nothing. An integrator that fails, or does not take the parameters, is
-  // one limit that is unknown, with the reason.
-  [[nodiscard]] std::vector<ToldLimit> ask(const Component& integrator, const ParameterValues& parameters);
+  // Rule by rule; empty if the integrator reports none. An integrator that fails, or does not take the parameters,
+  // gives one unknown limit with the reason.
+  [[nodiscard]] std::vector<ReportedLimit> ask(const Component& integrator, const ParameterValues& parameters);
 
-  // At the start, at rest if the network is.
+  // In the state at the start.
   [[nodiscard]] Engine& engine() noexcept { return engine_; }
   [[nodiscard]] const springnet_host& table() const noexcept { return table_; }
 

@@ -1,5 +1,5 @@
-// The motion near a state, on behalf of implicit methods: derivatives of the accelerations, linear systems of them, and
-// what of a change the constraints allow.
+// The motion near a state, for implicit methods: derivatives of the accelerations, linear systems, and projections onto
+// the constraints.
 #pragma once
 
 #include <memory>
@@ -17,9 +17,9 @@ class LinearModel {
   explicit LinearModel(Model& model);
   ~LinearModel();
 
-  // Takes the derivatives at a state; what follows is about it. Statuses and messages as in springnet_host.
+  // Computes the derivatives at a state, for the functions below. Statuses and messages as in springnet_host.
   springnet_status linearise(const springnet_evaluation& at);
-  // Whether there is such a state: nothing was removed from the network since.
+  // Whether there are derivatives: nothing has been removed from the network since.
   [[nodiscard]] bool known() const noexcept { return blocks_.known(); }
   // out = da/dp dp + da/dv dv, 3n numbers each, x of all nodes first.
   springnet_status times(const double* dp, const double* dv, double* out);
@@ -27,19 +27,19 @@ class LinearModel {
   void diagonal_blocks(double velocity_weight, double position_weight, double* out) const;
   springnet_status factorise(double velocity_weight, double position_weight);
   springnet_status solve(bool transposed, const double* right_side, double* x);
-  // A sweep of the linearised network in an order, see springnet_host::linear_sweep; `network` says when its
-  // connections changed.
+  // A sweep of the linearised network in an order, see springnet_host::linear_sweep; `network.revision` shows changes
+  // of its connections.
   springnet_status sweep(const springnet_sweep& request, const springnet_network& network);
   // The matrices by themselves.
   [[nodiscard]] layers::Linearisation& matrices() noexcept { return blocks_; }
-  // The nearest change of velocities that the constraints allow, see springnet_host::project.
+  // Projects velocities onto the constraints, see springnet_host::project.
   springnet_status project(const double* mobility, double* values);
   // To be called after springs or elements were removed.
   void topology_changed() noexcept { blocks_.topology_changed(); }
 
  private:
-  // Rigid connections under tension turn like springs, and friction follows the slip. Implicit methods need both: they
-  // are stiff where tensions are great and slips slow.
+  // Adds the geometric stiffness of rods under tension, and the derivative of friction by the slip. Implicit methods
+  // need both: they are stiff where tensions are great or slips slow.
   springnet_status add_constraints(const springnet_evaluation& at);
 
   Model& model_;

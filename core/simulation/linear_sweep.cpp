@@ -106,7 +106,7 @@ void LinearSweep::factorise(Island& island) {
   island.is_factorised = true;
 }
 
-// All of its nodes read outputs that fit the constraints, which those of its first nodes do not before the end.
+// All nodes are evaluated before any is updated: updated outputs do not satisfy the constraints before the end.
 void LinearSweep::update_island(Island& island) {
   members_.clear();
   before_.clear();

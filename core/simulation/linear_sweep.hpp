@@ -1,4 +1,4 @@
-// Sweeps of the linearised network, node by node: what the update rules of an integrator make of small changes of the
+// Sweeps of the linearised network, node by node: the effect of an integrator's update rule on small changes of the
 // outputs. See springnet_host::linear_sweep.
 #pragma once
 
@@ -15,16 +15,16 @@ namespace springnet {
 
 class LinearSweep {
  public:
-  // Good until the next linearise(). References have to outlive it.
+  // Valid until the next linearise(). References must outlive it.
   LinearSweep(const layers::Layout& layout, layers::Linearisation& linearisation, const ConstraintSet& constraints,
               const std::vector<double>& mass);
 
-  // A request that was checked, in an order that was checked.
+  // Request and order must have been checked.
   void run(const springnet_sweep& sweep);
 
  private:
-  // Nodes that constraints couple: a cluster of rigid connections, with the surfaces that its nodes slide on, or a lone
-  // node that slides. They take their turn together.
+  // Nodes coupled by constraints, which are updated together: a cluster of rigid connections, with the surfaces that
+  // its nodes slide on, or a single sliding node.
   struct Island {
     std::vector<std::uint32_t> nodes;
     std::vector<ConstraintRow> rows;
@@ -36,7 +36,7 @@ class LinearSweep {
   void find_blocks();
   [[nodiscard]] Vector3 velocity(std::uint32_t node) const;
   void call_update(std::uint32_t node, const Vector3& acceleration);
-  // Applies fixation to the outputs of a node, and follows enclosures.
+  // Applies fixation to the outputs of a node, and updates enclosures.
   void finish(std::uint32_t node, const Vector3& before);
   void update_island(Island& island);
   void factorise(Island& island);
@@ -51,7 +51,7 @@ class LinearSweep {
   std::vector<double> by_velocity_, by_position_;  // [node][9] of each of them, where batches have blocks; else empty
   std::vector<std::uint32_t> island_of_;           // [node]
   std::vector<Island> islands_;
-  const springnet_sweep* sweep_ = nullptr;  // that is run
+  const springnet_sweep* sweep_ = nullptr;  // running
   const double* u_[3]{};                    // its velocities
   std::vector<Vector3> members_, before_;   // of an island
 };

@@ -67,7 +67,7 @@ Loads::Change Loads::set_interval(double from, double until) {
   Change change = Change::none;
   for (Entry& entry : entries_) {
     const double begin = std::max(from, entry.from), end = std::min(until, entry.until);
-    // Steps end where a load is switched, up to rounding of the time.
+    // Steps end where loads switch, up to the rounding of times.
     double share = (end - begin) / (until - from);
     share = share < 1e-9 ? 0.0 : share > 1.0 - 1e-9 ? 1.0 : share;
     const bool varies = share > 0.0 && !entry.course.is_constant();

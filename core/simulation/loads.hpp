@@ -1,4 +1,4 @@
-// Gravity and forces on nodes: of the scene, which change over time, and of the embedding program.
+// Gravity and forces on nodes: those of the scene, which change over time, and those of the embedding program.
 #pragma once
 
 #include <cstdint>
@@ -14,18 +14,18 @@ namespace springnet {
 
 class Loads {
  public:
-  // The layout has to outlive it.
+  // The layout must outlive it.
   Loads(const Network& network, const layers::Layout& layout);
 
   enum class Change {
     none,
     varied,   // a factor changed
-    switched  // a load came or went, at least for a part of the step
+    switched  // a load started or ended, at least for a part of the step
   };
-  // Averages the scene's loads over [from, until], s, so that their impulse is exact for any step. Without a finite
-  // interval (until infinite, or not above from) takes the loads right after `from`.
+  // Averages the scene's loads over [from, until], s, so that their impulse is exact for any step. If the interval is
+  // not finite, or empty, takes the loads right after `from`.
   Change set_interval(double from, double until);
-  // From now on loads are those at the time last given to follow().
+  // From now on the loads are those at the time last given to follow().
   Change begin_following(double time);
   // After begin_following(): takes the loads right after `time`, s. Otherwise does nothing.
   void follow(double time) {
@@ -41,7 +41,7 @@ class Loads {
   [[nodiscard]] const Vector3& gravity() const noexcept { return gravity_; }
   // Valid until the next change.
   [[nodiscard]] layers::ExternalForces external() noexcept;
-  // Greatest force of one load on a node at any time, N; of a following pressure: where the faces are at the start.
+  // Greatest force of one load on a node at any time, N; of a following pressure, with the faces as at the start.
   [[nodiscard]] double greatest() const noexcept { return greatest_; }
 
  private:
@@ -51,7 +51,7 @@ class Loads {
     // Loads on faces with a fixed direction, summed up by node, in the engine's order.
     std::vector<std::pair<std::uint32_t, Vector3>> on_faces;
     std::vector<Vector3> face_third;  // N, [face] on each of its nodes
-    double pressure;                  // Pa, of those that follow; else 0
+    double pressure;                  // Pa, if it follows the faces; else 0
     LoadCourse course;
     double from, until;
     double share;   // of the step within the window
@@ -70,7 +70,7 @@ class Loads {
   double time_ = 0.0;
   std::vector<double> host_[3];   // empty: none set
   std::vector<double> total_[3];  // empty: no loads at all
-  std::vector<double> pressure_;  // [load] Pa, of those that follow faces
+  std::vector<double> pressure_;  // [load] Pa, of following pressures
   bool any_pressure_ = false;     // now
   std::size_t node_count_;
 };

@@ -71,7 +71,7 @@ void Model::changed() noexcept {
 }
 
 double Model::contact_tolerance() const noexcept {
-  // Rounding of positions far from the origin, beside the part of the length scale that does not matter.
+  // A negligible share of the length scale, and the rounding of positions far from the origin.
   double size = 0.0;
   const springnet_vectors& p = state.view.position;
   for (const double* component : {p.x, p.y, p.z})

@@ -1,6 +1,6 @@
-// What all parts of the engine work on: the network in memory, what acts on it, the committed state and the journal.
-// The parts (sweeps, contact events, topology, linear model) hold what is theirs alone and see no other part unless
-// their constructor says so.
+// The data that all parts of the engine work on: the network in memory, loads and constraints, the committed state and
+// the journal. The parts (sweeps, contact events, topology, linear model) hold private data only, and know another part
+// only if their constructor takes it.
 #pragma once
 
 #include <cstdint>
@@ -19,7 +19,7 @@
 
 namespace springnet {
 
-// Typical magnitudes of the network as it was at the beginning, for tolerances; all above 0.
+// Typical magnitudes of the network at its start, for tolerances; all above 0.
 struct Scales {
   double length = 1.0;    // m: mean rest length; without springs, the distance of two nodes of an element
   double velocity = 1.0;  // m/s: greatest initial speed, or that which the greatest acceleration reaches over `length`
@@ -48,16 +48,16 @@ struct Model {
   Journal journal;
   RecentTouches recent_touches;
 
-  // Rises with everything after which a multistep method has to start afresh; that of the loads, with each step whose
-  // loads differ from those before.
+  // `revision` increases with every change after which a multistep method must restart, `load_revision` with every step
+  // whose loads differ from those before.
   std::uint64_t revision = 1, load_revision = 1;
-  // What has to be computed anew before it is read.
+  // What must be computed anew before it is read.
   struct Stale {
     bool forces = true;     // of `state`
-    bool contacts = false;  // whether they and ruptures fit the forces, which changed from outside of a step
+    bool contacts = false;  // and ruptures: forces changed from outside of a step
     bool reactions = true;
   } stale;
-  // The integrator's own functions are running, which must not change the model.
+  // A callback of the integrator is running, which must not change the model.
   bool in_callback = false;
 
   [[nodiscard]] std::uint32_t node_count() const noexcept { return layout.node_count(); }
@@ -65,17 +65,16 @@ struct Model {
   // Obstacles and prescribed nodes at a time of the present interval.
   [[nodiscard]] std::shared_ptr<const Placement> placement(double at) const { return contact.at(interval.at(at)); }
   [[nodiscard]] std::shared_ptr<const Placement> placement_now() const { return contact.at(just_after(time)); }
-  // Loads as they are in an evaluation at a time, s; valid until one at another time.
+  // Loads for an evaluation at a time, s; valid until the next call with another time.
   [[nodiscard]] layers::ExternalForces external_at(double at);
-  // The committed state with its forces, which are evaluated if they are stale. Throws Error(simulation) where a law
-  // fails.
+  // The committed state with its forces, evaluated if they are stale. Throws Error(simulation) if a law fails.
   const State& with_forces();
-  // Springs, elements, loads or the state changed.
+  // To be called after changes of springs, elements, loads or the state.
   void changed() noexcept;
 
-  // A node this close to an obstacle lies on it, m.
+  // Nodes closer than this to an obstacle lie on it, m.
   [[nodiscard]] double contact_tolerance() const noexcept;
-  // A node that an obstacle stopped has no speed against it but rounding, m/s.
+  // Smaller speeds relative to an obstacle are rounding, m/s.
   [[nodiscard]] double no_speed() const noexcept;
   // Records an event of a node (engine's number) and an obstacle.
   void record(Event::Kind kind, double at, std::uint32_t node, std::int32_t surface,

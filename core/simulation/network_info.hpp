@@ -1,4 +1,4 @@
-// The network as integrators see it: springnet_network, kept up to date with the model.
+// springnet_network, the network as integrators see it, kept up to date with the model.
 #pragma once
 
 #include <cstdint>
@@ -12,7 +12,7 @@ namespace springnet {
 class NetworkInfo {
  public:
   NetworkInfo(Model& model, ContactEvents& events) : model_(model), events_(events) {}
-  // As it is now. The struct stays where it is.
+  // The present network. The address of the struct does not change.
   [[nodiscard]] const springnet_network& now();
 
  private:
@@ -20,7 +20,7 @@ class NetworkInfo {
   ContactEvents& events_;
   springnet_network info_{};
   std::uint64_t revision_ = 0;
-  std::vector<std::uint32_t> no_cluster_;  // [node] without rigid connections
+  std::vector<std::uint32_t> no_cluster_;  // [node] if there are no rigid connections
 };
 
 }  // namespace springnet

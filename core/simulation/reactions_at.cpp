@@ -140,8 +140,8 @@ springnet_status ReactionsAt::know(std::uint32_t cluster) {
   return SPRINGNET_OK;
 }
 
-// The force of a rod between two sticking nodes is not determined by the motion. Takes the least forces with which
-// braced nodes press and friction holds all nodes that stick.
+// The motion does not determine the force of a rod between two sticking nodes. Chooses the smallest forces for which
+// braced nodes press on their obstacles and friction holds all sticking nodes.
 void ReactionsAt::brace(std::uint32_t cluster) {
   const Contact& contact = model_.contact;
   const std::vector<std::uint32_t>& nodes = model_.rigid.nodes_of(cluster);

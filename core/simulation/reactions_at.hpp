@@ -1,4 +1,4 @@
-// Reactions of nodes at some state, computed on demand; those of a cluster all at once.
+// Reactions of nodes at a state, computed on demand, for a cluster all at once.
 #pragma once
 
 #include <algorithm>
@@ -9,35 +9,35 @@
 
 namespace springnet {
 
-// What holds, moves or stops nodes.
+// Forces that hold, move or stop nodes.
 struct Reactions {
-  std::vector<Vector3> node;  // [node] N, of fixation and obstacles; 0 for a node that nothing holds
+  std::vector<Vector3> node;  // [node] N, of fixation and obstacles; 0 for free nodes
   std::vector<double> rigid;  // [rod] N, > 0 is tension
 };
-// At the committed state. Throws Error(simulation) where a law fails.
+// At the committed state. Throws Error(simulation) if a law fails.
 [[nodiscard]] Reactions reactions_now(Model& model);
 
 class ReactionsAt {
  public:
-  // The arrays have to outlive it.
+  // The arrays must outlive it.
   ReactionsAt(Model& model, double time, const springnet_const_vectors& position,
               const springnet_const_vectors& velocity);
   // The force of fixation or obstacles on a node, N.
   springnet_status of(std::uint32_t node, Vector3& reaction);
   // The same without the bracing of sticking nodes against each other.
   springnet_status unbraced(std::uint32_t node, Vector3& reaction);
-  // The same as it is reported: an obstacle that presses over a step of the network may pull at its end, where the node
-  // then separates; its part is zero. Friction that sticks over a step may be outside its cone at its end, where the
-  // node then slips; it is cut to the cone. `withheld`: what is left out, if wanted.
+  // The force to report. An obstacle that presses over a step of the network may pull at the end of the step, where the
+  // node separates: its share is zero. Sticking friction may lie outside its cone at the end, where the node slips: it
+  // is cut to the cone. `withheld`: the part left out, if wanted.
   springnet_status reported(std::uint32_t node, Vector3& reaction, Vector3* withheld = nullptr);
-  // With rigid connections and the contacts that the node has, but without friction and contact of its own if it has no
-  // rigid connections, m/s^2.
+  // For a node with rigid connections, with these and all contacts of its cluster; for any other node, without its own
+  // contact and friction, m/s^2.
   springnet_status acceleration(std::uint32_t node, Vector3& acceleration);
-  // With everything that constrains it, m/s^2.
+  // With all constraints, m/s^2.
   springnet_status bound(std::uint32_t node, Vector3& acceleration);
   // Without obstacles and rigid connections, m/s^2.
   springnet_status unsupported(std::uint32_t node, Vector3& acceleration);
-  // From now on as if this node had no contact.
+  // Treats this node as free of contact from now on.
   void leave_out(std::uint32_t node) {
     without_ = node;
     std::fill(cluster_known_.begin(), cluster_known_.end(), std::uint8_t{0});
@@ -45,7 +45,7 @@ class ReactionsAt {
   }
   [[nodiscard]] Vector3 position(std::uint32_t node) const;
   [[nodiscard]] Vector3 velocity(std::uint32_t node) const;
-  // Computes a cluster, with its tensions.
+  // Computes accelerations and tensions of a cluster.
   springnet_status know(std::uint32_t cluster);
   // Acceleration of a node whose cluster is known: without rigid connections and obstacles, and with them, m/s^2.
   [[nodiscard]] Vector3 free(std::uint32_t node) const { return part(free_, node); }
@@ -74,7 +74,7 @@ class ReactionsAt {
   std::vector<std::uint8_t> cluster_known_;
   std::vector<double> free_, bound_;  // [3 node] m/s^2
   std::vector<double> tension_;       // [rod] N
-  std::vector<double> bracing_;       // [rod] N, its part that braces; empty: none
+  std::vector<double> bracing_;       // [rod] N, part of tension_ by bracing; empty: none
 };
 
 }  // namespace springnet

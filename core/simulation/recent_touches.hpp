@@ -1,4 +1,4 @@
-// How often nodes touched in quick succession.
+// Counts touches of nodes in quick succession.
 #pragma once
 
 #include <cstdint>
@@ -9,7 +9,7 @@ namespace springnet {
 
 class RecentTouches {
  public:
-  // Counts a touch at `time`, s. Returns how many there were in a row, none more than `gap` (s) after the one before.
+  // Counts a touch at `time`, s. Returns how many touches in a row followed each other by at most `gap`, s.
   int count(std::uint32_t node, double time, double gap) {
     Row& row = rows_[node];
     row.touches = time - row.last <= gap ? row.touches + 1 : 1;

@@ -18,7 +18,7 @@ constexpr std::uint32_t in_no_set = 0xffffffffu, no_cluster = 0xffffffffu;
 // Sizes of the structs in ABI 1.0; an integrator compiled against it gives no more.
 constexpr std::size_t evaluation_size = SPRINGNET_SIZE_TO(springnet_evaluation, internal_rate);
 constexpr std::size_t sweep_size = SPRINGNET_SIZE_TO(springnet_sweep, user);
-// Of requests that came later, as they came: they grow at their end, too.
+// Requests of later versions, in the version that added them; they grow at their end, too.
 constexpr std::size_t impact_search_size = SPRINGNET_SIZE_TO(springnet_impact_search, user);           // 1.3
 constexpr std::size_t linear_sweep_size = SPRINGNET_SIZE_TO(springnet_sweep, reserved);                // 1.4
 constexpr std::size_t eigenvalue_size = SPRINGNET_SIZE_TO(springnet_eigenvalue_search, applications);  // 1.4
@@ -26,11 +26,11 @@ constexpr std::size_t eigenvalue_size = SPRINGNET_SIZE_TO(springnet_eigenvalue_s
 [[noreturn]] void refuse(const std::string& what) { throw Error(ErrorKind::plugin, what); }
 
 template <class Request>
-const Request& sized(const Request* request, const char* name, std::size_t least) {
+const Request& sized(const Request* request, const char* name, std::size_t min_size) {
   if (request == nullptr) refuse(fmt::format("the {} is a null pointer", name));
-  if (request->struct_size < least)
-    refuse(fmt::format("a {} of {} bytes was given where ABI 1.0 has {}; set its struct_size", name,
-                       request->struct_size, least));
+  if (request->struct_size < min_size)
+    refuse(fmt::format("the {} has {} bytes, and must have at least {}; set its struct_size", name,
+                       request->struct_size, min_size));
   return *request;
 }
 
@@ -107,7 +107,7 @@ const springnet_impact_search& checked(const springnet_impact_search* search) {
   require_finite(request.until, "until");
   if (request.until < request.from) refuse("the part that is searched ends before it begins");
   if (!(request.depth >= 0.0 && std::isfinite(request.depth)))
-    refuse(fmt::format("depth is {} m, has to be 0 or more", request.depth));
+    refuse(fmt::format("depth is {} m, must be at least 0", request.depth));
   if (request.state_at == nullptr) refuse("state_at is a null pointer");
   return request;
 }
@@ -139,12 +139,12 @@ const springnet_sweep& checked(const springnet_sweep* sweep, std::uint32_t node_
 
 springnet_eigenvalue_search& checked(springnet_eigenvalue_search* search) {
   static_cast<void>(sized(search, "springnet_eigenvalue_search", eigenvalue_size));
-  if (search->wanted > SPRINGNET_LARGEST_REAL_PART) refuse(fmt::format("wanted is {}", search->wanted));
+  if (search->wanted > SPRINGNET_LARGEST_REAL_PART) refuse(fmt::format("wanted is {}, must be 0 or 1", search->wanted));
   require_array(reinterpret_cast<const void*>(search->map), "map");
   if (search->size == 0) return *search;
   require_array(search->start, "start");
   if (search->most_vectors == 0) refuse("most_vectors is 0");
-  if (!(search->tolerance > 0.0)) refuse(fmt::format("tolerance is {}, has to be above 0", search->tolerance));
+  if (!(search->tolerance > 0.0)) refuse(fmt::format("tolerance is {}, must be above 0", search->tolerance));
   const double* const end = search->start + search->size;
   if (std::any_of(static_cast<const double*>(search->start), end, [](double x) { return !std::isfinite(x); }))
     refuse("start is not finite");
@@ -163,7 +163,7 @@ const springnet_sweep& checked_linear(const springnet_sweep* sweep, std::uint32_
     refuse(fmt::format("the order has {} nodes, the network {}", request.order_count, node_count));
   require_finite(request.theta, "theta");
   if (!(request.time_constant > 0.0 && std::isfinite(request.time_constant)))
-    refuse(fmt::format("time_constant is {} s, has to be above 0", request.time_constant));
+    refuse(fmt::format("time_constant is {} s, must be above 0", request.time_constant));
   return request;
 }
 
@@ -179,7 +179,7 @@ void check_nodes(const std::uint32_t* nodes, std::uint32_t count, std::uint32_t 
 void OrderCheck::check(const springnet_sweep& sweep, const springnet_network& network) {
   const std::uint32_t set_ends = sweep.set_start == nullptr ? 0 : sweep.set_count + 1;
   if (sweep.set_start != nullptr && sweep.set_count > sweep.order_count)
-    refuse(fmt::format("{} sets of {} nodes", sweep.set_count, sweep.order_count));
+    refuse(fmt::format("there are {} sets for {} nodes", sweep.set_count, sweep.order_count));
   const bool known = (revision_ == network.revision || sweep.set_start == nullptr) &&
                      order_.size() == sweep.order_count && set_start_.size() == set_ends &&
                      std::equal(order_.begin(), order_.end(), sweep.order) &&
@@ -200,8 +200,7 @@ void OrderCheck::check_order(const springnet_sweep& sweep, const springnet_netwo
     const std::uint32_t k = sweep.order[i];
     if (k >= network.node_count)
       refuse(fmt::format("order[{}] is {}, the network has nodes 0 to {}", i, k, network.node_count - 1));
-    if (set_of_[k] != in_no_set)
-      refuse(fmt::format("node {} stands twice in the order, at {} and {}", k, set_of_[k], i));
+    if (set_of_[k] != in_no_set) refuse(fmt::format("node {} is in the order twice, at {} and {}", k, set_of_[k], i));
     set_of_[k] = i;
   }
 }
@@ -209,16 +208,16 @@ void OrderCheck::check_order(const springnet_sweep& sweep, const springnet_netwo
 // Several threads update the nodes of a set: no node may read what another one writes.
 void OrderCheck::check_sets(const springnet_sweep& sweep, const springnet_network& network) {
   if (sweep.set_start[0] != 0 || sweep.set_start[sweep.set_count] != sweep.order_count)
-    refuse(fmt::format("set_start begins with {} and ends with {}, not with 0 and {}", sweep.set_start[0],
-                       sweep.set_start[sweep.set_count], sweep.order_count));
+    refuse(fmt::format("set_start begins with {} and ends with {}, must begin with 0 and end with {}",
+                       sweep.set_start[0], sweep.set_start[sweep.set_count], sweep.order_count));
   for (std::uint32_t set = 0; set < sweep.set_count; ++set) {
     const std::uint32_t begin = sweep.set_start[set], end = sweep.set_start[set + 1];
     if (begin > end || end > sweep.order_count)
-      refuse(fmt::format("set_start[{}] is {}, set_start[{}] {}: they have to rise to {}", set, begin, set + 1, end,
-                         sweep.order_count));
+      refuse(fmt::format("set_start[{}] is {} and set_start[{}] is {}: they must ascend to {}", set, begin, set + 1,
+                         end, sweep.order_count));
     for (std::uint32_t i = begin; i < end; ++i) {
       if (i > begin && sweep.order[i] < sweep.order[i - 1])
-        refuse(fmt::format("order[{}] is {}, less than the one before it in set {}", i, sweep.order[i], set));
+        refuse(fmt::format("order[{}] is {}, less than the node before it in set {}", i, sweep.order[i], set));
       set_of_[sweep.order[i]] = set;
     }
   }

@@ -1,5 +1,5 @@
-// Checks requests of an integrator before the engine reads them: whatever an integrator does wrong, the process goes
-// on. All functions throw Error(plugin), which says what is wrong.
+// Checks requests of an integrator before the engine reads them, so that no mistake of an integrator ends the process.
+// All functions throw Error(plugin) with the mistake.
 #pragma once
 
 #include <cstdint>
@@ -14,17 +14,17 @@ void require_finite(double value, const char* name);
 void require_vectors(const springnet_vectors& vectors, const char* name);
 void require_vectors(const springnet_const_vectors& vectors, const char* name);
 
-// A state to evaluate something at: at least as large as in ABI 1.0, with positions, velocities and a time; each output
-// has all three of its arrays, or none.
+// An evaluation: at least as large as in ABI 1.0, with positions, velocities and a time; each output has all three of
+// its arrays, or none.
 const springnet_evaluation& checked(const springnet_evaluation* evaluation);
 // The same for the end of a sweep by itself.
 const springnet_sweep& checked_end(const springnet_sweep* sweep);
 // A search for touches within a step.
 const springnet_impact_search& checked(const springnet_impact_search* search);
-// A sweep of a network of `node_count` nodes, but for its order.
+// A sweep of a network of `node_count` nodes, except for its order.
 const springnet_sweep& checked(const springnet_sweep* sweep, std::uint32_t node_count);
 
-// A request as this host knows it, whatever the integrator was compiled against.
+// The request in this host's version of the struct, whatever version the integrator was compiled against.
 [[nodiscard]] springnet_sweep complete(const springnet_sweep& request);
 // A sweep of the linearised network.
 const springnet_sweep& checked_linear(const springnet_sweep* sweep, std::uint32_t node_count);
@@ -34,18 +34,18 @@ springnet_eigenvalue_search& checked(springnet_eigenvalue_search* search);
 // Nodes for evaluate_nodes.
 void check_nodes(const std::uint32_t* nodes, std::uint32_t count, std::uint32_t node_count);
 
-// Checks the order of sweeps. It is the same in many of them: an order that was found right is kept, and compared.
+// Checks the order of sweeps. Many sweeps have the same order: one that was found valid is kept for comparison.
 class OrderCheck {
  public:
-  // `network.revision` says when the network's connections changed.
+  // `network.revision` shows changes of the network's connections.
   void check(const springnet_sweep& sweep, const springnet_network& network);
 
  private:
   void check_order(const springnet_sweep& sweep, const springnet_network& network);
   void check_sets(const springnet_sweep& sweep, const springnet_network& network);
 
-  std::vector<std::uint32_t> order_, set_start_;  // found right
-  std::vector<std::uint32_t> set_of_;             // [node] the place in the order, or the set, it was met in
+  std::vector<std::uint32_t> order_, set_start_;  // found valid
+  std::vector<std::uint32_t> set_of_;             // [node] its place in the order, then its set
   std::uint64_t revision_ = 0;
 };
 

@@ -17,27 +17,28 @@ namespace springnet {
 namespace {
 
 constexpr double jump = 1e-6;  // in units of the velocity scale
-// Least uncertainty of positions of the reference, in units of the length scale.
+// Uncertainty of positions in the reference, at least, in units of the length scale.
 constexpr double uncertain = 1e-8, shallow = 1e-7;
-// Rebounds slower than this, in units of the velocity scale, end: there are infinitely many in a finite time, and the
-// fall within the contact tolerance makes up for the energy of the last ones. Rebounds slower than so many times the
-// speed that the acceleration adds in a step end too.
-constexpr double least_rebound = 1e-4;
+// Slower rebounds, in units of the velocity scale, end: there are infinitely many in a finite time, and the fall within
+// the contact tolerance would make up for the energy of the last ones. Rebounds slower than `steps_of_fall` times the
+// speed gained in a step end, too.
+constexpr double min_rebound = 1e-4;
 constexpr double steps_of_fall = 2.0;
-// Errors of integration decide touches that are slower; likewise.
+// Integration errors decide whether slower touches happen; likewise.
 constexpr double grazing = 1e-4;
-// A force this small, in units of the force scale, is rounding, that of a node that was just released, say.
+// Smaller forces, in units of the force scale, are rounding, for example those of a node just released.
 constexpr double least_force = 1e-9;
 constexpr int most_jams = 20;
 constexpr double caught = 0.01;  // of the speed with which obstacles approached a body
-// So many touches of a node, each within this part of the time in which it moves a typical length, are a body that
-// rocks on its contacts ever faster; motions slower than this, in units of the velocity scale, then end.
+// `many_touches` of a node, each within `soon` (in units of the time to move the length scale) of the one before, show
+// a body that rocks on its contacts ever faster. Motions slower than `slow_rocking`, in units of the velocity scale,
+// then end.
 constexpr int many_touches = 8;
 constexpr double soon = 1e-3, slow_rocking = 1e-3;
-// A node that separates more slowly, in units of the speed that it gains while it falls through the contact tolerance,
-// keeps its contact: it would be back at once, as fast.
+// A node that separates more slowly, in units of the speed gained in a fall through the contact tolerance, stays in
+// contact: it would be back at once, as fast.
 constexpr double times_of_fall = 2.0;
-constexpr double few_steps = 4.0;  // of the user's
+constexpr double few_steps = 4.0;  // of the user's length: likewise, quick succession of touches
 
 }  // namespace
 
@@ -81,7 +82,7 @@ void Settling::add_sides(ContactNode& node) const {
   const auto is_in = [](const std::vector<std::int32_t>& list, std::int32_t surface) {
     return std::find(list.begin(), list.end(), surface) != list.end();
   };
-  // Obstacles in contact come first; a fourth would bind nothing.
+  // Obstacles in contact come first; a fourth would constrain nothing more.
   std::vector<std::int32_t> surfaces;
   for (const std::int32_t surface : touch.surfaces())
     if (surface >= 0) surfaces.push_back(surface);
@@ -106,14 +107,14 @@ void Settling::add_sides(ContactNode& node) const {
     const double speed = side.normal.dot(side.velocity);
     if (!was) {
       if (speed > no_speed_) continue;
-      // Of a node that was just released, the uncertainty of its gap crossed the tolerance once more.
+      // A node just released: only the uncertainty of its gap crossed the tolerance again.
       if (speed < -no_speed_ && touch.surface < 0 && gap > -shallow * model_.scales.length &&
           turns_round(node.node, side))
         continue;
       if (speed < -no_speed_ && -speed < grazing * model_.scales.velocity && side.restitution == 0.0)
         note_grazing_touch(model_, node.node, j, time_);
     }
-    // Errors of integration along a direction that the contact binds.
+    // Integration errors along a direction constrained by the contact.
     const double least = was ? jump_ : no_speed_;
     if (std::abs(speed) <= least) side.velocity -= speed * side.normal;
     node.sides.push_back(side);
@@ -122,8 +123,8 @@ void Settling::add_sides(ContactNode& node) const {
   node.braced = contact.braced(node.node) && found.released.empty();
 }
 
-// Gives sticking nodes the velocity of their obstacle again, where they differ by errors of integration.
-void Settling::take_along() {
+// Gives sticking nodes the velocity of their obstacle again if they differ by integration errors.
+void Settling::restore_sticking() {
   const Contact& contact = model_.contact;
   for (const std::uint32_t k : members_) {
     const Touch touch = contact.committed(k);
@@ -184,7 +185,7 @@ void Settling::strike(const Island& island) {
     if (contact.fixed()[node] == 0) put_vector(velocity, node, vector_at(velocity, node) + dv);
   };
   if (rods_) {
-    // The fixation of a node bears the impulses that reach it.
+    // The fixation of a node takes the impulses that reach it.
     rods_->push(contact_nodes_, impulses, change,
                 [&](std::uint32_t node, const Vector3& impulse) { contact.add_impulse(node, -impulse); });
   } else {
@@ -194,7 +195,7 @@ void Settling::strike(const Island& island) {
 }
 
 // Commits the contact that was found for a node.
-void Settling::take(const ContactNode& node) {
+void Settling::commit_contact(const ContactNode& node) {
   Contact& contact = model_.contact;
   const std::uint32_t k = node.node;
   const Touch before = contact.committed(k);
@@ -218,7 +219,7 @@ void Settling::take(const ContactNode& node) {
       now = after(now, {ContactCause::Kind::touch, side.surface, node.sticks});
       arrived = true;
     } else {
-      // It rebounds, starting on the surface itself: its next touch falls through the tolerance again.
+      // It rebounds from the surface itself, so that its next touch falls through the tolerance again.
       model_.record(Event::Kind::released, time_, k, side.surface);
       put_vector(state_.view.position, k,
                  contact.onto(*at_, static_cast<std::size_t>(side.surface), vector_at(state_.view.position, k)));
@@ -243,7 +244,7 @@ void Settling::take(const ContactNode& node) {
     if (arrived) stopped_.push_back(k);
     return;
   }
-  // Slow slips are looked at once all of the island has its contacts, see find_phase().
+  // Slow slips are treated when the whole island has its contacts, see find_phase().
   const Vector3 slip = contact.slip_vector(*at_, k, j, vector_at(position, k), vector_at(velocity, k));
   const bool begins = !node.moves || node.begins;
   if (begins)
@@ -252,7 +253,7 @@ void Settling::take(const ContactNode& node) {
     contact.set_slip(k, slip.normalized());
 }
 
-// A released node starts without speed relative to the obstacle: an error of integration would make it touch again.
+// A released node starts without normal speed relative to the obstacle: an integration error would make it touch again.
 void Settling::part(std::uint32_t node, const ContactSide& side) {
   if (rods_) return;
   const Vector3 v = vector_at(state_.view.velocity, node);
@@ -298,14 +299,14 @@ double Settling::fall_to_touch(Island& island) {
 }
 
 double Settling::rebound_of(Island& island) {
-  const double least = least_rebound * model_.scales.velocity;
+  const double least = min_rebound * model_.scales.velocity;
   for (const ContactNode& node : island.nodes())
     for (const ContactSide& side : node.sides)
       if (side.restitution > 0.0) return std::max(least, fall_in_step(island));
   return least;
 }
 
-springnet_status Settling::hold_on(Island& island, double negligible, std::vector<std::vector<Vector3>>& blows) {
+springnet_status Settling::stop_and_stick(Island& island, double negligible, std::vector<std::vector<Vector3>>& blows) {
   const double slow = slow_rocking * model_.scales.velocity;
   for (ContactNode& node : island.nodes()) {
     std::fill(node.impulse.begin(), node.impulse.end(), Vector3::Zero());
@@ -341,8 +342,8 @@ springnet_status Settling::settle(std::uint32_t node) {
   } else {
     members_ = {node};
   }
-  take_along();
-  // Errors of integration in the rates of lengths, which no impulses could end.
+  restore_sticking();
+  // Integration errors in the rates of lengths, which impulses of contacts could not remove.
   if (rods_) rods_->project(state_.view.velocity);
   std::vector<ContactNode> nodes = gather();
   if (nodes.empty()) return SPRINGNET_OK;
@@ -368,8 +369,8 @@ springnet_status Settling::settle(std::uint32_t node) {
       const double slow = std::max({fall_to_touch(island), rocks ? slow_rocking * model_.scales.velocity : 0.0,
                                     rocks ? fall_in_step(island) : 0.0});
       island.end_rocking(slow);
-      // Impulses along the normals alone turn the body; a slip that is left of that would go on, against friction that
-      // no finite forces fit.
+      // Impulses along the normals alone turn the body; the slip left by that would go on against friction, for which
+      // there may be no finite forces.
       if (rocks) stop_held(island, slow);
     }
     if (struck) strike(island);
@@ -378,7 +379,7 @@ springnet_status Settling::settle(std::uint32_t node) {
     if (const springnet_status status = accelerate(island); status != SPRINGNET_OK) return status;
     find_slips(island);
     begin_slips(island);
-    // Rounding: large forces of stiff springs cancel.
+    // Large forces of stiff springs cancel, up to rounding.
     double forces = 0.0;
     for (const ContactNode& each : island.nodes())
       forces = std::max(forces, model_.mass[each.node] * each.acceleration.norm());
@@ -388,7 +389,8 @@ springnet_status Settling::settle(std::uint32_t node) {
     struck = jams < most_jams && island.jam(10.0 * no_speed_);
     if (!struck) {
       note_unresolved(model_, node, time_);
-      if (const springnet_status status = hold_on(island, negligible, blows); status != SPRINGNET_OK) return status;
+      if (const springnet_status status = stop_and_stick(island, negligible, blows); status != SPRINGNET_OK)
+        return status;
       break;
     }
     for (const ContactNode& each : island.nodes())
@@ -397,7 +399,7 @@ springnet_status Settling::settle(std::uint32_t node) {
           model_.record(Event::Kind::jammed, time_, each.node, each.sides[s].surface, each.impulse[s]);
   }
   for (std::size_t i = 0; i < blows.size(); ++i) island.nodes()[i].impulse = blows[i];
-  for (const ContactNode& each : island.nodes()) take(each);
+  for (const ContactNode& each : island.nodes()) commit_contact(each);
   for (std::size_t i = 0; i < island.nodes().size(); ++i) {
     const ContactNode& each = island.nodes()[i];
     find_phase(each, island.acceleration(i), least_force * model_.scales.force / model_.mass[each.node]);

@@ -1,5 +1,5 @@
-// Decides contacts at one moment: of nodes that arrived at obstacles, separate, slip or came to rest, island by island:
-// a node, or all nodes that rigid connections join.
+// Decides contacts at one time: which nodes touch, separate, slip or come to rest. Works island by island: a node, or
+// all nodes that rigid connections join.
 #pragma once
 
 #include <cstdint>
@@ -13,57 +13,59 @@
 
 namespace springnet {
 
-// What an integrator found out about a node.
+// Findings of an integrator about a node.
 struct Finding {
   std::vector<std::int32_t> touched, released;  // surfaces
-  bool slips = false;                           // sticking friction cannot hold it any more
-  bool rests = false;                           // its slip has come to an end
+  bool slips = false;                           // friction can no longer hold it
+  bool rests = false;                           // its slip has ended
 };
 
 using Findings = std::map<std::uint32_t, Finding>;  // by node
 
-// Decides the contacts of these nodes, and of what is rigidly connected to them, at `time` (s); `state` changes with
-// them.
+// Decides the contacts of these nodes, and of nodes rigidly connected to them, at `time` (s), and changes `state`
+// accordingly.
 springnet_status settle(Model& model, double time, State& state, const Findings& findings);
 
 class Settling {
  public:
   Settling(Model& model, double time, State& state, const Findings& findings);
-  // The island of a node, unless it was settled already.
+  // Settles the island of a node, unless that was done already.
   springnet_status settle(std::uint32_t node);
-  // Makes velocities and lengths fit again, where anything changed.
+  // Makes velocities and lengths satisfy the constraints again if anything changed.
   springnet_status finish();
-  // The slip of a node is about to end: friction keeps a direction from now on.
+  // The slip of a node is about to end: friction keeps its direction from now on.
   void keep_direction(std::uint32_t node);
 
  private:
   [[nodiscard]] const Finding& finding(std::uint32_t node) const;
-  void take_along();
+  void restore_sticking();
   [[nodiscard]] std::vector<ContactNode> gather() const;
   // Adds the obstacles that a node touches, or may touch now.
   void add_sides(ContactNode& node) const;
-  // Separating, or comes to rest within the position tolerance: an impact would take the motion that the node has.
+  // Separating, or comes to rest within the position tolerance: an impact would commit_contact the motion that the node
+  // has.
   [[nodiscard]] bool turns_round(std::uint32_t node, const ContactSide& side) const;
   // Accelerations without obstacles, at the present velocities.
   springnet_status accelerate(Island& island);
   // True once a node has touched too often in a short time; counts the touches.
   [[nodiscard]] bool chatters(const Island& island);
-  // What accelerations add to speeds in a few of the user's steps, m/s; 0: the integrator chooses its own steps.
+  // Speed that nodes gain towards obstacles in a few of the user's steps, m/s; 0 if the integrator chooses its own
+  // steps.
   [[nodiscard]] double fall_in_step(Island& island);
-  // Speed that nodes gain while they fall through the contact tolerance; slower motions are not resolved, m/s.
+  // Speed that nodes gain in a fall through the contact tolerance, m/s; slower motions are not resolved.
   [[nodiscard]] double fall_to_touch(Island& island);
-  // Nodes that arrive faster rebound, m/s.
+  // Approach speed above which nodes rebound, m/s.
   [[nodiscard]] double rebound_of(Island& island);
   bool stop_held(Island& island, double slow) const;
-  // Impulses of the island change velocities.
+  // Applies the impulses of the island to velocities.
   void strike(const Island& island);
-  // Where no forces fit: slips with friction that are no faster than errors of integration, or rocking, come to rest
-  // and stick. An obstacle that holds a node in vain takes energy; friction of a pulling contact would add some.
-  springnet_status hold_on(Island& island, double negligible, std::vector<std::vector<Vector3>>& blows);
-  // Which nodes slip, and where to, from their velocities.
+  // If no forces satisfy the contacts: slips with friction that are no faster than integration errors, or rocking, come
+  // to rest and stick. A contact that holds too much takes energy; friction of a pulling contact would add some.
+  springnet_status stop_and_stick(Island& island, double negligible, std::vector<std::vector<Vector3>>& blows);
+  // Finds which nodes slip, and in which direction, from their velocities.
   void find_slips(Island& island) const;
   void begin_slips(Island& island) const;
-  void take(const ContactNode& node);
+  void commit_contact(const ContactNode& node);
   void part(std::uint32_t node, const ContactSide& side);
   // acceleration, and its rounding: m/s^2.
   void find_phase(const ContactNode& node, const Vector3& acceleration, double negligible);
@@ -75,7 +77,7 @@ class Settling {
   std::shared_ptr<const Placement> at_;
   double depth_;                    // m
   double no_speed_;                 // m/s
-  double jump_;                     // m/s: a smaller jump of an obstacle's velocity is an error of integration
+  double jump_;                     // m/s: smaller velocity differences are integration errors
   std::vector<std::uint8_t> done_;  // [cluster]
   std::vector<std::uint32_t> members_;
   std::optional<RigidConnections::WithoutContact> rods_;

@@ -1,4 +1,4 @@
-// Slips: which nodes slip, how slips begin and how they end.
+// Slips: which nodes slip, and how slips begin and end.
 
 #include <Eigen/Geometry>
 #include <algorithm>
@@ -70,8 +70,8 @@ void Settling::find_phase(const ContactNode& node, const Vector3& acceleration, 
     contact.set_slip(k, slip / speed, Contact::Slip::begins);
 }
 
-// Friction keeps the direction in which it ends all of the slip s at one time T: s + T a = 0, with a the acceleration
-// relative to the obstacle. That is the direction that it would have on average.
+// Friction keeps the direction in which it ends the whole slip s at one time T: s + T a = 0, with a the acceleration
+// relative to the obstacle. That is its mean direction until then.
 void Settling::keep_direction(std::uint32_t k) {
   Contact& contact = model_.contact;
   const Touch touch = contact.committed(k);
@@ -93,12 +93,12 @@ void Settling::keep_direction(std::uint32_t k) {
     slows = -goes.dot(a);
     return n.dot(goes.cross(a));
   });
-  // Otherwise the slip does not end but passes zero by.
+  // Otherwise the slip does not end, but passes by zero.
   keep(found && found->dot(goes) > 0.0 && slows > 0.0 ? *found : goes);
 }
 
-// Ends the slip of nodes that struck an obstacle whose friction is `held`, where it is slower than `slow` (m/s): errors
-// of integration, or the rest of rocking. Returns whether there was any.
+// Ends the slip of nodes that struck an obstacle whose friction is `held`, if it is slower than `slow` (m/s): an
+// integration error, or the rest of rocking. Returns whether there was any.
 bool Settling::stop_held(Island& island, double slow) const {
   for (ContactNode& node : island.nodes()) {
     for (std::size_t s = 0; s < node.sides.size(); ++s) {

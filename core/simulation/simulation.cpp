@@ -58,7 +58,7 @@ struct Simulation::Impl {
   Impl(const Impl&) = delete;
   Impl& operator=(const Impl&) = delete;
 
-  // How a call of the integrator ended. `broken`: the plugin did what plugin.h forbids.
+  // How a call of the integrator ended. `broken`: it violated plugin.h.
   struct Ending {
     springnet_status status = SPRINGNET_FAILED;
     bool broken = false;
@@ -123,7 +123,7 @@ struct Simulation::Impl {
   std::shared_ptr<const PluginHost> plugins;
   SimulationOptions options;
   std::shared_ptr<const Component> component;
-  mutable Engine engine;  // forces are evaluated when they are asked for
+  mutable Engine engine;  // evaluates forces on demand
   springnet_host host;
   void* integrator = nullptr;
   StepReport last;
@@ -161,7 +161,7 @@ Simulation::Impl::Ending Simulation::Impl::call(const Function& function) {
         broken_by(fmt::format("it threw an exception, which plugin.h forbids: {}", printable_message(error.what())));
   } catch (...) {
     end.broken = true;
-    end.text = broken_by("it threw something that is no std::exception");
+    end.text = broken_by("it threw something that is not a std::exception");
   }
   return end;
 }
@@ -184,8 +184,7 @@ void Simulation::Impl::advance(double until) {
   }
   const springnet_status status = end.status;
   const std::vector<std::uint32_t>& user = engine.model().layout.ordering().user;
-  // A step that failed is not settled, whatever the integrator reports; one that ran out of memory says nothing about
-  // the motion.
+  // A failed step is not settled, whatever the integrator reports; running out of memory says nothing about the motion.
   const bool known = report.outcome >= SPRINGNET_SETTLED && report.outcome <= SPRINGNET_DIVERGING;
   Outcome outcome = known ? static_cast<Outcome>(report.outcome) : Outcome::diverging;
   if (status != SPRINGNET_OK && outcome == Outcome::settled) outcome = Outcome::diverging;
@@ -245,7 +244,7 @@ const StepReport& Simulation::advance_to(double until) {
                 fmt::format("cannot advance from {} to {}", checks::seconds(time()), checks::seconds(until)));
   impl.last = {};
   const double step = impl.options.time_step;
-  // A remainder this small is rounding of the times, not a step. Compared with `until` too, because a time step may be
+  // A smaller remainder is rounding of times, not a step. Compared with `until` too, because the time step may be
   // longer than the whole simulation.
   const double slack = 1e-6 * std::min(step, until);
   while (true) {

@@ -13,10 +13,10 @@
 namespace springnet {
 namespace {
 
-// Slip this slow, in units of the velocity scale, keeps the direction that friction acts against: the way that it goes
-// until it ends is far below any error of integration.
+// Friction keeps its direction for slower slips, in units of the velocity scale: their path until they end is far below
+// any integration error.
 constexpr double slow_slip = 1e-6;
-// Rates of lengths that are less, likewise, are rounding.
+// Smaller rates of lengths, likewise, are rounding.
 constexpr double no_rate = 1e-9;
 
 // Mean rest length of springs; without any, the length of an element's first edge; m.
@@ -69,11 +69,11 @@ Scales find_scales(Model& model) {
     acceleration = std::max(acceleration, f / model.mass[k]);
     force = std::max({force, f, model.mass[k] * model.loads.gravity().norm(), model.mass[k] * v * v / length});
   }
-  const auto or_one = [](double value, double fallback) {
+  const auto positive_or = [](double value, double fallback) {
     return std::isfinite(value) && value > 0.0 ? value : fallback;
   };
-  return {length, or_one(std::max(speed, std::sqrt(acceleration * length)), length),
-          or_one(force, or_one(mass * length, 1.0))};
+  return {length, positive_or(std::max(speed, std::sqrt(acceleration * length)), length),
+          positive_or(force, positive_or(mass * length, 1.0))};
 }
 
 void start_constraints(Model& model, double size) {
@@ -84,8 +84,8 @@ void start_constraints(Model& model, double size) {
     const double rate = model.rigid.greatest_rate(read_only(state.view.position), read_only(state.view.velocity));
     if (rate > no_rate * model.scales.velocity)
       model.journal.note(
-          fmt::format("the initial velocities change the length of rigid connections by up to {:.3g} m/s; the nearest "
-                      "velocities that do not are taken",
+          fmt::format("the initial velocities change the length of rigid connections by up to {:.3g} m/s; they are "
+                      "replaced by the nearest velocities that keep the lengths",
                       rate));
   }
   const std::shared_ptr<const Placement> start = model.placement(model.time);

@@ -9,7 +9,8 @@ std::uint32_t pitch_of(std::uint32_t nodes) noexcept { return (nodes + 7) / 8 * 
 
 namespace {
 
-// Whether all numbers of arrays are finite: 0 times an infinite one or a nan is not 0. Several sums run in parallel.
+// Whether all numbers of arrays are finite: 0 times infinity or nan is not 0. Several sums, so that the loop
+// vectorises.
 bool all_finite(const springnet_vectors& vectors, std::uint32_t count) noexcept {
   constexpr std::uint32_t lanes = 8;
   double sums[lanes] = {};

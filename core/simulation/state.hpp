@@ -31,8 +31,8 @@ struct State {
   [[nodiscard]] layers::ForceArrays forces() const noexcept { return {view.force.x, view.force.y, view.force.z}; }
 };
 
-// Distance between the arrays of two coordinates, in numbers. Not a multiple of a page: the three coordinates of a node
-// would compete for the same cache sets.
+// Distance between the arrays of two coordinates, in numbers. Not a multiple of a page, or the three coordinates of a
+// node would compete for the same cache sets.
 [[nodiscard]] std::uint32_t pitch_of(std::uint32_t nodes) noexcept;
 
 [[nodiscard]] inline layers::NodeArrays node_arrays(const springnet_const_vectors& p,

@@ -7,10 +7,10 @@
 //   commit           contacts that the sweeps decided; impulses; jumps; ruptures; cuts
 //
 // One that chooses its own steps and finds events (cvode):
-//   begin_interval   loads follow the time; otherwise as begin_step
+//   begin_interval   loads follow the time; the rest as in begin_step
 //   sweep().evaluate, linear()                 right sides and linear systems, as often as it likes
-//   contact_events().values, time_of_impact    has anything happened in this step?
-//   fire_events      what happened: contacts settled, springs broken
+//   contact_events().values, time_of_impact    detect events in this step
+//   fire_events      carries them out: contacts settled, springs broken
 //   commit           constraints projected; penetration stopped; jumps; ruptures; cuts
 
 #include <algorithm>
@@ -54,21 +54,20 @@ springnet_status Engine::begin(Loads::Change loads) {
   return status;
 }
 
-// A load was switched, a spring cut, a state set by the embedding program: the same nodes touch and the same springs
-// break, whatever the integrator and the length of its steps.
+// After a load was switched, a spring cut, or a state set by the embedding program: the same nodes touch and the same
+// springs break for every integrator and length of step.
 springnet_status Engine::settle() {
   springnet_status status = topology_.perform_due_ruptures();
   if (status == SPRINGNET_OK) status = settle_contacts(model_);
   if (status == SPRINGNET_OK)
     status = model_.constraints.project(*model_.placement_now(), model_.state.view.position, model_.state.view.velocity,
                                         model_.journal.message);
-  // Steps that begin here once more begin with the same contacts, also where none were found that fit.
+  // A repeated step begins with the same contacts, even if no contacts were found that satisfy the constraints.
   model_.stale.contacts = false;
   return status;
 }
 
-// ---- within
-// -----------------------------------------------------------------------------------------------------------
+// ---- within ---------------------------------------------------------------------------------------------------------
 
 springnet_status Engine::run_sweep(const springnet_sweep& sweep) { return sweep_.run(sweep, network_info()); }
 
@@ -87,7 +86,7 @@ springnet_status Engine::time_of_impact(const springnet_impact_search& search, d
     bool& flag;
     explicit Guard(bool& of) : flag(of) { flag = true; }
     ~Guard() { flag = false; }
-  } const guard(model_.in_callback);  // the state that is asked for may not change what is searched
+  } const guard(model_.in_callback);  // state_at must not change the model during the search
   return ImpactSearch(model_, contact_events_.sources(), search).find(time);
 }
 
@@ -113,7 +112,7 @@ springnet_status Engine::commit(double time, State& state) {
   model_.time = time;
   model_.stale.reactions = true;
   model_.stale.forces = model_.state.view.force_is_current == 0;
-  const bool jumps = model_.contact.next_change(from) <= time;  // what is prescribed, in its velocity or acceleration
+  const bool jumps = model_.contact.next_change(from) <= time;  // of prescribed velocities or accelerations
   springnet_status status = sweep_.done().any ? commit_sweeps() : commit_solution(state, jumps);
   if (status == SPRINGNET_OK && jumps) status = commit_jumps(from);
   if (status != SPRINGNET_OK) return status;
@@ -131,7 +130,7 @@ springnet_status Engine::commit_sweeps() {
 springnet_status Engine::commit_solution(const State& before, bool jumps) {
   const springnet_vectors &position = model_.state.view.position, &velocity = model_.state.view.velocity;
   const std::shared_ptr<const Placement> now = model_.placement(model_.time);
-  // What a solver left of rounding in unknowns that do not move.
+  // Remove what rounding in a solver left in unknowns that do not move.
   model_.constraints.correct(*now, read_only(before.view.position), position, velocity);
   if (!jumps) static_cast<void>(follow_prescribed(model_));
   springnet_status status = stop_penetration(model_);
@@ -142,13 +141,13 @@ springnet_status Engine::commit_solution(const State& before, bool jumps) {
 }
 
 springnet_status Engine::commit_jumps(double from) {
-  model_.interval = {};  // what held just before the jump no longer does
+  model_.interval = {};  // placements just before the jump are no longer valid
   model_.changed();
   springnet_status status = follow_jumps(model_, from);
   if (status == SPRINGNET_OK)
     status = model_.constraints.project(*model_.placement(model_.time), model_.state.view.position,
                                         model_.state.view.velocity, model_.journal.message);
-  if (status == SPRINGNET_OK) note_shed(model_, committed_events_, from, shed_surfaces_);
+  if (status == SPRINGNET_OK) note_left_behind(model_, committed_events_, from, left_behind_);
   return status;
 }
 

@@ -50,7 +50,7 @@ springnet_status Sweep::run(const springnet_sweep& request, const springnet_netw
       status = model_.constraints.constrain_clusters(*at, sweep, model_.evaluator.threads(), message);
   }
   if (status != SPRINGNET_OK) return model_.failed(status, sweep.time, tiles.nodes);
-  // The integrator sees for itself that the sweep diverged; the journal keeps why.
+  // The integrator detects that the sweep diverged; the journal keeps the reason.
   static_cast<void>(check_finite(tiles.finite, tiles.bad_neuron, sweep.time, tiles.nodes));
   return SPRINGNET_OK;
 }
@@ -85,8 +85,8 @@ springnet_status Sweep::evaluate_node(std::uint32_t node, Tiles& tiles, NodeEval
   result.finite = force.allFinite();
   if (!result.finite) {
     tiles.finite.store(false, std::memory_order_relaxed);
-    // Explained before the node's update, which makes its own outputs not finite either; but not while other threads
-    // write outputs.
+    // Explain before the node's update, which makes its own outputs not finite, too; but not while other threads write
+    // outputs.
     if (!in_sets_) model_.explain(tiles.time, tiles.nodes);
   } else if (tiles.sweep->want_blocks != 0 && !in_sets_ && !all_finite(result.derivatives)) {
     model_.explain(tiles.time, tiles.nodes, layers::Asked::forces_and_derivatives);  // the update will not be finite
@@ -100,7 +100,8 @@ springnet_status Sweep::update_node(std::uint32_t node, std::uint32_t unit, Tile
                       tiles.sweep->want_blocks != 0 ? &evaluation.derivatives : nullptr, message);
 }
 
-// All nodes of a cluster are evaluated before any is updated: outputs of some of its nodes do not fit the connections.
+// All nodes of a cluster are evaluated before any is updated: with only some updated, outputs do not satisfy the
+// connections.
 springnet_status Sweep::cluster(std::size_t cluster, std::uint32_t unit, Tiles& tiles, springnet_message& message) {
   const std::vector<std::uint32_t>& nodes = model_.rigid.nodes_of(cluster);
   std::vector<NodeEvaluation> evaluations(nodes.size());
@@ -114,18 +115,18 @@ springnet_status Sweep::cluster(std::size_t cluster, std::uint32_t unit, Tiles& 
   return model_.constraints.constrain_cluster(*tiles.at, cluster, *tiles.sweep, message);
 }
 
-// Whether a node, or a node of its cluster, lies on an enclosure, whose nodes all see each other.
-bool Sweep::is_joined_to_all(std::uint32_t node) const {
+// Whether a node, or a node of its cluster, lies on an enclosure, all of whose nodes depend on each other.
+bool Sweep::is_on_enclosure(std::uint32_t node) const {
   const layers::ElementLayout& elements = model_.layout.elements();
   if (elements.live_enclosures() == 0) return false;
-  const auto on_surface = [&](std::uint32_t k) {
+  const auto on_enclosure = [&](std::uint32_t k) {
     const std::span<const layers::ElementShare> shares = elements.shares(k);
     return !shares.empty() && shares.back().enclosure != layers::no_enclosure;
   };
   const std::uint32_t* clusters = model_.rigid.cluster_of();
-  if (clusters == nullptr || clusters[node] == no_cluster) return on_surface(node);
+  if (clusters == nullptr || clusters[node] == no_cluster) return on_enclosure(node);
   const std::vector<std::uint32_t>& members = model_.rigid.nodes_of(clusters[node]);
-  return std::any_of(members.begin(), members.end(), on_surface);
+  return std::any_of(members.begin(), members.end(), on_enclosure);
 }
 
 // Nodes [begin, end) of the order, one after another; a cluster in the place of its first node.
@@ -133,21 +134,21 @@ springnet_status Sweep::range(std::uint32_t begin, std::uint32_t end, std::uint3
                               springnet_message& message) {
   const springnet_sweep& sweep = *tiles.sweep;
   const std::uint32_t* clusters = model_.rigid.cluster_of();
-  const bool surfaces = model_.layout.elements().live_enclosures() > 0;
+  const bool has_enclosures = model_.layout.elements().live_enclosures() > 0;
   for (std::uint32_t i = begin; i < end; ++i) {
     const std::uint32_t k = sweep.order[i];
-    if (surfaces && turn != Turn::all && is_joined_to_all(k) != (turn == Turn::joined_to_all)) continue;
+    if (has_enclosures && turn != Turn::all && is_on_enclosure(k) != (turn == Turn::on_enclosure)) continue;
     const std::uint32_t cluster = clusters == nullptr ? no_cluster : clusters[k];
     springnet_status status = SPRINGNET_OK;
     if (cluster == no_cluster) {
       NodeEvaluation evaluation;
       status = evaluate_node(k, tiles, evaluation, message);
       if (status == SPRINGNET_OK) status = update_node(k, unit, tiles, evaluation, message);
-      if (surfaces && turn != Turn::others) swept_volumes_.commit(k);
+      if (has_enclosures && turn != Turn::others) swept_volumes_.commit(k);
     } else if (sweep.set_start != nullptr ? k == model_.rigid.nodes_of(cluster).front() : cluster_done_[cluster] == 0) {
       cluster_done_[cluster] = 1;
       status = this->cluster(cluster, unit, tiles, message);
-      if (surfaces && turn != Turn::others)
+      if (has_enclosures && turn != Turn::others)
         for (const std::uint32_t member : model_.rigid.nodes_of(cluster)) swept_volumes_.commit(member);
     }
     if (status != SPRINGNET_OK) return status;
@@ -155,8 +156,8 @@ springnet_status Sweep::range(std::uint32_t begin, std::uint32_t end, std::uint3
   return SPRINGNET_OK;
 }
 
-// One set of a sweep: nodes that see only their neighbours by several threads, then the nodes of enclosures one after
-// another.
+// One set of a sweep: nodes that depend only on their neighbours by several threads, then the nodes of enclosures one
+// after another.
 springnet_status Sweep::one_set(std::uint32_t set, Tiles& tiles) {
   const springnet_sweep& sweep = *tiles.sweep;
   // Nodes of a set are sorted, so those of a unit of the layout are adjacent; one thread at a time works on a unit.
@@ -189,7 +190,7 @@ springnet_status Sweep::one_set(std::uint32_t set, Tiles& tiles) {
   in_sets_ = false;
   if (failure != SPRINGNET_OK || model_.layout.elements().live_enclosures() == 0) return failure;
   const layers::FlushDenormals flush;
-  return range(sweep.set_start[set], sweep.set_start[set + 1], 0, Turn::joined_to_all, tiles, model_.journal.message);
+  return range(sweep.set_start[set], sweep.set_start[set + 1], 0, Turn::on_enclosure, tiles, model_.journal.message);
 }
 
 springnet_status Sweep::in_order(Tiles& tiles) {

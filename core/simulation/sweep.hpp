@@ -15,29 +15,29 @@ class Sweep {
  public:
   explicit Sweep(Model& model) : model_(model) {}
 
-  // The layers at a state, of all nodes and of some.
+  // Evaluates the layers at a state, for all nodes or some.
   springnet_status evaluate(const springnet_evaluation& request);
   springnet_status evaluate_nodes(const springnet_evaluation& request, const std::uint32_t* nodes, std::uint32_t count);
-  // A sweep of the network; `network` says when its connections changed.
+  // A sweep of the network; `network.revision` shows changes of its connections.
   springnet_status run(const springnet_sweep& request, const springnet_network& network);
   // The end of a sweep by itself: constraints alone.
   springnet_status constrain(const springnet_sweep& request);
 
-  // What a commit has to know of the sweeps since the last one.
+  // What a commit needs to know of the sweeps since the last commit.
   struct Done {
     bool any = false;
     bool decided = false;  // about contacts
     double weight = 0.0;   // s: theta times the time constant of the last sweep
-    double rest = 0.0;     // s: 1 - theta times it
+    double rest = 0.0;     // s: (1 - theta) times it
   };
   [[nodiscard]] const Done& done() const noexcept { return done_; }
   void forget() noexcept { done_.any = false; }
 
  private:
-  struct Tiles;           // what the finished tiles of an evaluation or a sweep need
-  struct NodeEvaluation;  // of a node that has its turn
-  // Which nodes of a range: those of enclosures see each other, and have their turn after the others.
-  enum class Turn : std::uint8_t { all, others, joined_to_all };
+  struct Tiles;           // context for the finished tiles of an evaluation or a sweep
+  struct NodeEvaluation;  // of one node in an order
+  // Which nodes of a range to update: those of enclosures depend on each other, and come after the others.
+  enum class Turn : std::uint8_t { all, others, on_enclosure };
 
   static springnet_status finish_tile(void* tiles, std::uint32_t unit, std::uint32_t first, std::uint32_t count,
                                       springnet_message& message);
@@ -49,20 +49,20 @@ class Sweep {
   springnet_status evaluate_node(std::uint32_t node, Tiles& tiles, NodeEvaluation& result, springnet_message& message);
   springnet_status update_node(std::uint32_t node, std::uint32_t unit, Tiles& tiles, const NodeEvaluation& evaluation,
                                springnet_message& message);
-  [[nodiscard]] bool is_joined_to_all(std::uint32_t node) const;
+  [[nodiscard]] bool is_on_enclosure(std::uint32_t node) const;
   void note_done(const springnet_sweep& sweep) noexcept;
-  // Remembers why the answers of an evaluation are not finite. True if they are.
+  // Records why results of an evaluation are not finite. Returns true if they are finite.
   bool check_finite(bool forces, std::uint32_t bad_neuron, double time, const layers::NodeArrays& nodes);
 
   Model& model_;
   Done done_;
-  bool in_sets_ = false;   // several threads write outputs of an order,
-  bool in_tiles_ = false;  // or tile by tile
+  bool in_sets_ = false;   // several threads update the nodes of a set,
+  bool in_tiles_ = false;  // or of tiles
   OrderCheck order_check_;
-  layers::EnclosureVolumes swept_volumes_;  // of enclosures within a sweep in an order,
-  layers::EnclosureVolumes asked_volumes_;  // and of a call of evaluate_nodes outside
-  std::vector<std::uint8_t> cluster_done_;  // [cluster] within a sweep in an order
-  std::vector<double> scratch_;             // forces that nobody asked for
+  layers::EnclosureVolumes swept_volumes_;      // of enclosures within a sweep in an order
+  layers::EnclosureVolumes evaluated_volumes_;  // in evaluate_nodes outside of sweeps
+  std::vector<std::uint8_t> cluster_done_;      // [cluster] within a sweep in an order
+  std::vector<double> scratch_;                 // forces that the caller does not want
 };
 
 }  // namespace springnet

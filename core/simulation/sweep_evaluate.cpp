@@ -1,4 +1,4 @@
-// Evaluations of the layers at a state, outside of sweeps' updates.
+// Evaluations of the layers at a state, without updates of nodes.
 
 #include <fmt/format.h>
 
@@ -59,8 +59,8 @@ springnet_status Sweep::evaluate_nodes(const springnet_evaluation& request, cons
     if (swept_volumes_.follows(arrays)) {
       volumes = &swept_volumes_;
     } else if (!in_sets_ && !in_tiles_) {
-      asked_volumes_.compute(model_.layout.elements(), arrays);
-      volumes = &asked_volumes_;
+      evaluated_volumes_.compute(model_.layout.elements(), arrays);
+      volumes = &evaluated_volumes_;
     }
   }
   for (std::uint32_t i = 0; i < count; ++i) {

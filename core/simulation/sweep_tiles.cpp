@@ -17,7 +17,7 @@ bool all_finite(const double* const values[3], std::uint32_t count) {
   return sum == 0.0;
 }
 
-// The integrator's own function, which must not throw; an exception that it throws all the same ends the sweep.
+// Calls the integrator's update, which must not throw; if it does, the sweep ends with a message.
 springnet_status call_update(const springnet_sweep& sweep, const springnet_node_batch& batch,
                              springnet_message& message) noexcept {
   try {
@@ -28,7 +28,8 @@ springnet_status call_update(const springnet_sweep& sweep, const springnet_node_
     std::snprintf(text, sizeof text, "the integrator's update of nodes threw an exception: %s", error.what());
     sdk::detail::write_message(&message, text);
   } catch (...) {
-    sdk::detail::write_message(&message, "the integrator's update of nodes threw something that is no std::exception");
+    sdk::detail::write_message(&message,
+                               "the integrator's update of nodes threw something that is not a std::exception");
   }
   return SPRINGNET_FAILED;
 }
@@ -80,7 +81,7 @@ springnet_status Sweep::Tiles::update(std::uint32_t unit, std::uint32_t first, s
     batch.acceleration_by_velocity = derivatives->by_velocity;
     batch.acceleration_by_position = derivatives->by_position;
   }
-  // The velocity that an update in place starts from; tile by tile it stays in the sweep's arrays.
+  // The old velocity, which an update in place overwrites; updates by tiles leave it in the sweep's arrays.
   Vector3 read = Vector3::Zero();
   const bool in_place = count == 1 && sweep->order != nullptr;
   if (in_place) read = {nodes.vx[first], nodes.vy[first], nodes.vz[first]};

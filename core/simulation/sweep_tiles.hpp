@@ -1,5 +1,5 @@
-// What the finished tiles of an evaluation or a sweep need: forces to accelerations, and within a sweep the
-// integrator's update of nodes.
+// Processing of finished tiles in an evaluation or a sweep: forces to accelerations and, in a sweep, the integrator's
+// update of nodes.
 #pragma once
 
 #include <atomic>
@@ -17,7 +17,8 @@ struct Sweep::Tiles {
   const springnet_sweep* sweep = nullptr;  // null: an evaluation
   springnet_vectors acceleration{};        // of an evaluation; null: not wanted
   std::atomic<bool> finite{true};
-  std::atomic<std::uint32_t> bad_neuron{ConstraintRow::no_node};  // first whose force is finite, its acceleration not
+  std::atomic<std::uint32_t> bad_neuron{
+      ConstraintRow::no_node};  // first node with finite force but acceleration not finite
 
   // A tile of an evaluation: accelerations of the constrained motion.
   springnet_status accelerate(std::uint32_t first, std::uint32_t count, bool forces_finite, springnet_message& message);

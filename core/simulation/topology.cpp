@@ -37,7 +37,7 @@ springnet_status Topology::margins(double time, const layers::NodeArrays& nodes,
     status = layers::element_margins(model_.layout, set, time, nodes, some.elements, margins + some.springs.size(),
                                      model_.journal.message);
   if (status != SPRINGNET_OK) return status;
-  // A margin that is no number says neither that the element holds nor that it breaks.
+  // A margin that is nan says neither that the element holds nor that it breaks.
   const double* const bad = std::find_if(margins, margins + some.count(), [](double m) { return std::isnan(m); });
   if (bad == margins + some.count()) return SPRINGNET_OK;
   const auto i = static_cast<std::size_t>(bad - margins);
@@ -69,13 +69,13 @@ std::size_t Topology::remove(const Removal& removal, Event::Kind kind, double ti
     broken = layout.remove_elements(broken);
     for (const std::uint32_t e : broken) model_.journal.record({kind, time, e, true});
   }
-  bool faces_went = false;
+  bool faces_removed = false;
   if (layout.loaded_faces().count() > 0) {
     std::vector<std::size_t> lost = layout.loaded_faces().broken_by(ends);
     lost.insert(lost.end(), removal.faces.begin(), removal.faces.end());
-    faces_went = remove_faces(lost, time);
+    faces_removed = remove_faces(lost, time);
   }
-  if (!removed.empty() || !broken.empty() || faces_went) {
+  if (!removed.empty() || !broken.empty() || faces_removed) {
     rupturing_.reset();
     linear_.topology_changed();
     model_.changed();
@@ -93,8 +93,9 @@ bool Topology::remove_faces(const std::vector<std::size_t>& faces, double time) 
   for (const std::uint32_t load : loads) {
     if (!torn_loads_.insert(load).second) continue;
     model_.journal.note(fmt::format(
-        "Force {} ended on faces that were torn, first at {:g} s: a face goes with a spring along its side.", load,
-        time));
+        "Force {} ended on faces that were torn, first at {:g} s: a face is removed with a spring along one of its "
+        "sides.",
+        load, time));
   }
   return true;
 }
@@ -116,18 +117,18 @@ std::size_t Topology::cut(const CuttingPolygon& polygon) {
 }
 
 void Topology::perform_due_cuts() {
-  // Rounding of times: a cut this close to a committed one is due at it.
+  // Rounding of times: a cut this close to the committed time is due.
   const double slack = 1e-9 * std::min(model_.time_step, model_.time);
   for (std::size_t k = 0; k < cuts_.size(); ++k) {
     ScheduledCut& scheduled = cuts_[k];
     if (scheduled.done || scheduled.time > model_.time + slack) continue;
     scheduled.done = true;
-    const auto met = [this] { return model_.journal.events().size() + torn_faces_; };
-    const std::size_t before = met();
+    const auto removed_so_far = [this] { return model_.journal.events().size() + torn_faces_; };
+    const std::size_t before = removed_so_far();
     cut(scheduled.springs);
     if (scheduled.polygon) cut(*scheduled.polygon);
-    if (met() == before)
-      model_.journal.note(fmt::format("Cut {} at {:g} s met nothing that was left to cut.", k, scheduled.time));
+    if (removed_so_far() == before)
+      model_.journal.note(fmt::format("Cut {} at {:g} s found nothing left to cut.", k, scheduled.time));
   }
 }
 

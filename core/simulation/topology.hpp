@@ -1,4 +1,4 @@
-// What the network loses while it runs: springs, elements and loaded faces that are cut or break.
+// Removal of springs, elements and loaded faces that are cut or break.
 #pragma once
 
 #include <cstdint>
@@ -17,21 +17,21 @@ class LinearModel;
 
 class Topology {
  public:
-  // The linear model's matrices lose what the network loses.
+  // Removals make the matrices of `linear` invalid.
   Topology(Model& model, LinearModel& linear, const std::vector<Cut>& cuts);
 
-  // What can break by itself: springs and elements whose law has a rupture margin.
+  // Springs and elements whose law has a rupture margin.
   struct Rupturing {
     std::vector<std::uint32_t> springs, elements;
     [[nodiscard]] std::size_t count() const noexcept { return springs.size() + elements.size(); }
   };
   [[nodiscard]] const Rupturing& rupturing();
-  // [rupturing().count()] margins of the springs, then of the elements, at a state; 0 or less breaks.
-  // SPRINGNET_RECOVERABLE and a message where one is not a number.
+  // margins: [rupturing().count()] of the springs, then of the elements, at a state; one of 0 or less breaks.
+  // SPRINGNET_RECOVERABLE and a message if one is not a number.
   springnet_status margins(double time, const layers::NodeArrays& nodes, double* margins);
 
-  // Removes springs, and elements and loaded faces with an edge along one; further elements and faces besides. Records
-  // events of this kind. Returns the number of springs.
+  // Removes springs, the elements and loaded faces with an edge along one of them, and further elements and faces.
+  // Records events of this kind. Returns the number of springs removed.
   struct Removal {
     std::vector<std::uint32_t> springs, elements;
     std::vector<std::size_t> faces;
@@ -42,9 +42,9 @@ class Topology {
   std::size_t cut(const CuttingPolygon& polygon);
   // The scene's cuts up to the committed time.
   void perform_due_cuts();
-  // What has no margin left at the committed state breaks.
+  // Removes what has no margin left at the committed state.
   springnet_status perform_due_ruptures();
-  // s, of the scene's cuts; infinity if none is to come.
+  // Time of the scene's next cut, s; infinity if there is none.
   [[nodiscard]] double next_cut(double time) const noexcept;
 
  private:
@@ -54,14 +54,14 @@ class Topology {
     std::optional<CuttingPolygon> polygon;
     bool done = false;
   };
-  // Returns whether any face went.
+  // Returns whether any face was removed.
   bool remove_faces(const std::vector<std::size_t>& faces, double time);
 
   Model& model_;
   LinearModel& linear_;
   std::vector<ScheduledCut> cuts_;
   std::optional<Rupturing> rupturing_;  // empty: not known
-  std::set<std::uint32_t> torn_loads_;  // of which faces went
+  std::set<std::uint32_t> torn_loads_;  // that have lost faces
   std::size_t torn_faces_ = 0;
 };
 

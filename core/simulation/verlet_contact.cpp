@@ -13,7 +13,7 @@
 namespace springnet {
 namespace {
 
-// A force this small, in units of the force scale, is rounding.
+// Smaller forces, in units of the force scale, are rounding.
 constexpr double least_force = 1e-9;
 constexpr int most_strikes = 100;  // rounds of impulses that depend on each other
 
@@ -32,7 +32,7 @@ VerletContact::VerletContact(Model& model, double until, double length, const Ve
   last_h_ = last->last_h_;
 }
 
-springnet_status VerletContact::cannot_keep(const Body& body) const {
+springnet_status VerletContact::fail_lengths(const Body& body) const {
   set_message(model_.journal.message,
               fmt::format("the rigid connections of the {} nodes in the cluster of node {} cannot keep their "
                           "lengths in a step of {:g} s; use a smaller time step",
@@ -48,7 +48,7 @@ Eigen::MatrixXd VerletContact::mobility(const Body& body, const std::optional<Ro
 }
 
 double VerletContact::negligible(const Body& body) const {
-  // Rounding of positions and velocities, as a force.
+  // The rounding of positions and velocities, as a force.
   double force = least_force * model_.scales.force;
   for (const Member& m : body.members) {
     const double place = m.position.cwiseAbs().maxCoeff() / h_, speed = m.velocity.cwiseAbs().maxCoeff();
@@ -104,9 +104,9 @@ VerletContact::Body VerletContact::body_of(const springnet_sweep& step, const st
   return body;
 }
 
-springnet_status VerletContact::know_forces(Body& body, const springnet_sweep& step, double time,
-                                            const springnet_const_vectors& position,
-                                            const springnet_const_vectors& velocity) {
+springnet_status VerletContact::evaluate_forces(Body& body, const springnet_sweep& step, double time,
+                                                const springnet_const_vectors& position,
+                                                const springnet_const_vectors& velocity) {
   const layers::NodeArrays nodes = node_arrays(position, velocity);
   for (Member& m : body.members) {
     const double* const force[3] = {step.force.x + m.node, step.force.y + m.node, step.force.z + m.node};
@@ -137,7 +137,7 @@ void VerletContact::push(Body& body, const std::optional<Rods>& rods, const std:
       [](std::uint32_t, const Vector3&) {});
 }
 
-// A side at the member's present position and velocity, as both halves of the step need it.
+// A side at the member's present position and velocity, for both halves of the step.
 ContactSide VerletContact::side_of(const Body& body, const Toucher& toucher, const Side& of) const {
   const Member& m = body.members[toucher.member];
   const auto j = static_cast<std::size_t>(of.surface);
@@ -175,11 +175,11 @@ springnet_status constrain_verlet(Model& model, const springnet_sweep& step, std
   if (model.contact.surfaces().empty()) return SPRINGNET_OK;
   if (step.contacts == kick) {
     if (!last || !last->is_of(model.time, step.time))
-      throw Error(ErrorKind::plugin, "a kick comes after the drift of the same step, once");
+      throw Error(ErrorKind::plugin, "a kick must follow the drift of the same step, once");
     return last->kick(step);
   }
   if (!(step.time > model.time) || !(step.time_constant > 0.0) || !std::isfinite(step.time_constant))
-    throw Error(ErrorKind::plugin, "a drift leads from the committed time to a later one, and has its time_constant");
+    throw Error(ErrorKind::plugin, "a drift must end after the committed time and have a positive time_constant");
   last = std::make_shared<VerletContact>(model, step.time, step.time_constant, last.get());
   return last->drift(step);
 }

@@ -1,18 +1,18 @@
-// Contact in a step of velocity Verlet, where forces are known at the two ends of the step only. Bodies (nodes, or all
-// nodes that rigid connections join) in contact follow RATTLE with one-sided constraints: with h the step, F and F' the
-// forces at its ends, W the inverse masses,
+// Contact in a step of velocity Verlet, which knows forces only at the two ends of the step. Bodies (single nodes, or
+// all nodes that rigid connections join) in contact follow RATTLE with one-sided constraints: with h the step, F and F'
+// the forces at its ends, W the inverse masses,
 //
 //   drift   u = v + W (h/2 F + J),    P = p + h u,    lengths(P) = l,    gaps(P) >= 0,
 //   kick    V = u + W (h/2 F' + K),   rates of lengths = 0,   rates of gaps >= 0,
 //
-// J along the directions at p, K along those at P. An obstacle gives an impulse only where its gap, or the rate of its
-// gap, is zero, and never pulls. Friction lies in Coulomb's cone: against the slip at p in the drift, against the slip
-// that is left in the kick. So a node separates where its path without the obstacle ends outside; that is decided once
-// per step, also where the reaction jumps within it, at the edge of a face, say.
-// Andersen, J. Comput. Phys. 52 (1983) 24; Jean, Comput. Methods Appl. Mech. Engrg. 177 (1999) 235.
+// J along the directions at p, K along those at P. An obstacle gives an impulse only if its gap, or the rate of its
+// gap, is zero, and never pulls. Friction lies in Coulomb's cone: against the slip at p in the drift, against the
+// remaining slip in the kick. So a node separates if its path without the obstacle ends outside. That is decided once
+// per step, even if the reaction jumps within it, as at the edge of a face. Andersen, J. Comput. Phys. 52 (1983) 24;
+// Jean, Comput. Methods Appl. Mech. Engrg. 177 (1999) 235.
 //
-// An impact is an impulse, Newton's and Coulomb's, between drift and kick. That of a node without rigid connections
-// acts where its path meets the obstacle; only bodies of several nodes lose a part of the step at each impact.
+// An impact is an impulse by Newton's and Coulomb's laws between drift and kick. For a node without rigid connections
+// it acts where the path meets the obstacle; only bodies of several nodes lose a part of the step at each impact.
 #pragma once
 
 #include <algorithm>
@@ -33,7 +33,7 @@ class VerletContact {
   VerletContact(Model& model, double until, double length, const VerletContact* last);
   // step.next_position, next_velocity: P and u without contact, replaced for bodies in contact; step.force: F, N.
   springnet_status drift(const springnet_sweep& step);
-  // Whether the kick of the step between these times (s) is still to come.
+  // Whether this is the step between these times (s), and its kick is still to come.
   [[nodiscard]] bool is_of(double from, double until) const noexcept {
     return !kicked_ && from == from_ && until == until_;
   }
@@ -46,9 +46,9 @@ class VerletContact {
     std::uint32_t node;
     bool fixed;
     Vector3 start, start_velocity;             // m, m/s
-    Vector3 half = Vector3::Zero();            // m/s: added by the force in half a step
+    Vector3 half = Vector3::Zero();            // m/s: velocity gained from the force in half a step
     Vector3 velocity, position;                // u, P, then V; m/s, m
-    Vector3 place = Vector3::Zero();           // of one that is fixed or moved, m
+    Vector3 place = Vector3::Zero();           // of a fixed or moved node, m
     Vector3 place_velocity = Vector3::Zero();  // m/s, likewise
   };
   struct Side {
@@ -76,34 +76,35 @@ class VerletContact {
   using Rods = RigidConnections::WithoutContact;
 
   [[nodiscard]] Body body_of(const springnet_sweep& step, const std::vector<std::uint32_t>& nodes) const;
-  springnet_status know_forces(Body& body, const springnet_sweep& step, double time,
-                               const springnet_const_vectors& position, const springnet_const_vectors& velocity);
+  springnet_status evaluate_forces(Body& body, const springnet_sweep& step, double time,
+                                   const springnet_const_vectors& position, const springnet_const_vectors& velocity);
   [[nodiscard]] bool is_near(const springnet_sweep& step, std::uint32_t node, bool alone) const;
   springnet_status drift(Body& body);
-  // Moves the members with these impulses on the touchers, N s. False if lengths cannot be kept.
+  // Moves the members under these impulses on the touchers, N s. False if lengths cannot be kept.
   [[nodiscard]] bool go(Body& body, const std::optional<Rods>& rods, const std::vector<Vector3>& impulses) const;
   void push(Body& body, const std::optional<Rods>& rods, const std::vector<Vector3>& impulses) const;
   [[nodiscard]] Island island_at_start(const Body& body, const std::optional<Rods>& rods) const;
-  // Finds the impulses of the contacts that the body has, and moves it with them.
+  // Finds the impulses of the body's contacts, and moves it with them.
   springnet_status hold(Body& body, const std::optional<Rods>& rods);
   [[nodiscard]] bool reaches(const Member& m, std::size_t surface) const;
-  // Adds obstacles that members meet on their path. Returns whether there are any.
+  // Adds obstacles that members meet on their paths. Returns whether there are any.
   bool meet(Body& body);
-  // A node without rigid connections that was free stops at the obstacle or bounces, from there to the next, within the
-  // step. Impulses of several bounces off one obstacle add up.
+  // A free node without rigid connections stops at the obstacle, or bounces from obstacle to obstacle within the step.
+  // Impulses of several bounces off one obstacle add up.
   void arrive(Body& body, const Contact::Meeting& first);
-  // Makes the positions of nodes that arrived fit again.
+  // Puts nodes that arrived onto their obstacles, subject to the other constraints.
   springnet_status fit(Body& body);
   void decide(const Body& body) const;
   springnet_status kick(Body& body, const springnet_vectors& position, const springnet_vectors& velocity);
-  void take(const Body& body, const Island& island, const springnet_vectors& position,
-            const springnet_vectors& velocity);
-  void tell(Event::Kind kind, std::uint32_t node, std::int32_t surface, const Vector3& impulse = Vector3::Zero());
-  [[nodiscard]] springnet_status cannot_keep(const Body& body) const;
+  void commit_contacts(const Body& body, const Island& island, const springnet_vectors& position,
+                       const springnet_vectors& velocity);
+  void record_event(Event::Kind kind, std::uint32_t node, std::int32_t surface,
+                    const Vector3& impulse = Vector3::Zero());
+  [[nodiscard]] springnet_status fail_lengths(const Body& body) const;
   [[nodiscard]] ContactSide side_of(const Body& body, const Toucher& toucher, const Side& side) const;
   [[nodiscard]] Eigen::MatrixXd mobility(const Body& body, const std::optional<Rods>& rods) const;
   [[nodiscard]] double negligible(const Body& body) const;  // N
-  // Impulses where no forces were found, starting from the last ones of each side.
+  // Impulses if no forces were found, starting from the last ones of each side.
   void strike(Island& island, const Body& body) const;
   // Remembers the impulses of the sides.
   void remember(const Island& island, bool struck, Body& body) const;
@@ -114,7 +115,7 @@ class VerletContact {
   bool kicked_ = false;
   std::shared_ptr<const Placement> from_at_, at_;  // obstacles at both ends
   std::vector<Body> bodies_;
-  // [node, obstacle] N s, of the last kick: the starting point where a body rests on more contacts than are needed.
+  // [node, obstacle] N s, of the last kick: the starting point if a body has redundant contacts.
   std::map<std::pair<std::uint32_t, std::int32_t>, Vector3> last_;
   double last_h_ = 0.0;  // s, length of that step
 };

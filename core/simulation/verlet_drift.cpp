@@ -21,7 +21,7 @@ constexpr double accuracy = 1e-14;  // of positions, in units of their coordinat
 }  // namespace
 
 // Whether a node is in contact, or meets an obstacle on its path. The path of a node with rigid connections is not
-// known yet; the answer is yes as soon as it is as near as it moves in the step.
+// known yet: it counts as near if the obstacle is no farther than the node moves in the step.
 bool VerletContact::is_near(const springnet_sweep& step, std::uint32_t node, bool alone) const {
   if (contact_.fixed()[node] != 0) return false;
   if (contact_.committed(node).surface >= 0) return true;
@@ -40,7 +40,7 @@ springnet_status VerletContact::drift(const springnet_sweep& step) {
                        std::optional<std::size_t> cluster) -> springnet_status {
     Body body = body_of(step, nodes);
     body.cluster = cluster;
-    springnet_status status = know_forces(body, step, model_.time, step.start_position, step.start_velocity);
+    springnet_status status = evaluate_forces(body, step, model_.time, step.start_position, step.start_velocity);
     if (status == SPRINGNET_OK) status = drift(body);
     if (status != SPRINGNET_OK || body.touchers.empty()) return status;
     for (const Member& m : body.members) {
@@ -103,8 +103,8 @@ Island VerletContact::island_at_start(const Body& body, const std::optional<Rods
   return {std::move(nodes), mobility(body, rods)};
 }
 
-// The drift is the motion under a constant acceleration, 2 (u - v) / h. Gaps at the end of the step therefore ask for
-// accelerations, and the contacts are solved as they are for those.
+// The drift is motion under a constant acceleration, 2 (u - v) / h. Gaps at the end of the step are therefore
+// conditions on accelerations, and the contacts are solved as for accelerations.
 springnet_status VerletContact::hold(Body& body, const std::optional<Rods>& rods) {
   Island island = island_at_start(body, rods);
   std::vector<Vector3> impulses(body.touchers.size(), Vector3::Zero());
@@ -160,7 +160,7 @@ springnet_status VerletContact::hold(Body& body, const std::optional<Rods>& rods
       }
     }
     for (std::size_t i = 0; i < impulses.size(); ++i) impulses[i] = island.nodes()[i].force / per_speed;
-    if (!go(body, rods, impulses)) return cannot_keep(body);
+    if (!go(body, rods, impulses)) return fail_lengths(body);
   }
   remember(island, failures > 0, body);
   for (std::size_t i = 0; i < body.touchers.size(); ++i) {
@@ -173,8 +173,8 @@ springnet_status VerletContact::hold(Body& body, const std::optional<Rods>& rods
   return SPRINGNET_OK;
 }
 
-// Whether a node gets behind an obstacle on its straight path: a node that separates from a curved surface passes round
-// what the straight line goes through.
+// Whether a node gets behind an obstacle on its curved path: a node that separates from a curved surface may pass
+// around what the straight line cuts through.
 bool VerletContact::reaches(const Member& m, std::size_t surface) const {
   const Pose &before = from_at_->poses[surface], &after = at_->poses[surface];
   const Vector3 from = after.from_start(before.to_start(m.start));  // in the frame of the obstacle
@@ -283,7 +283,7 @@ void VerletContact::arrive(Body& body, const Contact::Meeting& first) {
     m.position = place;
     if (!toucher.sticks) m.position += rest * h_ * (after - w + 0.5 * rest * gained);
     if (!toucher.bounced || contact_.gap(*at_, j, m.position) < 0.0) m.position = contact_.onto(*at_, j, m.position);
-    // Such that with the kick, half a step of force, it has the velocity that the force gives it after the impact.
+    // So that the kick, half a step of force, leads to the velocity that the force gives it after the impact.
     m.velocity = after + (0.5 - share) * gained;
     const auto same =
         std::find_if(toucher.sides.begin(), toucher.sides.end(), [&](const Side& of) { return of.surface == surface; });
@@ -351,7 +351,7 @@ springnet_status VerletContact::drift(Body& body) {
     rods.emplace(model_.rigid, *body.cluster, read_only(start.view.position));
   }
   if (!go(body, rods, std::vector<Vector3>(body.touchers.size(), Vector3::Zero()))) {
-    return cannot_keep(body);
+    return fail_lengths(body);
   }
   if (!body.touchers.empty())
     if (const springnet_status status = hold(body, rods); status != SPRINGNET_OK) return status;

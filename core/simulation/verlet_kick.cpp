@@ -20,7 +20,7 @@ springnet_status VerletContact::kick(const springnet_sweep& step) {
   kicked_ = true;
   for (Body& body : bodies_) {
     springnet_status status =
-        know_forces(body, step, until_, read_only(step.next_position), read_only(step.next_velocity));
+        evaluate_forces(body, step, until_, read_only(step.next_position), read_only(step.next_velocity));
     if (status == SPRINGNET_OK) status = kick(body, step.next_position, step.next_velocity);
     if (status != SPRINGNET_OK) return status;
   }
@@ -55,7 +55,7 @@ springnet_status VerletContact::kick(Body& body, const springnet_vectors& positi
       side.surface_acceleration = per_speed * Contact::velocity(*at_, j, m.position);
       side.needed = side.normal.dot(side.surface_acceleration);
       const double comes = -side.normal.dot(side.velocity);
-      // It approaches faster than at the impact, by what the force has added since.
+      // It approaches faster than at the impact, because the force has acted since.
       if (of.is_new && of.came > 0.0 && comes > 0.0) {
         arrives = true;
         const double restitution = contact_.surfaces()[j].restitution();
@@ -131,11 +131,11 @@ springnet_status VerletContact::kick(Body& body, const springnet_vectors& positi
     for (const Side& side : toucher.sides)
       if (body.cluster) last_[{body.nodes[toucher.member], side.surface}] = side.impulse;
   for (const Member& m : body.members) put_vector(velocity, m.node, m.velocity);
-  take(body, island, position, velocity);
+  commit_contacts(body, island, position, velocity);
   return SPRINGNET_OK;
 }
 
-void VerletContact::tell(Event::Kind kind, std::uint32_t node, std::int32_t surface, const Vector3& impulse) {
+void VerletContact::record_event(Event::Kind kind, std::uint32_t node, std::int32_t surface, const Vector3& impulse) {
   Event event{kind, until_, model_.layout.ordering().user[node]};
   event.surface = surface;
   event.impulse = impulse;
@@ -145,8 +145,8 @@ void VerletContact::tell(Event::Kind kind, std::uint32_t node, std::int32_t surf
 }
 
 // Contacts as they are at the end of the step.
-void VerletContact::take(const Body& body, const Island& island, const springnet_vectors& position,
-                         const springnet_vectors& velocity) {
+void VerletContact::commit_contacts(const Body& body, const Island& island, const springnet_vectors& position,
+                                    const springnet_vectors& velocity) {
   for (std::size_t i = 0; i < body.touchers.size(); ++i) {
     const Toucher& toucher = body.touchers[i];
     const ContactNode& node = island.nodes()[i];
@@ -163,7 +163,7 @@ void VerletContact::take(const Body& body, const Island& island, const springnet
       const bool stays = side.touches && node.sides[s].touches;
       if (!side.is_new && !stays) {
         now = after(now, {ContactCause::Kind::release, side.surface});
-        tell(Event::Kind::released, k, side.surface);
+        record_event(Event::Kind::released, k, side.surface);
       }
       if (!side.is_new) continue;
       arrived.push_back(&side);
@@ -174,18 +174,18 @@ void VerletContact::take(const Body& body, const Island& island, const springnet
     Vector3 given = Vector3::Zero();
     for (std::size_t s = 0; s < arrived.size(); ++s) {
       const std::int32_t surface = arrived[s]->surface;
-      tell(Event::Kind::touched, k, surface, impulses[s]);
+      record_event(Event::Kind::touched, k, surface, impulses[s]);
       given += impulses[s];
       contact_.add_surface_impulse(static_cast<std::size_t>(surface), -impulses[s]);
       if (hit[s] != nullptr)
         now = after(now, {ContactCause::Kind::touch, surface, node.sticks});
       else
-        tell(Event::Kind::released, k, surface);
+        record_event(Event::Kind::released, k, surface);
     }
     const bool taken_along = node.sticks && surfaces_move_alike(node, 10.0 * model_.no_speed());
     now = after(now, {taken_along ? ContactCause::Kind::stick : ContactCause::Kind::slip});
     if (stays && now.slides != before.slides)
-      tell(now.slides ? Event::Kind::slipped : Event::Kind::stuck, k, now.surface);
+      record_event(now.slides ? Event::Kind::slipped : Event::Kind::stuck, k, now.surface);
     contact_.touch(k, now, given);
     if (now.surface < 0) continue;
     const auto j = static_cast<std::size_t>(now.surface);

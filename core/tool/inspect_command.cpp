@@ -248,7 +248,7 @@ InspectionOptions options_of(const Scene& scene, const PluginHost& plugins) {
   options.duration = scene.duration;
   // An integrator with an error tolerance chooses its own time steps.
   const auto integrator = plugins.find(ComponentKind::integrator, scene.options.integrator.id);
-  options.steps_of_its_own = integrator && parameter_index(*integrator->description, "relative_tolerance") >= 0;
+  options.adaptive_steps = integrator && parameter_index(*integrator->description, "relative_tolerance") >= 0;
   options.integrator = scene.options.integrator;
   return options;
 }

@@ -1,5 +1,4 @@
-// The paper's cube from soft to stiff: rules settle where the spectral radius of their sweep says, and the others
-// always.
+// The paper's cube from soft to stiff: rules with a limit settle exactly below it, the others always.
 #include <array>
 #include <random>
 #include <string>
@@ -18,8 +17,8 @@ namespace {
 constexpr double time_step = 0.05;        // s
 constexpr double force_tolerance = 1e-7;  // N; rounding leaves 1e-10 N of the stiffest springs, 40,000 N/m
 
-// Held below, with small velocities at random, so that every motion is there. Nothing to fall on: contact stops what
-// diverges.
+// Fixed at its lower nodes, with small random velocities, so that every motion occurs. Without a floor: contact would
+// stop divergence.
 Network held_cube(double elastic_ratio, double viscous_ratio) {
   Network net;
   Lattice lattice;
@@ -52,7 +51,7 @@ bool settles(const Network& net, const char* rule) {
 
 }  // namespace
 
-TEST_CASE("the cube from soft to stiff settles where the spectral radius says") {
+TEST_CASE("the cube, from soft to stiff, settles exactly below the limit of the rule") {
   constexpr std::array ratios{0.01, 0.1, 1.0, 10.0, 100.0};
   for (const double elastic : ratios) {
     for (const double viscous : ratios) {

@@ -1,4 +1,4 @@
-// What inspect says of nets with elements, against closed forms and the engine's own derivatives.
+// Inspection of nets with elements, against closed forms and the engine's own derivatives.
 #include <cmath>
 #include <numbers>
 
@@ -23,7 +23,7 @@ double limit(const Inspection& found, const char* rule) {
 
 }  // namespace
 
-TEST_CASE("limits of one node on an area and on an enclosed volume are those of the oscillator that it is") {
+TEST_CASE("a node on a volume, of a tetrahedron or enclosed, has the limit of an oscillator") {
   for (const bool enclosed : {false, true}) {
     Network net;
     for (const Vector3& p : {Vector3(0, 0, 0), Vector3(3, 0, 0), Vector3(0, 2, 0)}) net.fix(net.add_node(point(p)));
@@ -49,7 +49,7 @@ TEST_CASE("limits of one node on an area and on an enclosed volume are those of 
   }
 }
 
-TEST_CASE("an area that pushes buckles its tip out of the plane: a step has one solution up to there") {
+TEST_CASE("an area that pushes buckles out of its plane: up to there a step has a unique solution") {
   Network net;
   for (const Vector3& p : {Vector3(0, 0, 0), Vector3(1.6, 0, 0)}) net.fix(net.add_node(point(p)));
   net.add_node(point({0.4, 0, 1.5}, 0.7));

@@ -160,7 +160,7 @@ TEST_CASE("time steps that are too long for the slowest vibration, unless it is 
   const auto hints = [](double time_step, double damping, bool own_steps = false) {
     InspectionOptions options;
     options.time_step = time_step;
-    options.steps_of_its_own = own_steps;
+    options.adaptive_steps = own_steps;
     return hints_of(testing::oscillator(testing::damped(4.0, damping), 1.0, 0.0), options);
   };
   CHECK(hints(0.3, 0.0).empty());  // a period of 3.14 s

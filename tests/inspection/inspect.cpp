@@ -84,7 +84,7 @@ TEST_CASE("an empty network has nothing to measure") {
   CHECK(found.limit("synchronous").kind == TimeConstantLimit::Kind::none);
 }
 
-TEST_CASE("an unknown law is an error of the plugins") {
+TEST_CASE("an unknown law is a plugin error that names it") {
   Network network;
   network.add_node({});
   Node other;

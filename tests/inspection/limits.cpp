@@ -20,7 +20,7 @@ using Kind = TimeConstantLimit::Kind;
 
 namespace {
 
-// What is left of the search's own accuracy of a thousandth, twice over.
+// Twice the accuracy of the search, 1e-3.
 constexpr double tolerance = 2e-3;
 
 TimeConstantLimit limit_of(const Network& network, const char* rule, double theta = 1.0) {
@@ -152,7 +152,7 @@ TEST_CASE("a fixed chain of n nodes: synchronous by its greatest eigenvalue, wav
   CHECK(limit_of(chain, "wavefront").time_constant == doctest::Approx(std::sqrt(0.1 / 100.0)).epsilon(5.0 * tolerance));
 }
 
-TEST_CASE("viscosity alone and drag alone: t 2 d / m = 1, t b / m = 1") {
+TEST_CASE("viscosity alone: t 2 d / m = 1; drag alone: t b / m = 1") {
   Network viscous = testing::chain(2, Vector3::Zero(), Vector3::UnitX(), testing::damped(1.0, 1.0));
   viscous.set_spring_material(0, viscous.add_material({std::nullopt, LawUse{"linear", {{"damping", 5.0}}}}));
   CHECK(limit_of(viscous, "synchronous").time_constant == doctest::Approx(0.1).epsilon(tolerance));
@@ -223,14 +223,14 @@ TEST_CASE("springs that push make a step ambiguous: t^2 2 |T| / (l m) = 1") {
   }
 }
 
-TEST_CASE("theta makes the largest time step longer, in proportion") {
+TEST_CASE("the largest time step is inversely proportional to theta") {
   const Network net = irregular(20, {testing::damped(30.0, 2.0)}, 9);
   for (const char* const rule : {"synchronous", "wavefront"}) {
     CHECK(limit_of(net, rule, 0.5).time_constant == doctest::Approx(2.0 * limit_of(net, rule).time_constant));
   }
 }
 
-TEST_CASE("the node and the spring that set a limit are those that were made stiff") {
+TEST_CASE("the node and the spring that set a limit are at the stiff spring") {
   Network net = testing::chain(30, Vector3::Zero(), Vector3::UnitX(), testing::damped(10.0, 0.5), 0.5);
   net.set_spring_material(17, net.add_material(testing::damped(4000.0, 0.5)));
   for (const char* const rule : {"synchronous", "wavefront"}) {
@@ -248,7 +248,7 @@ TEST_CASE("the node and the spring that set a limit are those that were made sti
 }
 
 TEST_CASE("a rule settles just below its largest time step, and not just above it") {
-  // The wave starts elsewhere in every sweep; the limit is that of its first order. Up to 4 % were seen.
+  // The wave starts elsewhere in every sweep, but the limit is that of the first order. Differences of 4 % were seen.
   const std::vector<std::tuple<const char*, double, double>> rules{{"synchronous", testing::synchronous, 0.03},
                                                                    {"wavefront", testing::wavefront, 0.08}};
   for (const Case& example : cases()) {
@@ -284,7 +284,7 @@ TEST_CASE("rules without a limit settle far above that of the synchronous rule")
 }
 
 TEST_CASE("rigid connections are part of the linear network") {
-  // A dumbbell on a spring: t^2 k / (2 m) = 1. The wave does both of its nodes at once, from either.
+  // A dumbbell on a spring: t^2 k / (2 m) = 1. The wave updates both of its nodes together.
   Network dumbbell = testing::chain(2, Vector3::Zero(), Vector3::UnitX(), testing::damped(8.0, 0.0), 3.0);
   dumbbell.fix(0);
   dumbbell.add_node(testing::point({2, 0, 0}, 3.0));

@@ -1,5 +1,5 @@
-// The services that integrators find their limits with, against matrices that products make up: sweeps of the
-// linearised network, and the dominant eigenvalue.
+// Host functions with which integrators find their limits, against dense matrices: sweeps of the linearised network,
+// and the dominant eigenvalue.
 #include <cmath>
 #include <complex>
 #include <memory>
@@ -80,7 +80,8 @@ std::vector<double> shaken(std::size_t size, unsigned seed) {
 
 }  // namespace
 
-TEST_CASE("a linear sweep is the rows of the matrix one after another, with every kind of element, and with blocks") {
+TEST_CASE(
+    "a linear sweep applies the rows of the matrix one after another, with every kind of element, with blocks too") {
   Network net = all_kinds(6, false);
   net.fix(2);
   const Swept swept(net);
@@ -112,7 +113,7 @@ TEST_CASE("a linear sweep is the rows of the matrix one after another, with ever
   }
 }
 
-TEST_CASE("a linear sweep does clusters at once, and leaves velocities that fit the rigid connections") {
+TEST_CASE("a linear sweep updates clusters together, and its velocities satisfy the rigid connections") {
   Network net = chain(8, Vector3::Zero(), {1.0, 0.3, 0.1}, damped(40.0, 1.0), 0.5);
   net.fix(0);
   net.add_rigid(2, 3);
@@ -128,7 +129,7 @@ TEST_CASE("a linear sweep does clusters at once, and leaves velocities that fit 
   for (std::size_t i = 0; i < 3 * n; ++i) CHECK(projected[i] == doctest::Approx(u[i]).epsilon(1e-9));
 }
 
-TEST_CASE("the dominant eigenvalue of symmetric and other matrices, and what is refused") {
+TEST_CASE("the dominant eigenvalue of symmetric and unsymmetric matrices, and refused requests") {
   const LimitSurvey survey(chain(2, Vector3::Zero(), Vector3::UnitX(), damped(1.0, 0.0)), *plugins());
   const sdk::Host host(survey.table());
   std::mt19937 random(3);

@@ -35,7 +35,7 @@ TEST_CASE("the paper's cube has three mechanisms") {
   CHECK(found.springs_under_tension == 0);
 }
 
-TEST_CASE("a triangle has none; a square shears and folds; its diagonal leaves the fold") {
+TEST_CASE("mechanisms: a triangle has none, a square shears and folds, with a diagonal it only folds") {
   const Network triangle = [] {
     Network net = testing::chain(3, Vector3::Zero(), {1.0, 0.5, 0.0}, testing::damped(1.0, 0.0));
     Node node = net.nodes()[2];
@@ -52,13 +52,13 @@ TEST_CASE("a triangle has none; a square shears and folds; its diagonal leaves t
   CHECK(mobility_of(net).mechanisms == 1);
 }
 
-TEST_CASE("a straight chain of three bends in two ways, and turns about two axes only") {
+TEST_CASE("a straight chain of three nodes bends in two directions and rotates about two axes") {
   const Mobility found = mobility_of(testing::chain(3, Vector3::Zero(), Vector3::UnitX(), testing::damped(1.0, 0.0)));
   CHECK(found.mechanisms == 2);
   CHECK(found.rigid_body_motions == 5);
 }
 
-TEST_CASE("fixed and moved nodes take motions away") {
+TEST_CASE("fixed and moved nodes remove motions") {
   Network net = square();
   net.fix(0);
   CHECK(mobility_of(net).rigid_body_motions == 3);
@@ -102,7 +102,7 @@ TEST_CASE("rigid connections resist like springs, and redundant ones are counted
   CHECK(found.rigid_body_motions == 1);
 }
 
-TEST_CASE("springs under tension and compression are told apart from those at rest") {
+TEST_CASE("springs under tension and under compression are counted") {
   Network net = square();
   net.set_rest_length(0, 0.9);
   net.set_rest_length(1, 0.8);

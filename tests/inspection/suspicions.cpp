@@ -53,7 +53,7 @@ TEST_CASE("springs over a hundred times the median are listed, worst first, in t
   CHECK(found.viscous_rate.count == 1);
 }
 
-TEST_CASE("a light node makes its springs fast without making them stiff") {
+TEST_CASE("springs of a light node are fast without being stiff") {
   Network net = chain();
   Node node = net.nodes()[4];
   node.mass = 1e-4;
@@ -64,7 +64,7 @@ TEST_CASE("a light node makes its springs fast without making them stiff") {
   CHECK(found.elastic_rate.worst[0].spring == 3);
   CHECK(found.lightest == 4u);
   CHECK(found.heaviest == 0u);
-  net.fix(4);  // moves no more
+  net.fix(4);  // no longer moves
   CHECK(suspicions_of(net).elastic_rate.count == 0);
   CHECK_FALSE(suspicions_of(net).lightest);
 }
@@ -117,7 +117,7 @@ TEST_CASE("parts by size, with what fixes them; rigid connections join as spring
   CHECK(found.suspicions.nodes_without_springs == std::vector<NodeIndex>{10});
 }
 
-TEST_CASE("all of it is in the JSON") {
+TEST_CASE("limits, suspicions, mobility and parts are in the JSON") {
   Network net = chain();
   net.set_spring_material(7, net.add_material(testing::damped(600.0, 0.5)));
   net.add_node(testing::point({0, 5, 0}));

@@ -61,7 +61,7 @@ bool settles(const Network& net, const std::shared_ptr<const PluginHost>& plugin
 
 }  // namespace
 
-TEST_CASE("a charge by itself: eigenvalues +- i t frequency; with blocks it is at once where it belongs") {
+TEST_CASE("a single charge: eigenvalues +- i t frequency; blocks solve it in one sweep") {
   Network net;
   Node node;
   node.neuron = net.add_neuron({"charge", {{"frequency", 5.0}}});

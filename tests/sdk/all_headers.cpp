@@ -42,7 +42,7 @@ struct Mass : Neuron {
 class Idle : public Integrator {
  public:
   static constexpr const char* id = "idle";
-  static constexpr const char* summary = "time passes, nothing moves";
+  static constexpr const char* summary = "advances the time only";
 
   Idle(Host host, Options) : host_(host), next_(host.make_state()) {}
   springnet_status advance(double until, springnet_step_report& report) {

@@ -113,7 +113,7 @@ TEST_CASE("functions of dual numbers that have a complex twin") {
       {-2.0, 0.0, 0.7});
 }
 
-TEST_CASE("functions of dual numbers that have none") {
+TEST_CASE("functions of dual numbers without a complex twin") {
   using namespace springnet::sdk;
   check_with_differences([](auto x) { return tan(x); }, {-0.3, 0.0, 0.4});
   check_with_differences([](auto x) { return tanh(x); }, {-0.9, 0.0, 0.4});
@@ -141,7 +141,7 @@ TEST_CASE("several variables at once") {
   CHECK(z.derivatives[2] == 0.0);
 }
 
-TEST_CASE("comparisons look at the value; min and max take the derivative of what they choose") {
+TEST_CASE("comparisons use the value; min and max take the derivative of the argument chosen") {
   const Dual<1> x = variable(2.0);
   CHECK(x == 2.0);
   CHECK(x > 1.0);
@@ -157,7 +157,7 @@ TEST_CASE("comparisons look at the value; min and max take the derivative of wha
   CHECK(std::isnan(max(variable(std::nan("")), 0.0).value));  // as std::max
 }
 
-TEST_CASE("where there is no derivative, the documented one") {
+TEST_CASE("where no derivative exists, the documented one is returned") {
   CHECK(abs(variable(0.0)).derivatives[0] == 0.0);
   CHECK(hypot(variable(0.0), variable(0.0)).derivatives[0] == 0.0);
   CHECK(sqrt(variable(0.0)).derivatives[0] == infinity);

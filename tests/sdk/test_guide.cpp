@@ -1,4 +1,4 @@
-// The examples of the author's guide at work in the engine.
+// The examples of the author's guide in the engine.
 #include <doctest/doctest.h>
 
 #include <cmath>
@@ -91,7 +91,7 @@ TEST_CASE("the engine breaks the guide's brittle spring, and refuses its muscle"
   CHECK_THROWS_WITH_AS(Simulation(with_memory, host, options), doctest::Contains("internal state"), Error);
 }
 
-TEST_CASE("inspect tells the limit of the guide's integrator, which is the one that it has") {
+TEST_CASE("inspect reports the actual limit of the guide's integrator") {
   const auto host = plugins();
   Network network;
   network.add_node({});

@@ -1,4 +1,5 @@
-// What host.hpp and integrator.hpp make of the C table and of a class, with a table that writes down its calls.
+// The C++ layer over the C table and over an integrator class (host.hpp, integrator.hpp), with a table that records its
+// calls.
 #include <doctest/doctest.h>
 
 #include <array>
@@ -17,7 +18,7 @@
 namespace {
 using namespace springnet::sdk;
 
-// A host that answers each call with `answer`, and keeps a list of what was asked.
+// A host that returns `answer` from each call, and lists the calls.
 struct FakeHost {
   std::vector<std::string> calls;
   springnet_status answer = SPRINGNET_OK;
@@ -130,11 +131,11 @@ struct FakeHost {
 
 enum class Method { bdf, adams };
 
-// Does in advance() what the test last asked for.
+// Runs `script` in advance().
 class Scripted : public Integrator {
  public:
   static constexpr const char* id = "scripted";
-  static constexpr const char* summary = "does what a test asks for";
+  static constexpr const char* summary = "runs a script of the test";
   static constexpr Parameter parameters[] = {choice("method", {"bdf", "adams"}, ""), number("tolerance", "1", ""),
                                              integer("steps", ""), boolean("strict", "")};
   static inline springnet_status (*script)(Host&, springnet_step_report&) = nullptr;
@@ -257,7 +258,7 @@ TEST_CASE("an integrator reaches every function of the host") {
                                                "sweeps 9"});
 }
 
-TEST_CASE("a host before ABI 1.2 averages loads over an interval, and has one revision for all") {
+TEST_CASE("with a host before ABI 1.2, begin_interval falls back to begin_step") {
   FakeHost host;
   host.table.struct_size = offsetof(springnet_host, begin_interval);
   CHECK(run(host, [](Host& h, springnet_step_report&) -> springnet_status {
@@ -267,7 +268,7 @@ TEST_CASE("a host before ABI 1.2 averages loads over an interval, and has one re
   CHECK(host.calls == std::vector<std::string>{"begin_step"});
 }
 
-TEST_CASE("a host before ABI 1.3 does not look through steps") {
+TEST_CASE("with a host before ABI 1.3, time_of_impact finds nothing") {
   FakeHost host;
   host.table.struct_size = offsetof(springnet_host, time_of_impact);
   CHECK(run(host, [](Host& h, springnet_step_report&) -> springnet_status {
@@ -278,7 +279,7 @@ TEST_CASE("a host before ABI 1.3 does not look through steps") {
   CHECK(host.calls.empty());
 }
 
-TEST_CASE("a host before ABI 1.4 searches for no eigenvalue, and says so") {
+TEST_CASE("with a host before ABI 1.4, an eigenvalue search fails and names the version") {
   FakeHost host;
   host.table.struct_size = offsetof(springnet_host, linear_sweep);
   CHECK(run(host, [](Host& h, springnet_step_report&) -> springnet_status {
@@ -292,49 +293,49 @@ TEST_CASE("a host before ABI 1.4 searches for no eigenvalue, and says so") {
 
 namespace {
 
-// Tells what a test asks for.
-class Telling : public Integrator {
+// Reports limits, or fails.
+class Limited : public Integrator {
  public:
-  static constexpr const char* id = "telling";
-  static constexpr const char* summary = "tells a limit";
+  static constexpr const char* id = "limited";
+  static constexpr const char* summary = "reports limits";
   static inline bool fails = false;
-  explicit Telling(Host, Options) {}
+  explicit Limited(Host, Options) {}
   springnet_status advance(double, springnet_step_report&) { return SPRINGNET_OK; }
   void limits(const LimitSink& sink) {
     if (fails) throw Failure("no derivatives");
-    sink.tell("leap", {SPRINGNET_LIMIT_ESTIMATE, 0.5, 0.25, 3});
-    sink.tell("", {SPRINGNET_LIMIT_KNOWN, std::numeric_limits<double>::infinity()});
+    sink.report("leap", {SPRINGNET_LIMIT_ESTIMATE, 0.5, 0.25, 3});
+    sink.report("", {SPRINGNET_LIMIT_KNOWN, std::numeric_limits<double>::infinity()});
     sink.unknown("hop", "it is dark");
   }
 };
 
 }  // namespace
 
-TEST_CASE("an integrator that has limits tells them; one without has no such function") {
-  const bool any = functions.limits != nullptr;
-  CHECK_FALSE(any);
-  const auto& telling = *static_cast<const springnet_integrator*>(ComponentEntry<Telling>::value.implementation);
-  const bool tells = telling.limits != nullptr;
-  REQUIRE(tells);
+TEST_CASE("an integrator class with limits() reports them; one without has no such function") {
+  const bool has_limits = functions.limits != nullptr;
+  CHECK_FALSE(has_limits);
+  const auto& limited = *static_cast<const springnet_integrator*>(ComponentEntry<Limited>::value.implementation);
+  const bool reports = limited.limits != nullptr;
+  REQUIRE(reports);
   FakeHost host;
   void* integrator = nullptr;
-  REQUIRE(telling.create(&host.table, nullptr, &integrator) == SPRINGNET_OK);
-  std::vector<std::string> told;
-  springnet_limits sink{sizeof sink, 0, &told, [](void* context, const springnet_limit* limit) {
+  REQUIRE(limited.create(&host.table, nullptr, &integrator) == SPRINGNET_OK);
+  std::vector<std::string> reported;
+  springnet_limits sink{sizeof sink, 0, &reported, [](void* context, const springnet_limit* limit) {
                           static_cast<std::vector<std::string>*>(context)->push_back(
                               std::string(limit->rule) + " " + std::to_string(limit->kind) + " " +
                               (limit->reason == nullptr ? std::to_string(limit->node) : limit->reason));
                         }};
-  CHECK(telling.limits(integrator, &sink) == SPRINGNET_OK);
-  CHECK(told == std::vector<std::string>{"leap 1 3", " 2 4294967295", "hop 3 it is dark"});
-  Telling::fails = true;
-  CHECK(telling.limits(integrator, &sink) == SPRINGNET_FAILED);
-  Telling::fails = false;
+  CHECK(limited.limits(integrator, &sink) == SPRINGNET_OK);
+  CHECK(reported == std::vector<std::string>{"leap 1 3", " 2 4294967295", "hop 3 it is dark"});
+  Limited::fails = true;
+  CHECK(limited.limits(integrator, &sink) == SPRINGNET_FAILED);
+  Limited::fails = false;
   CHECK(std::string(host.text.text) == "no derivatives");
-  telling.destroy(integrator);
+  limited.destroy(integrator);
 }
 
-TEST_CASE("a failed call of the host becomes an exception, and the status of advance") {
+TEST_CASE("a failed host call becomes an exception, and its status that of advance") {
   FakeHost host;
   for (const springnet_status answer : {SPRINGNET_FAILED, SPRINGNET_RECOVERABLE}) {
     host.answer = answer;
@@ -369,7 +370,7 @@ TEST_CASE("no exception leaves an integrator; the host's message says why") {
   CHECK(std::string(host.text.text) == "the integrator threw something that is not a std::exception");
 }
 
-TEST_CASE("what a node update throws ends the sweep, not the host") {
+TEST_CASE("an exception of a node update fails the advance after the sweep has ended") {
   FakeHost host;
   CHECK(run(host, [](Host& h, springnet_step_report&) -> springnet_status {
           auto sweep = sized<springnet_sweep>();
@@ -379,11 +380,11 @@ TEST_CASE("what a node update throws ends the sweep, not the host") {
           });
           return SPRINGNET_OK;
         }) == SPRINGNET_FAILED);
-  CHECK(std::string(host.text.text) == "node 0");          // the first one
-  CHECK(host.calls == std::vector<std::string>{"sweep"});  // which came to its end
+  CHECK(std::string(host.text.text) == "node 0");          // the first exception
+  CHECK(host.calls == std::vector<std::string>{"sweep"});  // the sweep was completed
 }
 
-TEST_CASE("the report of a host of another minor version is not written beyond its end") {
+TEST_CASE("the report of a host with another minor version is not written beyond its end") {
   FakeHost host;
   struct Short {
     springnet_step_report report;
@@ -410,7 +411,7 @@ TEST_CASE("the report of a host of another minor version is not written beyond i
   CHECK(beyond == 0x7f7f7f7f7f7f7f7fu);
 }
 
-TEST_CASE("an integrator that cannot be made leaves nothing behind") {
+TEST_CASE("an integrator that cannot be constructed leaves nothing behind") {
   FakeHost host;
   void* integrator = &host;
   Scripted::read_undeclared = true;
@@ -429,7 +430,7 @@ TEST_CASE("an integrator that cannot be made leaves nothing behind") {
   CHECK(integrator == nullptr);
 }
 
-TEST_CASE("metadata of an integrator follow from its class") {
+TEST_CASE("metadata of an integrator come from its class") {
   CHECK(scripted.kind == SPRINGNET_INTEGRATOR);
   CHECK(scripted.parameter_count == 4);
   CHECK(functions.struct_size == sizeof(springnet_integrator));

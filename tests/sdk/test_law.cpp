@@ -1,4 +1,4 @@
-// What the glue of law.hpp makes of a class: metadata, arrays with strides, state, inputs, time, table, errors.
+// The glue of law.hpp over a law class: metadata, arrays with strides, state, inputs, time, table, errors.
 #include <doctest/doctest.h>
 
 #include <array>
@@ -115,7 +115,7 @@ LawInput input_of(std::uint32_t count, const void* table) {
 
 }  // namespace
 
-TEST_CASE("metadata of a law follow from its class") {
+TEST_CASE("metadata of a law come from its class") {
   CHECK(everything.kind == SPRINGNET_SPRING_FUNCTION);
   CHECK(std::string(everything.id) == "everything");
   CHECK(std::string(everything.reference) == "none");
@@ -179,7 +179,7 @@ TEST_CASE("state, inputs, time and table reach the formula, and every output com
   law.release(table);
 }
 
-TEST_CASE("outputs that are not wanted are left alone") {
+TEST_CASE("outputs that are not wanted may be null") {
   double q[] = {1.0, 3.0}, by_q[] = {0.0, 0.0};
   springnet_law_batch batch{};
   batch.struct_size = sizeof batch;
@@ -191,7 +191,7 @@ TEST_CASE("outputs that are not wanted are left alone") {
   CHECK(by_q[1] == 6.0);
 }
 
-TEST_CASE("a table that cannot be made says why") {
+TEST_CASE("a failed prepare() gives its message") {
   void* table = &table;
   springnet_message message{};
   const auto source = source_of(&find_nothing);
@@ -214,34 +214,34 @@ TEST_CASE("no exception leaves a law") {
   CHECK(evaluate(throwing, input).message == "the component threw something that is not a std::exception");
 }
 
-TEST_CASE("a host that breaks the contract is told") {
+TEST_CASE("violations of the contract by the host are reported") {
   double one = 1.0;
   springnet_message message{};
   springnet_law_batch batch{};
   batch.struct_size = sizeof batch;
   batch.count = 1;
   batch.message = &message;
-  const auto told = [&](const springnet_component& component) {
+  const auto refusal = [&](const springnet_component& component) {
     message.text[0] = '\0';
     CHECK(law_of(component).evaluate(&batch) == SPRINGNET_FAILED);
     return std::string(message.text);
   };
-  CHECK(told(speed) == "the host gave no invariant");
+  CHECK(refusal(speed) == "the host gave no invariant");
   batch.q = &one;
-  CHECK(told(everything) == "the law reads the rate, which the host did not give");
+  CHECK(refusal(everything) == "the law reads the rate, which the host did not give");
   batch.rate = &one;
-  CHECK(told(everything) == "the host did not prepare the table of the law");
+  CHECK(refusal(everything) == "the host did not prepare the table of the law");
   batch.energy = &one;
-  CHECK(told(speed) == "the host asked for an energy, which the law does not have");
+  CHECK(refusal(speed) == "the host asked for an energy, which the law does not have");
   batch.energy = nullptr;
   batch.margin = &one;
-  CHECK(told(speed) == "the host asked for a margin, which the law does not have");
+  CHECK(refusal(speed) == "the host asked for a margin, which the law does not have");
   batch.margin = nullptr;
   batch.struct_size = 8;
-  CHECK(told(speed).empty());  // too old to have a message
+  CHECK(refusal(speed).empty());  // too old to have a message
 }
 
-TEST_CASE("an instruction set that this build does not know gives the generic answer") {
+TEST_CASE("an unknown instruction set gives the generic result") {
   LawInput input;
   input.count = 3;
   input.q = {1.0, 2.0, 3.0};
@@ -261,7 +261,7 @@ TEST_CASE("the glue gives the same bits for every instruction set, tile and stri
       CHECK(same_bits(evaluate(everything, in, set, tile), whole));
     }
   }
-  // What is one value may as well be a thousand equal ones.
+  // One value for all is the same as a thousand equal values.
   LawInput spread = in;
   spread.parameters[1].assign(1000, in.parameters[1][0]);
   spread.inputs[0].assign(1000, in.inputs[0][0]);

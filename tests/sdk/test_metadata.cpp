@@ -21,7 +21,7 @@ struct List {
 };
 }  // namespace
 
-TEST_CASE("parameters arrive in the C structs as they were written") {
+TEST_CASE("parameters arrive in the C structs as declared") {
   using Table = ParameterTable<List<Owner>>;
   REQUIRE(Table::count == 5);
   const auto& stiffness = *Table::pointer[0];

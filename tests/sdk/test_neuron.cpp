@@ -1,4 +1,4 @@
-// What the glue of neuron.hpp makes of a class.
+// The glue of neuron.hpp over a neuron class.
 #include <doctest/doctest.h>
 
 #include <array>
@@ -83,7 +83,7 @@ struct Nodes {
 
 }  // namespace
 
-TEST_CASE("metadata of a neuron follow from its class") {
+TEST_CASE("metadata of a neuron come from its class") {
   CHECK(odd.kind == SPRINGNET_NEURON);
   CHECK(odd.parameter_count == 2);
   CHECK(odd.capabilities == SPRINGNET_HAS_DERIVATIVES);

@@ -13,7 +13,7 @@ namespace {
 const LawUse integrators[] = {recurrent(synchronous, 1e-12), recurrent(wavefront, 1e-12), single_sweep(), cvode(1e-10)};
 }
 
-TEST_CASE("a pushed force acts from the next step until it is taken back") {
+TEST_CASE("a force set by the program acts from the next step until it is reset") {
   for (const LawUse& integrator : integrators) {
     Network net;
     net.add_node(point(Vector3::Zero(), 4.0));
@@ -28,7 +28,7 @@ TEST_CASE("a pushed force acts from the next step until it is taken back") {
   }
 }
 
-TEST_CASE("cuts by number and by polygon free the nodes they held") {
+TEST_CASE("cuts by number and by polygon release nodes") {
   for (const LawUse& integrator : integrators) {
     Network net = chain(4, Vector3::Zero(), {0, 0, -1}, damped(1000.0, 5.0));
     net.fix(0);
@@ -54,7 +54,7 @@ TEST_CASE("cuts by number and by polygon free the nodes they held") {
   }
 }
 
-TEST_CASE("a node that is fixed stays, its reaction is what the springs pull, and it goes on when it is freed") {
+TEST_CASE("a fixed node stays, its reaction is the spring force, and it moves again when released") {
   for (const LawUse& integrator : integrators) {
     Network net = oscillator(damped(10.0, 0.0), 1.0, 0.0, 1.0);
     Simulation simulation = simulate(net, integrator, 0.001);
@@ -71,7 +71,7 @@ TEST_CASE("a node that is fixed stays, its reaction is what the springs pull, an
   }
 }
 
-TEST_CASE("states set from outside are those the next step starts from") {
+TEST_CASE("the next step starts from states set by the program") {
   for (const LawUse& integrator : integrators) {
     Network net;
     net.add_node(point(Vector3::Zero()));
@@ -85,7 +85,7 @@ TEST_CASE("states set from outside are those the next step starts from") {
   }
 }
 
-TEST_CASE("scheduled cuts and windows of force that do not fall on the grid of steps") {
+TEST_CASE("a load window that does not fall on the grid of steps has its exact impulse") {
   for (const LawUse& integrator : integrators) {
     Network net;
     net.add_node(point(Vector3::Zero(), 2.0));
@@ -97,7 +97,7 @@ TEST_CASE("scheduled cuts and windows of force that do not fall on the grid of s
   }
 }
 
-TEST_CASE("the potential energy is that of the present state, whatever changed it") {
+TEST_CASE("the potential energy is that of the present state after every kind of change") {
   Simulation simulation = simulate(oscillator(damped(8.0, 0.0), 2.0, 0.5), single_sweep(), 0.01);
   const auto stretch = [&] { return simulation.position(1)[0] - 1.0; };
   CHECK(simulation.potential_energy() == doctest::Approx(0.5 * 8.0 * 0.25));
@@ -112,7 +112,7 @@ TEST_CASE("the potential energy is that of the present state, whatever changed i
   CHECK(simulation.potential_energy() == doctest::Approx(2.0 * 10.0 * 1.25));
 }
 
-TEST_CASE("nothing that is not there, and no number that is not finite") {
+TEST_CASE("nodes and springs that do not exist, and numbers that are not finite, are refused") {
   Network net;
   net.add_node(point(Vector3::Zero()));
   Simulation simulation = simulate(net, cvode(1e-8), 0.1);

@@ -1,4 +1,4 @@
-// Planes: held where it touched until a reverse force occurs, the same in both integrators.
+// Planes: a node is held where it touched until the force reverses, in all integrators.
 
 #include <doctest/doctest.h>
 
@@ -24,7 +24,7 @@ Network ball(double height, double gravity) {
 
 }  // namespace
 
-TEST_CASE("a falling point is held where it touches, and the floor bears its weight") {
+TEST_CASE("a falling node is held where it touches, and the floor bears its weight") {
   for (const LawUse& integrator : integrators) {
     CAPTURE(integrator.id);
     Network net = ball(0.5, 10.0);
@@ -48,7 +48,7 @@ TEST_CASE("a falling point is held where it touches, and the floor bears its wei
   }
 }
 
-TEST_CASE("held from the start with a force into the floor, released by a reverse force, held again") {
+TEST_CASE("a node pressed into the floor is held from the start, released by a reverse force, and held again") {
   for (const LawUse& integrator : integrators) {
     CAPTURE(integrator.id);
     Network net = ball(0.0, 10.0);
@@ -71,7 +71,7 @@ TEST_CASE("held from the start with a force into the floor, released by a revers
   }
 }
 
-TEST_CASE("a rigid body that falls flat leaves the floor with its coefficient's share of the speed, under every rule") {
+TEST_CASE("a rigid body that falls flat rebounds with the coefficient of restitution, under every rule") {
   for (const double update : {synchronous, wavefront, block, coloured, newton}) {
     CAPTURE(update);
     Network net;
@@ -88,7 +88,7 @@ TEST_CASE("a rigid body that falls flat leaves the floor with its coefficient's 
   }
 }
 
-TEST_CASE("two planes: a point slides into the corner of neither") {
+TEST_CASE("a node sticks to the wall that it meets, and does not slide into the corner") {
   for (const LawUse& integrator : integrators) {
     Network net;
     net.add_node(point({0.2, 0, 1.0}, 1.0, {-1.0, 0, 0}));
@@ -110,7 +110,7 @@ TEST_CASE("a node behind a plane is refused with its number") {
                        Error);
 }
 
-TEST_CASE("a load that comes on presses a resting node down, wherever steps and outputs lie") {
+TEST_CASE("a load that is switched on presses a resting node down, wherever steps and outputs lie") {
   // Two masses on a spring stand on the floor without weight; the upper one is pressed from 0.505 s on.
   Network net;
   net.add_node(point({0, 0, 0}));
@@ -132,14 +132,14 @@ TEST_CASE("a load that comes on presses a resting node down, wherever steps and 
     CHECK(simulation.position(1)[2] ==
           doctest::Approx(0.75).epsilon(1e-5));  // 5 N on 20 N/m, settled for 14 decay times
     CHECK(simulation.reaction(0)[2] == doctest::Approx(5.0).epsilon(1e-4));
-    // Nothing but the start of the load makes the node touch, and it weighs nothing: no impulse. A single sweep has the
-    // forces of the start of its step, so that what it gives lags behind what is told by a step of the reaction.
+    // The node touches only because the load starts, at rest: no impulse. A single sweep uses the forces at the start
+    // of its step, so that its impulses lag behind the reported reaction by one step.
     const double lag = integrator.parameters.contains("sweeps") ? 0.005 * 5.0 : 0.0;
     CHECK(simulation.contact_impulse(0).norm() <= lag + 1e-3);
   }
 }
 
-TEST_CASE("a load on a resting node makes it touch when it comes on") {
+TEST_CASE("a load on a resting node makes it touch at the time of its start") {
   Network net = ball(0.0, 0.0);
   net.add_load({{0}, {0, 0, -1.0}, 1.05});
   for (const double step : {0.5, 0.1, 0.01}) {
@@ -161,14 +161,14 @@ TEST_CASE("pulled off one plane of a corner, a node does not sink into the other
     net.set_gravity({-1, 0, -2});
     net.add_load({{0}, {4.0, 0, 0}, 0.33});
     Simulation simulation = simulate(net, integrator, 0.2);
-    CHECK(simulation.events().size() == 1);  // held by one plane, though it touches two
+    CHECK(simulation.events().size() == 1);  // held by one plane, though it lies on two
     simulation.advance_to(2.0);
     CHECK(simulation.held(0));
     CHECK(std::abs(simulation.position(0)[2]) <= 1e-9);
   }
 }
 
-TEST_CASE("a host lifts a held node, or does not move it; places behind a plane are refused") {
+TEST_CASE("a velocity set by the program lifts a held node or has no effect; positions behind a plane are refused") {
   for (const LawUse& integrator : integrators) {
     CAPTURE(integrator.id);
     Simulation simulation = simulate(ball(0.0, 10.0), integrator, 0.001);
@@ -191,9 +191,9 @@ TEST_CASE("a host lifts a held node, or does not move it; places behind a plane 
   }
 }
 
-TEST_CASE("nodes that would touch if they moved on, and move on if they touched, do not keep a step from settling") {
-  // A damped block is cut loose from another and falls; on the floor dampers decide whether its nodes touch, and
-  // whether they touch decides what the dampers do.
+TEST_CASE("chattering contacts do not keep a step from settling") {
+  // A damped block is cut from another and falls. On the floor, dampers decide whether its nodes touch, and the touch
+  // changes the damper forces.
   constexpr const char* text = R"(
     [simulation]
     duration = 0.9
@@ -242,9 +242,9 @@ TEST_CASE("nodes that would touch if they moved on, and move on if they touched,
   }
 }
 
-// What presses a node of a net against a surface, forty times stiffer than m / h^2 here, says nothing of where
-// it touched. A bar falls aslant without turning, so that its lower end touches right below where it began.
-TEST_CASE("a stiff bar that lands aslant is held where its way led") {
+// The force that presses a node against a surface, here of a spring forty times stiffer than m / h^2, must not move the
+// point of contact. A bar falls at a slant without rotating, so its lower end touches right below its start.
+TEST_CASE("a stiff bar that lands at a slant is held where its path met the floor") {
   for (const double update : {block, coloured, newton}) {
     CAPTURE(update);
     Network net;
@@ -259,8 +259,8 @@ TEST_CASE("a stiff bar that lands aslant is held where its way led") {
       REQUIRE(simulation.time() < 0.07);  // sqrt(2 0.02 / g) is 0.0639 s
       simulation.step();
     }
-    CHECK(simulation.position(0).norm() < 1e-6);  // what sweeps leave of the bar's free fall; forces threw it by 1 cm
-    // The other end goes on down, no farther than it falls in a step, and aside as the length of the bar wants it.
+    CHECK(simulation.position(0).norm() < 1e-6);  // error of the sweeps; the spring force once moved it by 1 cm
+    // The other end falls on for at most a step, and moves sideways so that the bar keeps its length.
     const Vector3 other = simulation.position(1);
     CHECK(std::abs(other.z() - 0.05) < 2 * 0.63 * h);
     CHECK(other.norm() == doctest::Approx(0.05 * std::sqrt(2.0)).epsilon(1e-3));

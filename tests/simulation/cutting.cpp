@@ -21,7 +21,7 @@ TEST_CASE("a segment is cut where it passes through the polygon, not beside it")
   CHECK_FALSE(square.crosses({0.5, 0.5, 1}, {1.5, 0.5, 1}));  // in the plane
 }
 
-TEST_CASE("a polygon that is not convex and stands askew") {
+TEST_CASE("a polygon that is not convex, in an inclined plane") {
   // An L in the plane x = y, seen along x.
   const CuttingPolygon el({{0, 0, 0}, {2, 2, 0}, {2, 2, 1}, {1, 1, 1}, {1, 1, 2}, {0, 0, 2}});
   const Vector3 across(1, -1, 0);
@@ -36,7 +36,7 @@ TEST_CASE("a polygon that is not convex and stands askew") {
   CHECK_FALSE(hit(2.5, 0.5));
 }
 
-TEST_CASE("polygons that cannot cut are refused") {
+TEST_CASE("polygons without area, or not planar, are refused") {
   CHECK_THROWS_AS(CuttingPolygon({{0, 0, 0}, {1, 0, 0}}), Error);
   CHECK_THROWS_AS(CuttingPolygon({{0, 0, 0}, {1, 0, 0}, {2, 0, 0}}), Error);
   CHECK_THROWS_WITH_AS(CuttingPolygon({{0, 0, 0}, {1, 0, 0}, {1, 1, 0.5}, {0, 1, 0}}),

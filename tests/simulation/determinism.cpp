@@ -1,4 +1,4 @@
-// The same bits again, for every number of threads and in every order of simulations.
+// The same bits for every number of threads, and for simulations that run at once.
 
 #include <doctest/doctest.h>
 
@@ -49,7 +49,7 @@ TEST_CASE("bit-identical motion for 1, 2, 3 and 4 threads") {
   }
 }
 
-TEST_CASE("several simulations at once do not know of each other") {
+TEST_CASE("several simulations at once do not affect each other") {
   const Network net = cube(3.0, 2.0, 0.2, 0.081);
   const auto course = [&net](const LawUse& integrator) {
     Simulation simulation = simulate(net, integrator, 0.05);

@@ -1,4 +1,4 @@
-// What a host program relies on.
+// What embedding programs rely on.
 
 #include <doctest/doctest.h>
 
@@ -11,7 +11,7 @@
 using namespace springnet;
 using namespace springnet::testing;
 
-TEST_CASE("positions are read where the engine has them") {
+TEST_CASE("positions are a view of the engine's memory") {
   Simulation simulation = simulate(cube(3.0, 2.0, 0.2, 0.081), single_sweep(), 0.05);
   const ConstNodeMap once = simulation.positions(), again = simulation.positions();
   CHECK(once.data() == again.data());
@@ -21,7 +21,7 @@ TEST_CASE("positions are read where the engine has them") {
   for (NodeIndex k = 0; k < 64; ++k) CHECK(users.col(k) == simulation.position(k));
 }
 
-TEST_CASE("steps lie on the grid of the time step, and the last one ends where it was asked to") {
+TEST_CASE("steps lie on the grid of the time step; the last one ends at the requested time") {
   Simulation simulation = simulate(cube(3.0, 2.0, 0.2, 0.081), single_sweep(), 0.1);
   for (int i = 1; i <= 1000; ++i) simulation.step();
   CHECK(simulation.time() == 1000 * 0.1);  // no error of a thousand additions
@@ -33,7 +33,7 @@ TEST_CASE("steps lie on the grid of the time step, and the last one ends where i
   CHECK(simulation.advance_to(simulation.time()).steps == 0);
 }
 
-TEST_CASE("energy and momentum of a state that can be counted by hand") {
+TEST_CASE("energy and momentum of a small state, by hand") {
   Network net;
   net.add_node(point({0, 0, 1}, 2.0, {1, 0, 0}));
   net.add_node(point({0, 3, 1}, 4.0, {0, 0, 2}));
@@ -47,7 +47,7 @@ TEST_CASE("energy and momentum of a state that can be counted by hand") {
   CHECK(simulation.tension(0) == 8.0);
 }
 
-TEST_CASE("a network without nodes, and a time step that is none") {
+TEST_CASE("a network without nodes, and time steps that are not positive and finite, are refused") {
   CHECK_THROWS_AS(simulate(Network{}, cvode(1e-8), 0.1), Error);
   for (const double step : {0.0, -1.0, std::nan(""), std::numeric_limits<double>::infinity()})
     CHECK_THROWS_AS(simulate(cube(3.0, 2.0, 0.2, 0.081), cvode(1e-8), step), Error);

@@ -1,4 +1,4 @@
-// Numbers at the edge of what they can tell: coordinates far from the origin, time steps longer than what is simulated.
+// Numbers at the limits of their precision: coordinates far from the origin, time steps longer than the simulation.
 
 #include <doctest/doctest.h>
 
@@ -23,7 +23,7 @@ Network pair_at(double origin, double rest_length) {
   return net;
 }
 
-// Empty if the network is taken.
+// The message of refusal; empty if the network is accepted.
 std::string refusal(const Network& net) {
   try {
     simulate(net, single_sweep(), 0.1);
@@ -36,11 +36,11 @@ std::string refusal(const Network& net) {
 
 }  // namespace
 
-TEST_CASE("lengths that are lost to the rounding of coordinates are refused") {
+TEST_CASE("networks whose lengths are lost in the rounding of coordinates are refused") {
   CHECK(has_all(refusal(pair_at(1e20, 1.0)), {"spring 0", "node 0", "node 1", " 1 m", "1e+20 m", "1.6e+04 m"}));
   CHECK(has_all(refusal(pair_at(1e14, 1.0)), {"spring 0", "0.016 m"}));
   CHECK(refusal(pair_at(1e12, 1.0)).empty());
-  // Where only a rest length tells what the distance was.
+  // Only the rest length is lost.
   CHECK(refusal(pair_at(1e12, 1e-3)).find("spring 0") != std::string::npos);
 
   Network area;
@@ -58,7 +58,7 @@ TEST_CASE("lengths that are lost to the rounding of coordinates are refused") {
   CHECK(refusal(near).empty());
 }
 
-TEST_CASE("a time step longer than all that is simulated still simulates it") {
+TEST_CASE("a time step longer than the simulation is shortened to its end") {
   for (const double time_step : {0.02, 1.0, 1e5, 1e9, 1e300}) {
     CAPTURE(time_step);
     const Network net = oscillator(damped(100.0, 0.0), 1.0, 0.1);
@@ -72,7 +72,7 @@ TEST_CASE("a time step longer than all that is simulated still simulates it") {
   }
 }
 
-TEST_CASE("what is only rounding of the times is no step") {
+TEST_CASE("a difference of times within rounding makes no step") {
   Simulation simulation = simulate(oscillator(damped(100.0, 0.0), 1.0, 0.1), recurrent(newton, 1e-9), 0.1);
   simulation.advance_to(3 * 0.1);  // 0.30000000000000004
   CHECK(simulation.steps() == 3);
@@ -91,7 +91,7 @@ TEST_CASE("a cut waits for its time, however long the time step is") {
   CHECK_FALSE(simulation.alive(0));
 }
 
-TEST_CASE("messages tell times as they are meant, and a time that is no number in words") {
+TEST_CASE("times in messages have no rounding error; nan and infinity are spelled out") {
   const auto text_of = [](auto&& act) -> std::string {
     try {
       act();

@@ -1,4 +1,4 @@
-// The parts of the engine, each on a model alone: no engine, no integrator.
+// The parts of the engine, each on a model of its own, without engine and integrator.
 
 #include <doctest/doctest.h>
 
@@ -23,7 +23,7 @@ using namespace springnet::testing;
 
 namespace {
 
-// A model as the engine begins with it.
+// A model as at the start of the engine.
 struct Alone {
   explicit Alone(const Network& net, SimulationOptions options = {.renumber = false})
       : model(net, *plugins(), options), linear(model), topology(model, linear, net.cuts()) {
@@ -54,7 +54,7 @@ struct Columns {
 
 }  // namespace
 
-TEST_CASE("topology: removal records what went, makes the derivatives stale and starts multistep methods afresh") {
+TEST_CASE("topology: removal records events, makes derivatives stale and increases the revision") {
   Network net = chain(5, Vector3::Zero(), {1, 0, 0}, damped(10.0, 1.0));
   net.add_cut({0.5, {1, 2}, {}});
   net.add_cut({0.7, {1}, {}});
@@ -76,13 +76,13 @@ TEST_CASE("topology: removal records what went, makes the derivatives stale and 
   CHECK(model.journal.events()[1].index == 2);
   CHECK(alone.topology.next_cut(0.5) == 0.7);
   model.time = 0.7;
-  alone.topology.perform_due_cuts();  // spring 1 went before
+  alone.topology.perform_due_cuts();  // spring 1 was removed before
   CHECK(model.journal.events().size() == 2);
   CHECK(model.journal.notes().size() == 1);
   CHECK(alone.topology.next_cut(0.7) == std::numeric_limits<double>::infinity());
 }
 
-TEST_CASE("topology: springs break where their margin is used up, at the committed state") {
+TEST_CASE("topology: springs whose margin is used up at the committed state break") {
   Network net;
   const MaterialIndex brittle =
       net.add_material({LawUse{"rupturing", {{"stiffness", 4.0}, {"strength", 2.0}}}, std::nullopt});
@@ -102,8 +102,7 @@ TEST_CASE("topology: springs break where their margin is used up, at the committ
   CHECK(alone.topology.rupturing().count() == 1);
 }
 
-TEST_CASE(
-    "sweep: an evaluation and a sweep see the forces of the springs, and the sweep's weights are kept for the commit") {
+TEST_CASE("sweep: evaluations and sweeps have the forces of the springs, and the commit the weights of the sweep") {
   Network net = oscillator(damped(10.0, 2.0), 0.5, 0.3, 0.7);
   net.set_gravity({0, 0, -1});
   Alone alone(net);
@@ -204,7 +203,7 @@ TEST_CASE("contact events: a node that falls onto a plane is found, stopped, and
   CHECK(value == doctest::Approx(5.0).epsilon(1e-14));
 }
 
-TEST_CASE("contact changes: what lies behind an obstacle unseen is stopped, what nothing presses is not") {
+TEST_CASE("contact changes: a node that got behind an obstacle is stopped, another is not") {
   Network net;
   net.add_node(point({0, 0, 1.0}, 1.0, {0, 0, -1}));
   net.add_node(point({1, 0, 1.0}, 1.0, {0, 0, -1}));
@@ -219,9 +218,9 @@ TEST_CASE("contact changes: what lies behind an obstacle unseen is stopped, what
   CHECK(vector_at(model.state.view.velocity, 1) == Vector3(0, 0, -1));
 }
 
-TEST_CASE("linear model: with a rigid connection under tension it is the derivative of the constrained motion") {
-  // A pendulum of two rods and a spring at its end; directions that the rods allow, and the change of acceleration
-  // along those.
+TEST_CASE("linear model: with rods under tension it is the derivative of the constrained motion") {
+  // A pendulum of two rods with a spring at its end. Directions and changes of acceleration are projected onto the
+  // rods.
   Network net;
   const std::vector<Vector3> places{{0, 0, 0}, {0.6, 0, -0.8}, {0.6, 1.0, -0.8}, {1.5, 1.3, -0.2}};
   for (const Vector3& p : places) net.add_node(point(p, 1.0 + 0.5 * p[0]));
@@ -243,7 +242,7 @@ TEST_CASE("linear model: with a rigid connection under tension it is the derivat
       for (Eigen::Index c = 0; c < 3; ++c) x[c * n + k] = vector_at(place, static_cast<std::uint32_t>(k))[c];
     return x;
   }();
-  // The acceleration at positions that the rods allow: start + s d, put back onto the lengths.
+  // The acceleration at x, projected onto the lengths of the rods.
   const auto acceleration_at = [&](const Eigen::VectorXd& x) {
     Columns position(model.node_count()), velocity(model.node_count()), a(model.node_count());
     for (Eigen::Index i = 0; i < 3 * n; ++i) position.values[static_cast<std::size_t>(i)] = x[i];
@@ -272,7 +271,8 @@ TEST_CASE("linear model: with a rigid connection under tension it is the derivat
   CHECK_FALSE(alone.linear.known());
 }
 
-TEST_CASE("integrator calls: foreign states, times out of the advance and numbers that are not finite are refused") {
+TEST_CASE(
+    "integrator calls: foreign states, times outside of the advance and numbers that are not finite are refused") {
   Network net = oscillator(damped(10.0, 0.0), 1.0, 0.1);
   Alone alone(net);
   Model& model = alone.model;
@@ -288,7 +288,7 @@ TEST_CASE("integrator calls: foreign states, times out of the advance and number
   CHECK_THROWS_AS(calls.check_commit(0.5, state), Error);
   springnet_state foreign{};
   CHECK_THROWS_AS(static_cast<void>(calls.created_state(&foreign)), Error);
-  mine->position.x = nullptr;  // the engine's memory stays where it is, whatever is written here
+  mine->position.x = nullptr;  // the engine does not rely on pointers that the integrator can write
   CHECK(calls.created_state(mine).view.position.x != nullptr);
   model.in_callback = true;
   CHECK_THROWS_AS(static_cast<void>(calls.create_state()), Error);
@@ -303,7 +303,7 @@ TEST_CASE("integrator calls: foreign states, times out of the advance and number
   CHECK(calls.misuse().empty());
 }
 
-TEST_CASE("journal: notes appear once, numbers count, and neither fills the memory") {
+TEST_CASE("journal: notes are kept once, count() adds up, and both are bounded") {
   Journal journal;
   journal.note("once");
   journal.note("once");
@@ -317,7 +317,7 @@ TEST_CASE("journal: notes appear once, numbers count, and neither fills the memo
   }
   CHECK(journal.notes().size() == 200);
   CHECK(journal.numbers().size() == 500);
-  journal.report("touches", 7.0);  // known ones still change
+  journal.report("touches", 7.0);  // known numbers still change
   CHECK(journal.numbers().at("touches") == 7.0);
 }
 

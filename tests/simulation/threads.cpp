@@ -1,5 +1,5 @@
 // The same bits for every number of threads, under every update rule and integrator: with contact, with rigid bodies
-// that cross the units which threads work on, and with elements about a closed surface.
+// that cross the boundaries of units, and with elements and an enclosure.
 
 #include <doctest/doctest.h>
 

@@ -20,14 +20,14 @@ struct Range {
   double largest;
 };
 
-// What sets a limit: the node that moves most in the mode that grows first, and the spring or element that acts on it
-// most, in its shares of w^2 K / m and w D / m at the limit (w: the time constant times theta).
+// What sets a limit: the node that moves most in the mode that grows first, and the spring or element with the greatest
+// share of w^2 K / m and w D / m on it at the limit (w: the time constant times theta).
 struct Bottleneck {
   NodeIndex node;
-  double mass;                        // kg
-  std::optional<SpringIndex> spring;  // of the node's springs that with the greatest share,
-  // or the element with a greater one; neither: the neuron itself. Its stiffness is that of the node's motion along
-  // dq/dp, the other nodes staying.
+  double mass;  // kg
+  // The node's spring with the greatest share, or an element with a greater one; neither: the neuron itself. An
+  // element's stiffness is that of the node's motion along dq/dp with the other nodes fixed.
+  std::optional<SpringIndex> spring;
   std::optional<ElementIndex> element;
   double stiffness;      // N/m
   double damping;        // N s/m
@@ -35,27 +35,27 @@ struct Bottleneck {
   double viscous_share;  // w d / m
 };
 
-// The time step from which on an integrator, or one of its update rules, does not settle or is not stable any more, as
-// the integrator tells it.
+// The time step above which an integrator, or one of its update rules, no longer settles or is no longer stable, as
+// reported by the integrator.
 struct TimeConstantLimit {
   enum class Kind {
     known,     // to about a per cent
     estimate,  // the iteration ended before it was that accurate, as in nets of a million nodes
-    none,      // there is no such time step, or only one thousands of times above those of other rules
+    none,      // there is no such time step, or only one thousands of times that of other rules
     unknown    // a law or neuron cannot be linearised
   };
   std::string integrator;  // id
-  std::string rule;        // as the integrator names it; empty: it has no rules to choose from
+  std::string rule;        // as the integrator names it; empty if it has no rules to choose from
   Kind kind = Kind::unknown;
-  double time_constant = 0.0;  // s; 0 where there is none or it is unknown
+  double time_constant = 0.0;  // s; 0 if there is none or it is unknown
   std::string reason;          // why there is none, or why it is unknown; may be empty
   std::optional<Bottleneck> set_by;
 
-  // Its name: the rule, or the integrator.
+  // The rule, or the integrator if it has no rules.
   [[nodiscard]] const std::string& name() const noexcept { return rule.empty() ? integrator : rule; }
 };
 
-// Nodes that springs, elements and rigid connections join.
+// A connected part of the network: nodes joined by springs, elements and rigid connections.
 struct Part {
   NodeIndex first_node;  // the lowest
   std::size_t nodes = 0;
@@ -63,13 +63,13 @@ struct Part {
   std::size_t fixed_nodes = 0;  // moved ones count as fixed
 };
 
-// A spring that differs from the rest, with what it was compared with.
+// A spring with an unusual value.
 struct UnusualSpring {
   SpringIndex spring;
   NodeIndex first, second;
   double value;
 };
-// Springs over a bound: how many, and the worst of them, at most `listed_at_most`, worst first.
+// Springs above a bound: their number, and the worst of them, at most `listed_at_most`, worst first.
 struct UnusualSprings {
   double median = 0.0;  // of all springs that have such a value
   double bound = 0.0;
@@ -77,7 +77,7 @@ struct UnusualSprings {
   std::vector<UnusualSpring> worst;
 };
 inline constexpr std::size_t listed_at_most = 5;
-// Parts in the JSON and on the terminal.
+// Parts listed in the JSON and on the terminal.
 inline constexpr std::size_t parts_listed_at_most = 10;
 // Springs count as unusual above this many times the median,
 inline constexpr double unusual_factor = 100.0;
@@ -92,37 +92,37 @@ struct Suspicions {
   UnusualSprings elastic_rate;                   // k (1/m1 + 1/m2), 1/s^2; a fixed end adds nothing
   UnusualSprings viscous_rate;                   // d (1/m1 + 1/m2), 1/s
   UnusualSprings strain;                         // |l - l0| / l0, of spring functions with a rest length above 0
-  std::size_t springs_without_direction = 0;     // their ends coincide: no law can push them
+  std::size_t springs_without_direction = 0;     // their ends coincide, so that they exert no force
   std::size_t springs_that_soften = 0;           // the tension falls with the length
   std::vector<NodeIndex> nodes_without_springs;  // the first of them, at most listed_at_most
   std::optional<NodeIndex> lightest, heaviest;   // free nodes, where masses are unusual
 };
 
-// Motions that no spring or element with a spring function and no rigid connection resists, to first order: the null
-// space of the matrix of directions (of elements dq/dp). Springs under tension may resist them all the same.
+// Motions that, to first order, no spring function (of springs or elements) and no rigid connection resists: the null
+// space of the matrix of directions (of elements dq/dp). Springs under tension may still resist them.
 struct Mobility {
-  bool known = false;                  // false: left out, the net is too large
+  bool known = false;                  // false: not computed, the net is too large
   std::size_t mechanisms = 0;          // besides motions as a rigid body
-  std::size_t rigid_body_motions = 0;  // 6 for each part that nothing fixes, 3 for a node by itself, …
-  std::size_t redundant_rigids = 0;    // rigid connections that others make superfluous
+  std::size_t rigid_body_motions = 0;  // 6 for a part without fixed nodes, 3 for a single node, …
+  std::size_t redundant_rigids = 0;    // rigid connections implied by others
   std::size_t springs_under_tension = 0;
   std::size_t springs_under_compression = 0;
 };
 
 struct InspectionOptions {
-  LawUse integrator{"recurrent", {}};  // that of the scene, whose limits come first; others tell theirs by default
-  std::optional<double> time_step{};   // s: that which the scene asks for
+  LawUse integrator{"recurrent", {}};  // of the scene; its limits come first, the others' follow with their defaults
+  std::optional<double> time_step{};   // s: that of the scene
   std::optional<double> duration{};    // s: likewise
-  bool steps_of_its_own = false;       // the integrator divides time steps by an error test, as cvode does
+  bool adaptive_steps = false;         // the integrator divides time steps by an error test, as cvode does
 
-  // The integrator's parameter of that name, 1 without one.
+  // The integrator's parameter theta; 1 if it is not given.
   [[nodiscard]] double theta() const;
 };
 
 // The slowest motion that springs resist, linearised at the start.
 struct Vibration {
   double period;         // s, undamped
-  double damping_ratio;  // 1: critical; above that it does not swing
+  double damping_ratio;  // 1: critical; above 1 there is no oscillation
 };
 // Vibrations with a damping ratio below this should be resolved by time steps,
 inline constexpr double damped_out = 0.5;
@@ -133,14 +133,14 @@ inline constexpr double steps_a_period = 10.0;
 struct Hint {
   enum class Kind { size, mass, density, gravity, start, fall, time_step, kinks };
   Kind kind;
-  std::string text;  // sentences: what was found, with its numbers, and what to do
+  std::string text;  // sentences: the finding, with its numbers, and what to do
 };
 [[nodiscard]] std::string_view name_of(Hint::Kind kind) noexcept;  // "size", …, "time step", "kinks"
 
 struct Inspection {
   std::size_t nodes = 0, springs = 0, bodies = 0, fixed_nodes = 0, planes = 0, loads = 0, cuts = 0;
   std::size_t rigids = 0, instruments = 0;
-  std::size_t moved_nodes = 0;                             // by a motion of the scene; they count as fixed as well
+  std::size_t moved_nodes = 0;                             // by a motion of the scene; counted in fixed_nodes as well
   std::map<std::string, std::size_t> spring_functions;     // springs by id; "none": viscous connections
   std::map<std::string, std::size_t> viscosity_functions;  // springs by id; "none": undamped springs
   std::map<std::string, std::size_t> neurons;              // nodes by id
@@ -158,23 +158,23 @@ struct Inspection {
 
   std::vector<Part> parts;                // by falling number of nodes, then rising first node
   std::size_t nodes_without_springs = 0;  // nor elements nor rigid connections; each is a part
-  double memory_bytes = 0.0;              // about what a run in the recurrent integrator takes in all
+  double memory_bytes = 0.0;              // estimate for a run with the recurrent integrator
 
   InspectionOptions options;
-  std::vector<TimeConstantLimit> limits;  // of every installed integrator that tells any, rule by rule
+  std::vector<TimeConstantLimit> limits;  // of every installed integrator that reports any, rule by rule
   std::string unknown_because;            // why limits are unknown; else empty
-  // s: up to here the equation of a time step, linearised at the start, has one solution; springs that push or soften
-  // make it have several beyond (buckling). Empty: one for every time step, or not known.
+  // s: up to this time constant the equation of a step, linearised at the start, has a unique solution; beyond, springs
+  // that push or soften give several (buckling). Empty: unique for every time step, or unknown.
   std::optional<double> unique_time_constant;
 
   Mobility mobility;
-  // Empty where a law cannot be linearised, nothing swings, there are rigid connections, enclosed volumes, many
-  // mechanisms or compressed springs that buckle, or the net is too large.
+  // Empty if a law cannot be linearised, nothing vibrates, the net is too large, or there are rigid connections,
+  // enclosed volumes, many mechanisms or compressed springs that buckle.
   std::optional<Vibration> slowest;
   Suspicions suspicions;
   std::vector<Hint> hints;
 
-  // By name(). Throws Error(input) if no integrator has one of that name.
+  // The limit with this name(). Throws Error(input) if there is none.
   [[nodiscard]] const TimeConstantLimit& limit(std::string_view name) const;
 };
 

@@ -35,7 +35,7 @@ struct StepReport {
   double force_difference = 0.0;       // N; nan if not compared: exactly one sweep was requested
   double residual = 0.0;               // N; nan if not evaluated
   NodeIndex node = 0;                  // with the greatest force difference
-  std::int64_t start_node = -1;        // where the last sweep started; -1: it has no start
+  std::int64_t start_node = -1;        // where the last sweep started; -1: the rule has no start node
   std::uint64_t substeps = 0;          // smaller steps made in place of time steps that did not settle
   std::uint64_t stages = 0;            // smaller time constants passed on the way to the full one
 };
@@ -49,7 +49,7 @@ struct Event {
   // Spring or element (cut, ruptured) or node (touched, released, jammed; slipped, stuck: Coulomb friction).
   std::uint32_t index;
   bool element = false;  // cut or ruptured (by its own law or with a spring between its nodes): `index` is an element
-  // For a node: the surface (planes, then instruments; -1: not known), and its impulse on the node, N s.
+  // For a node: the surface (planes, then instruments; -1: unknown), and its impulse on the node, N s.
   std::int32_t surface = -1;
   Vector3 impulse = Vector3::Zero();
 };
@@ -120,7 +120,7 @@ class Simulation {
   // Contact impulses, N s: total so far of those by surfaces on the node, and by nodes on the surface. They account for
   // velocity jumps at impacts. In the recurrent network they also contain the difference, of the order of the step,
   // between the momentum transferred in a step and the reactions reported at its ends, so that momentum balances; for a
-  // fixed or moved node that of the force that holds it.
+  // fixed or moved node likewise, with the force that holds it.
   [[nodiscard]] Vector3 contact_impulse(NodeIndex node) const;
   [[nodiscard]] Vector3 surface_impulse(std::size_t surface) const;
   // The surfaces that the node is in contact with.

@@ -105,11 +105,10 @@ int Equations::correction(double time, N_Vector y, N_Vector correction) noexcept
   return status != 0 || is_small(y, correction) ? status : 1;
 }
 
-// A step satisfies the constraints up to its error. A large correction means that the step went past the end of a
-// smooth piece of a surface, such as the edge of a box's face: its course is then unknown, since the error test sees
-// only its end.
+// A step satisfies the constraints up to its error. A large correction means that the step left a smooth part of a
+// surface, for example past the edge of a box's face. Its path is then unknown, since the error test sees only its end.
 bool Equations::is_small(N_Vector y, N_Vector correction) const noexcept {
-  constexpr double far = 100.0;  // tolerances
+  constexpr double max_correction = 100.0;  // tolerances
   const std::size_t n = node_count();
   const double *v = data(y) + 3 * n, *change = data(correction);
   double sum = 0.0;
@@ -118,7 +117,7 @@ bool Equations::is_small(N_Vector y, N_Vector correction) const noexcept {
     const double velocity = change[3 * n + i] / (tolerances_.relative * std::abs(v[i]) + tolerances_.velocity);
     sum += position * position + velocity * velocity;
   }
-  return sum <= far * far * 6.0 * static_cast<double>(n);
+  return sum <= max_correction * max_correction * 6.0 * static_cast<double>(n);
 }
 
 bool Equations::bound() const {

@@ -72,7 +72,7 @@ class Equations {
 
  private:
   [[nodiscard]] springnet_evaluation at(double time, N_Vector y) const noexcept;
-  // Whether a correction is within what a step's error may leave.
+  // Whether a correction is as small as the error of a step explains.
   [[nodiscard]] bool is_small(N_Vector y, N_Vector correction) const noexcept;
   template <class Body>
   int guarded(const Body& body) noexcept;

@@ -22,7 +22,8 @@ std::string failure_text(const FailureFacts& facts, const Settings& settings) {
            << " s long). Look at what moves, holds or pulls the nodes at that time";
       break;
     case CV_TOO_MUCH_ACC:
-      text << "the tolerances are finer than the rounding of the numbers. Raise relative_tolerance, position_tolerance "
+      text << "the tolerances are finer than the rounding error of the numbers. Raise relative_tolerance, "
+              "position_tolerance "
               "or velocity_tolerance, or move the network nearer to the origin";
       break;
     case CV_ERR_FAILURE:
@@ -61,7 +62,7 @@ std::string failure_text(const FailureFacts& facts, const Settings& settings) {
            << ")";
       return text.str();
   }
-  if (!facts.reason.empty()) text << ". The last thing that failed: " << facts.reason;
+  if (!facts.reason.empty()) text << ". The last failure: " << facts.reason;
   return text.str();
 }
 

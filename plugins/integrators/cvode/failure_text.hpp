@@ -7,7 +7,7 @@
 
 namespace springnet::cvode {
 
-// In addition to CVODE's flags: many steps without advance of the time.
+// A flag of our own beside CVODE's: many steps do not advance the time.
 inline constexpr int creeping = -1000;
 
 struct FailureFacts {

@@ -13,31 +13,31 @@
 namespace springnet::cvode {
 namespace {
 
-// Up to this many nodes a factorisation costs about as much as iterations and is safe for any stiffness. Above it the
-// factorisation grows faster: 3 times the cost at 500 nodes, 5 times at 1300, measured on lattices of stiff springs.
-constexpr std::size_t most_nodes_direct = 300;
-// Each failure shortens a step by up to a factor of ten: enough to find any step length.
-constexpr int most_shortenings = 20;
-// More events at one time are not a chain of ruptures or contacts but a chattering contact.
-constexpr std::uint64_t few_events_at_once = 16;
+// Up to this many nodes a factorisation costs about as much as iterations, and copes with any stiffness. Beyond, its
+// cost grows faster: 3 times that of iterations at 500 nodes, 5 times at 1300, measured on lattices of stiff springs.
+constexpr std::size_t max_nodes_direct = 300;
+// Each failure shortens the step by up to a factor of ten, so that any step length is found.
+constexpr int max_shortenings = 20;
+// More events at one time, beyond one of each kind, are a chattering contact, not a chain of ruptures or contacts.
+constexpr std::uint64_t max_events_at_once = 16;
 
-// Whether times differ by at most so many roundings.
+// Whether two times differ by at most this many roundings.
 bool same_time(double a, double b, double roundings) noexcept {
   return std::abs(b - a) <= roundings * std::numeric_limits<double>::epsilon() * std::max(std::abs(a), std::abs(b));
 }
-constexpr double shortest_step = 16.0;    // CVODE cannot step between closer times
-constexpr double root_accuracy = 1000.0;  // it locates roots to 100 roundings of the time and the step
+constexpr double shortest_step = 16.0;    // roundings: CVODE cannot step between closer times
+constexpr double root_accuracy = 1000.0;  // roundings: CVODE locates roots to 100 of the time and of the step
 
-// Uncertainty of positions between the ends of a step, in tolerances.
-constexpr double uncertain = 10.0;
+// Uncertainty of positions between the ends of a step, in units of the position tolerance.
+constexpr double position_uncertainty = 10.0;
 
-// Internal steps between checks that each advances the time by more than its rounding.
-constexpr long steps_worth_a_look = 500;
-// Each failure makes the step four times shorter, until a step past the end of a face ends at it.
-constexpr int most_projection_failures = 40;
+// Internal steps between checks that the time still advances by more than its rounding.
+constexpr long steps_per_check = 500;
+// Each failure makes the step four times shorter, so that a step past the edge of a face finally ends at the edge.
+constexpr int max_projection_failures = 40;
 
-// A network without springs or without motion may have no scale.
-double or_one(double scale) noexcept { return scale > 0.0 && std::isfinite(scale) ? scale : 1.0; }
+// Networks without springs or motion may have no scale.
+double positive_or_one(double scale) noexcept { return scale > 0.0 && std::isfinite(scale) ? scale : 1.0; }
 
 Callbacks& callbacks_of(void* user_data) noexcept { return *static_cast<Callbacks*>(user_data); }
 
@@ -90,19 +90,19 @@ ReferenceIntegrator::ReferenceIntegrator(const sdk::Host& host, const Settings& 
 LinearSolverKind ReferenceIntegrator::linear_solver() const {
   if (settings_.linear_solver != LinearSolverKind::automatic) return settings_.linear_solver;
   if (settings_.method == Method::adams) return LinearSolverKind::none;
-  return equations_.node_count() <= most_nodes_direct ? LinearSolverKind::direct : LinearSolverKind::krylov;
+  return equations_.node_count() <= max_nodes_direct ? LinearSolverKind::direct : LinearSolverKind::krylov;
 }
 
 void ReferenceIntegrator::check(int status) const {
   if (status < 0) throw sdk::Failure("cvode: " + context_.last_error());
 }
 
-// SUNDIALS 6 does not check for failed allocation of vectors (N_VClone), so allocate all of them once beforehand.
+// SUNDIALS 6 does not check whether vectors could be allocated (N_VClone), so allocate as many once beforehand.
 void ReferenceIntegrator::require_memory() const {
   // 13 for the orders of Adams, weights, corrections, and those of the fixed-point solver.
-  constexpr std::size_t of_cvode = 30;
-  constexpr std::size_t of_krylov = 46;
-  std::vector<Vector> vectors(of_cvode + (linear_solver() == LinearSolverKind::krylov ? of_krylov : 0));
+  constexpr std::size_t vectors_of_cvode = 30;
+  constexpr std::size_t vectors_of_krylov = 46;
+  std::vector<Vector> vectors(vectors_of_cvode + (linear_solver() == LinearSolverKind::krylov ? vectors_of_krylov : 0));
   const auto size = static_cast<sunindextype>(6 * equations_.node_count());
   for (Vector& vector : vectors) vector = make_vector(size, context_);
 }
@@ -130,9 +130,9 @@ void ReferenceIntegrator::create(double time) {
   }
   if (settings_.max_order > 0) check(CVodeSetMaxOrd(memory, settings_.max_order));
   if (settings_.max_step > 0.0) check(CVodeSetMaxStep(memory, settings_.max_step));
-  check(CVodeSetMaxErrTestFails(memory, most_shortenings));
-  // Suppress CVODE's only warnings, which SUNDIALS 7 would print: steps below the rounding of the time, and events that
-  // are 0 at the start.
+  check(CVodeSetMaxErrTestFails(memory, max_shortenings));
+  // Suppress the only warnings of CVODE, which SUNDIALS 7 would print: steps below the rounding of the time, and events
+  // that are 0 at the start.
   check(CVodeSetMaxHnilWarns(memory, -1));
   check(CVodeSetNoInactiveRootWarn(memory));
   memory_ = std::move(created);
@@ -141,7 +141,7 @@ void ReferenceIntegrator::create(double time) {
 void ReferenceIntegrator::restart(double time, const springnet_state& state, double stop) {
   const springnet_network& network = host_.network();
   if (network.internal_count != 0) {
-    throw sdk::Failure("cvode does not integrate laws with internal state; use laws without, or another integrator");
+    throw sdk::Failure("cvode does not integrate laws with internal state; use other laws or another integrator");
   }
   const std::size_t n = network.node_count;
   if (!y_) {
@@ -156,8 +156,8 @@ void ReferenceIntegrator::restart(double time, const springnet_state& state, dou
 
   const double relative = settings_.relative_tolerance;
   const double position = settings_.position_tolerance, velocity = settings_.velocity_tolerance;
-  equations_.set_tolerances({relative, position > 0.0 ? position : relative * or_one(network.length_scale),
-                             velocity > 0.0 ? velocity : relative * or_one(network.velocity_scale)});
+  equations_.set_tolerances({relative, position > 0.0 ? position : relative * positive_or_one(network.length_scale),
+                             velocity > 0.0 ? velocity : relative * positive_or_one(network.velocity_scale)});
   if (!memory_) {
     create(time);
   } else {
@@ -169,7 +169,7 @@ void ReferenceIntegrator::restart(double time, const springnet_state& state, dou
   check(CVodeSetInitStep(memory_.get(), first_step(time, stop)));
   watch_events(time);
   impact_.reset();
-  looked_until_ = restart_time_ = time;
+  searched_until_ = restart_time_ = time;
   revision_ = network.revision;
   restart_ = false;
 }
@@ -177,8 +177,8 @@ void ReferenceIntegrator::restart(double time, const springnet_state& state, dou
 // Accelerations satisfy the constraints up to the integration error; the projection after each step removes it. CVODE
 // has a projection for BDF only.
 void ReferenceIntegrator::bind(const springnet_network& network) {
-  // The stiffness of friction changes with the slip by orders of magnitude within a few steps. With the greater
-  // stiffness of an earlier state, corrections are so small that they seem converged.
+  // The stiffness of friction may change by orders of magnitude within a few steps. With the greater stiffness of an
+  // earlier state, Newton's corrections would be so small that they seem converged.
   if (linear_solver() != LinearSolverKind::none) {
     const bool slides = equations_.slides();
     check(CVodeSetLSetupFrequency(memory_.get(), slides ? 1 : 0));
@@ -192,41 +192,41 @@ void ReferenceIntegrator::bind(const springnet_network& network) {
   const bool bound = equations_.bound();
   if (bound && !projects_) {
     check(CVodeSetProjFn(memory_.get(), &correction));
-    // Test the error before the projection, as errors are those of nodes, not of constraints.
+    // Test the error before the projection: the tolerances are meant for nodes, not for constraints.
     check(CVodeSetProjErrEst(memory_.get(), SUNFALSE));
     check(CVodeSetEpsProj(memory_.get(), 0.1));
-    check(CVodeSetMaxNumProjFails(memory_.get(), most_projection_failures));
+    check(CVodeSetMaxNumProjFails(memory_.get(), max_projection_failures));
   }
   if (bound || projects_) check(CVodeSetProjFrequency(memory_.get(), bound ? 1 : 0));
   projects_ = projects_ || bound;
 }
 
-// First step: its second-order term h^2/2 y'' is a quarter of the tolerance. CVODE's own choice depends on the time of
-// the first output; with this one outputs do not influence the solution.
+// First step: its second-order term h^2/2 y'' is a quarter of the tolerance. CVODE's own choice would depend on the
+// time of the first output; outputs must not influence the solution.
 double ReferenceIntegrator::first_step(double time, double stop) {
   const springnet_network& network = host_.network();
-  const double longest = 0.1 * or_one(network.length_scale) / or_one(network.velocity_scale);
+  const double longest = 0.1 * positive_or_one(network.length_scale) / positive_or_one(network.velocity_scale);
   N_Vector y = y_.get(), rate = rate_.get(), weights = probe_rate_.get();
   if (const int status = equations_.right_side(time, y, rate); status != 0) {
     fail(status > 0 ? CV_FIRST_RHSFUNC_ERR : CV_RHSFUNC_FAIL, time);
   }
   equations_.error_weights(y, weights);
-  const double speed = N_VWrmsNorm(rate, weights);  // tolerances a second
+  const double speed = N_VWrmsNorm(rate, weights);  // tolerances per second
   // y'' from the change of y' over a probe step that changes y by the tolerance.
   const double probe = std::min({longest, stop - time, 1.0 / speed});
   N_VLinearSum(1.0, y, probe, rate, probe_.get());
   if (equations_.right_side(time + probe, probe_.get(), probe_rate_.get()) != 0) return 0.01 * probe;
   N_VLinearSum(1.0, probe_rate_.get(), -1.0, rate, rate);
   equations_.error_weights(y, weights);
-  const double curvature = N_VWrmsNorm(rate, weights) / probe;  // tolerances a second squared
+  const double curvature = N_VWrmsNorm(rate, weights) / probe;  // tolerances per second squared
   return std::min(longest, std::sqrt(0.5 / curvature));
 }
 
 void ReferenceIntegrator::watch_events(double time) {
   const std::uint32_t count = host_.network().event_count;
   std::vector<std::int32_t>& directions = equations_.event_directions();
-  // Initialise anew each time: CVODE deactivates a root that was 0 at the start, but its index may belong to another
-  // event now.
+  // Initialise anew each time: CVODE deactivates roots that were 0 at the start, but their indices may belong to other
+  // events now.
   check(CVodeRootInit(memory_.get(), 0, nullptr));
   if (count > 0) check(CVodeRootInit(memory_.get(), static_cast<int>(count), &event_values));
   if (count != directions.size()) {
@@ -239,8 +239,8 @@ void ReferenceIntegrator::watch_events(double time) {
   check(CVodeSetRootDirection(memory_.get(), directions.data()));
 }
 
-// Release is a force that rises through 0. A switched load or a cut makes it jump past 0, and CVODE would wait for a
-// crossing in vain. (Gaps and rupture margins do not jump.)
+// The event function of a release is a force that rises through 0. If a switched load or a cut makes it jump past 0,
+// CVODE would wait for a crossing in vain. (Gaps and rupture margins do not jump.)
 bool ReferenceIntegrator::mark_past_events() noexcept {
   bool any = false;
   const std::vector<std::int32_t>& directions = equations_.event_directions();
@@ -254,7 +254,7 @@ bool ReferenceIntegrator::mark_past_events() noexcept {
 void ReferenceIntegrator::advance(double until, springnet_step_report& report) {
   const std::uint64_t evaluations_before = equations_.work().evaluations;
   steps_before_ = internal_steps();
-  const auto tell = [&](std::int32_t outcome) {
+  const auto fill_report = [&](std::int32_t outcome) {
     report.outcome = outcome;
     report.steps = static_cast<std::uint64_t>(internal_steps() - steps_before_);
     report.sweeps = equations_.work().evaluations - evaluations_before;
@@ -268,11 +268,11 @@ void ReferenceIntegrator::advance(double until, springnet_step_report& report) {
     while (host_.committed().time < until) step_towards(until);
   } catch (const sdk::Failure& failure) {
     restart_ = true;  // CVODE's history is no longer valid
-    tell(SPRINGNET_DIVERGING);
+    fill_report(SPRINGNET_DIVERGING);
     if (failure.recoverable()) throw sdk::Failure(failure.what());
     throw;
   }
-  tell(SPRINGNET_SETTLED);
+  fill_report(SPRINGNET_SETTLED);
 }
 
 void ReferenceIntegrator::step_towards(double until) {
@@ -318,26 +318,26 @@ void ReferenceIntegrator::step_towards(double until) {
 double ReferenceIntegrator::solve_until(double target, bool& event) {
   double reached = host_.committed().time;
   // In parts, to check that the time advances.
-  for (long left = settings_.max_steps - (internal_steps() - steps_before_); left > 0; left -= steps_worth_a_look) {
+  for (long left = settings_.max_steps - (internal_steps() - steps_before_); left > 0; left -= steps_per_check) {
     const double before = reached;
-    if (steps_reach(target, std::min(left, steps_worth_a_look), reached, event)) return reached;
+    if (steps_reach(target, std::min(left, steps_per_check), reached, event)) return reached;
     const double rounding = std::numeric_limits<double>::epsilon() * std::max(std::abs(reached), std::abs(target));
-    if (reached - before <= static_cast<double>(steps_worth_a_look) * rounding) fail(creeping, reached);
+    if (reached - before <= static_cast<double>(steps_per_check) * rounding) fail(creeping, reached);
   }
   fail(CV_TOO_MUCH_WORK, reached);
 }
 
-bool ReferenceIntegrator::steps_reach(double target, long most, double& reached, bool& event) {
+bool ReferenceIntegrator::steps_reach(double target, long max_steps, double& reached, bool& event) {
   void* memory = memory_.get();
-  const bool looks = host_.network().surface_count > 0;
-  // Single steps if each is searched for impacts.
-  check(CVodeSetMaxNumSteps(memory, looks ? 1 : most));
-  for (long done = 0; done < most; done += looks ? 1 : most) {
-    // First the rest of the last step, after an output.
-    if (looks) look_for_impact(target);
+  const bool searches = host_.network().surface_count > 0;
+  // One step at a time if each is searched for impacts.
+  check(CVodeSetMaxNumSteps(memory, searches ? 1 : max_steps));
+  for (long done = 0; done < max_steps; done += searches ? 1 : max_steps) {
+    // After an output, search the rest of the last step first.
+    if (searches) search_for_impact(target);
     const int flag = CVode(memory, impact_ ? std::min(target, *impact_) : target, y_.get(), &reached, CV_NORMAL);
     if (flag < 0 && flag != CV_TOO_MUCH_WORK) fail(flag, reached);
-    if (looks) look_for_impact(target);
+    if (searches) search_for_impact(target);
     // A root at the same time marks further events.
     const bool is_root = flag == CV_ROOT_RETURN && impact_ && same_time(*impact_, reached, root_accuracy);
     if (impact_ && *impact_ <= reached && !is_root) {
@@ -357,15 +357,15 @@ bool ReferenceIntegrator::steps_reach(double target, long most, double& reached,
   return false;
 }
 
-void ReferenceIntegrator::look_for_impact(double until) {
+void ReferenceIntegrator::search_for_impact(double until) {
   double end = 0.0, length = 0.0;
   check(CVodeGetCurrentTime(memory_.get(), &end));
   check(CVodeGetLastStep(memory_.get(), &length));
-  const sdk::Host::Span part{looked_until_, std::min(end, until)};
+  const sdk::Host::Span part{searched_until_, std::min(end, until)};
   if (impact_ || part.until <= part.from) return;
-  looked_until_ = part.until;
+  searched_until_ = part.until;
   const std::size_t n = host_.network().node_count;
-  const double depth = uncertain * equations_.tolerances().position;
+  const double depth = position_uncertainty * equations_.tolerances().position;
   const auto write = [&](double time, const springnet_vectors& position, const springnet_vectors& velocity) {
     check(CVodeGetDky(memory_.get(), time, 0, probe_.get()));
     unpack(data(probe_.get()), position, velocity, n);
@@ -379,11 +379,11 @@ void ReferenceIntegrator::interpolate(double time) { check(CVodeGetDky(memory_.g
 void ReferenceIntegrator::fire_events(double time) {
   events_at_once_ = same_time(time, last_event_time_, root_accuracy) ? events_at_once_ + 1 : 0;
   last_event_time_ = time;
-  if (events_at_once_ > few_events_at_once + fired_.size()) {
+  if (events_at_once_ > max_events_at_once + fired_.size()) {
     std::ostringstream text;
     text.precision(9);
-    text << "cvode stopped at t = " << time << " s: contacts, releases and ruptures follow each other without time "
-         << "going on. Look at what holds and pulls the nodes in contact then";
+    text << "cvode stopped at t = " << time << " s: contacts, releases and ruptures repeat without end at this time. "
+         << "Look at what holds and pulls the nodes in contact then";
     throw sdk::Failure(text.str());
   }
   host_.fire_events(time, *state_, fired_.data());

@@ -1,4 +1,4 @@
-// CVODE (SUNDIALS) on the network's equations of motion: variable order, variable step, errors below given tolerances.
+// CVODE (SUNDIALS) for the network's equations of motion: variable order and step, local errors below given tolerances.
 // The reference for other integrators.
 #pragma once
 
@@ -41,10 +41,10 @@ class ReferenceIntegrator {
   // Integrates to a time, a root, or a touch between roots, whichever is first; y_ is the state there. Returns that
   // time; `event`: whether there is an event, marked in fired_.
   double solve_until(double target, bool& event);
-  // The same with at most `most` steps; false if they do not get there.
-  [[nodiscard]] bool steps_reach(double target, long most, double& reached, bool& event);
-  // Finds the first touch within the last step, up to a time: roots show only touches that are visible at its ends.
-  void look_for_impact(double until);
+  // The same with at most `max_steps` steps; false if they do not get that far.
+  [[nodiscard]] bool steps_reach(double target, long max_steps, double& reached, bool& event);
+  // Finds the first touch within the last step, up to `until`: roots show only touches visible at the ends of a step.
+  void search_for_impact(double until);
   // Sets y_ to the state at a time within the last step.
   void interpolate(double time);
   [[nodiscard]] bool mark_past_events() noexcept;
@@ -64,16 +64,16 @@ class ReferenceIntegrator {
   NonlinearSolver fixed_point_;
   Vector y_;
   Vector rate_, probe_, probe_rate_;  // of first_step
-  Memory memory_;                     // declared after everything that it points to
+  Memory memory_;                     // destroyed before everything that it points to
   sdk::State state_;
 
   bool restart_ = true;
   bool projects_ = false;             // CVODE's projection is active: the motion is constrained
   std::uint64_t revision_ = 0;        // of the network when CVODE was started
-  std::vector<double> event_values_;  // of the events that CVODE looks for
-  std::vector<std::int32_t> fired_;   // 1: this one
-  std::optional<double> impact_;      // s: a node touches in the last step
-  double looked_until_ = 0.0;         // s: up to here none does
+  std::vector<double> event_values_;  // of the events that CVODE searches for
+  std::vector<std::int32_t> fired_;   // 1: the event occurred
+  std::optional<double> impact_;      // s: first touch in the last step
+  double searched_until_ = 0.0;       // s: no touch up to here
   double restart_time_ = 0.0;         // s
   double last_event_time_;            // s
   std::uint64_t events_at_once_ = 0;

@@ -75,13 +75,13 @@ class Direct final : public NewtonSystem {
 class Krylov final : public NewtonSystem {
  public:
   // Enough for block Jacobi on a lattice at the steps that the default tolerance allows; 6 node_count numbers each.
-  static constexpr int most_vectors = 40;
+  static constexpr int max_vectors = 40;
 
   Krylov(void* memory, N_Vector y, Equations& equations, const Context& context)
       : equations_(equations),
         coupling_(9 * equations.node_count()),
         inverse_(9 * equations.node_count()),
-        solver_(SUNLinSol_SPGMR(y, SUN_PREC_RIGHT, most_vectors, context.get())) {
+        solver_(SUNLinSol_SPGMR(y, SUN_PREC_RIGHT, max_vectors, context.get())) {
     if (!solver_ || CVodeSetLinearSolver(memory, solver_.get(), nullptr) != 0 ||
         CVodeSetJacTimes(memory, nullptr, &Krylov::jacobian_times) != 0 ||
         CVodeSetPreconditioner(memory, &Krylov::set_up, &Krylov::precondition) != 0) {

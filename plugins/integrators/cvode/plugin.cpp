@@ -36,10 +36,7 @@ class Cvode : public Integrator {
           .at_least(0)
           .at_most(12),
       number("max_step", "s", "longest internal step; 0: no limit").preset(0).at_least(0),
-      integer("max_steps", "internal steps between two outputs after which it gives up")
-          .preset(100000)
-          .at_least(1)
-          .at_most(1e9)};
+      integer("max_steps", "internal steps between two outputs at most").preset(100000).at_least(1).at_most(1e9)};
 
   Cvode(Host host, Options options) : integrator_(host, read(options)) {}
 
@@ -48,9 +45,7 @@ class Cvode : public Integrator {
     return SPRINGNET_OK;
   }
 
-  void limits(const LimitSink& sink) {
-    sink.none("", "steps within a time step are its own, as long as its tolerances allow");
-  }
+  void limits(const LimitSink& sink) { sink.none("", "it divides time steps by its error test"); }
 
  private:
   static Settings read(const Options& options) {

@@ -12,9 +12,9 @@ namespace {
 
 // Up to this share of the critical weight synchronous propagation settles within some tens of sweeps.
 constexpr double synchronous_share = 0.75;
-// Fewest steps between estimates, unless a step failed.
-constexpr std::uint64_t least_steps = 32;
-constexpr std::uint64_t most_patience = 1024;  // steps
+// Steps between estimates at least, unless a step failed.
+constexpr std::uint64_t min_steps = 32;
+constexpr std::uint64_t max_patience = 1024;  // steps
 
 }  // namespace
 
@@ -31,7 +31,7 @@ Update Automatic::choose(const Workspace& workspace, const Step& step) {
     --kept_;
     return kept_rule_;
   }
-  const bool changed = step.network.revision != revision_ && steps_ >= least_steps;
+  const bool changed = step.network.revision != revision_ && steps_ >= min_steps;
   // Steps of equal length differ by the rounding of their ends.
   const bool same_step = std::abs(step.time_constant - time_constant_) <= 1e-6 * time_constant_;
   if (!chosen_ || changed || !same_step) estimate(workspace, step);
@@ -58,11 +58,11 @@ void Automatic::estimate(const Workspace& workspace, const Step& step) {
   if (noted_ == chosen_) return;
   noted_ = chosen_;
   if (std::isinf(weight_)) {
-    // As with masses without springs: a ratio and a limit would be meaningless.
+    // Masses without springs, for example: a ratio and a limit would be meaningless.
     workspace.host.note("update rule synchronous: no stiffness and no damping limits the time step");
     return;
   }
-  // Two digits, but whole if it is large: 2098, not 2.1e+03.
+  // Two digits, but large ratios as whole numbers: 2098, not 2.1e+03.
   const double exact = step.weight() / weight_;
   const double ratio = exact < 99.5 ? exact : std::round(std::min(exact, 1e12));
   const int digits = exact < 99.5 ? 2 : 1 + static_cast<int>(std::log10(ratio));
@@ -84,7 +84,7 @@ void Automatic::escalated(const Workspace& workspace, Update chosen, Update need
   chosen_.reset();
   kept_rule_ = needed;
   kept_ = patience_;
-  patience_ = std::min(2 * patience_, most_patience);
+  patience_ = std::min(2 * patience_, max_patience);
 }
 
 }  // namespace springnet::recurrent

@@ -1,4 +1,4 @@
-// Choice of the update rule if a scene names none.
+// Chooses the update rule if a scene names none.
 #pragma once
 
 #include <cstdint>
@@ -27,7 +27,7 @@ class Automatic {
   std::uint64_t revision_ = 0;   // of the network at the estimate
   std::uint64_t steps_ = 0;      // since the estimate
   std::optional<Update> noted_;  // the rule in the last note
-  std::uint64_t patience_ = 16;  // steps that another rule is kept after a failure
+  std::uint64_t patience_ = 16;  // steps for which another rule is kept after a failure
   Update kept_rule_ = Update::newton;
   std::uint64_t kept_ = 0;  // steps left of them
   double escalations_ = 0.0;

@@ -13,13 +13,13 @@ using Block = Eigen::Matrix<double, 3, 3, Eigen::RowMajor>;
 using Vector = Eigen::Vector3d;
 
 // Eigenvalues of B below this count as zero or negative. The mass contributes 1.
-constexpr double least_eigenvalue = 0.05;
-// A step is too long if the slope at its end is reversed and at least this part of that at its start.
+constexpr double min_eigenvalue = 0.05;
+// A step is too long if the slope at its end has the opposite sign and at least this share of the start's magnitude.
 constexpr double overshoot = 0.5;
-constexpr int most_halvings = 4;
+constexpr int max_halvings = 4;
 
 bool is_definite(const Block& symmetric) {
-  const Block s = symmetric - least_eigenvalue * Block::Identity();
+  const Block s = symmetric - min_eigenvalue * Block::Identity();
   return s(0, 0) > 0.0 && s(0, 0) * s(1, 1) - s(0, 1) * s(1, 0) > 0.0 && s.determinant() > 0.0;
 }
 
@@ -27,7 +27,7 @@ bool is_definite(const Block& symmetric) {
 // step.
 Block made_definite(const Block& symmetric) {
   const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> modes(symmetric);
-  const Vector values = modes.eigenvalues().cwiseAbs().cwiseMax(least_eigenvalue);
+  const Vector values = modes.eigenvalues().cwiseAbs().cwiseMax(min_eigenvalue);
   return modes.eigenvectors() * values.asDiagonal() * modes.eigenvectors().transpose();
 }
 
@@ -129,7 +129,7 @@ void BlockUpdate::search(std::uint32_t node, const Vector& start, const Vector& 
   const double slope = residual.dot(direction);
   if (!(slope < 0.0)) return;
   double share = 1.0;
-  for (int halving = 0; halving < most_halvings; ++halving) {
+  for (int halving = 0; halving < max_halvings; ++halving) {
     const Vector u = start + share * direction;
     double end = std::numeric_limits<double>::infinity();
     try {

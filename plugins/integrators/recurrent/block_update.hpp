@@ -7,7 +7,7 @@
 // and the step is U' = U - M^-1 r, P' = p* + w U', where M is B, or, where its symmetric part is not positive definite
 // (a buckling spring, a law that softens), a positive definite matrix in its place. The fixed point r = 0 is that of
 // the other rules, whatever M. -r m is the slope of the node's potential m |U - v*|^2 / 2 + E(P) where one exists: the
-// step is shortened while the slope at its end says that it went much too far; not on the linearised network.
+// step is shortened while the slope at its end shows that it went much too far (but not on the linearised network).
 #pragma once
 
 #include <cstdint>

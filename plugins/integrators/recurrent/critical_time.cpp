@@ -11,7 +11,7 @@ namespace springnet::recurrent {
 namespace {
 
 constexpr double accuracy = 0.01;
-constexpr std::uint32_t most_vectors = 20;
+constexpr std::uint32_t max_vectors = 20;
 
 }  // namespace
 
@@ -22,7 +22,7 @@ double critical_weight(const sdk::Host& host, const Step& step) {
   if (!guess) return std::numeric_limits<double>::infinity();
   std::vector<double> start = network.start();
   return sdk::critical_step(
-      host, *guess, start, std::min(most_vectors, network.most_vectors()),
+      host, *guess, start, std::min(max_vectors, network.max_vectors()),
       [&](double w, double* x) { network.times(-w * w, -w, x); }, accuracy);
 }
 

@@ -7,8 +7,8 @@
 namespace springnet::recurrent {
 namespace {
 
-// Every so many evaluations the interval is bisected instead of interpolated.
-constexpr int looks_per_halving = 4;
+// Every fourth evaluation bisects the interval instead of interpolating.
+constexpr int evaluations_per_halving = 4;
 
 }  // namespace
 
@@ -21,11 +21,11 @@ void Crossings::begin(const sdk::Host& host, double time, const springnet_state&
   high_fired_ = fired_;
   low_ = high_ = time;
   low_weight_ = high_weight_ = 1.0;
-  side_ = looks_ = 0;
+  side_ = evaluations_ = 0;
   any_ = false;
 }
 
-bool Crossings::look(const sdk::Host& host, double time, const springnet_state& state) {
+bool Crossings::evaluate(const sdk::Host& host, double time, const springnet_state& state) {
   if (first_.empty()) return false;
   host.event_values(sdk::evaluation_at(time, state), values_.data(), directions_.data());
   bool any = false;
@@ -41,13 +41,13 @@ bool Crossings::look(const sdk::Host& host, double time, const springnet_state& 
     high_ = time;
     high_values_ = values_;
     high_fired_ = fired_;
-  } else if (looks_ > 0) {
+  } else if (evaluations_ > 0) {
     low_ = time;
     low_values_ = values_;
   }
-  side_ = looks_ == 0 ? 0 : side;
+  side_ = evaluations_ == 0 ? 0 : side;
   any_ = any_ || any;
-  ++looks_;
+  ++evaluations_;
   return any;
 }
 
@@ -59,7 +59,7 @@ double Crossings::next_time() noexcept {
     // Zero of the linear interpolation.
     if (low != high) share = std::min(share, low / (low - high));
   }
-  if (looks_ % looks_per_halving == 0) share = 0.5;
+  if (evaluations_ % evaluations_per_halving == 0) share = 0.5;
   return low_ + std::clamp(share, 1e-3, 0.999) * (high_ - low_);
 }
 

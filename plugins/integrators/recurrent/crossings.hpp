@@ -13,15 +13,15 @@ class Crossings {
   // Begins a step at `time` (s) with this state.
   void begin(const sdk::Host& host, double time, const springnet_state& state);
   // Evaluates the events at a later time of the step. Returns whether any has crossed by then.
-  [[nodiscard]] bool look(const sdk::Host& host, double time, const springnet_state& state);
-  // Narrows the interval of the first crossing by the result of the last look(). Returns the next time to evaluate,
+  [[nodiscard]] bool evaluate(const sdk::Host& host, double time, const springnet_state& state);
+  // Narrows the interval of the first crossing by the result of the last evaluate(). Returns the next time to evaluate,
   // inside of the interval.
   [[nodiscard]] double next_time() noexcept;
   // Whether any event crossed at any of the times.
   [[nodiscard]] bool any() const noexcept { return any_; }
   [[nodiscard]] double low() const noexcept { return low_; }    // s, before
   [[nodiscard]] double high() const noexcept { return high_; }  // s, after
-  // [event_count], 1: crossed at the last look().
+  // [event_count], 1: crossed at the last evaluate().
   [[nodiscard]] const std::int32_t* fired() const noexcept { return fired_.data(); }
 
  private:
@@ -30,7 +30,7 @@ class Crossings {
   double low_ = 0.0, high_ = 0.0;
   double low_weight_ = 1.0, high_weight_ = 1.0;  // of the Illinois rule
   int side_ = 0;                                 // end that moved last: -1 low, 1 high
-  int looks_ = 0;
+  int evaluations_ = 0;
   bool any_ = false;
 };
 

@@ -8,13 +8,13 @@
 namespace springnet::recurrent {
 namespace {
 
-// Multiples of the critical time constant up to which wavefront certainly settles (its limit is 1.4 to 2 times), and up
-// to which block settles within some tens of sweeps.
+// Up to these multiples of the critical time constant, wavefront certainly settles (its limit is 1.4 to 2), and block
+// settles within some tens of sweeps.
 constexpr double wavefront_settles = 1.2, block_settles = 20.0;
 
 bool is_explicit(Update update) { return update == Update::synchronous || update == Update::wavefront; }
 
-// "update = "newton" or "automatic"", and what else would settle; empty: there is no better one.
+// Rules that would settle the step, as a setting: update = "newton" or "automatic". Empty: there is no better one.
 std::string better_rules(const Attempt& attempt, const Circumstances& circumstances) {
   if (!circumstances.chosen_by_user || circumstances.exact_sweeps || attempt.update == Update::newton) return {};
   std::string more;
@@ -26,21 +26,24 @@ std::string better_rules(const Attempt& attempt, const Circumstances& circumstan
   return "update = \"newton\", \"automatic\"" + more.substr(0, last) + " or " + more.substr(last + 2);
 }
 
-// "use a, b, or c".
+// All remedies in one clause: "use a, b, or c".
 std::string remedy_for(const Step& step, const Attempt& attempt, const Circumstances& circumstances) {
-  std::vector<std::string> ways;
-  if (const std::string rules = better_rules(attempt, circumstances); !rules.empty()) ways.push_back(rules);
+  std::vector<std::string> remedies;
+  if (const std::string rules = better_rules(attempt, circumstances); !rules.empty()) remedies.push_back(rules);
   // theta = 1 damps motion that the step cannot resolve, but makes explicit sweeps harder to settle.
-  if (step.theta < 1.0 && !circumstances.exact_sweeps && !is_explicit(attempt.update)) ways.emplace_back("theta = 1");
-  if (!circumstances.divided) ways.emplace_back("a smaller time_step");
-  ways.emplace_back("less stiffness and damping");
+  if (step.theta < 1.0 && !circumstances.exact_sweeps && !is_explicit(attempt.update))
+    remedies.emplace_back("theta = 1");
+  if (!circumstances.divided) remedies.emplace_back("a smaller time_step");
+  remedies.emplace_back("less stiffness and damping");
   std::string text = "use ";
-  for (std::size_t i = 0; i < ways.size(); ++i) text += (i == 0 ? "" : i + 1 == ways.size() ? ", or " : ", ") + ways[i];
+  for (std::size_t i = 0; i < remedies.size(); ++i)
+    text += (i == 0 ? "" : i + 1 == remedies.size() ? ", or " : ", ") + remedies[i];
   return text;
 }
 
-constexpr const char* hopeless =
-    "it is so where the step starts, and no time_step helps: change that law or neuron, or what it starts from";
+constexpr const char* no_remedy =
+    "this happens already at the start of the step, so no time_step helps: change that law or neuron, or the initial "
+    "state";
 
 // Messages of rigid connections and contacts contain their own advice.
 bool has_remedy(const std::string& message) { return message.find("smaller time") != std::string::npos; }
@@ -60,20 +63,21 @@ std::string explain(const Step& step, const Attempt& attempt, const Circumstance
   const std::string remedy = remedy_for(step, attempt, circumstances);
   if (!attempt.law_message.empty()) {
     const std::string text = "the step diverges" + after + attempt.law_message;
-    if (circumstances.fails_at_once) return text + "; " + hopeless;
+    if (circumstances.fails_at_start) return text + "; " + no_remedy;
     return has_remedy(attempt.law_message) ? text : text + "; " + remedy;
   }
   if (!step.finite) {
     const std::string text = "the step diverges" + after + "numbers are no longer finite, first at node " + node + "; ";
-    return text + (circumstances.fails_at_once ? std::string(hopeless) : remedy + ", or unsettled = \"adapt\"");
+    return text + (circumstances.fails_at_start ? std::string(no_remedy) : remedy + ", or unsettled = \"adapt\"");
   }
-  std::string outcome = "diverges", besides;
+  std::string outcome = "diverges", more_advice;
   if (attempt.verdict == Verdict::oscillating) {
     outcome = "oscillates";
-    if (!(step.rounding > 0.0)) besides = ", or raise force_tolerance if it is near the rounding of the forces";
+    if (!(step.rounding > 0.0))
+      more_advice = ", or raise force_tolerance if it is near the rounding error of the forces";
   } else if (attempt.verdict == Verdict::out_of_sweeps) {
     outcome = "ran out of sweeps";
-    besides = ", or raise max_sweeps";
+    more_advice = ", or raise max_sweeps";
   }
   const bool forces_settled = step.differences.greatest <= step.tolerance;
   const std::string what =
@@ -82,7 +86,7 @@ std::string explain(const Step& step, const Attempt& attempt, const Circumstance
           : "the forces still change by " + short_number(step.differences.greatest) + " N at node " + node;
   const std::string limit = step.tolerance > step.rounding ? "force_tolerance " : "their rounding error, ";
   return "the step " + outcome + after + what + ", more than " + limit + short_number(step.tolerance) + " N; " +
-         remedy + besides + "; unsettled = \"adapt\" divides such steps, \"accept\" takes them as they are";
+         remedy + more_advice + "; unsettled = \"adapt\" divides such steps, \"accept\" takes them as they are";
 }
 
 std::uint32_t non_finite_node(const Step& step) {

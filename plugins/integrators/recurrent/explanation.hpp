@@ -15,12 +15,12 @@ struct Attempt {
   std::string law_message;            // of a law or neuron without a finite result
 };
 
-// Facts that the advice depends on.
+// What the advice depends on.
 struct Circumstances {
   bool chosen_by_user = false;  // the update rule
   bool exact_sweeps = false;
-  bool divided = false;        // smaller and smaller steps were tried
-  bool fails_at_once = false;  // a law or neuron has no finite result at the start of the step
+  bool divided = false;         // smaller and smaller steps were tried
+  bool fails_at_start = false;  // a law or neuron has no finite result at the start of the step
   // theta times the time constant over the critical one of synchronous sweeps; nan: not known.
   double over_critical = std::numeric_limits<double>::quiet_NaN();
 };

@@ -59,10 +59,10 @@ void ForceRounding::estimate(const Step& step, const springnet_state& at) {
       bits ^= bits << 17;
       const double share = static_cast<double>(bits >> 11) * 0x1p-52 - 1.0;
       const std::size_t k = i % n;
-      const bool stays = network.fixed[k] != 0 || network.held[k] != 0;
+      const bool is_pinned = network.fixed[k] != 0 || network.held[k] != 0;
       // First scale all lengths and volumes by eps: their own evaluation rounds, too.
-      position_[i] = stays ? 0.0 : draw == 0 ? eps * axes(at.position)[i / n][k] : share * eps * size_[k];
-      velocity_[i] = stays || draw == 0 ? 0.0 : share * eps * speed_[k];
+      position_[i] = is_pinned ? 0.0 : draw == 0 ? eps * axes(at.position)[i / n][k] : share * eps * size_[k];
+      velocity_[i] = is_pinned || draw == 0 ? 0.0 : share * eps * speed_[k];
     }
     host_.jacobian_times(position_.data(), velocity_.data(), image_.data());
     for (std::uint32_t k = 0; k < n; ++k) {

@@ -78,7 +78,7 @@ sdk::Limit limit_of(const sdk::Host& host, Update update, RuleMap& map, const sd
   Search::Settings settings;
   settings.may_be_none = solves_blocks(update);
   settings.reach = solves_blocks(update) ? reach_of_blocks : reach;
-  settings.vectors = network.most_vectors();
+  settings.vectors = network.max_vectors();
   // Seconds for a network of 100,000 nodes.
   const double work = static_cast<double>(known.neighbour_start[known.node_count]) + known.node_count + 1.0;
   settings.applications = static_cast<std::uint64_t>(std::clamp(2e8 / work, 60.0, 20000.0));
@@ -94,8 +94,8 @@ sdk::Limit limit_of(const sdk::Host& host, Update update, RuleMap& map, const sd
 
 }  // namespace
 
-void tell_limits(Workspace& workspace, double theta, const std::function<Rule&(Update)>& rule,
-                 const sdk::LimitSink& sink) {
+void report_limits(Workspace& workspace, double theta, const std::function<Rule&(Update)>& rule,
+                   const sdk::LimitSink& sink) {
   const sdk::Host& host = workspace.host;
   const auto [time, state] = host.committed();
   if (host.network().node_count == 0) {
@@ -131,7 +131,7 @@ void tell_limits(Workspace& workspace, double theta, const std::function<Rule&(U
       continue;
     }
     RuleMap map(host.network(), each, network, force.view());
-    sink.tell(name_of(update), limit_of(host, update, map, network, *guess, theta));
+    sink.report(name_of(update), limit_of(host, update, map, network, *guess, theta));
   }
 }
 

@@ -23,7 +23,7 @@
 namespace springnet::recurrent {
 
 // Tells the limits of all rules at the committed state. rule(update): an attached rule.
-void tell_limits(Workspace& workspace, double theta, const std::function<Rule&(Update)>& rule,
-                 const sdk::LimitSink& sink);
+void report_limits(Workspace& workspace, double theta, const std::function<Rule&(Update)>& rule,
+                   const sdk::LimitSink& sink);
 
 }  // namespace springnet::recurrent

@@ -15,20 +15,20 @@ using Block = Eigen::Matrix<double, 3, 3, Eigen::RowMajor>;
 
 // Nodes up to which the system is always factorised, and up to which factorisation is the fallback (measured on
 // lattices: from 64 nodes on it takes longer than iterations, unless these are many).
-constexpr std::uint32_t most_for_direct = 32, most_for_fallback = 3000;
-constexpr Eigen::Index most_iterations = 400, fallback_iterations = 100;
+constexpr std::uint32_t max_nodes_direct = 32, max_nodes_fallback = 3000;
+constexpr Eigen::Index max_iterations = 400, fallback_iterations = 100;
 // Relative residual above which the result of an iteration is rejected if there is no fallback.
-constexpr double useful = 0.5;
+constexpr double max_useful_residual = 0.5;
 // Checked after every `fallback_iterations`: multiple of the accuracy that is good enough, and the factor by which the
 // error must fall to continue.
-constexpr double near = 2.0, stalls = 0.5;
+constexpr double nearly_accurate = 2.0, stall_factor = 0.5;
 
 }  // namespace
 
 void LinearSystem::attach(const springnet_network& network) {
   nodes_ = network.node_count;
-  direct_ = network.node_count <= most_for_direct;
-  may_factorise_ = network.node_count <= most_for_fallback;
+  direct_ = network.node_count <= max_nodes_direct;
+  may_factorise_ = network.node_count <= max_nodes_fallback;
   constrained_ = network.surface_count > 0 || network.rigid_count > 0;
   factorised_ = false;
   mass_.assign(network.mass, network.mass + nodes_);
@@ -56,14 +56,14 @@ bool LinearSystem::solve(double weight, double shift, const std::vector<double>&
   const double velocity_weight = scale * weight, position_weight = scale * weight * weight;
   for (std::size_t i = 0; i < b.size(); ++i) work_[i] = scale * b[i];
   try {
-    bool answered = !direct_ && iterate(velocity_weight, position_weight, work_, accuracy, x);
-    if (!direct_ && !answered && may_factorise_) {
+    bool is_solved = !direct_ && iterate(velocity_weight, position_weight, work_, accuracy, x);
+    if (!direct_ && !is_solved && may_factorise_) {
       // As with a long chain: many iterations, but a sparse factorisation.
       direct_ = true;
       factorised_ = false;
     }
-    if (direct_) answered = solve_directly(velocity_weight, position_weight, work_, x);
-    return answered && std::all_of(x.begin(), x.end(), [](double value) { return std::isfinite(value); });
+    if (direct_) is_solved = solve_directly(velocity_weight, position_weight, work_, x);
+    return is_solved && std::all_of(x.begin(), x.end(), [](double value) { return std::isfinite(value); });
   } catch (const sdk::Failure& failure) {
     if (!failure.recoverable()) throw;
     return false;
@@ -139,14 +139,14 @@ bool LinearSystem::iterate(double velocity_weight, double position_weight, const
   solution.setZero();
   // In parts: if pre-stress makes the matrix indefinite, the iteration may stall slightly above the accuracy.
   double last = 1.0;
-  for (Eigen::Index done = 0; done < (may_factorise_ ? fallback_iterations : most_iterations);) {
+  for (Eigen::Index done = 0; done < (may_factorise_ ? fallback_iterations : max_iterations);) {
     solution = solver.solveWithGuess(right_side, solution);
     done += fallback_iterations;
     host_.report("krylov_iterations", krylov_iterations_ += static_cast<double>(solver.iterations()));
-    if (solver.error() <= near * accuracy || !(solver.error() <= stalls * last)) break;
+    if (solver.error() <= nearly_accurate * accuracy || !(solver.error() <= stall_factor * last)) break;
     last = solver.error();
   }
-  return solver.error() <= (may_factorise_ ? accuracy : useful);
+  return solver.error() <= (may_factorise_ ? accuracy : max_useful_residual);
 }
 
 }  // namespace springnet::recurrent

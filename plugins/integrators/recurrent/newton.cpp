@@ -11,23 +11,23 @@ namespace springnet::recurrent {
 namespace {
 
 constexpr double infinite = std::numeric_limits<double>::infinity();
-// A share of the direction is accepted if the slope at its end is not reversed to more than `overshoot` of that at the
-// start and the residual did not grow by `most_growth`, or if the residual fell to `good_fall`.
-constexpr double overshoot = 0.5, most_growth = 3.0, good_fall = 0.5;
-constexpr int most_shares = 5, most_shifts = 12;
-// Each restoration must reduce the residual to `restores`, or the step is shortened. It moves other directions by about
-// 1 / pull of the step. `restored`: accuracy of iterative solutions. (Measured on enclosed volumes of 1e3 to 1e14
-// N/m^5.)
-constexpr double restores = 0.6, pull = 3.0, restored = 0.1;
-constexpr int most_restorations = 8;
-constexpr double first_shift = 1.0, shift_growth = 10.0, least_shift = 0.05;
-// Derivatives are reused for another sweep while the residual falls to this part in each.
-constexpr double fast = 0.05;
-constexpr double roughest = 0.03, finest = 1e-4;  // accuracy of iterative solutions
+// A share of the direction is accepted if the slope at its end has not reversed beyond `overshoot` of the slope at the
+// start and the residual grew by at most `max_growth`, or if the residual fell to `good_decrease`.
+constexpr double overshoot = 0.5, max_growth = 3.0, good_decrease = 0.5;
+constexpr int max_shares = 5, max_shifts = 12;
+// Each restoration must reduce the residual to `restoration_factor`, or the step is shortened. It moves other
+// directions by about 1 / restoration_weight of the step. `restoration_accuracy` is that of iterative solutions.
+// (Measured on enclosed volumes of 1e3 to 1e14 N/m^5.)
+constexpr double restoration_factor = 0.6, restoration_weight = 3.0, restoration_accuracy = 0.1;
+constexpr int max_restorations = 8;
+constexpr double first_shift = 1.0, shift_growth = 10.0, min_shift = 0.05;
+// Derivatives are reused for another sweep while each sweep reduces the residual to this share.
+constexpr double fast_convergence = 0.05;
+constexpr double loosest_accuracy = 0.03, tightest_accuracy = 1e-4;  // accuracy of iterative solutions
 // Steps and corrections this small, relative to the positions, are rounding.
 constexpr double negligible = 1e-14;
 
-// Velocity that a node lacks, m/s: p* + w U - P over w, with `start` p* (m) and weight w (s).
+// Gap between where U leads and P, as a velocity: (p* + w U - P) / w, m/s, with `start` p* (m) and weight w (s).
 double gap_of(double start, double w, double velocity, double position) noexcept {
   const double gap = (start - position) / w + velocity;
   const double rounding = 4.0 * std::numeric_limits<double>::epsilon() * (std::abs(start) + std::abs(position)) / w;
@@ -39,10 +39,10 @@ double gap_of(double start, double w, double velocity, double position) noexcept
 void Newton::attach(const springnet_network& network) {
   system_.attach(network);
   const std::size_t n = network.node_count;
-  for (auto* values : {&here_.free, &here_.residual, &there_.free, &there_.residual, &right_side_, &direction_, &gap_,
-                       &work_values_, &straight_, &correction_})
+  for (auto* values : {&at_outputs_.free, &at_outputs_.residual, &at_candidate_.free, &at_candidate_.residual,
+                       &right_side_, &direction_, &gap_, &work_values_, &uncorrected_, &correction_})
     values->assign(3 * n, 0.0);
-  stays_.assign(n, 0);
+  pinned_.assign(n, 0);
   status_.assign(n, SPRINGNET_FREE);
   linearised_ = false;
   has_friction_.clear();
@@ -71,15 +71,15 @@ void Newton::begin(Step& step) {
   first_ = true;
   shift_ = 0.0;
   rate_ = 1.0;
-  moved_ = 0;
+  contact_changes_ = 0;
   work_.free_accelerations(step, outputs);
   std::copy_n(network.status, network.node_count, status_.begin());
   std::fill(has_friction_.begin(), has_friction_.end(), std::uint8_t{0});
   for (std::uint32_t k = 0; k < network.node_count; ++k) {
-    stays_[k] = network.fixed[k] | network.held[k];
+    pinned_[k] = network.fixed[k] | network.held[k];
     if (network.touching[k] != 0 && network.cluster[k] != no_node) has_friction_[network.cluster[k]] = 1;
   }
-  assess(step, outputs, here_);
+  assess(step, outputs, at_outputs_);
   settle(step, nullptr);
 }
 
@@ -88,7 +88,7 @@ void Newton::assess(const Step& step, const springnet_state& state, Assessment& 
   const bool constrained = step.constrained();
   const double w = step.weight();
   const ThreeConst a = axes(constrained ? work_.free_acceleration() : work_.acceleration());
-  // On nodes with rigid connections only, these act along their present directions.
+  // On nodes with only rigid connections, the connection forces act along their present directions.
   const ThreeConst constrained_a = axes(work_.acceleration());
   const ThreeConst c = axes(work_.constraint_force()), v = axes(step.free_velocity);
   const Three u = axes(state.velocity);
@@ -97,12 +97,12 @@ void Newton::assess(const Step& step, const springnet_state& state, Assessment& 
       const std::size_t i = axis * n + k;
       const double acceleration = joined_without_friction(step, k) ? constrained_a[axis][k] : a[axis][k];
       result.free[i] = u[axis][k] - v[axis][k] - w * acceleration;
-      const bool pulled = constrained && !joined_without_friction(step, k);
-      const double r = pulled ? result.free[i] - w / step.network.mass[k] * c[axis][k] : result.free[i];
-      result.residual[i] = stays_[k] != 0 ? 0.0 : r;
+      const bool has_constraint_force = constrained && !joined_without_friction(step, k);
+      const double r = has_constraint_force ? result.free[i] - w / step.network.mass[k] * c[axis][k] : result.free[i];
+      result.residual[i] = pinned_[k] != 0 ? 0.0 : r;
     }
   }
-  // Constraint forces are those at the previous outputs; project out their error, which is not a residual.
+  // Constraint forces belong to the previous outputs; project out their error, which is not a residual.
   if (linearised_) system_.project(result.residual);
   double square = 0.0, slope = 0.0;
   for (std::size_t i = 0; i < 3 * n; ++i) {
@@ -117,22 +117,22 @@ void Newton::assess(const Step& step, const springnet_state& state, Assessment& 
 void Newton::linearise(const Step& step) {
   system_.linearise(sdk::evaluation_at(step.until, *step.outputs));
   linearised_ = fresh_ = true;
-  elsewhere_ = false;
+  at_rejected_ = false;
 }
 
 void Newton::set_up(const Step& step) {
   const std::size_t n = step.network.node_count;
   const springnet_state& outputs = *step.outputs;
   const double w = step.weight();
-  const bool reuse = linearised_ && !elsewhere_ && (fresh_ || (shift_ == 0.0 && rate_ < fast));
+  const bool reuse = linearised_ && !at_rejected_ && (fresh_ || (shift_ == 0.0 && rate_ < fast_convergence));
   if (!reuse) linearise(step);
-  // Nodes whose P is not p* + w U will be moved there: w^2 da/dp (p* + w U - P) / w.
+  // Nodes whose P is not p* + w U are moved there: w^2 da/dp (p* + w U - P) / w.
   double greatest = 0.0;
   for (std::size_t axis = 0; axis < 3; ++axis) {
     const double *start = axes(step.free_position)[axis], *u = axes(outputs.velocity)[axis];
     const double* p = axes(outputs.position)[axis];
     for (std::size_t k = 0; k < n; ++k) {
-      const bool free = stays_[k] == 0 && !is_partly_constrained(step, k);
+      const bool free = pinned_[k] == 0 && !is_partly_constrained(step, k);
       const double gap = free ? gap_of(start[k], w, u[k], p[k]) : 0.0;
       gap_[axis * n + k] = gap;
       greatest = std::max(greatest, std::abs(gap));
@@ -145,13 +145,13 @@ void Newton::set_up(const Step& step) {
     work_.host.jacobian_times(work_values_.data(), direction_.data(), right_side_.data());
   }
   for (std::size_t i = 0; i < 3 * n; ++i)
-    right_side_[i] = stays_[i % n] != 0 ? 0.0 : right_side_[i] - here_.residual[i];
+    right_side_[i] = pinned_[i % n] != 0 ? 0.0 : right_side_[i] - at_outputs_.residual[i];
   system_.project(right_side_);
 }
 
 void Newton::find_direction(const Step& step, double accuracy) {
-  answered_ = system_.solve(step.weight(), shift_, right_side_, accuracy, direction_);
-  here_.slope = answered_ ? slope_along(step, direction_) : 0.0;
+  is_solved_ = system_.solve(step.weight(), shift_, right_side_, accuracy, direction_);
+  at_outputs_.slope = is_solved_ ? slope_along(step, direction_) : 0.0;
 }
 
 double Newton::slope_along(const Step& step, const std::vector<double>& direction) const {
@@ -161,7 +161,7 @@ double Newton::slope_along(const Step& step, const std::vector<double>& directio
   return slope;
 }
 
-void Newton::go(const Step& step, double share, const springnet_state& candidate) {
+void Newton::evaluate_candidate(const Step& step, double share, const springnet_state& candidate) {
   const std::size_t n = step.network.node_count;
   const springnet_state& outputs = *step.outputs;
   const double w = step.weight();
@@ -171,20 +171,20 @@ void Newton::go(const Step& step, double share, const springnet_state& candidate
   for (std::size_t axis = 0; axis < 3; ++axis) {
     for (std::size_t k = 0; k < n; ++k) {
       const std::size_t i = axis * n + k;
-      const double change = stays_[k] != 0 ? 0.0 : share * direction_[i];
+      const double change = pinned_[k] != 0 ? 0.0 : share * direction_[i];
       next_u[axis][k] = u[axis][k] + change;
       // Free nodes exactly, so that rounding does not accumulate.
-      if (share == 1.0 && stays_[k] == 0 && !is_partly_constrained(step, k))
+      if (share == 1.0 && pinned_[k] == 0 && !is_partly_constrained(step, k))
         next_p[axis][k] = start[axis][k] + w * next_u[axis][k];
       else
-        next_p[axis][k] = p[axis][k] + w * (change + (stays_[k] != 0 ? 0.0 : share * gap_[i]));
+        next_p[axis][k] = p[axis][k] + w * (change + (pinned_[k] != 0 ? 0.0 : share * gap_[i]));
     }
   }
-  there_.norm = there_.slope = infinite;
+  at_candidate_.norm = at_candidate_.slope = infinite;
   try {
     work_.evaluate(step, candidate);
     work_.free_accelerations(step, candidate);
-    assess(step, candidate, there_);
+    assess(step, candidate, at_candidate_);
   } catch (const sdk::Failure& failure) {
     if (!failure.recoverable()) throw;
   }
@@ -199,11 +199,11 @@ double Newton::greatest_force(const Step& step, const std::vector<double>& resid
 }
 
 bool Newton::is_good(const Step& step, double slope) const {
-  if (!std::isfinite(there_.norm)) return false;
-  const bool falls = there_.slope <= -overshoot * slope && there_.norm <= most_growth * here_.norm;
-  if (falls || there_.norm <= good_fall * here_.norm) return true;
-  if (greatest_force(step, there_.residual) <= step.rounding) return true;
-  // Steps of the size of rounding are accepted.
+  if (!std::isfinite(at_candidate_.norm)) return false;
+  const bool falls = at_candidate_.slope <= -overshoot * slope && at_candidate_.norm <= max_growth * at_outputs_.norm;
+  if (falls || at_candidate_.norm <= good_decrease * at_outputs_.norm) return true;
+  if (greatest_force(step, at_candidate_.residual) <= step.rounding) return true;
+  // Accept steps of the size of rounding.
   const std::size_t n = step.network.node_count;
   double greatest = 0.0, size = 0.0;
   for (std::size_t axis = 0; axis < 3; ++axis) {
@@ -218,58 +218,58 @@ bool Newton::is_good(const Step& step, double slope) const {
 
 bool Newton::restore(const Step& step, const springnet_state& candidate) {
   const std::size_t n = step.network.node_count;
-  straight_ = direction_;
-  const double straight_slope = there_.slope;
-  for (int tries = 0; tries < most_restorations && std::isfinite(there_.norm); ++tries) {
+  uncorrected_ = direction_;
+  const double uncorrected_slope = at_candidate_.slope;
+  for (int tries = 0; tries < max_restorations && std::isfinite(at_candidate_.norm); ++tries) {
     double square = 0.0;
     for (std::size_t i = 0; i < 3 * n; ++i) square += step.network.mass[i % n] * direction_[i] * direction_[i];
-    const double before = there_.norm, shift = pull * before / std::sqrt(square);
+    const double before = at_candidate_.norm, shift = restoration_weight * before / std::sqrt(square);
     if (!std::isfinite(shift)) break;
-    elsewhere_ = true;
+    at_rejected_ = true;
     try {
       system_.linearise(sdk::evaluation_at(step.until, candidate));
     } catch (const sdk::Failure& failure) {
       if (!failure.recoverable()) throw;
       break;  // no derivatives there: shorten the step
     }
-    for (std::size_t i = 0; i < 3 * n; ++i) work_values_[i] = -there_.residual[i];
+    for (std::size_t i = 0; i < 3 * n; ++i) work_values_[i] = -at_candidate_.residual[i];
     system_.project(work_values_);
-    if (!system_.solve(step.weight(), shift, work_values_, restored, correction_)) break;
+    if (!system_.solve(step.weight(), shift, work_values_, restoration_accuracy, correction_)) break;
     for (std::size_t i = 0; i < 3 * n; ++i) direction_[i] += correction_[i];
-    go(step, 1.0, candidate);
-    if (!(there_.norm <= restores * before)) break;
+    evaluate_candidate(step, 1.0, candidate);
+    if (!(at_candidate_.norm <= restoration_factor * before)) break;
     // The first sweep has no slope to test.
-    if (first_ ? there_.norm <= here_.norm : is_good(step, slope_along(step, direction_))) return true;
+    if (first_ ? at_candidate_.norm <= at_outputs_.norm : is_good(step, slope_along(step, direction_))) return true;
   }
-  direction_ = straight_;
-  there_.norm = infinite;
-  there_.slope = straight_slope;
-  if (elsewhere_ && !first_) linearise(step);  // the first sweep linearises anew
+  direction_ = uncorrected_;
+  at_candidate_.norm = infinite;
+  at_candidate_.slope = uncorrected_slope;
+  if (at_rejected_ && !first_) linearise(step);  // the first sweep linearises anew
   return false;
 }
 
 void Newton::search(Step& step, const springnet_state& candidate) {
-  const double accuracy = std::clamp(rate_ * rate_, finest, roughest);
-  for (int shifts = 0; shifts < most_shifts; ++shifts) {
+  const double accuracy = std::clamp(rate_ * rate_, tightest_accuracy, loosest_accuracy);
+  for (int shifts = 0; shifts < max_shifts; ++shifts) {
     find_direction(step, accuracy);
-    if (answered_ && here_.slope <= 0.0) {
-      const double slope = here_.slope;
+    if (is_solved_ && at_outputs_.slope <= 0.0) {
+      const double slope = at_outputs_.slope;
       double share = 1.0;
-      for (int tries = 0; tries < most_shares; ++tries) {
-        go(step, share, candidate);
-        const bool is_off = tries == 0 && there_.norm > most_growth * here_.norm;
+      for (int tries = 0; tries < max_shares; ++tries) {
+        evaluate_candidate(step, share, candidate);
+        const bool is_off = tries == 0 && at_candidate_.norm > max_growth * at_outputs_.norm;
         if (is_good(step, slope) || (is_off && restore(step, candidate))) {
-          if (tries == 0) shift_ = shift_ / shift_growth < least_shift ? 0.0 : shift_ / shift_growth;
+          if (tries == 0) shift_ = shift_ / shift_growth < min_shift ? 0.0 : shift_ / shift_growth;
           return;
         }
         // Zero of the linear interpolation of the slopes, away from both ends.
-        const double zero = std::isfinite(there_.slope) ? slope / (slope - there_.slope) : 0.0;
+        const double zero = std::isfinite(at_candidate_.slope) ? slope / (slope - at_candidate_.slope) : 0.0;
         share *= std::clamp(zero, 0.1, 0.6);
       }
     }
     shift_ = std::max(first_shift, shift_growth * shift_);
   }
-  if (!std::isfinite(there_.norm))
+  if (!std::isfinite(at_candidate_.norm))
     throw sdk::Failure("no step of Newton's method from here has finite forces", SPRINGNET_RECOVERABLE);
 }
 
@@ -280,7 +280,7 @@ void Newton::start_at_rest(const Step& step, const springnet_state& candidate) {
   const ThreeConst start = axes(step.free_position);
   for (std::size_t axis = 0; axis < 3; ++axis) {
     for (std::size_t k = 0; k < n; ++k) {
-      const bool free = stays_[k] == 0 && !is_partly_constrained(step, k);
+      const bool free = pinned_[k] == 0 && !is_partly_constrained(step, k);
       next_p[axis][k] = p[axis][k];
       next_u[axis][k] = free ? (p[axis][k] - start[axis][k]) / step.weight() : u[axis][k];
     }
@@ -288,7 +288,7 @@ void Newton::start_at_rest(const Step& step, const springnet_state& candidate) {
   linearised_ = false;
   work_.evaluate(step, candidate);
   work_.free_accelerations(step, candidate);
-  assess(step, candidate, there_);
+  assess(step, candidate, at_candidate_);
 }
 
 void Newton::sweep(Step& step) {
@@ -300,10 +300,10 @@ void Newton::sweep(Step& step) {
       settle(step, &start);
       break;
     } catch (const sdk::Failure& failure) {
-      if (!failure.recoverable() || tries == most_shifts) throw;
+      if (!failure.recoverable() || tries == max_shifts) throw;
     }
     // The constraints cannot be satisfied that far away: shorten the step.
-    std::swap(here_, there_);
+    std::swap(at_outputs_, at_candidate_);
     step.outputs = &start;
     linearised_ = fresh_ = false;
     shift_ = std::max(first_shift, shift_growth * shift_);
@@ -311,7 +311,7 @@ void Newton::sweep(Step& step) {
   step.residual = residual(step);
   ++step.sweeps;
   step.evaluated = true;
-  step.finite = std::isfinite(here_.norm) && std::isfinite(step.residual);
+  step.finite = std::isfinite(at_outputs_.norm) && std::isfinite(step.residual);
   compare_forces(step);
 }
 
@@ -319,17 +319,17 @@ void Newton::advance(Step& step, springnet_state& candidate) {
   set_up(step);
   if (first_) {
     // The step of the system linearised at the start, which needs no P = p* + w U there.
-    find_direction(step, finest);
-    if (answered_) go(step, 1.0, candidate);
-    const bool is_off = there_.norm > most_growth * here_.norm;
-    const bool is_near = answered_ && (there_.norm <= here_.norm || (is_off && restore(step, candidate)));
+    find_direction(step, tightest_accuracy);
+    if (is_solved_) evaluate_candidate(step, 1.0, candidate);
+    const bool is_off = at_candidate_.norm > max_growth * at_outputs_.norm;
+    const bool is_near = is_solved_ && (at_candidate_.norm <= at_outputs_.norm || (is_off && restore(step, candidate)));
     if (!is_near) start_at_rest(step, candidate);
     first_ = false;
   } else {
     search(step, candidate);
   }
-  rate_ = here_.norm > 0.0 ? there_.norm / here_.norm : 0.0;
-  std::swap(here_, there_);
+  rate_ = at_outputs_.norm > 0.0 ? at_candidate_.norm / at_outputs_.norm : 0.0;
+  std::swap(at_outputs_, at_candidate_);
   step.outputs = &candidate;
   fresh_ = false;
 }
@@ -343,8 +343,8 @@ double Newton::residual(const Step& step) const {
   const auto square = [](double x, double y, double z) { return x * x + y * y + z * z; };
   Greatest greatest;
   for (std::uint32_t k = 0; k < n; ++k) {
-    if (stays_[k] != 0) continue;
-    const double* r = here_.residual.data() + k;
+    if (pinned_[k] != 0) continue;
+    const double* r = at_outputs_.residual.data() + k;
     double left = square(r[0], r[n], r[2 * n]);
     if (!is_partly_constrained(step, k)) {
       left = std::max(left, square(gap_of(step.free_position.x[k], w, outputs.velocity.x[k], outputs.position.x[k]),
@@ -362,7 +362,7 @@ void Newton::compare_forces(Step& step) {
   ForceRecord& record = work_.record;
   record.begin_sweep();
   const Columns& a = step.constrained() ? work_.free_acceleration() : work_.acceleration();
-  record.take_all(step.network, sdk::view(step.outputs->force), a.view(), stays_);
+  record.take_all(step.network, sdk::view(step.outputs->force), a.view(), pinned_);
   step.differences = record.differences(step.network);
 }
 

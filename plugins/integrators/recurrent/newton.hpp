@@ -3,12 +3,12 @@
 //
 //   r = U - v* - w (a(P, U) + c / m),   (I - w da/dv - w^2 da/dp + mu) delta = -r
 //
-// and goes to U + s delta, P + s w delta. The share s is 1 unless the slope m r.delta at the end, which is that of the
-// potential m |U - v*|^2 / 2 + E(P) where one exists, shows that the step went too far; mu is 0 unless delta is not a
+// and moves to U + s delta, P + s w delta. The share s is 1 unless the slope m r.delta at the end, which is that of the
+// potential m |U - v*|^2 / 2 + E(P) where one exists, shows that the step went too far. mu is 0 unless delta is not a
 // descent direction, as where springs buckle or laws soften, or no share of it was accepted. Before a step is
 // shortened, its second-order error in stiff constraints is corrected: a filling as stiff as water keeps its volume
 // along delta to first order only. r and delta are projected onto rigid connections and sliding contacts. The set of
-// held nodes is fixed during the search; then the host constrains the outputs and decides it anew.
+// pinned nodes is fixed during the search; then the host constrains the outputs and decides it anew.
 #pragma once
 
 #include <cstdint>
@@ -31,7 +31,7 @@ class Newton final : public Rule {
   // Residuals of outputs. Arrays of 3 n numbers have x of all nodes first.
   struct Assessment {
     std::vector<double> free;      // [3n] U - v* - w a, m/s
-    std::vector<double> residual;  // [3n] r, 0 where a node stays, m/s
+    std::vector<double> residual;  // [3n] r, 0 for pinned nodes, m/s
     double norm = 0.0;             // sqrt(sum m |r|^2); infinite where forces are not finite
     double slope = 0.0;            // sum m r.delta
   };
@@ -40,23 +40,23 @@ class Newton final : public Rule {
   void assess(const Step& step, const springnet_state& state, Assessment& result);
   // Makes a step from the outputs to the candidate, which becomes the outputs.
   void advance(Step& step, springnet_state& candidate);
-  // Constrains the newest outputs, whose assessment is here_, and decides contacts. Does not change the state `before`.
+  // Constrains the newest outputs, assessed in at_outputs_, and decides contacts. Does not change the state `before`.
   void settle(Step& step, const springnet_state* before);
   // Outputs of nodes on surfaces without constraints, on which the host bases its decisions.
-  void free_contacts(const Step& step, const springnet_state& outputs, const springnet_state& free);
-  bool find_stays(const Step& step);
+  void unconstrain_contacts(const Step& step, const springnet_state& outputs, const springnet_state& free);
+  bool find_pinned(const Step& step);
   [[nodiscard]] double residual(const Step& step) const;  // N
   // Sets the right side, and the derivatives unless those of an earlier sweep are good enough.
   void set_up(const Step& step);
   void linearise(const Step& step);
   void find_direction(const Step& step, double accuracy);
   // Sets the candidate to outputs + share * direction, and assesses it.
-  void go(const Step& step, double share, const springnet_state& candidate);
+  void evaluate_candidate(const Step& step, double share, const springnet_state& candidate);
   // m r.direction at the outputs.
   [[nodiscard]] double slope_along(const Step& step, const std::vector<double>& direction) const;
-  // For a go() along the whole direction that increased the residual many times because of second-order errors in stiff
-  // constraints. Adds a correction to the direction that removes them and hardly moves anything else (Levenberg,
-  // Marquardt), and goes there. False: it does not help; the direction is unchanged.
+  // For a whole step that increased the residual many times because of second-order errors in stiff constraints. Adds a
+  // correction to the direction that removes them and hardly moves anything else (Levenberg, Marquardt), and evaluates
+  // the candidate there. False: it does not help; the direction is unchanged.
   [[nodiscard]] bool restore(const Step& step, const springnet_state& candidate);
   // Greatest force of a residual, N.
   [[nodiscard]] static double greatest_force(const Step& step, const std::vector<double>& residual);
@@ -72,26 +72,26 @@ class Newton final : public Rule {
 
   Workspace& work_;
   LinearSystem system_;
-  Assessment here_, there_;                     // at the outputs, at the candidate
-  std::vector<std::uint8_t> stays_;             // [n] held, fixed or prescribed
-  std::vector<std::uint8_t> was_held_;          // [n] stays_ before the host decided anew
+  Assessment at_outputs_, at_candidate_;
+  std::vector<std::uint8_t> pinned_;            // [n] 1: held, fixed or prescribed
+  std::vector<std::uint8_t> was_pinned_;        // [n] pinned_ before the host's last decision
   std::vector<std::uint8_t> status_;            // [n] SPRINGNET_FREE …, likewise
-  std::vector<std::uint8_t> has_friction_;      // [cluster] has contact, or had in this step
+  std::vector<std::uint8_t> has_friction_;      // [cluster] 1: it has contact, or had in this step
   double shift_ = 0.0;                          // mu
   double rate_ = 1.0;                           // reduction of the norm in the last sweep; 1 if contacts changed
   bool linearised_ = false;                     // derivatives exist, of this sweep or an earlier one
   bool fresh_ = false;                          // derivatives are at the newest outputs, up to corrections by settle()
-  bool elsewhere_ = false;                      // derivatives are at a candidate that restore() rejected
+  bool at_rejected_ = false;                    // derivatives are at a candidate that restore() rejected
   bool first_ = false;                          // first sweep of a step
-  bool answered_ = false;                       // the linear system was solved
+  bool is_solved_ = false;                      // the linear system was solved
   std::vector<double> right_side_, direction_;  // [3n] b, delta
-  std::vector<double> straight_, correction_;   // [3n] delta before it was corrected, what is added to it
-  std::vector<double> gap_, work_values_;       // [3n] (p* + w U - P) / w
-  std::vector<std::uint32_t> contacts_;         // nodes in contact, held or sliding
-  Columns contact_acceleration_;                // [contacts] without constraints, m/s^2
-  std::vector<double> inertia_;                 // [n][3][3] kg, effective mass for the host's corrections
+  std::vector<double> uncorrected_, correction_;   // [3n] delta before restore(), and its correction
+  std::vector<double> gap_, work_values_;          // [3n] (p* + w U - P) / w
+  std::vector<std::uint32_t> contacts_;            // nodes in contact, held or sliding
+  Columns contact_acceleration_;                   // [contacts] without constraints, m/s^2
+  std::vector<double> inertia_;                    // [n][3][3] kg, effective mass for the host's corrections
   std::vector<double> by_velocity_, by_position_;  // [n][3][3], of contact_acceleration_
-  int moved_ = 0;                                  // sweeps of the step in which contacts changed
+  int contact_changes_ = 0;                        // sweeps of the step that changed contacts
 };
 
 }  // namespace springnet::recurrent

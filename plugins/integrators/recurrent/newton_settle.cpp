@@ -13,9 +13,9 @@ namespace {
 
 // Corrections this small, relative to the positions, are rounding.
 constexpr double negligible = 1e-14;
-// Held nodes are moved by this share of the length scale to test for separation.
-constexpr double least_way = 1e-3;
-// Sweeps of a step that change contacts, after which nodes stay held.
+// Held nodes are moved at least this far, in units of the length scale, to test for separation.
+constexpr double min_displacement = 1e-3;
+// After this many sweeps of a step that change contacts, held nodes stay where they are.
 constexpr int patience = 6;
 
 // Whether outputs differ by more than rounding.
@@ -35,22 +35,22 @@ bool differ(const springnet_vectors& a, const springnet_vectors& b, std::size_t 
 
 bool Newton::is_partly_constrained(const Step& step, std::size_t node) const noexcept {
   const springnet_network& network = step.network;
-  if (stays_[node] != 0 || !step.constrained()) return false;
+  if (pinned_[node] != 0 || !step.constrained()) return false;
   return network.cluster[node] != no_node || network.touching[node] != 0 || network.status[node] == SPRINGNET_SLIDING;
 }
 
 bool Newton::joined_without_friction(const Step& step, std::size_t node) const noexcept {
   const std::uint32_t cluster = step.network.cluster[node];
-  return cluster != no_node && stays_[node] == 0 && has_friction_[cluster] == 0;
+  return cluster != no_node && pinned_[node] == 0 && has_friction_[cluster] == 0;
 }
 
 void Newton::settle(Step& step, const springnet_state* before) {
   const springnet_network& network = step.network;
   const std::size_t n = network.node_count;
   springnet_state& outputs = *step.outputs;
-  springnet_state& put = work_.state_beside(&outputs, before);
-  const Three u = axes(outputs.velocity), next_u = axes(put.velocity);
-  const Three p = axes(outputs.position), next_p = axes(put.position);
+  springnet_state& next = work_.state_beside(&outputs, before);
+  const Three u = axes(outputs.velocity), next_u = axes(next.velocity);
+  const Three p = axes(outputs.position), next_p = axes(next.position);
   const ThreeConst start = axes(step.free_position);
   for (std::size_t axis = 0; axis < 3; ++axis) {
     std::copy_n(u[axis], n, next_u[axis]);
@@ -58,64 +58,63 @@ void Newton::settle(Step& step, const springnet_state* before) {
     if (!step.constrained()) continue;
     for (std::size_t k = 0; k < n; ++k) {
       if (!is_partly_constrained(step, k)) continue;
-      // Restore the output without constraints, from which the host finds the constraint force.
+      // Undo the constraints: the host finds the constraint force from the unconstrained output.
       const std::size_t i = axis * n + k;
-      if (!joined_without_friction(step, k)) next_u[axis][k] -= here_.free[i] - here_.residual[i];
+      if (!joined_without_friction(step, k)) next_u[axis][k] -= at_outputs_.free[i] - at_outputs_.residual[i];
       // Keep positions of rigidly connected nodes: from other positions the host would have to find the directions
       // again.
       if (network.cluster[k] == no_node) next_p[axis][k] = start[axis][k] + step.weight() * next_u[axis][k];
     }
   }
-  if (network.surface_count > 0) free_contacts(step, outputs, put);
-  for (std::size_t axis = 0; axis < 3; ++axis) std::copy_n(next_u[axis], n, work_values_.data() + axis * n);
-  springnet_sweep call = work_.sweep_call(step, outputs, put);
+  if (network.surface_count > 0) unconstrain_contacts(step, outputs, next);
+  springnet_sweep call = work_.sweep_call(step, outputs, next);
   call.force = outputs.force;
   if (network.surface_count > 0) call.inertia = inertia_.data();
   work_.host.constrain(call);
-  was_held_ = stays_;
-  const bool switched = find_stays(step);
+  was_pinned_ = pinned_;
+  const bool switched = find_pinned(step);
   for (const std::uint32_t k : contacts_) {
-    // Separating nodes continue from where they were held: their free motion tells that they separate, not how far.
-    // Where a node touched would depend on its free motion: a separate iteration, which may not converge.
-    const bool left = network.status[k] == SPRINGNET_FREE;
-    const bool moves_on = stays_[k] != 0 && moved_ >= patience;
-    if (was_held_[k] == 0 || network.cluster[k] != no_node || !(left || moves_on)) continue;
+    // Separating nodes continue from where they were held: their free motion shows that they separate, not how far.
+    // Chattering nodes stay too: where they touch depends on their free motion, a fixed point that may not converge.
+    const bool separated = network.status[k] == SPRINGNET_FREE;
+    const bool chatters = pinned_[k] != 0 && contact_changes_ >= patience;
+    if (was_pinned_[k] == 0 || network.cluster[k] != no_node || !(separated || chatters)) continue;
     for (std::size_t axis = 0; axis < 3; ++axis) {
       next_u[axis][k] = u[axis][k];
       next_p[axis][k] = p[axis][k];
     }
   }
-  const bool changed = differ(put.position, outputs.position, n) || differ(put.velocity, outputs.velocity, n);
+  const bool changed = differ(next.position, outputs.position, n) || differ(next.velocity, outputs.velocity, n);
   if (changed) {
-    work_.evaluate(step, put);
-    work_.free_accelerations(step, put);
-    step.outputs = &put;
+    work_.evaluate(step, next);
+    work_.free_accelerations(step, next);
+    step.outputs = &next;
   }
   if (network.rigid_count > 0) linearise(step);
-  if (switched || changed) ++moved_;
+  if (switched || changed) ++contact_changes_;
   if (!changed && !switched && !step.constrained()) return;
   // The derivatives may belong to another set of free nodes.
   if (switched && network.rigid_count == 0) linearised_ = false;
-  assess(step, *step.outputs, here_);
+  assess(step, *step.outputs, at_outputs_);
   if (switched) rate_ = 1.0;
 }
 
 // Reads the host's decisions. Returns whether any node's changed.
-bool Newton::find_stays(const Step& step) {
+bool Newton::find_pinned(const Step& step) {
   const springnet_network& network = step.network;
   bool switched = false;
   for (std::size_t k = 0; k < network.node_count; ++k) {
     const std::uint8_t status = network.status[k];
     switched = switched || status != status_[k];
     status_[k] = status;
-    stays_[k] = status == SPRINGNET_PRESCRIBED || status == SPRINGNET_STICKING ? 1 : 0;
+    pinned_[k] = status == SPRINGNET_PRESCRIBED || status == SPRINGNET_STICKING ? 1 : 0;
     const std::uint32_t cluster = network.cluster[k];
     if (cluster != no_node && (status == SPRINGNET_STICKING || status == SPRINGNET_SLIDING)) has_friction_[cluster] = 1;
   }
   return switched;
 }
 
-void Newton::free_contacts(const Step& step, const springnet_state& outputs, const springnet_state& free) {
+void Newton::unconstrain_contacts(const Step& step, const springnet_state& outputs, const springnet_state& free) {
   const springnet_network& network = step.network;
   const double w = step.weight();
   for (const std::uint32_t k : contacts_)
@@ -123,7 +122,7 @@ void Newton::free_contacts(const Step& step, const springnet_state& outputs, con
   contacts_.clear();
   for (std::uint32_t k = 0; k < network.node_count; ++k) {
     const bool slides = is_partly_constrained(step, k) && !joined_without_friction(step, k);
-    if ((stays_[k] != 0 || slides) && network.fixed[k] == 0) contacts_.push_back(k);
+    if ((pinned_[k] != 0 || slides) && network.fixed[k] == 0) contacts_.push_back(k);
   }
   if (contacts_.empty()) return;
   springnet_evaluation evaluation = sdk::evaluation_at(step.until, outputs);
@@ -141,28 +140,29 @@ void Newton::free_contacts(const Step& step, const springnet_state& outputs, con
     const NodeStep node(step, outputs, batch, 0, true);
     const bool rigid = network.cluster[k] != no_node;
     Eigen::Map<NodeStep::Block> inertia(inertia_.data() + 9 * std::size_t{k});
-    Eigen::Vector3d leap = -node.residual;
-    const bool stays = stays_[k] != 0;
+    Eigen::Vector3d change = -node.residual;
+    const bool is_pinned = pinned_[k] != 0;
     // Isotropic, with the inertia of the stiffest direction: connections under tension then turn little, and friction
     // finds its direction.
     const double stiffest = node.positive.operatorNorm();
     inertia = stiffest * NodeStep::Block::Identity();
-    leap /= stiffest;
-    if (!rigid && stays) {
+    change /= stiffest;
+    if (!rigid && is_pinned) {
       // No farther than it moved in this step: the host holds a chattering node there.
-      const double way = (at(outputs.position, k) - at(step.start.position, k)).norm();
+      const double distance = (at(outputs.position, k) - at(step.start.position, k)).norm();
       const double speed = at(step.start.velocity, k).norm();
-      const double most = std::max({way, speed * step.time_constant, least_way * network.length_scale}) / w;
-      if (const double share = most / leap.norm(); share < 1.0) {
-        leap *= share;
+      const double max_change =
+          std::max({distance, speed * step.time_constant, min_displacement * network.length_scale}) / w;
+      if (const double share = max_change / change.norm(); share < 1.0) {
+        change *= share;
         inertia /= share;  // keeps the impulse that holds it
       }
     }
     inertia *= network.mass[k];
-    const Eigen::Vector3d u = node.velocity + leap;
+    const Eigen::Vector3d u = node.velocity + change;
     Eigen::Vector3d p = at(outputs.position, k);
-    if (!rigid && stays) p += w * leap;
-    if (!rigid && !stays) p = at(step.free_position, k) + w * u;
+    if (!rigid && is_pinned) p += w * change;
+    if (!rigid && !is_pinned) p = at(step.free_position, k) + w * u;
     for (std::size_t axis = 0; axis < 3; ++axis) {
       axes(free.velocity)[axis][k] = u[static_cast<Eigen::Index>(axis)];
       axes(free.position)[axis][k] = p[static_cast<Eigen::Index>(axis)];

@@ -102,11 +102,11 @@ class ForceRecord {
   void begin(const springnet_network& network, const springnet_const_vectors& force,
              const springnet_const_vectors& acceleration) noexcept {
     for (std::uint32_t k = 0; k < network.node_count; ++k) {
-      const bool stays = network.fixed[k] != 0 || network.held[k] != 0;
+      const bool is_pinned = network.fixed[k] != 0 || network.held[k] != 0;
       const double m = network.mass[k];
-      x_[k] = stays ? force.x[k] : m * acceleration.x[k];
-      y_[k] = stays ? force.y[k] : m * acceleration.y[k];
-      z_[k] = stays ? force.z[k] : m * acceleration.z[k];
+      x_[k] = is_pinned ? force.x[k] : m * acceleration.x[k];
+      y_[k] = is_pinned ? force.y[k] : m * acceleration.y[k];
+      z_[k] = is_pinned ? force.z[k] : m * acceleration.z[k];
     }
   }
 
@@ -136,13 +136,13 @@ class ForceRecord {
     }
   }
 
-  // All nodes at once, for a sweep that evaluates them together; stays: [node_count] 1: the net force replaces m a.
+  // All nodes at once, for a sweep that evaluates them together; is_pinned: [node_count] 1: the net force replaces m a.
   void take_all(const springnet_network& network, const springnet_const_vectors& force,
-                const springnet_const_vectors& acceleration, const std::vector<std::uint8_t>& stays) noexcept {
+                const springnet_const_vectors& acceleration, const std::vector<std::uint8_t>& is_pinned) noexcept {
     Unit& unit = units_[0];
     for (std::uint32_t k = 0; k < network.node_count; ++k) {
       const double m = network.mass[k];
-      const bool all = stays[k] != 0;
+      const bool all = is_pinned[k] != 0;
       const double x = exchange(x_[k], all ? force.x[k] : m * acceleration.x[k]);
       const double y = exchange(y_[k], all ? force.y[k] : m * acceleration.y[k]);
       const double z = exchange(z_[k], all ? force.z[k] : m * acceleration.z[k]);

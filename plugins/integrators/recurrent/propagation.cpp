@@ -6,10 +6,10 @@
 namespace springnet::recurrent {
 namespace {
 
-constexpr double residual_limit = 2.0;      // times the tolerance
-constexpr std::uint64_t most_between = 16;  // sweeps between evaluations of the residual
-constexpr std::uint64_t most_stalled = 12;  // evaluations without a smaller residual
-constexpr double noticeable = 0.9;          // of the smallest residual so far
+constexpr double residual_limit = 2.0;            // times the tolerance
+constexpr std::uint64_t max_sweeps_between = 16;  // sweeps between evaluations of the residual
+constexpr std::uint64_t max_stalled = 12;         // evaluations without a smaller residual
+constexpr double noticeable = 0.9;                // of the smallest residual so far
 
 // Decides when to evaluate the residual once the forces have settled.
 class ResidualCheck {
@@ -22,8 +22,8 @@ class ResidualCheck {
     stalled_ = residual > noticeable * smallest_ ? stalled_ + 1 : 0;
     smallest_ = std::min(smallest_, residual);
     next_ = sweeps_ + between_;
-    between_ = std::min(2 * between_, most_between);
-    return stalled_ >= most_stalled ? Verdict::oscillating : Verdict::go_on;
+    between_ = std::min(2 * between_, max_sweeps_between);
+    return stalled_ >= max_stalled ? Verdict::oscillating : Verdict::go_on;
   }
 
  private:

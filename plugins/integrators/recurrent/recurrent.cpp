@@ -45,7 +45,7 @@ using springnet::sdk::State;
 using springnet::sdk::view;
 
 constexpr int rules = 5;
-// Sweeps after which an automatically chosen rule is replaced by a stronger one.
+// An automatically chosen rule that has not settled after this many sweeps is replaced by a stronger one.
 constexpr std::uint64_t automatic_patience = 200;
 
 enum class Unsettled : int { error, accept, adapt };
@@ -96,38 +96,38 @@ class Recurrent : public springnet::sdk::Integrator {
   springnet_status advance(double until, springnet_step_report& report);
   void limits(const springnet::sdk::LimitSink& sink) {
     attach();
-    tell_limits(
+    report_limits(
         work_, theta_, [this](Update update) -> Rule& { return rule(update); }, sink);
   }
 
  private:
-  static constexpr int most_halvings = 12;     // of a time step
-  static constexpr int most_small_stages = 6;  // halvings of the time constant, to begin with
-  static constexpr double least_raise = 1.05;  // of the time constant from stage to stage
+  static constexpr int max_halvings = 12;     // of a time step
+  static constexpr int max_small_stages = 6;  // halvings of the time constant, to begin with
+  static constexpr double min_raise = 1.05;   // of the time constant from stage to stage
   static constexpr double first_raise = 2.0;
-  static constexpr int most_events = 64;      // in a time step, apart from those at its end
-  static constexpr int most_looks = 60;       // evaluations to locate one
-  static constexpr double least_part = 1e-6;  // smallest part of a time step between events
-  static constexpr double shallow = 1e-7;  // times the length scale: smallest depth of touches within a step that count
+  static constexpr int max_events = 64;          // in a time step, apart from those at its end
+  static constexpr int max_evaluations = 60;     // evaluations to locate an event
+  static constexpr double min_part = 1e-6;       // smallest part of a time step between events
+  static constexpr double shallow = 1e-7;        // times the length scale: shallower touches within a step do not count
   static constexpr double time_of_event = 1e-9;  // accuracy, relative to the divided step
 
   springnet_status advance_once(double until, springnet_step_report& report);
   // Advances to the next event, or `until`. False: a step did not settle, and nothing was committed.
   [[nodiscard]] bool advance_to_event(double until, springnet_step_report& report);
-  // Times, s, the earliest last, at which to search for touches inside of the step that its ends may not show.
+  // Times (s, latest first) at which to search for touches within the step that are not visible at its ends.
   [[nodiscard]] std::vector<double> times_of_impact(const Step& step) const;
-  // The network as it is now, which the workspace knows from then on.
+  // Attaches the workspace to the present network, which is returned.
   const springnet_network& attach();
   [[nodiscard]] Step make_step(double until);
   // Whether a step that stalled has settled but for the rounding of its forces.
   [[nodiscard]] bool settles_to_rounding(Step& step);
   [[nodiscard]] Rule& rule(Update update);
-  // A propagation from step.outputs (none: the start) with the step's time constant.
+  // Propagates from step.outputs (null: the start) with the step's time constant.
   Attempt propagate_with(Update update, Step& step, std::uint64_t max_sweeps);
-  // From the start: the rule of the scene, or the chosen one and then stronger ones.
+  // From the start of the step: with the rule of the scene, or the chosen one and then stronger ones.
   Attempt propagate_from_start(Step& step);
   Attempt propagate_again(Update update, Step& step);
-  // With increasing time constants from the frozen activities, each from the outputs of the last.
+  // Continuation: increasing time constants, each starting from the outputs of the one before.
   Attempt raise_time_constant(Step& step, const Attempt& last);
   void take(const Step& step, bool is_settled);
   void subdivide(double until, int halvings, springnet_step_report& report);
@@ -163,9 +163,9 @@ springnet_status Recurrent::advance(double until, springnet_step_report& report)
   for (int parts = 0; work_.host.committed().time < until; ++parts) {
     const double from = work_.host.committed().time;
     double end = std::min(until, work_.host.next_discontinuity(from));
-    if (until - end < least_part * whole) end = until;
-    if (parts < most_events && advance_to_event(end, report)) continue;
-    if (parts >= most_events)
+    if (until - end < min_part * whole) end = until;
+    if (parts < max_events && advance_to_event(end, report)) continue;
+    if (parts >= max_events)
       work_.host.note("events = \"located\": too many events in a time step; its rest was not divided");
     return advance_once(until, report);
   }
@@ -179,22 +179,22 @@ bool Recurrent::advance_to_event(double until, springnet_step_report& report) {
   crossings_.begin(work_.host, from, start);
   const std::uint64_t revision = work_.host.network().revision;  // whose events these are
   double time = until;
-  std::vector<double> probes;  // s, times to search for touches within the step, the earliest last
+  std::vector<double> probes;  // s, times to search for touches within the step, latest first
   bool last = false;           // the interval cannot be narrowed further
-  for (int looks = 0;; ++looks) {
+  for (int evaluations = 0;; ++evaluations) {
     Step step = make_step(time);
     if (work_.host.network().revision != revision) return false;
     step.decides = false;
     const Attempt attempt = propagate_from_start(step);
     if (!settled(attempt.verdict)) return false;
     fill(report, step, attempt);
-    const bool crossed = crossings_.look(work_.host, time, *step.outputs);
-    if (looks == 0)
+    const bool crossed = crossings_.evaluate(work_.host, time, *step.outputs);
+    if (evaluations == 0)
       probes = times_of_impact(step);
     else if (crossed)
       probes.clear();
     if (!probes.empty()) {
-      time = std::max(probes.back(), from + least_part * whole);
+      time = std::max(probes.back(), from + min_part * whole);
       probes.pop_back();
       continue;
     }
@@ -203,16 +203,16 @@ bool Recurrent::advance_to_event(double until, springnet_step_report& report) {
         take(step, true);
         return true;
       }
-      // A step that decides contacts itself sees nodes that pass by faster than the probes.
+      // Nodes that pass an obstacle between the probes: leave them to a step that decides contacts itself.
       return false;
     }
-    // If rounding decides, an event seen in a longer step may not occur in this one: take the step.
+    // Within rounding, an event seen in a longer step may not occur in this one: take the step.
     if (!crossed && last) {
       take(step, true);
       return true;
     }
-    const bool narrow = crossings_.high() - crossings_.low() <= time_of_event * whole || looks >= most_looks;
-    if (crossed && (narrow || time <= from + least_part * whole)) {
+    const bool narrow = crossings_.high() - crossings_.low() <= time_of_event * whole || evaluations >= max_evaluations;
+    if (crossed && (narrow || time <= from + min_part * whole)) {
       work_.host.fire_events(time, *step.outputs, crossings_.fired());
       step.evaluated = false;
       take(step, true);
@@ -220,7 +220,7 @@ bool Recurrent::advance_to_event(double until, springnet_step_report& report) {
       return true;
     }
     last = narrow;
-    time = narrow ? crossings_.high() : std::max(crossings_.next_time(), from + least_part * whole);
+    time = narrow ? crossings_.high() : std::max(crossings_.next_time(), from + min_part * whole);
   }
 }
 
@@ -244,7 +244,7 @@ std::vector<double> Recurrent::times_of_impact(const Step& step) const {
 springnet_status Recurrent::advance_once(double until, springnet_step_report& report) {
   Step step = make_step(until);
   Attempt attempt = propagate_from_start(step);
-  // A rule that the scene did not request may reach the same state in its own way.
+  // An automatically chosen rule may use continuation, too: the scene prescribes no path to the fixed point.
   const bool may_raise = unsettled_ == Unsettled::adapt || update_ == Update::automatic;
   if (!settled(attempt.verdict) && may_raise) {
     attempt = raise_time_constant(step, attempt);
@@ -277,13 +277,13 @@ const springnet_network& Recurrent::attach() {
 Step Recurrent::make_step(double until) {
   const auto [from, start] = work_.host.committed();
   if (!(until > from)) {
-    throw Failure("a time step has to end after " + std::to_string(from) + " s, where the network stands");
+    throw Failure("a time step must end after " + std::to_string(from) + " s, the time of the committed state");
   }
   work_.host.begin_step(from, until);
   const springnet_network& network = attach();
   const bool compares = !(limits_.exact_sweeps == 1 && update_ == Update::synchronous);
   Step step{from, until, until - from, theta_, 0.0, start, network, compares};
-  // No derivatives for rules that do not need them, unless a step does not settle.
+  // Rules that need no derivatives do without, unless a step does not settle.
   const bool has_derivatives = update_ != Update::synchronous && update_ != Update::wavefront;
   threshold_.begin(step, has_derivatives);
   return step;
@@ -325,10 +325,10 @@ Attempt Recurrent::propagate_with(Update update, Step& step, std::uint64_t max_s
     // Rules that may diverge.
     const bool explicit_rule = update == Update::synchronous || update == Update::wavefront;
     if (attempt.verdict == Verdict::settled && explicit_rule) {
-      if (const std::uint32_t node = work_.thrown_node(step); node != no_node) {
+      if (const std::uint32_t node = work_.spurious_contact(step); node != no_node) {
         attempt.verdict = Verdict::diverging;
-        attempt.law_message = "the sweeps threw node " + std::to_string(step.network.user_number[node]) +
-                              " against a surface that it does not reach";
+        attempt.law_message = "the sweeps put node " + std::to_string(step.network.user_number[node]) +
+                              " on a surface that its start velocity and force cannot take it to";
       }
     }
   } catch (const Failure& failure) {
@@ -393,12 +393,12 @@ Attempt Recurrent::raise_time_constant(Step& step, const Attempt& last) {
       copy(view(step.outputs->velocity), stage_->velocity, step.network.node_count);
       reached = next;
     } else if (reached == 0.0) {
-      if (++small > most_small_stages) break;
+      if (++small > max_small_stages) break;
       next *= 0.5;
       continue;
     } else {
       raise = std::sqrt(raise);
-      if (raise < least_raise) break;
+      if (raise < min_raise) break;
     }
     next = reached * raise < full ? reached * raise : full;
   }
@@ -432,14 +432,14 @@ void Recurrent::subdivide(double until, int halvings, springnet_step_report& rep
     work_.host.report("substeps", ++all_substeps_);
     return;
   }
-  if (halvings == most_halvings) {
+  if (halvings == max_halvings) {
     Circumstances known = circumstances(step, attempt);
     known.divided = true;
     std::string reason = explain(step, attempt, known);
     for (const char* advice : {"; unsettled = ", ", or unsettled = "})  // which was followed
       if (const std::size_t at = reason.find(advice); at != std::string::npos) reason.erase(at);
-    throw Failure("smaller and smaller steps, the last from " + std::to_string(step.from) + " s, where the network " +
-                      "stands, did not help: " + reason,
+    throw Failure("smaller and smaller steps did not help; the last one started at " + std::to_string(step.from) +
+                      " s: " + reason,
                   SPRINGNET_UNSETTLED);
   }
   const double middle = step.from + 0.5 * (until - step.from);
@@ -455,12 +455,12 @@ Circumstances Recurrent::circumstances(const Step& step, const Attempt& attempt)
     try {
       work_.evaluate(step, step.start);
     } catch (const Failure& failure) {
-      result.fails_at_once = failure.recoverable();
+      result.fails_at_start = failure.recoverable();
     }
   }
   if (attempt.update == Update::synchronous || attempt.update == Update::wavefront) {
     try {
-      if (!result.fails_at_once) result.over_critical = step.weight() / critical_weight(work_.host, step);
+      if (!result.fails_at_start) result.over_critical = step.weight() / critical_weight(work_.host, step);
     } catch (const Failure&) {  // unknown, as for a law without derivatives
     }
   }

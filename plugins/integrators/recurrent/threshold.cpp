@@ -8,7 +8,7 @@ namespace springnet::recurrent {
 namespace {
 
 constexpr double automatic_tolerance = 1e-6;  // times the network's force scale
-// Growth of the rounding over a step, where it is above the typical force.
+// Allowed growth of the rounding over a step if it exceeds the typical force.
 constexpr double stiffening = 4.0;
 
 }  // namespace
@@ -22,21 +22,21 @@ void Threshold::begin(Step& step, bool estimates) {
 }
 
 void Threshold::set(Step& step) {
-  const double asked = asked_ > 0.0 ? asked_ : automatic_tolerance * step.network.force_scale;
+  const double requested = requested_ > 0.0 ? requested_ : automatic_tolerance * step.network.force_scale;
   step.rounding = rounding_.force();
-  step.tolerance = std::max(asked, step.rounding);
-  if (asked < step.rounding && !exact_sweeps_) note(asked, step);
+  step.tolerance = std::max(requested, step.rounding);
+  if (requested < step.rounding && !exact_sweeps_) note(requested, step);
 }
 
-void Threshold::note(double asked, const Step& step) {
+void Threshold::note(double requested, const Step& step) {
   host_.report("force_rounding", step.rounding);
   if (noted_) return;
   noted_ = true;
   std::array<char, 320> text{};
   std::snprintf(text.data(), text.size(),
                 "force_tolerance, %.3g N%s, is below the rounding error of the forces, about %.2g N (stiffness times "
-                "the rounding of positions, greatest at node %u): steps settle to that",
-                asked, asked_ > 0.0 ? "" : " (1e-6 of the force scale)", step.rounding,
+                "the rounding of positions, greatest at node %u): steps settle to the rounding error instead",
+                requested, requested_ > 0.0 ? "" : " (1e-6 of the force scale)", step.rounding,
                 step.network.user_number[rounding_.node()]);
   host_.note(text.data());
 }
@@ -44,8 +44,8 @@ void Threshold::note(double asked, const Step& step) {
 bool Threshold::is_rounding(Step& step) {
   rounding_.estimate(step, *step.outputs);
   steps_since_estimate_ = 0;
-  // Outputs far from a solution may stretch a law until its stiffness hides any force. Rounding above the typical force
-  // counts only if it is there from the start of the step.
+  // Far from a solution, outputs may stretch a law until its stiffness hides any force. So rounding above the typical
+  // force counts only if it is as great at the start of the step.
   if (const double at_outputs = rounding_.force(); at_outputs > step.network.force_scale) {
     rounding_.estimate(step, step.start);
     if (at_outputs > stiffening * rounding_.force()) return false;

@@ -9,8 +9,8 @@
 namespace springnet::recurrent {
 namespace {
 
-constexpr double plausible_way = 4.0;    // of a node to a surface, in units of what it begins with
-constexpr double negligible_way = 1e-6;  // of the length scale
+constexpr double plausible_travel = 4.0;  // of a node to a surface, in units of what its start velocity and force give
+constexpr double negligible_travel = 1e-6;  // in units of the length scale
 
 }  // namespace
 
@@ -30,8 +30,8 @@ void Workspace::attach(const springnet_network& network) {
   if (network.surface_count > 0 || network.rigid_count > 0) {
     free_acceleration_.resize(network.node_count);
     constraint_force_.resize(network.node_count);
-    stays_.resize(network.node_count);
-    some_.reserve(network.node_count);
+    pinned_.resize(network.node_count);
+    selected_.reserve(network.node_count);
   }
 }
 
@@ -48,15 +48,15 @@ void Workspace::set_free_motion(Step& step) {
   };
   const springnet_vectors &p = step.start.position, &v = step.start.velocity;
   const springnet_const_vectors a = std::as_const(start_acceleration_).view();
-  const springnet_vectors moved = free_position_.view(), sped = free_velocity_.view();
+  const springnet_vectors moved = free_position_.view(), accelerated = free_velocity_.view();
   move(p.x, v.x, moved.x);
   move(p.y, v.y, moved.y);
   move(p.z, v.z, moved.z);
-  move(v.x, a.x, sped.x);
-  move(v.y, a.y, sped.y);
-  move(v.z, a.z, sped.z);
+  move(v.x, a.x, accelerated.x);
+  move(v.y, a.y, accelerated.y);
+  move(v.z, a.z, accelerated.z);
   step.free_position = sdk::view(moved);
-  step.free_velocity = sdk::view(sped);
+  step.free_velocity = sdk::view(accelerated);
 }
 
 void Workspace::know_start_acceleration(const Step& step) {
@@ -73,7 +73,7 @@ void Workspace::committed(const Step& step) {
   known_.reset();
   if (!step.evaluated || step.theta == 1.0) return;
   std::swap(start_acceleration_, acceleration_);
-  known_ = revisions(step);  // what the commit changed, if anything, is a later revision
+  known_ = revisions(step);  // a change by the commit has a later revision
 }
 
 springnet_state& Workspace::outputs_in_place(Step& step) const noexcept {
@@ -134,38 +134,38 @@ void Workspace::find_free_accelerations(const Step& step, const springnet_state&
   const springnet_network& network = step.network;
   const springnet_vectors free = free_acceleration_.view();
   copy(std::as_const(acceleration_).view(), free, network.node_count);
-  some_.clear();
+  selected_.clear();
   for (std::uint32_t k = 0; k < network.node_count; ++k) {
     const std::uint8_t status = network.status[k];
-    stays_[k] = status == SPRINGNET_PRESCRIBED || status == SPRINGNET_STICKING ? 1 : 0;
-    if (status == SPRINGNET_SLIDING || (stays_[k] == 0 && network.cluster[k] != no_node)) some_.push_back(k);
+    pinned_[k] = status == SPRINGNET_PRESCRIBED || status == SPRINGNET_STICKING ? 1 : 0;
+    if (status == SPRINGNET_SLIDING || (pinned_[k] == 0 && network.cluster[k] != no_node)) selected_.push_back(k);
   }
-  if (some_.empty()) return;
+  if (selected_.empty()) return;
   springnet_evaluation evaluation = sdk::evaluation_at(step.until, at);
   evaluation.acceleration = free;
-  host.evaluate_nodes(evaluation, some_);
+  host.evaluate_nodes(evaluation, selected_);
 }
 
-std::uint32_t Workspace::thrown_node(const Step& step) {
+std::uint32_t Workspace::spurious_contact(const Step& step) {
   const springnet_network& network = step.network;
   if (network.surface_count == 0) return no_node;
-  some_.clear();
+  selected_.clear();
   for (std::uint32_t k = 0; k < network.node_count; ++k)
-    if (network.status[k] == SPRINGNET_STICKING && network.touching[k] == 0) some_.push_back(k);
-  if (some_.empty()) return no_node;
+    if (network.status[k] == SPRINGNET_STICKING && network.touching[k] == 0) selected_.push_back(k);
+  if (selected_.empty()) return no_node;
   springnet_evaluation evaluation = sdk::evaluation_at(step.from, step.start);
   evaluation.force = free_acceleration_.view();
-  host.evaluate_nodes(evaluation, some_);
+  host.evaluate_nodes(evaluation, selected_);
   const auto norm = [](double x, double y, double z) { return std::sqrt(x * x + y * y + z * z); };
-  for (const std::uint32_t k : some_) {
+  for (const std::uint32_t k : selected_) {
     const springnet_vectors &p = step.start.position, &v = step.start.velocity, &next = step.outputs->position;
     const springnet_vectors& u = step.outputs->velocity;  // the surface's
     const Columns& f = free_acceleration_;
-    const double way = norm(next.x[k] - p.x[k], next.y[k] - p.y[k], next.z[k] - p.z[k]);
+    const double travel = norm(next.x[k] - p.x[k], next.y[k] - p.y[k], next.z[k] - p.z[k]);
     const double speed = norm(v.x[k], v.y[k], v.z[k]) + norm(u.x[k], u.y[k], u.z[k]) +
                          step.time_constant * norm(f.x[k], f.y[k], f.z[k]) / network.mass[k];
-    // Forces may grow on the way, but not to many times what they were.
-    if (way > plausible_way * step.time_constant * speed + negligible_way * network.length_scale) return k;
+    // Forces may grow during the step, but not many times.
+    if (travel > plausible_travel * step.time_constant * speed + negligible_travel * network.length_scale) return k;
   }
   return no_node;
 }
@@ -180,7 +180,7 @@ Greatest Workspace::residual(const Step& step, const springnet_state& at) {
   const double h = step.time_constant, theta = step.theta;
   Greatest greatest;
   for (std::uint32_t k = 0; k < network.node_count; ++k) {
-    if (constrained ? stays_[k] != 0 : network.fixed[k] != 0) continue;
+    if (constrained ? pinned_[k] != 0 : network.fixed[k] != 0) continue;
     const double m = network.mass[k];
     double x = m * ((u.x[k] - v.x[k]) / h - theta * a.x[k]);
     double y = m * ((u.y[k] - v.y[k]) / h - theta * a.y[k]);

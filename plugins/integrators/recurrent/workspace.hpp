@@ -55,7 +55,7 @@ class Workspace {
   // sweep. Needs evaluate(). Sets free_acceleration().
   [[nodiscard]] Greatest residual(const Step& step, const springnet_state& at);
 
-  // The part of residual() that sets free_acceleration() and stays().
+  // The part of residual() that sets free_acceleration().
   void free_accelerations(const Step& step, const springnet_state& at) {
     if (step.constrained()) find_free_accelerations(step, at);
   }
@@ -63,15 +63,13 @@ class Workspace {
   // Accelerations of the last evaluate(): of the constrained motion; and without constraints (after residual()).
   [[nodiscard]] const Columns& acceleration() const noexcept { return acceleration_; }
   [[nodiscard]] const Columns& free_acceleration() const noexcept { return free_acceleration_; }
-  // A node with spurious contact: held by a surface that it did not touch at the start and that neither its start
-  // velocity nor its start force explains; diverging sweeps cause it. no_node: there is none.
-  [[nodiscard]] std::uint32_t thrown_node(const Step& step);
+  // A node with spurious contact: held by a surface that it did not touch at the start, and that its start velocity and
+  // force do not take it to. Diverging sweeps cause this. no_node: there is none.
+  [[nodiscard]] std::uint32_t spurious_contact(const Step& step);
   // Constraint forces of the last sweep, N.
   [[nodiscard]] const Columns& constraint_force() const noexcept { return constraint_force_; }
   // Resets the constraint forces before the first sweep.
   void forget_constraint_force() noexcept;
-  // After residual(): 1 for pinned nodes, constrained in all coordinates.
-  [[nodiscard]] const std::vector<std::uint8_t>& stays() const noexcept { return stays_; }
 
   const sdk::Host host;
   ForceRecord record;
@@ -83,10 +81,10 @@ class Workspace {
   Columns free_position_, free_velocity_;  // p*, v*; empty where theta is 1
   Columns start_acceleration_;             // m/s^2
   Columns acceleration_, free_acceleration_, constraint_force_;
-  std::vector<std::uint8_t> stays_;    // [node_count]
-  std::vector<std::uint32_t> some_;    // nodes
-  std::vector<double> internal_rate_;  // [internal_count]
-  // Revisions of the network and its loads that start_acceleration_ belongs to.
+  std::vector<std::uint8_t> pinned_;     // [node_count] after residual(), 1: constrained in all coordinates
+  std::vector<std::uint32_t> selected_;  // nodes
+  std::vector<double> internal_rate_;    // [internal_count]
+  // Revisions of the network and its loads for which start_acceleration_ was computed.
   using Revisions = std::pair<std::uint64_t, std::uint64_t>;
   [[nodiscard]] Revisions revisions(const Step& step) const { return {step.network.revision, host.load_revision()}; }
   std::optional<Revisions> known_;

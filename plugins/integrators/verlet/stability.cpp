@@ -12,9 +12,9 @@ double Stability::limit(bool restarts) {
   springnet::sdk::LinearisedNetwork network(host_);
   const std::optional<double> guess = network.first_guess();
   if (!guess) return std::numeric_limits<double>::infinity();
-  if (!restarts) return least(network, Form::lagging, *guess, std::numeric_limits<double>::infinity());
-  const double damped = least(network, Form::restarting_damping, *guess, std::numeric_limits<double>::infinity());
-  const double both = least(network, Form::restarting, *guess, damped);
+  if (!restarts) return limit_of(network, Form::lagging, *guess, std::numeric_limits<double>::infinity());
+  const double damped = limit_of(network, Form::restarting_damping, *guess, std::numeric_limits<double>::infinity());
+  const double both = limit_of(network, Form::restarting, *guess, damped);
   return std::isnan(both) ? both : std::min(both, damped);
 }
 
@@ -22,7 +22,7 @@ std::uint32_t Stability::node() const {
   return mode_.empty() ? springnet::sdk::no_limit_node : springnet::sdk::LinearisedNetwork(host_).node_of(mode_);
 }
 
-double Stability::least(springnet::sdk::LinearisedNetwork& network, Form form, double guess, double other) {
+double Stability::limit_of(springnet::sdk::LinearisedNetwork& network, Form form, double guess, double other) {
   std::vector<double> x = network.start(), damped(network.size());
   const auto apply = [&](double h, double* values) {
     // -(quadratic + linear), from products with dp and dv.
@@ -47,7 +47,7 @@ double Stability::least(springnet::sdk::LinearisedNetwork& network, Form form, d
     network.times(-0.25 * h * h, 0.0, values);
     for (std::size_t i = 0; i < damped.size(); ++i) values[i] += damped[i];
   };
-  const double h = springnet::sdk::critical_step(host_, guess, x, network.most_vectors(), apply);
+  const double h = springnet::sdk::critical_step(host_, guess, x, network.max_vectors(), apply);
   if (h < other) mode_ = std::move(x);
   return h;
 }

@@ -67,12 +67,12 @@ class Verlet : public Integrator {
   springnet_status advance(double until, springnet_step_report& report) {
     const double from = host_.committed().time;
     const double h = (until - from) / static_cast<double>(substeps_);
-    // Steps of one length differ by the rounding of their ends.
+    // Equal steps differ by the rounding of their ends.
     if (std::abs(h - checked_step_) > 1e-6 * checked_step_ || host_.network().revision != checked_revision_ ||
         ++steps_since_check_ >= steps_per_check)
       check_stability(until - from);
     report.residual = report.force_difference = std::numeric_limits<double>::quiet_NaN();
-    bool commits = false;  // a smaller step does not help where a commit is refused
+    bool commits = false;  // a smaller step does not help if the commit is refused
     try {
       for (std::int64_t i = 1; i <= substeps_; ++i) {
         const double end = i == substeps_ ? until : from + static_cast<double>(i) * h;
@@ -94,7 +94,7 @@ class Verlet : public Integrator {
 
   void limits(const LimitSink& sink) {
     if (is_any_sliding()) {
-      sink.unknown("", "nodes slide on an obstacle, and what their friction does to the limit is not known");
+      sink.unknown("", "nodes slide on an obstacle, and the effect of their friction on the limit is not known");
       return;
     }
     const auto [time, state] = host_.committed();
@@ -106,7 +106,7 @@ class Verlet : public Integrator {
     }
     const double h = stability_.limit(host_.network().rigid_count > 0);
     // Half a step is the weight: h^2 k / (4 m) + h d / m reaches 1.
-    sink.tell("", {SPRINGNET_LIMIT_KNOWN, h * static_cast<double>(substeps_), 0.5 * h, stability_.node()});
+    sink.report("", {SPRINGNET_LIMIT_KNOWN, h * static_cast<double>(substeps_), 0.5 * h, stability_.node()});
   }
 
  private:
@@ -131,7 +131,7 @@ class Verlet : public Integrator {
     advance_by(half, start.velocity, 0.5 * h, acceleration_.vectors(), n);  // v_1/2
     advance_by(next.position, start.position, h, half, n);
     constrain(drift, start, next, until, h, half);
-    advance_by(next.velocity, half, 0.5 * h, acceleration_.vectors(), n);  // v', as well as it is known
+    advance_by(next.velocity, half, 0.5 * h, acceleration_.vectors(), n);  // v', predicted
     host_.project_state(until, next);
 
     change_.values = acceleration_.values;
@@ -144,7 +144,7 @@ class Verlet : public Integrator {
     host_.project_state(until, next);
     constrain(kick, start, next, until, h, next.velocity);
 
-    next.force_is_current = 0;  // forces that depend on the velocity are those of the one before
+    next.force_is_current = 0;  // velocity-dependent forces belong to the predicted velocity
   }
 
   // Nodes in contact: see springnet_sweep::contacts.
@@ -167,7 +167,8 @@ class Verlet : public Integrator {
     host_.constrain(sweep);
   }
 
-  // Friction is left out of the check: its derivative turns the direction, and however stiff it is, it limits no step.
+  // Nets with sliding nodes are not checked: the derivative of friction turns its direction and, however stiff, limits
+  // no step.
   [[nodiscard]] bool is_any_sliding() const {
     const springnet_network& network = host_.network();
     for (std::uint32_t k = 0; network.surface_count > 0 && k < network.node_count; ++k)
@@ -175,7 +176,7 @@ class Verlet : public Integrator {
     return false;
   }
 
-  // Above the limit of stability the solution grows without bound: such a step is refused.
+  // Throws if steps are above the limit of stability, where the solution grows without bound.
   void check_stability(double time_step) {
     const double h = time_step / static_cast<double>(substeps_);
     checked_step_ = h;
@@ -222,14 +223,14 @@ class Verlet : public Integrator {
   std::int64_t substeps_;
   State state_;
   Field acceleration_;  // m/s^2, at the committed state
-  Field force_;         // N, likewise, without what holds nodes
+  Field force_;         // N, likewise, without constraint forces
   Field half_;          // m/s, v_1/2
   Field change_;
   Stability stability_;
   // Revisions of the network and its loads that acceleration_ belongs to.
   std::optional<std::pair<std::uint64_t, std::uint64_t>> revisions_;
   static constexpr std::uint64_t steps_per_check = 256;  // laws may stiffen
-  static constexpr double reserve = 1.03;                // of advice: they will a little
+  static constexpr double reserve = 1.03;                // of the advice: laws may stiffen a little
   double checked_step_ = 0.0;                            // s
   std::uint64_t checked_revision_ = 0;
   std::uint64_t steps_since_check_ = 0;

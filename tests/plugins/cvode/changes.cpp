@@ -51,7 +51,7 @@ TEST_CASE("a force that is switched off at an odd time leaves its impulse") {
   }
 }
 
-TEST_CASE("a dropped mass touches at the closed form's time, stays, and is lifted when a force pulls it up") {
+TEST_CASE("a dropped mass touches at the closed form's time, is held, and is released when a force pulls it up") {
   const double g = 9.81, height = 0.7, lift_from = 1.2345;
   Network network = with_ground({0, 0, -g});
   network.add_node(node({1, 2, height}, 2.0, {0.5, 0, 0}));
@@ -82,7 +82,7 @@ TEST_CASE("a dropped mass touches at the closed form's time, stays, and is lifte
   CHECK(times_of(simulation, Event::Kind::touched).size() == 1);
 }
 
-TEST_CASE("a node on the ground is lifted when the spring above it pulls with its weight") {
+TEST_CASE("a node on the ground is released when the spring above it pulls with its weight") {
   // Node 0 (m 1 kg) lies on the ground, node 1 (M 2 kg) above it on a spring (k 100 N/m, rest length 1 m). With node 0
   // held, node 1 swings about z = 1 - M g / k; compressed by c below that at the start. The spring lifts node 0 when
   // its tension k (z - 1) reaches m g: -M g / k - c cos(w t) = m g / k.
@@ -122,7 +122,7 @@ TEST_CASE("a block comes to rest on the ground: contacts end, and the ground car
   CHECK(simulation.events().size() < 200);
 }
 
-TEST_CASE("a spring breaks at the closed form's time; what hung on it flies on") {
+TEST_CASE("a spring ruptures at the closed form's time, and its node moves on freely") {
   // m 2 kg, k 50 N/m, strength 10 N: T = k v0 / w sin w t reaches it at w t = asin(10 w / (k v0)).
   const double mass = 2, k = 50, strength = 10, speed = 3;
   Material material;
@@ -171,7 +171,7 @@ TEST_CASE("a cut happens at its time, whatever the time step") {
         doctest::Approx(1 + 0.2 * std::cos(w * when) - 0.2 * w * std::sin(w * when) * (1 - when)).epsilon(1e-7));
 }
 
-TEST_CASE("what the embedding program changes takes effect at once") {
+TEST_CASE("changes by the embedding program take effect in the next step") {
   Network network;
   network.add_node(node({0, 0, 0}, 2.0));
   Simulation simulation = simulate(network, options(1e-8, 0.25));
@@ -196,7 +196,7 @@ TEST_CASE("what the embedding program changes takes effect at once") {
   CHECK(simulation.statistics().at("restarts") == 4);
 }
 
-TEST_CASE("a held node is released as soon as the program pulls it up, or cuts what presses it down") {
+TEST_CASE("a held node is released as soon as the embedding program pulls it up") {
   Network network = with_ground({0, 0, -1});
   network.add_node(node({0, 0, 0}));
   Simulation simulation = simulate(network, options(1e-8, 0.5));

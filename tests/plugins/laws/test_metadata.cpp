@@ -39,7 +39,7 @@ void check_parameters(const springnet_component& component,
 
 }  // namespace
 
-TEST_CASE("every shipped plugin is complete and names itself once") {
+TEST_CASE("every shipped plugin is complete and its ids are unique") {
   std::set<std::string> plugins;
   std::set<std::pair<std::uint32_t, std::string>> components;
   for (const springnet_plugin* plugin : shipped_plugins()) {
@@ -88,7 +88,7 @@ TEST_CASE("parameters of the shipped laws: names, units, bounds, defaults") {
   check_parameters(shipped(SPRINGNET_NEURON, "dragged"), {{"drag", {"kg/s", 0.0, 0.0, required | learnable}}});
 }
 
-TEST_CASE("what the shipped laws read and can do") {
+TEST_CASE("flags of the shipped laws: quantities read, functions provided") {
   for (const char* id : {"linear", "nonlinear", "exponential", "rupturing"}) {
     CAPTURE(std::string(id));
     CHECK(law_of(spring(id)).invariant == SPRINGNET_LENGTH);

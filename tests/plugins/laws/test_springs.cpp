@@ -178,7 +178,7 @@ TEST_CASE("rupturing: the margin is 1 at rest, falls with the tension and ends a
   CHECK(of(1.5, 1.0) == 0.0);
 }
 
-TEST_CASE("a number that is not finite is answered with one, so that the engine sees it") {
+TEST_CASE("spring functions return nan for nan, which the engine detects") {
   const double nan = std::numeric_limits<double>::quiet_NaN();
   for (const Case& each : cases) {
     CAPTURE(std::string(each.id));

@@ -26,7 +26,7 @@ TEST_CASE("viscosity functions, by their formulas") {
   CHECK(relative(power(-4.0, 3.0, 1.5), -24.0) < 1e-15);  // rounding
 }
 
-TEST_CASE("a viscosity function takes energy out, whatever the direction") {
+TEST_CASE("a viscosity function dissipates energy in both directions") {
   for (const double exponent : {0.3, 0.5, 1.0, 1.5, 2.0, 5.0}) {
     for (const double rate : {-10.0, -1e-3, -1e-9, 1e-9, 1e-3, 10.0}) {
       CAPTURE(exponent);
@@ -94,7 +94,7 @@ TEST_CASE("power with an exponent below 1: linear below its rate, without a jump
   CHECK(power(4.0, 3.0, 0.5, seam) == power(4.0, 3.0, 0.5, 1e-6));
 }
 
-TEST_CASE("viscosity functions answer what is not a number with what is not one") {
+TEST_CASE("viscosity functions return nan for nan") {
   const double nan = std::numeric_limits<double>::quiet_NaN();
   CHECK(std::isnan(force(viscosity("linear"), {1.0, nan, 1.0, {3.0}})));
   CHECK(std::isnan(force(viscosity("relative"), {nan, 0.0, 1.0, {3.0}})));

@@ -1,5 +1,5 @@
-// Steps that do not settle as they are: a smaller time constant on the way, or smaller steps; and rules that the engine
-// picks.
+// Steps that do not settle as they are: continuation in the time constant, or subdivision; and the rule that
+// "automatic" selects.
 #include <cmath>
 #include <string>
 
@@ -51,7 +51,7 @@ TEST_CASE("continuation ends at the state that Newton's method finds for the und
   CHECK((in_stages.velocity(1) - undivided.velocity(1)).norm() < tolerance / t_c);
 }
 
-TEST_CASE("subdivision makes the smaller steps, says so, and stays on the grid") {
+TEST_CASE("subdivision takes smaller steps, reports their number and keeps to the grid of times") {
   // t_c^2 k / m = 6: a half is above 1 as well, a quarter is not.
   Simulation divided = spring_of(6.0, on_unsettled_adapt);
   SimulationOptions options;
@@ -78,7 +78,7 @@ TEST_CASE("subdivision makes the smaller steps, says so, and stays on the grid")
   CHECK(easing.step().substeps == 0);
 }
 
-TEST_CASE("a step that no subdivision helps ends in an error that says where") {
+TEST_CASE("a step that no subdivision settles ends in an error that advises rules and less stiffness") {
   // t_c^2 k / m = 1e10: a step of 2^-12 is far above 1.
   Simulation simulation = spring_of(1e10, on_unsettled_adapt);
   std::string why;
@@ -87,13 +87,12 @@ TEST_CASE("a step that no subdivision helps ends in an error that says where") {
   } catch (const Error& error) {
     why = error.what();
   }
-  CHECK(contains(why, "smaller and smaller steps"));
-  CHECK(contains(why, "use update = \"newton\" or \"automatic\", or less stiffness"));
+  CHECK(has_all(why, {"\"newton\"", "\"automatic\"", "stiffness"}));
   CHECK_FALSE(contains(why, "smaller time_step"));
   CHECK(simulation.time() == 0.0);
 }
 
-TEST_CASE("where no rule is named the engine picks one and says why") {
+TEST_CASE("automatic notes the rule that it selects and the critical time constant") {
   // sqrt(m / k) = 0.5 s is the critical time constant of an oscillator without damping.
   const auto note_of = [](double t_c, double damping) {
     Simulation simulation = simulate(oscillator(damped(4.0, damping), 1.0, 0.1), {"recurrent", {}}, t_c);
@@ -103,9 +102,9 @@ TEST_CASE("where no rule is named the engine picks one and says why") {
     CHECK(simulation.notes().size() == 1);  // once
     return simulation.notes()[0];
   };
-  const std::string easy = note_of(0.1, 0.0), hard = note_of(5.0, 0.0), viscous = note_of(0.1, 2.0);
-  CHECK(has_all(easy, {"rule synchronous", " 0.2 times", " 0.5 s"}));
-  CHECK(has_all(hard, {"rule newton", " 10 times", " 0.5 s"}));
+  const std::string short_step = note_of(0.1, 0.0), long_step = note_of(5.0, 0.0), viscous = note_of(0.1, 2.0);
+  CHECK(has_all(short_step, {"rule synchronous", " 0.2 times", " 0.5 s"}));
+  CHECK(has_all(long_step, {"rule newton", " 10 times", " 0.5 s"}));
   // Synchronous sweeps up to three quarters of it.
   CHECK(contains(note_of(0.36, 0.0), "rule synchronous"));
   CHECK(contains(note_of(0.39, 0.0), "rule newton"));
@@ -113,7 +112,7 @@ TEST_CASE("where no rule is named the engine picks one and says why") {
   CHECK(contains(viscous, " 0.31 s"));
 }
 
-TEST_CASE("where nothing limits the time step, the note has no numbers that say nothing") {
+TEST_CASE("where nothing limits the time step, the note has no numbers") {
   Network net;
   net.add_node(point(Vector3::Zero()));
   net.set_gravity({0, 0, -9.81});
@@ -124,8 +123,8 @@ TEST_CASE("where nothing limits the time step, the note has no numbers that say 
   CHECK(note.find_first_of("0123456789") == std::string::npos);
 }
 
-TEST_CASE("the rule picked gives way to a stronger one in a step that it does not settle") {
-  // At rest the spring is soft; node 1 runs away from the wall and stiffens it a thousandfold.
+TEST_CASE("a step that the selected rule does not settle is solved with Newton's method") {
+  // At rest the spring is soft; node 1 moves away from the wall and stiffens it a thousandfold.
   Network net =
       oscillator({LawUse{"exponential", {{"stiffness", 1.0}, {"exponent", 10.0}}}, std::nullopt}, 1.0, 0.0, 4.0);
   Simulation simulation = simulate(net, {"recurrent", {}}, 0.1);
@@ -142,7 +141,7 @@ TEST_CASE("the rule picked gives way to a stronger one in a step that it does no
 }
 
 TEST_CASE("irregular nets over six decades settle under the default rule, with a residual of twice the threshold") {
-  // A sample; every one that does not settle says so.
+  // A sample; each of the few that do not settle reports it.
   int settled = 0;
   constexpr int count = 40;
   for (unsigned seed = 1; seed <= count; ++seed) {

@@ -1,5 +1,5 @@
 // Rigid connections, moved nodes, sliding contact and friction under every rule: the same motion, and a residual that
-// knows of the forces that constraints put in.
+// includes the forces of constraints.
 #include <algorithm>
 #include <string>
 #include <vector>
@@ -76,7 +76,7 @@ Network shaken_block() {
 
 }  // namespace
 
-TEST_CASE("with constraints all rules move alike, order 1 and 2") {
+TEST_CASE("with constraints all rules give the same motion, order 1 and 2") {
   const std::vector<std::pair<std::string, Network>> nets = {{"mixed chain", mixed_chain()},
                                                              {"sliding", sliding_tetrahedron(Friction::Kind::none)},
                                                              {"rubbing", sliding_tetrahedron(Friction::Kind::coulomb)},
@@ -100,7 +100,7 @@ TEST_CASE("with constraints all rules move alike, order 1 and 2") {
         }
         for (const Rigid& rigid : net.rigids()) {
           const double length = (simulation.position(rigid.first) - simulation.position(rigid.second)).norm();
-          CHECK(std::abs(length / rigid.length - 1.0) < 1e-8);  // what the connection promises
+          CHECK(std::abs(length / rigid.length - 1.0) < 1e-8);  // the tolerance of rigid lengths
         }
         double greatest = 0.0;
         for (NodeIndex k = 0; k < net.nodes().size(); ++k)

@@ -1,4 +1,5 @@
-// Closed surfaces with fillings, all of whose nodes act on each other: the same steps from soft to as hard as water.
+// Closed surfaces with fillings, all of whose nodes act on each other: the sweeps of a step from soft to as stiff as
+// water.
 #include <algorithm>
 #include <cmath>
 
@@ -19,11 +20,12 @@ Network pulled_sphere(double filling) {
   return net;
 }
 
-// Two tetrahedra of 1 kg a node, one of them hard, which turn and bend by as much as they are large in one step.
-Network tetrahedra(double hard) {
+// Two tetrahedra of 1 kg a node, one with a stiff filling, which turn and bend by as much as they are large in one
+// step.
+Network tetrahedra(double stiff) {
   Network net;
   const MaterialIndex skin = net.add_material(damped(10.0, 0.0));
-  for (const double filling : {hard, 5.0}) {
+  for (const double filling : {stiff, 5.0}) {
     const auto first = static_cast<NodeIndex>(net.nodes().size());
     const double z = 1.25 * first;
     for (const Vector3& p : {Vector3(0, 0, z), Vector3(1, 0, z), Vector3(0, 1, z), Vector3(0.3, 0.3, z + 1.0)})
@@ -48,7 +50,7 @@ double sweeps_of(const Network& net, const LawUse& integrator, double time_step,
 
 }  // namespace
 
-TEST_CASE("Newton's method: the sweeps that a filled sphere needs do not grow with its filling") {
+TEST_CASE("Newton's method: the sweeps that a filled sphere needs do not grow with the stiffness of its filling") {
   // Steps that were only shortened took 11 sweeps at 1e10 and 18 at 1e12, about water.
   for (const double filling : {1e4, 1e8, 1e10, 1e12}) {
     CAPTURE(filling);
@@ -56,7 +58,7 @@ TEST_CASE("Newton's method: the sweeps that a filled sphere needs do not grow wi
   }
 }
 
-TEST_CASE("Newton's method: a hard tetrahedron that moves far in a step") {
+TEST_CASE("Newton's method: a tetrahedron with a stiff filling that moves far in a step") {
   // Measured 7, 13 and 11; steps that were only shortened took 65 at 1e6.
   for (const double filling : {1e3, 1e6, 1e9}) {
     CAPTURE(filling);
@@ -64,7 +66,7 @@ TEST_CASE("Newton's method: a hard tetrahedron that moves far in a step") {
   }
 }
 
-TEST_CASE("a step that is put right is the one that other rules find") {
+TEST_CASE("a step with corrected volumes is the one that other rules find") {
   const Network net = pulled_sphere(2e6);
   constexpr double force_tolerance = 1e-9, t_c = 0.01;
   Simulation a = simulate(net, recurrent(newton, force_tolerance), t_c);
@@ -90,7 +92,7 @@ TEST_CASE("iterations of the linear systems are counted, where there are any") {
   CHECK(direct.statistics().count("krylov_iterations") == 0);
 }
 
-TEST_CASE("pre-stress, whose matrix is indefinite, does not keep the linear systems of a large net from ending") {
+TEST_CASE("the linear systems of a large pre-stressed net, which are indefinite, converge") {
   // 10,242 nodes, iterations alone; each system ran to 400 of them, 905 in all, for an error that it had after 100.
   const TriangleMesh mesh = icosphere(5, 0.1);
   Network net;

@@ -30,7 +30,7 @@ struct DenseHost {
   springnet_network net{};
   springnet_message text{};
   springnet_host table{};
-  springnet_status answer = SPRINGNET_OK;  // of what is called
+  springnet_status status = SPRINGNET_OK;  // that every call returns
   int linearised = 0, factorised = 0, products = 0;
   Eigen::FullPivLU<Matrix> factors;
 
@@ -68,7 +68,7 @@ struct DenseHost {
     table.report = [](void*, const char*, double) {};
     table.linearise = [](void* c, const springnet_evaluation*) {
       ++of(c).linearised;
-      return of(c).answer;
+      return of(c).status;
     };
     table.jacobian_times = [](void* c, const double* dp, const double* dv, double* out) {
       DenseHost& self = of(c);
@@ -76,7 +76,7 @@ struct DenseHost {
       const auto entries = static_cast<Eigen::Index>(3 * self.n);
       Eigen::Map<Vector>(out, entries) = self.by_position * Eigen::Map<const Vector>(dp, entries) +
                                          self.by_velocity * Eigen::Map<const Vector>(dv, entries);
-      return self.answer;
+      return self.status;
     };
     table.diagonal_blocks = [](void* c, double v, double p, double* out) {
       DenseHost& self = of(c);
@@ -86,13 +86,13 @@ struct DenseHost {
           for (std::size_t col = 0; col < 3; ++col)
             out[9 * node + 3 * r + col] =
                 whole(static_cast<Eigen::Index>(r * self.n + node), static_cast<Eigen::Index>(col * self.n + node));
-      return self.answer;
+      return self.status;
     };
     table.factorise = [](void* c, double v, double p) {
       DenseHost& self = of(c);
       ++self.factorised;
       self.factors.compute(self.bordered(self.system(v, p)));
-      return self.answer;
+      return self.status;
     };
     table.solve = [](void* c, std::int32_t, const double* b, double* x) {
       DenseHost& self = of(c);
@@ -100,7 +100,7 @@ struct DenseHost {
       Vector right = Vector::Zero(entries + self.rows.rows());
       right.head(entries) = Eigen::Map<const Vector>(b, entries);
       Eigen::Map<Vector>(x, entries) = self.factors.solve(right).head(entries);
-      return self.answer;
+      return self.status;
     };
     table.project = [](void* c, const double* blocks, double* values) {
       DenseHost& self = of(c);
@@ -113,7 +113,7 @@ struct DenseHost {
       Eigen::Map<Vector> value(values, static_cast<Eigen::Index>(3 * self.n));
       const Matrix moved = w * self.rows.transpose();
       value -= moved * (self.rows * moved).ldlt().solve(self.rows * Vector(value));
-      return self.answer;
+      return self.status;
     };
   }
   DenseHost(const DenseHost&) = delete;
@@ -211,8 +211,8 @@ TEST_CASE("factors are kept while derivatives and weights stay") {
   CHECK((as_vector(x) - host.expected(0.2, 1.0, b)).norm() <= 1e-12);
 }
 
-TEST_CASE("what iterations do not solve is factorised") {
-  // Far more stiffness than mass along a chain: each iteration carries news a node further.
+TEST_CASE("a system that iterations do not solve is factorised") {
+  // Far more stiffness than mass along a chain: each iteration carries information one node further.
   DenseHost host(150, 1e10, 0.0, 0);
   LinearSystem system{sdk::Host(host.table)};
   system.attach(host.net);
@@ -225,23 +225,23 @@ TEST_CASE("what iterations do not solve is factorised") {
   CHECK((as_vector(x) - host.expected(1.0, 0.0, b)).norm() <= 1e-3 * as_vector(b).norm());
 }
 
-TEST_CASE("there is no answer where the host has none") {
+TEST_CASE("a recoverable failure of the host gives no solution, another one throws") {
   DenseHost host(5, 10.0, 1.0, 0);
   LinearSystem system{sdk::Host(host.table)};
   system.attach(host.net);
   system.linearise(sdk::sized<springnet_evaluation>());
   const std::vector<double> b = host.right_side();
   std::vector<double> x(b.size());
-  host.answer = SPRINGNET_RECOVERABLE;
+  host.status = SPRINGNET_RECOVERABLE;
   CHECK_FALSE(system.solve(0.1, 0.0, b, 1e-10, x));
-  host.answer = SPRINGNET_FAILED;
+  host.status = SPRINGNET_FAILED;
   CHECK_THROWS_AS(static_cast<void>(system.solve(0.1, 0.0, b, 1e-10, x)), sdk::Failure);
-  host.answer = SPRINGNET_OK;
-  CHECK(system.solve(0.1, 0.0, b, 1e-10, x));  // nothing of it is kept
+  host.status = SPRINGNET_OK;
+  CHECK(system.solve(0.1, 0.0, b, 1e-10, x));  // no state of the failure is kept
   CHECK((as_vector(x) - host.expected(0.1, 0.0, b)).norm() <= 1e-12);
 }
 
-TEST_CASE("projection takes out what constraints do not allow, and nothing without any") {
+TEST_CASE("projection removes what constraints do not allow, and nothing without constraints") {
   for (const int constraints : {0, 3}) {
     DenseHost host(10, 1.0, 1.0, constraints);
     LinearSystem system{sdk::Host(host.table)};

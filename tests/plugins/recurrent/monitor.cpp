@@ -46,7 +46,7 @@ TEST_CASE("the first sweep never settles") {
   CHECK(end.sweeps == 2);
 }
 
-TEST_CASE("a slow contraction is given all its sweeps") {
+TEST_CASE("a slow contraction runs until it settles or max_sweeps is reached") {
   // 0.999^n falls below 1e-6 at n = 13809; no window of 50 sweeps falls by more than 5 %.
   const End end = run(1e-6, 100000, [](std::uint64_t n) { return geometric(0.999, n); });
   CHECK(end.verdict == Verdict::settled);
@@ -54,7 +54,7 @@ TEST_CASE("a slow contraction is given all its sweeps") {
   CHECK(run(1e-6, 1000, [](std::uint64_t n) { return geometric(0.999, n); }).verdict == Verdict::out_of_sweeps);
 }
 
-TEST_CASE("a contraction with a beat is no oscillation") {
+TEST_CASE("a contraction whose differences beat does not count as an oscillation") {
   // A complex pair of eigenvalues: the differences rise for many sweeps in each beat.
   const End end = run(1e-6, 2000, [](std::uint64_t n) {
     return geometric(0.97, n) * (1.0 + 0.9 * std::sin(0.13 * static_cast<double>(n)));
@@ -77,13 +77,13 @@ TEST_CASE("differences that neither fall nor grow oscillate") {
   CHECK(run(1e-6, 1000, [](std::uint64_t n) { return n % 60 == 0 ? 0.1 : 1.0; }).verdict == Verdict::oscillating);
 }
 
-TEST_CASE("few sweeps end before an oscillation is certain") {
+TEST_CASE("an oscillation is not detected in fewer sweeps than a window has") {
   const End end = run(1e-6, 20, [](std::uint64_t) { return 1.0; });
   CHECK(end.verdict == Verdict::out_of_sweeps);
   CHECK(end.sweeps == 20);
 }
 
-TEST_CASE("growth diverges, fast or slow, long before the numbers overflow") {
+TEST_CASE("growth, fast or slow, is detected long before the numbers overflow") {
   const End fast = run(1e-6, 1000, [](std::uint64_t n) { return geometric(10.0, n); });
   CHECK(fast.verdict == Verdict::diverging);
   CHECK(fast.sweeps < 20);
@@ -91,7 +91,7 @@ TEST_CASE("growth diverges, fast or slow, long before the numbers overflow") {
   CHECK(run(1e-6, 1000, [](std::uint64_t n) { return geometric(1.02, n); }).verdict == Verdict::diverging);
 }
 
-TEST_CASE("a number that is not finite diverges at once, in the first sweep too") {
+TEST_CASE("a difference that is not finite counts as divergence in every sweep, also the first") {
   for (const double bad : {std::numeric_limits<double>::quiet_NaN(), std::numeric_limits<double>::infinity()}) {
     const End first = run(1e-6, 1000, [bad](std::uint64_t) { return bad; });
     CHECK(first.verdict == Verdict::diverging);

@@ -1,4 +1,4 @@
-// The four ends of a step, and what follows from them.
+// The four outcomes of a step, and what follows from them.
 #include <cmath>
 #include <set>
 #include <string>
@@ -103,7 +103,7 @@ TEST_CASE("diverging") {
   }
 }
 
-TEST_CASE("rules are advised that settle") {
+TEST_CASE("the message advises rules that settle the step") {
   // One spring between a wall and a node; t_c of 1 is sqrt(k / m) times the critical time constant.
   const auto advice = [](double stiffness, double update, double theta) {
     Simulation simulation = spring_of(stiffness, update, {{"max_sweeps", 30}, {"theta", theta}});
@@ -135,7 +135,7 @@ TEST_CASE("rules are advised that settle") {
 }
 
 TEST_CASE("diverging to numbers that are not finite fails, whatever the policy") {
-  // T = exp(strain exponent) overflows: at exponent 1000 after the first sweep at t_c 1 has thrown the node far away,
+  // T = exp(strain exponent) overflows: at exponent 1000 after the first sweep at t_c 1 has moved the node far away,
   // at 7200 already where the step starts.
   for (const double exponent : {1000.0, 7200.0}) {
     const Material stiffening{LawUse{"exponential", {{"stiffness", 100}, {"exponent", exponent}}}, std::nullopt};
@@ -144,7 +144,7 @@ TEST_CASE("diverging to numbers that are not finite fails, whatever the policy")
       single.parameters["unsettled"] = policy;
       for (const LawUse& integrator : {recurrent(synchronous, 1e-6, {{"unsettled", policy}}),
                                        recurrent(wavefront, 1e-6, {{"unsettled", policy}}), single}) {
-        // One sweep from a finite force has a finite answer.
+        // One sweep from a finite force has a finite result.
         if (exponent == 1000.0 && integrator == single) continue;
         CAPTURE(exponent);
         CAPTURE(policy);
@@ -155,7 +155,7 @@ TEST_CASE("diverging to numbers that are not finite fails, whatever the policy")
         CHECK(simulation.last_report().outcome == Outcome::diverging);
         CHECK(contains(why, "time_step"));
         CHECK_FALSE(contains(why, "accept"));  // that would not help
-        CHECK(contains(why, "exponential"));   // the host says which law it was, and where
+        CHECK(contains(why, "exponential"));   // the host names the law and the spring
         CHECK(contains(why, "spring 0"));
         CHECK(contains(why, "smaller") == (exponent == 1000.0));  // with 7200 no time step helps
         check_untouched(simulation);
@@ -165,34 +165,33 @@ TEST_CASE("diverging to numbers that are not finite fails, whatever the policy")
 }
 
 TEST_CASE("the message names the user's node, also where nodes are renumbered") {
-  // A lattice whose node 37 alone is thrown: far too stiff for its t_c.
+  // A lattice at rest, and one node beside it on a spring that is far too stiff for t_c.
   Network net;
   Lattice lattice;
   lattice.nodes = {4, 4, 4};
   net.add_lattice("block", lattice, Node{}, net.add_material(damped(1.0, 0.0)));
-  const MaterialIndex hard = net.add_material(damped(1e4, 0.0));
+  const MaterialIndex stiff = net.add_material(damped(1e4, 0.0));
   Node outside = point({20, 0, 0});
   outside.fixed = true;
   const NodeIndex wall = net.add_node(outside);
-  const NodeIndex victim = net.add_node(point({21, 0, 0}));
-  net.add_spring(wall, victim, hard, 0.5);
+  const NodeIndex loose = net.add_node(point({21, 0, 0}));
+  net.add_spring(wall, loose, stiff, 0.5);
   Simulation simulation = simulate(net, recurrent(wavefront, 1e-6), 0.1);
   const std::string why = failure(simulation);
   CHECK(contains(why, "node " + std::to_string(wall)));  // both ends see the same change: the lower number
   CHECK(simulation.last_report().node == wall);
-  CHECK(simulation.last_report().start_node == victim);
+  CHECK(simulation.last_report().start_node == loose);
 }
 
-TEST_CASE("after a failed step the simulation goes on as if it had not been tried") {
+TEST_CASE("after a failed step the simulation continues as if the step had not been tried") {
   for (const double update : {synchronous, wavefront}) {
     CAPTURE(update);
-    // The load makes a step fail by running out of sweeps: k = 0.9 needs some hundred.
     const ParameterValues few{{"max_sweeps", 60}};
     Simulation tried = spring_of(0.5, update, few);
     Simulation plain = spring_of(0.5, update, few);
     tried.step();
     plain.step();
-    // An infinite answer, not an unsettled one, to be thorough: a position that overflows.
+    // The force makes the position overflow.
     tried.set_force(1, {1e300, 0, 0});
     CHECK_THROWS_AS(tried.step(), Error);
     tried.set_force(1, Vector3::Zero());
@@ -204,7 +203,7 @@ TEST_CASE("after a failed step the simulation goes on as if it had not been trie
   }
 }
 
-TEST_CASE("accept takes an unsettled step, says so, and counts") {
+TEST_CASE("accept commits an unsettled step, reports its outcome and counts it") {
   for (const double update : {synchronous, wavefront}) {
     CAPTURE(update);
     Simulation simulation = spring_of(0.9, update, {{"max_sweeps", 20}, {"unsettled", on_unsettled_accept}});
@@ -220,7 +219,7 @@ TEST_CASE("accept takes an unsettled step, says so, and counts") {
   }
 }
 
-TEST_CASE("the residual that is told is that of the equation of motion, N, under every rule") {
+TEST_CASE("the reported residual is that of the equation of motion, N, under every rule") {
   constexpr double h = 0.1, mass = 0.7;
   const Material stiffening{LawUse{"nonlinear", {{"stiffness", 2.0}, {"cubic", 40.0}}},
                             LawUse{"linear", {{"damping", 0.3}}}};
@@ -241,7 +240,7 @@ TEST_CASE("the residual that is told is that of the equation of motion, N, under
   }
 }
 
-TEST_CASE("exactly n sweeps settle by definition") {
+TEST_CASE("with a fixed number of sweeps every step is settled by definition") {
   // Three sweeps of an iteration that grows threefold each.
   for (const double update : {synchronous, wavefront}) {
     CAPTURE(update);
@@ -253,7 +252,7 @@ TEST_CASE("exactly n sweeps settle by definition") {
   }
 }
 
-TEST_CASE("a wavefront settles where synchronous diverges, and diverges in its turn") {
+TEST_CASE("wavefront settles where synchronous diverges, and diverges at a greater stiffness") {
   const auto outcome_of = [](double stiffness, double damping, double update, double& sweeps_per_step) {
     Simulation simulation = simulate(cube(stiffness, damping, 1.0, 0.081), recurrent(update, 1e-6), 0.05);
     Outcome outcome = Outcome::settled;
@@ -275,8 +274,8 @@ TEST_CASE("a wavefront settles where synchronous diverges, and diverges in its t
   CHECK(outcome_of(60, 20, wavefront, sweeps) == Outcome::diverging);
 }
 
-TEST_CASE("what the rule picked by the engine accepts is the whole step, not a stage on the way to it") {
-  // Two sweeps are not enough for a stiffening net that falls; the step that is taken is Newton's, with its residual.
+TEST_CASE("automatic accepts the state of the whole step, not that of an intermediate stage") {
+  // Two sweeps are not enough for a stiffening net that falls; the accepted step is Newton's, with its residual.
   const auto fall = [](double update) {
     Network net;
     Lattice lattice;
@@ -294,10 +293,10 @@ TEST_CASE("what the rule picked by the engine accepts is the whole step, not a s
     for (int i = 0; i < 50; ++i) residual = std::max(residual, simulation.step().residual);
     return std::pair(simulation.position(13), residual);
   };
-  const auto [picked, picked_residual] = fall(automatic);
-  const auto [asked, asked_residual] = fall(newton);
+  const auto [accepted, accepted_residual] = fall(automatic);
+  const auto [reference, reference_residual] = fall(newton);
   // The middle node falls 4.9 m as the body does, whatever the springs.
-  CHECK(std::abs(picked[2] - asked[2]) <= 1e-3);
-  CHECK(picked[2] < -4.5);
-  CHECK(picked_residual <= 10.0 * asked_residual);
+  CHECK(std::abs(accepted[2] - reference[2]) <= 1e-3);
+  CHECK(accepted[2] < -4.5);
+  CHECK(accepted_residual <= 10.0 * reference_residual);
 }

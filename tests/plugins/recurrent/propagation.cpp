@@ -1,4 +1,4 @@
-// Local propagation: what its fixed point and its single sweeps are, and that the update rules agree on it.
+// Local propagation: its fixed point, its single sweeps, and the agreement of the update rules.
 #include <algorithm>
 #include <cmath>
 #include <cstdint>
@@ -14,7 +14,7 @@ namespace {
 using namespace springnet;
 using namespace springnet::testing;
 
-// A tetrahedron of soft, damped springs under gravity with one corner fixed, thrown into rotation: every kind of term
+// A tetrahedron of soft, damped springs under gravity with one corner fixed, set into rotation: every kind of term
 // of the equations of motion is there, none of them symmetric.
 struct Tetrahedron {
   static constexpr double stiffness = 7.0, damping = 0.9, mass = 1.3, gravity = 2.0;
@@ -129,7 +129,7 @@ TEST_CASE("the fixed point is the backward Euler step, found independently by Ne
   }
 }
 
-TEST_CASE("the residual tells how far a step is from the equation of motion") {
+TEST_CASE("the reported residual is the error of the equation of motion") {
   // The force that the test computes itself, at the outputs that the simulation gives, after too few sweeps.
   Tetrahedron tetrahedron;
   const Network net = tetrahedron.network();
@@ -153,7 +153,7 @@ TEST_CASE("the residual tells how far a step is from the equation of motion") {
   CHECK(report.residual == doctest::Approx(residual).epsilon(1e-9));  // rounding, against forces of some newtons
 }
 
-TEST_CASE("one synchronous sweep is the symplectic Euler step, n sweeps are n turns of the iteration by hand") {
+TEST_CASE("one synchronous sweep is the symplectic Euler step, n sweeps are n iterations by hand") {
   Tetrahedron tetrahedron;
   const Network net = tetrahedron.network();
   constexpr double t_c = 0.1;
@@ -174,7 +174,7 @@ TEST_CASE("one synchronous sweep is the symplectic Euler step, n sweeps are n tu
     CHECK(std::isnan(report.residual) == (sweeps == 1));
     CHECK(report.start_node == -1);
     if (sweeps > 1) {
-      // Of nodes 1, 2, 3 and of node 0, which takes the opposite of what they take together.
+      // Of nodes 1, 2, 3 and of node 0, whose force is the opposite of their sum.
       const Eigen::VectorXd change = force - last_force;
       double greatest = (change.segment<3>(0) + change.segment<3>(3) + change.segment<3>(6)).norm();
       for (Eigen::Index i = 0; i < 9; i += 3) greatest = std::max(greatest, change.segment<3>(i).norm());

@@ -1,5 +1,5 @@
-// Thresholds below what rounding leaves of the forces: steps settle to the rounding, say so, and are as near to closed
-// forms as positions can tell.
+// Thresholds below the rounding error of the forces: steps settle to the rounding error, note it, and agree with closed
+// forms to the rounding of positions.
 #include <algorithm>
 #include <cmath>
 #include <limits>
@@ -50,7 +50,7 @@ std::string note_of(const Simulation& simulation) {
 
 }  // namespace
 
-TEST_CASE("a chain too stiff for its threshold settles, and hangs as the closed form says") {
+TEST_CASE("a chain too stiff for its threshold settles, and hangs as the closed form predicts") {
   for (const double origin : {0.0, 1e3}) {
     for (const LawUse& integrator : {recurrent(newton, 0.0), recurrent(automatic, 0.0), recurrent(newton, 1e-12)}) {
       CAPTURE(origin);
@@ -91,14 +91,14 @@ TEST_CASE("a stiff bar sags as a soft one does, over the stiffness") {
   }
 }
 
-TEST_CASE("rules that are spared derivatives learn of the limit where a step does not settle") {
+TEST_CASE("rules without derivatives find the rounding limit in a step that does not settle") {
   for (const double update : {synchronous, wavefront, block}) {
     CAPTURE(update);
     Network net = hanging_chain(6, 30.0, 100.0);
     Simulation simulation = simulate(net, recurrent(update, 1e-20), 0.05);
     for (int i = 0; i < 20; ++i) CHECK(simulation.step().outcome == Outcome::settled);
     CHECK_FALSE(note_of(simulation).empty());
-    // From then on it is known: no step waits for the end of the sweeps again.
+    // From then on the limit is known: no later step uses up all its sweeps.
     const std::uint64_t before = simulation.sweeps();
     simulation.step();
     CHECK(simulation.sweeps() - before < 100);
@@ -108,7 +108,7 @@ TEST_CASE("rules that are spared derivatives learn of the limit where a step doe
   }
 }
 
-TEST_CASE("a hard filling settles to what its volume can tell") {
+TEST_CASE("a stiff filling settles to the rounding error of its volume") {
   Network net = filled(icosphere(2, 0.1), 1e-3, 20.0, 1e17, 0.01);
   for (const NodeIndex node : {0u, 5u}) net.add_load({{node}, {0.02, -0.01, 0.03}});
   Simulation simulation = simulate(net, recurrent(newton, 0.0), 0.01);
@@ -117,7 +117,7 @@ TEST_CASE("a hard filling settles to what its volume can tell") {
   CHECK_FALSE(note_of(simulation).empty());
 }
 
-TEST_CASE("a well-scaled net has no such note, and keeps its threshold") {
+TEST_CASE("a well-scaled net has no note on rounding, and keeps its threshold") {
   Simulation simulation = simulate(cube(30.0, 1.0, 1.0, 0.05), recurrent(newton, 0.0), 0.05);
   simulation.advance_to(3.0);
   CHECK(note_of(simulation).empty());

@@ -1,4 +1,4 @@
-// Update rules: the same fixed point, their range, and what they need for it.
+// Update rules: the same fixed point, their range of convergence, and the sweeps that they need.
 #include <algorithm>
 #include <cmath>
 #include <string>
@@ -93,7 +93,7 @@ TEST_CASE("Newton's method settles in a handful of sweeps whatever the stiffness
   }
 }
 
-TEST_CASE("large nets, whose systems are solved iteratively, and long chains, whose are factorised") {
+TEST_CASE("Newton's method on large nets, solved iteratively, and on long chains, factorised") {
   // A lattice of 1000 nodes against coloured sweeps; a chain of 200 nodes with t_c^2 k / m = 2500 against a direct
   // solution: under gravity, all linear, its fall from rest is the same for all nodes but those near the wall.
   Network lattice_net;
@@ -133,7 +133,7 @@ TEST_CASE("large nets, whose systems are solved iteratively, and long chains, wh
   }
 }
 
-TEST_CASE("a truss that snaps through") {
+TEST_CASE("a truss snaps through in one step, to the residual of the equation of motion") {
   // Two bars of stiffness k from (+-1, 0, 0) to an apex at height 0.3; the load is far beyond what the bars hold, and
   // the step so long that inertia is a hundredth of their stiffness: the apex has to go through.
   constexpr double stiffness = 1000.0, height = 0.3, load = 40.0, t_c = 0.2;
@@ -196,7 +196,7 @@ TEST_CASE("a law that softens: beyond its greatest tension only inertia holds th
   }
 }
 
-TEST_CASE("colours are threads' own: the same bits for every number of threads") {
+TEST_CASE("coloured sweeps have the same bits for every number of threads") {
   Network net;
   Lattice lattice;
   lattice.nodes = {23, 23, 23};  // 12167 nodes: a unit has 8192 at most

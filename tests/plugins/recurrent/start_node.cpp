@@ -41,8 +41,8 @@ TEST_CASE("the start node follows a load of the scene as it is switched") {
 }
 
 TEST_CASE("the second sweep starts where the force changed most in the first") {
-  // Node 3 is pulled. The sweep begins there and moves it; its neighbour 2 comes next and sees all of that movement in
-  // its force, and so does 4 a moment later: by symmetry the same, and the lower number wins.
+  // Node 3 is pulled. The sweep begins there and moves it; its neighbour 2 is next, and its force changes by all of
+  // that movement, and so does that of 4 after it: by symmetry the same, and the lower number is taken.
   Network net = string_of_nodes();
   net.add_load({{3}, {5, 0, 0}});
   Simulation one = simulate(net, exactly(1), 0.05);
@@ -62,14 +62,14 @@ TEST_CASE("no wave starts at a fixed node while another is free") {
 }
 
 TEST_CASE("a wave does not start at a fixed node, though its force changed most") {
-  // One free node between two walls, pulled up: the wave begins at 1; wall 2 then sees most of its movement.
+  // One free node between two walls, pulled up: the wave begins at 1; the force on wall 2 then changes most.
   Network net;
-  const MaterialIndex soft = net.add_material(damped(1.0, 0.0)), hard = net.add_material(damped(100.0, 0.0));
+  const MaterialIndex soft = net.add_material(damped(1.0, 0.0)), stiff = net.add_material(damped(100.0, 0.0));
   for (const double x : {0.0, 1.0, 2.0}) net.add_node(point({x, 0, 0}));
   net.fix(0);
   net.fix(2);
   net.add_spring(0, 1, soft);
-  net.add_spring(1, 2, hard);
+  net.add_spring(1, 2, stiff);
   net.add_load({{1}, {5, 0, 0}});
   Simulation one = simulate(net, exactly(1), 0.05);
   CHECK(one.step().node == 2);
@@ -78,7 +78,7 @@ TEST_CASE("a wave does not start at a fixed node, though its force changed most"
 }
 
 TEST_CASE("after a cut the wave still reaches every part") {
-  // A string cut in its middle: both halves must go on as if they had never been joined.
+  // A string cut in its middle: both halves must move as if they had never been joined.
   Network net = string_of_nodes();
   net.set_gravity({0, 0, -1});
   constexpr double force_tolerance = 1e-11;

@@ -1,4 +1,4 @@
-// Second order: theta, and the acceleration that steps start from.
+// The theta method of second order, and the acceleration that steps start from.
 #include <cmath>
 #include <string>
 

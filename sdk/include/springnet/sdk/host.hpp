@@ -204,7 +204,8 @@ class Host {
   // `state` and the committed state exchange their memory.
   void commit(double time, springnet_state& state) const { check(table_->commit(table_->context, time, &state)); }
 
-  // Functions of ABI 1.1. They throw Failure if the host is older. The end of a sweep by itself; see plugin.h.
+  // Functions of ABI 1.1; they throw Failure if the host is older.
+  // The end of a sweep by itself; see plugin.h.
   void constrain(const springnet_sweep& sweep) const {
     require(SPRINGNET_HAS_FIELD(springnet_host, table_, constrain));
     check(table_->constrain(table_->context, &sweep));
@@ -225,16 +226,16 @@ class Host {
     if (SPRINGNET_HAS_FIELD(springnet_host, table_, note)) table_->note(table_->context, text.c_str());
   }
 
-  // Functions of ABI 1.4. They throw Failure where the host is older.
+  // Functions of ABI 1.4; they throw Failure if the host is older.
   // A sweep of the network linearised last, with an order; see plugin.h. `update` as in sweep().
   template <class Update>
   void linear_sweep(springnet_sweep sweep, Update&& update) const {
     require(SPRINGNET_HAS_FIELD(springnet_host, table_, linear_sweep), "1.4");
     run_sweep(table_->linear_sweep, sweep, update);
   }
-  // The dominant eigenvalue of a linear map; `map(double* x)` replaces x ([start.size()]) by its image, and what it
-  // throws is thrown again here. `start` is where the search begins, and becomes a good start for a similar map; of
-  // size 0, the eigenvalue is 0.
+  // The dominant eigenvalue of a linear map. `map(double* x)` replaces x ([start.size()]) by its image; an exception
+  // from it is rethrown. `start` is the first vector of the search, and is replaced by a good one for a similar map. If
+  // it is empty, the eigenvalue is 0.
   template <class Map>
   [[nodiscard]] Dominant dominant_eigenvalue(std::vector<double>& start, const DominantOptions& options,
                                              Map&& map) const {

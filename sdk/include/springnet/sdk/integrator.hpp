@@ -18,7 +18,8 @@
 //
 //     void limits(const springnet::sdk::LimitSink& sink);
 //
-// tells the largest time steps at the committed state, for `springnet inspect` (limits.hpp); it may throw as advance().
+// reports the largest time steps at the committed state, for `springnet inspect` (limits.hpp). Like advance(), it may
+// throw.
 #pragma once
 
 #include <algorithm>
@@ -102,15 +103,13 @@ struct IntegratorGlue {
   static springnet_status limits(void* integrator, const springnet_limits* limits) noexcept {
     auto& instance = *static_cast<Instance*>(integrator);
     return guarded(instance.host, [&]() -> springnet_status {
-      if constexpr (tells_limits) instance.component.limits(LimitSink(*limits));
+      if constexpr (has_limits) instance.component.limits(LimitSink(*limits));
       return SPRINGNET_OK;
     });
   }
-  static constexpr bool tells_limits = requires(Component & component, const LimitSink& sink) {
-    component.limits(sink);
-  };
-  static constexpr springnet_integrator implementation{sizeof(springnet_integrator),    0, &create, &destroy, &advance,
-                                                       tells_limits ? &limits : nullptr};
+  static constexpr bool has_limits = requires(Component & component, const LimitSink& sink) { component.limits(sink); };
+  static constexpr springnet_integrator implementation{sizeof(springnet_integrator),  0, &create, &destroy, &advance,
+                                                       has_limits ? &limits : nullptr};
 
  private:
   struct Instance {

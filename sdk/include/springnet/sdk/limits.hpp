@@ -1,5 +1,5 @@
-// The largest time steps of an integrator: how it tells them, and searches for them on the network that the host
-// linearised. `springnet inspect` asks for them.
+// The largest time steps of an integrator, for `springnet inspect`: how it reports them, and how it finds them on the
+// network that the host has linearised.
 //
 // A method is written as a linear map that takes a small change of the state, or of the velocities alone, from one step
 // or sweep to the next; its largest time step is where the dominant eigenvalue of the map reaches 1.
@@ -32,22 +32,22 @@ struct Limit {
 class LimitSink {
  public:
   explicit LimitSink(const springnet_limits& limits) noexcept : limits_(&limits) {}
-  // rule: "" for an integrator that has no rules to choose from. A limit at infinity is none.
-  void tell(const char* rule, const Limit& limit) const {
-    auto told = sized<springnet_limit>();
-    told.kind = std::isinf(limit.time_step) ? std::uint32_t{SPRINGNET_LIMIT_NONE} : limit.kind;
-    told.rule = rule;
-    told.time_step = limit.time_step;
-    told.weight = limit.weight;
-    told.node = limit.node;
-    told.reason = limit.reason.empty() ? nullptr : limit.reason.c_str();
-    limits_->tell(limits_->context, &told);
+  // rule: "" if the integrator has no rules to choose from. An infinite limit is reported as none.
+  void report(const char* rule, const Limit& limit) const {
+    auto result = sized<springnet_limit>();
+    result.kind = std::isinf(limit.time_step) ? std::uint32_t{SPRINGNET_LIMIT_NONE} : limit.kind;
+    result.rule = rule;
+    result.time_step = limit.time_step;
+    result.weight = limit.weight;
+    result.node = limit.node;
+    result.reason = limit.reason.empty() ? nullptr : limit.reason.c_str();
+    limits_->tell(limits_->context, &result);
   }
   void none(const char* rule, std::string reason = {}) const {
-    tell(rule, {SPRINGNET_LIMIT_NONE, 0.0, 0.0, no_limit_node, std::move(reason)});
+    report(rule, {SPRINGNET_LIMIT_NONE, 0.0, 0.0, no_limit_node, std::move(reason)});
   }
   void unknown(const char* rule, std::string reason) const {
-    tell(rule, {SPRINGNET_LIMIT_UNKNOWN, 0.0, 0.0, no_limit_node, std::move(reason)});
+    report(rule, {SPRINGNET_LIMIT_UNKNOWN, 0.0, 0.0, no_limit_node, std::move(reason)});
   }
 
  private:
@@ -65,7 +65,7 @@ class LimitSink {
   return x;
 }
 
-// Of a h^2 + b h = 1 the positive solution, s; infinity if there is none.
+// The positive solution h of a h^2 + b h = 1, s; infinity if there is none.
 [[nodiscard]] inline double step_of(double a, double b) noexcept {
   const double square = b * b + 4.0 * a;
   const double sum = square < 0.0 ? 0.0 : b + std::sqrt(square);
@@ -83,7 +83,7 @@ class LinearisedNetwork {
 
   [[nodiscard]] std::size_t size() const noexcept { return root_.size(); }
   [[nodiscard]] const std::vector<double>& root_mass() const noexcept { return root_; }
-  // A scattered vector that the constraints allow.
+  // A scattered vector, projected onto the constraints.
   [[nodiscard]] std::vector<double> start() const {
     std::vector<double> x = scattered_vector(size());
     host_.project(nullptr, x.data());
@@ -118,10 +118,10 @@ class LinearisedNetwork {
     }
     return std::abs(ab - ba) <= 1e-11 * scale;
   }
-  // A step at which some node's own stiffness and damping make its part of w^2 da/dp + w da/dv about 1: limits are
-  // near. Empty where nothing acts on any node that moves.
+  // A step near the limits: the smallest at which a node's own block of w^2 da/dp + w da/dv has norm 1. Empty if
+  // nothing acts on any free node.
   [[nodiscard]] std::optional<double> first_guess() const {
-    constexpr double large = 1e30;  // so that the 1 of the blocks does not hide what is small
+    constexpr double large = 1e30;  // so that the identity in the blocks does not hide small entries
     const auto norms = [&](double velocity_weight, double position_weight) {
       std::vector<double> blocks(9 * nodes_), result(nodes_);
       host_.diagonal_blocks(velocity_weight, position_weight, blocks.data());
@@ -140,8 +140,7 @@ class LinearisedNetwork {
     for (std::size_t k = 0; k < nodes_; ++k) least = std::min(least, step_of(stiffness[k], damping[k]));
     return std::isfinite(least) && least > 0.0 ? std::optional(least) : std::nullopt;
   }
-  // The node that moves most in a motion x, or in one with an imaginary part besides: the lowest of the user's numbers
-  // among those that move alike.
+  // The node that moves most in a motion x, which may be complex; among equals the one with the lowest user's number.
   [[nodiscard]] std::uint32_t node_of(const std::vector<double>& real,
                                       const std::vector<double>& imaginary = {}) const {
     const springnet_network& network = host_.network();
@@ -164,8 +163,8 @@ class LinearisedNetwork {
     return node;
   }
   [[nodiscard]] std::uint32_t node_of(const Dominant& mode) const { return node_of(mode.real, mode.imaginary); }
-  // Vectors that an eigenvalue search may keep: 64 MB of them.
-  [[nodiscard]] std::uint32_t most_vectors() const noexcept {
+  // How many vectors an eigenvalue search may keep: up to 64 MB.
+  [[nodiscard]] std::uint32_t max_vectors() const noexcept {
     return static_cast<std::uint32_t>(std::clamp(8e6 / static_cast<double>(size() + 1), 8.0, 80.0));
   }
 
@@ -175,26 +174,26 @@ class LinearisedNetwork {
   std::vector<double> root_, p_, v_;
 };
 
-// The least step h at which the greatest eigenvalue of h^2 Q + h L reaches 1, Q and L symmetric: infinity where there
-// is none, nan where a product is not finite. map(h, x) replaces x by (h^2 Q + h L) x. `guess`: s; `start`: in, a
-// vector; out, the motion that limits the step. From an eigenvector follows the step of its own Rayleigh quotients,
-// which is above the limit only by the square of the vector's error.
+// The smallest step h at which the greatest eigenvalue of h^2 Q + h L reaches 1, for symmetric Q and L: infinity if
+// there is none, nan if a product is not finite. map(h, x) replaces x by (h^2 Q + h L) x. `guess`: s; `start`: in, a
+// vector; out, the motion that limits the step. Each eigenvector found gives, by its Rayleigh quotients, a step that
+// exceeds the limit only by the square of the vector's error.
 template <class Map>
 [[nodiscard]] double critical_step(const Host& host, double guess, std::vector<double>& start, std::uint32_t vectors,
                                    Map&& map, double accuracy = 1e-3) {
-  constexpr int most_steps = 12, most_raises = 1;
-  constexpr std::uint32_t most_vectors = 30;
+  constexpr int max_steps = 12, max_raises = 1;
+  constexpr std::uint32_t max_vectors = 30;
   constexpr double raise = 1e6;
   DominantOptions options;
   options.wanted = SPRINGNET_LARGEST_REAL_PART;
   options.tolerance = 0.3 * std::sqrt(accuracy);
   options.applications = 90;
-  options.vectors = std::min(vectors, most_vectors);
+  options.vectors = std::min(vectors, max_vectors);
   const auto is_zero = [](double value) { return value == 0.0; };
   if (std::all_of(start.begin(), start.end(), is_zero)) return std::numeric_limits<double>::infinity();
   double h = guess;
   int raises = 0;
-  for (int step = 0; step < most_steps; ++step) {
+  for (int step = 0; step < max_steps; ++step) {
     const Dominant mode = host.dominant_eigenvalue(start, options, [&](double* x) { map(h, x); });
     if (!std::isfinite(mode.value.real())) return std::numeric_limits<double>::quiet_NaN();
     const std::vector<double>& x = mode.real;
@@ -213,21 +212,21 @@ template <class Map>
     if (!std::isfinite(one) || !std::isfinite(two)) return std::numeric_limits<double>::quiet_NaN();
     const double next = h * step_of(quadratic, linear);
     if (!std::isfinite(next) || next > 1e20 * guess) {
-      if (++raises > most_raises) return std::numeric_limits<double>::infinity();
+      if (++raises > max_raises) return std::numeric_limits<double>::infinity();
       h *= raise;
       continue;
     }
     start = x;
-    // Where one of the two decides alone, the eigenvector does not depend on the step.
-    const bool one_alone = std::min(std::abs(quadratic), std::abs(linear)) <=
-                           1e-2 * accuracy * std::max(std::abs(quadratic), std::abs(linear));
-    if (one_alone || std::abs(next - h) <= accuracy * h) return next;
+    // If one term dominates, the eigenvector does not depend on the step.
+    const bool one_dominates = std::min(std::abs(quadratic), std::abs(linear)) <=
+                               1e-2 * accuracy * std::max(std::abs(quadratic), std::abs(linear));
+    if (one_dominates || std::abs(next - h) <= accuracy * h) return next;
     h = next;
   }
   return h;
 }
 
-// Looks for the step at which the dominant eigenvalue of a map that may depend on the step in any way reaches 1.
+// Finds the step at which the dominant eigenvalue of a map, which may depend on the step in any way, reaches 1.
 // `Map` has set_step(h), s, and apply(double* x).
 template <class Map>
 class StepSearch {
@@ -235,11 +234,11 @@ class StepSearch {
   struct Settings {
     std::uint32_t wanted = SPRINGNET_LARGEST_MAGNITUDE;
     bool may_be_none = false;  // a network may have no limit even though something acts on its nodes
-    double reach = 1e5;        // times the guess: no limit is looked for beyond
+    double reach = 1e5;        // times the guess: beyond it no limit is searched for
     std::uint64_t applications = 20000;
     std::uint32_t vectors = 40;
     double accuracy = 1e-3;        // of the limit, relative
-    double known_accuracy = 1e-2;  // what may be called known
+    double known_accuracy = 1e-2;  // of SPRINGNET_LIMIT_KNOWN
   };
 
   // start: not 0; [size].
@@ -251,9 +250,9 @@ class StepSearch {
         settings_(settings),
         budget_(settings.applications) {}
 
-  // s; empty if there is none within reach.
+  // The step, s; empty if there is none within reach.
   std::optional<double> run(double guess);
-  // Whether the step is as good as known_accuracy.
+  // Whether the step is accurate to known_accuracy.
   [[nodiscard]] bool is_accurate() const noexcept { return accurate_; }
   // The motion that neither grows nor fades at the limit.
   [[nodiscard]] const Dominant& mode() const noexcept { return mode_; }
@@ -264,14 +263,14 @@ class StepSearch {
     for (const double value : x) square += value * value;
     return std::sqrt(square);
   }
-  // Logarithm of the dominant eigenvalue. Anything that fades for certain is at least -20.
+  // Logarithm of the dominant eigenvalue's magnitude, or real part; -20 at least.
   double growth(double step);
 
   Host host_;
   Map& map_;
   std::vector<double> scattered_, start_;
   Settings settings_;
-  std::uint64_t budget_;
+  std::uint64_t budget_;  // applications left
   Dominant mode_;
   bool accurate_ = true;
 };
@@ -285,7 +284,7 @@ double StepSearch<Map>::growth(double step) {
   options.applications = std::max<std::uint64_t>(budget_ / 4, settings_.vectors);
   options.vectors = settings_.vectors;
   if (mode_.applications > 0) {
-    const double share = 0.1 * norm(start_) / norm(scattered_);  // lest a motion hides
+    const double share = 0.1 * norm(start_) / norm(scattered_);  // so that no motion stays hidden
     for (std::size_t i = 0; i < start_.size(); ++i) start_[i] += share * scattered_[i];
   }
   mode_ = host_.dominant_eigenvalue(start_, options, [this](double* x) { map_.apply(x); });
@@ -302,17 +301,17 @@ std::optional<double> StepSearch<Map>::run(double guess) {
   double below = 0.0, above = std::numeric_limits<double>::infinity();
   double below_growth = 0.0, above_growth = 0.0;
   double t = guess;
-  double least_raise = 1.02;
+  double min_raise = 1.02;
   while (true) {
     const double now = growth(t);
-    // Motions that nothing resists may have a factor of 1, or nearly: only what is clearly above grows.
+    // Motions that nothing resists have a factor of about 1: only what is clearly above 1 grows.
     if (now >= 1e-6) {
       above = t, above_growth = now;
     } else {
       below = t, below_growth = now;
     }
-    // The factor goes with the first to second power of the step near the limit; more slowly for implicit methods,
-    // where it may come near 1 without ever reaching it.
+    // Near the limit the factor grows with the first to second power of the step; more slowly for implicit methods,
+    // where it may approach 1 without ever reaching it.
     const bool met = std::isfinite(above) && below > 0.0 && std::abs(now) <= 0.5 * settings_.accuracy;
     if (met && !settings_.may_be_none) return t;
     if (above <= below * (1.0 + settings_.accuracy)) return t;
@@ -323,8 +322,8 @@ std::optional<double> StepSearch<Map>::run(double guess) {
       t = below * std::exp(std::log(above / below) * share);
     } else if (below > 0.0) {
       if (t > settings_.reach * guess) return std::nullopt;
-      t *= std::clamp(std::exp(-now), least_raise, 4.0);
-      least_raise = std::min(4.0, least_raise * least_raise);
+      t *= std::clamp(std::exp(-now), min_raise, 4.0);
+      min_raise = std::min(4.0, min_raise * min_raise);
     } else {
       if (t < guess / settings_.reach) break;
       t *= std::clamp(std::exp(-now), 0.25, 0.98);

@@ -19,7 +19,7 @@ namespace springnet::sdk {
 //   number("stiffness", "N/m", "tension per elongation").above(0).learnable(100)
 // Without preset() a scene must give it.
 struct Parameter {
-  static constexpr std::size_t most_choices = 8;
+  static constexpr std::size_t max_choices = 8;
 
   const char* name = "";
   const char* unit = "1";
@@ -31,7 +31,7 @@ struct Parameter {
   double largest = std::numeric_limits<double>::infinity();
   double scale = 1.0;
   std::uint32_t choice_count = 0;
-  std::array<const char*, most_choices> choices{};
+  std::array<const char*, max_choices> choices{};
 
   // The value if a scene gives none.
   [[nodiscard]] constexpr Parameter preset(double value) const {
@@ -86,7 +86,7 @@ struct Parameter {
   return p;
 }
 
-// One of some names, at most eight; the value is the index of the name. The first one unless preset(index).
+// One of up to eight names; the value is the index of the name. The first one unless preset(index).
 [[nodiscard]] constexpr Parameter choice(const char* name, std::initializer_list<const char*> names,
                                          const char* summary) {
   Parameter p = number(name, "1", summary).preset(0).at_least(0).at_most(static_cast<double>(names.size()) - 1);

@@ -389,8 +389,8 @@ typedef springnet_status (*springnet_linear_map)(void* user, double* x);
 /* Which eigenvalue is wanted: that of the largest magnitude, or the rightmost one in the complex plane. */
 enum { SPRINGNET_LARGEST_MAGNITUDE = 0, SPRINGNET_LARGEST_REAL_PART = 1 };
 
-/* A search for the dominant eigenvalue of a map. All eigenvalues count as they are: a map that is symmetric in some
- * inner product is best given in coordinates in which that is the plain one (velocities times roots of masses). */
+/* A search for the dominant eigenvalue of a map. A map that is symmetric in some inner product is best given in
+ * coordinates in which that is the Euclidean one (velocities times roots of masses). */
 typedef struct springnet_eigenvalue_search {
   uint32_t struct_size;
   uint32_t wanted; /* SPRINGNET_LARGEST_MAGNITUDE … */
@@ -494,10 +494,10 @@ typedef struct springnet_host {
   /* Since 1.4. */
   /* `sweep` with an order, of the network linearised at the state last given to `linearise`. The outputs are small
    * changes: velocity u, and position w u with w = theta time_constant. A batch has a = da/dv u + da/dp w u, force m a
-   * and, with want_blocks, the node's own blocks of these derivatives; nodes that are fixed or held get u = 0, others
-   * what rigid connections and surfaces that they slide on leave of their update, weighted with `inertia`; the host
-   * sets positions to w u. What the start of a step and forces are is not read or written, time neither; sets are done
-   * one after another. For the limits of methods of sweeps. */
+   * and, with want_blocks, the node's own blocks of these derivatives. Fixed and held nodes get u = 0; the updates of
+   * the others are projected onto rigid connections and surfaces that they slide on, weighted with `inertia`; the host
+   * sets positions to w u. The start of the step, forces and time are neither read nor written; sets are updated one
+   * after another. Used to find the limits of methods with sweeps. */
   springnet_status (*linear_sweep)(void* context, const springnet_sweep* sweep);
   /* The dominant eigenvalue of a map, by Arnoldi's method with restarts. */
   springnet_status (*dominant_eigenvalue)(void* context, springnet_eigenvalue_search* search);
@@ -541,7 +541,7 @@ typedef struct springnet_limit {
   const char* reason; /* of NONE and UNKNOWN; may be null */
 } springnet_limit;
 
-/* Where an integrator tells its limits, rule by rule. What `limit` points to is read within the call. */
+/* Receives the limits of an integrator, one call of `tell` for each rule. `limit` is read within the call. */
 typedef struct springnet_limits {
   uint32_t struct_size;
   uint32_t reserved;
@@ -560,8 +560,8 @@ typedef struct springnet_integrator {
    * committed; a method that divides steps may have committed the smaller ones before. */
   springnet_status (*advance)(void* integrator, double until, springnet_step_report* report);
   /* since 1.4; null where the integrator knows of none */
-  /* Tells the largest time steps at the committed state, with the options it was made with. Host functions are those of
-   * advance, but for commit and fire_events; loads are those of the committed time. */
+  /* Reports the largest time steps at the committed state, for the options given to create. All host functions may be
+   * called but commit and fire_events; loads are those of the committed time. */
   springnet_status (*limits)(void* integrator, const springnet_limits* limits);
 } springnet_integrator;
 
