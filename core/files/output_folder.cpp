@@ -24,20 +24,20 @@ constexpr mode_t all_may_read_and_write = 0666, all_may_enter = 0777;  // before
 [[noreturn]] void refuse_file(const std::filesystem::path& file, int reason) {
   if (reason == EISDIR) {
     throw Error(ErrorKind::input,
-                fmt::format("{}: a folder has the name of this file; remove it, or name another folder for the output",
+                fmt::format("{}: a folder has the name of this file; remove it, or choose another output folder",
                             file.string()));
   }
-  throw Error(ErrorKind::input, fmt::format("{}: cannot be created: {}; name another folder for the output",
-                                            file.string(), std::strerror(reason)));
+  throw Error(ErrorKind::input, fmt::format("{}: cannot be created: {}; choose another output folder", file.string(),
+                                            std::strerror(reason)));
 }
 
 [[noreturn]] void refuse_folder(const std::filesystem::path& folder, const std::string& reason) {
-  throw Error(ErrorKind::input, fmt::format("{}: the folder for the output cannot be made: {}; name another one",
-                                            folder.string(), reason));
+  throw Error(ErrorKind::input,
+              fmt::format("{}: the output folder cannot be created: {}; choose another one", folder.string(), reason));
 }
 
 std::string reason_of(int error) {
-  return error == ENOTDIR || error == ELOOP || error == EEXIST ? "a file is in the way" : std::strerror(error);
+  return error == ENOTDIR || error == ELOOP || error == EEXIST ? "a file has this name" : std::strerror(error);
 }
 
 // A host may have closed its standard streams; a table on such a descriptor would receive what the host prints.
@@ -66,7 +66,7 @@ std::string part_name(std::string_view name) { return std::string(name) + ".part
 OutputFolder::Pointer OutputFolder::make(const std::filesystem::path& path) {
   std::error_code failed;
   std::filesystem::create_directories(path, failed);
-  // If a link is in the way this reports EEXIST; opening it tells whether it is a folder.
+  // For a link this reports EEXIST; opening it shows whether it leads to a folder.
   const int descriptor = above_standard_streams(::open(path.c_str(), folder_flags));
   if (descriptor < 0) refuse_folder(path, failed ? reason_of(failed.value()) : reason_of(errno));
   return Pointer(new OutputFolder(path, descriptor));
@@ -106,8 +106,8 @@ OutputFolder::~OutputFolder() { ::close(descriptor_); }
 
 void OutputFolder::lock() const {
   if (flock(descriptor_, LOCK_EX | LOCK_NB) == 0 || errno != EWOULDBLOCK) return;
-  throw Error(ErrorKind::input, fmt::format("{}: another run is writing to this folder; wait until it ends, or name "
-                                            "another folder for the output",
+  throw Error(ErrorKind::input, fmt::format("{}: another run is writing to this folder; wait until it ends, or choose "
+                                            "another output folder",
                                             path_.string()));
 }
 

@@ -133,7 +133,7 @@ TEST_CASE("a full disk is an error of the run, with a remedy") {
     CHECK(error.kind() == ErrorKind::simulation);
     const std::string message = error.what();
     CHECK(message.find("No space left") != std::string::npos);
-    CHECK(message.find("no record of it was written") != std::string::npos);
+    CHECK(message.find("none of its records was written") != std::string::npos);
     CHECK(message.find("output.interval") != std::string::npos);
   }
 }
