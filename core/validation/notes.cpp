@@ -55,7 +55,8 @@ void write_notes(const RecordTimes& records, Validation& result) {
   }
   if (smallest_error < 10.0 * result.uncertainty()) {
     result.notes.push_back(
-        "An error is less than ten times the uncertainty of the reference: lower --reference-tolerance to resolve it.");
+        "An error is less than ten times the uncertainty of the reference: lower the tolerance of the reference to "
+        "resolve it.");
   }
   write_displacement_note(result);
   const EventCounts& happened = result.reference_events;

@@ -285,7 +285,7 @@ Validation validate(const Scene& scene, const std::shared_ptr<const PluginHost>&
                       subject->run.time_step, divided, subject->run.steps));
     }
     for (const std::string& note : subject->lane.simulation.notes())
-      result.notes.push_back(fmt::format("With {:g} s, {}.", subject->run.time_step, note));
+      result.notes.push_back(fmt::format("With {:g} s: {}.", subject->run.time_step, note));
     result.runs.push_back(std::move(subject->run));
   }
   if (comparison.second_order) {

@@ -101,7 +101,7 @@ std::string run(const Case& each, When time, unsigned threads) {
 
 }  // namespace
 
-TEST_CASE("integrators that misbehave are named in an error, and nothing else happens") {
+TEST_CASE("misbehaving integrators end in an error that names them, without other effects") {
   static_cast<void>(plugins());  // their libraries are open before the children are made
   std::size_t number = 0, tried = 0;
   const std::vector<Case> cases = all_cases();

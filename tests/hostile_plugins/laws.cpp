@@ -175,7 +175,7 @@ bool has_to_fail(Deed what) { return what != Deed::fine && what != Deed::recover
 
 }  // namespace
 
-TEST_CASE("laws and neurons that misbehave are named in an error, and nothing else happens") {
+TEST_CASE("misbehaving laws and neurons end in an error that names them, without other effects") {
   static_cast<void>(plugins());  // their libraries are open before the children are made
   std::size_t number = 0, run = 0;
   for (const Way& way : ways())

@@ -12,7 +12,7 @@ using namespace springnet;
 using testing::plugins;
 using testing::TemporaryFolder;
 
-TEST_CASE("a run that is out of memory keeps whole records, and says so") {
+TEST_CASE("a run that is out of memory keeps complete records, and reports it") {
   Scene scene;
   scene.network = testing::chain(4, {0, 0, 0}, {1, 0, 0}, testing::damped(40.0, 0.5));
   scene.network.fix(0);

@@ -37,7 +37,7 @@ RunSummary run(const Scene& scene, const TemporaryFolder& folder) {
 
 }  // namespace
 
-TEST_CASE("trajectory and reactions have the nodes and quantities asked for") {
+TEST_CASE("trajectory and reactions have the requested nodes and quantities") {
   const TemporaryFolder folder;
   Scene scene = chain_scene();
   run(scene, folder);
@@ -71,7 +71,7 @@ TEST_CASE("trajectory and reactions have the nodes and quantities asked for") {
   for (const auto& row : reactions.rows) CHECK(row[1] == "3");
 }
 
-TEST_CASE("springs.csv has lengths, tensions and energies by the law, and zeros once a spring is gone") {
+TEST_CASE("springs.csv has lengths, tensions and energies by the law, and zeros once a spring is removed") {
   const TemporaryFolder folder;
   Scene scene = chain_scene();
   Network& net = scene.network;
@@ -147,7 +147,7 @@ TEST_CASE("elements.csv has each element's invariant and force") {
   CHECK_FALSE(std::filesystem::exists(folder.path() / "elements.csv"));
 }
 
-TEST_CASE("elements.csv has the elements of the names asked for, in the binary form as well") {
+TEST_CASE("elements.csv has the elements of the requested names, in the binary form too") {
   const std::string text = R"(
 [simulation]
 duration = 0.2
