@@ -147,15 +147,15 @@ bool PluginArguments::matters(const Refusal& refusal, const PluginHost& host, co
 
 std::vector<std::string> PluginArguments::notes(const PluginHost& host, const Scene& scene,
                                                 std::string_view integrator) const {
-  constexpr std::size_t max_listed = 3;
+  constexpr std::size_t most_told = 3;
   std::vector<std::string> notes = empty_folders();
-  std::size_t listed = 0, others = 0;
+  std::size_t told = 0, others = 0;
   for (const Refusal& refusal : host.refusals()) {
-    if (listed == max_listed || !matters(refusal, host, scene, integrator)) {
+    if (told == most_told || !matters(refusal, host, scene, integrator)) {
       ++others;
       continue;
     }
-    ++listed;
+    ++told;
     notes.push_back(fmt::format("Plugin refused: {}: {}.", printable_message(refusal.file.string()), refusal.reason));
   }
   if (others > 0) {
@@ -178,7 +178,7 @@ void SceneArguments::add_to(CLI::App& command, bool simulation) {
     command.add_option("--duration", duration, "Seconds to simulate")
         ->type_name("S")
         ->check(number_between(above_zero, finite));
-    command.add_option("--threads", threads, "Number of threads; 0: chosen by machine and size of the network")
+    command.add_option("--threads", threads, "Threads; 0: as many as are useful")
         ->type_name("N")
         ->check(number_between(0, most_threads));
   }

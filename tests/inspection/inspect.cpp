@@ -100,7 +100,7 @@ TEST_CASE("an unknown law is an error of the plugins") {
   }
 }
 
-TEST_CASE("the findings are in the JSON") {
+TEST_CASE("what was found is told as JSON") {
   const auto json = nlohmann::json::parse(to_json(inspect(mixed(), *plugins())));
   CHECK(json["nodes"] == 11);
   CHECK(json["springs"] == 14);

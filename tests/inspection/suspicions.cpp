@@ -1,4 +1,4 @@
-// What inspection finds suspicious in networks with a single flaw.
+// What inspection finds suspicious in networks that are as they should be but for one thing.
 #include <cmath>
 
 #include <doctest/doctest.h>

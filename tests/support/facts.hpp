@@ -1,4 +1,4 @@
-// Facts that a message must contain: numbers, names, options. Tests do not assert its wording.
+// Facts that a message has to have: numbers, names, options. How the sentence goes that has them is no test's business.
 #pragma once
 
 #include <algorithm>

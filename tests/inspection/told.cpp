@@ -1,4 +1,4 @@
-// How inspect treats the limits that integrators report: the installed ones, and some that report nonsense.
+// What inspect makes of what integrators tell: of the installed ones, and of some that tell nonsense.
 #include <cmath>
 #include <functional>
 #include <memory>
@@ -18,7 +18,7 @@ using Kind = TimeConstantLimit::Kind;
 namespace {
 
 const springnet_host* host_of_instance = nullptr;
-std::function<springnet_status(const springnet_limits&)> report;
+std::function<springnet_status(const springnet_limits&)> told;
 
 springnet_status create(const springnet_host* host, const double*, void** integrator) {
   host_of_instance = host;
@@ -27,23 +27,23 @@ springnet_status create(const springnet_host* host, const double*, void** integr
 }
 void destroy(void*) {}
 springnet_status advance(void*, double, springnet_step_report*) { return SPRINGNET_FAILED; }
-springnet_status limits(void*, const springnet_limits* sink) { return report(*sink); }
+springnet_status limits(void*, const springnet_limits* sink) { return told(*sink); }
 
 constexpr springnet_integrator functions{sizeof(springnet_integrator), 0, create, destroy, advance, limits};
-// As if compiled against ABI 1.3.
+// As one that was compiled against ABI 1.3.
 constexpr springnet_integrator old_functions{
     SPRINGNET_SIZE_TO(springnet_integrator, advance), 0, create, destroy, advance, limits};
-constexpr springnet_component reporting{
-    sizeof(springnet_component), SPRINGNET_INTEGRATOR, "reporting", "", "", 0, 0, nullptr, &functions};
+constexpr springnet_component teller{
+    sizeof(springnet_component), SPRINGNET_INTEGRATOR, "teller", "", "", 0, 0, nullptr, &functions};
 constexpr springnet_component silent{
     sizeof(springnet_component), SPRINGNET_INTEGRATOR, "silent", "", "", 0, 0, nullptr, &old_functions};
-constexpr const springnet_component* components[] = {&reporting, &silent};
+constexpr const springnet_component* components[] = {&teller, &silent};
 constexpr springnet_plugin plugin{SPRINGNET_MAGIC,
                                   sizeof(springnet_plugin),
                                   SPRINGNET_ABI_MAJOR,
                                   SPRINGNET_ABI_MINOR,
                                   2,
-                                  "test.reporting",
+                                  "test.teller",
                                   "1",
                                   "tests",
                                   "MIT",
@@ -55,9 +55,8 @@ Network pair() {
   return net;
 }
 
-Inspection inspect_with(std::function<springnet_status(const springnet_limits&)> limits_function,
-                        const Network& net = pair()) {
-  report = std::move(limits_function);
+Inspection inspect_with(std::function<springnet_status(const springnet_limits&)> tell, const Network& net = pair()) {
+  told = std::move(tell);
   auto host = std::make_shared<PluginHost>(PluginHost::with_default_search());
   REQUIRE(host->add(plugin));
   return inspect(net, *host);
@@ -74,7 +73,7 @@ springnet_limit limit(std::uint32_t kind, const char* rule, double time_step) {
 
 }  // namespace
 
-TEST_CASE("every installed integrator reports its limit, the scene's first") {
+TEST_CASE("every installed integrator tells its limit, the scene's first") {
   InspectionOptions options;
   options.integrator = {"verlet", {{"substeps", 4}}};
   const Inspection found = inspect(pair(), *testing::plugins(), options);
@@ -96,8 +95,7 @@ TEST_CASE("every installed integrator reports its limit, the scene's first") {
 }
 
 TEST_CASE(
-    "an integrator of ABI 1.3 has no limits; a rule of the same name as another's gets its integrator's name in the "
-    "JSON") {
+    "an integrator of ABI 1.3 tells nothing, one that tells is in the JSON, under its own name if another has it") {
   const Inspection found = inspect_with([](const springnet_limits& sink) {
     springnet_limit one = limit(SPRINGNET_LIMIT_KNOWN, "wavefront", 0.25);
     one.weight = 0.5;
@@ -110,17 +108,17 @@ TEST_CASE(
   });
   for (const TimeConstantLimit& each : found.limits) CHECK(each.integrator != "silent");
   const auto json = nlohmann::json::parse(to_json(found))["time_constants"];
-  CHECK(json["reporting.wavefront"]["time_constant_s"] == 0.25);
-  CHECK(json["reporting.wavefront"]["set_by"]["elastic_share"] == doctest::Approx(0.5 * 0.5 * 8.0 / 2.0));
+  CHECK(json["teller.wavefront"]["time_constant_s"] == 0.25);
+  CHECK(json["teller.wavefront"]["set_by"]["elastic_share"] == doctest::Approx(0.5 * 0.5 * 8.0 / 2.0));
   CHECK(json["leaping"]["limit"] == "none");
   CHECK(json["wavefront"]["time_constant_s"] != 0.25);
   CHECK(found.limit("leaping").reason == "it leaps");
 }
 
-TEST_CASE("an integrator that reports or does nonsense has an unknown limit") {
-  const auto unknown = [](std::function<springnet_status(const springnet_limits&)> limits_function) {
-    const Inspection found = inspect_with(std::move(limits_function));
-    const TimeConstantLimit& result = found.limit("reporting");
+TEST_CASE("nonsense that an integrator tells, or does, is a limit that is unknown") {
+  const auto unknown = [](std::function<springnet_status(const springnet_limits&)> tell) {
+    const Inspection found = inspect_with(std::move(tell));
+    const TimeConstantLimit& result = found.limit("teller");
     CHECK(result.kind == Kind::unknown);
     CHECK(found.limit("synchronous").kind == Kind::known);
     return result.reason;
@@ -138,7 +136,7 @@ TEST_CASE("an integrator that reports or does nonsense has an unknown limit") {
   CHECK(unknown([](const springnet_limits&) -> springnet_status {
           throw std::runtime_error("out of luck");
         }).find("out of luck") != std::string::npos);
-  // Nor may it change the network on which other integrators report.
+  // Neither may it change the network that others are asked about.
   const std::string refused = unknown([](const springnet_limits&) -> springnet_status {
     springnet_state* state = host_of_instance->state_create(host_of_instance->context);
     return host_of_instance->commit(host_of_instance->context, 0.0, state);
