@@ -84,20 +84,20 @@ OutputFolder::Pointer OutputFolder::containing(const std::filesystem::path& file
   return Pointer(new OutputFolder(path, descriptor));
 }
 
-OutputFolder::Pointer OutputFolder::make_inside(const Pointer& above, const std::string& name) {
-  if (above->kind(name) == Kind::link) above->remove(name);
-  const bool made = mkdirat(above->descriptor_, name.c_str(), all_may_enter) == 0;
+OutputFolder::Pointer OutputFolder::make_inside(const Pointer& parent, const std::string& name) {
+  if (parent->kind(name) == Kind::link) parent->remove(name);
+  const bool made = mkdirat(parent->descriptor_, name.c_str(), all_may_enter) == 0;
   const int reason = errno;
-  Pointer folder = find_inside(above, name);
-  if (!folder) refuse_folder(above->path_ / name, reason_of(made ? errno : reason));
+  Pointer folder = find_inside(parent, name);
+  if (!folder) refuse_folder(parent->path_ / name, reason_of(made ? errno : reason));
   return folder;
 }
 
-OutputFolder::Pointer OutputFolder::find_inside(const Pointer& above, const std::string& name) {
-  const int descriptor = above_standard_streams(::openat(above->descriptor_, name.c_str(), folder_flags | O_NOFOLLOW));
+OutputFolder::Pointer OutputFolder::find_inside(const Pointer& parent, const std::string& name) {
+  const int descriptor = above_standard_streams(::openat(parent->descriptor_, name.c_str(), folder_flags | O_NOFOLLOW));
   if (descriptor < 0) return nullptr;
-  auto* const folder = new OutputFolder(above->path_ / name, descriptor);
-  folder->above_ = above;
+  auto* const folder = new OutputFolder(parent->path_ / name, descriptor);
+  folder->parent_ = parent;
   folder->name_ = name;
   return Pointer(folder);
 }
@@ -173,7 +173,7 @@ bool OutputFolder::has(const std::string& name, int descriptor) const noexcept {
   if (fstatat(descriptor_, name.c_str(), &here, AT_SYMLINK_NOFOLLOW) != 0 || fstat(descriptor, &open) != 0)
     return false;
   if (here.st_dev != open.st_dev || here.st_ino != open.st_ino) return false;
-  return !above_ || above_->has(name_, descriptor_);
+  return !parent_ || parent_->has(name_, descriptor_);
 }
 
 int open_output(const OutputFile& file) {

@@ -43,7 +43,7 @@
     const dots = kinds.filter(function (kind) { return kind[2]; }).map(function (kind) {
       return [s.colours[kind[0]], kind[1]];
     });
-    const names = { cut: "springs cut", ruptured: "springs ruptured", touched: "nodes touched an obstacle" };
+    const names = { cut: "springs cut", ruptured: "springs ruptured", touched: "new contacts" };
     const happened = Object.keys(names).filter(function (name) { return s.marks.some(function (m) { return m.name === name; }); });
     function add(shape, colour, text) {
       const line = document.createElement("div"), dot = document.createElement("i");
