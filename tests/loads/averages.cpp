@@ -1,4 +1,4 @@
-// Loads by themselves: what of each is there in a step, at a time, on which node; against integrals in closed form.
+// Loads alone: their values in a step, at a time, on each node, against integrals in closed form.
 #include <cmath>
 #include <limits>
 #include <numbers>
@@ -17,7 +17,7 @@ namespace {
 constexpr double forever = std::numeric_limits<double>::infinity();
 using Change = Loads::Change;
 
-// Nodes far apart in an order that the engine does not keep.
+// Nodes far apart, in an order that the engine changes.
 Network points(std::uint32_t count) {
   Network net;
   for (std::uint32_t k = 0; k < count; ++k) net.add_node(point({static_cast<double>(k * 7 % count), 0, 0}));

@@ -1,4 +1,4 @@
-// The factor of a load over time, and what a network takes as one.
+// The factor of a load over time, and which ones a network accepts.
 #include <cmath>
 #include <string>
 

@@ -1,4 +1,4 @@
-// Faces go with their springs, and what acts on them.
+// Faces are removed with their springs, and so are the loads on them.
 #include <doctest/doctest.h>
 
 #include "loaded.hpp"

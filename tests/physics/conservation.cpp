@@ -1,4 +1,4 @@
-// What a motion keeps, and what each method makes of it.
+// Conserved quantities, and how each method changes them.
 #include <algorithm>
 #include <cmath>
 #include <cstdint>

@@ -88,14 +88,14 @@ TEST_CASE("the estimate counts what the scene requests") {
   scene.output.trajectory = false;
   CHECK(estimate_output(scene).bytes == 0.0);
   scene.output.reactions = true;
-  CHECK(estimate_output(scene).bytes == 0.0);  // nothing is held
+  CHECK(estimate_output(scene).bytes == 0.0);  // nothing is written
   scene.network.fix(3);
   const double one_fixed = estimate_output(scene).bytes;
   CHECK(one_fixed > 0.0);
   scene.network.add_plane({});
   scene.network.add_instrument({"a", Vector3(9, 9, 9), Vector3(9, 9, 9), 1.0, {}, std::nullopt});
   scene.output.surfaces = false;
-  // Any of the eight nodes may be held now, in 11 records, by the plane "0," and by "a,".
+  // Any of the eight nodes may be in contact now, in 11 records, by the plane "0," and by "a,".
   CHECK(estimate_output(scene).bytes == doctest::Approx(8.0 * (one_fixed + 11.0 * 4.0)));
   scene.output.reactions = false;
   scene.output.surfaces = true;
@@ -128,7 +128,7 @@ TEST_CASE("the estimate of forces is on the safe side, too") {
   CAPTURE(summary.error);
   CHECK_FALSE(summary.failure);
   CHECK(static_cast<double>(summary.bytes) <= estimate.bytes);
-  // Most nodes never touch, so nothing is asserted of how near it is.
+  // Most nodes never touch, so the estimate need not be near.
   CHECK(summary.bytes > 0);
 }
 
@@ -226,7 +226,7 @@ TEST_CASE("the proposed interval is the smallest of two digits with which the ou
   Scene scene = flying(5);
   scene.duration = 10.0;
   scene.options.time_step = 1e-3;
-  scene.output.view = true;  // its size does not shrink as that of the tables does
+  scene.output.view = true;  // its size does not shrink like that of the tables
   scene.output.vtk = true;
   for (const double bytes : {2e6, 3e6, 7e6, 4e7}) {
     CAPTURE(bytes);
@@ -266,7 +266,7 @@ TEST_CASE("a refusal for lack of space names remedies") {
   };
   const double bytes = estimate_output(scene).bytes;
   CHECK(refusal(1.1 * bytes).empty());
-  // A share is left to others.
+  // A share of the free space is left to others.
   CHECK_FALSE(refusal(1.01 * bytes).empty());
   const std::string half = refusal(0.5 * bytes);
   CAPTURE(half);

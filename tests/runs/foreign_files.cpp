@@ -1,4 +1,4 @@
-// What others have put into the folder of a run: links, pipes, folders, another run.
+// Foreign entries in the folder of a run: links, pipes, folders, another run.
 #include <fcntl.h>
 #include <sys/stat.h>
 #include <unistd.h>
@@ -22,7 +22,7 @@ const char* const names[] = {"events.csv",   "trajectory.csv", "reactions.csv", 
                              "rigid.csv",    "springs.csv",    "elements.csv",     "view.html",
                              "summary.json", "view.html.part", "summary.json.part"};
 
-// One that writes every file there is.
+// A scene that writes every kind of file.
 Scene scene_with_everything() {
   Scene scene;
   scene.network = testing::chain(4, {0, 0, 0}, {1, 0, 0}, testing::damped(40.0, 0.5));

@@ -1,5 +1,4 @@
-// Files that cannot grow any more: what is left of them ends with a whole record. A limit of the process takes the
-// place of a full disk.
+// Files that cannot grow any more end with a complete record. A limit of the process stands in for a full disk.
 #include <sys/resource.h>
 
 #include <cmath>
@@ -22,7 +21,7 @@ namespace fs = std::filesystem;
 
 namespace {
 
-// No file grows beyond so many bytes while this lives.
+// While this exists, no file grows beyond this many bytes.
 class FileLimit {
  public:
   explicit FileLimit(rlim_t bytes) : handler_(std::signal(SIGXFSZ, SIG_IGN)) {
@@ -87,7 +86,7 @@ TEST_CASE("a text table on a full disk ends with its last complete record, whose
       CHECK(csv.number(csv.rows.size() - 1, 0) == last);
       CHECK(summary.error.find(fmt::format("its records up to {:g} s are kept", last)) != std::string::npos);
     }
-    // A limit so low keeps out the summary as well.
+    // Such a low limit leaves no room for the summary either.
     CHECK(fs::exists(folder.path() / "summary.json") == (bytes > 2000));
     CHECK_FALSE(fs::exists(folder.path() / "summary.json.part"));
   }

@@ -218,7 +218,7 @@ TEST_CASE("a summary that cannot be written does not exist, and is a failure") {
   const TemporaryFolder folder;
   RunOptions options{folder.path(), "pair", {}};
   options.progress = [&](const RunProgress& now) {
-    // What is in the way comes up while the run goes on.
+    // The obstruction appears during the run.
     if (now.steps == 5) std::filesystem::create_directory(folder.path() / "summary.json");
     return true;
   };

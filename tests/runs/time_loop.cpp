@@ -66,7 +66,7 @@ TEST_CASE("steps end at the time step's multiples and at the end") {
     times.push_back(simulation.time());
   }
   CHECK(times == std::vector<double>{0.25, 0.5, 0.75, 0.875});
-  CHECK(stepper.totals().wall == 4.0);  // each step looks at the clock before and after
+  CHECK(stepper.totals().wall == 4.0);  // each step reads the clock before and after
   CHECK(stepper.totals().spring_updates == static_cast<double>(simulation.sweeps()));
   CHECK(stepper.totals().worst == Outcome::settled);
   CHECK(stepper.totals().unsettled == 0);

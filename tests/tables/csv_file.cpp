@@ -81,7 +81,7 @@ TEST_CASE("a full buffer writes complete records only") {
     for (int row = 0; row < 100; ++row) {
       file << 0.123456789 << '\n';
       const std::string text = testing::read_text(path);
-      REQUIRE(text.size() % (100 * 12) == 2);  // records of 100 rows of 12 characters, behind "a\n"
+      REQUIRE(text.size() % (100 * 12) == 2);  // records of 100 rows of 12 characters, after "a\n"
       rows = std::max(rows, text.size() / 12);
     }
     file.end_record(record);

@@ -1,4 +1,4 @@
-// What holds, moves and joins nodes, as it stands in the tables.
+// Forces that hold, move and join nodes, in the tables.
 #include <algorithm>
 #include <cmath>
 #include <numbers>

@@ -1,4 +1,4 @@
-// The binary tables: bit for bit what the engine had, and readable however a run ended.
+// Binary tables: bit for bit the engine's numbers, and readable however a run ended.
 #include <springnet/records.hpp>
 
 #include <sys/stat.h>

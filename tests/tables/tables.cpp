@@ -1,4 +1,4 @@
-// What a scene asks to record, and nothing else.
+// Exactly what a scene requests is recorded.
 #include <algorithm>
 #include <cmath>
 
@@ -67,7 +67,7 @@ TEST_CASE("trajectory and reactions have the requested nodes and quantities") {
     }
   }
   const Csv reactions = testing::read_csv(folder.path() / "reactions.csv");
-  REQUIRE(reactions.rows.size() == 11);  // node 3 alone: 1 is free, 0 is not asked for
+  REQUIRE(reactions.rows.size() == 11);  // only node 3: 1 is free, 0 is not requested
   for (const auto& row : reactions.rows) CHECK(row[1] == "3");
 }
 

@@ -1,4 +1,4 @@
-// Foreign text on its way to a terminal.
+// Foreign text for a terminal.
 #include <string>
 
 #include <doctest/doctest.h>

@@ -1,4 +1,4 @@
-// Files for ParaView, read back by the rules of VTK's XML formats with nothing of the library that writes them.
+// Files for ParaView, read back by the rules of VTK's XML formats, without the library that writes them.
 #include <algorithm>
 #include <cmath>
 #include <cstring>
@@ -86,7 +86,7 @@ Grid read(const std::filesystem::path& file) {
     end = std::max(end, offset + 8 + static_cast<std::size_t>(bytes));
     grid.arrays[attribute(tag, "Name")] = array;
   }
-  // Nothing lies behind the last array.
+  // Nothing follows the last array.
   CHECK(text.size() == end + std::strlen("\n  </AppendedData>\n</VTKFile>\n"));
   return grid;
 }
@@ -328,7 +328,7 @@ TEST_CASE("the index is complete after each record, also if a run fails") {
   };
   run_scene(scene, plugins(), options);
 
-  // Fails after the second record: lengths are no numbers any more. How far it came is a record of its own.
+  // Fails after the second record, when lengths become nan. Its last state is a record of its own.
   Load load;
   load.nodes = {3};
   load.force = Vector3(1e308, 0, 0);
