@@ -33,23 +33,23 @@ logged() {
   fi
 }
 
-# make_folder FOLDER …: with a message of our own where that is not allowed.
+# make_folder FOLDER …: creates the folders, or ends with a message of our own.
 make_folder() {
   local folder
   for folder in "$@"; do
     mkdir -p "$folder" 2>/dev/null && [[ -w $folder ]] ||
-      fail "cannot write to $folder" "Copy the project to a folder that is yours, and start the script there."
+      fail "cannot write to $folder" "Copy the project to a folder where you can write, and start the script there."
   done
 }
 
 is_installed() { [[ $(dpkg-query --show --showformat='${db:Status-Status}' "$1" 2>/dev/null) == installed ]]; }
 
-# watched LOG COMMAND …: runs the command with its output added to LOG, and tells meanwhile how far apt-get is: on a terminal
-# in one line that changes, elsewhere in a line every five seconds.
+# watched LOG COMMAND …: runs the command with its output appended to LOG, and reports the progress of apt-get meanwhile: on a
+# terminal in one line that changes, elsewhere in a line every five seconds.
 watched() {
   local log=$1 watcher status=0
   shift
-  # The command is in the foreground, so that Ctrl-C reaches it; who watches ends with this shell.
+  # The command is in the foreground, so that Ctrl-C reaches it; the watcher ends with this shell.
   (
     text="" last="" tick=0
     while kill -0 $$ 2>/dev/null; do
@@ -69,7 +69,7 @@ watched() {
   return "$status"
 }
 
-# apt_progress LOG: "packages: 12 of 34 fetched", then unpacked, then set up, as far as the log tells.
+# apt_progress LOG: "packages: 12 of 34 fetched", then unpacked, then set up, according to the log.
 apt_progress() {
   awk '
     / newly installed, / { total = $1 + $3; fetched = 0 }   # "3 upgraded, 31 newly installed, …"
@@ -84,12 +84,12 @@ apt_progress() {
     }' "$1"
 }
 
-# need_packages NAME …: installs those that are missing. Does nothing, needs no network and no rights where none is.
+# need_packages NAME …: installs those that are missing. If none is, it does nothing and needs neither network nor rights.
 need_packages() {
   local name missing=() as_root=() log
   command -v dpkg-query >/dev/null && command -v apt-get >/dev/null ||
-    fail "this machine has no apt-get, and this script installs Debian packages." \
-      "With the equivalents of these packages installed by hand:" "  $*" "the project is built by:" \
+    fail "this machine has no apt-get, which this script needs to install Debian packages." \
+      "Install the equivalents of these packages:" "  $*" "and build the project by:" \
       "  cmake --preset release -DSPRINGNET_BUILD_TESTS=OFF && cmake --build --preset release"
   for name in "$@"; do
     is_installed "$name" || missing+=("$name")
@@ -98,7 +98,7 @@ need_packages() {
 
   if ((EUID != 0)); then
     command -v sudo >/dev/null ||
-      fail "packages are missing, and installing them needs root; there is no sudo here." "Run as root:" \
+      fail "packages are missing, installing them needs root, and there is no sudo." "Run as root:" \
         "  apt-get install ${missing[*]}" "and start this script again."
     as_root=(sudo)
     # Without a terminal nobody could type a password: better an error than a script that hangs.
@@ -112,18 +112,18 @@ need_packages() {
   log=$project_root/build/apt.log
   rm -f "$log"
   say "installing missing packages (log: $log): ${missing[*]}"
-  # A list of packages that cannot be renewed is no error yet: another source's may be out of reach, or ours still good.
+  # A list of packages that cannot be updated is no error yet: the existing one may suffice.
   : >"$log"
   watched "$log" "${as_root[@]}" apt-get update || true
   if ! watched "$log" "${as_root[@]}" apt-get install --yes --no-install-recommends "${missing[@]}"; then
     grep -E '^(E|Err|W):' "$log" | tail -n 12 >&2 || true
     fail "apt-get could not install the missing packages (whole log: $log)." \
-      "If it could not reach its servers: is there a network? If it does not know a package: this script is made for" \
-      "Debian 12, where 'apt-get update' has to know the 'main' component."
+      "If it could not reach its servers, check the network. If it does not know a package: this script is made for" \
+      "Debian 12 with the 'main' component."
   fi
 }
 
-# How many compilers at a time: one a core, but each may take 1.5 GiB.
+# Number of parallel compilers: one per core, as far as there are 1.5 GiB of memory for each.
 build_jobs() {
   local cores memory
   cores=$(nproc)
@@ -140,7 +140,7 @@ configure() {
   if [[ -f $folder/CMakeCache.txt ]]; then
     home=$(sed -n 's/^CMAKE_HOME_DIRECTORY:INTERNAL=//p' "$folder/CMakeCache.txt")
     [[ $home == "$project_root" ]] ||
-      fail "$folder was made for the sources in $home, not for those here." "Remove that folder and start again."
+      fail "$folder belongs to the sources in $home, not to these." "Remove that folder and start again."
   fi
   logged "$folder/configure.log" "configuring $preset" cmake -S "$project_root" --preset "$preset" "$@"
 }

@@ -31,8 +31,8 @@ CheckedFile::~CheckedFile() {
 }
 
 void CheckedFile::make_room_for(std::size_t bytes) {
-  // Only whole records if there are any, so that a killed run leaves no partial record (unless it exceeds the buffer).
-  if (!marks_.empty()) write_out(static_cast<std::size_t>(marks_.back().place - written_));
+  // Only complete records if there are any, so that a killed run leaves no partial one (unless it exceeds the buffer).
+  if (!marks_.empty()) write_out(static_cast<std::size_t>(marks_.back().offset - written_));
   if (capacity - used_ < bytes) write_out(used_);
 }
 
@@ -66,24 +66,24 @@ void CheckedFile::put(const char* data, std::size_t bytes) {
     bytes -= static_cast<std::size_t>(count);
     written_ += static_cast<std::uint64_t>(count);
   }
-  reach(written_);
+  keep_marks(written_);
 }
 
 void CheckedFile::end_record(double time) {
   marked_ = true;
-  const std::uint64_t place = written_ + used_;
-  if (place == kept_.place && marks_.empty()) {
+  const std::uint64_t offset = written_ + used_;
+  if (offset == kept_.offset && marks_.empty()) {
     kept_.time = time;  // a record without rows
-  } else if (!marks_.empty() && marks_.back().place == place) {
+  } else if (!marks_.empty() && marks_.back().offset == offset) {
     marks_.back().time = time;
   } else {
-    marks_.push_back({place, time});
-    if (used_ == 0) reach(place);
+    marks_.push_back({offset, time});
+    if (used_ == 0) keep_marks(offset);
   }
 }
 
-void CheckedFile::reach(std::uint64_t place) {
-  const auto beyond = std::find_if(marks_.begin(), marks_.end(), [place](const Mark& m) { return m.place > place; });
+void CheckedFile::keep_marks(std::uint64_t offset) {
+  const auto beyond = std::find_if(marks_.begin(), marks_.end(), [offset](const Mark& m) { return m.offset > offset; });
   if (beyond == marks_.begin()) return;
   kept_ = *std::prev(beyond);
   marks_.erase(marks_.begin(), beyond);
@@ -91,7 +91,7 @@ void CheckedFile::reach(std::uint64_t place) {
 
 void CheckedFile::drop_unfinished() {
   if (!marked_) return;
-  const std::uint64_t end = marks_.empty() ? kept_.place : marks_.back().place;
+  const std::uint64_t end = marks_.empty() ? kept_.offset : marks_.back().offset;
   if (end >= written_) {
     used_ = static_cast<std::size_t>(end - written_);
   } else {
@@ -101,8 +101,8 @@ void CheckedFile::drop_unfinished() {
 }
 
 // A pipe, for instance, cannot be cut: then the partial record stays.
-void CheckedFile::cut(std::uint64_t place) noexcept {
-  if (ftruncate(descriptor_, static_cast<off_t>(place)) == 0) written_ = place;
+void CheckedFile::cut(std::uint64_t offset) noexcept {
+  if (ftruncate(descriptor_, static_cast<off_t>(offset)) == 0) written_ = offset;
 }
 
 void CheckedFile::close() {
@@ -112,8 +112,8 @@ void CheckedFile::close() {
     flush();
     if (is_gone()) {
       failure_ = fmt::format(
-          "{}: was removed, or replaced by another file, while the run wrote it; what it recorded is lost. Run again, "
-          "and leave the folder alone until the end",
+          "{}: was removed or replaced by another file during the run; its records are lost. Run again, and leave the "
+          "folder alone until the end",
           file_.path().string());
       throw OutputError(failure_, std::numeric_limits<double>::quiet_NaN(), true);
     }
@@ -129,27 +129,27 @@ bool CheckedFile::is_gone() const noexcept {
   return fstat(descriptor_, &status) == 0 && S_ISREG(status.st_mode) && status.st_nlink == 0;
 }
 
-void CheckedFile::seek(std::uint64_t place) {
+void CheckedFile::seek(std::uint64_t offset) {
   flush();
-  if (lseek(descriptor_, static_cast<off_t>(place), SEEK_SET) < 0) fail(errno);
-  written_ = place;
+  if (lseek(descriptor_, static_cast<off_t>(offset), SEEK_SET) < 0) fail(errno);
+  written_ = offset;
 }
 
-void CheckedFile::restore_end(std::uint64_t place, std::string_view end) noexcept {
-  if (ftruncate(descriptor_, static_cast<off_t>(place)) != 0) return;
-  [[maybe_unused]] const ssize_t count = pwrite(descriptor_, end.data(), end.size(), static_cast<off_t>(place));
+void CheckedFile::restore_end(std::uint64_t offset, std::string_view end) noexcept {
+  if (ftruncate(descriptor_, static_cast<off_t>(offset)) != 0) return;
+  [[maybe_unused]] const ssize_t count = pwrite(descriptor_, end.data(), end.size(), static_cast<off_t>(offset));
 }
 
 void CheckedFile::fail(int reason) {
   used_ = 0;
   if (marked_) {
-    reach(written_);
-    cut(kept_.place);
+    keep_marks(written_);
+    cut(kept_.offset);
   }
   std::string kept;
   if (marked_) {
-    kept = std::isnan(kept_.time) ? "no record of it was written; "
-                                  : fmt::format("its records until {:g} s are kept; ", kept_.time);
+    kept = std::isnan(kept_.time) ? "none of its records was written; "
+                                  : fmt::format("its records up to {:g} s are kept; ", kept_.time);
   }
   failure_ =
       fmt::format("{}: cannot be written: {}; {}{}", file_.path().string(), std::strerror(reason), kept, remedy_);

@@ -1,4 +1,4 @@
-// A file that checks every write and always ends with a whole record; numbers in it.
+// A file that checks every write and always ends with a complete record; numbers in it.
 #pragma once
 
 #include <algorithm>
@@ -19,8 +19,8 @@
 
 namespace springnet {
 
-// Writes through a buffer. Once records are marked, anything after the last mark is part of an unfinished record: it is
-// cut off when a write fails, and on close. Nothing is written after a failure.
+// Writes through a buffer. Once a record has ended, anything after the last one is an unfinished record, which is cut
+// off when a write fails, and on close. Nothing is written after a failure.
 class CheckedFile {
  public:
   static constexpr std::string_view record_less =
@@ -29,13 +29,13 @@ class CheckedFile {
 
   // Creates the file; throws Error(input) if that fails. `remedy` ends the message of a failed write.
   explicit CheckedFile(const OutputFile& file, std::string_view remedy = record_less);
-  // If still open, after an exception for instance: writes the whole records in the buffer, if it can.
+  // If still open, after an exception for instance: writes the complete records in the buffer, if possible.
   ~CheckedFile();
   CheckedFile(const CheckedFile&) = delete;
   CheckedFile& operator=(const CheckedFile&) = delete;
 
-  // Room for so many bytes, at most `most_room`, at the end of the buffer; used() says how many were written there.
-  static constexpr std::size_t most_room = 4096;
+  // Room for `bytes`, at most `max_room`, at the end of the buffer; call used() with the number of bytes written there.
+  static constexpr std::size_t max_room = 4096;
   [[nodiscard]] char* room(std::size_t bytes) {
     if (capacity - used_ < bytes) make_room_for(bytes);
     return buffer_.get() + used_;
@@ -50,27 +50,27 @@ class CheckedFile {
 
   // Ends the record of this time, s; nan: what precedes all records.
   void end_record(double time);
-  // Drops what was written since then, if any record was marked.
+  // Drops what was written after the last record, if any has ended.
   void drop_unfinished();
 
-  // For a document whose end is rewritten with each addition: where to write next, and restoring the end after a
+  // For a document whose end is rewritten with each addition: sets where to write next, and restores the end after a
   // failure.
-  void seek(std::uint64_t place);
-  void restore_end(std::uint64_t place, std::string_view end) noexcept;
+  void seek(std::uint64_t offset);
+  void restore_end(std::uint64_t offset, std::string_view end) noexcept;
 
  private:
   static constexpr std::size_t capacity = std::size_t{1} << 16;
 
   struct Mark {
-    std::uint64_t place;  // bytes, where the record ends
-    double time;          // s
+    std::uint64_t offset;  // bytes, where the record ends
+    double time;           // s
   };
 
   void make_room_for(std::size_t bytes);
   void write_out(std::size_t bytes);  // from the front of the buffer
   void put(const char* data, std::size_t bytes);
-  void reach(std::uint64_t place);  // the marks up to there are in the file
-  void cut(std::uint64_t place) noexcept;
+  void keep_marks(std::uint64_t offset);  // those up to there are in the file
+  void cut(std::uint64_t offset) noexcept;
   [[noreturn]] void fail(int reason);
   [[noreturn]] void throw_failure() const;
   [[nodiscard]] bool is_gone() const noexcept;
@@ -80,10 +80,10 @@ class CheckedFile {
   int descriptor_;
   std::unique_ptr<char[]> buffer_;
   std::size_t used_ = 0;
-  std::uint64_t written_ = 0;  // bytes, in the file
-  bool marked_ = false;
-  Mark kept_{0, std::numeric_limits<double>::quiet_NaN()};  // the last one in the file
-  std::vector<Mark> marks_;                                 // of the buffer
+  std::uint64_t written_ = 0;                               // bytes, in the file
+  bool marked_ = false;                                     // whether a record has ended
+  Mark kept_{0, std::numeric_limits<double>::quiet_NaN()};  // the last one that is in the file
+  std::vector<Mark> marks_;                                 // ends of records that are still in the buffer
   std::string failure_;                                     // the message, after one
 };
 

@@ -1,4 +1,4 @@
-// Thrown when a file of a run cannot be written to the end, or is gone.
+// Thrown when a file of a run cannot be written to the end, or has been removed.
 #pragma once
 
 #include <limits>
@@ -14,7 +14,7 @@ class OutputError : public Error {
       : Error(ErrorKind::simulation, message), kept_until_(kept_until), lost_(lost) {}
 
   [[nodiscard]] double kept_until() const noexcept { return kept_until_; }  // s, of its last record; nan if it has none
-  [[nodiscard]] bool lost() const noexcept { return lost_; }                // there is no such file
+  [[nodiscard]] bool lost() const noexcept { return lost_; }                // the file no longer exists
 
  private:
   double kept_until_;

@@ -24,20 +24,20 @@ constexpr mode_t all_may_read_and_write = 0666, all_may_enter = 0777;  // before
 [[noreturn]] void refuse_file(const std::filesystem::path& file, int reason) {
   if (reason == EISDIR) {
     throw Error(ErrorKind::input,
-                fmt::format("{}: a folder has the name of this file; remove it, or name another folder for the output",
+                fmt::format("{}: a folder has the name of this file; remove it, or choose another output folder",
                             file.string()));
   }
-  throw Error(ErrorKind::input, fmt::format("{}: cannot be created: {}; name another folder for the output",
-                                            file.string(), std::strerror(reason)));
+  throw Error(ErrorKind::input, fmt::format("{}: cannot be created: {}; choose another output folder", file.string(),
+                                            std::strerror(reason)));
 }
 
 [[noreturn]] void refuse_folder(const std::filesystem::path& folder, const std::string& reason) {
-  throw Error(ErrorKind::input, fmt::format("{}: the folder for the output cannot be made: {}; name another one",
-                                            folder.string(), reason));
+  throw Error(ErrorKind::input,
+              fmt::format("{}: the output folder cannot be created: {}; choose another one", folder.string(), reason));
 }
 
 std::string reason_of(int error) {
-  return error == ENOTDIR || error == ELOOP || error == EEXIST ? "a file is in the way" : std::strerror(error);
+  return error == ENOTDIR || error == ELOOP || error == EEXIST ? "a file has this name" : std::strerror(error);
 }
 
 // A host may have closed its standard streams; a table on such a descriptor would receive what the host prints.
@@ -66,7 +66,7 @@ std::string part_name(std::string_view name) { return std::string(name) + ".part
 OutputFolder::Pointer OutputFolder::make(const std::filesystem::path& path) {
   std::error_code failed;
   std::filesystem::create_directories(path, failed);
-  // If a link is in the way this reports EEXIST; opening it tells whether it is a folder.
+  // For a link this reports EEXIST; opening it shows whether it leads to a folder.
   const int descriptor = above_standard_streams(::open(path.c_str(), folder_flags));
   if (descriptor < 0) refuse_folder(path, failed ? reason_of(failed.value()) : reason_of(errno));
   return Pointer(new OutputFolder(path, descriptor));
@@ -84,20 +84,20 @@ OutputFolder::Pointer OutputFolder::containing(const std::filesystem::path& file
   return Pointer(new OutputFolder(path, descriptor));
 }
 
-OutputFolder::Pointer OutputFolder::make_inside(const Pointer& above, const std::string& name) {
-  if (above->kind(name) == Kind::link) above->remove(name);
-  const bool made = mkdirat(above->descriptor_, name.c_str(), all_may_enter) == 0;
+OutputFolder::Pointer OutputFolder::make_inside(const Pointer& parent, const std::string& name) {
+  if (parent->kind(name) == Kind::link) parent->remove(name);
+  const bool made = mkdirat(parent->descriptor_, name.c_str(), all_may_enter) == 0;
   const int reason = errno;
-  Pointer folder = find_inside(above, name);
-  if (!folder) refuse_folder(above->path_ / name, reason_of(made ? errno : reason));
+  Pointer folder = find_inside(parent, name);
+  if (!folder) refuse_folder(parent->path_ / name, reason_of(made ? errno : reason));
   return folder;
 }
 
-OutputFolder::Pointer OutputFolder::find_inside(const Pointer& above, const std::string& name) {
-  const int descriptor = above_standard_streams(::openat(above->descriptor_, name.c_str(), folder_flags | O_NOFOLLOW));
+OutputFolder::Pointer OutputFolder::find_inside(const Pointer& parent, const std::string& name) {
+  const int descriptor = above_standard_streams(::openat(parent->descriptor_, name.c_str(), folder_flags | O_NOFOLLOW));
   if (descriptor < 0) return nullptr;
-  auto* const folder = new OutputFolder(above->path_ / name, descriptor);
-  folder->above_ = above;
+  auto* const folder = new OutputFolder(parent->path_ / name, descriptor);
+  folder->parent_ = parent;
   folder->name_ = name;
   return Pointer(folder);
 }
@@ -106,8 +106,8 @@ OutputFolder::~OutputFolder() { ::close(descriptor_); }
 
 void OutputFolder::lock() const {
   if (flock(descriptor_, LOCK_EX | LOCK_NB) == 0 || errno != EWOULDBLOCK) return;
-  throw Error(ErrorKind::input, fmt::format("{}: another run is writing to this folder; wait until it ends, or name "
-                                            "another folder for the output",
+  throw Error(ErrorKind::input, fmt::format("{}: another run is writing to this folder; wait until it ends, or choose "
+                                            "another output folder",
                                             path_.string()));
 }
 
@@ -173,7 +173,7 @@ bool OutputFolder::has(const std::string& name, int descriptor) const noexcept {
   if (fstatat(descriptor_, name.c_str(), &here, AT_SYMLINK_NOFOLLOW) != 0 || fstat(descriptor, &open) != 0)
     return false;
   if (here.st_dev != open.st_dev || here.st_ino != open.st_ino) return false;
-  return !above_ || above_->has(name_, descriptor_);
+  return !parent_ || parent_->has(name_, descriptor_);
 }
 
 int open_output(const OutputFile& file) {

@@ -1,4 +1,4 @@
-// A file that gets its name only once it is complete: no reader sees half of it, and a killed run leaves none.
+// A file that gets its name only once it is complete: no reader sees a part of it, and a killed run leaves none.
 #pragma once
 
 #include <ostream>
@@ -33,7 +33,7 @@ class WholeFile {
     CheckedFile& file_;
   };
 
-  OutputFile file_;  // by its folder
+  OutputFile file_;  // in its folder
   OutputFile part_;
   CheckedFile out_;
   Buffer buffer_{out_};

@@ -10,7 +10,7 @@ namespace springnet {
 namespace {
 
 // Characters of a reason: leaves room in the message for the component's name and file.
-constexpr std::size_t longest_reason = 300;
+constexpr std::size_t max_reason_length = 300;
 
 }  // namespace
 
@@ -25,13 +25,13 @@ std::string full_name(const Component& component) {
 
 std::string full_name_with_file(const Component& component) {
   if (component.file.empty()) return full_name(component);
-  return fmt::format("{} ({})", full_name(component), printable(component.file.string(), longest_reason));
+  return fmt::format("{} ({})", full_name(component), printable(component.file.string(), max_reason_length));
 }
 
 void write_failure(const Component& component, const springnet_message& reason, springnet_message& message) noexcept {
   try {
-    const std::string why = printable({reason.text, strnlen(reason.text, sizeof reason.text)}, longest_reason);
-    const std::string text = why.empty() ? full_name_with_file(component) + " failed without saying why"
+    const std::string why = printable({reason.text, strnlen(reason.text, sizeof reason.text)}, max_reason_length);
+    const std::string text = why.empty() ? full_name_with_file(component) + " failed without giving a reason"
                                          : fmt::format("{} failed: {}", full_name(component), why);
     sdk::detail::write_message(&message, text.c_str());
   } catch (...) {  // out of memory

@@ -17,9 +17,9 @@ namespace springnet {
 namespace {
 
 // No plugin has more of anything; a greater count comes from a damaged or foreign struct.
-constexpr std::uint32_t largest_count = 4096;
-// Most bytes of a name, and of any other text.
-constexpr std::size_t longest_name = 100, longest_text = 8192;
+constexpr std::uint32_t max_count = 4096;
+// Bytes of a name, and of any other text.
+constexpr std::size_t max_name_length = 100, max_text_length = 8192;
 
 const char* const rebuild = "rebuild the plugin with the SDK of this springnet";
 
@@ -31,7 +31,7 @@ std::string too_short(std::string_view what, std::uint32_t size, std::size_t nee
 // size.
 template <class Struct>
 std::string check_struct(const Struct* pointer, std::size_t needed, std::string_view what) {
-  if (pointer == nullptr) return fmt::format("{} is a null pointer: fill it in", what);
+  if (pointer == nullptr) return fmt::format("{} is a null pointer: set it", what);
   if (pointer->struct_size < needed) return too_short(what, pointer->struct_size, needed);
   return {};
 }
@@ -39,19 +39,19 @@ std::string check_struct(const Struct* pointer, std::size_t needed, std::string_
 // Empty if all texts of `owner` (none of them null) have a plausible length: a damaged one may be unterminated.
 std::string check_lengths(std::string_view owner, std::initializer_list<std::pair<const char*, const char*>> texts) {
   for (const auto& [name, text] : texts) {
-    if (strnlen(text, longest_text + 1) > longest_text)
-      return fmt::format("{}: its {} has more than {} bytes: shorten it", owner, name, longest_text);
+    if (strnlen(text, max_text_length + 1) > max_text_length)
+      return fmt::format("{}: its {} has more than {} bytes: shorten it", owner, name, max_text_length);
   }
   return {};
 }
 
 std::string shown(const char* text) {
-  return text == nullptr ? std::string() : printable({text, strnlen(text, longest_name + 1)});
+  return text == nullptr ? std::string() : printable({text, strnlen(text, max_name_length + 1)});
 }
 
 bool is_snake_case(const char* text) {
-  const std::string_view name(text, strnlen(text, longest_name + 1));
-  if (name.size() > longest_name) return false;
+  const std::string_view name(text, strnlen(text, max_name_length + 1));
+  if (name.size() > max_name_length) return false;
   const auto allowed = [](char c) { return (c >= 'a' && c <= 'z') || (c >= '0' && c <= '9') || c == '_'; };
   return !name.empty() && name[0] >= 'a' && name[0] <= 'z' && std::all_of(name.begin(), name.end(), allowed);
 }
@@ -62,8 +62,8 @@ bool is_taken_by_scenes(std::string_view name, std::uint32_t kind) {
 }
 
 std::string check_choices(const springnet_parameter& parameter, const std::string& what) {
-  if (parameter.choice_count == 0 || parameter.choice_count > largest_count || parameter.choices == nullptr) {
-    return fmt::format("{} is a choice without a list of choices: give their names", what);
+  if (parameter.choice_count == 0 || parameter.choice_count > max_count || parameter.choices == nullptr) {
+    return fmt::format("{} is a choice without a list of choices: list their names", what);
   }
   std::set<std::string_view> names;
   for (std::uint32_t i = 0; i < parameter.choice_count; ++i) {
@@ -79,12 +79,12 @@ std::string check_choices(const springnet_parameter& parameter, const std::strin
 std::string check_bounds(const springnet_parameter& parameter, const std::string& what) {
   const bool has_bounds = parameter.type == SPRINGNET_NUMBER || parameter.type == SPRINGNET_INTEGER;
   if (has_bounds && !(parameter.smallest <= parameter.largest)) {  // also if one is nan
-    return fmt::format("{}: smallest {} and largest {} leave no value: correct them", what, parameter.smallest,
+    return fmt::format("{}: no value is between smallest {} and largest {}: correct them", what, parameter.smallest,
                        parameter.largest);
   }
   const bool has_scale = parameter.type == SPRINGNET_NUMBER || (parameter.flags & SPRINGNET_LEARNABLE) != 0;
   if (has_scale && !(parameter.scale > 0 && std::isfinite(parameter.scale))) {
-    return fmt::format("{}: scale must be a finite number above 0, is {}: give a typical magnitude", what,
+    return fmt::format("{}: scale must be a finite number above 0, but is {}: give a typical magnitude", what,
                        parameter.scale);
   }
   if ((parameter.flags & SPRINGNET_REQUIRED) == 0) {
@@ -121,8 +121,8 @@ std::string check_parameter(const springnet_parameter* parameter, const std::str
 std::string check_parameters(const springnet_parameter* const* list, std::uint32_t count, std::uint32_t kind,
                              const std::string& owner, std::string_view noun) {
   if (count == 0) return {};
-  if (count > largest_count) return fmt::format("{} claims to have {} {}s: {}", owner, count, noun, rebuild);
-  if (list == nullptr) return fmt::format("{}: its list of {}s is a null pointer: fill it in", owner, noun);
+  if (count > max_count) return fmt::format("{} claims to have {} {}s: {}", owner, count, noun, rebuild);
+  if (list == nullptr) return fmt::format("{}: its list of {}s is a null pointer: set it", owner, noun);
   std::set<std::string_view> names;
   for (std::uint32_t i = 0; i < count; ++i) {
     std::string wrong = check_parameter(list[i], fmt::format("{}: {} {}", owner, noun, i));
@@ -138,7 +138,7 @@ std::string check_parameters(const springnet_parameter* const* list, std::uint32
 }
 
 std::string missing_function(const std::string& owner, std::string_view function) {
-  return fmt::format("{} has no function '{}': give one", owner, function);
+  return fmt::format("{} has no function '{}': provide one", owner, function);
 }
 
 std::string check_law(const springnet_component& component, const std::string& owner) {
@@ -183,7 +183,7 @@ std::string check_component(const springnet_component* component, std::uint32_t 
   }
   const std::string owner = fmt::format("{} '{}'", name_of(static_cast<ComponentKind>(component->kind)), component->id);
   if (std::string_view(component->id) == "none") {
-    return fmt::format("{}: scenes write \"none\" for no function: rename it", owner);
+    return fmt::format("{}: in scenes \"none\" stands for no function: rename it", owner);
   }
   if (component->summary == nullptr || component->reference == nullptr) {
     return fmt::format("{} has no summary or reference: fill them in, \"\" where there is no literature", owner);
@@ -237,7 +237,7 @@ std::string check_plugin(const springnet_plugin& plugin) {
           {{"id", plugin.id}, {"version", plugin.version}, {"author", plugin.author}, {"licence", plugin.licence}});
       !wrong.empty())
     return wrong;
-  if (plugin.component_count == 0 || plugin.component_count > largest_count || plugin.components == nullptr) {
+  if (plugin.component_count == 0 || plugin.component_count > max_count || plugin.components == nullptr) {
     return fmt::format("the plugin offers {} components{}: list them", plugin.component_count,
                        plugin.components == nullptr ? " behind a null pointer" : "");
   }

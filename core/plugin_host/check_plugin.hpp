@@ -1,5 +1,5 @@
 // Validation of a plugin's description. Everything behind its pointers is foreign data, perhaps of another version:
-// nothing is read before the size that covers it was checked.
+// a field is read only after the size of its struct was checked.
 #pragma once
 
 #include <string>

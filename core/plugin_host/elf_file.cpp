@@ -13,7 +13,7 @@
 namespace springnet {
 namespace {
 
-constexpr const char* cut_off = "the file is shorter than its header declares";
+constexpr const char* truncated = "the file is shorter than its header declares";
 
 // Whether `count` bytes from `begin` lie within `size`, safe against overflow.
 bool within(std::uint64_t begin, std::uint64_t count, std::uint64_t size) {
@@ -21,8 +21,8 @@ bool within(std::uint64_t begin, std::uint64_t count, std::uint64_t size) {
 }
 
 template <class Struct>
-bool read(std::ifstream& in, std::uint64_t place, Struct& out) {
-  in.seekg(static_cast<std::streamoff>(place));
+bool read(std::ifstream& in, std::uint64_t offset, Struct& out) {
+  in.seekg(static_cast<std::streamoff>(offset));
   return static_cast<bool>(in.read(reinterpret_cast<char*>(&out), sizeof out));
 }
 
@@ -41,11 +41,11 @@ std::string check_elf(const std::filesystem::path& file) {
   if (header.e_ident[EI_CLASS] != (sizeof(void*) == 8 ? ELFCLASS64 : ELFCLASS32)) return {};
   if (header.e_phentsize != sizeof(ElfW(Phdr))) return {};
   for (std::uint64_t k = 0; k < header.e_phnum; ++k) {
-    const std::uint64_t place = header.e_phoff + k * sizeof(ElfW(Phdr));
+    const std::uint64_t offset = header.e_phoff + k * sizeof(ElfW(Phdr));
     ElfW(Phdr) segment;
-    if (!within(place, sizeof segment, size)) return cut_off;
-    if (!read(in, place, segment)) return "it cannot be read";
-    if (segment.p_type == PT_LOAD && !within(segment.p_offset, segment.p_filesz, size)) return cut_off;
+    if (!within(offset, sizeof segment, size)) return truncated;
+    if (!read(in, offset, segment)) return "it cannot be read";
+    if (segment.p_type == PT_LOAD && !within(segment.p_offset, segment.p_filesz, size)) return truncated;
   }
   return {};
 }

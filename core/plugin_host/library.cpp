@@ -41,8 +41,8 @@ std::string loader_message(const std::exception& error, const std::filesystem::p
 
 std::string unloadable(const std::string& why) {
   return fmt::format(
-      "cannot be loaded as a library ({}): check that it is a complete library of this machine's kind "
-      "and links all that it calls",
+      "cannot be loaded as a library ({}): check that it is a complete library for this machine and is linked with "
+      "everything that it calls",
       why);
 }
 
@@ -101,7 +101,7 @@ std::vector<std::filesystem::path> own_plugin_folders() {
       folders.push_back((program / ".." / SPRINGNET_LIBRARY_FOLDER / plugins).lexically_normal());
     }
   } catch (const std::exception&) {
-    // The system does not tell where the code is located: no own folder.
+    // The system does not report where the code is: no own folder.
   }
   return folders;
 }

@@ -19,7 +19,7 @@ namespace springnet {
 namespace fs = std::filesystem;
 
 // Characters of a file name in messages; systems do not allow longer ones.
-constexpr std::size_t longest_path = 4096;
+constexpr std::size_t max_path_length = 4096;
 
 std::string_view name_of(ComponentKind kind) noexcept {
   switch (kind) {
@@ -63,11 +63,11 @@ struct PluginHost::Impl {
       if (other->plugin == &plugin) return true;  // the same plugin again
       const std::string owner = fmt::format("{} {}", printable(other->plugin->id), printable(other->plugin->version));
       return refuse(file,
-                    fmt::format("{} '{}' is already taken by {}: rename it, or remove one of the two plugins",
+                    fmt::format("{} '{}' is already provided by {}: rename it, or remove one of the two plugins",
                                 name_of(other->kind()), other->id(),
                                 other->file.empty()
                                     ? owner
-                                    : fmt::format("{} ({})", owner, printable(other->file.string(), longest_path))));
+                                    : fmt::format("{} ({})", owner, printable(other->file.string(), max_path_length))));
     }
     components.insert(components.end(), taken.begin(), taken.end());
     return true;
@@ -92,7 +92,7 @@ PluginHost PluginHost::with_default_search(const std::vector<fs::path>& folders)
     if (fs::path(entry).is_relative()) {
       host.impl_->refuse(entry,
                          "SPRINGNET_PLUGIN_PATH names a relative folder, which depends on the working "
-                         "directory: give the whole path");
+                         "directory: give an absolute path");
       continue;
     }
     host.search(entry);
@@ -176,10 +176,10 @@ std::shared_ptr<const Component> PluginHost::require(ComponentKind kind, std::st
   }
   for (std::size_t i = 0; i < impl_->refusals.size(); ++i) {
     const Refusal& refusal = impl_->refusals[i];
-    if (i == 0) message += "\nPlugins that were not taken:";
+    if (i == 0) message += "\nRefused plugins:";
     message += fmt::format(
         "\n  {}: {}",
-        refusal.file.empty() ? "(registered in the program)" : printable(refusal.file.string(), longest_path),
+        refusal.file.empty() ? "(registered in the program)" : printable(refusal.file.string(), max_path_length),
         refusal.reason);
   }
   throw Error(ErrorKind::plugin, message);

@@ -1,4 +1,4 @@
-// What outputs need of a state: each quantity is computed on first use, once per record, and shared by tables,
+// The state that outputs record. Each quantity is computed on first use, once per record, and shared by tables,
 // pictures, page and summary.
 #pragma once
 
@@ -17,7 +17,7 @@ class Record {
  public:
   using Vectors = Eigen::Matrix3Xd;  // a column per node, by the user's numbers
 
-  // What nodes do to a plane or an instrument.
+  // The load of nodes on a plane or an instrument.
   struct SurfaceLoad {
     Vector3 force;      // N
     std::size_t nodes;  // in contact with it
@@ -29,7 +29,7 @@ class Record {
   // use, so the simulation must not be advanced or changed in between.
   void take(const Simulation& simulation);
 
-  // For quantities that the simulation stores, so that reading them twice costs nothing.
+  // For quantities that the simulation itself stores.
   [[nodiscard]] const Simulation& simulation() const noexcept { return *simulation_; }
   [[nodiscard]] double time() const noexcept { return simulation_->time(); }  // s
 
@@ -37,7 +37,7 @@ class Record {
   [[nodiscard]] const Vectors& velocities() const;  // m/s
   [[nodiscard]] const Vectors& forces() const;      // N, as Simulation::forces(), and throws as that does
 
-  // By the user's spring, removed ones included; tensions and energies as those of Simulation.
+  // By the user's number of the spring, removed ones included; tensions and energies as those of Simulation.
   [[nodiscard]] const std::vector<double>& lengths() const;   // m, distance of the ends
   [[nodiscard]] const std::vector<double>& tensions() const;  // N
   [[nodiscard]] const std::vector<double>& energies() const;  // J

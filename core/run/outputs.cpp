@@ -50,10 +50,10 @@ class TableOutput : public Output {
   [[nodiscard]] std::optional<FileEstimate> estimate(const Scene& scene, double records) const override {
     return tables::estimate(table_, scene.network, scene.output, records);
   }
-  [[nodiscard]] std::string leave_out(const Scene& scene) const override {
-    return fmt::format(fmt::runtime(table_.leave_out), tables::file_name(table_, scene.output));
+  [[nodiscard]] std::string leave_out_hint(const Scene& scene) const override {
+    return fmt::format(fmt::runtime(table_.leave_out_hint), tables::file_name(table_, scene.output));
   }
-  [[nodiscard]] std::string smaller() const override { return std::string(table_.smaller); }
+  [[nodiscard]] std::string shrink_hint() const override { return std::string(table_.shrink_hint); }
   [[nodiscard]] std::vector<std::string> file_names() const override { return tables::file_names(table_); }
 
  private:
@@ -71,9 +71,7 @@ class PageSink : public Sink {
   void close() override { page_.close(); }
   void failed(const std::string& reason) override { page_.failed(reason); }
   [[nodiscard]] std::uintmax_t bytes() const override { return path_.folder()->size(path_.name()); }
-  [[nodiscard]] bool is_there() const override {
-    return path_.folder()->kind(path_.name()) != OutputFolder::Kind::none;
-  }
+  [[nodiscard]] bool exists() const override { return path_.folder()->kind(path_.name()) != OutputFolder::Kind::none; }
   [[nodiscard]] std::vector<std::string> notes() const override {
     std::vector<std::string> notes = page_.left_out();
     for (std::string& note : notes) note = fmt::format("{}: {}", file(), note);
@@ -95,14 +93,14 @@ class PageOutput : public Output {
   [[nodiscard]] std::optional<FileEstimate> estimate(const Scene& scene, double) const override {
     return FileEstimate{view_file, estimate_view(scene), false};
   }
-  [[nodiscard]] std::string leave_out(const Scene&) const override {
+  [[nodiscard]] std::string leave_out_hint(const Scene&) const override {
     return fmt::format("leave out {} (output.view = false)", view_file);
   }
-  [[nodiscard]] std::string smaller() const override { return "make the page smaller (output.view_size)"; }
+  [[nodiscard]] std::string shrink_hint() const override { return "make the page smaller (output.view_size)"; }
   [[nodiscard]] std::vector<std::string> file_names() const override { return {view_file, part_name(view_file)}; }
 };
 
-// Some of the records, by an interval of its own, and the last.
+// Writes records at an interval of its own, and the last one.
 class VtkSink : public Sink {
  public:
   VtkSink(const OutputFile& folder, const Scene& scene)
@@ -120,7 +118,7 @@ class VtkSink : public Sink {
   }
   void close() override { series_.close(); }
   [[nodiscard]] std::uintmax_t bytes() const override { return series_.bytes(); }
-  [[nodiscard]] bool is_there() const override {
+  [[nodiscard]] bool exists() const override {
     return OutputFolder::find_inside(folder_.folder(), folder_.name()) != nullptr;
   }
 
@@ -152,12 +150,12 @@ class VtkOutput : public Output {
     return FileEstimate{
         name(), pictures * vtk_record_bytes(scene.network, options) + vtk_index_bytes(scene.network, pictures), false};
   }
-  [[nodiscard]] std::string leave_out(const Scene&) const override {
+  [[nodiscard]] std::string leave_out_hint(const Scene&) const override {
     return fmt::format("leave out {} (output.vtk = false)", name());
   }
-  [[nodiscard]] std::string smaller() const override { return "make fewer pictures (output.vtk_interval)"; }
+  [[nodiscard]] std::string shrink_hint() const override { return "make fewer pictures (output.vtk_interval)"; }
   [[nodiscard]] std::vector<std::string> file_names() const override { return {}; }
-  void for_earlier(const OutputFolder::Pointer& folder, const Visit& visit) const override;
+  void visit_earlier(const OutputFolder::Pointer& folder, const Visit& visit) const override;
   void clear(const OutputFolder::Pointer& folder) const override {
     Output::clear(folder);
     folder->remove_empty_folder(vtk_folder);
@@ -172,7 +170,7 @@ void visit_file(const OutputFolder& folder, const std::string& name, const Outpu
   if (kind == OutputFolder::Kind::file || kind == OutputFolder::Kind::link) visit(folder, name);
 }
 
-void VtkOutput::for_earlier(const OutputFolder::Pointer& folder, const Visit& visit) const {
+void VtkOutput::visit_earlier(const OutputFolder::Pointer& folder, const Visit& visit) const {
   if (folder->kind(vtk_folder) == OutputFolder::Kind::link) visit(*folder, vtk_folder);
   if (const OutputFolder::Pointer series = OutputFolder::find_inside(folder, vtk_folder)) {
     for (const std::string& name : vtk_series_files(*series)) visit_file(*series, name, visit);
@@ -183,12 +181,12 @@ std::vector<std::string> summary_names() { return {summary_file, part_name(summa
 
 }  // namespace
 
-void Output::for_earlier(const OutputFolder::Pointer& folder, const Visit& visit) const {
+void Output::visit_earlier(const OutputFolder::Pointer& folder, const Visit& visit) const {
   for (const std::string& name : file_names()) visit_file(*folder, name, visit);
 }
 
 void Output::clear(const OutputFolder::Pointer& folder) const {
-  for_earlier(folder, [](const OutputFolder& in, const std::string& name) { in.remove(name); });
+  visit_earlier(folder, [](const OutputFolder& in, const std::string& name) { in.remove(name); });
 }
 
 const std::vector<std::unique_ptr<const Output>>& outputs() {
@@ -207,7 +205,7 @@ std::uintmax_t earlier_bytes(const std::filesystem::path& path) {
   const OutputFolder::Pointer folder = OutputFolder::find(path);
   if (!folder) return sum;
   const auto add = [&](const OutputFolder& in, const std::string& name) { sum += in.size(name); };
-  for (const auto& output : outputs()) output->for_earlier(folder, add);
+  for (const auto& output : outputs()) output->visit_earlier(folder, add);
   for (const std::string& name : summary_names()) visit_file(*folder, name, add);
   return sum;
 }

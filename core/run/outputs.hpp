@@ -1,5 +1,5 @@
-// What a run may write beside its summary: each of the tables, the page, the pictures. Creating, recording, estimating,
-// cleaning up after an earlier run and refusing for want of space all go through this list.
+// What a run may write besides its summary: each of the tables, the page, the pictures. Creating, recording,
+// estimating, cleaning up after an earlier run and refusing for lack of space all go through this list.
 #pragma once
 
 #include <cstdint>
@@ -23,22 +23,22 @@ namespace springnet {
 // An open output, which takes every record of a run.
 class Sink {
  public:
-  // `file`: name in the folder of the file that stands for it in the summary.
+  // `file`: name of the file that the summary lists for it.
   explicit Sink(std::string file) : file_(std::move(file)) {}
   virtual ~Sink() = default;
 
   [[nodiscard]] const std::string& file() const noexcept { return file_; }
 
   virtual void record(const Record& record) = 0;
-  // The state at the end of the run, however it ends; it has been recorded. For sinks that skip records.
+  // Called with the last record, which has been recorded, however the run ends. For sinks that skip records.
   virtual void finish(const Record&) {}
   virtual void close() = 0;
-  // The run failed; called before close(). For sinks that report it to their reader.
+  // Called before close() if the run failed. For sinks that show the reason.
   virtual void failed(const std::string& /*reason*/) {}
 
   // Once closed.
   [[nodiscard]] virtual std::uintmax_t bytes() const = 0;
-  [[nodiscard]] virtual bool is_there() const { return true; }  // false if it could not be written at all
+  [[nodiscard]] virtual bool exists() const { return true; }  // false if it could not be written at all
   [[nodiscard]] virtual std::vector<std::string> notes() const { return {}; }  // what it leaves out, in sentences
 
  private:
@@ -53,17 +53,17 @@ class Output {
   [[nodiscard]] virtual std::unique_ptr<Sink> open(const Scene& scene, const std::shared_ptr<const PluginHost>& plugins,
                                                    const OutputFolder::Pointer& folder) const = 0;
 
-  // For a run with so many records; nothing if the size depends on what happens.
+  // For a run with this many records; empty if the size depends on events.
   [[nodiscard]] virtual std::optional<FileEstimate> estimate(const Scene& scene, double records) const = 0;
-  // Remedies for want of space: how to leave it out, and how to make it smaller (empty if there is no way).
-  [[nodiscard]] virtual std::string leave_out(const Scene& scene) const = 0;
-  [[nodiscard]] virtual std::string smaller() const { return ""; }
+  // Remedies for lack of space: how to leave it out, and how to make it smaller (empty if it cannot be).
+  [[nodiscard]] virtual std::string leave_out_hint(const Scene& scene) const = 0;
+  [[nodiscard]] virtual std::string shrink_hint() const { return ""; }
 
   // Names of the files that it writes into the folder itself.
   [[nodiscard]] virtual std::vector<std::string> file_names() const = 0;
-  // Calls `visit` for files and links of an earlier run: those with names that it gives.
+  // Calls `visit` for each file or link of an earlier run, that is one with a name that this output uses.
   using Visit = std::function<void(const OutputFolder& folder, const std::string& name)>;
-  virtual void for_earlier(const OutputFolder::Pointer& folder, const Visit& visit) const;
+  virtual void visit_earlier(const OutputFolder::Pointer& folder, const Visit& visit) const;
   // Removes them.
   virtual void clear(const OutputFolder::Pointer& folder) const;
 };
@@ -83,7 +83,7 @@ struct OutputSize {
   const Output* output;
   FileEstimate file;
 };
-// Of the outputs that the scene asks for and that can be estimated.
+// Of the outputs that the scene requests and whose size can be estimated.
 [[nodiscard]] std::vector<OutputSize> output_sizes(const Scene& scene);
 
 }  // namespace springnet

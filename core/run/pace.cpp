@@ -15,42 +15,42 @@ namespace {
 
 using Clock = std::chrono::steady_clock;
 
-double machine_now() { return std::chrono::duration<double>(Clock::now().time_since_epoch()).count(); }
+double system_now() { return std::chrono::duration<double>(Clock::now().time_since_epoch()).count(); }
 
-void machine_sleep_until(double time) {
-  const double left = time - machine_now();
+void system_sleep_until(double time) {
+  const double left = time - system_now();
   if (left > 0.0) std::this_thread::sleep_for(std::chrono::duration<double>(left));
 }
 
 }  // namespace
 
-RunClock or_machine(const RunClock& clock) {
+RunClock clock_or_system(const RunClock& clock) {
   if (clock.now && clock.sleep_until) return clock;
-  return {machine_now, machine_sleep_until};
+  return {system_now, system_sleep_until};
 }
 
 Pace::Pace(double factor, double begin, RunClock clock) : begin_(begin), clock_(std::move(clock)) {
   if (!(factor > 0.0) || !std::isfinite(factor)) {
-    throw Error(ErrorKind::input, fmt::format("the multiple of real time must be a number above 0, is {:g}", factor));
+    throw Error(ErrorKind::input, fmt::format("the multiple of real time must be above 0, but is {:g}", factor));
   }
   report_.factor = factor;
 }
 
 bool Pace::wait(double time, const std::function<bool()>& go_on) {
-  constexpr double longest = 0.1;  // s: too short to be noticed by someone who wants to stop
+  constexpr double max_sleep = 0.1;  // s: a user who stops the run does not notice the delay
   double now = clock_.now();
   if (!std::exchange(started_, true)) start_ = now;
-  const double end = due(time);
+  const double end = clock_time(time);
   while (now < end) {
-    clock_.sleep_until(std::min(end, now + longest));
+    clock_.sleep_until(std::min(end, now + max_sleep));
     now = clock_.now();
     if (now < end && !go_on()) return false;
   }
   return true;
 }
 
-void Pace::finished(double time) {
-  const double delay = clock_.now() - due(time);
+void Pace::count_frame(double time) {
+  const double delay = clock_.now() - clock_time(time);
   ++report_.frames;
   if (!(delay > 0.0)) return;
   ++report_.missed;

@@ -7,8 +7,8 @@
 
 namespace springnet {
 
-// This clock, or the machine's where it is empty.
-[[nodiscard]] RunClock or_machine(const RunClock& clock);
+// The given clock, or the system's if it is empty.
+[[nodiscard]] RunClock clock_or_system(const RunClock& clock);
 
 class Pace {
  public:
@@ -16,15 +16,15 @@ class Pace {
   // a number above 0.
   Pace(double factor, double begin, RunClock clock);
 
-  // Waits until the time step that begins at `time` is due. Asks `go_on` ten times a second, and returns false as soon
-  // as that does.
+  // Waits until the clock reaches the start of the time step that begins at `time`. Calls `go_on` ten times a second,
+  // and returns false as soon as that does.
   bool wait(double time, const std::function<bool()>& go_on);
-  // The time step that ends at `time` is done.
-  void finished(double time);
+  // Call it after the time step that ends at `time`.
+  void count_frame(double time);
   [[nodiscard]] const PaceReport& report() const noexcept { return report_; }
 
  private:
-  [[nodiscard]] double due(double time) const { return start_ + (time - begin_) / report_.factor; }
+  [[nodiscard]] double clock_time(double time) const { return start_ + (time - begin_) / report_.factor; }
 
   double begin_;  // s, simulated
   RunClock clock_;

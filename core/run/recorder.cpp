@@ -59,7 +59,7 @@ std::vector<std::string> Recorder::notes() const {
 }
 
 void Recorder::close() {
-  // Failed ones as well, so that whole records in their buffers are written.
+  // Failed ones too, so that complete records in their buffers are written.
   for (const Entry& entry : entries_) {
     if (!entry.failed) continue;
     try {
@@ -73,7 +73,7 @@ void Recorder::close() {
 std::vector<std::string> Recorder::files() const {
   std::vector<std::string> names;
   for (const Entry& entry : entries_) {
-    if (!entry.lost && entry.sink->is_there()) names.push_back(entry.sink->file());
+    if (!entry.lost && entry.sink->exists()) names.push_back(entry.sink->file());
   }
   return names;
 }
@@ -81,7 +81,7 @@ std::vector<std::string> Recorder::files() const {
 std::vector<CutShort> Recorder::cut_short() const {
   std::vector<CutShort> files;
   for (const Entry& entry : entries_) {
-    if (entry.failed && !entry.lost && entry.sink->is_there()) files.push_back({entry.sink->file(), entry.kept_until});
+    if (entry.failed && !entry.lost && entry.sink->exists()) files.push_back({entry.sink->file(), entry.kept_until});
   }
   return files;
 }

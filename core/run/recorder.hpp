@@ -1,4 +1,4 @@
-// The files of one run, beside its summary: every record goes into each of them.
+// The files of one run, besides its summary: every record goes into each of them.
 #pragma once
 
 #include <cstdint>
@@ -15,19 +15,19 @@ namespace springnet {
 
 class Recorder {
  public:
-  // Removes the files of an earlier run and creates those that the scene asks for. Throws Error(input) if one cannot be
+  // Removes the files of an earlier run and creates those that the scene requests. Throws Error(input) if one cannot be
   // created.
   Recorder(const Scene& scene, const std::shared_ptr<const PluginHost>& plugins, const OutputFolder::Pointer& folder);
 
-  // Writes the record to every file. One that fails ends there and takes no more; the others go on. Then throws the
-  // first error of this record.
+  // Writes the record to every file. A file that fails ends with its last complete record; the others go on. Then
+  // throws the first error of this record.
   void record(const Record& record);
   void finish(const Record& record);  // after the last record
   void failed(const std::string& reason);
   // Closes every file, then throws the first error.
   void close();
 
-  // Once closed: names of the files that are there, those that end early, bytes of all.
+  // Once closed: names of the existing files, those that end early, bytes of all.
   [[nodiscard]] std::vector<std::string> files() const;
   [[nodiscard]] std::vector<CutShort> cut_short() const;
   [[nodiscard]] std::uintmax_t bytes() const;
@@ -40,7 +40,7 @@ class Recorder {
     bool failed = false;
     bool lost = false;
   };
-  // On every file that has not failed.
+  // Calls `work` for every file that has not failed.
   template <class Work>
   void each(const Work& work);
 

@@ -38,7 +38,7 @@ void require_space(const Scene& scene, const std::filesystem::path& folder) {
   if (refusal) throw Error(ErrorKind::input, *refusal);
 }
 
-// Memory with which a run that is out of it writes its end.
+// Memory set aside, so that a run that is out of memory can still write its last record and its summary.
 class MemoryReserve {
  public:
   void release() noexcept { block_.reset(); }
@@ -72,7 +72,7 @@ class RunTimeline : public Timeline {
     try {
       stepper_.step(duration_);
     } catch (...) {
-      memory_.release();  // it may be memory that is short
+      memory_.release();  // the step may have run out of memory
       try {
         record_end();
       } catch (...) {  // the summary reports what ended the run, not this
@@ -92,14 +92,14 @@ class RunTimeline : public Timeline {
     recorded_ = time();
     state_.take(simulation_);
     recorder_.record(state_);
-    // Makes a note if it is not finite. Beyond its limit a law may still return forces that look normal.
+    // The simulation notes an energy that is not finite. A law beyond its limit may still return plausible forces.
     energy_is_finite_ = energy_is_finite_ && std::isfinite(state_.potential_energy());
     for (VolumeSummary& volume : summary_.volumes) add(volume);
     ++summary_.records;
     summary_.output_wall += clock_.now() - begin;
   }
 
-  // Where the run ends, however it ends.
+  // The last record, however the run ends.
   void record_end() {
     if (time() > recorded_) {
       record();
@@ -134,7 +134,7 @@ class RunTimeline : public Timeline {
   bool energy_is_finite_ = true;
 };
 
-// Simulates to the end, or until the options stop it. Throws what ends it otherwise.
+// Simulates to the end, or until the progress callback stops it. Throws any other reason for its end.
 void simulate(RunTimeline& timeline, const Scene& scene, const Simulation& simulation, Pace* pace,
               const RunClock& clock, const RunOptions& options, RunSummary& summary) {
   const double start = clock.now();
@@ -143,7 +143,7 @@ void simulate(RunTimeline& timeline, const Scene& scene, const Simulation& simul
            options.progress({simulation.time(), scene.duration, simulation.steps(), clock.now() - start});
   };
   timeline.record();
-  const bool ended = go_through(timeline, pace, go_on);
+  const bool ended = advance_to_end(timeline, pace, go_on);
   summary.outcome = ended ? name_of(timeline.totals().worst) : "stopped";
   timeline.record_end();
 }
@@ -159,7 +159,7 @@ void add(const Stepper::Totals& totals, RunSummary& summary) {
   summary.last_residual = totals.last_residual;
 }
 
-void take_failure(RunSummary& summary, ErrorKind kind, const std::string& message) {
+void set_failure(RunSummary& summary, ErrorKind kind, const std::string& message) {
   if (summary.failure) return;  // the first one is the cause
   summary.failure = kind;
   summary.error = message;
@@ -167,24 +167,24 @@ void take_failure(RunSummary& summary, ErrorKind kind, const std::string& messag
 }
 
 template <class Work>
-void keep_failure(RunSummary& summary, const Work& work) {
+void capture_failure(RunSummary& summary, const Work& work) {
   try {
     work();
   } catch (const Error& error) {
-    take_failure(summary, error.kind(), error.what());
+    set_failure(summary, error.kind(), error.what());
   } catch (const std::bad_alloc&) {
-    take_failure(summary, ErrorKind::simulation,
-                 "out of memory: simulate a smaller network, or on a larger machine, or make view.html smaller "
-                 "(output.view_size)");
+    set_failure(summary, ErrorKind::simulation,
+                "out of memory: simulate a smaller network, or on a larger machine, or make view.html smaller "
+                "(output.view_size)");
   } catch (const std::exception& error) {
-    take_failure(summary, ErrorKind::simulation, error.what());
+    set_failure(summary, ErrorKind::simulation, error.what());
   }
 }
 
-// summary.json is the last of the summary's files.
+// Removes summary.json, the last of the summary's files, from the list if it cannot be written.
 void write_summary(const OutputFolder::Pointer& folder, RunSummary& summary) {
   bool written = false;
-  keep_failure(summary, [&] {
+  capture_failure(summary, [&] {
     write_whole({folder, summary_file}, to_json(summary));
     written = true;
   });
@@ -237,7 +237,7 @@ RunSummary describe(const Scene& scene, const Simulation& simulation, const Plug
 
 RunSummary run_scene(const Scene& scene, const std::shared_ptr<const PluginHost>& plugins, const RunOptions& options) {
   require_space(scene, options.folder);
-  const RunClock clock = or_machine(options.clock);
+  const RunClock clock = clock_or_system(options.clock);
   std::optional<Pace> pace;
   if (options.realtime != 0.0) pace.emplace(options.realtime, 0.0, clock);
   check_starts(scene);
@@ -246,9 +246,9 @@ RunSummary run_scene(const Scene& scene, const std::shared_ptr<const PluginHost>
   const OutputFolder::Pointer folder = OutputFolder::make(options.folder);
   folder->lock();
   MemoryReserve memory;
-  std::optional<Recorder> recorder;  // none if not even the heads of its files could be written
+  std::optional<Recorder> recorder;  // none if not even the headers of its files could be written
   std::optional<RunTimeline> timeline;
-  keep_failure(summary, [&] {
+  capture_failure(summary, [&] {
     recorder.emplace(scene, plugins, folder);
     timeline.emplace(scene, simulation, *recorder, clock, memory, summary);
     simulate(*timeline, scene, simulation, pace ? &*pace : nullptr, clock, options, summary);
@@ -259,7 +259,7 @@ RunSummary run_scene(const Scene& scene, const std::shared_ptr<const PluginHost>
     summary.outcome = name_of(simulation.last_report().outcome);
   }
   if (summary.failure && recorder) recorder->failed(summary.error);
-  if (recorder) keep_failure(summary, [&] { recorder->close(); });
+  if (recorder) capture_failure(summary, [&] { recorder->close(); });
 
   if (timeline) add(timeline->totals(), summary);
   if (pace) summary.pace = pace->report();

@@ -15,7 +15,7 @@ namespace springnet {
 
 namespace {
 
-// Up to the next number of two digits.
+// Rounded up to two digits.
 double rounded_up(double number) {
   const double digit = std::pow(10.0, std::floor(std::log10(number)) - 1.0);
   return digit * std::ceil(number / digit - 1e-9);
@@ -41,14 +41,14 @@ std::optional<double> interval_for(const Scene& scene, double bytes) {
   };
   const double shortest = std::max(scene.output.interval, scene.options.time_step);
   const double longest = std::max(scene.duration, shortest);
-  const OutputEstimate least = estimate_with(longest);
-  if (!(least.bytes <= bytes)) return std::nullopt;
-  const OutputEstimate most = estimate_with(shortest);
-  if (!(most.records > least.records && most.bytes > least.bytes)) return std::nullopt;
-  // Sizes are nearly linear in the number of records. Start from that line and go up until it fits: pictures may have
-  // an interval of their own, and a single record more or less counts.
-  const double record = (most.bytes - least.bytes) / (most.records - least.records);
-  double interval = std::max(shortest, longest / (1.0 + (bytes - least.bytes) / record));
+  const OutputEstimate smallest = estimate_with(longest);
+  if (!(smallest.bytes <= bytes)) return std::nullopt;
+  const OutputEstimate largest = estimate_with(shortest);
+  if (!(largest.records > smallest.records && largest.bytes > smallest.bytes)) return std::nullopt;
+  // Sizes are nearly linear in the number of records, but pictures may have an interval of their own, and a single
+  // record more may matter. So start from the linear estimate and increase the interval until the output fits.
+  const double record = (largest.bytes - smallest.bytes) / (largest.records - smallest.records);
+  double interval = std::max(shortest, longest / (1.0 + (bytes - smallest.bytes) / record));
   for (int tries = 0; interval < longest; ++tries) {
     interval = rounded_up(interval);
     if (estimate_with(interval).bytes <= bytes) return interval;
@@ -67,11 +67,11 @@ std::optional<std::string> space_refusal(const Scene& scene, const Space& space,
   const auto offer = [&](double bytes, std::string remedy) {
     (bytes <= space.available() ? enough : others).push_back(std::move(remedy));
   };
-  offer(estimate.bytes - largest->file.bytes, largest->output->leave_out(scene));
+  offer(estimate.bytes - largest->file.bytes, largest->output->leave_out_hint(scene));
   if (const std::optional<double> interval = interval_for(scene, space.available()))
     enough.push_back(fmt::format("record less often (output.interval = {:.2g})", *interval));
   for (const OutputSize& size : sizes) {
-    if (std::string remedy = size.output->smaller(); !remedy.empty()) {
+    if (std::string remedy = size.output->shrink_hint(); !remedy.empty()) {
       offer(estimate.bytes - size.file.bytes, std::move(remedy));
     }
   }
@@ -86,7 +86,8 @@ std::optional<std::string> space_refusal(const Scene& scene, const Space& space,
   const std::string remedies = enough.empty() ? fmt::format("several of these together: {}", fmt::join(others, ", "))
                                               : fmt::format("{}", fmt::join(enough, ", "));
   return fmt::format(
-      "the output would be about {} ({:.3g} records, most of it {}), but only {} are free in {}{}; {}, or write to "
+      "the output would take about {} ({:.3g} records, most of it in {}), but only {} are free in {}{}; {}, or write "
+      "to "
       "another disk",
       readable_bytes(estimate.bytes), estimate.records, largest->file.file, readable_bytes(space.free), folder,
       space.earlier > 0.0 ? fmt::format(", and {} in files of an earlier run", readable_bytes(space.earlier)) : "",

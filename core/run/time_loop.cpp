@@ -46,11 +46,11 @@ void Stepper::count(const StepReport& report) {
       std::isnan(totals_.largest_residual) ? report.residual : std::max(totals_.largest_residual, report.residual);
 }
 
-bool go_through(Timeline& timeline, Pace* pace, const std::function<bool()>& go_on) {
+bool advance_to_end(Timeline& timeline, Pace* pace, const std::function<bool()>& go_on) {
   while (!timeline.has_ended()) {
     if (pace != nullptr && !pace->wait(timeline.time(), go_on)) return false;
     timeline.advance();
-    if (pace != nullptr) pace->finished(timeline.time());
+    if (pace != nullptr) pace->count_frame(timeline.time());
     timeline.record_if_due();
     if (!go_on()) return timeline.has_ended();
   }

@@ -1,5 +1,5 @@
-// The loop over time of everything that simulates a scene: a run, and a validation, in which several simulations
-// advance together.
+// The time loop of everything that simulates a scene: a run, and a validation, in which several simulations advance
+// together.
 #pragma once
 
 #include <cstdint>
@@ -12,15 +12,15 @@
 
 namespace springnet {
 
-// Advances a simulation time step by time step and adds up how these went.
+// Advances a simulation step by step and accumulates what its steps report.
 class Stepper {
  public:
   Stepper(Simulation& simulation, RunClock clock) : simulation_(&simulation), clock_(std::move(clock)) {}
 
   // Whether the simulation has reached this time, s, up to rounding.
   [[nodiscard]] bool has_reached(double time) const;
-  // One time step towards `end`, s; the last one is shortened to end there. Throws as Simulation::step() does; the work
-  // of a failed step counts, too.
+  // One time step towards `end`, s; the last one is shortened to end there. Throws as Simulation::step() does; a failed
+  // step counts in the totals.
   void step(double end);
   void advance_to(double time) {
     while (!has_reached(time)) step(time);
@@ -47,7 +47,7 @@ class Stepper {
   Totals totals_;
 };
 
-// What goes through time in stages: time steps, or the intervals between the records that several simulations share.
+// Something that advances in stages: time steps, or the intervals between records that several simulations share.
 class Timeline {
  public:
   virtual ~Timeline() = default;
@@ -57,8 +57,8 @@ class Timeline {
   virtual void record_if_due() = 0;                  // after a stage
 };
 
-// Until the timeline has ended or `go_on`, asked after each stage and ten times a second of waiting, is false. Keeps
-// pace with a clock if `pace` is not null. Returns whether the timeline has ended.
-bool go_through(Timeline& timeline, Pace* pace, const std::function<bool()>& go_on);
+// Advances until the timeline has ended or `go_on`, called after each stage and ten times a second while waiting,
+// returns false. Keeps pace with a clock if `pace` is not null. Returns whether the timeline has ended.
+bool advance_to_end(Timeline& timeline, Pace* pace, const std::function<bool()>& go_on);
 
 }  // namespace springnet

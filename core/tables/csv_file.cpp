@@ -14,8 +14,8 @@ std::string csv_cell(std::string_view text) {
   return quoted + '"';
 }
 
-CsvFile::CsvFile(const OutputFile& file, std::string_view header, Clock::duration patience)
-    : file_(file), patience_(patience), flushed_(Clock::now() - patience) {
+CsvFile::CsvFile(const OutputFile& file, std::string_view header, Clock::duration flush_interval)
+    : file_(file), flush_interval_(flush_interval), flushed_(Clock::now() - flush_interval) {
   *this << header << '\n';
   file_.end_record(std::numeric_limits<double>::quiet_NaN());
   flush();
@@ -29,7 +29,7 @@ CsvFile& CsvFile::operator<<(std::string_view text) {
 void CsvFile::end_record(double time) {
   file_.end_record(time);
   const Clock::time_point now = Clock::now();
-  if (now - flushed_ < patience_) return;
+  if (now - flushed_ < flush_interval_) return;
   flush();
   flushed_ = now;
 }

@@ -18,9 +18,9 @@ class CsvFile {
  public:
   using Clock = std::chrono::steady_clock;
 
-  // Creates the file and writes the header line. The first record reaches the file at once, later ones at most once per
-  // `patience`. Throws Error(input) if it cannot be created, OutputError if it cannot be written.
-  CsvFile(const OutputFile& file, std::string_view header, Clock::duration patience = std::chrono::seconds(1));
+  // Creates the file and writes the header line. The first record is flushed at once, later ones at most once per
+  // `flush_interval`. Throws Error(input) if it cannot be created, OutputError if it cannot be written.
+  CsvFile(const OutputFile& file, std::string_view header, Clock::duration flush_interval = std::chrono::seconds(1));
   CsvFile(const CsvFile&) = delete;
   CsvFile& operator=(const CsvFile&) = delete;
 
@@ -35,27 +35,27 @@ class CsvFile {
   CsvFile& operator<<(std::string_view text);
 
   // These throw OutputError if the file cannot be written.
-  // Ends the record of this time, s: the rows since the last call. Writes now and then, so that whoever reads during
-  // the run, or after it was killed, finds recent records.
+  // Ends the record of this time, s: the rows since the last call. Flushes now and then, so that a reader finds recent
+  // records during the run, or after it was killed.
   void end_record(double time);
   void drop_unfinished() { file_.drop_unfinished(); }  // the rows since then
   void flush();
   void close();
 
  private:
-  // The longest of the shortest decimals of doubles, "-2.2250738585072014e-308", has 24 characters.
-  static constexpr std::size_t longest_number = 32;
+  // Shortest decimals that read back as the same double have up to 24 characters: "-2.2250738585072014e-308".
+  static constexpr std::size_t max_number_length = 32;
 
   template <class Number>
   CsvFile& number(Number value) {
-    char* const begin = file_.room(longest_number);
-    file_.used(static_cast<std::size_t>(std::to_chars(begin, begin + longest_number, value).ptr - begin));
+    char* const begin = file_.room(max_number_length);
+    file_.used(static_cast<std::size_t>(std::to_chars(begin, begin + max_number_length, value).ptr - begin));
     return *this;
   }
 
   CheckedFile file_;
-  Clock::duration patience_;
-  Clock::time_point flushed_;
+  Clock::duration flush_interval_;
+  Clock::time_point flushed_;  // when last
 };
 
 }  // namespace springnet

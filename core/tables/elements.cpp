@@ -12,12 +12,12 @@ Table elements() {
                   {{"value"}, "", "angle, area or volume: rad, m², m³"},
                   {{"force"},
                    "",
-                   "force of its law, above 0 where it pulls the value down: N m, N/m, Pa; a filling's pressure is the "
-                   "negative"},
+                   "generalised force of its law, positive if it reduces the value: N m, N/m, Pa; the pressure of a "
+                   "filling is its negative"},
                   {{"alive"}, "", "1; 0 once it is removed", Columns::Cell::flag}},
       .wanted = [](const Network& network,
                    const OutputOptions& options) { return options.elements && !network.elements().empty(); },
-      .leave_out = "leave out {} (output.elements = false, or a list of names of [[element]] for some)",
+      .leave_out_hint = "leave out {} (output.elements = false, or a list of names of [[element]] for some)",
       .numbers =
           [](const Network& network, const OutputOptions& options) {
             return chosen_or_all(options.element_numbers, network.elements().size());

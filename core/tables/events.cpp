@@ -9,22 +9,22 @@ Table events();
 
 namespace {
 
-struct Words {
+struct EventText {
   std::string_view event, subject;
 };
 // By Event::Kind.
-constexpr std::array<Words, 7> words{{{"cut", "spring"},
-                                      {"ruptured", "spring"},
-                                      {"touched", "node"},
-                                      {"released", "node"},
-                                      {"slipped", "node"},
-                                      {"stuck", "node"},
-                                      {"jammed", "node"}}};
+constexpr std::array<EventText, 7> texts{{{"cut", "spring"},
+                                          {"ruptured", "spring"},
+                                          {"touched", "node"},
+                                          {"released", "node"},
+                                          {"slipped", "node"},
+                                          {"stuck", "node"},
+                                          {"jammed", "node"}}};
 
 void write(const Event& event, const Simulation& simulation, TableFile& file) {
-  const Words& what = words.at(static_cast<std::size_t>(event.kind));
+  const EventText& text = texts.at(static_cast<std::size_t>(event.kind));
   file.row(event.time);
-  file << what.event << (event.element ? "element" : what.subject) << event.index
+  file << text.event << (event.element ? "element" : text.subject) << event.index
        << (event.surface >= 0 ? label_of(simulation, static_cast<std::size_t>(event.surface)) : "") << event.impulse;
 }
 
@@ -38,15 +38,15 @@ Table events() {
           {{{"event"},
             "",
             "springs and elements that were `cut` or `ruptured`; nodes that `touched` a surface or were "
-            "`released` from it, that `slipped` against friction or `stuck` again, that `jammed` (no finite "
-            "force keeps such a node out of the surface with friction: an impulse stops it)",
+            "`released` from it, that `slipped` against friction or `stuck` again, that `jammed` (with friction, no "
+            "finite force keeps the node out of the surface: an impulse stops it)",
             Columns::Cell::text},
            {{"element"}, "", "what it happened to: `spring`, `element`, `node`", Columns::Cell::text},
            {{"index"}, "", "its number", Columns::Cell::count},
            {{"surface"}, "", "the surface at which it happened to a node, as in `surfaces.csv`", Columns::Cell::text},
            {{"jx", "jy", "jz"}, "N s", "impulse that the surface gave the node at the event"}},
       .wanted = [](const Network&, const OutputOptions&) { return true; },
-      .leave_out = "",
+      .leave_out_hint = "",
       .writer = [](const Network&, const OutputOptions&) -> RowWriter {
         return [written = std::size_t{0}](const Record& record, TableFile& file) mutable {
           const std::vector<Event>& events = record.simulation().events();

@@ -14,7 +14,7 @@ namespace springnet::tables {
 // "floor;wall"
 [[nodiscard]] std::string labels_of(const Simulation& simulation, const std::vector<std::size_t>& surfaces);
 
-// Characters of the cell of each surface's label.
+// Length of each surface's label as a cell, in characters.
 [[nodiscard]] std::vector<double> label_lengths(const Network& network);
 
 [[nodiscard]] inline std::size_t surface_count(const Network& network) {

@@ -15,14 +15,14 @@ namespace {
 
 RowCount count_rows(const Network& network, const OutputOptions& options) {
   const std::vector<NodeIndex> nodes = chosen_or_all(options.nodes, network.nodes().size());
-  // Any node may come to rest on a surface, and touch as many surfaces at once as this.
-  constexpr std::size_t most_touched = 3;
+  // Any node may come to rest on a surface, and be in contact with this many at once.
+  constexpr std::size_t max_surfaces = 3;
   const auto rows = static_cast<double>(std::count_if(nodes.begin(), nodes.end(), [&](NodeIndex node) {
     return surface_count(network) > 0 || network.nodes()[node].fixed;
   }));
   std::vector<double> labels = label_lengths(network);
   std::sort(labels.begin(), labels.end(), std::greater<>());
-  labels.resize(std::min(labels.size(), most_touched));
+  labels.resize(std::min(labels.size(), max_surfaces));
   for (double& label : labels) label += 1.0;  // ';'
   return {rows, static_cast<double>(network.nodes().size()), rows * std::accumulate(labels.begin(), labels.end(), 0.0)};
 }
@@ -40,7 +40,7 @@ class Rows {
     for (std::size_t k = 0; k < nodes_.size(); ++k) {
       const NodeIndex node = nodes_[k];
       const Vector3 impulse = simulation.contact_impulse(node);
-      const bool struck = impulse != impulses_[k];  // since the last record, though it may be free again
+      const bool struck = impulse != impulses_[k];  // since the last record, even if it is free again
       impulses_[k] = impulse;
       if (!fixed_[k] && !struck && !simulation.touching(node)) continue;
       const Vector3 reaction = simulation.reaction(node);
@@ -72,7 +72,7 @@ Table reactions() {
             "the surfaces that the node is in contact with, as in `surfaces.csv`, joined by `;`",
             Columns::Cell::text}},
       .wanted = [](const Network&, const OutputOptions& options) { return options.reactions; },
-      .leave_out = "leave out {} (output.reactions = false)",
+      .leave_out_hint = "leave out {} (output.reactions = false)",
       .rows = count_rows,
       .writer = [](const Network& network, const OutputOptions& options) -> RowWriter {
         return Rows(network, options);

@@ -17,27 +17,27 @@ RecordReader::RecordReader(const std::filesystem::path& file) : path_(file) {
   std::error_code unknown;
   // Opening a pipe would block.
   if (std::filesystem::exists(file, unknown) && !std::filesystem::is_regular_file(file, unknown)) {
-    refuse("is no file; name a .bin file of a run");
+    refuse("is not a regular file; name a .bin file of a run");
   }
   const std::uintmax_t size = std::filesystem::file_size(file, unknown);
   file_.open(file, std::ios::binary);
   if (!file_ || unknown) refuse("cannot be read; check its name and its permissions");
-  constexpr std::string_view mark = "springnet records ";
+  constexpr std::string_view magic = "springnet records ";
   std::string line;
   // A foreign file may be one long line.
   for (char c; line.size() < 64 && file_.get(c) && c != '\n';) line += c;
-  if (!line.starts_with(mark)) {
-    refuse("is no binary table of springnet; name a .bin file that a run with output.format = \"binary\" wrote");
+  if (!line.starts_with(magic)) {
+    refuse("is not a binary table of springnet; name a .bin file that a run with output.format = \"binary\" wrote");
   }
   if (!line.starts_with("springnet records 1 ")) {
-    refuse("is of another version of the format; read it with the version of springnet that wrote it");
+    refuse("has another version of the format; read it with the version of springnet that wrote it");
   }
   const char *const digits = line.data() + 20, *const last = line.data() + line.size();
   const auto [end, failed] = std::from_chars(digits, last, header_bytes_);
   if (last - digits != 8 || end != last || failed != std::errc() || header_bytes_ <= line.size() + 1) {
     refuse("has a damaged header");
   }
-  if (header_bytes_ > size) refuse("ends within its header; the run that wrote it was ended before its first record");
+  if (header_bytes_ > size) refuse("ends within its header; the run that wrote it ended before its first record");
 
   std::string text(header_bytes_ - line.size() - 1, '\0');
   file_.read(text.data(), static_cast<std::streamsize>(text.size()));
@@ -49,17 +49,17 @@ RecordReader::RecordReader(const std::filesystem::path& file) : path_(file) {
   }
 }
 
-// Reads the header, which `bytes` bytes follow. Row numbers are allocated only if at least one whole record is there.
+// Reads the header, which `bytes` bytes follow. Row numbers are allocated only if the file has a complete record.
 void RecordReader::describe(const std::string& header, std::size_t bytes) {
-  const auto check = [&](bool fine) {
-    if (!fine) refuse("has a damaged header");
+  const auto check = [&](bool ok) {
+    if (!ok) refuse("has a damaged header");
   };
   // Lists of numbers and names, nothing deeper: nested JSON takes forty times its bytes in memory.
-  const auto not_deeper = [&](int depth, nlohmann::json::parse_event_t, const nlohmann::json&) {
+  const auto limit_depth = [&](int depth, nlohmann::json::parse_event_t, const nlohmann::json&) {
     check(depth <= 2);
     return true;
   };
-  const auto description = nlohmann::json::parse(header, not_deeper);
+  const auto description = nlohmann::json::parse(header, limit_depth);
   const auto number = [&](const nlohmann::json& value, std::uint64_t largest) {
     check(value.is_number_unsigned() && value.get<std::uint64_t>() <= largest);
     return value.get<std::uint64_t>();
@@ -77,7 +77,7 @@ void RecordReader::describe(const std::string& header, std::size_t bytes) {
   check(record_bytes_ >= sizeof(double) && (record_bytes_ - sizeof(double)) % row_bytes == 0 &&
         (record_bytes_ - sizeof(double)) / row_bytes == rows);
   records_ = bytes / record_bytes_;
-  if (records_ == 0) refuse("has no whole record; the run that wrote it was ended before its first one");
+  if (records_ == 0) refuse("has no complete record; the run that wrote it ended before its first one");
 
   const nlohmann::json& numbers = description.at("numbers");
   if (numbers.is_null()) {
@@ -93,7 +93,7 @@ void RecordReader::describe(const std::string& header, std::size_t bytes) {
 
 double RecordReader::read(std::size_t record, std::vector<double>& values) {
   if (record >= records_)
-    refuse(fmt::format("has {} records, numbered from 0: there is no record {}", records_, record));
+    refuse(fmt::format("has {} records, numbered from 0; there is no record {}", records_, record));
   buffer_.resize(record_bytes_);
   file_.clear();
   file_.seekg(static_cast<std::streamoff>(header_bytes_ + record * record_bytes_));

@@ -9,10 +9,10 @@ Table rigid() {
       .name = "rigid",
       .content = "tensions of rigid connections",
       .columns = {{{"rigid"}, "", "number of the connection", Columns::Cell::count},
-                  {{"force"}, "N", "tension, above 0 where it pulls the ends together"}},
+                  {{"force"}, "N", "tension, positive if it pulls the ends together"}},
       .wanted = [](const Network& network,
                    const OutputOptions& options) { return options.rigid && !network.rigids().empty(); },
-      .leave_out = "leave out {} (output.rigid = false)",
+      .leave_out_hint = "leave out {} (output.rigid = false)",
       .rows =
           [](const Network& network, const OutputOptions&) {
             const auto count = static_cast<double>(network.rigids().size());

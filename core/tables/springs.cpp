@@ -13,11 +13,11 @@ Table springs() {
            {{"length"}, "m", "distance between its ends"},
            {{"tension"},
             "N",
-            "tension with its viscous part, above 0 where it pulls the ends together; 0 once the spring is removed"},
+            "tension with its viscous part, positive if it pulls the ends together; 0 once the spring is removed"},
            {{"energy"}, "J", "stored energy, `nan` if the law has none; 0 once the spring is removed"},
            {{"alive"}, "", "1; 0 once it is removed", Columns::Cell::flag}},
       .wanted = [](const Network&, const OutputOptions& options) { return !options.springs.empty(); },
-      .leave_out = "write fewer springs to {} (output.springs)",
+      .leave_out_hint = "write fewer springs to {} (output.springs)",
       .numbers = [](const Network&, const OutputOptions& options) { return options.springs; },
       .writer = [](const Network&, const OutputOptions& options) -> RowWriter {
         return [springs = options.springs](const Record& record, TableFile& file) {

@@ -15,16 +15,14 @@ Table surfaces() {
                    "",
                    "name of the plane or instrument; its number if it has none: planes first, then instruments",
                    Columns::Cell::text},
-                  {{"x", "y", "z"},
-                   "m",
-                   "where it is: a plane's point, a sphere's or box's centre, `from` of a capsule"},
+                  {{"x", "y", "z"}, "m", "position: a plane's point, a sphere's or box's centre, `from` of a capsule"},
                   {{"fx", "fy", "fz"}, "N", "force of the nodes in contact on it"},
-                  {{"tx", "ty", "tz"}, "N m", "torque of that force about that place"},
+                  {{"tx", "ty", "tz"}, "N m", "torque of that force about this position"},
                   {{"nodes"}, "", "number of nodes in contact with it", Columns::Cell::count},
                   {{"jx", "jy", "jz"}, "N s", "sum of the contact impulses that nodes gave it since the start"}},
       .wanted = [](const Network& network,
                    const OutputOptions& options) { return options.surfaces && surface_count(network) > 0; },
-      .leave_out = "leave out {} (output.surfaces = false)",
+      .leave_out_hint = "leave out {} (output.surfaces = false)",
       .rows =
           [](const Network& network, const OutputOptions&) {
             const std::vector<double> labels = label_lengths(network);

@@ -13,7 +13,7 @@ using Cell = Columns::Cell;
 // Characters of the longest number, "-2.2250738585072014e-308", and of the longest time, which has no sign.
 constexpr double number_length = 24.0, time_length = 23.0;
 
-double digits_below(double count) { return std::floor(std::log10(std::max(count - 1.0, 1.0))) + 1.0; }
+double digits_below(double bound) { return std::floor(std::log10(std::max(bound - 1.0, 1.0))) + 1.0; }
 
 bool is_binary(const Table& table, const OutputOptions& options) {
   return table.numbers != nullptr && options.format == OutputOptions::Format::binary;
@@ -23,8 +23,8 @@ bool is_wanted(const Columns& columns, const OutputOptions& options) {
   return columns.wanted == nullptr || columns.wanted(options);
 }
 
-// Characters of a row but for its text, with commas and the end of the line.
-double row_length(const Table& table, const OutputOptions& options, double counts) {
+// Characters of a row without its text, with commas and the end of the line.
+double row_length(const Table& table, const OutputOptions& options, double count_bound) {
   double length = time_length + 1.0;
   for (const Columns& columns : table.columns) {
     if (!is_wanted(columns, options)) continue;
@@ -37,7 +37,7 @@ double row_length(const Table& table, const OutputOptions& options, double count
         cell = 1.0;
         break;
       case Cell::count:
-        cell = digits_below(counts);
+        cell = digits_below(count_bound);
         break;
       case Cell::text:
         break;
@@ -92,7 +92,7 @@ std::optional<FileEstimate> estimate(const Table& table, const Network& network,
     return FileEstimate{file, header + records * static_cast<double>(record_bytes(form, options.precision)), true};
   }
   const RowCount count = count_rows(table, network, options);
-  return FileEstimate{file, records * (count.rows * row_length(table, options, count.counts) + count.text), false};
+  return FileEstimate{file, records * (count.rows * row_length(table, options, count.count_bound) + count.text), false};
 }
 
 std::vector<std::uint32_t> chosen_or_all(const std::vector<std::uint32_t>& chosen, std::size_t count) {

@@ -1,8 +1,8 @@
 // The description of a table that a run writes. Text file, binary file, size estimate, clean-up after an earlier run,
 // the help of `springnet run` and the check of core/docs/output.md all come from it.
 //
-// To add a table, write a file beside trajectory.cpp with a function that returns its Table, name that in list.cpp, and
-// describe it in core/docs/output.md; a test says what the page lacks.
+// To add a table, write a file beside trajectory.cpp with a function that returns its Table, add that to list.cpp, and
+// describe it in core/docs/output.md; a test reports what the page lacks.
 #pragma once
 
 #include <cstdint>
@@ -22,13 +22,13 @@
 
 namespace springnet::tables {
 
-// Columns of the same unit and meaning, as x, y and z.
+// Columns of the same unit and meaning, such as x, y and z.
 struct Columns {
   enum class Cell {
     number,
     flag,   // 0 or 1
-    count,  // a whole number below RowCount::counts
-    text    // of the length that RowCount::text says
+    count,  // a whole number below RowCount::count_bound
+    text    // of a length within RowCount::text
   };
   std::vector<std::string_view> names;
   std::string_view unit;     // empty: none, or that of the element
@@ -40,8 +40,8 @@ struct Columns {
 // Upper bounds for a record, for the estimate.
 struct RowCount {
   double rows = 0.0;
-  double counts = 1.0;  // numbers in columns of counts are below this
-  double text = 0.0;    // characters in the columns of text, of all rows
+  double count_bound = 1.0;  // numbers in columns of counts are below this
+  double text = 0.0;         // characters in the columns of text, of all rows
 };
 
 // Writes the rows of a record. It may keep state from record to record.
@@ -50,16 +50,17 @@ using RowWriter = std::function<void(const Record&, TableFile&)>;
 struct Table {
   std::string_view name;     // of the file, without its ending
   std::string_view content;  // a few words for the help
-  // After the time; the first one says what a row belongs to.
+  // After the time; the first one identifies the row: node, spring and so on.
   std::vector<Columns> columns;
   bool (*wanted)(const Network&, const OutputOptions&);
-  // Remedies for want of disk space: how to leave it out ("{}" is the file), how to make it smaller if there is a way.
-  std::string_view leave_out;
-  std::string_view smaller = {};
-  // For a table with a binary form, that is with the same rows in each record, and nothing but numbers and flags after
-  // the first column: the rising numbers in that column. Null for others.
+  // Remedies for lack of disk space: how to leave it out ("{}" is the file), how to make it smaller (empty if it cannot
+  // be).
+  std::string_view leave_out_hint;
+  std::string_view shrink_hint = {};
+  // For a table with a binary form, that is with the same rows in each record, and only numbers and flags after the
+  // first column: the numbers in that column, ascending. Null for others.
   std::vector<std::uint32_t> (*numbers)(const Network&, const OutputOptions&) = nullptr;
-  // Null if `numbers` says it, or if it depends on what happens: then there is no estimate.
+  // Null if it follows from `numbers`, or depends on events: then there is no estimate.
   RowCount (*rows)(const Network&, const OutputOptions&) = nullptr;
   RowWriter (*writer)(const Network&, const OutputOptions&);
 };
@@ -77,7 +78,7 @@ struct Table {
 [[nodiscard]] std::unique_ptr<TableFile> create(const Table& table, const OutputFile& file, const Network& network,
                                                 const OutputOptions& options);
 
-// For a run with so many records; nothing if the length depends on what happens.
+// For a run with this many records; empty if the size depends on events.
 [[nodiscard]] std::optional<FileEstimate> estimate(const Table& table, const Network& network,
                                                    const OutputOptions& options, double records);
 

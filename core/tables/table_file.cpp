@@ -24,7 +24,7 @@ void TableFile::begin_record(double time) {
     text_->drop_unfinished();
   } else {
     numbers_->drop_unfinished();
-    write_number(*numbers_, time);  // of eight bytes, whatever the precision
+    write_number(*numbers_, time);  // eight bytes for every precision
   }
 }
 
@@ -41,7 +41,7 @@ void TableFile::end_record() {
     return;
   }
   numbers_->end_record(time_);
-  numbers_->flush();  // so that whoever reads during the run, or after it was killed, finds whole records
+  numbers_->flush();  // so that a reader finds complete records during the run, or after it was killed
 }
 
 void TableFile::close() {

@@ -20,7 +20,7 @@ class TableFile {
   // Throws Error(input) if the file cannot be created, OutputError, as all below, if it cannot be written.
   TableFile(const OutputFile& file, const TableForm& form, std::optional<OutputOptions::Precision> binary = {});
 
-  // Begins the record of this time, s, and drops one that an exception left unfinished.
+  // Begins the record of this time, s, and drops a record that an exception left unfinished.
   void begin_record(double time);
   // Begins a row of this time, s; its cells follow in the order of the columns.
   void row(double time) {
@@ -41,7 +41,7 @@ class TableFile {
     for (const double coordinate : vector) *this << coordinate;
     return *this;
   }
-  // A number of the scene, or a count; in text only, because the header of the binary form has the numbers of the rows.
+  // The number of a node, spring and so on, or a count. In text only: in the binary form the header has these numbers.
   TableFile& operator<<(std::uint32_t value) {
     if (text_) *text_ << ',' << value;
     return *this;
@@ -64,7 +64,7 @@ class TableFile {
   std::optional<CsvFile> text_;         // one of these two
   std::optional<CheckedFile> numbers_;  // binary
   double time_ = 0.0;                   // s, of the record
-  bool row_is_open_ = false;            // its line has no end yet
+  bool row_is_open_ = false;            // its line has not been ended
 };
 
 }  // namespace springnet

@@ -10,8 +10,8 @@ namespace {
 
 using Precision = OutputOptions::Precision;
 
-// 0, 1, 2, …
-bool has_every_number(const std::vector<std::uint32_t>& numbers) {
+// Whether these are 0, 1, 2, …
+bool are_consecutive(const std::vector<std::uint32_t>& numbers) {
   for (std::size_t k = 0; k < numbers.size(); ++k)
     if (numbers[k] != k) return false;
   return true;
@@ -36,7 +36,7 @@ std::string binary_header(const TableForm& form, Precision precision) {
                                      {"type", precision == Precision::float64 ? "<f8" : "<f4"},
                                      {"record_bytes", record_bytes(form, precision)}};
   description["numbers"] =
-      has_every_number(form.numbers) ? nlohmann::ordered_json(nullptr) : nlohmann::ordered_json(form.numbers);
+      are_consecutive(form.numbers) ? nlohmann::ordered_json(nullptr) : nlohmann::ordered_json(form.numbers);
   const std::string text = description.dump();
   // Records start at a multiple of 64 bytes, so that numbers of eight bytes are aligned in memory.
   constexpr std::size_t first_line = 29;  // "springnet records 1 01234567\n"

@@ -11,8 +11,8 @@
 namespace springnet {
 
 struct TableForm {
-  std::string row;                     // name of the column that says what a row belongs to: "node"
-  std::vector<std::uint32_t> numbers;  // of the rows, rising; empty if rows differ from record to record
+  std::string row;                     // name of the column that identifies a row: "node"
+  std::vector<std::uint32_t> numbers;  // of the rows, ascending; empty if rows differ from record to record
   std::vector<std::string> columns;    // the other columns, without the time
   std::vector<std::string> units;      // of `columns`
 };

@@ -16,7 +16,7 @@ const tables::Table& find(std::string_view name) {
   const auto table = std::find_if(all.begin(), all.end(), [&](const tables::Table& each) { return each.name == name; });
   if (table != all.end()) return *table;
   throw Error(ErrorKind::input,
-              fmt::format("there is no table '{}'; there are {}", name, fmt::join(table_names(), ", ")));
+              fmt::format("there is no table '{}'; the tables are {}", name, fmt::join(table_names(), ", ")));
 }
 
 }  // namespace

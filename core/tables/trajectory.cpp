@@ -25,8 +25,8 @@ Table trajectory() {
                    Columns::Cell::number,
                    [](const OutputOptions& options) { return options.force; }}},
       .wanted = [](const Network&, const OutputOptions& options) { return options.trajectory; },
-      .leave_out = "leave out {} (output.trajectory = false)",
-      .smaller = "write fewer nodes (output.nodes)",
+      .leave_out_hint = "leave out {} (output.trajectory = false)",
+      .shrink_hint = "write fewer nodes (output.nodes)",
       .numbers = [](const Network& network,
                     const OutputOptions& options) { return chosen_or_all(options.nodes, network.nodes().size()); },
       .writer = [](const Network& network, const OutputOptions& options) -> RowWriter {

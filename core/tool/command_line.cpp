@@ -9,24 +9,24 @@ namespace {
 
 constexpr const char* footer = R"(Examples:
   springnet new --example cube                 copies the paper's cube into the folder cube
-  springnet run cube/cube.toml                 simulate; files go to results/cube
-  springnet validate cube/cube.toml            compare with CVODE
-  springnet inspect cube/cube.toml             what the network is made of
-  springnet plugin show linear                 what a law does, its parameters and bounds
+  springnet run cube/cube.toml                 simulates it; files go to results/cube
+  springnet validate cube/cube.toml            compares it with CVODE
+  springnet inspect cube/cube.toml             describes the network
+  springnet plugin show linear                 describes a law, its parameters and bounds
 
 Exit status:
   0 done   1 the simulation failed or a tolerance was not met   2 usage or scene   3 plugin
 
-'springnet COMMAND --help' says more about a command. The pages of the documentation are in share/doc/springnet of the
-installation, core/docs of the sources; scene.md describes every key of a scene.)";
+'springnet COMMAND --help' describes a command. The documentation is in share/doc/springnet of the installation and in
+core/docs of the sources; scene.md describes every key of a scene.)";
 
 }  // namespace
 
 void add_all(CLI::App& app, Action& action) {
   app.name("springnet");
   app.description(
-      "springnet simulates dynamic spring models: as recurrent neural networks whose neurons, spring laws and\n"
-      "integrators are plugins, and in CVODE as a reference.");
+      "springnet simulates dynamic spring models as recurrent neural networks, and in CVODE as a reference. Neurons,\n"
+      "spring laws and integrators are plugins.");
   app.set_version_flag("--version", fmt::format("springnet {}", version()));
   app.require_subcommand(1);
   app.footer(footer);

@@ -16,7 +16,7 @@ namespace springnet::tool {
 
 namespace {
 
-bool concerns_integrator(const SceneOverride& change) {
+bool sets_integrator(const SceneOverride& change) {
   constexpr std::string_view key = "simulation.integrator";
   return change.key == key || change.key.starts_with(std::string(key) + ".");
 }
@@ -61,8 +61,8 @@ CLI::Validator number_between(double smallest, double largest) {
   const auto check = [=](const std::string& text) {
     double value = 0.0;
     if (CLI::detail::lexical_cast(text, value) && value >= smallest && value <= largest) return std::string();
-    if (smallest == above_zero && largest == finite) return fmt::format("must be a number above 0, is {}", text);
-    return fmt::format("must be a number from {:g} to {:g}, is {}", smallest, largest, text);
+    if (smallest == above_zero && largest == finite) return fmt::format("must be a number above 0, but is {}", text);
+    return fmt::format("must be a number from {:g} to {:g}, but is {}", smallest, largest, text);
   };
   return CLI::Validator(check, "");
 }
@@ -76,7 +76,7 @@ void print_report(std::string_view report) {
   const std::string text = printable_message(report);
   const bool printed = std::fwrite(text.data(), 1, text.size(), stdout) == text.size() && std::fflush(stdout) == 0;
   if (printed || errno != EPIPE) return;
-  // Nobody reads what is still buffered or printed from now on.
+  // The reader has gone: drops what is still buffered, and what is printed from now on.
   if (std::freopen("/dev/null", "w", stdout) != nullptr) std::clearerr(stdout);
 }
 
@@ -99,10 +99,9 @@ std::string describe(const EventCounts& events) {
 
 void PluginArguments::add_to(CLI::App& command) {
   command
-      .add_option(
-          "--plugins", folders,
-          "Folder to search for plugins first; then come those of SPRINGNET_PLUGIN_PATH and the installed ones. "
-          "May be repeated")
+      .add_option("--plugins", folders,
+                  "Folder to search for plugins, before those of SPRINGNET_PLUGIN_PATH and the installed ones. May be "
+                  "repeated")
       ->type_name("DIR")
       ->expected(1)
       ->multi_option_policy(CLI::MultiOptionPolicy::TakeAll);
@@ -115,14 +114,14 @@ std::shared_ptr<const PluginHost> PluginArguments::load() const {
 std::vector<std::string> PluginArguments::empty_folders() const {
   std::vector<std::string> notes;
   for (const std::filesystem::path& folder : folders) {
-    std::error_code unreadable;  // the host has reported the folder itself then
+    std::error_code unreadable;  // which the host has already reported
     bool found = false;
     for (std::filesystem::directory_iterator entry(folder, unreadable), end; !unreadable && entry != end;
          entry.increment(unreadable)) {
       found = found || entry->path().stem().extension() == ".springnet";
     }
     if (!found && !unreadable) {
-      notes.push_back(fmt::format("There is no plugin (*.springnet.so) in {}, which --plugins names.",
+      notes.push_back(fmt::format("There is no plugin (*.springnet.so) in {}, given by --plugins.",
                                   printable_message(folder.string())));
     }
   }
@@ -131,7 +130,7 @@ std::vector<std::string> PluginArguments::empty_folders() const {
 
 bool PluginArguments::matters(const Refusal& refusal, const PluginHost& host, const Scene& scene,
                               std::string_view integrator) const {
-  // The file may be sound by itself: then other plugins provide its components.
+  // The file may be valid by itself, and refused because other plugins already provide its components.
   PluginHost alone;
   if (alone.load(refusal.file)) {
     const auto& components = alone.components();
@@ -157,10 +156,10 @@ std::vector<std::string> PluginArguments::notes(const PluginHost& host, const Sc
       continue;
     }
     ++told;
-    notes.push_back(fmt::format("Plugin not taken: {}: {}.", printable_message(refusal.file.string()), refusal.reason));
+    notes.push_back(fmt::format("Plugin refused: {}: {}.", printable_message(refusal.file.string()), refusal.reason));
   }
   if (others > 0) {
-    notes.push_back(fmt::format("{} not taken; 'springnet plugin list'{} tells why.",
+    notes.push_back(fmt::format("{} refused; 'springnet plugin list'{} lists the reasons.",
                                 others == 1 ? "1 plugin file was" : fmt::format("{} plugin files were", others),
                                 folders.empty() ? "" : " with the same --plugins"));
   }
@@ -171,7 +170,7 @@ void SceneArguments::add_to(CLI::App& command, bool simulation) {
   command.add_option("SCENE", file, "Scene file (TOML)")->type_name("")->required();
   if (simulation) {
     command
-        .add_option("--integrator", integrator, "Integrator to use instead of the scene's, with its default options")
+        .add_option("--integrator", integrator, "Use this integrator instead of the scene's, with its default options")
         ->type_name("NAME");
     command.add_option("--time-step", time_step, "Time step in seconds (the paper's time constant)")
         ->type_name("S")
@@ -183,12 +182,12 @@ void SceneArguments::add_to(CLI::App& command, bool simulation) {
         ->type_name("N")
         ->check(number_between(0, most_threads));
   }
-  command.add_option("--set", sets, "Another value for a key of the scene, in TOML. May be repeated")
+  command.add_option("--set", sets, "Replace or add a key of the scene; the value is TOML. May be repeated")
       ->type_name("KEY=VALUE")
       ->expected(1)
       ->multi_option_policy(CLI::MultiOptionPolicy::TakeAll);
   command.add_flag("--allow-outside", allow_outside,
-                   "Let the scene name files outside of its folder, directly or through links");
+                   "Allow the scene to name files outside its folder, directly or through links");
   plugins.add_to(command);
 }
 
@@ -198,8 +197,8 @@ Scene SceneArguments::load(const PluginHost& host) const {
   if (std::error_code ignored; has_mesh_ending(file) && std::filesystem::is_regular_file(file, ignored)) {
     throw Error(
         ErrorKind::input,
-        fmt::format("{0}: is a mesh, not a scene; 'springnet new {0}' writes a scene for it, 'springnet inspect "
-                    "{0}' tells what is in it",
+        fmt::format("{0}: is a mesh, not a scene; 'springnet new {0}' writes a scene for it, 'springnet inspect {0}' "
+                    "describes it",
                     printable_message(file.string())));
   }
   if (time_step) changes.push_back({"simulation.time_step", fmt::format("{}", *time_step)});
@@ -207,16 +206,16 @@ Scene SceneArguments::load(const PluginHost& host) const {
   std::vector<SceneOverride> others = changes;  // without those of the integrator
   for (const std::string& text : sets) {
     changes.push_back(parse_override(text));
-    if (!concerns_integrator(changes.back())) others.push_back(changes.back());
+    if (!sets_integrator(changes.back())) others.push_back(changes.back());
   }
 
   if (integrator) {
-    // Drop the options if and only if the name changes: those of one integrator mean nothing to another.
+    // The options are dropped only if the name changes: those of one integrator mean nothing to another.
     bool same = false;
     try {
       same = load_scene(file, host, others, outside).options.integrator.id == *integrator;
     } catch (const Error&) {
-      // Loading it below reports the error, if it is still there.
+      // Loading it below reports the error, if it remains.
     }
     if (!same) {
       static_cast<void>(host.require(ComponentKind::integrator, *integrator));
@@ -229,11 +228,10 @@ Scene SceneArguments::load(const PluginHost& host) const {
 }
 
 void OutputArguments::add_to(CLI::App& command) {
-  command
-      .add_option("-o,--output", folder, "Folder for the files, made if it is not there [results/<name of the scene>]")
+  command.add_option("-o,--output", folder, "Folder for the files, created if necessary [results/<name of the scene>]")
       ->type_name("DIR");
   command.add_flag("--json", json, "Print the summary as JSON and nothing else");
-  command.add_flag("-q,--quiet", quiet, "Print nothing but errors");
+  command.add_flag("-q,--quiet", quiet, "Print only errors");
 }
 
 std::filesystem::path OutputArguments::folder_for(const std::filesystem::path& scene) const {

@@ -38,9 +38,9 @@ struct PluginArguments {
   [[nodiscard]] std::shared_ptr<const PluginHost> load() const;
   // A sentence for each folder without a plugin.
   [[nodiscard]] std::vector<std::string> empty_folders() const;
-  // These, then refused plugin files that may matter to the run: those that --plugins names, and those that would
-  // provide a component of the scene, or the given integrator, if the folders were searched in another order. Others
-  // are counted.
+  // These, then refused plugin files that may matter to the run: those in folders given by --plugins, and those that
+  // would provide a component of the scene, or the given integrator, if the folders were searched in another order.
+  // Others are counted.
   [[nodiscard]] std::vector<std::string> notes(const PluginHost& host, const Scene& scene,
                                                std::string_view integrator = {}) const;
 
@@ -76,7 +76,7 @@ struct OutputArguments {
 };
 
 // Prints to stdout, with names and foreign texts made printable. If stdout is a pipe whose reader has gone (| head),
-// the rest is dropped, which is not a failure.
+// the rest is dropped without an error.
 void print_report(std::string_view report);
 
 }  // namespace springnet::tool

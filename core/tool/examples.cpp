@@ -50,9 +50,10 @@ std::vector<Example> installed_examples() {
   const std::filesystem::path folder = examples_folder();
   std::error_code problem;
   if (!std::filesystem::is_directory(folder, problem)) {
-    throw Error(ErrorKind::input, fmt::format("there are no examples in {}: install springnet with them, or take those "
-                                              "of its sources",
-                                              folder.string()));
+    throw Error(ErrorKind::input,
+                fmt::format("there are no examples in {}: install springnet with its examples, or use "
+                            "those in its sources",
+                            folder.string()));
   }
   std::vector<Example> examples;
   try {

@@ -21,11 +21,11 @@ namespace springnet::tool {
 namespace {
 
 constexpr const char* inspect_examples =
-    R"(It lists the largest time steps that the installed integrators tell, for each update rule of the recurrent network that
-under which it settles, on the network linearised at the start, and which node and spring set it; counts mechanisms
-(motions that no spring resists); and points out likely input mistakes: springs far stiffer than the rest, nodes without
-springs, parts that nothing fixes, wrong units. The page inspect.md of the documentation explains the numbers.
-Of a mesh file it tells groups, sizes, edges, which unit its coordinates are likely in, and how a scene uses it.
+    R"(For a scene it reports the largest time step of each installed integrator and of each update rule of the recurrent
+network, linearised at the start, with the node and spring that set it; the number of mechanisms (motions that no spring
+resists); and likely input mistakes: springs far stiffer than the rest, nodes without springs, parts that nothing fixes,
+wrong units. The page inspect.md of the documentation explains the numbers.
+For a mesh file it reports groups, sizes, edges, the likely unit of its coordinates, and how a scene uses it.
 
 Examples:
   springnet inspect cube/cube.toml              the cube of 'springnet new --example cube'
@@ -58,7 +58,7 @@ std::string ratio(double value, int digits) {
 }
 
 std::string text_of(const std::optional<Vibration>& slowest, const Scene& scene) {
-  if (!slowest) return "not known";
+  if (!slowest) return "unknown";
   return fmt::format("a period of {:.3g} s, {} time steps; damping ratio {:.2g}", slowest->period,
                      ratio(slowest->period / scene.options.time_step, 3), slowest->damping_ratio);
 }
@@ -71,13 +71,13 @@ std::vector<std::vector<std::string>> facts(const Scene& scene, const Inspection
                             counted(found.bodies, "body", "bodies"))},
       {"neurons", text_of(found.neurons)},
       {"springs",
-       fmt::format("{}, {} of them not at rest length at the start", found.springs, found.springs_under_load)},
+       fmt::format("{}, of which {} are not at rest length at the start", found.springs, found.springs_under_load)},
       {"elements", text_of(found.elements)},
       {"spring functions", text_of(found.spring_functions)},
       {"viscosity functions", text_of(found.viscosity_functions)},
       {"connected parts",
        fmt::format("{}, nodes without springs: {}", found.parts.size(), found.nodes_without_springs)},
-      {"mass of a node", fmt::format("{}; {:.6g} kg in all", text_of(found.mass, "kg"), found.total_mass)},
+      {"mass of a node", fmt::format("{}; {:.6g} kg in total", text_of(found.mass, "kg"), found.total_mass)},
       {"length", text_of(found.length, "m")},
       {"rest length", text_of(found.rest_length, "m")},
       {"stiffness", text_of(found.stiffness, "N/m at the start", found.unknown_because.empty())},
@@ -89,12 +89,12 @@ std::vector<std::vector<std::string>> facts(const Scene& scene, const Inspection
       {"rigid connections", fmt::format("{}{}", found.rigids,
                                         found.mobility.redundant_rigids == 0
                                             ? ""
-                                            : fmt::format(", {} of them redundant", found.mobility.redundant_rigids))},
+                                            : fmt::format(", of which {} redundant", found.mobility.redundant_rigids))},
       {"mechanisms", found.mobility.known ? fmt::format("{}, and {}", found.mobility.mechanisms,
                                                         counted(found.mobility.rigid_body_motions,
                                                                 "motion as a rigid body", "motions as a rigid body"))
-                                          : "not counted, the network is too large for that"},
-      {"time step", fmt::format("{:g} s, {:.0f} of them in {:g} s", scene.options.time_step,
+                                          : "not counted, because the network is too large"},
+      {"time step", fmt::format("{:g} s, {:.0f} steps in {:g} s", scene.options.time_step,
                                 std::ceil(scene.duration / scene.options.time_step * (1.0 - 1e-9)), scene.duration)},
       {"slowest vibration", text_of(found.slowest, scene)},
       {"memory", fmt::format("about {}", readable_bytes(found.memory_bytes))},
@@ -108,19 +108,19 @@ std::string text_of(const Network& network, const std::optional<Bottleneck>& set
   if (set_by->element) {
     text += fmt::format(", element {} ({}; k {:.3g} N/m", *set_by->element,
                         name_of(network.elements()[*set_by->element].invariant), set_by->stiffness);
-    if (set_by->damping != 0.0) text += fmt::format(", d {:.3g} N s/m", set_by->damping);
-    return text + fmt::format("): t^2 k/m {:.2g}, t d/m {:.2g}", set_by->elastic_share, set_by->viscous_share);
+  } else if (set_by->spring) {
+    const Spring& spring = network.springs()[*set_by->spring];
+    text += fmt::format(", spring {} to node {} (k {:.3g} N/m", *set_by->spring,
+                        spring.first == set_by->node ? spring.second : spring.first, set_by->stiffness);
+  } else {
+    return text;
   }
-  if (!set_by->spring) return text;
-  const Spring& spring = network.springs()[*set_by->spring];
-  text += fmt::format(", spring {} to node {} (k {:.3g} N/m", *set_by->spring,
-                      spring.first == set_by->node ? spring.second : spring.first, set_by->stiffness);
   if (set_by->damping != 0.0) text += fmt::format(", d {:.3g} N s/m", set_by->damping);
   return text + fmt::format("): t^2 k/m {:.2g}, t d/m {:.2g}", set_by->elastic_share, set_by->viscous_share);
 }
 
-// Whether an enclosure couples its nodes so strongly that sweeps of one node after another converge slowly.
-bool slow_for_fillings(const Scene& scene, const Inspection& found) {
+// Whether an enclosure couples its nodes so strongly that sweeps node by node converge slowly.
+bool slowed_by_enclosure(const Scene& scene, const Inspection& found) {
   if (!found.elements.contains(std::string(name_of(Invariant::enclosed_volume)))) return false;
   return std::any_of(found.limits.begin(), found.limits.end(), [&](const TimeConstantLimit& limit) {
     return limit.rule == "synchronous" && limit.time_constant > 0.0 && scene.options.time_step > limit.time_constant;
@@ -143,18 +143,18 @@ void print_limits(const Scene& scene, const Inspection& found) {
       default:
         row.push_back(fmt::format("{}{:.3g} s", limit.kind == TimeConstantLimit::Kind::estimate ? "roughly " : "",
                                   limit.time_constant));
-        row.push_back(ratio(scene.options.time_step / limit.time_constant, 2) + " times it");
+        row.push_back(ratio(scene.options.time_step / limit.time_constant, 2) + " times the limit");
         row.push_back(text_of(scene.network, limit.set_by));
     }
     rows.push_back(row);
   }
   fmt::print("{}", align_columns(rows));
-  if (slow_for_fillings(scene, found)) {
-    fmt::print("  no limit: but sweeps of block and coloured grow with the stiffness of an enclosed volume\n");
+  if (slowed_by_enclosure(scene, found)) {
+    fmt::print("  the sweeps of block and coloured grow with the stiffness of an enclosed volume\n");
   }
   if (!found.unknown_because.empty()) fmt::print("  unknown because {}\n", printable_message(found.unknown_because));
   if (found.unique_time_constant) {
-    fmt::print("  above {:.3g} s a time step may have several solutions: springs push or soften (buckling)\n",
+    fmt::print("  above {:.3g} s a time step may have several solutions, because springs push or soften (buckling)\n",
                *found.unique_time_constant);
   }
 }
@@ -169,7 +169,7 @@ class Findings {
         springs.median > 0.0 ? fmt::format("over {:g} times the median {:.3g}{}", unusual_factor, springs.median, unit)
                              : fmt::format("over {:g}{}", springs.bound, unit);
     add(fmt::format("{}: {} {}; {}:", counted(springs.count, "spring"), what, bound,
-                    springs.count > springs.worst.size() ? "the worst" : "namely"));
+                    springs.count > springs.worst.size() ? "the worst are" : "these are"));
     for (const UnusualSpring& spring : springs.worst) {
       text_ += fmt::format("      spring {} (nodes {}, {}): {:.3g}{}\n", spring.spring, spring.first, spring.second,
                            spring.value, unit);
@@ -197,10 +197,10 @@ void add_parts(const Inspection& found, Findings& findings) {
   for (std::size_t i = 0; i < std::min(found.parts.size(), parts_listed_at_most); ++i) {
     const Part& part = found.parts[i];
     list += fmt::format("\n      {} from node {}{}", counted(part.nodes, "node"), part.first_node,
-                        part.fixed_nodes > 0 ? fmt::format(", {} fixed", part.fixed_nodes) : ", nothing fixes it");
+                        part.fixed_nodes > 0 ? fmt::format(", {} fixed", part.fixed_nodes) : ", none fixed");
   }
   if (found.parts.size() > parts_listed_at_most) list += "\n      …";
-  findings.add(fmt::format("{} parts that nothing connects:{}", found.parts.size(), list));
+  findings.add(fmt::format("{} disconnected parts:{}", found.parts.size(), list));
 }
 
 void print_findings(const Network& network, const Inspection& found) {
@@ -213,17 +213,17 @@ void print_findings(const Network& network, const Inspection& found) {
   findings.add(suspicions.viscous_rate, "damping over mass of the ends", " 1/s");
   findings.add(suspicions.strain, "strain at the start", "");
   if (suspicions.springs_without_direction > 0) {
-    findings.add(fmt::format("{} with both ends in one place: no law can push there",
+    findings.add(fmt::format("{} with both ends at the same point, where no law can exert a force",
                              counted(suspicions.springs_without_direction, "spring")));
   }
   if (suspicions.springs_that_soften > 0) {
     findings.add(
-        fmt::format("{} whose tension falls with the length", counted(suspicions.springs_that_soften, "spring")));
+        fmt::format("{} whose tension decreases with length", counted(suspicions.springs_that_soften, "spring")));
   }
   if (suspicions.lightest) {
     const double light = network.nodes()[*suspicions.lightest].mass, heavy = network.nodes()[*suspicions.heaviest].mass;
-    findings.add(fmt::format("masses lie {:.3g} times apart: node {} has {:.3g} kg, node {} {:.3g} kg", heavy / light,
-                             *suspicions.lightest, light, *suspicions.heaviest, heavy));
+    findings.add(fmt::format("masses differ by a factor of {:.3g}: node {} has {:.3g} kg, node {} {:.3g} kg",
+                             heavy / light, *suspicions.lightest, light, *suspicions.heaviest, heavy));
   }
   add_parts(found, findings);
   const Mobility& mobility = found.mobility;
@@ -232,12 +232,12 @@ void print_findings(const Network& network, const Inspection& found) {
         "{} that no spring resists to first order{}",
         counted(mobility.mechanisms, "motion (mechanism)", "motions (mechanisms)"),
         mobility.springs_under_tension > 0
-            ? fmt::format("; tension, as {} have it, may hold them", counted(mobility.springs_under_tension, "spring"))
+            ? fmt::format("; the tension of {} may hold them", counted(mobility.springs_under_tension, "spring"))
             : ""));
   }
   if (mobility.redundant_rigids > 0) {
-    findings.add(fmt::format("{} that others make superfluous: their forces are not determined one by one",
-                             counted(mobility.redundant_rigids, "rigid connection")));
+    findings.add(fmt::format("{}: the individual forces are not determined",
+                             counted(mobility.redundant_rigids, "redundant rigid connection")));
   }
   findings.print();
 }
@@ -246,7 +246,7 @@ InspectionOptions options_of(const Scene& scene, const PluginHost& plugins) {
   InspectionOptions options;
   options.time_step = scene.options.time_step;
   options.duration = scene.duration;
-  // An integrator with an error tolerance chooses its own time steps.
+  // An integrator with an error tolerance is taken to choose its own time steps.
   const auto integrator = plugins.find(ComponentKind::integrator, scene.options.integrator.id);
   options.adaptive_steps = integrator && parameter_index(*integrator->description, "relative_tolerance") >= 0;
   options.integrator = scene.options.integrator;
@@ -256,7 +256,7 @@ InspectionOptions options_of(const Scene& scene, const PluginHost& plugins) {
 int run(const InspectArguments& arguments) {
   if (has_mesh_ending(arguments.scene.file)) {
     if (!arguments.scene.sets.empty()) {
-      throw Error(ErrorKind::input, "'--set' changes a scene; a mesh file has no keys");
+      throw Error(ErrorKind::input, "'--set' changes keys of a scene; a mesh file has none");
     }
     inspect_mesh(arguments.scene.file, arguments.json);
     return done;
@@ -281,7 +281,7 @@ int run(const InspectArguments& arguments) {
 
 void add_inspect(CLI::App& app, Action& action) {
   const auto arguments = std::make_shared<InspectArguments>();
-  CLI::App* const command = app.add_subcommand("inspect", "Say what a scene's network, or a mesh, is made of");
+  CLI::App* const command = app.add_subcommand("inspect", "Describe a scene's network, or a mesh");
   arguments->scene.add_to(*command, false);
   command->get_option("SCENE")->description("Scene file (TOML) or mesh file");
   command->add_flag("--json", arguments->json, "Print JSON");

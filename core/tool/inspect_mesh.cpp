@@ -76,7 +76,7 @@ std::vector<std::vector<std::string>> facts(const MeshSummary& summary, const Le
     rows.push_back({measure_name(whole.dimension), lengths.text(whole.measure, whole.dimension)});
   rows.push_back({"surface", surface_text(whole, lengths)});
   rows.push_back({"unit", fmt::format("{}{}: mesh.scale = {:g}. {}", summary.unit.unit,
-                                      summary.unit.sure ? ", very likely" : ", perhaps", summary.unit.scale,
+                                      summary.unit.sure ? ", very likely" : ", possibly", summary.unit.scale,
                                       summary.unit.reason)});
   return rows;
 }
@@ -109,7 +109,7 @@ void inspect_mesh(const std::filesystem::path& file, bool json) {
              summary.groups.empty() ? "  none\n" : align_columns(group_rows(summary, lengths)));
   for (const std::string& note : summary.notes) fmt::print("note: {}\n", printable_message(note));
   if (!(summary.whole.size() > 0.0)) return;
-  fmt::print("\nIn a scene beside it:\n\n{}", scene_of(file.filename().string(), mesh, summary).body);
+  fmt::print("\nIn a scene in the same folder:\n\n{}", scene_of(file.filename().string(), mesh, summary).body);
   fmt::print("\n'springnet new {}' writes a whole scene that runs as it is.\n", name);
 }
 

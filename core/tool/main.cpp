@@ -18,7 +18,7 @@ namespace {
 
 using namespace springnet;
 
-// "; did you mean '--threads'?" for a word that is no option or command of `command`, or a scene without a command.
+// "; did you mean '--threads'?" for a word that is not an option or command of `command`, or a scene without a command.
 std::string near(const CLI::App& command, const std::string& word) {
   std::vector<std::string> known;
   for (const CLI::Option* option : command.get_options()) {
@@ -39,16 +39,16 @@ std::string usage_error(const CLI::App* app, const CLI::Error& error) {
     name += " " + command->get_name();
   }
   std::string what = error.what();
-  // The first unknown word is the cause of whatever else is missing.
+  // An unknown word is the likely cause of whatever else is missing.
   const std::vector<std::string> unknown = app->remaining(true);
   if (!unknown.empty()) {
     const auto option = std::find_if(unknown.begin(), unknown.end(), [](const std::string& w) { return w[0] == '-'; });
     const std::string& word = option != unknown.end() ? *option : unknown.front();
-    what = fmt::format("'{}' is not known here{}", word, near(*command, word));
+    what = fmt::format("unknown argument '{}'{}", word, near(*command, word));
   } else if (error.get_name() == "RequiredError" && !command->get_subcommands(nullptr).empty()) {
     what = "a command is missing";
   }
-  return fmt::format("springnet: error: {}; '{} --help' shows how it is used\n", printable_message(what), name);
+  return fmt::format("springnet: error: {}; see '{} --help'\n", printable_message(what), name);
 }
 
 // CLI11 would read "--realtime=" as "--realtime".
@@ -56,18 +56,18 @@ void refuse_missing_values(int argc, char** argv) {
   for (int k = 1; k < argc; ++k) {
     const std::string_view word = argv[k];
     if (!word.starts_with("--") || word.find('=') != word.size() - 1) continue;
-    throw Error(ErrorKind::input, fmt::format("'{}' has no value behind its '='", word));
+    throw Error(ErrorKind::input, fmt::format("'{}' has no value after its '='", word));
   }
 }
 
-// An empty word is no name, file or number: probably an unset variable of a script.
+// An empty value is no name, file or number. It is probably an unset variable of a script.
 void refuse_empty_values(const CLI::App& command) {
   for (const CLI::Option* option : command.get_options()) {
     if (option->get_items_expected_min() == 0) continue;  // its value is optional
     const std::vector<std::string>& values = option->results();
     if (std::find(values.begin(), values.end(), "") == values.end()) continue;
-    throw Error(ErrorKind::input, fmt::format("{}: an empty value was given; leave the option out, or name something",
-                                              option->get_name()));
+    throw Error(ErrorKind::input,
+                fmt::format("{}: the value is empty; give one, or leave the option out", option->get_name()));
   }
   for (const CLI::App* inner : command.get_subcommands()) refuse_empty_values(*inner);
 }

@@ -1,4 +1,4 @@
-// A first scene for a mesh.
+// A scene to start from, for a mesh.
 #pragma once
 
 #include <string>

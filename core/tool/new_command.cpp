@@ -21,9 +21,9 @@ namespace springnet::tool {
 namespace {
 
 constexpr const char* examples_text =
-    R"(Of a mesh it makes a scene that runs as it is: the body hangs from its uppermost nodes under its weight. The scene says in
-comments what was guessed (the unit of the mesh, a density, a stiffness) and what else could be there: its groups as what
-holds it, a floor, bending, a filling. The mesh is copied beside it. Files that are there already are never replaced.
+    R"(For a mesh it writes a scene that runs as it is: the body hangs from its uppermost nodes under its weight. Comments in
+the scene explain what was guessed (the unit of the mesh, a density, a stiffness) and what could be added: groups to fix,
+a floor, bending stiffness, a filling. The mesh is copied to the same folder. Existing files are never replaced.
 
 Examples:
   springnet new --example                       lists the examples
@@ -32,7 +32,7 @@ Examples:
   springnet new my_tube/tube.msh -o hanging     a scene for a mesh: hanging/tube.toml
 
 Exit status:
-  0 done   1 a file cannot be written   2 usage, a mesh that cannot be read, or a file that is there already   3 plugin)";
+  0 done   1 a file cannot be written   2 usage, a mesh that cannot be read, or a file that already exists   3 plugin)";
 
 struct NewArguments {
   std::filesystem::path mesh;
@@ -53,7 +53,7 @@ void refuse_existing(const std::vector<Planned>& files) {
     std::error_code unknown;
     if (!std::filesystem::exists(std::filesystem::symlink_status(planned.file, unknown))) continue;
     throw Error(ErrorKind::input,
-                fmt::format("{} is there already, and nothing was written; name another folder with -o",
+                fmt::format("{} already exists, and nothing was written; choose another folder with -o",
                             printable_message(planned.file.string())));
   }
 }
@@ -61,7 +61,7 @@ void refuse_existing(const std::vector<Planned>& files) {
 [[noreturn]] void fail_to_write(const std::filesystem::path& file, const std::string& reason) {
   throw Error(
       ErrorKind::simulation,
-      fmt::format("{}: cannot be written: {}; nothing was left there. Make room, or name another folder with -o",
+      fmt::format("{}: cannot be written: {}; no file was left behind. Make room, or choose another folder with -o",
                   printable_message(file.string()), reason));
 }
 
@@ -90,7 +90,7 @@ void write_all(const std::filesystem::path& folder, const std::vector<Planned>& 
   std::error_code problem;
   std::filesystem::create_directories(folder, problem);
   if (problem) {
-    throw Error(ErrorKind::input, fmt::format("{}: the folder cannot be made: {}; name another one with -o",
+    throw Error(ErrorKind::input, fmt::format("{}: the folder cannot be created: {}; choose another one with -o",
                                               printable_message(folder.string()), problem.message()));
   }
   std::vector<std::filesystem::path> written;
@@ -136,15 +136,16 @@ int copy_example(const NewArguments& arguments) {
 
 int scene_for_mesh(const NewArguments& arguments) {
   if (!has_mesh_ending(arguments.mesh)) {
-    throw Error(ErrorKind::input,
-                fmt::format("{}: is not a mesh file; its name has to end in .msh, .vtk, .vtu, .vtp, .obj "
-                            "or .stl. An example is copied by --example NAME",
-                            printable_message(arguments.mesh.string())));
+    throw Error(
+        ErrorKind::input,
+        fmt::format("{}: is not a mesh file, whose name ends in .msh, .vtk, .vtu, .vtp, .obj or .stl. To copy an "
+                    "example, use --example NAME",
+                    printable_message(arguments.mesh.string())));
   }
   const Mesh mesh = read_mesh(arguments.mesh);
   const MeshSummary summary = summarise(mesh);
   if (!(summary.whole.size() > 0.0)) {
-    throw Error(ErrorKind::input, fmt::format("{}: all of its points are in one place; a body needs an extent",
+    throw Error(ErrorKind::input, fmt::format("{}: all points coincide; a body needs an extent",
                                               printable_message(arguments.mesh.string())));
   }
   const std::filesystem::path stem = arguments.mesh.stem(), name = arguments.mesh.filename();
@@ -164,18 +165,18 @@ int scene_for_mesh(const NewArguments& arguments) {
     files.push_back({folder / name, arguments.mesh, ""});
   }
   write_all(folder, files);
-  fmt::print("The mesh is taken as {}{}.\nNext: springnet run {}\n", summary.unit.unit,
+  fmt::print("The mesh is assumed to be in {}{}.\nNext: springnet run {}\n", summary.unit.unit,
              summary.unit.sure ? "" : ", which may be wrong", printable_message(scene.string()));
   return done;
 }
 
 int run(const NewArguments& arguments) {
   if (arguments.from_example && !arguments.mesh.empty()) {
-    throw Error(ErrorKind::input, "'--example' and a mesh are given; 'springnet new' takes one of them");
+    throw Error(ErrorKind::input, "both '--example' and a mesh are given; 'springnet new' takes only one of them");
   }
   if (arguments.from_example) return arguments.example.empty() ? list_examples() : copy_example(arguments);
   if (arguments.mesh.empty()) {
-    throw Error(ErrorKind::input, "a mesh file or '--example' is missing; 'springnet new --help' shows how it is used");
+    throw Error(ErrorKind::input, "a mesh file or '--example' is missing; see 'springnet new --help'");
   }
   return scene_for_mesh(arguments);
 }
@@ -184,9 +185,9 @@ int run(const NewArguments& arguments) {
 
 void add_new(CLI::App& app, Action& action) {
   const auto arguments = std::make_shared<NewArguments>();
-  CLI::App* const command = app.add_subcommand("new", "Write a scene to begin with, for a mesh or from an example");
+  CLI::App* const command = app.add_subcommand("new", "Write a scene to start from, for a mesh or from an example");
   command->add_option("MESH", arguments->mesh, "Mesh file: .msh, .vtk, .vtu, .vtp, .obj, .stl")->type_name("");
-  command->add_option("--example", arguments->example, "Copy this example; without a name, list them")
+  command->add_option("--example", arguments->example, "Copy this example; without a name, list the examples")
       ->type_name("[NAME]")
       ->expected(0, 1);
   command->add_option("-o,--output", arguments->folder, "Folder for the files [the name of the mesh or example]")

@@ -19,7 +19,7 @@ using Json = nlohmann::ordered_json;
 
 constexpr const char* plugin_list_examples =
     R"(Plugins are files <name>.springnet.so in the folders of --plugins, of SPRINGNET_PLUGIN_PATH and of the
-installation. A file that was looked at and not taken is listed with the reason.
+installation. Files that were refused are listed with the reason.
 
 Exit status:
   0 done   2 usage)";
@@ -45,13 +45,14 @@ struct Capability {
   std::uint32_t bit;
   const char* text;
 };
-constexpr std::array<Capability, 7> capabilities{{{SPRINGNET_HAS_ENERGY, "energy"},
-                                                  {SPRINGNET_HAS_DERIVATIVES, "derivatives"},
-                                                  {SPRINGNET_HAS_PARAMETER_DERIVATIVES, "derivatives by parameters"},
-                                                  {SPRINGNET_HAS_RUPTURE, "rupture"},
-                                                  {SPRINGNET_ACTS_IN_COMPRESSION, "acts in compression"},
-                                                  {SPRINGNET_READS_RATE, "reads the rate"},
-                                                  {SPRINGNET_HAS_STATE_DERIVATIVES, "derivatives by state"}}};
+constexpr std::array<Capability, 7> capabilities{
+    {{SPRINGNET_HAS_ENERGY, "energy"},
+     {SPRINGNET_HAS_DERIVATIVES, "derivatives"},
+     {SPRINGNET_HAS_PARAMETER_DERIVATIVES, "derivatives with respect to parameters"},
+     {SPRINGNET_HAS_RUPTURE, "rupture"},
+     {SPRINGNET_ACTS_IN_COMPRESSION, "acts in compression"},
+     {SPRINGNET_READS_RATE, "reads the rate"},
+     {SPRINGNET_HAS_STATE_DERIVATIVES, "derivatives with respect to state"}}};
 
 std::vector<std::string> capabilities_of(const Component& component) {
   std::vector<std::string> result;
@@ -68,8 +69,8 @@ std::vector<const springnet_parameter*> parameters_of(const Component& component
 
 // Makes texts of a plugin's author and file names printable.
 std::string shown(const char* text) {
-  constexpr std::size_t longest = 400;
-  return printable(text, longest);
+  constexpr std::size_t max_length = 400;
+  return printable(text, max_length);
 }
 std::string shown(const std::filesystem::path& path) { return printable_message(path.string()); }
 
@@ -218,11 +219,11 @@ int list(const PluginArguments& plugins, bool json) {
     return done;
   }
   if (host->components().empty()) {
-    fmt::print("no plugin was found; name a folder with --plugins or SPRINGNET_PLUGIN_PATH\n");
+    fmt::print("no plugin was found; give a folder with --plugins or SPRINGNET_PLUGIN_PATH\n");
   }
   for (const std::string& folder : folders_of(*host)) print_folder(*host, folder);
   for (const std::string& note : plugins.empty_folders()) fmt::print("\n{}\n", note);
-  if (!host->refusals().empty()) fmt::print("\nlooked at and not taken:\n");
+  if (!host->refusals().empty()) fmt::print("\nrefused:\n");
   for (const Refusal& refusal : host->refusals()) fmt::print("  {}\n    {}\n", shown(refusal.file), refusal.reason);
   return done;
 }
@@ -281,10 +282,11 @@ int show(const PluginArguments& plugins, const std::string& id, const std::strin
     std::sort(known.begin(), known.end());
     known.erase(std::unique(known.begin(), known.end()), known.end());
     const std::string near = suggestion(id, known);
-    throw Error(ErrorKind::plugin,
-                fmt::format("no component is called '{}'{}{}; 'springnet plugin list' shows all, and "
-                            "the files that were refused",
-                            printable(id), near.empty() ? "" : "; ", near));
+    throw Error(
+        ErrorKind::plugin,
+        fmt::format("there is no component '{}'{}{}; 'springnet plugin list' lists all components, and the files that "
+                    "were refused",
+                    printable(id), near.empty() ? "" : "; ", near));
   }
   if (json) {
     Json components = Json::array();
@@ -305,7 +307,8 @@ void add_list(CLI::App& parent, Action& action) {
     bool json = false;
   };
   const auto arguments = std::make_shared<Arguments>();
-  CLI::App* const command = parent.add_subcommand("list", "List laws, neurons and integrators, and refused files");
+  CLI::App* const command =
+      parent.add_subcommand("list", "List the available laws, neurons and integrators, and refused files");
   arguments->plugins.add_to(*command);
   command->add_flag("--json", arguments->json, "Print JSON");
   command->footer(plugin_list_examples);
@@ -320,7 +323,7 @@ void add_show(CLI::App& parent, Action& action) {
     bool json = false;
   };
   const auto arguments = std::make_shared<Arguments>();
-  CLI::App* const command = parent.add_subcommand("show", "Show a component: what it does, its parameters and bounds");
+  CLI::App* const command = parent.add_subcommand("show", "Describe a component, its parameters and bounds");
   command->add_option("ID", arguments->id, "Name of the component in a scene")->type_name("")->required();
   command->add_option("--kind", arguments->kind, "Only this kind: spring, viscosity, neuron or integrator")
       ->type_name("KIND")
@@ -337,7 +340,7 @@ void add_show(CLI::App& parent, Action& action) {
 
 void add_plugin(CLI::App& app, Action& action) {
   CLI::App* const command =
-      app.add_subcommand("plugin", "List the available laws, neurons and integrators, or show one");
+      app.add_subcommand("plugin", "List the available laws, neurons and integrators, or describe one");
   command->require_subcommand(1);
   add_list(*command, action);
   add_show(*command, action);

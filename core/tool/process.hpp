@@ -4,8 +4,8 @@
 namespace springnet::tool {
 
 // Call it before anything is opened. Reserves the descriptors of closed standard streams: otherwise the first file of a
-// run would get one, and receive what is printed. Makes a file beyond its size limit (ulimit -f) a write error, like a
-// full disk, instead of a fatal signal.
+// run would get one of them, and what is printed would end up in it. Turns a file beyond its size limit (ulimit -f)
+// into a write error, like a full disk, instead of a fatal signal.
 void prepare_process() noexcept;
 
 // For long commands: a pipe without a reader becomes a write error instead of a fatal signal.

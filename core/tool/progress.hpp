@@ -1,4 +1,5 @@
-// Progress of a run: a bar on a terminal, otherwise a line now and then. On stderr, so that stdout has results only.
+// Progress of a run: a bar on a terminal, otherwise a line every few seconds. On stderr, so that stdout has only
+// results.
 #pragma once
 
 #include <chrono>
@@ -13,7 +14,7 @@ class Progress {
   Progress(const Progress&) = delete;
   Progress& operator=(const Progress&) = delete;
 
-  // Shows it; times are simulated, s. Returns whether to go on: false once the process was asked to end.
+  // Shows the progress; times are simulated, s. Returns false once a signal has asked the process to end.
   bool update(double time, double duration);
   void finish();  // removes the bar
 

@@ -23,22 +23,23 @@ constexpr const char* run_examples =
   springnet run cube/cube.toml --time-step 0.01 --duration 5 -o /tmp/cube
   springnet run cube/cube.toml --integrator cvode --set simulation.integrator.method=\"adams\"
   springnet run cube/cube.toml --set output.interval=0.5 --set output.vtk=true
-  springnet run cube/cube.toml --realtime=4      keeps pace with the clock, four times as fast; counts late time steps
+  springnet run cube/cube.toml --realtime=4      keeps pace with four times real time, and counts late time steps
 
 Exit status:
-  0 done   1 the simulation failed (what it wrote until then is kept)   2 usage or scene   3 plugin)";
+  0 done   1 the simulation failed (its output up to then is kept)   2 usage or scene   3 plugin)";
 
 // "time,node,fx,fy,fz,tx,…": as many columns as fit.
 std::string heading(const tables::Table& table) {
-  constexpr std::size_t longest = 24;
+  constexpr std::size_t max_length = 24;
   const std::string header = csv_header(tables::form_of(table, {}, {}));
-  if (header.size() <= longest) return header;
-  return header.substr(0, header.rfind(',', longest - 2) + 1) + "…";
+  if (header.size() <= max_length) return header;
+  return header.substr(0, header.rfind(',', max_length - 2) + 1) + "…";
 }
 
 std::string run_footer() {
   std::string text =
-      "Files (in the output folder; the scene's [output] says which of them, what is in them and how often):\n";
+      "Files in the output folder ([output] of the scene selects them, their content and how often they are "
+      "written):\n";
   std::vector<std::string> binary;
   for (const tables::Table& table : tables::all()) {
     text += fmt::format("  {:16} {:26} {}\n", tables::file_name(table, {}), heading(table), table.content);
@@ -46,9 +47,9 @@ std::string run_footer() {
   }
   return text +
          fmt::format(R"(  vtk/run.pvd      for ParaView, if output.vtk = true
-  view.html        a page that plays the run, if not output.view = false
-  summary.json     how the run went
-With output.format = "binary" these are .bin files, which 'springnet convert' turns into text: {}.
+  view.html        a page that plays the run, unless output.view = false
+  summary.json     outcome and statistics of the run
+With output.format = "binary" these are .bin files, which 'springnet convert' converts to text: {}.
 
 )",
                      fmt::join(binary, ", ")) +
@@ -68,19 +69,19 @@ CLI::Validator factor_or_true() {
                         "");
 }
 
-// For '--realtime 2': a flag takes its value only after '=', so the 2 is an unknown word.
+// For '--realtime 2': a flag takes its value only after '=', so the 2 is an unknown argument.
 void refuse_separate_factor(CLI::App& command, const RunArguments& arguments) {
   const std::vector<std::string> words = command.remaining();
   if (arguments.realtime != "true" || words.size() != 1) return;
   for (const std::string& word : {words.front(), arguments.scene.file.string()}) {
     if (!number_between(above_zero, finite)(word).empty()) continue;
-    const std::string message = fmt::format("'{0}' is not known here; did you mean '--realtime={0}'?", word);
+    const std::string message = fmt::format("unknown argument '{0}'; did you mean '--realtime={0}'?", word);
     command.clear();  // forget the word, or it would be reported instead
     throw CLI::ParseError(message, CLI::ExitCodes::ExtrasError);
   }
 }
 
-// What the simulation alone would reach, without output.
+// Speed of the simulation alone, without output.
 std::string multiple_of_real_time(const RunSummary& summary) {
   if (!(summary.simulated > 0.0)) return "no time step";
   if (!(summary.wall > 0.0)) return "no time";
@@ -109,33 +110,32 @@ std::string result_text(const RunSummary& summary, const std::filesystem::path& 
                       counted(summary.springs, "spring"));
   text += fmt::format("  outcome    {}\n", summary.outcome);
   text += fmt::format(
-      "  simulated  {:g} s of {:g} s in {:.3g} s ({}): {}, {:.1f} sweeps a step, {:.3g} million springs a "
+      "  simulated  {:g} s of {:g} s in {:.3g} s ({}): {}, {:.1f} sweeps per step, {:.3g} million springs per "
       "second\n",
       summary.simulated, summary.duration, summary.wall, multiple_of_real_time(summary), counted(summary.steps, "step"),
       steps > 0.0 ? static_cast<double>(summary.sweeps) / steps : 0.0,
       summary.wall > 0.0 ? summary.spring_updates / summary.wall / 1e6 : 0.0);
   if (summary.pace) {
     const PaceReport& pace = *summary.pace;
-    text += fmt::format("  pace       {:g} times real time, {:.3g} frames a second: {}, {} missed{}\n", pace.factor,
+    text += fmt::format("  pace       {:g} times real time, {:.3g} frames per second: {}, {} missed{}\n", pace.factor,
                         pace.factor / summary.time_step, counted(pace.frames, "frame"), pace.missed,
-                        pace.missed > 0 ? fmt::format(", at most {} late", readable_delay(pace.greatest_delay)) : "");
+                        pace.missed > 0 ? fmt::format(", up to {} late", readable_delay(pace.greatest_delay)) : "");
   }
   if (summary.unsettled > 0) {
     text += fmt::format("  warning    {} of {} accepted without having settled\n", summary.unsettled,
                         counted(summary.steps, "time step"));
   }
   if (summary.divided > 0) {
-    text += fmt::format("  substeps   {} of {} divided, {} in all\n", summary.divided,
+    text += fmt::format("  substeps   {} of {} divided, {} in total\n", summary.divided,
                         counted(summary.steps, "time step"), counted(summary.substeps, "smaller step"));
   }
   if (summary.stages > 0) {
-    text +=
-        fmt::format("  stages     {} on the way to the full one\n", counted(summary.stages, "smaller time constant"));
+    text += fmt::format("  stages     {} before the full one\n", counted(summary.stages, "smaller time constant"));
   }
   if (std::isfinite(summary.largest_residual))
     text += fmt::format("  residual   {:.2g} N at most\n", summary.largest_residual);
   for (const VolumeSummary& volume : summary.volumes) {
-    text += fmt::format("  volume     {}: {:.4g} m^3 at first, {:.4g} at last{}, between {:.4g} and {:.4g}\n",
+    text += fmt::format("  volume     {}: {:.4g} m^3 at the start, {:.4g} at the end{}, between {:.4g} and {:.4g}\n",
                         volume.name.empty() ? fmt::format("element {}", volume.element) : volume.name, volume.first,
                         volume.last, volume.leaked ? ", before it leaked" : "", volume.smallest, volume.greatest);
   }
@@ -146,17 +146,17 @@ std::string result_text(const RunSummary& summary, const std::filesystem::path& 
   return text;
 }
 
-// "What was written until 101 s is kept in out, but of trajectory.csv only until 80 s."
+// "The output up to 101 s is kept in out, except trajectory.csv: up to 80 s."
 std::string kept_text(const RunSummary& summary, const std::filesystem::path& folder) {
   if (summary.records == 0) return "Nothing was recorded.";
-  if (summary.bytes == 0) return "Nothing of it is kept.";
+  if (summary.bytes == 0) return "No output is kept.";
   std::vector<std::string> shorter;
   for (const CutShort& file : summary.cut_short) {
-    shorter.push_back(std::isnan(file.until) ? fmt::format("of {} nothing", file.file)
-                                             : fmt::format("of {} only until {:g} s", file.file, file.until));
+    shorter.push_back(std::isnan(file.until) ? fmt::format("{}: no record", file.file)
+                                             : fmt::format("{}: up to {:g} s", file.file, file.until));
   }
-  return fmt::format("What was written until {:g} s is kept in {}{}.", summary.simulated, folder.string(),
-                     shorter.empty() ? "" : fmt::format(", but {}", fmt::join(shorter, ", ")));
+  return fmt::format("The output up to {:g} s is kept in {}{}.", summary.simulated, folder.string(),
+                     shorter.empty() ? "" : fmt::format(", except {}", fmt::join(shorter, ", ")));
 }
 
 int run(const RunArguments& arguments) {
@@ -196,8 +196,8 @@ int run(const RunArguments& arguments) {
     return status_of(*summary.failure);
   }
   if (summary.outcome == "stopped") {
-    print_error(fmt::format("stopped at {:g} s; what was written until then is kept in {}", summary.simulated,
-                            folder.string()));
+    print_error(
+        fmt::format("stopped at {:g} s; the output up to then is kept in {}", summary.simulated, folder.string()));
     return failed;
   }
   return done;
@@ -207,13 +207,14 @@ int run(const RunArguments& arguments) {
 
 void add_run(CLI::App& app, Action& action) {
   const auto arguments = std::make_shared<RunArguments>();
-  CLI::App* const command = app.add_subcommand("run", "Simulate a scene and write its course");
+  CLI::App* const command = app.add_subcommand("run", "Simulate a scene and write the results");
   arguments->scene.add_to(*command, true);
   arguments->output.add_to(*command);
   command
-      ->add_flag("--realtime", arguments->realtime,
-                 "Keep pace with the clock, or with a multiple of it: --realtime=0.5 at half the speed. Each time step "
-                 "is a frame that starts when it is due; late ones are counted, none is left out")
+      ->add_flag(
+          "--realtime", arguments->realtime,
+          "Keep pace with the clock, or with a multiple of it: --realtime=0.5 runs at half speed. Each time step "
+          "is a frame that starts when it is due; late frames are counted, none is skipped")
       ->type_name("[=FACTOR]")
       ->check(factor_or_true());
   command->footer(run_footer());

@@ -15,13 +15,12 @@ namespace springnet::tool {
 namespace {
 
 constexpr const char* validate_examples =
-    R"(The scene runs in its own integrator (the recurrent network, usually) with several time steps, and in the
-reference CVODE, which is certified by a second run with a tighter tolerance. Compared are the positions of all
-nodes at common times, in metres and as a share of the reference's greatest displacement from the start. The paper's
-network is a method of first order: half the time step, half the error. One run more, with theta = 0.5, tells whether
-the second order is better.
+    R"(The scene runs in its own integrator (usually the recurrent network) with several time steps, and in the reference
+CVODE, which is certified by a second run with a lower tolerance. The positions of all nodes are compared at common
+times, in metres and as a share of the reference's greatest displacement from the start. The paper's network is a method
+of first order: half the time step, half the error. One more run, with theta = 0.5, shows whether second order is better.
 
-Files (in the folder of the output):
+Files in the output folder:
   validation.json   all numbers
   report.html       table and plots in one file, for a browser
 
@@ -30,7 +29,7 @@ Examples (the cube is that of 'springnet new --example cube'):
   springnet validate cube/cube.toml --time-steps 0.1,0.05,0.01 --tolerance 0.02
 
 Exit status:
-  0 done   1 the reference or the run with the scene's time step failed, or that run is not within the tolerance
+  0 done   1 the reference or the run with the scene's time step failed, or that run exceeds the tolerance
   2 usage or scene   3 plugin)";
 
 struct ValidateArguments {
@@ -86,7 +85,7 @@ int run(const ValidateArguments& arguments) {
   }
   std::fflush(stdout);
 
-  // A run that did not reach the end validates nothing.
+  // Nothing is validated if that run did not reach the end.
   const ValidationRun& own = validation.run_of_scene();
   const bool wanted = arguments.tolerance > 0.0;
   if (!own.finished()) {
@@ -94,11 +93,11 @@ int run(const ValidateArguments& arguments) {
     return status_of(own.failure_kind);
   }
   if (!wanted || validation.within(arguments.tolerance)) return done;
-  print_error(
-      fmt::format("the scene's time step of {:g} s is up to {:.3g} m from the reference, which is itself uncertain by "
-                  "{:.2g} m: not within the tolerance of {:g} m. Try a smaller time step{}",
-                  own.time_step, own.error.max, validation.uncertainty(), arguments.tolerance,
-                  validation.second_order_is_better() ? ", or theta = 0.5" : ""));
+  print_error(fmt::format(
+      "with the scene's time step of {:g} s the error is up to {:.3g} m, plus {:.2g} m of uncertainty of the "
+      "reference, which exceeds the tolerance of {:g} m. Try a smaller time step{}",
+      own.time_step, own.error.max, validation.uncertainty(), arguments.tolerance,
+      validation.second_order_is_better() ? ", or theta = 0.5" : ""));
   return failed;
 }
 
@@ -110,20 +109,19 @@ void add_validate(CLI::App& app, Action& action) {
   arguments->scene.add_to(*command, true);
   command
       ->add_option("--time-steps", arguments->time_steps,
-                   "Time steps in seconds, beside the scene's own [a half and a quarter of it]")
+                   "Time steps in seconds, in addition to the scene's own [half and a quarter of it]")
       ->type_name("A,B,C")
       ->delimiter(',')
       ->allow_extra_args(false)
       ->check(number_between(above_zero, finite));
   command
       ->add_option("--tolerance", arguments->tolerance,
-                   "Exit status 1 unless the scene's own time step is everywhere within M metres")
+                   "Exit with status 1 unless every error with the scene's own time step is within M metres")
       ->type_name("M")
       ->check(number_between(above_zero, finite));
   command
       ->add_option("--reference-tolerance", arguments->reference_tolerance,
-                   "Relative tolerance of the reference; the run that certifies it has a hundredth of it "
-                   "[1e-08]")
+                   "Relative tolerance of the reference; the run that certifies it uses a hundredth of it [1e-08]")
       ->type_name("R")
       ->check(number_between(1e-11, 1e-3));
   arguments->output.add_to(*command);

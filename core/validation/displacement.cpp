@@ -15,7 +15,7 @@ using Points = Eigen::Matrix3Xd;
 // relate two sets of vectors, Acta Cryst. A32 (1976) 922-923. Both are relative to their centres.
 double greatest_deformation(const Points& start, const Points& now) {
   const Eigen::JacobiSVD<Eigen::Matrix3d> svd(now * start.transpose(), Eigen::ComputeFullU | Eigen::ComputeFullV);
-  Eigen::Matrix3d turn = svd.matrixU();
+  Eigen::Matrix3d turn = svd.matrixU();  // times V^T: the rotation
   // A rotation, not a reflection: flip the direction of the smallest singular value.
   if ((turn * svd.matrixV().transpose()).determinant() < 0.0) turn.col(2) = -turn.col(2);
   return (now - turn * svd.matrixV().transpose() * start).colwise().norm().maxCoeff();
@@ -24,17 +24,17 @@ double greatest_deformation(const Points& start, const Points& now) {
 }  // namespace
 
 DisplacementNorm::DisplacementNorm(const Network& network) {
-  std::vector<bool> taken(network.nodes().size(), false);
+  std::vector<bool> in_body(network.nodes().size(), false);
   for (const Node& node : network.nodes()) start_.push_back(node.position);
   for (const Body& body : network.bodies()) {
     if (body.node_count == 0) continue;
     auto& nodes = sets_.emplace_back(body.node_count);
     std::iota(nodes.begin(), nodes.end(), body.first_node);
-    for (const NodeIndex node : nodes) taken[node] = true;
+    for (const NodeIndex node : nodes) in_body[node] = true;
   }
   std::vector<NodeIndex> others;
-  for (NodeIndex node = 0; node < taken.size(); ++node) {
-    if (!taken[node]) others.push_back(node);
+  for (NodeIndex node = 0; node < in_body.size(); ++node) {
+    if (!in_body[node]) others.push_back(node);
   }
   if (!others.empty()) sets_.push_back(std::move(others));
 }

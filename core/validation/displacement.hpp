@@ -11,7 +11,7 @@ namespace springnet {
 
 class DisplacementNorm {
  public:
-  // Each body of the network may move as a whole; the nodes without a body count as one.
+  // Deformation is measured body by body; nodes without a body count as one.
   explicit DisplacementNorm(const Network& network);
 
   // Positions of one record, nodes in the order of `columns`.

@@ -13,7 +13,7 @@ void ErrorNorm::add(double time, const ConstNodeMap& positions, const std::vecto
     const Vector3 difference = positions.col(static_cast<Eigen::Index>(columns[node])) -
                                reference.col(static_cast<Eigen::Index>(reference_columns[node]));
     const double distance = difference.norm();
-    // Negated, because nan compares false with everything and has to be kept.
+    // Negated, so that nan, which compares false with everything, is kept.
     if (!(distance <= greatest)) greatest = distance;
     if (!(distance <= error_.max) && !std::isnan(error_.max)) {
       error_.max = distance;

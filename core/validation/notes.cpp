@@ -12,17 +12,17 @@ namespace springnet {
 
 namespace {
 
-// If bodies move as a whole, their displacement says little about how exact their shape is.
+// If bodies move as a whole, errors relative to their displacement say little about their shape.
 void write_displacement_note(Validation& result) {
   constexpr double small = 0.1;
   const Displacement& moved = result.displacement;
   if (!(moved.deformation < small * moved.max) || moved.deformation <= 10.0 * result.uncertainty()) return;
   const ValidationRun& own = result.run_of_scene();
-  result.notes.push_back(fmt::format(
-      "Bodies move mostly as a whole: by up to {}, while they deform by {} at most. {}", length_text(moved.max),
-      length_text(moved.deformation),
-      own.finished() ? fmt::format("Of that the greatest error is {}.", share_text(own.error.max / moved.deformation))
-                     : "Compare errors with that where shapes matter."));
+  result.notes.push_back(fmt::format("Bodies move mostly as a whole: by up to {}, but deform by at most {}. {}",
+                                     length_text(moved.max), length_text(moved.deformation),
+                                     own.finished() ? fmt::format("The greatest error is {} of the deformation.",
+                                                                  share_text(own.error.max / moved.deformation))
+                                                    : "Compare errors with the deformation if shapes matter."));
 }
 
 }  // namespace
@@ -30,40 +30,40 @@ void write_displacement_note(Validation& result) {
 void write_notes(const RecordTimes& records, Validation& result) {
   for (const double time_step : records.shortened_time_steps) {
     result.notes.push_back(
-        fmt::format("{:g} s does not divide the interval between records, so that the step before a record is "
-                    "shorter; its error is not quite that of equal steps.",
+        fmt::format("A time step of {:g} s does not divide the interval between records: the step before each record "
+                    "is shorter, so the error is not quite that of equal steps.",
                     time_step));
   }
-  double least = std::numeric_limits<double>::infinity();
+  double smallest_error = std::numeric_limits<double>::infinity();
   for (const ValidationRun& run : result.runs) {
     if (!run.finished()) {
-      result.notes.push_back(fmt::format("The run with {:g} s ended at {:g} s; its errors count up to there: {}",
+      result.notes.push_back(fmt::format("The run with {:g} s ended at {:g} s, and its errors are those up to then: {}",
                                          run.time_step, run.reached, run.failure));
       continue;
     }
-    least = std::min(least, run.error.max);
+    smallest_error = std::min(smallest_error, run.error.max);
     if (run.outcome != name_of(Outcome::settled)) {
       result.notes.push_back(fmt::format("The run with {:g} s accepted time steps that had not settled ({}).",
                                          run.time_step, run.outcome));
     }
     if (run.events.ruptured != result.reference_events.ruptured) {
       result.notes.push_back(
-          fmt::format("With {:g} s {} ruptured, in the reference {}: from the first difference on these "
-                      "are different networks.",
+          fmt::format("With {:g} s, {} ruptured, but {} in the reference: from the first difference on these are "
+                      "different networks.",
                       run.time_step, counted(run.events.ruptured, "spring"), result.reference_events.ruptured));
     }
   }
-  if (least < 10.0 * result.uncertainty()) {
+  if (smallest_error < 10.0 * result.uncertainty()) {
     result.notes.push_back(
-        "An error is less than ten times the reference's uncertainty: tighten the reference's tolerance to see "
-        "it exactly.");
+        "An error is less than ten times the uncertainty of the reference: lower the tolerance of the reference to "
+        "resolve it.");
   }
   write_displacement_note(result);
   const EventCounts& happened = result.reference_events;
   if (happened.touched + happened.released + happened.ruptured > 0) {
     result.notes.push_back(
-        "Contact or rupture happens at the end of a time step in the network, at its exact time in the reference; the "
-        "order of convergence holds between such events only.");
+        "The network makes and breaks contacts, and ruptures springs, at the end of a time step, the reference at the "
+        "exact time; the order of convergence holds only between such events.");
   }
 }
 

@@ -1,11 +1,11 @@
-// What a reader of a validation should know about its numbers, in sentences.
+// Notes about the numbers of a validation.
 #pragma once
 
 #include <springnet/validation.hpp>
 
 namespace springnet {
 
-// Appends to Validation::notes, from all else that is in it.
+// Appends to Validation::notes. Call it last: the notes follow from everything else in the validation.
 void write_notes(const RecordTimes& records, Validation& validation);
 
 }  // namespace springnet

@@ -20,7 +20,7 @@ constexpr const char* dashes = " stroke-dasharray=\"6 4\"";
 constexpr std::array<const char*, 7> colours{"#0072b2", "#d55e00", "#009e73", "#cc79a7",
                                              "#e69f00", "#56b4e9", "#6b6b6b"};
 
-// Maps values to places on the page.
+// Maps values to coordinates on the page.
 class Scale {
  public:
   Scale(bool logarithmic, double smallest, double largest, double from, double to)
@@ -46,7 +46,7 @@ class Scale {
     return from_ + (transform(value) - low_) / (high_ - low_) * (to_ - from_);
   }
 
-  // Round values between the ends, and whether they are labelled.
+  // Round values within the range, and whether they are labelled.
   struct Tick {
     double value;
     bool labelled;
@@ -96,7 +96,7 @@ bool drawable(const Plot& plot, double x, double y) {
   return std::isfinite(x) && std::isfinite(y) && (!plot.x.logarithmic || x > 0.0) && (!plot.y.logarithmic || y > 0.0);
 }
 
-// Keeps the largest y of each of `buckets` groups of neighbours: peaks matter in an error.
+// Keeps the largest y of each of `buckets` groups of neighbours, because the peaks of an error matter.
 PlotSeries thinned(const PlotSeries& series) {
   constexpr std::size_t buckets = 400;
   if (series.x.size() <= 2 * buckets) return series;

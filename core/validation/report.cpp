@@ -105,8 +105,8 @@ std::string to_html(const Validation& validation) {
   if (own.finished()) {
     html += fmt::format(
         "<p>With the scene's time step of {:g} s, no node is farther than <strong>{}</strong> from the "
-        "reference at any of these times (node {} at {:g} s; rms {}). That is <strong>{}</strong> of {}, the greatest "
-        "displacement of the reference from the start.</p>\n",
+        "reference at any of these times (greatest for node {} at {:g} s; rms {}). That is <strong>{}</strong> of {}, "
+        "the greatest displacement of the reference from the start.</p>\n",
         own.time_step, length_text(own.error.max), own.error.node, own.error.time, length_text(own.error.rms),
         share_text(validation.share_of_displacement(own.error.max)), length_text(validation.displacement.max));
   } else {

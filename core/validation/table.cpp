@@ -54,16 +54,17 @@ std::string second_order_advice(const Validation& validation) {
   const ValidationRun& other = *validation.second_order;
   const std::string what = "theta = 0.5 in simulation.integrator: with the same time step ";
   if (!own.finished()) {
-    return what + fmt::format("that run comes to the end, with a greatest error of {} ({} of the displacement).",
+    return what + fmt::format("the run reaches the end, with a greatest error of {} ({} of the displacement).",
                               length_text(other.error.max),
                               share_text(validation.share_of_displacement(other.error.max)));
   }
-  return what + fmt::format(
-                    "the greatest error is {} in place of {}{}, the rms error {} in place of {}, in {:.2g} times "
-                    "the time.",
-                    length_text(other.error.max), length_text(own.error.max),
-                    other.error.max > 0.0 ? fmt::format(", {:.3g} times less", own.error.max / other.error.max) : "",
-                    length_text(other.error.rms), length_text(own.error.rms), other.wall / own.wall);
+  return what +
+         fmt::format(
+             "the greatest error is {} instead of {}{}, the rms error {} instead of {}, in {:.2g} times the "
+             "wall time.",
+             length_text(other.error.max), length_text(own.error.max),
+             other.error.max > 0.0 ? fmt::format(" ({:.3g} times smaller)", own.error.max / other.error.max) : "",
+             length_text(other.error.rms), length_text(own.error.rms), other.wall / own.wall);
 }
 
 std::string to_table(const Validation& validation) {
@@ -79,7 +80,7 @@ std::string to_table(const Validation& validation) {
   for (const TableRow& row : rows) {
     text += " ";
     for (std::size_t k = 0; k < row.size(); ++k) {
-      // Words to the left, numbers to the right.
+      // Aligns text to the left, numbers to the right.
       const bool words = k == 0 || k + 1 == row.size();
       const std::string padding(widths[k] - width_of(row[k]), ' ');
       text += words ? ' ' + row[k] + padding + ' ' : ' ' + padding + row[k] + ' ';

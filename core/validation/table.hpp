@@ -1,4 +1,4 @@
-// The table of a validation as cells; the first row is the head.
+// The table of a validation as cells; the first row is the header.
 #pragma once
 
 #include <array>
@@ -16,7 +16,7 @@ using TableRow = std::array<std::string, 9>;
 // What theta = 0.5 does for the scene's own run, as a sentence; empty if it is not better.
 [[nodiscard]] std::string second_order_advice(const Validation& validation);
 
-// "0.98", or "-" where there is none.
+// "0.98", or "-" if there is none.
 [[nodiscard]] std::string order_text(double order);
 
 }  // namespace springnet

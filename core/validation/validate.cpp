@@ -29,7 +29,7 @@ SimulationOptions options_for(const Scene& scene, const LawUse& integrator, doub
 struct Lane {
   Lane(const Scene& scene, const std::shared_ptr<const PluginHost>& plugins, const LawUse& integrator, double time_step)
       : simulation(scene.network, plugins, options_for(scene, integrator, time_step)),
-        stepper(simulation, or_machine({})) {}
+        stepper(simulation, clock_or_system({})) {}
   Lane(const Lane&) = delete;
   Lane& operator=(const Lane&) = delete;
 
@@ -78,12 +78,12 @@ LawUse reference_use(const Scene& scene, double tolerance, double scale) {
   return use;
 }
 
-std::vector<double> time_steps_of(const Scene& scene, const std::vector<double>& asked) {
+std::vector<double> time_steps_of(const Scene& scene, const std::vector<double>& requested) {
   const double own = scene.options.time_step;
-  std::vector<double> result = asked.empty() ? std::vector<double>{own / 2.0, own / 4.0} : asked;
+  std::vector<double> result = requested.empty() ? std::vector<double>{own / 2.0, own / 4.0} : requested;
   result.push_back(own);
   std::sort(result.begin(), result.end(), std::greater<>());
-  // The scene's own time step may have been given again, in other digits.
+  // The scene's own time step may be among the requested ones, differently rounded.
   const auto same = [](double a, double b) { return std::abs(a - b) <= 1e-12 * a; };
   result.erase(std::unique(result.begin(), result.end(), same), result.end());
   return result;
@@ -124,7 +124,7 @@ class Comparison : public Timeline {
 
  private:
   void advance_reference(Lane& lane, double tolerance);
-  // A run that fails stops there, with its reason.
+  // A run that fails stops, and keeps the reason.
   void advance(Subject& subject);
   template <class Work>
   void each_subject(const Work& work) {
@@ -247,17 +247,18 @@ Validation validate(const Scene& scene, const std::shared_ptr<const PluginHost>&
                     const ValidationOptions& options) {
   check_starts(scene);
   if (!(options.relative_tolerance > options.certifying_tolerance) || !(options.certifying_tolerance > 0.0)) {
-    throw Error(ErrorKind::input,
-                fmt::format("the run that certifies the reference needs a relative tolerance above 0 and below the "
-                            "reference's ({:g}); {:g} was given",
-                            options.relative_tolerance, options.certifying_tolerance));
+    throw Error(
+        ErrorKind::input,
+        fmt::format("the run that certifies the reference needs a relative tolerance above 0 and below that of the "
+                    "reference ({:g}), but has {:g}",
+                    options.relative_tolerance, options.certifying_tolerance));
   }
   const std::vector<double> time_steps = time_steps_of(scene, options.time_steps);
   const RecordTimes records = common_record_times(scene.duration, scene.output.interval, time_steps);
   Comparison comparison(scene, plugins, options, time_steps, records);
   const auto go_on = [&] { return !options.progress || options.progress({comparison.time(), scene.duration}); };
   comparison.record_if_due();
-  if (!go_on() || !go_through(comparison, nullptr, go_on)) {
+  if (!go_on() || !advance_to_end(comparison, nullptr, go_on)) {
     throw Error(ErrorKind::simulation, fmt::format("validation stopped after {:g} s", comparison.time()));
   }
 
@@ -279,8 +280,8 @@ Validation validate(const Scene& scene, const std::shared_ptr<const PluginHost>&
     finish(*subject);
     if (const std::uint64_t divided = subject->lane.stepper.totals().divided; divided > 0) {
       result.notes.push_back(
-          fmt::format("With {:g} s: {} of {} time steps were divided; their error is that of the "
-                      "smaller steps, and tells nothing of the order.",
+          fmt::format("With {:g} s, {} of {} time steps were divided: their error is that of the smaller steps and "
+                      "does not show the order.",
                       subject->run.time_step, divided, subject->run.steps));
     }
     for (const std::string& note : subject->lane.simulation.notes())
@@ -293,10 +294,8 @@ Validation validate(const Scene& scene, const std::shared_ptr<const PluginHost>&
   }
   find_orders(result);
   if (scene.options.integrator.id == reference_id) {
-    result.notes.push_back(
-        fmt::format("The scene's integrator is the reference itself: what is compared with it is {} "
-                    "with its defaults.",
-                    subject_id));
+    result.notes.push_back(fmt::format(
+        "The scene's integrator is the reference itself; it is compared with {} with default options.", subject_id));
   }
   write_notes(records, result);
   return result;

@@ -19,7 +19,7 @@ template <class Number>
   return base64(std::as_bytes(std::span(numbers)));
 }
 
-// Characters that so many bytes take.
+// Characters that encode this many bytes.
 [[nodiscard]] constexpr double base64_size(double bytes) { return bytes * 4.0 / 3.0; }
 
 }  // namespace springnet::view

@@ -26,7 +26,7 @@ void write_rounded(std::ostream& out, const std::string& name, const std::vector
   write_block(out, name, shares_of(numbers, range));
 }
 
-void write_moving(std::ostream& out, const Frames& frames, const std::optional<Ranges>& ranges) {
+void write_frames(std::ostream& out, const Frames& frames, const std::optional<Ranges>& ranges) {
   write_block(out, "scalars", frames.scalars.numbers());
   write_block(out, "surface_poses", frames.surfaces.numbers());
   write_block(out, "contact", frames.contact.numbers());
@@ -72,17 +72,17 @@ void write_springs(std::ostream& out, const Content& content) {
   const Network& network = content.scene.network;
   const std::vector<std::uint32_t>& place = content.selection.node_place;
   std::vector<std::uint32_t> ends, materials, rigids;
-  std::vector<float> rests;
+  std::vector<float> rest_lengths;
   for (const SpringIndex k : content.selection.springs) {
     const Spring& spring = network.springs()[k];
     ends.insert(ends.end(), {place[spring.first], place[spring.second]});
-    rests.push_back(static_cast<float>(spring.rest_length));
+    rest_lengths.push_back(static_cast<float>(spring.rest_length));
     materials.push_back(spring.material);
   }
   for (const Rigid& rigid : network.rigids()) rigids.insert(rigids.end(), {place[rigid.first], place[rigid.second]});
   write_block(out, "spring_numbers", content.selection.springs);
   write_block(out, "spring_ends", ends);
-  write_block(out, "spring_rests", rests);
+  write_block(out, "spring_rest_lengths", rest_lengths);
   write_block(out, "spring_materials", materials);
   write_block(out, "rigid_ends", rigids);
 
@@ -108,22 +108,22 @@ void write_arrows(std::ostream& out, const Forces& forces) {
   write_block(out, "arrow_nodes", nodes);
 }
 
-// A triangle is torn once the spring along one of its edges is gone.
+// A triangle is torn once a spring along one of its edges is removed.
 void write_faces(std::ostream& out, const Content& content) {
   const Network& network = content.scene.network;
   std::vector<std::uint32_t> corners, torn;
   if (content.selection.faces) {
-    std::unordered_map<std::uint64_t, std::uint32_t> gone;
+    std::unordered_map<std::uint64_t, std::uint32_t> removal_frames;  // by the ends of the spring
     for (const Removal& removal : content.removed) {
       const Spring& spring = network.springs()[removal.spring];
-      gone.try_emplace(pair_of(spring.first, spring.second), frame_of(removal.record, content.frames));
+      removal_frames.try_emplace(pair_of(spring.first, spring.second), frame_of(removal.record, content.frames));
     }
     for (const Face& face : network.faces()) {
       std::uint32_t frame = never;
       for (std::size_t k = 0; k < 3; ++k) {
         corners.push_back(content.selection.node_place[face[k]]);
-        const auto edge = gone.find(pair_of(face[k], face[(k + 1) % 3]));
-        if (edge != gone.end()) frame = std::min(frame, edge->second);
+        const auto edge = removal_frames.find(pair_of(face[k], face[(k + 1) % 3]));
+        if (edge != removal_frames.end()) frame = std::min(frame, edge->second);
       }
       torn.push_back(frame);
     }
@@ -132,7 +132,8 @@ void write_faces(std::ostream& out, const Content& content) {
   write_block(out, "face_frames", torn);
 }
 
-double frame_bytes(const Content& content, bool rounded) {
+// Before base64.
+double raw_frame_bytes(const Content& content, bool rounded) {
   const auto nodes = static_cast<double>(content.selection.nodes.size());
   const auto springs = static_cast<double>(content.selection.springs.size());
   const auto surfaces =
@@ -145,19 +146,19 @@ double frame_bytes(const Content& content, bool rounded) {
 }  // namespace
 
 std::vector<ElementIndex> plotted_elements(const Network& network) {
-  constexpr std::size_t most = 8;  // curves that the eye can distinguish
+  constexpr std::size_t max_curves = 8;  // that the eye can distinguish
   std::vector<ElementIndex> chosen;
-  for (ElementIndex k = 0; k < network.elements().size() && chosen.size() < most; ++k) {
-    if (network.elements().size() <= most || network.elements()[k].invariant == Invariant::enclosed_volume) {
+  for (ElementIndex k = 0; k < network.elements().size() && chosen.size() < max_curves; ++k) {
+    if (network.elements().size() <= max_curves || network.elements()[k].invariant == Invariant::enclosed_volume) {
       chosen.push_back(k);
     }
   }
   return chosen;
 }
 
-double program_size() { return static_cast<double>(before_data.size() + after_data.size()); }
+double program_bytes() { return static_cast<double>(before_data.size() + after_data.size()); }
 
-double size_once(const Content& content) {
+double base_bytes(const Content& content) {
   const Network& network = content.scene.network;
   constexpr double words = 4000.0;  // the description's keys, the blocks' elements
   double text = words + static_cast<double>(content.scene.title.size());
@@ -171,14 +172,14 @@ double size_once(const Content& content) {
   if (content.selection.faces) bytes += 16.0 * static_cast<double>(network.faces().size());
   bytes += 17.0 * static_cast<double>(content.removed.size());
   bytes += 4.0 * static_cast<double>(content.forces.arrows.size());
-  return program_size() + text + base64_size(bytes);
+  return program_bytes() + text + base64_size(bytes);
 }
 
-double size_of_frame(const Content& content, bool rounded) { return base64_size(frame_bytes(content, rounded)); }
+double frame_bytes(const Content& content, bool rounded) { return base64_size(raw_frame_bytes(content, rounded)); }
 
 bool must_round(const Content& content, double size) {
   const double frames = static_cast<double>(content.frames.count());
-  return size_once(content) + frames * size_of_frame(content, false) > size;
+  return base_bytes(content) + frames * frame_bytes(content, false) > size;
 }
 
 void write_page(std::ostream& out, const Content& content, const std::optional<Ranges>& rounded) {
@@ -189,7 +190,7 @@ void write_page(std::ostream& out, const Content& content, const std::optional<R
   write_springs(out, content);
   write_arrows(out, content.forces);
   write_faces(out, content);
-  write_moving(out, content.frames, rounded);
+  write_frames(out, content.frames, rounded);
   out << after_data;
 }
 

@@ -24,7 +24,7 @@ enum Scalar : std::size_t { time, kinetic, potential, steps, sweeps, events, fix
 struct Removal {
   SpringIndex spring;
   double time;           // s
-  std::uint64_t record;  // the first one without it
+  std::uint64_t record;  // the first record without it
   bool ruptured;         // else cut
 };
 
@@ -36,19 +36,19 @@ struct Content {
   Frames frames;
   std::vector<Removal> removed;
   std::vector<std::string> notes;
-  std::string failure{};                        // why the run failed; empty: it did not
+  std::string failure{};                        // why the run failed; empty if it did not
   std::shared_ptr<const PluginHost> plugins{};  // for the units of laws
 };
 
-// Elements worth a curve: all if they are few, else the enclosed volumes.
+// Elements that get a curve: all if they are few, else the enclosed volumes.
 [[nodiscard]] std::vector<ElementIndex> plotted_elements(const Network& network);
 
-// Bytes of the page that are its program, without any data.
-[[nodiscard]] double program_size();
+// Bytes of the page's program, without any data.
+[[nodiscard]] double program_bytes();
 
 // Bytes of the page without frames, and of a frame.
-[[nodiscard]] double size_once(const Content& content);
-[[nodiscard]] double size_of_frame(const Content& content, bool rounded);
+[[nodiscard]] double base_bytes(const Content& content);
+[[nodiscard]] double frame_bytes(const Content& content, bool rounded);
 
 // Whether the numbers of nodes and springs must be rounded to 16 bits to keep the page below `size` bytes.
 [[nodiscard]] bool must_round(const Content& content, double size);

@@ -55,12 +55,12 @@ Json surfaces_of(const Network& network) {
   }
   for (const Instrument& instrument : network.instruments()) {
     if (instrument.box) {
-      const Eigen::Quaterniond stands(instrument.box->axes);
+      const Eigen::Quaterniond orientation(instrument.box->axes);
       surfaces.push_back({{"kind", "box"},
                           {"name", instrument.name},
                           {"point", json_of(instrument.first)},
                           {"size", json_of(instrument.box->size)},
-                          {"stands", {stands.x(), stands.y(), stands.z(), stands.w()}},
+                          {"orientation", {orientation.x(), orientation.y(), orientation.z(), orientation.w()}},
                           {"radius", instrument.box->radius},
                           {"friction", text_of(instrument.friction)},
                           {"moves", instrument.motion || instrument.turn}});
@@ -142,7 +142,7 @@ std::string describe(const Content& content, bool rounded) {
             {"failure", content.failure},
             {"notes", content.notes}};
   std::string text = json.dump(1, ' ', true, Json::error_handler_t::replace);
-  // A title with "</script>" in it must not end the element.
+  // A "</script>" in a title must not end the element.
   for (std::size_t at = text.find('<'); at != std::string::npos; at = text.find('<', at))
     text.replace(at, 1, "\\u003c");
   return text;

@@ -9,11 +9,11 @@ namespace springnet::view {
 namespace {
 
 template <class Surface>
-bool any_moves(const std::vector<Surface>& surfaces) {
+bool any_moving(const std::vector<Surface>& surfaces) {
   return std::any_of(surfaces.begin(), surfaces.end(), [](const Surface& each) { return each.motion || each.turn; });
 }
 
-bool any_damps(const Network& network) {
+bool has_damping(const Network& network) {
   return std::any_of(network.materials().begin(), network.materials().end(),
                      [](const Material& each) { return each.viscosity.has_value(); }) ||
          std::any_of(network.neurons().begin(), network.neurons().end(),
@@ -36,17 +36,17 @@ std::vector<std::string> without_energy(const Network& network, const PluginHost
 
 std::vector<std::string> left_out_of_energy(const Content& content) {
   const Network& network = content.scene.network;
-  std::vector<std::string> workers, parts;
-  if (content.forces.all > 0) workers.emplace_back("loads");
-  if (!network.moves().empty()) workers.emplace_back("moved nodes");
-  if (any_moves(network.planes()) || any_moves(network.instruments())) workers.emplace_back("moving obstacles");
-  if (!workers.empty()) parts.push_back(fmt::format("the work of {}", fmt::join(workers, " and ")));
-  if (any_damps(network)) parts.emplace_back("damping");
+  std::vector<std::string> sources, parts;
+  if (content.forces.all > 0) sources.emplace_back("loads");
+  if (!network.moves().empty()) sources.emplace_back("moved nodes");
+  if (any_moving(network.planes()) || any_moving(network.instruments())) sources.emplace_back("moving obstacles");
+  if (!sources.empty()) parts.push_back(fmt::format("the work of {}", fmt::join(sources, " and ")));
+  if (has_damping(network)) parts.emplace_back("damping");
   if (!network.planes().empty() || !network.instruments().empty()) parts.emplace_back("contact");
   if (!content.removed.empty()) parts.emplace_back("removed springs");
   if (content.plugins) {
     const std::vector<std::string> laws = without_energy(network, *content.plugins);
-    if (!laws.empty()) parts.push_back(fmt::format("springs of {}, a law without energy", fmt::join(laws, " and ")));
+    if (!laws.empty()) parts.push_back(fmt::format("the energy of springs with the law {}", fmt::join(laws, " and ")));
   }
   return parts;
 }

@@ -8,8 +8,8 @@
 
 namespace springnet::view {
 
-// The parts that this run has, as noun phrases to follow "leaves out". Records are too far apart to integrate the work
-// of forces between them. Empty: the sum is constant but for the integrator's error.
+// Only what occurs in this run, as noun phrases that follow "leaves out". Records are too far apart to integrate the
+// work of forces between them. If empty, the sum is constant except for the integrator's error.
 [[nodiscard]] std::vector<std::string> left_out_of_energy(const Content& content);
 
 }  // namespace springnet::view

@@ -12,8 +12,8 @@ namespace springnet::view {
 
 namespace {
 
-// For differences and sums of a few numbers.
-constexpr double roundings = 8.0 * std::numeric_limits<double>::epsilon();
+// A few roundings, for differences and sums of a few numbers.
+constexpr double relative_floor = 8.0 * std::numeric_limits<double>::epsilon();
 
 double largest_coordinate(const Network& network) {
   double largest = 0.0;
@@ -47,9 +47,9 @@ template <class Number>
 void drop_below(std::span<Number> row, const auto& floor_at) {
   Number largest = 0;
   for (const Number value : row) largest = std::max(largest, std::abs(value));
-  const double beside = roundings * static_cast<double>(largest);
+  const double frame_floor = relative_floor * static_cast<double>(largest);
   for (std::size_t k = 0; k < row.size(); ++k) {
-    if (static_cast<double>(std::abs(row[k])) <= std::max(beside, floor_at(k))) row[k] = 0;
+    if (static_cast<double>(std::abs(row[k])) <= std::max(frame_floor, floor_at(k))) row[k] = 0;
   }
 }
 
@@ -59,17 +59,17 @@ Floors floors_of(const Scene& scene, const Selection& selection, const PluginHos
   const Network& network = scene.network;
   const double largest = largest_coordinate(network);
   Floors floors;
-  floors.position = roundings * largest;
+  floors.position = relative_floor * largest;
   floors.speed = floors.position / std::max(scene.output.interval, scene.options.time_step);
   for (const Node& node : network.nodes()) {
     if (!node.fixed) floors.kinetic += 0.5 * node.mass * floors.speed * floors.speed;
-    floors.potential += roundings * node.mass * network.gravity().norm() * node.position.norm();
+    floors.potential += relative_floor * node.mass * network.gravity().norm() * node.position.norm();
   }
   floors.tension.assign(selection.springs.size(), 0.0F);
   if (plugins == nullptr) return floors;
   const std::vector<double> stiffness = stiffnesses(network, *plugins);
   for (std::size_t k = 0; k < stiffness.size(); ++k) {
-    const double rounding = roundings * std::max(largest, network.springs()[k].rest_length);
+    const double rounding = relative_floor * std::max(largest, network.springs()[k].rest_length);
     floors.potential += 0.5 * stiffness[k] * rounding * rounding;
     if (selection.spring_place[k] != not_shown) {
       floors.tension[selection.spring_place[k]] = static_cast<float>(stiffness[k] * rounding);

@@ -1,4 +1,4 @@
-// Rounding levels: a page shows 0 for numbers below them.
+// Rounding levels: a page shows 0 for values below them.
 #pragma once
 
 #include <vector>
@@ -23,7 +23,7 @@ struct Floors {
 // The floors of tensions are 0 without plugins, and for laws without derivatives.
 [[nodiscard]] Floors floors_of(const Scene& scene, const Selection& selection, const PluginHost* plugins);
 
-// Sets numbers at or below their floor to 0, and those below rounding of the largest of their kind in the same frame.
+// Sets values to 0 that are at or below their floor, or within rounding of the largest of their kind in the same frame.
 void drop_rounding(const Floors& floors, Frames& frames);
 
 }  // namespace springnet::view

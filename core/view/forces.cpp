@@ -24,12 +24,12 @@ OnNodes summed(const std::vector<std::pair<NodeIndex, Vector3>>& forces) {
   return sums;
 }
 
-// `count` of them, spread evenly.
+// `count` items, spread evenly.
 template <class Item>
-std::vector<Item> some_of(const std::vector<Item>& all, std::size_t count) {
-  std::vector<Item> some;
-  for (std::size_t k = 0; k < count; ++k) some.push_back(all[k * all.size() / count]);
-  return some;
+std::vector<Item> sample(const std::vector<Item>& all, std::size_t count) {
+  std::vector<Item> items;
+  for (std::size_t k = 0; k < count; ++k) items.push_back(all[k * all.size() / count]);
+  return items;
 }
 
 void find_sides(const Network& network, std::vector<DrawnLoad>& loads) {
@@ -51,8 +51,8 @@ void find_sides(const Network& network, std::vector<DrawnLoad>& loads) {
   }
 }
 
-// The force of a load on each of its nodes now, N. The slack is for steps that end where a load is switched, but for
-// rounding of the time.
+// The force of a load on each of its nodes now, N. The slack in time allows for rounding if a step ends where a load is
+// switched on or off.
 OnNodes forces_now(const Load& load, const DrawnLoad& drawn, const Simulation& simulation) {
   const double time = simulation.time() + 1e-6 * simulation.time_step();
   const double factor = load.from <= time && time < load.until ? LoadCourse(load).at(simulation.time()) : 0.0;
@@ -99,21 +99,21 @@ Forces forces_of(const Network& network, const Selection& selection) {
     if (!candidate.nodes.empty()) candidates.push_back(std::move(candidate));
   }
   const std::size_t loads = candidates.size();
-  if (loads > most_arrows) {
-    candidates = some_of(candidates, most_arrows);
-    forces.notes.push_back(fmt::format("{} of {} loads are drawn as arrows", most_arrows, loads));
+  if (loads > max_arrows) {
+    candidates = sample(candidates, max_arrows);
+    forces.notes.push_back(fmt::format("{} of {} loads are drawn as arrows", max_arrows, loads));
   }
   for (const Candidate& candidate : candidates) {
     // Each load keeps its share of the arrows, one at least.
     const std::size_t all = candidate.nodes.size();
-    const std::size_t count = shown > most_arrows ? std::max<std::size_t>(all * most_arrows / shown, 1) : all;
-    for (const NodeIndex node : some_of(candidate.nodes, count))
+    const std::size_t count = shown > max_arrows ? std::max<std::size_t>(all * max_arrows / shown, 1) : all;
+    for (const NodeIndex node : sample(candidate.nodes, count))
       forces.arrows.push_back({forces.loads.size(), selection.node_place[node], node});
     forces.loads.push_back({candidate.load, candidate.all, count});
   }
   find_sides(network, forces.loads);
   if (forces.arrows.size() < forces.all) {
-    forces.notes.push_back(fmt::format("arrows at nodes show {} of {} forces; resultants count all forces of a load",
+    forces.notes.push_back(fmt::format("arrows at nodes show {} of {} forces; resultants include all forces of a load",
                                        forces.arrows.size(), forces.all));
   }
   return forces;

@@ -1,4 +1,4 @@
-// The scene's loads as a page draws them: the resultant of each, and forces on nodes.
+// The scene's loads as a page draws them: the resultant of each load, and forces on nodes.
 #pragma once
 
 #include <cstddef>
@@ -31,18 +31,18 @@ struct DrawnLoad {
 struct Arrow {
   std::size_t drawn;   // place in Forces::loads
   std::uint32_t node;  // place in Selection::nodes
-  NodeIndex user;
+  NodeIndex user;      // the user's number of the node
 };
 
 struct Forces {
-  std::size_t all = 0;             // forces of the scene's loads, each node of each load counted
-  std::vector<DrawnLoad> loads;    // those that have a shown node, or some of them
-  std::vector<Arrow> arrows;       // all of their forces on shown nodes, or some of each
+  std::size_t all = 0;             // number of forces in the scene, one per load and node
+  std::vector<DrawnLoad> loads;    // those with a shown node, or a sample of them
+  std::vector<Arrow> arrows;       // their forces on shown nodes, or a sample for each load
   std::vector<std::string> notes;  // what is left out
 };
 
-// More arrows than this are unreadable: then only some of each load are drawn.
-inline constexpr std::size_t most_arrows = 200;
+// More arrows than this are unreadable: then only a sample of each load is drawn.
+inline constexpr std::size_t max_arrows = 200;
 
 [[nodiscard]] Forces forces_of(const Network& network, const Selection& selection);
 

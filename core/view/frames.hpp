@@ -1,4 +1,4 @@
-// The records of a run, thinned where there are more than fit.
+// The records of a run, thinned if there are more than fit.
 #pragma once
 
 #include <algorithm>
@@ -8,7 +8,7 @@
 
 namespace springnet::view {
 
-// Rows of equal width, one a frame.
+// Rows of equal width, one per frame.
 template <class Number>
 class Rows {
  public:
@@ -30,7 +30,7 @@ class Rows {
   std::vector<Number> numbers_;
 };
 
-constexpr std::size_t surface_numbers = 7;  // of each surface in a frame
+constexpr std::size_t surface_numbers = 7;  // per surface and frame
 
 struct FrameWidths {
   std::size_t scalars, nodes, springs, surfaces;
@@ -49,10 +49,10 @@ class Frames {
   Rows<float> positions;       // x, y, z of each node, m
   Rows<float> speeds;          // of each node, m/s
   Rows<float> tensions;        // of each spring, N
-  Rows<float> surfaces;        // of each surface: x, y, z, m; the quaternion x, y, z, w of how it has turned
+  Rows<float> surfaces;        // of each surface: x, y, z, m; the quaternion x, y, z, w of its rotation since the start
   Rows<float> resultants;      // x, y, z of each load, N
   Rows<float> forces;          // x, y, z of each arrow at a node, N
-  Rows<std::uint8_t> contact;  // a bit a node
+  Rows<std::uint8_t> contact;  // a bit per node
 
   [[nodiscard]] std::size_t count() const noexcept { return count_; }
   [[nodiscard]] std::uint64_t stride() const noexcept { return stride_; }
@@ -75,7 +75,7 @@ class Frames {
   std::size_t capacity_;
   std::size_t count_ = 0;
   std::uint64_t stride_ = 1;
-  std::uint64_t recorded_ = 0;  // also those that were dropped
+  std::uint64_t recorded_ = 0;  // dropped records included
 };
 
 }  // namespace springnet::view

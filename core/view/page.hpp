@@ -6,7 +6,7 @@
 
 namespace springnet::view {
 
-// In pieces; the data stand between `before_data` and `after_data`.
+// The data go between `before_data` and `after_data`.
 extern const std::string_view before_data;
 extern const std::string_view after_data;
 

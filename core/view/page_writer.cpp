@@ -18,20 +18,20 @@ namespace {
 
 // A diverging run has numbers beyond the range of float.
 float to_float(double number) {
-  constexpr double most = std::numeric_limits<float>::max();
-  return static_cast<float>(std::clamp(number, -most, most));
+  constexpr double max = std::numeric_limits<float>::max();
+  return static_cast<float>(std::clamp(number, -max, max));
 }
 
-// A motion should have at least so many frames to be seen as one; springs are left out for their sake.
-constexpr double wanted_frames = 60.0;
+// Fewer frames do not show a motion: springs are left out to have this many.
+constexpr double min_frames = 60.0;
 
 double expected_records(const Scene& scene) {
   return std::floor(scene.duration / std::max(scene.output.interval, scene.options.time_step)) + 2.0;
 }
 
 Selection select(const Scene& scene, double size) {
-  const double frames = std::min(expected_records(scene), wanted_frames);
-  return view::select(scene.network, frames, 0.75 * std::max(size - program_size(), 0.0));
+  const double frames = std::min(expected_records(scene), min_frames);
+  return view::select(scene.network, frames, 0.75 * std::max(size - program_bytes(), 0.0));
 }
 
 FrameWidths widths_of(const Network& network, const Selection& selection, std::size_t elements, const Forces& forces) {
@@ -43,8 +43,8 @@ FrameWidths widths_of(const Network& network, const Selection& selection, std::s
 Content make_content(const Scene& scene, double size) {
   Content content{scene, select(scene, size), plotted_elements(scene.network), {}, Frames({0, 0, 0, 0}, 2, 0), {}, {}};
   content.forces = forces_of(scene.network, content.selection);
-  const double room = (size - size_once(content)) / size_of_frame(content, true);
-  const auto capacity = static_cast<std::size_t>(std::clamp(room, 2.0, 1e9));
+  const double max_frames = (size - base_bytes(content)) / frame_bytes(content, true);
+  const auto capacity = static_cast<std::size_t>(std::clamp(max_frames, 2.0, 1e9));
   content.frames = Frames(widths_of(scene.network, content.selection, content.elements.size(), content.forces),
                           capacity, static_cast<std::size_t>(std::min(expected_records(scene), 1e6)));
   return content;
@@ -52,8 +52,8 @@ Content make_content(const Scene& scene, double size) {
 
 constexpr std::string_view not_ended = R"(<!DOCTYPE html>
 <meta charset="utf-8"><title>springnet: no page yet</title>
-<p>The run that writes this page has not ended, or was ended from outside. The page is written when a run ends, also
-when it fails; springnet run again makes it.</p>
+<p>The run has not ended, or was killed. The page is written when a run ends, even if it fails: reload it then, or run
+springnet again.</p>
 )";
 
 }  // namespace
@@ -88,9 +88,9 @@ void PageWriter::record(const Record& record) {
 
 void PageWriter::take_events(const Simulation& simulation) {
   const std::vector<Event>& all = simulation.events();
-  for (; seen_ < all.size(); ++seen_) {
-    const Event& event = all[seen_];
-    if (event.element) continue;  // of springs and nodes alone
+  for (; event_count_ < all.size(); ++event_count_) {
+    const Event& event = all[event_count_];
+    if (event.element) continue;  // only springs and nodes are counted
     ++counts_.at(static_cast<std::size_t>(event.kind));
     const bool ruptured = event.kind == Event::Kind::ruptured;
     if (ruptured || event.kind == Event::Kind::cut) {
@@ -150,20 +150,19 @@ void PageWriter::take_surfaces(const Simulation& simulation) {
   }
 }
 
-void PageWriter::note_what_is_missing(const std::optional<Ranges>& rounded) {
+void PageWriter::note_omissions(const std::optional<Ranges>& rounded) {
   const Frames& frames = content_.frames;
   if (frames.count() < frames.recorded()) {
     left_out_.push_back(
-        fmt::format("{} of {} records are shown, one in {} and the last; a larger "
-                    "output.view_size shows more",
+        fmt::format("{} of {} records are shown: one in {}, and the last; a larger output.view_size shows more",
                     frames.count(), frames.recorded(), frames.stride()));
   }
-  const double least = size_once(content_) + 2.0 * size_of_frame(content_, true);
-  if (least > size_) {
-    left_out_.push_back(
-        fmt::format("the page is larger than output.view_size, {}: its program alone takes {}, the network and its "
-                    "first and last record {}",
-                    readable_bytes(size_), readable_bytes(program_size()), readable_bytes(least - program_size())));
+  const double min_bytes = base_bytes(content_) + 2.0 * frame_bytes(content_, true);
+  if (min_bytes > size_) {
+    left_out_.push_back(fmt::format(
+        "the page is larger than output.view_size, {}: its program alone takes {}, the network with its first and last "
+        "record {}",
+        readable_bytes(size_), readable_bytes(program_bytes()), readable_bytes(min_bytes - program_bytes())));
   }
   if (!rounded) return;
   const std::vector<std::string> notes = notes_of(*rounded);
@@ -176,14 +175,14 @@ void PageWriter::close() {
   drop_rounding(floors_of(content_.scene, content_.selection, content_.plugins.get()), content_.frames);
   std::optional<Ranges> rounded;
   if (must_round(content_, size_)) rounded = ranges_of(content_.frames);
-  note_what_is_missing(rounded);
+  note_omissions(rounded);
   content_.notes = left_out_;
   try {
     WholeFile page(file_);
     write_page(page.stream(), content_, rounded);
     page.finish();
   } catch (...) {
-    remove_output(file_);  // the page that stands there says that the run goes on
+    remove_output(file_);  // the page written at the start, which says that the run has not ended
     throw;
   }
 }
@@ -195,11 +194,11 @@ namespace springnet {
 double estimate_view(const Scene& scene) {
   if (!scene.output.view) return 0.0;
   const view::Content content = view::make_content(scene, scene.output.view_size);
-  const double once = view::size_once(content);
-  const double all = once + view::expected_records(scene) * view::size_of_frame(content, false);
-  // The page has the first and the last record, whatever its size.
-  const double least = once + 2.0 * view::size_of_frame(content, true);
-  return std::min(all, std::max(least, scene.output.view_size));
+  const double base = view::base_bytes(content);
+  const double all = base + view::expected_records(scene) * view::frame_bytes(content, false);
+  // The first and the last record are always there, whatever the size.
+  const double min_bytes = base + 2.0 * view::frame_bytes(content, true);
+  return std::min(all, std::max(min_bytes, scene.output.view_size));
 }
 
 }  // namespace springnet

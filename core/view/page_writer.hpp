@@ -1,4 +1,4 @@
-// Collects the records of a run and writes the page; springnet/view.hpp says what is kept and what is left out.
+// Collects the records of a run and writes the page; see springnet/view.hpp for what is kept and what is left out.
 #pragma once
 
 #include <array>
@@ -35,13 +35,13 @@ class PageWriter {
   void take_nodes(const Simulation& simulation);
   void take_springs(const Record& record);
   void take_surfaces(const Simulation& simulation);
-  void note_what_is_missing(const std::optional<Ranges>& rounded);
+  void note_omissions(const std::optional<Ranges>& rounded);
 
   OutputFile file_;
   double size_;  // bytes
   Content content_;
   std::array<std::uint64_t, 7> counts_{};  // of each kind of event
-  std::size_t seen_ = 0;                   // events
+  std::size_t event_count_ = 0;            // events counted so far
   std::vector<std::string> left_out_;
   bool closed_ = false;
 };

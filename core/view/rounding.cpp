@@ -16,15 +16,15 @@ Range range_of(std::span<const float> numbers) {
   return {*low, *high, false};
 }
 
-// Of the positions: within some sizes of the network from where it began.
-Range range_of_places(const Frames& frames) {
-  constexpr float sizes = 16.0F;
+// Of positions: at most 16 sizes of the network from its start.
+Range position_range(const Frames& frames) {
+  constexpr float max_sizes = 16.0F;
   const std::vector<float>& all = frames.positions.numbers();
   Range range = range_of(all);
   const Range start = range_of(std::span(all).first(all.size() / std::max<std::size_t>(frames.count(), 1)));
   const float size = start.high - start.low;
   if (!(size > 0.0F)) return range;
-  const float low = start.low - sizes * size, high = start.high + sizes * size;
+  const float low = start.low - max_sizes * size, high = start.high + max_sizes * size;
   return {std::max(range.low, low), std::min(range.high, high), range.low < low || range.high > high};
 }
 
@@ -34,27 +34,27 @@ std::span<const float> row(const std::vector<float>& numbers, std::size_t frame,
   return std::span(numbers).subspan(frame * width, width);
 }
 
-// Symmetric, from the frames that have all nodes within the range of places; from all if none has.
-Range range_of_sizes(const std::vector<float>& numbers, const Frames& frames, const Range& places) {
-  float largest = 0.0F, usual = 0.0F;
+// Symmetric. Taken from the frames with all nodes within the range of positions, or from all frames if there is none.
+Range symmetric_range(const std::vector<float>& numbers, const Frames& frames, const Range& positions) {
+  float largest = 0.0F, bound = 0.0F;
   for (std::size_t k = 0; k < frames.count(); ++k) {
-    const Range place = range_of(row(frames.positions.numbers(), k, frames.count()));
-    const Range size = range_of(row(numbers, k, frames.count()));
-    const float most = std::max(-size.low, size.high);
-    largest = std::max(largest, most);
-    if (place.low >= places.low && place.high <= places.high) usual = std::max(usual, most);
+    const Range position = range_of(row(frames.positions.numbers(), k, frames.count()));
+    const Range value = range_of(row(numbers, k, frames.count()));
+    const float max = std::max(-value.low, value.high);
+    largest = std::max(largest, max);
+    if (position.low >= positions.low && position.high <= positions.high) bound = std::max(bound, max);
   }
-  if (!(usual > 0.0F)) usual = largest;
-  return {-usual, usual, largest > usual};
+  if (!(bound > 0.0F)) bound = largest;
+  return {-bound, bound, largest > bound};
 }
 
 }  // namespace
 
 Ranges ranges_of(const Frames& frames) {
   Ranges ranges;
-  ranges.positions = range_of_places(frames);
-  ranges.speeds = range_of_sizes(frames.speeds.numbers(), frames, ranges.positions);
-  ranges.tensions = range_of_sizes(frames.tensions.numbers(), frames, ranges.positions);
+  ranges.positions = position_range(frames);
+  ranges.speeds = symmetric_range(frames.speeds.numbers(), frames, ranges.positions);
+  ranges.tensions = symmetric_range(frames.tensions.numbers(), frames, ranges.positions);
   ranges.speeds.low = 0.0F;
   return ranges;
 }
@@ -73,7 +73,7 @@ std::vector<std::string> notes_of(const Ranges& ranges) {
       "positions, speeds and tensions are rounded to 16 bits of their range, so that more records fit; a larger "
       "output.view_size keeps more digits"};
   if (ranges.positions.clipped) {
-    notes.push_back(fmt::format("coordinates outside of {:.3g} m to {:.3g} m are shown at these ends",
+    notes.push_back(fmt::format("coordinates outside {:.3g} m to {:.3g} m are shown at these bounds",
                                 ranges.positions.low, ranges.positions.high));
   }
   if (ranges.speeds.clipped)

@@ -1,4 +1,4 @@
-// Numbers as 16 bit fractions of a range, for pages that would become too large otherwise.
+// Numbers as 16 bit fractions of a range, for pages that would otherwise become too large.
 #pragma once
 
 #include <cstdint>
@@ -11,18 +11,17 @@ namespace springnet::view {
 
 struct Range {
   float low = 0.0F, high = 0.0F;
-  bool clipped = false;  // there are numbers outside of it
+  bool clipped = false;  // there are numbers outside
 };
 
-// Ranges for the numbers of all frames. The last numbers of a diverging run would leave no digits for the rest, so
-// places far from the start of the network are outside of the range, as are speeds and tensions that only such frames
-// have.
+// Ranges of the numbers of all frames. The last frames of a diverging run would leave no digits for the rest: positions
+// far from the network's start are clipped, as are speeds and tensions beyond those of the other frames.
 struct Ranges {
   Range positions, speeds, tensions;
 };
 [[nodiscard]] Ranges ranges_of(const Frames& frames);
 
-// 0 for `low` to 65535 for `high`; the nearest of these for numbers outside.
+// 0 for `low` to 65535 for `high`; numbers outside are clipped.
 [[nodiscard]] std::vector<std::uint16_t> shares_of(const std::vector<float>& numbers, const Range& range);
 
 // What a reader should know of them, in sentences.

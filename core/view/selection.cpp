@@ -6,15 +6,13 @@
 
 #include <fmt/format.h>
 
+#include "view/pair.hpp"
+
 namespace springnet::view {
 
 namespace {
 
 constexpr double face_bytes = 3 * 4 + 4;  // corners, and the frame from which it is torn
-
-std::uint64_t pair_of(NodeIndex a, NodeIndex b) {
-  return static_cast<std::uint64_t>(std::min(a, b)) << 32U | std::max(a, b);
-}
 
 std::vector<SpringIndex> springs_on_faces(const Network& network) {
   std::unordered_set<std::uint64_t> edges;
@@ -60,8 +58,8 @@ void thin(const Network& network, double frames, double bytes, Selection& select
   if (all_faces * face_bytes > 0.5 * bytes) {
     selection.faces = false;
     selection.notes.push_back(
-        fmt::format("the {} surface triangles are not drawn: they would take most of the page's "
-                    "size; a larger output.view_size shows them",
+        fmt::format("the {} surface triangles are not drawn, because they would take most of the page; a larger "
+                    "output.view_size shows them",
                     network.faces().size()));
   } else {
     bytes -= all_faces * face_bytes;
@@ -73,13 +71,13 @@ void thin(const Network& network, double frames, double bytes, Selection& select
     selection.springs = std::move(on_faces);
   }
   used = nodes_of(network, selection.springs, selection.faces);
-  // Each spring brings two nodes at most.
-  const double room =
+  // Each spring adds two nodes at most.
+  const double max_springs =
       std::max((bytes - node_bytes * count(used)) / spring_bytes, bytes / (spring_bytes + 2.0 * node_bytes));
   const auto candidates = static_cast<double>(selection.springs.size());
-  if (candidates > room) {
+  if (candidates > max_springs) {
     which += ", spread evenly";
-    keep_share(selection.springs, room / candidates);
+    keep_share(selection.springs, max_springs / candidates);
     used = nodes_of(network, selection.springs, selection.faces);
   }
   if (static_cast<double>(selection.springs.size()) < total) {

@@ -13,18 +13,18 @@ namespace springnet::view {
 inline constexpr std::uint32_t not_shown = std::numeric_limits<std::uint32_t>::max();
 
 struct Selection {
-  std::vector<NodeIndex> nodes;                         // shown, rising
-  std::vector<SpringIndex> springs;                     // shown, rising
+  std::vector<NodeIndex> nodes;                         // shown, ascending
+  std::vector<SpringIndex> springs;                     // shown, ascending
   std::vector<std::uint32_t> node_place, spring_place;  // by the user's number: place in the two above, or not_shown
   bool faces = true;
   std::vector<std::string> notes;  // what is left out
 };
 
-// Everything if `frames` frames of it take at most `bytes` (before base64). Otherwise the springs on faces if there are
-// any, and as many of them as fit, evenly spread.
+// Everything, if that many frames take at most `bytes` (before base64). Otherwise as many springs as fit, evenly
+// spread: those on faces, if there are faces.
 [[nodiscard]] Selection select(const Network& network, double frames, double bytes);
 
-// Bytes needed once, and in each frame, with 16 bit numbers for what moves.
+// Bytes needed once, and per frame, with 16 bit numbers in frames.
 struct Cost {
   double once = 0.0;
   double frame = 0.0;

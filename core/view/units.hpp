@@ -1,4 +1,4 @@
-// Units of laws' parameters, for readers.
+// Laws and their parameters with units, as text.
 #pragma once
 
 #include <string>

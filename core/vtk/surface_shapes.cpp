@@ -32,14 +32,14 @@ class Builder {
 };
 
 // Two unit vectors, perpendicular to `axis` and to each other; axis, first, second are right-handed.
-std::array<Vector3, 2> across(const Vector3& axis) {
+std::array<Vector3, 2> perpendicular_to(const Vector3& axis) {
   const Vector3 first = axis.unitOrthogonal();
   return {first, axis.cross(first)};
 }
 
 void add_plane(Builder& builder, const Plane& plane, const Vector3& middle, double half) {
   const Vector3 foot = middle - (middle - plane.point).dot(plane.normal) * plane.normal;
-  const auto [u, v] = across(plane.normal);
+  const auto [u, v] = perpendicular_to(plane.normal);
   const NodeIndex first = builder.point(foot - half * u - half * v);
   builder.point(foot + half * u - half * v);
   builder.point(foot + half * u + half * v);
@@ -48,14 +48,14 @@ void add_plane(Builder& builder, const Plane& plane, const Vector3& middle, doub
   builder.triangle(first, first + 2, first + 3);
 }
 
-// Rings of points from pole to pole; a capsule has its equator twice, once at each end.
+// Rings of points from pole to pole; a capsule has two equators, one at each end.
 void add_round(Builder& builder, const Instrument& instrument) {
   constexpr int around = 24;
   constexpr int half = 6;  // rings from a pole to the equator, inclusive
   const Vector3 reach = instrument.second - instrument.first;
   const bool capsule = reach.norm() > 0.0;
   const Vector3 axis = capsule ? Vector3(reach.normalized()) : Vector3::UnitZ();
-  const std::array<Vector3, 2> sides = across(axis);
+  const std::array<Vector3, 2> sides = perpendicular_to(axis);
   const NodeIndex south = builder.point(instrument.first - instrument.radius * axis);
   NodeIndex last = south;
   const auto ring = [&](const Vector3& center, int step) {

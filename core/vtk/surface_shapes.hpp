@@ -15,7 +15,7 @@ struct SurfaceShapes {
   std::vector<std::uint32_t> triangle_surface;
 };
 
-// A plane is a square about the projection of the network's middle, somewhat larger than the network.
+// A plane becomes a square about the projection of the network's centre, somewhat larger than the network.
 [[nodiscard]] SurfaceShapes shapes_of(const Network& network);
 
 }  // namespace springnet

@@ -42,7 +42,7 @@ class SpringsByEnds {
   }
 
  private:
-  std::vector<std::pair<Ends, SpringIndex>> springs_;  // rising
+  std::vector<std::pair<Ends, SpringIndex>> springs_;  // ascending
 };
 
 }  // namespace

@@ -1,4 +1,4 @@
-// A record in the arrays of VTK files.
+// A record as the arrays of VTK files.
 #pragma once
 
 #include <cstdint>
@@ -17,8 +17,8 @@ namespace springnet {
 struct VtkNet {
   explicit VtkNet(const Network& network);
   void take(const Record& record);
-  // Of the last record, whose arrays it refers to, so that it is valid as long as that record; before the first one it
-  // has sizes only.
+  // The last record; valid as long as that record, to whose arrays it refers. Before the first record it has sizes
+  // only.
   [[nodiscard]] VtkFile file(OutputOptions::Precision precision) const;
 
   // Points: nodes.
@@ -26,7 +26,7 @@ struct VtkNet {
   double time = 0.0;                                                         // s
   const double *places = nullptr, *velocities = nullptr, *forces = nullptr;  // x, y, z of each
   std::vector<std::uint8_t> contact, fixed;
-  std::vector<std::int64_t> surface, node;  // surface: that the node is in contact with, the first of several; -1: none
+  std::vector<std::int64_t> surface, node;  // surface: the (first) one that the node is in contact with; -1: none
   // Cells: springs, rigid connections, faces. A face is broken once a spring along one of its edges is.
   std::vector<std::int64_t> connectivity, offsets, number;
   std::vector<std::uint8_t> types, kind, broken;

@@ -1,5 +1,5 @@
-// A file of VTK's XML formats with its data appended as raw bytes. The header depends on sizes alone, so that the size
-// of the file is known before there is data.
+// A file of VTK's XML formats with its data appended as raw bytes. The header depends on sizes only, so the size of the
+// file is known before there are data.
 #pragma once
 
 #include <cstdint>
@@ -32,7 +32,7 @@ struct VtkFile {
 };
 
 [[nodiscard]] std::uint64_t vtk_bytes(const VtkFile& file);
-// Throws Error(input) if the file cannot be created, OutputError if it cannot be written as a whole.
+// Throws Error(input) if the file cannot be created, OutputError if it cannot be written completely.
 void write_vtk(const OutputFile& path, const VtkFile& file);
 
 }  // namespace springnet

@@ -58,7 +58,7 @@ double vtk_record_bytes(const Network& network, const OutputOptions& options) {
 
 double vtk_index_bytes(const Network& network, double records) {
   constexpr double time = -2.2250738585072014e-308;  // the longest decimal
-  // Names of a million records and more are longer by a few characters.
+  // File names have more digits from a million records on.
   double record = static_cast<double>(entry(time, 0, "net", net_name(99'999'999)).size());
   if (network.planes().size() + network.instruments().size() > 0) {
     record += static_cast<double>(entry(time, 1, "surfaces", surface_name(99'999'999)).size());
@@ -113,7 +113,7 @@ void VtkSeries::write_pictures(const Record& record) {
     bytes += vtk_bytes(surfaces);
     entries += entry(record.time(), 1, "surfaces", surface_name(records_));
   }
-  // Replaces the closing tags and appends them again in one write: a reader finds a whole document at any time.
+  // Replaces the closing tags and appends them again in one write, so that a reader always finds a complete document.
   const std::size_t added = entries.size();
   entries += index_close;
   index_.seek(index_end_);

@@ -1,4 +1,4 @@
-// The series of pictures that a run writes for ParaView, and how large it becomes.
+// The series of pictures that a run writes for ParaView, and its size.
 #pragma once
 
 #include <limits>
@@ -16,10 +16,10 @@ namespace springnet {
 inline constexpr const char* vtk_folder = "vtk";
 [[nodiscard]] std::string vtk_index_name();  // run.pvd in that folder
 
-// Names of the files of an earlier series in the folder, and of nothing else that is in it.
+// Names of the files in the folder that belong to an earlier series.
 [[nodiscard]] std::vector<std::string> vtk_series_files(const OutputFolder& folder);
 
-// Bytes of one record, and of the index at most.
+// Bytes of one record; an upper bound for the bytes of the index.
 [[nodiscard]] double vtk_record_bytes(const Network& network, const OutputOptions& options);
 [[nodiscard]] double vtk_index_bytes(const Network& network, double records);
 

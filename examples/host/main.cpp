@@ -1,5 +1,5 @@
 // A program that embeds springnet: a block of soft material hangs from its upper side, is pulled, is cut through, and
-// its lower half falls. Prints one quantity a line, with its unit in the name.
+// its lower half falls. Prints one quantity per line, with its unit in the name.
 #include <cstdio>
 #include <memory>
 #include <vector>
@@ -31,15 +31,15 @@ springnet::Network hanging_block() {
   return network;
 }
 
-// Upwards, N: what the fixed nodes need to stay where they are, under all springs and their own weight.
+// Upward force that holds the fixed nodes against all springs and their own weight, N.
 double holding_force(const springnet::Simulation& simulation) {
   double sum = 0.0;
   for (springnet::NodeIndex node = first_fixed; node < nodes; ++node) sum += simulation.reaction(node).z();
   return sum;
 }
 
-// Mean height of the two lower layers, m. The map looks at the engine's own memory; columns() tells where the engine
-// keeps the user's nodes.
+// Mean height of the two lower layers, m. The map refers to the engine's own memory; columns() has the column of each
+// of the user's nodes.
 double height_of_lower_half(const springnet::Simulation& simulation) {
   const springnet::ConstNodeMap positions = simulation.positions();
   double sum = 0.0;
@@ -63,7 +63,7 @@ void run() {
   std::printf("holding_force_pulled_N %.9g\n", holding_force(simulation));
   std::printf("lowest_point_pulled_m %.9g\n", simulation.positions().row(2).minCoeff());
 
-  // It lets go, and a cut between the second and the third layer sets the lower half free.
+  // It lets go, and a cut between the second and the third layer releases the lower half.
   simulation.set_force(middle, Vector3::Zero());
   const double before = height_of_lower_half(simulation);
   const std::size_t removed =

@@ -41,17 +41,17 @@ struct Law {
 struct Constraint {
   std::string name;
   std::function<void(Network&)> add;
-  // The gap of a point from what nodes may not enter, m.
+  // The gap between a point and the obstacle, m.
   std::function<double(const Vector3& point, double time)> gap;
   bool rests = true;  // does no work
 };
 
-struct Way {
+struct Method {
   std::string name;
   LawUse integrator;
 };
 
-// The law of linear springs as an author may write it who gives no derivatives.
+// The law of linear springs as an author may write it without derivatives.
 const springnet_plugin& plain_plugin() {
   static const springnet_component component = [] {
     springnet_component linear = *plugins()->require(ComponentKind::spring_function, "linear")->description;
@@ -197,8 +197,8 @@ std::vector<Constraint> constraints() {
           {"rigid connections on a plane with restitution", both(rods, floor_of(none, 0.5)), above}};
 }
 
-std::vector<Way> ways() {
-  std::vector<Way> all;
+std::vector<Method> methods() {
+  std::vector<Method> all;
   const std::pair<const char*, double> rules[] = {
       {"synchronous", synchronous}, {"wavefront", wavefront}, {"block", block},
       {"coloured", coloured},       {"newton", newton},       {"automatic", automatic}};
@@ -225,12 +225,12 @@ Network body(const Law& law, const Constraint& constraint) {
   return net;
 }
 
-// What is wrong with the present state; empty if nothing.
+// The error of the present state; empty if there is none.
 std::string wrong(const Network& net, const Constraint& constraint, const Simulation& s) {
   if (!s.positions().allFinite() || !s.velocities().allFinite()) return "a number is not finite";
   for (NodeIndex k = 0; k < net.nodes().size(); ++k) {
-    // The reference keeps the gap to its tolerance; a node that a moving surface leaves may for some steps be behind
-    // it, by what is of second order in the step: up to h^2 times its acceleration, 20 m/s^2.
+    // The reference keeps the gap to its tolerance; a node that separates from a moving surface may be behind it for
+    // some steps, by up to h^2 times its acceleration, 20 m/s^2.
     const double behind = constraint.rests ? 1e-6 : 20.0 * time_step * time_step;
     if (const double gap = constraint.gap(s.position(k), s.time()); gap < -behind)
       return fmt::format("node {} is {:.3g} m behind the surface at {:g} s", k, -gap, s.time());
@@ -251,12 +251,12 @@ struct Outcome {
   std::string refusal;  // empty: it works
   std::string wrong;
 };
-Outcome run(const Law& law, const Constraint& constraint, const Way& way) {
+Outcome run(const Law& law, const Constraint& constraint, const Method& method) {
   try {
     const Network net = body(law, constraint);
     SimulationOptions options;
     options.time_step = time_step;
-    options.integrator = way.integrator;
+    options.integrator = method.integrator;
     options.threads = 1;
     Simulation simulation(net, all_plugins(), options);
     const double before = simulation.kinetic_energy() + simulation.potential_energy();
@@ -265,7 +265,7 @@ Outcome run(const Law& law, const Constraint& constraint, const Way& way) {
       if (std::string what = wrong(net, constraint, simulation); !what.empty()) return {"", what};
     }
     const double after = simulation.kinetic_energy() + simulation.potential_energy();
-    // Of 40 J; verlet and the reference keep it but for their errors, the others lose some.
+    // Of 40 J; verlet and the reference conserve it except for their errors, the others lose some.
     if (law.conserves && constraint.rests && after > before + 0.01)
       return {"", fmt::format("the energy rose from {:.6g} J to {:.6g} J", before, after)};
     return {};
@@ -274,12 +274,12 @@ Outcome run(const Law& law, const Constraint& constraint, const Way& way) {
   }
 }
 
-// Reasons for refusals, by what their messages say of them.
+// Reasons for refusals, by parts of their messages.
 const std::vector<std::pair<std::vector<std::string>, std::string>>& reasons() {
   static const std::vector<std::pair<std::vector<std::string>, std::string>> known{
       {{"offers no derivatives"}, "needs the law's derivatives"},
       {{"rigid", "\"bdf\""}, "keeps rigid connections with `method = \"bdf\"` only"},
-      {{"relative"}, "a relative velocity is one of two nodes: springs alone have it"}};
+      {{"relative"}, "only springs, between two nodes, have a relative velocity"}};
   return known;
 }
 std::string reason_of(const std::string& message) {
@@ -309,7 +309,7 @@ class Notes {
   std::vector<std::string> reasons_;
 };
 
-// refusals: by what of the other table, the reason; of so many that count.
+// refusals: reasons by rows of the other table, of which `count` are considered.
 std::string cell(const std::map<std::string, std::string>& refusals, std::size_t count, Notes& notes) {
   if (refusals.empty()) return "yes";
   std::set<std::size_t> numbers;
@@ -325,36 +325,36 @@ std::string cell(const std::map<std::string, std::string>& refusals, std::size_t
 std::string tables(bool& good) {
   const std::vector<Law> law = laws();
   const std::vector<Constraint> constraint = constraints();
-  const std::vector<Way> way = ways();
-  // [law][constraint][way] reason, empty: it works
+  const std::vector<Method> method = methods();
+  // [law][constraint][method] reason, empty: it works
   std::vector<std::vector<std::vector<std::string>>> refused(
-      law.size(), std::vector(constraint.size(), std::vector<std::string>(way.size())));
+      law.size(), std::vector(constraint.size(), std::vector<std::string>(method.size())));
   for (std::size_t l = 0; l < law.size(); ++l) {
     for (std::size_t c = 0; c < constraint.size(); ++c) {
-      for (std::size_t w = 0; w < way.size(); ++w) {
-        const Outcome outcome = run(law[l], constraint[c], way[w]);
+      for (std::size_t w = 0; w < method.size(); ++w) {
+        const Outcome outcome = run(law[l], constraint[c], method[w]);
         std::string& reason = refused[l][c][w];
         if (!outcome.refusal.empty()) reason = reason_of(outcome.refusal);
         const bool unknown = !outcome.refusal.empty() && reason.empty();
         if (outcome.wrong.empty() && !unknown) continue;
         good = false;
-        fmt::print("{}; {}; {}: {}\n", law[l].name, constraint[c].name, way[w].name,
+        fmt::print("{}; {}; {}: {}\n", law[l].name, constraint[c].name, method[w].name,
                    unknown ? "refused for an unknown reason: " + outcome.refusal : outcome.wrong);
       }
     }
   }
   std::string header = "|", line = "|---|";
-  for (const Way& each : way) {
+  for (const Method& each : method) {
     header += " | " + each.name;
     line += "---|";
   }
   header += " |\n" + line + "\n";
   Notes notes;
   std::string by_law = "| law" + header.substr(1), by_constraint = "| constraint" + header.substr(1);
-  // What is refused without a constraint is the law's matter, what is refused for linear springs the constraint's.
+  // Refusals without a constraint belong to the law, refusals with linear springs to the constraint.
   for (std::size_t l = 0; l < law.size(); ++l) {
     by_law += "| " + law[l].name;
-    for (std::size_t w = 0; w < way.size(); ++w) {
+    for (std::size_t w = 0; w < method.size(); ++w) {
       std::map<std::string, std::string> refusals;
       std::size_t count = 0;
       for (std::size_t c = 0; c < constraint.size(); ++c) {
@@ -368,7 +368,7 @@ std::string tables(bool& good) {
   }
   for (std::size_t c = 0; c < constraint.size(); ++c) {
     by_constraint += "| " + constraint[c].name;
-    for (std::size_t w = 0; w < way.size(); ++w) {
+    for (std::size_t w = 0; w < method.size(); ++w) {
       std::map<std::string, std::string> refusals;
       std::size_t count = 0;
       for (std::size_t l = 0; l < law.size(); ++l) {
@@ -382,14 +382,15 @@ std::string tables(bool& good) {
   }
   return fmt::format(
       "# What works with what\n\n"
-      "Made by `test_abilities --write core/docs/abilities.md`, which runs a body of eight nodes with every law under\n"
+      "Written by `test_abilities --write core/docs/abilities.md`, which runs a body of eight nodes with every law "
+      "under\n"
       "every constraint in every integrator, {} runs, and checks this page in the suite. The first six columns are\n"
       "update rules of `recurrent`. \"yes\": it runs, numbers stay finite, constraints hold, and the energy does not\n"
-      "rise. \"no\": it is refused, with an error that names what and why; the numbers are those of the reasons "
+      "rise. \"no\": it is refused, with an error that gives the reason; the numbers refer to the reasons "
       "below.\n\n"
-      "## Laws\n\nUnder all constraints that the integrator has for linear springs.\n\n{}\n"
-      "## Constraints\n\nWith all laws that the integrator takes.\n\n{}\n## Reasons\n\n{}",
-      law.size() * constraint.size() * way.size(), by_law, by_constraint, notes.text());
+      "## Laws\n\nUnder all constraints that the integrator supports with linear springs.\n\n{}\n"
+      "## Constraints\n\nWith all laws that the integrator supports.\n\n{}\n## Reasons\n\n{}",
+      law.size() * constraint.size() * method.size(), by_law, by_constraint, notes.text());
 }
 
 std::string read(const std::string& path) {
@@ -411,7 +412,7 @@ int main(int argc, char** argv) {
     if (writes) {
       std::ofstream(page) << now;
     } else if (read(page) != now) {
-      fmt::print("{} has other tables than these; if they are right: test_abilities --write {}\n\n{}", page, page, now);
+      fmt::print("{} differs from these tables; if they are right: test_abilities --write {}\n\n{}", page, page, now);
       good = false;
     }
     return good ? 0 : 1;

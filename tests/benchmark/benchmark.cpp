@@ -1,4 +1,4 @@
-// Speed of whole time steps, through the interface that a host program has. items_per_second is spring updates a
+// Speed of whole time steps, through the interface of host programs. items_per_second is spring updates per
 // second: springs x steps for a step of one sweep, springs x sweeps (evaluations of all springs) for steps that
 // iterate. Lattices have axial and space-diagonal springs with linear stiffness and axial damping.
 #include <cstdint>
@@ -94,7 +94,7 @@ BENCHMARK(evaluation)
     ->Unit(benchmark::kMicrosecond);
 
 // A step of one synchronous sweep: symplectic Euler. The network stays the same size and in motion for any number of
-// steps (t_c^2 k/m = 0.01, far inside the stable range, and little damping), so every step is as dear as the first.
+// steps (t_c^2 k/m = 0.01, far inside the stable range, and little damping), so every step costs as much as the first.
 void single_sweep(benchmark::State& state) {
   const springnet::SimulationOptions options{
       .time_step = 0.01,
@@ -113,7 +113,7 @@ BENCHMARK(single_sweep)
     ->UseRealTime()
     ->Unit(benchmark::kMicrosecond);
 
-// Runs the cube's fall again and again, 5 s of it (touch down at 0.9 s, deepest at 3.95 s), a step an iteration.
+// Repeats the first 5 s of the cube's fall (touch-down at 0.9 s, deepest at 3.95 s), one step per iteration.
 void cube_steps(benchmark::State& state, const springnet::SimulationOptions& options) {
   const springnet::Network network = cube();
   auto simulation = std::make_unique<springnet::Simulation>(network, plugins(), options);

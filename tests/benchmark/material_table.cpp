@@ -1,4 +1,4 @@
-// The table of core/docs/material.md: how far nets of springs are from the material that they are made of, on a bar in
+// The table of core/docs/material.md: errors of nets of springs against their material, on a bar in
 // tension, a cantilever and a block in shear. Prints Markdown. With the name of that page it checks instead that the
 // page has the same rows.
 #include <algorithm>
@@ -26,12 +26,12 @@ namespace {
 using namespace springnet;
 using material::Sharing;
 
-constexpr double modulus = 1.0;    // Pa
-constexpr double thickness = 0.5;  // m, of sheets
-constexpr double length = 5.0;     // m, of bar and cantilever; height and depth are 1 m
-constexpr double at_place = 1e-9;  // m, how exactly sides are told
+constexpr double modulus = 1.0;          // Pa
+constexpr double thickness = 0.5;        // m, of sheets
+constexpr double length = 5.0;           // m, of bar and cantilever; height and depth are 1 m
+constexpr double side_tolerance = 1e-9;  // m, to recognise points on a side
 
-// So small that what is found is linear. Sheets, which have no stiffness across their plane, are kept from buckling by
+// Small enough for a linear response. Sheets, which have no stiffness across their plane, are kept from buckling by
 // the inertia of the time step alone.
 constexpr double strain = 1e-7;
 // m / t^2 over the stiffness of a spring: above the compressive strains, so that the steps stay definite, and far below
@@ -62,10 +62,10 @@ struct Net {
   [[nodiscard]] bool at_side(std::size_t k, std::size_t axis) const {
     const auto a = static_cast<Eigen::Index>(axis);
     const double coordinate = mesh.points[k][a];
-    return size[a] > 0 && (coordinate < at_place || coordinate > size[a] - at_place);
+    return size[a] > 0 && (coordinate < side_tolerance || coordinate > size[a] - side_tolerance);
   }
-  [[nodiscard]] bool at_start(std::size_t k) const { return mesh.points[k].x() < at_place; }
-  [[nodiscard]] bool at_end(std::size_t k) const { return mesh.points[k].x() > size.x() - at_place; }
+  [[nodiscard]] bool at_start(std::size_t k) const { return mesh.points[k].x() < side_tolerance; }
+  [[nodiscard]] bool at_end(std::size_t k) const { return mesh.points[k].x() > size.x() - side_tolerance; }
   [[nodiscard]] bool on_boundary(std::size_t k) const { return at_side(k, 0) || at_side(k, 1) || at_side(k, 2); }
   // The part of an end's force at a point of it.
   [[nodiscard]] double part(std::size_t k) const {
@@ -78,8 +78,8 @@ struct Net {
   }
 };
 
-// Points within and on the sides, but not those of the ends, leave their places at random, along the sides that they
-// are on, by up to this much of the spacing.
+// Points inside and on the sides, but not those of the ends, are moved at random, within the sides that they are on, by
+// up to this fraction of the spacing.
 constexpr double scatter = 0.2;
 
 void scatter_points(Net& net) {
@@ -122,7 +122,7 @@ Mesh divided(const Net& net) {
 // bar.msh and block.msh, by gmsh 4.8 -3 -format msh41 from
 //   SetFactory("OpenCASCADE"); Box(1) = {0, 0, 0, 5, 1, 1}; Physical Volume("tissue") = {1};
 //   Mesh.MeshSizeMin = 0.25; Mesh.MeshSizeMax = 0.25;
-// and with a length of 1 in place of 5.
+// and with a length of 1 instead of 5.
 Net read_net(double extent) {
   Net net{};
   net.dimension = 3;
@@ -222,7 +222,7 @@ struct Tension {
   double poisson_ratio;
 };
 
-// The bar's middle half, away from the held end, which hinders contraction.
+// The middle half of the bar, away from the fixed end, which hinders contraction.
 Tension tension(const Net& net, Sharing sharing) {
   Network network = network_of(net, sharing);
   pull_end(net, network, {strain * modulus * net.depth(), 0, 0});
@@ -329,7 +329,7 @@ std::vector<std::uint32_t> sizes_of(Kind kind) {
   return is_sheet(kind) ? std::vector{2u, 4u, 8u} : std::vector{2u, 3u, 4u};
 }
 
-// The rows of the page that begin as the table's do, each once.
+// The rows of the page that begin like rows of the table, each once.
 bool page_has(const std::string& page, const std::string& row) {
   std::ifstream stream(page);
   for (std::string line; std::getline(stream, line);) {

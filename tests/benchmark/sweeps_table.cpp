@@ -1,5 +1,5 @@
-// The tables of core/docs/propagation.md: sweeps a step that each update rule needs on filled spheres and on the
-// paper's cube, from soft to stiff. Prints Markdown. Counts, not times: the same everywhere.
+// The tables of core/docs/propagation.md: sweeps per step that each update rule needs on filled spheres and on the
+// paper's cube, from soft to stiff. Prints Markdown. Counts, not times, so the same on every machine.
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -26,8 +26,8 @@ constexpr int step_count = 10;
 constexpr double most_sweeps = 5000;
 constexpr std::array ratios{0.01, 0.1, 1.0, 10.0, 100.0};
 
-// The cube with masses of 1 kg standing on the floor, its nodes with velocities of a few mm/s at random, so that every
-// motion is there for a sweep to damp or to raise.
+// The cube with masses of 1 kg standing on the floor, its nodes with velocities of a few mm/s at random, which excite
+// every mode.
 Network standing_cube(double elastic_ratio, double viscous_ratio) {
   Network net = testing::cube(elastic_ratio / (time_step * time_step), viscous_ratio / time_step, gravity, 0.0);
   std::mt19937 random(1);
@@ -43,7 +43,7 @@ Network standing_cube(double elastic_ratio, double viscous_ratio) {
 
 struct Run {
   Outcome outcome = Outcome::settled;
-  double sweeps = 0.0;    // a step; those of the last step if it did not settle
+  double sweeps = 0.0;    // per step; those of the last step if it did not settle
   double residual = 0.0;  // N, the greatest of all steps
   std::vector<Vector3> positions{};
 };
@@ -66,7 +66,7 @@ Run run(const Network& net, const char* rule, double force_tolerance, double h) 
   return result;
 }
 
-// "12 (0.3)": sweeps a step, and the greatest residual in units of the threshold. Or how it ended, after how many
+// "12 (0.3)": sweeps per step, and the greatest residual in units of the threshold. Or how it ended, after how many
 // sweeps.
 std::string text_of(const Run& run, const Run& newton, double force_tolerance) {
   if (run.outcome != Outcome::settled) return fmt::format("{}, {:.0f}", name_of(run.outcome), run.sweeps);

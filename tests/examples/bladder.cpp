@@ -33,10 +33,10 @@ void check_course(const Observed& course) {
     if (course.displacement(i) > course.displacement(peak)) peak = i;
   const double greatest_displacement = course.displacement(peak);
   CHECK(course.times[peak] < 6.0);
-  CHECK(greatest_displacement > 0.01);  // to be seen: more than a tenth of its length
+  CHECK(greatest_displacement > 0.01);  // visible: more than a tenth of its length
   CHECK(greatest_displacement < 0.04);
 
-  // The node that moved farthest, along the way that it moved: how often its velocity turns round after 6 s.
+  // The node that moved farthest: how often its velocity along that displacement changes sign after 6 s.
   Eigen::Index node = 0;
   (course.positions[peak] - course.positions.front()).colwise().norm().maxCoeff(&node);
   const Vector3 direction = (course.positions[peak] - course.positions.front()).col(node).normalized();

@@ -28,7 +28,7 @@ inline Positions positions_of(const Simulation& simulation) {
   return simulation.positions()(Eigen::all, simulation.columns());
 }
 
-// Steps to the end of the scene; `look` sees the beginning and every step.
+// Steps to the end of the scene; `look` is called at the start and after every step.
 inline Simulation run(const Scene& scene, const std::function<void(const Simulation&)>& look) {
   Simulation simulation(scene.network, plugins(), scene.options);
   look(simulation);
@@ -40,7 +40,7 @@ inline Simulation run(const Scene& scene, const std::function<void(const Simulat
   return simulation;
 }
 
-// Greatest distance of a node from where it is in the other, m.
+// Greatest distance between positions of a node in the two, m.
 inline double greatest(const Positions& a, const Positions& b) { return (a - b).colwise().norm().maxCoeff(); }
 
 }  // namespace springnet::testing

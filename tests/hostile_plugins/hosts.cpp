@@ -19,12 +19,13 @@ std::string check_state(const Simulation& simulation) {
   return {};
 }
 
-std::string check_error(const Error& error, const Demand& demand) {
+std::string check_error(const Error& error, const Expectation& expected) {
   const std::string text = error.what();
   if (text.size() < 20) return fmt::format("an error of few words: {}", text);
   if (printable_message(text) != text) return fmt::format("an error with control characters: {}", printable(text, 400));
-  if (text.find(demand.names) == std::string::npos) return fmt::format("no '{}' in the error: {}", demand.names, text);
-  if (demand.kind && error.kind() != *demand.kind)
+  if (text.find(expected.names) == std::string::npos)
+    return fmt::format("no '{}' in the error: {}", expected.names, text);
+  if (expected.kind && error.kind() != *expected.kind)
     return fmt::format("an error of kind {}: {}", static_cast<int>(error.kind()), text);
   return {};
 }
@@ -32,7 +33,7 @@ std::string check_error(const Error& error, const Demand& demand) {
 }  // namespace
 
 std::string run_with(const springnet_plugin& plugin, const Network& network, const SimulationOptions& options,
-                     const Demand& demand) {
+                     const Expectation& expected) {
   auto host = std::make_shared<PluginHost>(PluginHost::with_default_search());
   if (!host->add(plugin)) return "the plugin was refused: " + host->refusals().back().reason;
   std::optional<Simulation> simulation;
@@ -52,7 +53,7 @@ std::string run_with(const springnet_plugin& plugin, const Network& network, con
       static_cast<void>(simulation->tension(0));
     }
   } catch (const Error& error) {
-    if (std::string wrong = check_error(error, demand); !wrong.empty()) return wrong;
+    if (std::string wrong = check_error(error, expected); !wrong.empty()) return wrong;
     if (!simulation) return {};
     // What was reached is kept, and another step neither crashes nor hangs.
     if (std::string wrong = check_state(*simulation); !wrong.empty()) return wrong + " after " + error.what();
@@ -65,7 +66,7 @@ std::string run_with(const springnet_plugin& plugin, const Network& network, con
   }
   for (const std::string& note : simulation->notes())
     if (printable_message(note) != note) return "a note with control characters";
-  return demand.fails ? "no error" : "";
+  return expected.fails ? "no error" : "";
 }
 
 Network row(const Material& material, const LawUse& neuron, bool large) {

@@ -1,4 +1,4 @@
-// A simulation with hostile plugins, and what has to hold whatever they do.
+// A simulation with hostile plugins, and what must hold whatever they do.
 #pragma once
 
 #include <cstdlib>
@@ -12,22 +12,22 @@
 
 namespace springnet::testing {
 
-struct Demand {
-  bool fails = false;             // the run has to end with an error
+struct Expectation {
+  bool fails = false;             // the run must end with an error
   std::optional<ErrorKind> kind;  // of this kind
   std::string names;              // that names this
 };
 
-// Runs a few steps and asks for all that a simulation answers. Returns what is wrong with the way it went: an error
-// without words, with control characters, without the name; numbers in the state that are not finite; a step that is
-// said to be done and is not.
+// Runs a few steps and calls every query of the simulation. Returns what is wrong: an error without a message, with
+// control characters or without the name; numbers in the state that are not finite; a step that is reported as done but
+// is not.
 std::string run_with(const springnet_plugin& plugin, const Network& network, const SimulationOptions& options,
-                     const Demand& demand);
+                     const Expectation& expected);
 
 // A few nodes in a row, the last one moving; or, `large`, as many as two threads share.
 Network row(const Material& material, const LawUse& neuron, bool large = false);
 
-// All cases of a long list, or in the suite one in a few.
+// All cases of a long list, or a sample in the suite.
 inline bool is_chosen(std::size_t number) {
   static const bool all = std::getenv("SPRINGNET_HOSTILE_PLUGINS") != nullptr;
   constexpr std::size_t one_in = 41;

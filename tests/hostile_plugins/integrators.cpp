@@ -1,5 +1,5 @@
-// Integrators that commit what is no state, or call the functions of the host with anything at all: an error that names
-// them, never a crash, a run without an end or a state that is not finite.
+// Integrators that commit invalid states, or call the host's functions with arbitrary arguments: an error that names
+// them, never a crash, a hang or a state that is not finite.
 #include <string>
 #include <vector>
 
@@ -91,17 +91,17 @@ std::string run(const Case& each, When time, unsigned threads) {
     options.threads = threads;
     options.renumber = false;
     options.integrator = {"hostile", {}};
-    Demand demand;
-    demand.fails = each.refused && when != When::and_then_commits && when != When::on_creation;
-    if (demand.fails) demand.kind = ErrorKind::plugin;
-    if (demand.fails) demand.names = "integrator 'hostile' of plugin test.hostile";
-    return run_with(plugin, row(damped(1.0, 0.1), {}, threads > 1), options, demand);
+    Expectation expected;
+    expected.fails = each.refused && when != When::and_then_commits && when != When::on_creation;
+    if (expected.fails) expected.kind = ErrorKind::plugin;
+    if (expected.fails) expected.names = "integrator 'hostile' of plugin test.hostile";
+    return run_with(plugin, row(damped(1.0, 0.1), {}, threads > 1), options, expected);
   });
 }
 
 }  // namespace
 
-TEST_CASE("integrators that misbehave are named in an error, and nothing else happens") {
+TEST_CASE("misbehaving integrators end in an error that names them, without other effects") {
   static_cast<void>(plugins());  // their libraries are open before the children are made
   std::size_t number = 0, tried = 0;
   const std::vector<Case> cases = all_cases();

@@ -175,7 +175,7 @@ bool has_to_fail(Deed what) { return what != Deed::fine && what != Deed::recover
 
 }  // namespace
 
-TEST_CASE("laws and neurons that misbehave are named in an error, and nothing else happens") {
+TEST_CASE("misbehaving laws and neurons end in an error that names them, without other effects") {
   static_cast<void>(plugins());  // their libraries are open before the children are made
   std::size_t number = 0, run = 0;
   for (const Way& way : ways())
@@ -210,17 +210,17 @@ TEST_CASE("laws and neurons that misbehave are named in an error, and nothing el
                 options.time_step = 0.05;
                 options.integrator = way.integrator;
                 options.threads = large ? 2 : 1;
-                Demand demand;
-                demand.fails = misleads || (call == 0 && output == Output::value && has_to_fail(deed));
+                Expectation expected;
+                expected.fails = misleads || (call == 0 && output == Output::value && has_to_fail(deed));
                 // One that is fine again when it is asked why is past finding out.
-                demand.names = call == 0 && output == Output::value ? "'hostile'" : "";
+                expected.names = call == 0 && output == Output::value ? "'hostile'" : "";
                 if (misleads)
-                  demand.names = fmt::format("'hostile' of plugin test.hostile answered a derivative {}",
-                                             is_neuron                    ? "that is not finite for node"
-                                             : deed == Deed::not_a_number ? "of nan for spring"
-                                                                          : "of inf for spring");
+                  expected.names = fmt::format("'hostile' of plugin test.hostile answered a derivative {}",
+                                               is_neuron                    ? "that is not finite for node"
+                                               : deed == Deed::not_a_number ? "of nan for spring"
+                                                                            : "of inf for spring");
                 return run_with(plugin, row(material, is_neuron ? LawUse{"hostile", {}} : LawUse{}, large), options,
-                                demand);
+                                expected);
               });
               const std::string what =
                   fmt::format("{}{}, {}, {} of the {} from call {}", way.name, large ? ", two threads" : "", role,

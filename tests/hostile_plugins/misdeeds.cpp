@@ -12,7 +12,7 @@ namespace {
 constexpr double nan_value = std::numeric_limits<double>::quiet_NaN();
 constexpr double infinite = std::numeric_limits<double>::infinity();
 
-springnet_state* another(const Hands& h) {
+springnet_state* another(const StepContext& h) {
   springnet_state* state = h.host->state_create(h.context);
   for (std::uint32_t k = 0; k < h.nodes(); ++k) {
     for (auto [to, from] :
@@ -25,11 +25,11 @@ springnet_state* another(const Hands& h) {
   return state;
 }
 
-springnet_status commit(const Hands& h, double time) { return h.host->commit(h.context, time, h.state); }
+springnet_status commit(const StepContext& h, double time) { return h.host->commit(h.context, time, h.state); }
 
 // Commits a state that a change has spoilt.
 Misdeed commits(std::function<void(springnet_state&)> change) {
-  return [change = std::move(change)](const Hands& h) {
+  return [change = std::move(change)](const StepContext& h) {
     change(*h.state);
     return commit(h, h.until);
   };
@@ -39,19 +39,19 @@ Misdeed commits(std::function<void(springnet_state&)> change) {
 std::vector<Case> requests(const char* name, std::function<void(springnet_evaluation&)> change) {
   std::vector<Case> cases;
   const auto add = [&](auto function) {
-    cases.push_back({name, [=](const Hands& h) {
+    cases.push_back({name, [=](const StepContext& h) {
                        springnet_evaluation at = h.at();
                        change(at);
                        return function(h, at);
                      }});
   };
-  add([](const Hands& h, const springnet_evaluation& at) { return h.host->evaluate(h.context, &at); });
-  add([](const Hands& h, const springnet_evaluation& at) { return h.host->linearise(h.context, &at); });
-  add([](const Hands& h, const springnet_evaluation& at) {
+  add([](const StepContext& h, const springnet_evaluation& at) { return h.host->evaluate(h.context, &at); });
+  add([](const StepContext& h, const springnet_evaluation& at) { return h.host->linearise(h.context, &at); });
+  add([](const StepContext& h, const springnet_evaluation& at) {
     const std::uint32_t node = 0;
     return h.host->evaluate_nodes(h.context, &at, &node, 1);
   });
-  add([](const Hands& h, const springnet_evaluation& at) {
+  add([](const StepContext& h, const springnet_evaluation& at) {
     std::vector<double> values(h.host->network(h.context)->event_count + 1);
     return h.host->event_values(h.context, &at, values.data(), nullptr);
   });
@@ -59,20 +59,20 @@ std::vector<Case> requests(const char* name, std::function<void(springnet_evalua
 }
 
 Misdeed sweeps(std::function<void(springnet_sweep&)> change) {
-  return [change = std::move(change)](const Hands& h) {
+  return [change = std::move(change)](const StepContext& h) {
     springnet_sweep sweep = h.sweep(*another(h));
     change(sweep);
     return h.host->sweep(h.context, &sweep);
   };
 }
 Misdeed sweeps_in(std::vector<std::uint32_t> order) {
-  return [order = std::move(order)](const Hands& h) {
+  return [order = std::move(order)](const StepContext& h) {
     const springnet_sweep sweep = h.sweep_in(order);
     return h.host->sweep(h.context, &sweep);
   };
 }
 Misdeed sweeps_in_sets(std::vector<std::uint32_t> order, std::vector<std::uint32_t> set_start) {
-  return [order = std::move(order), set_start = std::move(set_start)](const Hands& h) {
+  return [order = std::move(order), set_start = std::move(set_start)](const StepContext& h) {
     springnet_sweep sweep = h.sweep_in(order);
     sweep.set_start = set_start.data();
     sweep.set_count = static_cast<std::uint32_t>(set_start.size() - 1);
@@ -81,7 +81,7 @@ Misdeed sweeps_in_sets(std::vector<std::uint32_t> order, std::vector<std::uint32
 }
 // A sweep of the linearised network that a change has spoilt.
 Misdeed sweeps_linearly(std::function<void(springnet_sweep&)> change) {
-  return [change = std::move(change)](const Hands& h) {
+  return [change = std::move(change)](const StepContext& h) {
     const springnet_evaluation at = h.at();
     if (const springnet_status status = h.host->linearise(h.context, &at); status != SPRINGNET_OK) return status;
     std::vector<std::uint32_t> order(h.nodes());
@@ -93,7 +93,7 @@ Misdeed sweeps_linearly(std::function<void(springnet_sweep&)> change) {
 }
 // A search for an eigenvalue that a change has spoilt.
 Misdeed seeks_eigenvalue(std::function<void(springnet_eigenvalue_search&)> change) {
-  return [change = std::move(change)](const Hands& h) {
+  return [change = std::move(change)](const StepContext& h) {
     double start[3] = {1.0, 2.0, 3.0};
     auto search = sdk::sized<springnet_eigenvalue_search>();
     search.size = 3;
@@ -107,11 +107,11 @@ Misdeed seeks_eigenvalue(std::function<void(springnet_eigenvalue_search&)> chang
   };
 }
 // Calls something from the update of the nodes, and fails if that was let through.
-Misdeed updates(std::function<springnet_status(const Hands&)> call, bool ordered) {
-  return [call = std::move(call), ordered](const Hands& h) {
+Misdeed updates(std::function<springnet_status(const StepContext&)> call, bool ordered) {
+  return [call = std::move(call), ordered](const StepContext& h) {
     struct User {
-      const Hands& hands;
-      const std::function<springnet_status(const Hands&)>& call;
+      const StepContext& hands;
+      const std::function<springnet_status(const StepContext&)>& call;
       springnet_status status;
     } user{h, call, SPRINGNET_OK};
     std::vector<std::uint32_t> order(h.nodes());
@@ -133,39 +133,39 @@ std::vector<Case> all_cases() {
   using sdk::sized;
   const auto nothing = springnet_vectors{nullptr, nullptr, nullptr};
   std::vector<Case> cases{
-      {"commits nothing", [](const Hands&) -> springnet_status { return SPRINGNET_OK; }},
-      {"commits the past", [](const Hands& h) { return commit(h, h.from - 1.0); }},
-      {"commits the present", [](const Hands& h) { return commit(h, h.from); }},
-      {"commits a little", [](const Hands& h) { return commit(h, h.from + 1e-3 * (h.until - h.from)); }},
-      {"commits half", [](const Hands& h) { return commit(h, 0.5 * (h.from + h.until)); }},
-      {"commits a time beyond the end", [](const Hands& h) { return commit(h, h.until + 1e-3); }},
-      {"commits a time far beyond", [](const Hands& h) { return commit(h, 1e300); }},
-      {"commits nan s", [](const Hands& h) { return commit(h, nan_value); }},
-      {"commits inf s", [](const Hands& h) { return commit(h, infinite); }},
-      {"commits -inf s", [](const Hands& h) { return commit(h, -infinite); }},
+      {"commits nothing", [](const StepContext&) -> springnet_status { return SPRINGNET_OK; }},
+      {"commits the past", [](const StepContext& h) { return commit(h, h.from - 1.0); }},
+      {"commits the present", [](const StepContext& h) { return commit(h, h.from); }},
+      {"commits a little", [](const StepContext& h) { return commit(h, h.from + 1e-3 * (h.until - h.from)); }},
+      {"commits half", [](const StepContext& h) { return commit(h, 0.5 * (h.from + h.until)); }},
+      {"commits a time beyond the end", [](const StepContext& h) { return commit(h, h.until + 1e-3); }},
+      {"commits a time far beyond", [](const StepContext& h) { return commit(h, 1e300); }},
+      {"commits nan s", [](const StepContext& h) { return commit(h, nan_value); }},
+      {"commits inf s", [](const StepContext& h) { return commit(h, infinite); }},
+      {"commits -inf s", [](const StepContext& h) { return commit(h, -infinite); }},
       {"commits a position of nan", commits([](springnet_state& s) { s.position.y[3] = nan_value; })},
       {"commits an infinite position", commits([](springnet_state& s) { s.position.x[5] = infinite; })},
       {"commits a velocity of nan", commits([](springnet_state& s) { s.velocity.z[1] = nan_value; })},
       {"commits an infinite velocity", commits([](springnet_state& s) { s.velocity.x[0] = -infinite; })},
-      {"commits no state", [](const Hands& h) { return h.host->commit(h.context, h.until, nullptr); }},
+      {"commits no state", [](const StepContext& h) { return h.host->commit(h.context, h.until, nullptr); }},
       {"commits a state of its own",
-       [](const Hands& h) {
+       [](const StepContext& h) {
          springnet_state own = *h.state;
          return h.host->commit(h.context, h.until, &own);
        }},
       {"commits what is committed",
-       [](const Hands& h) {
+       [](const StepContext& h) {
          double time = 0.0;
          return h.host->commit(h.context, h.until, const_cast<springnet_state*>(h.host->committed(h.context, &time)));
        }},
       {"commits a state that was destroyed",
-       [](const Hands& h) {
+       [](const StepContext& h) {
          springnet_state* state = another(h);
          h.host->state_destroy(h.context, state);
          return h.host->commit(h.context, h.until, state);
        }},
       {"destroys states twice, and others",
-       [](const Hands& h) {
+       [](const StepContext& h) {
          springnet_state* state = another(h);
          springnet_state own{};
          for (springnet_state* each : {state, state, &own, static_cast<springnet_state*>(nullptr)})
@@ -187,37 +187,37 @@ std::vector<Case> all_cases() {
        }),
        false},
       {"commits twice",
-       [](const Hands& h) {
+       [](const StepContext& h) {
          static_cast<void>(commit(h, 0.5 * (h.from + h.until)));
          return commit(h, h.from);
        }},
-      {"begins no step", [](const Hands& h) { return h.host->begin_step(h.context, h.from, h.from); }},
-      {"begins a step backwards", [](const Hands& h) { return h.host->begin_step(h.context, h.until, h.from); }},
-      {"begins at nan s", [](const Hands& h) { return h.host->begin_step(h.context, nan_value, h.until); }},
-      {"ends at nan s", [](const Hands& h) { return h.host->begin_step(h.context, h.from, nan_value); }},
-      {"evaluates nothing", [](const Hands& h) { return h.host->evaluate(h.context, nullptr); }},
-      {"linearises nothing", [](const Hands& h) { return h.host->linearise(h.context, nullptr); }},
-      {"sweeps nothing", [](const Hands& h) { return h.host->sweep(h.context, nullptr); }},
-      {"constrains nothing", [](const Hands& h) { return h.host->constrain(h.context, nullptr); }},
+      {"begins no step", [](const StepContext& h) { return h.host->begin_step(h.context, h.from, h.from); }},
+      {"begins a step backwards", [](const StepContext& h) { return h.host->begin_step(h.context, h.until, h.from); }},
+      {"begins at nan s", [](const StepContext& h) { return h.host->begin_step(h.context, nan_value, h.until); }},
+      {"ends at nan s", [](const StepContext& h) { return h.host->begin_step(h.context, h.from, nan_value); }},
+      {"evaluates nothing", [](const StepContext& h) { return h.host->evaluate(h.context, nullptr); }},
+      {"linearises nothing", [](const StepContext& h) { return h.host->linearise(h.context, nullptr); }},
+      {"sweeps nothing", [](const StepContext& h) { return h.host->sweep(h.context, nullptr); }},
+      {"constrains nothing", [](const StepContext& h) { return h.host->constrain(h.context, nullptr); }},
       {"evaluates a node that is not there",
-       [](const Hands& h) {
+       [](const StepContext& h) {
          const std::uint32_t nodes[] = {0, h.nodes()};
          const springnet_evaluation at = h.at();
          return h.host->evaluate_nodes(h.context, &at, nodes, 2);
        }},
       {"evaluates node 4294967295",
-       [](const Hands& h) {
+       [](const StepContext& h) {
          const std::uint32_t node = 0xffffffffu;
          const springnet_evaluation at = h.at();
          return h.host->evaluate_nodes(h.context, &at, &node, 1);
        }},
       {"evaluates no nodes",
-       [](const Hands& h) {
+       [](const StepContext& h) {
          const springnet_evaluation at = h.at();
          return h.host->evaluate_nodes(h.context, &at, nullptr, 3);
        }},
       {"evaluates 4294967295 nodes",
-       [](const Hands& h) {
+       [](const StepContext& h) {
          const std::uint32_t node = 0;
          const springnet_evaluation at = h.at();
          return h.host->evaluate_nodes(h.context, &at, &node, 0xffffffffu);
@@ -240,12 +240,12 @@ std::vector<Case> all_cases() {
       {"sweeps with theta nan", sweeps([](springnet_sweep& s) { s.theta = nan_value; })},
       {"sweeps a short struct", sweeps([](springnet_sweep& s) { s.struct_size = 8; })},
       {"sweeps in place without an order",
-       [](const Hands& h) {
+       [](const StepContext& h) {
          const springnet_sweep sweep = h.sweep(*h.state);
          return h.host->sweep(h.context, &sweep);
        }},
       {"sweeps in an order into other arrays",
-       [](const Hands& h) {
+       [](const StepContext& h) {
          const std::vector<std::uint32_t> order{0, 1, 2};
          springnet_sweep sweep = h.sweep_in(order);
          springnet_state* next = another(h);
@@ -257,7 +257,7 @@ std::vector<Case> all_cases() {
       {"sweeps node 4294967295", sweeps_in({0xffffffffu})},
       {"sweeps a node twice", sweeps_in({0, 1, 2, 1})},
       {"sweeps an order of 4294967295",
-       [](const Hands& h) {
+       [](const StepContext& h) {
          const std::vector<std::uint32_t> order{0};
          springnet_sweep sweep = h.sweep_in(order);
          sweep.order_count = 0xffffffffu;
@@ -270,7 +270,7 @@ std::vector<Case> all_cases() {
       {"sweeps sets of nodes that are joined", sweeps_in_sets({0, 1, 2, 3, 4, 5}, {0, 6})},
       {"sweeps sets of nodes that do not rise", sweeps_in_sets({4, 2, 0}, {0, 3})},
       {"sweeps 4294967295 sets",
-       [](const Hands& h) {
+       [](const StepContext& h) {
          const std::vector<std::uint32_t> order{0};
          const std::uint32_t start[] = {0, 1};
          springnet_sweep sweep = h.sweep_in(order);
@@ -279,115 +279,115 @@ std::vector<Case> all_cases() {
          return h.host->sweep(h.context, &sweep);
        }},
       {"multiplies before it linearises",
-       [](const Hands& h) {
+       [](const StepContext& h) {
          std::vector<double> x(3 * h.nodes());
          return h.host->jacobian_times(h.context, x.data(), x.data(), x.data());
        }},
       {"projects before it linearises",
-       [](const Hands& h) {
+       [](const StepContext& h) {
          std::vector<double> x(3 * h.nodes());
          return h.host->project(h.context, nullptr, x.data());
        }},
       {"factorises nan",
-       [](const Hands& h) {
+       [](const StepContext& h) {
          const springnet_evaluation at = h.at();
          static_cast<void>(h.host->linearise(h.context, &at));
          return h.host->factorise(h.context, nan_value, 1.0);
        }},
       {"solves for nothing",
-       [](const Hands& h) {
+       [](const StepContext& h) {
          const springnet_evaluation at = h.at();
          static_cast<void>(h.host->linearise(h.context, &at));
          static_cast<void>(h.host->factorise(h.context, 0.1, 0.01));
          return h.host->solve(h.context, 0, nullptr, nullptr);
        }},
       {"multiplies nothing",
-       [](const Hands& h) {
+       [](const StepContext& h) {
          const springnet_evaluation at = h.at();
          static_cast<void>(h.host->linearise(h.context, &at));
          return h.host->jacobian_times(h.context, nullptr, nullptr, nullptr);
        }},
       {"wants blocks nowhere",
-       [](const Hands& h) {
+       [](const StepContext& h) {
          const springnet_evaluation at = h.at();
          static_cast<void>(h.host->linearise(h.context, &at));
          return h.host->diagonal_blocks(h.context, 1.0, 1.0, nullptr);
        }},
       {"projects nothing",
-       [](const Hands& h) {
+       [](const StepContext& h) {
          const springnet_evaluation at = h.at();
          static_cast<void>(h.host->linearise(h.context, &at));
          return h.host->project(h.context, nullptr, nullptr);
        }},
       {"projects no state",
-       [=](const Hands& h) { return h.host->project_state(h.context, h.until, nothing, h.state->velocity); }},
+       [=](const StepContext& h) { return h.host->project_state(h.context, h.until, nothing, h.state->velocity); }},
       {"projects at nan s",
-       [](const Hands& h) {
+       [](const StepContext& h) {
          return h.host->project_state(h.context, nan_value, h.state->position, h.state->velocity);
        }},
       {"asks for events nowhere",
-       [](const Hands& h) {
+       [](const StepContext& h) {
          const springnet_evaluation at = h.at();
          return h.host->event_values(h.context, &at, nullptr, nullptr);
        }},
-      {"fires nothing", [](const Hands& h) { return h.host->fire_events(h.context, h.until, h.state, nullptr); }},
+      {"fires nothing", [](const StepContext& h) { return h.host->fire_events(h.context, h.until, h.state, nullptr); }},
       {"fires on no state",
-       [](const Hands& h) {
+       [](const StepContext& h) {
          const std::vector<std::int32_t> fired(h.host->network(h.context)->event_count);
          return h.host->fire_events(h.context, h.until, nullptr, fired.data());
        }},
       {"fires at nan s",
-       [](const Hands& h) {
+       [](const StepContext& h) {
          const std::vector<std::int32_t> fired(h.host->network(h.context)->event_count);
          return h.host->fire_events(h.context, nan_value, h.state, fired.data());
        }},
       {"fires all events there are",
-       [](const Hands& h) {
+       [](const StepContext& h) {
          const std::vector<std::int32_t> fired(h.host->network(h.context)->event_count, 1);
          const springnet_status status = h.host->fire_events(h.context, h.until, h.state, fired.data());
          return status == SPRINGNET_OK ? commit(h, h.until) : status;
        },
        false},
       {"searches nothing for touches",
-       [](const Hands& h) {
+       [](const StepContext& h) {
          double time = 0.0;
          return h.host->time_of_impact(h.context, nullptr, &time);
        }},
       {"searches for touches and has no place for the time",
-       [](const Hands& h) {
+       [](const StepContext& h) {
          springnet_impact_search search = h.search();
          return h.host->time_of_impact(h.context, &search, nullptr);
        }},
       {"searches a step that goes back",
-       [](const Hands& h) {
+       [](const StepContext& h) {
          springnet_impact_search search = h.search();
          std::swap(search.step_from, search.step_until);
          double time = 0.0;
          return h.host->time_of_impact(h.context, &search, &time);
        }},
       {"searches a part that is none",
-       [](const Hands& h) {
+       [](const StepContext& h) {
          springnet_impact_search search = h.search();
          search.until = nan_value;
          double time = 0.0;
          return h.host->time_of_impact(h.context, &search, &time);
        }},
       {"searches in front of surfaces",
-       [](const Hands& h) {
+       [](const StepContext& h) {
          springnet_impact_search search = h.search();
          search.depth = -1.0;
          double time = 0.0;
          return h.host->time_of_impact(h.context, &search, &time);
        }},
       {"searches and knows no states",
-       [](const Hands& h) {
+       [](const StepContext& h) {
          springnet_impact_search search = h.search();
          search.state_at = nullptr;
          double time = 0.0;
          return h.host->time_of_impact(h.context, &search, &time);
        }},
       {"searches among states that are no numbers",
-       [](const Hands& h) {
+       [](const StepContext& h) {
          springnet_impact_search search = h.search();
          double time = 0.0;
          const springnet_status status = h.host->time_of_impact(h.context, &search, &time);
@@ -395,7 +395,7 @@ std::vector<Case> all_cases() {
        },
        false},
       {"sweeps linearly before it linearised",
-       [](const Hands& h) {
+       [](const StepContext& h) {
          const std::vector<std::uint32_t> order{0};
          const springnet_sweep sweep = h.sweep_in(order);
          return h.host->linear_sweep(h.context, &sweep);
@@ -410,7 +410,7 @@ std::vector<Case> all_cases() {
        sweeps_linearly([](springnet_sweep& s) { s.next_velocity = s.next_position; })},
       {"sweeps linearly a node that is none",
        sweeps_linearly([](springnet_sweep& s) { const_cast<std::uint32_t*>(s.order)[0] = 0xffffffffu; })},
-      {"seeks no eigenvalue", [](const Hands& h) { return h.host->dominant_eigenvalue(h.context, nullptr); }},
+      {"seeks no eigenvalue", [](const StepContext& h) { return h.host->dominant_eigenvalue(h.context, nullptr); }},
       {"seeks the eigenvalue of no map", seeks_eigenvalue([](auto& s) { s.map = nullptr; })},
       {"seeks an eigenvalue of another kind", seeks_eigenvalue([](auto& s) { s.wanted = 7; })},
       {"seeks an eigenvalue from nowhere", seeks_eigenvalue([](auto& s) { s.start = nullptr; })},
@@ -419,7 +419,7 @@ std::vector<Case> all_cases() {
       {"seeks an eigenvalue to a tolerance of 0", seeks_eigenvalue([](auto& s) { s.tolerance = 0.0; })},
       {"seeks an eigenvalue without memory", seeks_eigenvalue([](auto& s) { s.most_vectors = 0; })},
       {"reports and notes nothing",
-       [](const Hands& h) {
+       [](const StepContext& h) {
          h.host->report(h.context, nullptr, nan_value);
          h.host->note(h.context, nullptr);
          static_cast<void>(h.host->committed(h.context, nullptr));
@@ -428,7 +428,7 @@ std::vector<Case> all_cases() {
        },
        false},
       {"reports and notes nonsense",
-       [](const Hands& h) {
+       [](const StepContext& h) {
          for (int k = 0; k < 3000; ++k) {
            const std::string name = "\x1b[31m\xff" + std::to_string(k) + std::string(5000, '\n');
            h.host->report(h.context, name.c_str(), infinite);
@@ -438,7 +438,7 @@ std::vector<Case> all_cases() {
        },
        false},
       {"calls without a context",
-       [](const Hands& h) -> springnet_status {
+       [](const StepContext& h) -> springnet_status {
          const springnet_evaluation at = h.at();
          const springnet_host& t = *h.host;
          const bool harmless =
@@ -453,18 +453,18 @@ std::vector<Case> all_cases() {
          return harmless ? commit(h, h.until) : SPRINGNET_FAILED;
        },
        false},
-      {"fails silently", [](const Hands&) -> springnet_status { return SPRINGNET_FAILED; }},
-      {"returns 77", [](const Hands&) -> springnet_status { return 77; }},
-      {"returns that nothing settled", [](const Hands&) -> springnet_status { return SPRINGNET_UNSETTLED; }},
+      {"fails silently", [](const StepContext&) -> springnet_status { return SPRINGNET_FAILED; }},
+      {"returns 77", [](const StepContext&) -> springnet_status { return 77; }},
+      {"returns that nothing settled", [](const StepContext&) -> springnet_status { return SPRINGNET_UNSETTLED; }},
       {"fills the message",
-       [](const Hands& h) -> springnet_status {
+       [](const StepContext& h) -> springnet_status {
          springnet_message& message = *h.host->message(h.context);
          std::fill_n(message.text, sizeof message.text, '\x1b');
          return SPRINGNET_FAILED;
        },
        false},
       {"spoils the report",
-       [](const Hands& h) {
+       [](const StepContext& h) {
          *h.report = {};
          h.report->outcome = -5;
          h.report->steps = h.report->sweeps = h.report->substeps = h.report->stages = ~std::uint64_t{0};
@@ -473,16 +473,16 @@ std::vector<Case> all_cases() {
          return commit(h, h.until);
        },
        false},
-      {"throws", [](const Hands&) -> springnet_status { throw std::runtime_error("\x1b[5mthrown"); }},
-      {"throws nothing", [](const Hands&) -> springnet_status { throw std::runtime_error(""); }},
-      {"throws a number", [](const Hands&) -> springnet_status { throw 7; }},
+      {"throws", [](const StepContext&) -> springnet_status { throw std::runtime_error("\x1b[5mthrown"); }},
+      {"throws nothing", [](const StepContext&) -> springnet_status { throw std::runtime_error(""); }},
+      {"throws a number", [](const StepContext&) -> springnet_status { throw 7; }},
       {"throws in an update",
-       updates([](const Hands&) -> springnet_status { throw std::runtime_error("thrown"); }, false), false},
+       updates([](const StepContext&) -> springnet_status { throw std::runtime_error("thrown"); }, false), false},
       {"throws in an ordered update",
-       updates([](const Hands&) -> springnet_status { throw std::runtime_error("thrown"); }, true), false},
-      {"throws a number in an update", updates([](const Hands&) -> springnet_status { throw 7; }, false), false},
+       updates([](const StepContext&) -> springnet_status { throw std::runtime_error("thrown"); }, true), false},
+      {"throws a number in an update", updates([](const StepContext&) -> springnet_status { throw 7; }, false), false},
       {"updates that note and report", updates(
-                                           [](const Hands& h) -> springnet_status {
+                                           [](const StepContext& h) -> springnet_status {
                                              h.host->note(h.context, "from an update");
                                              h.host->report(h.context, "updates", 1.0);
                                              return SPRINGNET_OK;
@@ -494,22 +494,23 @@ std::vector<Case> all_cases() {
     const auto add = [&](const char* name, Misdeed call) {
       cases.push_back({name, updates(std::move(call), ordered)});
     };
-    add("commits in an update", [](const Hands& h) { return commit(h, h.until); });
-    add("sweeps in an update", [](const Hands& h) {
+    add("commits in an update", [](const StepContext& h) { return commit(h, h.until); });
+    add("sweeps in an update", [](const StepContext& h) {
       const std::vector<std::uint32_t> order{0};
       const springnet_sweep sweep = h.sweep_in(order);
       return h.host->sweep(h.context, &sweep);
     });
-    add("evaluates in an update", [](const Hands& h) {
+    add("evaluates in an update", [](const StepContext& h) {
       const springnet_evaluation at = h.at();
       return h.host->evaluate(h.context, &at);
     });
-    add("linearises in an update", [](const Hands& h) {
+    add("linearises in an update", [](const StepContext& h) {
       const springnet_evaluation at = h.at();
       return h.host->linearise(h.context, &at);
     });
-    add("begins a step in an update", [](const Hands& h) { return h.host->begin_step(h.context, h.from, h.until); });
-    add("makes a state in an update", [](const Hands& h) -> springnet_status {
+    add("begins a step in an update",
+        [](const StepContext& h) { return h.host->begin_step(h.context, h.from, h.until); });
+    add("makes a state in an update", [](const StepContext& h) -> springnet_status {
       return h.host->state_create(h.context) == nullptr ? SPRINGNET_FAILED : SPRINGNET_OK;
     });
   }

@@ -1,4 +1,4 @@
-// Loads by themselves: what of each is there in a step, at a time, on which node; against integrals in closed form.
+// Loads alone: their values in a step, at a time, on each node, against integrals in closed form.
 #include <cmath>
 #include <limits>
 #include <numbers>
@@ -17,7 +17,7 @@ namespace {
 constexpr double forever = std::numeric_limits<double>::infinity();
 using Change = Loads::Change;
 
-// Nodes far apart in an order that the engine does not keep.
+// Nodes far apart, in an order that the engine changes.
 Network points(std::uint32_t count) {
   Network net;
   for (std::uint32_t k = 0; k < count; ++k) net.add_node(point({static_cast<double>(k * 7 % count), 0, 0}));
@@ -121,7 +121,7 @@ TEST_CASE("averages of courses are their integrals, from the beginning of the wi
   check(table, of_table);
 }
 
-TEST_CASE("loads that follow the time have its value, and forget it in the next step") {
+TEST_CASE("instantaneous loads have their value at that time, and their mean again in the next step") {
   Network net = points(1);
   Load load = window({0, 0, 1}, 1.0, 2.0);
   load.course.ramp = 4.0;
@@ -159,7 +159,7 @@ TEST_CASE("the next switch is the next beginning, end or kink, each once") {
   }
 }
 
-TEST_CASE("loads, faces and the host's forces add up on a node; gravity is told apart") {
+TEST_CASE("loads, faces and the host's forces add up on a node, gravity is separate") {
   Network net;
   for (const Vector3& p : {Vector3(0, 0, 0), Vector3(3, 0, 0), Vector3(0, 2, 0), Vector3(9, 9, 9)})
     net.add_node(point(p));

@@ -1,4 +1,4 @@
-// The factor of a load over time, and what a network takes as one.
+// The factor of a load over time, and which ones a network accepts.
 #include <cmath>
 #include <string>
 
@@ -114,7 +114,7 @@ TEST_CASE("the mean over a step is the integral, over any kinks and however shor
   }
 }
 
-TEST_CASE("loads that are none are refused") {
+TEST_CASE("invalid loads are refused") {
   const auto has = [](const std::string& text, const char* part) { return text.find(part) != std::string::npos; };
   Course two = table(Motion::Interpolation::linear), falls = two, short_table = two, slow;
   two.ramp = 1.0;

@@ -1,4 +1,4 @@
-// Faces go with their springs, and what acts on them.
+// Faces are removed with their springs, and so are the loads on them.
 #include <doctest/doctest.h>
 
 #include "loaded.hpp"
@@ -27,7 +27,7 @@ Vector3 total(const Simulation& simulation) {
 
 }  // namespace
 
-TEST_CASE("what acts on a face ends with a spring along its side") {
+TEST_CASE("loads on a face end when a spring along its side is removed") {
   for (const bool follow : {false, true}) {
     Network net = two_triangles();
     net.add_load(pressed(both, 6.0, follow));  // 3 N down on each face of 1/2 m^2
@@ -49,7 +49,7 @@ TEST_CASE("what acts on a face ends with a spring along its side") {
   }
 }
 
-TEST_CASE("a polygon takes faces whose sides it crosses, springs or not") {
+TEST_CASE("a polygon removes faces whose sides it crosses, with or without springs") {
   Network net;
   for (const Vector3& p : {Vector3(0, 0, 0), Vector3(1, 0, 0), Vector3(0, 1, 0)}) net.add_node(point(p));
   net.add_load(pressed({{0, 1, 2}}, 6.0, true));

@@ -67,7 +67,7 @@ TEST_CASE("a triangle has a third of its load on each node") {
   for (const Vector3& force : forces_at_start(net)) CHECK((force - Vector3(1, -2, 4)).norm() <= 1e-14);
 }
 
-TEST_CASE("a traction adds up to itself times the area, a pressure on a closed surface to nothing") {
+TEST_CASE("a traction sums to traction times area, a pressure on a closed surface to zero") {
   const TriangleMesh mesh = crumpled(2, 3);
   const std::vector<Face> faces = faces_of(mesh);
   const Network net = points_of(mesh);
@@ -90,7 +90,7 @@ TEST_CASE("a traction adds up to itself times the area, a pressure on a closed s
   }
 }
 
-TEST_CASE("a following pressure on a closed surface is an enclosed volume whose law answers its negative") {
+TEST_CASE("a following pressure on a closed surface equals an enclosed volume with the negative force") {
   const TriangleMesh mesh = crumpled(2, 7);
   Network filling = points_of(mesh), gas = filling;
   const ElementIndex e =
@@ -129,7 +129,7 @@ TEST_CASE("forces turn with the scene; a mirrored scene has mirrored forces") {
   }
 }
 
-TEST_CASE("a pressure that keeps its areas does not turn, one that follows does") {
+TEST_CASE("a pressure on the start areas keeps its direction, one that follows turns") {
   const TriangleMesh mesh = crumpled(0, 2);
   const std::vector<Face> faces = faces_of(mesh);
   Network net = points_of(mesh);

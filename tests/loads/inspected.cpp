@@ -1,4 +1,4 @@
-// What inspect says of nets under load.
+// inspect with nets under load.
 #include <cmath>
 
 #include <doctest/doctest.h>

@@ -31,7 +31,7 @@ inline Network skin(const TriangleMesh& mesh, double mass, double stiffness, dou
   return net;
 }
 
-// A sphere that is pushed out of shape at random.
+// A sphere with random displacements.
 inline TriangleMesh crumpled(int levels, unsigned seed) {
   std::mt19937 random(seed);
   std::uniform_real_distribution<double> unit(-0.2, 0.2);

@@ -81,7 +81,7 @@ TEST_CASE("the impulse of a load over time is exact, whatever the steps") {
   }
 }
 
-TEST_CASE("an oscillator in resonance swings as its closed form, in CVODE") {
+TEST_CASE("an oscillator in resonance follows its closed form, in CVODE") {
   constexpr double mass = 0.5, stiffness = 8.0, force = 0.01;  // 4 rad/s
   const double rate = std::sqrt(stiffness / mass);
   const Network net = under(oscillator(damped(stiffness, 0.0), mass, 0.0), {force, 0, 0}, sinusoid(rate / (2 * pi)),
@@ -113,7 +113,7 @@ TEST_CASE("a free node under a ramp, in CVODE: the third power of time, then the
   }
 }
 
-TEST_CASE("orders hold under a load that changes all the time") {
+TEST_CASE("orders of convergence hold under a load that changes continuously") {
   const Network net = under(oscillator(damped(30.0, 1.0), 0.5, 0.1), {1.0, 0.4, 0}, sinusoid(1.3, 0.7, 0.1), 0.0, 10.0);
   constexpr double end = 1.0;
   Simulation reference = simulate(net, cvode(1e-11), end);
@@ -149,7 +149,7 @@ TEST_CASE("a load that rises presses a node down, and one that swings lifts it a
   }
 }
 
-TEST_CASE("what holds a fixed node bears the load at the time") {
+TEST_CASE("the reaction of a fixed node balances the load at that time") {
   Network net = oscillator(damped(10.0, 0.0), 1.0, 0.0);
   Load load{{0}, {3, 0, 0}, 0.0};
   load.course = ramp(2.0);

@@ -20,7 +20,7 @@ PlainState state_of(const Simulation& simulation) {
   return state;
 }
 
-// An open shell, held at some nodes, under a pressure that blows it up.
+// An open shell, fixed at some nodes, that a pressure inflates.
 Network sail(int levels, double pressure, double mass = 1e-2) {
   const TriangleMesh mesh = icosphere(levels, 1.0);
   std::vector<Face> faces = faces_of(mesh);
@@ -98,7 +98,7 @@ TEST_CASE("Newton's method converges quadratically under a following pressure") 
   Simulation simulation = simulate(sail(2, -8.0), recurrent(newton, 1e-10), 0.02);
   for (int i = 0; i < 20; ++i) {
     REQUIRE(simulation.step().outcome == Outcome::settled);
-    // From forces of 1 N to 1e-10 N: with a derivative left out each sweep gains a digit or two.
+    // From forces of 1 N to 1e-10 N: without a derivative each sweep would gain a digit or two.
     CHECK(simulation.last_report().sweeps <= 7);
   }
 }

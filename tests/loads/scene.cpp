@@ -47,13 +47,13 @@ TEST_CASE("force acts on each node, traction and pressure on the faces between s
   CHECK_FALSE(load_of("pressure = 100\n").follow);
 }
 
-TEST_CASE("a total is shared by area on a surface, in equal parts elsewhere, and as it is told") {
+TEST_CASE("a total is shared by area on a surface, equally elsewhere, or as `share` says") {
   const Load by_area = load_of("total = [0, 0, -8]\n");
   CHECK(by_area.nodes.empty());
   CHECK((by_area.traction - Vector3(0, 0, -2)).norm() <= 1e-15);
-  const Load told = load_of("total = [0, 0, -9]\nshare = 'nodes'\n");
-  CHECK(told.nodes.size() == 9);
-  CHECK(told.force == Vector3(0, 0, -1));
+  const Load shared = load_of("total = [0, 0, -9]\nshare = 'nodes'\n");
+  CHECK(shared.nodes.size() == 9);
+  CHECK(shared.force == Vector3(0, 0, -1));
   const std::string all = "[[force]]\nselect = {}\n";
   CHECK(load_of("total = [27, 0, 0]\n", all).force == Vector3(1, 0, 0));  // one node is within
   CHECK(load_of("total = [24, 0, 0]\nshare = 'area'\n", all).traction == Vector3(1, 0, 0));
@@ -89,7 +89,7 @@ TEST_CASE("a load changes over time by a table, a sinusoid or a ramp") {
   CHECK(ramp.until == 0.9);
 }
 
-TEST_CASE("what cannot be meant is refused where it stands") {
+TEST_CASE("contradictory keys are refused with their position in the file") {
   const auto refused = [](const std::string& keys, const std::string& head = top) {
     return refusal(small + head + keys);
   };

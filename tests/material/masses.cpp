@@ -35,7 +35,7 @@ std::string refusal(const Mesh& mesh, double density, const Section& section) {
 
 }  // namespace
 
-TEST_CASE("faces and edges of other cells have no substance") {
+TEST_CASE("faces and edges of other cells have no mass") {
   CHECK(bearing_cells(mixed()) == std::vector<std::size_t>{1, 3, 4});
 }
 
@@ -59,7 +59,7 @@ TEST_CASE("all kinds of cells") {
   CHECK(masses_of(mesh_of(lattice), 8.0, {.cross_section = 0.1})[0] == doctest::Approx(0.4).epsilon(1e-14));
 }
 
-TEST_CASE("what is missing is said") {
+TEST_CASE("missing keys are named") {
   CHECK(refusal(mixed(), 0.0, {}).find("density") != std::string::npos);
   CHECK(refusal(mixed(), 1.0, {.cross_section = 1.0}).find("triangle 3 has no volume without a thickness") !=
         std::string::npos);

@@ -1,4 +1,4 @@
-// Motions over time, against closed forms, differences, and what interpolation without overshoot promises.
+// Motions over time, against closed forms, differences, and the properties of interpolation without overshoot.
 #include <algorithm>
 #include <cmath>
 #include <limits>

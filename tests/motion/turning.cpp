@@ -22,7 +22,7 @@ void check(const Turning::Sample& sample, double angle, double rate, double acce
 
 }  // namespace
 
-TEST_CASE("what is not told to turn rests") {
+TEST_CASE("without a turn the angle is zero") {
   const Turning rests;
   CHECK_FALSE(rests.turns());
   for (const double time : {-inf, -1.0, 0.0, 1e9}) check(rests.at(time), 0, 0, 0);

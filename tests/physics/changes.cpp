@@ -1,4 +1,4 @@
-// Changes while it runs: loads in a time window, cuts, ruptures, contact with a plane.
+// Changes during a run: loads in a time window, cuts, ruptures, contact with a plane.
 #include <algorithm>
 #include <cmath>
 #include <utility>
@@ -219,7 +219,7 @@ TEST_CASE("contact: dropped, held where it touched, released by a reverse force"
     }
     CHECK(std::abs(touched[0].time - fall) < tolerance);
     CHECK(std::abs(touched[0].time - touch) < (reference ? tolerance : h + 1e-12));
-    // Held, wherever it touched, without velocity; the floor carries the weight.
+    // Held where it touched, at rest; the floor carries the weight.
     CHECK(simulation.held(0));
     CHECK(simulation.velocity(0) == Vector3::Zero());
     CHECK(std::abs(simulation.position(0)[2]) < tolerance);
@@ -243,7 +243,7 @@ TEST_CASE("contact: dropped, held where it touched, released by a reverse force"
     CHECK(std::abs(simulation.position(0)[0] - x) < tolerance);
     CHECK(simulation.reaction(0) == Vector3::Zero());
 
-    // And down again: for good, without a bounce.
+    // And down again, without a bounce.
     simulation.advance_to(1.5);
     CHECK(of_kind(simulation, Event::Kind::touched).size() == 2);
     CHECK(of_kind(simulation, Event::Kind::released).size() == 1);

@@ -1,4 +1,4 @@
-// What a motion keeps, and what each method makes of it.
+// Conserved quantities, and how each method changes them.
 #include <algorithm>
 #include <cmath>
 #include <cstdint>
@@ -99,7 +99,7 @@ TEST_CASE("rotating pair: angular momentum over one turn") {
   }
 }
 
-TEST_CASE("rotating pair: axial damping leaves the turn alone, relative damping brakes it") {
+TEST_CASE("rotating pair: axial damping does not affect the rotation, relative damping brakes it") {
   // d |Δv| = 2 d omega r on each node: L falls as exp(-2 d t / m).
   constexpr double omega = 0.79, end = 2.0, damping = 0.1, h = 1e-3;
   for (const Method& method : all_methods(1e-12)) {

@@ -1,4 +1,4 @@
-// Plugins as files: what is taken, what is refused and with which words, and where files are looked for.
+// Plugins as files: what is accepted, what is refused and with which words, and where files are searched.
 #include <algorithm>
 #include <cstdlib>
 #include <filesystem>
@@ -95,7 +95,7 @@ TEST_CASE("a plugin that was copied in part is refused, wherever it ends") {
   for (const std::size_t bytes : {std::size_t{1}, std::size_t{63}, std::size_t{100}, std::size_t{900},
                                   std::size_t{3000}, std::size_t{5000}, whole.size() / 2, whole.size() - 1}) {
     folder.write(copy.filename().string(), whole.substr(0, bytes));
-    // Where nothing that is mapped is missing it may be taken.
+    // It may be accepted if nothing that is mapped is missing.
     const std::string reason = springnet::testing::in_child([&] {
       PluginHost host;
       return host.load(copy) ? std::string() : host.refusals()[0].reason;
@@ -108,13 +108,13 @@ TEST_CASE("a plugin that was copied in part is refused, wherever it ends") {
   CHECK(refused >= 4);
 }
 
-TEST_CASE("a plugin of a later minor version, whose structs have grown, is taken") {
+TEST_CASE("a plugin of a later minor version, whose structs have grown, is accepted") {
   PluginHost host;
   CHECK(host.load(fixture("newer")));
   CHECK(host.find(ComponentKind::spring_function, "fixture") != nullptr);
 }
 
-TEST_CASE("every file that is no plugin is refused with the reason and the remedy") {
+TEST_CASE("every file that is not a plugin is refused with the reason and the remedy") {
   struct Case {
     std::string name;
     std::vector<std::string> words;
@@ -123,7 +123,7 @@ TEST_CASE("every file that is no plugin is refused with the reason and the remed
       {"text", {"cannot be loaded as a library", "complete library"}},
       {"empty", {"cannot be loaded as a library (file too short)", "complete library"}},
       {"folder", {"cannot be loaded as a library (it is a folder)"}},
-      {"missing_symbol", {"(undefined symbol: springnet_fixture_nowhere)", "links all that it calls"}},
+      {"missing_symbol", {"(undefined symbol: springnet_fixture_nowhere)", "linked with"}},
       {"no_entry", {"no symbol springnet_plugin_entry", "export it"}},
       {"other_magic", {"magic number", "SDK"}},
       {"other_major", {"plugin ABI 2.", "reads 1.x", "rebuild the plugin"}},
@@ -156,7 +156,7 @@ TEST_CASE("of two plugins with the same kind and id the first is kept") {
   CHECK(host.components().size() == 1);
   const std::string reason = host.refusals().back().reason;
   CAPTURE(reason);
-  CHECK(contains(reason, "spring function 'fixture' is already taken by org.example.fixture 1.2.3"));
+  CHECK(contains(reason, "spring function 'fixture' is already provided by org.example.fixture 1.2.3"));
   CHECK(contains(reason, fixture("good").string()));
   CHECK(contains(reason, "rename it, or remove"));
 
@@ -189,7 +189,7 @@ TEST_CASE("components outlive the host that loaded them") {
   CHECK(component->law().evaluate(&nothing) == SPRINGNET_OK);
 }
 
-TEST_CASE("a folder: files by name, those of other endings left alone, a missing folder recorded") {
+TEST_CASE("a folder: files by name, other endings ignored, a missing folder recorded") {
   PluginHost host;
   host.search(fixtures / "other_ending");
   CHECK(host.refusals().empty());
@@ -225,7 +225,7 @@ TEST_CASE("default search: folders given, then SPRINGNET_PLUGIN_PATH, then the l
   CHECK(linear->file.parent_path().parent_path().filename() == "springnet");
 }
 
-TEST_CASE("what comes with springnet is taken without a refusal") {
+TEST_CASE("the plugins of springnet are loaded without a refusal") {
   const PluginHost host = PluginHost::with_default_search();
   for (const springnet::Refusal& refusal : host.refusals()) MESSAGE(refusal.file.string(), ": ", refusal.reason);
   CHECK(host.refusals().empty());
@@ -252,10 +252,10 @@ TEST_CASE("the working directory is never searched") {
   CHECK(host.find(ComponentKind::spring_function, "fixture") == nullptr);
   REQUIRE(host.refusals().size() == 1);
   CHECK(host.refusals()[0].file == ".");
-  CHECK(contains(host.refusals()[0].reason, "give the whole path"));
+  CHECK(contains(host.refusals()[0].reason, "absolute path"));
 }
 
-TEST_CASE("an unknown component: nearest names, all known ones, and what was not taken") {
+TEST_CASE("an unknown component: nearest names, all known ones, and refused files") {
   PluginHost host;
   host.load(fixture("good"));
   host.load(fixture("other_major"));

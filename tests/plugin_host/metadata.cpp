@@ -1,4 +1,4 @@
-// What a plugin says of itself, wrong in every way that the host has to see before it uses it.
+// Descriptions of plugins that are wrong in every way that the host must detect before it uses them.
 #include <cmath>
 #include <cstring>
 #include <functional>
@@ -69,7 +69,7 @@ std::string reason_of(const springnet_plugin& plugin) {
 
 }  // namespace
 
-TEST_CASE("the sample is right, so that what refuses it below is the change") {
+TEST_CASE("the sample is valid, so that below it is refused for what is changed") {
   const Sample sample;
   CHECK(reason_of(sample.plugin) == "");
 }
@@ -115,9 +115,9 @@ TEST_CASE("a plugin that misdescribes itself is refused with the reason") {
       {[](Sample& s) { s.number.unit = ""; }, "has no unit"},
       {[](Sample& s) { s.number.summary = nullptr; }, "has no summary"},
       {[](Sample& s) { s.number.type = 4; }, "is of type 4"},
-      {[](Sample& s) { s.number.smallest = 11; }, "leave no value"},
-      {[=](Sample& s) { s.number.smallest = nan; }, "leave no value"},
-      {[=](Sample& s) { s.number.largest = nan; }, "leave no value"},
+      {[](Sample& s) { s.number.smallest = 11; }, "no value is between"},
+      {[=](Sample& s) { s.number.smallest = nan; }, "no value is between"},
+      {[=](Sample& s) { s.number.largest = nan; }, "no value is between"},
       {[](Sample& s) { s.number.default_value = -1; }, "default must be at least 0 N/m, is -1"},
       {[](Sample& s) { s.number.default_value = 11; }, "default must be at most 10 N/m, is 11"},
       {[=](Sample& s) { s.number.default_value = nan; }, "default must be a finite number"},
@@ -137,8 +137,8 @@ TEST_CASE("a plugin that misdescribes itself is refused with the reason") {
          s.number.default_value = 2;
        },
        "default must be true or false"},
-      {[](Sample& s) { s.number.scale = 0; }, "scale must be a finite number above 0, is 0"},
-      {[=](Sample& s) { s.number.scale = inf; }, "scale must be a finite number above 0, is inf"},
+      {[](Sample& s) { s.number.scale = 0; }, "scale must be a finite number above 0"},
+      {[=](Sample& s) { s.number.scale = inf; }, "scale must be a finite number above 0"},
       {[](Sample& s) { s.choice.choices = nullptr; }, "choice without a list"},
       {[](Sample& s) { s.choice.choice_count = 0; }, "choice without a list"},
       {[](Sample& s) { s.choice_names[1] = nullptr; }, "choice 1 has no name"},
@@ -168,7 +168,7 @@ TEST_CASE("a plugin that misdescribes itself is refused with the reason") {
   }
 }
 
-TEST_CASE("what a law needs beyond springs of two nodes is no reason to refuse the plugin") {
+TEST_CASE("a plugin with laws for more than springs of two nodes is accepted") {
   Sample sample;
   SUBCASE("an invariant of later hosts") { sample.law.invariant = SPRINGNET_VOLUME; }
   SUBCASE("internal state") {
@@ -189,7 +189,7 @@ TEST_CASE("a required parameter needs no sensible default") {
   CHECK(reason_of(sample.plugin) == "");
 }
 
-TEST_CASE("a neuron's parameter cannot be called as what stands beside it in a scene") {
+TEST_CASE("a neuron's parameter cannot have the name of another key in the same table of a scene") {
   Sample sample;
   sample.number.name = "mass";
   CHECK(reason_of(sample.plugin) == "");  // of a law it can
@@ -200,7 +200,7 @@ TEST_CASE("a neuron's parameter cannot be called as what stands beside it in a s
 
 namespace {
 
-// The first `size` bytes of a struct in memory of exactly that size: a sanitizer sees any look beyond.
+// The first `size` bytes of a struct in memory of exactly that size, so that a sanitizer detects reads beyond.
 template <class Struct>
 const Struct* shortened(const Struct& whole, std::uint32_t size, std::vector<std::unique_ptr<char[]>>& keep) {
   keep.push_back(std::make_unique<char[]>(size));
@@ -212,7 +212,7 @@ const Struct* shortened(const Struct& whole, std::uint32_t size, std::vector<std
 
 }  // namespace
 
-TEST_CASE("a struct of any smaller size is refused without a look beyond its end") {
+TEST_CASE("a struct of any smaller size is refused without reading beyond its end") {
   std::vector<std::unique_ptr<char[]>> keep;
   const auto refused = [](const springnet_plugin& plugin) {
     return reason_of(plugin).find("rebuild the plugin") != std::string::npos;
@@ -255,7 +255,7 @@ TEST_CASE("a struct of any smaller size is refused without a look beyond its end
   }
 }
 
-TEST_CASE("an id that is taken by another registration is refused, the same registration is not") {
+TEST_CASE("an id of another registration is refused, registering the same plugin again is not") {
   const Sample first, second;
   PluginHost host;
   CHECK(host.add(first.plugin));
@@ -263,7 +263,7 @@ TEST_CASE("an id that is taken by another registration is refused, the same regi
   CHECK(host.components().size() == 3);
   CHECK_FALSE(host.add(second.plugin));
   CHECK(host.components().size() == 3);
-  CHECK(host.refusals().back().reason.find("already taken by org.example.sample 1.0") != std::string::npos);
+  CHECK(host.refusals().back().reason.find("already provided by org.example.sample 1.0") != std::string::npos);
 }
 
 TEST_CASE("laws of two kinds may have one id") {

@@ -17,7 +17,7 @@ class Dice {
  public:
   explicit Dice(std::uint64_t seed) : state_(seed) {}
   double between(double from, double to) { return from + (to - from) * static_cast<double>(next() >> 11) * 0x1p-53; }
-  // Even in the logarithm.
+  // Uniform in the logarithm.
   double decades(double from, double to) { return std::pow(10.0, between(std::log10(from), std::log10(to))); }
   std::uint32_t below(std::uint32_t count) { return static_cast<std::uint32_t>(next() % count); }
   bool chance(double probability) { return between(0.0, 1.0) < probability; }
@@ -41,7 +41,7 @@ class RandomNet {
   explicit RandomNet(std::uint64_t seed) : dice_(seed) {
     add_nodes();
     add_springs();
-    Dice own(seed + 3000000);  // so that the rest of the net is that of a generator without elements
+    Dice own(seed + 3000000);  // leaves the rest of the net unchanged by elements
     std::swap(own, dice_);
     if (dice_.chance(0.3)) add_elements();
     std::swap(own, dice_);
@@ -55,18 +55,18 @@ class RandomNet {
   Network network;
 
  private:
-  static constexpr double stiffest = 1e4, most_damped = 1e2, heaviest = 1e2;  // N/m, N s/m, kg
-  static constexpr double range = 1e-6;                                       // smallest over greatest: six decades
+  static constexpr double max_stiffness = 1e4, max_damping = 1e2, max_mass = 1e2;  // N/m, N s/m, kg
+  static constexpr double range = 1e-6;  // smallest over greatest: six decades
 
   void add_nodes() {
     const auto count = static_cast<NodeIndex>(std::lround(dice_.decades(2.0, 200.0)));
-    const double half = 0.5 * std::cbrt(count);  // about one node a cubic metre
+    const double half = 0.5 * std::cbrt(count);  // about one node per cubic metre
     const std::uint32_t dragged = network.add_neuron({"dragged", {{"drag", dice_.decades(1e-3, 1.0)}}});
     for (NodeIndex k = 0; k < count; ++k) {
       Node node;
       node.position = dice_.in_box(half);
       node.velocity = dice_.in_box(1.0);
-      node.mass = dice_.decades(range * heaviest, heaviest);
+      node.mass = dice_.decades(range * max_mass, max_mass);
       if (dice_.chance(0.2)) node.neuron = dragged;
       const NodeIndex index = network.add_node(node);
       if (dice_.chance(0.1)) network.fix(index);
@@ -74,7 +74,7 @@ class RandomNet {
   }
 
   LawUse spring_function() {
-    const double stiffness = dice_.decades(range * stiffest, stiffest);
+    const double stiffness = dice_.decades(range * max_stiffness, max_stiffness);
     switch (dice_.below(4)) {
       case 0:
         return {"linear", {{"stiffness", stiffness}}};
@@ -91,7 +91,7 @@ class RandomNet {
     }
   }
   LawUse viscosity_function() {
-    const double damping = dice_.decades(range * most_damped, most_damped);
+    const double damping = dice_.decades(range * max_damping, max_damping);
     switch (dice_.below(3)) {
       case 0:
         return {"linear", {{"damping", damping}}};
@@ -127,10 +127,10 @@ class RandomNet {
     if (count < 5) return;
     for (std::uint32_t i = 0; i < 1 + count / 4; ++i) {
       const std::vector<NodeIndex> near = nearest(dice_.below(count));
-      Material material{LawUse{"linear", {{"stiffness", dice_.decades(range * stiffest, 1e-2 * stiffest)}}},
+      Material material{LawUse{"linear", {{"stiffness", dice_.decades(range * max_stiffness, 1e-2 * max_stiffness)}}},
                         std::nullopt};
       if (dice_.chance(0.5))
-        material.viscosity = LawUse{"linear", {{"damping", dice_.decades(range * most_damped, 1e-2 * most_damped)}}};
+        material.viscosity = LawUse{"linear", {{"damping", dice_.decades(range * max_damping, 1e-2 * max_damping)}}};
       const MaterialIndex index = network.add_material(material);
       static constexpr Invariant kinds[] = {Invariant::angle, Invariant::dihedral, Invariant::area, Invariant::volume,
                                             Invariant::enclosed_volume};
@@ -146,7 +146,7 @@ class RandomNet {
     }
   }
 
-  // The others, by rising distance.
+  // The other nodes, by distance.
   [[nodiscard]] std::vector<NodeIndex> nearest(NodeIndex node) const {
     std::vector<NodeIndex> others;
     for (NodeIndex k = 0; k < network.nodes().size(); ++k) {
@@ -206,7 +206,7 @@ class RandomNet {
       if (std::find(move.nodes.begin(), move.nodes.end(), node) == move.nodes.end()) move.nodes.push_back(node);
     }
     move.motion.amplitude = dice_.in_box(0.1);
-    move.motion.amplitude.z() = std::abs(move.motion.amplitude.z());  // at first not into the floor
+    move.motion.amplitude.z() = std::abs(move.motion.amplitude.z());  // does not start into the floor
     move.motion.frequency = dice_.decades(0.1, 10.0);
     network.add_move(move);
   }

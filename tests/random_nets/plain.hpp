@@ -65,13 +65,13 @@ T plain_value(Invariant invariant, const std::array<std::array<T, 3>, 4>& p) {
   if (invariant == Invariant::area) return 0.5 * sqrt(dot(normal, normal));
   const Triple d = minus(p[3], p[0]);
   if (invariant == Invariant::volume) return dot(normal, d) / 6.0;
-  // The second tip over the plane of the first triangle, below it > 0, against its way beyond the edge.
+  // The second tip relative to the plane of the first triangle (positive below it), and its distance beyond the edge.
   const T below = -dot(normal, d) / sqrt(dot(normal, normal));
   const Triple inward = cross(normal, u);
   return atan2(below, -dot(inward, d) / sqrt(dot(inward, inward)));
 }
 
-// q, q' and dq/dp of each of an element's nodes, as it lists them.
+// q, q' and dq/dp for each node of an element, in its order.
 struct PlainInvariant {
   double value = 0.0, rate = 0.0;
   std::vector<Vector3> gradient;
@@ -97,7 +97,7 @@ inline PlainInvariant plain_invariant_of(const Element& element, const PlainStat
         p[i][c] = sdk::Dual<12>::variable(at.position[element.nodes[i]][static_cast<Eigen::Index>(c)], 3 * i + c);
     const sdk::Dual<12> q = plain_value(element.invariant, p);
     found.value = q.value;
-    // Of all turns the one nearest to the reference.
+    // The branch nearest to the reference.
     if (element.invariant == Invariant::dihedral)
       found.value = element.reference + std::remainder(q.value - element.reference, 2.0 * std::numbers::pi);
     for (std::size_t i = 0; i < element.nodes.size(); ++i)
@@ -108,7 +108,7 @@ inline PlainInvariant plain_invariant_of(const Element& element, const PlainStat
   return found;
 }
 
-// Net forces of springs, elements, loads (those that act for ever), gravity and the neurons' drag, N.
+// Net forces of springs, elements, loads without a time window, gravity and the neurons' drag, N.
 inline std::vector<Vector3> plain_forces(const Network& network, const PlainState& at, const std::vector<bool>& alive,
                                          const std::vector<bool>& elements_alive) {
   std::vector<Vector3> forces(network.nodes().size());
@@ -144,7 +144,7 @@ inline std::vector<Vector3> plain_forces(const Network& network, const PlainStat
     double force = 0.0;
     if (material.spring) force += plain_tension(*material.spring, found.value, element.reference);
     if (material.viscosity) {
-      // In one dimension: the force on the first end along x of ends that part with this rate.
+      // In one dimension: the force along x on the first of two ends that separate at this rate.
       force -= plain_viscosity(*material.viscosity, Vector3::UnitX(), found.rate * Vector3::UnitX()).x();
     }
     for (std::size_t i = 0; i < element.nodes.size(); ++i) forces[element.nodes[i]] -= force * found.gradient[i];
@@ -152,15 +152,15 @@ inline std::vector<Vector3> plain_forces(const Network& network, const PlainStat
   return forces;
 }
 
-// What is left of residuals (forces on nodes, N) when rigid connections take what they can: the smallest in the sum of
-// squares, with one tension a connection at the positions where the step ended. Fixed nodes count for nothing.
+// Residuals (forces on nodes, N) less the forces of rigid connections: the smallest sum of squares with one tension per
+// connection, at the positions at the end of the step. Nodes that do not count are ignored.
 inline std::vector<Vector3> without_tensions(const Network& network, const PlainState& at,
                                              const std::vector<bool>& counts, std::vector<Vector3> residual) {
   const auto rows = static_cast<Eigen::Index>(3 * residual.size());
   const auto columns = static_cast<Eigen::Index>(network.rigids().size());
   if (columns == 0) return residual;
   Eigen::MatrixXd directions = Eigen::MatrixXd::Zero(rows, columns);
-  Eigen::VectorXd right = Eigen::VectorXd::Zero(rows);
+  Eigen::VectorXd rhs = Eigen::VectorXd::Zero(rows);
   for (Eigen::Index r = 0; r < columns; ++r) {
     const Rigid& rigid = network.rigids()[static_cast<std::size_t>(r)];
     const Vector3 direction = (at.position[rigid.first] - at.position[rigid.second]).normalized();
@@ -168,11 +168,11 @@ inline std::vector<Vector3> without_tensions(const Network& network, const Plain
     if (counts[rigid.second]) directions.block<3, 1>(3 * static_cast<Eigen::Index>(rigid.second), r) = -direction;
   }
   for (std::size_t k = 0; k < residual.size(); ++k) {
-    if (counts[k]) right.segment<3>(3 * static_cast<Eigen::Index>(k)) = residual[k];
+    if (counts[k]) rhs.segment<3>(3 * static_cast<Eigen::Index>(k)) = residual[k];
   }
-  right -= directions * Eigen::VectorXd(directions.completeOrthogonalDecomposition().solve(right));
+  rhs -= directions * Eigen::VectorXd(directions.completeOrthogonalDecomposition().solve(rhs));
   for (std::size_t k = 0; k < residual.size(); ++k) {
-    if (counts[k]) residual[k] = right.segment<3>(3 * static_cast<Eigen::Index>(k));
+    if (counts[k]) residual[k] = rhs.segment<3>(3 * static_cast<Eigen::Index>(k));
   }
   return residual;
 }

@@ -1,6 +1,6 @@
-// Random irregular networks: a step that is said to have settled fulfils its equation of motion when evaluated again by
-// other code, contact included, under the options that a scene has when it names none and under every update rule;
-// nearly all of them settle; and the reference goes where small steps of the network go.
+// Random irregular networks: a step reported as settled satisfies its equation of motion when evaluated again by other
+// code, contact included, with default options and under every update rule; nearly all of them settle; and the network
+// with small time steps converges to the reference.
 #include <algorithm>
 #include <cmath>
 #include <numbers>
@@ -72,7 +72,7 @@ double force_scale(const Network& network) {
 
 enum class Kind { free, prescribed, touching };
 
-// The nodes that hang together rigidly with each node: the lowest of them.
+// For each node the lowest one that rigid connections join it to, directly or through others.
 std::vector<NodeIndex> clusters_of(const Network& network) {
   std::vector<NodeIndex> lowest(network.nodes().size());
   std::iota(lowest.begin(), lowest.end(), NodeIndex{0});
@@ -82,7 +82,7 @@ std::vector<NodeIndex> clusters_of(const Network& network) {
   return lowest;
 }
 
-// How wrong a step is that was said to have settled: the greatest residual over its bound; above 1 it is wrong.
+// The error of a step reported as settled: the greatest residual over its bound; above 1 the step is wrong.
 class Judge {
  public:
   Judge(const Network& network, double tolerance) : network_(network), tolerance_(tolerance) {
@@ -117,8 +117,8 @@ class Judge {
     residual = without_tensions(network_, state, counts, residual);
     double worst = std::max(lengths(state), placing(simulation, state, kinds));
     for (NodeIndex k = 0; k < residual.size(); ++k) {
-      // The tensions found here are the best in the sum of squares over the (at most three) nodes that hang together,
-      // not in the greatest residual.
+      // The tensions found here minimise the sum of squares over the (at most three) connected nodes, not the greatest
+      // residual.
       const double bound = (rigid_[k] ? std::sqrt(3.0) : 1.0) * 2.0 * tolerance_ + rounding(k, state);
       if (counts[k]) worst = std::max(worst, residual[k].norm() / bound);
       if (kinds[k] != Kind::touching || rigid_[k]) continue;
@@ -126,23 +126,23 @@ class Judge {
       worst = std::max(worst, jump(k, state.position[k], forces[k]));
     }
     worst = std::max(worst, bodies_on_floor(state, forces, kinds));
-    return std::max(worst, told(simulation, state, kinds));
+    return std::max(worst, reported_contact(simulation, state, kinds));
   }
 
  private:
-  // What rounding leaves of m (U - v) / h: of velocities that are sums of larger terms.
+  // Rounding of m (U - v) / h, whose velocities are sums of larger terms.
   [[nodiscard]] double rounding(NodeIndex k, const PlainState& state) const {
     return 1e-13 * network_.nodes()[k].mass * (state.velocity[k].norm() + start_.velocity[k].norm()) / time_step;
   }
-  // How far the force that the floor puts on a node is from one that it can put on it, N. Under the paper's rule a node
-  // that would touch if it moved on, and move on if it touched, is held for the step: the force may pull then.
+  // Distance of the floor's force on a node from the admissible ones, N. Under the paper's rule a node that would touch
+  // if it moved on, and move on if it touched, is held for the step: the force may then pull.
   [[nodiscard]] double against_floor(const Vector3& force) const {
     const Friction& friction = network_.planes()[0].friction;
     if (friction.kind == Friction::Kind::held) return 0.0;
     const double pull = std::max(0.0, -force.z()), along = force.head<2>().norm();
     return std::max(pull, along - friction.coefficient * std::max(0.0, force.z()));
   }
-  // What the floor gives a rigid body as a whole, whose tensions cancel: no pull, and friction in its cone.
+  // The floor's force on a rigid body as a whole, in which tensions cancel: no pull, and friction within its cone.
   [[nodiscard]] double bodies_on_floor(const PlainState& state, const std::vector<Vector3>& forces,
                                        const std::vector<Kind>& kinds) const {
     double worst = 0.0;
@@ -162,10 +162,10 @@ class Judge {
     }
     return worst;
   }
-  // What is told of nodes in contact: those that are held rest on the floor, and stay where they were held; reactions
-  // are what the forces on a node lack, which does not accelerate it downward, or at all.
-  [[nodiscard]] double told(const Simulation& simulation, const PlainState& state,
-                            const std::vector<Kind>& kinds) const {
+  // Reported contact: held nodes rest on the floor, and stay where they were held; reactions balance the forces on a
+  // node that is not accelerated downward, or not at all.
+  [[nodiscard]] double reported_contact(const Simulation& simulation, const PlainState& state,
+                                        const std::vector<Kind>& kinds) const {
     const std::vector<Vector3> forces =
         plain_forces(network_, state, live_springs(simulation), live_elements(simulation));
     double worst = 0.0;
@@ -182,29 +182,31 @@ class Judge {
       take(std::abs(state.position[k].z() - network_.planes()[0].point.z()) / length, "off the floor", k);
       take(-reaction.z() / force, "is pulled", k);
       if (simulation.held(k)) {
-        take(state.velocity[k].norm() / 1e-12, "is held and moves", k);
-        if (held_[k]) take((state.position[k] - start_.position[k]).norm() / length, "was held and went", k);
+        take(state.velocity[k].norm() / 1e-12, "is held, but moves", k);
+        if (held_[k]) take((state.position[k] - start_.position[k]).norm() / length, "was held, but was displaced", k);
       }
       if (rigid_[k]) continue;
-      // A surface that would have to pull is told to do nothing.
+      // The reported reaction is zero where the surface would have to pull.
       const double pressing = std::max(0.0, -forces[k].z());
       const double rounded = force + 1e-9 * forces[k].norm();
       take(std::abs(reaction.z() - pressing) / rounded, "normal reaction", k);
       const Friction& friction = network_.planes()[0].friction;
-      const double most = friction.coefficient * pressing, along = reaction.head<2>().norm();
+      const double max_friction = friction.coefficient * pressing, along = reaction.head<2>().norm();
       if (friction.kind == Friction::Kind::none) take(along / rounded, "friction without any", k);
-      if (friction.kind == Friction::Kind::coulomb) take((along - most) / rounded, "friction out of its cone", k);
-      if (simulation.held(k) && pressing > 0.0 && (friction.kind == Friction::Kind::held || along < 0.99 * most))
+      if (friction.kind == Friction::Kind::coulomb)
+        take((along - max_friction) / rounded, "friction outside its cone", k);
+      if (simulation.held(k) && pressing > 0.0 &&
+          (friction.kind == Friction::Kind::held || along < 0.99 * max_friction))
         take((reaction + forces[k]).head<2>().norm() / rounded, "friction of a held node", k);
     }
     return worst;
   }
-  // A node came to the floor by its velocity and the forces on it, not because sweeps threw it there: its way over
-  // twice what both explain.
+  // A node reached the floor by its velocity and the forces on it, not by spurious contact: its path over twice what
+  // both explain.
   [[nodiscard]] double jump(NodeIndex k, const Vector3& position, const Vector3& force) const {
     const double acceleration = std::max(force.norm(), start_forces_[k].norm()) / network_.nodes()[k].mass;
-    const double way = time_step * (start_.velocity[k].norm() + time_step * acceleration);
-    return (position - start_.position[k]).norm() / (2.0 * way + 1e-12);
+    const double path = time_step * (start_.velocity[k].norm() + time_step * acceleration);
+    return (position - start_.position[k]).norm() / (2.0 * path + 1e-12);
   }
   // Rigid connections keep their lengths to 1e-8.
   [[nodiscard]] double lengths(const PlainState& state) const {
@@ -215,8 +217,8 @@ class Judge {
     }
     return worst;
   }
-  // Fixed nodes are where they were, moved ones where the sinusoid puts them, nobody is below the floor, and free nodes
-  // went where their velocity took them.
+  // Fixed nodes stay in place, moved ones follow the sinusoid, no node is below the floor, and free nodes follow their
+  // velocity.
   [[nodiscard]] double placing(const Simulation& simulation, const PlainState& state,
                                const std::vector<Kind>& kinds) const {
     double worst = 0.0;
@@ -283,13 +285,13 @@ SimulationOptions options_with(double tolerance, unsigned threads) {
 
 }  // namespace
 
-TEST_CASE("random networks: no wrong answer without a word, and nearly all settle") {
+TEST_CASE("random networks: no settled step is wrong, and nearly all settle") {
   std::vector<std::uint64_t> seeds(testing::repetitions("SPRINGNET_RANDOM_NETS", 200));
   std::iota(seeds.begin(), seeds.end(), std::uint64_t{1});
-  // Nodes that slide, about which the sweeps cannot make up their mind before the others settle: a floor that kept
-  // them would pull.
+  // Sliding nodes whose contact the sweeps cannot decide before the other nodes settle: a floor that kept them would
+  // pull.
   for (const std::uint64_t seed : {1110u, 2808u, 2929u, 3491u, 3740u, 3854u}) seeds.push_back(seed);
-  seeds.push_back(335);  // a slip ends within a step, and more than friction bears acts on the node at its end
+  seeds.push_back(335);  // a slip ends within a step, at whose end the force on the node exceeds friction
   std::size_t settled_nets = 0;
   for (const std::uint64_t seed : seeds) {
     const testing::RandomNet random(seed);
@@ -310,7 +312,7 @@ TEST_CASE("random networks: no wrong answer without a word, and nearly all settl
   }
 }
 
-TEST_CASE("random networks: no wrong answer without a word under any update rule, for any number of threads") {
+TEST_CASE("random networks: no settled step is wrong under any update rule, for any number of threads") {
   const std::pair<const char*, double> rules[] = {{"synchronous", testing::synchronous},
                                                   {"wavefront", testing::wavefront},
                                                   {"block", testing::block},
@@ -339,7 +341,7 @@ TEST_CASE("random networks: no wrong answer without a word under any update rule
   for (const std::size_t each : settled) CHECK(each > 0);
 }
 
-TEST_CASE("random networks: a rigid body whose places converge slowly in each sweep stays above the floor") {
+TEST_CASE("random networks: a rigid body whose positions converge slowly in each sweep stays above the floor") {
   const testing::RandomNet random(1437);  // 0.35 g on rods to 16 kg and 26 g
   SimulationOptions options = options_with(1e-6 * force_scale(random.network), 1);
   options.integrator.parameters["update"] = testing::block;
@@ -354,7 +356,7 @@ TEST_CASE("random networks: a rigid body whose places converge slowly in each sw
   }
 }
 
-TEST_CASE("random networks: the reference goes where small steps of the network go") {
+TEST_CASE("random networks: small steps of the network converge to the reference") {
   const std::uint64_t count = testing::repetitions("SPRINGNET_RANDOM_NETS", 200) / 4;
   std::size_t compared = 0;
   for (std::uint64_t seed = 1; seed <= count; ++seed) {
@@ -383,8 +385,8 @@ TEST_CASE("random networks: the reference goes where small steps of the network 
       }
       ++compared;
       // Half the step, half the error, and something for terms of higher order and for modes that the steps do not
-      // resolve, which backward Euler damps; what does not fall is another physics. Below the reference's own error
-      // nothing can be told: the tolerance, of lengths of about 1 m, in each of some dozen steps.
+      // resolve, which backward Euler damps; an error that does not fall is different physics. Below the reference's
+      // own error nothing can be concluded: the tolerance, of lengths of about 1 m, in each of some dozen steps.
       CAPTURE(moved);
       CAPTURE(far);
       CHECK(near <= 0.8 * far + 1e-3 * moved + 100.0 * tolerance);

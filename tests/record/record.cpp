@@ -1,4 +1,4 @@
-// What all outputs share: the simulation's own numbers, computed when asked for and not twice.
+// What all outputs share: the simulation's own numbers, computed on demand and only once.
 #include "record/record.hpp"
 
 #include <doctest/doctest.h>
@@ -64,7 +64,7 @@ TEST_CASE("a record computes each quantity once") {
   const double potential = record.potential_energy();
   const Vector3 load = record.surface_loads()[0].force;
   for (int step = 0; step < 20; ++step) simulation.step();
-  // Nothing is asked of the simulation again, though its state is another one by now.
+  // The simulation is not queried again, although its state has changed.
   CHECK(record.positions() == positions);
   CHECK(record.velocities() == velocities);
   CHECK(record.forces() == forces);

@@ -42,7 +42,7 @@ TEST_CASE("the estimate of the output is near the size of the files, on the safe
   CHECK(static_cast<double>(summary.records) == estimate.records);
 }
 
-TEST_CASE("tables of a body of micrometres are no larger than told") {
+TEST_CASE("tables of a body of micrometres are no larger than estimated") {
   const TemporaryFolder folder;
   Scene scene;
   const MaterialIndex material = scene.network.add_material({LawUse{"linear", {{"stiffness", 0.3}}}, std::nullopt});
@@ -79,7 +79,7 @@ TEST_CASE("the estimate of the page is on the safe side") {
   CHECK(static_cast<double>(std::filesystem::file_size(folder.path() / "view.html")) <= estimate.bytes);
 }
 
-TEST_CASE("the estimate counts what the scene asks for") {
+TEST_CASE("the estimate counts what the scene requests") {
   Scene scene = flying(2);
   const double all = estimate_output(scene).bytes;
   scene.output.interval = 0.1;
@@ -88,14 +88,14 @@ TEST_CASE("the estimate counts what the scene asks for") {
   scene.output.trajectory = false;
   CHECK(estimate_output(scene).bytes == 0.0);
   scene.output.reactions = true;
-  CHECK(estimate_output(scene).bytes == 0.0);  // nothing is held
+  CHECK(estimate_output(scene).bytes == 0.0);  // nothing is written
   scene.network.fix(3);
   const double one_fixed = estimate_output(scene).bytes;
   CHECK(one_fixed > 0.0);
   scene.network.add_plane({});
   scene.network.add_instrument({"a", Vector3(9, 9, 9), Vector3(9, 9, 9), 1.0, {}, std::nullopt});
   scene.output.surfaces = false;
-  // Any of the eight nodes may be held now, in 11 records, by the plane "0," and by "a,".
+  // Any of the eight nodes may be in contact now, in 11 records, by the plane "0," and by "a,".
   CHECK(estimate_output(scene).bytes == doctest::Approx(8.0 * (one_fixed + 11.0 * 4.0)));
   scene.output.reactions = false;
   scene.output.surfaces = true;
@@ -112,7 +112,7 @@ TEST_CASE("the estimate counts what the scene asks for") {
   CHECK(estimate_output(scene).bytes == 0.0);
 }
 
-TEST_CASE("the estimate of forces is on the safe side as well") {
+TEST_CASE("the estimate of forces is on the safe side, too") {
   const TemporaryFolder folder;
   Scene scene = flying(3);
   scene.output.trajectory = false;
@@ -128,11 +128,11 @@ TEST_CASE("the estimate of forces is on the safe side as well") {
   CAPTURE(summary.error);
   CHECK_FALSE(summary.failure);
   CHECK(static_cast<double>(summary.bytes) <= estimate.bytes);
-  // Most nodes never touch, so nothing is asserted of how near it is.
+  // Most nodes never touch, so the estimate need not be near.
   CHECK(summary.bytes > 0);
 }
 
-TEST_CASE("binary tables and their headers have the size that was told, to the byte; pictures all but their index") {
+TEST_CASE("binary tables have exactly the estimated size, pictures all but their index") {
   const TemporaryFolder folder;
   Scene scene = flying(4);
   scene.duration = 0.055;
@@ -206,7 +206,7 @@ TEST_CASE("output that does not fit the disk is refused before anything is writt
     CHECK(message.find("free") != std::string::npos);
     CHECK(message.find("output.interval") != std::string::npos);
     CHECK(message.find("output.trajectory") != std::string::npos);
-    CHECK(message.find("most of it trajectory.csv") != std::string::npos);
+    CHECK(message.find("most of it in trajectory.csv") != std::string::npos);
   }
   CHECK_FALSE(std::filesystem::exists(folder.path() / "new"));
 
@@ -215,18 +215,18 @@ TEST_CASE("output that does not fit the disk is refused before anything is writt
     run_scene(scene, plugins(), {folder.path() / "new", "flying", {}});
     FAIL("it ran");
   } catch (const Error& error) {
-    CHECK(std::string(error.what()).find("most of it vtk/") != std::string::npos);
+    CHECK(std::string(error.what()).find("most of it in vtk/") != std::string::npos);
     CHECK(std::string(error.what()).find("output.interval = ") != std::string::npos);
     // The tables alone do not fit: fewer pictures would not help.
     CHECK(std::string(error.what()).find("output.vtk_interval") == std::string::npos);
   }
 }
 
-TEST_CASE("the interval that is told is the least of two digits with which the output fits") {
+TEST_CASE("the proposed interval is the smallest of two digits with which the output fits") {
   Scene scene = flying(5);
   scene.duration = 10.0;
   scene.options.time_step = 1e-3;
-  scene.output.view = true;  // its size does not shrink as that of the tables does
+  scene.output.view = true;  // its size does not shrink like that of the tables
   scene.output.vtk = true;
   for (const double bytes : {2e6, 3e6, 7e6, 4e7}) {
     CAPTURE(bytes);
@@ -255,7 +255,7 @@ TEST_CASE("the size of elements.csv is that of the elements chosen") {
   CHECK(estimate_output(scene).bytes == doctest::Approx(all / 4.0));
 }
 
-TEST_CASE("a refusal for want of space names what helps") {
+TEST_CASE("a refusal for lack of space names remedies") {
   Scene scene = flying(5);
   scene.duration = 10.0;
   const auto refusal = [&](double free, double earlier = 0.0) {
@@ -266,11 +266,11 @@ TEST_CASE("a refusal for want of space names what helps") {
   };
   const double bytes = estimate_output(scene).bytes;
   CHECK(refusal(1.1 * bytes).empty());
-  // A share is left to others.
+  // A share of the free space is left to others.
   CHECK_FALSE(refusal(1.01 * bytes).empty());
   const std::string half = refusal(0.5 * bytes);
   CAPTURE(half);
-  CHECK(has(half, "most of it trajectory.csv"));
+  CHECK(has(half, "most of it in trajectory.csv"));
   CHECK(has(half, "leave out trajectory.csv (output.trajectory = false)"));
   CHECK(has(half, "output.interval = 0.021)"));
   CHECK(has(half, "free in there;"));
@@ -283,7 +283,7 @@ TEST_CASE("a refusal for want of space names what helps") {
   for (int k = 0; k < 1000; ++k) scene.network.add_element(Invariant::angle, {0, 1, 7}, bending);
   const std::string elements = refusal(1.1 * bytes);
   CAPTURE(elements);
-  CHECK(has(elements, "most of it elements.csv"));
+  CHECK(has(elements, "most of it in elements.csv"));
   CHECK(has(elements, "leave out elements.csv (output.elements = false, or a list of names"));
   scene.output.elements = false;
 
@@ -292,7 +292,7 @@ TEST_CASE("a refusal for want of space names what helps") {
   scene.output.view = true;
   const std::string page = refusal(1000.0);
   CAPTURE(page);
-  CHECK(has(page, "most of it view.html"));
+  CHECK(has(page, "most of it in view.html"));
   CHECK(has(page, "output.view = false"));
   CHECK(has(page, "output.view_size"));
   CHECK_FALSE(has(page, "output.interval"));

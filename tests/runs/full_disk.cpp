@@ -1,5 +1,4 @@
-// Files that cannot grow any more: what is left of them ends with a whole record. A limit of the process takes the
-// place of a full disk.
+// Files that cannot grow any more end with a complete record. A limit of the process stands in for a full disk.
 #include <sys/resource.h>
 
 #include <cmath>
@@ -22,7 +21,7 @@ namespace fs = std::filesystem;
 
 namespace {
 
-// No file grows beyond so many bytes while this lives.
+// While this exists, no file grows beyond this many bytes.
 class FileLimit {
  public:
   explicit FileLimit(rlim_t bytes) : handler_(std::signal(SIGXFSZ, SIG_IGN)) {
@@ -67,7 +66,7 @@ double until(const RunSummary& summary, const std::string& file) {
 
 }  // namespace
 
-TEST_CASE("a table of text ends with its last whole record where the disk is full, and its time is told") {
+TEST_CASE("a text table on a full disk ends with its last complete record, whose time is reported") {
   for (const rlim_t bytes : {5000u, 5001u, 5050u, 5100u, 5200u, 100u}) {
     CAPTURE(bytes);
     const TemporaryFolder folder;
@@ -82,18 +81,18 @@ TEST_CASE("a table of text ends with its last whole record where the disk is ful
     const double last = until(summary, "trajectory.csv");
     if (csv.rows.empty()) {
       CHECK(std::isnan(last));
-      CHECK(summary.error.find("no record of it was written") != std::string::npos);
+      CHECK(summary.error.find("none of its records was written") != std::string::npos);
     } else {
       CHECK(csv.number(csv.rows.size() - 1, 0) == last);
-      CHECK(summary.error.find(fmt::format("its records until {:g} s are kept", last)) != std::string::npos);
+      CHECK(summary.error.find(fmt::format("its records up to {:g} s are kept", last)) != std::string::npos);
     }
-    // A limit so low keeps out the summary as well.
+    // Such a low limit leaves no room for the summary either.
     CHECK(fs::exists(folder.path() / "summary.json") == (bytes > 2000));
     CHECK_FALSE(fs::exists(folder.path() / "summary.json.part"));
   }
 }
 
-TEST_CASE("binary tables end with their last whole record, each with its own") {
+TEST_CASE("binary tables end with their own last complete record") {
   Scene scene = chain_scene();
   scene.output.format = OutputOptions::Format::binary;
   const TemporaryFolder folder;
@@ -117,7 +116,7 @@ TEST_CASE("binary tables end with their last whole record, each with its own") {
   CHECK(until(summary, "trajectory.bin") < summary.simulated);
 }
 
-TEST_CASE("pictures end with the last whole one, and the index lists no other") {
+TEST_CASE("pictures end with the last complete one, and the index lists no other") {
   Scene scene = chain_scene();
   scene.output.trajectory = false;
   scene.output.springs.clear();
@@ -142,7 +141,7 @@ TEST_CASE("pictures end with the last whole one, and the index lists no other") 
   }
 }
 
-TEST_CASE("a page that cannot be written is not there, and the tables are") {
+TEST_CASE("a page that cannot be written does not exist, but the tables do") {
   Scene scene = chain_scene();
   scene.duration = 1.0;
   scene.output.view = true;
@@ -157,7 +156,7 @@ TEST_CASE("a page that cannot be written is not there, and the tables are") {
   CHECK(json["cut_short"].empty());
 }
 
-TEST_CASE("a table that is converted ends with a whole record, too") {
+TEST_CASE("a converted table ends with a complete record, too") {
   Scene scene = chain_scene();
   scene.output.format = OutputOptions::Format::binary;
   scene.duration = 5.0;

@@ -1,4 +1,4 @@
-// Runs that are out of memory, at any place.
+// Runs that run out of memory at any point.
 #include <doctest/doctest.h>
 #include <nlohmann/json.hpp>
 #include <springnet/output.hpp>
@@ -12,7 +12,7 @@ using namespace springnet;
 using testing::plugins;
 using testing::TemporaryFolder;
 
-TEST_CASE("a run that is out of memory keeps whole records, and says so") {
+TEST_CASE("a run that is out of memory keeps complete records, and reports it") {
   Scene scene;
   scene.network = testing::chain(4, {0, 0, 0}, {1, 0, 0}, testing::damped(40.0, 0.5));
   scene.network.fix(0);
@@ -25,7 +25,7 @@ TEST_CASE("a run that is out of memory keeps whole records, and says so") {
   scene.output.vtk = true;
   scene.output.view_size = 1.2e6;
   int failed = 0;
-  // From here on it fails at the 1st, 2nd, … allocation of a step and of what is recorded after it.
+  // From here on it fails at the 1st, 2nd, … allocation of a step and of the record after it.
   for (int allocation = 0; allocation < 60; ++allocation) {
     CAPTURE(allocation);
     const TemporaryFolder folder;

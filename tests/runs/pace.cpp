@@ -1,4 +1,4 @@
-// Real time, with a clock that the test turns.
+// Real time, with a clock that the test sets.
 #include "run/pace.hpp"
 
 #include <algorithm>
@@ -18,14 +18,14 @@ using testing::TemporaryFolder;
 
 namespace {
 
-// Stands still but for sleep and what the test adds. Its times are sums of powers of two, so that nothing is rounded.
+// Advances only while it sleeps and when the test adds to it. Times are sums of powers of two, so nothing is rounded.
 struct FakeClock {
   double time = 1024.0;      // s
-  double per_look = 0.0;     // s that pass with each look at it
-  std::vector<double> ends;  // until when it was slept
+  double per_call = 0.0;     // s that pass with each call of now()
+  std::vector<double> ends;  // arguments of sleep_until()
 
   RunClock clock() {
-    return {[this] { return time += per_look; },
+    return {[this] { return time += per_call; },
             [this](double end) {
               ends.push_back(end);
               time = std::max(time, end);
@@ -54,11 +54,11 @@ TEST_CASE("a step starts when it is due, and is late when it ends after the next
   CHECK(pace.wait(0.0, always));  // starts the clock
   CHECK(fake.ends.empty());
   fake.time += 0.015625;  // done in time
-  pace.finished(0.0625);
+  pace.count_frame(0.0625);
   CHECK(pace.wait(0.0625, always));
   CHECK(fake.time == 1024.0625);
   fake.time += 0.25;  // due at 0.125 s, done at 0.3125 s
-  pace.finished(0.125);
+  pace.count_frame(0.125);
   CHECK(pace.report().frames == 2);
   CHECK(pace.report().missed == 1);
   CHECK(pace.report().greatest_delay == 0.1875);
@@ -66,11 +66,11 @@ TEST_CASE("a step starts when it is due, and is late when it ends after the next
   // The next one starts at once and is late as well, though it takes no time; then it has caught up.
   const std::size_t sleeps = fake.ends.size();
   CHECK(pace.wait(0.125, always));
-  pace.finished(0.1875);
+  pace.count_frame(0.1875);
   CHECK(pace.wait(0.1875, always));
   CHECK(fake.ends.size() == sleeps);
   CHECK(pace.report().missed == 2);
-  pace.finished(0.5);
+  pace.count_frame(0.5);
   CHECK(pace.wait(0.5, always));
   CHECK(fake.time == 1024.5);
   CHECK(pace.report().frames == 4);
@@ -84,22 +84,22 @@ TEST_CASE("a factor stretches the times that are due, also from a start that is 
   CHECK(pace.wait(8.0, always));
   CHECK(pace.wait(8.03125, always));
   CHECK(fake.time == 1024.0625);
-  pace.finished(8.0625);  // due at 0.125 s
+  pace.count_frame(8.0625);  // due at 0.125 s
   CHECK(pace.report().missed == 0);
   fake.time = 1024.25;
-  pace.finished(8.0625);
+  pace.count_frame(8.0625);
   CHECK(pace.report().missed == 1);
   CHECK(pace.report().greatest_delay == 0.125);
 }
 
-TEST_CASE("a long wait can be ended") {
+TEST_CASE("a long wait can be stopped") {
   FakeClock fake;
   Pace pace(1.0, 0.0, fake.clock());
   CHECK(pace.wait(0.0, always));
-  int asked = 0;
-  CHECK_FALSE(pace.wait(3600.0, [&] { return ++asked < 7; }));
-  CHECK(asked == 7);
-  // No longer than a tenth of a second passes between two questions; sums of tenths are rounded.
+  int calls = 0;
+  CHECK_FALSE(pace.wait(3600.0, [&] { return ++calls < 7; }));
+  CHECK(calls == 7);
+  // At most a tenth of a second passes between two calls; sums of tenths are rounded.
   CHECK(fake.time == doctest::Approx(1024.7).epsilon(1e-12));
 }
 
@@ -145,7 +145,7 @@ TEST_CASE("a run that is fast enough waits for each step, misses none and comput
 TEST_CASE("a run that is too slow makes every step, counts them as missed and does not sleep") {
   const TemporaryFolder folder;
   FakeClock fake;
-  fake.per_look = 0.125;  // two time steps, and the clock is looked at more than once a step
+  fake.per_call = 0.125;  // two time steps, and the clock is read more than once per step
   RunOptions options{folder.path(), "pair", {}};
   options.realtime = 1.0;
   options.clock = fake.clock();
@@ -157,7 +157,7 @@ TEST_CASE("a run that is too slow makes every step, counts them as missed and do
   // The delay grows by a sixteenth at least with each of 16 steps.
   CHECK(summary.pace->greatest_delay >= 1.0);
   CHECK(fake.ends.empty());
-  // Computing is what passes between the looks before and after a step: 16 of them.
+  // Wall time is measured from before to after each of the 16 steps.
   CHECK(summary.wall == 16 * 0.125);
   const auto json = nlohmann::json::parse(testing::read_text(folder.path() / "summary.json"));
   CHECK(json["times_real_time"] == 0.5);

@@ -77,7 +77,7 @@ TEST_CASE("records are made at the first time step at or after each multiple of 
   for (std::size_t k = 0; k < times.size(); ++k) CHECK(times[k] == doctest::Approx(expected[k]).epsilon(1e-12));
 }
 
-TEST_CASE("a duration that is no multiple of the time step is reached exactly") {
+TEST_CASE("a duration that is not a multiple of the time step is reached exactly") {
   const TemporaryFolder folder;
   Scene scene = pair();
   scene.duration = 0.95;
@@ -142,7 +142,7 @@ TEST_CASE("cuts and contacts are counted and listed with the user's numbers") {
   CHECK(csv.rows[1][3] == "1");
 }
 
-TEST_CASE("files that the scene does not ask for are not there, not even old ones") {
+TEST_CASE("files that the scene does not request do not exist, not even old ones") {
   const TemporaryFolder folder;
   Scene scene = pair();
   scene.output.reactions = true;
@@ -198,7 +198,7 @@ TEST_CASE("a run that is stopped between two records has its last state and all 
   }
 }
 
-TEST_CASE("a table of text can be read while the run still writes it") {
+TEST_CASE("a text table can be read during the run") {
   const TemporaryFolder folder;
   const Scene scene = pair();
   RunOptions options{folder.path(), "pair", {}};
@@ -214,11 +214,11 @@ TEST_CASE("a table of text can be read while the run still writes it") {
   CHECK(seen == 10);
 }
 
-TEST_CASE("a summary that cannot be written is no file, and a failure") {
+TEST_CASE("a summary that cannot be written does not exist, and is a failure") {
   const TemporaryFolder folder;
   RunOptions options{folder.path(), "pair", {}};
   options.progress = [&](const RunProgress& now) {
-    // What is in the way comes up while the run goes on.
+    // The obstruction appears during the run.
     if (now.steps == 5) std::filesystem::create_directory(folder.path() / "summary.json");
     return true;
   };
@@ -229,7 +229,7 @@ TEST_CASE("a summary that cannot be written is no file, and a failure") {
   CHECK(std::count(summary.files.begin(), summary.files.end(), "summary.json") == 0);
 }
 
-TEST_CASE("values of the output that nothing reads are told of") {
+TEST_CASE("unused output options are noted") {
   const auto has = [](const Scene& scene, const char* key) {
     const std::vector<std::string> notes = notes_of(scene);
     return std::count_if(notes.begin(), notes.end(),
@@ -248,7 +248,7 @@ TEST_CASE("values of the output that nothing reads are told of") {
   CHECK(notes_of(scene).empty());
 }
 
-TEST_CASE("a run that fails midway keeps what was written, and says so") {
+TEST_CASE("a run that fails midway keeps its output, and reports it") {
   const TemporaryFolder folder;
   Scene scene = pair();
   // At rest until a load pulls at 0.5 s; then one step needs more sweeps than allowed.
@@ -320,7 +320,7 @@ TEST_CASE("time steps that were divided are counted, with the smaller steps") {
   CHECK(json["stages"] == stages);
 }
 
-TEST_CASE("the summary has what a reader of it needs") {
+TEST_CASE("the summary is complete") {
   const TemporaryFolder folder;
   const RunSummary summary = run(pair(), folder);
   const auto json = nlohmann::json::parse(testing::read_text(folder.path() / "summary.json"));
@@ -350,7 +350,7 @@ TEST_CASE("the summary has what a reader of it needs") {
   }
 }
 
-TEST_CASE("elements that go with a spring count by themselves, and a volume is summed up") {
+TEST_CASE("elements removed with a spring are counted separately, and a volume is summarised") {
   // Two triangles with three areas each, so that there are more elements than springs; beside them a filled
   // tetrahedron.
   const TemporaryFolder folder;

@@ -1,9 +1,9 @@
-// Memory of the test program that runs out when a test says so.
+// Makes the test program run out of memory on request.
 #pragma once
 
 namespace springnet::testing {
 
-// Of this thread: allocations that still succeed, then one that does not, then all do again. Below 0: all do.
+// For this thread: number of allocations that succeed before one fails; after that all succeed again. Below 0: all do.
 extern thread_local int allocations_left;
 
 }  // namespace springnet::testing

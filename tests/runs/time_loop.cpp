@@ -11,46 +11,46 @@ using namespace springnet;
 
 namespace {
 
-// Tells what is asked of it: "a" to advance, "r" to record.
-struct Told : Timeline {
+// Logs its calls: "a" for advance(), "r" for record_if_due().
+struct LoggedTimeline : Timeline {
   [[nodiscard]] double time() const override { return stage; }
   [[nodiscard]] bool has_ended() const override { return stage == last; }
   void advance() override {
     ++stage;
-    told += 'a';
+    log += 'a';
   }
-  void record_if_due() override { told += 'r'; }
+  void record_if_due() override { log += 'r'; }
 
   int stage = 0, last = 3;
-  std::string told;
+  std::string log;
 };
 
 }  // namespace
 
-TEST_CASE("a timeline goes on to its end, and records after each stage") {
-  Told timeline;
-  CHECK(go_through(timeline, nullptr, [&] {
-    timeline.told += '?';
+TEST_CASE("a timeline advances to its end, and records after each stage") {
+  LoggedTimeline timeline;
+  CHECK(advance_to_end(timeline, nullptr, [&] {
+    timeline.log += '?';
     return true;
   }));
-  CHECK(timeline.told == "ar?ar?ar?");
+  CHECK(timeline.log == "ar?ar?ar?");
 }
 
 TEST_CASE("a timeline that is stopped has recorded its last stage") {
-  Told timeline;
-  CHECK_FALSE(go_through(timeline, nullptr, [&] { return timeline.stage < 2; }));
-  CHECK(timeline.told == "arar");
+  LoggedTimeline timeline;
+  CHECK_FALSE(advance_to_end(timeline, nullptr, [&] { return timeline.stage < 2; }));
+  CHECK(timeline.log == "arar");
   // At its end there is nothing left to stop.
-  CHECK(go_through(timeline, nullptr, [] { return false; }));
-  CHECK(timeline.told == "ararar");
+  CHECK(advance_to_end(timeline, nullptr, [] { return false; }));
+  CHECK(timeline.log == "ararar");
 }
 
 TEST_CASE("a timeline waits for each stage, and can be stopped there") {
-  Told timeline;
+  LoggedTimeline timeline;
   double now = 0.0;
   Pace pace(1.0, 0.0, {[&] { return now; }, [&](double end) { now = end; }});
-  CHECK_FALSE(go_through(timeline, &pace, [&] { return now < 1.5; }));
-  CHECK(timeline.told == "arar");
+  CHECK_FALSE(advance_to_end(timeline, &pace, [&] { return now < 1.5; }));
+  CHECK(timeline.log == "arar");
   CHECK(pace.report().frames == 2);
   CHECK(pace.report().missed == 0);
 }
@@ -66,7 +66,7 @@ TEST_CASE("steps end at the time step's multiples and at the end") {
     times.push_back(simulation.time());
   }
   CHECK(times == std::vector<double>{0.25, 0.5, 0.75, 0.875});
-  CHECK(stepper.totals().wall == 4.0);  // each step looks at the clock before and after
+  CHECK(stepper.totals().wall == 4.0);  // each step reads the clock before and after
   CHECK(stepper.totals().spring_updates == static_cast<double>(simulation.sweeps()));
   CHECK(stepper.totals().worst == Outcome::settled);
   CHECK(stepper.totals().unsettled == 0);
@@ -82,7 +82,7 @@ TEST_CASE("steps that do not settle are counted by their outcome, and those that
   const auto stepped = [&](double policy) {
     auto simulation = std::make_unique<Simulation>(testing::simulate(
         net, testing::recurrent(testing::synchronous, 1e-9, {{"unsettled", policy}, {"max_sweeps", 20}}), 0.1));
-    Stepper stepper(*simulation, or_machine({}));
+    Stepper stepper(*simulation, clock_or_system({}));
     if (policy == testing::on_unsettled_error) {
       CHECK_THROWS_AS(stepper.advance_to(0.3), Error);
     } else {

@@ -1,4 +1,4 @@
-// Runs something that may crash or hang in a process of its own.
+// Runs code that may crash or hang in a child process.
 #pragma once
 
 #include <csignal>
@@ -14,7 +14,7 @@
 
 namespace springnet::testing {
 
-// `body` returns what is wrong, or nothing. Returns that, or how the child died. The caller must not have threads.
+// `body` returns an error text, or an empty one. Returns that, or how the child died. The caller must not have threads.
 template <class Body>
 std::string in_child(const Body& body, unsigned seconds = 20) {
   int ends[2];

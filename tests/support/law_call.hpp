@@ -35,7 +35,8 @@ inline const springnet_law& law_of(const springnet_component& component) {
   return *static_cast<const springnet_law*>(component.implementation);
 }
 
-// What the processor and this build can run, SPRINGNET_GENERIC first; ctest names the rest (tests/layers).
+// The instruction sets that processor and build support, SPRINGNET_GENERIC first; ctest lists the others
+// (tests/layers).
 inline std::vector<std::uint32_t> instruction_sets() {
   std::vector<std::uint32_t> sets{SPRINGNET_GENERIC};
 #if defined(__x86_64__) && !defined(SPRINGNET_GENERIC_ONLY)
@@ -131,7 +132,7 @@ inline bool same_bits(const LawAnswer& a, const LawAnswer& b) {
          same(a.by_states, b.by_states) && same(a.state_rates, b.state_rates);
 }
 
-// f'(x) by the central difference of eighth order: what is cut off is h^8 f^(9) / 630, what is rounded about
+// f'(x) by the central difference of eighth order: truncation error h^8 f^(9) / 630, rounding error about
 // 2e-16 |f| / h.
 template <class Function>
 double derivative(const Function& f, double x, double h) {

@@ -1,4 +1,4 @@
-// The ways of integrating that a closed form is checked with.
+// The integration methods that closed forms are checked with.
 #pragma once
 
 #include <cmath>
@@ -23,9 +23,9 @@ struct Method {
 
 inline constexpr double reference_tolerance = 1e-10;
 
-// How far one number of the reference may be from the truth, in units of the scales that its tolerance is relative to:
-// in each internal step the root mean square of the errors of all 6 n numbers may reach the tolerance, and in these
-// networks no error grows.
+// Bound for the error of one number of the reference, relative to the scales of its tolerance: in each internal step
+// the root mean square of the errors of all 6 n numbers may reach the tolerance, and in these networks errors do not
+// grow.
 inline double reference_error(const Simulation& simulation) {
   const double numbers = 6.0 * static_cast<double>(simulation.node_count());
   return reference_tolerance * std::sqrt(numbers) * simulation.statistics().at("internal_steps");

@@ -1,4 +1,4 @@
-// Small networks in code, and the ways to integrate them, for tests.
+// Small networks in code, and integrators for them, for tests.
 #pragma once
 
 #include <algorithm>
@@ -16,13 +16,13 @@
 
 namespace springnet::testing {
 
-// All plugins of the build tree, loaded once a program.
+// All plugins of the build tree, loaded once per program.
 inline std::shared_ptr<const PluginHost> plugins() {
   static const auto host = std::make_shared<const PluginHost>(PluginHost::with_default_search());
   return host;
 }
 
-// Options of the integrator "recurrent" as it numbers its choices.
+// Choices of the integrator "recurrent", by their numbers.
 inline constexpr double synchronous = 0, wavefront = 1, block = 2, coloured = 3, newton = 4, automatic = 5;
 inline constexpr std::array update_rules{"synchronous", "wavefront", "block", "coloured", "newton"};
 // The option `update` of a rule by its name.
@@ -36,7 +36,7 @@ inline LawUse recurrent(double update, double force_tolerance, ParameterValues m
   more["force_tolerance"] = force_tolerance;
   return {"recurrent", std::move(more)};
 }
-// One synchronous sweep a step: symplectic Euler.
+// One synchronous sweep per step: symplectic Euler.
 inline LawUse single_sweep() { return {"recurrent", {{"update", synchronous}, {"sweeps", 1}}}; }
 inline LawUse cvode(double relative_tolerance, ParameterValues more = {}) {
   more["relative_tolerance"] = relative_tolerance;

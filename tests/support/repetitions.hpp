@@ -1,4 +1,4 @@
-// How often a test repeats what it does: few times in the suite, many from tests/endurance.
+// Number of repetitions of a test: few in the suite, many from tests/endurance.
 #pragma once
 
 #include <cstdint>
@@ -6,7 +6,7 @@
 
 namespace springnet::testing {
 
-// The environment variable's number, or that of the suite where it is not set.
+// The value of the environment variable, or that of the suite if it is not set.
 inline std::uint64_t repetitions(const char* variable, std::uint64_t in_suite) {
   const char* const given = std::getenv(variable);
   return given == nullptr ? in_suite : std::strtoull(given, nullptr, 10);

@@ -17,7 +17,7 @@
 using namespace springnet;
 using testing::TemporaryFolder;
 
-TEST_CASE("texts stand in one cell, whatever is in them") {
+TEST_CASE("a text is one cell, whatever characters it has") {
   CHECK(csv_cell("floor") == "floor");
   CHECK(csv_cell("") == "");
   CHECK(csv_cell("left, lower") == "\"left, lower\"");
@@ -55,7 +55,7 @@ TEST_CASE("numbers in a table read back as the same doubles") {
   }
 }
 
-TEST_CASE("a table left open by an exception keeps the whole records, and one that is closed has no others") {
+TEST_CASE("a table left open by an exception keeps its complete records, a closed one has only those") {
   const TemporaryFolder folder;
   for (const bool closed : {false, true}) {
     for (const bool flushed : {false, true}) {
@@ -72,7 +72,7 @@ TEST_CASE("a table left open by an exception keeps the whole records, and one th
   }
 }
 
-TEST_CASE("whole records go into the file where the buffer is full, whatever is unfinished") {
+TEST_CASE("a full buffer writes complete records only") {
   const TemporaryFolder folder;
   const std::filesystem::path path = folder.path() / "table.csv";
   CsvFile file(path, "a", std::chrono::hours(1));
@@ -81,7 +81,7 @@ TEST_CASE("whole records go into the file where the buffer is full, whatever is 
     for (int row = 0; row < 100; ++row) {
       file << 0.123456789 << '\n';
       const std::string text = testing::read_text(path);
-      REQUIRE(text.size() % (100 * 12) == 2);  // records of 100 rows of 12 characters, behind "a\n"
+      REQUIRE(text.size() % (100 * 12) == 2);  // records of 100 rows of 12 characters, after "a\n"
       rows = std::max(rows, text.size() / 12);
     }
     file.end_record(record);
@@ -113,7 +113,7 @@ TEST_CASE("the header is in the file at once, records after a while") {
   }
 }
 
-TEST_CASE("a file that cannot be created is an error of the input that names it") {
+TEST_CASE("a file that cannot be created is an input error that names it") {
   const TemporaryFolder folder;
   try {
     CsvFile file(folder.path() / "nowhere" / "table.csv", "a");
@@ -124,7 +124,7 @@ TEST_CASE("a file that cannot be created is an error of the input that names it"
   }
 }
 
-TEST_CASE("a full disk is an error of the run, with a remedy") {
+TEST_CASE("a full disk is a failure of the run, with a remedy") {
   if (!std::filesystem::exists("/dev/full")) return;
   try {
     CsvFile file("/dev/full", "a");
@@ -133,7 +133,7 @@ TEST_CASE("a full disk is an error of the run, with a remedy") {
     CHECK(error.kind() == ErrorKind::simulation);
     const std::string message = error.what();
     CHECK(message.find("No space left") != std::string::npos);
-    CHECK(message.find("no record of it was written") != std::string::npos);
+    CHECK(message.find("none of its records was written") != std::string::npos);
     CHECK(message.find("output.interval") != std::string::npos);
   }
 }

@@ -73,10 +73,10 @@ TEST_CASE("names of tables and of the columns of each differ") {
   }
 }
 
-TEST_CASE("remedies for want of space name keys of a scene") {
+TEST_CASE("remedies for lack of space name keys of a scene") {
   const std::vector<std::string>& keys = scene_keys();
   for (const tables::Table& table : tables::all()) {
-    for (const std::string_view remedy : {table.leave_out, table.smaller}) {
+    for (const std::string_view remedy : {table.leave_out_hint, table.shrink_hint}) {
       if (remedy.empty()) continue;
       CAPTURE(remedy);
       const std::size_t begin = remedy.find("output.");

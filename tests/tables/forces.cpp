@@ -1,4 +1,4 @@
-// What holds, moves and joins nodes, as it stands in the tables.
+// Forces that hold, move and join nodes, in the tables.
 #include <algorithm>
 #include <cmath>
 #include <numbers>
@@ -47,7 +47,9 @@ constexpr double settling = 1e-5;
 
 }  // namespace
 
-TEST_CASE("reactions: what moves a node is its weight and its acceleration, with the torque about the origin") {
+TEST_CASE(
+    "reactions: the force on a moved node is its weight and mass times acceleration, with the torque about the "
+    "origin") {
   const TemporaryFolder folder;
   constexpr double h = 0.001, mass = 2.0, amplitude = 0.1, rate = std::numbers::pi;  // m, rad/s
   Scene scene = empty_scene(1.0, h);
@@ -115,7 +117,7 @@ TEST_CASE("surfaces: a plate's weight on the floor, its torque, and an instrumen
   }
 }
 
-TEST_CASE("rigid connections: what hangs from one pulls at it") {
+TEST_CASE("rigid connections: the tension is the weight below") {
   const TemporaryFolder folder;
   Scene scene = empty_scene(0.2, 0.05);
   scene.network.add_node(point({0, 0, 0}));
@@ -175,7 +177,7 @@ TEST_CASE("friction: a node that is pushed slips and sticks, and the tables say 
   CHECK(sliding > 100);
 }
 
-TEST_CASE("impulses of touching: of a fall, told although the node has left again before the record") {
+TEST_CASE("impulses: a fall has one, even if the node has separated again before the record") {
   const TemporaryFolder folder;
   // From 0.2 m to the floor in 0.2 s, with 2 m/s; from 0.25 s to 0.28 s a force takes it up again.
   Scene scene = empty_scene(0.5, 0.001);
@@ -228,7 +230,7 @@ TEST_CASE("a node in a corner has both surfaces in its row") {
   CHECK((both == "floor;1" || both == "1;floor"));
 }
 
-TEST_CASE("tables of forces are left out on request, and old ones go") {
+TEST_CASE("tables of forces are left out on request, and old ones are removed") {
   const TemporaryFolder folder;
   Scene scene = empty_scene(0.1, 0.05);
   scene.network.add_node(point({0, 0, 1}));

@@ -1,4 +1,4 @@
-// The binary tables: bit for bit what the engine had, and readable however a run ended.
+// Binary tables: bit for bit the engine's numbers, and readable however a run ended.
 #include <springnet/records.hpp>
 
 #include <sys/stat.h>
@@ -92,7 +92,7 @@ TEST_CASE("a binary trajectory has the states of a simulation stepped by hand, b
   }
 }
 
-TEST_CASE("the layout is the one that the page describes") {
+TEST_CASE("the layout is as documented") {
   const TemporaryFolder folder;
   Scene scene = swinging();
   scene.output.nodes = {2, 4};
@@ -121,7 +121,7 @@ TEST_CASE("the layout is the one that the page describes") {
   }
 }
 
-TEST_CASE("binary tables as text are the tables that the run would have written") {
+TEST_CASE("converted binary tables are the text tables of the same run") {
   const TemporaryFolder folder;
   Scene scene = swinging();
   scene.output.springs = {1, 3};
@@ -137,7 +137,7 @@ TEST_CASE("binary tables as text are the tables that the run would have written"
   }
 }
 
-TEST_CASE("single precision is the nearest number, and times keep all their digits") {
+TEST_CASE("single precision rounds to the nearest number, and times keep all digits") {
   const TemporaryFolder folder;
   Scene scene = swinging();
   run(scene, folder.path() / "double");
@@ -159,7 +159,7 @@ TEST_CASE("single precision is the nearest number, and times keep all their digi
   CHECK(testing::read_text(folder.path() / "single.csv").find("\n0,0,0.1,0.2,0.3,0,0,0\n") != std::string::npos);
 }
 
-TEST_CASE("a file whose end is missing is read to its last whole record") {
+TEST_CASE("a truncated file is read up to its last complete record") {
   const TemporaryFolder folder;
   run(swinging(), folder.path());
   const std::filesystem::path file = folder.path() / "trajectory.bin";
@@ -174,7 +174,7 @@ TEST_CASE("a file whose end is missing is read to its last whole record") {
   CHECK_THROWS_AS(cut.read(10, values), Error);
 }
 
-TEST_CASE("a file can be read while the run still writes it") {
+TEST_CASE("a file can be read during the run") {
   const TemporaryFolder folder;
   const Scene scene = swinging();
   RunOptions options{folder.path(), "swinging", {}};
@@ -185,7 +185,7 @@ TEST_CASE("a file can be read while the run still writes it") {
   CHECK(run_scene(scene, plugins(), options).steps == 50);
 }
 
-TEST_CASE("what is no such file is refused with the reason") {
+TEST_CASE("other files are refused with the reason") {
   const TemporaryFolder folder;
   CHECK(refusal(folder.path() / "nowhere.bin").find("nowhere.bin: cannot be read") != std::string::npos);
   folder.write("text.csv", "time,node,x,y,z\n0,0,1,2,3\n");
@@ -225,7 +225,7 @@ TEST_CASE("what is no such file is refused with the reason") {
   }
 }
 
-TEST_CASE("a table costs what it has, whatever its header promises") {
+TEST_CASE("memory follows the size of a file, not the promises of its header") {
   const TemporaryFolder folder;
   const auto table = [&](const std::string& description, std::size_t bytes) {
     std::string header = fmt::format("springnet records 1 {:08}\n{}", 29 + description.size() + 1, description) + '\n';
@@ -240,8 +240,8 @@ TEST_CASE("a table costs what it has, whatever its header promises") {
   CHECK(table(rows(2, 16), 16).empty());
   CHECK(table(rows(0, 8), 8).empty());
   // A list of these numbers would take 4 GB.
-  CHECK(table(rows(1'000'000'000, 4'000'000'008), 1000).find("has no whole record") != std::string::npos);
-  CHECK(table(rows(2, 16), 15).find("has no whole record") != std::string::npos);
+  CHECK(table(rows(1'000'000'000, 4'000'000'008), 1000).find("no complete record") != std::string::npos);
+  CHECK(table(rows(2, 16), 15).find("no complete record") != std::string::npos);
   CHECK(table(rows(1, 0), 16).find("damaged header") != std::string::npos);
   CHECK(table(rows(4'294'967'295, 4), 16).find("damaged header") != std::string::npos);
   // 2^64 bytes and some: the product would be small.
@@ -249,10 +249,10 @@ TEST_CASE("a table costs what it has, whatever its header promises") {
   CHECK(table(std::string(1'000'000, '['), 16).find("damaged header") != std::string::npos);
 }
 
-TEST_CASE("a pipe is no table, and nobody waits for it") {
+TEST_CASE("a pipe is refused without waiting for it") {
   const TemporaryFolder folder;
   const std::filesystem::path pipe = folder.path() / "pipe.bin";
   REQUIRE(mkfifo(pipe.c_str(), 0600) == 0);
-  CHECK(refusal(pipe).find("is no file") != std::string::npos);
-  CHECK(refusal(folder.path()).find("is no file") != std::string::npos);
+  CHECK(refusal(pipe).find("not a regular file") != std::string::npos);
+  CHECK(refusal(folder.path()).find("not a regular file") != std::string::npos);
 }

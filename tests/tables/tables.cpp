@@ -1,4 +1,4 @@
-// What a scene asks to record, and nothing else.
+// Exactly what a scene requests is recorded.
 #include <algorithm>
 #include <cmath>
 
@@ -37,7 +37,7 @@ RunSummary run(const Scene& scene, const TemporaryFolder& folder) {
 
 }  // namespace
 
-TEST_CASE("trajectory and reactions have the nodes and quantities asked for") {
+TEST_CASE("trajectory and reactions have the requested nodes and quantities") {
   const TemporaryFolder folder;
   Scene scene = chain_scene();
   run(scene, folder);
@@ -67,11 +67,11 @@ TEST_CASE("trajectory and reactions have the nodes and quantities asked for") {
     }
   }
   const Csv reactions = testing::read_csv(folder.path() / "reactions.csv");
-  REQUIRE(reactions.rows.size() == 11);  // node 3 alone: 1 is free, 0 is not asked for
+  REQUIRE(reactions.rows.size() == 11);  // only node 3: 1 is free, 0 is not requested
   for (const auto& row : reactions.rows) CHECK(row[1] == "3");
 }
 
-TEST_CASE("springs.csv has lengths, tensions and energies by the law, and zeros once a spring is gone") {
+TEST_CASE("springs.csv has lengths, tensions and energies by the law, and zeros once a spring is removed") {
   const TemporaryFolder folder;
   Scene scene = chain_scene();
   Network& net = scene.network;
@@ -147,7 +147,7 @@ TEST_CASE("elements.csv has each element's invariant and force") {
   CHECK_FALSE(std::filesystem::exists(folder.path() / "elements.csv"));
 }
 
-TEST_CASE("elements.csv has the elements of the names asked for, in the binary form as well") {
+TEST_CASE("elements.csv has the elements of the requested names, in the binary form too") {
   const std::string text = R"(
 [simulation]
 duration = 0.2

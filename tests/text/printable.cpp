@@ -1,4 +1,4 @@
-// Foreign text on its way to a terminal.
+// Foreign text for a terminal.
 #include <string>
 
 #include <doctest/doctest.h>
@@ -7,13 +7,13 @@
 
 using namespace springnet;
 
-TEST_CASE("text that a terminal shows as it is stays as it is") {
+TEST_CASE("printable text is unchanged") {
   CHECK(printable("") == "");
   CHECK(printable("left wall\\of [a.b] 'c' \"d\"") == "left wall\\of [a.b] 'c' \"d\"");
   CHECK(printable("Blase – größer, 膀胱, 🫧") == "Blase – größer, 膀胱, 🫧");
 }
 
-TEST_CASE("what a terminal would obey is written out") {
+TEST_CASE("control characters are escaped") {
   CHECK(printable("\x1b[31mred\a\n\t") == "\\u001b[31mred\\u0007\\u000a\\u0009");
   CHECK(printable(std::string_view("a\0b", 3)) == "a\\u0000b");
   CHECK(printable("\x7f\xc2\x9b") == "\\u007f\\u009b");  // C1: the one-byte CSI
@@ -23,7 +23,7 @@ TEST_CASE("what a terminal would obey is written out") {
                   "a\xf3\xa0\x80\xa1") == "\\ufeffa\\ue0021");  // mark of byte order, a tag
 }
 
-TEST_CASE("bytes that are not UTF-8 are written out") {
+TEST_CASE("bytes that are not UTF-8 are escaped") {
   CHECK(printable("a\xff"
                   "b\x80") == "a\\xffb\\x80");
   CHECK(printable("\xc0\xaf") == "\\xc0\\xaf");  // overlong
@@ -33,7 +33,7 @@ TEST_CASE("bytes that are not UTF-8 are written out") {
   CHECK(printable("\xe2\x82") == "\\xe2\\x82");                    // cut short
 }
 
-TEST_CASE("a long text is cut, and says how long it was") {
+TEST_CASE("a long text is truncated, with its length") {
   CHECK(printable("abcdef", 6) == "abcdef");
   CHECK(printable("abcdefg", 6) == "abcdef… (7 characters)");
   CHECK(printable("ääää", 3) == "äää… (4 characters)");

@@ -1,4 +1,4 @@
-// Scenes to begin with: from examples, and for meshes. What is written runs as it is.
+// Scenes to start from: examples, and scenes for meshes. They run as they are.
 #include <algorithm>
 #include <filesystem>
 
@@ -64,7 +64,7 @@ f 1 4 3
 
 }  // namespace
 
-TEST_CASE("examples are listed, copied, and run where they are copied to") {
+TEST_CASE("examples are listed and copied, and the copies run") {
   const TemporaryFolder folder;
   const Answer list = testing::springnet(folder, "new --example");
   CHECK(list.status == 0);
@@ -88,10 +88,10 @@ TEST_CASE("nothing is overwritten, and then nothing is written at all") {
   const std::string readme = testing::read_text(folder.path() / "cube/README.md");
   const Answer again = testing::springnet(folder, "new --example cube");
   CHECK(again.status == 2);
-  CHECK(has(again.err, "is there already, and nothing was written"));
+  CHECK(has(again.err, "already exists"));
   CHECK_FALSE(std::filesystem::exists(folder.path() / "cube/cube.toml"));
   CHECK(testing::read_text(folder.path() / "cube/README.md") == readme);
-  // Not even through a link that leads nowhere.
+  // Not even through a dangling link.
   folder.write("box.msh", tetrahedron);
   std::filesystem::create_directory(folder.path() / "box");
   std::filesystem::create_symlink("../elsewhere.toml", folder.path() / "box/box.toml");
@@ -99,7 +99,7 @@ TEST_CASE("nothing is overwritten, and then nothing is written at all") {
   CHECK_FALSE(std::filesystem::exists(folder.path() / "elsewhere.toml"));
 }
 
-TEST_CASE("what cannot be written whole leaves nothing behind") {
+TEST_CASE("what cannot be written completely leaves nothing behind") {
   const TemporaryFolder folder;
   const Answer full = testing::shell(folder, "ulimit -f 4; \"$SPRINGNET\" new --example tube -o mine");
   CHECK(full.status == 1);
@@ -108,7 +108,7 @@ TEST_CASE("what cannot be written whole leaves nothing behind") {
   CHECK(testing::springnet(folder, "new --example tube -o mine").status == 0);
 }
 
-TEST_CASE("what 'new' cannot do is an error of usage") {
+TEST_CASE("what 'new' cannot do is a usage error") {
   const TemporaryFolder folder;
   folder.write("point.obj", "v 1 2 3\np 1\n");
   struct Wrong {
@@ -118,8 +118,8 @@ TEST_CASE("what 'new' cannot do is an error of usage") {
   for (const Wrong& wrong : {Wrong{"new", "a mesh file or '--example' is missing"},
                              Wrong{"new --example cub", "there is no example 'cub'; did you mean 'cube'"},
                              Wrong{"new cube", "is not a mesh file"}, Wrong{"new nowhere.msh", "nowhere.msh"},
-                             Wrong{"new point.obj", "all of its points are in one place"},
-                             Wrong{"new nowhere.msh --example cube", "takes one of them"}}) {
+                             Wrong{"new point.obj", "all points coincide"},
+                             Wrong{"new nowhere.msh --example cube", "takes only one of them"}}) {
     CAPTURE(wrong.arguments);
     const Answer answer = testing::springnet(folder, wrong.arguments);
     CAPTURE(answer.err);
@@ -135,7 +135,7 @@ TEST_CASE("a scene for a solid mesh guesses its unit, offers its groups, and run
   const Answer answer = testing::springnet(folder, "new 'liver \"A\".msh' -o out");
   CAPTURE(answer.err);
   REQUIRE(answer.status == 0);
-  CHECK(has(answer.out, "taken as millimetres"));
+  CHECK(has(answer.out, "in millimetres"));
   const std::string scene = testing::read_text(folder.path() / "out/liver \"A\".toml");
   CHECK(has(scene, "scale = 0.001"));
   CHECK(has(scene, "# select = { body = \"liver \\\"A\\\"\", group = \"left side\" }"));
@@ -162,7 +162,7 @@ TEST_CASE("a scene for a closed surface has a thickness, and proposes a filling 
   CHECK(has(scene, "thickness = "));
   CHECK(has(scene, "scale = 1,") + has(scene, "scale = 1 }") == 1);
   CHECK(testing::springnet(folder, "run bag/bag.toml -q -o r").status == 0);
-  // All that is offered in comments, taken: it still runs.
+  // With everything that is offered in comments: it still runs.
   std::string all;
   std::string line;
   for (const char c : scene) {
@@ -180,7 +180,7 @@ TEST_CASE("a scene for a closed surface has a thickness, and proposes a filling 
   CHECK(everything.status == 0);
 }
 
-TEST_CASE("inspect of a mesh file tells its groups, its unit and how to use it") {
+TEST_CASE("inspect reports the groups and the unit of a mesh file, and how to use it") {
   const TemporaryFolder folder;
   folder.write("liver.msh", tetrahedron);
   const Answer answer = testing::springnet(folder, "inspect liver.msh");

@@ -1,4 +1,4 @@
-// The page about the files that are written names every key that is in them.
+// The page about output files lists every key in them.
 #include <sstream>
 
 #include <doctest/doctest.h>
@@ -77,7 +77,7 @@ TEST_CASE("the page about output is complete") {
   }
 }
 
-TEST_CASE("the page's way to read binary tables in Python works") {
+TEST_CASE("the page's Python code for binary tables works") {
   const TemporaryFolder folder;
   if (testing::shell(folder, "/usr/bin/python3 -c 'import numpy'").status != 0) return;  // no NumPy here
   const std::string page = testing::read_text(SPRINGNET_OUTPUT_PAGE);
@@ -87,7 +87,7 @@ TEST_CASE("the page's way to read binary tables in Python works") {
                               "np.savetxt('values', data['values'].reshape(-1, 6), '%.17g', ',')\n");
   folder.write("pair.toml", testing::pair_scene);
   REQUIRE(testing::springnet(folder, "run pair.toml -q -o . --set 'output.format=\"binary\"'").status == 0);
-  // As a run that was ended by force may leave it.
+  // As a killed run may leave it.
   const std::filesystem::path file = folder.path() / "trajectory.bin";
   std::filesystem::resize_file(file, std::filesystem::file_size(file) - 5);
   const Answer answer = testing::shell(folder, "/usr/bin/python3 read.py && \"$SPRINGNET\" convert trajectory.bin -q");

@@ -1,4 +1,4 @@
-// The manual page, the completion and the examples in the help have and do what the command line has.
+// The manual page, the completion and the examples in the help agree with the command line.
 #include <algorithm>
 #include <set>
 #include <sstream>
@@ -95,7 +95,7 @@ TEST_CASE("every example in the help works, one after the other") {
     const std::string begin = "  springnet ";
     for (std::string line : lines_of(help)) {
       if (!line.starts_with(begin)) continue;
-      // What comes after two spaces explains it. The line is made to write here, and not to run for long.
+      // The text after two spaces is an explanation. Runs are shortened, and write into the folder of the test.
       line = line.substr(begin.size());
       line = replaced(line.substr(0, line.find("  ")), "/tmp/", "");
       if (!done.insert(line).second) continue;

@@ -38,12 +38,12 @@ TEST_CASE("plugin list has every component, with plugin and file") {
   }
 }
 
-TEST_CASE("plugin list tells files that were refused, and why") {
+TEST_CASE("plugin list shows refused files with the reason") {
   const TemporaryFolder folder;
   folder.write("broken.springnet.so", "this is no library");
   const Answer answer = testing::springnet(folder, "plugin list --plugins .");
   CHECK(answer.status == 0);
-  CHECK(answer.out.find("looked at and not taken") != std::string::npos);
+  CHECK(answer.out.find("refused:") != std::string::npos);
   CHECK(answer.out.find("broken.springnet.so") != std::string::npos);
   const auto refused = testing::springnet(folder, "plugin list --json --plugins .").json()["refused"];
   const auto broken = std::find_if(refused.begin(), refused.end(), [](const auto& refusal) {
@@ -84,7 +84,7 @@ TEST_CASE("plugin show has parameters with unit, default, bounds and choices") {
   }
 }
 
-TEST_CASE("a name that several kinds have is shown for each, or for the kind asked for") {
+TEST_CASE("a name of several kinds is shown for each, or for the requested kind") {
   const TemporaryFolder folder;
   CHECK(testing::springnet(folder, "plugin show linear --json").json().size() == 2);
   const Answer one = testing::springnet(folder, "plugin show linear --kind viscosity");
@@ -93,7 +93,7 @@ TEST_CASE("a name that several kinds have is shown for each, or for the kind ask
   CHECK(one.out.find("linear (spring function)") == std::string::npos);
 }
 
-TEST_CASE("the line that plugin show offers for a scene is one that a scene takes") {
+TEST_CASE("the line that plugin show prints for a scene is valid in a scene") {
   const TemporaryFolder folder;
   folder.write("pair.toml", testing::pair_scene);
   const auto line_of = [&](const std::string& arguments) {
@@ -121,7 +121,7 @@ TEST_CASE("the line that plugin show offers for a scene is one that a scene take
   }
 }
 
-TEST_CASE("a component that is not there has status 3 and the nearest names") {
+TEST_CASE("an unknown component has status 3 and the nearest names") {
   const TemporaryFolder folder;
   const Answer any = testing::springnet(folder, "plugin show recurent");
   CHECK(any.status == 3);

@@ -15,8 +15,8 @@ using testing::TemporaryFolder;
 
 namespace {
 
-// The run that `tool` starts, waited for until it has begun; it does not end by itself.
-std::string begun(const std::string& tool, const std::string& then) {
+// Starts a run by `tool`, which does not end by itself, and waits until it has begun.
+std::string start_run(const std::string& tool, const std::string& then) {
   return tool +
          " \"$SPRINGNET\" run pair.toml --realtime=0.001 -q -o out & tool=$!; "
          "while [ ! -e out/events.csv ] && kill -0 $tool; do sleep 0.02; done; " +
@@ -25,26 +25,26 @@ std::string begun(const std::string& tool, const std::string& then) {
 
 }  // namespace
 
-TEST_CASE("a terminal that goes, and spent processor time, stop a run in order as Ctrl-C does") {
+TEST_CASE("a closed terminal and the limit of processor time stop a run in order, as Ctrl-C does") {
   for (const char* signal : {"HUP", "XCPU", "TERM", "INT"}) {
     CAPTURE(signal);
     const TemporaryFolder folder;
     folder.write("pair.toml", testing::pair_scene);
-    // A shell without job control ignores Ctrl-C for what it starts behind its back.
+    // A shell without job control ignores Ctrl-C for background commands.
     const std::string tool = "env --default-signal=INT";
-    const Answer answer = testing::shell(folder, begun(tool, fmt::format("kill -{} $tool", signal)));
+    const Answer answer = testing::shell(folder, start_run(tool, fmt::format("kill -{} $tool", signal)));
     CHECK(answer.status == 1);
     CHECK(answer.err.find("stopped at") != std::string::npos);
     CHECK(testing::read_json(folder.path() / "out/summary.json")["outcome"] == "stopped");
   }
 }
 
-TEST_CASE("signals that come more than once by themselves do not end the process") {
+TEST_CASE("signals that the system repeats do not kill the process") {
   for (const char* signal : {"HUP", "XCPU"}) {
     const TemporaryFolder folder;
     folder.write("pair.toml", testing::pair_scene);
     const Answer answer =
-        testing::shell(folder, begun("", fmt::format("kill -{0} $tool; kill -{0} $tool; kill -{0} $tool", signal)));
+        testing::shell(folder, start_run("", fmt::format("kill -{0} $tool; kill -{0} $tool; kill -{0} $tool", signal)));
     CHECK(answer.status == 1);
     CHECK(testing::read_json(folder.path() / "out/summary.json")["outcome"] == "stopped");
   }
@@ -65,7 +65,7 @@ TEST_CASE("a signal that is ignored at the start, as by nohup, stays ignored") {
   }
 }
 
-TEST_CASE("a pipe that nobody reads any more ends what is printed, not the run") {
+TEST_CASE("a closed pipe ends the printing, not the run") {
   for (const char* read : {"2>&1 | head -n 1", "2>&1 | true", "| true"}) {
     CAPTURE(read);
     const TemporaryFolder folder;
@@ -78,7 +78,7 @@ TEST_CASE("a pipe that nobody reads any more ends what is printed, not the run")
   }
 }
 
-TEST_CASE("a summary that is asked for and that nobody reads is a failure, after the run") {
+TEST_CASE("a requested summary that cannot be printed is a failure, after the run") {
   const TemporaryFolder folder;
   folder.write("pair.toml", testing::pair_scene);
   // Standard output is a pipe without a reader by the time it is written.
@@ -91,7 +91,7 @@ TEST_CASE("a summary that is asked for and that nobody reads is a failure, after
   CHECK(testing::read_json(folder.path() / "out/summary.json")["outcome"] == "settled");
 }
 
-TEST_CASE("nothing that is printed ends up in a table where standard streams are closed") {
+TEST_CASE("with closed standard streams, nothing that is printed ends up in a table") {
   const TemporaryFolder folder;
   folder.write("pair.toml", testing::pair_scene + std::string("[[plane]]\npoint = [0, 0, -5]\nnormal = [0, 0, 1]\n"));
   CHECK(testing::shell(folder, "\"$SPRINGNET\" run pair.toml -q -o open").status == 0);
@@ -122,15 +122,15 @@ TEST_CASE("two runs in one folder: the second one has status 2, also of validate
   const TemporaryFolder folder;
   folder.write("pair.toml", testing::pair_scene);
   const Answer answer = testing::shell(
-      folder, begun("",
-                    "\"$SPRINGNET\" run pair.toml -q -o out; echo $?; \"$SPRINGNET\" validate pair.toml -q -o out; "
-                    "echo $?; kill -KILL $tool; wait $tool; \"$SPRINGNET\" run pair.toml -q -o out; echo $?; "
-                    "true & tool=$!"));
+      folder, start_run("",
+                        "\"$SPRINGNET\" run pair.toml -q -o out; echo $?; \"$SPRINGNET\" validate pair.toml -q -o out; "
+                        "echo $?; kill -KILL $tool; wait $tool; \"$SPRINGNET\" run pair.toml -q -o out; echo $?; "
+                        "true & tool=$!"));
   CHECK(answer.out == "2\n2\n0\n");  // a run that was killed leaves no lock
-  CHECK(answer.err.find("springnet: error: out: another run is writing to this folder") != std::string::npos);
+  CHECK(answer.err.find("out: another run") != std::string::npos);
 }
 
-TEST_CASE("validate replaces links, and finds a folder in the place of its files before it computes") {
+TEST_CASE("validate replaces links, and detects a folder with the name of its files before it computes") {
   const TemporaryFolder folder;
   folder.write("pair.toml", testing::pair_scene);
   folder.write("victim", "mine");
@@ -151,7 +151,7 @@ TEST_CASE("validate replaces links, and finds a folder in the place of its files
   }
 }
 
-TEST_CASE("convert follows a link that the user names, and no other") {
+TEST_CASE("convert follows only a link that the user names") {
   const TemporaryFolder folder;
   folder.write("pair.toml", testing::pair_scene);
   REQUIRE(testing::springnet(folder, "run pair.toml -q -o out --set 'output.format=\"binary\"'").status == 0);
@@ -164,8 +164,8 @@ TEST_CASE("convert follows a link that the user names, and no other") {
   CHECK(testing::springnet(folder, "convert out/trajectory.bin -q -o /dev/stdout").out == text);
 }
 
-#if !defined(__SANITIZE_ADDRESS__)  // which reserves more than any limit
-TEST_CASE("too little memory is told in words, wherever it runs out") {
+#if !defined(__SANITIZE_ADDRESS__)  // which reserves more memory than any limit
+TEST_CASE("running out of memory is reported, wherever it happens") {
   const TemporaryFolder folder;
   folder.write("block.toml", R"([simulation]
 duration = 0.1
@@ -178,7 +178,7 @@ spring = { type = "linear", stiffness = 1.0 }
 )");
   int failed = 0;
   for (const char* integrator : {"recurrent", "cvode"}) {
-    // While the scene is read, a simulation is made, a step is made; or it is just enough.
+    // Memory runs out while the scene is read, the simulation is created or a step is made; or it just suffices.
     for (const int limit : {45000, 55000, 65000, 75000}) {
       CAPTURE(limit);
       const Answer answer = testing::shell(

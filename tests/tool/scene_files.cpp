@@ -1,4 +1,4 @@
-// What a scene from somebody else may not do: read files elsewhere, or talk to the terminal.
+// What a foreign scene must not do: read files elsewhere, or send control characters to the terminal.
 #include <string>
 
 #include <doctest/doctest.h>
@@ -10,7 +10,7 @@ using springnet::testing::pair_scene;
 using springnet::testing::shell;
 using springnet::testing::TemporaryFolder;
 
-TEST_CASE("files outside of a scene's folder need --allow-outside") {
+TEST_CASE("files outside a scene's folder need --allow-outside") {
   const TemporaryFolder folder;
   std::filesystem::create_directory(folder.path() / "scene");
   folder.write("row.obj", "v 0 0 0\nv 1 0 0\nl 1 2\n");
@@ -22,14 +22,15 @@ TEST_CASE("files outside of a scene's folder need --allow-outside") {
     CAPTURE(command);
     const Answer refused = springnet::testing::springnet(folder, command + " scene/s.toml");
     CHECK(refused.status == 2);
-    CHECK(refused.err.find("body.0.mesh.file: lies outside of the scene's folder") != std::string::npos);
+    CHECK(refused.err.find("body.0.mesh.file: ") != std::string::npos);
+    CHECK(refused.err.find("--allow-outside") != std::string::npos);
     CHECK(springnet::testing::springnet(folder, command + " scene/s.toml --allow-outside").status == 0);
   }
   CHECK(shell(folder, "cat scene/s.toml | \"$SPRINGNET\" inspect /dev/stdin").err.find("this scene is in no folder") !=
         std::string::npos);
 }
 
-TEST_CASE("a node behind a plane is told with file and line") {
+TEST_CASE("a node behind a plane is an error with file and line") {
   const TemporaryFolder folder;
   std::string scene = pair_scene;
   scene += "[[plane]]\npoint = [0, 0, 1]\nnormal = [0, 0, 1]\n";  // with operator+ GCC 12 warns of bounds wrongly
@@ -37,7 +38,7 @@ TEST_CASE("a node behind a plane is told with file and line") {
   for (const std::string command : {"run -q -o out", "validate -q -o out"}) {
     const Answer refused = springnet::testing::springnet(folder, command + " s.toml");
     CHECK(refused.status == 2);
-    CHECK(refused.err.find("s.toml:18:1: plane.0: node 1 starts 1 m behind plane 0") != std::string::npos);
+    CHECK(refused.err.find("s.toml:18:1: plane.0: node 1 ") != std::string::npos);
   }
   CHECK(springnet::testing::springnet(folder, "inspect s.toml").status == 0);
 }

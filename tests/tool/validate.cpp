@@ -37,7 +37,7 @@ TEST_CASE("validate prints a table and writes validation.json and report.html") 
   CHECK(html.find("<svg") != std::string::npos);
 }
 
-TEST_CASE("time steps are those asked for, and --json prints what is written") {
+TEST_CASE("the requested time steps are compared, and --json prints what is written") {
   const TemporaryFolder folder;
   folder.write("pair.toml", testing::pair_scene);
   const Answer answer = testing::springnet(folder, "validate --time-steps 0.2,0.02 pair.toml --json -o out");
@@ -66,11 +66,11 @@ TEST_CASE("a tolerance that is not met has status 1, one that is met 0") {
       testing::springnet(folder, "validate pair.toml -q --time-steps 0.05 --tolerance " + std::to_string(0.9 * error));
   CHECK(missed.status == 1);
   CHECK(missed.err.find("tolerance") != std::string::npos);
-  // The files are there all the same.
+  // The files are written all the same.
   CHECK(std::filesystem::exists(folder.path() / "results/pair/report.html"));
 }
 
-TEST_CASE("a run that diverges stands in the table and the others are judged") {
+TEST_CASE("a diverging run is reported, and the others are compared") {
   const TemporaryFolder folder;
   std::string scene = testing::pair_scene;
   scene.replace(scene.find("max_sweeps = 500"), 16, "update = \"synchronous\"");
@@ -88,6 +88,6 @@ TEST_CASE("a run that diverges stands in the table and the others are judged") {
   // It is the scene's own run that a tolerance judges.
   CHECK(testing::springnet(folder, "validate pair.toml -q --duration 2 --time-steps 0.05 --time-step 1 --tolerance 10")
             .status == 1);
-  // Without one, too, nothing was validated if that run failed.
+  // Without a tolerance, nothing was validated either if that run failed.
   CHECK(testing::springnet(folder, "validate pair.toml -q --duration 2 --time-steps 0.05 --time-step 1").status == 1);
 }

@@ -22,7 +22,7 @@ TEST_CASE("the order of errors C t^p is p") {
   }
 }
 
-TEST_CASE("the order of points that lie on no line is the slope of least squares") {
+TEST_CASE("the order is the slope by least squares") {
   // Logarithms to base 10: (0, 0), (1, 3), (2, 0), (3, 3): slope 0.6.
   CHECK(observed_order({1.0, 10.0, 100.0, 1000.0}, {1.0, 1000.0, 1.0, 1000.0}) == doctest::Approx(0.6).epsilon(1e-12));
 }
@@ -89,7 +89,7 @@ ConstNodeMap map_of(const Rows& rows) { return {rows.data(), 3, rows.cols(), Eig
 
 }  // namespace
 
-TEST_CASE("errors are distances between nodes of the same user's number") {
+TEST_CASE("errors are distances between nodes with the same number") {
   // Two nodes; the runs store them in opposite orders.
   Rows reference(3, 2), run(3, 2);
   reference << 0.0, 1.0,  //
@@ -146,7 +146,7 @@ TEST_CASE("displacements are from the start, deformations from the best rigid mo
   CHECK(norm.result().deformation > 0.3);
 }
 
-TEST_CASE("a position that is not a number is not hidden by others") {
+TEST_CASE("nan in a position is not hidden by others") {
   Rows reference = Rows::Zero(3, 2), run = Rows::Zero(3, 2);
   run(1, 0) = NAN;
   run(0, 1) = 7.0;

@@ -51,7 +51,7 @@ Expected backward_euler_error(double time_step, double record, double duration) 
   return result;
 }
 
-// An integrator that says that all went well, and commits nothing.
+// An integrator that reports success, but commits nothing.
 int idle_instance = 0;
 constexpr springnet_integrator idle_functions{
     sizeof(springnet_integrator),
@@ -121,7 +121,7 @@ TEST_CASE("time steps may be coarser than the scene's, in any order, and the sce
   CHECK(validation.times[1] == doctest::Approx(0.04));
 }
 
-TEST_CASE("a run that fails stays with its outcome, and the others go on") {
+TEST_CASE("a failed run keeps its outcome, and the others go on") {
   Scene scene = oscillator(0.02);
   // t^2 k / m is 4 for the coarse time step: a synchronous sweep makes differences four times as large.
   scene.options.integrator = testing::recurrent(testing::synchronous, 0.0);
@@ -143,7 +143,7 @@ TEST_CASE("a run that fails stays with its outcome, and the others go on") {
   CHECK(validation.notes[0].find(failed.failure) != std::string::npos);
 }
 
-TEST_CASE("a run whose integrator breaks the rules fails by the plugin's fault") {
+TEST_CASE("a run whose integrator breaks the rules is a failure of the plugin") {
   auto host = std::make_shared<PluginHost>(PluginHost::with_default_search());
   REQUIRE(host->add(idle_plugin));
   Scene scene = oscillator(0.02);
@@ -167,7 +167,7 @@ TEST_CASE("tolerances of the reference that certify nothing are refused") {
   CHECK_THROWS_AS(static_cast<void>(validate(oscillator(0.02), plugins(), {{}, 1e-8, 0.0, "", {}})), Error);
 }
 
-TEST_CASE("springs that rupture in one run and not in the other are told") {
+TEST_CASE("springs that rupture only in the reference are noted") {
   Scene scene = oscillator(0.02);
   // The true course swings to 0.25 m of elongation, 1 N, and back: the network, which loses energy, does not come back
   // as far. Node 1 starts compressed, so that the elongation is reached half a swing later only.
@@ -180,13 +180,12 @@ TEST_CASE("springs that rupture in one run and not in the other are told") {
   const Validation validation = validate(scene, plugins(), {{0.04}, 1e-8, 1e-10, "", {}});
   CHECK(validation.reference_events.ruptured == 1);
   CHECK(validation.runs[0].events.ruptured == 0);
-  const bool told = std::any_of(validation.notes.begin(), validation.notes.end(), [](const std::string& note) {
-    return note.find("ruptured, in the reference 1") != std::string::npos;
-  });
-  CHECK(told);
+  CHECK(std::any_of(validation.notes.begin(), validation.notes.end(), [](const std::string& note) {
+    return note.find("0 springs ruptured, but 1 in the reference") != std::string::npos;
+  }));
 }
 
-TEST_CASE("progress is told at every record time, and can stop the validation") {
+TEST_CASE("progress is reported at every record time, and can stop the validation") {
   std::vector<double> times;
   ValidationOptions options;
   options.progress = [&](const ValidationProgress& now) {
@@ -214,7 +213,7 @@ TEST_CASE("theta = 0.5 is tried with the scene's time step, and is better for an
   CHECK(validation.share_of_displacement(0.01) == doctest::Approx(0.02).epsilon(1e-3));
 }
 
-TEST_CASE("theta = 0.5 is not tried where the scene has it, and integrators without theta have none") {
+TEST_CASE("theta = 0.5 is not tried if the scene has it, or the integrator has no theta") {
   Scene scene = oscillator(0.02);
   scene.options.integrator.parameters["theta"] = 0.5;
   CHECK_FALSE(validate(scene, plugins()).second_order);
@@ -222,7 +221,7 @@ TEST_CASE("theta = 0.5 is not tried where the scene has it, and integrators with
   CHECK_FALSE(validate(scene, plugins()).second_order);
 }
 
-TEST_CASE("of a body that turns and flies as a whole hardly a deformation is left, and a note says so") {
+TEST_CASE("a body that turns and flies as a whole hardly deforms, with a note") {
   Scene scene = oscillator(0.02);
   Network net;
   const MaterialIndex material = net.add_material(testing::damped(4000.0, 1.0));
@@ -244,5 +243,5 @@ TEST_CASE("of a body that turns and flies as a whole hardly a deformation is lef
   CHECK(validation.displacement.deformation < 1e-3);
   CHECK(validation.displacement.deformation > 1e-4);
   CHECK(std::any_of(validation.notes.begin(), validation.notes.end(),
-                    [](const std::string& note) { return note.starts_with("Bodies move mostly as a whole"); }));
+                    [](const std::string& note) { return note.find("as a whole") != std::string::npos; }));
 }

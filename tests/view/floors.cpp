@@ -58,7 +58,7 @@ TEST_CASE("the floor of a tension is the spring's stiffness times the rounding o
   CHECK(view::floors_of(scene, selection, nullptr).tension == std::vector<float>{0.0F, 0.0F});
 }
 
-TEST_CASE("what is below its floor, or rounding beside the largest of the frame, is 0; all else stays as it is") {
+TEST_CASE("values below their floor, or within rounding of the largest in the frame, become 0; others are kept") {
   const Scene scene = far_out();
   const view::Floors floors = view::floors_of(scene, view::select(scene.network, 10.0, 1e6), plugins().get());
   view::Frames small = one_frame(1e-13F, 1e-12F, 1e-7F, 1e-7F);

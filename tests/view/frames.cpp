@@ -43,7 +43,7 @@ TEST_CASE("records are kept as they are while they fit") {
   for (std::size_t k = 0; k < 10; ++k) CHECK(frames.scalars.numbers()[k] == static_cast<double>(k));
 }
 
-TEST_CASE("of more records every second, fourth, … is kept, and always the first and the last") {
+TEST_CASE("if there are more records, every second, fourth, … is kept, and always the first and the last") {
   for (const std::size_t capacity : std::vector<std::size_t>{2, 3, 7, 10, 64}) {
     for (const std::size_t records : std::vector<std::size_t>{1, 2, 11, 12, 100, 128, 129, 1000}) {
       CAPTURE(capacity);

@@ -23,7 +23,7 @@ Frames frames_with(float position, float speed, float tension) {
 
 }  // namespace
 
-TEST_CASE("the range of ordinary numbers is theirs, and shares give them back to half a step") {
+TEST_CASE("the range of ordinary numbers is theirs, and rounded numbers are within half a step") {
   const Frames frames = frames_with(2.0F, 3.0F, -4.0F);
   const Ranges ranges = ranges_of(frames);
   CHECK(ranges.positions.low == 0.0F);
@@ -41,7 +41,7 @@ TEST_CASE("the range of ordinary numbers is theirs, and shares give them back to
   }
 }
 
-TEST_CASE("the end of a run that diverges does not take the digits from the rest, and this is told") {
+TEST_CASE("the end of a diverging run takes no digits from the rest, with notes") {
   const Frames frames = frames_with(-1e38F, 3e38F, 1e30F);
   const Ranges ranges = ranges_of(frames);
   CHECK(ranges.positions.low == -16.0F);
@@ -53,7 +53,7 @@ TEST_CASE("the end of a run that diverges does not take the digits from the rest
   CHECK(shares_of(frames.positions.numbers(), ranges.positions)[99 * 6 + 3] == 0);
 }
 
-TEST_CASE("large numbers while all nodes are near are no divergence: they stay as they are") {
+TEST_CASE("large numbers while all nodes are near are no divergence and are kept") {
   const Ranges ranges = ranges_of(frames_with(2.0F, 3e6F, 1e9F));
   CHECK(ranges.speeds.high == 3e6F);
   CHECK(ranges.tensions.high == 1e9F);

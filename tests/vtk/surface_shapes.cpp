@@ -64,7 +64,7 @@ TEST_CASE("a sphere and a capsule are closed, have their radius everywhere and n
   }
 }
 
-TEST_CASE("a box is closed, lies on its surface, and has its volume: exactly where it is sharp") {
+TEST_CASE("a box is closed, lies on its surface, and has its volume, exactly if it has sharp edges") {
   Instrument instrument;
   instrument.first = Vector3(1.0, -2.0, 0.5);
   instrument.box.emplace();
@@ -97,7 +97,7 @@ TEST_CASE("a box is closed, lies on its surface, and has its volume: exactly whe
   }
 }
 
-TEST_CASE("a plane is a square in it, turned to the free side, that the network stands on") {
+TEST_CASE("a plane is a square below the network that faces the free side") {
   Network network;
   Node node;
   node.position = Vector3(3.0, 1.0, 2.0);

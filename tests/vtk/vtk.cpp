@@ -1,4 +1,4 @@
-// Files for ParaView, read back by the rules of VTK's XML formats with nothing of the library that writes them.
+// Files for ParaView, read back by the rules of VTK's XML formats, without the library that writes them.
 #include <algorithm>
 #include <cmath>
 #include <cstring>
@@ -86,7 +86,7 @@ Grid read(const std::filesystem::path& file) {
     end = std::max(end, offset + 8 + static_cast<std::size_t>(bytes));
     grid.arrays[attribute(tag, "Name")] = array;
   }
-  // Nothing lies behind the last array.
+  // Nothing follows the last array.
   CHECK(text.size() == end + std::strlen("\n  </AppendedData>\n</VTKFile>\n"));
   return grid;
 }
@@ -156,7 +156,7 @@ Vector3 vector(const Grid& grid, const std::string& name, std::size_t index) {
 
 }  // namespace
 
-TEST_CASE("a record for ParaView has places, springs and all data of the state, bit for bit") {
+TEST_CASE("a record for ParaView has positions, springs and all data of the state, bit for bit") {
   const TemporaryFolder folder;
   const Scene scene = scene_of_everything();
   const RunSummary summary = run(scene, folder);
@@ -245,7 +245,7 @@ TEST_CASE("a triangle is broken once a spring along any of its edges is") {
   }
 }
 
-TEST_CASE("a box that turns is drawn as it stands, and nodes have the number of the surface that they touch") {
+TEST_CASE("a turning box has its orientation, and nodes have the number of the surface that they touch") {
   const TemporaryFolder folder;
   Scene scene;
   Network& net = scene.network;
@@ -283,7 +283,7 @@ TEST_CASE("a box that turns is drawn as it stands, and nodes have the number of 
   }
 }
 
-TEST_CASE("surfaces stand beside the net and move as they do in the simulation") {
+TEST_CASE("surfaces have a file of their own and move as in the simulation") {
   const TemporaryFolder folder;
   const Scene scene = scene_of_everything();
   run(scene, folder);
@@ -315,7 +315,7 @@ TEST_CASE("surfaces stand beside the net and move as they do in the simulation")
   }
 }
 
-TEST_CASE("the index is whole and lists what is there after each record, also when a run fails") {
+TEST_CASE("the index is complete after each record, also if a run fails") {
   const TemporaryFolder folder;
   Scene scene = scene_of_everything();
   RunOptions options{folder.path(), "vtk", {}};
@@ -328,7 +328,7 @@ TEST_CASE("the index is whole and lists what is there after each record, also wh
   };
   run_scene(scene, plugins(), options);
 
-  // Fails after the second record: lengths are no numbers any more. How far it came is a record of its own.
+  // Fails after the second record, when lengths become nan. Its last state is a record of its own.
   Load load;
   load.nodes = {3};
   load.force = Vector3(1e308, 0, 0);
@@ -344,7 +344,7 @@ TEST_CASE("the index is whole and lists what is there after each record, also wh
   CHECK_FALSE(std::filesystem::exists(folder.path() / "vtk/surfaces_000003.vtp"));
 }
 
-TEST_CASE("pictures may be rarer than records, and the end is always there") {
+TEST_CASE("pictures may be rarer than records, but include the end") {
   const TemporaryFolder folder;
   Scene scene = scene_of_everything();
   scene.output.interval = 0.02;
@@ -357,7 +357,7 @@ TEST_CASE("pictures may be rarer than records, and the end is always there") {
   for (std::size_t k = 0; k < 4; ++k) CHECK(index[2 * k].time == doctest::Approx(expected[k]).epsilon(1e-12));
 }
 
-TEST_CASE("a run that is stopped between two pictures has one of its end") {
+TEST_CASE("a run stopped between two pictures has one of its end") {
   const TemporaryFolder folder;
   Scene scene = scene_of_everything();
   scene.output.interval = 0.01;  // records at every step, pictures at few of them
@@ -394,7 +394,7 @@ TEST_CASE("single precision halves the numbers and rounds them to the nearest") 
   CHECK(rounded.arrays.at("TimeValue").values == exact.arrays.at("TimeValue").values);
 }
 
-TEST_CASE("old pictures go with the next run, what else is in their folder stays") {
+TEST_CASE("the next run removes old pictures, but no other files in their folder") {
   const TemporaryFolder folder;
   Scene scene = scene_of_everything();
   run(scene, folder);
@@ -409,7 +409,7 @@ TEST_CASE("old pictures go with the next run, what else is in their folder stays
   CHECK_FALSE(std::filesystem::exists(folder.path() / "vtk/surfaces_000000.vtp"));
 }
 
-TEST_CASE("a folder of pictures that cannot be made is an error of the input") {
+TEST_CASE("a folder of pictures that cannot be created is an input error") {
   const TemporaryFolder folder;
   folder.write("vtk", "a file");
   CHECK_THROWS_AS(run_scene(scene_of_everything(), plugins(), {folder.path(), "vtk", {}}), Error);

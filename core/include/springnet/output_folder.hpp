@@ -1,4 +1,4 @@
-// Where files are written, safely: whatever is in the folder, only the intended files are touched.
+// Safe output: whatever is in the folder, only the intended files are changed.
 #pragma once
 
 #include <concepts>
@@ -14,7 +14,7 @@ namespace springnet {
 
 class OutputFolder;
 
-// Which file a writer writes.
+// The file that a writer creates.
 class OutputFile {
  public:
   // The file of this path, as the shell's '>' opens it: an existing file is truncated, a link is followed. Its folder
@@ -50,11 +50,11 @@ class OutputFolder {
   [[nodiscard]] static Pointer find(const std::filesystem::path& path);
   // The folder of a file of this path. Throws Error(input) if it does not exist.
   [[nodiscard]] static Pointer containing(const std::filesystem::path& file);
-  // Opens a folder in `above`; creates it if it is missing. A link of that name is removed, not followed. Throws
+  // Opens a folder in `parent`; creates it if it is missing. A link of that name is removed, not followed. Throws
   // Error(input) if it cannot.
-  [[nodiscard]] static Pointer make_inside(const Pointer& above, const std::string& name);
-  // Opens an existing folder in `above`; null if there is none. A link does not count as one.
-  [[nodiscard]] static Pointer find_inside(const Pointer& above, const std::string& name);
+  [[nodiscard]] static Pointer make_inside(const Pointer& parent, const std::string& name);
+  // Opens an existing folder in `parent`; null if there is none. A link does not count as one.
+  [[nodiscard]] static Pointer find_inside(const Pointer& parent, const std::string& name);
 
   ~OutputFolder();
   OutputFolder(const OutputFolder&) = delete;
@@ -73,7 +73,7 @@ class OutputFolder {
   // Removes a file or a link, not a folder. Returns whether it did.
   bool remove(const std::string& name) const noexcept;
   bool remove_empty_folder(const std::string& name) const noexcept;
-  // Replaces what has the new name. Returns 0 or errno.
+  // Replaces an entry of the new name. Returns 0 or errno.
   [[nodiscard]] int rename(const std::string& from, const std::string& to) const noexcept;
 
   enum class Kind { none, file, link, folder, other };
@@ -88,7 +88,7 @@ class OutputFolder {
 
   std::filesystem::path path_;
   int descriptor_;
-  Pointer above_;  // null for one that was opened by its path
+  Pointer parent_;  // null for one that was opened by its path
   std::string name_;
 };
 

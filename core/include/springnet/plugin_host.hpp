@@ -46,7 +46,7 @@ struct Component {
 // A file or registration that was refused.
 struct Refusal {
   std::filesystem::path file;
-  std::string reason;  // says what is wrong and what to do
+  std::string reason;  // what is wrong and what to do
 };
 
 class PluginHost {
@@ -63,7 +63,7 @@ class PluginHost {
   [[nodiscard]] static PluginHost with_default_search(const std::vector<std::filesystem::path>& folders = {});
 
   // Loads all files "*.springnet.so" (.dylib, .dll) of a folder, in the order of their names. A plugin with a component
-  // whose kind and id are already taken is refused. A folder that does not exist is recorded as a refusal.
+  // whose kind and id another one provides is refused. A folder that does not exist is recorded as a refusal.
   void search(const std::filesystem::path& folder);
   // Loads one file. Returns false if it was refused; the reason is refusals().back().
   bool load(const std::filesystem::path& file);
@@ -83,7 +83,7 @@ class PluginHost {
   std::unique_ptr<Impl> impl_;
 };
 
-// Index of the parameter, or npos (-1).
+// Index of the parameter, or -1.
 [[nodiscard]] std::ptrdiff_t parameter_index(const springnet_component& component, std::string_view name) noexcept;
 // Index of a choice of a SPRINGNET_CHOICE parameter, or -1.
 [[nodiscard]] std::ptrdiff_t choice_index(const springnet_parameter& parameter, std::string_view choice) noexcept;

@@ -1,4 +1,4 @@
-// Numbers as people read them.
+// Numbers for human readers.
 #pragma once
 
 #include <string>

@@ -13,10 +13,10 @@
 
 namespace springnet {
 
-// Reads a table up to its last whole record, also that of a run that failed or is still going on.
+// Reads a table up to its last complete record, also that of a run that failed or is still in progress.
 class RecordReader {
  public:
-  // Throws Error(input) if the file cannot be read, is not such a table, or has no whole record yet.
+  // Throws Error(input) if the file cannot be read, is not such a table, or has no complete record yet.
   explicit RecordReader(const std::filesystem::path& file);
 
   [[nodiscard]] const std::string& row_name() const noexcept { return row_; }  // "node", "spring", "element"
@@ -49,7 +49,7 @@ class RecordReader {
 
 // Writes the table as text: what the run would have written with output.format = "csv", but single precision numbers
 // with their fewer digits. Replaces an existing file. Throws Error(input) if a file cannot be read or created,
-// Error(simulation) if writing fails; the text then ends with its last whole record.
+// Error(simulation) if writing fails; the text then ends with its last complete record.
 void write_csv(RecordReader& records, const OutputFile& file);
 
 }  // namespace springnet

@@ -1,5 +1,5 @@
-// A run: simulates a scene and writes the files that it asks for. They are written as the run goes on, so that memory
-// does not grow with its length and a run that fails keeps what was written.
+// A run: simulates a scene and writes the files that it requests. They are written during the run, so that memory does
+// not grow with its length, and a run that fails keeps its output.
 #pragma once
 
 #include <cstddef>
@@ -23,7 +23,7 @@
 
 namespace springnet {
 
-// How large the files of a run become.
+// The size of a run's files.
 struct OutputEstimate {
   double records = 0.0;  // the one at the start included
   double bytes = 0.0;    // of all files
@@ -38,14 +38,14 @@ struct RunProgress {
   double wall;  // s
 };
 
-// What a run measures time with, and keeps pace with.
+// The clock that a run measures time by, and keeps pace with.
 struct RunClock {
-  std::function<double()> now;              // s, from any start; never falls
+  std::function<double()> now;              // s, from any start; never decreases
   std::function<void(double)> sleep_until;  // returns when now() is this, or somewhat earlier
 };
 
-// An enclosed volume over all records of a run, m^3; once a spring of its surface is gone it has leaked, and counts no
-// further.
+// An enclosed volume over all records of a run, m^3. Once a spring of its surface is removed it has leaked, and later
+// records do not count.
 struct VolumeSummary {
   ElementIndex element;
   std::string name;  // of its [[element]], may be empty
@@ -54,19 +54,19 @@ struct VolumeSummary {
 };
 
 struct RunOptions {
-  std::filesystem::path folder;  // made if it is not there
+  std::filesystem::path folder;  // created if necessary
   std::string scene_name;        // for the summary
   // Called after every time step, and ten times a second of waiting for the clock; false stops the run.
   std::function<bool(const RunProgress&)> progress;
-  // Notes of the program that embeds the run: first of those in the summary.
+  // Notes of the program that embeds the run; the first ones in the summary.
   std::vector<std::string> notes{};
   // Simulated seconds per second of the clock; 0: as fast as possible.
   double realtime = 0.0;
-  RunClock clock{};  // empty: the machine's
+  RunClock clock{};  // empty: the system's
 };
 
-// How a run kept pace with the clock. Each time step is a frame: it starts when the clock reaches its first moment and
-// is due at its last. No frame is left out: after a late one the next ones start at once until they have caught up.
+// How a run kept pace with the clock. Each time step is a frame: it starts when the clock reaches its start time, and
+// is due at its end time. No frame is skipped: after a late one the next ones start at once until they have caught up.
 struct PaceReport {
   double factor = 1.0;          // simulated seconds per second of the clock
   std::uint64_t frames = 0;     // time steps
@@ -74,7 +74,7 @@ struct PaceReport {
   double greatest_delay = 0.0;  // s, of the missed ones
 };
 
-// A plugin that a run took components from.
+// A plugin whose components a run used.
 struct PluginUse {
   std::string id;
   std::string version;
@@ -95,7 +95,7 @@ struct RunSummary {
   LawUse integrator;
   std::map<std::string, std::string> choices;  // names of those integrator options that are choices
   double time_step = 0.0;                      // s
-  double duration = 0.0;                       // s, asked for
+  double duration = 0.0;                       // s, requested
   unsigned threads = 1;
   std::string instruction_set;  // "generic", "avx2", "avx512"
   std::vector<PluginUse> plugins;
@@ -131,12 +131,12 @@ struct RunSummary {
   std::optional<ErrorKind> failure;
 };
 
-// Runs a scene and writes the files that it asks for (core/docs/output.md), events.csv and summary.json. A record is
+// Runs a scene and writes the files that it requests (core/docs/output.md), events.csv and summary.json. A record is
 // made at the start, at the first time step that ends at or after each multiple of the output interval, and at the end,
-// also where the run fails or is stopped. Throws Error(input) or Error(plugin), before anything is written, if the
-// scene cannot be simulated, its output would not fit the disk, another run is writing to the folder, or a folder has
-// the name of a file. The summary reports a later failure. The folder may be a link; links in it are replaced, never
-// followed.
+// also if the run fails or is stopped. Throws Error(input) or Error(plugin), before anything is written, if the
+// scene cannot be simulated, its output would not fit on the disk, another run is writing to the folder, or a folder
+// has the name of a file. The summary reports a later failure. The folder may be a link; links in it are replaced,
+// never followed.
 RunSummary run_scene(const Scene& scene, const std::shared_ptr<const PluginHost>& plugins, const RunOptions& options);
 
 // The text of summary.json.

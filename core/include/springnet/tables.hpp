@@ -21,12 +21,12 @@ namespace springnet {
 // read back as the same double. Nodes, springs and so on have the user's numbers.
 //
 // record() and close() throw Error(simulation) if the file cannot be written, on a full disk for instance. The file
-// then ends with its last whole record, whose time the message tells, and takes no more. Text is in the file a second
-// after record() at the latest, if records go on; binary records are there at once.
+// then ends with its last complete record, whose time the message gives, and takes no more. Text is flushed at most a
+// second after record(), if more records follow; binary records are flushed at once.
 class TableWriter {
  public:
-  // Replaces a file that is there. The options say which rows and columns there are; whether the scene asks for the
-  // table does not matter. Throws Error(input) if there is no table of this name or the file cannot be created,
+  // Replaces an existing file. The options select rows and columns; whether the scene requests the table does not
+  // matter. Throws Error(input) if there is no table of this name or the file cannot be created,
   // Error(simulation) if its header cannot be written.
   TableWriter(std::string_view table, const OutputFile& file, const Network& network,
               const OutputOptions& options = {});

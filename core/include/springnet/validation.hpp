@@ -24,7 +24,7 @@ struct ValidationProgress {
 };
 
 struct ValidationOptions {
-  // s; in addition to the scene's own. Empty: a half and a quarter of that.
+  // s; in addition to the scene's own. Empty: half and a quarter of that.
   std::vector<double> time_steps;
   // Of the reference, and of the second run that certifies it.
   double relative_tolerance = 1e-8;
@@ -89,7 +89,7 @@ struct Validation {
   EventCounts reference_events;
   double reference_wall = 0.0;  // s, both runs
 
-  std::vector<ValidationRun> runs;  // by falling time step
+  std::vector<ValidationRun> runs;  // in descending order of time steps
   // The scene's time step with theta = 0.5 (second order). Empty if the integrator has no such parameter, or the scene
   // sets that value already.
   std::optional<ValidationRun> second_order;
@@ -110,7 +110,7 @@ struct Validation {
 
 // Runs the scene in the reference integrator `cvode` (twice, with different tolerances) and in the scene's integrator
 // (`recurrent` if that is the reference) with each time step, and once with theta = 0.5. All runs advance together from
-// record time to record time, so that no trajectory is stored. A run that fails stays in the result with its outcome.
+// record time to record time, so that no trajectory is stored. A failed run stays in the result with its outcome.
 // Throws Error(input) for unusable time steps, Error(plugin), and Error(simulation) if the reference fails.
 [[nodiscard]] Validation validate(const Scene& scene, const std::shared_ptr<const PluginHost>& plugins,
                                   const ValidationOptions& options = {});
@@ -120,7 +120,7 @@ struct Validation {
                                     double floor = 0.0);
 
 // Record times for the given time steps: multiples of an interval that all of them divide, if there is one at or near
-// the wanted interval, and the duration. Throws Error(input) for a time step outside of (0, duration].
+// the wanted interval, and the duration. Throws Error(input) for a time step outside (0, duration].
 struct RecordTimes {
   std::vector<double> times;                 // s, from 0
   std::vector<double> shortened_time_steps;  // those that do not divide the interval

@@ -1,4 +1,4 @@
-// view.html: a self-contained page that plays a run in a browser. core/docs/view.md says what it shows.
+// view.html: a self-contained page that plays a run in a browser. core/docs/view.md describes it.
 #pragma once
 
 #include <cstdint>
@@ -32,13 +32,13 @@ class ViewWriter {
 
   // Records the present state and the events since the last call.
   void record(const Simulation& simulation);
-  // The run failed: the page will begin with the reason, plain text of any length. The last call counts.
+  // Call it if the run failed: the page will begin with the reason, plain text of any length. The last call counts.
   void failed(const std::string& reason);
   // Writes the page with what was recorded, also after a failure. If that is not possible, throws Error(simulation) and
-  // leaves no file. The destructor calls it if nobody else did, and ignores errors.
+  // leaves no file. The destructor calls it if necessary, and ignores errors.
   void close();
 
-  // What the page leaves out or rounds, in sentences; complete after close().
+  // Notes on what the page leaves out or rounds; complete after close().
   [[nodiscard]] const std::vector<std::string>& left_out() const noexcept;
 
  private:
@@ -46,7 +46,7 @@ class ViewWriter {
   std::unique_ptr<Impl> impl_;
 };
 
-// Largest size of a run's page, bytes; 0 if the scene asks for none.
+// Upper bound for the size of a run's page, bytes; 0 if the scene requests none.
 [[nodiscard]] double estimate_view(const Scene& scene);
 
 }  // namespace springnet

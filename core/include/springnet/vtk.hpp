@@ -11,16 +11,16 @@
 
 namespace springnet {
 
-// Writes into a folder, which is made if it is not there: for each record net_<number>.vtu, with surfaces_<number>.vtp
-// beside it if there are planes or instruments, and run.pvd, which lists them with their times and is complete after
-// each record. core/docs/output.md lists the data.
+// Writes into a folder, which is created if necessary: for each record net_<number>.vtu, also surfaces_<number>.vtp if
+// there are planes or instruments, and run.pvd, which lists them with their times and is complete after each record.
+// core/docs/output.md lists the data.
 class VtkWriter {
  public:
-  // Throws Error(input) if the folder or run.pvd cannot be made, Error(simulation) if it cannot be written.
+  // Throws Error(input) if the folder or run.pvd cannot be created, Error(simulation) if it cannot be written.
   VtkWriter(const OutputFile& folder, const Network& network, const OutputOptions& options = {});
   ~VtkWriter();
   // Writes the present state of a simulation of the network. Throws Error(simulation) if that fails; the series then
-  // ends with the record before.
+  // ends with the previous record.
   void record(const Simulation& simulation);
   void close();
   [[nodiscard]] std::uintmax_t bytes() const noexcept;  // of all files

@@ -1,26 +1,26 @@
-// What the page's address asks for after '#': time=4&view=30,20&zoom=1.2&bare=1&play=0&color=speed&displacement=10.
+// Parameters of the page's address, after '#': time=4&view=30,20&zoom=1.2&bare=1&play=0&color=speed&displacement=10.
 (function (s) {
-  const asked = new URLSearchParams(location.hash.slice(1));
-  function number(name, other) {
-    const value = Number(asked.get(name));
-    return asked.has(name) && isFinite(value) ? value : other;
+  const parameters = new URLSearchParams(location.hash.slice(1));
+  function number(name, fallback) {
+    const value = Number(parameters.get(name));
+    return parameters.has(name) && isFinite(value) ? value : fallback;
   }
-  function on(name, other) { return asked.has(name) ? asked.get(name) !== "0" : other; }
+  function flag(name, fallback) { return parameters.has(name) ? parameters.get(name) !== "0" : fallback; }
 
-  const view = (asked.get("view") || "").split(",").map(Number);
+  const view = (parameters.get("view") || "").split(",").map(Number);
   s.address = {
-    time: asked.has("time") ? number("time", 0) : null,
+    time: parameters.has("time") ? number("time", 0) : null,
     azimuth: view.length === 2 && view.every(isFinite) ? view[0] : null,
     elevation: view.length === 2 && view.every(isFinite) ? view[1] : null,
     zoom: Math.max(0.01, number("zoom", 1)),
-    bare: on("bare", false), labels: on("labels", true),
-    play: on("play", !asked.has("time") && !asked.has("bare")),
-    selftest: on("selftest", false)
+    bare: flag("bare", false), labels: flag("labels", true),
+    play: flag("play", !parameters.has("time") && !parameters.has("bare")),
+    selftest: flag("selftest", false)
   };
-  ["springs", "broken", "nodes", "faces", "instruments", "forces"].forEach(function (what) { s.shown[what] = on(what, s.shown[what]); });
-  const colour = asked.get("color") || asked.get("colour");
+  ["springs", "broken", "nodes", "faces", "instruments", "forces"].forEach(function (what) { s.shown[what] = flag(what, s.shown[what]); });
+  const colour = parameters.get("color") || parameters.get("colour");
   if (["tension", "speed", "contact"].includes(colour)) s.shown.colour = colour;
-  if (asked.get("forces") === "nodes") s.shown.arrows = "nodes";
+  if (parameters.get("forces") === "nodes") s.shown.arrows = "nodes";
   const displacement = number("displacement", 1);
   if (displacement > 0) s.exaggeration = displacement;
   s.address.opacity = number("opacity", 0.8);

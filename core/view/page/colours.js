@@ -1,12 +1,12 @@
-// Colours of numbers: tables of 256 colours, three bytes each.
+// Colour maps (256 colours of three bytes each), and numbers as text.
 (function (s) {
   function table(stops) {
     const colours = new Uint8Array(3 * 256);
     for (let k = 0; k < 256; ++k) {
-      const place = k / 255 * (stops.length - 1);
-      const lower = Math.min(Math.floor(place), stops.length - 2);
+      const position = k / 255 * (stops.length - 1);
+      const lower = Math.min(Math.floor(position), stops.length - 2);
       for (let c = 0; c < 3; ++c) {
-        colours[3 * k + c] = stops[lower][c] + (place - lower) * (stops[lower + 1][c] - stops[lower][c]);
+        colours[3 * k + c] = stops[lower][c] + (position - lower) * (stops[lower + 1][c] - stops[lower][c]);
       }
     }
     return colours;
@@ -20,15 +20,15 @@
     speed: { table: sequential, symmetric: false },
     free: [92, 104, 118], fixed: [0, 0, 0], moved: [120, 40, 160], contact: [240, 130, 20], plain: [140, 148, 158], rigid: [40, 44, 50],
     force: [26, 127, 70],
-    // Offset in a table of the share of `range` that `value` is.
+    // Offset in a table of the colour of `value`, for values up to `range`.
     offset: function (value, range, symmetric) {
       const share = range > 0 ? value / range : 0;
-      const place = symmetric ? 0.5 + 0.5 * share : share;
-      return 3 * Math.round(255 * Math.min(1, Math.max(0, place)));
+      const position = symmetric ? 0.5 + 0.5 * share : share;
+      return 3 * Math.round(255 * Math.min(1, Math.max(0, position)));
     }
   };
 
-  // 1, 2 or 5 times a power of ten, not above / not below the number.
+  // 1, 2 or 5 times a power of ten: the next at or below the number, or at or above it.
   s.round_down = function (number) {
     const power = Math.pow(10, Math.floor(Math.log10(number)));
     const digit = number / power;
@@ -44,13 +44,13 @@
     const text = String(Number(value.toPrecision(digits || 4)));
     return text.replace("e+", "e").replace(/^-/, "−");
   };
-  // The value as far as it is known: a multiple of the power of ten that is not below `step`. 0: as it is.
-  s.known = function (value, step) {
+  // Rounds the value to its significant digits: to the power of ten at or above `step`. Step 0 leaves it as it is.
+  s.round_to = function (value, step) {
     if (!(step > 0)) return value;
     const unit = Math.pow(10, Math.ceil(Math.log10(step) - 1e-9));
     return Math.round(value / unit) * unit;
   };
-  // [size, name] of the unit in which numbers up to `most` of a quantity are told: that of `si`, or a multiple of it.
+  // [size, name] of the unit that suits values up to `max`, which are in the unit `si`: that unit, or a multiple of it.
   const multiples = {
     N: [[1e9, "GN"], [1e6, "MN"], [1e3, "kN"], [1, "N"], [1e-3, "mN"], [1e-6, "µN"], [1e-9, "nN"]],
     J: [[1e9, "GJ"], [1e6, "MJ"], [1e3, "kJ"], [1, "J"], [1e-3, "mJ"], [1e-6, "µJ"], [1e-9, "nJ"], [1e-12, "pJ"]],
@@ -58,17 +58,17 @@
     "m^2": [[1, "m²"], [1e-4, "cm²"], [1e-6, "mm²"], [1e-12, "µm²"]],
     "m^3": [[1, "m³"], [1e-3, "dm³"], [1e-6, "cm³"], [1e-9, "mm³"], [1e-18, "µm³"]]
   };
-  s.unit_for = function (si, most) {
+  s.unit_for = function (si, max) {
     const all = multiples[si];
     if (!all) return [1, si];
-    if (!(most > 0)) return all.find(function (each) { return each[0] === 1; });
-    return all.find(function (each) { return most >= each[0] * (1 - 1e-9); }) || all[all.length - 1];
+    if (!(max > 0)) return all.find(function (each) { return each[0] === 1; });
+    return all.find(function (each) { return max >= each[0] * (1 - 1e-9); }) || all[all.length - 1];
   };
   s.force_text = function (newtons) {
     const unit = s.unit_for("N", newtons);
     return s.number(newtons / unit[0], 3) + " " + unit[1];
   };
-  // A length in the unit that suits it.
+  // A length in a suitable unit.
   s.length_text = function (metres) {
     const units = [[1000, "km"], [1, "m"], [0.01, "cm"], [0.001, "mm"], [1e-6, "µm"]];
     const unit = units.find(function (each) { return metres >= each[0] * (1 - 1e-9); }) || units[units.length - 1];

@@ -1,6 +1,6 @@
-// The run as the page holds it: numbers in base64, one element a block.
+// Reads the run from the page: each block of numbers is base64 in an element of its own.
 (function (s) {
-  s.float_step = Math.pow(2, -24);  // to which a number in 32 bits is rounded, as a share of it
+  s.float_step = Math.pow(2, -24);  // relative rounding of 32 bit floats
   const about = JSON.parse(document.getElementById("description").textContent);
 
   function block(name, Type) {
@@ -12,8 +12,8 @@
     return new Type(bytes.buffer);
   }
 
-  // Rows of `width` numbers, one a frame; row(frame) is valid until the next call. `step`: how far apart numbers are
-  // told from each other, where they are rounded; else 0.
+  // Rows of `width` numbers, one per frame; row(frame) is valid until the next call. `step`: resolution of numbers that
+  // are rounded to 16 bits; else 0.
   function rows(name, width) {
     if (!about.rounded) {
       const numbers = block(name, Float32Array);
@@ -25,20 +25,20 @@
     const range = block(name + "_range", Float32Array);
     const shares = block(name, Uint16Array);
     const scale = (range[1] - range[0]) / 65535;
-    // A symmetric range has no share that is 0 itself: what is within rounding of it is 0.
+    // A symmetric range has an even number of steps and none of them is 0: the two nearest stand for it.
     const middle = range[0] === -range[1] && range[1] > 0;
     function at(k) {
       const value = range[0] + shares[k] * scale;
       return middle && Math.abs(value) < 0.51 * scale ? 0 : value;
     }
     const out = new Float32Array(width);
-    let held = -1;
+    let cached = -1;
     return {
       row: function (frame) {
-        if (frame !== held) {
+        if (frame !== cached) {
           const first = frame * width;
           for (let k = 0; k < width; ++k) out[k] = at(first + k);
-          held = frame;
+          cached = frame;
         }
         return out;
       },
@@ -52,7 +52,7 @@
     node_numbers: block("node_numbers", Uint32Array), masses: block("node_masses", Float32Array),
     kinds: block("node_kinds", Uint8Array),  // 0 free, 1 fixed, 2 moved
     spring_numbers: block("spring_numbers", Uint32Array), ends: block("spring_ends", Uint32Array),
-    rests: block("spring_rests", Float32Array), materials: block("spring_materials", Uint32Array),
+    rest_lengths: block("spring_rest_lengths", Float32Array), materials: block("spring_materials", Uint32Array),
     rigids: block("rigid_ends", Uint32Array),
     faces: block("faces", Uint32Array), face_frames: block("face_frames", Uint32Array),
     positions: rows("positions", 3 * nodes), speeds: rows("speeds", nodes), tensions: rows("tensions", springs)
@@ -68,9 +68,9 @@
   run.resultants = vectors(run.all_resultants);
   run.arrow_forces = vectors(run.all_arrow_forces);
   const contact = block("contact", Uint8Array), contact_width = Math.ceil(nodes / 8);
-  run.touches = function (frame, node) { return (contact[frame * contact_width + (node >> 3)] >> (node & 7) & 1) === 1; };
+  run.in_contact = function (frame, node) { return (contact[frame * contact_width + (node >> 3)] >> (node & 7) & 1) === 1; };
   run.has_contact = contact.some(function (byte) { return byte !== 0; });
-  // Of a surface: x, y, z, and x, y, z, w of the quaternion of how it has turned.
+  // Pose of a surface: x, y, z, m; the quaternion x, y, z, w of its rotation since the start.
   const poses = block("surface_poses", Float32Array);
   run.surface = function (frame, k) { return poses.subarray(7 * (frame * surfaces + k), 7 * (frame * surfaces + k) + 7); };
 
@@ -86,24 +86,24 @@
   });
   run.curves = about.curves.map(function (curve, k) { return Object.assign({ values: column(12 + k) }, curve); });
 
-  // Integrators with steps of their own, inside of which records may lie: CVODE, and others that show it.
-  run.own_steps = about.integrator === "cvode" ||
+  // Whether the integrator chooses its own steps, within which records may lie: CVODE, and others if records show it.
+  run.internal_steps = about.integrator === "cvode" ||
     run.steps.some(function (steps, k) { return k > 0 && steps === run.steps[k - 1] && run.times[k] > run.times[k - 1]; });
 
-  // The first frame without the spring; `never` for those that stay.
+  // The first frame without each spring; `never` for those that stay.
   run.never = 0xffffffff;
-  run.gone = new Uint32Array(springs).fill(run.never);
+  run.removal_frames = new Uint32Array(springs).fill(run.never);
   run.removals = new Map();
   const removed = block("removed_springs", Uint32Array), frames = block("removed_frames", Uint32Array);
   const times = block("removed_times", Float64Array), kinds = block("removed_kinds", Uint8Array);
   for (let k = 0; k < removed.length; ++k) {
-    run.gone[removed[k]] = frames[k];
+    run.removal_frames[removed[k]] = frames[k];
     run.removals.set(removed[k], { time: times[k], how: kinds[k] ? "ruptured" : "cut" });
   }
 
-  // Frames with all nodes within 15 sizes from where the network began: where a run diverges, the others are no measure
-  // of what is usual.
-  function frames_near() {
+  // Whether all nodes of a frame are within 15 sizes of the network from its start. The other frames belong to a diverging
+  // run, and are left out when ranges of colours are found.
+  function frames_nearby() {
     let low = Infinity, high = -Infinity;
     run.positions.row(0).forEach(function (value) { low = Math.min(low, value); high = Math.max(high, value); });
     const reach = 15 * (high - low), width = 3 * nodes;
@@ -115,27 +115,27 @@
       return true;
     });
   }
-  const near = frames_near();
+  const nearby = frames_nearby();
 
-  // Value that all but a few are below: single peaks shall not take the colours from the rest.
-  function usual(values, share) {
+  // The magnitude that `share` of the values do not exceed: single peaks must not compress the colour scale.
+  function quantile(values, share) {
     const sample = [];
     const stride = Math.max(1, Math.floor(values.numbers / 200000));
     const width = values.numbers / run.frames;
     for (let k = 0; k < values.numbers; k += stride) {
-      if (near[Math.floor(k / width)]) sample.push(Math.abs(values.at(k)));
+      if (nearby[Math.floor(k / width)]) sample.push(Math.abs(values.at(k)));
     }
     sample.sort(function (a, b) { return a - b; });
     return sample.length ? sample[Math.min(sample.length - 1, Math.floor(share * sample.length))] : 0;
   }
   function largest(values) {
-    let most = 0;
-    for (let k = 0; k < values.numbers; ++k) most = Math.max(most, Math.abs(values.at(k)));
-    return most;
+    let max = 0;
+    for (let k = 0; k < values.numbers; ++k) max = Math.max(max, Math.abs(values.at(k)));
+    return max;
   }
   function range(values) {
-    const most = largest(values), common = usual(values, 0.995);
-    return { most: most, shown: most > 0 ? s.round_up(common > 0 ? common : most) : 0 };
+    const max = largest(values), common = quantile(values, 0.995);
+    return { max: max, shown: max > 0 ? s.round_up(common > 0 ? common : max) : 0 };
   }
   run.tension_range = range(run.tensions);
   run.speed_range = range(run.speeds);
@@ -150,7 +150,7 @@
     return low;
   };
   s.run = run;
-  // What of it is drawn, and how: changed by the page's address and its switches.
+  // What is drawn, and how. Set by the page's address and the panel.
   s.shown = { springs: true, broken: true, nodes: nodes <= 20000, faces: true, instruments: true, forces: true,
               arrows: "resultants", colour: "tension" };
 })(springnet);

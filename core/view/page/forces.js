@@ -5,21 +5,21 @@
   loads.forEach(function (load) { load.first = first; first += load.arrows; });
   function vector(values, k) { return new THREE.Vector3().fromArray(values, 3 * k); }
   function largest(values) {
-    let most = 0;
-    for (let k = 0; k < values.length; k += 3) most = Math.max(most, Math.hypot(values[k], values[k + 1], values[k + 2]));
-    return most;
+    let max = 0;
+    for (let k = 0; k < values.length; k += 3) max = Math.max(max, Math.hypot(values[k], values[k + 1], values[k + 2]));
+    return max;
   }
 
-  // Those that push inwards end at what they act on, the others begin there: arrows lie outside of it.
+  // Arrows lie outside the body: those that push inwards end at the node they act on, the others begin there.
   const start = run.positions.row(0), middle = new THREE.Vector3();
   for (let k = 0; k < start.length; k += 3) middle.add(new THREE.Vector3(start[k], start[k + 1], start[k + 2]));
   middle.multiplyScalar(1 / Math.max(1, run.nodes));
-  function arrow_of(place, force, most, origin) {
+  function arrow_of(place, force, max, origin) {
     const size = force.length();
-    if (!(size > 0) || !(most > 0)) return null;
+    if (!(size > 0) || !(max > 0)) return null;
     const direction = force.clone().multiplyScalar(1 / size);
-    // Small ones as well have to be seen.
-    return { place: place, direction: direction, share: Math.max(0.2, size / most), inward: middle.clone().sub(origin).dot(direction) > 0 };
+    // At least a fifth of the longest one, so that small forces are visible.
+    return { place: place, direction: direction, share: Math.max(0.2, size / max), inward: middle.clone().sub(origin).dot(direction) > 0 };
   }
   function node_place(k, places) { return vector(places, run.arrow_nodes[k]); }
   // Where the resultant of a load acts: the mean of its arrows' nodes, weighted by the forces there.
@@ -37,40 +37,40 @@
     resultants: loads.map(function (load) { return centre_of(load, new Float32Array(3 * first).fill(1), start); }),
     nodes: Array.from(run.arrow_nodes, function (node) { return vector(start, node); })
   };
-  // Of the whole run, so that an arrow that grows is a force that grows.
-  const greatest = { resultants: largest(run.all_resultants), nodes: largest(run.all_arrow_forces) };
+  // The largest force of the whole run sets one scale for all frames.
+  const max_force = { resultants: largest(run.all_resultants), nodes: largest(run.all_arrow_forces) };
   const count = { resultants: loads.length, nodes: first };
-  s.force_ways = { greatest: greatest, differ: first > loads.length };
+  s.arrow_modes = { max_force: max_force, differ: first > loads.length };
 
-  // The arrows of a frame, null for those that do not act; the share of the greatest force, 0.2 at least. The more there
-  // are, the shorter they are all: the body stays visible.
-  s.arrows = function (way, frame, places) {
+  // The arrows of a frame, null for forces that are zero. `share`: of the longest arrow, at least 0.2.
+  s.arrows = function (mode, frame, places) {
     const forces = run.arrow_forces(frame);
-    if (way === "nodes") {
-      return origins.nodes.map(function (origin, k) { return arrow_of(node_place(k, places), vector(forces, k), greatest.nodes, origin); });
+    if (mode === "nodes") {
+      return origins.nodes.map(function (origin, k) { return arrow_of(node_place(k, places), vector(forces, k), max_force.nodes, origin); });
     }
     const resultants = run.resultants(frame);
     return loads.map(function (load, k) {
-      return arrow_of(centre_of(load, forces, places), vector(resultants, k), greatest.resultants, origins.resultants[k]);
+      return arrow_of(centre_of(load, forces, places), vector(resultants, k), max_force.resultants, origins.resultants[k]);
     });
   };
-  s.arrow_length = function (way, longest) { return longest * Math.min(1, Math.max(0.3, 3 / Math.sqrt(count[way]))); };
+  // The length of the longest arrow. The more arrows there are, the shorter all of them, to leave the body visible.
+  s.arrow_length = function (mode, longest) { return longest * Math.min(1, Math.max(0.3, 3 / Math.sqrt(count[mode]))); };
   s.arrow_start = function (arrow, length) {
     return arrow.inward ? arrow.place.clone().addScaledVector(arrow.direction, -arrow.share * length) : arrow.place.clone();
   };
 
   s.Forces = function () {
-    const group = new THREE.Group(), along = new THREE.Vector3(0, 1, 0);
+    const group = new THREE.Group(), arrow_axis = new THREE.Vector3(0, 1, 0);
     const outline = [[0, 0], [0.018, 0], [0.018, 0.72], [0.06, 0.72], [0, 1]].map(function (each) {
       return new THREE.Vector2(each[0], each[1]);
     });
     const shape = new THREE.LatheBufferGeometry(outline, 20);
     const colour = new THREE.Color("rgb(" + s.colours.force.join(",") + ")");
     const material = new THREE.MeshPhongMaterial({ color: colour, shininess: 20 });
-    // What is behind the body shows through it.
-    const hidden = new THREE.MeshBasicMaterial({ color: colour, transparent: true, opacity: 0.55, depthTest: false, depthWrite: false });
+    // Arrows behind the body show through it.
+    const shadow_material = new THREE.MeshBasicMaterial({ color: colour, transparent: true, opacity: 0.55, depthTest: false, depthWrite: false });
     const parts = Array.from({ length: Math.max(count.nodes, count.resultants) }, function () {
-      const part = new THREE.Mesh(shape, material), shadow = new THREE.Mesh(shape, hidden);
+      const part = new THREE.Mesh(shape, material), shadow = new THREE.Mesh(shape, shadow_material);
       shadow.renderOrder = 4;
       part.add(shadow);
       group.add(part);
@@ -85,7 +85,7 @@
         if (!arrow) return;
         const width = Math.sqrt(arrow.share) * length;
         part.scale.set(width, arrow.share * length, width);
-        part.quaternion.setFromUnitVectors(along, arrow.direction);
+        part.quaternion.setFromUnitVectors(arrow_axis, arrow.direction);
         part.position.copy(s.arrow_start(arrow, length));
       });
     };

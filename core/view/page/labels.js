@@ -1,26 +1,27 @@
-// Words on the picture: time, what the colours mean, how long a metre is, where the axes point.
+// Labels on the picture: time, legend of the colours, scale, directions of the axes.
 (function (s) {
   const run = s.run;
   function element(id) { return document.getElementById(id); }
 
   function show_arrow_scale() {
-    const way = s.shown.arrows, most = s.force_ways.greatest[way], part = element("legend-arrow");
-    part.hidden = !s.shown.forces || !(s.force_ways.greatest.nodes > 0);
-    part.textContent = !(most > 0) ? "loads without resultant: see forces at each node" : "longest arrow " + s.force_text(most) + (way === "resultants" && s.force_ways.differ ? ", a load’s resultant" : "");
+    const mode = s.shown.arrows, max = s.arrow_modes.max_force[mode], part = element("legend-arrow");
+    part.hidden = !s.shown.forces || !(s.arrow_modes.max_force.nodes > 0);
+    const what = mode === "resultants" && s.arrow_modes.differ ? ", a load’s resultant" : "";
+    part.textContent = max > 0 ? "longest arrow " + s.force_text(max) + what : "the loads have no resultant: show forces at each node";
   }
 
   function show_legend() {
-    const way = s.shown.colour;
+    const quantity = s.shown.colour;
     element("legend").hidden = false;
-    element("legend-bar").hidden = way === "contact";
+    element("legend-bar").hidden = quantity === "contact";
     element("legend-ticks").textContent = "";
     element("legend-note").textContent = "";
     show_arrow_scale();
-    if (way === "contact") {
+    if (quantity === "contact") {
       element("legend-title").textContent = "orange: in contact";
       return;
     }
-    const tension = way === "tension", kind = s.colours[way];
+    const tension = quantity === "tension", kind = s.colours[quantity];
     const range = tension ? run.tension_range : run.speed_range, unit = tension ? "N" : "m/s";
     element("legend-title").textContent = (tension ? "tension of springs" : "speed") + (range.shown > 0 ? ", " : ": 0 ") + unit;
     element("legend-bar").hidden = range.shown === 0;
@@ -37,8 +38,8 @@
       tick.textContent = (tension && value > 0 ? "+" : "") + s.number(value);
       element("legend-ticks").append(tick);
     });
-    let note = tension ? "blue pushed together, grey slack, red pulled" : "";
-    if (range.most > range.shown) note += (note ? "; " : "") + "beyond: up to " + s.number(range.most, 3) + " " + unit;
+    let note = tension ? "blue: compression, grey: slack, red: tension" : "";
+    if (range.max > range.shown) note += (note ? "; " : "") + "beyond: up to " + s.number(range.max, 3) + " " + unit;
     element("legend-note").textContent = note;
   }
 
@@ -48,7 +49,7 @@
     const pixel = 2 * distance * Math.tan(camera.fov * Math.PI / 360) / Math.max(1, view.clientHeight);
     const length = s.round_down(150 * pixel);
     element("scale-bar").style.width = length / pixel + "px";
-    element("scale-text").textContent = s.length_text(length) + (cell ? "; squares of the plane: " + s.length_text(cell) : "");
+    element("scale-text").textContent = s.length_text(length) + (cell ? "; grid of the plane: " + s.length_text(cell) : "");
   }
 
   function show_axes() {
@@ -74,7 +75,7 @@
     });
   }
 
-  // As many decimals as tell one record from the next.
+  // As many decimals as distinguish one record from the next.
   const last = run.times[run.frames - 1];
   const gap = run.frames > 1 ? (last - run.times[0]) / (run.frames - 1) : 1;
   const decimals = Math.min(9, Math.max(0, Math.ceil(-Math.log10(gap || 1) + 0.3)));
@@ -83,10 +84,10 @@
     exaggeration: function () {
       const note = element("exaggerated");
       note.hidden = s.exaggeration === 1;
-      document.body.classList.toggle("exaggerated", !note.hidden);  // told even where other words are not
+      document.body.classList.toggle("exaggerated", !note.hidden);  // shown even if other labels are hidden
       note.textContent = "displacement × " + s.number(s.exaggeration) + (run.about.surfaces.length > 0 ? ", obstacles × 1" : "");
     },
-    eye: function (cell) { show_scale(cell); show_axes(); },
+    camera: function (cell) { show_scale(cell); show_axes(); },
     clock: function (frame) {
       element("clock-time").textContent = "t = " + run.times[frame].toFixed(decimals) + " s";
       element("time").textContent = run.times[frame].toFixed(decimals) + " of " + last.toFixed(decimals) + " s";

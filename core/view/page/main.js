@@ -16,40 +16,39 @@
   const player = new s.Player(show);
   function refresh() { show(player.frame); }
 
-  if (!scene.works) {
+  if (!scene.has_webgl) {
     const message = document.getElementById("message");
     message.hidden = false;
-    message.textContent = "This browser draws nothing in three dimensions here: WebGL is missing or switched off. The " +
-      "curves below are complete. To see the network, switch WebGL (hardware acceleration) on, or open this page in " +
-      "another browser.";
+    message.textContent = "This browser cannot draw the network: WebGL is missing or disabled. The curves below are " +
+      "complete. To see the network, enable WebGL (hardware acceleration), or open this page in another browser.";
   }
 
   const controls = new THREE.OrbitControls(s.camera.camera, view);
   controls.enableKeys = false;  // the arrows step through the records
   controls.rotateSpeed = 0.7;
-  let looking = false, own = false;  // own: the eye is where the reader moved it
-  function eye_moved() {
-    if (!looking) own = true;
+  let positioning = false, user_view = false;  // user_view: the user has moved the camera
+  function camera_moved() {
+    if (!positioning) user_view = true;
     s.camera.target.copy(controls.target);
     scene.draw();
-    s.labels.eye(scene.cell);
+    s.labels.camera(scene.cell);
   }
   function look(azimuth, elevation, zoom) {
-    looking = true;
+    positioning = true;
     s.camera.look(azimuth, elevation, zoom);
     controls.target.copy(s.camera.target);
     controls.update();
     s.camera.camera.updateMatrixWorld();
-    eye_moved();
-    looking = false;
-    own = false;
+    camera_moved();
+    positioning = false;
+    user_view = false;
   }
-  const usual = s.camera.usual;
+  const default_view = s.camera.default_view;
   function reset() {
-    look(address.azimuth === null ? usual.azimuth : address.azimuth,
-         address.elevation === null ? usual.elevation : address.elevation, address.zoom);
+    look(address.azimuth === null ? default_view.azimuth : address.azimuth,
+         address.elevation === null ? default_view.elevation : address.elevation, address.zoom);
   }
-  controls.addEventListener("change", eye_moved);
+  controls.addEventListener("change", camera_moved);
 
   s.click = function (x, y) {
     s.picked = s.pick_at(player.frame, x, y);
@@ -63,7 +62,7 @@
     const place = view.getBoundingClientRect();
     s.click(event.clientX - place.left, event.clientY - place.top);
   });
-  // A hand where a click would pick something; looked for once a picture at most.
+  // A pointing hand where a click would pick something; searched for at most once per picture.
   let hover = null;
   view.addEventListener("pointermove", function (event) {
     if (event.buttons || s.run.springs > 50000 || player.playing) return;
@@ -77,24 +76,24 @@
     hover = [event.clientX, event.clientY];
   });
 
-  // What is drawn of the motion is larger or smaller than it was.
-  function find_motion() {
-    s.camera.find_motion();
-    if (!own) reset();
+  // Call it when the drawn motion becomes larger or smaller.
+  function refit() {
+    s.camera.update_bounds();
+    if (!user_view) reset();
     refresh();
   }
-  s.make_panel(scene, player, refresh, find_motion);
+  s.make_panel(scene, player, refresh, refit);
   scene.opacity(address.opacity);
   document.getElementById("opacity").value = address.opacity;
   if (!address.bare) s.make_plots(player);
   s.make_keys(player, reset);
   s.labels.legend();
   s.labels.exaggeration();
-  if (s.exaggeration !== 1 || s.shown.arrows !== "resultants") s.camera.find_motion();
-  // In another size the whole motion is in view again, unless the reader has chosen what is.
+  if (s.exaggeration !== 1 || s.shown.arrows !== "resultants") s.camera.update_bounds();
+  // In a window of another size the whole motion is in view again, unless the user has moved the camera.
   s.resize = function () {
     scene.resize();
-    if (own) s.labels.eye(scene.cell); else reset();
+    if (user_view) s.labels.camera(scene.cell); else reset();
     s.show_marks();
     s.resize_plots();
     refresh();

@@ -1,11 +1,11 @@
-// The words above and beside the picture, and the switches.
+// Header, banner and panel: texts above and beside the picture, and the controls.
 (function (s) {
   const run = s.run, about = run.about;
   function element(id) { return document.getElementById(id); }
 
   function count(number, what) { return number + " " + what + (number === 1 ? "" : "s"); }
 
-  function show_words() {
+  function show_header() {
     const title = about.title || "A network of springs";
     element("title").textContent = title;
     document.title = title + " – springnet";
@@ -13,7 +13,7 @@
     if (about.elements > 0) facts.push(count(about.elements, "element"));
     const gap = run.frames > 1 ? (run.times[run.frames - 1] - run.times[0]) / (run.frames - 1) : about.time_step;
     facts.push("integrator " + about.integrator,
-               run.own_steps ? "records every " + s.number(gap, 3) + " s" : "time step " + s.number(about.time_step) + " s",
+               run.internal_steps ? "records every " + s.number(gap, 3) + " s" : "time step " + s.number(about.time_step) + " s",
                count(run.frames, "record"));
     element("facts").textContent = facts.join(" · ");
 
@@ -25,7 +25,7 @@
     element("notes-title").hidden = about.notes.length === 0;
   }
 
-  // Above everything: that the run failed, and why; or that it ended early.
+  // A banner above everything, if the run failed, with the reason, or ended early.
   function show_banner() {
     const last = run.times[run.frames - 1], early = last < about.duration * (1 - 1e-6), failed = about.failure !== "";
     const banner = element("banner");
@@ -43,7 +43,7 @@
     const dots = kinds.filter(function (kind) { return kind[2]; }).map(function (kind) {
       return [s.colours[kind[0]], kind[1]];
     });
-    const names = { cut: "springs cut", ruptured: "springs ruptured", touched: "first touches" };
+    const names = { cut: "springs cut", ruptured: "springs ruptured", touched: "new contacts" };
     const happened = Object.keys(names).filter(function (name) { return s.marks.some(function (m) { return m.name === name; }); });
     function add(shape, colour, text) {
       const line = document.createElement("div"), dot = document.createElement("i");
@@ -55,24 +55,24 @@
     dots.forEach(function (each) { add("dot", each[0], each[1]); });
     if (run.rigids.length > 0) add("bar", s.colours.rigid, "rigid connection");
     if (about.loads.length > 0) add("arrow", s.colours.force, "force of the scene’s loads");
-    happened.forEach(function (name) { add("mark", s.mark_colours[name], "time line: " + names[name]); });
+    happened.forEach(function (name) { add("mark", s.mark_colours[name], "timeline: " + names[name]); });
   }
 
-  function hide_what_is_not_there() {
-    const there = { springs: run.springs > 0, broken: run.removals.size > 0, nodes: run.nodes > 0,
+  function hide_unused_controls() {
+    const present = { springs: run.springs > 0, broken: run.removals.size > 0, nodes: run.nodes > 0,
                     faces: run.face_frames.length > 0, instruments: about.surfaces.length > 0,
-                    forces: about.loads.length > 0, arrows: s.force_ways.differ, displacement: s.moves };
+                    forces: about.loads.length > 0, arrows: s.arrow_modes.differ, displacement: s.has_motion };
     document.querySelectorAll("#panel [data-for]").forEach(function (label) {
-      label.style.display = there[label.dataset.for] ? "" : "none";
+      label.style.display = present[label.dataset.for] ? "" : "none";
     });
     if (!run.has_contact) element("colour").querySelector("[value=contact]").remove();
   }
 
-  s.make_panel = function (scene, player, refresh, find_motion) {
-    show_words();
+  s.make_panel = function (scene, player, refresh, refit) {
+    show_header();
     show_banner();
     show_key();
-    hide_what_is_not_there();
+    hide_unused_controls();
     ["springs", "broken", "nodes", "faces", "instruments", "forces"].forEach(function (what) {
       const box = element("show-" + what);
       box.checked = s.shown[what];
@@ -87,7 +87,7 @@
     arrows.addEventListener("change", function () {
       s.shown.arrows = arrows.checked ? "nodes" : "resultants";
       s.labels.legend();
-      find_motion();
+      refit();
     });
     const factors = s.exaggerations.concat(s.exaggerations.includes(s.exaggeration) ? [] : s.exaggeration);
     factors.forEach(function (each) { displacement.append(new Option("× " + s.number(each), each)); });
@@ -95,7 +95,7 @@
     displacement.addEventListener("change", function () {
       s.exaggeration = Number(displacement.value);
       s.labels.exaggeration();
-      find_motion();
+      refit();
     });
     element("colour").value = s.shown.colour;
     element("colour").addEventListener("change", function (event) {
@@ -115,7 +115,7 @@
     element("play").addEventListener("click", player.toggle);
     element("back").addEventListener("click", function () { player.step(-1); });
     element("forward").addEventListener("click", function () { player.step(1); });
-    player.changed = function () { element("play").textContent = player.playing ? "pause" : "play"; };
+    player.on_change = function () { element("play").textContent = player.playing ? "pause" : "play"; };
   };
 
   s.make_keys = function (player, reset) {
@@ -126,7 +126,7 @@
       r: reset, b: function () { element("show-broken").click(); }, l: function () { element("loop").click(); }
     };
     window.addEventListener("keydown", function (event) {
-      // Menus, buttons and bars keep the keys that work them; the one of the time does with the arrows what the page does.
+      // Menus, buttons and sliders keep the keys that operate them, but for the time slider, whose arrow keys the page handles.
       const target = event.target, bar = target.type === "range" && target.id !== "scrub";
       const own = target.tagName === "SELECT" || bar || (event.key === " " && /BUTTON|INPUT/.test(target.tagName));
       if (own || event.ctrlKey || event.altKey || event.metaKey || !actions[event.key]) return;

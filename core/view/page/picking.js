@@ -1,8 +1,8 @@
-// The node or spring under the pointer, and its numbers.
+// The node or spring under the pointer, and its values.
 (function (s) {
   const run = s.run, point = new THREE.Vector3();
 
-  // Places on the screen in pixels, and depth, of all nodes.
+  // Screen coordinates of all nodes: x and y in pixels, and depth.
   function project(positions) {
     const view = document.getElementById("view"), camera = s.camera.camera;
     const out = new Float32Array(3 * run.nodes);
@@ -23,14 +23,14 @@
     return { pixels: Math.hypot(x - ax - share * dx, y - ay - share * dy), depth: depth };
   }
 
-  // Of those within reach the one in front; a pixel of distance counts like a little depth.
+  // Among the candidates near the pointer the one in front; each pixel of distance adds a little to its depth.
   s.pick_at = function (frame, x, y) {
-    const positions = s.places(frame), places = project(positions);
-    let best = null, least = Infinity;
-    function offer(pixels, reach, depth, what) {
-      if (pixels > reach || depth > 1 || depth < -1) return;
+    const positions = s.drawn_positions(frame), places = project(positions);
+    let best = null, best_score = Infinity;
+    function offer(pixels, max_pixels, depth, item) {
+      if (pixels > max_pixels || depth > 1 || depth < -1) return;
       const score = depth + 2e-4 * pixels;
-      if (score < least) { least = score; best = what; }
+      if (score < best_score) { best_score = score; best = item; }
     }
     if (s.shown.nodes || !s.shown.springs) {
       for (let k = 0; k < run.nodes; ++k) {
@@ -38,38 +38,39 @@
       }
     }
     if (best) return best;
-    function offer_line(ends, k, what) {
+    function offer_line(ends, k, item) {
       const found = distance_to(places, ends[2 * k], ends[2 * k + 1], x, y);
-      offer(found.pixels, 6, found.depth, what);
+      offer(found.pixels, 6, found.depth, item);
     }
     for (let k = 0; k < run.springs; ++k) {
-      if (s.drawn(k, frame, positions)) offer_line(run.ends, k, { spring: k });
+      if (s.is_drawn(k, frame, positions)) offer_line(run.ends, k, { spring: k });
     }
     for (let k = 0; 2 * k < run.rigids.length; ++k) offer_line(run.rigids, k, { rigid: k });
     return best;
   };
 
-  function member(first, count, number) {
+  // " of BODY, its NUMBER", or nothing for nodes and springs without a body.
+  function membership(first, count, number) {
     const body = run.about.bodies.find(function (each) {
       return number >= each[first] && number - each[first] < each[count];
     });
     return body ? " of " + body.name + (body[first] > 0 ? ", its " + (number - body[first]) : "") : "";
   }
 
-  // One unit for all lengths, from the size of the network. No digits are shown that rounded numbers do not have: a length
-  // is a difference of coordinates, which stand in the page as 16 or 32 bits.
+  // One unit for all lengths, chosen by the size of the network. Only significant digits are shown: a length is a
+  // difference of coordinates, which the page stores in 16 or 32 bits.
   const unit = s.unit_for("m", s.camera.nodes_box.getSize(new THREE.Vector3()).length());
   const places_step = run.positions.step;
   function length_step(positions, a, b) {
     if (places_step > 0) return 2 * places_step;
-    let most = 0;
+    let max = 0;
     [a, b].forEach(function (node) {
-      for (let k = 3 * node; k < 3 * node + 3; ++k) most = Math.max(most, Math.abs(positions[k]));
+      for (let k = 3 * node; k < 3 * node + 3; ++k) max = Math.max(max, Math.abs(positions[k]));
     });
-    return 2 * s.float_step * most;
+    return 2 * s.float_step * max;
   }
   function numbers(values, size, step) {
-    return Array.from(values).map(function (each) { return s.number(s.known(each, step) / size, 5); }).join(", ");
+    return Array.from(values).map(function (each) { return s.number(s.round_to(each, step) / size, 5); }).join(", ");
   }
   function length(value, step) { return numbers([value], unit[0], step) + " " + unit[1]; }
   function distance(positions, a, b) {
@@ -77,18 +78,18 @@
                       positions[3 * a + 2] - positions[3 * b + 2]);
   }
   function ends(list, k) { return run.node_numbers[list[2 * k]] + " and " + run.node_numbers[list[2 * k + 1]]; }
-  // The forces of the scene on a node; null where not all of them are there.
+  // The sum of the loads on a node; null if the page does not have all of them.
   function force_on(node, frame) {
     if (run.about.forces !== run.arrow_nodes.length) return null;
-    const forces = run.arrow_forces(frame), sum = [0, 0, 0], most = [0, 0, 0];
+    const forces = run.arrow_forces(frame), sum = [0, 0, 0], max = [0, 0, 0];
     run.arrow_nodes.forEach(function (each, k) {
       for (let axis = 0; each === node && axis < 3; ++axis) {
         sum[axis] += forces[3 * k + axis];
-        most[axis] = Math.max(most[axis], Math.abs(forces[3 * k + axis]));
+        max[axis] = Math.max(max[axis], Math.abs(forces[3 * k + axis]));
       }
     });
-    // Of forces that cancel nothing is left but the rounding of their 32 bits.
-    return sum.map(function (each, axis) { return Math.abs(each) <= 4 * s.float_step * most[axis] ? 0 : each; });
+    // Forces that cancel leave only the rounding of their 32 bits.
+    return sum.map(function (each, axis) { return Math.abs(each) <= 4 * s.float_step * max[axis] ? 0 : each; });
   }
 
   s.numbers_of = function (picked, frame) {
@@ -100,26 +101,26 @@
     }
     if (picked.node !== undefined) {
       const k = picked.node, states = ["free", "fixed", "moved by the scene"], force = force_on(k, frame);
-      const rows = [["node", run.node_numbers[k] + member("first_node", "nodes", run.node_numbers[k])],
+      const rows = [["node", run.node_numbers[k] + membership("first_node", "nodes", run.node_numbers[k])],
                     ["position", numbers(positions.subarray(3 * k, 3 * k + 3), unit[0], places_step) + " " + unit[1]],
-                    ["speed", s.number(s.known(run.speeds.row(frame)[k], run.speeds.step)) + " m/s"],
+                    ["speed", s.number(s.round_to(run.speeds.row(frame)[k], run.speeds.step)) + " m/s"],
                     ["mass", s.number(run.masses[k]) + " kg"],
-                    ["state", states[run.kinds[k]] + (run.touches(frame, k) ? ", in contact" : "")]];
+                    ["state", states[run.kinds[k]] + (run.in_contact(frame, k) ? ", in contact" : "")]];
       if (force && Math.hypot(force[0], force[1], force[2]) > 0) rows.push(["force", numbers(force, 1, 0) + " N"]);
       return rows;
     }
     const k = picked.spring, a = run.ends[2 * k], b = run.ends[2 * k + 1];
-    const now = distance(positions, a, b), rest = run.rests[k], step = length_step(positions, a, b) + s.float_step * rest;
-    const rows = [["spring", run.spring_numbers[k] + member("first_spring", "springs", run.spring_numbers[k])],
+    const now = distance(positions, a, b), rest = run.rest_lengths[k], step = length_step(positions, a, b) + s.float_step * rest;
+    const rows = [["spring", run.spring_numbers[k] + membership("first_spring", "springs", run.spring_numbers[k])],
                   ["nodes", ends(run.ends, k)],
                   ["length", length(now, step)],
                   ["at rest", length(rest, 0)],
-                  ["stretch", rest > 0 ? s.number(s.known(100 * (now / rest - 1), 100 * step / rest), 3) + " %" : "–"]];
-    if (frame >= run.gone[k]) {
+                  ["stretch", rest > 0 ? s.number(s.round_to(100 * (now / rest - 1), 100 * step / rest), 3) + " %" : "–"]];
+    if (frame >= run.removal_frames[k]) {
       const removal = run.removals.get(k);
       rows.push(["state", removal.how + " at " + s.number(removal.time, 5) + " s"]);
     } else {
-      rows.push(["tension", s.number(s.known(run.tensions.row(frame)[k], run.tensions.step)) + " N"]);
+      rows.push(["tension", s.number(s.round_to(run.tensions.row(frame)[k], run.tensions.step)) + " N"]);
     }
     rows.push(["law", run.about.materials[run.materials[k]]]);
     return rows;
@@ -129,7 +130,7 @@
     const place = document.getElementById("picked");
     place.textContent = "";
     if (!s.picked) {
-      place.textContent = "Click a node or a spring.";
+      place.textContent = "Click a node or a spring to see its values.";
       return;
     }
     const table = document.createElement("table");

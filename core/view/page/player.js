@@ -1,17 +1,17 @@
-// Which record is shown, and how the time goes on.
+// Plays the records: which one is shown, speed, loop.
 (function (s) {
   const run = s.run, last = run.frames - 1;
   const speeds = [0.001, 0.002, 0.005, 0.01, 0.02, 0.05, 0.1, 0.2, 0.5, 1, 2, 5, 10, 20, 50, 100, 1000];
 
   s.Player = function (show) {
     const player = this;
-    let wall = 0;  // ms, when the time was last put on
+    let last_tick = 0;  // ms, of the browser's clock; 0: none yet
     this.frame = 0;
     this.time = run.times[0];
     this.playing = false;
     this.loop = true;
     this.speeds = speeds;
-    // Real time, unless it is over in a moment or lasts long: then about ten seconds.
+    // Real time, unless the run would take less than a second or more than a minute: then about ten seconds.
     const span = run.times[last] - run.times[0];
     this.speed = 1;
     if (span > 0 && (span < 1 || span > 60)) {
@@ -27,20 +27,20 @@
     };
     this.go_to_time = function (time) { player.go(run.frame_at(time)); };
     this.step = function (frames) { player.pause(); player.go(player.frame + frames); };
-    this.pause = function () { player.playing = false; player.changed(); };
+    this.pause = function () { player.playing = false; player.on_change(); };
     this.toggle = function () {
       player.playing = !player.playing;
       if (player.playing && player.frame === last) player.go(0);
-      wall = 0;
-      player.changed();
+      last_tick = 0;
+      player.on_change();
       if (player.playing) requestAnimationFrame(tick);
     };
-    this.changed = function () {};
+    this.on_change = function () {};
 
     function tick(now) {
       if (!player.playing) return;
-      if (wall > 0) {
-        player.time += (now - wall) / 1000 * player.speed;
+      if (last_tick > 0) {
+        player.time += (now - last_tick) / 1000 * player.speed;
         if (player.time >= run.times[last]) {
           player.time = player.loop ? run.times[0] : run.times[last];
           if (!player.loop) player.pause();
@@ -51,7 +51,7 @@
           show(frame);
         }
       }
-      wall = now;
+      last_tick = now;
       requestAnimationFrame(tick);
     }
   };

@@ -1,21 +1,21 @@
 // Curves over time below the picture. A click on one goes to that time.
 (function (s) {
   const run = s.run;
-  const marked = { cut: "#b3342d", ruptured: "#d9760a", touched: "#8fb4d8" };
+  const mark_colours = { cut: "#b3342d", ruptured: "#d9760a", touched: "#8fb4d8" };
 
-  // Frames in which something happened that had not in the frame before.
+  // Frames with new events since the frame before.
   s.marks = [];
   run.events.forEach(function (event) {
-    if (!marked[event.name]) return;
+    if (!mark_colours[event.name]) return;
     for (let k = 0; k < run.frames; ++k) {
       const count = event.counts[k] - (k > 0 ? event.counts[k - 1] : 0);
-      if (count > 0) s.marks.push({ frame: k, count: count, name: event.name, colour: marked[event.name] });
+      if (count > 0) s.marks.push({ frame: k, count: count, name: event.name, colour: mark_colours[event.name] });
     }
   });
-  s.mark_colours = marked;
+  s.mark_colours = mark_colours;
   const palette = ["#1b7a5a", "#a33c6e", "#7a6a10", "#2b6cb0", "#c2571a", "#5b3c88", "#444c55", "#b3342d"];
   const graphs = s.graphs = [];
-  // To the width that there is now.
+  // Adapts the plots to the present width.
   s.resize_plots = function () { graphs.forEach(function (graph) { graph.resize(); }); };
 
   function draw_marks(context, area, graph) {
@@ -32,7 +32,7 @@
     });
   }
 
-  // The place of a plot. All are there before the first is drawn, which takes the width it finds.
+  // Adds the elements of a plot to the page. All are added before the first is drawn, because it takes the width it finds.
   function add_box(plot) {
     const box = document.createElement("div"), head = document.createElement("div"), area = document.createElement("div");
     const cursor = document.createElement("div"), name = document.createElement("b");
@@ -46,8 +46,8 @@
     return { head: head, name: name, area: area, cursor: cursor };
   }
 
-  // The usual range of the values where single ones, as at the end of a run that diverges, are far beyond; else null.
-  function usual_range(series) {
+  // The range to show if a few values are far beyond the others, as at the end of a diverging run; else null.
+  function clipped_range(series) {
     const sizes = [].concat.apply([], series.map(function (each) { return each.values; }))
       .filter(isFinite).map(Math.abs).sort(function (a, b) { return a - b; });
     const common = sizes[Math.floor(0.8 * sizes.length)];
@@ -56,8 +56,7 @@
     return [negative ? -3 * common : 0, 3 * common];
   }
 
-  // The unit of a plot, how many digits tell its values from each other, from those within the range, and to what a single
-  // one is rounded.
+  // The unit of a plot; how many digits distinguish its values within the range; the step to which values are rounded.
   function scale_of(plot, range) {
     let low = Infinity, high = -Infinity;
     plot.series.forEach(function (each) {
@@ -67,28 +66,28 @@
         high = Math.max(high, value);
       });
     });
-    const most = Math.max(Math.abs(low), Math.abs(high)), span = high - low;
-    const unit = s.unit_for(plot.unit, isFinite(most) ? most : 0);
-    const digits = span > 0 && isFinite(span) ? Math.min(11, Math.max(0, Math.ceil(Math.log10(most / span))) + 2) : 4;
-    const step = most > 0 && isFinite(most) ? Math.pow(10, Math.floor(Math.log10(most / unit[0])) + 1 - Math.max(5, digits + 1)) : 0;
-    // What is this small beside the others is rounding of their sum.
-    return { size: unit[0], name: unit[1], digits: digits, step: step, floor: isFinite(most) ? 2e-15 * most / unit[0] : 0 };
+    const max = Math.max(Math.abs(low), Math.abs(high)), span = high - low;
+    const unit = s.unit_for(plot.unit, isFinite(max) ? max : 0);
+    const digits = span > 0 && isFinite(span) ? Math.min(11, Math.max(0, Math.ceil(Math.log10(max / span))) + 2) : 4;
+    const step = max > 0 && isFinite(max) ? Math.pow(10, Math.floor(Math.log10(max / unit[0])) + 1 - Math.max(5, digits + 1)) : 0;
+    // `floor`: values below it are rounding of a sum of the others.
+    return { size: unit[0], name: unit[1], digits: digits, step: step, floor: isFinite(max) ? 2e-15 * max / unit[0] : 0 };
   }
 
-  // The values of a frame beside the title, each as wide as it is at most: the words stay where they are.
+  // The values of a frame beside the title, each as wide as its longest text, so that nothing moves during playback.
   function add_values(series, scale, head) {
     const stride = Math.max(1, Math.floor(run.frames / 300));
     function text(each, frame) {
-      const value = each.values[frame] / scale.size, known = s.known(value, scale.step);
+      const value = each.values[frame] / scale.size, rounded = s.round_to(value, scale.step);
       if (Math.abs(value) <= scale.floor) return each.label + " 0";
-      return each.label + " " + (known === 0 ? s.number(value, 2) : s.number(known, 12));  // what is small beside others is not 0
+      return each.label + " " + (rounded === 0 ? s.number(value, 2) : s.number(rounded, 12));  // a value much smaller than the others is not 0
     }
     const parts = series.map(function (each) {
       const part = document.createElement("span");
-      let most = 0;
-      for (let k = 0; k < run.frames; k += stride) most = Math.max(most, text(each, k).length);
+      let max = 0;
+      for (let k = 0; k < run.frames; k += stride) max = Math.max(max, text(each, k).length);
       part.style.color = each.colour;
-      part.style.minWidth = 0.92 * most + "ch";
+      part.style.minWidth = 0.92 * max + "ch";
       head.append(part);
       return part;
     });
@@ -101,15 +100,15 @@
     head.append(remark);
   }
 
-  // Draws it; returns what shows the time and the values of a frame.
+  // Draws a plot, and returns a function that shows the time and the values of a frame.
   function draw_plot(plot, box, player) {
-    const area = box.area, cursor = box.cursor, series = plot.series, range = usual_range(series), scale = scale_of(plot, range);
+    const area = box.area, cursor = box.cursor, series = plot.series, range = clipped_range(series), scale = scale_of(plot, range);
     const rows = run.times.map(function (time, k) {
       return [time].concat(series.map(function (each) { return isFinite(each.values[k]) ? each.values[k] / scale.size : null; }));
     });
     box.name.textContent = plot.title + (scale.name ? ", " + scale.name : "") + (range ? " (peaks cut off)" : "");
     const show_values = add_values(series, scale, box.head);
-    if (plot.leaves_out && plot.leaves_out.length > 0) add_remark(box.head, "sum leaves out " + plot.leaves_out.join(", "));
+    if (plot.leaves_out && plot.leaves_out.length > 0) add_remark(box.head, "the sum leaves out " + plot.leaves_out.join(", "));
     const graph = new Dygraph(area, rows, {
       labels: ["t"].concat(series.map(function (each) { return each.label; })),
       colors: series.map(function (each) { return each.colour; }),
@@ -137,8 +136,8 @@
     return Math.abs(run.times[upper] - time) < Math.abs(time - run.times[lower]) ? run.times[upper] : run.times[lower];
   }
 
-  // Records that lie within one step of the integrator have the value of those before.
-  function per_step() {
+  // Sweeps per step. Records within one step of the integrator keep the value before.
+  function sweeps_per_step() {
     let value = NaN;
     return run.sweeps.map(function (sweeps, k) {
       const steps = k > 0 ? run.steps[k] - run.steps[k - 1] : 0;
@@ -147,20 +146,20 @@
     });
   }
 
-  // Curves of elements in one plot: what their labels share stands in the title alone.
+  // One plot for several elements. What all labels share is in the title alone.
   function plot_of(curves, unit) {
     function shared(part) { return curves.every(function (each) { return each[part] === curves[0][part]; }); }
-    const one = curves.length === 1, name = shared("name"), kind = shared("kind");
+    const single = curves.length === 1, name = shared("name"), kind = shared("kind");
     const labels = curves.map(function (each) {
       return [name ? "" : each.name, kind ? "" : each.kind].filter(Boolean).join(", ");
     });
-    const clear = new Set(labels).size === labels.length;
+    const unambiguous = new Set(labels).size === labels.length;
     const title = [name ? curves[0].name : "", kind ? curves[0].kind : ""].filter(Boolean).join(", ") || "elements";
     const series = curves.map(function (each, k) {
-      const label = one ? "now" : clear ? labels[k] : (labels[k] + " " + each.element).trim();
+      const label = single ? "now" : unambiguous ? labels[k] : (labels[k] + " " + each.element).trim();
       return { label: label, colour: palette[k % palette.length], values: each.values };
     });
-    return { title: title + (one || clear || title === "elements" ? "" : ", elements"), unit: unit, series: series };
+    return { title: title + (single || unambiguous || title === "elements" ? "" : ", elements"), unit: unit, series: series };
   }
 
   s.make_plots = function (player) {
@@ -172,8 +171,8 @@
                  { label: "potential", colour: "#1f5f99", values: run.potential },
                  { label: "sum", colour: "#444c55", values: total }],
         leaves_out: run.about.energy_leaves_out },
-      { title: run.own_steps ? "evaluations an internal step" : "sweeps a time step", unit: "",
-        series: [{ label: "now", colour: "#5b3c88", values: per_step() }] }];
+      { title: run.internal_steps ? "evaluations per internal step" : "sweeps per time step", unit: "",
+        series: [{ label: "now", colour: "#5b3c88", values: sweeps_per_step() }] }];
     const units = new Map();
     run.curves.forEach(function (curve) { units.set(curve.unit, (units.get(curve.unit) || []).concat(curve)); });
     units.forEach(function (curves, unit) { plots.push(plot_of(curves, unit)); });

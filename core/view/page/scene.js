@@ -1,15 +1,16 @@
-// What is drawn of a frame.
+// Draws one frame: springs, nodes, faces, surfaces, loads, and what is picked.
 (function (s) {
-  const run = s.run, colours = s.colours, few = Math.max(run.springs, run.nodes);
-  const spring_width = few < 400 ? 4 : few < 800 ? 3.2 : few < 4000 ? 2.2 : few < 20000 ? 1.5 : 1;
-  const dot_size = few < 800 ? 7 : few < 4000 ? 5 : few < 20000 ? 3.4 : 2.2;
+  const run = s.run, colours = s.colours, count = Math.max(run.springs, run.nodes);
+  const spring_width = count < 400 ? 4 : count < 800 ? 3.2 : count < 4000 ? 2.2 : count < 20000 ? 1.5 : 1;
+  const dot_size = count < 800 ? 7 : count < 4000 ? 5 : count < 20000 ? 3.4 : 2.2;
 
-  // Whether the spring is. Torn pieces drift apart: lines between them from end to end of the picture would hide it.
-  s.drawn = function (k, frame, positions) {
-    if (frame < run.gone[k]) return s.shown.springs;
-    const a = 3 * run.ends[2 * k], b = 3 * run.ends[2 * k + 1], reach = 3 * run.rests[k];
-    return s.shown.broken && (reach === 0 ||
-      Math.hypot(positions[a] - positions[b], positions[a + 1] - positions[b + 1], positions[a + 2] - positions[b + 2]) < reach);
+  // Whether spring k is drawn in the frame. A broken one is, until its ends are far apart: lines across the whole picture
+  // would hide everything else.
+  s.is_drawn = function (k, frame, positions) {
+    if (frame < run.removal_frames[k]) return s.shown.springs;
+    const a = 3 * run.ends[2 * k], b = 3 * run.ends[2 * k + 1], max_length = 3 * run.rest_lengths[k];
+    return s.shown.broken && (max_length === 0 ||
+      Math.hypot(positions[a] - positions[b], positions[a + 1] - positions[b + 1], positions[a + 2] - positions[b + 2]) < max_length);
   };
 
   function make_renderer() {
@@ -22,22 +23,22 @@
 
   s.Scene = function () {
     const renderer = make_renderer();
-    this.works = renderer !== null;
+    this.has_webgl = renderer !== null;
     const camera = s.camera.camera, scene = new THREE.Scene();
     const springs = new s.Segments(run.springs, { width: spring_width });
     const broken = new s.Segments(run.removals.size, { width: Math.max(1, 0.5 * spring_width), opacity: 0.45, dash: 5 });
     const rigids = new s.Segments(run.rigids.length / 2, { width: spring_width + 1.6 });
     const dots = new s.Dots(run.nodes);
-    const chosen_spring = new s.Segments(1, { width: spring_width + 3, above: true });
-    const chosen_node = new s.Dots(1, 0.72);
+    const picked_spring = new s.Segments(1, { width: spring_width + 3, above: true });
+    const picked_node = new s.Dots(1, 0.72);
     const faces = new s.Faces(), surfaces = new s.Surfaces(), forces = new s.Forces();
-    const layers = [springs, broken, rigids, dots, chosen_spring, chosen_node];
+    const layers = [springs, broken, rigids, dots, picked_spring, picked_node];
     layers.forEach(function (layer) { scene.add(layer.mesh); });
     scene.add(faces.mesh, surfaces.group, forces.group);
     const sky = new THREE.HemisphereLight(0xffffff, 0x9aa2ad, 0.66);
     sky.position.copy(s.camera.upward);
     scene.add(sky);
-    // From the upper left behind the eye, wherever that is.
+    // Attached to the camera: shines from the upper left behind it.
     const lamp = new THREE.DirectionalLight(0xffffff, 0.5);
     lamp.position.set(-0.9, 0.7, 1);
     camera.add(lamp, lamp.target);
@@ -47,21 +48,21 @@
     faces.opacity(0.8);
 
     function show_springs(frame, positions) {
-      const way = s.shown.colour, ends = run.ends;
-      const values = way === "tension" ? run.tensions.row(frame) : run.speeds.row(frame);
-      const range = way === "tension" ? run.tension_range.shown : run.speed_range.shown;
-      const kind = colours[way] || colours.speed;
+      const quantity = s.shown.colour, ends = run.ends;
+      const values = quantity === "tension" ? run.tensions.row(frame) : run.speeds.row(frame);
+      const range = quantity === "tension" ? run.tension_range.shown : run.speed_range.shown;
+      const kind = colours[quantity] || colours.speed;
       springs.begin();
       broken.begin();
       for (let k = 0; k < run.springs; ++k) {
         const a = ends[2 * k], b = ends[2 * k + 1];
-        if (!s.drawn(k, frame, positions)) continue;
-        if (frame >= run.gone[k]) {
+        if (!s.is_drawn(k, frame, positions)) continue;
+        if (frame >= run.removal_frames[k]) {
           broken.add(positions, a, b, colours.plain, 0);
-        } else if (way === "contact") {
-          springs.add(positions, a, b, run.touches(frame, a) && run.touches(frame, b) ? colours.contact : colours.plain, 0);
+        } else if (quantity === "contact") {
+          springs.add(positions, a, b, run.in_contact(frame, a) && run.in_contact(frame, b) ? colours.contact : colours.plain, 0);
         } else {
-          const value = way === "tension" ? values[k] : 0.5 * (values[a] + values[b]);
+          const value = quantity === "tension" ? values[k] : 0.5 * (values[a] + values[b]);
           springs.add(positions, a, b, kind.table, colours.offset(value, range, kind.symmetric));
         }
       }
@@ -78,39 +79,39 @@
       dots.positions.set(positions);
       const by_speed = s.shown.colour === "speed", speeds = by_speed ? run.speeds.row(frame) : null;
       for (let k = 0; k < run.nodes; ++k) {
-        const touches = run.touches(frame, k), kind = run.kinds[k];
-        let table = touches ? colours.contact : kind === 1 ? colours.fixed : kind === 2 ? colours.moved : colours.free, offset = 0;
-        if (by_speed && !touches && kind === 0) {
+        const touching = run.in_contact(frame, k), kind = run.kinds[k];
+        let table = touching ? colours.contact : kind === 1 ? colours.fixed : kind === 2 ? colours.moved : colours.free, offset = 0;
+        if (by_speed && !touching && kind === 0) {
           table = colours.speed.table;
           offset = colours.offset(speeds[k], run.speed_range.shown, false);
         }
         for (let c = 0; c < 3; ++c) dots.tints[3 * k + c] = table[offset + c];
-        dots.sizes[k] = touches || kind === 2 ? 1.4 * dot_size : kind === 1 ? 1.15 * dot_size : dot_size;
+        dots.sizes[k] = touching || kind === 2 ? 1.4 * dot_size : kind === 1 ? 1.15 * dot_size : dot_size;
       }
       dots.update();
     }
 
-    function show_chosen(frame, positions) {
+    function highlight_picked(frame, positions) {
       const picked = s.picked;
-      chosen_spring.begin();
+      picked_spring.begin();
       if (picked && picked.node === undefined) {
         const rigid = picked.spring === undefined, ends = rigid ? run.rigids : run.ends, k = 2 * (rigid ? picked.rigid : picked.spring);
-        chosen_spring.add(positions, ends[k], ends[k + 1], [250, 200, 0], 0);
+        picked_spring.add(positions, ends[k], ends[k + 1], [250, 200, 0], 0);
       }
-      chosen_spring.end();
-      chosen_node.mesh.visible = Boolean(picked) && picked.node !== undefined;
-      if (!chosen_node.mesh.visible) return;
-      chosen_node.positions.set(positions.subarray(3 * picked.node, 3 * picked.node + 3));
-      chosen_node.tints.set([230, 150, 0]);
-      chosen_node.sizes[0] = dot_size + 11;
-      chosen_node.update();
+      picked_spring.end();
+      picked_node.mesh.visible = Boolean(picked) && picked.node !== undefined;
+      if (!picked_node.mesh.visible) return;
+      picked_node.positions.set(positions.subarray(3 * picked.node, 3 * picked.node + 3));
+      picked_node.tints.set([230, 150, 0]);
+      picked_node.sizes[0] = dot_size + 11;
+      picked_node.update();
     }
 
     this.show = function (frame) {
-      const positions = s.places(frame);
+      const positions = s.drawn_positions(frame);
       show_springs(frame, positions);
       show_nodes(frame, positions);
-      show_chosen(frame, positions);
+      highlight_picked(frame, positions);
       faces.mesh.visible = s.shown.faces && faces.count > 0;
       if (faces.mesh.visible) faces.show(frame, positions);
       surfaces.group.visible = s.shown.instruments;
@@ -120,12 +121,12 @@
       this.draw();
     };
     this.draw = function () {
-      s.camera.measure();
+      s.camera.update_depth();
       if (renderer) renderer.render(scene, camera);
     };
     this.resize = function () {
-      const place = document.getElementById("view");
-      const width = Math.max(1, place.clientWidth), height = Math.max(1, place.clientHeight);
+      const view = document.getElementById("view");
+      const width = Math.max(1, view.clientWidth), height = Math.max(1, view.clientHeight);
       const ratio = Math.min(window.devicePixelRatio || 1, 2);
       s.camera.resize();
       const thickness = ratio * Math.min(1, Math.max(0.55, Math.min(width, height) / 520));  // finer lines and dots in small pictures
@@ -134,7 +135,7 @@
       renderer.setPixelRatio(ratio);
       renderer.setSize(width, height, false);
     };
-    // The picture, drawn just now: one number a pixel, its highest byte 0 where nothing is.
+    // Draws, and returns the picture: one number per pixel, with the highest byte (alpha) 0 where nothing is drawn.
     this.pixels = function () {
       if (!renderer) return new Uint32Array(0);
       this.draw();

@@ -1,4 +1,4 @@
-// Lines of any width in pixels, shaded like thin rods: WebGL itself draws lines of one pixel only.
+// Lines of any width in pixels, shaded like thin rods: WebGL itself draws lines only one pixel wide.
 (function (s) {
   const vertex = `
     // position: end 0 or 1, side -1 or 1, 0
@@ -10,23 +10,23 @@
     varying float side, along;
     void main() {
       vec4 a = modelViewMatrix * vec4(first, 1.0), b = modelViewMatrix * vec4(second, 1.0);
-      // What is behind the eye has no place on the screen: cut there.
+      // Clips the part behind the camera.
       if (a.z > -near && b.z < -near) a = mix(a, b, (a.z + near) / (a.z - b.z));
       if (b.z > -near && a.z < -near) b = mix(b, a, (b.z + near) / (b.z - a.z));
-      // Paler the farther: else a dense network is a tangle.
+      // Paler with distance, which makes a dense network readable.
       float far_share = clamp((-(position.x < 0.5 ? a : b).z - depth.x) / (depth.y - depth.x), 0.0, 1.0);
-      // A little nearer on the line of sight: springs of a surface lie on it, not half in it.
+      // Moved a little towards the camera, so that springs on a surface are not half hidden in it.
       a = projectionMatrix * vec4(0.996 * a.xyz, 1.0);
       b = projectionMatrix * vec4(0.996 * b.xyz, 1.0);
-      vec2 run = (b.xy / b.w - a.xy / a.w) * 0.5 * pixels;
-      float far = length(run);
-      vec2 ahead = far > 0.0 ? run / far : vec2(1.0, 0.0);
+      vec2 span = (b.xy / b.w - a.xy / a.w) * 0.5 * pixels;
+      float extent = length(span);
+      vec2 ahead = extent > 0.0 ? span / extent : vec2(1.0, 0.0);
       vec4 place = position.x < 0.5 ? a : b;
       place.xy += vec2(-ahead.y, ahead.x) * position.y * width / pixels * place.w;
       gl_Position = place;
       colour = mix(tint, vec3(0.96), 0.6 * far_share * far_share);
       side = position.y;
-      along = position.x * far;
+      along = position.x * extent;
     }`;
   const fragment = `
     precision mediump float;
@@ -38,9 +38,9 @@
       gl_FragColor = vec4(colour * (0.62 + 0.38 * sqrt(max(0.0, 1.0 - side * side))), opacity);
     }`;
 
-  // begin(), add() for each that is to be seen, end().
-  s.Segments = function (most, options) {
-    const first = new Float32Array(3 * most), second = new Float32Array(3 * most), tints = new Uint8Array(3 * most);
+  // Per frame: begin(), add() for each line, end(). `capacity`: the most lines of a frame.
+  s.Segments = function (capacity, options) {
+    const first = new Float32Array(3 * capacity), second = new Float32Array(3 * capacity), tints = new Uint8Array(3 * capacity);
     const geometry = new THREE.InstancedBufferGeometry();
     const corners = [0, -1, 0, 1, -1, 0, 1, 1, 0, 0, -1, 0, 1, 1, 0, 0, 1, 0];
     geometry.setAttribute("position", new THREE.BufferAttribute(new Float32Array(corners), 3));
@@ -65,7 +65,7 @@
     mesh.renderOrder = options.above ? 5 : 0;
     let count = 0;
     this.mesh = mesh;
-    // The picture's size in its own pixels, and how many of these stand for one of the widths given.
+    // The size of the picture in device pixels, and device pixels per unit of the given widths.
     this.resize = function (width, height, thickness) {
       material.uniforms.pixels.value.set(width, height);
       material.uniforms.width.value = options.width * thickness;
@@ -110,7 +110,7 @@
       if (r > 1.0 || r < hollow) discard;
       gl_FragColor = vec4(colour * (hollow > 0.0 ? 1.0 : 1.0 - 0.35 * r * r), 1.0 - smoothstep(1.0 - pixel, 1.0, r));
     }`;
-  // Round dots, `sizes` in pixels; `hollow`: rings of that inner share.
+  // Round dots, `sizes` in pixels. `hollow`: rings, with this ratio of inner to outer radius.
   s.Dots = function (count, hollow) {
     this.positions = new Float32Array(3 * count);
     this.tints = new Uint8Array(3 * count);

@@ -1,15 +1,15 @@
-// With #selftest=1 the page tries itself as a user would, and writes what it found as JSON into its end.
+// With #selftest=1 the page operates its own controls as a user would, and appends the results to itself as JSON.
 (function (s) {
   s.selftest = function (scene, player) {
     const run = s.run, last = run.frames - 1, scrub = document.getElementById("scrub");
-    function node_places() { return Array.from(run.positions.row(player.frame)); }
+    function node_positions() { return Array.from(run.positions.row(player.frame)); }
     function scrub_to(frame) {
       scrub.value = frame;
       scrub.dispatchEvent(new Event("input", { bubbles: true }));
       return { frame: player.frame, time: run.times[player.frame], clock: document.getElementById("clock").textContent,
-               pixels: scene.pixels_drawn(), places: node_places() };
+               pixels: scene.pixels_drawn(), places: node_positions() };
     }
-    function key(name) { window.dispatchEvent(new KeyboardEvent("keydown", { key: name, bubbles: true })); return player.frame; }
+    function press(name) { window.dispatchEvent(new KeyboardEvent("keydown", { key: name, bubbles: true })); return player.frame; }
     // How many pixels a switch changes.
     function toggled(id) {
       const box = document.getElementById(id), before = scene.pixels();
@@ -18,24 +18,24 @@
       box.click();
       return differences(before, after);
     }
-    // How far out nodes come in pictures of other sizes, over all records: the edges are at 1.
+    // The farthest node from the centre of pictures of other sizes, over all records: the edges are at 1.
     function resized() {
       const sizes = [[320, 560], [560, 160], [240, 240]], point = new THREE.Vector3(), camera = s.camera.camera;
       const found = sizes.map(function (size) {
         view.style.cssText = "flex: none; width: " + size[0] + "px; height: " + size[1] + "px";
         s.resize();
-        let most = 0;
+        let max = 0;
         for (let k = 0; k < run.positions.numbers; k += 3) {
           point.set(run.positions.at(k), run.positions.at(k + 1), run.positions.at(k + 2)).project(camera);
-          most = Math.max(most, Math.abs(point.x), Math.abs(point.y));
+          max = Math.max(max, Math.abs(point.x), Math.abs(point.y));
         }
-        return most;
+        return max;
       });
       view.style.cssText = "";
       s.resize();
       return found;
     }
-    // How many places of nodes lie under the words above the picture.
+    // How many positions of nodes are covered by time and legend.
     function covered() {
       const origin = view.getBoundingClientRect(), point = new THREE.Vector3();
       const words = ["clock", "legend"].map(function (id) { return document.getElementById(id).getBoundingClientRect(); });
@@ -47,7 +47,7 @@
       }
       return found;
     }
-    // What of the page lies beside the window, and how large its parts are.
+    // Which parts of the page lie outside the window, and how large its parts are.
     function layout() {
       const width = document.documentElement.clientWidth;
       const outside = Array.from(document.body.querySelectorAll("*")).filter(function (part) {
@@ -55,7 +55,7 @@
         return place.width > 0 && !part.closest(".plot-area") && (place.left < -0.5 || place.right > width + 0.5);
       });
       const legend = document.getElementById("legend").getBoundingClientRect(), picture = view.getBoundingClientRect();
-      return { legend_over_picture: legend.top < picture.bottom - 0.5, window: width, whole: document.documentElement.scrollWidth, view: view.clientWidth, tall: view.clientHeight,
+      return { legend_over_picture: legend.top < picture.bottom - 0.5, window: width, scroll_width: document.documentElement.scrollWidth, view: view.clientWidth, height: view.clientHeight,
                outside: outside.map(function (part) { return part.id || part.className || part.tagName; }),
                plots: Array.from(document.querySelectorAll(".plot-area")).map(function (area) { return area.clientWidth; }) };
     }
@@ -72,9 +72,9 @@
                  ticks: Array.from(plot.querySelectorAll(".dygraph-axis-label-y")).map(function (each) { return each.textContent; }) };
       });
     }
-    function coloured(way) {
+    function coloured(quantity) {
       const select = document.getElementById("colour"), before = scene.pixels();
-      select.value = way;
+      select.value = quantity;
       select.dispatchEvent(new Event("change", { bubbles: true }));
       const after = scene.pixels();
       const found = { legend: document.getElementById("legend").textContent, changed: differences(before, after),
@@ -83,16 +83,16 @@
       select.dispatchEvent(new Event("change", { bubbles: true }));
       return found;
     }
-    // Whether a click in the middle of a broken spring that is too long to be drawn finds it.
-    function picks_what_is_not_drawn() {
+    // Whether a click in the middle of a broken spring that is too long to be drawn picks it.
+    function picks_hidden_spring() {
       if (run.removals.size === 0) return null;
-      const k = run.removals.keys().next().value, rest = run.rests[k], places = run.positions.row(player.frame);
+      const k = run.removals.keys().next().value, rest = run.rest_lengths[k], places = run.positions.row(player.frame);
       const a = 3 * run.ends[2 * k], b = 3 * run.ends[2 * k + 1];
       const middle = new THREE.Vector3().fromArray(places, a).add(new THREE.Vector3().fromArray(places, b)).multiplyScalar(0.5)
         .project(s.camera.camera);
-      run.rests[k] = 1e-3 * rest;
+      run.rest_lengths[k] = 1e-3 * rest;
       const found = s.pick_at(player.frame, 0.5 * (1 + middle.x) * view.clientWidth, 0.5 * (1 - middle.y) * view.clientHeight);
-      run.rests[k] = rest;
+      run.rest_lengths[k] = rest;
       return Boolean(found) && found.spring === k;
     }
     function numbers_shown() {
@@ -102,52 +102,51 @@
       Object.keys(all).forEach(function (name) { all[name] = Object.fromEntries(all[name]); });
       return all;
     }
-    // What a greater factor of displacements does: the factors there are, how far nodes are drawn from their places, what
-    // the picture says, whether a click finds a node where it is drawn, whether its numbers stay, how far out nodes come.
+    // Effect of the largest displacement factor: the factors offered, the distance of drawn from true positions, the label,
+    // the nodes that a click finds where they are drawn, whether values stay, the farthest node from the centre.
     function exaggerated() {
       const select = document.getElementById("displacement"), factors = s.exaggerations.slice();
       if (factors.length < 2) return { factors: factors };
       const before = JSON.stringify(numbers_shown()), pixels = scene.pixels(), frame = player.frame, place = view.getBoundingClientRect();
       function set(factor) { select.value = factor; select.dispatchEvent(new Event("change", { bubbles: true })); }
       set(factors[factors.length - 1]);
-      const drawn = Array.from(s.places(frame)), real = run.positions.row(frame), start = Array.from(run.positions.row(0)), found = { factors: factors };
-      found.error = drawn.reduce(function (most, value, k) {
-        return Math.max(most, Math.abs(value - start[k] - s.exaggeration * (run.positions.row(frame)[k] - start[k])));
+      const drawn = Array.from(s.drawn_positions(frame)), real = run.positions.row(frame), start = Array.from(run.positions.row(0)), found = { factors: factors };
+      found.error = drawn.reduce(function (max, value, k) {
+        return Math.max(max, Math.abs(value - start[k] - s.exaggeration * (run.positions.row(frame)[k] - start[k])));
       }, 0);
-      found.moved = drawn.reduce(function (most, value, k) { return Math.max(most, Math.abs(value - real[k])); }, 0);
+      found.moved = drawn.reduce(function (max, value, k) { return Math.max(max, Math.abs(value - real[k])); }, 0);
       found.note = document.getElementById("exaggerated").textContent;
       found.changed = differences(pixels, scene.pixels());
-      found.numbers_stay = JSON.stringify(numbers_shown()) === before;
+      found.values_unchanged = JSON.stringify(numbers_shown()) === before;
       found.picked = 0;
-      found.most = 0;
+      found.farthest = 0;
       const points = Array.from({ length: run.nodes }, function (_, k) { return new THREE.Vector3().fromArray(drawn, 3 * k).project(s.camera.camera); });
       points.forEach(function (point) {
-        found.most = Math.max(found.most, Math.abs(point.x), Math.abs(point.y));
+        found.farthest = Math.max(found.farthest, Math.abs(point.x), Math.abs(point.y));
         const picked = s.pick_at(frame, 0.5 * (1 + point.x) * place.width, 0.5 * (1 - point.y) * place.height);
         if (picked && picked.node !== undefined) ++found.picked;
       });
       set(1);
-      found.back = document.getElementById("exaggerated").hidden && s.places(frame).every(function (value, k) { return value === real[k]; });
+      found.restored = document.getElementById("exaggerated").hidden && s.drawn_positions(frame).every(function (value, k) { return value === real[k]; });
       return found;
     }
-    // Arrows of loads in a frame, as resultants and at nodes: how many, how long the longest is beside the network, and
-    // what the legend says of them.
+    // Arrows of loads in a frame, as resultants and at nodes: number, the longest relative to the network, legend.
     function arrows() {
       const box = document.getElementById("arrows-at-nodes"), size = s.camera.nodes_box.getSize(new THREE.Vector3()).length();
       function look() {
-        const way = s.shown.arrows, length = s.arrow_length(way, s.camera.longest_arrow);
-        const all = s.arrows(way, player.frame, s.places(player.frame)).filter(Boolean);
-        return { way: way, count: all.length, places: all.map(function (each) { return each.place.toArray(); }),
-                 longest: all.reduce(function (most, each) { return Math.max(most, each.share * length); }, 0) / size,
+        const mode = s.shown.arrows, length = s.arrow_length(mode, s.camera.longest_arrow);
+        const all = s.arrows(mode, player.frame, s.drawn_positions(player.frame)).filter(Boolean);
+        return { mode: mode, count: all.length, places: all.map(function (each) { return each.place.toArray(); }),
+                 longest: all.reduce(function (max, each) { return Math.max(max, each.share * length); }, 0) / size,
                  legend: document.getElementById("legend-arrow").textContent, pixels: toggled("show-forces") };
       }
       const found = [look()];
-      if (s.force_ways.differ) { box.click(); found.push(look()); box.click(); }
+      if (s.arrow_modes.differ) { box.click(); found.push(look()); box.click(); }
       return found;
     }
     function banner() {
       const part = document.getElementById("banner");
-      return part.hidden ? null : { kind: part.className, text: part.textContent, tall: part.offsetHeight };
+      return part.hidden ? null : { kind: part.className, text: part.textContent, height: part.offsetHeight };
     }
     function differences(before, after) {
       let changed = 0;
@@ -155,8 +154,7 @@
       return changed;
     }
     const view = document.getElementById("view");
-    const result = { frames: run.frames, works: scene.works, stops: [0, last >> 1, last].map(scrub_to) };
-    // As a mouse does it: press and let go on the picture; drag; click on a curve.
+    const result = { frames: run.frames, has_webgl: scene.has_webgl, stops: [0, last >> 1, last].map(scrub_to) };
     result.layout = layout();
     result.banner = banner();
     result.facts = document.getElementById("facts").textContent;
@@ -167,14 +165,15 @@
     result.numbers = numbers_shown();
     result.speed = coloured("speed");
     if (run.has_contact) result.contact = coloured("contact");
-    result.stretches_at_start = Array.from(run.rests, function (_, k) { return Object.fromEntries(s.numbers_of({ spring: k }, 0)).stretch; });
+    result.stretches_at_start = Array.from(run.rest_lengths, function (_, k) { return Object.fromEntries(s.numbers_of({ spring: k }, 0)).stretch; });
     result.exaggerated = exaggerated();
     player.go(last >> 1);
     result.arrows = arrows();
     player.go(last);
     result.remark = texts(".plot-head small");
-    result.picks_what_is_not_drawn = picks_what_is_not_drawn();
+    result.picks_hidden_spring = picks_hidden_spring();
     const place = view.getBoundingClientRect();
+    // Events as a mouse causes them: press and release on the picture; drag; click on a curve.
     function mouse(target, name, x, y) {
       const Kind = name.startsWith("pointer") ? PointerEvent : MouseEvent;
       target.dispatchEvent(new Kind(name, { clientX: x, clientY: y, button: 0, buttons: 1, bubbles: true, cancelable: true, view: window, detail: 1 }));
@@ -185,10 +184,10 @@
     mouse(view, "pointerup", x, y);
     result.picked = s.picked;
     result.picked_text = document.getElementById("picked").textContent;
-    const on_bar = new KeyboardEvent("keydown", { key: "ArrowLeft", bubbles: true, cancelable: true });
-    document.getElementById("opacity").dispatchEvent(on_bar);
-    result.bar_keeps_arrows = player.frame === last && !on_bar.defaultPrevented;
-    result.keys = [key("Home"), key("ArrowRight"), key("End"), key("ArrowLeft")];
+    const on_slider = new KeyboardEvent("keydown", { key: "ArrowLeft", bubbles: true, cancelable: true });
+    document.getElementById("opacity").dispatchEvent(on_slider);
+    result.slider_keeps_arrow_keys = player.frame === last && !on_slider.defaultPrevented;
+    result.keys = [press("Home"), press("ArrowRight"), press("End"), press("ArrowLeft")];
     result.toggled = { springs: toggled("show-springs"), broken: (player.go(last), toggled("show-broken")),
                        nodes: toggled("show-nodes"), faces: toggled("show-faces"), instruments: toggled("show-instruments"),
                        forces: (player.go(last >> 1), toggled("show-forces")) };
@@ -212,7 +211,7 @@
     player.toggle();
     let waited = 0;
     const timer = setInterval(function () {
-      // Reading the picture takes the time of a clock that nothing winds on.
+      // Reading the picture takes real time, which the browser's virtual clock does not count.
       if (player.frame === 0 && ++waited < 400 && (scene.pixels_drawn(), true)) return;
       clearInterval(timer);
       player.pause();

@@ -20,25 +20,25 @@
     lines.renderOrder = -1;
     group.add(sheet, lines);
     group.quaternion.copy(turn);
-    // The foot of the centre of the motion on the plane.
+    // Projection of the motion's centre onto the plane.
     const offset = s.camera.centre.clone().sub(point);
     offset.addScaledVector(normal, -offset.dot(normal));
     return { object: group, offset: offset, cell: cell };
   }
 
-  // A box, its edges and corners drawn from a finer grid of its sides onto the rounding.
+  // A box whose edges and corners are rounded: the outer cells of a grid on each side, projected onto the rounding.
   function box_geometry(surface) {
     const half = new THREE.Vector3().fromArray(surface.size).multiplyScalar(0.5), radius = surface.radius;
     if (!(radius > 0)) return new THREE.BoxBufferGeometry(2 * half.x, 2 * half.y, 2 * half.z);
-    const fine = 6, cells = 2 * fine + 1, geometry = new THREE.BoxBufferGeometry(2, 2, 2, cells, cells, cells);
+    const subdivisions = 6, cells = 2 * subdivisions + 1, geometry = new THREE.BoxBufferGeometry(2, 2, 2, cells, cells, cells);
     const places = geometry.attributes.position, normals = geometry.attributes.normal;
     const point = new THREE.Vector3(), nearest = new THREE.Vector3();
     for (let k = 0; k < places.count; ++k) {
       point.fromBufferAttribute(places, k);
       ["x", "y", "z"].forEach(function (axis) {
-        // Equal angles about the edge, seen from the core: tangents of 0 to 45 degrees.
-        const from_edge = Math.min(Math.round((1 - Math.abs(point[axis])) / 2 * cells), fine);
-        const out = Math.tan((1 - from_edge / fine) * Math.PI / 4);
+        // Equal angles about the edge: tangents of 0 to 45 degrees.
+        const from_edge = Math.min(Math.round((1 - Math.abs(point[axis])) / 2 * cells), subdivisions);
+        const out = Math.tan((1 - from_edge / subdivisions) * Math.PI / 4);
         nearest[axis] = Math.sign(point[axis]) * (half[axis] - radius);
         point[axis] = nearest[axis] + Math.sign(point[axis]) * radius * out;
       });
@@ -55,14 +55,14 @@
     const group = new THREE.Group();
     if (surface.kind === "box") {
       group.add(new THREE.Mesh(box_geometry(surface), material));
-      group.quaternion.fromArray(surface.stands);
+      group.quaternion.fromArray(surface.orientation);
       group.children[0].renderOrder = 3;
       return { object: group, offset: new THREE.Vector3() };
     }
     const axis = new THREE.Vector3().fromArray(surface.to).sub(new THREE.Vector3().fromArray(surface.point));
     const length = axis.length();
     if (length > 0) {
-      // One closed outline turned about the axis: no wall inside where parts would meet.
+      // One closed outline turned about the axis, so that there are no walls inside, as between a cylinder and its caps.
       const outline = [];
       for (let k = 0; k <= 12; ++k) {
         const a = k / 12 * Math.PI / 2;
@@ -91,29 +91,29 @@
     this.group = group;
     const plane = parts.find(function (part) { return part.cell; });
     this.cell = plane ? plane.cell : 0;
-    const turned = new THREE.Quaternion();
-    parts.forEach(function (part) { part.stands = part.object.quaternion.clone(); });
+    const rotation = new THREE.Quaternion();
+    parts.forEach(function (part) { part.start_rotation = part.object.quaternion.clone(); });
     this.show = function (frame) {
       parts.forEach(function (part, k) {
         const pose = run.surface(frame, k);
-        turned.fromArray(pose, 3);
-        part.object.quaternion.multiplyQuaternions(turned, part.stands);
-        part.object.position.copy(part.offset).applyQuaternion(turned).add(new THREE.Vector3().fromArray(pose));
+        rotation.fromArray(pose, 3);
+        part.object.quaternion.multiplyQuaternions(rotation, part.start_rotation);
+        part.object.position.copy(part.offset).applyQuaternion(rotation).add(new THREE.Vector3().fromArray(pose));
       });
     };
   };
 
-  // Triangles, without those that are torn. Each has its own three corners: where the surface bends sharply it shall look
-  // so, elsewhere round.
+  // Triangles, except torn ones. Each has three corners of its own, whose normals are its own at sharp edges, and the mean
+  // of the neighbours elsewhere.
   s.Faces = function () {
     const count = run.face_frames.length, sharp = Math.cos(35 * Math.PI / 180);
     const places = new Float32Array(9 * count), normals = new Float32Array(9 * count);
-    const flat = new Float32Array(3 * count), round = new Float32Array(3 * run.nodes);
+    const flat = new Float32Array(3 * count), smooth = new Float32Array(3 * run.nodes);
     const geometry = new THREE.BufferGeometry();
     const attributes = [new THREE.BufferAttribute(places, 3), new THREE.BufferAttribute(normals, 3)];
     geometry.setAttribute("position", attributes[0]);
     geometry.setAttribute("normal", attributes[1]);
-    // The far side is drawn before the near one, that it shows through it.
+    // The far side is drawn before the near one, through which it is seen.
     const sides = [THREE.BackSide, THREE.FrontSide].map(function (side) {
       return new THREE.MeshPhongMaterial({ color: 0xe9d3bd, side: side, shininess: 12, specular: 0x141414 });
     });
@@ -134,9 +134,9 @@
       });
     };
 
-    // Twice the area times the unit normal of each triangle; their sums at the nodes, as unit vectors.
+    // `flat`: unit normal of each triangle; `smooth`: at each node the mean normal, weighted by area.
     function find_normals(frame, positions) {
-      round.fill(0);
+      smooth.fill(0);
       for (let k = 0; k < count; ++k) {
         if (frame >= run.face_frames[k]) continue;
         const a = 3 * run.faces[3 * k], b = 3 * run.faces[3 * k + 1], c = 3 * run.faces[3 * k + 2];
@@ -144,15 +144,15 @@
         const vx = positions[c] - positions[a], vy = positions[c + 1] - positions[a + 1], vz = positions[c + 2] - positions[a + 2];
         const normal = [uy * vz - uz * vy, uz * vx - ux * vz, ux * vy - uy * vx], length = Math.hypot(normal[0], normal[1], normal[2]);
         for (let axis = 0; axis < 3; ++axis) {
-          round[a + axis] += normal[axis];
-          round[b + axis] += normal[axis];
-          round[c + axis] += normal[axis];
+          smooth[a + axis] += normal[axis];
+          smooth[b + axis] += normal[axis];
+          smooth[c + axis] += normal[axis];
           flat[3 * k + axis] = length > 0 ? normal[axis] / length : 0;
         }
       }
-      for (let k = 0; k < round.length; k += 3) {
-        const length = Math.hypot(round[k], round[k + 1], round[k + 2]);
-        for (let axis = 0; length > 0 && axis < 3; ++axis) round[k + axis] /= length;
+      for (let k = 0; k < smooth.length; k += 3) {
+        const length = Math.hypot(smooth[k], smooth[k + 1], smooth[k + 2]);
+        for (let axis = 0; length > 0 && axis < 3; ++axis) smooth[k + axis] /= length;
       }
     }
     this.show = function (frame, positions) {
@@ -162,10 +162,10 @@
         if (frame >= run.face_frames[k]) continue;
         for (let corner = 0; corner < 3; ++corner, used += 3) {
           const node = 3 * run.faces[3 * k + corner];
-          const bend = flat[3 * k] * round[node] + flat[3 * k + 1] * round[node + 1] + flat[3 * k + 2] * round[node + 2];
+          const bend = flat[3 * k] * smooth[node] + flat[3 * k + 1] * smooth[node + 1] + flat[3 * k + 2] * smooth[node + 2];
           for (let axis = 0; axis < 3; ++axis) {
             places[used + axis] = positions[node + axis];
-            normals[used + axis] = bend > sharp ? round[node + axis] : flat[3 * k + axis];
+            normals[used + axis] = bend > sharp ? smooth[node + axis] : flat[3 * k + axis];
           }
         }
       }
