@@ -8,7 +8,7 @@
 namespace springnet {
 namespace {
 
-constexpr int most_cuts = 100;  // cutting planes of the cones
+constexpr int max_cuts = 100;  // cutting planes of the cones
 
 // Minimises |columns u - goal| over u >= 0. Lawson and Hanson, Solving Least Squares Problems (1974), chapter 23.
 Eigen::VectorXd nonnegative_least_squares(const Eigen::MatrixXd& columns, const Eigen::VectorXd& goal) {
@@ -82,7 +82,7 @@ std::optional<Eigen::VectorXd> min_norm_in_cones(const Eigen::VectorXd& base, co
     from[i] = base[3 * i] - cones[static_cast<std::size_t>(i)].least;
     rows.row(i) = matrix.row(3 * i);
   }
-  for (int cut = 0; cut < most_cuts; ++cut) {
+  for (int cut = 0; cut < max_cuts; ++cut) {
     const std::optional<Eigen::VectorXd> x = min_norm_nonnegative(from, rows);
     if (!x) return std::nullopt;
     const Eigen::VectorXd forces = base + matrix * *x;
@@ -91,7 +91,7 @@ std::optional<Eigen::VectorXd> min_norm_in_cones(const Eigen::VectorXd& base, co
       const double mu = cones[static_cast<std::size_t>(i)].coefficient;
       const Eigen::Vector2d along = forces.segment<2>(3 * i + 1);
       const double size = along.norm();
-      if (size == 0.0 || grip(mu, forces[3 * i], size) >= 0.5 * inside) continue;
+      if (size == 0.0 || cone_margin(mu, forces[3 * i], size) >= 0.5 * inside) continue;
       fits = false;
       const Eigen::Vector2d against = along / size;
       from.conservativeResize(from.size() + 1);

@@ -34,7 +34,7 @@ class Contact {
   Contact(const Network& network, const std::vector<std::uint32_t>& user_number,
           const std::vector<std::uint32_t>& engine_number, const std::vector<double>& mass);
 
-  [[nodiscard]] const std::vector<Obstacle>& surfaces() const noexcept { return surfaces_; }
+  [[nodiscard]] const std::vector<Obstacle>& obstacles() const noexcept { return obstacles_; }
   // For messages, as "plane 'floor' (number 0)".
   [[nodiscard]] std::string name_of(std::size_t surface) const;
   void set_trajectory(std::size_t surface, Trajectory trajectory);
@@ -62,17 +62,17 @@ class Contact {
 
   // Queries of one surface, see Obstacle.
   [[nodiscard]] double gap(const Placement& at, std::size_t surface, const Vector3& position) const {
-    return surfaces_[surface].gap(at.poses[surface], position);
+    return obstacles_[surface].gap(at.poses[surface], position);
   }
   [[nodiscard]] Vector3 normal(const Placement& at, std::size_t surface, const Vector3& position) const {
-    return surfaces_[surface].normal(at.poses[surface], position);
+    return obstacles_[surface].normal(at.poses[surface], position);
   }
   [[nodiscard]] double bias_acceleration(const Placement& at, std::size_t surface, const Vector3& position,
                                          const Vector3& relative) const {
-    return surfaces_[surface].bias_acceleration(at.poses[surface], position, relative);
+    return obstacles_[surface].bias_acceleration(at.poses[surface], position, relative);
   }
   [[nodiscard]] Vector3 onto(const Placement& at, std::size_t surface, const Vector3& position) const {
-    return surfaces_[surface].onto(at.poses[surface], position);
+    return obstacles_[surface].onto(at.poses[surface], position);
   }
   [[nodiscard]] static Vector3 velocity(const Placement& at, std::size_t surface, const Vector3& position) {
     return at.poses[surface].velocity_at(position);
@@ -92,9 +92,9 @@ class Contact {
   void set_rest_speed(double speed) noexcept { rest_speed_ = speed; }
   // The last slip direction of a sliding node, or the one in which slip began; friction opposes it while the slip ends.
   [[nodiscard]] const Vector3& slip(std::uint32_t node) const { return slip_[node]; }
-  enum class Slip : std::uint8_t { goes_on, begins, ends };
+  enum class Slip : std::uint8_t { ongoing, starting, ending };
   [[nodiscard]] Slip slip_phase(std::uint32_t node) const { return slip_phase_[node]; }
-  void set_slip(std::uint32_t node, const Vector3& direction, Slip phase = Slip::goes_on) {
+  void set_slip(std::uint32_t node, const Vector3& direction, Slip phase = Slip::ongoing) {
     slip_[node] = direction;
     slip_phase_[node] = phase;
   }
@@ -103,8 +103,8 @@ class Contact {
   [[nodiscard]] bool braced(std::uint32_t node) const { return braced_[node] != 0; }
   void set_braced(std::uint32_t node, bool braced) { braced_[node] = braced ? 1 : 0; }
   // Updates the slip directions of sliding nodes from these velocities.
-  void note_slips(const Placement& at, const springnet_const_vectors& position,
-                  const springnet_const_vectors& velocity);
+  void update_slip_directions(const Placement& at, const springnet_const_vectors& position,
+                              const springnet_const_vectors& velocity);
   // Adds an impulse (N s) of a surface on a node, apart from contact forces.
   void add_impulse(std::uint32_t node, const Vector3& impulse) {
     impulse_.resize(mass_.size(), Vector3::Zero());
@@ -133,25 +133,25 @@ class Contact {
   [[nodiscard]] Meeting first_meeting(const Placement& at, const Vector3& start, const Vector3& end,
                                       std::int32_t except = -1, std::int32_t and_except = -1) const;
   // A node's path through the step: m, m/s.
-  struct Way {
+  struct Path {
     std::uint32_t node;
     Vector3 start, start_velocity, end, velocity;
   };
   // For a node that slides on some surfaces: the next one that it meets, except those known; -1: none.
-  [[nodiscard]] Meeting next_meeting(const Placement& at, const Way& way, const Touch& on,
+  [[nodiscard]] Meeting next_meeting(const Placement& at, const Path& path, const Touch& on,
                                      const std::vector<std::int32_t>& known = {}) const;
   // Whether a node whose contact has chattered may be held at its last surface although its path does not meet it.
   [[nodiscard]] bool could_reach(const Placement& at, std::uint32_t node, const Vector3& start,
                                  const Vector3& end) const;
   // Whether a node is separating from a surface that its straight path crosses.
-  [[nodiscard]] bool leaves(const Placement& at, std::int32_t surface, const Way& way) const;
+  [[nodiscard]] bool is_separating(const Placement& at, std::int32_t surface, const Path& path) const;
   // Position at the end of the step of a node that the surface carries from the meeting on.
-  [[nodiscard]] Vector3 taken_along(const Placement& at, const Vector3& start, const Vector3& end,
-                                    const Meeting& meeting) const;
+  [[nodiscard]] Vector3 carried_from(const Placement& at, const Vector3& start, const Vector3& end,
+                                     const Meeting& meeting) const;
   // Position at the end of the step of a node that the surface carries from the start.
   [[nodiscard]] Vector3 carried(const Placement& at, const Vector3& start, std::int32_t surface) const;
   // A vector at a node, rotated with the surface over the step.
-  [[nodiscard]] Vector3 turned_along(const Placement& at, std::int32_t surface, const Vector3& start,
+  [[nodiscard]] Vector3 rotated_with(const Placement& at, std::int32_t surface, const Vector3& start,
                                      const Vector3& vector) const;
   // Records a sweep's decision for a node. True once the contact has chattered too often in this step; it then stays
   // active. The rule is discontinuous: touching stops the node, which changes the damping forces on it so that it may
@@ -244,7 +244,7 @@ class Contact {
                                              const Vector3& velocity, const Vector3& acceleration) const;
   void update_status(std::uint32_t node) noexcept;  // from now_
 
-  std::vector<Obstacle> surfaces_;
+  std::vector<Obstacle> obstacles_;
   const std::vector<double>& mass_;
   Prescribed prescribed_;
   mutable std::shared_ptr<const Placement> cached_placement_;  // null: none

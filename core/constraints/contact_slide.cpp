@@ -35,7 +35,7 @@ Contact::Slide Contact::along(const Within& within, std::int32_t surface, const 
   const springnet_sweep& sweep = within.sweep;
   const Placement& at = within.at;
   const auto j = static_cast<std::size_t>(surface);
-  const Obstacle& obstacle = surfaces_[j];
+  const Obstacle& obstacle = obstacles_[j];
   const Friction& friction = obstacle.friction();
   const double h = sweep.time_constant, theta = theta_of(sweep);
   const bool slips = sweep.contacts != 0 && friction.kind != Friction::Kind::none;
@@ -46,14 +46,14 @@ Contact::Slide Contact::along(const Within& within, std::int32_t surface, const 
   const Vector3 from = is_carried ? carried(at, candidate.start, surface) : candidate.start;
   // The slip at the start, rotated with the surface.
   const Vector3 slipped = is_carried
-                              ? turned_along(at, surface, candidate.start,
+                              ? rotated_with(at, surface, candidate.start,
                                              candidate.start_velocity - Contact::velocity(*start_, j, candidate.start))
                               : candidate.start_velocity;
   Slide result;
   result.position = onto(at, j, candidate.position);
   bool sticks = false;
-  constexpr int most_turns = 30;
-  for (int i = 0; i < most_turns; ++i) {
+  constexpr int max_iterations = 30;
+  for (int i = 0; i < max_iterations; ++i) {
     const Vector3 place = normal_at != nullptr ? *normal_at : result.position;
     const Vector3 w = Contact::velocity(at, j, place), n = normal(at, j, place);
     const auto ask = [&] {
@@ -65,7 +65,7 @@ Contact::Slide Contact::along(const Within& within, std::int32_t surface, const 
     ContactResponse reaction = ask();
     const double pressing = n.dot(reaction.impulse);
     if (reaction.sticks && friction.kind == Friction::Kind::coulomb &&
-        grip(friction.coefficient, (1.0 + 1e-12) * pressing, (reaction.impulse - pressing * n).norm()) < 0.0) {
+        cone_margin(friction.coefficient, (1.0 + 1e-12) * pressing, (reaction.impulse - pressing * n).norm()) < 0.0) {
       candidate = candidate.isotropic();
       reaction = ask();
     }
@@ -91,8 +91,8 @@ Vector3 Contact::onto_both(const Placement& at, std::int32_t first, std::int32_t
                            const Vector3& position) const {
   const auto a = static_cast<std::size_t>(first), b = static_cast<std::size_t>(second);
   Vector3 p = position;
-  constexpr int most_turns = 20;
-  for (int i = 0; i < most_turns; ++i) {
+  constexpr int max_iterations = 20;
+  for (int i = 0; i < max_iterations; ++i) {
     Eigen::Matrix<double, 3, 2> n;
     n << normal(at, a, p), normal(at, b, p);
     const Eigen::Matrix2d square = n.transpose() * n;
@@ -110,22 +110,22 @@ Contact::Slide Contact::between(const Within& within, std::int32_t first, std::i
   const Placement& at = within.at;
   const auto a = static_cast<std::size_t>(first), b = static_cast<std::size_t>(second);
   const double h = sweep.time_constant, theta = theta_of(sweep);
-  const double rough_a = coefficient_of(surfaces_[a].friction()), rough_b = coefficient_of(surfaces_[b].friction());
+  const double rough_a = coefficient_of(obstacles_[a].friction()), rough_b = coefficient_of(obstacles_[b].friction());
   Candidate candidate = made;
   // Along the edge the rougher surface carries the node.
   const std::int32_t rougher = rough_b > rough_a ? second : first;
   const bool is_carried = rough_a > 0.0 || rough_b > 0.0;
   const Vector3 from = is_carried ? carried(at, candidate.start, rougher) : candidate.start;
   const Vector3 slipped =
-      is_carried ? turned_along(at, rougher, candidate.start,
+      is_carried ? rotated_with(at, rougher, candidate.start,
                                 candidate.start_velocity -
                                     Contact::velocity(*start_, static_cast<std::size_t>(rougher), candidate.start))
                  : candidate.start_velocity;
   Slide result;
   result.position = onto_both(at, first, second, candidate.position);
   bool sticks = false;
-  constexpr int most_turns = 30;
-  for (int i = 0; i < most_turns; ++i) {
+  constexpr int max_iterations = 30;
+  for (int i = 0; i < max_iterations; ++i) {
     const Vector3 p = result.position;
     Matrix3 directions;
     directions.row(0) = normal(at, a, p);
@@ -172,8 +172,8 @@ Contact::Slide Contact::at_vertex(const Within& within, const Touch& touch, cons
   result.touch = touch;
   result.slip.setZero();
   Matrix3 normals;
-  constexpr int most_turns = 20;
-  for (int i = 0; i < most_turns; ++i) {
+  constexpr int max_iterations = 20;
+  for (int i = 0; i < max_iterations; ++i) {
     Vector3 gaps, rates;
     for (Eigen::Index r = 0; r < 3; ++r) {
       const auto j = static_cast<std::size_t>(touch.surfaces()[static_cast<std::size_t>(r)]);

@@ -12,7 +12,7 @@ namespace springnet {
 namespace {
 
 // Changes of decision within a step after which a contact stays active.
-constexpr std::uint8_t most_changes = 8;
+constexpr std::uint8_t max_changes = 8;
 // In units of the path length: a node that slides along a second surface may be this far behind it by rounding.
 constexpr double beside = 1e-9;
 constexpr std::uint32_t no_cluster = 0xffffffffu;
@@ -24,14 +24,14 @@ void put_force(const springnet_sweep& sweep, std::uint32_t node, const Vector3& 
 }  // namespace
 
 bool Contact::has_chattered(std::uint32_t node) const noexcept {
-  return !changes_.empty() && changes_[node] >= most_changes;
+  return !changes_.empty() && changes_[node] >= max_changes;
 }
 
 bool Contact::record_decision(std::uint32_t node, bool in_contact) {
-  if (changes_[node] >= most_changes) return true;
+  if (changes_[node] >= max_changes) return true;
   if ((was_in_contact_[node] != 0) != in_contact) ++changes_[node];
   was_in_contact_[node] = in_contact ? 1 : 0;
-  return changes_[node] >= most_changes;
+  return changes_[node] >= max_changes;
 }
 
 void Contact::decide(std::uint32_t node, const Touch& touch, const Vector3& impulse, bool bounces) {
@@ -45,48 +45,48 @@ void Contact::decide(std::uint32_t node, const Touch& touch, const Vector3& impu
 
 Vector3 Contact::carried(const Placement& at, const Vector3& start, std::int32_t surface) const {
   const auto j = static_cast<std::size_t>(surface);
-  if (!surfaces_[j].moves()) return start;
+  if (!obstacles_[j].moves()) return start;
   const Pose &before = start_->poses[j], &after = at.poses[j];
   // Without rotation add the difference, so that a resting node does not drift by rounding.
   if (!after.turns) return start + (after.displacement - before.displacement);
   return after.from_start(before.to_start(start));
 }
 
-Vector3 Contact::turned_along(const Placement& at, std::int32_t surface, const Vector3& start,
+Vector3 Contact::rotated_with(const Placement& at, std::int32_t surface, const Vector3& start,
                               const Vector3& vector) const {
-  if (!surfaces_[static_cast<std::size_t>(surface)].turns()) return vector;
+  if (!obstacles_[static_cast<std::size_t>(surface)].turns()) return vector;
   return carried(at, start + vector, surface) - carried(at, start, surface);
 }
 
 Contact::Meeting Contact::first_meeting(const Placement& at, const Vector3& start, const Vector3& end,
                                         std::int32_t except, std::int32_t and_except) const {
   Meeting first{-1, 2.0};
-  for (std::size_t j = 0; j < surfaces_.size(); ++j) {
+  for (std::size_t j = 0; j < obstacles_.size(); ++j) {
     if (const auto surface = static_cast<std::int32_t>(j); surface == except || surface == and_except) continue;
-    const auto share = surfaces_[j].first_touch(start_->poses[j], start, at.poses[j], end);
+    const auto share = obstacles_[j].first_touch(start_->poses[j], start, at.poses[j], end);
     if (share && *share < first.share) first = {static_cast<std::int32_t>(j), *share};
   }
   return first;
 }
 
-Contact::Meeting Contact::next_meeting(const Placement& at, const Way& way, const Touch& on,
+Contact::Meeting Contact::next_meeting(const Placement& at, const Path& path, const Touch& on,
                                        const std::vector<std::int32_t>& known) const {
   Meeting next{-1, 2.0};
-  for (std::size_t j = 0; j < surfaces_.size(); ++j) {
+  for (std::size_t j = 0; j < obstacles_.size(); ++j) {
     const auto surface = static_cast<std::int32_t>(j);
     if (on.has(surface) || std::find(known.begin(), known.end(), surface) != known.end()) continue;
-    const auto share = surfaces_[j].first_touch(start_->poses[j], way.start, at.poses[j], way.end);
-    if (!share || *share >= next.share || leaves(at, surface, way)) continue;
-    const bool behind = gap(at, j, way.end) < -beside * (way.end - way.start).norm();
-    if (behind || (*share > 0.0 && !is_flush(at, on, surface, way.end))) next = {surface, *share};
+    const auto share = obstacles_[j].first_touch(start_->poses[j], path.start, at.poses[j], path.end);
+    if (!share || *share >= next.share || is_separating(at, surface, path)) continue;
+    const bool behind = gap(at, j, path.end) < -beside * (path.end - path.start).norm();
+    if (behind || (*share > 0.0 && !is_flush(at, on, surface, path.end))) next = {surface, *share};
   }
   return next;
 }
 
-Vector3 Contact::taken_along(const Placement& at, const Vector3& start, const Vector3& end,
-                             const Meeting& meeting) const {
+Vector3 Contact::carried_from(const Placement& at, const Vector3& start, const Vector3& end,
+                              const Meeting& meeting) const {
   const auto j = static_cast<std::size_t>(meeting.surface);
-  if (!surfaces_[j].moves()) return start + meeting.share * (end - start);
+  if (!obstacles_[j].moves()) return start + meeting.share * (end - start);
   const Pose& after = at.poses[j];
   const Vector3 a = start_->poses[j].to_start(start), b = after.to_start(end);
   return onto(at, j, after.from_start(a + meeting.share * (b - a)));
@@ -108,13 +108,13 @@ bool Contact::constrain_fixed(const Placement& end, std::uint32_t node, const sp
 void Contact::constrain(const Placement& end, std::uint32_t first, std::uint32_t count, const springnet_sweep& sweep,
                         const std::uint32_t* cluster, const Vector3* read) {
   // Without surfaces only fixed nodes are constrained, and the others have no contact force to report.
-  const bool free_stay_free = surfaces_.empty() && sweep.constraint_force.x == nullptr;
+  const bool free_stay_free = obstacles_.empty() && sweep.constraint_force.x == nullptr;
   for (std::uint32_t k = first; k < first + count; ++k) {
     if (free_stay_free && fixed_[k] == 0) continue;
     if (constrain_fixed(end, k, sweep)) continue;
     if (cluster != nullptr && cluster[k] != no_cluster) continue;
     put_force(sweep, k, Vector3::Zero());
-    if (surfaces_.empty()) continue;
+    if (obstacles_.empty()) continue;
     constrain_node({sweep, end}, k, read);
   }
 }
@@ -124,7 +124,7 @@ void Contact::constrain_node(const Within& within, std::uint32_t node, const Vec
   const Vector3 start = vector_at(sweep.start_position, node), end = vector_at(sweep.next_position, node);
   const bool decides = sweep.contacts == 0;
   // The last permitted change of decision takes the long path: meet() then keeps the contact.
-  const bool last_change = changes_[node] + (was_in_contact_[node] != 0 ? 1 : 0) >= most_changes;
+  const bool last_change = changes_[node] + (was_in_contact_[node] != 0 ? 1 : 0) >= max_changes;
   if (committed_[node].surface < 0 && (!decides || (!last_change && first_meeting(at, start, end).surface < 0))) {
     // The common case: the node stays free.
     if (decides) static_cast<void>(record_decision(node, false));
@@ -173,7 +173,7 @@ bool Contact::stay(const Within& within, std::uint32_t node, const Candidate& ca
     left = on.weakest == before.surface ? before.second : before.surface;
   }
   const auto j = static_cast<std::size_t>(left);
-  if (surfaces_[j].friction().kind == Friction::Kind::held) {
+  if (obstacles_[j].friction().kind == Friction::Kind::held) {
     const Vector3 place = carried(at, candidate.start, left);
     const Vector3 lacks = velocity(at, j, place) - candidate.velocity;
     if (!has_chattered(node) && normal(at, j, place).dot(candidate.inertia * lacks) < 0.0) return false;
@@ -216,18 +216,18 @@ bool Contact::could_reach(const Placement& at, std::uint32_t node, const Vector3
 // surface that the node passes around. So a separating node may be behind such a surface for some steps, by O(h^2); its
 // separating velocity tells that it is not meeting the surface. A node that comes from outside does meet a curved
 // surface at rest, and so does one that would pass to its far side.
-bool Contact::leaves(const Placement& at, std::int32_t surface, const Way& way) const {
+bool Contact::is_separating(const Placement& at, std::int32_t surface, const Path& path) const {
   const auto j = static_cast<std::size_t>(surface);
-  const Obstacle& obstacle = surfaces_[j];
+  const Obstacle& obstacle = obstacles_[j];
   if (!obstacle.moves() && obstacle.is_flat()) return false;
-  const Vector3 n = normal(at, j, way.end);
-  if (!(n.dot(way.velocity - Contact::velocity(at, j, way.end)) >= 0.0)) return false;
+  const Vector3 n = normal(at, j, path.end);
+  if (!(n.dot(path.velocity - Contact::velocity(at, j, path.end)) >= 0.0)) return false;
   if (obstacle.is_flat()) return true;
-  const Vector3 before = normal(*start_, j, way.start);
+  const Vector3 before = normal(*start_, j, path.start);
   if (!(before.dot(n) > 0.0)) return false;
-  if (obstacle.moves() || committed_[way.node].surface == surface) return true;
-  return gap(*start_, j, way.start) <= beside * (way.end - way.start).norm() ||
-         before.dot(way.start_velocity - Contact::velocity(*start_, j, way.start)) >= 0.0;
+  if (obstacle.moves() || committed_[path.node].surface == surface) return true;
+  return gap(*start_, j, path.start) <= beside * (path.end - path.start).norm() ||
+         before.dot(path.start_velocity - Contact::velocity(*start_, j, path.start)) >= 0.0;
 }
 
 // A node that is free at the start of the step, or was released within it.
@@ -235,8 +235,8 @@ void Contact::meet(const Within& within, std::uint32_t node, const Candidate& ca
   const auto& [sweep, at] = within;
   const Touch before = committed_[node];
   Meeting meeting = first_meeting(at, candidate.start, candidate.position);
-  const Way way{node, candidate.start, candidate.start_velocity, candidate.position, candidate.velocity};
-  if (meeting.surface >= 0 && leaves(at, meeting.surface, way)) meeting.surface = -1;
+  const Path path{node, candidate.start, candidate.start_velocity, candidate.position, candidate.velocity};
+  if (meeting.surface >= 0 && is_separating(at, meeting.surface, path)) meeting.surface = -1;
   if (meeting.surface >= 0) last_surface_[node] = meeting.surface;
   const bool stays_active = record_decision(node, meeting.surface >= 0);
   if (meeting.surface < 0 && !stays_active) {
@@ -250,12 +250,12 @@ void Contact::meet(const Within& within, std::uint32_t node, const Candidate& ca
   const double rebounds = met && is_new ? rebound(at, meeting.surface, onto(at, j, candidate.position),
                                                   candidate.start_velocity, candidate.velocity)
                                         : 0.0;
-  if (surfaces_[j].friction().kind != Friction::Kind::held || rebounds > 0.0) {
+  if (obstacles_[j].friction().kind != Friction::Kind::held || rebounds > 0.0) {
     Slide on = along(within, meeting.surface, candidate, nullptr, rebounds);
     // The path crosses a curved surface and ends on its far side, where the node would separate: use the normal where
     // it met the surface.
     if (met && on.normal < 0.0) {
-      const Vector3 place = taken_along(at, candidate.start, candidate.position, meeting);
+      const Vector3 place = carried_from(at, candidate.start, candidate.position, meeting);
       on = along(within, meeting.surface, candidate, &place, rebounds);
     }
     // If this alternates without end, the step does not settle and is reported.
@@ -270,8 +270,8 @@ void Contact::meet(const Within& within, std::uint32_t node, const Candidate& ca
   // stiff net they grow with the stiffness and would displace the node. The force changes the path by O(h^2) only.
   const Vector3 end = candidate.start + sweep.time_constant * candidate.start_velocity;
   const Meeting touched{meeting.surface,
-                        surfaces_[j].first_touch(start_->poses[j], candidate.start, at.poses[j], end).value_or(2.0)};
-  const Vector3 place = touched.share > 0.0 && touched.share <= 1.0 ? taken_along(at, candidate.start, end, touched)
+                        obstacles_[j].first_touch(start_->poses[j], candidate.start, at.poses[j], end).value_or(2.0)};
+  const Vector3 place = touched.share > 0.0 && touched.share <= 1.0 ? carried_from(at, candidate.start, end, touched)
                         : touched.share > 1.0                       ? onto(at, j, end)
                                               : onto(at, j, carried(at, candidate.start, meeting.surface));
   stop(within, node, {meeting.surface, false}, place, candidate);
@@ -280,10 +280,10 @@ void Contact::meet(const Within& within, std::uint32_t node, const Candidate& ca
 double Contact::rebound(const Placement& at, std::int32_t surface, const Vector3& position,
                         const Vector3& start_velocity, const Vector3& free) const {
   const auto j = static_cast<std::size_t>(surface);
-  if (!(surfaces_[j].restitution() > 0.0)) return 0.0;
+  if (!(obstacles_[j].restitution() > 0.0)) return 0.0;
   const Vector3 n = normal(at, j, position);
   const double came = -n.dot(start_velocity - Contact::velocity(at, j, position));
-  return came > std::abs(n.dot(free - start_velocity)) ? surfaces_[j].restitution() * came : 0.0;
+  return came > std::abs(n.dot(free - start_velocity)) ? obstacles_[j].restitution() * came : 0.0;
 }
 
 void Contact::put(const Within& within, std::uint32_t node, const Slide& on) {
@@ -320,8 +320,8 @@ std::optional<Contact::Slide> Contact::among(const Within& within, const Slide& 
       asked.pop_back();
       if (std::find(met.begin(), met.end(), more) != met.end()) continue;
     } else {
-      const Way way{candidate.node, candidate.start, candidate.start_velocity, found->position, found->velocity};
-      more = next_meeting(at, way, found->touch, met).surface;
+      const Path path{candidate.node, candidate.start, candidate.start_velocity, found->position, found->velocity};
+      more = next_meeting(at, path, found->touch, met).surface;
       if (more < 0) return found;
     }
     if (comes(*found, more)) {
@@ -365,16 +365,16 @@ bool Contact::is_flush(const Placement& at, const Touch& on, std::int32_t surfac
 void Contact::slide(const Within& within, std::uint32_t node, const Slide& on, const Candidate& candidate) {
   const Placement& at = within.at;
   const Touch& before = committed_[node];
-  const Way way{node, candidate.start, candidate.start_velocity, on.position, on.velocity};
-  const Meeting next = next_meeting(at, way, on.touch);
+  const Path path{node, candidate.start, candidate.start_velocity, on.position, on.velocity};
+  const Meeting next = next_meeting(at, path, on.touch);
   // After too many changes of its surfaces the node counts as meeting all that it met so far.
-  const bool settles = slide_changes_[node] >= most_changes;
+  const bool settles = slide_changes_[node] >= max_changes;
   if (next.surface < 0 && !settles) {
     if (now_[node] != on.touch) ++slide_changes_[node];
     put(within, node, on);
     return;
   }
-  const auto friction_of = [&](std::int32_t j) { return surfaces_[static_cast<std::size_t>(j)].friction().kind; };
+  const auto friction_of = [&](std::int32_t j) { return obstacles_[static_cast<std::size_t>(j)].friction().kind; };
   const auto any_is = [&](const Touch& touch, Friction::Kind kind) {
     const auto surfaces = touch.surfaces();
     return std::any_of(surfaces.begin(), surfaces.end(),
@@ -437,7 +437,7 @@ void Contact::stop_between(const Within& within, std::uint32_t node, const Slide
   const bool held = before.surface >= 0 && !before.slides;
   const std::int32_t by = held && before.surface == on.touch.surface ? on.touch.surface : next.surface;
   const Vector3 place =
-      before.surface != by ? taken_along(at, candidate.start, on.position, next) : carried(at, candidate.start, by);
+      before.surface != by ? carried_from(at, candidate.start, on.position, next) : carried(at, candidate.start, by);
   stop(within, node, {by, false}, place, candidate);
 }
 

@@ -27,7 +27,8 @@ EdgeResponse solve_edge(const Eigen::Matrix3d& mobility, const Vector3& relative
   const bool free_to_stick = kept == nullptr;
   if (std::isinf(first_friction) || std::isinf(second_friction)) return held;
   if (free_to_stick && held.first >= 0.0 && held.second >= 0.0 &&
-      grip(first_friction, held.first, 0.0) + grip(second_friction, held.second, std::abs(e.dot(stop))) >= 0.0)
+      cone_margin(first_friction, held.first, 0.0) + cone_margin(second_friction, held.second, std::abs(e.dot(stop))) >=
+          0.0)
     return held;
   // Slip along sign e: each normal impulse comes with its friction.
   const auto slipping = [&](double sign) {

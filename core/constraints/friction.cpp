@@ -31,13 +31,13 @@ double sliding_coefficient_of(const Friction& friction) noexcept {
   return std::min(coefficient_of(friction), friction_of_held);
 }
 
-double bearing(double coefficient, double pressing) noexcept {
+double friction_limit(double coefficient, double pressing) noexcept {
   return std::isinf(coefficient) ? coefficient : coefficient * pressing;
 }
 
-double grip(double coefficient, double pressing, double along) noexcept {
+double cone_margin(double coefficient, double pressing, double along) noexcept {
   if (std::isinf(coefficient)) return pressing >= 0.0 ? coefficient : -along;
-  return bearing(coefficient, pressing) - along;
+  return friction_limit(coefficient, pressing) - along;
 }
 
 Eigen::Matrix3d friction_by_velocity(double strength, const Vector3& slip, const Vector3& n) {
@@ -51,10 +51,10 @@ std::optional<Vector3> find_direction(const Vector3& n, const Vector3& start,
                                       const std::function<double(const Vector3&)>& turn) {
   const Vector3 across = n.cross(start);
   const auto at = [&](double angle) { return Vector3(std::cos(angle) * start + std::sin(angle) * across); };
-  constexpr int most_turns = 40;
+  constexpr int max_iterations = 40;
   constexpr double first = 1e-3, longest = 0.5;  // rad
   double before = 0.0, value_before = turn(start), angle = value_before == 0.0 ? 0.0 : first;
-  for (int i = 0; i < most_turns; ++i) {
+  for (int i = 0; i < max_iterations; ++i) {
     const double value = turn(at(angle));
     if (!std::isfinite(value)) return std::nullopt;
     if (value == 0.0 || angle == before) return at(angle);
@@ -88,7 +88,7 @@ ContactResponse solve_contact(const Eigen::Matrix3d& mobility, const Vector3& re
   if (friction.kind == Friction::Kind::held) return {Vector3::Zero(), stop, pressing, true};
   ContactResponse without = smooth();
   if (without.normal <= 0.0) return without;
-  if (pressing > 0.0 && grip(friction.coefficient, pressing, along.norm()) >= 0.0)
+  if (pressing > 0.0 && cone_margin(friction.coefficient, pressing, along.norm()) >= 0.0)
     return {Vector3::Zero(), stop, pressing, true};
   // Slip: impulse p (n - mu t), t the direction of the remaining slip. An anisotropic mobility lets the impulse turn t;
   // with an isotropic one the first t is exact.
@@ -102,8 +102,8 @@ ContactResponse solve_contact(const Eigen::Matrix3d& mobility, const Vector3& re
   };
   const Vector3 slip = slip_of(without);
   Vector3 t = slip.norm() > 0.0 ? Vector3(slip.normalized()) : Vector3(-along.normalized());
-  constexpr int most_turns = 50;
-  for (int i = 0; i < most_turns; ++i) {
+  constexpr int max_iterations = 50;
+  for (int i = 0; i < max_iterations; ++i) {
     const ContactResponse answer = with(t);
     const Vector3 left = slip_of(answer);
     if (!(answer.normal > 0.0) || left.dot(t) <= 0.0) break;

@@ -21,10 +21,10 @@ inline constexpr double friction_of_held = 1e4;
 // The same for a sliding node: finite.
 [[nodiscard]] double sliding_coefficient_of(const Friction& friction) noexcept;
 // Greatest tangential force that friction bears, N, at the normal force `pressing`, N; infinite for a holding surface.
-[[nodiscard]] double bearing(double coefficient, double pressing) noexcept;
+[[nodiscard]] double friction_limit(double coefficient, double pressing) noexcept;
 // Margin to the boundary of the friction cone, N, at the tangential force `along`, N; < 0 outside of it. Every test of
 // Coulomb's cone uses this function.
-[[nodiscard]] double grip(double coefficient, double pressing, double along) noexcept;
+[[nodiscard]] double cone_margin(double coefficient, double pressing, double along) noexcept;
 // Derivative with respect to the node's velocity, N s/m, of the force -strength t(v), N; t is the direction of the slip
 // v (m/s) on a surface with normal n.
 [[nodiscard]] Eigen::Matrix3d friction_by_velocity(double strength, const Vector3& slip, const Vector3& n);

@@ -17,8 +17,8 @@ namespace {
 constexpr double nearly = 1e-7;
 
 // A holding surface carries its nodes when its own velocity jumps.
-bool is_taken_along(const ContactSide& side) {
-  return side.touches && side.friction.kind == Friction::Kind::held && !side.velocity.isZero(0.0) &&
+bool is_carried_along(const ContactSide& side) {
+  return side.active && side.friction.kind == Friction::Kind::held && !side.velocity.isZero(0.0) &&
          side.normal.dot(side.velocity) <= 0.0;
 }
 
@@ -31,39 +31,39 @@ void Island::apply_impulse(std::size_t node, const Vector3& impulse) {
   }
 }
 
-bool Island::strike(double rebound, double negligible, int rounds, bool begun) {
-  struct Blow {
+bool Island::apply_impact(double rebound, double negligible, int rounds, bool warm_start) {
+  struct Impact {
     std::size_t node, side;
     double wanted;  // m/s, of the gap afterwards
   };
-  std::vector<Blow> blows;
+  std::vector<Impact> impacts;
   bool approaches = false;
   double scale = 0.0;
   for (std::size_t i = 0; i < nodes_.size(); ++i) {
     for (std::size_t s = 0; s < nodes_[i].sides.size(); ++s) {
       const ContactSide& side = nodes_[i].sides[s];
       const double rate = side.normal.dot(side.velocity);
-      approaches = approaches || rate < -negligible || is_taken_along(side);
+      approaches = approaches || rate < -negligible || is_carried_along(side);
       scale = std::max(scale, side.velocity.norm());
-      blows.push_back({i, s, rate < -rebound ? -side.restitution * rate : 0.0});
-      if (!begun) nodes_[i].impulse[s].setZero();
+      impacts.push_back({i, s, rate < -rebound ? -side.restitution * rate : 0.0});
+      if (!warm_start) nodes_[i].impulse[s].setZero();
     }
   }
   if (!approaches) return false;
   const std::vector<ContactNode> start = nodes_;
-  for (std::size_t i = 0; begun && i < nodes_.size(); ++i)
+  for (std::size_t i = 0; warm_start && i < nodes_.size(); ++i)
     for (const Vector3& impulse : nodes_[i].impulse) apply_impulse(i, impulse);
   bool agrees = false;
   for (int round = 0; round < rounds; ++round) {
     double greatest = 0.0;
-    for (const Blow& blow : blows) {
-      ContactSide& side = nodes_[blow.node].sides[blow.side];
-      Vector3& impulse = nodes_[blow.node].impulse[blow.side];
-      const Matrix3 mobility = block(blow.node, blow.node);
+    for (const Impact& impact : impacts) {
+      ContactSide& side = nodes_[impact.node].sides[impact.side];
+      Vector3& impulse = nodes_[impact.node].impulse[impact.side];
+      const Matrix3 mobility = block(impact.node, impact.node);
       // Without this impulse, and relative to the wanted gap rate.
-      const Vector3 before = side.velocity - mobility * impulse - blow.wanted * side.normal;
+      const Vector3 before = side.velocity - mobility * impulse - impact.wanted * side.normal;
       Vector3 now = Vector3::Zero();
-      if (side.normal.dot(before) < -negligible || !impulse.isZero(0.0) || is_taken_along(side)) {
+      if (side.normal.dot(before) < -negligible || !impulse.isZero(0.0) || is_carried_along(side)) {
         const ContactResponse answer = solve_contact(mobility, before, side.normal, side.friction);
         if (answer.normal > 0.0 || (answer.normal == 0.0 && answer.sticks)) now = answer.impulse;
       }
@@ -71,12 +71,12 @@ bool Island::strike(double rebound, double negligible, int rounds, bool begun) {
       if (change.isZero(0.0)) continue;
       greatest = std::max(greatest, (mobility * change).norm());
       impulse = now;
-      apply_impulse(blow.node, change);
+      apply_impulse(impact.node, change);
     }
     agrees = greatest <= nearly * scale;
     if (greatest <= 1e-15 * scale) break;
   }
-  if (agrees || rounds < most_rounds) return true;
+  if (agrees || rounds < max_rounds) return true;
   stop_all(start, nearly * scale);
   return true;
 }
@@ -126,7 +126,7 @@ void Island::stop_all(const std::vector<ContactNode>& start, double negligible) 
   }
 }
 
-bool Island::stop(double negligible) {
+bool Island::end_slip(double negligible) {
   std::vector<Row> rows;
   double fastest = 0.0;
   for (std::size_t i = 0; i < nodes_.size(); ++i) {
@@ -135,7 +135,7 @@ bool Island::stop(double negligible) {
     for (std::size_t s = 0; s < node.sides.size(); ++s)
       if (std::abs(node.sides[s].normal.dot(node.sides[s].velocity)) <= negligible)
         rows.push_back({i, s, node.sides[s].normal});
-    if (!node.rests || node.sides.empty()) continue;
+    if (!node.slip_ended || node.sides.empty()) continue;
     const std::vector<Vector3> directions = free_directions(normals_of(node));
     for (const Vector3& e : directions) rows.push_back({i, 0, e});
     fastest = std::max(fastest, along(directions, node.sides.front().velocity).norm());
@@ -168,7 +168,7 @@ void Island::end_rates(const std::vector<Row>& rows) {
 }
 
 void Island::end_rocking(double slow) {
-  for (int round = 0; round < most_rounds; ++round) {
+  for (int round = 0; round < max_rounds; ++round) {
     double greatest = 0.0;
     const auto give = [&](std::size_t i, std::size_t s, const Vector3& impulse, double speed) {
       nodes_[i].impulse[s] += impulse;
@@ -213,7 +213,7 @@ bool Island::jam(double negligible) {
       node.impulse[s] += impulse;
       apply_impulse(i, impulse);
       side.velocity.setZero();
-      node.moves = false;
+      node.slipping = false;
       node.sticks = true;
       any = true;
       break;

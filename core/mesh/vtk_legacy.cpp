@@ -16,7 +16,7 @@ namespace springnet::meshes {
 namespace {
 
 // Limit of implicit grid points, which take no bytes in the file: a file of a hundred bytes must not fill the memory.
-constexpr std::uint64_t most_implied_points = 1'000'000;
+constexpr std::uint64_t max_implied_points = 1'000'000;
 
 struct NamedType {
   const char* name;
@@ -353,7 +353,7 @@ class VtkLegacyReader {
       if (!fine) builder_.source().fail(dimensions_place_, message);
     };
     check(nx > 0 && ny > 0 && nz > 0, "DIMENSIONS must be 1 or more; correct them");
-    const std::uint64_t most = std::max<std::uint64_t>(most_implied_points, builder_.source().text().size());
+    const std::uint64_t most = std::max<std::uint64_t>(max_implied_points, builder_.source().text().size());
     check(nx <= most && ny <= most / nx && nz <= most / (nx * ny),
           fmt::format(
               "DIMENSIONS are {} x {} x {}, more than the {} points that a file of {} bytes may have; use a coarser "

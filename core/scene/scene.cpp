@@ -12,7 +12,7 @@
 #include "scene/files.hpp"
 #include "scene/parts.hpp"
 #include "scene/reader.hpp"
-#include "simulation/most_threads.hpp"
+#include "simulation/max_threads.hpp"
 
 namespace springnet {
 namespace scene {
@@ -43,7 +43,7 @@ void read_simulation(const Table& root, const PluginHost& plugins, Scene& result
                                                                 ComponentKind::integrator, plugins);
   }
   if (const auto threads = table.find("threads")) {
-    options.threads = static_cast<unsigned>(threads->integer(0, std::int64_t{most_threads}));
+    options.threads = static_cast<unsigned>(threads->integer(0, std::int64_t{max_threads}));
   }
   if (const auto set = table.find("instruction_set")) {
     options.instruction_set = static_cast<InstructionSet>(set->choice({"best", "generic", "avx2", "avx512"}));

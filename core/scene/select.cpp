@@ -220,12 +220,12 @@ std::string extent_of(const Region& region, const Network& network) {
 }  // namespace
 
 std::string list_of(const std::vector<std::string>& names) {
-  constexpr std::size_t most_shown = 20;
+  constexpr std::size_t max_shown = 20;
   std::string list;
-  for (std::size_t k = 0; k < std::min(names.size(), most_shown); ++k) {
+  for (std::size_t k = 0; k < std::min(names.size(), max_shown); ++k) {
     list += (k == 0 ? "" : ", ") + printable(names[k]);
   }
-  if (names.size() > most_shown) list += fmt::format(", and {} more", names.size() - most_shown);
+  if (names.size() > max_shown) list += fmt::format(", and {} more", names.size() - max_shown);
   return list;
 }
 

@@ -155,9 +155,9 @@ void read_instrument(const Table& table, Network& network) {
 
 // Every node is compared with every plane and instrument, in each sweep.
 void check_count(const std::vector<Value>& planes, const std::vector<Value>& instruments, std::size_t nodes) {
-  constexpr std::size_t most = 10'000, most_comparisons = 100'000'000;
+  constexpr std::size_t most = 10'000, max_comparisons = 100'000'000;
   const std::size_t count = planes.size() + instruments.size();
-  const std::size_t allowed = std::min(most, most_comparisons / std::max<std::size_t>(nodes, 1));
+  const std::size_t allowed = std::min(most, max_comparisons / std::max<std::size_t>(nodes, 1));
   if (count <= allowed) return;
   const Value& first = allowed < planes.size() ? planes[allowed] : instruments[allowed - planes.size()];
   first.fail(

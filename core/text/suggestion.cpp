@@ -45,7 +45,7 @@ std::size_t distance(std::string_view a, std::string_view b, std::size_t largest
 }  // namespace
 
 std::string suggestion(std::string_view name, const std::vector<std::string>& known) {
-  constexpr std::size_t most_shown = 3;
+  constexpr std::size_t max_shown = 3;
   // One wrong letter in three is a typing error; more is another word.
   const std::size_t largest = std::max<std::size_t>(1, name.size() / 3);
   const std::string wanted = lower(name);
@@ -66,7 +66,7 @@ std::string suggestion(std::string_view name, const std::vector<std::string>& kn
   }
   if (nearest.empty()) return {};
   std::sort(nearest.begin(), nearest.end());
-  if (nearest.size() > most_shown) nearest.resize(most_shown);
+  if (nearest.size() > max_shown) nearest.resize(max_shown);
   std::string text = "did you mean '" + nearest.front() + "'";
   for (std::size_t i = 1; i < nearest.size(); ++i) {
     text += (i + 1 == nearest.size() ? " or '" : ", '") + nearest[i] + "'";

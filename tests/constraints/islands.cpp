@@ -69,21 +69,21 @@ TEST_CASE("a contact goes on with what is left of its surfaces") {
 TEST_CASE("a reaction is split into normal forces and what lies along all surfaces") {
   const SplitReaction one = split_reaction({Vector3::UnitZ()}, {1, 2, 3});
   CHECK(one.normal[0] == 3.0);
-  CHECK(one.along == Vector3(1, 2, 0));
+  CHECK(one.tangential == Vector3(1, 2, 0));
   // Two walls at 60 degrees: 2 and 5 N and 7 N along their edge.
   const Vector3 a(0, 0, 1), b(std::sqrt(0.75), 0, 0.5);
   const SplitReaction two = split_reaction({a, b}, 2 * a + 5 * b + 7 * Vector3::UnitY());
   CHECK(two.normal[0] == doctest::Approx(2).epsilon(rounding));
   CHECK(two.normal[1] == doctest::Approx(5).epsilon(rounding));
-  CHECK((two.along - 7 * Vector3::UnitY()).norm() <= rounding);
+  CHECK((two.tangential - 7 * Vector3::UnitY()).norm() <= rounding);
 }
 
 TEST_CASE("the cone of friction has one edge") {
-  CHECK(grip(0.5, 10, 5) == 0.0);
-  CHECK(grip(0.5, 10, 5.1) < 0.0);  // 2 % beyond
-  CHECK(grip(0.5, 10, 4.9) > 0.0);
-  CHECK(grip(std::numeric_limits<double>::infinity(), 0.0, 1e9) > 0.0);
-  CHECK(grip(std::numeric_limits<double>::infinity(), -1e-9, 1.0) < 0.0);
+  CHECK(cone_margin(0.5, 10, 5) == 0.0);
+  CHECK(cone_margin(0.5, 10, 5.1) < 0.0);  // 2 % beyond
+  CHECK(cone_margin(0.5, 10, 4.9) > 0.0);
+  CHECK(cone_margin(std::numeric_limits<double>::infinity(), 0.0, 1e9) > 0.0);
+  CHECK(cone_margin(std::numeric_limits<double>::infinity(), -1e-9, 1.0) < 0.0);
 }
 
 TEST_CASE("the derivative of friction is that of its differences") {
@@ -108,7 +108,7 @@ TEST_CASE("a lone node that strikes: Newton's restitution, Coulomb's impulse") {
       ContactNode node = on_floor({1, 0, -3}, coulomb(mu));
       node.sides[0].restitution = e;
       Island island({node}, Matrix3(Matrix3::Identity() / 2));
-      CHECK(island.strike(1e-6));
+      CHECK(island.apply_impact(1e-6));
       const ContactNode& struck = island.nodes()[0];
       const double normal = 2 * 3 * (1 + e), along = std::min(mu * normal, 2.0);
       CHECK((struck.impulse[0] - Vector3(-along, 0, normal)).norm() <= rounding * normal);
@@ -119,17 +119,17 @@ TEST_CASE("a lone node that strikes: Newton's restitution, Coulomb's impulse") {
   ContactNode slow = on_floor({0, 0, -1e-7}, smooth);
   slow.sides[0].restitution = 1.0;
   Island island({slow}, Matrix3::Identity());
-  CHECK(island.strike(1e-6));
+  CHECK(island.apply_impact(1e-6));
   CHECK(island.nodes()[0].sides[0].velocity == Vector3::Zero());
   // What moves off is not struck.
   Island leaving({on_floor({1, 0, 0.1}, held)}, Matrix3::Identity());
-  CHECK_FALSE(leaving.strike(1e-6));
+  CHECK_FALSE(leaving.apply_impact(1e-6));
   // What rounding leaves of a velocity is no blow, and one that strikes with another that does not approach is left
   // alone.
   Island resting({on_floor({1, 0, -1e-17}, smooth)}, Matrix3::Identity());
-  CHECK_FALSE(resting.strike(1e-6, 1e-13));
+  CHECK_FALSE(resting.apply_impact(1e-6, 1e-13));
   Island both({on_floor({1, 0, -1e-17}, smooth), on_floor({0, 0, -1}, smooth)}, Eigen::MatrixXd::Identity(6, 6));
-  CHECK(both.strike(1e-6, 1e-13));
+  CHECK(both.apply_impact(1e-6, 1e-13));
   CHECK(both.nodes()[0].impulse[0] == Vector3::Zero());
   CHECK(both.nodes()[1].impulse[0] == Vector3(0, 0, 1));
 }
@@ -137,7 +137,7 @@ TEST_CASE("a lone node that strikes: Newton's restitution, Coulomb's impulse") {
 TEST_CASE("a rod that strikes with one end has the impulse of its effective mass") {
   const double angle = 0.6, s = std::sin(angle);
   Island island({on_floor({0, 0, -1}, smooth)}, end_of_rod(angle));
-  CHECK(island.strike(1e-6));
+  CHECK(island.apply_impact(1e-6));
   CHECK(island.nodes()[0].impulse[0].z() == doctest::Approx(1 / (1 - 0.5 * s * s)).epsilon(rounding));
 }
 
@@ -170,13 +170,13 @@ TEST_CASE("where no finite force exists a rod jams") {
   // D_zz - mu |D_xz| < 0: sliding so that friction presses it in (Painlevé). mu > (2 - s^2) / (c s) = 3 at 45 degrees.
   for (const double mu : {2.9, 3.1}) {
     ContactNode node = on_floor({-1, 0, 0}, coulomb(mu));
-    node.moves = true;
+    node.slipping = true;
     node.slip = -Vector3::UnitX();
     Island rod({node}, end_of_rod(std::numbers::pi / 4));
     const bool finite = rod.resolve(1e-12);
-    // Which way round friction presses in is a matter of the angle's sign.
+    // In which direction friction presses in is a matter of the angle's sign.
     ContactNode mirrored = on_floor({1, 0, 0}, coulomb(mu));
-    mirrored.moves = true;
+    mirrored.slipping = true;
     mirrored.slip = Vector3::UnitX();
     Island other({mirrored}, end_of_rod(std::numbers::pi / 4));
     const bool other_finite = other.resolve(1e-12);
@@ -224,13 +224,13 @@ TEST_CASE("what a force lifts is let go, and what lies on a surface under load i
   lifted.sticks = true;
   Island up({lifted}, Matrix3::Identity());
   CHECK(up.resolve(1e-12));
-  CHECK_FALSE(up.nodes()[0].sides[0].touches);
+  CHECK_FALSE(up.nodes()[0].sides[0].active);
   ContactNode lying = on_floor(Vector3::Zero(), held);
-  lying.sides[0].touches = false;
+  lying.sides[0].active = false;
   lying.acceleration = {5, 0, -1};
   Island down({lying}, Matrix3::Identity());
   CHECK(down.resolve(1e-12));
-  CHECK(down.nodes()[0].sides[0].touches);
+  CHECK(down.nodes()[0].sides[0].active);
   CHECK(down.nodes()[0].sticks);
   CHECK((down.nodes()[0].force - Vector3(-5, 0, 1)).norm() <= rounding);
 }
@@ -262,9 +262,9 @@ TEST_CASE("what would pull although it cannot leave is braced by what it hangs o
 
 TEST_CASE("impulses that end a slip leave gaps as they are") {
   ContactNode node = on_floor({0.3, -0.4, 0}, coulomb(0.5));
-  node.rests = true;
+  node.slip_ended = true;
   Island island({node}, end_of_rod(0.4));
-  CHECK(island.stop(1e-12));
+  CHECK(island.end_slip(1e-12));
   CHECK(island.nodes()[0].sides[0].velocity.norm() <= rounding);
   CHECK((end_of_rod(0.4) * island.nodes()[0].impulse[0] + Vector3(0.3, -0.4, 0)).norm() <= rounding);
 }
@@ -345,9 +345,9 @@ TEST_CASE("impulses over a step end approach within the cone, for all contacts a
   rising.acceleration = {0, 0, 0.7};
   Island leaves({rising}, Matrix3::Identity());
   REQUIRE(leaves.resolve_impulses(1e-12));
-  CHECK_FALSE(leaves.nodes()[0].sides[0].touches);
+  CHECK_FALSE(leaves.nodes()[0].sides[0].active);
   CHECK(leaves.nodes()[0].force.isZero(0.0));
-  rising.sides[0].stays = true;
+  rising.sides[0].pinned = true;
   Island stays({rising}, Matrix3::Identity());
   REQUIRE(stays.resolve_impulses(1e-12));
   CHECK((stays.nodes()[0].force + Vector3(0, 0, 0.7)).norm() <= rounding);
@@ -376,5 +376,5 @@ TEST_CASE("a reaction is shared by surfaces that press, also between two that fa
   // The side would have to pull: all of it is the floor's, as friction.
   CHECK((share({up, side}, {-2, 0, 3})[0] - Vector3(-2, 0, 3)).norm() <= 1e-12);
   CHECK(share({up, side}, {-2, 0, 3})[1].norm() == 0.0);
-  CHECK(pressing_of({up, side}, {-2, 0, -3}).empty());
+  CHECK(pressing_surfaces({up, side}, {-2, 0, -3}).empty());
 }

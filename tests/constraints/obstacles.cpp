@@ -246,7 +246,7 @@ TEST_CASE("seams are where the curvature jumps") {
   CHECK(crossed > 50);
 }
 
-TEST_CASE("the first touch of a box on a straight way") {
+TEST_CASE("the first touch of a box on a straight path") {
   const Obstacle box(box_of({0, 0, 0}, {2, 2, 2}, Matrix3::Identity(), 0.0));
   const Pose rest;
   const auto into = box.first_touch(rest, {-3, 0.5, 0}, rest, {0, 0.5, 0});
@@ -258,7 +258,7 @@ TEST_CASE("the first touch of a box on a straight way") {
   CHECK_FALSE(box.first_touch(rest, {-3, -0.99, 0}, rest, {3, 5.01, 0}));  // the edge at (-1, 1) passed by 0.007 m
   CHECK_FALSE(box.first_touch(rest, {-3, 0, 0}, rest, {-1.5, 0, 0}));
 
-  // On random ways, against the gap in small steps.
+  // On random paths, against the gap in small steps.
   Dice dice;
   const Obstacle turned(box_of({0.1, 0.2, 0.3}, {0.9, 0.5, 0.7}, dice.rotation(), 0.1));
   int touches = 0;
@@ -297,7 +297,7 @@ TEST_CASE("a box that turns over a point that rests meets it where its edge come
   const double begin = angle - 0.02, end = angle + 0.03;
   const auto share = obstacle.first_touch(obstacle.at(just_after(begin)), x, obstacle.at(just_after(end)), x);
   REQUIRE(share);
-  CHECK(std::abs(begin + *share * (end - begin) - angle) <= 0.05 * 0.05);  // straight where the way is an arc
+  CHECK(std::abs(begin + *share * (end - begin) - angle) <= 0.05 * 0.05);  // straight where the path is an arc
 }
 
 TEST_CASE("a surface can be placed although it turns about a point off it") {

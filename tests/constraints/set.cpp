@@ -294,6 +294,6 @@ TEST_CASE("derivatives of a rod's force and of friction are those of differences
     const Vector3 by_slip = (slowed(slip + e) - slowed(slip - e)) / (2.0 * step);
     CHECK((friction.col(c) - by_slip).norm() <= 1e-8);
   }
-  rubbed.set->contact().set_slip(0, slip.normalized(), Contact::Slip::begins);
+  rubbed.set->contact().set_slip(0, slip.normalized(), Contact::Slip::starting);
   CHECK_FALSE(rubbed.set->friction_follows_slip(row));  // its direction is kept
 }

@@ -95,9 +95,9 @@ TEST_CASE("surfaces that close on a node end the run with its name and theirs, a
                                 {prism(friction), 0.2, {"'a'", "'b'", "'c'"}},
                                 {mortar(friction, 0.0), 0.2, {"'floor'", "'ball'"}}};
     for (const Example& example : examples) {
-      for (const Way& way : all_ways(1e-9)) {
-        INFO(way.name << ", friction " << static_cast<int>(friction.kind) << ", " << example.names[0]);
-        Simulation s = simulate(example.net, way.integrator, h);
+      for (const Scheme& scheme : all_schemes(1e-9)) {
+        INFO(scheme.name << ", friction " << static_cast<int>(friction.kind) << ", " << example.names[0]);
+        Simulation s = simulate(example.net, scheme.integrator, h);
         const std::string text = end_of(s, 2.0 * example.closes);
         CHECK(text.find("there is no place left for node 0 between") != std::string::npos);
         for (const char* name : example.names) CHECK(text.find(name) != std::string::npos);
@@ -112,13 +112,13 @@ TEST_CASE("surfaces that close on a node end the run with its name and theirs, a
 
 TEST_CASE("surfaces that stop before they close, or let a node get out of their way, end nothing") {
   constexpr double h = 0.005;
-  for (const Way& way : all_ways(1e-9)) {
-    INFO(way.name);
-    Simulation stopped = simulate(press(frictionless, 0.2499), way.integrator, h);
+  for (const Scheme& scheme : all_schemes(1e-9)) {
+    INFO(scheme.name);
+    Simulation stopped = simulate(press(frictionless, 0.2499), scheme.integrator, h);
     CHECK(end_of(stopped, 0.4) == "");
     CHECK(std::abs(stopped.position(0).x() - 0.025) <= 1e-3);
     // The ball meets the floor at 0.2 s, in the middle.
-    Simulation beside = simulate(mortar(frictionless, 0.2), way.integrator, h);
+    Simulation beside = simulate(mortar(frictionless, 0.2), scheme.integrator, h);
     CHECK(end_of(beside, 0.25) == "");
     CHECK(beside.position(0).x() > 0.2);
   }

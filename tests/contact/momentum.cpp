@@ -98,11 +98,11 @@ TEST_CASE("in a step of the network momentum is that of gravity, reactions over 
   constexpr double threshold = 1e-9, h = 0.002;
   for (const Example& example : examples()) {
     const Network& net = example.net;
-    for (const Way& way : stepping_ways(threshold)) {
-      if (way.name == "verlet") continue;  // its reactions are those of a time, not of a step
-      INFO(example.name << ": " << way.name);
-      const double theta = way.order == 1.0 ? 1.0 : 0.5;
-      Simulation s = simulate(net, way.integrator, h);
+    for (const Scheme& scheme : stepping_schemes(threshold)) {
+      if (scheme.name == "verlet") continue;  // its reactions are those of a time, not of a step
+      INFO(example.name << ": " << scheme.name);
+      const double theta = scheme.order == 1.0 ? 1.0 : 0.5;
+      Simulation s = simulate(net, scheme.integrator, h);
       double worst = 0.0, at = 0.0;
       while (s.time() < example.until - 0.5 * h) {
         const Vector3 before = s.momentum();

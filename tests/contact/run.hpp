@@ -9,7 +9,7 @@
 
 #include <doctest/doctest.h>
 
-#include "../constraints/ways.hpp"
+#include "../constraints/schemes.hpp"
 #include "reference.hpp"
 
 namespace springnet::testing {

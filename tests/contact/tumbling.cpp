@@ -11,15 +11,15 @@ using namespace springnet;
 using namespace springnet::testing;
 
 TEST_CASE("rigid bodies that tumble onto surfaces do not stop the network") {
-  const Way ways[] = {{"newton, theta 1", recurrent(newton, 1e-9), 1.0},
-                      {"newton, theta 1/2", recurrent(newton, 1e-9, {{"theta", 0.5}}), 2.0},
-                      {"block, theta 1", recurrent(block, 1e-9), 1.0}};
+  const Scheme schemes[] = {{"newton, theta 1", recurrent(newton, 1e-9), 1.0},
+                            {"newton, theta 1/2", recurrent(newton, 1e-9, {{"theta", 0.5}}), 2.0},
+                            {"block, theta 1", recurrent(block, 1e-9), 1.0}};
   for (const auto seed : std::initializer_list<std::uint64_t>{0, 2, 11, 12, 17, 27, 37, 41, 47, 49, 50, 51, 56, 59}) {
     const Tumbling scene(seed);
     const Reference shapes = surfaces_of(scene.net);
-    for (const Way& way : ways) {
-      INFO(scene.name() << ", seed " << seed << ": " << way.name);
-      Simulation s = simulate(scene.net, way.integrator, 0.0025);
+    for (const Scheme& scheme : schemes) {
+      INFO(scene.name() << ", seed " << seed << ": " << scheme.name);
+      Simulation s = simulate(scene.net, scheme.integrator, 0.0025);
       Run run;
       double lowest = s.kinetic_energy() + s.potential_energy(), gained = 0.0, scale = s.kinetic_energy();
       for (int i = 0; i < 600 && steps_on(s); ++i) {
@@ -39,17 +39,17 @@ TEST_CASE("rigid bodies that tumble onto surfaces do not stop the network") {
 }
 
 TEST_CASE("no surface pulls at rigid bodies that tumble, nor is a blow told that does") {
-  std::vector<Way> ways = {{"verlet", {"verlet", {}}, 2.0}};
+  std::vector<Scheme> schemes = {{"verlet", {"verlet", {}}, 2.0}};
   for (const double theta : {1.0, 0.5})
     for (const double events : {0.0, 1.0})
-      ways.push_back({"theta " + std::to_string(theta) + ", events " + std::to_string(events),
-                      recurrent(newton, 1e-9, {{"theta", theta}, {"events", events}}), theta == 1.0 ? 1.0 : 2.0});
+      schemes.push_back({"theta " + std::to_string(theta) + ", events " + std::to_string(events),
+                         recurrent(newton, 1e-9, {{"theta", theta}, {"events", events}}), theta == 1.0 ? 1.0 : 2.0});
   for (const auto seed : std::initializer_list<std::uint64_t>{26, 27, 37}) {  // in a groove, on a plane
     const Tumbling scene(seed);
     const std::vector<Plane>& planes = scene.net.planes();
-    for (const Way& way : ways) {
-      INFO(scene.name() << ", seed " << seed << ": " << way.name);
-      Simulation s = simulate(scene.net, way.integrator, 0.0025);
+    for (const Scheme& scheme : schemes) {
+      INFO(scene.name() << ", seed " << seed << ": " << scheme.name);
+      Simulation s = simulate(scene.net, scheme.integrator, 0.0025);
       double pull = 0.0, blow = 0.0;  // N, N s, the most
       std::size_t seen = 0;
       for (int i = 0; i < 600 && steps_on(s); ++i) {

@@ -19,7 +19,7 @@ const LawUse verlet{"verlet", {}};
 }  // namespace
 
 TEST_CASE("verlet is of second order where nodes land on curved surfaces, slide round them and leave them") {
-  // A touch is put where the way meets the surface, and what a step loses at a release is of the order of h^2.
+  // A touch is put where the path meets the surface, and what a step loses at a release is of the order of h^2.
   const Friction rough{Friction::Kind::coulomb, 0.2};
   const std::pair<const char*, Network> examples[] = {{"sphere", thrown_on_sphere(frictionless)},
                                                       {"sphere with friction", thrown_on_sphere(rough)},
