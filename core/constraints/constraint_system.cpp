@@ -16,8 +16,8 @@ constexpr std::size_t max_rows_dense = 32;
 // Shift of the diagonal, in units of its mean, so that redundant rows can be factorised; iterative refinement removes
 // its effect.
 constexpr double shift_share = 1e-9;
-// Relative residual above which conjugate gradients follow the refinement: some eigenvalue is not large beside the
-// shift.
+// Relative residual above which conjugate gradients follow the refinement: some eigenvalue is not large compared with
+// the shift.
 constexpr double residual_share = 1e-12;
 
 }  // namespace
@@ -174,13 +174,13 @@ Eigen::VectorXd ConstraintSystem::solve_shifted(const Eigen::VectorXd& b) const 
   return (b - matrices_->sparse * y) / shift_;
 }
 
-// Conjugate gradients, preconditioned with the shifted matrix: eigenvalues large beside the shift become 1, each of the
-// few others takes about one iteration. Zero if the right side is not in the range.
-Eigen::VectorXd ConstraintSystem::solve_by_gradients(const Eigen::VectorXd& b) const {
+// Conjugate gradients, preconditioned with the shifted matrix: eigenvalues large compared with the shift become 1, each
+// of the few others takes about one iteration. Zero if the right-hand side is not in the range.
+Eigen::VectorXd ConstraintSystem::solve_by_conjugate_gradients(const Eigen::VectorXd& b) const {
   constexpr int max_iterations = 40;
   const double greatest = b.lpNorm<Eigen::Infinity>();
-  const Eigen::VectorXd none = Eigen::VectorXd::Zero(b.size());
-  Eigen::VectorXd x = none, best = none, residual = b, z = solve_shifted(residual), direction = z;
+  const Eigen::VectorXd zero = Eigen::VectorXd::Zero(b.size());
+  Eigen::VectorXd x = zero, best = zero, residual = b, z = solve_shifted(residual), direction = z;
   double least = greatest, product_before = residual.dot(z);
   for (int i = 0; i < max_iterations && least > 1e-3 * residual_share * greatest; ++i) {
     const Eigen::VectorXd image = product(direction);
@@ -199,7 +199,7 @@ Eigen::VectorXd ConstraintSystem::solve_by_gradients(const Eigen::VectorXd& b) c
     direction = z + product_now / product_before * direction;
     product_before = product_now;
   }
-  return least <= 1e-3 * greatest ? best : none;
+  return least <= 1e-3 * greatest ? best : zero;
 }
 
 Eigen::VectorXd ConstraintSystem::solve(const Eigen::VectorXd& b) const {
@@ -214,13 +214,13 @@ Eigen::VectorXd ConstraintSystem::solve(const Eigen::VectorXd& b) const {
   for (int i = 0; i < max_corrections; ++i) {
     residual = b - product(x);
     size = residual.lpNorm<Eigen::Infinity>();
-    // A residual that stops shrinking is rounding, or a right side out of range: x would only grow.
+    // A residual that stops shrinking is rounding, or a right-hand side out of range: x would only grow.
     if (size <= 1e-15 * greatest || !(size < 0.5 * last)) break;
     last = size;
     x += solve_shifted(residual);
   }
   // Needed where masses span many decades, for example.
-  if (size > residual_share * greatest) x += solve_by_gradients(b - product(x));
+  if (size > residual_share * greatest) x += solve_by_conjugate_gradients(b - product(x));
   return x;
 }
 

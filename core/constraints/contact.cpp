@@ -123,10 +123,10 @@ void Contact::begin_step(std::shared_ptr<const Placement> start) {
   std::fill(slide_changes_.begin(), slide_changes_.end(), std::uint8_t{0});
   for (std::vector<std::int32_t>& surfaces : met_) surfaces.clear();
   for (std::size_t k = 0; k < was_in_contact_.size(); ++k) was_in_contact_[k] = touching_[k];
-  forget_sweep();
+  discard_sweep();
 }
 
-void Contact::forget_sweep() {
+void Contact::discard_sweep() {
   if (obstacles_.empty()) return;
   std::fill(sweep_impulse_.begin(), sweep_impulse_.end(), Vector3::Zero());
   for (std::uint32_t k = 0; k < now_.size(); ++k) {
@@ -251,7 +251,7 @@ void Contact::project_sliding(const Placement& at, std::uint32_t node, const spr
     Eigen::MatrixXd normals(count, 3);
     Eigen::VectorXd gaps(count), rates(count);
     constexpr int max_iterations = 20;  // planes need one
-    for (int turn = 0; turn < max_iterations; ++turn) {
+    for (int iteration = 0; iteration < max_iterations; ++iteration) {
       for (Eigen::Index i = 0; i < count; ++i) {
         const auto j = static_cast<std::size_t>(touch.surfaces()[static_cast<std::size_t>(i)]);
         const Vector3 n = normal(at, j, p);

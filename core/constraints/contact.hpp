@@ -176,7 +176,7 @@ class Contact {
     return sweep_impulse_.empty() ? Vector3(Vector3::Zero()) : sweep_impulse_[node];
   }
   // Discards the contacts of sweeps that were not committed.
-  void forget_sweep();
+  void discard_sweep();
 
   // Surfaces (two to four) that overlap near this position by more than `tolerance` (m), so that no room is left
   // between them; empty if there is room.
@@ -207,29 +207,30 @@ class Contact {
   struct Within;  // a sweep and the placement at its end
   struct Slide;
   void constrain_node(const Within& within, std::uint32_t node, const Vector3* read);
-  // Tries to keep the committed contact. True: kept, outputs are set.
-  [[nodiscard]] bool stay(const Within& within, std::uint32_t node, const Candidate& candidate);
+  // Keeps the committed contact unless a surface would have to pull. True: kept, outputs are set.
+  [[nodiscard]] bool try_to_keep(const Within& within, std::uint32_t node, const Candidate& candidate);
   void meet(const Within& within, std::uint32_t node, const Candidate& candidate);
   // Keeps the committed contact whatever the forces.
-  void follow(const Within& within, std::uint32_t node, const Candidate& candidate);
+  void keep(const Within& within, std::uint32_t node, const Candidate& candidate);
   // Slides along one surface; the velocity is tangential at the end position, or at `normal_at` unless null. rebound:
   // m/s.
-  [[nodiscard]] Slide along(const Within& within, std::int32_t surface, const Candidate& candidate,
-                            const Vector3* normal_at = nullptr, double rebound = 0.0) const;
+  [[nodiscard]] Slide slide_along(const Within& within, std::int32_t surface, const Candidate& candidate,
+                                  const Vector3* normal_at = nullptr, double rebound = 0.0) const;
   // Slides along the edge of two surfaces; rebound: off the second, m/s.
-  [[nodiscard]] Slide between(const Within& within, std::int32_t first, std::int32_t second, const Candidate& candidate,
-                              double rebound = 0.0) const;
+  [[nodiscard]] Slide slide_along_edge(const Within& within, std::int32_t first, std::int32_t second,
+                                       const Candidate& candidate, double rebound = 0.0) const;
   // At the vertex of three surfaces, which leaves no direction to slide in.
   [[nodiscard]] Slide at_vertex(const Within& within, const Touch& touch, const Candidate& candidate) const;
   // Slides along the two surfaces that are left when the one with the smallest normal impulse releases the node.
-  [[nodiscard]] Slide off_vertex(const Within& within, const Slide& vertex, const Candidate& candidate) const;
+  [[nodiscard]] Slide leave_vertex(const Within& within, const Slide& vertex, const Candidate& candidate) const;
   // Chooses the active surfaces of a node that slides on some and meets others. `met` becomes all that it meets. Empty:
   // no choice fits.
-  [[nodiscard]] std::optional<Slide> among(const Within& within, const Slide& on, std::vector<std::int32_t>& met,
-                                           const Candidate& candidate) const;
+  [[nodiscard]] std::optional<Slide> choose_active_set(const Within& within, const Slide& on,
+                                                       std::vector<std::int32_t>& met,
+                                                       const Candidate& candidate) const;
   [[nodiscard]] bool is_flush(const Placement& at, const Touch& on, std::int32_t surface,
                               const Vector3& position) const;
-  void put(const Within& within, std::uint32_t node, const Slide& slide);
+  void set_outputs(const Within& within, std::uint32_t node, const Slide& slide);
   // The same, unless the path meets another surface.
   void slide(const Within& within, std::uint32_t node, const Slide& slide, const Candidate& candidate);
   void stop(const Within& within, std::uint32_t node, const Touch& touch, const Vector3& place,

@@ -123,7 +123,7 @@ void Contact::constrain_node(const Within& within, std::uint32_t node, const Vec
   const auto& [sweep, at] = within;
   const Vector3 start = vector_at(sweep.start_position, node), end = vector_at(sweep.next_position, node);
   const bool decides = sweep.contacts == 0;
-  // The last permitted change of decision takes the long path: meet() then keeps the contact.
+  // At the last permitted change of decision skip the shortcut: meet() then keeps the contact.
   const bool last_change = changes_[node] + (was_in_contact_[node] != 0 ? 1 : 0) >= max_changes;
   if (committed_[node].surface < 0 && (!decides || (!last_change && first_meeting(at, start, end).surface < 0))) {
     // The common case: the node stays free.
@@ -144,77 +144,77 @@ void Contact::constrain_node(const Within& within, std::uint32_t node, const Vec
                           : Matrix3(Eigen::Map<const Matrix3>(sweep.inertia + 9 * std::size_t{node}));
   candidate.mobility = candidate.inertia.inverse();
   if (!decides)
-    follow(within, node, candidate);
-  else if (committed_[node].surface < 0 || !stay(within, node, candidate))
+    keep(within, node, candidate);
+  else if (committed_[node].surface < 0 || !try_to_keep(within, node, candidate))
     meet(within, node, candidate);
 }
 
-// The reaction over the step decides about release. A surface on which nodes slide never pulls, even after chatter.
-bool Contact::stay(const Within& within, std::uint32_t node, const Candidate& candidate) {
+// The reaction over the step decides on release. A surface on which nodes slide never pulls, even after chatter.
+bool Contact::try_to_keep(const Within& within, std::uint32_t node, const Candidate& candidate) {
   const Placement& at = within.at;
   const Touch& before = committed_[node];
-  std::int32_t left = before.surface;
+  std::int32_t surface = before.surface;
   if (before.third >= 0 && before.slides) {
     Slide on = at_vertex(within, before, candidate);
-    if (on.normal < 0.0) on = off_vertex(within, on, candidate);
+    if (on.normal < 0.0) on = leave_vertex(within, on, candidate);
     if (on.normal >= 0.0) {
       static_cast<void>(record_decision(node, true));
       slide(within, node, on, candidate);
       return true;
     }
-    left = on.weakest == on.touch.surface ? on.touch.second : on.touch.surface;
+    surface = on.weakest == on.touch.surface ? on.touch.second : on.touch.surface;
   } else if (before.second >= 0) {
-    const Slide on = between(within, before.surface, before.second, candidate);
+    const Slide on = slide_along_edge(within, before.surface, before.second, candidate);
     if (on.normal >= 0.0) {
       static_cast<void>(record_decision(node, true));
       slide(within, node, on, candidate);
       return true;
     }
-    left = on.weakest == before.surface ? before.second : before.surface;
+    surface = on.weakest == before.surface ? before.second : before.surface;
   }
-  const auto j = static_cast<std::size_t>(left);
+  const auto j = static_cast<std::size_t>(surface);
   if (obstacles_[j].friction().kind == Friction::Kind::held) {
-    const Vector3 place = carried(at, candidate.start, left);
-    const Vector3 lacks = velocity(at, j, place) - candidate.velocity;
-    if (!has_chattered(node) && normal(at, j, place).dot(candidate.inertia * lacks) < 0.0) return false;
+    const Vector3 place = carried(at, candidate.start, surface);
+    const Vector3 missing = velocity(at, j, place) - candidate.velocity;
+    if (!has_chattered(node) && normal(at, j, place).dot(candidate.inertia * missing) < 0.0) return false;
     static_cast<void>(record_decision(node, true));
-    stop(within, node, {left, false}, place, candidate);
+    stop(within, node, {surface, false}, place, candidate);
     return true;
   }
-  const Slide on = along(within, left, candidate);
+  const Slide on = slide_along(within, surface, candidate);
   if (on.normal < 0.0) return false;
   static_cast<void>(record_decision(node, true));
   slide(within, node, on, candidate);
   return true;
 }
 
-void Contact::follow(const Within& within, std::uint32_t node, const Candidate& candidate) {
+void Contact::keep(const Within& within, std::uint32_t node, const Candidate& candidate) {
   const Touch& touch = committed_[node];
   if (touch.slides && touch.third >= 0) {
-    put(within, node, at_vertex(within, touch, candidate));
+    set_outputs(within, node, at_vertex(within, touch, candidate));
     return;
   }
   if (!touch.slides) {
     stop(within, node, touch, carried(within.at, candidate.start, touch.surface), candidate);
     return;
   }
-  Slide on = touch.second >= 0 ? between(within, touch.surface, touch.second, candidate)
-                               : along(within, touch.surface, candidate);
+  Slide on = touch.second >= 0 ? slide_along_edge(within, touch.surface, touch.second, candidate)
+                               : slide_along(within, touch.surface, candidate);
   on.touch = touch;
-  put(within, node, on);
+  set_outputs(within, node, on);
 }
 
 // A chattering node can be off its surface by at most its path within the step. One that is farther away comes from
 // diverging sweeps; it stays free, so that the divergence is reported.
 bool Contact::could_reach(const Placement& at, std::uint32_t node, const Vector3& start, const Vector3& end) const {
   const auto j = static_cast<std::size_t>(last_surface_[node]);
-  const Vector3 came = carried(at, start, last_surface_[node]) - start;  // the surface itself
-  return gap(at, j, end) <= (end - start - came).norm();
+  const Vector3 surface_path = carried(at, start, last_surface_[node]) - start;
+  return gap(at, j, end) <= (end - start - surface_path).norm();
 }
 
 // A surface moves exactly, a node with the error of the step; and the straight path of a step cuts through a curved
 // surface that the node passes around. So a separating node may be behind such a surface for some steps, by O(h^2); its
-// separating velocity tells that it is not meeting the surface. A node that comes from outside does meet a curved
+// separating velocity shows that it does not meet the surface. A node that comes from outside does meet a curved
 // surface at rest, and so does one that would pass to its far side.
 bool Contact::is_separating(const Placement& at, std::int32_t surface, const Path& path) const {
   const auto j = static_cast<std::size_t>(surface);
@@ -251,12 +251,12 @@ void Contact::meet(const Within& within, std::uint32_t node, const Candidate& ca
                                                   candidate.start_velocity, candidate.velocity)
                                         : 0.0;
   if (obstacles_[j].friction().kind != Friction::Kind::held || rebounds > 0.0) {
-    Slide on = along(within, meeting.surface, candidate, nullptr, rebounds);
+    Slide on = slide_along(within, meeting.surface, candidate, nullptr, rebounds);
     // The path crosses a curved surface and ends on its far side, where the node would separate: use the normal where
     // it met the surface.
     if (met && on.normal < 0.0) {
       const Vector3 place = carried_from(at, candidate.start, candidate.position, meeting);
-      on = along(within, meeting.surface, candidate, &place, rebounds);
+      on = slide_along(within, meeting.surface, candidate, &place, rebounds);
     }
     // If this alternates without end, the step does not settle and is reported.
     if (on.normal < 0.0)
@@ -282,11 +282,11 @@ double Contact::rebound(const Placement& at, std::int32_t surface, const Vector3
   const auto j = static_cast<std::size_t>(surface);
   if (!(obstacles_[j].restitution() > 0.0)) return 0.0;
   const Vector3 n = normal(at, j, position);
-  const double came = -n.dot(start_velocity - Contact::velocity(at, j, position));
-  return came > std::abs(n.dot(free - start_velocity)) ? obstacles_[j].restitution() * came : 0.0;
+  const double approach_speed = -n.dot(start_velocity - Contact::velocity(at, j, position));
+  return approach_speed > std::abs(n.dot(free - start_velocity)) ? obstacles_[j].restitution() * approach_speed : 0.0;
 }
 
-void Contact::put(const Within& within, std::uint32_t node, const Slide& on) {
+void Contact::set_outputs(const Within& within, std::uint32_t node, const Slide& on) {
   const springnet_sweep& sweep = within.sweep;
   const double weight = sweep.time_constant * theta_of(sweep);
   if (on.touch.slides && sweep.contacts == 0) slip_[node] = on.slip;
@@ -300,46 +300,48 @@ void Contact::put(const Within& within, std::uint32_t node, const Slide& on) {
 // node approaches no other. A node has three degrees of freedom, so at most three are active; the motion selects them,
 // not the order in which they were met. Velocities decide, as in Moreau's time stepping; the position is then projected
 // so that it is behind none.
-std::optional<Contact::Slide> Contact::among(const Within& within, const Slide& on, std::vector<std::int32_t>& met,
-                                             const Candidate& candidate) const {
+std::optional<Contact::Slide> Contact::choose_active_set(const Within& within, const Slide& on,
+                                                         std::vector<std::int32_t>& met,
+                                                         const Candidate& candidate) const {
   const Placement& at = within.at;
-  std::vector<std::int32_t> asked = std::move(met);
+  std::vector<std::int32_t> pending = std::move(met);
   met.clear();
   for (const std::int32_t surface : on.touch.surfaces())
     if (surface >= 0) met.push_back(surface);
-  const auto comes = [&](const Slide& of, std::int32_t j) {
+  const auto approaches = [&](const Slide& of, std::int32_t j) {
     const auto surface = static_cast<std::size_t>(j);
     const Vector3 relative = of.velocity - velocity(at, surface, of.position);
     return normal(at, surface, of.position).dot(relative) < -beside * relative.norm();
   };
   std::optional<Slide> found = on;
   while (true) {
-    std::int32_t more = -1;
-    if (!asked.empty()) {
-      more = asked.back();
-      asked.pop_back();
-      if (std::find(met.begin(), met.end(), more) != met.end()) continue;
+    std::int32_t added = -1;
+    if (!pending.empty()) {
+      added = pending.back();
+      pending.pop_back();
+      if (std::find(met.begin(), met.end(), added) != met.end()) continue;
     } else {
       const Path path{candidate.node, candidate.start, candidate.start_velocity, found->position, found->velocity};
-      more = next_meeting(at, path, found->touch, met).surface;
-      if (more < 0) return found;
+      added = next_meeting(at, path, found->touch, met).surface;
+      if (added < 0) return found;
     }
-    if (comes(*found, more)) {
+    if (approaches(*found, added)) {
       found.reset();
-      const auto take = [&](const Slide& of) {
+      const auto consider = [&](const Slide& of) {
         const bool fits = of.normal >= 0.0 && std::none_of(met.begin(), met.end(), [&](std::int32_t j) {
-                            return !of.touch.has(j) && comes(of, j);
+                            return !of.touch.has(j) && approaches(of, j);
                           });
         if (!found && fits) found = of;
       };
-      take(along(within, more, candidate));
-      for (std::size_t a = 0; a < met.size() && !found; ++a) take(between(within, met[a], more, candidate));
+      consider(slide_along(within, added, candidate));
+      for (std::size_t a = 0; a < met.size() && !found; ++a)
+        consider(slide_along_edge(within, met[a], added, candidate));
       for (std::size_t a = 0; a < met.size() && !found; ++a)
         for (std::size_t b = a + 1; b < met.size() && !found; ++b)
-          take(at_vertex(within, {met[a], true, met[b], more}, candidate));
+          consider(at_vertex(within, {met[a], true, met[b], added}, candidate));
       if (!found) return std::nullopt;
     }
-    met.push_back(more);
+    met.push_back(added);
     const double rounding = beside * (found->position - candidate.start).norm();
     for (const std::int32_t j : met) {
       const Touch& touch = found->touch;
@@ -371,7 +373,7 @@ void Contact::slide(const Within& within, std::uint32_t node, const Slide& on, c
   const bool settles = slide_changes_[node] >= max_changes;
   if (next.surface < 0 && !settles) {
     if (now_[node] != on.touch) ++slide_changes_[node];
-    put(within, node, on);
+    set_outputs(within, node, on);
     return;
   }
   const auto friction_of = [&](std::int32_t j) { return obstacles_[static_cast<std::size_t>(j)].friction().kind; };
@@ -385,9 +387,9 @@ void Contact::slide(const Within& within, std::uint32_t node, const Slide& on, c
                               : rebound(at, next.surface, on.position, candidate.start_velocity, candidate.velocity);
   const bool holds = any_is(on.touch, Friction::Kind::held);
   if (rebounds > 0.0 && on.touch.second < 0 && !holds) {
-    const Slide both = between(within, on.touch.surface, next.surface, candidate, rebounds);
+    const Slide both = slide_along_edge(within, on.touch.surface, next.surface, candidate, rebounds);
     if (both.normal >= 0.0) {
-      put(within, node, both);
+      set_outputs(within, node, both);
       return;
     }
   }
@@ -397,7 +399,7 @@ void Contact::slide(const Within& within, std::uint32_t node, const Slide& on, c
     for (const std::int32_t j : met_[node])
       if (settles && gap(at, static_cast<std::size_t>(j), on.position) <= length) met.push_back(j);
     if (next.surface >= 0) met.push_back(next.surface);
-    const std::optional<Slide> found = among(within, on, met, candidate);
+    const std::optional<Slide> found = choose_active_set(within, on, met, candidate);
     if (found && now_[node] != found->touch && !settles) ++slide_changes_[node];
     for (const std::int32_t j : met)
       if (std::find(met_[node].begin(), met_[node].end(), j) == met_[node].end()) met_[node].push_back(j);
@@ -409,12 +411,12 @@ void Contact::slide(const Within& within, std::uint32_t node, const Slide& on, c
       return;
     }
     if (found) {
-      put(within, node, *found);
+      set_outputs(within, node, *found);
       return;
     }
   }
   if (next.surface < 0)
-    put(within, node, on);
+    set_outputs(within, node, on);
   else
     stop_between(within, node, on, next, candidate);
 }

@@ -10,7 +10,7 @@ namespace springnet {
 namespace {
 
 // Two surfaces meet in an edge if the cross product of their normals is at least this long.
-constexpr double least_angle = 1e-6;
+constexpr double min_sine = 1e-6;
 
 }  // namespace
 
@@ -19,7 +19,7 @@ EdgeResponse solve_edge(const Eigen::Matrix3d& mobility, const Vector3& relative
   const Vector3 stop = -(mobility.inverse() * relative);
   const Vector3 cross = first.cross(second);
   const double sine = cross.norm();
-  if (sine < least_angle) return {Vector3::Zero(), stop, first.dot(stop), second.dot(stop), true};
+  if (sine < min_sine) return {Vector3::Zero(), stop, first.dot(stop), second.dot(stop), true};
   const Vector3 e = cross / sine;
   const double cosine = first.dot(second), square = sine * sine;
   EdgeResponse held{Vector3::Zero(), stop, (first.dot(stop) - cosine * second.dot(stop)) / square,

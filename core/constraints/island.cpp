@@ -31,9 +31,9 @@ std::vector<Vector3> active_normals(const ContactNode& node) {
   return normals;
 }
 
-// A holding surface gets this coefficient.
-Friction at_most(const Friction& friction, double most) {
-  return friction.kind == Friction::Kind::held ? Friction{Friction::Kind::coulomb, most} : friction;
+// Replaces `held` friction by this coefficient.
+Friction capped(const Friction& friction, double coefficient) {
+  return friction.kind == Friction::Kind::held ? Friction{Friction::Kind::coulomb, coefficient} : friction;
 }
 
 // Holding surfaces only: Coulomb friction would need a normal force comparable to the tangential one.
@@ -67,7 +67,7 @@ void Island::solve_once() {
   struct Unknown {
     std::size_t node;
     Vector3 row, column;
-    double wanted;
+    double target;
     std::size_t side;  // of a normal force
   };
   constexpr std::size_t no_side = 3;
@@ -81,7 +81,7 @@ void Island::solve_once() {
       if (!side.active) continue;
       if (first == nullptr) first = &side;
       Vector3 column = side.normal;
-      if (!node.sticks) column -= sliding_coefficient_of(side.friction) * along(directions, node.slip);
+      if (!node.sticks) column -= sliding_coefficient_of(side.friction) * project_onto(directions, node.slip);
       unknowns.push_back({i, side.normal, column, side.target_acceleration, s});
     }
     if (first == nullptr || !node.sticks) continue;
@@ -92,7 +92,7 @@ void Island::solve_once() {
   Eigen::VectorXd right(count);
   for (Eigen::Index r = 0; r < count; ++r) {
     const Unknown& row = unknowns[static_cast<std::size_t>(r)];
-    right[r] = row.wanted - row.row.dot(nodes_[row.node].acceleration);
+    right[r] = row.target - row.row.dot(nodes_[row.node].acceleration);
     for (Eigen::Index c = 0; c < count; ++c) {
       const Unknown& column = unknowns[static_cast<std::size_t>(c)];
       matrix(r, c) = row.row.dot(block(row.node, column.node) * column.column);
@@ -160,7 +160,7 @@ std::optional<Vector3> Island::slip_of(std::size_t i) const {
   const Vector3 other = acceleration(i) - mobility * node.force;
   Vector3 relative = other - touched->surface_acceleration;
   relative += n * (n.dot(other) - touched->target_acceleration - n.dot(relative));
-  const ContactResponse answer = solve_contact(mobility, relative, n, at_most(touched->friction, friction_of_held));
+  const ContactResponse answer = solve_contact(mobility, relative, n, capped(touched->friction, friction_of_held));
   const Vector3 sliding = answer.velocity - n * n.dot(answer.velocity);
   if (answer.sticks || !(answer.normal > 0.0) || sliding.isZero(0.0)) return std::nullopt;
   return sliding.normalized();
@@ -169,9 +169,9 @@ std::optional<Vector3> Island::slip_of(std::size_t i) const {
 // Beginning slip is parallel to the sliding acceleration. Friction opposes it, and with an anisotropic effective mass
 // turns the acceleration, so that the direction is found by iteration.
 void Island::solve() {
-  double turned = 0.0, turned_before = std::numeric_limits<double>::infinity();  // at the last look
-  for (int turn = 0; turn < max_directions; ++turn) {
-    if (turn > max_guesses && turn % max_guesses == 0) {
+  double turned = 0.0, turned_before = std::numeric_limits<double>::infinity();  // at the last check
+  for (int iteration = 0; iteration < max_directions; ++iteration) {
+    if (iteration > max_guesses && iteration % max_guesses == 0) {
       if (turned > 0.5 * turned_before) break;  // it cycles
       turned_before = turned;
     }
@@ -185,7 +185,7 @@ void Island::solve() {
       const auto first = std::find_if(node.sides.begin(), node.sides.end(), [](const auto& s) { return s.active; });
       if (first == node.sides.end()) continue;
       const Vector3 sliding =
-          along(free_directions(active_normals(node)), acceleration(i) - first->surface_acceleration);
+          project_onto(free_directions(active_normals(node)), acceleration(i) - first->surface_acceleration);
       const bool against = sliding.dot(node.slip) < 0.0;
       // At the boundary of the cone the acceleration is too small to have a direction.
       const double scale = (acceleration(i) - nodes_[i].acceleration).norm();
@@ -194,10 +194,11 @@ void Island::solve() {
       // directions. Then search all directions.
       std::optional<Vector3> slip;
       const bool pulls = node.normal_force[static_cast<std::size_t>(first - node.sides.begin())] < 0.0;
-      if (against || pulls || turn >= max_guesses) slip = slip_of(i);
+      if (against || pulls || iteration >= max_guesses) slip = slip_of(i);
       if (!slip && against) continue;  // it would stick
       if (!slip)
-        slip = turn < max_guesses ? sliding.normalized() : Vector3((sliding.normalized() + node.slip).normalized());
+        slip =
+            iteration < max_guesses ? sliding.normalized() : Vector3((sliding.normalized() + node.slip).normalized());
       turned = std::max(turned, (*slip - node.slip).norm());
       node.slip = *slip;
     }
@@ -206,7 +207,7 @@ void Island::solve() {
   }
 }
 
-bool Island::relax(double most, int rounds, const std::vector<Vector3>& from) {
+bool Island::relax(double held_coefficient, int rounds, const std::vector<Vector3>& from) {
   std::vector<std::vector<Vector3>> forces;
   std::vector<Vector3> accelerations;
   for (std::size_t i = 0; i < nodes_.size(); ++i) {
@@ -219,7 +220,7 @@ bool Island::relax(double most, int rounds, const std::vector<Vector3>& from) {
     forces[i] = share_reaction(normals, std::vector<double>(normals.size(), 0.0), from[i]);
   }
   double change = 0.0, size = 0.0;
-  double change_before = std::numeric_limits<double>::infinity();  // at the last look
+  double change_before = std::numeric_limits<double>::infinity();  // at the last check
   for (int round = 0; round < rounds; ++round) {
     if (round % rounds_per_check == rounds_per_check - 1) {
       // At this rate it would not converge within all rounds.
@@ -242,11 +243,12 @@ bool Island::relax(double most, int rounds, const std::vector<Vector3>& from) {
         if (n.dot(relative) < 0.0 || side.pinned) {
           if (node.slipping) {
             const Vector3 direction = n - sliding_coefficient_of(side.friction) * node.slip;
-            const double answers = n.dot(mobility * direction);
-            if (!(answers > 0.0)) return false;
-            now = -n.dot(relative) / answers * direction;
+            const double response = n.dot(mobility * direction);
+            if (!(response > 0.0)) return false;
+            now = -n.dot(relative) / response * direction;
           } else {
-            const ContactResponse answer = solve_contact(mobility, relative, n, at_most(side.friction, most));
+            const ContactResponse answer =
+                solve_contact(mobility, relative, n, capped(side.friction, held_coefficient));
             if (answer.normal < 0.0 && !side.pinned) return false;
             now = answer.impulse;
             node.sticks = answer.sticks;
@@ -278,7 +280,7 @@ bool Island::relax(double most, int rounds, const std::vector<Vector3>& from) {
 
 void Island::begin_slip(std::size_t node) {
   ContactNode& slips = nodes_[node];
-  const Vector3 grip = along(free_directions(active_normals(slips)), slips.force);
+  const Vector3 grip = project_onto(free_directions(active_normals(slips)), slips.force);
   slips.sticks = false;
   if (grip.norm() > 0.0) slips.slip = -grip.normalized();
 }
@@ -304,13 +306,13 @@ Island::Violation Island::find_violation(double negligible) const {
     const ContactNode& node = nodes_[i];
     const double mobility = block(i, i).norm();
     const Vector3 a = acceleration(i);
-    double bears = 0.0;
+    double limit = 0.0;
     const ContactSide* first = nullptr;
     for (std::size_t s = 0; s < node.sides.size(); ++s) {
       const ContactSide& side = node.sides[s];
       if (side.active) {
         if (!side.pinned && node.normal_force[s] < -negligible) return {Violation::Kind::pulling, i, s};
-        bears += friction_limit(coefficient_of(side.friction), std::max(0.0, node.normal_force[s]));
+        limit += friction_limit(coefficient_of(side.friction), std::max(0.0, node.normal_force[s]));
         if (first == nullptr) first = &side;
       } else if (!side.separating && side.normal.dot(a) - side.target_acceleration < -negligible * mobility) {
         return {Violation::Kind::closing, i, s};
@@ -320,8 +322,9 @@ Island::Violation Island::find_violation(double negligible) const {
     const std::vector<Vector3> directions = free_directions(active_normals(node));
     if (directions.empty()) continue;
     if (node.sticks) {
-      if (bears - along(directions, node.force).norm() < -negligible) return {Violation::Kind::outside_cone, i, 0};
-    } else if (bears > 0.0 && node.slip.dot(a - first->surface_acceleration) < -negligible * mobility) {
+      if (limit - project_onto(directions, node.force).norm() < -negligible)
+        return {Violation::Kind::outside_cone, i, 0};
+    } else if (limit > 0.0 && node.slip.dot(a - first->surface_acceleration) < -negligible * mobility) {
       return {Violation::Kind::slip_reversed, i, 0};
     }
   }
@@ -432,9 +435,9 @@ bool Island::resolve_impulses(double negligible) {
   // A holding contact whose normal force vanishes can neither hold nor open; the friction coefficient that replaces it
   // hardly matters.
   bool relaxed = false;
-  for (const double most : {friction_of_held, 1.0}) {
+  for (const double held_coefficient : {friction_of_held, 1.0}) {
     if (bit_count() <= max_stored) set_active_set(start);
-    if ((relaxed = relax(most, is_large ? max_rounds : max_rounds / 10, before))) break;
+    if ((relaxed = relax(held_coefficient, is_large ? max_rounds : max_rounds / 10, before))) break;
   }
   if (!relaxed && is_large && bit_count() <= max_stored) set_active_set(start);
   if (!relaxed && is_large && pivot(negligible, changed) && directions_fit_) return true;

@@ -135,10 +135,10 @@ class Island {
   // cycles.
   bool pivot(double negligible, std::set<std::size_t>& changed);
   bool enumerate(double negligible);
-  // Block Gauss-Seidel iteration, for cases in which pivoting found no active set. `most`: friction coefficient of
-  // holding surfaces; `from`: starting forces, if any. Sets the active set and the forces; false if it does not
+  // Block Gauss-Seidel iteration, for cases in which pivoting found no active set. `held_coefficient` replaces that
+  // of holding surfaces; `from`: starting forces, if any. Sets the active set and the forces; false if it does not
   // converge.
-  bool relax(double most, int rounds, const std::vector<Vector3>& from);
+  bool relax(double held_coefficient, int rounds, const std::vector<Vector3>& from);
   [[nodiscard]] auto block(std::size_t row, std::size_t column) const {
     return mobility_.block<3, 3>(static_cast<Eigen::Index>(3 * row), static_cast<Eigen::Index>(3 * column));
   }

@@ -268,9 +268,8 @@ double starting_depth(const Obstacle& obstacle, const Pose& pose, const Vector3&
 }
 
 std::string misplaced(NodeIndex node, double depth, bool plane, const std::string& surface) {
-  return fmt::format("node {} starts {:.3g} m {} {}, where no node can be; move the body or the {}", node, depth,
-                     plane ? "behind" : "inside", surface,
-                     plane ? "plane, or turn the plane's normal towards the body" : "instrument");
+  return fmt::format("node {} starts {:.3g} m {} {}; move the body or the {}", node, depth, plane ? "behind" : "inside",
+                     surface, plane ? "plane, or turn the plane's normal towards the body" : "instrument");
 }
 
 }  // namespace springnet

@@ -102,7 +102,7 @@ bool RigidConnections::correct_positions(const Placement& at, const Cluster& clu
   };
   ConstraintSystem system;
   double last = std::numeric_limits<double>::infinity();
-  for (int turn = 0; turn < max_corrections; ++turn) {
+  for (int iteration = 0; iteration < max_corrections; ++iteration) {
     std::vector<ConstraintRow> rows = rows_of(at, cluster, touches, positions);
     Eigen::VectorXd gap(static_cast<Eigen::Index>(rows.size()));
     double worst = 0.0;  // relative to the length, for surfaces to the longest one
@@ -141,12 +141,12 @@ springnet_status RigidConnections::cannot_keep(const Cluster& cluster, springnet
   set_message(
       message,
       fmt::format("the rigid connections of the {} nodes in the cluster of connection {} (nodes {} and "
-                  "{}) cannot keep their lengths: what is fixed, moved or in contact pulls them apart{}; look at "
-                  "what moves there, or use a smaller time step",
+                  "{}) cannot keep their lengths: fixed nodes, prescribed motions or contacts pull them apart{}; "
+                  "check the motions there, or use a smaller time step",
                   cluster.nodes.size(), cluster.rods.front(), user_number_[rod.first], user_number_[rod.second],
                   touched.size() < 2
                       ? ""
-                      : fmt::format(", or there is no place left for them between {}", contact_.names_of(touched))));
+                      : fmt::format(", or there is no room left for them between {}", contact_.names_of(touched))));
   return SPRINGNET_RECOVERABLE;
 }
 
@@ -307,7 +307,7 @@ springnet_status RigidConnections::project(const Placement& at, std::size_t numb
     sliding[i].slides = true;
     movable[i] = 1;
   }
-  // Rebounds begin on their surfaces where lengths let them.
+  // Rebounding nodes start on their surfaces if the lengths allow.
   std::vector<Touch> rebounding = sliding;
   for (std::size_t i = 0; i < count; ++i) {
     const auto found = rebounds.find(cluster.nodes[i]);

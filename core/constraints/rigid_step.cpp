@@ -15,7 +15,7 @@ bool RigidConnections::WithoutContact::keep_lengths(double h, std::vector<Vector
   const std::vector<ConstraintRow>& rows = system_.rows();
   Eigen::VectorXd gap(static_cast<Eigen::Index>(rows.size()));
   double last = std::numeric_limits<double>::infinity();
-  for (int turn = 0; turn < max_iterations; ++turn) {
+  for (int iteration = 0; iteration < max_iterations; ++iteration) {
     double worst = 0.0;
     for (std::size_t r = 0; r < rows.size(); ++r) {
       const double length = rigid_.rods_[rods_[r]].length;

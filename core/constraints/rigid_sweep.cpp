@@ -25,11 +25,11 @@ namespace springnet {
 namespace {
 
 constexpr int max_iterations = 60;  // of the coupled iteration for positions and velocities
-// Iterations after which the active set is frozen, and between updates of the effective mobility.
+// Iterations in which the active set may change, and between updates of the effective mobility.
 constexpr int active_set_iterations = 20, iterations_per_mobility = 10;
 constexpr std::size_t few_contacts = 6;  // up to this many the mobility is updated in each iteration
 constexpr double accuracy = 1e-13;
-constexpr double negligible_impulse = 1e-11;  // relative to the impulses without contact, that counts
+constexpr double negligible_impulse = 1e-11;  // relative to the impulses without contact
 constexpr double simultaneous = 1e-9;         // share of the step within which meetings are simultaneous
 
 Touch touch_of(const ContactNode& node) {
@@ -334,7 +334,7 @@ RigidConnections::Step::Outcome RigidConnections::Step::solve() {
   const auto mobility = [&](std::uint32_t node) { return members_[rigid_.member_of_[node]].mobility; };
   double last = std::numeric_limits<double>::infinity();
   bool found = true;
-  int turn = 0;
+  int iteration = 0;
   while (true) {
     rods_.set(rigid_.rods_of(cluster_, positions()), mobility);
     respond();
@@ -342,8 +342,8 @@ RigidConnections::Step::Outcome RigidConnections::Step::solve() {
       // With sticking nodes that brace each other, a mobility of older positions would be inconsistent with the
       // velocities.
       const bool is_small = island_->nodes().size() <= few_contacts;
-      if (is_small || turn % iterations_per_mobility == iterations_per_mobility - 1) mobility_stale_ = true;
-      found = find_impulses(decides_ && turn < active_set_iterations);
+      if (is_small || iteration % iterations_per_mobility == iterations_per_mobility - 1) mobility_stale_ = true;
+      found = find_impulses(decides_ && iteration < active_set_iterations);
       update_touches();
       respond();
     }
@@ -358,11 +358,11 @@ RigidConnections::Step::Outcome RigidConnections::Step::solve() {
     for (std::size_t i = 0; i < count; ++i)
       members_[i].position = overshoots ? Vector3(0.5 * (members_[i].position + next[i])) : next[i];
     last = moved;
-    ++turn;
-    // Positions that have not converged by then still tell which surfaces they are behind.
-    if (!done && turn < max_iterations) continue;
+    ++iteration;
+    // Positions that have not converged by then still show which surfaces they are behind.
+    if (!done && iteration < max_iterations) continue;
     if (!decides_ || contact_.obstacles().empty() || !meet()) break;
-    turn = 0;
+    iteration = 0;
     last = std::numeric_limits<double>::infinity();
   }
   // If sweeps diverge, the forces at the end do not explain these velocities: the residual shows it, and the step does
