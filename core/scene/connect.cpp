@@ -67,14 +67,14 @@ std::size_t count_nodes(const std::vector<Pair>& pairs) {
   return static_cast<std::size_t>(std::unique(nodes.begin(), nodes.end()) - nodes.begin());
 }
 
-// A large piece that is rigid throughout is expensive, whatever the connections.
+// Large rigid bodies are expensive.
 void note_cost(const Table& rigid, const std::vector<Pair>& pairs, std::vector<std::string>& notes) {
   constexpr std::size_t many_nodes = 500;
   const std::size_t nodes = count_nodes(pairs);
   if (nodes < many_nodes || pairs.size() < 2 * nodes) return;
   notes.push_back(
-      fmt::format("{} joins {} nodes by {} connections: pieces of so many nodes take seconds a time step; join fewer "
-                  "nodes (the outer ones, say), or make their springs stiff instead.",
+      fmt::format("{} joins {} nodes by {} connections: rigid bodies of so many nodes take seconds per time step; "
+                  "join fewer nodes (the outer ones, say), or make their springs stiff instead.",
                   rigid.value().path(), grouped(nodes), grouped(pairs.size())));
 }
 

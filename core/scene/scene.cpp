@@ -27,8 +27,8 @@ void check_version(const Table& root) {
   const std::int64_t given = version->integer(1);
   if (given == scene_version) return;
   version->fail(fmt::format(
-      "this scene is of version {}, but springnet {} reads version {}; take a newer springnet, or write the "
-      "scene as scene.md of this one's documentation says, with version = {}",
+      "this scene has version {}, but springnet {} reads version {}; use a newer springnet, or rewrite the scene "
+      "as its documentation (scene.md) describes, with version = {}",
       given, springnet::version(), scene_version, scene_version));
 }
 

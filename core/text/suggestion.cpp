@@ -35,9 +35,10 @@ std::size_t edit_distance(std::string_view a, std::string_view b) {
 // An abbreviation ("damp" for "damping") counts as one wrong letter. Values above `largest` are not computed exactly,
 // to save time.
 std::size_t distance(std::string_view a, std::string_view b, std::size_t largest) {
-  constexpr std::size_t enough_to_tell = 3;
+  constexpr std::size_t shortest_abbreviation = 3;
   const std::size_t common = std::min(a.size(), b.size());
-  if (common >= enough_to_tell && a.substr(0, common) == b.substr(0, common)) return a.size() == b.size() ? 0 : 1;
+  if (common >= shortest_abbreviation && a.substr(0, common) == b.substr(0, common))
+    return a.size() == b.size() ? 0 : 1;
   if (std::max(a.size(), b.size()) - common > largest) return largest + 1;
   return edit_distance(a, b);
 }

@@ -115,12 +115,15 @@ TEST_CASE("what a net cannot have is noted") {
     }
     return all;
   };
-  CHECK(contains(notes(box, ", poisson_ratio = 0.3"), "Body 'b': its springs make a solid of Poisson ratio 1/4"));
+  for (const char* fact : {"Body 'b'", "Poisson ratio", "1/4", "0.3"}) {
+    CAPTURE(fact);
+    CHECK(contains(notes(box, ", poisson_ratio = 0.3"), fact));
+  }
   CHECK_FALSE(contains(notes(box, ", poisson_ratio = 0.25"), "Poisson"));
   CHECK_FALSE(contains(notes(box, ""), "Poisson"));
-  CHECK(contains(notes(box, ", poisson_ratio = 0.45"), "not 0.45 as asked"));
-  CHECK(contains(notes(sheet, ", poisson_ratio = 0.25"), "a sheet of Poisson ratio 1/3"));
-  CHECK(contains(notes(sheet, ", poisson_ratio = 0.25"), "not 0.25 as asked"));
+  CHECK(contains(notes(box, ", poisson_ratio = 0.45"), "0.45"));
+  CHECK(contains(notes(sheet, ", poisson_ratio = 0.25"), "1/3"));
+  CHECK(contains(notes(sheet, ", poisson_ratio = 0.25"), "0.25"));
   CHECK_FALSE(contains(notes(box, ""), "shear"));
   CHECK(contains(notes("mesh = { lattice = [3, 3, 3], spacing = 1.0 }", ""), "resist no shear"));
 
