@@ -183,7 +183,7 @@ TEST_CASE("volumes follow nodes that move one after another") {
     }
     const layers::Enclosure::Values exact = enclosure.values(laid.nodes());
     const layers::Enclosure::Values seen =
-        volumes.seen_by(k, 0, enclosure.gradient(place, laid.nodes()), enclosure.rate_gradient(place, laid.nodes()));
+        volumes.values_for(k, 0, enclosure.gradient(place, laid.nodes()), enclosure.rate_gradient(place, laid.nodes()));
     CHECK(std::abs(seen.volume - exact.volume) < 1e-12);  // rounding
     CHECK(std::abs(seen.rate - exact.rate) < 1e-12);
     volumes.commit(k);

@@ -118,7 +118,7 @@ TEST_CASE("queries about all springs agree with those about one") {
   // The same terms in another order.
   CHECK(layers::spring_energy(laid.layout, set, 0.0, laid.nodes()) == doctest::Approx(sum).epsilon(1e-13));
   CHECK(sum > 0.0);
-  CHECK(layers::explain_failure(laid.layout, set, 0.0, laid.nodes(), layers::Asked::forces_and_derivatives) == "");
+  CHECK(layers::explain_failure(laid.layout, set, 0.0, laid.nodes(), layers::Requested::forces_and_derivatives) == "");
 }
 
 TEST_CASE("margins to rupture are those of the law that can rupture") {

@@ -10,7 +10,7 @@ namespace springnet::layers {
 namespace {
 
 // Below this sine an angle counts as straight: its Hessian has lost half of its digits.
-constexpr double least_sine = 1e-7;
+constexpr double min_sine = 1e-7;
 // Transverse motion of a straight angle below this fraction of its nodes' motion counts as none.
 constexpr double rounding = 1e-13;
 
@@ -306,7 +306,7 @@ bool is_straight(Invariant invariant, const Corners& corners, BentDirections& ou
   if (invariant != Invariant::angle) return false;
   const Vector3 u = corners.position[0] - corners.position[1], w = corners.position[2] - corners.position[1];
   const double u_size = u.norm(), w_size = w.norm();
-  if (!(u_size > 0.0) || !(w_size > 0.0) || u.cross(w).norm() > least_sine * u_size * w_size) return false;
+  if (!(u_size > 0.0) || !(w_size > 0.0) || u.cross(w).norm() > min_sine * u_size * w_size) return false;
   const Vector3 along = u / u_size;
   Eigen::Index axis = 0;
   along.cwiseAbs().minCoeff(&axis);
