@@ -377,7 +377,7 @@ class GmshReader {
         const std::uint64_t number = tag("a node of an element");
         const auto point = tags_.find(number);
         if (!point) {
-          in_.fail(fmt::format("an element has node {}, which $Nodes does not have; export the mesh again", number));
+          in_.fail(fmt::format("an element has node {}, which is not in $Nodes; export the mesh again", number));
         }
         points[n] = *point;
       }

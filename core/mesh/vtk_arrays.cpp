@@ -17,9 +17,9 @@ constexpr std::array scalar_names{"Int8",   "UInt8", "Int16",  "UInt16",  "Int32
 // zlib's greatest expansion factor.
 constexpr std::uint64_t max_expansion = 1032;
 
-// Limits of memory, in bytes for each byte of the file, and in addition: a number of one byte or two characters takes
-// eight bytes in memory, arrays may share their data, and zlib compresses meshes to about a tenth.
-constexpr std::uint64_t max_per_byte = 16, max_per_compressed_byte = 100, max_beside = 1U << 24U;
+// Limits of memory: base_limit and so many bytes for each byte of the file. A number of one byte or two characters
+// takes eight bytes in memory, arrays may share their data, and zlib compresses meshes to about a tenth.
+constexpr std::uint64_t max_per_byte = 16, max_per_compressed_byte = 100, base_limit = 1U << 24U;
 
 int base64_digit(char c) noexcept {
   if (c >= 'A' && c <= 'Z') return c - 'A';
@@ -90,11 +90,11 @@ Scalar ArrayReader::type(pugi::xml_node array) const {
 
 void ArrayReader::claim(pugi::xml_node array, std::uint64_t count, std::uint64_t bytes_each) {
   const std::uint64_t each = encoding_.compressed ? max_per_compressed_byte : max_per_byte;
-  const std::uint64_t most = max_beside + source_.text().size() * each - claimed_;
-  if (count > most / bytes_each) {
-    fail(array, fmt::format("{} values are declared for {}, together with those before more than the file can hold; it "
-                            "is damaged, export it again",
-                            count, name_of(array)));
+  const std::uint64_t limit = base_limit + source_.text().size() * each - claimed_;
+  if (count > limit / bytes_each) {
+    fail(array, fmt::format("{} declares {} values; together with the arrays before it this is more than the file can "
+                            "hold; it is damaged, export it again",
+                            name_of(array), count));
   }
   claimed_ += count * bytes_each;
 }
@@ -191,8 +191,8 @@ std::string ArrayReader::data(pugi::xml_node array, std::uint64_t bytes) const {
   if (encoded.size() < header) fail(array, fmt::format("{} is cut off; export the mesh again", name));
   const std::uint64_t size = header_number(encoded, 0);
   if (size != bytes || encoded.size() - header < bytes) {
-    fail(array, fmt::format("{} should have {} bytes; it says {}, and there are {}; the file is damaged, export it "
-                            "again",
+    fail(array, fmt::format("{} should have {} bytes, but its header has {}, and {} follow; the file is damaged, "
+                            "export it again",
                             name, bytes, size, encoded.size() - header));
   }
   return std::string(encoded.substr(header, static_cast<std::size_t>(bytes)));

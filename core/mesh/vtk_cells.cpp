@@ -122,10 +122,10 @@ void VtkCells::add(int type, std::span<const std::int64_t> points, Place place) 
     }
     corners_.push_back(first_point_ + static_cast<std::uint32_t>(point));
   }
-  const auto need = [&](std::size_t least, bool exactly) {
-    if (exactly ? corners_.size() == least : corners_.size() >= least) return;
+  const auto need = [&](std::size_t min_count, bool exactly) {
+    if (exactly ? corners_.size() == min_count : corners_.size() >= min_count) return;
     source.fail(place, fmt::format("cell {} of VTK's type {} has {} points and needs {}{}; export the mesh again",
-                                   count() - 1, type, corners_.size(), least, exactly ? "" : " or more"));
+                                   count() - 1, type, corners_.size(), min_count, exactly ? "" : " or more"));
   };
   const std::span<const std::uint32_t> corners(corners_);
   switch (type) {

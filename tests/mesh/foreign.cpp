@@ -7,6 +7,7 @@
 #include <fmt/format.h>
 #include <springnet/error.hpp>
 
+#include "facts.hpp"
 #include "samples.hpp"
 
 namespace springnet::testing {
@@ -79,12 +80,9 @@ TEST_CASE("a grid has a million points, or one for each byte of its file") {
   for (const char* dimensions : {"256 256 256", "1000001 1 1", "1 1 1000001", "2 500001 1", "4294967296 4294967296 1",
                                  "18446744073709551615 18446744073709551615 18446744073709551615"}) {
     CAPTURE(dimensions);
-    CHECK(error_of("a.vtk", grid(dimensions)).find("a.vtk:5: DIMENSIONS are ") != std::string::npos);
+    CHECK(error_of("a.vtk", grid(dimensions)).find("a.vtk:5: ") != std::string::npos);
   }
-  CHECK(
-      error_of("a.vtk", grid("256 256 256")) ==
-      "a.vtk:5: DIMENSIONS are 256 x 256 x 256, more than the 1000000 points that a file of 111 bytes may have; use a "
-      "coarser grid");
+  CHECK(has_facts(error_of("a.vtk", grid("256 256 256")), "a.vtk:5: | 256 x 256 x 256 | 1000000 points | 111 bytes"));
   CHECK(read_text_mesh("a.vtk", grid("1000000 1 1")).cell_count() == 999'999);
   std::string data = "CELL_DATA 1000001\nSCALARS a int\nLOOKUP_TABLE default\n";
   for (int k = 0; k < 1'000'001; ++k) data += "7 ";

