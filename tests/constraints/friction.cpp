@@ -206,7 +206,7 @@ TEST_CASE("a node that came to a corner leaves it again, whichever surface it me
 TEST_CASE("a corner whose wall moves lets its node go, or pushes it along, whichever surface it met first") {
   // Pressed to floor and wall by 1 N; from 1 s on the wall goes 0.5 m away within 1 s, or comes as much nearer.
   const Friction none{Friction::Kind::none, 0.0};
-  for (const double way_of_wall : {0.5, -0.5}) {
+  for (const double wall_displacement : {0.5, -0.5}) {
     for (const bool floor_last : {false, true}) {
       Network net;
       net.add_node(floor_last ? point({1, 0, 0.3}) : point({0.9, 0, 0}));
@@ -215,17 +215,17 @@ TEST_CASE("a corner whose wall moves lets its node go, or pushes it along, which
       net.add_plane({"floor", {0, 0, 0}, {0, 0, 1}, none});
       Motion motion;
       motion.times = {1.0, 2.0};
-      motion.displacements = {Vector3::Zero(), {way_of_wall, 0, 0}};
+      motion.displacements = {Vector3::Zero(), {wall_displacement, 0, 0}};
       net.add_plane({"wall", {1, 0, 0}, {-1, 0, 0}, none, motion});
       Simulation simulation = simulate(net, cvode(1e-9), 0.05);
-      CAPTURE(way_of_wall);
+      CAPTURE(wall_displacement);
       CAPTURE(floor_last);
       simulation.advance_to(0.95);
       CHECK(simulation.position(0).x() == doctest::Approx(1.0).epsilon(1e-9));
       simulation.advance_to(3.0);
       CHECK(std::abs(simulation.position(0).z()) <= 1e-7);
       // Pushed it stays at the wall; drawn away it follows with 1 m/s^2 at most: 0.5 t^2, and the wall comes to rest.
-      CHECK(simulation.position(0).x() == doctest::Approx(1.0 + way_of_wall).epsilon(1e-6));
+      CHECK(simulation.position(0).x() == doctest::Approx(1.0 + wall_displacement).epsilon(1e-6));
     }
   }
 }

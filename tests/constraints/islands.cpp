@@ -124,7 +124,7 @@ TEST_CASE("a lone node that strikes: Newton's restitution, Coulomb's impulse") {
   // What moves off is not struck.
   Island leaving({on_floor({1, 0, 0.1}, held)}, Matrix3::Identity());
   CHECK_FALSE(leaving.apply_impact(1e-6));
-  // What rounding leaves of a velocity is no blow, and one that strikes with another that does not approach is left
+  // What rounding leaves of a velocity is no impact, and one that strikes with another that does not approach is left
   // alone.
   Island resting({on_floor({1, 0, -1e-17}, smooth)}, Matrix3::Identity());
   CHECK_FALSE(resting.apply_impact(1e-6, 1e-13));
@@ -212,9 +212,9 @@ TEST_CASE("a node between two planes: each bears its share, and the edge is free
     const double pressing = std::sqrt(0.5);
     CHECK(island.nodes()[0].normal_force[0] == doctest::Approx(pressing).epsilon(rounding));
     CHECK(island.nodes()[0].normal_force[1] == doctest::Approx(pressing).epsilon(rounding));
-    const double most = mu * 2 * pressing;
-    CHECK((island.acceleration(0) - Vector3(0, std::max(0.0, 0.25 - most), 0)).norm() <= rounding);
-    CHECK(island.nodes()[0].sticks == (most > 0.25));
+    const double limit = mu * 2 * pressing;
+    CHECK((island.acceleration(0) - Vector3(0, std::max(0.0, 0.25 - limit), 0)).norm() <= rounding);
+    CHECK(island.nodes()[0].sticks == (limit > 0.25));
   }
 }
 
@@ -340,17 +340,17 @@ TEST_CASE("impulses over a step end approach within the cone, for all contacts a
     CHECK((lone.nodes()[0].force - answer.impulse).norm() <= rounding);
     CHECK(lone.nodes()[0].sticks == answer.sticks);
   }
-  // One that rises is let go, unless it stays.
+  // One that rises is let go, unless it pinned.
   ContactNode rising = on_floor(Vector3::Zero(), smooth);
   rising.acceleration = {0, 0, 0.7};
-  Island leaves({rising}, Matrix3::Identity());
-  REQUIRE(leaves.resolve_impulses(1e-12));
-  CHECK_FALSE(leaves.nodes()[0].sides[0].active);
-  CHECK(leaves.nodes()[0].force.isZero(0.0));
+  Island released({rising}, Matrix3::Identity());
+  REQUIRE(released.resolve_impulses(1e-12));
+  CHECK_FALSE(released.nodes()[0].sides[0].active);
+  CHECK(released.nodes()[0].force.isZero(0.0));
   rising.sides[0].pinned = true;
-  Island stays({rising}, Matrix3::Identity());
-  REQUIRE(stays.resolve_impulses(1e-12));
-  CHECK((stays.nodes()[0].force + Vector3(0, 0, 0.7)).norm() <= rounding);
+  Island pinned({rising}, Matrix3::Identity());
+  REQUIRE(pinned.resolve_impulses(1e-12));
+  CHECK((pinned.nodes()[0].force + Vector3(0, 0, 0.7)).norm() <= rounding);
   // Two nodes braced between each other by a rod along x: only what differs from its direction moves them.
   std::vector<ContactNode> braced(2, on_floor(Vector3::Zero(), coulomb(0.3)));
   braced[1].node = 1;

@@ -228,16 +228,16 @@ TEST_CASE("a surface that sheds nodes at the kinks of a sampled table is named o
       INFO(scheme.name);
       Simulation s = simulate(net, scheme.integrator, 0.01);
       s.advance_to(0.9);
-      std::size_t released = 0, told = 0;
+      std::size_t released = 0, events = 0;
       for (const Event& event : s.events()) released += event.kind == Event::Kind::released ? 1 : 0;
       for (const std::string& note : s.notes()) {
         if (note.find("plane 'lift'") == std::string::npos) continue;
-        ++told;
+        ++events;
         CHECK(note.find("linear table") != std::string::npos);
         CHECK(note.find("interpolation = \"smooth\"") != std::string::npos);
       }
       CHECK(released >= 2);
-      CHECK(told == (sampled ? 1 : 0));
+      CHECK(events == (sampled ? 1 : 0));
     }
   }
 }

@@ -60,7 +60,7 @@ double distance_by_planes(const Instrument& box, const Vector3& x, Dice& dice) {
 
 // Of a motion and a turn at once, off the obstacle's middle.
 template <class Surface>
-Surface moved(Surface surface) {
+Surface with_motion(Surface surface) {
   surface.motion.emplace();
   surface.motion->amplitude = {0.1, -0.2, 0.15};
   surface.motion->frequency = 0.7;
@@ -79,9 +79,9 @@ std::vector<Obstacle> moving_obstacles() {
   capsule.second = {0.4, 0.1, 0.2};
   capsule.radius = 0.3;
   const Matrix3 axes = Eigen::AngleAxisd(0.7, Vector3(0.6, 0.8, 0.0)).toRotationMatrix();
-  std::vector<Obstacle> obstacles{Obstacle(moved(plane)), Obstacle(moved(capsule))};
+  std::vector<Obstacle> obstacles{Obstacle(with_motion(plane)), Obstacle(with_motion(capsule))};
   for (const double radius : {0.0, 0.1})
-    obstacles.emplace_back(moved(box_of({0.1, 0, 0}, {0.6, 0.4, 0.3}, axes, radius)));
+    obstacles.emplace_back(with_motion(box_of({0.1, 0, 0}, {0.6, 0.4, 0.3}, axes, radius)));
   return obstacles;
 }
 
@@ -180,7 +180,7 @@ TEST_CASE("points of an obstacle that moves and turns: place, velocity, accelera
   }
 }
 
-TEST_CASE("the distance of a moving point from a turning obstacle has the second derivative that is told") {
+TEST_CASE("the distance of a moving point from a turning obstacle has the second derivative that is returned") {
   Dice dice;
   for (const Obstacle& obstacle : moving_obstacles()) {
     for (int k = 0; k < 20; ++k) {

@@ -66,7 +66,7 @@ TEST_CASE("the smallest value on a path is found, or one that is low enough") {
   CHECK(asked == 2);
 }
 
-TEST_CASE("an obstacle tells whether its turn moves its shape, how thick it is, and how near it may come") {
+TEST_CASE("an obstacle knows whether its turn moves its shape, its thickness, and the nearest it may come") {
   Turn turn;
   turn.rate = 3.0;
   Plane plane;

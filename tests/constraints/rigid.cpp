@@ -152,7 +152,7 @@ TEST_CASE("a spring between two rigid dumbbells: the frequency of the reduced ma
   }
 }
 
-TEST_CASE("what rigid connections cannot do is said") {
+TEST_CASE("errors name what rigid connections cannot do") {
   Network net;
   net.add_node(point({0, 0, 0}));
   net.add_node(point({1, 0, 0}));
@@ -249,7 +249,7 @@ TEST_CASE("a rod that is pulled up leaves the floor as a whole") {
   }
 }
 
-TEST_CASE("a connection that is pulled apart ends the run at once, and the reason is told") {
+TEST_CASE("a connection that is pulled apart ends the run at once, with the reason") {
   Network net;
   net.add_node(point({0, 0, 0}));
   net.add_node(point({1, 0, 0}));

@@ -45,7 +45,7 @@ Network on_sphere() {
 }
 // It leaves where its height is 2/3 of that at the start: the integral of dphi / sqrt(2 (cos phi_0 - cos phi)) up to
 // there, s.
-constexpr double leaves_sphere = 2.839490494;
+constexpr double sphere_release_time = 2.839490494;
 
 std::size_t count(const Simulation& simulation, Event::Kind kind) {
   return static_cast<std::size_t>(std::count_if(simulation.events().begin(), simulation.events().end(),
@@ -81,7 +81,7 @@ TEST_CASE("a sliding node leaves a sphere once, in the step in which its reactio
       CHECK(pull <= 1e-8);
       CHECK(count(s, Event::Kind::released) == 1);
       // Backward Euler's node is faster by first order in h.
-      CHECK(std::abs(left - leaves_sphere) <= (scheme.order == 1.0 ? 1.5 * h : h));
+      CHECK(std::abs(left - sphere_release_time) <= (scheme.order == 1.0 ? 1.5 * h : h));
     }
   }
 }
@@ -128,11 +128,11 @@ TEST_CASE("the cone of friction is as wide as its coefficient, to a per cent") {
       net.add_plane(plane_at(Vector3::Zero(), Vector3::UnitZ(), {Friction::Kind::coulomb, coefficient}));
       Simulation s = simulate(net, scheme.integrator, 0.01);
       s.advance_to(1.0);
-      const double way_down = s.position(0).x();
+      const double slide = s.position(0).x();
       if (coefficient > 0.3)
-        CHECK(way_down <= 1e-12);
+        CHECK(slide <= 1e-12);
       else
-        CHECK(way_down == doctest::Approx(0.5 * 0.03).epsilon(0.02));
+        CHECK(slide == doctest::Approx(0.5 * 0.03).epsilon(0.02));
     }
   }
 }
@@ -157,7 +157,7 @@ TEST_CASE("what two surfaces do to a node where they meet") {
     CHECK(sticks.velocity.norm() == 0.0);
     CHECK_FALSE(solve_edge(mobility, relative, a, b, 0.5, 0.99).sticks);
   }
-  SUBCASE("a surface that would have to pull is told") {
+  SUBCASE("an obstacle that would have to pull is reported") {
     const EdgeResponse answer = solve_edge(mobility, {3, 5, -4}, a, b, 0.0, 0.0);
     CHECK(answer.first > 0.0);
     CHECK(answer.second < 0.0);

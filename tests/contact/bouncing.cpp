@@ -144,7 +144,7 @@ TEST_CASE("a ball leaves a sphere as light a mirror where nothing is lost") {
   }
 }
 
-TEST_CASE("a node that slides on a floor bounces off a wall and slides on; each surface is told its own impulse") {
+TEST_CASE("a node that slides on a floor bounces off a wall and slides on; each obstacle gets its own impulse") {
   constexpr double speed = 1.0, far = 0.3, elastic = 0.8, h = 0.002;
   Network net;
   net.add_node(point({0, 0, 0}, 0.5, {speed, 0.4, 0}));
@@ -183,7 +183,7 @@ TEST_CASE("a node that slides on a floor bounces off a wall and slides on; each 
   }
 }
 
-TEST_CASE("where a node falls into a corner each surface is told its own part of the blow") {
+TEST_CASE("where a node falls into a corner each obstacle gets its own part of the impulse") {
   Network net;
   net.add_node(point({0.25, 0, 0.25}, 0.5, {-1, 0, -1.2}));
   for (const Vector3& normal : {Vector3(0, 0, 1), Vector3(1, 0, 0)}) {

@@ -63,13 +63,13 @@ TEST_CASE("on a shaken plane slip turns round where the closed form says") {
   check_tolerances(truth, 100.0);
   for (const double tolerance : {1e-7, 1e-9}) {
     const Run run = follow(truth, cvode(tolerance), 0.1);
-    CHECK(std::abs(run.time_of(Event::Kind::stuck) - shaken_sticks()) <= 20.0 * tolerance);
+    CHECK(std::abs(run.time_of(Event::Kind::stuck) - shaken_stick_time()) <= 20.0 * tolerance);
   }
 }
 
 TEST_CASE("a shaken oscillator slips and sticks again and again") {
   const Truth truth(shaken_oscillator(), 3.0);
-  REQUIRE(truth.reference.happenings().size() > 4);
+  REQUIRE(truth.reference.events().size() > 4);
   check_tolerances(truth, 100.0);
 }
 
@@ -174,7 +174,7 @@ TEST_CASE("a force that grows makes a node slip where it reaches the cone") {
       INFO(scheme.name);
       const double h = 0.0005;
       Simulation s = simulate(net, scheme.integrator, scheme.order > 0.0 ? h : 0.05);
-      s.advance_to(ramp_slips + 0.25);
+      s.advance_to(ramp_slip_time + 0.25);
       REQUIRE(s.events().size() >= 2);
       double slipped = 0.0;
       for (const Event& event : s.events()) {
@@ -182,7 +182,7 @@ TEST_CASE("a force that grows makes a node slip where it reaches the cone") {
         if (slipped == 0.0) slipped = event.time;
       }
       // A step sees it at its end.
-      CHECK(std::abs(slipped - ramp_slips) <= (scheme.order > 0.0 ? 1.01 * h : 1e-8));
+      CHECK(std::abs(slipped - ramp_slip_time) <= (scheme.order > 0.0 ? 1.01 * h : 1e-8));
       const double x = ramp_rate / ramp_mass * std::pow(0.25, 3) / 6.0;
       // Verlet may stick for a step once more where slip begins.
       CHECK((s.position(0) - x * direction).norm() <= (scheme.name == "verlet" ? 0.5 * h
@@ -195,6 +195,6 @@ TEST_CASE("a force that grows makes a node slip where it reaches the cone") {
 
 TEST_CASE("a shaken oscillator slips and sticks again and again in steps") {
   const Truth truth(shaken_oscillator(), 3.0);
-  REQUIRE(truth.reference.happenings().size() > 4);
+  REQUIRE(truth.reference.events().size() > 4);
   check_steps(truth, 0.002, 1.0, 100.0, 100.0);
 }

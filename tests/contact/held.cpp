@@ -48,14 +48,14 @@ Network stopping(const Friction& friction, double during) {
 
 double highest(const Network& net, const LawUse& integrator, double h, std::size_t& released) {
   Simulation s = simulate(net, integrator, h);
-  double most = 0.0;
+  double highest = 0.0;
   while (s.time() < at_top + 0.05) {
     s.step();
-    most = std::max(most, s.position(0).z());
+    highest = std::max(highest, s.position(0).z());
   }
   released = 0;
   for (const Event& event : s.events()) released += event.kind == Event::Kind::released ? 1 : 0;
-  return most;
+  return highest;
 }
 
 }  // namespace

@@ -38,7 +38,7 @@ TEST_CASE("on a sphere a node slides with the order of its integrator") {
 
 TEST_CASE("a node leaves a sphere once, where the closed form says, and no reaction pulls") {
   const Truth truth(on_sphere(), 3.0);
-  const double leaves = sphere_release_time();
+  const double release_time = sphere_release_time();
   for (const Scheme& scheme : stepping_schemes(1e-10)) {
     INFO(scheme.name);
     double error[2];
@@ -48,7 +48,7 @@ TEST_CASE("a node leaves a sphere once, where the closed form says, and no react
       CHECK(run.released == 1);
       CHECK(run.touched == 1);
       // Theta 1 slides down the sphere late by its error before, 1.4 h at 0.8 m/s; then a step or two.
-      CHECK(std::abs(run.time_of(Event::Kind::released) - leaves) <= (scheme.order == 1.0 ? 3.5 : 2.0) * h);
+      CHECK(std::abs(run.time_of(Event::Kind::released) - release_time) <= (scheme.order == 1.0 ? 3.5 : 2.0) * h);
       CHECK(run.pull <= rounding);
       CHECK(run.sink <= depth(scheme, h));
       // A release that comes up to a step late leaves a velocity of the order of h^2 behind: second order goes on.
@@ -85,8 +85,8 @@ TEST_CASE("nodes land on a sphere or a capsule, slide round it and leave it once
                               {"capsule, side to end, with friction", thrown_on_capsule(rough)}};
   for (const Example& example : examples) {
     const Truth truth(example.net, 1.2);
-    const double leaves = truth.reference.time_of(Reference::Change::released);
-    REQUIRE(truth.reference.happenings().size() == 2);
+    const double release_time = truth.reference.time_of(Reference::Change::released);
+    REQUIRE(truth.reference.events().size() == 2);
     for (const double tolerance : {1e-6, 1e-7, 1e-8, 1e-9}) {
       INFO(example.name << ", tolerance " << tolerance);
       const Run run = follow(truth, cvode(tolerance), 0.05);
@@ -95,7 +95,7 @@ TEST_CASE("nodes land on a sphere or a capsule, slide round it and leave it once
         CHECK(run.touched == 1);
         CHECK(run.released == 1);
       }
-      CHECK(std::abs(run.time_of(Event::Kind::released) - leaves) <= 200.0 * tolerance);
+      CHECK(std::abs(run.time_of(Event::Kind::released) - release_time) <= 200.0 * tolerance);
       CHECK(run.pull <= rounding);
       CHECK(run.impulse_error <= 20.0 * tolerance);
     }
@@ -107,7 +107,7 @@ TEST_CASE("nodes land on a sphere or a capsule, slide round it and leave it once
       CHECK(run.error <= 2.5 * h);
       CHECK(run.touched == 1);
       CHECK(run.released == 1);
-      CHECK(std::abs(run.time_of(Event::Kind::released) - leaves) <= 4.0 * h);
+      CHECK(std::abs(run.time_of(Event::Kind::released) - release_time) <= 4.0 * h);
       CHECK(run.pull <= rounding);
       CHECK(run.sink <= depth(scheme, h));
     }

@@ -1,5 +1,5 @@
 // Touches between the ends of steps: thin obstacles, arcs that just reach a surface, what swings and turns fast. All
-// ways find them; those that locate events find their times.
+// integrators find them; those that locate events find their times.
 
 #include <doctest/doctest.h>
 
@@ -130,7 +130,7 @@ TEST_CASE("what enters and leaves an obstacle within a step touches it, at the r
   }
 }
 
-TEST_CASE("steps that decide contact on their way stop at thin obstacles") {
+TEST_CASE("integrators that decide contact within a step stop at thin obstacles") {
   for (const Thin& scene : {plate(), bead()}) {
     INFO(scene.name);
     for (const LawUse& integrator : {recurrent(newton, 1e-11), recurrent(block, 1e-11), LawUse{"verlet", {}}}) {

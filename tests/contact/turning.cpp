@@ -113,10 +113,10 @@ TEST_CASE("a node at rest on a turntable is dragged along by friction against it
   }
 }
 
-TEST_CASE("a roller carries a held node over until the surface would have to draw it, and throws it") {
+TEST_CASE("a roller carries a held node over until it would have to pull, and throws it off") {
   // N = m (g cos - w^2 R) along the normal; then free flight with w R.
   for (const bool box : {false, true}) {
-    const double radius = 0.8, angle = std::acos(rate * rate * radius / g), leaves = angle / rate, later = 0.15;
+    const double radius = 0.8, angle = std::acos(rate * rate * radius / g), release_time = angle / rate, later = 0.15;
     const Vector3 place = turned({0, 0, radius}, angle, Vector3::UnitY());
     const Vector3 velocity = rate * Vector3::UnitY().cross(place);
     const Vector3 end = place + later * velocity - Vector3(0, 0, 0.5 * g * later * later);
@@ -125,8 +125,8 @@ TEST_CASE("a roller carries a held node over until the surface would have to dra
       const double h = 0.001;
       Simulation s = simulate(on_roller({Friction::Kind::held, 0.0}, radius, box), scheme.integrator, h);
       double pull = 0.0;
-      while (s.time() < leaves + later - 0.5 * h && steps_on(s)) {
-        if (s.time() + 1.5 * h > leaves + later && !reaches(s, leaves + later)) break;
+      while (s.time() < release_time + later - 0.5 * h && steps_on(s)) {
+        if (s.time() + 1.5 * h > release_time + later && !reaches(s, release_time + later)) break;
         const Vector3 normal = turned(Vector3::UnitZ(), rate * s.time(), Vector3::UnitY());
         if (s.touching(0)) pull = std::max(pull, -normal.dot(s.reaction(0)));
       }
@@ -137,7 +137,7 @@ TEST_CASE("a roller carries a held node over until the surface would have to dra
       for (const Event& event : s.events())
         if (event.kind == Event::Kind::released) released.push_back(event.time);
       CHECK(released.size() == 1);
-      if (!released.empty()) CHECK(std::abs(released[0] - leaves) <= (scheme.order > 0.0 ? 2.0 * h : 1e-7));
+      if (!released.empty()) CHECK(std::abs(released[0] - release_time) <= (scheme.order > 0.0 ? 2.0 * h : 1e-7));
     }
   }
 }
@@ -162,7 +162,7 @@ TEST_CASE("on a roller with friction a node slips where the slope is too steep f
   }
 }
 
-TEST_CASE("on a plane that tilts evenly a node slides as its closed form") {
+TEST_CASE("on a plane that tilts at a constant rate a node slides as in the closed form") {
   // In the plane's frame r'' = w^2 r + g sin(w t), N = m (g cos(w t) - 2 w r').
   constexpr double w = 0.9, r0 = 0.3, speed = -0.2, until = 0.5;
   const double b = speed + 0.5 * g / w;  // of r = A cosh + B / w sinh - g / (2 w^2) sin
@@ -186,8 +186,8 @@ TEST_CASE("on a plane that tilts evenly a node slides as its closed form") {
       if (!reaches(s, until)) continue;
       error[halving] = (s.position(0) - end - Vector3(0, 0.1, 0)).norm();
       const double normal = Vector3(std::sin(w * until), 0, std::cos(w * until)).dot(s.reaction(0));
-      const double bears = mass * (g * std::cos(w * until) - 2.0 * w * rr);
-      CHECK(std::abs(normal - bears) <= (scheme.order > 0.0 ? 0.02 * bears : 1e-5));
+      const double expected = mass * (g * std::cos(w * until) - 2.0 * w * rr);
+      CHECK(std::abs(normal - expected) <= (scheme.order > 0.0 ? 0.02 * expected : 1e-5));
     }
     if (scheme.order == 0.0)
       CHECK(error[1] <= 1e-6);

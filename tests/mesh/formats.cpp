@@ -221,7 +221,7 @@ TEST_CASE("STL: equal corners become one point") {
   CHECK(has_note(spare, "1 byte after the last triangle is not read"));
 }
 
-TEST_CASE("what is not read of a file is told once, with the first names") {
+TEST_CASE("parts of a file that are not read are noted once, with the first names") {
   const std::string sections = "$Periodic\n0\n$EndPeriodic\n$NodeData\n1\n$EndNodeData\n$Periodic\n$EndPeriodic\n";
   const Mesh mesh = read_text_mesh("a.msh", gmsh_samples()[0].bytes + sections);
   check_body(mesh);

@@ -82,7 +82,7 @@ TEST_CASE("a surface is closed or open, and what a closed one encloses") {
   CHECK_FALSE(open.enclosed);
 }
 
-TEST_CASE("the unit is guessed by the size, and where nothing tells it that is said") {
+TEST_CASE("the unit is guessed from the size; where that is ambiguous, the summary says so") {
   struct Guess {
     double size, scale;
     bool sure;

@@ -1,4 +1,4 @@
-// Surfaces, motions and rigid connections: what a network takes and what it refuses.
+// Obstacles, motions and rigid connections: what a network takes and what it refuses.
 #include <cmath>
 #include <limits>
 #include <string>
@@ -186,7 +186,7 @@ TEST_CASE("instruments: boxes") {
       "middle of a box");
 }
 
-TEST_CASE("surfaces that turn") {
+TEST_CASE("obstacles that turn") {
   Turn turn;
   turn.axis = {0, 3, 4};
   turn.rate = 2;
@@ -281,7 +281,7 @@ TEST_CASE("restitution is 0 to 1") {
   }
 }
 
-TEST_CASE("names of surfaces are unique among planes and instruments") {
+TEST_CASE("names of obstacles are unique among planes and instruments") {
   Network network = square();
   network.add_plane({"floor", Vector3::Zero(), Vector3::UnitZ()});
   Instrument tip;
@@ -330,7 +330,7 @@ TEST_CASE("nodes that move count as fixed") {
   }
   CHECK_FALSE(network.nodes()[3].fixed);
 
-  // What is changed of it later does not let it go.
+  // It stays fixed when it is changed later.
   springnet::Node heavier = network.nodes()[0];
   heavier.mass = 9;
   heavier.fixed = false;
@@ -346,7 +346,7 @@ TEST_CASE("nodes that move count as fixed") {
   refused([](Network& n) { n.add_move({{0, 4}, lift}); }, "node 4 | only 4");
 }
 
-TEST_CASE("motions that are none") {
+TEST_CASE("motions that are refused") {
   motion_refused({}, "table | sinusoid | amplitude");
   motion_refused(sinusoid(Vector3::Zero(), 2), "table | sinusoid | amplitude");
   Motion both = lift;
@@ -414,7 +414,7 @@ TEST_CASE("a node that is joined rigidly keeps its distances") {
   CHECK(network.nodes()[3].position == Vector3(7, 7, 7));
 }
 
-TEST_CASE("rigid connections that cannot be") {
+TEST_CASE("rigid connections that are refused") {
   refused([](Network& n) { n.add_rigid(0, 4); }, "rigid connection | node 0 | node 4 | only 4");
   refused([](Network& n) { n.add_rigid(2, 2); }, "rigid connection | node 2");
   for (const double length : {0.0, -1.0, nan_value, inf}) {

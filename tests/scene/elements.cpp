@@ -196,7 +196,7 @@ TEST_CASE("elements by their nodes, numbered in the order of the tables, with na
   CHECK(scene.elements[1].first == 2);
 }
 
-TEST_CASE("what is wrong with an element is said with its place") {
+TEST_CASE("errors of an element name its place") {
   const auto refused = [](const std::string& keys) { return refusal(element(keys)); };
   // Line 14 is [[element]], 15 its law.
   CHECK(contains(refused("invariant = \"angel\"\nselect = {}"),

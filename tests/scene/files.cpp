@@ -90,7 +90,7 @@ TEST_CASE("a mesh to start from has the same rule, and a folder that is a link i
   CHECK_NOTHROW(static_cast<void>(load_scene(place.scene / "s.toml", plugins(), {}, OutsideFiles::allowed)));
 }
 
-TEST_CASE("a scene from text names files only if it is told its folder") {
+TEST_CASE("a scene from text may name files only if its folder is given") {
   const Place place;
   const std::string absolute = with_mesh("{ file = \"" + (place.scene / "bar.msh").string() + "\" }");
   CHECK(contains(Place::refusal_of(absolute, "", OutsideFiles::refused), "body.0.mesh.file: | folder | parse_scene"));

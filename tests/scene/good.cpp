@@ -295,7 +295,7 @@ TEST_CASE("every key: surfaces") {
   CHECK(slab.turn->interpolation == springnet::Motion::Interpolation::linear);
 }
 
-TEST_CASE("friction, interpolation and windows that are left out") {
+TEST_CASE("defaults of friction, interpolation and time windows") {
   const std::string plane = small + "[[plane]]\npoint = [0, 0, -1]\nnormal = [0, 0, 1]\n";
   CHECK(parse(plane).network.planes()[0].friction.kind == springnet::Friction::Kind::held);
   CHECK(parse(plane + "friction = \"held\"").network.planes()[0].friction.kind == springnet::Friction::Kind::held);
@@ -352,7 +352,7 @@ TEST_CASE("what lies outside of the simulated time is noted") {
   CHECK(springnet::notes_of(longer).empty());
 }
 
-TEST_CASE("a force without a window acts always") {
+TEST_CASE("a force without a time window always acts") {
   const Network network = parse(small + "[[force]]\nselect = {}\nforce = [0, 0, 1]\n").network;
   CHECK(network.loads()[0].from == -std::numeric_limits<double>::infinity());
   CHECK(network.loads()[0].until == std::numeric_limits<double>::infinity());
@@ -371,7 +371,7 @@ TEST_CASE("all four kinds of diagonals") {
   }
 }
 
-TEST_CASE("a lattice of a hundred nodes a side is a second's work") {
+TEST_CASE("a lattice of a million nodes takes seconds") {
   const Scene scene =
       parse(small, {{"body.0.mesh", "{ lattice = [100, 100, 100], spacing = 0.01, diagonals = 'space' }"}});
   CHECK(scene.network.nodes().size() == 1'000'000);

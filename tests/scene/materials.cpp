@@ -175,7 +175,7 @@ TEST_CASE("a body of a hundred thousand tetrahedra is read in seconds, with its 
 }
 #endif
 
-TEST_CASE("what is wrong with a material is said with its place") {
+TEST_CASE("errors of a material name its place") {
   const auto refused = [](const std::string& keys, const std::string& neuron = "") {
     return refusal(body(bar, keys, neuron));
   };

@@ -167,7 +167,7 @@ TEST_CASE("what a file has and a body does not becomes a note of the scene") {
   CHECK(contains(unused, "point"));
 }
 
-TEST_CASE("what is wrong with a mesh is said with the place in the scene") {
+TEST_CASE("errors of a mesh name the place in the scene") {
   const auto refused = [](const std::string& mesh) {
     return refusal(simulation + "[[body]]\nname = \"bar\"\nmesh = " + mesh + "\n" + springs);
   };

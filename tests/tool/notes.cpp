@@ -31,20 +31,20 @@ bool has(const nlohmann::json& notes, const std::string& part) {
 
 }  // namespace
 
-TEST_CASE("run, validate and inspect tell what a material becomes") {
+TEST_CASE("run, validate and inspect note what a material becomes") {
   const TemporaryFolder folder;
   folder.write("box.toml",
                "[simulation]\nduration = 0.1\ntime_step = 0.1\n[[body]]\nname = \"box\"\n"
                "mesh = { lattice = [2, 2, 2], spacing = 1.0, diagonals = \"all\" }\ndensity = 1.0\n"
                "neuron = { type = \"point_mass\" }\nmaterial = { youngs_modulus = 1.0, poisson_ratio = 0.4 }\n");
-  const std::string note = "Body 'box': its springs make a solid of Poisson ratio 1/4";
+  const std::string note = "Body 'box': a solid of springs has a Poisson ratio of 1/4";
   CHECK(testing::springnet(folder, "run box.toml").out.find("note: " + note) != std::string::npos);
   CHECK(has(testing::read_json(folder.path() / "results/box/summary.json")["notes"], note));
   CHECK(testing::springnet(folder, "inspect box.toml").out.find("note: " + note) != std::string::npos);
   CHECK(has(testing::springnet(folder, "validate box.toml --json --time-steps 0.05").json()["notes"], note));
 }
 
-TEST_CASE("run and validate tell of what lies outside of the simulated time") {
+TEST_CASE("run and validate note what lies outside of the simulated time") {
   const TemporaryFolder folder;
   folder.write("late.toml", late_scene());
   const Answer run = testing::springnet(folder, "run late.toml");
