@@ -1,4 +1,4 @@
-// What is wrong, where it is, and what to do.
+// Errors name the file, the place and the remedy.
 #include <doctest/doctest.h>
 
 #include <fmt/format.h>
@@ -31,7 +31,7 @@ const std::string& xml_text() {
   return text;
 }
 
-TEST_CASE("files that are none") {
+TEST_CASE("missing, empty and unusable files") {
   const TemporaryFolder folder;
   CHECK_THROWS_WITH_AS(static_cast<void>(read_mesh(folder.path() / "no.msh")), doctest::Contains("no such mesh file"),
                        Error);

@@ -1,4 +1,4 @@
-// Files that their reader must not see, or must not believe: nothing of them is quoted, and they cost what they are.
+// Files that may be private or hostile: errors quote nothing of them, and they cost no more than their size warrants.
 #include <doctest/doctest.h>
 
 #include <ctime>
@@ -13,7 +13,7 @@
 namespace springnet::testing {
 namespace {
 
-TEST_CASE("nothing of a file that is refused is quoted") {
+TEST_CASE("nothing of a refused file is quoted") {
   const std::string secret = "Xyzzy";
   std::size_t refused = 0;
   const TemporaryFolder folder;
@@ -46,7 +46,7 @@ TEST_CASE("nothing of a file that is refused is quoted") {
     check(sample.name, secret + "\n");
   }
   CHECK(refused > 1000);
-  // Lines that begin as the format's.
+  // Lines that begin like the format's.
   check("a.obj", "user Xyzzy\nhost Xyzzy\n");
   check("a.obj", "Xyzzy Xyzzy Xyzzy\n");
   check("a.obj", "curv Xyzzy\ng Xyzzy\no Xyzzy\nv 0 0 0\n");
@@ -62,7 +62,7 @@ TEST_CASE("nothing of a file that is refused is quoted") {
   CHECK(message.find("1 statement is not read") != std::string::npos);
 }
 
-TEST_CASE("notes show names of a file that is read, without what a terminal obeys") {
+TEST_CASE("notes show names of a file with control characters escaped") {
   const std::string file = "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\ng \x1b[31mred" + std::string(1000, 'x') + "\n";
   const Mesh mesh = read_text_mesh("a.obj", file);
   REQUIRE(mesh.notes.size() == 1);
@@ -111,7 +111,7 @@ TEST_CASE("empty blocks of an entity cost the same however many groups it has") 
   CHECK(static_cast<double>(std::clock() - begin) < 10.0 * CLOCKS_PER_SEC);
 }
 
-TEST_CASE("more components than the file has bytes for them") {
+TEST_CASE("more components than the file has bytes for") {
   const std::string head = vtk_legacy_samples()[0].bytes + "FIELD f 1\n";
   CHECK(error_of("a.vtk", head + "a 4611686018427387904 4 float\n1 2 3 4\n").find("the number of components is") !=
         std::string::npos);
