@@ -40,7 +40,7 @@ Eigen::MatrixXd end_of_rod(double angle) {
 
 }  // namespace
 
-TEST_CASE("a contact goes on with what is left of its surfaces") {
+TEST_CASE("a contact continues with the obstacles that remain") {
   using Kind = ContactCause::Kind;
   Touch touch;
   CHECK(status_of(touch) == ContactStatus::free);
@@ -66,7 +66,7 @@ TEST_CASE("a contact goes on with what is left of its surfaces") {
   CHECK(after(Touch{}, {Kind::stick}) == Touch{});
 }
 
-TEST_CASE("a reaction is split into normal forces and what lies along all surfaces") {
+TEST_CASE("a reaction is split into normal forces and a part tangential to all obstacles") {
   const SplitReaction one = split_reaction({Vector3::UnitZ()}, {1, 2, 3});
   CHECK(one.normal[0] == 3.0);
   CHECK(one.tangential == Vector3(1, 2, 0));
@@ -218,7 +218,7 @@ TEST_CASE("a node between two planes: each bears its share, and the edge is free
   }
 }
 
-TEST_CASE("what a force lifts is let go, and what lies on a surface under load is held") {
+TEST_CASE("lifted nodes are released, and pressed nodes are held") {
   ContactNode lifted = on_floor(Vector3::Zero(), held);
   lifted.acceleration = {0, 0, 1};
   lifted.sticks = true;
@@ -235,9 +235,9 @@ TEST_CASE("what a force lifts is let go, and what lies on a surface under load i
   CHECK((down.nodes()[0].force - Vector3(-5, 0, 1)).norm() <= rounding);
 }
 
-TEST_CASE("what would pull although it cannot leave is braced by what it hangs on rigidly") {
-  // A rod along x, its ends held on the two sides of a roof; together they are drawn to -x, and each down. The least
-  // forces share the draw between them: more than what presses the left end on. Let go, it would sink in.
+TEST_CASE("a contact that would pull but cannot separate is braced by its rigid body") {
+  // A rod along x, its ends held on the two sides of a roof; together they are pulled to -x, and each down. The
+  // forces of least norm share the pull equally: more than the load on the left end. Released, it would penetrate.
   const double c = std::sqrt(0.5);
   std::vector<ContactNode> nodes;
   for (const double side : {-1.0, 1.0}) {
@@ -320,7 +320,7 @@ TEST_CASE("a contact that can neither hold nor leave slips") {
         1e-11);
 }
 
-TEST_CASE("a direction is found where what turns it vanishes") {
+TEST_CASE("the direction is found at which the rate of turning vanishes") {
   const Vector3 n = Vector3::UnitZ(), goes(0.6, 0.8, 0);
   const auto found = find_direction(n, Vector3::UnitX(), [&](const Vector3& t) { return n.dot(t.cross(goes)); });
   REQUIRE(found.has_value());

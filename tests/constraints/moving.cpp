@@ -158,7 +158,7 @@ TEST_CASE("a table that sinks fast leaves a node in a viscous medium behind, hel
   }
 }
 
-TEST_CASE("what the reference finds does not depend on how often it is asked, where nodes leave a shaken table") {
+TEST_CASE("results of the reference do not depend on how often they are queried, where nodes leave a shaken table") {
   Motion motion;
   motion.frequency = 2.0;
   for (const bool drags : {false, true}) {
@@ -189,7 +189,7 @@ TEST_CASE("a table without friction that moves along itself leaves a node where 
   }
 }
 
-TEST_CASE("a table that turns round by a jump throws what does not stick to it") {
+TEST_CASE("a table whose velocity jumps to its opposite throws nodes that do not stick to it") {
   // 3 m/s up for 0.1 s, then down: the node flies from 0.3 m on, 0.3 + 3 t - g t^2 / 2.
   const Motion motion =
       path({0, 0.1, 0.2}, {Vector3::Zero(), {0, 0, 0.3}, Vector3::Zero()}, Motion::Interpolation::linear);

@@ -57,7 +57,7 @@ TEST_CASE("a rigid pendulum has the period of the elliptic integral") {
   }
 }
 
-TEST_CASE("the force in a pendulum's rod, and what its pivot bears") {
+TEST_CASE("the forces in a pendulum's rod and on its pivot") {
   for (const Scheme& scheme : all_schemes(1e-9)) {
     INFO(scheme.name);
     const Network net = pendulum();

@@ -169,7 +169,7 @@ TEST_CASE("a rod takes the momentum along it from both ends, and its length back
   CHECK(bound.position.at(1).isApprox(Vector3(2.003, 0, 0), 1e-12));
 }
 
-TEST_CASE("a pendulum's rod and the fixation bear what the circle needs") {
+TEST_CASE("a pendulum's rod and its fixed node carry the centripetal force") {
   Network net = pair(1.0, 0.7, 2.0);
   net.fix(0);
   Bound bound(net);
@@ -226,7 +226,7 @@ TEST_CASE("between two surfaces each bears its normal force, and friction as its
   CHECK(ground.isApprox(Vector3(0, -0.5, 5), 1e-14));
 }
 
-TEST_CASE("a change of velocities loses what rows bind, and nothing else, whatever the mobility") {
+TEST_CASE("projection removes the constrained part of a change of velocities and nothing else, for any mobility") {
   Network net = pair(1.0, 3.0, 2.0);
   net.add_node(point({0, 0, 0}, 2.0));
   net.add_plane(floor_of(smooth));

@@ -137,7 +137,7 @@ TEST_CASE("the cone of friction is as wide as its coefficient, to a per cent") {
   }
 }
 
-TEST_CASE("what two surfaces do to a node where they meet") {
+TEST_CASE("reactions of two obstacles on a node where they meet") {
   const Vector3 a = Vector3::UnitZ(), b = Vector3::UnitX();
   Eigen::Matrix3d mobility = Eigen::Matrix3d::Identity() / 2.0;
   const Vector3 relative(-3, 5, -4);

@@ -17,7 +17,7 @@ Vector3 turned(const Vector3& axis, double angle, const Vector3& x) { return Eig
 
 }  // namespace
 
-TEST_CASE("a turntable takes along what it holds, with the forces and the torque of that motion") {
+TEST_CASE("a turntable carries the nodes that it holds, with the forces and the torque of that motion") {
   // 0 to 2 rad in 1 s: an angle 2 (3 s^2 - 2 s^3), about an axis beside the plane's point that moves along.
   const Vector3 start(0.4, 0.1, 0), axle(0.1, -0.2, 0);
   for (const Friction& friction : {Friction{Friction::Kind::held, 0.0}, Friction{Friction::Kind::coulomb, 0.9}}) {

@@ -235,7 +235,7 @@ TEST_CASE("with verlet a ball bounces between two planes several times in a step
   CHECK((s.surface_impulse(0) + s.surface_impulse(1) + s.contact_impulse(0)).norm() <= 1e-12);
 }
 
-TEST_CASE("two planes in one place do what one does") {
+TEST_CASE("two coincident planes act as one") {
   // A node, and a rod that falls askew or slides.
   for (const int example : {0, 1, 2, 3}) {
     std::vector<Network> nets;

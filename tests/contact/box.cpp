@@ -95,7 +95,7 @@ TEST_CASE("rounded edges and corners of a box are as round as they say") {
   }
 }
 
-TEST_CASE("what is thrown at a box stops at the face that it meets") {
+TEST_CASE("a node thrown at a box stops at the face that it meets") {
   const Eigen::Matrix3d axes = Eigen::AngleAxisd(0.6, Vector3(1, 1, 0.3).normalized()).toRotationMatrix();
   for (int c = 0; c < 3; ++c) {
     for (const double side : {-1.0, 1.0}) {

@@ -49,7 +49,7 @@ double allowed(const Scheme& scheme, double h, double gained) {
 
 }  // namespace
 
-TEST_CASE("a node slides down a groove, and its sides bear what they must") {
+TEST_CASE("a node slides down a groove, with the right reactions of its sides") {
   constexpr double h = 0.005, until = 0.6;
   for (const double mu : {0.0, 0.1}) {
     const Friction friction = mu > 0.0 ? Friction{Friction::Kind::coulomb, mu} : frictionless;

@@ -60,7 +60,7 @@ double highest(const Network& net, const LawUse& integrator, double h, std::size
 
 }  // namespace
 
-TEST_CASE("a plane that rises and stops throws what lies on it, held or not, at once or within a millisecond") {
+TEST_CASE("a plane that rises and stops throws the node on it, held or not, at once or within a millisecond") {
   REQUIRE(top == doctest::Approx(0.425));
   const Friction kinds[] = {frictionless, {Friction::Kind::coulomb, 0.5}, {Friction::Kind::held, 0.0}};
   for (const Friction& friction : kinds) {
@@ -81,7 +81,7 @@ TEST_CASE("a plane that rises and stops throws what lies on it, held or not, at 
   }
 }
 
-TEST_CASE("a plane whose velocity jumps along itself keeps what it holds") {
+TEST_CASE("a plane whose velocity jumps along itself keeps the node that it holds") {
   // And where it turns towards the node: the node goes with it, after an impulse.
   Network net;
   net.add_node(point({0, 0, 0}, 0.4));

@@ -52,7 +52,7 @@ Network on_roller(const Friction& friction, double radius, bool box) {
 
 }  // namespace
 
-TEST_CASE("a turntable carries what sticks to it round, and bears the centripetal force") {
+TEST_CASE("a turntable carries a sticking node with it, and supplies the centripetal force") {
   const Vector3 place(0.5, 0.2, 0), velocity = rate * Vector3::UnitZ().cross(place);
   const double until = 1.1;
   for (const Friction& friction : {Friction{Friction::Kind::held, 0.0}, Friction{Friction::Kind::coulomb, 0.2}}) {

@@ -191,7 +191,7 @@ TEST_CASE("volumes follow nodes that move one after another") {
   }
 }
 
-TEST_CASE("a law is refused where it does not read what it is used on") {
+TEST_CASE("a law is refused where it needs an input that its element does not have") {
   Network net = all_kinds(1);
   const MaterialIndex relative = net.add_material({std::nullopt, LawUse{"relative", {{"damping", 1.0}}}});
   net.add_element(Invariant::area, {0, 1, 2}, relative);

@@ -116,7 +116,8 @@ TEST_CASE("units are of equal size, and depend on nothing but the nodes' positio
   }
 }
 
-TEST_CASE("neighbours are what springs, rods, elements and followed faces join, by rising user's number") {
+TEST_CASE(
+    "neighbours are the nodes joined by springs, rods, elements and following faces, by increasing user's number") {
   Network net;
   for (int k = 0; k < 8; ++k) net.add_node(point({static_cast<double>(k * k), static_cast<double>(k % 3), 0}));
   const MaterialIndex material = net.add_material(damped(1.0, 0.0));

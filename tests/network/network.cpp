@@ -198,7 +198,7 @@ TEST_CASE("changes of springs") {
   CHECK(network.springs()[0].rest_length == 4);
 }
 
-TEST_CASE("bodies: what is added between begin and end") {
+TEST_CASE("a body has the nodes and springs added between begin and end") {
   Network network;
   const auto material = network.add_material(linear);
   network.add_node({{9, 9, 9}, Vector3::Zero(), 1, 0, false});

@@ -63,7 +63,9 @@ std::string added(const std::string& more) { return small + more + "\n"; }
 
 }  // namespace
 
-TEST_CASE("the small scene is right, so that what refuses it below is the change") { CHECK(refusal(small) == ""); }
+TEST_CASE("the unchanged scene is accepted, so that refusals below are due to the change") {
+  CHECK(refusal(small) == "");
+}
 
 TEST_CASE("unknown keys, with the nearest known one") {
   check({
@@ -114,7 +116,7 @@ TEST_CASE("wrong types") {
   });
 }
 
-TEST_CASE("missing keys are named, with what they look like") {
+TEST_CASE("missing keys are named, with an example") {
   check({
       {"^\n", {"'simulation' | missing"}},
       {"^[simulation]\nduration = 1.0\n", {"simulation | 'time_step' | missing | a number above 0, s"}},
@@ -221,7 +223,7 @@ TEST_CASE("numbers out of range, nan, inf and numbers too great for any") {
   });
 }
 
-TEST_CASE("nodes and springs that cannot be") {
+TEST_CASE("nodes and springs that are refused") {
   const std::string body = simulation + R"([[body]]
 name = "a"
 neuron = { type = "point_mass", mass = 1 }
@@ -247,7 +249,7 @@ spring = { type = "linear", stiffness = 1 }
   });
 }
 
-TEST_CASE("connections that cannot be") {
+TEST_CASE("connections that are refused") {
   const std::string law = "spring = { type = \"linear\", stiffness = 1 }\n";
   check({
       {added("^[[connect]]\n" + law), {"'pairs' | 'from' | 'within'"}},
@@ -269,7 +271,7 @@ TEST_CASE("connections that cannot be") {
   });
 }
 
-TEST_CASE("rigid connections that cannot be") {
+TEST_CASE("rigid connections that are refused") {
   const std::string pair = "pairs = [[{ node = 0 }, { node = 1 }]]\n";
   check({
       {added("^[[rigid]]"), {"rigid.0 | 'pairs' | 'from' | 'within'"}},
@@ -288,7 +290,7 @@ TEST_CASE("rigid connections that cannot be") {
   });
 }
 
-TEST_CASE("motions and surfaces that cannot be") {
+TEST_CASE("motions and obstacles that are refused") {
   const std::string move = "[[move]]\nselect = { nodes = [0] }\n";
   const std::string table = "table = [[0, 0, 0, 0], [1, 0, 0, 1]]\n";
   const std::string sinusoid = "sinusoid = { amplitude = [1, 0, 0], frequency = 1 }\n";
@@ -374,7 +376,7 @@ TEST_CASE("two nodes at one place need a rest length to be connected") {
   CHECK(refusal(twice + "rest_length = 0.5\n") == "");
 }
 
-TEST_CASE("selections that select nothing or what is not there") {
+TEST_CASE("selections of nothing, or of something that does not exist") {
   check({
       {added("[[fix]]\nselect = ^{ box = { min = [9, 9, 9], max = [10, 10, 10] } }"),
        {"fix.0.select | no node", "[0, 0, 0] | [2, 2, 2]"}},

@@ -52,7 +52,7 @@ normal = [0, 0, 1]
   CHECK(scene.network.neurons().size() == 1);
 }
 
-TEST_CASE("what is left out has its default") {
+TEST_CASE("keys that are left out have their defaults") {
   const Scene scene = parse(small);
   CHECK(scene.title.empty());
   CHECK(scene.options.integrator == LawUse{"recurrent", {}});
@@ -321,7 +321,7 @@ TEST_CASE("springs are made rigid once where several join the same nodes") {
   CHECK(network.rigids()[1].second == 2);
 }
 
-TEST_CASE("what lies outside of the simulated time is noted") {
+TEST_CASE("forces, cuts and motions outside of the simulated time are noted") {
   CHECK(springnet::notes_of(parse(everything)).empty());
   const std::string load = "[[force]]\nselect = {}\nforce = [0, 0, 1]\n";
   const std::string table = "table = [[2, 0, 0, 0], [3, 0, 0, 1]]";

@@ -35,7 +35,7 @@ const std::string too_deep = "nests deeper than 32 levels";
 
 }  // namespace
 
-TEST_CASE("what nests too deep is refused where it does, before the TOML library sees it") {
+TEST_CASE("too deep nesting is refused with its place, before the TOML library sees it") {
   // An overflow of the stack in that library, for keys with many dots.
   CHECK(refusal("a" + repeated(".a", 100'000) + " = 1").starts_with("test.toml:1:66: this nests deeper"));
   CHECK(contains(refusal(small + "[a" + repeated(".a", 100'000) + "]"), "test.toml:9:65: this nests deeper"));
@@ -76,7 +76,7 @@ TEST_CASE("a scene has a greatest size") {
   CHECK(contains(load_refusal("/dev/zero"), "/dev/zero: | 64,000,000 bytes"));
 }
 
-TEST_CASE("a pipe that nobody writes to is no scene") {
+TEST_CASE("a pipe without a writer is refused") {
   const testing::TemporaryFolder folder;
   const std::filesystem::path pipe = folder.path() / "pipe.toml";
   REQUIRE(mkfifo(pipe.c_str(), 0600) == 0);

@@ -107,7 +107,7 @@ TEST_CASE("each spring gets the stiffness of its edge, and its share of damping"
   CHECK(trace == doctest::Approx(6 * 100.0 * 3.0).epsilon(1e-9));  // shares are exact to 1e-10
 }
 
-TEST_CASE("what a net cannot have is noted") {
+TEST_CASE("properties that a net of springs cannot have are noted") {
   const auto notes = [](const std::string& mesh, const std::string& material) {
     std::string all;
     for (const std::string& note : notes_of(parse(

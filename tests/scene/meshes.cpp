@@ -148,7 +148,7 @@ TEST_CASE("a body may begin where another mesh has its nodes, with the rest leng
   CHECK(contains(message, "body.0.mesh.start: | 4 points | 3 nodes"));
 }
 
-TEST_CASE("what a file has and a body does not becomes a note of the scene") {
+TEST_CASE("parts of a file that a body does not use become notes of the scene") {
   const testing::TemporaryFolder folder;
   const auto notes = [&](const std::string& obj) {
     folder.write("sheet.obj", obj);

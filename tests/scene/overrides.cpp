@@ -57,7 +57,7 @@ TEST_CASE("of two overrides of a key the later one counts, and may reach into th
   CHECK(scene.options.integrator.parameters.at("max_sweeps") == 9);
 }
 
-TEST_CASE("an override can supply what the scene lacks") {
+TEST_CASE("an override can supply a key that the scene lacks") {
   const std::string without = small.substr(0, 13) + small.substr(28);  // without the line of the duration
   CHECK(refusal(without) != "");
   CHECK(parse(without, {{"simulation.duration", "4"}}).duration == 4);

@@ -68,7 +68,7 @@ TEST_CASE("nodes by body and number") {
   CHECK(nodes_of("{ body = \"b\", nodes = [3, 0] }") == Numbers{27, 30});
 }
 
-TEST_CASE("nodes by box: what lies on its sides is inside, sides may be open") {
+TEST_CASE("nodes by box: its sides belong to it and may be infinite") {
   CHECK(nodes_of("{ box = { min = [0, 0, 0], max = [1, 1, 0] } }") == Numbers{0, 1, 3, 4});
   CHECK(nodes_of("{ box = { max = [inf, 0, 0] } }") == Numbers{0, 1, 2, 27, 28});
   CHECK(nodes_of("{ box = { min = [3.5, -inf, 1] } }") == Numbers{32, 34});
@@ -186,7 +186,7 @@ TEST_CASE("pairs: numbers of a body, or of the whole network") {
       Pairs{{3, 27}, {1, 30}});
 }
 
-TEST_CASE("an override of springs keeps what it does not name") {
+TEST_CASE("an override of springs keeps the keys that it does not name") {
   const Network network = parse(two_bodies + R"([[spring]]
 select = { body = "b" }
 viscosity = { type = "linear", damping = 1.0 }
