@@ -158,7 +158,7 @@ TEST_CASE("surfaces are oriented so that neighbours agree and closed parts point
   // A ring of 5 triangles is a Moebius strip: i, i + 1, i + 2 modulo 5.
   std::vector<Face> strip;
   for (std::uint32_t i = 0; i < 5; ++i) strip.push_back({i, (i + 1) % 5, (i + 2) % 5});
-  CHECK_THROWS_WITH_AS(static_cast<void>(oriented(strip, mesh.points)), doctest::Contains("one side only"), Error);
+  CHECK_THROWS_WITH_AS(static_cast<void>(oriented(strip, mesh.points)), doctest::Contains("Moebius"), Error);
   CHECK_THROWS_WITH_AS(static_cast<void>(oriented({{0, 1, 2}, {0, 1, 3}, {0, 1, 4}}, mesh.points)),
                        doctest::Contains("point 0 to point 1"), Error);
   CHECK_THROWS_WITH_AS(static_cast<void>(oriented({{0, 1, 99}}, mesh.points)), doctest::Contains("has point 99"),
