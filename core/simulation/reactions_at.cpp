@@ -181,7 +181,7 @@ void ReactionsAt::brace(std::uint32_t cluster) {
     }
     cones.push_back({model_.constraints.coefficient(k, surface), 0.0});
   }
-  for (Cone& cone : cones) cone.least = 1e-9 * most;  // otherwise rounding makes it a pull
+  for (Cone& cone : cones) cone.min_normal_force = 1e-9 * most;  // otherwise rounding makes it a pull
   if (const auto least = min_norm_in_cones(base, more, cones)) {
     bracing_.resize(tension_.size(), 0.0);
     for (Eigen::Index r = 0; r < more.cols(); ++r) {
