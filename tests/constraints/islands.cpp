@@ -269,7 +269,7 @@ TEST_CASE("impulses that end a slip leave gaps as they are") {
   CHECK((end_of_rod(0.4) * island.nodes()[0].impulse[0] + Vector3(0.3, -0.4, 0)).norm() <= rounding);
 }
 
-TEST_CASE("the least numbers that lift all of some others above zero") {
+TEST_CASE("the vector of least norm that makes all components nonnegative") {
   Eigen::MatrixXd matrix(2, 2);
   matrix << 1, 1, 0, -1;
   const auto x = min_norm_nonnegative(Eigen::Vector2d(-2, 0.5), matrix);
@@ -278,16 +278,16 @@ TEST_CASE("the least numbers that lift all of some others above zero") {
   CHECK_FALSE(min_norm_nonnegative(Eigen::Vector2d(-1, -1), Eigen::Vector2d(1, -1)).has_value());
 }
 
-// A force of 1 N across and (2, 0) N along a surface: x times (1, 0, 0) more, until friction of 1/2 bears it.
-TEST_CASE("the least bracing puts a force on the edge of its cone") {
+// A force of 1 N normal and (2, 0) N tangential to a surface: x times (1, 0, 0) more, until friction of 1/2 holds it.
+TEST_CASE("the bracing of least norm puts a force on the boundary of its cone") {
   Eigen::VectorXd base(3);
   base << 1, 2, 0;
   Eigen::MatrixXd matrix = Eigen::MatrixXd::Zero(3, 1);
   matrix(0, 0) = 1.0;
   const auto across = min_norm_in_cones(base, matrix, {{0.5, 0.0}});
   REQUIRE(across.has_value());
-  CHECK(std::abs((*across)[0] - 3.0) <= 1e-8);  // and the billionth that rounding is kept off by
-  // Turned into the plane: (1 + x)^2 = 4 ((2 - x)^2 + 1/4) is left where 3 x^2 - 18 x + 16 = 0.
+  CHECK(std::abs((*across)[0] - 3.0) <= 1e-8);  // and a billionth as a margin for rounding
+  // Oblique: (1 + x)^2 = 4 ((2 - x)^2 + 1/4) is left where 3 x^2 - 18 x + 16 = 0.
   base << 1, 2, 0.5;
   matrix << 1, -1, 0;
   const auto oblique = min_norm_in_cones(base, matrix, {{0.5, 0.0}});
@@ -298,9 +298,9 @@ TEST_CASE("the least bracing puts a force on the edge of its cone") {
   CHECK_FALSE(min_norm_in_cones(base, matrix, {{0.5, 0.0}}).has_value());
 }
 
-// Friction of 1e4 would have to draw to hold it, and without the surface it sinks: it slips, with next to no normal
-// force.
-TEST_CASE("a contact that can neither hold nor leave slips") {
+// With friction of 1e4 the surface would have to pull to hold it, and without the surface it penetrates: it slips, with
+// hardly any normal force.
+TEST_CASE("a contact that can neither stick nor separate slips") {
   Eigen::MatrixXd mobility(3, 3);
   mobility << 1.158093325, -0.2675637631, 1.176231253, -0.2675637631, 0.665681599, -0.6441033705, 1.176231253,
       -0.6441033705, 2.846256427;
@@ -312,19 +312,19 @@ TEST_CASE("a contact that can neither hold nor leave slips") {
   const ContactNode& found = island.nodes()[0];
   CHECK_FALSE(found.sticks);
   CHECK(found.normal_force[0] > 0.0);
-  const Vector3 goes = island.acceleration(0);
-  CHECK(std::abs(goes.z()) <= 1e-11);
-  CHECK(goes.dot(found.slip) > 0.0);
-  CHECK(goes.cross(found.slip).norm() <= 1e-9);
+  const Vector3 acceleration = island.acceleration(0);
+  CHECK(std::abs(acceleration.z()) <= 1e-11);
+  CHECK(acceleration.dot(found.slip) > 0.0);
+  CHECK(acceleration.cross(found.slip).norm() <= 1e-9);
   CHECK((found.force + 1e4 * found.normal_force[0] * found.slip - found.normal_force[0] * Vector3::UnitZ()).norm() <=
         1e-11);
 }
 
 TEST_CASE("the direction is found at which the rate of turning vanishes") {
-  const Vector3 n = Vector3::UnitZ(), goes(0.6, 0.8, 0);
-  const auto found = find_direction(n, Vector3::UnitX(), [&](const Vector3& t) { return n.dot(t.cross(goes)); });
+  const Vector3 n = Vector3::UnitZ(), expected(0.6, 0.8, 0);
+  const auto found = find_direction(n, Vector3::UnitX(), [&](const Vector3& t) { return n.dot(t.cross(expected)); });
   REQUIRE(found.has_value());
-  CHECK((*found - goes).norm() <= rounding);
+  CHECK((*found - expected).norm() <= rounding);
   CHECK_FALSE(find_direction(n, Vector3::UnitX(), [](const Vector3&) { return 1.0; }).has_value());
 }
 

@@ -265,13 +265,13 @@ TEST_CASE("the first touch of a box on a straight path") {
   for (int k = 0; k < 200; ++k) {
     const Vector3 a = dice.vector(1.5), b = dice.vector(1.5);
     if (turned.gap(rest, a) <= 0.0) continue;
-    double least = 1e9, first = 2.0;
+    double min_gap = 1e9, first = 2.0;
     for (int i = 0; i <= 10000 && first > 1.0; ++i) {
       const double gap = turned.gap(rest, a + 1e-4 * i * (b - a));
-      least = std::min(least, gap);
+      min_gap = std::min(min_gap, gap);
       if (gap < 0.0) first = 1e-4 * i;
     }
-    if (first > 1.0 && least < 1e-4) continue;  // grazes: the steps cannot tell
+    if (first > 1.0 && min_gap < 1e-4) continue;  // grazes: the samples are too coarse
     const auto share = turned.first_touch(rest, a, rest, b);
     REQUIRE(share.has_value() == (first <= 1.0));
     if (!share) continue;

@@ -52,9 +52,9 @@ TEST_CASE("along a rod two masses move as one, across it each by itself") {
 
 TEST_CASE("the smallest value on a path is found, or one that is low enough") {
   const auto parabola = [](double s) { return (s - 0.3) * (s - 0.3) - 1.0; };
-  const PathMinimum least = minimum_on_path(parabola, -2.0, 60);
-  CHECK(std::abs(least.share - 0.3) <= 1e-7);  // the square root of what values are rounded by
-  CHECK(least.value == doctest::Approx(-1.0));
+  const PathMinimum minimum = minimum_on_path(parabola, -2.0, 60);
+  CHECK(std::abs(minimum.share - 0.3) <= 1e-7);  // the square root of the values' rounding
+  CHECK(minimum.value == doctest::Approx(-1.0));
   int asked = 0;
   const PathMinimum enough = minimum_on_path(
       [&](double s) {
@@ -113,7 +113,7 @@ TEST_CASE("an obstacle knows whether its turn moves its shape, its thickness, an
   CHECK(table.min_gap(table.at(just_after(0.0)), {0, 0, 1}) == doctest::Approx(0.6));
 }
 
-TEST_CASE("the least forces between nodes that stick are those that the cones of friction ask for") {
+TEST_CASE("the forces of least norm between sticking nodes satisfy their cones of friction") {
   const auto one = [](double value) { return Eigen::VectorXd::Constant(1, value); };
   CHECK(min_norm_nonnegative(one(-1.0), Eigen::MatrixXd::Constant(1, 1, 2.0)).value()[0] == doctest::Approx(0.5));
   CHECK(min_norm_nonnegative(one(1.0), Eigen::MatrixXd::Constant(1, 1, 2.0)).value()[0] == doctest::Approx(0.0));
