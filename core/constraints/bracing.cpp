@@ -8,39 +8,40 @@
 namespace springnet {
 namespace {
 
-constexpr int most_cuts = 100;  // cutting planes of the cones
+constexpr int max_rounds = 100;  // of cutting planes
 
 // Minimises |columns u - goal| over u >= 0. Lawson and Hanson, Solving Least Squares Problems (1974), chapter 23.
 Eigen::VectorXd nonnegative_least_squares(const Eigen::MatrixXd& columns, const Eigen::VectorXd& goal) {
   const Eigen::Index count = columns.cols();
   Eigen::VectorXd u = Eigen::VectorXd::Zero(count);
-  std::vector<Eigen::Index> in;
-  for (Eigen::Index turn = 0; turn < 3 * count; ++turn) {
+  std::vector<Eigen::Index> passive;
+  for (Eigen::Index iteration = 0; iteration < 3 * count; ++iteration) {
     const Eigen::VectorXd gain = columns.transpose() * (goal - columns * u);
     Eigen::Index best = -1;
     for (Eigen::Index j = 0; j < count; ++j)
-      if (std::find(in.begin(), in.end(), j) == in.end() && gain[j] > 1e-13 && (best < 0 || gain[j] > gain[best]))
+      if (std::find(passive.begin(), passive.end(), j) == passive.end() && gain[j] > 1e-13 &&
+          (best < 0 || gain[j] > gain[best]))
         best = j;
     if (best < 0) break;
-    in.push_back(best);
+    passive.push_back(best);
     for (bool inside = false; !inside;) {
-      const Eigen::VectorXd z = least_squares(columns(Eigen::all, in), goal);
+      const Eigen::VectorXd z = least_squares(columns(Eigen::all, passive), goal);
       double share = 1.0;
-      for (std::size_t i = 0; i < in.size(); ++i)
+      for (std::size_t i = 0; i < passive.size(); ++i)
         if (const double at = z[static_cast<Eigen::Index>(i)]; at <= 0.0)
-          share = std::min(share, u[in[i]] / (u[in[i]] - at));
+          share = std::min(share, u[passive[i]] / (u[passive[i]] - at));
       inside = share >= 1.0;
-      std::vector<Eigen::Index> left;
-      for (std::size_t i = 0; i < in.size(); ++i) {
+      std::vector<Eigen::Index> kept;
+      for (std::size_t i = 0; i < passive.size(); ++i) {
         const double at = z[static_cast<Eigen::Index>(i)];
-        u[in[i]] += share * (at - u[in[i]]);
-        if (!inside && at <= 0.0 && u[in[i]] <= 1e-15)
-          u[in[i]] = 0.0;
+        u[passive[i]] += share * (at - u[passive[i]]);
+        if (!inside && at <= 0.0 && u[passive[i]] <= 1e-15)
+          u[passive[i]] = 0.0;
         else
-          left.push_back(in[i]);
+          kept.push_back(passive[i]);
       }
-      inside = inside || left.size() == in.size();
-      in = left;
+      inside = inside || kept.size() == passive.size();
+      passive = kept;
     }
   }
   return u;
@@ -61,16 +62,16 @@ std::optional<Eigen::VectorXd> min_norm_nonnegative(const Eigen::VectorXd& base,
     columns(matrix.cols(), r) = -base[r] / size;
   }
   const Eigen::VectorXd goal = Eigen::VectorXd::Unit(columns.rows(), matrix.cols());
-  const Eigen::VectorXd left = columns * nonnegative_least_squares(columns, goal) - goal;
-  const double last = left[matrix.cols()];
+  const Eigen::VectorXd residual = columns * nonnegative_least_squares(columns, goal) - goal;
+  const double last = residual[matrix.cols()];
   if (!(last < -1e-12)) return std::nullopt;
-  x = -left.head(matrix.cols()) / last * (size / greatest);
+  x = -residual.head(matrix.cols()) / last * (size / greatest);
   if ((base + matrix * x).minCoeff() < -1e-9 * size) return std::nullopt;
   return x;
 }
 
-// Cutting planes: starts from the half-spaces normal force >= least; whenever a force is outside of its cone, adds the
-// half-space whose boundary touches the cone nearest to that force.
+// Cutting planes: starts from the half-spaces normal force >= min_normal_force; whenever a force is outside of its
+// cone, adds the half-space whose boundary touches the cone nearest to that force.
 std::optional<Eigen::VectorXd> min_norm_in_cones(const Eigen::VectorXd& base, const Eigen::MatrixXd& matrix,
                                                  const std::vector<Cone>& cones) {
   const auto normals = static_cast<Eigen::Index>(cones.size());
@@ -79,10 +80,10 @@ std::optional<Eigen::VectorXd> min_norm_in_cones(const Eigen::VectorXd& base, co
   Eigen::VectorXd from(normals);
   Eigen::MatrixXd rows(normals, matrix.cols());
   for (Eigen::Index i = 0; i < normals; ++i) {
-    from[i] = base[3 * i] - cones[static_cast<std::size_t>(i)].least;
+    from[i] = base[3 * i] - cones[static_cast<std::size_t>(i)].min_normal_force;
     rows.row(i) = matrix.row(3 * i);
   }
-  for (int cut = 0; cut < most_cuts; ++cut) {
+  for (int round = 0; round < max_rounds; ++round) {
     const std::optional<Eigen::VectorXd> x = min_norm_nonnegative(from, rows);
     if (!x) return std::nullopt;
     const Eigen::VectorXd forces = base + matrix * *x;
@@ -91,7 +92,7 @@ std::optional<Eigen::VectorXd> min_norm_in_cones(const Eigen::VectorXd& base, co
       const double mu = cones[static_cast<std::size_t>(i)].coefficient;
       const Eigen::Vector2d along = forces.segment<2>(3 * i + 1);
       const double size = along.norm();
-      if (size == 0.0 || grip(mu, forces[3 * i], size) >= 0.5 * inside) continue;
+      if (size == 0.0 || cone_margin(mu, forces[3 * i], size) >= 0.5 * inside) continue;
       fits = false;
       const Eigen::Vector2d against = along / size;
       from.conservativeResize(from.size() + 1);

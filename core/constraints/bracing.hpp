@@ -15,8 +15,8 @@ namespace springnet {
 // Friction cone of a sticking node. Its force is three rows of base + matrix x: the normal force and two tangential
 // components, N.
 struct Cone {
-  double coefficient;  // of friction, 1
-  double least;        // smallest normal force, N
+  double coefficient;       // of friction, 1
+  double min_normal_force;  // N
 };
 // The x of least norm with which every force is in its cone; empty if there is none.
 [[nodiscard]] std::optional<Eigen::VectorXd> min_norm_in_cones(const Eigen::VectorXd& base,

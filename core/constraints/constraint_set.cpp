@@ -58,7 +58,7 @@ void ConstraintSet::correct(const Placement& at, const springnet_const_vectors& 
       continue;
     }
     const auto j = static_cast<std::size_t>(contact_.committed(k).surface);
-    if (contact_.surfaces()[j].moves()) put_vector(position, k, contact_.onto(at, j, vector_at(position, k)));
+    if (contact_.obstacles()[j].moves()) put_vector(position, k, contact_.onto(at, j, vector_at(position, k)));
     put_vector(velocity, k, Contact::velocity(at, j, vector_at(position, k)));
   }
 }
@@ -70,7 +70,7 @@ springnet_status ConstraintSet::project(const Placement& at, const springnet_vec
     const springnet_status status = rigid_.project(at, c, position, velocity, message, stopped, rebounds);
     if (status != SPRINGNET_OK) return status;
   }
-  for (std::uint32_t k = 0; !contact_.surfaces().empty() && k < mass_.size(); ++k)
+  for (std::uint32_t k = 0; !contact_.obstacles().empty() && k < mass_.size(); ++k)
     if (contact_.now(k).slides && is_lone(k)) contact_.project_sliding(at, k, position, velocity);
   return SPRINGNET_OK;
 }
@@ -104,13 +104,13 @@ Vector3 ConstraintSet::share_of(const Placement& at, std::uint32_t node, std::si
   for (std::size_t i = 0; i < normals.size(); ++i) {
     const auto j = static_cast<std::size_t>(touch.surfaces()[i]);
     if (j == surface) place = i;
-    coefficients.push_back(sliding_coefficient_of(contact_.surfaces()[j].friction()));
+    coefficients.push_back(sliding_coefficient_of(contact_.obstacles()[j].friction()));
   }
   return place < normals.size() ? share_reaction(normals, coefficients, reaction)[place] : Vector3(Vector3::Zero());
 }
 
 double ConstraintSet::coefficient(std::uint32_t node, std::size_t obstacle) const {
-  const Friction& friction = contact_.surfaces()[obstacle].friction();
+  const Friction& friction = contact_.obstacles()[obstacle].friction();
   return coefficient_of(is_lone(node) ? friction : bounded(friction));
 }
 
@@ -125,9 +125,9 @@ springnet_status ConstraintSet::constrain_cluster(const Placement& end, std::siz
 }
 
 springnet_status ConstraintSet::constrain_clusters(const Placement& end, const springnet_sweep& sweep,
-                                                   unsigned most_threads, springnet_message& message) const {
+                                                   unsigned max_threads, springnet_message& message) const {
   const auto count = static_cast<std::int64_t>(rigid_.cluster_count());
-  const unsigned threads = rigid_.cluster_count() >= clusters_worth_threads ? most_threads : 1;
+  const unsigned threads = rigid_.cluster_count() >= clusters_worth_threads ? max_threads : 1;
   std::int64_t failed_cluster = count;
   springnet_status failure = SPRINGNET_OK;
 #pragma omp parallel for schedule(dynamic, 64) num_threads(static_cast <int>(threads)) if (threads > 1)
@@ -150,7 +150,7 @@ springnet_status ConstraintSet::constrain_clusters(const Placement& end, const s
 void ConstraintSet::linearise(const Placement& at, const springnet_const_vectors& position) {
   factorised_ = false;
   rows_ = rigid_.rows(position);
-  for (std::uint32_t k = 0; !contact_.surfaces().empty() && k < mass_.size(); ++k) {
+  for (std::uint32_t k = 0; !contact_.obstacles().empty() && k < mass_.size(); ++k) {
     const Touch& touch = contact_.now(k);
     if (!touch.slides || contact_.fixed()[k] != 0) continue;
     for (const std::int32_t surface : touch.surfaces())
@@ -168,9 +168,9 @@ Matrix3 ConstraintSet::rod_geometric_stiffness(std::size_t rod, const springnet_
 }
 
 bool ConstraintSet::friction_follows_slip(const ConstraintRow& row) const {
-  return row.surface >= 0 && contact_.slip_phase(row.first) == Contact::Slip::goes_on &&
+  return row.surface >= 0 && contact_.slip_phase(row.first) == Contact::Slip::ongoing &&
          contact_.now(row.first).second < 0 &&
-         sliding_coefficient_of(contact_.surfaces()[static_cast<std::size_t>(row.surface)].friction()) > 0.0;
+         sliding_coefficient_of(contact_.obstacles()[static_cast<std::size_t>(row.surface)].friction()) > 0.0;
 }
 
 Matrix3 ConstraintSet::friction_derivative(const Placement& at, const ConstraintRow& row,
@@ -180,7 +180,7 @@ Matrix3 ConstraintSet::friction_derivative(const Placement& at, const Constraint
   const auto j = static_cast<std::size_t>(row.surface);
   const Vector3 slip = contact_.slip_vector(at, k, j, vector_at(position, k), vector_at(velocity, k));
   const double pressing = std::max(0.0, row.direction.dot(reaction));
-  const double strength = sliding_coefficient_of(contact_.surfaces()[j].friction()) * pressing / mass_[k];
+  const double strength = sliding_coefficient_of(contact_.obstacles()[j].friction()) * pressing / mass_[k];
   return friction_by_velocity(strength, slip, row.direction);
 }
 

@@ -12,12 +12,12 @@ namespace springnet {
 namespace {
 
 // Up to this many rows a dense matrix is faster.
-constexpr std::size_t most_rows_dense = 32;
+constexpr std::size_t max_rows_dense = 32;
 // Shift of the diagonal, in units of its mean, so that redundant rows can be factorised; iterative refinement removes
 // its effect.
 constexpr double shift_share = 1e-9;
-// Relative residual above which conjugate gradients follow the refinement: some eigenvalue is not large beside the
-// shift.
+// Relative residual above which conjugate gradients follow the refinement: some eigenvalue is not large compared with
+// the shift.
 constexpr double residual_share = 1e-12;
 
 }  // namespace
@@ -48,7 +48,7 @@ void ConstraintSystem::set(std::vector<ConstraintRow> rows, const Mobility& mobi
   }
   if (rows_.empty()) return;
   shift_ = trace > 0.0 ? shift_share * trace / static_cast<double>(rows_.size()) : 1.0;
-  form_ = rows_.size() <= most_rows_dense ? Form::dense : Form::rows;
+  form_ = rows_.size() <= max_rows_dense ? Form::dense : Form::rows;
   if (form_ == Form::rows && set_nodes())
     form_ = Form::nodes;
   else
@@ -174,15 +174,15 @@ Eigen::VectorXd ConstraintSystem::solve_shifted(const Eigen::VectorXd& b) const 
   return (b - matrices_->sparse * y) / shift_;
 }
 
-// Conjugate gradients, preconditioned with the shifted matrix: eigenvalues large beside the shift become 1, each of the
-// few others takes about one iteration. Zero if the right side is not in the range.
-Eigen::VectorXd ConstraintSystem::solve_by_gradients(const Eigen::VectorXd& b) const {
-  constexpr int most_iterations = 40;
+// Conjugate gradients, preconditioned with the shifted matrix: eigenvalues large compared with the shift become 1, each
+// of the few others takes about one iteration. Zero if the right-hand side is not in the range.
+Eigen::VectorXd ConstraintSystem::solve_by_conjugate_gradients(const Eigen::VectorXd& b) const {
+  constexpr int max_iterations = 40;
   const double greatest = b.lpNorm<Eigen::Infinity>();
-  const Eigen::VectorXd none = Eigen::VectorXd::Zero(b.size());
-  Eigen::VectorXd x = none, best = none, residual = b, z = solve_shifted(residual), direction = z;
+  const Eigen::VectorXd zero = Eigen::VectorXd::Zero(b.size());
+  Eigen::VectorXd x = zero, best = zero, residual = b, z = solve_shifted(residual), direction = z;
   double least = greatest, product_before = residual.dot(z);
-  for (int i = 0; i < most_iterations && least > 1e-3 * residual_share * greatest; ++i) {
+  for (int i = 0; i < max_iterations && least > 1e-3 * residual_share * greatest; ++i) {
     const Eigen::VectorXd image = product(direction);
     const double curvature = direction.dot(image);
     // The direction is in the null space: no multipliers reduce the residual along it.
@@ -199,7 +199,7 @@ Eigen::VectorXd ConstraintSystem::solve_by_gradients(const Eigen::VectorXd& b) c
     direction = z + product_now / product_before * direction;
     product_before = product_now;
   }
-  return least <= 1e-3 * greatest ? best : none;
+  return least <= 1e-3 * greatest ? best : zero;
 }
 
 Eigen::VectorXd ConstraintSystem::solve(const Eigen::VectorXd& b) const {
@@ -208,19 +208,19 @@ Eigen::VectorXd ConstraintSystem::solve(const Eigen::VectorXd& b) const {
   Eigen::VectorXd x = solve_shifted(b);
   if (!(greatest > 0.0)) return x;
   // x += (S + shift)^-1 (b - S x): what the shift left out of x shrinks each time by shift / (eigenvalue + shift).
-  constexpr int most_corrections = 10;
+  constexpr int max_corrections = 10;
   double last = greatest, size = greatest;
   Eigen::VectorXd residual;
-  for (int i = 0; i < most_corrections; ++i) {
+  for (int i = 0; i < max_corrections; ++i) {
     residual = b - product(x);
     size = residual.lpNorm<Eigen::Infinity>();
-    // A residual that stops shrinking is rounding, or a right side out of range: x would only grow.
+    // A residual that stops shrinking is rounding, or a right-hand side out of range: x would only grow.
     if (size <= 1e-15 * greatest || !(size < 0.5 * last)) break;
     last = size;
     x += solve_shifted(residual);
   }
   // Needed where masses span many decades, for example.
-  if (size > residual_share * greatest) x += solve_by_gradients(b - product(x));
+  if (size > residual_share * greatest) x += solve_by_conjugate_gradients(b - product(x));
   return x;
 }
 

@@ -76,7 +76,7 @@ class ConstraintSystem {
   bool set_nodes();
   [[nodiscard]] Eigen::VectorXd product(const Eigen::VectorXd& x) const;  // G W G^T x
   [[nodiscard]] Eigen::VectorXd solve_shifted(const Eigen::VectorXd& b) const;
-  [[nodiscard]] Eigen::VectorXd solve_by_gradients(const Eigen::VectorXd& b) const;
+  [[nodiscard]] Eigen::VectorXd solve_by_conjugate_gradients(const Eigen::VectorXd& b) const;
 
   std::vector<ConstraintRow> rows_;
   std::vector<Eigen::Matrix3d> mobilities_;  // [row][2]

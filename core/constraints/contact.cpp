@@ -11,8 +11,8 @@ namespace springnet {
 Contact::Contact(const Network& network, const std::vector<std::uint32_t>& user_number,
                  const std::vector<std::uint32_t>& engine_number, const std::vector<double>& mass)
     : mass_(mass), prescribed_(network, engine_number) {
-  for (const Plane& plane : network.planes()) surfaces_.emplace_back(plane);
-  for (const Instrument& instrument : network.instruments()) surfaces_.emplace_back(instrument);
+  for (const Plane& plane : network.planes()) obstacles_.emplace_back(plane);
+  for (const Instrument& instrument : network.instruments()) obstacles_.emplace_back(instrument);
   const std::size_t nodes = user_number.size();
   fixed_.resize(nodes);
   for (std::size_t k = 0; k < nodes; ++k) fixed_[k] = network.nodes()[user_number[k]].fixed ? 1 : 0;
@@ -21,23 +21,23 @@ Contact::Contact(const Network& network, const std::vector<std::uint32_t>& user_
   touching_.assign(nodes, 0);
   committed_.assign(nodes, {});
   now_.assign(nodes, {});
-  if (surfaces_.empty()) return;
-  surface_impulse_.assign(surfaces_.size(), Vector3::Zero());
+  if (obstacles_.empty()) return;
+  surface_impulse_.assign(obstacles_.size(), Vector3::Zero());
   changes_.assign(nodes, 0);
   was_in_contact_.assign(nodes, 0);
   slide_changes_.assign(nodes, 0);
   met_.assign(nodes, {});
   bounces_.assign(nodes, 0);
   braced_.assign(nodes, 0);
-  slip_phase_.assign(nodes, Slip::goes_on);
+  slip_phase_.assign(nodes, Slip::ongoing);
   last_surface_.assign(nodes, -1);
   for (auto* vectors : {&slip_, &impulse_, &sweep_impulse_}) vectors->assign(nodes, Vector3::Zero());
 }
 
 std::string Contact::name_of(std::size_t surface) const {
   const auto planes = static_cast<std::size_t>(
-      std::count_if(surfaces_.begin(), surfaces_.end(), [](const Obstacle& s) { return s.is_plane(); }));
-  return surfaces_[surface].description(surface < planes ? surface : surface - planes);
+      std::count_if(obstacles_.begin(), obstacles_.end(), [](const Obstacle& s) { return s.is_plane(); }));
+  return obstacles_[surface].description(surface < planes ? surface : surface - planes);
 }
 
 std::string Contact::names_of(const std::vector<std::int32_t>& surfaces) const {
@@ -50,7 +50,7 @@ std::string Contact::names_of(const std::vector<std::int32_t>& surfaces) const {
 }
 
 void Contact::set_trajectory(std::size_t surface, Trajectory trajectory) {
-  surfaces_[surface].set_trajectory(std::move(trajectory));
+  obstacles_[surface].set_trajectory(std::move(trajectory));
   cached_placement_.reset();
 }
 
@@ -65,12 +65,12 @@ void Contact::stop_motion(std::uint32_t node) {
 }
 
 const std::shared_ptr<const Placement>& Contact::at(const SampleTime& time) const {
-  const bool still = surfaces_.empty() && !prescribed_.any();
+  const bool still = obstacles_.empty() && !prescribed_.any();
   if (cached_placement_ && (still || cached_placement_->time == time)) return cached_placement_;
   auto placement = std::make_shared<Placement>();
   placement->time = time;
-  placement->poses.reserve(surfaces_.size());
-  for (const Obstacle& surface : surfaces_) placement->poses.push_back(surface.at(time));
+  placement->poses.reserve(obstacles_.size());
+  for (const Obstacle& surface : obstacles_) placement->poses.push_back(surface.at(time));
   placement->motions = prescribed_.at(time);
   cached_placement_ = std::move(placement);
   return cached_placement_;
@@ -78,7 +78,7 @@ const std::shared_ptr<const Placement>& Contact::at(const SampleTime& time) cons
 
 double Contact::next_change(double time) const {
   double next = prescribed_.next_change(time);
-  for (const Obstacle& surface : surfaces_) next = std::min(next, surface.next_change(time));
+  for (const Obstacle& surface : obstacles_) next = std::min(next, surface.next_change(time));
   return next;
 }
 
@@ -113,7 +113,7 @@ void Contact::touch(std::uint32_t node, const Touch& touch, const Vector3& impul
 }
 
 void Contact::release(std::uint32_t node) {
-  if (surfaces_.empty()) return;
+  if (obstacles_.empty()) return;
   touch(node, {}, Vector3::Zero());
 }
 
@@ -123,11 +123,11 @@ void Contact::begin_step(std::shared_ptr<const Placement> start) {
   std::fill(slide_changes_.begin(), slide_changes_.end(), std::uint8_t{0});
   for (std::vector<std::int32_t>& surfaces : met_) surfaces.clear();
   for (std::size_t k = 0; k < was_in_contact_.size(); ++k) was_in_contact_[k] = touching_[k];
-  forget_sweep();
+  discard_sweep();
 }
 
-void Contact::forget_sweep() {
-  if (surfaces_.empty()) return;
+void Contact::discard_sweep() {
+  if (obstacles_.empty()) return;
   std::fill(sweep_impulse_.begin(), sweep_impulse_.end(), Vector3::Zero());
   for (std::uint32_t k = 0; k < now_.size(); ++k) {
     if (now_[k] == committed_[k]) continue;
@@ -139,8 +139,8 @@ void Contact::forget_sweep() {
 std::vector<ContactChange> Contact::commit_sweep(bool decided) {
   using Kind = ContactChange::Kind;
   std::vector<ContactChange> changes;
-  if (surfaces_.empty()) return changes;
-  if (decided) std::fill(slip_phase_.begin(), slip_phase_.end(), Slip::goes_on);
+  if (obstacles_.empty()) return changes;
+  if (decided) std::fill(slip_phase_.begin(), slip_phase_.end(), Slip::ongoing);
   for (std::uint32_t k = 0; k < now_.size() && decided; ++k) {
     const Touch before = committed_[k], after = now_[k];
     if (fixed_[k] != 0 || before == after) continue;
@@ -183,15 +183,15 @@ Vector3 Contact::slip_vector(const Placement& at, std::uint32_t node, std::size_
     const Vector3 n = normal(at, surface, position);
     return relative - n * n.dot(relative);
   }
-  return split_reaction(normals(at, node, position), relative).along;
+  return split_reaction(normals(at, node, position), relative).tangential;
 }
 
 Vector3 Contact::slip_direction(const Placement& at, std::uint32_t node, std::size_t surface, const Vector3& position,
                                 const Vector3& velocity) const {
   const Vector3 slip = slip_vector(at, node, surface, position, velocity);
   const double speed = slip.norm();
-  if (slip_phase_[node] == Slip::goes_on && speed > 0.5 * rest_speed_) return slip / speed;
-  const Vector3 kept = split_reaction(normals(at, node, position), slip_[node]).along;
+  if (slip_phase_[node] == Slip::ongoing && speed > 0.5 * rest_speed_) return slip / speed;
+  const Vector3 kept = split_reaction(normals(at, node, position), slip_[node]).tangential;
   const double length = kept.norm();
   return length > 0.0 ? Vector3(kept / length) : speed > 0.0 ? Vector3(slip / speed) : Vector3::Zero();
 }
@@ -210,10 +210,10 @@ Vector3 Contact::sliding_acceleration(const Placement& at, std::uint32_t node, c
     normals.col(i) = directions.col(i) = n;
     wanted[i] =
         -(n.dot(acceleration - Contact::acceleration(at, j, position)) + bias_acceleration(at, j, position, relative));
-    const double mu = sliding_coefficient_of(surfaces_[j].friction());
+    const double mu = sliding_coefficient_of(obstacles_[j].friction());
     if (mu == 0.0) continue;
     Vector3 against = slip_direction(at, node, j, position, velocity);
-    if (count == 1 && slip_phase_[node] == Slip::begins) {
+    if (count == 1 && slip_phase_[node] == Slip::starting) {
       // Friction opposes the sliding acceleration and only reduces it.
       const Vector3 pushed = acceleration - Contact::acceleration(at, j, position);
       const Vector3 along = pushed - n * n.dot(pushed);
@@ -227,10 +227,10 @@ Vector3 Contact::sliding_acceleration(const Placement& at, std::uint32_t node, c
   return acceleration + d * least_squares(n.transpose() * d, wanted.head(count));
 }
 
-void Contact::note_slips(const Placement& at, const springnet_const_vectors& position,
-                         const springnet_const_vectors& velocity) {
-  for (std::uint32_t k = 0; !surfaces_.empty() && k < committed_.size(); ++k) {
-    if (!committed_[k].slides || slip_phase_[k] != Slip::goes_on) continue;
+void Contact::update_slip_directions(const Placement& at, const springnet_const_vectors& position,
+                                     const springnet_const_vectors& velocity) {
+  for (std::uint32_t k = 0; !obstacles_.empty() && k < committed_.size(); ++k) {
+    if (!committed_[k].slides || slip_phase_[k] != Slip::ongoing) continue;
     const Vector3 slip = slip_vector(at, k, static_cast<std::size_t>(committed_[k].surface), vector_at(position, k),
                                      vector_at(velocity, k));
     if (slip.norm() > 2.0 * rest_speed_) slip_[k] = slip.normalized();
@@ -250,8 +250,8 @@ void Contact::project_sliding(const Placement& at, std::uint32_t node, const spr
     const auto count = static_cast<Eigen::Index>(touch.count());
     Eigen::MatrixXd normals(count, 3);
     Eigen::VectorXd gaps(count), rates(count);
-    constexpr int most_turns = 20;  // planes need one
-    for (int turn = 0; turn < most_turns; ++turn) {
+    constexpr int max_iterations = 20;  // planes need one
+    for (int iteration = 0; iteration < max_iterations; ++iteration) {
       for (Eigen::Index i = 0; i < count; ++i) {
         const auto j = static_cast<std::size_t>(touch.surfaces()[static_cast<std::size_t>(i)]);
         const Vector3 n = normal(at, j, p);

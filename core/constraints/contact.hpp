@@ -34,7 +34,7 @@ class Contact {
   Contact(const Network& network, const std::vector<std::uint32_t>& user_number,
           const std::vector<std::uint32_t>& engine_number, const std::vector<double>& mass);
 
-  [[nodiscard]] const std::vector<Obstacle>& surfaces() const noexcept { return surfaces_; }
+  [[nodiscard]] const std::vector<Obstacle>& obstacles() const noexcept { return obstacles_; }
   // For messages, as "plane 'floor' (number 0)".
   [[nodiscard]] std::string name_of(std::size_t surface) const;
   void set_trajectory(std::size_t surface, Trajectory trajectory);
@@ -62,17 +62,17 @@ class Contact {
 
   // Queries of one surface, see Obstacle.
   [[nodiscard]] double gap(const Placement& at, std::size_t surface, const Vector3& position) const {
-    return surfaces_[surface].gap(at.poses[surface], position);
+    return obstacles_[surface].gap(at.poses[surface], position);
   }
   [[nodiscard]] Vector3 normal(const Placement& at, std::size_t surface, const Vector3& position) const {
-    return surfaces_[surface].normal(at.poses[surface], position);
+    return obstacles_[surface].normal(at.poses[surface], position);
   }
   [[nodiscard]] double bias_acceleration(const Placement& at, std::size_t surface, const Vector3& position,
                                          const Vector3& relative) const {
-    return surfaces_[surface].bias_acceleration(at.poses[surface], position, relative);
+    return obstacles_[surface].bias_acceleration(at.poses[surface], position, relative);
   }
   [[nodiscard]] Vector3 onto(const Placement& at, std::size_t surface, const Vector3& position) const {
-    return surfaces_[surface].onto(at.poses[surface], position);
+    return obstacles_[surface].onto(at.poses[surface], position);
   }
   [[nodiscard]] static Vector3 velocity(const Placement& at, std::size_t surface, const Vector3& position) {
     return at.poses[surface].velocity_at(position);
@@ -92,9 +92,9 @@ class Contact {
   void set_rest_speed(double speed) noexcept { rest_speed_ = speed; }
   // The last slip direction of a sliding node, or the one in which slip began; friction opposes it while the slip ends.
   [[nodiscard]] const Vector3& slip(std::uint32_t node) const { return slip_[node]; }
-  enum class Slip : std::uint8_t { goes_on, begins, ends };
+  enum class Slip : std::uint8_t { ongoing, starting, ending };
   [[nodiscard]] Slip slip_phase(std::uint32_t node) const { return slip_phase_[node]; }
-  void set_slip(std::uint32_t node, const Vector3& direction, Slip phase = Slip::goes_on) {
+  void set_slip(std::uint32_t node, const Vector3& direction, Slip phase = Slip::ongoing) {
     slip_[node] = direction;
     slip_phase_[node] = phase;
   }
@@ -103,8 +103,8 @@ class Contact {
   [[nodiscard]] bool braced(std::uint32_t node) const { return braced_[node] != 0; }
   void set_braced(std::uint32_t node, bool braced) { braced_[node] = braced ? 1 : 0; }
   // Updates the slip directions of sliding nodes from these velocities.
-  void note_slips(const Placement& at, const springnet_const_vectors& position,
-                  const springnet_const_vectors& velocity);
+  void update_slip_directions(const Placement& at, const springnet_const_vectors& position,
+                              const springnet_const_vectors& velocity);
   // Adds an impulse (N s) of a surface on a node, apart from contact forces.
   void add_impulse(std::uint32_t node, const Vector3& impulse) {
     impulse_.resize(mass_.size(), Vector3::Zero());
@@ -133,25 +133,25 @@ class Contact {
   [[nodiscard]] Meeting first_meeting(const Placement& at, const Vector3& start, const Vector3& end,
                                       std::int32_t except = -1, std::int32_t and_except = -1) const;
   // A node's path through the step: m, m/s.
-  struct Way {
+  struct Path {
     std::uint32_t node;
     Vector3 start, start_velocity, end, velocity;
   };
   // For a node that slides on some surfaces: the next one that it meets, except those known; -1: none.
-  [[nodiscard]] Meeting next_meeting(const Placement& at, const Way& way, const Touch& on,
+  [[nodiscard]] Meeting next_meeting(const Placement& at, const Path& path, const Touch& on,
                                      const std::vector<std::int32_t>& known = {}) const;
   // Whether a node whose contact has chattered may be held at its last surface although its path does not meet it.
   [[nodiscard]] bool could_reach(const Placement& at, std::uint32_t node, const Vector3& start,
                                  const Vector3& end) const;
   // Whether a node is separating from a surface that its straight path crosses.
-  [[nodiscard]] bool leaves(const Placement& at, std::int32_t surface, const Way& way) const;
+  [[nodiscard]] bool is_separating(const Placement& at, std::int32_t surface, const Path& path) const;
   // Position at the end of the step of a node that the surface carries from the meeting on.
-  [[nodiscard]] Vector3 taken_along(const Placement& at, const Vector3& start, const Vector3& end,
-                                    const Meeting& meeting) const;
+  [[nodiscard]] Vector3 carried_from(const Placement& at, const Vector3& start, const Vector3& end,
+                                     const Meeting& meeting) const;
   // Position at the end of the step of a node that the surface carries from the start.
   [[nodiscard]] Vector3 carried(const Placement& at, const Vector3& start, std::int32_t surface) const;
   // A vector at a node, rotated with the surface over the step.
-  [[nodiscard]] Vector3 turned_along(const Placement& at, std::int32_t surface, const Vector3& start,
+  [[nodiscard]] Vector3 rotated_with(const Placement& at, std::int32_t surface, const Vector3& start,
                                      const Vector3& vector) const;
   // Records a sweep's decision for a node. True once the contact has chattered too often in this step; it then stays
   // active. The rule is discontinuous: touching stops the node, which changes the damping forces on it so that it may
@@ -176,7 +176,7 @@ class Contact {
     return sweep_impulse_.empty() ? Vector3(Vector3::Zero()) : sweep_impulse_[node];
   }
   // Discards the contacts of sweeps that were not committed.
-  void forget_sweep();
+  void discard_sweep();
 
   // Surfaces (two to four) that overlap near this position by more than `tolerance` (m), so that no room is left
   // between them; empty if there is room.
@@ -207,29 +207,30 @@ class Contact {
   struct Within;  // a sweep and the placement at its end
   struct Slide;
   void constrain_node(const Within& within, std::uint32_t node, const Vector3* read);
-  // Tries to keep the committed contact. True: kept, outputs are set.
-  [[nodiscard]] bool stay(const Within& within, std::uint32_t node, const Candidate& candidate);
+  // Keeps the committed contact unless a surface would have to pull. True: kept, outputs are set.
+  [[nodiscard]] bool try_to_keep(const Within& within, std::uint32_t node, const Candidate& candidate);
   void meet(const Within& within, std::uint32_t node, const Candidate& candidate);
   // Keeps the committed contact whatever the forces.
-  void follow(const Within& within, std::uint32_t node, const Candidate& candidate);
+  void keep(const Within& within, std::uint32_t node, const Candidate& candidate);
   // Slides along one surface; the velocity is tangential at the end position, or at `normal_at` unless null. rebound:
   // m/s.
-  [[nodiscard]] Slide along(const Within& within, std::int32_t surface, const Candidate& candidate,
-                            const Vector3* normal_at = nullptr, double rebound = 0.0) const;
+  [[nodiscard]] Slide slide_along(const Within& within, std::int32_t surface, const Candidate& candidate,
+                                  const Vector3* normal_at = nullptr, double rebound = 0.0) const;
   // Slides along the edge of two surfaces; rebound: off the second, m/s.
-  [[nodiscard]] Slide between(const Within& within, std::int32_t first, std::int32_t second, const Candidate& candidate,
-                              double rebound = 0.0) const;
+  [[nodiscard]] Slide slide_along_edge(const Within& within, std::int32_t first, std::int32_t second,
+                                       const Candidate& candidate, double rebound = 0.0) const;
   // At the vertex of three surfaces, which leaves no direction to slide in.
   [[nodiscard]] Slide at_vertex(const Within& within, const Touch& touch, const Candidate& candidate) const;
   // Slides along the two surfaces that are left when the one with the smallest normal impulse releases the node.
-  [[nodiscard]] Slide off_vertex(const Within& within, const Slide& vertex, const Candidate& candidate) const;
+  [[nodiscard]] Slide leave_vertex(const Within& within, const Slide& vertex, const Candidate& candidate) const;
   // Chooses the active surfaces of a node that slides on some and meets others. `met` becomes all that it meets. Empty:
   // no choice fits.
-  [[nodiscard]] std::optional<Slide> among(const Within& within, const Slide& on, std::vector<std::int32_t>& met,
-                                           const Candidate& candidate) const;
+  [[nodiscard]] std::optional<Slide> choose_active_set(const Within& within, const Slide& on,
+                                                       std::vector<std::int32_t>& met,
+                                                       const Candidate& candidate) const;
   [[nodiscard]] bool is_flush(const Placement& at, const Touch& on, std::int32_t surface,
                               const Vector3& position) const;
-  void put(const Within& within, std::uint32_t node, const Slide& slide);
+  void set_outputs(const Within& within, std::uint32_t node, const Slide& slide);
   // The same, unless the path meets another surface.
   void slide(const Within& within, std::uint32_t node, const Slide& slide, const Candidate& candidate);
   void stop(const Within& within, std::uint32_t node, const Touch& touch, const Vector3& place,
@@ -244,7 +245,7 @@ class Contact {
                                              const Vector3& velocity, const Vector3& acceleration) const;
   void update_status(std::uint32_t node) noexcept;  // from now_
 
-  std::vector<Obstacle> surfaces_;
+  std::vector<Obstacle> obstacles_;
   const std::vector<double>& mass_;
   Prescribed prescribed_;
   mutable std::shared_ptr<const Placement> cached_placement_;  // null: none

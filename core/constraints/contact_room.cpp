@@ -31,11 +31,11 @@ double overlap(const Eigen::Matrix3Xd& normals, const Eigen::VectorXd& gaps) {
 std::vector<std::int32_t> Contact::closed_around(const Placement& at, const Vector3& position, double tolerance) const {
   // A surface takes part only if its gap is at most the depth of the node behind the deepest surface.
   double deepest = tolerance;
-  for (std::size_t j = 0; j < surfaces_.size(); ++j) deepest = std::max(deepest, -Contact::gap(at, j, position));
+  for (std::size_t j = 0; j < obstacles_.size(); ++j) deepest = std::max(deepest, -Contact::gap(at, j, position));
   std::vector<std::int32_t> near;
   std::vector<Vector3> normals;
   std::vector<double> gaps;
-  for (std::size_t j = 0; j < surfaces_.size(); ++j) {
+  for (std::size_t j = 0; j < obstacles_.size(); ++j) {
     const double gap = Contact::gap(at, j, position);
     if (gap > deepest) continue;
     near.push_back(static_cast<std::int32_t>(j));

@@ -30,12 +30,12 @@ ContactResponse solve_slipping(const Matrix3& mobility, const Vector3& relative,
 
 }  // namespace
 
-Contact::Slide Contact::along(const Within& within, std::int32_t surface, const Candidate& made,
-                              const Vector3* normal_at, double rebound) const {
+Contact::Slide Contact::slide_along(const Within& within, std::int32_t surface, const Candidate& made,
+                                    const Vector3* normal_at, double rebound) const {
   const springnet_sweep& sweep = within.sweep;
   const Placement& at = within.at;
   const auto j = static_cast<std::size_t>(surface);
-  const Obstacle& obstacle = surfaces_[j];
+  const Obstacle& obstacle = obstacles_[j];
   const Friction& friction = obstacle.friction();
   const double h = sweep.time_constant, theta = theta_of(sweep);
   const bool slips = sweep.contacts != 0 && friction.kind != Friction::Kind::none;
@@ -46,28 +46,28 @@ Contact::Slide Contact::along(const Within& within, std::int32_t surface, const 
   const Vector3 from = is_carried ? carried(at, candidate.start, surface) : candidate.start;
   // The slip at the start, rotated with the surface.
   const Vector3 slipped = is_carried
-                              ? turned_along(at, surface, candidate.start,
+                              ? rotated_with(at, surface, candidate.start,
                                              candidate.start_velocity - Contact::velocity(*start_, j, candidate.start))
                               : candidate.start_velocity;
   Slide result;
   result.position = onto(at, j, candidate.position);
   bool sticks = false;
-  constexpr int most_turns = 30;
-  for (int i = 0; i < most_turns; ++i) {
+  constexpr int max_iterations = 30;
+  for (int i = 0; i < max_iterations; ++i) {
     const Vector3 place = normal_at != nullptr ? *normal_at : result.position;
     const Vector3 w = Contact::velocity(at, j, place), n = normal(at, j, place);
-    const auto ask = [&] {
+    const auto solve = [&] {
       const Vector3 relative = candidate.velocity - w - rebound * n;
       return sweep.contacts != 0 ? solve_slipping(candidate.mobility, relative, n, sliding_coefficient_of(friction),
                                                   slip_[candidate.node])
                                  : solve_contact(candidate.mobility, relative, n, friction);
     };
-    ContactResponse reaction = ask();
+    ContactResponse reaction = solve();
     const double pressing = n.dot(reaction.impulse);
     if (reaction.sticks && friction.kind == Friction::Kind::coulomb &&
-        grip(friction.coefficient, (1.0 + 1e-12) * pressing, (reaction.impulse - pressing * n).norm()) < 0.0) {
+        cone_margin(friction.coefficient, (1.0 + 1e-12) * pressing, (reaction.impulse - pressing * n).norm()) < 0.0) {
       candidate = candidate.isotropic();
-      reaction = ask();
+      reaction = solve();
     }
     reaction.velocity += rebound * n;
     result.normal = reaction.normal;
@@ -91,8 +91,8 @@ Vector3 Contact::onto_both(const Placement& at, std::int32_t first, std::int32_t
                            const Vector3& position) const {
   const auto a = static_cast<std::size_t>(first), b = static_cast<std::size_t>(second);
   Vector3 p = position;
-  constexpr int most_turns = 20;
-  for (int i = 0; i < most_turns; ++i) {
+  constexpr int max_iterations = 20;
+  for (int i = 0; i < max_iterations; ++i) {
     Eigen::Matrix<double, 3, 2> n;
     n << normal(at, a, p), normal(at, b, p);
     const Eigen::Matrix2d square = n.transpose() * n;
@@ -104,28 +104,28 @@ Vector3 Contact::onto_both(const Placement& at, std::int32_t first, std::int32_t
   return p;
 }
 
-Contact::Slide Contact::between(const Within& within, std::int32_t first, std::int32_t second, const Candidate& made,
-                                double rebound) const {
+Contact::Slide Contact::slide_along_edge(const Within& within, std::int32_t first, std::int32_t second,
+                                         const Candidate& made, double rebound) const {
   const springnet_sweep& sweep = within.sweep;
   const Placement& at = within.at;
   const auto a = static_cast<std::size_t>(first), b = static_cast<std::size_t>(second);
   const double h = sweep.time_constant, theta = theta_of(sweep);
-  const double rough_a = coefficient_of(surfaces_[a].friction()), rough_b = coefficient_of(surfaces_[b].friction());
+  const double rough_a = coefficient_of(obstacles_[a].friction()), rough_b = coefficient_of(obstacles_[b].friction());
   Candidate candidate = made;
   // Along the edge the rougher surface carries the node.
   const std::int32_t rougher = rough_b > rough_a ? second : first;
   const bool is_carried = rough_a > 0.0 || rough_b > 0.0;
   const Vector3 from = is_carried ? carried(at, candidate.start, rougher) : candidate.start;
   const Vector3 slipped =
-      is_carried ? turned_along(at, rougher, candidate.start,
+      is_carried ? rotated_with(at, rougher, candidate.start,
                                 candidate.start_velocity -
                                     Contact::velocity(*start_, static_cast<std::size_t>(rougher), candidate.start))
                  : candidate.start_velocity;
   Slide result;
   result.position = onto_both(at, first, second, candidate.position);
   bool sticks = false;
-  constexpr int most_turns = 30;
-  for (int i = 0; i < most_turns; ++i) {
+  constexpr int max_iterations = 30;
+  for (int i = 0; i < max_iterations; ++i) {
     const Vector3 p = result.position;
     Matrix3 directions;
     directions.row(0) = normal(at, a, p);
@@ -136,15 +136,15 @@ Contact::Slide Contact::between(const Within& within, std::int32_t first, std::i
     const Vector3 rates(directions.row(0).dot(Contact::velocity(at, a, p)),
                         directions.row(1).dot(Contact::velocity(at, b, p)) + rebound, directions.row(2).dot(with));
     const Vector3 w = directions.row(2).norm() > 1e-6 ? Vector3(directions.inverse() * rates) : with;
-    const auto ask = [&] {
+    const auto solve = [&] {
       const Vector3* kept = sweep.contacts != 0 ? &slip_[candidate.node] : nullptr;
       return solve_edge(candidate.mobility, candidate.velocity - w, directions.row(0), directions.row(1), rough_a,
                         rough_b, kept);
     };
-    EdgeResponse reaction = ask();
+    EdgeResponse reaction = solve();
     if (!reaction.fits) {
       candidate = candidate.isotropic();
-      reaction = ask();
+      reaction = solve();
     }
     result.normal = std::min(reaction.first, reaction.second);
     result.weakest = reaction.first < reaction.second ? first : second;
@@ -172,8 +172,8 @@ Contact::Slide Contact::at_vertex(const Within& within, const Touch& touch, cons
   result.touch = touch;
   result.slip.setZero();
   Matrix3 normals;
-  constexpr int most_turns = 20;
-  for (int i = 0; i < most_turns; ++i) {
+  constexpr int max_iterations = 20;
+  for (int i = 0; i < max_iterations; ++i) {
     Vector3 gaps, rates;
     for (Eigen::Index r = 0; r < 3; ++r) {
       const auto j = static_cast<std::size_t>(touch.surfaces()[static_cast<std::size_t>(r)]);
@@ -195,12 +195,12 @@ Contact::Slide Contact::at_vertex(const Within& within, const Touch& touch, cons
   return result;
 }
 
-Contact::Slide Contact::off_vertex(const Within& within, const Slide& vertex, const Candidate& candidate) const {
+Contact::Slide Contact::leave_vertex(const Within& within, const Slide& vertex, const Candidate& candidate) const {
   std::array<std::int32_t, 2> rest{};
   std::size_t count = 0;
   for (const std::int32_t surface : vertex.touch.surfaces())
     if (surface != vertex.weakest && count < 2) rest[count++] = surface;
-  return between(within, rest[0], rest[1], candidate);
+  return slide_along_edge(within, rest[0], rest[1], candidate);
 }
 
 }  // namespace springnet

@@ -12,7 +12,7 @@ namespace springnet {
 namespace {
 
 // Changes of decision within a step after which a contact stays active.
-constexpr std::uint8_t most_changes = 8;
+constexpr std::uint8_t max_changes = 8;
 // In units of the path length: a node that slides along a second surface may be this far behind it by rounding.
 constexpr double beside = 1e-9;
 constexpr std::uint32_t no_cluster = 0xffffffffu;
@@ -24,14 +24,14 @@ void put_force(const springnet_sweep& sweep, std::uint32_t node, const Vector3& 
 }  // namespace
 
 bool Contact::has_chattered(std::uint32_t node) const noexcept {
-  return !changes_.empty() && changes_[node] >= most_changes;
+  return !changes_.empty() && changes_[node] >= max_changes;
 }
 
 bool Contact::record_decision(std::uint32_t node, bool in_contact) {
-  if (changes_[node] >= most_changes) return true;
+  if (changes_[node] >= max_changes) return true;
   if ((was_in_contact_[node] != 0) != in_contact) ++changes_[node];
   was_in_contact_[node] = in_contact ? 1 : 0;
-  return changes_[node] >= most_changes;
+  return changes_[node] >= max_changes;
 }
 
 void Contact::decide(std::uint32_t node, const Touch& touch, const Vector3& impulse, bool bounces) {
@@ -45,48 +45,48 @@ void Contact::decide(std::uint32_t node, const Touch& touch, const Vector3& impu
 
 Vector3 Contact::carried(const Placement& at, const Vector3& start, std::int32_t surface) const {
   const auto j = static_cast<std::size_t>(surface);
-  if (!surfaces_[j].moves()) return start;
+  if (!obstacles_[j].moves()) return start;
   const Pose &before = start_->poses[j], &after = at.poses[j];
   // Without rotation add the difference, so that a resting node does not drift by rounding.
   if (!after.turns) return start + (after.displacement - before.displacement);
   return after.from_start(before.to_start(start));
 }
 
-Vector3 Contact::turned_along(const Placement& at, std::int32_t surface, const Vector3& start,
+Vector3 Contact::rotated_with(const Placement& at, std::int32_t surface, const Vector3& start,
                               const Vector3& vector) const {
-  if (!surfaces_[static_cast<std::size_t>(surface)].turns()) return vector;
+  if (!obstacles_[static_cast<std::size_t>(surface)].turns()) return vector;
   return carried(at, start + vector, surface) - carried(at, start, surface);
 }
 
 Contact::Meeting Contact::first_meeting(const Placement& at, const Vector3& start, const Vector3& end,
                                         std::int32_t except, std::int32_t and_except) const {
   Meeting first{-1, 2.0};
-  for (std::size_t j = 0; j < surfaces_.size(); ++j) {
+  for (std::size_t j = 0; j < obstacles_.size(); ++j) {
     if (const auto surface = static_cast<std::int32_t>(j); surface == except || surface == and_except) continue;
-    const auto share = surfaces_[j].first_touch(start_->poses[j], start, at.poses[j], end);
+    const auto share = obstacles_[j].first_touch(start_->poses[j], start, at.poses[j], end);
     if (share && *share < first.share) first = {static_cast<std::int32_t>(j), *share};
   }
   return first;
 }
 
-Contact::Meeting Contact::next_meeting(const Placement& at, const Way& way, const Touch& on,
+Contact::Meeting Contact::next_meeting(const Placement& at, const Path& path, const Touch& on,
                                        const std::vector<std::int32_t>& known) const {
   Meeting next{-1, 2.0};
-  for (std::size_t j = 0; j < surfaces_.size(); ++j) {
+  for (std::size_t j = 0; j < obstacles_.size(); ++j) {
     const auto surface = static_cast<std::int32_t>(j);
     if (on.has(surface) || std::find(known.begin(), known.end(), surface) != known.end()) continue;
-    const auto share = surfaces_[j].first_touch(start_->poses[j], way.start, at.poses[j], way.end);
-    if (!share || *share >= next.share || leaves(at, surface, way)) continue;
-    const bool behind = gap(at, j, way.end) < -beside * (way.end - way.start).norm();
-    if (behind || (*share > 0.0 && !is_flush(at, on, surface, way.end))) next = {surface, *share};
+    const auto share = obstacles_[j].first_touch(start_->poses[j], path.start, at.poses[j], path.end);
+    if (!share || *share >= next.share || is_separating(at, surface, path)) continue;
+    const bool behind = gap(at, j, path.end) < -beside * (path.end - path.start).norm();
+    if (behind || (*share > 0.0 && !is_flush(at, on, surface, path.end))) next = {surface, *share};
   }
   return next;
 }
 
-Vector3 Contact::taken_along(const Placement& at, const Vector3& start, const Vector3& end,
-                             const Meeting& meeting) const {
+Vector3 Contact::carried_from(const Placement& at, const Vector3& start, const Vector3& end,
+                              const Meeting& meeting) const {
   const auto j = static_cast<std::size_t>(meeting.surface);
-  if (!surfaces_[j].moves()) return start + meeting.share * (end - start);
+  if (!obstacles_[j].moves()) return start + meeting.share * (end - start);
   const Pose& after = at.poses[j];
   const Vector3 a = start_->poses[j].to_start(start), b = after.to_start(end);
   return onto(at, j, after.from_start(a + meeting.share * (b - a)));
@@ -108,13 +108,13 @@ bool Contact::constrain_fixed(const Placement& end, std::uint32_t node, const sp
 void Contact::constrain(const Placement& end, std::uint32_t first, std::uint32_t count, const springnet_sweep& sweep,
                         const std::uint32_t* cluster, const Vector3* read) {
   // Without surfaces only fixed nodes are constrained, and the others have no contact force to report.
-  const bool free_stay_free = surfaces_.empty() && sweep.constraint_force.x == nullptr;
+  const bool free_stay_free = obstacles_.empty() && sweep.constraint_force.x == nullptr;
   for (std::uint32_t k = first; k < first + count; ++k) {
     if (free_stay_free && fixed_[k] == 0) continue;
     if (constrain_fixed(end, k, sweep)) continue;
     if (cluster != nullptr && cluster[k] != no_cluster) continue;
     put_force(sweep, k, Vector3::Zero());
-    if (surfaces_.empty()) continue;
+    if (obstacles_.empty()) continue;
     constrain_node({sweep, end}, k, read);
   }
 }
@@ -123,8 +123,8 @@ void Contact::constrain_node(const Within& within, std::uint32_t node, const Vec
   const auto& [sweep, at] = within;
   const Vector3 start = vector_at(sweep.start_position, node), end = vector_at(sweep.next_position, node);
   const bool decides = sweep.contacts == 0;
-  // The last permitted change of decision takes the long path: meet() then keeps the contact.
-  const bool last_change = changes_[node] + (was_in_contact_[node] != 0 ? 1 : 0) >= most_changes;
+  // At the last permitted change of decision skip the shortcut: meet() then keeps the contact.
+  const bool last_change = changes_[node] + (was_in_contact_[node] != 0 ? 1 : 0) >= max_changes;
   if (committed_[node].surface < 0 && (!decides || (!last_change && first_meeting(at, start, end).surface < 0))) {
     // The common case: the node stays free.
     if (decides) static_cast<void>(record_decision(node, false));
@@ -144,90 +144,90 @@ void Contact::constrain_node(const Within& within, std::uint32_t node, const Vec
                           : Matrix3(Eigen::Map<const Matrix3>(sweep.inertia + 9 * std::size_t{node}));
   candidate.mobility = candidate.inertia.inverse();
   if (!decides)
-    follow(within, node, candidate);
-  else if (committed_[node].surface < 0 || !stay(within, node, candidate))
+    keep(within, node, candidate);
+  else if (committed_[node].surface < 0 || !try_to_keep(within, node, candidate))
     meet(within, node, candidate);
 }
 
-// The reaction over the step decides about release. A surface on which nodes slide never pulls, even after chatter.
-bool Contact::stay(const Within& within, std::uint32_t node, const Candidate& candidate) {
+// The reaction over the step decides on release. A surface on which nodes slide never pulls, even after chatter.
+bool Contact::try_to_keep(const Within& within, std::uint32_t node, const Candidate& candidate) {
   const Placement& at = within.at;
   const Touch& before = committed_[node];
-  std::int32_t left = before.surface;
+  std::int32_t surface = before.surface;
   if (before.third >= 0 && before.slides) {
     Slide on = at_vertex(within, before, candidate);
-    if (on.normal < 0.0) on = off_vertex(within, on, candidate);
+    if (on.normal < 0.0) on = leave_vertex(within, on, candidate);
     if (on.normal >= 0.0) {
       static_cast<void>(record_decision(node, true));
       slide(within, node, on, candidate);
       return true;
     }
-    left = on.weakest == on.touch.surface ? on.touch.second : on.touch.surface;
+    surface = on.weakest == on.touch.surface ? on.touch.second : on.touch.surface;
   } else if (before.second >= 0) {
-    const Slide on = between(within, before.surface, before.second, candidate);
+    const Slide on = slide_along_edge(within, before.surface, before.second, candidate);
     if (on.normal >= 0.0) {
       static_cast<void>(record_decision(node, true));
       slide(within, node, on, candidate);
       return true;
     }
-    left = on.weakest == before.surface ? before.second : before.surface;
+    surface = on.weakest == before.surface ? before.second : before.surface;
   }
-  const auto j = static_cast<std::size_t>(left);
-  if (surfaces_[j].friction().kind == Friction::Kind::held) {
-    const Vector3 place = carried(at, candidate.start, left);
-    const Vector3 lacks = velocity(at, j, place) - candidate.velocity;
-    if (!has_chattered(node) && normal(at, j, place).dot(candidate.inertia * lacks) < 0.0) return false;
+  const auto j = static_cast<std::size_t>(surface);
+  if (obstacles_[j].friction().kind == Friction::Kind::held) {
+    const Vector3 place = carried(at, candidate.start, surface);
+    const Vector3 missing = velocity(at, j, place) - candidate.velocity;
+    if (!has_chattered(node) && normal(at, j, place).dot(candidate.inertia * missing) < 0.0) return false;
     static_cast<void>(record_decision(node, true));
-    stop(within, node, {left, false}, place, candidate);
+    stop(within, node, {surface, false}, place, candidate);
     return true;
   }
-  const Slide on = along(within, left, candidate);
+  const Slide on = slide_along(within, surface, candidate);
   if (on.normal < 0.0) return false;
   static_cast<void>(record_decision(node, true));
   slide(within, node, on, candidate);
   return true;
 }
 
-void Contact::follow(const Within& within, std::uint32_t node, const Candidate& candidate) {
+void Contact::keep(const Within& within, std::uint32_t node, const Candidate& candidate) {
   const Touch& touch = committed_[node];
   if (touch.slides && touch.third >= 0) {
-    put(within, node, at_vertex(within, touch, candidate));
+    set_outputs(within, node, at_vertex(within, touch, candidate));
     return;
   }
   if (!touch.slides) {
     stop(within, node, touch, carried(within.at, candidate.start, touch.surface), candidate);
     return;
   }
-  Slide on = touch.second >= 0 ? between(within, touch.surface, touch.second, candidate)
-                               : along(within, touch.surface, candidate);
+  Slide on = touch.second >= 0 ? slide_along_edge(within, touch.surface, touch.second, candidate)
+                               : slide_along(within, touch.surface, candidate);
   on.touch = touch;
-  put(within, node, on);
+  set_outputs(within, node, on);
 }
 
 // A chattering node can be off its surface by at most its path within the step. One that is farther away comes from
 // diverging sweeps; it stays free, so that the divergence is reported.
 bool Contact::could_reach(const Placement& at, std::uint32_t node, const Vector3& start, const Vector3& end) const {
   const auto j = static_cast<std::size_t>(last_surface_[node]);
-  const Vector3 came = carried(at, start, last_surface_[node]) - start;  // the surface itself
-  return gap(at, j, end) <= (end - start - came).norm();
+  const Vector3 surface_path = carried(at, start, last_surface_[node]) - start;
+  return gap(at, j, end) <= (end - start - surface_path).norm();
 }
 
 // A surface moves exactly, a node with the error of the step; and the straight path of a step cuts through a curved
 // surface that the node passes around. So a separating node may be behind such a surface for some steps, by O(h^2); its
-// separating velocity tells that it is not meeting the surface. A node that comes from outside does meet a curved
+// separating velocity shows that it does not meet the surface. A node that comes from outside does meet a curved
 // surface at rest, and so does one that would pass to its far side.
-bool Contact::leaves(const Placement& at, std::int32_t surface, const Way& way) const {
+bool Contact::is_separating(const Placement& at, std::int32_t surface, const Path& path) const {
   const auto j = static_cast<std::size_t>(surface);
-  const Obstacle& obstacle = surfaces_[j];
+  const Obstacle& obstacle = obstacles_[j];
   if (!obstacle.moves() && obstacle.is_flat()) return false;
-  const Vector3 n = normal(at, j, way.end);
-  if (!(n.dot(way.velocity - Contact::velocity(at, j, way.end)) >= 0.0)) return false;
+  const Vector3 n = normal(at, j, path.end);
+  if (!(n.dot(path.velocity - Contact::velocity(at, j, path.end)) >= 0.0)) return false;
   if (obstacle.is_flat()) return true;
-  const Vector3 before = normal(*start_, j, way.start);
+  const Vector3 before = normal(*start_, j, path.start);
   if (!(before.dot(n) > 0.0)) return false;
-  if (obstacle.moves() || committed_[way.node].surface == surface) return true;
-  return gap(*start_, j, way.start) <= beside * (way.end - way.start).norm() ||
-         before.dot(way.start_velocity - Contact::velocity(*start_, j, way.start)) >= 0.0;
+  if (obstacle.moves() || committed_[path.node].surface == surface) return true;
+  return gap(*start_, j, path.start) <= beside * (path.end - path.start).norm() ||
+         before.dot(path.start_velocity - Contact::velocity(*start_, j, path.start)) >= 0.0;
 }
 
 // A node that is free at the start of the step, or was released within it.
@@ -235,8 +235,8 @@ void Contact::meet(const Within& within, std::uint32_t node, const Candidate& ca
   const auto& [sweep, at] = within;
   const Touch before = committed_[node];
   Meeting meeting = first_meeting(at, candidate.start, candidate.position);
-  const Way way{node, candidate.start, candidate.start_velocity, candidate.position, candidate.velocity};
-  if (meeting.surface >= 0 && leaves(at, meeting.surface, way)) meeting.surface = -1;
+  const Path path{node, candidate.start, candidate.start_velocity, candidate.position, candidate.velocity};
+  if (meeting.surface >= 0 && is_separating(at, meeting.surface, path)) meeting.surface = -1;
   if (meeting.surface >= 0) last_surface_[node] = meeting.surface;
   const bool stays_active = record_decision(node, meeting.surface >= 0);
   if (meeting.surface < 0 && !stays_active) {
@@ -250,13 +250,13 @@ void Contact::meet(const Within& within, std::uint32_t node, const Candidate& ca
   const double rebounds = met && is_new ? rebound(at, meeting.surface, onto(at, j, candidate.position),
                                                   candidate.start_velocity, candidate.velocity)
                                         : 0.0;
-  if (surfaces_[j].friction().kind != Friction::Kind::held || rebounds > 0.0) {
-    Slide on = along(within, meeting.surface, candidate, nullptr, rebounds);
+  if (obstacles_[j].friction().kind != Friction::Kind::held || rebounds > 0.0) {
+    Slide on = slide_along(within, meeting.surface, candidate, nullptr, rebounds);
     // The path crosses a curved surface and ends on its far side, where the node would separate: use the normal where
     // it met the surface.
     if (met && on.normal < 0.0) {
-      const Vector3 place = taken_along(at, candidate.start, candidate.position, meeting);
-      on = along(within, meeting.surface, candidate, &place, rebounds);
+      const Vector3 place = carried_from(at, candidate.start, candidate.position, meeting);
+      on = slide_along(within, meeting.surface, candidate, &place, rebounds);
     }
     // If this alternates without end, the step does not settle and is reported.
     if (on.normal < 0.0)
@@ -270,8 +270,8 @@ void Contact::meet(const Within& within, std::uint32_t node, const Candidate& ca
   // stiff net they grow with the stiffness and would displace the node. The force changes the path by O(h^2) only.
   const Vector3 end = candidate.start + sweep.time_constant * candidate.start_velocity;
   const Meeting touched{meeting.surface,
-                        surfaces_[j].first_touch(start_->poses[j], candidate.start, at.poses[j], end).value_or(2.0)};
-  const Vector3 place = touched.share > 0.0 && touched.share <= 1.0 ? taken_along(at, candidate.start, end, touched)
+                        obstacles_[j].first_touch(start_->poses[j], candidate.start, at.poses[j], end).value_or(2.0)};
+  const Vector3 place = touched.share > 0.0 && touched.share <= 1.0 ? carried_from(at, candidate.start, end, touched)
                         : touched.share > 1.0                       ? onto(at, j, end)
                                               : onto(at, j, carried(at, candidate.start, meeting.surface));
   stop(within, node, {meeting.surface, false}, place, candidate);
@@ -280,13 +280,13 @@ void Contact::meet(const Within& within, std::uint32_t node, const Candidate& ca
 double Contact::rebound(const Placement& at, std::int32_t surface, const Vector3& position,
                         const Vector3& start_velocity, const Vector3& free) const {
   const auto j = static_cast<std::size_t>(surface);
-  if (!(surfaces_[j].restitution() > 0.0)) return 0.0;
+  if (!(obstacles_[j].restitution() > 0.0)) return 0.0;
   const Vector3 n = normal(at, j, position);
-  const double came = -n.dot(start_velocity - Contact::velocity(at, j, position));
-  return came > std::abs(n.dot(free - start_velocity)) ? surfaces_[j].restitution() * came : 0.0;
+  const double approach_speed = -n.dot(start_velocity - Contact::velocity(at, j, position));
+  return approach_speed > std::abs(n.dot(free - start_velocity)) ? obstacles_[j].restitution() * approach_speed : 0.0;
 }
 
-void Contact::put(const Within& within, std::uint32_t node, const Slide& on) {
+void Contact::set_outputs(const Within& within, std::uint32_t node, const Slide& on) {
   const springnet_sweep& sweep = within.sweep;
   const double weight = sweep.time_constant * theta_of(sweep);
   if (on.touch.slides && sweep.contacts == 0) slip_[node] = on.slip;
@@ -300,46 +300,48 @@ void Contact::put(const Within& within, std::uint32_t node, const Slide& on) {
 // node approaches no other. A node has three degrees of freedom, so at most three are active; the motion selects them,
 // not the order in which they were met. Velocities decide, as in Moreau's time stepping; the position is then projected
 // so that it is behind none.
-std::optional<Contact::Slide> Contact::among(const Within& within, const Slide& on, std::vector<std::int32_t>& met,
-                                             const Candidate& candidate) const {
+std::optional<Contact::Slide> Contact::choose_active_set(const Within& within, const Slide& on,
+                                                         std::vector<std::int32_t>& met,
+                                                         const Candidate& candidate) const {
   const Placement& at = within.at;
-  std::vector<std::int32_t> asked = std::move(met);
+  std::vector<std::int32_t> pending = std::move(met);
   met.clear();
   for (const std::int32_t surface : on.touch.surfaces())
     if (surface >= 0) met.push_back(surface);
-  const auto comes = [&](const Slide& of, std::int32_t j) {
+  const auto approaches = [&](const Slide& of, std::int32_t j) {
     const auto surface = static_cast<std::size_t>(j);
     const Vector3 relative = of.velocity - velocity(at, surface, of.position);
     return normal(at, surface, of.position).dot(relative) < -beside * relative.norm();
   };
   std::optional<Slide> found = on;
   while (true) {
-    std::int32_t more = -1;
-    if (!asked.empty()) {
-      more = asked.back();
-      asked.pop_back();
-      if (std::find(met.begin(), met.end(), more) != met.end()) continue;
+    std::int32_t added = -1;
+    if (!pending.empty()) {
+      added = pending.back();
+      pending.pop_back();
+      if (std::find(met.begin(), met.end(), added) != met.end()) continue;
     } else {
-      const Way way{candidate.node, candidate.start, candidate.start_velocity, found->position, found->velocity};
-      more = next_meeting(at, way, found->touch, met).surface;
-      if (more < 0) return found;
+      const Path path{candidate.node, candidate.start, candidate.start_velocity, found->position, found->velocity};
+      added = next_meeting(at, path, found->touch, met).surface;
+      if (added < 0) return found;
     }
-    if (comes(*found, more)) {
+    if (approaches(*found, added)) {
       found.reset();
-      const auto take = [&](const Slide& of) {
+      const auto consider = [&](const Slide& of) {
         const bool fits = of.normal >= 0.0 && std::none_of(met.begin(), met.end(), [&](std::int32_t j) {
-                            return !of.touch.has(j) && comes(of, j);
+                            return !of.touch.has(j) && approaches(of, j);
                           });
         if (!found && fits) found = of;
       };
-      take(along(within, more, candidate));
-      for (std::size_t a = 0; a < met.size() && !found; ++a) take(between(within, met[a], more, candidate));
+      consider(slide_along(within, added, candidate));
+      for (std::size_t a = 0; a < met.size() && !found; ++a)
+        consider(slide_along_edge(within, met[a], added, candidate));
       for (std::size_t a = 0; a < met.size() && !found; ++a)
         for (std::size_t b = a + 1; b < met.size() && !found; ++b)
-          take(at_vertex(within, {met[a], true, met[b], more}, candidate));
+          consider(at_vertex(within, {met[a], true, met[b], added}, candidate));
       if (!found) return std::nullopt;
     }
-    met.push_back(more);
+    met.push_back(added);
     const double rounding = beside * (found->position - candidate.start).norm();
     for (const std::int32_t j : met) {
       const Touch& touch = found->touch;
@@ -365,16 +367,16 @@ bool Contact::is_flush(const Placement& at, const Touch& on, std::int32_t surfac
 void Contact::slide(const Within& within, std::uint32_t node, const Slide& on, const Candidate& candidate) {
   const Placement& at = within.at;
   const Touch& before = committed_[node];
-  const Way way{node, candidate.start, candidate.start_velocity, on.position, on.velocity};
-  const Meeting next = next_meeting(at, way, on.touch);
+  const Path path{node, candidate.start, candidate.start_velocity, on.position, on.velocity};
+  const Meeting next = next_meeting(at, path, on.touch);
   // After too many changes of its surfaces the node counts as meeting all that it met so far.
-  const bool settles = slide_changes_[node] >= most_changes;
+  const bool settles = slide_changes_[node] >= max_changes;
   if (next.surface < 0 && !settles) {
     if (now_[node] != on.touch) ++slide_changes_[node];
-    put(within, node, on);
+    set_outputs(within, node, on);
     return;
   }
-  const auto friction_of = [&](std::int32_t j) { return surfaces_[static_cast<std::size_t>(j)].friction().kind; };
+  const auto friction_of = [&](std::int32_t j) { return obstacles_[static_cast<std::size_t>(j)].friction().kind; };
   const auto any_is = [&](const Touch& touch, Friction::Kind kind) {
     const auto surfaces = touch.surfaces();
     return std::any_of(surfaces.begin(), surfaces.end(),
@@ -385,9 +387,9 @@ void Contact::slide(const Within& within, std::uint32_t node, const Slide& on, c
                               : rebound(at, next.surface, on.position, candidate.start_velocity, candidate.velocity);
   const bool holds = any_is(on.touch, Friction::Kind::held);
   if (rebounds > 0.0 && on.touch.second < 0 && !holds) {
-    const Slide both = between(within, on.touch.surface, next.surface, candidate, rebounds);
+    const Slide both = slide_along_edge(within, on.touch.surface, next.surface, candidate, rebounds);
     if (both.normal >= 0.0) {
-      put(within, node, both);
+      set_outputs(within, node, both);
       return;
     }
   }
@@ -397,7 +399,7 @@ void Contact::slide(const Within& within, std::uint32_t node, const Slide& on, c
     for (const std::int32_t j : met_[node])
       if (settles && gap(at, static_cast<std::size_t>(j), on.position) <= length) met.push_back(j);
     if (next.surface >= 0) met.push_back(next.surface);
-    const std::optional<Slide> found = among(within, on, met, candidate);
+    const std::optional<Slide> found = choose_active_set(within, on, met, candidate);
     if (found && now_[node] != found->touch && !settles) ++slide_changes_[node];
     for (const std::int32_t j : met)
       if (std::find(met_[node].begin(), met_[node].end(), j) == met_[node].end()) met_[node].push_back(j);
@@ -409,12 +411,12 @@ void Contact::slide(const Within& within, std::uint32_t node, const Slide& on, c
       return;
     }
     if (found) {
-      put(within, node, *found);
+      set_outputs(within, node, *found);
       return;
     }
   }
   if (next.surface < 0)
-    put(within, node, on);
+    set_outputs(within, node, on);
   else
     stop_between(within, node, on, next, candidate);
 }
@@ -437,7 +439,7 @@ void Contact::stop_between(const Within& within, std::uint32_t node, const Slide
   const bool held = before.surface >= 0 && !before.slides;
   const std::int32_t by = held && before.surface == on.touch.surface ? on.touch.surface : next.surface;
   const Vector3 place =
-      before.surface != by ? taken_along(at, candidate.start, on.position, next) : carried(at, candidate.start, by);
+      before.surface != by ? carried_from(at, candidate.start, on.position, next) : carried(at, candidate.start, by);
   stop(within, node, {by, false}, place, candidate);
 }
 

@@ -10,7 +10,7 @@ namespace springnet {
 namespace {
 
 // Two surfaces meet in an edge if the cross product of their normals is at least this long.
-constexpr double least_angle = 1e-6;
+constexpr double min_sine = 1e-6;
 
 }  // namespace
 
@@ -19,7 +19,7 @@ EdgeResponse solve_edge(const Eigen::Matrix3d& mobility, const Vector3& relative
   const Vector3 stop = -(mobility.inverse() * relative);
   const Vector3 cross = first.cross(second);
   const double sine = cross.norm();
-  if (sine < least_angle) return {Vector3::Zero(), stop, first.dot(stop), second.dot(stop), true};
+  if (sine < min_sine) return {Vector3::Zero(), stop, first.dot(stop), second.dot(stop), true};
   const Vector3 e = cross / sine;
   const double cosine = first.dot(second), square = sine * sine;
   EdgeResponse held{Vector3::Zero(), stop, (first.dot(stop) - cosine * second.dot(stop)) / square,
@@ -27,7 +27,8 @@ EdgeResponse solve_edge(const Eigen::Matrix3d& mobility, const Vector3& relative
   const bool free_to_stick = kept == nullptr;
   if (std::isinf(first_friction) || std::isinf(second_friction)) return held;
   if (free_to_stick && held.first >= 0.0 && held.second >= 0.0 &&
-      grip(first_friction, held.first, 0.0) + grip(second_friction, held.second, std::abs(e.dot(stop))) >= 0.0)
+      cone_margin(first_friction, held.first, 0.0) + cone_margin(second_friction, held.second, std::abs(e.dot(stop))) >=
+          0.0)
     return held;
   // Slip along sign e: each normal impulse comes with its friction.
   const auto slipping = [&](double sign) {

@@ -31,13 +31,13 @@ double sliding_coefficient_of(const Friction& friction) noexcept {
   return std::min(coefficient_of(friction), friction_of_held);
 }
 
-double bearing(double coefficient, double pressing) noexcept {
-  return std::isinf(coefficient) ? coefficient : coefficient * pressing;
+double friction_limit(double coefficient, double normal_force) noexcept {
+  return std::isinf(coefficient) ? coefficient : coefficient * normal_force;
 }
 
-double grip(double coefficient, double pressing, double along) noexcept {
-  if (std::isinf(coefficient)) return pressing >= 0.0 ? coefficient : -along;
-  return bearing(coefficient, pressing) - along;
+double cone_margin(double coefficient, double normal_force, double tangential_force) noexcept {
+  if (std::isinf(coefficient)) return normal_force >= 0.0 ? coefficient : -tangential_force;
+  return friction_limit(coefficient, normal_force) - tangential_force;
 }
 
 Eigen::Matrix3d friction_by_velocity(double strength, const Vector3& slip, const Vector3& n) {
@@ -48,14 +48,14 @@ Eigen::Matrix3d friction_by_velocity(double strength, const Vector3& slip, const
 }
 
 std::optional<Vector3> find_direction(const Vector3& n, const Vector3& start,
-                                      const std::function<double(const Vector3&)>& turn) {
+                                      const std::function<double(const Vector3&)>& residual) {
   const Vector3 across = n.cross(start);
   const auto at = [&](double angle) { return Vector3(std::cos(angle) * start + std::sin(angle) * across); };
-  constexpr int most_turns = 40;
+  constexpr int max_iterations = 40;
   constexpr double first = 1e-3, longest = 0.5;  // rad
-  double before = 0.0, value_before = turn(start), angle = value_before == 0.0 ? 0.0 : first;
-  for (int i = 0; i < most_turns; ++i) {
-    const double value = turn(at(angle));
+  double before = 0.0, value_before = residual(start), angle = value_before == 0.0 ? 0.0 : first;
+  for (int i = 0; i < max_iterations; ++i) {
+    const double value = residual(at(angle));
     if (!std::isfinite(value)) return std::nullopt;
     if (value == 0.0 || angle == before) return at(angle);
     const double slope = (value - value_before) / (angle - before);
@@ -83,13 +83,13 @@ ContactResponse solve_contact(const Eigen::Matrix3d& mobility, const Vector3& re
   const bool regular = mobility.determinant() > 1e-9 * size * size * size;
   const Vector3 stop =
       regular ? Vector3(-(mobility.inverse() * relative)) : Vector3(-least_squares(mobility, relative));
-  const double pressing = n.dot(stop);
-  Vector3 along = stop - pressing * n;
-  if (friction.kind == Friction::Kind::held) return {Vector3::Zero(), stop, pressing, true};
+  const double normal_impulse = n.dot(stop);
+  Vector3 tangential = stop - normal_impulse * n;
+  if (friction.kind == Friction::Kind::held) return {Vector3::Zero(), stop, normal_impulse, true};
   ContactResponse without = smooth();
   if (without.normal <= 0.0) return without;
-  if (pressing > 0.0 && grip(friction.coefficient, pressing, along.norm()) >= 0.0)
-    return {Vector3::Zero(), stop, pressing, true};
+  if (normal_impulse > 0.0 && cone_margin(friction.coefficient, normal_impulse, tangential.norm()) >= 0.0)
+    return {Vector3::Zero(), stop, normal_impulse, true};
   // Slip: impulse p (n - mu t), t the direction of the remaining slip. An anisotropic mobility lets the impulse turn t;
   // with an isotropic one the first t is exact.
   const auto with = [&](const Vector3& t) {
@@ -101,9 +101,9 @@ ContactResponse solve_contact(const Eigen::Matrix3d& mobility, const Vector3& re
     return Vector3(answer.velocity - n * n.dot(answer.velocity));
   };
   const Vector3 slip = slip_of(without);
-  Vector3 t = slip.norm() > 0.0 ? Vector3(slip.normalized()) : Vector3(-along.normalized());
-  constexpr int most_turns = 50;
-  for (int i = 0; i < most_turns; ++i) {
+  Vector3 t = slip.norm() > 0.0 ? Vector3(slip.normalized()) : Vector3(-tangential.normalized());
+  constexpr int max_iterations = 50;
+  for (int i = 0; i < max_iterations; ++i) {
     const ContactResponse answer = with(t);
     const Vector3 left = slip_of(answer);
     if (!(answer.normal > 0.0) || left.dot(t) <= 0.0) break;
@@ -139,7 +139,7 @@ ContactResponse solve_contact(const Eigen::Matrix3d& mobility, const Vector3& re
     value = next;
   }
   // Great friction and a very anisotropic mobility: no slip direction fits, so the node is stopped.
-  return {Vector3::Zero(), stop, std::max(pressing, 0.0), true};
+  return {Vector3::Zero(), stop, std::max(normal_impulse, 0.0), true};
 }
 
 }  // namespace springnet

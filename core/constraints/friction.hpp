@@ -20,19 +20,18 @@ inline constexpr double friction_of_held = 1e4;
 [[nodiscard]] double coefficient_of(const Friction& friction) noexcept;
 // The same for a sliding node: finite.
 [[nodiscard]] double sliding_coefficient_of(const Friction& friction) noexcept;
-// Greatest tangential force that friction bears, N, at the normal force `pressing`, N; infinite for a holding surface.
-[[nodiscard]] double bearing(double coefficient, double pressing) noexcept;
-// Margin to the boundary of the friction cone, N, at the tangential force `along`, N; < 0 outside of it. Every test of
-// Coulomb's cone uses this function.
-[[nodiscard]] double grip(double coefficient, double pressing, double along) noexcept;
+// Greatest tangential force of friction, N; infinite for a holding surface.
+[[nodiscard]] double friction_limit(double coefficient, double normal_force) noexcept;
+// Margin to the boundary of the friction cone, N; < 0 outside of it. Every test of Coulomb's cone uses this function.
+[[nodiscard]] double cone_margin(double coefficient, double normal_force, double tangential_force) noexcept;
 // Derivative with respect to the node's velocity, N s/m, of the force -strength t(v), N; t is the direction of the slip
 // v (m/s) on a surface with normal n.
 [[nodiscard]] Eigen::Matrix3d friction_by_velocity(double strength, const Vector3& slip, const Vector3& n);
 
-// The tangential direction at which `turn` vanishes, on a surface with normal n (unit), by the secant method from
+// The tangential direction at which `residual` vanishes, on a surface with normal n (unit), by the secant method from
 // `start` (unit, tangential); empty if it does not converge.
 [[nodiscard]] std::optional<Vector3> find_direction(const Vector3& n, const Vector3& start,
-                                                    const std::function<double(const Vector3&)>& turn);
+                                                    const std::function<double(const Vector3&)>& residual);
 
 struct ContactResponse {
   Vector3 velocity;  // m/s, relative to the surface, after the impulse

@@ -14,26 +14,26 @@
 namespace springnet {
 namespace {
 
-constexpr int most_rounds = Island::most_rounds;
-constexpr int most_changes = 200;         // of the active set by pivoting
-constexpr std::size_t most_stored = 64;   // bits of an active set that is stored
-constexpr std::size_t most_pivoted = 24;  // bits of an active set of impulses that is pivoted first
-constexpr int most_bits = 12;             // of an active set that is found by enumeration
-constexpr int most_directions = 200;      // iterations for directions of beginning slip
-constexpr double singular = 1e-9;         // in units of the greatest pivot
-constexpr int rounds_per_look = most_rounds / 10;
-constexpr int most_guesses = 20;  // of them, fixed-point iterations along the acceleration
+constexpr int max_rounds = Island::max_rounds;
+constexpr int max_changes = 200;         // of the active set by pivoting
+constexpr std::size_t max_stored = 64;   // bits of an active set that is stored
+constexpr std::size_t max_pivoted = 24;  // bits of an active set of impulses that is pivoted first
+constexpr int max_bits = 12;             // of an active set that is found by enumeration
+constexpr int max_directions = 200;      // iterations for directions of beginning slip
+constexpr double singular = 1e-9;        // in units of the greatest pivot
+constexpr int rounds_per_check = max_rounds / 10;
+constexpr int max_guesses = 20;  // of them, fixed-point iterations along the acceleration
 
 std::vector<Vector3> active_normals(const ContactNode& node) {
   std::vector<Vector3> normals;
   for (const ContactSide& side : node.sides)
-    if (side.touches) normals.push_back(side.normal);
+    if (side.active) normals.push_back(side.normal);
   return normals;
 }
 
-// A holding surface gets this coefficient.
-Friction at_most(const Friction& friction, double most) {
-  return friction.kind == Friction::Kind::held ? Friction{Friction::Kind::coulomb, most} : friction;
+// Replaces `held` friction by this coefficient.
+Friction capped(const Friction& friction, double coefficient) {
+  return friction.kind == Friction::Kind::held ? Friction{Friction::Kind::coulomb, coefficient} : friction;
 }
 
 // Holding surfaces only: Coulomb friction would need a normal force comparable to the tangential one.
@@ -49,7 +49,7 @@ bool can_wedge(const ContactNode& node) {
 double slip_friction(const ContactNode& node) {
   double sum = 0.0;
   for (std::size_t s = 0; s < node.sides.size(); ++s)
-    if (node.sides[s].touches) sum += sliding_coefficient_of(node.sides[s].friction);
+    if (node.sides[s].active) sum += sliding_coefficient_of(node.sides[s].friction);
   return sum;
 }
 
@@ -67,7 +67,7 @@ void Island::solve_once() {
   struct Unknown {
     std::size_t node;
     Vector3 row, column;
-    double wanted;
+    double target;
     std::size_t side;  // of a normal force
   };
   constexpr std::size_t no_side = 3;
@@ -78,11 +78,11 @@ void Island::solve_once() {
     const ContactSide* first = nullptr;
     for (std::size_t s = 0; s < node.sides.size(); ++s) {
       const ContactSide& side = node.sides[s];
-      if (!side.touches) continue;
+      if (!side.active) continue;
       if (first == nullptr) first = &side;
       Vector3 column = side.normal;
-      if (!node.sticks) column -= sliding_coefficient_of(side.friction) * along(directions, node.slip);
-      unknowns.push_back({i, side.normal, column, side.needed, s});
+      if (!node.sticks) column -= sliding_coefficient_of(side.friction) * project_onto(directions, node.slip);
+      unknowns.push_back({i, side.normal, column, side.target_acceleration, s});
     }
     if (first == nullptr || !node.sticks) continue;
     for (const Vector3& e : directions) unknowns.push_back({i, e, e, e.dot(first->surface_acceleration), no_side});
@@ -92,7 +92,7 @@ void Island::solve_once() {
   Eigen::VectorXd right(count);
   for (Eigen::Index r = 0; r < count; ++r) {
     const Unknown& row = unknowns[static_cast<std::size_t>(r)];
-    right[r] = row.wanted - row.row.dot(nodes_[row.node].acceleration);
+    right[r] = row.target - row.row.dot(nodes_[row.node].acceleration);
     for (Eigen::Index c = 0; c < count; ++c) {
       const Unknown& column = unknowns[static_cast<std::size_t>(c)];
       matrix(r, c) = row.row.dot(block(row.node, column.node) * column.column);
@@ -150,7 +150,7 @@ std::optional<Vector3> Island::slip_of(std::size_t i) const {
   const ContactNode& node = nodes_[i];
   const ContactSide* touched = nullptr;
   for (const ContactSide& side : node.sides) {
-    if (!side.touches) continue;
+    if (!side.active) continue;
     if (touched != nullptr) return std::nullopt;
     touched = &side;
   }
@@ -159,8 +159,8 @@ std::optional<Vector3> Island::slip_of(std::size_t i) const {
   const Matrix3 mobility = block(i, i);
   const Vector3 other = acceleration(i) - mobility * node.force;
   Vector3 relative = other - touched->surface_acceleration;
-  relative += n * (n.dot(other) - touched->needed - n.dot(relative));
-  const ContactResponse answer = solve_contact(mobility, relative, n, at_most(touched->friction, friction_of_held));
+  relative += n * (n.dot(other) - touched->target_acceleration - n.dot(relative));
+  const ContactResponse answer = solve_contact(mobility, relative, n, capped(touched->friction, friction_of_held));
   const Vector3 sliding = answer.velocity - n * n.dot(answer.velocity);
   if (answer.sticks || !(answer.normal > 0.0) || sliding.isZero(0.0)) return std::nullopt;
   return sliding.normalized();
@@ -169,9 +169,9 @@ std::optional<Vector3> Island::slip_of(std::size_t i) const {
 // Beginning slip is parallel to the sliding acceleration. Friction opposes it, and with an anisotropic effective mass
 // turns the acceleration, so that the direction is found by iteration.
 void Island::solve() {
-  double turned = 0.0, turned_before = std::numeric_limits<double>::infinity();  // at the last look
-  for (int turn = 0; turn < most_directions; ++turn) {
-    if (turn > most_guesses && turn % most_guesses == 0) {
+  double turned = 0.0, turned_before = std::numeric_limits<double>::infinity();  // at the last check
+  for (int iteration = 0; iteration < max_directions; ++iteration) {
+    if (iteration > max_guesses && iteration % max_guesses == 0) {
       if (turned > 0.5 * turned_before) break;  // it cycles
       turned_before = turned;
     }
@@ -181,11 +181,11 @@ void Island::solve() {
       ContactNode& node = nodes_[i];
       const double friction = slip_friction(node);
       if (node.sticks || friction == 0.0) continue;
-      if (node.moves && (!node.begins || friction >= friction_of_held)) continue;
-      const auto first = std::find_if(node.sides.begin(), node.sides.end(), [](const auto& s) { return s.touches; });
+      if (node.slipping && (!node.slip_starting || friction >= friction_of_held)) continue;
+      const auto first = std::find_if(node.sides.begin(), node.sides.end(), [](const auto& s) { return s.active; });
       if (first == node.sides.end()) continue;
       const Vector3 sliding =
-          along(free_directions(active_normals(node)), acceleration(i) - first->surface_acceleration);
+          project_onto(free_directions(active_normals(node)), acceleration(i) - first->surface_acceleration);
       const bool against = sliding.dot(node.slip) < 0.0;
       // At the boundary of the cone the acceleration is too small to have a direction.
       const double scale = (acceleration(i) - nodes_[i].acceleration).norm();
@@ -194,10 +194,11 @@ void Island::solve() {
       // directions. Then search all directions.
       std::optional<Vector3> slip;
       const bool pulls = node.normal_force[static_cast<std::size_t>(first - node.sides.begin())] < 0.0;
-      if (against || pulls || turn >= most_guesses) slip = slip_of(i);
+      if (against || pulls || iteration >= max_guesses) slip = slip_of(i);
       if (!slip && against) continue;  // it would stick
       if (!slip)
-        slip = turn < most_guesses ? sliding.normalized() : Vector3((sliding.normalized() + node.slip).normalized());
+        slip =
+            iteration < max_guesses ? sliding.normalized() : Vector3((sliding.normalized() + node.slip).normalized());
       turned = std::max(turned, (*slip - node.slip).norm());
       node.slip = *slip;
     }
@@ -206,7 +207,7 @@ void Island::solve() {
   }
 }
 
-bool Island::relax(double most, int rounds, const std::vector<Vector3>& from) {
+bool Island::relax(double held_coefficient, int rounds, const std::vector<Vector3>& from) {
   std::vector<std::vector<Vector3>> forces;
   std::vector<Vector3> accelerations;
   for (std::size_t i = 0; i < nodes_.size(); ++i) {
@@ -219,9 +220,9 @@ bool Island::relax(double most, int rounds, const std::vector<Vector3>& from) {
     forces[i] = share_reaction(normals, std::vector<double>(normals.size(), 0.0), from[i]);
   }
   double change = 0.0, size = 0.0;
-  double change_before = std::numeric_limits<double>::infinity();  // at the last look
+  double change_before = std::numeric_limits<double>::infinity();  // at the last check
   for (int round = 0; round < rounds; ++round) {
-    if (round % rounds_per_look == rounds_per_look - 1) {
+    if (round % rounds_per_check == rounds_per_check - 1) {
       // At this rate it would not converge within all rounds.
       if (change > 0.5 * change_before) return false;
       change_before = change;
@@ -231,23 +232,24 @@ bool Island::relax(double most, int rounds, const std::vector<Vector3>& from) {
       ContactNode& node = nodes_[i];
       for (std::size_t s = 0; s < node.sides.size(); ++s) {
         ContactSide& side = node.sides[s];
-        if (side.leaves) continue;
+        if (side.separating) continue;
         const Vector3& n = side.normal;
         const Matrix3 mobility = block(i, i);
         // Relative to the surface, without this force.
         const Vector3 other = accelerations[i] - mobility * forces[i][s];
         Vector3 relative = other - side.surface_acceleration;
-        relative += n * (n.dot(other) - side.needed - n.dot(relative));
+        relative += n * (n.dot(other) - side.target_acceleration - n.dot(relative));
         Vector3 now = Vector3::Zero();
-        if (n.dot(relative) < 0.0 || side.stays) {
-          if (node.moves) {
+        if (n.dot(relative) < 0.0 || side.pinned) {
+          if (node.slipping) {
             const Vector3 direction = n - sliding_coefficient_of(side.friction) * node.slip;
-            const double answers = n.dot(mobility * direction);
-            if (!(answers > 0.0)) return false;
-            now = -n.dot(relative) / answers * direction;
+            const double response = n.dot(mobility * direction);
+            if (!(response > 0.0)) return false;
+            now = -n.dot(relative) / response * direction;
           } else {
-            const ContactResponse answer = solve_contact(mobility, relative, n, at_most(side.friction, most));
-            if (answer.normal < 0.0 && !side.stays) return false;
+            const ContactResponse answer =
+                solve_contact(mobility, relative, n, capped(side.friction, held_coefficient));
+            if (answer.normal < 0.0 && !side.pinned) return false;
             now = answer.impulse;
             node.sticks = answer.sticks;
             const Vector3 sliding = answer.velocity - n * n.dot(answer.velocity);
@@ -260,7 +262,7 @@ bool Island::relax(double most, int rounds, const std::vector<Vector3>& from) {
         change = std::max(change, (mobility * more).norm());
         size = std::max(size, (mobility * now).norm());
         forces[i][s] = now;
-        side.touches = side.stays || !now.isZero(0.0);
+        side.active = side.pinned || !now.isZero(0.0);
         for (std::size_t k = 0; k < nodes_.size(); ++k) accelerations[k] += block(k, i) * more;
       }
     }
@@ -278,23 +280,23 @@ bool Island::relax(double most, int rounds, const std::vector<Vector3>& from) {
 
 void Island::begin_slip(std::size_t node) {
   ContactNode& slips = nodes_[node];
-  const Vector3 grip = along(free_directions(active_normals(slips)), slips.force);
+  const Vector3 grip = project_onto(free_directions(active_normals(slips)), slips.force);
   slips.sticks = false;
   if (grip.norm() > 0.0) slips.slip = -grip.normalized();
 }
 
 bool Island::release_held(std::size_t node) {
   ContactNode& held = nodes_[node];
-  if (!can_brace(held) || !held.sides[0].touches) return false;
+  if (!can_brace(held) || !held.sides[0].active) return false;
   ContactSide& side = held.sides[0];
   const Vector3 free = acceleration(node) - block(node, node) * held.force;
-  if (side.normal.dot(free) <= side.needed) return false;
-  side.touches = held.braced = false;
+  if (side.normal.dot(free) <= side.target_acceleration) return false;
+  side.active = held.braced = false;
   return true;
 }
 
 struct Island::Violation {
-  enum class Kind { none, pulls, shrinks, slips, rests };
+  enum class Kind { none, pulling, closing, outside_cone, slip_reversed };
   Kind kind = Kind::none;
   std::size_t node = 0, side = 0;
 };
@@ -304,25 +306,26 @@ Island::Violation Island::find_violation(double negligible) const {
     const ContactNode& node = nodes_[i];
     const double mobility = block(i, i).norm();
     const Vector3 a = acceleration(i);
-    double bears = 0.0;
+    double limit = 0.0;
     const ContactSide* first = nullptr;
     for (std::size_t s = 0; s < node.sides.size(); ++s) {
       const ContactSide& side = node.sides[s];
-      if (side.touches) {
-        if (!side.stays && node.normal_force[s] < -negligible) return {Violation::Kind::pulls, i, s};
-        bears += bearing(coefficient_of(side.friction), std::max(0.0, node.normal_force[s]));
+      if (side.active) {
+        if (!side.pinned && node.normal_force[s] < -negligible) return {Violation::Kind::pulling, i, s};
+        limit += friction_limit(coefficient_of(side.friction), std::max(0.0, node.normal_force[s]));
         if (first == nullptr) first = &side;
-      } else if (!side.leaves && side.normal.dot(a) - side.needed < -negligible * mobility) {
-        return {Violation::Kind::shrinks, i, s};
+      } else if (!side.separating && side.normal.dot(a) - side.target_acceleration < -negligible * mobility) {
+        return {Violation::Kind::closing, i, s};
       }
     }
-    if (first == nullptr || node.moves) continue;
+    if (first == nullptr || node.slipping) continue;
     const std::vector<Vector3> directions = free_directions(active_normals(node));
     if (directions.empty()) continue;
     if (node.sticks) {
-      if (bears - along(directions, node.force).norm() < -negligible) return {Violation::Kind::slips, i, 0};
-    } else if (bears > 0.0 && node.slip.dot(a - first->surface_acceleration) < -negligible * mobility) {
-      return {Violation::Kind::rests, i, 0};
+      if (limit - project_onto(directions, node.force).norm() < -negligible)
+        return {Violation::Kind::outside_cone, i, 0};
+    } else if (limit > 0.0 && node.slip.dot(a - first->surface_acceleration) < -negligible * mobility) {
+      return {Violation::Kind::slip_reversed, i, 0};
     }
   }
   return {};
@@ -332,7 +335,7 @@ Island::Violation Island::find_violation(double negligible) const {
 std::uint64_t Island::active_set() const {
   std::uint64_t result = 0;
   for (const ContactNode& node : nodes_) {
-    for (const ContactSide& side : node.sides) result = 2 * result + (side.touches ? 1 : 0);
+    for (const ContactSide& side : node.sides) result = 2 * result + (side.active ? 1 : 0);
     result = 2 * result + (node.sticks ? 1 : 0);
   }
   return result;
@@ -355,19 +358,19 @@ void Island::set_active_set(std::uint64_t bits) {
     const bool sticks = (bits & 1) != 0;
     bits >>= 1;
     for (auto side = node->sides.rbegin(); side != node->sides.rend(); ++side) {
-      side->touches = ((bits & 1) != 0 || side->stays) && !side->leaves;
+      side->active = ((bits & 1) != 0 || side->pinned) && !side->separating;
       bits >>= 1;
     }
-    node->sticks = sticks && !node->moves && slip_friction(*node) > 0.0;
+    node->sticks = sticks && !node->slipping && slip_friction(*node) > 0.0;
   }
 }
 
 bool Island::pivot(double negligible, std::set<std::size_t>& changed) {
   std::set<std::pair<std::uint64_t, std::uint64_t>> seen;
   std::vector<std::uint8_t> closed_before(nodes_.size(), 0);
-  const bool is_stored = bit_count() <= most_stored;
+  const bool is_stored = bit_count() <= max_stored;
   const auto is_new = [&] { return !is_stored || seen.emplace(active_set(), braced_set()).second; };
-  for (int change = 0; change < most_changes && is_new(); ++change) {
+  for (int change = 0; change < max_changes && is_new(); ++change) {
     solve();
     const Violation violation = find_violation(negligible);
     ContactNode& node = nodes_[violation.node];
@@ -375,7 +378,7 @@ bool Island::pivot(double negligible, std::set<std::size_t>& changed) {
     switch (violation.kind) {
       case Violation::Kind::none:
         return true;
-      case Violation::Kind::pulls:
+      case Violation::Kind::pulling:
         if (node.sticks) {
           begin_slip(violation.node);
           // A node that penetrated when released and is still pulled when braced: it slides.
@@ -384,21 +387,21 @@ bool Island::pivot(double negligible, std::set<std::size_t>& changed) {
           node.braced = false;
           if (slides) break;
         }
-        node.sides[violation.side].touches = false;
+        node.sides[violation.side].active = false;
         break;
-      case Violation::Kind::shrinks: {
+      case Violation::Kind::closing: {
         ContactSide& side = node.sides[violation.side];
-        side.touches = true;
+        side.active = true;
         // A side that cannot separate is held by bracing forces; if it closes a second time, it slides.
-        node.sticks = !node.moves && coefficient_of(side.friction) > 0.0 && closed_before[violation.node] == 0;
+        node.sticks = !node.slipping && coefficient_of(side.friction) > 0.0 && closed_before[violation.node] == 0;
         node.braced = can_brace(node);
         closed_before[violation.node] = 1;
         break;
       }
-      case Violation::Kind::slips:
+      case Violation::Kind::outside_cone:
         begin_slip(violation.node);
         break;
-      case Violation::Kind::rests:
+      case Violation::Kind::slip_reversed:
         node.sticks = true;
         break;
     }
@@ -427,26 +430,26 @@ bool Island::resolve_impulses(double negligible) {
   std::vector<Vector3> before;  // the present forces may be close
   for (const ContactNode& node : nodes_) before.push_back(node.force);
   // With many contacts one pivot costs as much as several rounds of the iteration.
-  const bool is_large = bit_count() > most_pivoted;
+  const bool is_large = bit_count() > max_pivoted;
   if (!is_large && pivot(negligible, changed) && directions_fit_) return true;
   // A holding contact whose normal force vanishes can neither hold nor open; the friction coefficient that replaces it
   // hardly matters.
   bool relaxed = false;
-  for (const double most : {friction_of_held, 1.0}) {
-    if (bit_count() <= most_stored) set_active_set(start);
-    if ((relaxed = relax(most, is_large ? most_rounds : most_rounds / 10, before))) break;
+  for (const double held_coefficient : {friction_of_held, 1.0}) {
+    if (bit_count() <= max_stored) set_active_set(start);
+    if ((relaxed = relax(held_coefficient, is_large ? max_rounds : max_rounds / 10, before))) break;
   }
-  if (!relaxed && is_large && bit_count() <= most_stored) set_active_set(start);
+  if (!relaxed && is_large && bit_count() <= max_stored) set_active_set(start);
   if (!relaxed && is_large && pivot(negligible, changed) && directions_fit_) return true;
   if (!relaxed) {
     const std::vector<ContactNode> nearly = nodes_;
-    if (bit_count() <= most_bits && enumerate(negligible)) return true;
+    if (bit_count() <= max_bits && enumerate(negligible)) return true;
     nodes_ = nearly;
     const bool holds = std::any_of(nodes_.begin(), nodes_.end(), [](const ContactNode& node) {
       return std::any_of(node.sides.begin(), node.sides.end(),
                          [](const ContactSide& side) { return side.friction.kind == Friction::Kind::held; });
     });
-    if (!holds || bit_count() > most_stored) return false;
+    if (!holds || bit_count() > max_stored) return false;
     // The rule of holding surfaces has no solution: keep all contacts for this step, as for a node without connections.
     set_active_set(start);
     solve();
@@ -465,17 +468,17 @@ bool Island::resolve(double negligible, bool thoroughly) {
   const std::uint64_t start = active_set();
   if (pivot(negligible, changed)) return true;
   const std::size_t bits = bit_count();
-  if (thoroughly && bits <= most_bits && enumerate(negligible)) return true;
-  if (bits <= most_stored) set_active_set(start);
-  if (thoroughly && relax(friction_of_held, most_rounds, {})) {
+  if (thoroughly && bits <= max_bits && enumerate(negligible)) return true;
+  if (bits <= max_stored) set_active_set(start);
+  if (thoroughly && relax(friction_of_held, max_rounds, {})) {
     solve();
     if (find_violation(1e3 * negligible).kind == Violation::Kind::none) return true;
   }
   jammed_.clear();
   for (const std::size_t i : changed)
-    if (nodes_[i].moves) jammed_.push_back(i);
+    if (nodes_[i].slipping) jammed_.push_back(i);
   if (jammed_.empty()) jammed_.assign(changed.begin(), changed.end());
-  if (bits <= most_stored) set_active_set(start);
+  if (bits <= max_stored) set_active_set(start);
   return false;
 }
 
@@ -487,7 +490,7 @@ void Island::hold(double negligible) {
     std::size_t node = nodes_.size(), side = 0;
     for (std::size_t i = 0; i < nodes_.size(); ++i) {
       for (std::size_t s = 0; s < nodes_[i].sides.size(); ++s) {
-        if (!nodes_[i].sides[s].touches || nodes_[i].normal_force[s] >= most || kept.contains({i, s})) continue;
+        if (!nodes_[i].sides[s].active || nodes_[i].normal_force[s] >= most || kept.contains({i, s})) continue;
         most = nodes_[i].normal_force[s];
         node = i;
         side = s;
@@ -497,9 +500,9 @@ void Island::hold(double negligible) {
     // Release a pulling side if its gap then opens; each is tried once.
     kept.emplace(node, side);
     ContactSide& pulls = nodes_[node].sides[side];
-    pulls.touches = false;
+    pulls.active = false;
     solve();
-    if (pulls.normal.dot(acceleration(node)) - pulls.needed < 0.0) pulls.touches = true;
+    if (pulls.normal.dot(acceleration(node)) - pulls.target_acceleration < 0.0) pulls.active = true;
   }
 }
 

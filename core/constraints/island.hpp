@@ -33,10 +33,10 @@ struct ContactSide {
   double restitution = 0.0;                        // 1
   Vector3 velocity = Vector3::Zero();              // m/s, of the node relative to the surface
   Vector3 surface_acceleration = Vector3::Zero();  // m/s^2, of the node if it sticks
-  double needed = 0.0;                             // m/s^2: normal acceleration that keeps the gap zero
-  bool touches = true;                             // active: may exert a force
-  bool leaves = false;                             // separating: cannot be active
-  bool stays = false;                              // active whatever the sign of its normal force
+  double target_acceleration = 0.0;                // m/s^2, along the normal: keeps the gap zero
+  bool active = true;                              // in the active set: may exert a force
+  bool separating = false;                         // cannot become active
+  bool pinned = false;                             // active whatever the sign of its normal force
 };
 
 struct ContactNode {
@@ -46,9 +46,9 @@ struct ContactNode {
   bool sticks = false;                     // on all active sides
   bool braced = false;                     // sticks, pressed on by internal forces between sticking nodes
   Vector3 slip = Vector3::Zero();          // unit: direction in which it slides or begins to slide
-  bool moves = false;                      // its slip speed is not zero: `slip` is given
-  bool begins = false;                     // slip has just begun: it follows the acceleration
-  bool rests = false;                      // slip has ended: stop() removes the rest of it
+  bool slipping = false;                   // at a speed: `slip` is the direction of its slip velocity
+  bool slip_starting = false;              // without speed yet: the slip follows the acceleration
+  bool slip_ended = false;                 // end_slip() removes what is left of its slip velocity
   // results
   Vector3 force = Vector3::Zero();     // N, sum over its surfaces
   std::vector<double> normal_force{};  // N, [side]
@@ -62,14 +62,14 @@ struct ContactNode {
 // Splits the reaction (N) of surfaces with these normals (one to three): normal forces, and the rest along the
 // directions in which the node can slide.
 struct SplitReaction {
-  std::vector<double> normal;       // N
-  Vector3 along = Vector3::Zero();  // N
+  std::vector<double> normal;            // N
+  Vector3 tangential = Vector3::Zero();  // N
 };
 [[nodiscard]] SplitReaction split_reaction(const std::vector<Vector3>& normals, const Vector3& reaction);
 
 // The surfaces whose normal forces make up the reaction (N) without any pulling: all of them if possible, else the
 // subset with the smallest tangential rest; empty if all pull.
-[[nodiscard]] std::vector<std::size_t> pressing_of(const std::vector<Vector3>& normals, const Vector3& reaction);
+[[nodiscard]] std::vector<std::size_t> pressing_surfaces(const std::vector<Vector3>& normals, const Vector3& reaction);
 
 // Each surface's share of the reaction, N; the tangential part is divided in proportion to the friction limits.
 [[nodiscard]] std::vector<Vector3> share_reaction(const std::vector<Vector3>& normals,
@@ -86,15 +86,15 @@ class Island {
   // Applies impulses that end all approach, with Newton's restitution (gap rate after = -coefficient times gap rate
   // before) where it was faster than `rebound` (m/s). Approach slower than `negligible` (m/s) counts as rounding.
   // Changes the velocities of the sides; returns whether there was an impulse. Coupled impulses are iterated for up to
-  // `rounds` rounds: most_rounds leave rounding, fewer leave a part of the step's own error. `begun`: the iteration
+  // `rounds` rounds: max_rounds leave rounding, fewer leave a part of the step's own error. `warm_start`: the iteration
   // starts from the nodes' present impulses.
-  static constexpr int most_rounds = 10'000;
-  bool strike(double rebound, double negligible = 0.0, int rounds = most_rounds, bool begun = false);
+  static constexpr int max_rounds = 10'000;
+  bool apply_impact(double rebound, double negligible = 0.0, int rounds = max_rounds, bool warm_start = false);
   // The greatest approach speed, m/s.
   [[nodiscard]] double approach() const;
   // Applies impulses that end the remaining slip of nodes with `rests`. Gap rates up to `negligible` (m/s) become zero,
   // so that no contact opens or closes. Returns whether there was an impulse.
-  bool stop(double negligible);
+  bool end_slip(double negligible);
   // Applies impulses of either sign that end gap rates below `slow` (m/s). A body that rocks between contacts does so
   // infinitely often in a finite time and then rests.
   void end_rocking(double slow);
@@ -135,10 +135,10 @@ class Island {
   // cycles.
   bool pivot(double negligible, std::set<std::size_t>& changed);
   bool enumerate(double negligible);
-  // Block Gauss-Seidel iteration, for cases in which pivoting found no active set. `most`: friction coefficient of
-  // holding surfaces; `from`: starting forces, if any. Sets the active set and the forces; false if it does not
+  // Block Gauss-Seidel iteration, for cases in which pivoting found no active set. `held_coefficient` replaces that
+  // of holding surfaces; `from`: starting forces, if any. Sets the active set and the forces; false if it does not
   // converge.
-  bool relax(double most, int rounds, const std::vector<Vector3>& from);
+  bool relax(double held_coefficient, int rounds, const std::vector<Vector3>& from);
   [[nodiscard]] auto block(std::size_t row, std::size_t column) const {
     return mobility_.block<3, 3>(static_cast<Eigen::Index>(3 * row), static_cast<Eigen::Index>(3 * column));
   }

@@ -36,7 +36,7 @@ inline std::vector<Vector3> normals_of(const ContactNode& node) {
 }
 
 // The projection of a vector onto the directions in which a node can slide.
-inline Vector3 along(const std::vector<Vector3>& directions, const Vector3& v) {
+inline Vector3 project_onto(const std::vector<Vector3>& directions, const Vector3& v) {
   Vector3 sum = Vector3::Zero();
   for (const Vector3& e : directions) sum += e * e.dot(v);
   return sum;

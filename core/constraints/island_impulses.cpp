@@ -17,8 +17,8 @@ namespace {
 constexpr double nearly = 1e-7;
 
 // A holding surface carries its nodes when its own velocity jumps.
-bool is_taken_along(const ContactSide& side) {
-  return side.touches && side.friction.kind == Friction::Kind::held && !side.velocity.isZero(0.0) &&
+bool is_carried_along(const ContactSide& side) {
+  return side.active && side.friction.kind == Friction::Kind::held && !side.velocity.isZero(0.0) &&
          side.normal.dot(side.velocity) <= 0.0;
 }
 
@@ -31,39 +31,39 @@ void Island::apply_impulse(std::size_t node, const Vector3& impulse) {
   }
 }
 
-bool Island::strike(double rebound, double negligible, int rounds, bool begun) {
-  struct Blow {
+bool Island::apply_impact(double rebound, double negligible, int rounds, bool warm_start) {
+  struct Impact {
     std::size_t node, side;
-    double wanted;  // m/s, of the gap afterwards
+    double target;  // m/s, of the gap afterwards
   };
-  std::vector<Blow> blows;
+  std::vector<Impact> impacts;
   bool approaches = false;
   double scale = 0.0;
   for (std::size_t i = 0; i < nodes_.size(); ++i) {
     for (std::size_t s = 0; s < nodes_[i].sides.size(); ++s) {
       const ContactSide& side = nodes_[i].sides[s];
       const double rate = side.normal.dot(side.velocity);
-      approaches = approaches || rate < -negligible || is_taken_along(side);
+      approaches = approaches || rate < -negligible || is_carried_along(side);
       scale = std::max(scale, side.velocity.norm());
-      blows.push_back({i, s, rate < -rebound ? -side.restitution * rate : 0.0});
-      if (!begun) nodes_[i].impulse[s].setZero();
+      impacts.push_back({i, s, rate < -rebound ? -side.restitution * rate : 0.0});
+      if (!warm_start) nodes_[i].impulse[s].setZero();
     }
   }
   if (!approaches) return false;
   const std::vector<ContactNode> start = nodes_;
-  for (std::size_t i = 0; begun && i < nodes_.size(); ++i)
+  for (std::size_t i = 0; warm_start && i < nodes_.size(); ++i)
     for (const Vector3& impulse : nodes_[i].impulse) apply_impulse(i, impulse);
-  bool agrees = false;
+  bool converged = false;
   for (int round = 0; round < rounds; ++round) {
     double greatest = 0.0;
-    for (const Blow& blow : blows) {
-      ContactSide& side = nodes_[blow.node].sides[blow.side];
-      Vector3& impulse = nodes_[blow.node].impulse[blow.side];
-      const Matrix3 mobility = block(blow.node, blow.node);
-      // Without this impulse, and relative to the wanted gap rate.
-      const Vector3 before = side.velocity - mobility * impulse - blow.wanted * side.normal;
+    for (const Impact& impact : impacts) {
+      ContactSide& side = nodes_[impact.node].sides[impact.side];
+      Vector3& impulse = nodes_[impact.node].impulse[impact.side];
+      const Matrix3 mobility = block(impact.node, impact.node);
+      // Without this impulse, and relative to the target gap rate.
+      const Vector3 before = side.velocity - mobility * impulse - impact.target * side.normal;
       Vector3 now = Vector3::Zero();
-      if (side.normal.dot(before) < -negligible || !impulse.isZero(0.0) || is_taken_along(side)) {
+      if (side.normal.dot(before) < -negligible || !impulse.isZero(0.0) || is_carried_along(side)) {
         const ContactResponse answer = solve_contact(mobility, before, side.normal, side.friction);
         if (answer.normal > 0.0 || (answer.normal == 0.0 && answer.sticks)) now = answer.impulse;
       }
@@ -71,12 +71,12 @@ bool Island::strike(double rebound, double negligible, int rounds, bool begun) {
       if (change.isZero(0.0)) continue;
       greatest = std::max(greatest, (mobility * change).norm());
       impulse = now;
-      apply_impulse(blow.node, change);
+      apply_impulse(impact.node, change);
     }
-    agrees = greatest <= nearly * scale;
+    converged = greatest <= nearly * scale;
     if (greatest <= 1e-15 * scale) break;
   }
-  if (agrees || rounds < most_rounds) return true;
+  if (converged || rounds < max_rounds) return true;
   stop_all(start, nearly * scale);
   return true;
 }
@@ -91,13 +91,13 @@ double Island::approach() const {
 // Fallback if the iteration did not converge: impulses that stop all approach and all slip at once. They dissipate more
 // energy than any others.
 void Island::stop_all(const std::vector<ContactNode>& start, double negligible) {
-  std::vector<std::uint8_t> in(nodes_.size(), 1);
+  std::vector<std::uint8_t> included(nodes_.size(), 1);
   std::vector<ContactNode> before;
   for (bool again = true; again;) {
     again = false;
     std::vector<Row> rows;
     for (std::size_t i = 0; i < nodes_.size(); ++i) {
-      for (std::size_t s = 0; s < nodes_[i].sides.size() && in[i] != 0; ++s) {
+      for (std::size_t s = 0; s < nodes_[i].sides.size() && included[i] != 0; ++s) {
         const ContactSide& side = start[i].sides[s];
         rows.push_back({i, s, side.normal});
         if (s > 0 || coefficient_of(side.friction) == 0.0) continue;
@@ -114,19 +114,19 @@ void Island::stop_all(const std::vector<ContactNode>& start, double negligible) 
     before = nodes_;
     // Release nodes that their surfaces would have to pull.
     for (std::size_t i = 0; i < nodes_.size(); ++i) {
-      double presses = 0.0, size = 0.0;
+      double normal_impulse = 0.0, size = 0.0;
       for (std::size_t s = 0; s < nodes_[i].sides.size(); ++s) {
-        presses += nodes_[i].sides[s].normal.dot(nodes_[i].impulse[s]);
+        normal_impulse += nodes_[i].sides[s].normal.dot(nodes_[i].impulse[s]);
         size += nodes_[i].impulse[s].norm();
       }
-      if (in[i] == 0 || presses >= -1e-9 * size) continue;
-      in[i] = 0;
+      if (included[i] == 0 || normal_impulse >= -1e-9 * size) continue;
+      included[i] = 0;
       again = true;
     }
   }
 }
 
-bool Island::stop(double negligible) {
+bool Island::end_slip(double negligible) {
   std::vector<Row> rows;
   double fastest = 0.0;
   for (std::size_t i = 0; i < nodes_.size(); ++i) {
@@ -135,10 +135,10 @@ bool Island::stop(double negligible) {
     for (std::size_t s = 0; s < node.sides.size(); ++s)
       if (std::abs(node.sides[s].normal.dot(node.sides[s].velocity)) <= negligible)
         rows.push_back({i, s, node.sides[s].normal});
-    if (!node.rests || node.sides.empty()) continue;
+    if (!node.slip_ended || node.sides.empty()) continue;
     const std::vector<Vector3> directions = free_directions(normals_of(node));
     for (const Vector3& e : directions) rows.push_back({i, 0, e});
-    fastest = std::max(fastest, along(directions, node.sides.front().velocity).norm());
+    fastest = std::max(fastest, project_onto(directions, node.sides.front().velocity).norm());
   }
   if (fastest > 0.0) end_rates(rows);
   return fastest > 0.0;
@@ -168,9 +168,9 @@ void Island::end_rates(const std::vector<Row>& rows) {
 }
 
 void Island::end_rocking(double slow) {
-  for (int round = 0; round < most_rounds; ++round) {
+  for (int round = 0; round < max_rounds; ++round) {
     double greatest = 0.0;
-    const auto give = [&](std::size_t i, std::size_t s, const Vector3& impulse, double speed) {
+    const auto apply = [&](std::size_t i, std::size_t s, const Vector3& impulse, double speed) {
       nodes_[i].impulse[s] += impulse;
       apply_impulse(i, impulse);
       greatest = std::max(greatest, speed);
@@ -178,16 +178,16 @@ void Island::end_rocking(double slow) {
     for (std::size_t i = 0; i < nodes_.size(); ++i) {
       for (std::size_t s = 0; s < nodes_[i].sides.size(); ++s) {
         const ContactSide& side = nodes_[i].sides[s];
-        const double rate = side.normal.dot(side.velocity), answers = side.normal.dot(block(i, i) * side.normal);
-        if (rate == 0.0 || std::abs(rate) > slow || !(answers > 0.0)) continue;
-        give(i, s, -rate / answers * side.normal, std::abs(rate));
+        const double rate = side.normal.dot(side.velocity), response = side.normal.dot(block(i, i) * side.normal);
+        if (rate == 0.0 || std::abs(rate) > slow || !(response > 0.0)) continue;
+        apply(i, s, -rate / response * side.normal, std::abs(rate));
       }
       if (nodes_[i].sides.empty()) continue;
       // Friction also ends slip below this speed.
       const ContactSide& first = nodes_[i].sides.front();
       const double speed = first.velocity.norm();
       if (coefficient_of(first.friction) == 0.0 || speed == 0.0 || speed > slow) continue;
-      give(i, 0, -least_squares(block(i, i), first.velocity), speed);
+      apply(i, 0, -least_squares(block(i, i), first.velocity), speed);
     }
     if (greatest <= 1e-12 * slow) break;
   }
@@ -213,7 +213,7 @@ bool Island::jam(double negligible) {
       node.impulse[s] += impulse;
       apply_impulse(i, impulse);
       side.velocity.setZero();
-      node.moves = false;
+      node.slipping = false;
       node.sticks = true;
       any = true;
       break;

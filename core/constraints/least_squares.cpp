@@ -4,11 +4,11 @@
 
 namespace springnet {
 
-Eigen::VectorXd least_squares(const Eigen::MatrixXd& matrix, const Eigen::VectorXd& right_side,
+Eigen::VectorXd least_squares(const Eigen::MatrixXd& matrix, const Eigen::VectorXd& right_hand_side,
                               std::optional<double> threshold) {
   Eigen::CompleteOrthogonalDecomposition<Eigen::MatrixXd> factors;
   if (threshold) factors.setThreshold(*threshold);
-  return factors.compute(matrix).solve(right_side);
+  return factors.compute(matrix).solve(right_hand_side);
 }
 
 }  // namespace springnet

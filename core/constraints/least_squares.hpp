@@ -8,9 +8,9 @@
 
 namespace springnet {
 
-// Of all x that minimise |matrix x - right_side|, the one of least norm. threshold: pivots smaller than this share of
-// the greatest count as zero; without it Eigen's default, the rounding of the type times the size.
-[[nodiscard]] Eigen::VectorXd least_squares(const Eigen::MatrixXd& matrix, const Eigen::VectorXd& right_side,
+// Of all x that minimise |matrix x - right_hand_side|, the one of least norm. threshold: pivots smaller than this share
+// of the greatest count as zero; without it Eigen's default, the rounding of the type times the size.
+[[nodiscard]] Eigen::VectorXd least_squares(const Eigen::MatrixXd& matrix, const Eigen::VectorXd& right_hand_side,
                                             std::optional<double> threshold = {});
 
 }  // namespace springnet

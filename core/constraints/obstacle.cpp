@@ -7,7 +7,7 @@
 #include <cmath>
 #include <limits>
 
-#include "constraints/least_on_way.hpp"
+#include "constraints/path_minimum.hpp"
 #include "network/kinks.hpp"
 
 namespace springnet {
@@ -149,12 +149,12 @@ std::optional<double> Obstacle::first_touch(const Pose& before, const Vector3& a
   return first_touch(before.to_start(a), after.to_start(b));
 }
 
-double Obstacle::inner_radius() const {
+double Obstacle::inscribed_radius() const {
   return is_plane() ? std::numeric_limits<double>::infinity()
                     : radius_ + (shape_ == Shape::box ? half_.minCoeff() : 0.0);
 }
 
-double Obstacle::least_gap(const Pose& pose, const Vector3& x) const {
+double Obstacle::min_gap(const Pose& pose, const Vector3& x) const {
   const Vector3 swing = 2.0 * trajectory_.amplitude();
   double least = gap(pose, x) - (is_plane() && !turns() ? std::abs(normal_.dot(swing)) : swing.norm());
   if (!pose.turns || turns_in_place()) return least;
@@ -239,7 +239,7 @@ std::optional<double> Obstacle::first_touch(const Vector3& a, const Vector3& b) 
     // The gap changes by at most the path length: most nodes are too far away to touch.
     if (is_plane() || before + after >= (b - a).norm()) return std::nullopt;
     // The path may dip below the surface in between: search the smallest gap.
-    const LeastOnWay least = least_on_way(at, 0.0, 60);
+    const PathMinimum least = minimum_on_path(at, 0.0, 60);
     if (least.value >= 0.0) return std::nullopt;
     inside = least.share;
   }
@@ -268,9 +268,8 @@ double starting_depth(const Obstacle& obstacle, const Pose& pose, const Vector3&
 }
 
 std::string misplaced(NodeIndex node, double depth, bool plane, const std::string& surface) {
-  return fmt::format("node {} starts {:.3g} m {} {}, where no node can be; move the body or the {}", node, depth,
-                     plane ? "behind" : "inside", surface,
-                     plane ? "plane, or turn the plane's normal towards the body" : "instrument");
+  return fmt::format("node {} starts {:.3g} m {} {}; move the body or the {}", node, depth, plane ? "behind" : "inside",
+                     surface, plane ? "plane, or turn the plane's normal towards the body" : "instrument");
 }
 
 }  // namespace springnet

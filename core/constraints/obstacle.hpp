@@ -88,11 +88,11 @@ class Obstacle {
   [[nodiscard]] Vector3 onto(const Pose& pose, const Vector3& x) const;
   // Angular frequency of its oscillation from `time` to its next change, rad/s; sampling times must be much closer than
   // its inverse. 0 if next_change() finds all changes.
-  [[nodiscard]] double swing_rate(double time) const noexcept { return trajectory_.swing_rate(time); }
+  [[nodiscard]] double angular_frequency(double time) const noexcept { return trajectory_.angular_frequency(time); }
   // Lower bound of the gap of a resting point while the obstacle oscillates or turns; m.
-  [[nodiscard]] double least_gap(const Pose& pose, const Vector3& x) const;
+  [[nodiscard]] double min_gap(const Pose& pose, const Vector3& x) const;
   // Radius of the largest inscribed ball, m; infinity for a plane.
-  [[nodiscard]] double inner_radius() const;
+  [[nodiscard]] double inscribed_radius() const;
   // The share of the path from `a` (obstacle at `before`) to `b` (at `after`), straight in the obstacle's frame, at
   // which a point first touches; empty if it does not. The gap is convex along a line because the body is convex.
   [[nodiscard]] std::optional<double> first_touch(const Pose& before, const Vector3& a, const Pose& after,

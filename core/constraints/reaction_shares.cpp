@@ -13,7 +13,7 @@ namespace springnet {
 bool surfaces_move_alike(const ContactNode& node, double negligible) {
   const ContactSide* first = nullptr;
   for (const ContactSide& side : node.sides) {
-    if (!side.touches) continue;
+    if (!side.active) continue;
     if (first != nullptr && (side.velocity - first->velocity).norm() > negligible) return false;
     if (first == nullptr) first = &side;
   }
@@ -30,11 +30,11 @@ SplitReaction split_reaction(const std::vector<Vector3>& normals, const Vector3&
   for (std::size_t i = 0; i < normals.size(); ++i) n.col(static_cast<Eigen::Index>(i)) = normals[i];
   const Eigen::VectorXd shares = least_squares(n, reaction);
   result.normal.assign(shares.begin(), shares.end());
-  result.along = reaction - n * shares;
+  result.tangential = reaction - n * shares;
   return result;
 }
 
-std::vector<std::size_t> pressing_of(const std::vector<Vector3>& normals, const Vector3& reaction) {
+std::vector<std::size_t> pressing_surfaces(const std::vector<Vector3>& normals, const Vector3& reaction) {
   const double rounding = 1e-12 * reaction.norm();
   std::vector<std::size_t> best;
   double least = std::numeric_limits<double>::infinity();  // tangential rest
@@ -50,8 +50,8 @@ std::vector<std::size_t> pressing_of(const std::vector<Vector3>& normals, const 
     const SplitReaction split = split_reaction(some, reaction);
     if (*std::min_element(split.normal.begin(), split.normal.end()) < -rounding) continue;
     if (set == all) return chosen;
-    if (split.along.norm() >= least) continue;
-    least = split.along.norm();
+    if (split.tangential.norm() >= least) continue;
+    least = split.tangential.norm();
     best = chosen;
   }
   return best;
@@ -60,7 +60,7 @@ std::vector<std::size_t> pressing_of(const std::vector<Vector3>& normals, const 
 std::vector<Vector3> share_reaction(const std::vector<Vector3>& normals, const std::vector<double>& coefficients,
                                     const Vector3& reaction) {
   if (normals.size() == 1) return {reaction};
-  std::vector<std::size_t> pressing = pressing_of(normals, reaction);
+  std::vector<std::size_t> pressing = pressing_surfaces(normals, reaction);
   for (std::size_t i = 0; pressing.empty() && i < normals.size(); ++i) pressing.push_back(i);  // all of them pull
   std::vector<Vector3> some;
   for (const std::size_t i : pressing) some.push_back(normals[i]);
@@ -73,8 +73,8 @@ std::vector<Vector3> share_reaction(const std::vector<Vector3>& normals, const s
     bears.push_back(coefficients[pressing[s]] * std::max(0.0, split.normal[s]));
     all += bears.back();
   }
-  if (all == 0.0) result[pressing[0]] += split.along;  // rounding
-  for (std::size_t s = 0; s < some.size() && all > 0.0; ++s) result[pressing[s]] += bears[s] / all * split.along;
+  if (all == 0.0) result[pressing[0]] += split.tangential;  // rounding
+  for (std::size_t s = 0; s < some.size() && all > 0.0; ++s) result[pressing[s]] += bears[s] / all * split.tangential;
   return result;
 }
 

@@ -19,7 +19,7 @@ namespace {
 constexpr std::uint32_t no_cluster = 0xffffffffu;
 // Relative accuracy of a corrected length: far below the guaranteed 1e-8, above rounding.
 constexpr double length_accuracy = 1e-12;
-constexpr int most_corrections = 30;
+constexpr int max_corrections = 30;
 
 // From a rod's second end to its first.
 Vector3 direction(const Vector3& first, const Vector3& second) {
@@ -102,7 +102,7 @@ bool RigidConnections::correct_positions(const Placement& at, const Cluster& clu
   };
   ConstraintSystem system;
   double last = std::numeric_limits<double>::infinity();
-  for (int turn = 0; turn < most_corrections; ++turn) {
+  for (int iteration = 0; iteration < max_corrections; ++iteration) {
     std::vector<ConstraintRow> rows = rows_of(at, cluster, touches, positions);
     Eigen::VectorXd gap(static_cast<Eigen::Index>(rows.size()));
     double worst = 0.0;  // relative to the length, for surfaces to the longest one
@@ -141,12 +141,12 @@ springnet_status RigidConnections::cannot_keep(const Cluster& cluster, springnet
   set_message(
       message,
       fmt::format("the rigid connections of the {} nodes in the cluster of connection {} (nodes {} and "
-                  "{}) cannot keep their lengths: what is fixed, moved or in contact pulls them apart{}; look at "
-                  "what moves there, or use a smaller time step",
+                  "{}) cannot keep their lengths: fixed nodes, prescribed motions or contacts pull them apart{}; "
+                  "check the motions there, or use a smaller time step",
                   cluster.nodes.size(), cluster.rods.front(), user_number_[rod.first], user_number_[rod.second],
                   touched.size() < 2
                       ? ""
-                      : fmt::format(", or there is no place left for them between {}", contact_.names_of(touched))));
+                      : fmt::format(", or there is no room left for them between {}", contact_.names_of(touched))));
   return SPRINGNET_RECOVERABLE;
 }
 
@@ -210,7 +210,7 @@ void RigidConnections::accelerate(const Placement& at, std::size_t number, const
   for (std::size_t r = rods; r < rows.size(); ++r) {
     const std::uint32_t i = member_of_[rows[r].first];
     const auto j = static_cast<std::size_t>(rows[r].surface);
-    const double mu = sliding_coefficient_of(contact_.surfaces()[j].friction());
+    const double mu = sliding_coefficient_of(contact_.obstacles()[j].friction());
     if (mu == 0.0) continue;
     friction_rows.push_back({static_cast<Eigen::Index>(r), i, mu / mass_[rows[r].first]});
     set_direction(friction_rows.back(),
@@ -240,9 +240,9 @@ void RigidConnections::accelerate(const Placement& at, std::size_t number, const
   // Beginning slip is parallel to the sliding acceleration, which friction opposes.
   for (FrictionRow& each : friction_rows) {
     const ConstraintRow& row = rows[static_cast<std::size_t>(each.row)];
-    if (contact_.slip_phase(row.first) != Contact::Slip::begins || contact_.now(row.first).second >= 0) continue;
+    if (contact_.slip_phase(row.first) != Contact::Slip::starting || contact_.now(row.first).second >= 0) continue;
     const auto j = static_cast<std::size_t>(row.surface);
-    if (sliding_coefficient_of(contact_.surfaces()[j].friction()) >= friction_of_held) continue;
+    if (sliding_coefficient_of(contact_.obstacles()[j].friction()) >= friction_of_held) continue;
     const Vector3 n = row.direction, kept = each.against;
     const auto found = find_direction(n, kept, [&](const Vector3& against) {
       set_direction(each, against);
@@ -307,7 +307,7 @@ springnet_status RigidConnections::project(const Placement& at, std::size_t numb
     sliding[i].slides = true;
     movable[i] = 1;
   }
-  // Rebounds begin on their surfaces where lengths let them.
+  // Rebounding nodes start on their surfaces if the lengths allow.
   std::vector<Touch> rebounding = sliding;
   for (std::size_t i = 0; i < count; ++i) {
     const auto found = rebounds.find(cluster.nodes[i]);
@@ -378,8 +378,8 @@ Eigen::MatrixXd RigidConnections::WithoutContact::mobility(const std::vector<std
   return system_.effective_mobility(nodes, [this](std::uint32_t node) { return own_mobility(node); });
 }
 
-double RigidConnections::greatest_rate(const springnet_const_vectors& position,
-                                       const springnet_const_vectors& velocity) const {
+double RigidConnections::max_length_rate(const springnet_const_vectors& position,
+                                         const springnet_const_vectors& velocity) const {
   double greatest = 0.0;
   for (const Rod& rod : rods_) {
     const Vector3 d = vector_at(position, rod.first) - vector_at(position, rod.second);

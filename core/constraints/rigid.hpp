@@ -100,8 +100,8 @@ class RigidConnections {
                            const springnet_vectors& velocity, springnet_message& message,
                            const std::vector<std::uint32_t>& stopped = {}, const Rebounds& rebounds = {}) const;
   // The greatest |rate of length| of a connection at these velocities, m/s.
-  [[nodiscard]] double greatest_rate(const springnet_const_vectors& position,
-                                     const springnet_const_vectors& velocity) const;
+  [[nodiscard]] double max_length_rate(const springnet_const_vectors& position,
+                                       const springnet_const_vectors& velocity) const;
   // The constraint rows of all rods at these positions.
   [[nodiscard]] std::vector<ConstraintRow> rows(const springnet_const_vectors& position) const;
   // 1/mass, zero for a node that cannot move; 1/kg.

@@ -10,12 +10,12 @@ namespace springnet {
 
 bool RigidConnections::WithoutContact::keep_lengths(double h, std::vector<Vector3>& velocity,
                                                     std::vector<Vector3>& position) const {
-  constexpr int most_turns = 60;
+  constexpr int max_iterations = 60;
   constexpr double accuracy = 1e-13;  // of a length
   const std::vector<ConstraintRow>& rows = system_.rows();
   Eigen::VectorXd gap(static_cast<Eigen::Index>(rows.size()));
   double last = std::numeric_limits<double>::infinity();
-  for (int turn = 0; turn < most_turns; ++turn) {
+  for (int iteration = 0; iteration < max_iterations; ++iteration) {
     double worst = 0.0;
     for (std::size_t r = 0; r < rows.size(); ++r) {
       const double length = rigid_.rods_[rods_[r]].length;

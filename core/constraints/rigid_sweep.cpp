@@ -24,19 +24,18 @@
 namespace springnet {
 namespace {
 
-constexpr int most_turns = 60;  // of the coupled iteration for positions and velocities
-// Iterations after which the active set is frozen, and between updates of the effective mobility.
-constexpr int turns_of_choice = 20, turns_of_mobility = 10;
+constexpr int max_iterations = 60;  // of the coupled iteration for positions and velocities
+// Iterations in which the active set may change, and between updates of the effective mobility.
+constexpr int active_set_iterations = 20, iterations_per_mobility = 10;
 constexpr std::size_t few_contacts = 6;  // up to this many the mobility is updated in each iteration
 constexpr double accuracy = 1e-13;
-constexpr double least_impulse = 1e-11;  // relative to the impulses without contact, that counts
-constexpr double at_once = 1e-9;         // share of the step within which meetings are simultaneous
+constexpr double negligible_impulse = 1e-11;  // relative to the impulses without contact
+constexpr double simultaneous = 1e-9;         // share of the step within which meetings are simultaneous
 
 Touch touch_of(const ContactNode& node) {
   Touch touch;
   for (const ContactSide& side : node.sides)
-    if (side.touches)
-      (touch.surface < 0 ? touch.surface : touch.second < 0 ? touch.second : touch.third) = side.surface;
+    if (side.active) (touch.surface < 0 ? touch.surface : touch.second < 0 ? touch.second : touch.third) = side.surface;
   touch.slides = touch.surface >= 0 && !node.sticks;
   return touch;
 }
@@ -62,7 +61,7 @@ class RigidConnections::Step {
   };
 
   Step(const RigidConnections& rigid, const Placement& end, const Cluster& cluster, const springnet_sweep& sweep);
-  enum class Outcome { solved, lengths_apart, contacts_apart };
+  enum class Outcome { solved, lengths_failed, contacts_failed };
   [[nodiscard]] Outcome solve();
   [[nodiscard]] const std::vector<Member>& members() const noexcept { return members_; }
   [[nodiscard]] bool decides() const noexcept { return decides_; }
@@ -73,13 +72,13 @@ class RigidConnections::Step {
 
  private:
   void add_member(std::uint32_t node, const springnet_sweep& sweep);
-  void touch(std::size_t member, std::int32_t surface, bool is_new, bool stays);
+  void touch(std::size_t member, std::int32_t surface, bool is_new, bool pinned);
   // Velocities with the present impulses of surfaces.
   void respond();
   [[nodiscard]] Eigen::MatrixXd effective_mobility() const;
   // Finds the impulses of surfaces; with `choose` also the active set. False: there are none.
   bool find_impulses(bool choose);
-  void take_touches();
+  void update_touches();
   // Positions at the end of the step; false if lengths cannot be kept.
   bool place(std::vector<Vector3>& next) const;
   bool hold_back(const std::vector<Vector3>& next, std::vector<Touch>& on) const;
@@ -130,15 +129,15 @@ void RigidConnections::Step::add_member(std::uint32_t node, const springnet_swee
                                        : Matrix3(Eigen::Map<const Matrix3>(sweep.inertia + 9 * std::size_t{node}));
   m.mobility = m.fixed ? Matrix3(Matrix3::Zero()) : Matrix3(m.inertia.inverse());
   members_.push_back(m);
-  if (contact_.surfaces().empty() || m.fixed) return;
+  if (contact_.obstacles().empty() || m.fixed) return;
   const std::size_t i = members_.size() - 1;
   const Touch committed = contact_.committed(node);
-  const bool stays = contact_.has_chattered(node);
+  const bool pinned = contact_.has_chattered(node);
   if (committed.surface >= 0) {
     members_[i].place = contact_.carried(at_, m.start, committed.surface);
     for (const std::int32_t surface : committed.surfaces())
-      if (surface >= 0) touch(i, surface, false, stays);
-  } else if (decides_ && stays && contact_.could_reach(at_, node, m.start, m.free_position)) {
+      if (surface >= 0) touch(i, surface, false, pinned);
+  } else if (decides_ && pinned && contact_.could_reach(at_, node, m.start, m.free_position)) {
     const std::int32_t last = contact_.last_surface(node);
     members_[i].place = contact_.onto(at_, static_cast<std::size_t>(last), m.free_position);
     touch(i, last, true, true);
@@ -153,13 +152,13 @@ ContactNode* RigidConnections::Step::contact_of(std::size_t member) {
 }
 
 // In the island nodes are numbered as in the cluster; its accelerations and forces are velocities and impulses here.
-void RigidConnections::Step::touch(std::size_t member, std::int32_t surface, bool is_new, bool stays) {
+void RigidConnections::Step::touch(std::size_t member, std::int32_t surface, bool is_new, bool pinned) {
   Member& m = members_[member];
-  const Obstacle& obstacle = contact_.surfaces()[static_cast<std::size_t>(surface)];
+  const Obstacle& obstacle = contact_.obstacles()[static_cast<std::size_t>(surface)];
   ContactSide side;
   side.surface = surface;
   side.friction = obstacle.friction();
-  side.stays = stays || !decides_;
+  side.pinned = pinned || !decides_;
   m.is_new = m.is_new || is_new;
   if (is_new) m.rebound = contact_.rebound(at_, surface, m.position, m.start_velocity, m.free);
   std::vector<ContactNode> nodes;
@@ -226,21 +225,21 @@ bool RigidConnections::Step::find_impulses(bool choose) {
       const auto j = static_cast<std::size_t>(side.surface);
       side.normal = contact_.normal(at_, j, m.position);
       side.surface_acceleration = Contact::velocity(at_, j, m.position);
-      side.needed = side.normal.dot(side.surface_acceleration);
-      if (m.is_new && !contact_.committed(m.node).has(side.surface)) side.needed += m.rebound;
+      side.target_acceleration = side.normal.dot(side.surface_acceleration);
+      if (m.is_new && !contact_.committed(m.node).has(side.surface)) side.target_acceleration += m.rebound;
     }
     scale = std::max(scale, m.inertia.norm() * (node.acceleration - node.sides[0].surface_acceleration).norm());
   }
   bool found = true;
   if (choose)
-    found = island_->resolve_impulses(least_impulse * scale);
+    found = island_->resolve_impulses(negligible_impulse * scale);
   else
     island_->solve();
   for (const ContactNode& node : island_->nodes()) members_[node.node].impulse = node.force;
   return found;
 }
 
-void RigidConnections::Step::take_touches() {
+void RigidConnections::Step::update_touches() {
   for (const ContactNode& node : island_->nodes()) {
     Member& m = members_[node.node];
     m.touch = touch_of(node);
@@ -302,14 +301,14 @@ bool RigidConnections::Step::meet() {
     const ContactNode* known = contact_of(i);
     // A node that has chattered keeps its contacts, and meets no others; without any, rods may still draw it in.
     if (known != nullptr && (known->sides.size() == 3 || contact_.has_chattered(m.node))) continue;
-    const Contact::Way way{m.node, m.start, m.start_velocity, m.position, m.velocity};
+    const Contact::Path path{m.node, m.start, m.start_velocity, m.position, m.velocity};
     Contact::Meeting meeting;
     if (m.touch.surface >= 0) {
-      meeting = contact_.next_meeting(at_, way, m.touch);
+      meeting = contact_.next_meeting(at_, path, m.touch);
     } else {
       meeting = contact_.first_meeting(at_, m.start, m.position);
       // A separating node does not meet the surface, unless it is behind it.
-      if (meeting.surface >= 0 && contact_.leaves(at_, meeting.surface, way) &&
+      if (meeting.surface >= 0 && contact_.is_separating(at_, meeting.surface, path) &&
           contact_.gap(at_, static_cast<std::size_t>(meeting.surface), m.position) >= -accuracy * scale_)
         meeting.surface = -1;
     }
@@ -321,10 +320,10 @@ bool RigidConnections::Step::meet() {
   }
   // Later meetings may disappear once these are active.
   for (const Found& each : found) {
-    if (each.meeting.share > first + at_once) continue;
+    if (each.meeting.share > first + simultaneous) continue;
     Member& m = members_[each.member];
     const auto j = static_cast<std::size_t>(each.meeting.surface);
-    m.place = contact_.onto(at_, j, contact_.taken_along(at_, m.start, m.position, each.meeting));
+    m.place = contact_.onto(at_, j, contact_.carried_from(at_, m.start, m.position, each.meeting));
     touch(each.member, each.meeting.surface, true, false);
   }
   return !found.empty();
@@ -335,7 +334,7 @@ RigidConnections::Step::Outcome RigidConnections::Step::solve() {
   const auto mobility = [&](std::uint32_t node) { return members_[rigid_.member_of_[node]].mobility; };
   double last = std::numeric_limits<double>::infinity();
   bool found = true;
-  int turn = 0;
+  int iteration = 0;
   while (true) {
     rods_.set(rigid_.rods_of(cluster_, positions()), mobility);
     respond();
@@ -343,13 +342,13 @@ RigidConnections::Step::Outcome RigidConnections::Step::solve() {
       // With sticking nodes that brace each other, a mobility of older positions would be inconsistent with the
       // velocities.
       const bool is_small = island_->nodes().size() <= few_contacts;
-      if (is_small || turn % turns_of_mobility == turns_of_mobility - 1) mobility_stale_ = true;
-      found = find_impulses(decides_ && turn < turns_of_choice);
-      take_touches();
+      if (is_small || iteration % iterations_per_mobility == iterations_per_mobility - 1) mobility_stale_ = true;
+      found = find_impulses(decides_ && iteration < active_set_iterations);
+      update_touches();
       respond();
     }
     std::vector<Vector3> next(count);
-    if (!place(next)) return Outcome::lengths_apart;
+    if (!place(next)) return Outcome::lengths_failed;
     double moved = 0.0;
     for (std::size_t i = 0; i < count; ++i) moved = std::max(moved, (next[i] - members_[i].position).norm());
     // Converged to the accuracy, or to rounding.
@@ -359,11 +358,11 @@ RigidConnections::Step::Outcome RigidConnections::Step::solve() {
     for (std::size_t i = 0; i < count; ++i)
       members_[i].position = overshoots ? Vector3(0.5 * (members_[i].position + next[i])) : next[i];
     last = moved;
-    ++turn;
-    // Positions that have not converged by then still tell which surfaces they are behind.
-    if (!done && turn < most_turns) continue;
-    if (!decides_ || contact_.surfaces().empty() || !meet()) break;
-    turn = 0;
+    ++iteration;
+    // Positions that have not converged by then still show which surfaces they are behind.
+    if (!done && iteration < max_iterations) continue;
+    if (!decides_ || contact_.obstacles().empty() || !meet()) break;
+    iteration = 0;
     last = std::numeric_limits<double>::infinity();
   }
   // If sweeps diverge, the forces at the end do not explain these velocities: the residual shows it, and the step does
@@ -373,7 +372,7 @@ RigidConnections::Step::Outcome RigidConnections::Step::solve() {
       m.velocity = m.place_velocity;
     else if (!m.moves)
       m.velocity = Contact::velocity(at_, static_cast<std::size_t>(m.touch.surface), m.position);
-  return found ? Outcome::solved : Outcome::contacts_apart;
+  return found ? Outcome::solved : Outcome::contacts_failed;
 }
 
 std::vector<Vector3> RigidConnections::Step::tensions() const {
@@ -392,7 +391,7 @@ Vector3 RigidConnections::Step::friction_on(std::size_t member) const {
   std::vector<Vector3> normals;
   for (const std::int32_t surface : m.touch.surfaces())
     if (surface >= 0) normals.push_back(contact_.normal(at_, static_cast<std::size_t>(surface), m.position));
-  return normals.empty() ? Vector3(Vector3::Zero()) : split_reaction(normals, m.impulse).along;
+  return normals.empty() ? Vector3(Vector3::Zero()) : split_reaction(normals, m.impulse).tangential;
 }
 
 springnet_status RigidConnections::constrain(const Placement& end, std::size_t index, const springnet_sweep& sweep,
@@ -402,9 +401,9 @@ springnet_status RigidConnections::constrain(const Placement& end, std::size_t i
   switch (step.solve()) {
     case Step::Outcome::solved:
       break;
-    case Step::Outcome::lengths_apart:
+    case Step::Outcome::lengths_failed:
       return cannot_keep(cluster, message);
-    case Step::Outcome::contacts_apart:
+    case Step::Outcome::contacts_failed:
       set_message(message, fmt::format("contacts and friction of the {} nodes in the rigid cluster of node {} do not "
                                        "converge; use a smaller time step, or less friction there",
                                        cluster.nodes.size(), user_number_[cluster.nodes.front()]));
@@ -419,14 +418,14 @@ springnet_status RigidConnections::constrain(const Placement& end, std::size_t i
     const Vector3 impulse = m.moves ? Vector3(tensions[i] + m.impulse) : Vector3(Vector3::Zero());
     if (sweep.constraint_force.x != nullptr && step.weight() > 0.0)
       put_vector(sweep.constraint_force, m.node, impulse / step.weight());
-    if (contact_.surfaces().empty()) continue;
-    const bool touches = m.touch.surface >= 0;
+    if (contact_.obstacles().empty()) continue;
+    const bool in_contact = m.touch.surface >= 0;
     if (step.decides()) {
-      static_cast<void>(contact_.record_decision(m.node, touches));
+      static_cast<void>(contact_.record_decision(m.node, in_contact));
       if (const Vector3 friction = step.friction_on(i); m.touch.slides && friction.norm() > 0.0)
         contact_.set_slip(m.node, -friction);
     }
-    contact_.decide(m.node, m.touch, touches ? m.impulse : Vector3(Vector3::Zero()), m.rebound > 0.0 && touches);
+    contact_.decide(m.node, m.touch, in_contact ? m.impulse : Vector3(Vector3::Zero()), m.rebound > 0.0 && in_contact);
   }
   return SPRINGNET_OK;
 }

@@ -104,7 +104,7 @@ springnet_status Evaluator::evaluate_unit(std::uint32_t index, double time, cons
       force.z[k] = mass[k] * g[2] + external.loads.z[k];
     }
   }
-  if (external.pressure != nullptr && layout_.loaded_faces().any_follows()) {
+  if (external.pressure != nullptr && layout_.loaded_faces().any_following()) {
     for (std::uint32_t k = begin; k < end; ++k) {
       const Vector3 push = layout_.loaded_faces().force(k, nodes, external.pressure);
       force.x[k] += push[0];
@@ -162,7 +162,7 @@ springnet_status Evaluator::accelerations(std::uint32_t first, std::uint32_t cou
     if (status != SPRINGNET_OK) {
       const std::uint32_t others = end - begin - 1;
       set_message(message, fmt::format("{}; for node {}{}", text_of(message), layout_.ordering().user[node],
-                                       others == 0 ? "" : fmt::format(" or {} after it", others)));
+                                       others == 0 ? "" : fmt::format(" or one of the {} after it", others)));
       return status;
     }
     begin = end;

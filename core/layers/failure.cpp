@@ -10,11 +10,11 @@
 
 namespace springnet::layers {
 
-LawOutputs LawAnswer::outputs(const Law& law, Asked asked) {
+LawOutputs LawAnswer::outputs(const Law& law, Requested requested) {
   LawOutputs out;
   out.force = &force;
-  if (asked == Asked::forces_and_energies && law.can(SPRINGNET_HAS_ENERGY)) out.energy = &energy;
-  if (asked == Asked::forces_and_derivatives && law.can(SPRINGNET_HAS_DERIVATIVES)) {
+  if (requested == Requested::forces_and_energies && law.can(SPRINGNET_HAS_ENERGY)) out.energy = &energy;
+  if (requested == Requested::forces_and_derivatives && law.can(SPRINGNET_HAS_DERIVATIVES)) {
     out.by_q = &by_q;
     out.by_rate = &by_rate;
   }
@@ -36,7 +36,7 @@ std::string wrong_answer(const Component& component, springnet_status status, co
 }
 
 std::string explain_failure(const Layout& layout, InstructionSet set, double time, const NodeArrays& nodes,
-                            Asked asked) {
+                            Requested requested) {
   const std::vector<std::uint32_t>& engine = layout.ordering().engine;
   for (std::size_t user = 0; user < engine.size(); ++user) {
     const std::uint32_t k = engine[user];
@@ -45,8 +45,8 @@ std::string explain_failure(const Layout& layout, InstructionSet set, double tim
     if (!position || !velocity)
       return fmt::format("the {} of node {} is not a finite number", position ? "velocity" : "position", user);
   }
-  const std::string spring = explain_spring_failure(layout, set, time, nodes, asked);
-  return spring.empty() ? explain_element_failure(layout, set, time, nodes, asked) : spring;
+  const std::string spring = explain_spring_failure(layout, set, time, nodes, requested);
+  return spring.empty() ? explain_element_failure(layout, set, time, nodes, requested) : spring;
 }
 
 }  // namespace springnet::layers

@@ -33,48 +33,49 @@ void LoadedFaces::build() {
     for (const std::uint32_t node : corners_[f]) ++start_[node + 1];
   }
   for (std::size_t k = 0; k + 1 < start_.size(); ++k) start_[k + 1] += start_[k];
-  seen_.resize(3 * following_count_);
+  node_faces_.resize(3 * following_count_);
   std::vector<std::size_t> next(start_.begin(), start_.end() - 1);
   for (std::size_t f = 0; f < count(); ++f) {
     if (!follows(f)) continue;
     const auto& [a, b, c] = corners_[f];
-    seen_[next[a]++] = {b, c, load_[f]};
-    seen_[next[b]++] = {c, a, load_[f]};
-    seen_[next[c]++] = {a, b, load_[f]};
+    node_faces_[next[a]++] = {b, c, load_[f]};
+    node_faces_[next[b]++] = {c, a, load_[f]};
+    node_faces_[next[c]++] = {a, b, load_[f]};
   }
 }
 
 Vector3 LoadedFaces::force(std::uint32_t node, const NodeArrays& nodes, const double* pressure) const noexcept {
   const Vector3 own = position(nodes, node);
   Vector3 sum = Vector3::Zero();
-  for (const Seen& face : seen_by(node))
+  for (const NodeFace& face : faces_at(node))
     sum -= pressure[face.load] / 6.0 * (position(nodes, face.next) - own).cross(position(nodes, face.last) - own);
   return sum;
 }
 
 Block LoadedFaces::stiffness(std::uint32_t node, const NodeArrays& nodes, const double* pressure) const noexcept {
   Vector3 sum = Vector3::Zero();
-  for (const Seen& face : seen_by(node))
+  for (const NodeFace& face : faces_at(node))
     sum += pressure[face.load] / 6.0 * (position(nodes, face.last) - position(nodes, face.next));
   return cross_matrix(sum);
 }
 
 bool LoadedFaces::is_surrounded(std::uint32_t node) const noexcept {
-  const std::span<const Seen> faces = seen_by(node);
-  const auto as_many = [&](std::uint32_t other, std::uint32_t load) {
+  const std::span<const NodeFace> faces = faces_at(node);
+  const auto is_balanced = [&](std::uint32_t other, std::uint32_t load) {
     std::ptrdiff_t balance = 0;
-    for (const Seen& face : faces) {
+    for (const NodeFace& face : faces) {
       if (face.load != load) continue;
       balance += face.next == other ? 1 : 0;
       balance -= face.last == other ? 1 : 0;
     }
     return balance == 0;
   };
-  return std::all_of(faces.begin(), faces.end(),
-                     [&](const Seen& face) { return as_many(face.next, face.load) && as_many(face.last, face.load); });
+  return std::all_of(faces.begin(), faces.end(), [&](const NodeFace& face) {
+    return is_balanced(face.next, face.load) && is_balanced(face.last, face.load);
+  });
 }
 
-std::array<Block, 3> LoadedFaces::blocks(std::uint32_t node, const Seen& face, const NodeArrays& nodes,
+std::array<Block, 3> LoadedFaces::blocks(std::uint32_t node, const NodeFace& face, const NodeArrays& nodes,
                                          double pressure) noexcept {
   const Vector3 a = position(nodes, node), b = position(nodes, face.next), c = position(nodes, face.last);
   const double weight = pressure / 6.0;
@@ -82,7 +83,7 @@ std::array<Block, 3> LoadedFaces::blocks(std::uint32_t node, const Seen& face, c
 }
 
 void LoadedFaces::add_neighbours(std::uint32_t node, std::vector<std::uint32_t>& neighbours) const {
-  for (const Seen& face : seen_by(node)) {
+  for (const NodeFace& face : faces_at(node)) {
     neighbours.push_back(face.next);
     neighbours.push_back(face.last);
   }

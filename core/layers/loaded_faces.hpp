@@ -24,7 +24,7 @@ namespace springnet::layers {
 class LoadedFaces {
  public:
   // A face under a following pressure seen from one of its nodes: the triangle (node, next, last).
-  struct Seen {
+  struct NodeFace {
     std::uint32_t next, last;
     std::uint32_t load;  // index into Network::loads()
   };
@@ -40,11 +40,11 @@ class LoadedFaces {
   [[nodiscard]] std::uint32_t load_of(std::size_t face) const noexcept { return load_[face]; }
 
   // Whether any live face is under a following pressure.
-  [[nodiscard]] bool any_follows() const noexcept { return following_count_ > 0; }
+  [[nodiscard]] bool any_following() const noexcept { return following_count_ > 0; }
   // Live ones at a node, by number.
-  [[nodiscard]] std::span<const Seen> seen_by(std::uint32_t node) const noexcept {
+  [[nodiscard]] std::span<const NodeFace> faces_at(std::uint32_t node) const noexcept {
     if (following_count_ == 0) return {};
-    return {seen_.data() + start_[node], seen_.data() + start_[node + 1]};
+    return {node_faces_.data() + start_[node], node_faces_.data() + start_[node + 1]};
   }
   // Force of all following pressures on a node, N. pressure: [load] Pa.
   [[nodiscard]] Vector3 force(std::uint32_t node, const NodeArrays& nodes, const double* pressure) const noexcept;
@@ -53,7 +53,7 @@ class LoadedFaces {
   // Whether that stiffness vanishes at every state: the faces of each load close around the node.
   [[nodiscard]] bool is_surrounded(std::uint32_t node) const noexcept;
   // -dF/dp of one face's force on the node, with respect to the positions of the node itself, `next` and `last`, N/m.
-  [[nodiscard]] static std::array<Block, 3> blocks(std::uint32_t node, const Seen& face, const NodeArrays& nodes,
+  [[nodiscard]] static std::array<Block, 3> blocks(std::uint32_t node, const NodeFace& face, const NodeArrays& nodes,
                                                    double pressure) noexcept;
   // Appends the nodes that share a face under a following pressure with a node; they may repeat.
   void add_neighbours(std::uint32_t node, std::vector<std::uint32_t>& neighbours) const;
@@ -84,7 +84,7 @@ class LoadedFaces {
   std::vector<std::uint8_t> follows_;                  // [load]
   std::size_t following_count_ = 0;
   std::vector<std::size_t> start_;  // [node + 1]
-  std::vector<Seen> seen_;
+  std::vector<NodeFace> node_faces_;
 };
 
 }  // namespace springnet::layers

@@ -8,7 +8,7 @@
 namespace springnet::material {
 namespace {
 
-using Gram = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, 0, most_springs, most_springs>;
+using Gram = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, 0, max_springs, max_springs>;
 
 // Tikhonov regularisation. Parallel springs, and directions that span the same tensors, leave the shares undetermined;
 // this term on the diagonal selects the smallest, distributed evenly. The relative error of the tensor is about as
@@ -29,14 +29,14 @@ Gram gram_of(std::span<const Vector3> directions) {
   return gram;
 }
 
-using Marks = std::array<bool, most_springs>;
+using Marks = std::array<bool, max_springs>;
 constexpr int patience = 3;  // rounds without progress
 
 std::size_t at(Eigen::Index i) { return static_cast<std::size_t>(i); }
 
 // Shares with zero gradient for the marked springs, 0 for the others.
 Shares solve_for(const Gram& gram, const Marks& has_share) {
-  std::array<Eigen::Index, most_springs> places{};
+  std::array<Eigen::Index, max_springs> places{};
   Eigen::Index free = 0;
   for (Eigen::Index i = 0; i < gram.rows(); ++i) {
     if (has_share[at(i)]) places[at(free++)] = i;

@@ -8,9 +8,9 @@
 
 namespace springnet::material {
 
-inline constexpr int most_springs = 32;  // of a cell: a hexahedron has 12 edges, 12 face diagonals, 4 space diagonals
+inline constexpr int max_springs = 32;  // of a cell: a hexahedron has 12 edges, 12 face diagonals, 4 space diagonals
 
-using Shares = Eigen::Matrix<double, Eigen::Dynamic, 1, 0, most_springs, 1>;
+using Shares = Eigen::Matrix<double, Eigen::Dynamic, 1, 0, max_springs, 1>;
 
 // If the corners of a cell of volume V move with a homogeneous strain s, its springs e of stiffness k_e, length l_e and
 // direction n_e have the energy s : (sum_e w_e n_e n_e n_e n_e) : s / 2, with w_e = k_e l_e^2. A solid whose elasticity

@@ -16,10 +16,10 @@ constexpr std::size_t largest_count = std::numeric_limits<std::uint32_t>::max();
 // m. Volumes, its third powers, stay far within the range of a double.
 constexpr double largest_coordinate = 1e100;
 
-// Limit of the cells in all groups together: so many for each cell of the mesh, and so many in addition.
-constexpr std::size_t most_groups_per_cell = 100, most_beside = 1'000'000;
+// Limit of the cells in all groups together: base_limit + max_groups_per_cell times the cells of the mesh.
+constexpr std::size_t max_groups_per_cell = 100, base_limit = 1'000'000;
 
-constexpr std::size_t most_names = 5, most_notes = 20, longest_name = 40;
+constexpr std::size_t max_names = 5, max_notes = 20, longest_name = 40;
 
 void sort_unique(std::vector<std::uint32_t>& numbers) {
   std::sort(numbers.begin(), numbers.end());
@@ -87,7 +87,7 @@ std::size_t Builder::group(const std::string& name) {
 void Builder::add_cells_to_group(std::size_t group, std::size_t first_cell, std::size_t end_cell) {
   if (first_cell == end_cell) return;
   grouped_cells_ += end_cell - first_cell;
-  if (grouped_cells_ > most_beside + most_groups_per_cell * mesh_.cell_count()) {
+  if (grouped_cells_ > base_limit + max_groups_per_cell * mesh_.cell_count()) {
     source_.fail(
         fmt::format("groups have {} cells in total, of {} cells so far; the file is damaged or has too many groups: "
                     "save it with fewer",
@@ -112,7 +112,7 @@ std::vector<bool> Builder::used_points() const {
 }
 
 void Builder::note(const std::string& sentence) {
-  if (noted_.insert(sentence).second) mesh_.notes.push_back(sentence);
+  if (notes_so_far_.insert(sentence).second) mesh_.notes.push_back(sentence);
 }
 
 void Builder::count_note(const std::string& one, const std::string& several, std::size_t times) {
@@ -125,7 +125,7 @@ void Builder::name_note(const std::string& one, const std::string& several, cons
   count_note(one, several);
   Counted& note = counted_[several];
   if (std::find(note.names.begin(), note.names.end(), name) != note.names.end()) return;
-  if (note.names.size() < most_names) {
+  if (note.names.size() < max_names) {
     note.names.push_back(name);
   } else {
     note.more_names = true;
@@ -136,7 +136,7 @@ std::string Builder::number_of(const std::string& several, const Counted& note) 
   return counted(note.times, note.one, several);
 }
 
-std::string Builder::told(const std::string& several, const Counted& note) {
+std::string Builder::sentence_of(const std::string& several, const Counted& note) {
   std::string result = number_of(several, note);
   for (const std::string& name : note.names) {
     result += fmt::format("{}{}", &name == note.names.data() ? ": " : ", ", printable(name, longest_name));
@@ -193,7 +193,7 @@ Mesh Builder::finish() && {
     std::string why;
     for (const auto& [several, note] : counted_)
       why += fmt::format("{}{}", why.empty() ? " (" : "; ", number_of(several, note));
-    mesh_.notes.resize(std::min(mesh_.notes.size(), most_notes));
+    mesh_.notes.resize(std::min(mesh_.notes.size(), max_notes));
     for (const std::string& sentence : mesh_.notes) why += fmt::format("{}{}", why.empty() ? " (" : "; ", sentence);
     if (!why.empty()) why += ")";
     source_.fail(
@@ -203,10 +203,10 @@ Mesh Builder::finish() && {
   }
   leave_out_unused_points();
   fill_groups();
-  for (const auto& [several, note] : counted_) mesh_.notes.push_back(told(several, note));
-  if (mesh_.notes.size() > most_notes) {
-    const std::size_t more = mesh_.notes.size() - most_notes;
-    mesh_.notes.resize(most_notes);
+  for (const auto& [several, note] : counted_) mesh_.notes.push_back(sentence_of(several, note));
+  if (mesh_.notes.size() > max_notes) {
+    const std::size_t more = mesh_.notes.size() - max_notes;
+    mesh_.notes.resize(max_notes);
     mesh_.notes.push_back(fmt::format("{} more notes are left out", more));
   }
   return std::move(mesh_);

@@ -69,7 +69,7 @@ class Builder {
 
   // number_of() omits the names.
   [[nodiscard]] static std::string number_of(const std::string& several, const Counted& note);
-  [[nodiscard]] static std::string told(const std::string& several, const Counted& note);
+  [[nodiscard]] static std::string sentence_of(const std::string& several, const Counted& note);
   void leave_out_unused_points();
   void fill_groups();
 
@@ -78,7 +78,7 @@ class Builder {
   std::map<std::string, std::size_t> group_of_name_;
   std::vector<std::vector<Range>> cells_of_group_;  // [group]
   std::size_t grouped_cells_ = 0;                   // of all groups
-  std::set<std::string> noted_;
+  std::set<std::string> notes_so_far_;
   std::map<std::string, Counted> counted_;  // by the sentence for several
 };
 

@@ -97,7 +97,7 @@ std::size_t Cursor::count(std::string_view what, std::size_t bytes_each) {
 void Cursor::check_count(std::uint64_t count, std::size_t bytes_each, std::string_view what) const {
   if (bytes_each == 0 || count <= left() / bytes_each) return;
   fail(fmt::format(
-      "{} is {}, but the file has only {} bytes more; it is cut off or the number is wrong, export it again", what,
+      "{} is {}, but only {} bytes of the file are left; it is cut off or the number is wrong, export it again", what,
       count, left()));
 }
 

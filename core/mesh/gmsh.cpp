@@ -58,7 +58,7 @@ std::optional<ElementType> element_type(int number) {
   }
   return std::nullopt;
 }
-constexpr std::size_t most_nodes = 1000;
+constexpr std::size_t max_nodes = 1000;
 
 constexpr std::array dimension_names{"point", "curve", "surface", "volume"};
 
@@ -369,7 +369,7 @@ class GmshReader {
 
   void element_block(const ElementType& type, std::size_t size, const std::vector<std::size_t>& groups) {
     const std::size_t first = builder_.cell_count();
-    std::array<std::uint32_t, most_nodes> points{};
+    std::array<std::uint32_t, max_nodes> points{};
     for (std::size_t k = 0; k < size; ++k) {
       tag("the number of an element");
       const Place place = in_.place();
@@ -377,7 +377,7 @@ class GmshReader {
         const std::uint64_t number = tag("a node of an element");
         const auto point = tags_.find(number);
         if (!point) {
-          in_.fail(fmt::format("an element has node {}, which $Nodes does not have; export the mesh again", number));
+          in_.fail(fmt::format("an element has node {}, which is not in $Nodes; export the mesh again", number));
         }
         points[n] = *point;
       }

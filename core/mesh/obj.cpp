@@ -52,12 +52,12 @@ class ObjReader {
   void words_of_line() {
     words_.clear();
     line_ = in_.here();
-    bool goes_on = true;
-    while (goes_on) {
+    bool continues = true;
+    while (continues) {
       std::string_view line = in_.line();
       line = line.substr(0, line.find('#'));
       const std::size_t last = line.find_last_not_of(" \t");
-      goes_on = last != std::string_view::npos && line[last] == '\\' && in_.left() > 0;
+      continues = last != std::string_view::npos && line[last] == '\\' && in_.left() > 0;
       if (last != std::string_view::npos && line[last] == '\\') line = line.substr(0, last);
       for (std::size_t begin = 0; (begin = line.find_first_not_of(" \t\r\v\f", begin)) != std::string_view::npos;) {
         const std::size_t end = std::min(line.find_first_of(" \t\r\v\f", begin), line.size());
@@ -120,10 +120,10 @@ class ObjReader {
       corners_.push_back(static_cast<std::uint32_t>(number - 1));
     }
     cell.end_corner = corners_.size();
-    const std::size_t least = kind == 'f' ? 3 : kind == 'l' ? 2 : 1;
-    if (cell.end_corner - cell.first_corner < least) {
+    const std::size_t min_points = kind == 'f' ? 3 : kind == 'l' ? 2 : 1;
+    if (cell.end_corner - cell.first_corner < min_points) {
       fail(fmt::format("'{}' has {} points and needs {} or more; correct the line", kind,
-                       cell.end_corner - cell.first_corner, least));
+                       cell.end_corner - cell.first_corner, min_points));
     }
     cells_.push_back(cell);
   }

@@ -41,7 +41,7 @@ std::ptrdiff_t Source::line_of(Place place) const {
   return 1 + std::count(text_.begin(), end, '\n');
 }
 
-std::string Source::told(Place place) const {
+std::string Source::description(Place place) const {
   return place.binary ? fmt::format("byte {}", place.offset) : fmt::format("line {}", line_of(place));
 }
 

@@ -21,7 +21,7 @@ class Source {
 
   [[nodiscard]] std::string_view text() const noexcept { return text_; }
   [[nodiscard]] const std::string& name() const noexcept { return name_; }
-  [[nodiscard]] std::string told(Place place) const;  // "line 3" or "byte 80"
+  [[nodiscard]] std::string description(Place place) const;  // "line 3" or "byte 80"
 
   // Error messages quote nothing from the file: a scene may name any file, even one that the reader of the message must
   // not see. Throws Error(input): "file:line: message" or "file: byte n: message".

@@ -34,7 +34,7 @@ std::optional<double> enclosed_by(const std::vector<Face>& faces, const Mesh& me
       volume += meshes::tetrahedron_volume(mesh.points[faces[0][0]], mesh.points[a], mesh.points[b], mesh.points[c]);
     return volume;
   } catch (const Error&) {
-    return std::nullopt;  // one side only
+    return std::nullopt;  // it has only one side
   }
 }
 
@@ -79,11 +79,11 @@ MeshExtent extent_of(const std::string& name, const Mesh& mesh) {
 }  // namespace
 
 UnitGuess guess_unit(double size) {
-  // Sizes from `least` to `doubtful` are plausible in metres; up to `too_large` they may be metres or millimetres.
-  constexpr double least = 1e-3, doubtful = 3.0, too_large = 10.0, micrometres = 2e4;
+  // Sizes from `min_size` to `doubtful` are plausible in metres; up to `too_large` they may be metres or millimetres.
+  constexpr double min_size = 1e-3, doubtful = 3.0, too_large = 10.0, micrometres = 2e4;
   const auto as = [&](const char* unit) { return fmt::format("{:.3g} {}", size, unit); };
   if (!(size > 0.0)) return {"metres", 1.0, false, "It has no extent, so its unit is unknown."};
-  if (size < least) {
+  if (size < min_size) {
     return {"metres", 1.0, false,
             fmt::format("It is {:.3g} long: less than a millimetre in metres, and even less in smaller units.", size)};
   }
@@ -93,7 +93,7 @@ UnitGuess guess_unit(double size) {
         fmt::format("It is {} long; in millimetres it would be {} µm.", as("m"), fmt::format("{:.3g}", 1e3 * size))};
   }
   if (size <= too_large) {
-    return {"metres", 1.0, false, fmt::format("It is {} or {} long; the file does not tell which.", as("m"), as("mm"))};
+    return {"metres", 1.0, false, fmt::format("It is {} or {} long; the file does not say which.", as("m"), as("mm"))};
   }
   if (size <= micrometres) {
     return {"millimetres", 1e-3, true,

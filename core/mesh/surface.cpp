@@ -65,7 +65,7 @@ void for_each_edge(std::span<const Side> sides, const Function& function) {
 
 struct Neighbour {
   std::size_t face = std::numeric_limits<std::size_t>::max();  // the default: none
-  bool agrees = false;
+  bool is_consistent = false;
 };
 
 [[noreturn]] void fail(const std::string& message) { throw Error(ErrorKind::input, message); }
@@ -81,9 +81,9 @@ std::vector<std::array<Neighbour, 3>> neighbours_of(std::span<const Face> faces)
                       edge[0].lower, edge[0].upper, edge.size(), edge[0].face, edge[1].face, edge[2].face));
     }
     if (edge.size() < 2) return;
-    const bool agrees = edge[0].rising != edge[1].rising;
-    result[edge[0].face][edge[0].side] = {edge[1].face, agrees};
-    result[edge[1].face][edge[1].side] = {edge[0].face, agrees};
+    const bool is_consistent = edge[0].rising != edge[1].rising;
+    result[edge[0].face][edge[0].side] = {edge[1].face, is_consistent};
+    result[edge[1].face][edge[1].side] = {edge[0].face, is_consistent};
   });
   return result;
 }
@@ -155,12 +155,12 @@ std::vector<Face> oriented(std::vector<Face> faces, std::span<const Vector3> poi
     if (a == b || b == c || c == a) fail(fmt::format("a surface: triangle {} has a point twice: remove it", face));
   }
   const auto neighbours = neighbours_of(faces);
-  enum class Winding : std::uint8_t { unknown, kept, turned };
-  std::vector<Winding> turns(faces.size(), Winding::unknown);
+  enum class Winding : std::uint8_t { unknown, kept, reversed };
+  std::vector<Winding> windings(faces.size(), Winding::unknown);
   std::vector<std::size_t> part;
   for (std::size_t start = 0; start < faces.size(); ++start) {
-    if (turns[start] != Winding::unknown) continue;
-    turns[start] = Winding::kept;
+    if (windings[start] != Winding::unknown) continue;
+    windings[start] = Winding::kept;
     part.assign(1, start);
     bool closed = true;
     for (std::size_t next = 0; next < part.size(); ++next) {
@@ -170,15 +170,16 @@ std::vector<Face> oriented(std::vector<Face> faces, std::span<const Vector3> poi
           closed = false;
           continue;
         }
-        const Winding wanted = neighbour.agrees == (turns[face] == Winding::kept) ? Winding::kept : Winding::turned;
-        Winding& turn = turns[neighbour.face];
-        if (turn == Winding::unknown) {
-          turn = wanted;
+        const Winding wanted =
+            neighbour.is_consistent == (windings[face] == Winding::kept) ? Winding::kept : Winding::reversed;
+        Winding& winding = windings[neighbour.face];
+        if (winding == Winding::unknown) {
+          winding = wanted;
           part.push_back(neighbour.face);
-        } else if (turn != wanted) {
+        } else if (winding != wanted) {
           fail(
-              fmt::format("a surface: triangles {} and {} cannot be turned so that all neighbours agree: it has one "
-                          "side only (a Moebius strip); cut it open",
+              fmt::format("a surface: triangles {} and {} cannot be oriented alike: the surface has only one side (a "
+                          "Moebius strip); cut it open",
                           face, neighbour.face));
         }
       }
@@ -186,7 +187,7 @@ std::vector<Face> oriented(std::vector<Face> faces, std::span<const Vector3> poi
     double volume = 0.0;
     const Vector3& origin = points[faces[start][0]];
     for (const std::size_t face : part) {
-      if (turns[face] == Winding::turned) std::swap(faces[face][1], faces[face][2]);
+      if (windings[face] == Winding::reversed) std::swap(faces[face][1], faces[face][2]);
       const auto& [a, b, c] = faces[face];
       volume += meshes::tetrahedron_volume(origin, points[a], points[b], points[c]);
     }

@@ -15,11 +15,11 @@ constexpr std::array scalar_names{"Int8",   "UInt8", "Int16",  "UInt16",  "Int32
                                   "UInt32", "Int64", "UInt64", "Float32", "Float64"};
 
 // zlib's greatest expansion factor.
-constexpr std::uint64_t most_expansion = 1032;
+constexpr std::uint64_t max_expansion = 1032;
 
-// Limits of memory, in bytes for each byte of the file, and in addition: a number of one byte or two characters takes
-// eight bytes in memory, arrays may share their data, and zlib compresses meshes to about a tenth.
-constexpr std::uint64_t most_per_byte = 16, most_per_compressed_byte = 100, most_beside = 1U << 24U;
+// Limits of memory: base_limit and so many bytes for each byte of the file. A number of one byte or two characters
+// takes eight bytes in memory, arrays may share their data, and zlib compresses meshes to about a tenth.
+constexpr std::uint64_t max_per_byte = 16, max_per_compressed_byte = 100, base_limit = 1U << 24U;
 
 int base64_digit(char c) noexcept {
   if (c >= 'A' && c <= 'Z') return c - 'A';
@@ -89,12 +89,12 @@ Scalar ArrayReader::type(pugi::xml_node array) const {
 }
 
 void ArrayReader::claim(pugi::xml_node array, std::uint64_t count, std::uint64_t bytes_each) {
-  const std::uint64_t each = encoding_.compressed ? most_per_compressed_byte : most_per_byte;
-  const std::uint64_t most = most_beside + source_.text().size() * each - claimed_;
-  if (count > most / bytes_each) {
-    fail(array, fmt::format("{} values are declared for {}, together with those before more than the file can hold; it "
-                            "is damaged, export it again",
-                            count, name_of(array)));
+  const std::uint64_t each = encoding_.compressed ? max_per_compressed_byte : max_per_byte;
+  const std::uint64_t limit = base_limit + source_.text().size() * each - claimed_;
+  if (count > limit / bytes_each) {
+    fail(array, fmt::format("{} declares {} values; together with the arrays before it this is more than the file can "
+                            "hold; it is damaged, export it again",
+                            name_of(array), count));
   }
   claimed_ += count * bytes_each;
 }
@@ -191,8 +191,8 @@ std::string ArrayReader::data(pugi::xml_node array, std::uint64_t bytes) const {
   if (encoded.size() < header) fail(array, fmt::format("{} is cut off; export the mesh again", name));
   const std::uint64_t size = header_number(encoded, 0);
   if (size != bytes || encoded.size() - header < bytes) {
-    fail(array, fmt::format("{} should have {} bytes; it says {}, and there are {}; the file is damaged, export it "
-                            "again",
+    fail(array, fmt::format("{} should have {} bytes, but its header has {}, and {} follow; the file is damaged, "
+                            "export it again",
                             name, bytes, size, encoded.size() - header));
   }
   return std::string(encoded.substr(header, static_cast<std::size_t>(bytes)));
@@ -210,7 +210,7 @@ std::string ArrayReader::decompressed(pugi::xml_node array, std::string_view enc
              name_of(array), bytes));
   };
   const std::size_t word = encoding_.wide_header ? 8 : 4;
-  check(encoded.size() >= 3 * word && bytes <= encoded.size() * most_expansion);
+  check(encoded.size() >= 3 * word && bytes <= encoded.size() * max_expansion);
   const std::uint64_t blocks = header_number(encoded, 0), block_size = header_number(encoded, 1);
   const std::uint64_t last_size = header_number(encoded, 2);
   check(blocks > 0 && blocks <= encoded.size() / word - 3 && block_size > 0 && block_size <= bytes + (1U << 30U));

@@ -37,7 +37,7 @@ constexpr std::array<std::size_t, 8> voxel_order{0, 1, 3, 2, 4, 5, 7, 6};
 
 constexpr std::array group_names{"group",         "groups",      "material",     "materials",
                                  "CellEntityIds", "PhysicalIds", "gmsh:physical"};
-constexpr std::size_t most_groups = 1000;  // more are not groups but a number for each cell
+constexpr std::size_t max_groups = 1000;  // more are not groups but a number for each cell
 
 template <class From, class To>
 void decode_as(std::string_view bytes, bool swap, std::vector<To>& values) {
@@ -52,8 +52,8 @@ std::optional<std::map<std::int64_t, std::size_t>> groups_for(Builder& builder, 
   std::map<std::int64_t, std::size_t> groups;
   for (const std::int64_t value : values) {
     groups.emplace(value, 0);
-    if (groups.size() <= most_groups) continue;
-    builder.note(fmt::format("array '{}' has more than {} values and gives no groups", name, most_groups));
+    if (groups.size() <= max_groups) continue;
+    builder.note(fmt::format("array '{}' has more than {} values and gives no groups", name, max_groups));
     return std::nullopt;
   }
   for (auto& [value, group] : groups) group = builder.group(fmt::format("{} {}", name, value));
@@ -122,10 +122,10 @@ void VtkCells::add(int type, std::span<const std::int64_t> points, Place place) 
     }
     corners_.push_back(first_point_ + static_cast<std::uint32_t>(point));
   }
-  const auto need = [&](std::size_t least, bool exactly) {
-    if (exactly ? corners_.size() == least : corners_.size() >= least) return;
+  const auto need = [&](std::size_t min_count, bool exactly) {
+    if (exactly ? corners_.size() == min_count : corners_.size() >= min_count) return;
     source.fail(place, fmt::format("cell {} of VTK's type {} has {} points and needs {}{}; export the mesh again",
-                                   count() - 1, type, corners_.size(), least, exactly ? "" : " or more"));
+                                   count() - 1, type, corners_.size(), min_count, exactly ? "" : " or more"));
   };
   const std::span<const std::uint32_t> corners(corners_);
   switch (type) {

@@ -16,7 +16,7 @@ namespace springnet::meshes {
 namespace {
 
 // Limit of implicit grid points, which take no bytes in the file: a file of a hundred bytes must not fill the memory.
-constexpr std::uint64_t most_implied_points = 1'000'000;
+constexpr std::uint64_t max_implied_points = 1'000'000;
 
 struct NamedType {
   const char* name;
@@ -218,7 +218,7 @@ class VtkLegacyReader {
       const std::int64_t size = all[at];
       if (size < 0 || static_cast<std::uint64_t>(size) > all.size() - at - 1) {
         in_.source().fail(lists.place,
-                          fmt::format("cell {} has {} points, but the list of cells ends before; export the "
+                          fmt::format("cell {} has {} points, but the list of cells ends before that; export the "
                                       "mesh again",
                                       lists.count(), size));
       }
@@ -285,7 +285,7 @@ class VtkLegacyReader {
     if (attributes_ == Attributes::none) {
       in_.fail("an array of bits or strings before the mesh is not read; export the mesh without it");
     }
-    builder_.note(fmt::format("data from {} on are not read", in_.source().told(in_.place())));
+    builder_.note(fmt::format("data from {} on are not read", in_.source().description(in_.place())));
   }
 
   bool attribute(std::string_view keyword) {
@@ -353,12 +353,12 @@ class VtkLegacyReader {
       if (!fine) builder_.source().fail(dimensions_place_, message);
     };
     check(nx > 0 && ny > 0 && nz > 0, "DIMENSIONS must be 1 or more; correct them");
-    const std::uint64_t most = std::max<std::uint64_t>(most_implied_points, builder_.source().text().size());
-    check(nx <= most && ny <= most / nx && nz <= most / (nx * ny),
+    const std::uint64_t limit = std::max<std::uint64_t>(max_implied_points, builder_.source().text().size());
+    check(nx <= limit && ny <= limit / nx && nz <= limit / (nx * ny),
           fmt::format(
               "DIMENSIONS are {} x {} x {}, more than the {} points that a file of {} bytes may have; use a coarser "
               "grid",
-              nx, ny, nz, most, builder_.source().text().size()));
+              nx, ny, nz, limit, builder_.source().text().size()));
     if (equal_ignoring_case(dataset_, "STRUCTURED_GRID")) {
       check(nx * ny * nz == builder_.point_count(),
             fmt::format("DIMENSIONS are {} x {} x {}, but there are {} POINTS; export the mesh again", nx, ny, nz,

@@ -57,6 +57,7 @@ inline void check_times(const std::vector<double>& times, std::size_t count, std
 }
 // Throws Error(input) if the lattice is not finite, would exceed the largest node or spring number together with those
 // that exist, or does not fit into this machine's memory.
-void check_lattice(const std::string& name, const Lattice& lattice, std::size_t nodes_there, std::size_t springs_there);
+void check_lattice(const std::string& name, const Lattice& lattice, std::size_t existing_nodes,
+                   std::size_t existing_springs);
 
 }  // namespace springnet::checks

@@ -62,7 +62,7 @@ double spring_count(const Lattice& lattice, const std::vector<Direction>& direct
 }
 
 // Memory available to this process, bytes; infinity if unknown.
-double memory_of_machine() {
+double available_memory() {
   const long pages = sysconf(_SC_PHYS_PAGES), page = sysconf(_SC_PAGESIZE);
   double memory = std::numeric_limits<double>::infinity();
   if (pages > 0 && page > 0) memory = static_cast<double>(pages) * static_cast<double>(page);
@@ -72,16 +72,16 @@ double memory_of_machine() {
   }
   // Limits of a container.
   for (const char* file : {"/sys/fs/cgroup/memory.max", "/sys/fs/cgroup/memory/memory.limit_in_bytes"}) {
-    double most = 0.0;
-    if (std::ifstream(file) >> most) memory = std::min(memory, most);
+    double bytes = 0.0;
+    if (std::ifstream(file) >> bytes) memory = std::min(memory, bytes);
   }
   return memory;
 }
 
 }  // namespace
 
-void checks::check_lattice(const std::string& name, const Lattice& lattice, std::size_t nodes_there,
-                           std::size_t springs_there) {
+void checks::check_lattice(const std::string& name, const Lattice& lattice, std::size_t existing_nodes,
+                           std::size_t existing_springs) {
   const std::vector<Direction> directions = directions_of(lattice);
   const auto fail = [&](const std::string& what) {
     throw Error(ErrorKind::input, fmt::format("lattice '{}': {}", name, what));
@@ -101,20 +101,20 @@ void checks::check_lattice(const std::string& name, const Lattice& lattice, std:
     if (!std::isfinite(direction.length)) fail("its spacing is so large that its diagonals are not finite");
   }
   constexpr double limit = std::numeric_limits<std::uint32_t>::max();
-  const double nodes = static_cast<double>(nodes_there) + node_count(lattice);
-  const double springs = static_cast<double>(springs_there) + spring_count(lattice, directions);
+  const double nodes = static_cast<double>(existing_nodes) + node_count(lattice);
+  const double springs = static_cast<double>(existing_springs) + spring_count(lattice, directions);
   if (nodes > limit || springs > limit) {
     fail(fmt::format(
         "the network would have {:.4g} nodes and {:.4g} springs, but the limit is {:.0f} of each: use fewer nodes",
         nodes, springs, limit));
   }
   // A simulation stores each node and spring at least once more.
-  const double needed = 2 * (nodes * sizeof(Node) + springs * sizeof(Spring)), there = memory_of_machine();
-  if (needed > there) {
+  const double needed = 2 * (nodes * sizeof(Node) + springs * sizeof(Spring)), available = available_memory();
+  if (needed > available) {
     fail(
         fmt::format("the network would have {:.4g} nodes and {:.4g} springs, whose simulation needs more than {:.3g} "
                     "GB, but this machine has {:.3g} GB: use fewer nodes",
-                    nodes, springs, needed * 1e-9, there * 1e-9));
+                    nodes, springs, needed * 1e-9, available * 1e-9));
   }
 }
 

@@ -199,7 +199,7 @@ void Network::begin_body(const std::string& name) {
 }
 
 void Network::end_body() {
-  if (!in_body_) fail("a body ends that has not begun");
+  if (!in_body_) fail("end_body without begin_body: no body has been begun");
   Body& body = bodies_.back();
   body.node_count = static_cast<NodeIndex>(nodes_.size()) - body.first_node;
   body.spring_count = static_cast<SpringIndex>(springs_.size()) - body.first_spring;

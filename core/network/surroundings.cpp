@@ -136,23 +136,23 @@ void check_polygon(const std::vector<Vector3>& polygon) {
 
 }  // namespace
 
-template <class Surface>
-void Network::check_surface(std::string_view what, const Surface& surface) const {
-  const auto same = [&](const auto& other) { return !surface.name.empty() && surface.name == other.name; };
+template <class PlaneOrInstrument>
+void Network::check_obstacle(std::string_view what, const PlaneOrInstrument& obstacle) const {
+  const auto same = [&](const auto& other) { return !obstacle.name.empty() && obstacle.name == other.name; };
   const bool plane = std::any_of(planes_.begin(), planes_.end(), same);
   const bool instrument = std::any_of(instruments_.begin(), instruments_.end(), same);
   if (plane || instrument) {
     const std::string_view other = plane ? "plane" : "instrument";
-    fail(what == other ? fmt::format("there are two {}s '{}': rename one", what, surface.name)
-                       : fmt::format("there is a plane '{0}' and an instrument '{0}': rename one", surface.name));
+    fail(what == other ? fmt::format("there are two {}s '{}': rename one", what, obstacle.name)
+                       : fmt::format("there is a plane '{0}' and an instrument '{0}': rename one", obstacle.name));
   }
-  const std::string who = named(what, surface.name);
-  check_friction(surface.friction, who);
-  if (!(surface.restitution >= 0 && surface.restitution <= 1)) {
-    fail(fmt::format("{}: its restitution must be 0 to 1, is {}", who, surface.restitution));
+  const std::string who = named(what, obstacle.name);
+  check_friction(obstacle.friction, who);
+  if (!(obstacle.restitution >= 0 && obstacle.restitution <= 1)) {
+    fail(fmt::format("{}: its restitution must be 0 to 1, is {}", who, obstacle.restitution));
   }
-  if (surface.motion) check_motion(*surface.motion, fmt::format("the motion of {}", who));
-  if (surface.turn) check_turn(*surface.turn, fmt::format("the turn of {}", who));
+  if (obstacle.motion) check_motion(*obstacle.motion, fmt::format("the motion of {}", who));
+  if (obstacle.turn) check_turn(*obstacle.turn, fmt::format("the turn of {}", who));
 }
 
 void Network::add_plane(const Plane& plane) {
@@ -160,7 +160,7 @@ void Network::add_plane(const Plane& plane) {
   check_finite(plane.normal, "a plane's normal");
   const Vector3 normal = plane.normal.stableNormalized();
   if (normal.isZero(0)) fail("a plane's normal must not be zero");
-  check_surface("plane", plane);
+  check_obstacle("plane", plane);
   Plane& added = planes_.emplace_back(plane);
   added.normal = normal;
   if (added.turn) added.turn->axis = added.turn->axis.stableNormalized();
@@ -178,7 +178,7 @@ void Network::add_instrument(const Instrument& instrument) {
       fail(fmt::format("{}: its radius must be a finite number above 0 m, is {}", who, instrument.radius));
     }
   }
-  check_surface("instrument", instrument);
+  check_obstacle("instrument", instrument);
   Instrument& added = instruments_.emplace_back(instrument);
   if (added.box) added.box->axes = Eigen::Quaterniond(added.box->axes).normalized().toRotationMatrix();
   if (added.turn) added.turn->axis = added.turn->axis.stableNormalized();

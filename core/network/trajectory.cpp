@@ -122,9 +122,9 @@ Trajectory::Sample Trajectory::on_sinusoid(double time) const {
   return sample;
 }
 
-double Trajectory::swing_rate(double time) const noexcept {
-  const bool swings = moves_ && motion_.displacements.empty() && time >= motion_.from && time < motion_.until;
-  return swings ? 2.0 * std::numbers::pi * motion_.frequency : 0.0;
+double Trajectory::angular_frequency(double time) const noexcept {
+  const bool oscillates = moves_ && motion_.displacements.empty() && time >= motion_.from && time < motion_.until;
+  return oscillates ? 2.0 * std::numbers::pi * motion_.frequency : 0.0;
 }
 
 double Trajectory::next_change(double time) const {

@@ -25,7 +25,7 @@ class Trajectory {
   // The next time after `time` at which velocity or acceleration may jump, s; infinity if there is none.
   [[nodiscard]] double next_change(double time) const;
   // Angular frequency of a sinusoid at a time, rad/s, and its amplitude, m; 0 for other motions.
-  [[nodiscard]] double swing_rate(double time) const noexcept;
+  [[nodiscard]] double angular_frequency(double time) const noexcept;
   [[nodiscard]] const Vector3& amplitude() const noexcept { return motion_.amplitude; }
   // False if the displacement is 0 at all times.
   [[nodiscard]] bool moves() const noexcept { return moves_; }

@@ -113,10 +113,10 @@ void read_cut(const Table& table, std::size_t& selected, Network& network) {
   }
   if (const auto polygon = table.find("polygon")) {
     for (const Value& corner : polygon->elements()) cut.polygon.push_back(corner.vector());
-    constexpr std::size_t most_corners = 10'000;  // every spring is tested against each
-    if (cut.polygon.size() > most_corners) {
+    constexpr std::size_t max_corners = 10'000;  // every spring is tested against each
+    if (cut.polygon.size() > max_corners) {
       polygon->fail(fmt::format("has {} corners, at most {} are allowed; leave out those that change its shape least",
-                                grouped(cut.polygon.size()), grouped(most_corners)));
+                                grouped(cut.polygon.size()), grouped(max_corners)));
     }
     if (cut.polygon.empty()) polygon->fail("has no corners; give three or more [x, y, z]");
   }

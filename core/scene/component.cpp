@@ -45,7 +45,7 @@ LawUse begin_use(const Value& name, const Component& component, ComponentKind ki
   const std::vector<std::string> names = parameters_of(*component.description);
   for (const auto& [parameter, value] : supplied) {
     if (std::find(names.begin(), names.end(), parameter) != names.end()) continue;
-    name.fail(fmt::format("{} '{}' has no parameter '{}', which is set here; take one that has it", name_of(kind),
+    name.fail(fmt::format("{} '{}' has no parameter '{}', which is set here; choose one that has it", name_of(kind),
                           component.id(), parameter));
   }
   return {std::string(component.id()), supplied};

@@ -14,9 +14,9 @@ namespace springnet::scene {
 namespace {
 
 // A few words of a scene can request more springs than fit into memory.
-constexpr std::size_t most_springs_found = 10'000'000;
+constexpr std::size_t max_springs_found = 10'000'000;
 // Far above the 13 of a lattice with all diagonals.
-constexpr std::size_t most_rigid_a_node = 20;
+constexpr std::size_t max_rigid_a_node = 20;
 
 // `found` counts the springs found by all tables.
 void read_connection(const Table& connect, const PluginHost& plugins, std::size_t& found, Network& network) {
@@ -32,8 +32,8 @@ void read_connection(const Table& connect, const PluginHost& plugins, std::size_
   if (length) given = length->number_from_0("m");
 
   const auto limit = [&](std::size_t, std::size_t) -> PairLimit {
-    return {most_springs_found - found,
-            fmt::format("all [[connect]] together find at most {} by 'within'", grouped(most_springs_found))};
+    return {max_springs_found - found,
+            fmt::format("all [[connect]] together find at most {} by 'within'", grouped(max_springs_found))};
   };
   const std::vector<Pair> pairs = find_pairs(connect, network, limit);
   if (connect.has("within")) found += pairs.size();
@@ -67,21 +67,21 @@ std::size_t count_nodes(const std::vector<Pair>& pairs) {
   return static_cast<std::size_t>(std::unique(nodes.begin(), nodes.end()) - nodes.begin());
 }
 
-// A large piece that is rigid throughout is expensive, whatever the connections.
+// Large rigid bodies are expensive.
 void note_cost(const Table& rigid, const std::vector<Pair>& pairs, std::vector<std::string>& notes) {
   constexpr std::size_t many_nodes = 500;
   const std::size_t nodes = count_nodes(pairs);
   if (nodes < many_nodes || pairs.size() < 2 * nodes) return;
   notes.push_back(
-      fmt::format("{} joins {} nodes by {} connections: pieces of so many nodes take seconds a time step; join fewer "
-                  "nodes (the outer ones, say), or make their springs stiff instead.",
+      fmt::format("{} joins {} nodes by {} connections: rigid bodies of so many nodes take seconds per time step; "
+                  "join fewer nodes (the outer ones, say), or make their springs stiff instead.",
                   rigid.value().path(), grouped(nodes), grouped(pairs.size())));
 }
 
 void read_rigid(const Table& rigid, Network& network, std::vector<std::string>& notes) {
   const auto limit = [](std::size_t from, std::size_t to) -> PairLimit {
-    return {most_rigid_a_node * (from + to),
-            fmt::format("a [[rigid]] has at most {} a node: three are enough", most_rigid_a_node)};
+    return {max_rigid_a_node * (from + to),
+            fmt::format("a [[rigid]] has at most {} a node: three are enough", max_rigid_a_node)};
   };
   std::vector<Pair> pairs;
   if (const auto springs = rigid.find("springs")) {
@@ -89,11 +89,11 @@ void read_rigid(const Table& rigid, Network& network, std::vector<std::string>& 
       if (rigid.has(key)) rigid.find(key)->fail("cannot be combined with 'springs'; remove one of them");
     }
     pairs = ends_of(select_springs(*springs, network), network);
-    if (const std::size_t nodes = count_nodes(pairs); pairs.size() > most_rigid_a_node * nodes) {
+    if (const std::size_t nodes = count_nodes(pairs); pairs.size() > max_rigid_a_node * nodes) {
       springs->fail(
           fmt::format("makes {} connections between {} nodes, but a [[rigid]] has at most {} a node: three are enough; "
                       "select fewer springs",
-                      grouped(pairs.size()), grouped(nodes), most_rigid_a_node));
+                      grouped(pairs.size()), grouped(nodes), max_rigid_a_node));
     }
   } else {
     pairs = find_pairs(rigid, network, limit);

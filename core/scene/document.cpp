@@ -17,9 +17,8 @@ namespace springnet {
 namespace scene {
 namespace {
 
-const std::string too_deep =
-    fmt::format("this nests deeper than {} levels of tables, lists and parts of a key; a scene needs six: correct it",
-                deepest_level);
+const std::string too_deep = fmt::format(
+    "this nests deeper than {} levels of tables, lists and parts of a key; a scene needs six", deepest_level);
 const std::string too_large =
     fmt::format("a scene has at most {} bytes; put nodes and springs into a mesh file", grouped(largest_scene));
 
@@ -136,9 +135,8 @@ toml::table parse_document(std::string_view text, std::string_view name, const s
   try {
     root = toml::parse(text, name);
   } catch (const toml::parse_error& error) {
-    throw Error(ErrorKind::input,
-                fmt::format("{}:{}:{}: {}; this is not TOML, correct it", name, error.source().begin.line,
-                            error.source().begin.column, described(error)));
+    throw Error(ErrorKind::input, fmt::format("{}:{}:{}: this is not TOML: {}", name, error.source().begin.line,
+                                              error.source().begin.column, described(error)));
   }
   for (const SceneOverride& given : overrides) Override(given).apply(root);
   return root;

@@ -56,7 +56,7 @@ void read_course(const Table& table, Course& course) {
 }
 
 // Adds the selected faces of bodies, with their areas, to the load.
-void take_faces(const Value& selection, const Chosen& chosen, std::size_t index, Scene& scene, Load& load) {
+void add_faces(const Value& selection, const Chosen& chosen, std::size_t index, Scene& scene, Load& load) {
   const Network& network = scene.network;
   load.faces = chosen.triangles(network);
   if (load.faces.empty()) {
@@ -71,9 +71,9 @@ void take_faces(const Value& selection, const Chosen& chosen, std::size_t index,
     greatest = std::max(greatest, load.areas.back().norm());
   }
   if (!(greatest > 0.0)) selection.fail("has only triangles without an area; nothing would act on them");
-  constexpr double none = 1e-12;  // relative to the greatest: rounding of coordinates
+  constexpr double negligible = 1e-12;  // relative to the greatest: rounding of coordinates
   const auto flat = std::count_if(load.areas.begin(), load.areas.end(),
-                                  [&](const Vector3& area) { return area.norm() <= none * greatest; });
+                                  [&](const Vector3& area) { return area.norm() <= negligible * greatest; });
   if (flat > 0) {
     scene.notes.push_back(fmt::format("Force {}: {} of its {} faces have no area; nothing acts on them.", index, flat,
                                       load.faces.size()));
@@ -101,7 +101,7 @@ void share_total(const Table& table, const Vector3& total, const Chosen& chosen,
     load.nodes = std::move(nodes);
     return;
   }
-  take_faces(selection, chosen, index, scene, load);
+  add_faces(selection, chosen, index, scene, load);
   double area = 0.0;
   for (const Vector3& each : load.areas) area += each.norm();
   load.traction = total / area;
@@ -127,7 +127,7 @@ void read_force(const Table& table, const std::vector<Shape>& shapes, Scene& sce
     if (kind == "total") {
       share_total(table, value.vector(), chosen, index, scene, load);
     } else {
-      take_faces(selection, chosen, index, scene, load);
+      add_faces(selection, chosen, index, scene, load);
       if (kind == "traction") {
         load.traction = value.vector();
       } else {

@@ -64,23 +64,21 @@ constexpr double noteworthy_misfit = 0.05;
 // Notes the actual Poisson ratio if it differs from the requested one.
 void check_poisson_ratio(const Table& table, const std::string& body, const NetStiffness& net,
                          std::vector<std::string>& notes) {
-  const auto asked = table.find("poisson_ratio");
-  const double ratio = asked ? asked->number() : 0.0;
-  if (asked && !(ratio > -1.0 && ratio < 0.5)) asked->fail(fmt::format("must lie between -1 and 0.5, is {}", ratio));
-  if (!asked || net.dimension < 2) return;  // lines have none
-  const bool solid = net.dimension == 3;
+  const auto requested = table.find("poisson_ratio");
+  const double ratio = requested ? requested->number() : 0.0;
+  if (requested && !(ratio > -1.0 && ratio < 0.5))
+    requested->fail(fmt::format("must lie between -1 and 0.5, is {}", ratio));
+  if (!requested || net.dimension < 2) return;  // lines have none
+  const bool solid = net.dimension == 3, is_irregular = net.misfit > noteworthy_misfit;
   const double of_net = poisson_ratio_of_net(net.dimension);
-  constexpr double alike = 0.005;  // 0.33 means 1/3
-  if (std::abs(ratio - of_net) <= alike) return;
-  notes.push_back(fmt::format(
-      "Body '{}': its springs make {} of Poisson ratio {}{}, {}; not {:g} as asked. {}.", body,
-      solid ? "a solid" : "a sheet", net.misfit > noteworthy_misfit ? "about " : "", solid ? "1/4" : "1/3",
-      net.misfit > noteworthy_misfit
-          ? "the one of a regular net of springs (material.md of the documentation: what irregular ones have)"
-          : "the one that a net of springs can have",
-      ratio,
-      solid ? "An [[element]] on volumes can resist changes of volume more"
-            : "An [[element]] on areas can resist changes of area more"));
+  constexpr double tolerance = 0.005;  // 0.33 means 1/3
+  if (std::abs(ratio - of_net) <= tolerance) return;
+  notes.push_back(
+      fmt::format("Body '{}': {} of springs has a Poisson ratio of {}{}, not {:g} as requested{}. {}.", body,
+                  solid ? "a solid" : "a sheet", is_irregular ? "about " : "", solid ? "1/4" : "1/3", ratio,
+                  is_irregular ? "; material.md of the documentation has the ratios of irregular meshes" : "",
+                  solid ? "An [[element]] on volumes adds resistance to changes of volume"
+                        : "An [[element]] on areas adds resistance to changes of area"));
 }
 
 }  // namespace

@@ -30,11 +30,11 @@ class Unreached {
     window(fmt::format("The {} of {}", what, whose), table ? course.times.front() : course.from,
            table ? course.times.back() : course.until);
   }
-  template <class Surface>
-  void surface(const std::string& kind, const Surface& surface, std::size_t index) {
-    const std::string whose = named(kind, surface.name, index);
-    if (surface.motion) course("motion", whose, *surface.motion);
-    if (surface.turn) course("turn", whose, *surface.turn);
+  template <class PlaneOrInstrument>
+  void obstacle(const std::string& kind, const PlaneOrInstrument& obstacle, std::size_t index) {
+    const std::string whose = named(kind, obstacle.name, index);
+    if (obstacle.motion) course("motion", whose, *obstacle.motion);
+    if (obstacle.turn) course("turn", whose, *obstacle.turn);
   }
   [[nodiscard]] std::vector<std::string> take() { return std::move(notes_); }
 
@@ -52,12 +52,11 @@ void add_idle_output(const OutputOptions& output, std::vector<std::string>& note
   if (output.precision == OutputOptions::Precision::float32 && output.format == OutputOptions::Format::csv &&
       !output.vtk) {
     notes.emplace_back(
-        "output.precision = \"single\" changes nothing here: numbers in text have all their digits; it is for "
+        "output.precision = \"single\" has no effect: numbers in text have all their digits; it applies to "
         "output.format = \"binary\" and output.vtk = true.");
   }
   if (output.vtk_interval > 0 && !output.vtk) {
-    notes.emplace_back(
-        "output.vtk_interval changes nothing here: there are no pictures; output.vtk = true makes them.");
+    notes.emplace_back("output.vtk_interval has no effect without output.vtk = true.");
   }
 }
 
@@ -90,9 +89,9 @@ std::vector<std::string> notes_of(const Scene& scene) {
   for (std::size_t k = 0; k < network.moves().size(); ++k) {
     unreached.course("motion", fmt::format("the nodes of move {}", k), network.moves()[k].motion);
   }
-  for (std::size_t k = 0; k < network.planes().size(); ++k) unreached.surface("plane", network.planes()[k], k);
+  for (std::size_t k = 0; k < network.planes().size(); ++k) unreached.obstacle("plane", network.planes()[k], k);
   for (std::size_t k = 0; k < network.instruments().size(); ++k) {
-    unreached.surface("instrument", network.instruments()[k], k);
+    unreached.obstacle("instrument", network.instruments()[k], k);
   }
   for (std::string& note : unreached.take()) notes.push_back(std::move(note));
   return notes;

@@ -53,9 +53,9 @@ std::vector<NodeIndex> neighbours(const Tree& tree, NodeIndex node, double dista
   return result;
 }
 
-// Stops early once there are more than `most`.
+// Stops early once there are more than `max_pairs`.
 std::vector<Pair> pairs_within(const std::vector<NodeIndex>& from, const std::vector<NodeIndex>& to, double distance,
-                               std::size_t most, const Network& network) {
+                               std::size_t max_pairs, const Network& network) {
   const Tree tree = make_tree(to, network);
   const auto in = [](const std::vector<NodeIndex>& sorted, NodeIndex node) {
     return std::binary_search(sorted.begin(), sorted.end(), node);
@@ -67,7 +67,7 @@ std::vector<Pair> pairs_within(const std::vector<NodeIndex>& from, const std::ve
       if (b < a && in(from, b) && in(to, a)) continue;
       pairs.emplace_back(a, b);
     }
-    if (pairs.size() > most) break;
+    if (pairs.size() > max_pairs) break;
   }
   return pairs;
 }
@@ -129,12 +129,12 @@ std::vector<Pair> find_pairs(const Table& connect, const Network& network, const
   }
   if (!within) return nearest_pairs(from, to, network);
   const PairLimit allowed = limit(from.size(), to.size());
-  std::vector<Pair> pairs = pairs_within(from, to, within->number_above_0("m"), allowed.most, network);
-  if (pairs.size() > allowed.most) {
+  std::vector<Pair> pairs = pairs_within(from, to, within->number_above_0("m"), allowed.max_pairs, network);
+  if (pairs.size() > allowed.max_pairs) {
     within->fail(
         fmt::format("joins more than {} pairs of the {} nodes of 'from' and the {} of 'to', but {}; lower the "
                     "distance, or select fewer nodes",
-                    grouped(allowed.most), grouped(from.size()), grouped(to.size()), allowed.reason));
+                    grouped(allowed.max_pairs), grouped(from.size()), grouped(to.size()), allowed.reason));
   }
   if (pairs.empty()) within->fail("no two nodes of 'from' and 'to' are that close; increase the distance");
   return pairs;

@@ -17,7 +17,7 @@ using Pair = std::pair<NodeIndex, NodeIndex>;
 // How many pairs a table may find by `within`, and why. Listed and nearest pairs need no limit: they are at most as
 // many as the entries.
 struct PairLimit {
-  std::size_t most;
+  std::size_t max_pairs;
   std::string reason;  // "a scene makes at most 10,000,000 springs this way"
 };
 using LimitOf = std::function<PairLimit(std::size_t from, std::size_t to)>;  // numbers of nodes selected

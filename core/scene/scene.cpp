@@ -12,7 +12,7 @@
 #include "scene/files.hpp"
 #include "scene/parts.hpp"
 #include "scene/reader.hpp"
-#include "simulation/most_threads.hpp"
+#include "simulation/max_threads.hpp"
 
 namespace springnet {
 namespace scene {
@@ -27,8 +27,8 @@ void check_version(const Table& root) {
   const std::int64_t given = version->integer(1);
   if (given == scene_version) return;
   version->fail(fmt::format(
-      "this scene is of version {}, but springnet {} reads version {}; take a newer springnet, or write the "
-      "scene as scene.md of this one's documentation says, with version = {}",
+      "this scene has version {}, but springnet {} reads version {}; use a newer springnet, or rewrite the scene "
+      "as its documentation (scene.md) describes, with version = {}",
       given, springnet::version(), scene_version, scene_version));
 }
 
@@ -43,7 +43,7 @@ void read_simulation(const Table& root, const PluginHost& plugins, Scene& result
                                                                 ComponentKind::integrator, plugins);
   }
   if (const auto threads = table.find("threads")) {
-    options.threads = static_cast<unsigned>(threads->integer(0, std::int64_t{most_threads}));
+    options.threads = static_cast<unsigned>(threads->integer(0, std::int64_t{max_threads}));
   }
   if (const auto set = table.find("instruction_set")) {
     options.instruction_set = static_cast<InstructionSet>(set->choice({"best", "generic", "avx2", "avx512"}));

@@ -18,8 +18,8 @@ namespace {
 // Points on the boundary are inside. Positions of lattices and mesh files are rounded, so the boundary has this
 // tolerance, relative to the numbers compared. Far from the origin it could reach the next node, so it is limited to a
 // small share of the shortest spring, but never below the rounding of the numbers themselves.
-constexpr double thickness = 1e-9, least_thickness = 4.0 * std::numeric_limits<double>::epsilon();
-constexpr double greatest_share = 1e-3;  // of the shortest spring
+constexpr double tolerance = 1e-9, min_tolerance = 4.0 * std::numeric_limits<double>::epsilon();
+constexpr double max_share = 1e-3;  // of the shortest spring
 
 struct Region {
   std::vector<const Body*> bodies;  // in the order of their nodes; none: everywhere
@@ -27,7 +27,7 @@ struct Region {
   std::optional<std::vector<NodeIndex>> grouped;  // their nodes, ascending
   std::optional<Vector3> smallest, largest, center;
   double radius = 0;
-  double most = std::numeric_limits<double>::infinity();  // m, greatest tolerance of the boundary
+  double max_tolerance = std::numeric_limits<double>::infinity();  // m, greatest tolerance of the boundary
 
   [[nodiscard]] bool has_shape() const { return smallest || largest || center; }
   [[nodiscard]] bool restricts() const { return has_shape() || grouped || !bodies.empty(); }
@@ -40,17 +40,17 @@ struct Region {
     }
     if (grouped && !std::binary_search(grouped->begin(), grouped->end(), node)) return false;
     for (Eigen::Index axis = 0; axis < 3; ++axis) {
-      if (smallest && p[axis] < (*smallest)[axis] - slack((*smallest)[axis], p[axis])) return false;
-      if (largest && p[axis] > (*largest)[axis] + slack((*largest)[axis], p[axis])) return false;
+      if (smallest && p[axis] < (*smallest)[axis] - tolerance_at((*smallest)[axis], p[axis])) return false;
+      if (largest && p[axis] > (*largest)[axis] + tolerance_at((*largest)[axis], p[axis])) return false;
     }
-    return !center || (p - *center).norm() <= radius + slack(center->norm() + radius, p.norm());
+    return !center || (p - *center).norm() <= radius + tolerance_at(center->norm() + radius, p.norm());
   }
 
  private:
-  [[nodiscard]] double slack(double bound, double coordinate) const {
+  [[nodiscard]] double tolerance_at(double bound, double coordinate) const {
     if (!std::isfinite(bound)) return 0.0;
     const double number = std::max(std::abs(bound), std::abs(coordinate));
-    return std::min(thickness * number, std::max(most, least_thickness * number));
+    return std::min(tolerance * number, std::max(max_tolerance, min_tolerance * number));
   }
 };
 
@@ -158,7 +158,7 @@ Region read_region(const Table& table, const Network& network) {
     region.center = sphere.need("center").vector();
     region.radius = sphere.need("radius").number_above_0("m");
   }
-  if (region.has_shape()) region.most = greatest_share * shortest_spring(network);
+  if (region.has_shape()) region.max_tolerance = max_share * shortest_spring(network);
   return region;
 }
 
@@ -220,12 +220,12 @@ std::string extent_of(const Region& region, const Network& network) {
 }  // namespace
 
 std::string list_of(const std::vector<std::string>& names) {
-  constexpr std::size_t most_shown = 20;
+  constexpr std::size_t max_shown = 20;
   std::string list;
-  for (std::size_t k = 0; k < std::min(names.size(), most_shown); ++k) {
+  for (std::size_t k = 0; k < std::min(names.size(), max_shown); ++k) {
     list += (k == 0 ? "" : ", ") + printable(names[k]);
   }
-  if (names.size() > most_shown) list += fmt::format(", and {} more", names.size() - most_shown);
+  if (names.size() > max_shown) list += fmt::format(", and {} more", names.size() - max_shown);
   return list;
 }
 

@@ -82,17 +82,17 @@ Friction read_friction(const Value& value) {
 }
 
 // The keys common to planes and instruments.
-template <class Surface>
-void read_surface(const Table& table, Surface& surface) {
-  if (const auto name = table.find("name")) surface.name = name->text();
-  if (const auto friction = table.find("friction")) surface.friction = read_friction(*friction);
-  if (const auto motion = table.find("motion")) surface.motion = read_motion(motion->table("motion"));
-  if (const auto turn = table.find("turn")) surface.turn = read_turn(turn->table("turn"));
+template <class PlaneOrInstrument>
+void read_obstacle(const Table& table, PlaneOrInstrument& obstacle) {
+  if (const auto name = table.find("name")) obstacle.name = name->text();
+  if (const auto friction = table.find("friction")) obstacle.friction = read_friction(*friction);
+  if (const auto motion = table.find("motion")) obstacle.motion = read_motion(motion->table("motion"));
+  if (const auto turn = table.find("turn")) obstacle.turn = read_turn(turn->table("turn"));
   if (const auto restitution = table.find("restitution")) {
-    surface.restitution = restitution->number_from_0("");
-    if (surface.restitution > 1) {
+    obstacle.restitution = restitution->number_from_0("");
+    if (obstacle.restitution > 1) {
       restitution->fail(
-          fmt::format("must be at most 1, is {}; 1 gives a node all of its speed back", surface.restitution));
+          fmt::format("must be at most 1, is {}; 1 gives a node all of its speed back", obstacle.restitution));
     }
   }
 }
@@ -109,7 +109,7 @@ void read_plane(const Table& table, Network& network) {
   const Value normal = table.need("normal");
   plane.normal = normal.vector();
   if (plane.normal.isZero(0)) normal.fail("must not be zero; it points to the free side");
-  read_surface(table, plane);
+  read_obstacle(table, plane);
   table.value().at_this_place([&] { network.add_plane(plane); });
 }
 
@@ -149,15 +149,15 @@ void read_instrument(const Table& table, Network& network) {
   } else {
     read_box(box->table("instrument.box"), instrument);
   }
-  read_surface(table, instrument);
+  read_obstacle(table, instrument);
   table.value().at_this_place([&] { network.add_instrument(instrument); });
 }
 
 // Every node is compared with every plane and instrument, in each sweep.
 void check_count(const std::vector<Value>& planes, const std::vector<Value>& instruments, std::size_t nodes) {
-  constexpr std::size_t most = 10'000, most_comparisons = 100'000'000;
+  constexpr std::size_t most = 10'000, max_comparisons = 100'000'000;
   const std::size_t count = planes.size() + instruments.size();
-  const std::size_t allowed = std::min(most, most_comparisons / std::max<std::size_t>(nodes, 1));
+  const std::size_t allowed = std::min(most, max_comparisons / std::max<std::size_t>(nodes, 1));
   if (count <= allowed) return;
   const Value& first = allowed < planes.size() ? planes[allowed] : instruments[allowed - planes.size()];
   first.fail(

@@ -24,14 +24,14 @@ constexpr double no_jump = 1e-9;
 
 // Considers nodes in contact, and nodes that lie on an obstacle and may be pushed into it.
 springnet_status settle_contacts(Model& model) {
-  if (model.contact.surfaces().empty()) return SPRINGNET_OK;
+  if (model.contact.obstacles().empty()) return SPRINGNET_OK;
   const std::shared_ptr<const Placement> at = model.placement(model.time);
   const double tolerance = model.contact_tolerance();
   Findings findings;
   for (std::uint32_t k = 0; k < model.node_count(); ++k) {
     if (model.contact.fixed()[k] != 0) continue;
     bool near = model.contact.committed(k).surface >= 0;
-    for (std::size_t j = 0; j < model.contact.surfaces().size() && !near; ++j)
+    for (std::size_t j = 0; j < model.contact.obstacles().size() && !near; ++j)
       near = model.contact.gap(*at, j, vector_at(model.state.view.position, k)) <= tolerance;
     if (near) findings[k];
   }
@@ -41,7 +41,7 @@ springnet_status settle_contacts(Model& model) {
 springnet_status stop_penetration(Model& model) {
   const std::shared_ptr<const Placement> at = model.placement(model.time);
   Findings findings;
-  for (std::size_t j = 0; j < model.contact.surfaces().size(); ++j) {
+  for (std::size_t j = 0; j < model.contact.obstacles().size(); ++j) {
     const auto surface = static_cast<std::int32_t>(j);
     for (std::uint32_t k = 0; k < model.node_count(); ++k) {
       if (model.contact.constrained()[k] != 0 || model.contact.committed(k).has(surface)) continue;
@@ -80,7 +80,7 @@ std::set<std::uint32_t> follow_prescribed(Model& model) {
 
 springnet_status follow_jumps(Model& model, double from) {
   const std::set<std::uint32_t> pulled = follow_prescribed(model);
-  if (model.contact.surfaces().empty()) return SPRINGNET_OK;
+  if (model.contact.obstacles().empty()) return SPRINGNET_OK;
   const std::shared_ptr<const Placement> before = model.contact.at(just_before(model.time, model.time - from));
   const std::shared_ptr<const Placement> now = model.placement_now();
   Findings findings;
@@ -106,7 +106,7 @@ void note_left_behind(Model& model, std::size_t first_event, double from, std::s
     const Event& event = events[e];
     if (event.kind != Event::Kind::released || event.surface < 0) continue;
     const auto j = static_cast<std::size_t>(event.surface);
-    const Obstacle& surface = model.contact.surfaces()[j];
+    const Obstacle& surface = model.contact.obstacles()[j];
     if (!surface.looks_sampled() || surface.next_change(from) > model.time || !noted.insert(j).second) continue;
     model.journal.note(
         fmt::format("At {:g} s {} separates from node {}, and perhaps from others, because the velocity of its linear "
@@ -116,7 +116,7 @@ void note_left_behind(Model& model, std::size_t first_event, double from, std::s
 }
 
 springnet_status check_room(Model& model, double time, const State& state) {
-  const std::vector<Obstacle>& surfaces = model.contact.surfaces();
+  const std::vector<Obstacle>& surfaces = model.contact.obstacles();
   if (std::none_of(surfaces.begin(), surfaces.end(), [](const Obstacle& surface) { return surface.moves(); }))
     return SPRINGNET_OK;
   const std::shared_ptr<const Placement> at = model.placement(time);
@@ -135,7 +135,7 @@ springnet_status check_room(Model& model, double time, const State& state) {
 }
 
 springnet_status find_squeezed(Model& model) {
-  if (model.contact.surfaces().empty()) return SPRINGNET_OK;
+  if (model.contact.obstacles().empty()) return SPRINGNET_OK;
   const std::shared_ptr<const Placement> at = model.placement(model.time);
   for (std::uint32_t k = 0; k < model.node_count(); ++k) {
     if (model.contact.fixed()[k] != 0 || model.contact.touching()[k] == 0) continue;

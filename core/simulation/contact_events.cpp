@@ -20,7 +20,7 @@ constexpr double quick_slip = 4.0;
 const std::vector<ContactEvents::Source>& ContactEvents::sources() {
   if (sources_revision_ == model_.revision) return sources_;
   sources_.clear();
-  if (!model_.contact.surfaces().empty()) {
+  if (!model_.contact.obstacles().empty()) {
     const double tolerance = model_.contact_tolerance();
     const std::shared_ptr<const Placement> now = model_.placement_now();
     for (std::uint32_t k = 0; k < model_.node_count(); ++k)
@@ -40,7 +40,7 @@ void ContactEvents::add_sources_of(std::uint32_t k, double tolerance, const Plac
     if (j < 0) continue;
     sources_.push_back({Kind::release, k, static_cast<std::uint32_t>(j)});
     if (contact.braced(k)) sources_.back().offset = beyond_brace(sources_.back());
-    if (touch.slides && !contact.surfaces()[static_cast<std::size_t>(j)].is_plane())
+    if (touch.slides && !contact.obstacles()[static_cast<std::size_t>(j)].is_plane())
       sources_.push_back({Kind::seam, k, static_cast<std::uint32_t>(j)});
     const double mu = model_.constraints.coefficient(k, static_cast<std::size_t>(j));
     // Friction without a limit does not slip.
@@ -54,15 +54,15 @@ void ContactEvents::add_sources_of(std::uint32_t k, double tolerance, const Plac
     } else {
       const Contact::Slip phase = contact.slip_phase(k);
       sources_.push_back({Kind::rest, k, j});  // steps may go past the end of a slip
-      sources_.push_back({phase == Contact::Slip::goes_on ? Kind::slow : Kind::quick, k, j});
-      if (phase == Contact::Slip::begins) sources_.push_back({Kind::stall, k, j});
+      sources_.push_back({phase == Contact::Slip::ongoing ? Kind::slow : Kind::quick, k, j});
+      if (phase == Contact::Slip::starting) sources_.push_back({Kind::stall, k, j});
     }
   }
   // A sticking node reaches only obstacles that move, unless its own obstacle carries it.
   const bool sticks = touch.surface >= 0 && !touch.slides;
-  const bool carried = sticks && contact.surfaces()[static_cast<std::size_t>(touch.surface)].moves();
-  for (std::size_t j = 0; j < contact.surfaces().size(); ++j) {
-    if (touch.has(static_cast<std::int32_t>(j)) || (sticks && !carried && !contact.surfaces()[j].moves())) continue;
+  const bool carried = sticks && contact.obstacles()[static_cast<std::size_t>(touch.surface)].moves();
+  for (std::size_t j = 0; j < contact.obstacles().size(); ++j) {
+    if (touch.has(static_cast<std::int32_t>(j)) || (sticks && !carried && !contact.obstacles()[j].moves())) continue;
     // From the contact tolerance on: a node that lies on the surface, up to rounding, has a value above 0 that falls
     // through it when the node sinks in. A node that was released a little behind the surface as well; its touch counts
     // from several times as deep, because each time it is found again costs a restart.
@@ -117,14 +117,14 @@ springnet_status ContactEvents::value(const Source& source, ReactionsAt& reactio
       value = contact.gap(at, source.surface, p) + source.offset;  // 0 would not count as a crossing
       return SPRINGNET_OK;
     case Kind::seam: {
-      const double to = contact.surfaces()[source.surface].seam(at.poses[source.surface], p);
+      const double to = contact.obstacles()[source.surface].seam(at.poses[source.surface], p);
       value = std::isfinite(to) ? to : model_.scales.length;
       return SPRINGNET_OK;
     }
     case Kind::rest:
       value = contact.slip(k).dot(contact.slip_vector(at, k, source.surface, p, reactions.velocity(k)));
       // A slip that begins goes its way as long as it is accelerated, whatever errors of integration make of it.
-      if (contact.slip_phase(k) == Contact::Slip::begins) value += quick_slip * contact.rest_speed();
+      if (contact.slip_phase(k) == Contact::Slip::starting) value += quick_slip * contact.rest_speed();
       return SPRINGNET_OK;
     case Kind::quick:
       value = contact.slip_vector(at, k, source.surface, p, reactions.velocity(k)).norm() -
@@ -160,9 +160,9 @@ springnet_status ContactEvents::value(const Source& source, ReactionsAt& reactio
   for (std::size_t i = 0; i < split.normal.size(); ++i) {
     const auto j = static_cast<std::size_t>(touch.surfaces()[i]);
     if (j == source.surface) value = -split.normal[i];
-    bears += bearing(model_.constraints.coefficient(k, j), split.normal[i]);
+    bears += friction_limit(model_.constraints.coefficient(k, j), split.normal[i]);
   }
-  if (source.kind == Kind::slip) value = bears - split.along.norm() + source.offset;
+  if (source.kind == Kind::slip) value = bears - split.tangential.norm() + source.offset;
   return SPRINGNET_OK;
 }
 
@@ -200,7 +200,7 @@ springnet_status ContactEvents::fire(double time, State& state, const std::int32
   model_.constraints.place(*at, read_only(model_.state.view.position), state.view.position, state.view.velocity);
   std::vector<std::uint32_t> broken, broken_elements;
   Findings findings;
-  const double tolerance = model_.contact.surfaces().empty() ? 0.0 : model_.contact_tolerance();
+  const double tolerance = model_.contact.obstacles().empty() ? 0.0 : model_.contact_tolerance();
   const auto slip_of = [&](const Source& source) {
     return model_.contact.slip_vector(*at, source.index, source.surface, vector_at(state.view.position, source.index),
                                       vector_at(state.view.velocity, source.index));
@@ -222,7 +222,7 @@ springnet_status ContactEvents::fire(double time, State& state, const std::int32
         break;
       case Kind::quick: {
         const Vector3 slip = slip_of(source);
-        if (model_.contact.slip_phase(k) == Contact::Slip::ends) note_grazing_slip(model_, k, source.surface, time);
+        if (model_.contact.slip_phase(k) == Contact::Slip::ending) note_grazing_slip(model_, k, source.surface, time);
         model_.contact.set_slip(k, slip.normalized());
         model_.changed();
         break;

@@ -34,7 +34,7 @@ void set_velocity(Model& model, std::uint32_t node, const Vector3& velocity) {
   // A node between two obstacles is released; it touches again those that it still approaches.
   if (touch.second >= 0 || separating > 0.0) {
     release(model, node);
-  } else if (contact.surfaces()[j].friction().kind == Friction::Kind::held) {
+  } else if (contact.obstacles()[j].friction().kind == Friction::Kind::held) {
     put_vector(velocities, node, w);
   } else {
     put_vector(velocities, node, velocity - n * separating);
@@ -63,7 +63,7 @@ void set_fixed(Model& model, std::uint32_t node, bool fixed) {
 
 void move_surface(Model& model, std::size_t surface, const Vector3& position, double time) {
   const Vector3 now = model.placement_now()->poses[surface].displacement;
-  const Vector3 end = model.contact.surfaces()[surface].displacement_to(position, time);
+  const Vector3 end = model.contact.obstacles()[surface].displacement_to(position, time);
   model.contact.set_trajectory(surface, Trajectory(straight(model.time, time, now, end)));
   model.interval = {};
   model.changed();

@@ -51,7 +51,7 @@ double Engine::potential_energy() {
   if (std::isfinite(sum) || energy_noted_) return sum;
   energy_noted_ = true;
   const std::string reason =
-      layers::explain_failure(model_.layout, set, model_.time, nodes, layers::Asked::forces_and_energies);
+      layers::explain_failure(model_.layout, set, model_.time, nodes, layers::Requested::forces_and_energies);
   model_.journal.note(
       fmt::format("At {:g} s the energy is not a finite number{}{}. If a law was driven beyond its limit, what follows "
                   "is not a solution; use a smaller time_step.",

@@ -4,7 +4,7 @@
 #include <cmath>
 #include <limits>
 
-#include "constraints/least_on_way.hpp"
+#include "constraints/path_minimum.hpp"
 
 namespace springnet {
 namespace {
@@ -31,12 +31,13 @@ ImpactSearch::ImpactSearch(const Model& model, const std::vector<ContactEvents::
       pairs_.push_back({source.index, source.surface, source.offset});
   if (pairs_.empty()) return;
   const double length = search.step_until - search.step_from;
-  for (const Obstacle& surface : model.contact.surfaces()) longest_.push_back(surface.swing_rate(search.step_from));
+  for (const Obstacle& surface : model.contact.obstacles())
+    longest_.push_back(surface.angular_frequency(search.step_from));
   // A table may turn an obstacle all the way round between two rests.
   for (const double share : {0.0, 0.5, 1.0}) {
     const std::shared_ptr<const Placement> at = model.placement(search.step_from + share * length);
     for (std::size_t j = 0; j < longest_.size(); ++j)
-      if (!model.contact.surfaces()[j].turns_in_place()) longest_[j] = std::max(longest_[j], at->poses[j].spin.norm());
+      if (!model.contact.obstacles()[j].turns_in_place()) longest_[j] = std::max(longest_[j], at->poses[j].spin.norm());
   }
   for (double& each : longest_) each = each > 0.0 ? std::min(length, tenth_of_turn / each) : length;
 }
@@ -69,10 +70,10 @@ ImpactSearch::Instant ImpactSearch::instant(const Snapshot& snapshot, const std:
 bool ImpactSearch::may_reach(const Instant& from, const Instant& until, const Pair& pair, const NodeState& a,
                              const NodeState& b) const {
   const double h = until.time - from.time;
-  const Vector3 way = b.position - a.position;
-  const double travel = way.norm() + bend_of((h * a.velocity - way).norm(), (h * b.velocity - way).norm());
-  const Obstacle& surface = model_.contact.surfaces()[pair.surface];
-  return surface.least_gap(from.at->poses[pair.surface], a.position) + pair.depth <= travel;
+  const Vector3 path = b.position - a.position;
+  const double travel = path.norm() + bend_of((h * a.velocity - path).norm(), (h * b.velocity - path).norm());
+  const Obstacle& surface = model_.contact.obstacles()[pair.surface];
+  return surface.min_gap(from.at->poses[pair.surface], a.position) + pair.depth <= travel;
 }
 
 // In the frame of the obstacle, where the gap changes by no more than the position. In a short part the path is taken
@@ -82,7 +83,7 @@ bool ImpactSearch::comes_near(const Instant& from, const Instant& until, const P
   const double before = a.gap + pair.depth, after = b.gap + pair.depth;
   if (before <= 0.0) return false;  // it is inside already
   if (after <= 0.0) return true;
-  const Obstacle& surface = model_.contact.surfaces()[pair.surface];
+  const Obstacle& surface = model_.contact.obstacles()[pair.surface];
   const auto pose_of = [&](const Instant& instant) {
     Pose pose = instant.at->poses[pair.surface];
     pose.turns = pose.turns && !surface.turns_in_place();
@@ -93,23 +94,23 @@ bool ImpactSearch::comes_near(const Instant& from, const Instant& until, const P
     return pose.turns ? Vector3(pose.rotation.transpose() * relative) : relative;
   };
   const double h = until.time - from.time;
-  const Vector3 start = first.to_start(a.position), way = last.to_start(b.position) - start;
-  const Vector3 bent0 = h * seen(first, a.velocity - first.velocity_at(a.position)) - way;
-  const Vector3 bent1 = h * seen(last, b.velocity - last.velocity_at(b.position)) - way;
+  const Vector3 start = first.to_start(a.position), path = last.to_start(b.position) - start;
+  const Vector3 bent0 = h * seen(first, a.velocity - first.velocity_at(a.position)) - path;
+  const Vector3 bent1 = h * seen(last, b.velocity - last.velocity_at(b.position)) - path;
   const bool flat = surface.is_flat();
   const Vector3 n = flat ? seen(first, surface.normal(first, a.position)) : Vector3(Vector3::Zero());
   const auto towards = [&](const Vector3& v) { return flat ? std::abs(n.dot(v)) : v.norm(); };
   const double bend = bend_of(towards(bent0), towards(bent1));
-  if (before + after - towards(way) > 2.0 * bend) return false;
+  if (before + after - towards(path) > 2.0 * bend) return false;
   double least = std::min(before, after);
   if (!flat || short_part) {
-    constexpr int turns = 30;  // to 5e-7 of the way, and the square of that in the gap
+    constexpr int turns = 30;  // to 5e-7 of the path, and the square of that in the gap
     const auto gap = [&](double s) {
-      Vector3 place = start + s * way;
+      Vector3 place = start + s * path;
       if (short_part) place += s * (1.0 - s) * ((1.0 - s) * bent0 - s * bent1);
       return surface.gap(first, first.from_start(place)) + pair.depth;
     };
-    least = std::min(least, least_on_way(gap, -std::numeric_limits<double>::infinity(), turns).value);
+    least = std::min(least, minimum_on_path(gap, -std::numeric_limits<double>::infinity(), turns).value);
   }
   return least <= (short_part ? 0.0 : bend);
 }
@@ -149,7 +150,8 @@ springnet_status ImpactSearch::find(double& time) {
   if (pairs_.empty()) return SPRINGNET_OK;
   std::vector<Pair> deep = pairs_;
   for (Pair& pair : deep)
-    pair.depth += std::min(search_.depth, share_of_inside * model_.contact.surfaces()[pair.surface].inner_radius());
+    pair.depth +=
+        std::min(search_.depth, share_of_inside * model_.contact.obstacles()[pair.surface].inscribed_radius());
   if (!evaluate(search_.step_from, between_)) return status_;
   const Instant start = instant(between_, pairs_);
   if (!evaluate(search_.step_until, between_)) return status_;

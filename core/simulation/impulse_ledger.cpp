@@ -25,7 +25,7 @@ std::vector<Vector3> ImpulseLedger::book_contact(std::uint32_t node, const std::
   for (const std::int32_t surface : surfaces) {
     const auto j = static_cast<std::size_t>(surface);
     normals.push_back(model_.contact.normal(at, j, vector_at(model_.state.view.position, node)));
-    coefficients.push_back(sliding_coefficient_of(model_.contact.surfaces()[j].friction()));
+    coefficients.push_back(sliding_coefficient_of(model_.contact.obstacles()[j].friction()));
   }
   std::vector<Vector3> shares = share_reaction(normals, coefficients, impulse);
   for (std::size_t i = 0; i < surfaces.size(); ++i)
@@ -44,7 +44,7 @@ void ImpulseLedger::book_motion(std::uint32_t node, const Placement& end) {
 
 springnet_status ImpulseLedger::begin_anchored() {
   anchored_.clear();
-  const bool books = !model_.contact.surfaces().empty() || model_.contact.prescribed().any();
+  const bool books = !model_.contact.obstacles().empty() || model_.contact.prescribed().any();
   if (!books || model_.step_length == 0.0) return SPRINGNET_OK;
   std::optional<ReactionsAt> reactions;
   for (std::size_t c = 0; c < model_.rigid.cluster_count(); ++c) {
@@ -92,7 +92,7 @@ springnet_status ImpulseLedger::book_anchored(const AnchoredCluster& anchored, R
 springnet_status ImpulseLedger::commit(const Sweep::Done& done) {
   done_ = done;
   const double time = model_.time;
-  const bool surfaces_exist = !model_.contact.surfaces().empty();
+  const bool surfaces_exist = !model_.contact.obstacles().empty();
   if (!surfaces_exist && !model_.contact.prescribed().any()) return SPRINGNET_OK;
   using Kind = ContactChange::Kind;
   const std::vector<ContactChange> changes = model_.contact.commit_sweep(done_.decided);
@@ -157,7 +157,8 @@ springnet_status ImpulseLedger::commit(const Sweep::Done& done) {
     model_.journal.record(event);
   };
   for (const ContactChange& change : changes) tell(change);
-  model_.contact.note_slips(*at, read_only(model_.state.view.position), read_only(model_.state.view.velocity));
+  model_.contact.update_slip_directions(*at, read_only(model_.state.view.position),
+                                        read_only(model_.state.view.velocity));
   return SPRINGNET_OK;
 }
 

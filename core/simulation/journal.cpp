@@ -7,7 +7,7 @@
 namespace springnet {
 namespace {
 
-constexpr std::size_t most_notes = 200, most_numbers = 500, longest_note = 2000;
+constexpr std::size_t max_notes = 200, max_numbers = 500, longest_note = 2000;
 
 }  // namespace
 
@@ -22,12 +22,12 @@ void Journal::record(Event::Kind kind, double time, std::uint32_t user_node, std
 void Journal::note(const std::string& text) {
   const std::lock_guard guard(lock_);
   const std::string shown = printable(text, longest_note);
-  if (notes_.size() < most_notes && std::find(notes_.begin(), notes_.end(), shown) == notes_.end())
+  if (notes_.size() < max_notes && std::find(notes_.begin(), notes_.end(), shown) == notes_.end())
     notes_.push_back(shown);
 }
 
 void Journal::set_number(const std::string& name, double value) {
-  if (numbers_.size() < most_numbers || numbers_.contains(name)) numbers_[name] = value;
+  if (numbers_.size() < max_numbers || numbers_.contains(name)) numbers_[name] = value;
 }
 
 void Journal::report(const std::string& name, double value) {

@@ -16,7 +16,7 @@ namespace {
 
 // Size of a limit in ABI 1.4; the struct may grow at its end.
 constexpr std::size_t limit_size = SPRINGNET_SIZE_TO(springnet_limit, reason);
-constexpr std::size_t most_limits = 100, longest_name = 40, longest_reason = 500;
+constexpr std::size_t max_limits = 100, longest_name = 40, longest_reason = 500;
 
 struct Sink {
   const std::vector<std::uint32_t>& user;
@@ -44,7 +44,7 @@ ReportedLimit read(const springnet_limit& limit, const std::vector<std::uint32_t
 // Called by the plugin: nothing may be thrown.
 void tell(void* context, const springnet_limit* limit) {
   auto& sink = *static_cast<Sink*>(context);
-  if (limit == nullptr || limit->struct_size < limit_size || sink.told.size() >= most_limits) return;
+  if (limit == nullptr || limit->struct_size < limit_size || sink.told.size() >= max_limits) return;
   try {
     sink.told.push_back(read(*limit, sink.user));
   } catch (const std::exception&) {

@@ -40,7 +40,7 @@ LinearSweep::LinearSweep(const layers::Layout& layout, layers::Linearisation& li
 void LinearSweep::set_weight(double weight) {
   if (weight == weight_) return;
   weight_ = weight;
-  linearisation_.weigh(weight, weight * weight);
+  linearisation_.set_weights(weight, weight * weight);
   own_.resize(9 * mass_.size());
   linearisation_.diagonal_blocks(weight, weight * weight, own_.data());
   for (std::size_t i = 0; i < own_.size(); ++i) own_[i] = ((i % 9 % 4 == 0 ? 1.0 : 0.0) - own_[i]) / weight;
@@ -66,7 +66,7 @@ Vector3 LinearSweep::velocity(std::uint32_t node) const { return {u_[0][node], u
 
 Vector3 LinearSweep::acceleration(std::uint32_t node) const {
   const Eigen::Map<const Block> own(own_.data() + 9 * std::size_t{node});
-  return linearisation_.others_of(node, u_) / weight_ + own * velocity(node);
+  return linearisation_.off_diagonal_product(node, u_) / weight_ + own * velocity(node);
 }
 
 void LinearSweep::call_update(std::uint32_t node, const Vector3& acceleration) {
@@ -88,7 +88,7 @@ void LinearSweep::finish(std::uint32_t node, const Vector3& before) {
   if (constraints_.contact().constrained()[node] != 0) put_vector(sweep_->next_velocity, node, Vector3::Zero());
   const Vector3 now = velocity(node);
   put_vector(sweep_->next_position, node, weight_ * now);
-  linearisation_.moved(node, now - before);
+  linearisation_.add_change(node, now - before);
 }
 
 void LinearSweep::factorise(Island& island) {
@@ -134,7 +134,7 @@ void LinearSweep::run(const springnet_sweep& sweep) {
   u_[2] = sweep.velocity.z;
   set_weight(sweep.time_constant * (sweep.theta > 0.0 ? sweep.theta : 1.0));
   if (sweep.want_blocks != 0) find_blocks();
-  linearisation_.follow(u_);
+  linearisation_.track(u_);
   for (Island& island : islands_) island.is_done = false;
   for (std::uint32_t i = 0; i < sweep.order_count; ++i) {
     const std::uint32_t node = sweep.order[i];

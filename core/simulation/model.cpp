@@ -81,9 +81,9 @@ double Model::contact_tolerance() const noexcept {
 
 double Model::no_speed() const noexcept { return rounding_of_speed * scales.velocity; }
 
-void Model::explain(double at, const layers::NodeArrays& nodes, layers::Asked asked) {
+void Model::explain(double at, const layers::NodeArrays& nodes, layers::Requested requested) {
   if (journal.non_finite.empty())
-    journal.non_finite = explain_failure(layout, evaluator.instruction_set(), at, nodes, asked);
+    journal.non_finite = explain_failure(layout, evaluator.instruction_set(), at, nodes, requested);
 }
 
 springnet_status Model::failed(springnet_status status, double at, const layers::NodeArrays& nodes) {

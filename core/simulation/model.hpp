@@ -82,7 +82,7 @@ struct Model {
     journal.record(kind, at, user_number(node), surface, impulse);
   }
   // Remembers why numbers are not finite at a state, unless that is known.
-  void explain(double at, const layers::NodeArrays& nodes, layers::Asked asked = layers::Asked::forces);
+  void explain(double at, const layers::NodeArrays& nodes, layers::Requested requested = layers::Requested::forces);
   // The same of an evaluation that a law or a neuron ended; returns `status`.
   springnet_status failed(springnet_status status, double at, const layers::NodeArrays& nodes);
 };

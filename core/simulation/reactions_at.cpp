@@ -68,7 +68,7 @@ springnet_status ReactionsAt::reported(std::uint32_t node, Vector3& reaction, Ve
   const Touch& touch = model_.contact.committed(node);
   if (status != SPRINGNET_OK || touch.surface < 0) return status;
   const std::vector<Vector3> normals = model_.contact.normals(*placement_, node, vector_at(position_, node));
-  const std::vector<std::size_t> pressing = pressing_of(normals, reaction);
+  const std::vector<std::size_t> pressing = pressing_surfaces(normals, reaction);
   std::vector<Vector3> some;
   for (const std::size_t i : pressing) some.push_back(normals[i]);
   const Vector3 all = reaction;
@@ -79,15 +79,15 @@ springnet_status ReactionsAt::reported(std::uint32_t node, Vector3& reaction, Ve
     for (std::size_t s = 0; s < some.size(); ++s) {
       reaction += split.normal[s] * some[s];
       const auto j = static_cast<std::size_t>(touch.surfaces()[pressing[s]]);
-      bears += bearing(model_.constraints.coefficient(node, j), split.normal[s]);
+      bears += friction_limit(model_.constraints.coefficient(node, j), split.normal[s]);
     }
-    const double along = split.along.norm();
+    const double along = split.tangential.norm();
     if (some.size() == normals.size() && along <= bears + rounding * all.norm()) {
       reaction = all;
       return status;
     }
     // A slip that ended within the step may start again at once: sticking would take more than friction bears.
-    if (along > 0.0) reaction += std::min(1.0, bears / along) * split.along;
+    if (along > 0.0) reaction += std::min(1.0, bears / along) * split.tangential;
   }
   if (withheld != nullptr) *withheld = all - reaction;
   return status;
@@ -149,7 +149,7 @@ void ReactionsAt::brace(std::uint32_t cluster) {
     return k != without_ && contact.fixed()[k] == 0 && contact.held()[k] != 0;
   };
   const auto braced = [&](std::uint32_t k) { return k != without_ && contact.braced(k); };
-  if (contact.surfaces().empty() || std::none_of(nodes.begin(), nodes.end(), braced)) return;
+  if (contact.obstacles().empty() || std::none_of(nodes.begin(), nodes.end(), braced)) return;
   std::vector<std::size_t> rods;
   for (std::size_t r = 0; r < tension_.size(); ++r) {
     const RigidConnections::Rod& rod = model_.rigid.rods()[r];
@@ -181,7 +181,7 @@ void ReactionsAt::brace(std::uint32_t cluster) {
     }
     cones.push_back({model_.constraints.coefficient(k, surface), 0.0});
   }
-  for (Cone& cone : cones) cone.least = 1e-9 * most;  // otherwise rounding makes it a pull
+  for (Cone& cone : cones) cone.min_normal_force = 1e-9 * most;  // otherwise rounding makes it a pull
   if (const auto least = min_norm_in_cones(base, more, cones)) {
     bracing_.resize(tension_.size(), 0.0);
     for (Eigen::Index r = 0; r < more.cols(); ++r) {

@@ -28,7 +28,7 @@ constexpr double steps_of_fall = 2.0;
 constexpr double grazing = 1e-4;
 // Smaller forces, in units of the force scale, are rounding, for example those of a node just released.
 constexpr double least_force = 1e-9;
-constexpr int most_jams = 20;
+constexpr int max_jams = 20;
 constexpr double caught = 0.01;  // of the speed with which obstacles approached a body
 // `many_touches` of a node, each within `soon` (in units of the time to move the length scale) of the one before, show
 // a body that rocks on its contacts ever faster. Motions slower than `slow_rocking`, in units of the velocity scale,
@@ -70,7 +70,7 @@ bool Settling::turns_round(std::uint32_t node, const ContactSide& side) const {
   ReactionsAt reactions(model_, time_, read_only(state_.view.position), read_only(state_.view.velocity));
   Vector3 acceleration;
   if (reactions.acceleration(node, acceleration) != SPRINGNET_OK) return false;
-  const double speed = side.normal.dot(side.velocity), grows = side.normal.dot(acceleration) - side.needed;
+  const double speed = side.normal.dot(side.velocity), grows = side.normal.dot(acceleration) - side.target_acceleration;
   return grows > 0.0 && speed * speed <= 2.0 * grows * uncertain * model_.scales.length;
 }
 
@@ -86,7 +86,7 @@ void Settling::add_sides(ContactNode& node) const {
   std::vector<std::int32_t> surfaces;
   for (const std::int32_t surface : touch.surfaces())
     if (surface >= 0) surfaces.push_back(surface);
-  for (std::int32_t surface = 0; surface < static_cast<std::int32_t>(contact.surfaces().size()); ++surface)
+  for (std::int32_t surface = 0; surface < static_cast<std::int32_t>(contact.obstacles().size()); ++surface)
     if (!touch.has(surface)) surfaces.push_back(surface);
   for (const std::int32_t surface : surfaces) {
     if (node.sides.size() == 3) break;
@@ -94,7 +94,7 @@ void Settling::add_sides(ContactNode& node) const {
     const bool was = touch.has(surface);
     const double gap = was ? 0.0 : contact.gap(*at_, j, p);
     if (gap > depth_ && !is_in(found.touched, surface)) continue;
-    const Obstacle& obstacle = contact.surfaces()[j];
+    const Obstacle& obstacle = contact.obstacles()[j];
     ContactSide side;
     side.surface = surface;
     side.normal = contact.normal(*at_, j, p);
@@ -102,8 +102,9 @@ void Settling::add_sides(ContactNode& node) const {
     side.restitution = obstacle.restitution();
     side.velocity = v - Contact::velocity(*at_, j, p);
     side.surface_acceleration = Contact::acceleration(*at_, j, p);
-    side.needed = side.normal.dot(side.surface_acceleration) - contact.bias_acceleration(*at_, j, p, side.velocity);
-    side.touches = was && !is_in(found.released, surface);
+    side.target_acceleration =
+        side.normal.dot(side.surface_acceleration) - contact.bias_acceleration(*at_, j, p, side.velocity);
+    side.active = was && !is_in(found.released, surface);
     const double speed = side.normal.dot(side.velocity);
     if (!was) {
       if (speed > no_speed_) continue;
@@ -119,7 +120,7 @@ void Settling::add_sides(ContactNode& node) const {
     if (std::abs(speed) <= least) side.velocity -= speed * side.normal;
     node.sides.push_back(side);
   }
-  node.rests = found.rests && touch.slides;
+  node.slip_ended = found.rests && touch.slides;
   node.braced = contact.braced(node.node) && found.released.empty();
 }
 
@@ -161,7 +162,7 @@ springnet_status Settling::accelerate(Island& island) {
     const Vector3 p = vector_at(position, node.node);
     for (ContactSide& side : node.sides) {
       const auto j = static_cast<std::size_t>(side.surface);
-      side.needed =
+      side.target_acceleration =
           side.normal.dot(side.surface_acceleration) - model_.contact.bias_acceleration(*at_, j, p, side.velocity);
     }
   }
@@ -202,20 +203,20 @@ void Settling::commit_contact(const ContactNode& node) {
   Touch now = before;
   bool arrived = false;
   for (const ContactSide& side : node.sides) {
-    if (side.touches || !before.has(side.surface)) continue;
+    if (side.active || !before.has(side.surface)) continue;
     now = after(now, {ContactCause::Kind::release, side.surface});
     model_.record(Event::Kind::released, time_, k, side.surface);
-    if (!side.leaves) part(k, side);
+    if (!side.separating) part(k, side);
   }
   const bool stays = now.surface >= 0;
   for (std::size_t s = 0; s < node.sides.size(); ++s) {
     const ContactSide& side = node.sides[s];
     if (before.has(side.surface)) continue;
-    if (!side.touches && node.impulse[s].isZero(0.0)) continue;
+    if (!side.active && node.impulse[s].isZero(0.0)) continue;
     // The impulses that end rocking may draw a node back; these are no blows.
     const bool pulls = side.normal.dot(node.impulse[s]) < 0.0;
     model_.record(Event::Kind::touched, time_, k, side.surface, pulls ? Vector3(Vector3::Zero()) : node.impulse[s]);
-    if (side.touches) {
+    if (side.active) {
       now = after(now, {ContactCause::Kind::touch, side.surface, node.sticks});
       arrived = true;
     } else {
@@ -246,10 +247,10 @@ void Settling::commit_contact(const ContactNode& node) {
   }
   // Slow slips are treated when the whole island has its contacts, see find_phase().
   const Vector3 slip = contact.slip_vector(*at_, k, j, vector_at(position, k), vector_at(velocity, k));
-  const bool begins = !node.moves || node.begins;
+  const bool begins = !node.slipping || node.slip_starting;
   if (begins)
-    contact.set_slip(k, node.slip, Contact::Slip::begins);
-  else if (!before.slides || contact.slip_phase(k) != Contact::Slip::ends)
+    contact.set_slip(k, node.slip, Contact::Slip::starting);
+  else if (!before.slides || contact.slip_phase(k) != Contact::Slip::ending)
     contact.set_slip(k, slip.normalized());
 }
 
@@ -285,7 +286,7 @@ double Settling::fall_in_step(Island& island) {
   double falls = 0.0;
   for (const ContactNode& node : island.nodes())
     for (const ContactSide& side : node.sides)
-      falls = std::max(falls, side.needed - side.normal.dot(node.acceleration));
+      falls = std::max(falls, side.target_acceleration - side.normal.dot(node.acceleration));
   return steps_of_fall * model_.step_length * falls;
 }
 
@@ -294,7 +295,7 @@ double Settling::fall_to_touch(Island& island) {
   double falls = 0.0;
   for (const ContactNode& node : island.nodes())
     for (const ContactSide& side : node.sides)
-      falls = std::max(falls, side.needed - side.normal.dot(node.acceleration));
+      falls = std::max(falls, side.target_acceleration - side.normal.dot(node.acceleration));
   return times_of_fall * std::sqrt(2.0 * falls * depth_);
 }
 
@@ -310,20 +311,20 @@ springnet_status Settling::stop_and_stick(Island& island, double negligible, std
   const double slow = slow_rocking * model_.scales.velocity;
   for (ContactNode& node : island.nodes()) {
     std::fill(node.impulse.begin(), node.impulse.end(), Vector3::Zero());
-    node.rests = std::any_of(node.sides.begin(), node.sides.end(), [&](const ContactSide& side) {
+    node.slip_ended = std::any_of(node.sides.begin(), node.sides.end(), [&](const ContactSide& side) {
       const double mu = coefficient_of(side.friction);
-      return side.touches && mu > 0.0 && (mu >= friction_of_held || side.velocity.norm() <= slow);
+      return side.active && mu > 0.0 && (mu >= friction_of_held || side.velocity.norm() <= slow);
     });
   }
-  if (island.stop(no_speed_)) {
+  if (island.end_slip(no_speed_)) {
     strike(island);
     for (std::size_t i = 0; i < blows.size(); ++i)
       for (std::size_t s = 0; s < blows[i].size(); ++s) blows[i][s] += island.nodes()[i].impulse[s];
     if (const springnet_status status = accelerate(island); status != SPRINGNET_OK) return status;
   }
   for (ContactNode& node : island.nodes()) {
-    if (!node.rests) continue;
-    node.moves = node.begins = false;
+    if (!node.slip_ended) continue;
+    node.slipping = node.slip_starting = false;
     node.sticks = true;
   }
   island.hold(negligible);
@@ -352,7 +353,7 @@ springnet_status Settling::settle(std::uint32_t node) {
   Island island(std::move(nodes), rods_ ? rods_->mobility(contact_nodes_)
                                         : Eigen::MatrixXd(Eigen::MatrixXd::Identity(3, 3) / model_.mass[node]));
   const double approached = island.approach();
-  bool struck = island.strike(rebound_of(island), no_speed_);
+  bool struck = island.apply_impact(rebound_of(island), no_speed_);
   // No impulses end the approach of obstacles between which a body is caught.
   if (island.approach() > std::max(caught * approached, jump_)) {
     std::set<std::int32_t> surfaces;
@@ -386,7 +387,7 @@ springnet_status Settling::settle(std::uint32_t node) {
     const double negligible = least_force * model_.scales.force + 1e-12 * forces;
     if (island.resolve(negligible)) break;
     for (ContactNode& each : island.nodes()) std::fill(each.impulse.begin(), each.impulse.end(), Vector3::Zero());
-    struck = jams < most_jams && island.jam(10.0 * no_speed_);
+    struck = jams < max_jams && island.jam(10.0 * no_speed_);
     if (!struck) {
       note_unresolved(model_, node, time_);
       if (const springnet_status status = stop_and_stick(island, negligible, blows); status != SPRINGNET_OK)

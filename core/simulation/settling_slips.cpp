@@ -18,26 +18,26 @@ void Settling::find_slips(Island& island) const {
     double friction = 0.0;
     for (std::size_t s = 0; s < node.sides.size(); ++s) {
       ContactSide& side = node.sides[s];
-      side.leaves = side.normal.dot(side.velocity) > no_speed_;
+      side.separating = side.normal.dot(side.velocity) > no_speed_;
       // A node that arrived and was stopped is in contact, even if no force presses it.
       const bool arrived = !node.impulse[s].isZero(0.0) && !model_.contact.committed(node.node).has(side.surface);
-      side.touches = !side.leaves && (side.touches || arrived);
-      if (side.leaves) continue;
+      side.active = !side.separating && (side.active || arrived);
+      if (side.separating) continue;
       normals.push_back(side.normal);
       friction += coefficient_of(side.friction);
       if (first == nullptr) first = &side;
     }
-    node.moves = node.sticks = false;
+    node.slipping = node.sticks = false;
     if (first == nullptr) continue;
-    const Vector3 slip = split_reaction(normals, first->velocity).along;
-    node.moves = slip.norm() > no_speed_ && friction > 0.0;
-    if (node.moves) node.slip = slip.normalized();
-    node.sticks = !node.moves && friction > 0.0 && surfaces_move_alike(node, jump_);
+    const Vector3 slip = split_reaction(normals, first->velocity).tangential;
+    node.slipping = slip.norm() > no_speed_ && friction > 0.0;
+    if (node.slipping) node.slip = slip.normalized();
+    node.sticks = !node.slipping && friction > 0.0 && surfaces_move_alike(node, jump_);
     // Friction keeps its direction where the slip has no speed yet, or one that errors of integration change.
-    if (!model_.contact.committed(node.node).slides || node.rests || friction == 0.0) continue;
+    if (!model_.contact.committed(node.node).slides || node.slip_ended || friction == 0.0) continue;
     const Contact::Slip phase = model_.contact.slip_phase(node.node);
-    if (phase == Contact::Slip::goes_on || (phase == Contact::Slip::ends && !node.moves)) continue;
-    node.begins = phase == Contact::Slip::begins;
+    if (phase == Contact::Slip::ongoing || (phase == Contact::Slip::ending && !node.slipping)) continue;
+    node.slip_starting = phase == Contact::Slip::starting;
     node.sticks = false;
     node.slip = model_.contact.slip(node.node);
   }
@@ -57,17 +57,17 @@ void Settling::find_phase(const ContactNode& node, const Vector3& acceleration, 
   Contact& contact = model_.contact;
   const std::uint32_t k = node.node;
   const Touch& touch = contact.committed(k);
-  if (!touch.slides || !node.moves || contact.slip_phase(k) == Contact::Slip::ends) return;
+  if (!touch.slides || !node.slipping || contact.slip_phase(k) == Contact::Slip::ending) return;
   const auto j = static_cast<std::size_t>(touch.surface);
   const Vector3 p = vector_at(state_.view.position, k);
   const Vector3 slip = contact.slip_vector(*at_, k, j, p, vector_at(state_.view.velocity, k));
   const double speed = slip.norm();
-  if (speed > contact.rest_speed() && !node.begins) return;
+  if (speed > contact.rest_speed() && !node.slip_starting) return;
   const double grows = slip.dot(acceleration - Contact::acceleration(*at_, j, p));
   if (grows < -negligible * speed)
     keep_direction(k);
-  else if (!node.begins && speed <= 0.5 * contact.rest_speed())
-    contact.set_slip(k, slip / speed, Contact::Slip::begins);
+  else if (!node.slip_starting && speed <= 0.5 * contact.rest_speed())
+    contact.set_slip(k, slip / speed, Contact::Slip::starting);
 }
 
 // Friction keeps the direction in which it ends the whole slip s at one time T: s + T a = 0, with a the acceleration
@@ -80,7 +80,7 @@ void Settling::keep_direction(std::uint32_t k) {
   const Vector3 slip = contact.slip_vector(*at_, k, j, p, v);
   if (slip.isZero(0.0)) return;
   const Vector3 n = contact.normal(*at_, j, p), goes = slip.normalized();
-  const auto keep = [&](const Vector3& direction) { contact.set_slip(k, direction, Contact::Slip::ends); };
+  const auto keep = [&](const Vector3& direction) { contact.set_slip(k, direction, Contact::Slip::ending); };
   keep(goes);
   if (touch.second >= 0 || model_.constraints.coefficient(k, j) >= friction_of_held) return;
   double slows = 0.0;
@@ -103,11 +103,12 @@ bool Settling::stop_held(Island& island, double slow) const {
   for (ContactNode& node : island.nodes()) {
     for (std::size_t s = 0; s < node.sides.size(); ++s) {
       const ContactSide& side = node.sides[s];
-      node.rests = node.rests || (!node.impulse[s].isZero(0.0) && coefficient_of(side.friction) >= friction_of_held &&
-                                  side.velocity.norm() <= slow);
+      node.slip_ended =
+          node.slip_ended || (!node.impulse[s].isZero(0.0) && coefficient_of(side.friction) >= friction_of_held &&
+                              side.velocity.norm() <= slow);
     }
   }
-  return island.stop(no_speed_);
+  return island.end_slip(no_speed_);
 }
 
 }  // namespace springnet

@@ -15,7 +15,7 @@
 #include "simulation/embedding_changes.hpp"
 #include "simulation/engine.hpp"
 #include "simulation/host_table.hpp"
-#include "simulation/most_threads.hpp"
+#include "simulation/max_threads.hpp"
 
 namespace springnet {
 
@@ -91,9 +91,9 @@ struct Simulation::Impl {
                                                 engine.model().layout.elements().count()));
   }
   void check_surface(std::size_t surface) const {
-    if (surface >= engine.model().contact.surfaces().size())
+    if (surface >= engine.model().contact.obstacles().size())
       throw Error(ErrorKind::input, fmt::format("surface {} does not exist: the network has {} planes and instruments",
-                                                surface, engine.model().contact.surfaces().size()));
+                                                surface, engine.model().contact.obstacles().size()));
   }
   void check_arrival(const Vector3& position, double until) const {
     if (!position.allFinite() || !std::isfinite(until) || !(until > engine.model().time))
@@ -105,7 +105,7 @@ struct Simulation::Impl {
   }
   [[nodiscard]] const Obstacle& surface(std::size_t index) const {
     check_surface(index);
-    return engine.model().contact.surfaces()[index];
+    return engine.model().contact.obstacles()[index];
   }
   // At the present time.
   [[nodiscard]] Pose pose(std::size_t index) const { return surface(index).at(just_after(engine.model().time)); }
@@ -217,9 +217,9 @@ Simulation::Simulation(const Network& network, std::shared_ptr<const PluginHost>
   if (!(options.time_step > 0.0) || !std::isfinite(options.time_step))
     throw Error(ErrorKind::input,
                 fmt::format("time step: must be a finite number above 0 s, is {}", checks::seconds(options.time_step)));
-  if (options.threads > most_threads)
+  if (options.threads > max_threads)
     throw Error(ErrorKind::input, fmt::format("threads: must be 0 to {}, is {}; 0 takes as many as are useful",
-                                              most_threads, options.threads));
+                                              max_threads, options.threads));
   if (network.nodes().empty())
     throw Error(ErrorKind::input, "the network has no nodes; add a body or single nodes before simulating it");
   check_spacing(network);
@@ -301,10 +301,10 @@ double Simulation::rigid_force(RigidIndex rigid) const {
   return impl_->engine.reactions().rigid[rigid];
 }
 
-std::size_t Simulation::surface_count() const noexcept { return impl_->engine.model().contact.surfaces().size(); }
+std::size_t Simulation::surface_count() const noexcept { return impl_->engine.model().contact.obstacles().size(); }
 const std::string& Simulation::surface_name(std::size_t surface) const {
   impl_->check_surface(surface);
-  return impl_->engine.model().contact.surfaces()[surface].name();
+  return impl_->engine.model().contact.obstacles()[surface].name();
 }
 Vector3 Simulation::surface_position(std::size_t surface) const {
   return impl_->pose(surface).from_start(impl_->surface(surface).origin());
@@ -430,14 +430,14 @@ void Simulation::set_position(NodeIndex node, const Vector3& position) {
   check_finite(position, fmt::format("position of node {}", node));
   const std::uint32_t k = impl_->engine_node(node);
   const Contact& contact = impl_->engine.model().contact;
-  for (std::size_t j = 0; j < contact.surfaces().size() && contact.fixed()[k] == 0; ++j) {
-    const double distance = contact.surfaces()[j].gap(impl_->pose(j), position);
+  for (std::size_t j = 0; j < contact.obstacles().size() && contact.fixed()[k] == 0; ++j) {
+    const double distance = contact.obstacles()[j].gap(impl_->pose(j), position);
     if (distance < 0.0)
       throw Error(
           ErrorKind::input,
           fmt::format("position of node {}: {:.3g} m {} {}, where no node can be; keep it outside, or fix the node "
                       "first",
-                      node, -distance, contact.surfaces()[j].is_plane() ? "behind" : "inside", contact.name_of(j)));
+                      node, -distance, contact.obstacles()[j].is_plane() ? "behind" : "inside", contact.name_of(j)));
   }
   springnet::set_node(impl_->engine.model(), k, position, std::nullopt);
 }

@@ -45,8 +45,8 @@ void check_places(const Model& model, double size) {
   const std::shared_ptr<const Placement> start = model.placement(model.time);
   for (std::uint32_t k = 0; k < model.node_count(); ++k) {
     if (contact.fixed()[k] != 0) continue;
-    for (std::size_t j = 0; j < contact.surfaces().size(); ++j) {
-      const Obstacle& obstacle = contact.surfaces()[j];
+    for (std::size_t j = 0; j < contact.obstacles().size(); ++j) {
+      const Obstacle& obstacle = contact.obstacles()[j];
       const double depth = starting_depth(obstacle, start->poses[j], vector_at(model.state.view.position, k), size);
       if (depth == 0.0) continue;
       throw Error(ErrorKind::input, misplaced(model.user_number(k), depth, obstacle.is_plane(), contact.name_of(j)));
@@ -81,7 +81,7 @@ void start_constraints(Model& model, double size) {
   check_places(model, size);
   const State& state = model.state;
   if (model.rigid.any()) {
-    const double rate = model.rigid.greatest_rate(read_only(state.view.position), read_only(state.view.velocity));
+    const double rate = model.rigid.max_length_rate(read_only(state.view.position), read_only(state.view.velocity));
     if (rate > no_rate * model.scales.velocity)
       model.journal.note(
           fmt::format("the initial velocities change the length of rigid connections by up to {:.3g} m/s; they are "

@@ -136,7 +136,7 @@ springnet_status Engine::commit_solution(const State& before, bool jumps) {
   springnet_status status = stop_penetration(model_);
   if (status == SPRINGNET_OK) status = model_.constraints.project(*now, position, velocity, model_.journal.message);
   if (status == SPRINGNET_OK) status = find_squeezed(model_);
-  model_.contact.note_slips(*now, read_only(position), read_only(velocity));
+  model_.contact.update_slip_directions(*now, read_only(position), read_only(velocity));
   return status;
 }
 

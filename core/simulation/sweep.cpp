@@ -89,7 +89,8 @@ springnet_status Sweep::evaluate_node(std::uint32_t node, Tiles& tiles, NodeEval
     // outputs.
     if (!in_sets_) model_.explain(tiles.time, tiles.nodes);
   } else if (tiles.sweep->want_blocks != 0 && !in_sets_ && !all_finite(result.derivatives)) {
-    model_.explain(tiles.time, tiles.nodes, layers::Asked::forces_and_derivatives);  // the update will not be finite
+    // The update will not be finite.
+    model_.explain(tiles.time, tiles.nodes, layers::Requested::forces_and_derivatives);
   }
   return SPRINGNET_OK;
 }

@@ -15,7 +15,7 @@ namespace {
 
 // Smaller forces, in units of the force scale, are rounding.
 constexpr double least_force = 1e-9;
-constexpr int most_strikes = 100;  // rounds of impulses that depend on each other
+constexpr int max_strikes = 100;  // rounds of impulses that depend on each other
 
 }  // namespace
 
@@ -64,7 +64,7 @@ void VerletContact::strike(Island& island, const Body& body) const {
     for (const Side& side : body.touchers[i].sides)
       if (s < node.sides.size() && side.surface == node.sides[s].surface) node.impulse[s++] = side.impulse;
   }
-  static_cast<void>(island.strike(0.0, 0.0, most_strikes, true));
+  static_cast<void>(island.apply_impact(0.0, 0.0, max_strikes, true));
 }
 
 void VerletContact::remember(const Island& island, bool struck, Body& body) const {
@@ -141,7 +141,7 @@ void VerletContact::push(Body& body, const std::optional<Rods>& rods, const std:
 ContactSide VerletContact::side_of(const Body& body, const Toucher& toucher, const Side& of) const {
   const Member& m = body.members[toucher.member];
   const auto j = static_cast<std::size_t>(of.surface);
-  const Obstacle& obstacle = contact_.surfaces()[j];
+  const Obstacle& obstacle = contact_.obstacles()[j];
   ContactSide side;
   side.surface = of.surface;
   side.friction = body.cluster ? bounded(obstacle.friction()) : obstacle.friction();
@@ -156,10 +156,10 @@ void VerletContact::decide(const Body& body) const {
     Touch touch = contact_.committed(k);
     bool is_new = false;
     for (const Side& side : toucher.sides) {
-      if (side.is_new && side.touches) {
+      if (side.is_new && side.active) {
         touch = after(touch, {ContactCause::Kind::touch, side.surface, false});
         is_new = true;
-      } else if (!side.is_new && !side.touches) {
+      } else if (!side.is_new && !side.active) {
         touch = after(touch, {ContactCause::Kind::release, side.surface});
       }
     }
@@ -172,7 +172,7 @@ springnet_status constrain_verlet(Model& model, const springnet_sweep& step, std
   constexpr std::uint32_t drift = 2, kick = 3;
   if (step.contacts != drift && step.contacts != kick)
     throw Error(ErrorKind::plugin, fmt::format("contacts is {}, where plugin.h has 0 to 3", step.contacts));
-  if (model.contact.surfaces().empty()) return SPRINGNET_OK;
+  if (model.contact.obstacles().empty()) return SPRINGNET_OK;
   if (step.contacts == kick) {
     if (!last || !last->is_of(model.time, step.time))
       throw Error(ErrorKind::plugin, "a kick must follow the drift of the same step, once");

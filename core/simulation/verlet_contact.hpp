@@ -54,7 +54,7 @@ class VerletContact {
   struct Side {
     std::int32_t surface;
     bool is_new = false;
-    bool touches = true;
+    bool active = true;
     double came = 0.0;                  // m/s, of a new contact: approach speed
     Vector3 impulse = Vector3::Zero();  // N s, in half a step, as last known
     Vector3 arrival = Vector3::Zero();  // N s, of an impact within the step
@@ -130,15 +130,15 @@ springnet_status constrain_verlet(Model& model, const springnet_sweep& step, std
 [[nodiscard]] inline Vector3 along_surfaces(const ContactNode& node, const Vector3& v) {
   std::vector<Vector3> normals;
   for (const ContactSide& side : node.sides)
-    if (side.touches) normals.push_back(side.normal);
-  return normals.empty() ? v : split_reaction(normals, v).along;
+    if (side.active) normals.push_back(side.normal);
+  return normals.empty() ? v : split_reaction(normals, v).tangential;
 }
 [[nodiscard]] inline const ContactSide* first_acting(const ContactNode& node) {
-  const auto found = std::find_if(node.sides.begin(), node.sides.end(), [](const auto& s) { return s.touches; });
+  const auto found = std::find_if(node.sides.begin(), node.sides.end(), [](const auto& s) { return s.active; });
   return found == node.sides.end() ? nullptr : &*found;
 }
 [[nodiscard]] inline bool has_friction(const ContactNode& node) {
-  return std::any_of(node.sides.begin(), node.sides.end(), [](const auto& s) { return s.touches && is_rough(s); });
+  return std::any_of(node.sides.begin(), node.sides.end(), [](const auto& s) { return s.active && is_rough(s); });
 }
 [[nodiscard]] inline Vector3 sum_of(const std::vector<Vector3>& impulses) {
   Vector3 sum = Vector3::Zero();

@@ -5,17 +5,17 @@
 #include <algorithm>
 #include <cmath>
 
-#include "constraints/least_on_way.hpp"
+#include "constraints/path_minimum.hpp"
 #include "constraints/vectors.hpp"
 
 namespace springnet {
 namespace {
 
 constexpr std::uint32_t no_cluster = 0xffffffffu;
-constexpr int most_turns = 40;      // rounds of contacts and positions that depend on each other
-constexpr int most_failures = 3;    // to find forces, within a step
-constexpr int most_bounces = 1000;  // of a node, within a step
-constexpr int most_rounds = 4;      // of positions that bring more obstacles with them
+constexpr int max_iterations = 40;  // rounds of contacts and positions that depend on each other
+constexpr int max_failures = 3;     // to find forces, within a step
+constexpr int max_bounces = 1000;   // of a node, within a step
+constexpr int max_rounds = 4;       // of positions that bring more obstacles with them
 constexpr double accuracy = 1e-14;  // of positions, in units of their coordinates and the path
 
 }  // namespace
@@ -27,7 +27,7 @@ bool VerletContact::is_near(const springnet_sweep& step, std::uint32_t node, boo
   if (contact_.committed(node).surface >= 0) return true;
   const Vector3 start = vector_at(step.start_position, node), end = vector_at(step.next_position, node);
   if (alone) return contact_.first_meeting(*at_, start, end).surface >= 0;
-  for (std::size_t j = 0; j < contact_.surfaces().size(); ++j) {
+  for (std::size_t j = 0; j < contact_.obstacles().size(); ++j) {
     const Vector3 from = contact_.carried(*at_, start, static_cast<std::int32_t>(j));
     if (!(contact_.gap(*at_, j, end) > (end - from).norm())) return true;
   }
@@ -94,9 +94,9 @@ Island VerletContact::island_at_start(const Body& body, const std::optional<Rods
     }
     if (has_friction(node)) {
       const Vector3 slip = along_surfaces(node, node.sides.front().velocity);
-      node.moves = slip.norm() > model_.no_speed();
-      node.sticks = !node.moves;
-      if (node.moves) node.slip = slip.normalized();
+      node.slipping = slip.norm() > model_.no_speed();
+      node.sticks = !node.slipping;
+      if (node.slipping) node.slip = slip.normalized();
     }
     nodes.push_back(std::move(node));
   }
@@ -109,13 +109,13 @@ springnet_status VerletContact::hold(Body& body, const std::optional<Rods>& rods
   Island island = island_at_start(body, rods);
   std::vector<Vector3> impulses(body.touchers.size(), Vector3::Zero());
   std::vector<std::uint8_t> turned(body.touchers.size(), 0);
-  const double per_way = 2.0 / (h_ * h_), per_speed = 2.0 / h_;
+  const double per_distance = 2.0 / (h_ * h_), per_speed = 2.0 / h_;
   // Size of the body, m, for the rounding of gaps and of positions of sticking nodes.
   double size = 0.0;
   int failures = 0;
   for (const Member& m : body.members)
     size = std::max(size, m.start.cwiseAbs().maxCoeff() + (m.position - m.start).norm());
-  for (int turn = 0; turn < most_turns; ++turn) {
+  for (int turn = 0; turn < max_iterations; ++turn) {
     double off = 0.0;
     bool again = turn == 0;
     for (std::size_t i = 0; i < body.touchers.size(); ++i) {
@@ -127,36 +127,36 @@ springnet_status VerletContact::hold(Body& body, const std::optional<Rods>& rods
         const auto j = static_cast<std::size_t>(side.surface);
         const double gap = contact_.gap(*at_, j, m.position);
         const Vector3 slipped = m.position - contact_.carried(*at_, m.start, side.surface);
-        side.needed = side.normal.dot(now) - per_way * gap;
-        side.surface_acceleration = now - per_way * slipped;
-        off = std::max(off, side.touches ? std::abs(gap) : -gap);
-        if (side.touches && node.sticks) off = std::max(off, along_surfaces(node, slipped).norm());
+        side.target_acceleration = side.normal.dot(now) - per_distance * gap;
+        side.surface_acceleration = now - per_distance * slipped;
+        off = std::max(off, side.active ? std::abs(gap) : -gap);
+        if (side.active && node.sticks) off = std::max(off, along_surfaces(node, slipped).norm());
       }
       // Friction that would turn a slip round stops it.
       const ContactSide* acts = first_acting(node);
-      if (turn == 0 || acts == nullptr || !node.moves || turned[i] != 0) continue;
+      if (turn == 0 || acts == nullptr || !node.slipping || turned[i] != 0) continue;
       if (node.slip.dot(m.position - contact_.carried(*at_, m.start, acts->surface)) > 0.0) continue;
       turned[i] = 1;
-      node.moves = false;
+      node.slipping = false;
       node.sticks = true;
       again = true;
     }
     if (!again && off <= accuracy * size) break;
     if (!island.resolve(negligible(body), false)) {
       // No finite force fits, or none was found: take an impulse over the step.
-      if (++failures > most_failures) break;
+      if (++failures > max_failures) break;
       for (std::size_t i = 0; i < body.touchers.size(); ++i) {
         ContactNode& node = island.nodes()[i];
         for (ContactSide& side : node.sides) {
           side.velocity = (node.acceleration - side.surface_acceleration) / per_speed;
-          side.velocity += side.normal * ((side.normal.dot(node.acceleration) - side.needed) / per_speed -
+          side.velocity += side.normal * ((side.normal.dot(node.acceleration) - side.target_acceleration) / per_speed -
                                           side.normal.dot(side.velocity));
         }
       }
       strike(island, body);
       for (ContactNode& node : island.nodes()) {
         node.force = per_speed * sum_of(node.impulse);
-        for (std::size_t s = 0; s < node.sides.size(); ++s) node.sides[s].touches = !node.impulse[s].isZero(0.0);
+        for (std::size_t s = 0; s < node.sides.size(); ++s) node.sides[s].active = !node.impulse[s].isZero(0.0);
       }
     }
     for (std::size_t i = 0; i < impulses.size(); ++i) impulses[i] = island.nodes()[i].force / per_speed;
@@ -168,7 +168,7 @@ springnet_status VerletContact::hold(Body& body, const std::optional<Rods>& rods
     Toucher& toucher = body.touchers[i];
     toucher.sticks = node.sticks;
     toucher.slip = node.slip;
-    for (std::size_t s = 0; s < node.sides.size(); ++s) toucher.sides[s].touches = node.sides[s].touches;
+    for (std::size_t s = 0; s < node.sides.size(); ++s) toucher.sides[s].active = node.sides[s].active;
   }
   return SPRINGNET_OK;
 }
@@ -183,10 +183,10 @@ bool VerletContact::reaches(const Member& m, std::size_t surface) const {
     return contact_.gap(*at_, surface, from + share * (m.position - from) - bend);
   };
   if (contact_.gap(*at_, surface, m.position) < 0.0) return true;
-  const Obstacle& obstacle = contact_.surfaces()[surface];
+  const Obstacle& obstacle = contact_.obstacles()[surface];
   if (obstacle.is_flat()) return true;
   const double rounding = accuracy * (m.start.cwiseAbs().maxCoeff() + (m.position - m.start).norm());
-  return least_on_way(gap, -rounding, 40).value < -rounding;
+  return minimum_on_path(gap, -rounding, 40).value < -rounding;
 }
 
 bool VerletContact::meet(Body& body) {
@@ -207,21 +207,21 @@ bool VerletContact::meet(Body& body) {
       if (known == body.touchers.end() || contact_.gap(*at_, surface, m.position) < -rounding) return false;
       const Vector3 n = contact_.normal(*at_, surface, m.position);
       return std::any_of(known->sides.begin(), known->sides.end(), [&](const Side& side) {
-        return side.touches &&
+        return side.active &&
                contact_.normal(*at_, static_cast<std::size_t>(side.surface), m.position).dot(n) >= 1.0 - flush;
       });
     };
     Contact::Meeting first{-1, 2.0};
-    for (std::int32_t j = 0; j < static_cast<std::int32_t>(contact_.surfaces().size()); ++j) {
+    for (std::int32_t j = 0; j < static_cast<std::int32_t>(contact_.obstacles().size()); ++j) {
       if (has(j)) continue;
       const auto surface = static_cast<std::size_t>(j);
       const auto share =
-          contact_.surfaces()[surface].first_touch(from_at_->poses[surface], m.start, at_->poses[surface], m.position);
+          contact_.obstacles()[surface].first_touch(from_at_->poses[surface], m.start, at_->poses[surface], m.position);
       if (share && *share < first.share && reaches(m, surface) && !is_flush(surface)) first = {j, *share};
     }
     if (first.surface < 0) continue;
     if (known != body.touchers.end() &&
-        std::count_if(known->sides.begin(), known->sides.end(), [](const Side& side) { return side.touches; }) == 3)
+        std::count_if(known->sides.begin(), known->sides.end(), [](const Side& side) { return side.active; }) == 3)
       continue;
     any = true;
     if (!body.cluster && known == body.touchers.end()) {
@@ -230,7 +230,7 @@ bool VerletContact::meet(Body& body) {
     }
     const auto j = static_cast<std::size_t>(first.surface);
     const Vector3 velocity = m.start_velocity + 2.0 * first.share * (m.velocity - m.start_velocity);
-    const Vector3 n = contact_.normal(*at_, j, contact_.taken_along(*at_, m.start, m.position, first));
+    const Vector3 n = contact_.normal(*at_, j, contact_.carried_from(*at_, m.start, m.position, first));
     Side side{first.surface, true, true};
     side.came = -n.dot(velocity - Contact::velocity(*at_, j, m.position));
     if (known != body.touchers.end()) {
@@ -250,13 +250,13 @@ void VerletContact::arrive(Body& body, const Contact::Meeting& first) {
   const Vector3 gained = 2.0 * (m.velocity - m.start_velocity);
   Toucher toucher{};
   // Next impact: position, in the frame of the obstacle at the end of the step; velocity; share of the step.
-  Vector3 place = contact_.taken_along(*at_, m.start, m.position, first),
+  Vector3 place = contact_.carried_from(*at_, m.start, m.position, first),
           before = m.start_velocity + first.share * gained;
   std::int32_t surface = first.surface;
   double share = first.share;
   for (int bounces = 1;; ++bounces) {
     const auto j = static_cast<std::size_t>(surface);
-    const Obstacle& obstacle = contact_.surfaces()[j];
+    const Obstacle& obstacle = contact_.obstacles()[j];
     const Vector3 w = Contact::velocity(*at_, j, place);
     ContactNode node;
     node.node = m.node;
@@ -271,7 +271,7 @@ void VerletContact::arrive(Body& body, const Contact::Meeting& first) {
     // A rebound slower than the fall within the step ends in contact.
     const double falls = std::max(0.0, -side.normal.dot(gained - h_ * Contact::acceleration(*at_, j, place)));
     const double least = side.restitution > 0.0 ? falls / side.restitution : std::numeric_limits<double>::infinity();
-    static_cast<void>(island.strike(least));
+    static_cast<void>(island.apply_impact(least));
     const ContactSide& struck = island.nodes()[0].sides[0];
     const Vector3 arrival = island.nodes()[0].impulse[0];
     const Vector3 after = before + arrival / model_.mass[m.node];
@@ -291,16 +291,16 @@ void VerletContact::arrive(Body& body, const Contact::Meeting& first) {
       toucher.sides.push_back({surface, true, !toucher.bounced, 0.0, Vector3::Zero(), arrival});
     } else {
       same->arrival += arrival;
-      same->touches = !toucher.bounced;
+      same->active = !toucher.bounced;
     }
-    if (!toucher.bounced || bounces == most_bounces) break;
+    if (!toucher.bounced || bounces == max_bounces) break;
     // It may meet another obstacle on the rest of its path.
     const Vector3 from = place - rest * h_ * w;
     const std::shared_ptr<const Placement> now = contact_.at(just_after(from_ + share * h_));
     Contact::Meeting next{-1, 2.0};
-    for (std::size_t k = 0; k < contact_.surfaces().size(); ++k) {
+    for (std::size_t k = 0; k < contact_.obstacles().size(); ++k) {
       if (k == j) continue;
-      const auto met = contact_.surfaces()[k].first_touch(now->poses[k], from, at_->poses[k], m.position);
+      const auto met = contact_.obstacles()[k].first_touch(now->poses[k], from, at_->poses[k], m.position);
       if (met && *met < next.share && contact_.gap(*at_, k, m.position) < 0.0)
         next = {static_cast<std::int32_t>(k), *met};
     }
@@ -355,7 +355,7 @@ springnet_status VerletContact::drift(Body& body) {
   }
   if (!body.touchers.empty())
     if (const springnet_status status = hold(body, rods); status != SPRINGNET_OK) return status;
-  for (int round = 0; round < most_rounds && meet(body); ++round) {
+  for (int round = 0; round < max_rounds && meet(body); ++round) {
     if (body.touchers[0].bounced || (!body.cluster && body.touchers[0].sides.size() == 1)) continue;
     if (const springnet_status status = fit(body); status != SPRINGNET_OK) return status;
   }

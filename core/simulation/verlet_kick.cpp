@@ -10,7 +10,7 @@
 namespace springnet {
 namespace {
 
-constexpr int most_turns = 40;  // rounds of friction and the slip that it acts against
+constexpr int max_iterations = 40;  // rounds of friction and the slip that it acts against
 
 }  // namespace
 
@@ -49,23 +49,23 @@ springnet_status VerletContact::kick(Body& body, const springnet_vectors& positi
     node.node = m.node;
     node.acceleration = per_speed * m.velocity;
     for (const Side& of : toucher.sides) {
-      if (!of.touches) continue;
+      if (!of.active) continue;
       ContactSide side = side_of(body, toucher, of);
       const auto j = static_cast<std::size_t>(of.surface);
       side.surface_acceleration = per_speed * Contact::velocity(*at_, j, m.position);
-      side.needed = side.normal.dot(side.surface_acceleration);
+      side.target_acceleration = side.normal.dot(side.surface_acceleration);
       const double comes = -side.normal.dot(side.velocity);
       // It approaches faster than at the impact, because the force has acted since.
       if (of.is_new && of.came > 0.0 && comes > 0.0) {
         arrives = true;
-        const double restitution = contact_.surfaces()[j].restitution();
+        const double restitution = contact_.obstacles()[j].restitution();
         if (restitution * of.came > 2.0 * std::abs(comes - of.came)) side.restitution = restitution * of.came / comes;
       }
       node.sides.push_back(side);
     }
     const bool slides = toucher.slip.norm() > 0.0;
     node.sticks = has_friction(node) && (toucher.sticks || !slides);
-    node.moves = has_friction(node) && !node.sticks;
+    node.slipping = has_friction(node) && !node.sticks;
     if (slides) node.slip = toucher.slip;
     nodes.push_back(std::move(node));
   }
@@ -83,7 +83,7 @@ springnet_status VerletContact::kick(Body& body, const springnet_vectors& positi
     strike(island, body);
     for (ContactNode& node : island.nodes()) {
       node.force = per_speed * sum_of(node.impulse);
-      for (ContactSide& side : node.sides) side.touches = side.normal.dot(side.velocity) <= 10.0 * model_.no_speed();
+      for (ContactSide& side : node.sides) side.active = side.normal.dot(side.velocity) <= 10.0 * model_.no_speed();
       const ContactSide* acts = first_acting(node);
       const Vector3 slip = acts != nullptr ? along_surfaces(node, acts->velocity) : Vector3(Vector3::Zero());
       node.sticks = has_friction(node) && slip.norm() <= 10.0 * model_.no_speed();
@@ -95,7 +95,7 @@ springnet_status VerletContact::kick(Body& body, const springnet_vectors& positi
   } else {
     std::vector<std::uint8_t> turned(body.touchers.size(), 0);
     bool again = true;
-    for (int turn = 0; turn < most_turns && again; ++turn) {
+    for (int turn = 0; turn < max_iterations && again; ++turn) {
       again = false;
       if (!island.resolve(negligible(body), false)) {
         hit();
@@ -106,7 +106,7 @@ springnet_status VerletContact::kick(Body& body, const springnet_vectors& positi
         const ContactSide* acts = first_acting(node);
         if (acts == nullptr || node.sticks || !has_friction(node)) continue;
         const Vector3 slip = along_surfaces(node, island.acceleration(i) - acts->surface_acceleration);
-        if (!node.moves || !(slip.norm() > 0.0)) continue;
+        if (!node.slipping || !(slip.norm() > 0.0)) continue;
         // Against the slip that is left: it has the direction of the slip without the node's own friction.
         const auto place = static_cast<Eigen::Index>(3 * i);
         const Vector3 rubbed = answers.block<3, 3>(place, place) * along_surfaces(node, node.force);
@@ -114,7 +114,7 @@ springnet_status VerletContact::kick(Body& body, const springnet_vectors& positi
         if (turned[i] == 0 && !(goes.dot(slip) > 0.0)) {
           // Friction that would reverse the slip ends it.
           turned[i] = 1;
-          node.moves = false;
+          node.slipping = false;
           node.sticks = true;
           again = true;
         } else {
@@ -159,8 +159,8 @@ void VerletContact::commit_contacts(const Body& body, const Island& island, cons
     std::vector<Vector3> impulses;
     for (const Side& side : toucher.sides) {
       const std::size_t s = acting;
-      if (side.touches) ++acting;
-      const bool stays = side.touches && node.sides[s].touches;
+      if (side.active) ++acting;
+      const bool stays = side.active && node.sides[s].active;
       if (!side.is_new && !stays) {
         now = after(now, {ContactCause::Kind::release, side.surface});
         record_event(Event::Kind::released, k, side.surface);
@@ -168,7 +168,7 @@ void VerletContact::commit_contacts(const Body& body, const Island& island, cons
       if (!side.is_new) continue;
       arrived.push_back(&side);
       hit.push_back(stays ? &node.sides[s] : nullptr);
-      impulses.emplace_back(side.arrival + (side.touches ? node.impulse[s] : Vector3(Vector3::Zero())));
+      impulses.emplace_back(side.arrival + (side.active ? node.impulse[s] : Vector3(Vector3::Zero())));
     }
     const bool stays = now.surface >= 0;
     Vector3 given = Vector3::Zero();

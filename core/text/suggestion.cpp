@@ -35,9 +35,10 @@ std::size_t edit_distance(std::string_view a, std::string_view b) {
 // An abbreviation ("damp" for "damping") counts as one wrong letter. Values above `largest` are not computed exactly,
 // to save time.
 std::size_t distance(std::string_view a, std::string_view b, std::size_t largest) {
-  constexpr std::size_t enough_to_tell = 3;
+  constexpr std::size_t shortest_abbreviation = 3;
   const std::size_t common = std::min(a.size(), b.size());
-  if (common >= enough_to_tell && a.substr(0, common) == b.substr(0, common)) return a.size() == b.size() ? 0 : 1;
+  if (common >= shortest_abbreviation && a.substr(0, common) == b.substr(0, common))
+    return a.size() == b.size() ? 0 : 1;
   if (std::max(a.size(), b.size()) - common > largest) return largest + 1;
   return edit_distance(a, b);
 }
@@ -45,7 +46,7 @@ std::size_t distance(std::string_view a, std::string_view b, std::size_t largest
 }  // namespace
 
 std::string suggestion(std::string_view name, const std::vector<std::string>& known) {
-  constexpr std::size_t most_shown = 3;
+  constexpr std::size_t max_shown = 3;
   // One wrong letter in three is a typing error; more is another word.
   const std::size_t largest = std::max<std::size_t>(1, name.size() / 3);
   const std::string wanted = lower(name);
@@ -66,7 +67,7 @@ std::string suggestion(std::string_view name, const std::vector<std::string>& kn
   }
   if (nearest.empty()) return {};
   std::sort(nearest.begin(), nearest.end());
-  if (nearest.size() > most_shown) nearest.resize(most_shown);
+  if (nearest.size() > max_shown) nearest.resize(max_shown);
   std::string text = "did you mean '" + nearest.front() + "'";
   for (std::size_t i = 1; i < nearest.size(); ++i) {
     text += (i + 1 == nearest.size() ? " or '" : ", '") + nearest[i] + "'";

@@ -10,7 +10,7 @@
 #include <springnet/mesh.hpp>
 #include <springnet/printable.hpp>
 
-#include "simulation/most_threads.hpp"
+#include "simulation/max_threads.hpp"
 
 namespace springnet::tool {
 
@@ -147,11 +147,11 @@ bool PluginArguments::matters(const Refusal& refusal, const PluginHost& host, co
 
 std::vector<std::string> PluginArguments::notes(const PluginHost& host, const Scene& scene,
                                                 std::string_view integrator) const {
-  constexpr std::size_t most_told = 3;
+  constexpr std::size_t max_told = 3;
   std::vector<std::string> notes = empty_folders();
   std::size_t told = 0, others = 0;
   for (const Refusal& refusal : host.refusals()) {
-    if (told == most_told || !matters(refusal, host, scene, integrator)) {
+    if (told == max_told || !matters(refusal, host, scene, integrator)) {
       ++others;
       continue;
     }
@@ -180,7 +180,7 @@ void SceneArguments::add_to(CLI::App& command, bool simulation) {
         ->check(number_between(above_zero, finite));
     command.add_option("--threads", threads, "Threads; 0: as many as are useful")
         ->type_name("N")
-        ->check(number_between(0, most_threads));
+        ->check(number_between(0, max_threads));
   }
   command.add_option("--set", sets, "Replace or add a key of the scene; the value is TOML. May be repeated")
       ->type_name("KEY=VALUE")

@@ -3,7 +3,7 @@
 #include <doctest/doctest.h>
 
 #include "constraints/friction.hpp"
-#include "ways.hpp"
+#include "schemes.hpp"
 
 using namespace springnet;
 using namespace springnet::testing;
@@ -28,13 +28,13 @@ Network on_incline(double angle, const Friction& friction, const Vector3& veloci
 TEST_CASE("on an incline a node sticks, slides or is held as friction says") {
   constexpr double angle = 0.4, time = 0.5;  // rad, s
   const double along = gravity * std::sin(angle), into = gravity * std::cos(angle);
-  for (const Way& way : all_ways(1e-10)) {
-    INFO(way.name);
+  for (const Scheme& scheme : all_schemes(1e-10)) {
+    INFO(scheme.name);
     // Constant forces: second order is exact; first order is off by h / 2 times the speed gained.
     const double h = 0.005;
-    const double accuracy = way.order == 1.0 ? 0.51 * h * along * time : way.order == 2.0 ? 1e-9 : 1e-6;
+    const double accuracy = scheme.order == 1.0 ? 0.51 * h * along * time : scheme.order == 2.0 ? 1e-9 : 1e-6;
     SUBCASE("none") {
-      Simulation s = simulate(on_incline(angle, {Friction::Kind::none, 0.0}, {0, 0, 0}), way.integrator, h);
+      Simulation s = simulate(on_incline(angle, {Friction::Kind::none, 0.0}, {0, 0, 0}), scheme.integrator, h);
       s.advance_to(time);
       CHECK(std::abs(s.position(0)[0] - 0.5 * along * time * time) <= accuracy);
       CHECK(std::abs(s.position(0)[2]) <= 1e-12);
@@ -45,21 +45,21 @@ TEST_CASE("on an incline a node sticks, slides or is held as friction says") {
     }
     SUBCASE("Coulomb, too little to hold") {
       const double mu = 0.3;  // tan(0.4) = 0.42
-      Simulation s = simulate(on_incline(angle, {Friction::Kind::coulomb, mu}, {0, 0, 0}), way.integrator, h);
+      Simulation s = simulate(on_incline(angle, {Friction::Kind::coulomb, mu}, {0, 0, 0}), scheme.integrator, h);
       s.advance_to(time);
       CHECK(std::abs(s.position(0)[0] - 0.5 * (along - mu * into) * time * time) <= accuracy);
       CHECK_FALSE(s.held(0));
       CHECK(std::abs(s.reaction(0)[0] + 0.7 * mu * into) <= 1e-6);
     }
     SUBCASE("Coulomb, enough to hold") {
-      Simulation s = simulate(on_incline(angle, {Friction::Kind::coulomb, 0.5}, {0, 0, 0}), way.integrator, h);
+      Simulation s = simulate(on_incline(angle, {Friction::Kind::coulomb, 0.5}, {0, 0, 0}), scheme.integrator, h);
       s.advance_to(time);
       CHECK(s.position(0).norm() <= 1e-12);
       CHECK(s.held(0));
       CHECK((s.reaction(0) + 0.7 * Vector3(along, 0, -into)).norm() <= 1e-9);
     }
     SUBCASE("held, the paper's") {
-      Simulation s = simulate(on_incline(angle, {Friction::Kind::held, 0.0}, {0, 0, 0}), way.integrator, h);
+      Simulation s = simulate(on_incline(angle, {Friction::Kind::held, 0.0}, {0, 0, 0}), scheme.integrator, h);
       s.advance_to(time);
       CHECK(s.position(0).norm() <= 1e-12);
       CHECK(s.held(0));
@@ -71,13 +71,13 @@ TEST_CASE("a thrown puck slides v^2 / (2 mu g) far and stays there") {
   constexpr double mu = 0.4, speed = 1.5;
   const double far = speed * speed / (2.0 * mu * gravity);
   const Vector3 direction = Vector3(3, 4, 0) / 5.0;
-  for (const Way& way : all_ways(1e-10)) {
-    INFO(way.name);
+  for (const Scheme& scheme : all_schemes(1e-10)) {
+    INFO(scheme.name);
     const double h = 0.002;
-    Simulation s = simulate(on_incline(0.0, {Friction::Kind::coulomb, mu}, speed * direction), way.integrator, h);
+    Simulation s = simulate(on_incline(0.0, {Friction::Kind::coulomb, mu}, speed * direction), scheme.integrator, h);
     s.advance_to(0.8);
-    // It stops within a step: off by a step's way at the last speed, and first order by h / 2 times the first.
-    const double accuracy = way.order == 0.0 ? 1e-6 : way.order == 1.0 ? 0.6 * h * speed : mu * gravity * h * h;
+    // It stops within a step: off by a step's path at the last speed, and first order by h / 2 times the first.
+    const double accuracy = scheme.order == 0.0 ? 1e-6 : scheme.order == 1.0 ? 0.6 * h * speed : mu * gravity * h * h;
     CHECK((s.position(0) - far * direction).norm() <= accuracy);
     CHECK(s.held(0));
     CHECK(s.velocity(0).norm() == 0.0);
@@ -130,15 +130,15 @@ TEST_CASE(
   Simulation reference = simulate(net, cvode(1e-10), 0.01);
   reference.advance_to(0.35);
   REQUIRE(reference.touching(0));
-  for (const Way& way : stepping_ways(1e-10)) {
-    INFO(way.name);
-    Simulation s = simulate(net, way.integrator, 0.001);
+  for (const Scheme& scheme : stepping_schemes(1e-10)) {
+    INFO(scheme.name);
+    Simulation s = simulate(net, scheme.integrator, 0.001);
     s.advance_to(0.35);
     CHECK(s.touching(0));
     CHECK(worst_length(net, s) <= 1e-8);
     // Nothing pushes along the floor.
     CHECK(std::abs(s.momentum()[0] - 1.2) <= 1e-9);
-    // The touch falls within a step, of 1 ms at 2.4 m/s: off by a part of that way in all that follows.
+    // The touch falls within a step, of 1 ms at 2.4 m/s: off by a part of that distance in all that follows.
     CHECK(distance(s, reference) <= 2.4e-3);
   }
 }
@@ -160,9 +160,9 @@ TEST_CASE("a node that slides into a second surface stops there, in every integr
   constexpr double pull = 1.4, from = 0.5, until = 0.8, h = 0.005;
   net.add_load({{0, 1}, {-pull, 0, 0}, from});
   const bool rigid = !net.rigids().empty();
-  for (const Way& way : all_ways(1e-10)) {
-    INFO(way.name);
-    Simulation s = simulate(net, way.integrator, h);
+  for (const Scheme& scheme : all_schemes(1e-10)) {
+    INFO(scheme.name);
+    Simulation s = simulate(net, scheme.integrator, h);
     s.advance_to(0.45);
     // Joined to another node it is drawn back a little by that one, which swings round it: by less than a millimetre in
     // the reference. On a wall that it went through it would be at 0.45.
@@ -175,7 +175,7 @@ TEST_CASE("a node that slides into a second surface stops there, in every integr
     CHECK(std::abs(s.position(1)[2]) <= 1e-9);
     if (rigid) continue;  // the other node went on around the stopped one
     // First order: h / 2 times the speed gained; the step in which it leaves may be lost.
-    const double accuracy = way.order > 0.0 ? 1.6 * h * pull / 0.7 * (until - from) : 1e-6;
+    const double accuracy = scheme.order > 0.0 ? 1.6 * h * pull / 0.7 * (until - from) : 1e-6;
     CHECK(std::abs(0.2 - moved - s.position(1)[0]) <= accuracy);
     CHECK(std::abs(0.2 - moved - s.position(0)[0]) <= accuracy);
   }
@@ -192,13 +192,13 @@ TEST_CASE("a node that came to a corner leaves it again, whichever surface it me
     net.add_load({{0}, {-8, 0, 0}, 0.7, 10.0});
     net.add_plane({"floor", {0, 0, 0}, {0, 0, 1}, none});
     net.add_plane({"wall", {1, 0, 0}, {-1, 0, 0}, none});
-    for (const Way& way : all_ways(1e-10)) {
-      INFO(way.name << ", from " << height);
-      Simulation simulation = simulate(net, way.integrator, 0.0025);
+    for (const Scheme& scheme : all_schemes(1e-10)) {
+      INFO(scheme.name << ", from " << height);
+      Simulation simulation = simulate(net, scheme.integrator, 0.0025);
       simulation.advance_to(1.5);
       CHECK(std::abs(simulation.position(0).z()) <= 1e-12);
       // 1 - 4 t^2 after 0.8 s; steps leave late by up to two of them.
-      CHECK(simulation.position(0).x() == doctest::Approx(1.0 - 4.0 * 0.64).epsilon(way.order > 0.0 ? 0.01 : 1e-6));
+      CHECK(simulation.position(0).x() == doctest::Approx(1.0 - 4.0 * 0.64).epsilon(scheme.order > 0.0 ? 0.01 : 1e-6));
     }
   }
 }
@@ -206,7 +206,7 @@ TEST_CASE("a node that came to a corner leaves it again, whichever surface it me
 TEST_CASE("a corner whose wall moves lets its node go, or pushes it along, whichever surface it met first") {
   // Pressed to floor and wall by 1 N; from 1 s on the wall goes 0.5 m away within 1 s, or comes as much nearer.
   const Friction none{Friction::Kind::none, 0.0};
-  for (const double way_of_wall : {0.5, -0.5}) {
+  for (const double wall_displacement : {0.5, -0.5}) {
     for (const bool floor_last : {false, true}) {
       Network net;
       net.add_node(floor_last ? point({1, 0, 0.3}) : point({0.9, 0, 0}));
@@ -215,17 +215,17 @@ TEST_CASE("a corner whose wall moves lets its node go, or pushes it along, which
       net.add_plane({"floor", {0, 0, 0}, {0, 0, 1}, none});
       Motion motion;
       motion.times = {1.0, 2.0};
-      motion.displacements = {Vector3::Zero(), {way_of_wall, 0, 0}};
+      motion.displacements = {Vector3::Zero(), {wall_displacement, 0, 0}};
       net.add_plane({"wall", {1, 0, 0}, {-1, 0, 0}, none, motion});
       Simulation simulation = simulate(net, cvode(1e-9), 0.05);
-      CAPTURE(way_of_wall);
+      CAPTURE(wall_displacement);
       CAPTURE(floor_last);
       simulation.advance_to(0.95);
       CHECK(simulation.position(0).x() == doctest::Approx(1.0).epsilon(1e-9));
       simulation.advance_to(3.0);
       CHECK(std::abs(simulation.position(0).z()) <= 1e-7);
       // Pushed it stays at the wall; drawn away it follows with 1 m/s^2 at most: 0.5 t^2, and the wall comes to rest.
-      CHECK(simulation.position(0).x() == doctest::Approx(1.0 + way_of_wall).epsilon(1e-6));
+      CHECK(simulation.position(0).x() == doctest::Approx(1.0 + wall_displacement).epsilon(1e-6));
     }
   }
 }
@@ -238,9 +238,9 @@ TEST_CASE("a node that friction holds in a corner makes no events without end") 
   net.add_load({{0}, {4, 0, 0}});
   net.add_plane({"floor", {0, 0, 0}, {0, 0, 1}, rough});
   net.add_plane({"wall", {1, 0, 0}, {-1, 0, 0}, rough});
-  for (const Way& way : all_ways(1e-10)) {
-    INFO(way.name);
-    Simulation simulation = simulate(net, way.integrator, 0.01);
+  for (const Scheme& scheme : all_schemes(1e-10)) {
+    INFO(scheme.name);
+    Simulation simulation = simulate(net, scheme.integrator, 0.01);
     simulation.advance_to(0.4);
     CHECK((simulation.position(0) - Vector3(1, 0, 0)).norm() <= 1e-9);
     CHECK(simulation.events().size() < 12);
@@ -262,10 +262,10 @@ TEST_CASE("on two surfaces that are flush with each other a node slides as on on
   tile.friction = floor.friction;
   net.add_instrument(tile);
   const double expected = 1.0 - mu * g * until;  // the blow's share and the flight's make up for each other
-  for (const Way& way : all_ways(1e-9)) {
-    INFO(way.name);
-    Simulation s = simulate(net, way.integrator, 0.004);
+  for (const Scheme& scheme : all_schemes(1e-9)) {
+    INFO(scheme.name);
+    Simulation s = simulate(net, scheme.integrator, 0.004);
     s.advance_to(until);
-    CHECK(std::abs(s.velocity(0).x() - expected) <= (way.order > 0.0 ? 2.0 * mu * g * 0.004 : 1e-7));
+    CHECK(std::abs(s.velocity(0).x() - expected) <= (scheme.order > 0.0 ? 2.0 * mu * g * 0.004 : 1e-7));
   }
 }

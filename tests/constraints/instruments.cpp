@@ -5,7 +5,7 @@
 #include <Eigen/Geometry>
 
 #include "constraints/obstacle.hpp"
-#include "ways.hpp"
+#include "schemes.hpp"
 
 using namespace springnet;
 using namespace springnet::testing;
@@ -73,7 +73,7 @@ TEST_CASE("distance, normal and curvature of a capsule are those of its definiti
   }
 }
 
-TEST_CASE("the first touch on a straight way, through a sphere too") {
+TEST_CASE("the first touch on a straight path, through a sphere too") {
   Instrument instrument;
   instrument.radius = 1.0;
   const Obstacle sphere(instrument);
@@ -97,18 +97,18 @@ TEST_CASE("instruments push into a block: all integrators agree, forces are in b
     REQUIRE(reference.nodes_touching(0) > 0);
     REQUIRE(reference.nodes_touching(1) > 0);
     CHECK(reference.surface_force(0)[2] > 0.1);  // N: the block pushes back
-    for (const Way& way : stepping_ways(1e-9)) {
-      INFO(way.name << ", friction " << static_cast<int>(friction.kind));
-      Simulation s = simulate(net, way.integrator, 0.0025);
+    for (const Scheme& scheme : stepping_schemes(1e-9)) {
+      INFO(scheme.name << ", friction " << static_cast<int>(friction.kind));
+      Simulation s = simulate(net, scheme.integrator, 0.0025);
       s.advance_to(0.5);
       // The block still swings by millimetres. First order is off by h / 2 times its 0.5 s of motion, as is a touch
       // that falls within a step for what it stops, at up to 0.3 m/s.
       // Verlet sees stick and slip at the ends of steps only.
-      const bool late = way.name == "verlet" && friction.kind == Friction::Kind::coulomb;
-      CHECK(distance(s, reference) <= (way.order == 1.0 || late ? 3e-3 : 8e-4));
+      const bool late = scheme.name == "verlet" && friction.kind == Friction::Kind::coulomb;
+      CHECK(distance(s, reference) <= (scheme.order == 1.0 || late ? 3e-3 : 8e-4));
       for (std::size_t j = 0; j < 2; ++j) {
         const double force = reference.surface_force(j).norm();
-        CHECK((s.surface_force(j) - reference.surface_force(j)).norm() <= (way.order == 1.0 ? 0.15 : 0.05) * force);
+        CHECK((s.surface_force(j) - reference.surface_force(j)).norm() <= (scheme.order == 1.0 ? 0.15 : 0.05) * force);
       }
       // What the instruments get is what their nodes give.
       Vector3 force = Vector3::Zero(), torque = Vector3::Zero();
@@ -138,19 +138,20 @@ TEST_CASE("a plane that rises takes a node along and throws it, at the accelerat
   plate.motion->phase = 1.5707963267948966;
   plate.motion->frequency = 2.0;
   net.add_plane(plate);
-  const double w = 2.0 * 3.141592653589793 * 2.0, leaves = std::acos(-9.81 / (0.2 * w * w)) / w;
-  for (const Way& way : all_ways(1e-9)) {
-    INFO(way.name);
-    Simulation s = simulate(net, way.integrator, 0.001);
-    s.advance_to(0.5 * leaves);
-    CHECK(s.position(0)[2] == doctest::Approx(0.2 * (1.0 - std::cos(w * 0.5 * leaves))).epsilon(1e-9));
-    CHECK(s.reaction(0)[2] == doctest::Approx(0.3 * (9.81 + 0.2 * w * w * std::cos(w * 0.5 * leaves))).epsilon(1e-9));
+  const double w = 2.0 * 3.141592653589793 * 2.0, release_time = std::acos(-9.81 / (0.2 * w * w)) / w;
+  for (const Scheme& scheme : all_schemes(1e-9)) {
+    INFO(scheme.name);
+    Simulation s = simulate(net, scheme.integrator, 0.001);
+    s.advance_to(0.5 * release_time);
+    CHECK(s.position(0)[2] == doctest::Approx(0.2 * (1.0 - std::cos(w * 0.5 * release_time))).epsilon(1e-9));
+    CHECK(s.reaction(0)[2] ==
+          doctest::Approx(0.3 * (9.81 + 0.2 * w * w * std::cos(w * 0.5 * release_time))).epsilon(1e-9));
     CHECK(s.held(0));
-    s.advance_to(leaves + 0.05);
+    s.advance_to(release_time + 0.05);
     CHECK_FALSE(s.touching(0));
     double released = 0.0;
     for (const Event& event : s.events())
       if (event.kind == Event::Kind::released) released = event.time;
-    CHECK(std::abs(released - leaves) <= (way.order > 0.0 ? 0.0021 : 1e-6));  // within a step, or two
+    CHECK(std::abs(released - release_time) <= (scheme.order > 0.0 ? 0.0021 : 1e-6));  // within a step, or two
   }
 }

@@ -40,7 +40,7 @@ Eigen::MatrixXd end_of_rod(double angle) {
 
 }  // namespace
 
-TEST_CASE("a contact goes on with what is left of its surfaces") {
+TEST_CASE("a contact continues with the obstacles that remain") {
   using Kind = ContactCause::Kind;
   Touch touch;
   CHECK(status_of(touch) == ContactStatus::free);
@@ -66,24 +66,24 @@ TEST_CASE("a contact goes on with what is left of its surfaces") {
   CHECK(after(Touch{}, {Kind::stick}) == Touch{});
 }
 
-TEST_CASE("a reaction is split into normal forces and what lies along all surfaces") {
+TEST_CASE("a reaction is split into normal forces and a part tangential to all obstacles") {
   const SplitReaction one = split_reaction({Vector3::UnitZ()}, {1, 2, 3});
   CHECK(one.normal[0] == 3.0);
-  CHECK(one.along == Vector3(1, 2, 0));
+  CHECK(one.tangential == Vector3(1, 2, 0));
   // Two walls at 60 degrees: 2 and 5 N and 7 N along their edge.
   const Vector3 a(0, 0, 1), b(std::sqrt(0.75), 0, 0.5);
   const SplitReaction two = split_reaction({a, b}, 2 * a + 5 * b + 7 * Vector3::UnitY());
   CHECK(two.normal[0] == doctest::Approx(2).epsilon(rounding));
   CHECK(two.normal[1] == doctest::Approx(5).epsilon(rounding));
-  CHECK((two.along - 7 * Vector3::UnitY()).norm() <= rounding);
+  CHECK((two.tangential - 7 * Vector3::UnitY()).norm() <= rounding);
 }
 
 TEST_CASE("the cone of friction has one edge") {
-  CHECK(grip(0.5, 10, 5) == 0.0);
-  CHECK(grip(0.5, 10, 5.1) < 0.0);  // 2 % beyond
-  CHECK(grip(0.5, 10, 4.9) > 0.0);
-  CHECK(grip(std::numeric_limits<double>::infinity(), 0.0, 1e9) > 0.0);
-  CHECK(grip(std::numeric_limits<double>::infinity(), -1e-9, 1.0) < 0.0);
+  CHECK(cone_margin(0.5, 10, 5) == 0.0);
+  CHECK(cone_margin(0.5, 10, 5.1) < 0.0);  // 2 % beyond
+  CHECK(cone_margin(0.5, 10, 4.9) > 0.0);
+  CHECK(cone_margin(std::numeric_limits<double>::infinity(), 0.0, 1e9) > 0.0);
+  CHECK(cone_margin(std::numeric_limits<double>::infinity(), -1e-9, 1.0) < 0.0);
 }
 
 TEST_CASE("the derivative of friction is that of its differences") {
@@ -108,7 +108,7 @@ TEST_CASE("a lone node that strikes: Newton's restitution, Coulomb's impulse") {
       ContactNode node = on_floor({1, 0, -3}, coulomb(mu));
       node.sides[0].restitution = e;
       Island island({node}, Matrix3(Matrix3::Identity() / 2));
-      CHECK(island.strike(1e-6));
+      CHECK(island.apply_impact(1e-6));
       const ContactNode& struck = island.nodes()[0];
       const double normal = 2 * 3 * (1 + e), along = std::min(mu * normal, 2.0);
       CHECK((struck.impulse[0] - Vector3(-along, 0, normal)).norm() <= rounding * normal);
@@ -119,17 +119,17 @@ TEST_CASE("a lone node that strikes: Newton's restitution, Coulomb's impulse") {
   ContactNode slow = on_floor({0, 0, -1e-7}, smooth);
   slow.sides[0].restitution = 1.0;
   Island island({slow}, Matrix3::Identity());
-  CHECK(island.strike(1e-6));
+  CHECK(island.apply_impact(1e-6));
   CHECK(island.nodes()[0].sides[0].velocity == Vector3::Zero());
   // What moves off is not struck.
   Island leaving({on_floor({1, 0, 0.1}, held)}, Matrix3::Identity());
-  CHECK_FALSE(leaving.strike(1e-6));
-  // What rounding leaves of a velocity is no blow, and one that strikes with another that does not approach is left
+  CHECK_FALSE(leaving.apply_impact(1e-6));
+  // What rounding leaves of a velocity is no impact, and one that strikes with another that does not approach is left
   // alone.
   Island resting({on_floor({1, 0, -1e-17}, smooth)}, Matrix3::Identity());
-  CHECK_FALSE(resting.strike(1e-6, 1e-13));
+  CHECK_FALSE(resting.apply_impact(1e-6, 1e-13));
   Island both({on_floor({1, 0, -1e-17}, smooth), on_floor({0, 0, -1}, smooth)}, Eigen::MatrixXd::Identity(6, 6));
-  CHECK(both.strike(1e-6, 1e-13));
+  CHECK(both.apply_impact(1e-6, 1e-13));
   CHECK(both.nodes()[0].impulse[0] == Vector3::Zero());
   CHECK(both.nodes()[1].impulse[0] == Vector3(0, 0, 1));
 }
@@ -137,7 +137,7 @@ TEST_CASE("a lone node that strikes: Newton's restitution, Coulomb's impulse") {
 TEST_CASE("a rod that strikes with one end has the impulse of its effective mass") {
   const double angle = 0.6, s = std::sin(angle);
   Island island({on_floor({0, 0, -1}, smooth)}, end_of_rod(angle));
-  CHECK(island.strike(1e-6));
+  CHECK(island.apply_impact(1e-6));
   CHECK(island.nodes()[0].impulse[0].z() == doctest::Approx(1 / (1 - 0.5 * s * s)).epsilon(rounding));
 }
 
@@ -170,13 +170,13 @@ TEST_CASE("where no finite force exists a rod jams") {
   // D_zz - mu |D_xz| < 0: sliding so that friction presses it in (Painlevé). mu > (2 - s^2) / (c s) = 3 at 45 degrees.
   for (const double mu : {2.9, 3.1}) {
     ContactNode node = on_floor({-1, 0, 0}, coulomb(mu));
-    node.moves = true;
+    node.slipping = true;
     node.slip = -Vector3::UnitX();
     Island rod({node}, end_of_rod(std::numbers::pi / 4));
     const bool finite = rod.resolve(1e-12);
-    // Which way round friction presses in is a matter of the angle's sign.
+    // In which direction friction presses in is a matter of the angle's sign.
     ContactNode mirrored = on_floor({1, 0, 0}, coulomb(mu));
-    mirrored.moves = true;
+    mirrored.slipping = true;
     mirrored.slip = Vector3::UnitX();
     Island other({mirrored}, end_of_rod(std::numbers::pi / 4));
     const bool other_finite = other.resolve(1e-12);
@@ -212,32 +212,32 @@ TEST_CASE("a node between two planes: each bears its share, and the edge is free
     const double pressing = std::sqrt(0.5);
     CHECK(island.nodes()[0].normal_force[0] == doctest::Approx(pressing).epsilon(rounding));
     CHECK(island.nodes()[0].normal_force[1] == doctest::Approx(pressing).epsilon(rounding));
-    const double most = mu * 2 * pressing;
-    CHECK((island.acceleration(0) - Vector3(0, std::max(0.0, 0.25 - most), 0)).norm() <= rounding);
-    CHECK(island.nodes()[0].sticks == (most > 0.25));
+    const double limit = mu * 2 * pressing;
+    CHECK((island.acceleration(0) - Vector3(0, std::max(0.0, 0.25 - limit), 0)).norm() <= rounding);
+    CHECK(island.nodes()[0].sticks == (limit > 0.25));
   }
 }
 
-TEST_CASE("what a force lifts is let go, and what lies on a surface under load is held") {
+TEST_CASE("lifted nodes are released, and pressed nodes are held") {
   ContactNode lifted = on_floor(Vector3::Zero(), held);
   lifted.acceleration = {0, 0, 1};
   lifted.sticks = true;
   Island up({lifted}, Matrix3::Identity());
   CHECK(up.resolve(1e-12));
-  CHECK_FALSE(up.nodes()[0].sides[0].touches);
+  CHECK_FALSE(up.nodes()[0].sides[0].active);
   ContactNode lying = on_floor(Vector3::Zero(), held);
-  lying.sides[0].touches = false;
+  lying.sides[0].active = false;
   lying.acceleration = {5, 0, -1};
   Island down({lying}, Matrix3::Identity());
   CHECK(down.resolve(1e-12));
-  CHECK(down.nodes()[0].sides[0].touches);
+  CHECK(down.nodes()[0].sides[0].active);
   CHECK(down.nodes()[0].sticks);
   CHECK((down.nodes()[0].force - Vector3(-5, 0, 1)).norm() <= rounding);
 }
 
-TEST_CASE("what would pull although it cannot leave is braced by what it hangs on rigidly") {
-  // A rod along x, its ends held on the two sides of a roof; together they are drawn to -x, and each down. The least
-  // forces share the draw between them: more than what presses the left end on. Let go, it would sink in.
+TEST_CASE("a contact that would pull but cannot separate is braced by its rigid body") {
+  // A rod along x, its ends held on the two sides of a roof; together they are pulled to -x, and each down. The
+  // forces of least norm share the pull equally: more than the load on the left end. Released, it would penetrate.
   const double c = std::sqrt(0.5);
   std::vector<ContactNode> nodes;
   for (const double side : {-1.0, 1.0}) {
@@ -262,14 +262,14 @@ TEST_CASE("what would pull although it cannot leave is braced by what it hangs o
 
 TEST_CASE("impulses that end a slip leave gaps as they are") {
   ContactNode node = on_floor({0.3, -0.4, 0}, coulomb(0.5));
-  node.rests = true;
+  node.slip_ended = true;
   Island island({node}, end_of_rod(0.4));
-  CHECK(island.stop(1e-12));
+  CHECK(island.end_slip(1e-12));
   CHECK(island.nodes()[0].sides[0].velocity.norm() <= rounding);
   CHECK((end_of_rod(0.4) * island.nodes()[0].impulse[0] + Vector3(0.3, -0.4, 0)).norm() <= rounding);
 }
 
-TEST_CASE("the least numbers that lift all of some others above zero") {
+TEST_CASE("the vector of least norm that makes all components nonnegative") {
   Eigen::MatrixXd matrix(2, 2);
   matrix << 1, 1, 0, -1;
   const auto x = min_norm_nonnegative(Eigen::Vector2d(-2, 0.5), matrix);
@@ -278,16 +278,16 @@ TEST_CASE("the least numbers that lift all of some others above zero") {
   CHECK_FALSE(min_norm_nonnegative(Eigen::Vector2d(-1, -1), Eigen::Vector2d(1, -1)).has_value());
 }
 
-// A force of 1 N across and (2, 0) N along a surface: x times (1, 0, 0) more, until friction of 1/2 bears it.
-TEST_CASE("the least bracing puts a force on the edge of its cone") {
+// A force of 1 N normal and (2, 0) N tangential to a surface: x times (1, 0, 0) more, until friction of 1/2 holds it.
+TEST_CASE("the bracing of least norm puts a force on the boundary of its cone") {
   Eigen::VectorXd base(3);
   base << 1, 2, 0;
   Eigen::MatrixXd matrix = Eigen::MatrixXd::Zero(3, 1);
   matrix(0, 0) = 1.0;
   const auto across = min_norm_in_cones(base, matrix, {{0.5, 0.0}});
   REQUIRE(across.has_value());
-  CHECK(std::abs((*across)[0] - 3.0) <= 1e-8);  // and the billionth that rounding is kept off by
-  // Turned into the plane: (1 + x)^2 = 4 ((2 - x)^2 + 1/4) is left where 3 x^2 - 18 x + 16 = 0.
+  CHECK(std::abs((*across)[0] - 3.0) <= 1e-8);  // and a billionth as a margin for rounding
+  // Oblique: (1 + x)^2 = 4 ((2 - x)^2 + 1/4) is left where 3 x^2 - 18 x + 16 = 0.
   base << 1, 2, 0.5;
   matrix << 1, -1, 0;
   const auto oblique = min_norm_in_cones(base, matrix, {{0.5, 0.0}});
@@ -298,9 +298,9 @@ TEST_CASE("the least bracing puts a force on the edge of its cone") {
   CHECK_FALSE(min_norm_in_cones(base, matrix, {{0.5, 0.0}}).has_value());
 }
 
-// Friction of 1e4 would have to draw to hold it, and without the surface it sinks: it slips, with next to no normal
-// force.
-TEST_CASE("a contact that can neither hold nor leave slips") {
+// With friction of 1e4 the surface would have to pull to hold it, and without the surface it penetrates: it slips, with
+// hardly any normal force.
+TEST_CASE("a contact that can neither stick nor separate slips") {
   Eigen::MatrixXd mobility(3, 3);
   mobility << 1.158093325, -0.2675637631, 1.176231253, -0.2675637631, 0.665681599, -0.6441033705, 1.176231253,
       -0.6441033705, 2.846256427;
@@ -312,19 +312,19 @@ TEST_CASE("a contact that can neither hold nor leave slips") {
   const ContactNode& found = island.nodes()[0];
   CHECK_FALSE(found.sticks);
   CHECK(found.normal_force[0] > 0.0);
-  const Vector3 goes = island.acceleration(0);
-  CHECK(std::abs(goes.z()) <= 1e-11);
-  CHECK(goes.dot(found.slip) > 0.0);
-  CHECK(goes.cross(found.slip).norm() <= 1e-9);
+  const Vector3 acceleration = island.acceleration(0);
+  CHECK(std::abs(acceleration.z()) <= 1e-11);
+  CHECK(acceleration.dot(found.slip) > 0.0);
+  CHECK(acceleration.cross(found.slip).norm() <= 1e-9);
   CHECK((found.force + 1e4 * found.normal_force[0] * found.slip - found.normal_force[0] * Vector3::UnitZ()).norm() <=
         1e-11);
 }
 
-TEST_CASE("a direction is found where what turns it vanishes") {
-  const Vector3 n = Vector3::UnitZ(), goes(0.6, 0.8, 0);
-  const auto found = find_direction(n, Vector3::UnitX(), [&](const Vector3& t) { return n.dot(t.cross(goes)); });
+TEST_CASE("the direction is found at which the rate of turning vanishes") {
+  const Vector3 n = Vector3::UnitZ(), expected(0.6, 0.8, 0);
+  const auto found = find_direction(n, Vector3::UnitX(), [&](const Vector3& t) { return n.dot(t.cross(expected)); });
   REQUIRE(found.has_value());
-  CHECK((*found - goes).norm() <= rounding);
+  CHECK((*found - expected).norm() <= rounding);
   CHECK_FALSE(find_direction(n, Vector3::UnitX(), [](const Vector3&) { return 1.0; }).has_value());
 }
 
@@ -340,17 +340,17 @@ TEST_CASE("impulses over a step end approach within the cone, for all contacts a
     CHECK((lone.nodes()[0].force - answer.impulse).norm() <= rounding);
     CHECK(lone.nodes()[0].sticks == answer.sticks);
   }
-  // One that rises is let go, unless it stays.
+  // One that rises is let go, unless it pinned.
   ContactNode rising = on_floor(Vector3::Zero(), smooth);
   rising.acceleration = {0, 0, 0.7};
-  Island leaves({rising}, Matrix3::Identity());
-  REQUIRE(leaves.resolve_impulses(1e-12));
-  CHECK_FALSE(leaves.nodes()[0].sides[0].touches);
-  CHECK(leaves.nodes()[0].force.isZero(0.0));
-  rising.sides[0].stays = true;
-  Island stays({rising}, Matrix3::Identity());
-  REQUIRE(stays.resolve_impulses(1e-12));
-  CHECK((stays.nodes()[0].force + Vector3(0, 0, 0.7)).norm() <= rounding);
+  Island released({rising}, Matrix3::Identity());
+  REQUIRE(released.resolve_impulses(1e-12));
+  CHECK_FALSE(released.nodes()[0].sides[0].active);
+  CHECK(released.nodes()[0].force.isZero(0.0));
+  rising.sides[0].pinned = true;
+  Island pinned({rising}, Matrix3::Identity());
+  REQUIRE(pinned.resolve_impulses(1e-12));
+  CHECK((pinned.nodes()[0].force + Vector3(0, 0, 0.7)).norm() <= rounding);
   // Two nodes braced between each other by a rod along x: only what differs from its direction moves them.
   std::vector<ContactNode> braced(2, on_floor(Vector3::Zero(), coulomb(0.3)));
   braced[1].node = 1;
@@ -376,5 +376,5 @@ TEST_CASE("a reaction is shared by surfaces that press, also between two that fa
   // The side would have to pull: all of it is the floor's, as friction.
   CHECK((share({up, side}, {-2, 0, 3})[0] - Vector3(-2, 0, 3)).norm() <= 1e-12);
   CHECK(share({up, side}, {-2, 0, 3})[1].norm() == 0.0);
-  CHECK(pressing_of({up, side}, {-2, 0, -3}).empty());
+  CHECK(pressing_surfaces({up, side}, {-2, 0, -3}).empty());
 }

@@ -4,7 +4,7 @@
 
 #include <numbers>
 
-#include "ways.hpp"
+#include "schemes.hpp"
 
 using namespace springnet;
 using namespace springnet::testing;
@@ -36,12 +36,12 @@ TEST_CASE("a mass on a shaken spring follows the closed form, and moving the spr
   const double natural = std::sqrt(stiffness / mass), time = 0.9;
   const double gain = amplitude * natural * natural / (natural * natural - turn * turn);
   const double x = gain * (std::sin(turn * time) - turn / natural * std::sin(natural * time));
-  for (const Way& way : all_ways(1e-10)) {
-    INFO(way.name);
-    Simulation simulation = simulate(net, way.integrator, 0.001);
+  for (const Scheme& scheme : all_schemes(1e-10)) {
+    INFO(scheme.name);
+    Simulation simulation = simulate(net, scheme.integrator, 0.001);
     simulation.advance_to(time);
     // Phase errors of order h w0^2 t / 2 and h^2 w0^3 t / 12 a radian.
-    const double share = way.order == 1.0 ? 0.06 : way.order == 2.0 ? 3e-4 : 1e-6;
+    const double share = scheme.order == 1.0 ? 0.06 : scheme.order == 2.0 ? 3e-4 : 1e-6;
     CHECK(std::abs(simulation.position(1)[0] - 1.0 - x) <= share * gain);
     const double moved = amplitude * std::sin(turn * time);
     CHECK(simulation.position(0)[0] == doctest::Approx(moved).epsilon(1e-14));
@@ -65,9 +65,9 @@ TEST_CASE("the work of moving a node goes into the net") {
   move.motion.times = {0.0, 1.0};
   move.motion.displacements = {Vector3::Zero(), Vector3(-0.2, 0, 0)};
   net.add_move(move);
-  for (const Way& way : all_ways(1e-9)) {
-    INFO(way.name);
-    Simulation simulation = simulate(net, way.integrator, 0.005);
+  for (const Scheme& scheme : all_schemes(1e-9)) {
+    INFO(scheme.name);
+    Simulation simulation = simulate(net, scheme.integrator, 0.005);
     double work = 0.0;
     Vector3 force = simulation.reaction(0), velocity = simulation.velocity(0);
     for (int i = 0; i < 240; ++i) {
@@ -90,10 +90,10 @@ TEST_CASE("a host moves a node and a surface from where they are to where it say
   floor.name = "floor";
   floor.point = {0, 0, -1};
   net.add_plane(floor);
-  for (const Way& way : {Way{"recurrent", recurrent(newton, 1e-9), 1.0}, Way{"cvode", cvode(1e-8), 0.0},
-                         Way{"verlet", {"verlet", {}}, 2.0}}) {
-    INFO(way.name);
-    Simulation simulation = simulate(net, way.integrator, 0.01);
+  for (const Scheme& scheme : {Scheme{"recurrent", recurrent(newton, 1e-9), 1.0}, Scheme{"cvode", cvode(1e-8), 0.0},
+                               Scheme{"verlet", {"verlet", {}}, 2.0}}) {
+    INFO(scheme.name);
+    Simulation simulation = simulate(net, scheme.integrator, 0.01);
     simulation.advance_to(0.1);
     const Vector3 before = simulation.position(0);
     simulation.move_node(0, before + Vector3(0, 0.1, 0), 0.2);
@@ -146,9 +146,9 @@ TEST_CASE("a table that sinks fast leaves a node in a viscous medium behind, hel
   for (const Friction::Kind kind : {Friction::Kind::none, Friction::Kind::held}) {
     Friction friction;
     friction.kind = kind;
-    for (const Way& way : all_ways(1e-10)) {
-      INFO(way.name);
-      Simulation simulation = simulate(on_table(motion, friction, 1.0, 0.5), way.integrator, 0.002);
+    for (const Scheme& scheme : all_schemes(1e-10)) {
+      INFO(scheme.name);
+      Simulation simulation = simulate(on_table(motion, friction, 1.0, 0.5), scheme.integrator, 0.002);
       simulation.advance_to(1.0);
       if (height == 0.0) height = simulation.position(0).z();
       CHECK(simulation.position(0).z() > -0.046);
@@ -158,7 +158,7 @@ TEST_CASE("a table that sinks fast leaves a node in a viscous medium behind, hel
   }
 }
 
-TEST_CASE("what the reference finds does not depend on how often it is asked, where nodes leave a shaken table") {
+TEST_CASE("results of the reference do not depend on how often they are queried, where nodes leave a shaken table") {
   Motion motion;
   motion.frequency = 2.0;
   for (const bool drags : {false, true}) {
@@ -180,16 +180,16 @@ TEST_CASE("what the reference finds does not depend on how often it is asked, wh
 TEST_CASE("a table without friction that moves along itself leaves a node where it is") {
   Friction none;
   none.kind = Friction::Kind::none;
-  for (const Way& way : all_ways(1e-10)) {
-    INFO(way.name);
+  for (const Scheme& scheme : all_schemes(1e-10)) {
+    INFO(scheme.name);
     Simulation simulation =
-        simulate(on_table(path({0, 0.5}, {Vector3::Zero(), {1, 0, 0}}), none, 0.0, 9.81), way.integrator, 0.02);
+        simulate(on_table(path({0, 0.5}, {Vector3::Zero(), {1, 0, 0}}), none, 0.0, 9.81), scheme.integrator, 0.02);
     simulation.advance_to(0.5);
     CHECK(simulation.position(0).norm() <= 1e-15);
   }
 }
 
-TEST_CASE("a table that turns round by a jump throws what does not stick to it") {
+TEST_CASE("a table whose velocity jumps to its opposite throws nodes that do not stick to it") {
   // 3 m/s up for 0.1 s, then down: the node flies from 0.3 m on, 0.3 + 3 t - g t^2 / 2.
   const Motion motion =
       path({0, 0.1, 0.2}, {Vector3::Zero(), {0, 0, 0.3}, Vector3::Zero()}, Motion::Interpolation::linear);
@@ -197,9 +197,9 @@ TEST_CASE("a table that turns round by a jump throws what does not stick to it")
     Friction friction;
     friction.kind = coefficient > 0.0 ? Friction::Kind::coulomb : Friction::Kind::none;
     friction.coefficient = coefficient;
-    for (const Way& way : all_ways(1e-10)) {
-      INFO(way.name);
-      Simulation simulation = simulate(on_table(motion, friction, 0.0, 9.81), way.integrator, 0.001);
+    for (const Scheme& scheme : all_schemes(1e-10)) {
+      INFO(scheme.name);
+      Simulation simulation = simulate(on_table(motion, friction, 0.0, 9.81), scheme.integrator, 0.001);
       simulation.advance_to(0.3);
       // First order: g t h / 2 behind in the fall.
       CHECK(simulation.position(0).z() == doctest::Approx(0.3 + 0.6 - 0.5 * 9.81 * 0.04).epsilon(0.005));
@@ -224,20 +224,20 @@ TEST_CASE("a surface that sheds nodes at the kinks of a sampled table is named o
           0, 0, sampled ? 0.2 * (1.0 - std::cos(3.14159265 * 0.1 * i)) : std::min(0.05 * i, 0.05));
     }
     net.add_plane(plane);
-    for (const Way& way : all_ways(1e-9)) {
-      INFO(way.name);
-      Simulation s = simulate(net, way.integrator, 0.01);
+    for (const Scheme& scheme : all_schemes(1e-9)) {
+      INFO(scheme.name);
+      Simulation s = simulate(net, scheme.integrator, 0.01);
       s.advance_to(0.9);
-      std::size_t released = 0, told = 0;
+      std::size_t released = 0, events = 0;
       for (const Event& event : s.events()) released += event.kind == Event::Kind::released ? 1 : 0;
       for (const std::string& note : s.notes()) {
         if (note.find("plane 'lift'") == std::string::npos) continue;
-        ++told;
+        ++events;
         CHECK(note.find("linear table") != std::string::npos);
         CHECK(note.find("interpolation = \"smooth\"") != std::string::npos);
       }
       CHECK(released >= 2);
-      CHECK(told == (sampled ? 1 : 0));
+      CHECK(events == (sampled ? 1 : 0));
     }
   }
 }

@@ -60,7 +60,7 @@ double distance_by_planes(const Instrument& box, const Vector3& x, Dice& dice) {
 
 // Of a motion and a turn at once, off the obstacle's middle.
 template <class Surface>
-Surface moved(Surface surface) {
+Surface with_motion(Surface surface) {
   surface.motion.emplace();
   surface.motion->amplitude = {0.1, -0.2, 0.15};
   surface.motion->frequency = 0.7;
@@ -79,9 +79,9 @@ std::vector<Obstacle> moving_obstacles() {
   capsule.second = {0.4, 0.1, 0.2};
   capsule.radius = 0.3;
   const Matrix3 axes = Eigen::AngleAxisd(0.7, Vector3(0.6, 0.8, 0.0)).toRotationMatrix();
-  std::vector<Obstacle> obstacles{Obstacle(moved(plane)), Obstacle(moved(capsule))};
+  std::vector<Obstacle> obstacles{Obstacle(with_motion(plane)), Obstacle(with_motion(capsule))};
   for (const double radius : {0.0, 0.1})
-    obstacles.emplace_back(moved(box_of({0.1, 0, 0}, {0.6, 0.4, 0.3}, axes, radius)));
+    obstacles.emplace_back(with_motion(box_of({0.1, 0, 0}, {0.6, 0.4, 0.3}, axes, radius)));
   return obstacles;
 }
 
@@ -180,7 +180,7 @@ TEST_CASE("points of an obstacle that moves and turns: place, velocity, accelera
   }
 }
 
-TEST_CASE("the distance of a moving point from a turning obstacle has the second derivative that is told") {
+TEST_CASE("the distance of a moving point from a turning obstacle has the second derivative that is returned") {
   Dice dice;
   for (const Obstacle& obstacle : moving_obstacles()) {
     for (int k = 0; k < 20; ++k) {
@@ -246,7 +246,7 @@ TEST_CASE("seams are where the curvature jumps") {
   CHECK(crossed > 50);
 }
 
-TEST_CASE("the first touch of a box on a straight way") {
+TEST_CASE("the first touch of a box on a straight path") {
   const Obstacle box(box_of({0, 0, 0}, {2, 2, 2}, Matrix3::Identity(), 0.0));
   const Pose rest;
   const auto into = box.first_touch(rest, {-3, 0.5, 0}, rest, {0, 0.5, 0});
@@ -258,20 +258,20 @@ TEST_CASE("the first touch of a box on a straight way") {
   CHECK_FALSE(box.first_touch(rest, {-3, -0.99, 0}, rest, {3, 5.01, 0}));  // the edge at (-1, 1) passed by 0.007 m
   CHECK_FALSE(box.first_touch(rest, {-3, 0, 0}, rest, {-1.5, 0, 0}));
 
-  // On random ways, against the gap in small steps.
+  // On random paths, against the gap in small steps.
   Dice dice;
   const Obstacle turned(box_of({0.1, 0.2, 0.3}, {0.9, 0.5, 0.7}, dice.rotation(), 0.1));
   int touches = 0;
   for (int k = 0; k < 200; ++k) {
     const Vector3 a = dice.vector(1.5), b = dice.vector(1.5);
     if (turned.gap(rest, a) <= 0.0) continue;
-    double least = 1e9, first = 2.0;
+    double min_gap = 1e9, first = 2.0;
     for (int i = 0; i <= 10000 && first > 1.0; ++i) {
       const double gap = turned.gap(rest, a + 1e-4 * i * (b - a));
-      least = std::min(least, gap);
+      min_gap = std::min(min_gap, gap);
       if (gap < 0.0) first = 1e-4 * i;
     }
-    if (first > 1.0 && least < 1e-4) continue;  // grazes: the steps cannot tell
+    if (first > 1.0 && min_gap < 1e-4) continue;  // grazes: the samples are too coarse
     const auto share = turned.first_touch(rest, a, rest, b);
     REQUIRE(share.has_value() == (first <= 1.0));
     if (!share) continue;
@@ -297,7 +297,7 @@ TEST_CASE("a box that turns over a point that rests meets it where its edge come
   const double begin = angle - 0.02, end = angle + 0.03;
   const auto share = obstacle.first_touch(obstacle.at(just_after(begin)), x, obstacle.at(just_after(end)), x);
   REQUIRE(share);
-  CHECK(std::abs(begin + *share * (end - begin) - angle) <= 0.05 * 0.05);  // straight where the way is an arc
+  CHECK(std::abs(begin + *share * (end - begin) - angle) <= 0.05 * 0.05);  // straight where the path is an arc
 }
 
 TEST_CASE("a surface can be placed although it turns about a point off it") {

@@ -5,7 +5,7 @@
 
 #include <functional>
 
-#include "ways.hpp"
+#include "schemes.hpp"
 
 using namespace springnet;
 using namespace springnet::testing;
@@ -109,11 +109,11 @@ TEST_CASE("theta 1 is of first, theta 1/2 and verlet are of second order, with a
   for (const Example& example : examples) {
     Simulation reference = simulate(example.net, cvode(1e-10), example.time_step);
     reference.advance_to(example.until);
-    for (const Way& way : stepping_ways(1e-10)) {
-      INFO(example.name << ": " << way.name);
+    for (const Scheme& scheme : stepping_schemes(1e-10)) {
+      INFO(example.name << ": " << scheme.name);
       double error[2];
       for (int i = 0; i < 2; ++i) {
-        Simulation simulation = simulate(example.net, way.integrator, example.time_step / (1 << i));
+        Simulation simulation = simulate(example.net, scheme.integrator, example.time_step / (1 << i));
         simulation.advance_to(example.until);
         error[i] = distance(simulation, reference);
         CHECK(worst_length(example.net, simulation) <= 1e-8);
@@ -122,8 +122,8 @@ TEST_CASE("theta 1 is of first, theta 1/2 and verlet are of second order, with a
       CAPTURE(error[0]);
       CAPTURE(error[1]);
       // The next term of the error is worth some per cent of an order at these steps.
-      CHECK(order > way.order - 0.2);
-      CHECK(order < way.order + 0.5);
+      CHECK(order > scheme.order - 0.2);
+      CHECK(order < scheme.order + 0.5);
     }
   }
 }

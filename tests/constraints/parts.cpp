@@ -1,5 +1,5 @@
 // Small parts of contact by themselves, against closed forms: systems of constraints and their effective mobility, the
-// least value on a way, what obstacles tell of their motion, forces between nodes that stick, surfaces that close.
+// smallest value on a path, what obstacles tell of their motion, forces between nodes that stick, surfaces that close.
 #include <cmath>
 #include <cstdint>
 #include <memory>
@@ -12,7 +12,7 @@
 #include "constraints/constraint_system.hpp"
 #include "constraints/contact.hpp"
 #include "constraints/island.hpp"
-#include "constraints/least_on_way.hpp"
+#include "constraints/path_minimum.hpp"
 #include "nets.hpp"
 
 using namespace springnet;
@@ -50,13 +50,13 @@ TEST_CASE("along a rod two masses move as one, across it each by itself") {
   CHECK((mobility - expected).cwiseAbs().maxCoeff() <= 1e-12);
 }
 
-TEST_CASE("the least value on a way is found, or one that is low enough") {
+TEST_CASE("the smallest value on a path is found, or one that is low enough") {
   const auto parabola = [](double s) { return (s - 0.3) * (s - 0.3) - 1.0; };
-  const LeastOnWay least = least_on_way(parabola, -2.0, 60);
-  CHECK(std::abs(least.share - 0.3) <= 1e-7);  // the square root of what values are rounded by
-  CHECK(least.value == doctest::Approx(-1.0));
+  const PathMinimum minimum = minimum_on_path(parabola, -2.0, 60);
+  CHECK(std::abs(minimum.share - 0.3) <= 1e-7);  // the square root of the values' rounding
+  CHECK(minimum.value == doctest::Approx(-1.0));
   int asked = 0;
-  const LeastOnWay enough = least_on_way(
+  const PathMinimum enough = minimum_on_path(
       [&](double s) {
         ++asked;
         return parabola(s);
@@ -66,7 +66,7 @@ TEST_CASE("the least value on a way is found, or one that is low enough") {
   CHECK(asked == 2);
 }
 
-TEST_CASE("an obstacle tells whether its turn moves its shape, how thick it is, and how near it may come") {
+TEST_CASE("an obstacle knows whether its turn moves its shape, its thickness, and the nearest it may come") {
   Turn turn;
   turn.rate = 3.0;
   Plane plane;
@@ -74,14 +74,14 @@ TEST_CASE("an obstacle tells whether its turn moves its shape, how thick it is, 
   CHECK(Obstacle(plane).turns_in_place());
   plane.normal = Vector3(0, 0.6, 0.8);
   CHECK_FALSE(Obstacle(plane).turns_in_place());
-  CHECK(std::isinf(Obstacle(plane).inner_radius()));
+  CHECK(std::isinf(Obstacle(plane).inscribed_radius()));
 
   Instrument round;
   round.first = round.second = {1, 0, 0};
   round.radius = 0.5;
   round.turn = turn;
   CHECK(Obstacle(round).turns_in_place());
-  CHECK(Obstacle(round).inner_radius() == 0.5);
+  CHECK(Obstacle(round).inscribed_radius() == 0.5);
   round.turn->through = Vector3(0, 0, 0);
   CHECK_FALSE(Obstacle(round).turns_in_place());
   round.turn->through.reset();
@@ -95,10 +95,10 @@ TEST_CASE("an obstacle tells whether its turn moves its shape, how thick it is, 
   bar.turn = turn;
   const Obstacle box(bar);
   CHECK_FALSE(box.turns_in_place());
-  CHECK(box.inner_radius() == doctest::Approx(0.1));
+  CHECK(box.inscribed_radius() == doctest::Approx(0.1));
   // What rests beside it is never nearer, at any angle.
   const Vector3 beside(1.3, 0.4, 0.1);
-  const double bound = box.least_gap(box.at(just_after(0.0)), beside);
+  const double bound = box.min_gap(box.at(just_after(0.0)), beside);
   for (int i = 0; i < 100; ++i) CHECK(box.gap(box.at(just_after(0.03 * i)), beside) >= bound);
   CHECK(bound > 0.0);
 
@@ -108,12 +108,12 @@ TEST_CASE("an obstacle tells whether its turn moves its shape, how thick it is, 
   shaken.motion->frequency = 2.0;
   shaken.motion->from = 1.0;
   const Obstacle table(shaken);
-  CHECK(table.swing_rate(0.5) == 0.0);
-  CHECK(table.swing_rate(1.5) == doctest::Approx(4.0 * std::numbers::pi));
-  CHECK(table.least_gap(table.at(just_after(0.0)), {0, 0, 1}) == doctest::Approx(0.6));
+  CHECK(table.angular_frequency(0.5) == 0.0);
+  CHECK(table.angular_frequency(1.5) == doctest::Approx(4.0 * std::numbers::pi));
+  CHECK(table.min_gap(table.at(just_after(0.0)), {0, 0, 1}) == doctest::Approx(0.6));
 }
 
-TEST_CASE("the least forces between nodes that stick are those that the cones of friction ask for") {
+TEST_CASE("the forces of least norm between sticking nodes satisfy their cones of friction") {
   const auto one = [](double value) { return Eigen::VectorXd::Constant(1, value); };
   CHECK(min_norm_nonnegative(one(-1.0), Eigen::MatrixXd::Constant(1, 1, 2.0)).value()[0] == doctest::Approx(0.5));
   CHECK(min_norm_nonnegative(one(1.0), Eigen::MatrixXd::Constant(1, 1, 2.0)).value()[0] == doctest::Approx(0.0));

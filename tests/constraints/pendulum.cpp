@@ -3,7 +3,7 @@
 
 #include <doctest/doctest.h>
 
-#include "ways.hpp"
+#include "schemes.hpp"
 
 using namespace springnet;
 using namespace springnet::testing;
@@ -39,29 +39,29 @@ double angle_after_a_period(const LawUse& integrator, double time_step) {
 
 TEST_CASE("a rigid pendulum has the period of the elliptic integral") {
   SUBCASE("in the reference") {
-    for (const Way& way : reference_ways()) {
-      INFO(way.name);
+    for (const Scheme& scheme : reference_schemes()) {
+      INFO(scheme.name);
       // Some 1,000 internal steps with errors of at most 1e-9 of the length and velocity scales each.
-      CHECK(std::abs(angle_after_a_period(way.integrator, 0.1)) < 1e-6);
+      CHECK(std::abs(angle_after_a_period(scheme.integrator, 0.1)) < 1e-6);
     }
   }
   SUBCASE("in steps, with the error of their order") {
-    for (const Way& way : stepping_ways(1e-9)) {
-      INFO(way.name);
-      const double coarse = std::abs(angle_after_a_period(way.integrator, 0.004));
-      const double fine = std::abs(angle_after_a_period(way.integrator, 0.002));
+    for (const Scheme& scheme : stepping_schemes(1e-9)) {
+      INFO(scheme.name);
+      const double coarse = std::abs(angle_after_a_period(scheme.integrator, 0.004));
+      const double fine = std::abs(angle_after_a_period(scheme.integrator, 0.002));
       CHECK(fine < 0.55 * coarse);
       // 1500 steps a period. Theta 1 loses energy at first order, and the swing gets smaller by that.
-      CHECK(fine < (way.order == 1.0 ? 0.12 : 2e-4));
+      CHECK(fine < (scheme.order == 1.0 ? 0.12 : 2e-4));
     }
   }
 }
 
-TEST_CASE("the force in a pendulum's rod, and what its pivot bears") {
-  for (const Way& way : all_ways(1e-9)) {
-    INFO(way.name);
+TEST_CASE("the forces in a pendulum's rod and on its pivot") {
+  for (const Scheme& scheme : all_schemes(1e-9)) {
+    INFO(scheme.name);
     const Network net = pendulum();
-    Simulation simulation = simulate(net, way.integrator, 0.002);
+    Simulation simulation = simulate(net, scheme.integrator, 0.002);
     // At the start, at rest: the weight's part along the rod.
     CHECK(simulation.rigid_force(0) == doctest::Approx(mass * gravity * std::cos(start)).epsilon(1e-12));
     simulation.advance_to(period() / 3.0);

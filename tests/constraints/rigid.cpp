@@ -6,7 +6,7 @@
 
 #include <springnet/error.hpp>
 
-#include "ways.hpp"
+#include "schemes.hpp"
 
 using namespace springnet;
 using namespace springnet::testing;
@@ -43,10 +43,10 @@ Network hanging_chain(NodeIndex links) {
 
 TEST_CASE("a free rigid body of redundant connections keeps its shape, momentum and, to the order, its energy") {
   for (const bool flat : {false, true}) {
-    for (const Way& way : all_ways(1e-9)) {
-      INFO(way.name << (flat ? ", flat" : ""));
+    for (const Scheme& scheme : all_schemes(1e-9)) {
+      INFO(scheme.name << (flat ? ", flat" : ""));
       const Network net = tumbling_body(flat);
-      Simulation simulation = simulate(net, way.integrator, 0.01);
+      Simulation simulation = simulate(net, scheme.integrator, 0.01);
       const Vector3 momentum = simulation.momentum(), spin = simulation.angular_momentum();
       const double energy = simulation.kinetic_energy();
       double worst = 0.0;
@@ -56,9 +56,9 @@ TEST_CASE("a free rigid body of redundant connections keeps its shape, momentum 
       }
       CHECK(worst <= 1e-8);  // what rigid connections promise
       // Internal forces only: exact but for rounding in steps, and for the tolerance in the reference.
-      CHECK((simulation.momentum() - momentum).norm() <= (way.order > 0.0 ? 1e-11 : 1e-7));
+      CHECK((simulation.momentum() - momentum).norm() <= (scheme.order > 0.0 ? 1e-11 : 1e-7));
       // Backward Euler loses a share of (1.4 rad/s x 0.01 s) / 2 a rad; second order methods its square.
-      const double share = way.order == 1.0 ? 3e-2 : way.order == 2.0 ? 2e-4 : 1e-6;
+      const double share = scheme.order == 1.0 ? 3e-2 : scheme.order == 2.0 ? 2e-4 : 1e-6;
       CHECK(std::abs(simulation.kinetic_energy() - energy) <= share * energy);
       CHECK((simulation.angular_momentum() - spin).norm() <= share * spin.norm());
     }
@@ -66,10 +66,10 @@ TEST_CASE("a free rigid body of redundant connections keeps its shape, momentum 
 }
 
 TEST_CASE("rigid chains and loops keep their lengths while they whirl") {
-  for (const Way& way : all_ways(1e-8)) {
-    INFO(way.name);
+  for (const Scheme& scheme : all_schemes(1e-8)) {
+    INFO(scheme.name);
     Network chain = hanging_chain(20);
-    Simulation simulation = simulate(chain, way.integrator, 0.005);
+    Simulation simulation = simulate(chain, scheme.integrator, 0.005);
     double worst = 0.0;
     for (int i = 0; i < 60; ++i) {
       simulation.step();
@@ -79,7 +79,7 @@ TEST_CASE("rigid chains and loops keep their lengths while they whirl") {
 
     // The chain's end tied back to the middle with a strut that is as long as that takes: a closed loop.
     chain.add_rigid(20, 10);
-    Simulation loop = simulate(chain, way.integrator, 0.005);
+    Simulation loop = simulate(chain, scheme.integrator, 0.005);
     worst = 0.0;
     for (int i = 0; i < 60; ++i) {
       loop.step();
@@ -99,9 +99,9 @@ TEST_CASE("forces in a rigid chain at rest are the weights that hang on them, re
     net.add_rigid(k - 1, k);
   }
   net.set_gravity({0, 0, -10.0});
-  for (const Way& way : all_ways(1e-9)) {
-    INFO(way.name);
-    Simulation simulation = simulate(net, way.integrator, 0.01);
+  for (const Scheme& scheme : all_schemes(1e-9)) {
+    INFO(scheme.name);
+    Simulation simulation = simulate(net, scheme.integrator, 0.01);
     simulation.advance_to(0.1);
     // Rounding of a sum of five weights of 5 N.
     for (RigidIndex r = 0; r < 5; ++r) CHECK(simulation.rigid_force(r) == doctest::Approx(5.0 * (5 - r)).epsilon(1e-9));
@@ -138,21 +138,21 @@ TEST_CASE("a spring between two rigid dumbbells: the frequency of the reduced ma
   net.add_rigid(2, 3);
   net.add_spring(1, 2, net.add_material(damped(30.0, 0.0)), 1.0);
   const double reduced = 1.0 * 2.0 / 3.0, omega = std::sqrt(30.0 / reduced), time = 0.8;
-  for (const Way& way : all_ways(1e-9)) {
-    INFO(way.name);
-    Simulation simulation = simulate(net, way.integrator, 0.001);
+  for (const Scheme& scheme : all_schemes(1e-9)) {
+    INFO(scheme.name);
+    Simulation simulation = simulate(net, scheme.integrator, 0.001);
     simulation.advance_to(time);
     const double stretch = simulation.position(2)[0] - simulation.position(1)[0] - 1.0;
     // (omega h) ^ order / 12 a radian for second order, omega h / 2 for first; the reference to its tolerance.
-    const double share = way.order == 1.0   ? omega * 1e-3 / 2.0 * omega * time * 1.1
-                         : way.order == 2.0 ? 2.0 * omega * omega * 1e-6 / 12.0 * omega * time
-                                            : 1e-6;
+    const double share = scheme.order == 1.0   ? omega * 1e-3 / 2.0 * omega * time * 1.1
+                         : scheme.order == 2.0 ? 2.0 * omega * omega * 1e-6 / 12.0 * omega * time
+                                               : 1e-6;
     CHECK(std::abs(stretch - 0.2 * std::cos(omega * time)) <= 0.2 * share);
     CHECK(worst_length(net, simulation) <= 1e-8);
   }
 }
 
-TEST_CASE("what rigid connections cannot do is said") {
+TEST_CASE("errors name what rigid connections cannot do") {
   Network net;
   net.add_node(point({0, 0, 0}));
   net.add_node(point({1, 0, 0}));
@@ -169,9 +169,9 @@ TEST_CASE("what rigid connections cannot do is said") {
     apart.motion.displacements = {Vector3::Zero(), Vector3(0.5, 0, 0)};
     net.add_move(apart);
     net.fix(0);
-    for (const Way& way : all_ways(1e-9)) {
-      INFO(way.name);
-      Simulation simulation = simulate(net, way.integrator, 0.1);
+    for (const Scheme& scheme : all_schemes(1e-9)) {
+      INFO(scheme.name);
+      Simulation simulation = simulate(net, scheme.integrator, 0.1);
       try {
         simulation.advance_to(0.5);
         FAIL("no error");
@@ -206,9 +206,9 @@ TEST_CASE("a rigid body lands on a plane that holds it, one corner after the oth
     for (NodeIndex j = 0; j < i; ++j) net.add_rigid(j, i);
   net.set_gravity({0, 0, -9.81});
   net.add_plane({"floor", Vector3::Zero(), Vector3::UnitZ()});
-  for (const Way& way : all_ways(1e-8)) {
-    INFO(way.name);
-    Simulation simulation = simulate(net, way.integrator, 0.005);
+  for (const Scheme& scheme : all_schemes(1e-8)) {
+    INFO(scheme.name);
+    Simulation simulation = simulate(net, scheme.integrator, 0.005);
     double worst = 0.0;
     for (int i = 0; i < 160; ++i) {
       simulation.step();
@@ -238,18 +238,18 @@ TEST_CASE("a rod that is pulled up leaves the floor as a whole") {
     Plane floor;
     floor.friction = {kind, 0.3};
     on_floor.add_plane(floor);
-    for (const Way& way : all_ways(1e-10)) {
-      INFO(way.name);
-      Simulation simulation = simulate(on_floor, way.integrator, 0.001);
+    for (const Scheme& scheme : all_schemes(1e-10)) {
+      INFO(scheme.name);
+      Simulation simulation = simulate(on_floor, scheme.integrator, 0.001);
       simulation.advance_to(0.6);
       const double height = 0.5 * (50.0 - 9.81) * 0.25;  // steps release it in up to two of them: 0.04 m/s
-      CHECK(simulation.position(0).z() == doctest::Approx(height).epsilon(way.order > 0.0 ? 6e-3 : 1e-6));
+      CHECK(simulation.position(0).z() == doctest::Approx(height).epsilon(scheme.order > 0.0 ? 6e-3 : 1e-6));
       CHECK(worst_length(net, simulation) <= 1e-8);
     }
   }
 }
 
-TEST_CASE("a connection that is pulled apart ends the run at once, and the reason is told") {
+TEST_CASE("a connection that is pulled apart ends the run at once, with the reason") {
   Network net;
   net.add_node(point({0, 0, 0}));
   net.add_node(point({1, 0, 0}));

@@ -41,9 +41,10 @@ class Arrays {
   std::vector<double> values_;
 };
 
-// A network's constraints, with nodes numbered as the user does.
-struct Bound {
-  explicit Bound(const Network& net) : numbers(net.nodes().size()), position(numbers.size()), velocity(numbers.size()) {
+// The constraints and the state of a network, with the user's numbers of nodes.
+struct ConstrainedState {
+  explicit ConstrainedState(const Network& net)
+      : numbers(net.nodes().size()), position(numbers.size()), velocity(numbers.size()) {
     std::iota(numbers.begin(), numbers.end(), 0u);
     for (const Node& node : net.nodes()) mass.push_back(node.mass);
     set = std::make_unique<ConstraintSet>(net, numbers, numbers, mass);
@@ -56,11 +57,11 @@ struct Bound {
     placement = set->contact().at(just_after(time));
     return *placement;
   }
-  void touches(std::uint32_t node, const Touch& touch, const Vector3& slip = Vector3::Zero()) {
+  void touch(std::uint32_t node, const Touch& touch, const Vector3& slip = Vector3::Zero()) {
     set->contact().touch(node, touch, Vector3::Zero());
     set->contact().set_slip(node, slip);
   }
-  // What all nodes' accelerations become, from these.
+  // Accelerations of all nodes under the constraints, from those without.
   Arrays accelerated(double time, const std::vector<Vector3>& free) {
     Arrays a(free.size());
     for (std::uint32_t k = 0; k < free.size(); ++k) a.put(k, free[k]);
@@ -96,7 +97,7 @@ Network pair(double first, double second, double length) {
 
 }  // namespace
 
-TEST_CASE("nodes that do not move by themselves are where fixation, motions and surfaces have them") {
+TEST_CASE("fixed, moved and sticking nodes are placed by fixation, motions and obstacles") {
   Network net;
   net.add_node(point({0, 0, 1}));
   net.fix(0);
@@ -114,15 +115,15 @@ TEST_CASE("nodes that do not move by themselves are where fixation, motions and 
   table.turn->rate = 2.0;
   table.turn->through = Vector3::Zero();
   net.add_plane(table);
-  Bound bound(net);
-  bound.set->contact().begin_step(bound.set->contact().at(just_after(0.0)));
-  bound.touches(2, {0, false});
+  ConstrainedState state(net);
+  state.set->contact().begin_step(state.set->contact().at(just_after(0.0)));
+  state.touch(2, {0, false});
   Arrays position(4), velocity(4);
   for (std::uint32_t k = 0; k < 4; ++k) {
     position.put(k, {7, 7, 7});
     velocity.put(k, {7, 7, 7});
   }
-  bound.set->place(bound.at(0.25), bound.position.in(), position.out(), velocity.out());
+  state.set->place(state.at(0.25), state.position.in(), position.out(), velocity.out());
   CHECK(position.at(0) == Vector3(0, 0, 1));
   CHECK(velocity.at(0) == Vector3::Zero());
   CHECK(position.at(1).isApprox(Vector3(1, 0.5, 1), 1e-15));
@@ -133,12 +134,12 @@ TEST_CASE("nodes that do not move by themselves are where fixation, motions and 
   CHECK(position.at(3) == Vector3(7, 7, 7));  // what moves by itself is not touched
   // Of a state that a solver arrived at a sticking node keeps its place, along the surface.
   position.put(2, {0.4, 0.3, 1e-9});
-  bound.set->correct(bound.at(0.25), bound.position.in(), position.out(), velocity.out());
+  state.set->correct(state.at(0.25), state.position.in(), position.out(), velocity.out());
   CHECK(position.at(2).isApprox(Vector3(0.4, 0.3, 0), 1e-15));
   CHECK(velocity.at(2).isApprox(Vector3(-0.6, 0.8, 0), 1e-15));
 }
 
-TEST_CASE("a lone node that slides goes to the nearest point of its surface, with the velocity along it") {
+TEST_CASE("a lone sliding node is projected onto the nearest point of its surface, and its velocity onto the tangent") {
   Network net;
   net.add_node(point({0, 0, 1}));
   Instrument sphere;
@@ -146,50 +147,50 @@ TEST_CASE("a lone node that slides goes to the nearest point of its surface, wit
   sphere.radius = 1.0;
   sphere.friction = smooth;
   net.add_instrument(sphere);
-  Bound bound(net);
-  bound.touches(0, {0, true});
+  ConstrainedState state(net);
+  state.touch(0, {0, true});
   const Vector3 out = Vector3(0.3, -0.2, 0.9).normalized();
-  bound.position.put(0, 1.01 * out);
-  bound.velocity.put(0, {1, 2, 3});
-  REQUIRE(bound.set->project(bound.at(0), bound.position.out(), bound.velocity.out(), bound.message) == SPRINGNET_OK);
-  CHECK((bound.position.at(0) - out).norm() <= 1e-15);
-  CHECK((bound.velocity.at(0) - (Vector3(1, 2, 3) - out * out.dot(Vector3(1, 2, 3)))).norm() <= 1e-14);
+  state.position.put(0, 1.01 * out);
+  state.velocity.put(0, {1, 2, 3});
+  REQUIRE(state.set->project(state.at(0), state.position.out(), state.velocity.out(), state.message) == SPRINGNET_OK);
+  CHECK((state.position.at(0) - out).norm() <= 1e-15);
+  CHECK((state.velocity.at(0) - (Vector3(1, 2, 3) - out * out.dot(Vector3(1, 2, 3)))).norm() <= 1e-14);
 }
 
 TEST_CASE("a rod takes the momentum along it from both ends, and its length back, weighted with the masses") {
-  Bound bound(pair(1.0, 3.0, 2.0));
-  bound.position.put(1, {2.004, 0, 0});
-  bound.velocity.put(0, {1, 5, 0});
-  bound.velocity.put(1, {-2, 0, 7});
-  REQUIRE(bound.set->project(bound.at(0), bound.position.out(), bound.velocity.out(), bound.message) == SPRINGNET_OK);
+  ConstrainedState state(pair(1.0, 3.0, 2.0));
+  state.position.put(1, {2.004, 0, 0});
+  state.velocity.put(0, {1, 5, 0});
+  state.velocity.put(1, {-2, 0, 7});
+  REQUIRE(state.set->project(state.at(0), state.position.out(), state.velocity.out(), state.message) == SPRINGNET_OK);
   const double common = (1.0 * 1 + 3.0 * -2) / 4.0;
-  CHECK(bound.velocity.at(0).isApprox(Vector3(common, 5, 0), 1e-14));
-  CHECK(bound.velocity.at(1).isApprox(Vector3(common, 0, 7), 1e-14));
-  CHECK(bound.position.at(0).isApprox(Vector3(0.003, 0, 0), 1e-12));
-  CHECK(bound.position.at(1).isApprox(Vector3(2.003, 0, 0), 1e-12));
+  CHECK(state.velocity.at(0).isApprox(Vector3(common, 5, 0), 1e-14));
+  CHECK(state.velocity.at(1).isApprox(Vector3(common, 0, 7), 1e-14));
+  CHECK(state.position.at(0).isApprox(Vector3(0.003, 0, 0), 1e-12));
+  CHECK(state.position.at(1).isApprox(Vector3(2.003, 0, 0), 1e-12));
 }
 
-TEST_CASE("a pendulum's rod and the fixation bear what the circle needs") {
+TEST_CASE("a pendulum's rod and its fixed node carry the centripetal force") {
   Network net = pair(1.0, 0.7, 2.0);
   net.fix(0);
-  Bound bound(net);
+  ConstrainedState state(net);
   const double angle = 0.6, speed = 3.0;  // from straight down
   const Vector3 down(std::sin(angle), 0, -std::cos(angle)), along(std::cos(angle), 0, std::sin(angle));
-  bound.position.put(1, 2.0 * down);
-  bound.velocity.put(1, speed * along);
+  state.position.put(1, 2.0 * down);
+  state.velocity.put(1, speed * along);
   const Vector3 gravity(0, 0, -g);
-  Arrays a = bound.accelerated(0, {gravity, gravity});
+  Arrays a = state.accelerated(0, {gravity, gravity});
   CHECK(a.at(0).norm() <= 1e-14);
   CHECK((a.at(1) - (-speed * speed / 2.0 * down - g * std::sin(angle) * along)).norm() <= 1e-13);
   Arrays again(2);
   again.put(1, gravity);
   double tension = 0.0;
-  bound.set->rigid().accelerate(*bound.placement, 0, bound.position.in(), bound.velocity.in(), again.out(), &tension);
+  state.set->rigid().accelerate(*state.placement, 0, state.position.in(), state.velocity.in(), again.out(), &tension);
   CHECK(tension == doctest::Approx(0.7 * (speed * speed / 2.0 + g * std::cos(angle))).epsilon(1e-13));
-  // The free end is held by nothing but the rod; the fixed one bears the rod, and its own weight.
-  CHECK(bound.set->reaction(1, gravity, a.at(1), bound.position.in(), &tension).norm() <= 1e-13);
-  const Vector3 bears = bound.set->reaction(0, gravity, a.at(0), bound.position.in(), &tension);
-  CHECK((bears - (Vector3(0, 0, g) - tension * down)).norm() <= 1e-13);
+  // The free end is held by nothing but the rod; the fixed one carries the rod and its own weight.
+  CHECK(state.set->reaction(1, gravity, a.at(1), state.position.in(), &tension).norm() <= 1e-13);
+  const Vector3 pivot_force = state.set->reaction(0, gravity, a.at(0), state.position.in(), &tension);
+  CHECK((pivot_force - (Vector3(0, 0, g) - tension * down)).norm() <= 1e-13);
 }
 
 TEST_CASE("on an incline a sliding node is slowed by its share of the normal force, and one that sticks is at rest") {
@@ -198,42 +199,42 @@ TEST_CASE("on an incline a sliding node is slowed by its share of the normal for
   Network net;
   net.add_node(point({0, 0, 0}, 2.0));
   net.add_plane(floor_of({Friction::Kind::coulomb, mu}, normal));
-  Bound bound(net);
-  bound.velocity.put(0, -1.5 * up);
+  ConstrainedState state(net);
+  state.velocity.put(0, -1.5 * up);
   const Vector3 gravity(0, 0, -g);
-  bound.touches(0, {0, true}, -up);
-  Arrays a = bound.accelerated(0, {gravity});
+  state.touch(0, {0, true}, -up);
+  Arrays a = state.accelerated(0, {gravity});
   CHECK((a.at(0) + g * (std::sin(slope) - mu * std::cos(slope)) * up).norm() <= 1e-14);
-  const Vector3 reaction = bound.set->reaction(0, gravity, a.at(0), bound.position.in(), nullptr);
+  const Vector3 reaction = state.set->reaction(0, gravity, a.at(0), state.position.in(), nullptr);
   CHECK((reaction - 2.0 * g * std::cos(slope) * (normal + mu * up)).norm() <= 1e-13);
-  bound.velocity.put(0, Vector3::Zero());
-  bound.touches(0, {0, false});
-  CHECK(bound.accelerated(0, {gravity}).at(0).norm() == 0.0);
+  state.velocity.put(0, Vector3::Zero());
+  state.touch(0, {0, false});
+  CHECK(state.accelerated(0, {gravity}).at(0).norm() == 0.0);
 }
 
-TEST_CASE("between two surfaces each bears its normal force, and friction as its cone is wide") {
+TEST_CASE("between two obstacles each carries its normal force, and friction in proportion to its cone") {
   Network net;
   net.add_node(point({0, 0, 0}));
   net.add_plane(floor_of({Friction::Kind::coulomb, 0.2}, {1, 0, 0}));
   net.add_plane(floor_of({Friction::Kind::coulomb, 0.1}, {0, 0, 1}));
-  Bound bound(net);
-  bound.touches(0, {0, true, 1}, Vector3::UnitY());
+  ConstrainedState state(net);
+  state.touch(0, {0, true, 1}, Vector3::UnitY());
   const Vector3 reaction(3, -1.1, 5);
   // 0.2 x 3 N and 0.1 x 5 N of friction, against the slip.
-  const Vector3 wall = bound.set->share_of(bound.at(0), 0, 0, Vector3::Zero(), reaction);
-  const Vector3 ground = bound.set->share_of(bound.at(0), 0, 1, Vector3::Zero(), reaction);
+  const Vector3 wall = state.set->share_of(state.at(0), 0, 0, Vector3::Zero(), reaction);
+  const Vector3 ground = state.set->share_of(state.at(0), 0, 1, Vector3::Zero(), reaction);
   CHECK(wall.isApprox(Vector3(3, -0.6, 0), 1e-14));
   CHECK(ground.isApprox(Vector3(0, -0.5, 5), 1e-14));
 }
 
-TEST_CASE("a change of velocities loses what rows bind, and nothing else, whatever the mobility") {
+TEST_CASE("projection removes the constrained part of a change of velocities and nothing else, for any mobility") {
   Network net = pair(1.0, 3.0, 2.0);
   net.add_node(point({0, 0, 0}, 2.0));
   net.add_plane(floor_of(smooth));
-  Bound bound(net);
-  bound.touches(2, {0, true});
-  bound.set->linearise(bound.at(0), bound.position.in());
-  REQUIRE(bound.set->rows().size() == 2);
+  ConstrainedState state(net);
+  state.touch(2, {0, true});
+  state.set->linearise(state.at(0), state.position.in());
+  REQUIRE(state.set->rows().size() == 2);
   Arrays mobile(3), changed(3);
   std::vector<double> mobility(27, 0.0);
   Matrix3 w[3];
@@ -246,7 +247,7 @@ TEST_CASE("a change of velocities loses what rows bind, and nothing else, whatev
   const Vector3 x = Vector3::UnitX(), z = Vector3::UnitZ();
   const auto check = [&](const double* given, const Matrix3& first, const Matrix3& second, const Matrix3& third) {
     for (std::uint32_t k = 0; k < 3; ++k) changed.put(k, v[k]);
-    bound.set->project_change(given, changed.data());
+    state.set->project_change(given, changed.data());
     const double impulse = -x.dot(v[0] - v[1]) / x.dot((first + second) * x);
     CHECK(changed.at(0).isApprox(v[0] + first * x * impulse, 1e-13));
     CHECK(changed.at(1).isApprox(v[1] - second * x * impulse, 1e-13));
@@ -261,23 +262,23 @@ TEST_CASE("a change of velocities loses what rows bind, and nothing else, whatev
 
 TEST_CASE("derivatives of a rod's force and of friction are those of differences") {
   const double tension = 2.3, mu = 0.4, step = 1e-6;
-  Bound rods(pair(1.0, 3.0, 2.0));
+  ConstrainedState rods(pair(1.0, 3.0, 2.0));
   rods.position.put(1, Vector3(1, -1, 0.5).normalized() * 2.0);
   const Matrix3 stiffness = rods.set->rod_geometric_stiffness(0, rods.position.in(), tension);
   Network net;
   net.add_node(point({0, 0, 0}, 2.0));
   net.add_plane(floor_of({Friction::Kind::coulomb, mu}));
-  Bound rubbed(net);
+  ConstrainedState sliding(net);
   const Vector3 slip(0.3, -0.2, 0), gravity(0, 0, -g);
-  rubbed.velocity.put(0, slip);
-  rubbed.touches(0, {0, true}, slip.normalized());
-  rubbed.set->linearise(rubbed.at(0), rubbed.position.in());
-  const ConstraintRow& row = rubbed.set->rows().front();
-  REQUIRE(rubbed.set->friction_follows_slip(row));
+  sliding.velocity.put(0, slip);
+  sliding.touch(0, {0, true}, slip.normalized());
+  sliding.set->linearise(sliding.at(0), sliding.position.in());
+  const ConstraintRow& row = sliding.set->rows().front();
+  REQUIRE(sliding.set->friction_follows_slip(row));
   const Vector3 reaction =
-      rubbed.set->reaction(0, gravity, rubbed.accelerated(0, {gravity}).at(0), rubbed.position.in(), nullptr);
+      sliding.set->reaction(0, gravity, sliding.accelerated(0, {gravity}).at(0), sliding.position.in(), nullptr);
   const Matrix3 friction =
-      rubbed.set->friction_derivative(*rubbed.placement, row, rubbed.position.in(), rubbed.velocity.in(), reaction);
+      sliding.set->friction_derivative(*sliding.placement, row, sliding.position.in(), sliding.velocity.in(), reaction);
   for (Eigen::Index c = 0; c < 3; ++c) {
     const Vector3 e = step * Vector3::Unit(c);
     // The first end feels the tension towards the second.
@@ -288,12 +289,12 @@ TEST_CASE("derivatives of a rod's force and of friction are those of differences
     CHECK((stiffness.col(c) - by_place).norm() <= 1e-9);
     if (c == 2) continue;  // it does not move across the plane
     const auto slowed = [&](const Vector3& v) {
-      rubbed.velocity.put(0, v);
-      return rubbed.accelerated(0, {gravity}).at(0);
+      sliding.velocity.put(0, v);
+      return sliding.accelerated(0, {gravity}).at(0);
     };
     const Vector3 by_slip = (slowed(slip + e) - slowed(slip - e)) / (2.0 * step);
     CHECK((friction.col(c) - by_slip).norm() <= 1e-8);
   }
-  rubbed.set->contact().set_slip(0, slip.normalized(), Contact::Slip::begins);
-  CHECK_FALSE(rubbed.set->friction_follows_slip(row));  // its direction is kept
+  sliding.set->contact().set_slip(0, slip.normalized(), Contact::Slip::starting);
+  CHECK_FALSE(sliding.set->friction_follows_slip(row));  // its direction is kept
 }

@@ -9,7 +9,7 @@
 #include <cmath>
 
 #include "constraints/edge.hpp"
-#include "ways.hpp"
+#include "schemes.hpp"
 
 using namespace springnet;
 using namespace springnet::testing;
@@ -18,10 +18,10 @@ namespace {
 
 constexpr Friction smooth{Friction::Kind::none, 0.0};
 
-std::vector<Way> network_ways(double force_tolerance) {
-  std::vector<Way> ways = stepping_ways(force_tolerance);
-  ways.pop_back();  // verlet
-  return ways;
+std::vector<Scheme> network_schemes(double force_tolerance) {
+  std::vector<Scheme> schemes = stepping_schemes(force_tolerance);
+  schemes.pop_back();  // verlet
+  return schemes;
 }
 
 Plane plane_at(const Vector3& point, const Vector3& normal, const Friction& friction) {
@@ -45,7 +45,7 @@ Network on_sphere() {
 }
 // It leaves where its height is 2/3 of that at the start: the integral of dphi / sqrt(2 (cos phi_0 - cos phi)) up to
 // there, s.
-constexpr double leaves_sphere = 2.839490494;
+constexpr double sphere_release_time = 2.839490494;
 
 std::size_t count(const Simulation& simulation, Event::Kind kind) {
   return static_cast<std::size_t>(std::count_if(simulation.events().begin(), simulation.events().end(),
@@ -68,10 +68,10 @@ std::vector<double> errors(const Network& net, LawUse integrator, bool located, 
 }  // namespace
 
 TEST_CASE("a sliding node leaves a sphere once, in the step in which its reaction vanishes, and is never pulled") {
-  for (const Way& way : network_ways(1e-10)) {
+  for (const Scheme& scheme : network_schemes(1e-10)) {
     for (const double h : {0.004, 0.002, 0.001}) {
-      INFO(way.name << ", " << h);
-      Simulation s = simulate(on_sphere(), way.integrator, h);
+      INFO(scheme.name << ", " << h);
+      Simulation s = simulate(on_sphere(), scheme.integrator, h);
       double left = 0.0, pull = 0.0;
       while (s.time() < 3.0 - 0.5 * h) {
         s.step();
@@ -81,7 +81,7 @@ TEST_CASE("a sliding node leaves a sphere once, in the step in which its reactio
       CHECK(pull <= 1e-8);
       CHECK(count(s, Event::Kind::released) == 1);
       // Backward Euler's node is faster by first order in h.
-      CHECK(std::abs(left - leaves_sphere) <= (way.order == 1.0 ? 1.5 * h : h));
+      CHECK(std::abs(left - sphere_release_time) <= (scheme.order == 1.0 ? 1.5 * h : h));
     }
   }
 }
@@ -97,11 +97,11 @@ TEST_CASE("a plane that rises and stops at once sheds nodes, held ones too") {
     plane.motion->times = {0.0, 0.375};
     plane.motion->displacements = {Vector3::Zero(), {0, 0, 0.375}};
     net.add_plane(plane);
-    for (const Way& way : network_ways(1e-10)) {
+    for (const Scheme& scheme : network_schemes(1e-10)) {
       // With the stop where a step ends, and within one.
       for (const double h : {0.005, 0.0043}) {
-        INFO(way.name << ", " << h);
-        Simulation s = simulate(net, way.integrator, h);
+        INFO(scheme.name << ", " << h);
+        Simulation s = simulate(net, scheme.integrator, h);
         double top = 0.0;
         while (s.time() < 0.6) {
           s.step();
@@ -117,27 +117,27 @@ TEST_CASE("a plane that rises and stops at once sheds nodes, held ones too") {
 
 TEST_CASE("the cone of friction is as wide as its coefficient, to a per cent") {
   // On a slope of 0.3 a node with friction 0.303 stays, with 0.297 it slides.
-  for (const Way& way : network_ways(1e-10)) {
+  for (const Scheme& scheme : network_schemes(1e-10)) {
     for (const double coefficient : {0.303, 0.297}) {
-      INFO(way.name << ", " << coefficient);
+      INFO(scheme.name << ", " << coefficient);
       Network net;
       net.add_node(point(Vector3::Zero(), 0.7));
       net.add_node(point({0, 0.5, 0}, 0.3));
       net.add_spring(0, 1, net.add_material(damped(200.0, 3.0)), 0.5);
       net.set_gravity({3, 0, -10});
       net.add_plane(plane_at(Vector3::Zero(), Vector3::UnitZ(), {Friction::Kind::coulomb, coefficient}));
-      Simulation s = simulate(net, way.integrator, 0.01);
+      Simulation s = simulate(net, scheme.integrator, 0.01);
       s.advance_to(1.0);
-      const double way_down = s.position(0).x();
+      const double slide = s.position(0).x();
       if (coefficient > 0.3)
-        CHECK(way_down <= 1e-12);
+        CHECK(slide <= 1e-12);
       else
-        CHECK(way_down == doctest::Approx(0.5 * 0.03).epsilon(0.02));
+        CHECK(slide == doctest::Approx(0.5 * 0.03).epsilon(0.02));
     }
   }
 }
 
-TEST_CASE("what two surfaces do to a node where they meet") {
+TEST_CASE("reactions of two obstacles on a node where they meet") {
   const Vector3 a = Vector3::UnitZ(), b = Vector3::UnitX();
   Eigen::Matrix3d mobility = Eigen::Matrix3d::Identity() / 2.0;
   const Vector3 relative(-3, 5, -4);
@@ -157,7 +157,7 @@ TEST_CASE("what two surfaces do to a node where they meet") {
     CHECK(sticks.velocity.norm() == 0.0);
     CHECK_FALSE(solve_edge(mobility, relative, a, b, 0.5, 0.99).sticks);
   }
-  SUBCASE("a surface that would have to pull is told") {
+  SUBCASE("an obstacle that would have to pull is reported") {
     const EdgeResponse answer = solve_edge(mobility, {3, 5, -4}, a, b, 0.0, 0.0);
     CHECK(answer.first > 0.0);
     CHECK(answer.second < 0.0);
@@ -185,9 +185,9 @@ TEST_CASE("a node slides on along the edge of two surfaces, braked by both") {
     net.set_gravity({-3, 0, -4});
     net.add_plane(plane_at(Vector3::Zero(), Vector3::UnitZ(), floor));
     net.add_plane(plane_at(Vector3::Zero(), Vector3::UnitX(), smooth));
-    for (const Way& way : network_ways(1e-10)) {
-      INFO(way.name << ", " << rough);
-      Simulation s = simulate(net, way.integrator, 0.002);
+    for (const Scheme& scheme : network_schemes(1e-10)) {
+      INFO(scheme.name << ", " << rough);
+      Simulation s = simulate(net, scheme.integrator, 0.002);
       s.advance_to(0.3);
       CHECK(s.touching(0));
       CHECK(std::abs(s.position(0).x()) <= 1e-12);
@@ -209,9 +209,9 @@ TEST_CASE("a node rebounds with its surface's coefficient, and comes to rest") {
   Plane plane = plane_at(Vector3::Zero(), Vector3::UnitZ(), smooth);
   plane.restitution = 0.6;
   net.add_plane(plane);
-  for (const Way& way : network_ways(1e-10)) {
-    INFO(way.name);
-    Simulation s = simulate(net, way.integrator, 0.0005);
+  for (const Scheme& scheme : network_schemes(1e-10)) {
+    INFO(scheme.name);
+    Simulation s = simulate(net, scheme.integrator, 0.0005);
     double top = 0.0;
     while (s.time() < 0.7) {
       s.step();

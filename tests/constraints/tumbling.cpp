@@ -7,7 +7,7 @@
 #include <Eigen/Geometry>
 #include <Eigen/QR>
 
-#include "ways.hpp"
+#include "schemes.hpp"
 
 using namespace springnet;
 using namespace springnet::testing;
@@ -80,14 +80,14 @@ TEST_CASE("a braced box tumbles as one rigid body, to the order of its integrato
   const Network net = braced_box();
   constexpr double time = 1.0;
   const std::vector<Vector3> truth = as_one_body(net, time);
-  for (const Way& way :
-       {Way{"verlet", {"verlet", {}}, 2.0}, Way{"newton, theta 1/2", recurrent(newton, 1e-10, {{"theta", 0.5}}), 2.0},
-        Way{"newton", recurrent(newton, 1e-10), 1.0}, Way{"bdf", cvode(1e-9), 0.0}}) {
-    INFO(way.name);
+  for (const Scheme& scheme : {Scheme{"verlet", {"verlet", {}}, 2.0},
+                               Scheme{"newton, theta 1/2", recurrent(newton, 1e-10, {{"theta", 0.5}}), 2.0},
+                               Scheme{"newton", recurrent(newton, 1e-10), 1.0}, Scheme{"bdf", cvode(1e-9), 0.0}}) {
+    INFO(scheme.name);
     std::array<double, 2> error{};
     for (const int halving : {0, 1}) {
       const double h = halving == 0 ? 0.02 : 0.01;
-      Simulation simulation = simulate(net, way.integrator, h);
+      Simulation simulation = simulate(net, scheme.integrator, h);
       const Vector3 momentum = simulation.momentum(), angular = simulation.angular_momentum();
       const double energy = simulation.kinetic_energy();
       double worst = 0.0;
@@ -96,16 +96,18 @@ TEST_CASE("a braced box tumbles as one rigid body, to the order of its integrato
         worst = std::max(worst, worst_length(net, simulation));
       }
       CHECK(worst <= 1e-8);
-      CHECK((simulation.momentum() - momentum).norm() <= (way.order > 0.0 ? 1e-11 : 1e-7) * momentum.norm());
+      CHECK((simulation.momentum() - momentum).norm() <= (scheme.order > 0.0 ? 1e-11 : 1e-7) * momentum.norm());
       // First order loses w h / 2 a rad of 1.7 rad; second order its square; the reference its tolerance.
-      const double turn = 1.7 * h, share = way.order == 1.0 ? 1.7 * turn : way.order == 2.0 ? 1.7 * turn * turn : 1e-6;
+      const double turn = 1.7 * h, share = scheme.order == 1.0   ? 1.7 * turn
+                                           : scheme.order == 2.0 ? 1.7 * turn * turn
+                                                                 : 1e-6;
       CHECK(std::abs(simulation.kinetic_energy() - energy) <= share * energy);
       CHECK((simulation.angular_momentum() - angular).norm() <= share * angular.norm());
       auto& greatest = error[static_cast<std::size_t>(halving)];
       for (NodeIndex k = 0; k < 12; ++k) greatest = std::max(greatest, (simulation.position(k) - truth[k]).norm());
       CHECK(greatest <= 2.0 * share);  // of a box of 1 m
     }
-    if (way.order > 0.0) CHECK(error[0] / error[1] == doctest::Approx(std::pow(2.0, way.order)).epsilon(0.1));
+    if (scheme.order > 0.0) CHECK(error[0] / error[1] == doctest::Approx(std::pow(2.0, scheme.order)).epsilon(0.1));
   }
 }
 

@@ -4,7 +4,7 @@
 
 #include <Eigen/Geometry>
 
-#include "ways.hpp"
+#include "schemes.hpp"
 
 using namespace springnet;
 using namespace springnet::testing;
@@ -17,7 +17,7 @@ Vector3 turned(const Vector3& axis, double angle, const Vector3& x) { return Eig
 
 }  // namespace
 
-TEST_CASE("a turntable takes along what it holds, with the forces and the torque of that motion") {
+TEST_CASE("a turntable carries the nodes that it holds, with the forces and the torque of that motion") {
   // 0 to 2 rad in 1 s: an angle 2 (3 s^2 - 2 s^3), about an axis beside the plane's point that moves along.
   const Vector3 start(0.4, 0.1, 0), axle(0.1, -0.2, 0);
   for (const Friction& friction : {Friction{Friction::Kind::held, 0.0}, Friction{Friction::Kind::coulomb, 0.9}}) {
@@ -34,12 +34,12 @@ TEST_CASE("a turntable takes along what it holds, with the forces and the torque
     table.motion->times = {0, 1};
     table.motion->displacements = {Vector3::Zero(), Vector3(0.3, 0, 0)};
     net.add_plane(table);
-    for (const Way& way : all_ways(1e-9)) {
-      INFO(way.name);
+    for (const Scheme& scheme : all_schemes(1e-9)) {
+      INFO(scheme.name);
       // CVODE integrates what is held, to its tolerance, 1e-9 times some tens of steps.
-      const bool reference = way.order == 0.0;
+      const bool reference = scheme.order == 0.0;
       const double exact = reference ? 2e-7 : 1e-12, balanced = reference ? 5e-7 : 1e-9;
-      Simulation s = simulate(net, way.integrator, 0.01);
+      Simulation s = simulate(net, scheme.integrator, 0.01);
       for (const double t : {0.3, 0.7, 1.0, 1.2}) {
         s.advance_to(t);
         const double u = std::min(t, 1.0), share = u * u * (3 - 2 * u);
@@ -107,16 +107,16 @@ TEST_CASE("a paddle hits a node and takes it out along itself") {
   const auto r = [&](double t) { return r0 * std::cosh(w * t) + half * std::sinh(w * t); };
   const Vector3 along(std::cos(w * end), std::sin(w * end), 0), across(-std::sin(w * end), std::cos(w * end), 0);
   REQUIRE(r(end - met) < 2.0);
-  for (const Way& way : all_ways(1e-10)) {
-    INFO(way.name);
-    Simulation s = simulate(net, way.integrator, 0.001);
+  for (const Scheme& scheme : all_schemes(1e-10)) {
+    INFO(scheme.name);
+    Simulation s = simulate(net, scheme.integrator, 0.001);
     s.advance_to(end);
     REQUIRE(s.touching(0));
     CHECK(across.dot(s.position(0)) == doctest::Approx(half).epsilon(1e-9));
     // The touch falls within a step, which begins with the velocity before: 1 ms of up to 2 m/s.
-    CHECK(std::abs(along.dot(s.position(0)) - r(end - met)) <= (way.order > 0.0 ? 2.5e-3 : 1e-6));
+    CHECK(std::abs(along.dot(s.position(0)) - r(end - met)) <= (scheme.order > 0.0 ? 2.5e-3 : 1e-6));
     // The blow: the velocity of the face there, across it.
     const Vector3 n(-std::sin(angle), std::cos(angle), 0);
-    CHECK((s.contact_impulse(0) - 0.3 * w * r0 * n).norm() <= (way.order > 0.0 ? 5e-3 : 1e-6));
+    CHECK((s.contact_impulse(0) - 0.3 * w * r0 * n).norm() <= (scheme.order > 0.0 ? 5e-3 : 1e-6));
   }
 }

@@ -51,13 +51,13 @@ TEST_CASE("a dropped ball bounces as high as its coefficient says") {
   for (const double mu : {0.0, 0.1}) {
     const Friction friction = mu > 0.0 ? Friction{Friction::Kind::coulomb, mu} : frictionless;
     const double along = 2.5, until = 1.7;  // after four bounces
-    for (const Way& way : all_ways(1e-10)) {
-      INFO(way.name << ", friction " << mu);
+    for (const Scheme& scheme : all_schemes(1e-10)) {
+      INFO(scheme.name << ", friction " << mu);
       const double h = 0.001;
-      Simulation s = simulate(dropped(friction, along), way.integrator, h);
+      Simulation s = simulate(dropped(friction, along), scheme.integrator, h);
       if (!reaches(s, until)) continue;
       // A touch within a step is off by up to h at 3.1 m/s, each time; the falls of first order by g t h / 2.
-      CHECK((s.position(0) - flight(until, along, mu)).norm() <= (way.order > 0.0 ? 15.0 * h : 1e-6));
+      CHECK((s.position(0) - flight(until, along, mu)).norm() <= (scheme.order > 0.0 ? 15.0 * h : 1e-6));
       std::vector<double> touched;
       Vector3 impulse = Vector3::Zero();
       for (const Event& event : s.events()) {
@@ -69,23 +69,23 @@ TEST_CASE("a dropped ball bounces as high as its coefficient says") {
       double time = first, up = std::sqrt(2.0 * g * height);
       for (const double t : touched) {
         // First order loses up to g h at each touch, and with it up to 2 h of the flight.
-        CHECK(std::abs(t - time) <= (way.order == 1.0 ? 20.0 * h : way.order == 2.0 ? 6.0 * h : 1e-7));
+        CHECK(std::abs(t - time) <= (scheme.order == 1.0 ? 20.0 * h : scheme.order == 2.0 ? 6.0 * h : 1e-7));
         up *= share;
         time += 2.0 * up / g;
       }
       CHECK((impulse - s.contact_impulse(0)).norm() <= 1e-9);
       CHECK((s.surface_impulse(0) + s.contact_impulse(0)).norm() <= 1e-9);
       const Vector3 given = mass * (s.velocity(0) - Vector3(along, 0, 0) + Vector3(0, 0, g * until));
-      if (way.order == 0.0) CHECK((given - s.contact_impulse(0)).norm() <= 1e-7);
+      if (scheme.order == 0.0) CHECK((given - s.contact_impulse(0)).norm() <= 1e-7);
     }
   }
 }
 
 TEST_CASE("bounces without end come to an end, and the ball lies on the floor") {
   const double ends = std::sqrt(2.0 * height / g) * (1.0 + share) / (1.0 - share);
-  for (const Way& way : all_ways(1e-10)) {
-    INFO(way.name);
-    Simulation s = simulate(dropped(frictionless, 0.3), way.integrator, 0.002);
+  for (const Scheme& scheme : all_schemes(1e-10)) {
+    INFO(scheme.name);
+    Simulation s = simulate(dropped(frictionless, 0.3), scheme.integrator, 0.002);
     if (!reaches(s, ends + 0.3)) continue;
     CHECK(s.touching(0));
     CHECK(std::abs(s.position(0).z()) <= 1e-9);
@@ -111,13 +111,13 @@ TEST_CASE("a ball bounces off a plane that comes towards it with twice its speed
   plane.motion->displacements = {Vector3::Zero(), {0, 0, 10.0 * w}};
   moving.add_plane(plane);
   const double meets = height / (w + 1.1), speed = w + share * (w + 1.1), until = 0.5;
-  for (const Way& way : all_ways(1e-10)) {
-    INFO(way.name);
+  for (const Scheme& scheme : all_schemes(1e-10)) {
+    INFO(scheme.name);
     const double h = 0.002;
-    Simulation s = simulate(moving, way.integrator, h);
+    Simulation s = simulate(moving, scheme.integrator, h);
     if (!reaches(s, until)) continue;
-    CHECK((s.velocity(0) - Vector3(0.2, 0, speed)).norm() <= (way.order > 0.0 ? 1e-9 : 1e-7));
-    CHECK(std::abs(s.position(0).z() - (w * meets + speed * (until - meets))) <= (way.order > 0.0 ? 4.0 * h : 1e-7));
+    CHECK((s.velocity(0) - Vector3(0.2, 0, speed)).norm() <= (scheme.order > 0.0 ? 1e-9 : 1e-7));
+    CHECK(std::abs(s.position(0).z() - (w * meets + speed * (until - meets))) <= (scheme.order > 0.0 ? 4.0 * h : 1e-7));
   }
 }
 
@@ -133,18 +133,18 @@ TEST_CASE("a ball leaves a sphere as light a mirror where nothing is lost") {
   const double hits = (-b - std::sqrt(b * b - v2 * (from.squaredNorm() - 1.0))) / v2;
   const Vector3 n = from + hits * velocity, reflected = velocity - 2.0 * n.dot(velocity) * n;
   const double until = 1.5;
-  for (const Way& way : all_ways(1e-10)) {
-    INFO(way.name);
+  for (const Scheme& scheme : all_schemes(1e-10)) {
+    INFO(scheme.name);
     const double h = 0.001;
-    Simulation s = simulate(net, way.integrator, h);
+    Simulation s = simulate(net, scheme.integrator, h);
     if (!reaches(s, until)) continue;
-    CHECK((s.velocity(0) - reflected).norm() <= (way.order > 0.0 ? 10.0 * h : 1e-6));
-    CHECK((s.position(0) - n - (until - hits) * reflected).norm() <= (way.order > 0.0 ? 15.0 * h : 1e-6));
-    CHECK(std::abs(s.kinetic_energy() - 0.5 * mass * v2) <= (way.order > 0.0 ? 1e-6 : 1e-7));
+    CHECK((s.velocity(0) - reflected).norm() <= (scheme.order > 0.0 ? 10.0 * h : 1e-6));
+    CHECK((s.position(0) - n - (until - hits) * reflected).norm() <= (scheme.order > 0.0 ? 15.0 * h : 1e-6));
+    CHECK(std::abs(s.kinetic_energy() - 0.5 * mass * v2) <= (scheme.order > 0.0 ? 1e-6 : 1e-7));
   }
 }
 
-TEST_CASE("a node that slides on a floor bounces off a wall and slides on; each surface is told its own impulse") {
+TEST_CASE("a node that slides on a floor bounces off a wall and slides on; each obstacle gets its own impulse") {
   constexpr double speed = 1.0, far = 0.3, elastic = 0.8, h = 0.002;
   Network net;
   net.add_node(point({0, 0, 0}, 0.5, {speed, 0.4, 0}));
@@ -157,13 +157,13 @@ TEST_CASE("a node that slides on a floor bounces off a wall and slides on; each 
   wall.restitution = elastic;
   net.add_plane(floor);
   net.add_plane(wall);
-  for (const Way& way : all_ways(1e-10)) {
-    INFO(way.name);
-    Simulation s = simulate(net, way.integrator, h);
+  for (const Scheme& scheme : all_schemes(1e-10)) {
+    INFO(scheme.name);
+    Simulation s = simulate(net, scheme.integrator, h);
     s.advance_to(0.7);
     const double back = far - elastic * speed * (0.7 - far / speed);
     // The blow may fall anywhere within its step.
-    CHECK((s.position(0) - Vector3(back, 0.28, 0)).norm() <= (way.order > 0.0 ? 2.0 * h * speed : 1e-7));
+    CHECK((s.position(0) - Vector3(back, 0.28, 0)).norm() <= (scheme.order > 0.0 ? 2.0 * h * speed : 1e-7));
     CHECK((s.velocity(0) - Vector3(-elastic * speed, 0.4, 0)).norm() <= 1e-7);
     CHECK(s.touching(0));
     CHECK(s.nodes_touching(0) == 1);
@@ -183,7 +183,7 @@ TEST_CASE("a node that slides on a floor bounces off a wall and slides on; each 
   }
 }
 
-TEST_CASE("where a node falls into a corner each surface is told its own part of the blow") {
+TEST_CASE("where a node falls into a corner each obstacle gets its own part of the impulse") {
   Network net;
   net.add_node(point({0.25, 0, 0.25}, 0.5, {-1, 0, -1.2}));
   for (const Vector3& normal : {Vector3(0, 0, 1), Vector3(1, 0, 0)}) {
@@ -192,11 +192,11 @@ TEST_CASE("where a node falls into a corner each surface is told its own part of
     plane.normal = normal;
     net.add_plane(plane);
   }
-  for (const Way& way : all_ways(1e-10)) {
-    INFO(way.name);
+  for (const Scheme& scheme : all_schemes(1e-10)) {
+    INFO(scheme.name);
     for (const double h : {0.1, 0.004}) {  // in one step, and one after another
       CAPTURE(h);
-      Simulation s = simulate(net, way.integrator, h);
+      Simulation s = simulate(net, scheme.integrator, h);
       s.advance_to(0.4);
       CHECK(s.velocity(0).norm() <= 1e-9);
       CHECK((s.surface_impulse(0) - Vector3(0, 0, -0.6)).norm() <= 1e-9);
@@ -235,7 +235,7 @@ TEST_CASE("with verlet a ball bounces between two planes several times in a step
   CHECK((s.surface_impulse(0) + s.surface_impulse(1) + s.contact_impulse(0)).norm() <= 1e-12);
 }
 
-TEST_CASE("two planes in one place do what one does") {
+TEST_CASE("two coincident planes act as one") {
   // A node, and a rod that falls askew or slides.
   for (const int example : {0, 1, 2, 3}) {
     std::vector<Network> nets;
@@ -256,12 +256,12 @@ TEST_CASE("two planes in one place do what one does") {
         net.add_plane(plane);
       }
     }
-    for (const Way& way : all_ways(1e-10)) {
-      INFO(way.name << ", example " << example);
-      Simulation one = simulate(nets[0], way.integrator, 0.005), two = simulate(nets[1], way.integrator, 0.005);
+    for (const Scheme& scheme : all_schemes(1e-10)) {
+      INFO(scheme.name << ", example " << example);
+      Simulation one = simulate(nets[0], scheme.integrator, 0.005), two = simulate(nets[1], scheme.integrator, 0.005);
       if (!reaches(one, 0.4) || !reaches(two, 0.4)) continue;
       // The reference puts its steps elsewhere.
-      const double allowed = way.order > 0.0 ? 1e-10 : 1e-6;
+      const double allowed = scheme.order > 0.0 ? 1e-10 : 1e-6;
       CHECK(distance(one, two) <= allowed);
       CHECK((one.velocity(0) - two.velocity(0)).norm() <= 10.0 * allowed);
       CHECK((one.contact_impulse(0) - two.contact_impulse(0)).norm() <= allowed);

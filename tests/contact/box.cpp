@@ -52,10 +52,10 @@ TEST_CASE("a node slides down the face of a box and flies off at its edge") {
     if (radius > 0.0) REQUIRE(speed * speed / radius > g);
     const Vector3 end = start + (far + later * speed) * axes.col(0) - Vector3(0, 0, 0.5 * g * later * later);
     const Network net = with_box(axes, radius, point(start, mass), g);
-    for (const Way& way : all_ways(1e-10)) {
-      INFO(way.name << ", rounded by " << radius);
+    for (const Scheme& scheme : all_schemes(1e-10)) {
+      INFO(scheme.name << ", rounded by " << radius);
       const double h = 0.002;
-      Simulation s = simulate(net, way.integrator, h);
+      Simulation s = simulate(net, scheme.integrator, h);
       if (!reaches(s, 0.9 * leaves)) continue;
       CHECK(s.touching(0));
       CHECK(std::abs(axes.col(2).dot(s.reaction(0)) - mass * g * std::cos(tilt)) <= 1e-6);
@@ -63,7 +63,7 @@ TEST_CASE("a node slides down the face of a box and flies off at its edge") {
       // Where the face ends the reaction jumps from m g cos(tilt) to zero, within a step: up to that less, or more, for
       // h, and on with it.
       const double jump = h * g * std::cos(tilt) * later;
-      CHECK((s.position(0) - end).norm() <= (way.order == 1.0 ? 3.0 * h : way.order == 2.0 ? jump : 1e-6));
+      CHECK((s.position(0) - end).norm() <= (scheme.order == 1.0 ? 3.0 * h : scheme.order == 2.0 ? jump : 1e-6));
       CHECK(releases(s) == 1);
       CHECK_FALSE(s.touching(0));
     }
@@ -83,17 +83,19 @@ TEST_CASE("rounded edges and corners of a box are as round as they say") {
                         later * speed * (std::cos(to) * out - std::sin(to) * Vector3::UnitZ()) -
                         Vector3(0, 0, 0.5 * g * later * later);
     const Network net = with_box(Eigen::Matrix3d::Identity(), radius, point(centre + radius * at(from), mass), g);
-    for (const Way& way : all_ways(1e-10)) {
-      INFO(way.name << (corner ? ", corner" : ", edge"));
-      Simulation s = simulate(net, way.integrator, h);
+    for (const Scheme& scheme : all_schemes(1e-10)) {
+      INFO(scheme.name << (corner ? ", corner" : ", edge"));
+      Simulation s = simulate(net, scheme.integrator, h);
       if (!reaches(s, leaves + later)) continue;
-      CHECK((s.position(0) - end).norm() <= (way.order == 1.0 ? 3.0 * h : way.order == 2.0 ? 20.0 * h * h : 1e-6));
+      CHECK((s.position(0) - end).norm() <= (scheme.order == 1.0   ? 3.0 * h
+                                             : scheme.order == 2.0 ? 20.0 * h * h
+                                                                   : 1e-6));
       CHECK(releases(s) == 1);
     }
   }
 }
 
-TEST_CASE("what is thrown at a box stops at the face that it meets") {
+TEST_CASE("a node thrown at a box stops at the face that it meets") {
   const Eigen::Matrix3d axes = Eigen::AngleAxisd(0.6, Vector3(1, 1, 0.3).normalized()).toRotationMatrix();
   for (int c = 0; c < 3; ++c) {
     for (const double side : {-1.0, 1.0}) {
@@ -102,12 +104,12 @@ TEST_CASE("what is thrown at a box stops at the face that it meets") {
       const Vector3 along = 0.1 * axes.col((c + 1) % 3);
       const Vector3 velocity = -1.5 * normal + along;
       const Network net = with_box(axes, 0.0, point(meets - 0.3 * velocity, mass, velocity), 0.0);
-      for (const Way& way : all_ways(1e-10)) {
-        INFO(way.name << ", face " << side * (c + 1));
-        Simulation s = simulate(net, way.integrator, 0.004);
+      for (const Scheme& scheme : all_schemes(1e-10)) {
+        INFO(scheme.name << ", face " << side * (c + 1));
+        Simulation s = simulate(net, scheme.integrator, 0.004);
         if (!reaches(s, 0.7)) continue;
-        CHECK((s.position(0) - meets - 0.4 * along).norm() <= (way.order > 0.0 ? 1e-8 : 1e-6));
-        CHECK((s.contact_impulse(0) - 1.5 * mass * normal).norm() <= (way.order > 0.0 ? 1e-8 : 1e-6));
+        CHECK((s.position(0) - meets - 0.4 * along).norm() <= (scheme.order > 0.0 ? 1e-8 : 1e-6));
+        CHECK((s.contact_impulse(0) - 1.5 * mass * normal).norm() <= (scheme.order > 0.0 ? 1e-8 : 1e-6));
         CHECK((s.velocity(0) - along).norm() <= 1e-8);
       }
     }

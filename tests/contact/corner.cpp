@@ -43,23 +43,23 @@ Network groove(const Friction& friction, double speed) {
 }
 
 // First order: h / 2 times the speed gained; second order is exact under constant forces.
-double allowed(const Way& way, double h, double gained) {
-  return way.order == 1.0 ? 0.51 * h * gained + 1e-12 : way.order == 2.0 ? 1e-9 : 1e-7;
+double allowed(const Scheme& scheme, double h, double gained) {
+  return scheme.order == 1.0 ? 0.51 * h * gained + 1e-12 : scheme.order == 2.0 ? 1e-9 : 1e-7;
 }
 
 }  // namespace
 
-TEST_CASE("a node slides down a groove, and its sides bear what they must") {
+TEST_CASE("a node slides down a groove, with the right reactions of its sides") {
   constexpr double h = 0.005, until = 0.6;
   for (const double mu : {0.0, 0.1}) {
     const Friction friction = mu > 0.0 ? Friction{Friction::Kind::coulomb, mu} : frictionless;
     const double a = along - mu * (left + right) / mass;
-    for (const Way& way : all_ways(1e-10)) {
-      INFO(way.name << ", friction " << mu);
-      Simulation s = simulate(groove(friction, 0.0), way.integrator, h);
+    for (const Scheme& scheme : all_schemes(1e-10)) {
+      INFO(scheme.name << ", friction " << mu);
+      Simulation s = simulate(groove(friction, 0.0), scheme.integrator, h);
       s.advance_to(until);
-      CHECK((s.position(0) - Vector3(0.5 * a * until * until, 0, 0)).norm() <= allowed(way, h, a * until));
-      CHECK(std::abs(s.velocity(0).x() - a * until) <= (way.order > 0.0 ? 1e-9 : 1e-7));
+      CHECK((s.position(0) - Vector3(0.5 * a * until * until, 0, 0)).norm() <= allowed(scheme, h, a * until));
+      CHECK(std::abs(s.velocity(0).x() - a * until) <= (scheme.order > 0.0 ? 1e-9 : 1e-7));
       CHECK(s.touching(0));
       CHECK_FALSE(s.held(0));
       CHECK(s.nodes_touching(0) == 1);
@@ -77,17 +77,17 @@ TEST_CASE("a node thrown up a rough groove comes to rest in it and stays") {
   constexpr double mu = 0.5, speed = -1.2, h = 0.002;
   const double a = along + mu * (left + right) / mass, stops = -speed / a;
   REQUIRE(mu * (left + right) / mass > along);
-  for (const Way& way : all_ways(1e-10)) {
-    INFO(way.name);
-    Simulation s = simulate(groove({Friction::Kind::coulomb, mu}, speed), way.integrator, h);
+  for (const Scheme& scheme : all_schemes(1e-10)) {
+    INFO(scheme.name);
+    Simulation s = simulate(groove({Friction::Kind::coulomb, mu}, speed), scheme.integrator, h);
     s.advance_to(2.0 * stops);
-    const double accuracy = way.order == 0.0 ? 1e-7 : way.order == 1.0 ? 0.6 * h * -speed : a * h * h;
+    const double accuracy = scheme.order == 0.0 ? 1e-7 : scheme.order == 1.0 ? 0.6 * h * -speed : a * h * h;
     CHECK(std::abs(s.position(0).x() + 0.5 * speed * speed / a) <= accuracy);
     CHECK(s.position(0).tail<2>().norm() <= 1e-9);
     CHECK(s.held(0));
     CHECK(s.velocity(0).norm() == 0.0);
     CHECK((s.reaction(0) + mass * Vector3(along, 0, -into)).norm() <= 1e-6);
-    if (way.order > 0.0) continue;
+    if (scheme.order > 0.0) continue;
     double stuck = 0.0;
     for (const Event& event : s.events())
       if (event.kind == Event::Kind::stuck) stuck = event.time;
@@ -108,20 +108,20 @@ TEST_CASE("a node on a floor runs into a wall, slides along it, and is drawn off
   const double gone = until - turns;
   const Vector3 in_corner(1, across * turns + 0.15 * turns * turns, 0);
   const Vector3 end(1 + 0.5 * pull / mass * gone * gone, across * until + 0.15 * until * until, 0);
-  for (const Way& way : all_ways(1e-10)) {
-    INFO(way.name);
-    Simulation s = simulate(net, way.integrator, h);
+  for (const Scheme& scheme : all_schemes(1e-10)) {
+    INFO(scheme.name);
+    Simulation s = simulate(net, scheme.integrator, h);
     s.advance_to(turns);
-    CHECK((s.position(0) - in_corner).norm() <= allowed(way, h, 0.3 * turns));
+    CHECK((s.position(0) - in_corner).norm() <= allowed(scheme, h, 0.3 * turns));
     CHECK_FALSE(s.held(0));
     CHECK(s.nodes_touching(0) == 1);
     CHECK(s.nodes_touching(1) == 1);
     const double a = press / mass, hit = (-v + std::sqrt(v * v + 2.0 * a)) / a;
-    CHECK(std::abs(s.contact_impulse(0).x() + mass * (v + a * hit)) <= (way.order > 0.0 ? 2.0 * h * press : 1e-6));
+    CHECK(std::abs(s.contact_impulse(0).x() + mass * (v + a * hit)) <= (scheme.order > 0.0 ? 2.0 * h * press : 1e-6));
     s.advance_to(until);
     // A step may pass until it leaves.
     CHECK((s.position(0) - end).norm() <=
-          (way.order > 0.0 ? 1.1 * h * (-pull / mass * gone) + 0.51 * h * 0.3 * until : 1e-7));
+          (scheme.order > 0.0 ? 1.1 * h * (-pull / mass * gone) + 0.51 * h * 0.3 * until : 1e-7));
     CHECK(s.nodes_touching(1) == 0);
     CHECK(std::abs(s.position(0).z()) <= 1e-12);
   }
@@ -133,9 +133,9 @@ TEST_CASE("where three planes meet a node stops, and leaves along two of them wh
   net.add_plane(plane_of("end", {-1, 0, 0}, frictionless, {stop, 0, 0}));
   net.add_load({{0}, {-pull, 0, 0}, turns});
   const double out = pull / mass - along;
-  for (const Way& way : all_ways(1e-10)) {
-    INFO(way.name);
-    Simulation s = simulate(net, way.integrator, h);
+  for (const Scheme& scheme : all_schemes(1e-10)) {
+    INFO(scheme.name);
+    Simulation s = simulate(net, scheme.integrator, h);
     s.advance_to(turns);
     CHECK((s.position(0) - Vector3(stop, 0, 0)).norm() <= 1e-9);
     CHECK(s.velocity(0).norm() <= 1e-12);
@@ -145,7 +145,7 @@ TEST_CASE("where three planes meet a node stops, and leaves along two of them wh
     s.advance_to(until);
     const double gone = until - turns;
     CHECK((s.position(0) - Vector3(stop - 0.5 * out * gone * gone, 0, 0)).norm() <=
-          (way.order > 0.0 ? 1.1 * h * out * gone : 1e-7));
+          (scheme.order > 0.0 ? 1.1 * h * out * gone : 1e-7));
   }
 }
 
@@ -164,9 +164,9 @@ TEST_CASE("between a plane and a sphere a node slides round the circle where the
   const double speed = std::sqrt(radius * std::cos(to)), later = 0.1;
   const Vector3 end = radius * Vector3(std::cos(to), std::sin(to), 0) +
                       later * speed * Vector3(-std::sin(to), std::cos(to), 0) - Vector3(0.5 * later * later, 0, 0);
-  for (const Way& way : all_ways(1e-10)) {
-    INFO(way.name);
-    Simulation s = simulate(net, way.integrator, h);
+  for (const Scheme& scheme : all_schemes(1e-10)) {
+    INFO(scheme.name);
+    Simulation s = simulate(net, scheme.integrator, h);
     double pull = 0.0;
     while (s.time() < leaves + later - 0.5 * h) {
       if (s.time() + 1.5 * h > leaves + later)
@@ -178,7 +178,7 @@ TEST_CASE("between a plane and a sphere a node slides round the circle where the
       pull = std::max(pull, normal.dot(s.surface_force(1)));
     }
     CHECK(pull <= 1e-9);
-    CHECK((s.position(0) - end).norm() <= (way.order == 1.0 ? 3.0 * h : way.order == 2.0 ? 10.0 * h * h : 1e-6));
+    CHECK((s.position(0) - end).norm() <= (scheme.order == 1.0 ? 3.0 * h : scheme.order == 2.0 ? 10.0 * h * h : 1e-6));
     CHECK(s.nodes_touching(0) == 1);
     CHECK(s.nodes_touching(1) == 0);
     std::size_t released = 0;
@@ -190,9 +190,9 @@ TEST_CASE("between a plane and a sphere a node slides round the circle where the
 // Of planes that meet in a point three decide at most where a node goes, which are others as it goes on.
 TEST_CASE("a node that falls into a pyramid of many planes stays before all of them, and comes to rest") {
   constexpr double h = 0.005, until = 3.0;
-  std::vector<Way> ways = stepping_ways(1e-9);
+  std::vector<Scheme> schemes = stepping_schemes(1e-9);
   for (const double theta : {1.0, 0.5})
-    ways.push_back({"located", recurrent(newton, 1e-9, {{"theta", theta}, {"events", 1.0}}), 2.0});
+    schemes.push_back({"located", recurrent(newton, 1e-9, {{"theta", theta}, {"events", 1.0}}), 2.0});
   for (const int count : {8, 13}) {
     for (const double mu : {0.0, 0.3}) {
       Network net;
@@ -210,14 +210,14 @@ TEST_CASE("a node that falls into a pyramid of many planes stays before all of t
         const Friction friction = mu > 0.0 ? Friction{Friction::Kind::coulomb, mu} : frictionless;
         net.add_plane(plane_of(("side " + std::to_string(i)).c_str(), normals.back(), friction));
       }
-      for (const Way& way : ways) {
-        INFO(way.name << ", " << count << " planes, friction " << mu);
-        Simulation s = simulate(net, way.integrator, h);
+      for (const Scheme& scheme : schemes) {
+        INFO(scheme.name << ", " << count << " planes, friction " << mu);
+        Simulation s = simulate(net, scheme.integrator, h);
         double behind = 0.0;
         while (s.time() < until && steps_on(s))
           for (const Vector3& n : normals) behind = std::max(behind, -n.dot(s.position(0)));
         // Rounding; located events find a touch up to 1e-9 of a length after it.
-        CHECK(behind <= (way.name == "located" ? 1e-9 : 1e-14));
+        CHECK(behind <= (scheme.name == "located" ? 1e-9 : 1e-14));
         CHECK(s.kinetic_energy() <= 1e-3);
       }
     }

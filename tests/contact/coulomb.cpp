@@ -34,14 +34,14 @@ void check_tolerances(const Truth& truth, double factor) {
 
 // Errors of the steps: C h and C h^2 until an event falls within one, which costs up to h of what it changes.
 void check_steps(const Truth& truth, double h, double first, double second, double verlet) {
-  for (const Way& way : stepping_ways(1e-10)) {
-    INFO(way.name);
+  for (const Scheme& scheme : stepping_schemes(1e-10)) {
+    INFO(scheme.name);
     for (const double step : {h, 0.5 * h}) {
       CAPTURE(step);
-      const Run run = follow(truth, way.integrator, step);
-      const double allowed = way.order == 1.0       ? first * step
-                             : way.name == "verlet" ? verlet * step * step
-                                                    : second * step * step;
+      const Run run = follow(truth, scheme.integrator, step);
+      const double allowed = scheme.order == 1.0       ? first * step
+                             : scheme.name == "verlet" ? verlet * step * step
+                                                       : second * step * step;
       CHECK(run.error <= allowed);
       CHECK(run.pull <= 1e-9);
       CHECK(run.sink <= 1e-12);
@@ -63,13 +63,13 @@ TEST_CASE("on a shaken plane slip turns round where the closed form says") {
   check_tolerances(truth, 100.0);
   for (const double tolerance : {1e-7, 1e-9}) {
     const Run run = follow(truth, cvode(tolerance), 0.1);
-    CHECK(std::abs(run.time_of(Event::Kind::stuck) - shaken_sticks()) <= 20.0 * tolerance);
+    CHECK(std::abs(run.time_of(Event::Kind::stuck) - shaken_stick_time()) <= 20.0 * tolerance);
   }
 }
 
 TEST_CASE("a shaken oscillator slips and sticks again and again") {
   const Truth truth(shaken_oscillator(), 3.0);
-  REQUIRE(truth.reference.happenings().size() > 4);
+  REQUIRE(truth.reference.events().size() > 4);
   check_tolerances(truth, 100.0);
 }
 
@@ -121,15 +121,15 @@ TEST_CASE("an oscillator on a belt slips and sticks as its closed form") {
     // The touch of the belt's speed is located to the root of the tolerance; its error stays of second order in that.
     CHECK(worst(cvode(tolerance), 0.01, grazes + 1.5 * period) <= 300.0 * tolerance);
   }
-  for (const Way& way : stepping_ways(1e-10)) {
-    INFO(way.name);
+  for (const Scheme& scheme : stepping_schemes(1e-10)) {
+    INFO(scheme.name);
     double error[2];
     for (const int halving : {0, 1})
-      error[halving] = worst(way.integrator, halving == 0 ? 0.004 : 0.002, grazes - 0.1 * period);
+      error[halving] = worst(scheme.integrator, halving == 0 ? 0.004 : 0.002, grazes - 0.1 * period);
     CAPTURE(error[0]);
     CAPTURE(error[1]);
-    CHECK(error[0] <= (way.order == 1.0 ? 0.4 : 0.02) * 0.004);
-    CHECK(error[1] <= (way.order == 1.0 ? 0.4 : 0.02) * 0.002);
+    CHECK(error[0] <= (scheme.order == 1.0 ? 0.4 : 0.02) * 0.004);
+    CHECK(error[1] <= (scheme.order == 1.0 ? 0.4 : 0.02) * 0.002);
   }
 }
 
@@ -170,11 +170,11 @@ TEST_CASE("the uncertainty that validate prints bounds the error of its referenc
 TEST_CASE("a force that grows makes a node slip where it reaches the cone") {
   for (const Vector3& direction : {Vector3(1, 0, 0), Vector3(-0.6, 0.8, 0)}) {
     const Network net = on_ramp(direction);
-    for (const Way& way : all_ways(1e-10)) {
-      INFO(way.name);
+    for (const Scheme& scheme : all_schemes(1e-10)) {
+      INFO(scheme.name);
       const double h = 0.0005;
-      Simulation s = simulate(net, way.integrator, way.order > 0.0 ? h : 0.05);
-      s.advance_to(ramp_slips + 0.25);
+      Simulation s = simulate(net, scheme.integrator, scheme.order > 0.0 ? h : 0.05);
+      s.advance_to(ramp_slip_time + 0.25);
       REQUIRE(s.events().size() >= 2);
       double slipped = 0.0;
       for (const Event& event : s.events()) {
@@ -182,19 +182,19 @@ TEST_CASE("a force that grows makes a node slip where it reaches the cone") {
         if (slipped == 0.0) slipped = event.time;
       }
       // A step sees it at its end.
-      CHECK(std::abs(slipped - ramp_slips) <= (way.order > 0.0 ? 1.01 * h : 1e-8));
+      CHECK(std::abs(slipped - ramp_slip_time) <= (scheme.order > 0.0 ? 1.01 * h : 1e-8));
       const double x = ramp_rate / ramp_mass * std::pow(0.25, 3) / 6.0;
       // Verlet may stick for a step once more where slip begins.
-      CHECK((s.position(0) - x * direction).norm() <= (way.name == "verlet" ? 0.5 * h
-                                                       : way.order == 1.0   ? 0.1 * h
-                                                       : way.order == 2.0   ? 10.0 * h * h
-                                                                            : 1e-8));
+      CHECK((s.position(0) - x * direction).norm() <= (scheme.name == "verlet" ? 0.5 * h
+                                                       : scheme.order == 1.0   ? 0.1 * h
+                                                       : scheme.order == 2.0   ? 10.0 * h * h
+                                                                               : 1e-8));
     }
   }
 }
 
 TEST_CASE("a shaken oscillator slips and sticks again and again in steps") {
   const Truth truth(shaken_oscillator(), 3.0);
-  REQUIRE(truth.reference.happenings().size() > 4);
+  REQUIRE(truth.reference.events().size() > 4);
   check_steps(truth, 0.002, 1.0, 100.0, 100.0);
 }

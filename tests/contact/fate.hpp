@@ -1,5 +1,5 @@
-// What becomes of rigid bodies in contact: the reference goes on, keeps lengths and surfaces, takes no energy from
-// nowhere, and finds what it finds at every tolerance.
+// Rigid bodies in contact: the reference goes on, keeps lengths and surfaces, gains no energy, and finds the same
+// motion at every tolerance.
 #pragma once
 
 #include <algorithm>
@@ -27,7 +27,7 @@ inline Fate tumble(const Network& net, double tolerance, double until) {
   double lowest = energy();
   for (int i = 1; i <= count; ++i) {
     s.advance_to(until * i / count);
-    look(net, shapes, s, fate.run);
+    record_violations(net, shapes, s, fate.run);
     auto& at = fate.run.positions.emplace_back();
     for (NodeIndex k = 0; k < s.node_count(); ++k) at.push_back(s.position(k));
     fate.scale = std::max({fate.scale, s.kinetic_energy(), std::abs(energy())});

@@ -48,31 +48,31 @@ Network stopping(const Friction& friction, double during) {
 
 double highest(const Network& net, const LawUse& integrator, double h, std::size_t& released) {
   Simulation s = simulate(net, integrator, h);
-  double most = 0.0;
+  double highest = 0.0;
   while (s.time() < at_top + 0.05) {
     s.step();
-    most = std::max(most, s.position(0).z());
+    highest = std::max(highest, s.position(0).z());
   }
   released = 0;
   for (const Event& event : s.events()) released += event.kind == Event::Kind::released ? 1 : 0;
-  return most;
+  return highest;
 }
 
 }  // namespace
 
-TEST_CASE("a plane that rises and stops throws what lies on it, held or not, at once or within a millisecond") {
+TEST_CASE("a plane that rises and stops throws the node on it, held or not, at once or within a millisecond") {
   REQUIRE(top == doctest::Approx(0.425));
   const Friction kinds[] = {frictionless, {Friction::Kind::coulomb, 0.5}, {Friction::Kind::held, 0.0}};
   for (const Friction& friction : kinds) {
     for (const double during : {0.0, 1e-3}) {
-      for (const Way& way : all_ways(1e-10)) {
-        INFO(way.name << ", friction (0: held, 1: none) " << static_cast<int>(friction.kind) << ", stops within "
-                      << during);
+      for (const Scheme& scheme : all_schemes(1e-10)) {
+        INFO(scheme.name << ", friction (0: held, 1: none) " << static_cast<int>(friction.kind) << ", stops within "
+                         << during);
         std::size_t released = 0;
         const double h = 0.002;
-        const double reached = highest(stopping(friction, during), way.integrator, h, released);
+        const double reached = highest(stopping(friction, during), scheme.integrator, h, released);
         // The stop may fall within a step; in the flight first order loses g t h / 2.
-        CHECK(std::abs(reached - top) <= (way.order > 0.0 ? 1.6 * h * speed : 2e-5) + 3.0 * during * speed);
+        CHECK(std::abs(reached - top) <= (scheme.order > 0.0 ? 1.6 * h * speed : 2e-5) + 3.0 * during * speed);
         // The table's cubics hop by a hundredth of the speed where it begins to fall.
         CHECK(released >= 1);
         if (during == 0.0) CHECK(released == 1);
@@ -81,7 +81,7 @@ TEST_CASE("a plane that rises and stops throws what lies on it, held or not, at 
   }
 }
 
-TEST_CASE("a plane whose velocity jumps along itself keeps what it holds") {
+TEST_CASE("a plane whose velocity jumps along itself keeps the node that it holds") {
   // And where it turns towards the node: the node goes with it, after an impulse.
   Network net;
   net.add_node(point({0, 0, 0}, 0.4));
@@ -92,13 +92,13 @@ TEST_CASE("a plane whose velocity jumps along itself keeps what it holds") {
   plane.motion->times = {0.0, 0.2, 0.4, 0.6};
   plane.motion->displacements = {Vector3::Zero(), {0.1, 0, 0}, {0, 0.1, 0.05}, {0, 0.1, 0.35}};
   net.add_plane(plane);
-  for (const Way& way : all_ways(1e-10)) {
-    INFO(way.name);
-    Simulation s = simulate(net, way.integrator, 0.004);
+  for (const Scheme& scheme : all_schemes(1e-10)) {
+    INFO(scheme.name);
+    Simulation s = simulate(net, scheme.integrator, 0.004);
     s.advance_to(0.58);
     CHECK(s.held(0));
     CHECK((s.position(0) - Vector3(0, 0.1, 0.05 + 0.27)).norm() <= 1e-9);
     // From 0 to 0.25 m/s, then to 1.5 m/s upwards; in the network that is a reaction over a step.
-    if (way.order == 0.0) CHECK(std::abs(s.contact_impulse(0).z() - 0.4 * 1.5) <= 1e-6);
+    if (scheme.order == 0.0) CHECK(std::abs(s.contact_impulse(0).z() - 0.4 * 1.5) <= 1e-6);
   }
 }

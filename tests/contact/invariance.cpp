@@ -114,20 +114,20 @@ TEST_CASE("contact looks the same turned, mirrored, and in other units") {
   for (const Example& example : examples) {
     for (const View& view : views) {
       const Network other = seen(example.net, view);
-      std::vector<Way> ways = {{"newton, theta 1/2", {}, 2.0},
-                               {"wavefront, theta 1", {}, 1.0},
-                               {"verlet", {"verlet", {}}, 2.0},
-                               {"bdf", cvode(1e-11), 0.0}};
-      for (const Way& way : ways) {
-        INFO(example.name << ", " << view.name << ": " << way.name);
+      std::vector<Scheme> schemes = {{"newton, theta 1/2", {}, 2.0},
+                                     {"wavefront, theta 1", {}, 1.0},
+                                     {"verlet", {"verlet", {}}, 2.0},
+                                     {"bdf", cvode(1e-11), 0.0}};
+      for (const Scheme& scheme : schemes) {
+        INFO(example.name << ", " << view.name << ": " << scheme.name);
         const double force = view.mass * view.length / (view.time * view.time);
         const auto integrator = [&](double unit) {
-          if (way.name[0] == 'n') return recurrent(newton, 1e-11 * unit, {{"theta", 0.5}});
-          if (way.name[0] == 'w') return recurrent(wavefront, 1e-11 * unit, {{"theta", 1.0}});
-          return way.integrator;
+          if (scheme.name[0] == 'n') return recurrent(newton, 1e-11 * unit, {{"theta", 0.5}});
+          if (scheme.name[0] == 'w') return recurrent(wavefront, 1e-11 * unit, {{"theta", 1.0}});
+          return scheme.integrator;
         };
         // No step ends where something begins.
-        const double h = way.order > 0.0 ? 0.0019 : 0.05;
+        const double h = scheme.order > 0.0 ? 0.0019 : 0.05;
         Simulation s = simulate(example.net, integrator(1.0), h);
         Simulation t = simulate(other, integrator(force), h * view.time);
         if (!reaches(s, example.until) || !reaches(t, example.until * view.time)) continue;
@@ -135,9 +135,9 @@ TEST_CASE("contact looks the same turned, mirrored, and in other units") {
         for (NodeIndex k = 0; k < s.node_count(); ++k)
           worst = std::max(worst, (t.position(k) - view.place(s.position(k))).norm() / view.length);
         // Rounding and thresholds, grown by what touches; the reference's tolerance over its steps.
-        CHECK(worst <= (way.order > 0.0 ? 1e-9 : 1e-8));
+        CHECK(worst <= (scheme.order > 0.0 ? 1e-9 : 1e-8));
         // The reference may graze a surface once more within its tolerance.
-        if (way.order > 0.0) CHECK(s.events().size() == t.events().size());
+        if (scheme.order > 0.0) CHECK(s.events().size() == t.events().size());
       }
     }
   }

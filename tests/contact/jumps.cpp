@@ -63,7 +63,7 @@ std::vector<Jump> jumps() {
 
 }  // namespace
 
-TEST_CASE("a jump of a moved node gives what hangs on it, its surface and what moves it their impulses") {
+TEST_CASE("a jump of a moved node gives impulses to the nodes joined to it, to obstacles and to its motion") {
   for (const Jump& jump : jumps()) {
     const Network net = pulled(jump.jump, jump.floor);
     for (const LawUse& integrator : {cvode(1e-10), recurrent(newton, 1e-11), recurrent(newton, 1e-11, {{"theta", 0.5}}),

@@ -1,5 +1,4 @@
-// What changes momentum in a step of the network: gravity, reactions over the step, and what came at once. Nothing else
-// does.
+// The balance of momentum over a step of the network: gravity, reactions over the step, and impulses.
 
 #include <doctest/doctest.h>
 
@@ -85,7 +84,7 @@ std::vector<Example> examples() {
           {"swinging, held", swinging(held), 0.8}};
 }
 
-// What gravity does to fixed nodes their reactions undo.
+// Of fixed nodes, too: their reactions balance their weight.
 double total_mass(const Network& net) {
   double mass = 0.0;
   for (const Node& node : net.nodes()) mass += node.mass;
@@ -94,33 +93,33 @@ double total_mass(const Network& net) {
 
 }  // namespace
 
-TEST_CASE("in a step of the network momentum is that of gravity, reactions over the step, and impulses") {
+TEST_CASE("a step of the network changes momentum by gravity, reactions over the step and impulses alone") {
   constexpr double threshold = 1e-9, h = 0.002;
   for (const Example& example : examples()) {
     const Network& net = example.net;
-    for (const Way& way : stepping_ways(threshold)) {
-      if (way.name == "verlet") continue;  // its reactions are those of a time, not of a step
-      INFO(example.name << ": " << way.name);
-      const double theta = way.order == 1.0 ? 1.0 : 0.5;
-      Simulation s = simulate(net, way.integrator, h);
+    for (const Scheme& scheme : stepping_schemes(threshold)) {
+      if (scheme.name == "verlet") continue;  // its reactions are those of a time, not of a step
+      INFO(example.name << ": " << scheme.name);
+      const double theta = scheme.order == 1.0 ? 1.0 : 0.5;
+      Simulation s = simulate(net, scheme.integrator, h);
       double worst = 0.0, at = 0.0;
       while (s.time() < example.until - 0.5 * h) {
         const Vector3 before = s.momentum();
-        Vector3 given = h * total_mass(net) * net.gravity();
+        Vector3 expected = h * total_mass(net) * net.gravity();
         for (NodeIndex k = 0; k < s.node_count(); ++k)
-          given += h * (1.0 - theta) * s.reaction(k) - s.contact_impulse(k);
+          expected += h * (1.0 - theta) * s.reaction(k) - s.contact_impulse(k);
         s.step();
-        for (NodeIndex k = 0; k < s.node_count(); ++k) given += h * theta * s.reaction(k) + s.contact_impulse(k);
-        const double missing = (s.momentum() - before - given).norm();
-        if (missing > worst) at = s.time();
-        worst = std::max(worst, missing);
+        for (NodeIndex k = 0; k < s.node_count(); ++k) expected += h * theta * s.reaction(k) + s.contact_impulse(k);
+        const double error = (s.momentum() - before - expected).norm();
+        if (error > worst) at = s.time();
+        worst = std::max(worst, error);
       }
-      // What surfaces got is what their nodes were given.
-      Vector3 all = Vector3::Zero();
-      for (std::size_t j = 0; j < s.surface_count(); ++j) all += s.surface_impulse(j);
+      // Impulses on obstacles are opposite to those on their nodes.
+      Vector3 sum = Vector3::Zero();
+      for (std::size_t j = 0; j < s.surface_count(); ++j) sum += s.surface_impulse(j);
       for (NodeIndex k = 0; k < s.node_count(); ++k)
-        if (!net.nodes()[k].fixed) all += s.contact_impulse(k);
-      CHECK(all.norm() <= 1e-12);
+        if (!net.nodes()[k].fixed) sum += s.contact_impulse(k);
+      CHECK(sum.norm() <= 1e-12);
       CAPTURE(at);
       CHECK(worst <= h * threshold * static_cast<double>(s.node_count()) + 1e-13);
     }

@@ -1,4 +1,4 @@
-// What changes momentum: gravity, reactions, and the impulses of touching. Nothing else does.
+// The balance of momentum in the reference integrator: gravity, reactions, and the impulses of touches.
 
 #include <doctest/doctest.h>
 
@@ -32,18 +32,18 @@ std::vector<Example> examples() {
           {"shaken oscillator", shaken_oscillator(), 3.0}};
 }
 
-// Gauss and Legendre's rule of five points.
+// The Gauss-Legendre rule of five points.
 constexpr double x[] = {-0.9061798459386640, -0.5384693101056831, 0.0, 0.5384693101056831, 0.9061798459386640};
 constexpr double w[] = {0.2369268850561891, 0.4786286704993665, 0.5688888888888889, 0.4786286704993665,
                         0.2369268850561891};
 
 struct Sample {
   Vector3 force = Vector3::Zero();   // N, all reactions
-  Vector3 gained = Vector3::Zero();  // N s, of momentum, beside gravity and impulses
+  Vector3 gained = Vector3::Zero();  // N s, change of momentum less gravity and impulses
   double size = 1.0;                 // N s
 };
 
-// The reference corrects what integration makes of velocities that are bound, each time by about this.
+// m, m/s: by about as much the reference corrects constrained velocities in each step.
 constexpr double tolerance = 3e-14;
 
 class Balance {
@@ -61,8 +61,8 @@ class Balance {
       if (ends[i] > ends[i - 1]) panels_[ends[i - 1]] = ends[i];
   }
 
-  // The integral of reactions by a rule that divides what it is not sure of: friction turns without bound where a slip
-  // ends. What is missing of momentum at the worst, in units of its size.
+  // The greatest error of the balance, relative to momentum. Reactions are integrated adaptively: where a slip ends the
+  // direction of friction turns ever faster.
   double worst() {
     constexpr double shortest = 1e-11;  // s
     while (!panels_.empty()) {
@@ -93,7 +93,7 @@ class Balance {
   }
 
  private:
-  // Everything at once, because time only goes on.
+  // All samples in one run, because time only goes forward.
   void run() {
     samples_.clear();
     for (const auto& [from, to] : panels_)
@@ -101,7 +101,7 @@ class Balance {
            {std::pair(from, to), std::pair(from, 0.5 * (from + to)), std::pair(0.5 * (from + to), to)})
         for (const double point : x) samples_[at(a, b, point)];
     for (const auto& [to, part] : given_) samples_[to];
-    // What is less than a millionth of a time step is no time.
+    // A short time step, because a millionth of it counts as no time.
     Simulation s = simulate(net_, cvode(tolerance), 1e-4);
     const Vector3 start = s.momentum();
     for (auto& [time, sample] : samples_) {
@@ -127,14 +127,14 @@ class Balance {
 
   Network net_;
   double until_, mass_ = 0.0;
-  std::map<double, double> panels_;  // s: end of those that are not known yet
+  std::map<double, double> panels_;  // s, start and end of those not integrated yet
   std::map<double, Vector3> given_;  // N s, by the end of a panel
   std::map<double, Sample> samples_;
 };
 
 }  // namespace
 
-TEST_CASE("in the reference momentum is that of gravity, the integral of reactions, and impulses") {
+TEST_CASE("in the reference momentum changes by gravity, the integral of reactions, and impulses alone") {
   for (const Example& example : examples()) {
     INFO(example.name);
     CHECK(Balance(example).worst() <= 1e-10);

@@ -10,9 +10,9 @@
 namespace springnet::testing {
 namespace {
 
-constexpr double at_rest = 1e-13;       // m/s: less is rounding
-constexpr double slip_is_young = 1e-8;  // m/s: below, slip that began turns at once into the sliding acceleration
-constexpr double longest = 0.01;        // s
+constexpr double at_rest = 1e-13;    // m/s: less is rounding
+constexpr double young_slip = 1e-8;  // m/s: below, slip that starts has the direction of the sliding acceleration
+constexpr double max_step = 0.01;    // s
 
 Shift shift_of(const Motion* motion, double time) {
   Shift shift;
@@ -133,15 +133,15 @@ Reference::Push Reference::push(NodeIndex node, double time, const Bodies& bodie
   const Surface& surface = surfaces_[static_cast<std::size_t>(contact.surface)];
   const Gap g = gap(contact.surface, time, bodies[node].p, bodies[node].v);
   const double mass = net_.nodes()[node].mass;
-  const Vector3 lacking = mass * shift_of(surface.motion, time).acceleration - force(node, time, bodies);
+  const Vector3 required = mass * shift_of(surface.motion, time).acceleration - force(node, time, bodies);
   const double bending = contact.mode == Mode::sticking ? 0.0 : g.bending;
-  Push result{g.normal.dot(lacking) - mass * bending, Vector3::Zero()};
-  const Vector3 holding = lacking - g.normal * g.normal.dot(lacking);
+  Push result{g.normal.dot(required) - mass * bending, Vector3::Zero()};
+  const Vector3 holding = required - g.normal * g.normal.dot(required);
   if (contact.mode == Mode::sticking) {
     result.along = holding;
   } else if (surface.friction.kind == Friction::Kind::coulomb) {
     Vector3 slip = g.relative - g.normal * g.normal.dot(g.relative);
-    if (contact.starting && slip.norm() < slip_is_young)
+    if (contact.starting && slip.norm() < young_slip)
       slip = holding.norm() > 0.0 ? Vector3(-holding) : contact.direction;
     if (slip.norm() > 0.0) result.along = -surface.friction.coefficient * result.normal * slip.normalized();
   }
@@ -202,7 +202,7 @@ Reference::Bodies Reference::stepped(double h, double& error) const {
   return y;
 }
 
-bool Reference::happened(NodeIndex node, double time, const Bodies& bodies) const {
+bool Reference::event_occurred(NodeIndex node, double time, const Bodies& bodies) const {
   if (net_.nodes()[node].fixed) return false;
   const Contact& contact = contacts_[node];
   for (int s = 0; s < static_cast<int>(surfaces_.size()); ++s) {
@@ -220,10 +220,10 @@ bool Reference::happened(NodeIndex node, double time, const Bodies& bodies) cons
   if (g.piece != contact.piece) return true;
   if (friction.kind != Friction::Kind::coulomb) return false;
   const double slip = g.relative.dot(contact.direction);
-  return contact.starting ? slip > slip_is_young : slip <= slip_ends_;
+  return contact.starting ? slip > young_slip : slip <= slip_ends_;
 }
 
-// Puts what is in contact back on its surface: what a step leaves is below the tolerance.
+// Projects nodes in contact onto their surface: the error of a step is below the tolerance.
 void Reference::commit(double time, Bodies&& bodies) {
   time_ = time;
   now_ = std::move(bodies);
@@ -255,7 +255,7 @@ void Reference::advance_to(double time) {
         end = std::min(end, stop);
         break;
       }
-    double h = std::min({h_, longest, end - time_}), error = 0.0;
+    double h = std::min({h_, max_step, end - time_}), error = 0.0;
     Bodies next = stepped(h, error);
     if (error > tolerance_ && h > 1e-13) {
       h_ = h * std::max(0.1, 0.9 * std::pow(tolerance_ / error, 0.2));
@@ -263,7 +263,7 @@ void Reference::advance_to(double time) {
     }
     const auto any = [&](double at, const Bodies& bodies) {
       for (NodeIndex k = 0; k < bodies.size(); ++k)
-        if (happened(k, at, bodies)) return true;
+        if (event_occurred(k, at, bodies)) return true;
       return false;
     };
     const bool last = h == end - time_;
@@ -281,7 +281,7 @@ void Reference::advance_to(double time) {
       }
       std::vector<NodeIndex> fired;
       for (NodeIndex k = 0; k < next.size(); ++k)
-        if (happened(k, time_ + h, next)) fired.push_back(k);
+        if (event_occurred(k, time_ + h, next)) fired.push_back(k);
       commit(time_ + h, std::move(next));
       for (const NodeIndex k : fired) respond(k);
       h_ = std::max(1e-9, 0.1 * h);
@@ -294,15 +294,16 @@ void Reference::advance_to(double time) {
   }
 }
 
-// A node where something changed: it touches, leaves, turns round, rests, or passes from a capsule's end to its side.
+// Updates the contact of a node at an event: a touch, a release, the end or the reversal of a slip, or the passage from
+// a capsule's end to its side.
 void Reference::respond(NodeIndex node) {
   if (net_.nodes()[node].fixed) return;
   Contact& contact = contacts_[node];
-  const bool touched = contact.mode != Mode::free;
-  const int left = contact.surface;
-  if (touched) settle(node);
+  const bool in_contact = contact.mode != Mode::free;
+  const int previous = contact.surface;
+  if (in_contact) settle(node);
   for (int s = 0; s < static_cast<int>(surfaces_.size()); ++s) {
-    if (s == (touched ? left : contact.surface)) continue;
+    if (s == (in_contact ? previous : contact.surface)) continue;
     const Gap g = gap(s, time_, now_[node].p, now_[node].v);
     const double apart = g.normal.dot(g.relative);
     if (g.distance > 1e-12 || apart > at_rest) continue;
@@ -351,7 +352,7 @@ void Reference::settle(NodeIndex node, bool touching) {
   const Surface& s = surfaces_[static_cast<std::size_t>(contact.surface)];
   const Gap g = gap(contact.surface, time_, now_[node].p, now_[node].v);
   contact.piece = g.piece;
-  const auto rests = [&] {
+  const auto stick = [&] {
     contact.mode = Mode::sticking;
     contact.starting = false;
     now_[node].v = shift_of(s.motion, time_).velocity;
@@ -360,11 +361,11 @@ void Reference::settle(NodeIndex node, bool touching) {
   const bool coulomb = s.friction.kind == Friction::Kind::coulomb;
   const Vector3 slip = g.relative - g.normal * g.normal.dot(g.relative);
   if (contact.mode == Mode::sliding && coulomb) {
-    if (contact.starting && slip.norm() > slip_is_young) {
+    if (contact.starting && slip.norm() > young_slip) {
       contact.starting = false;
       contact.direction = slip.normalized();
     } else if (!contact.starting && slip.dot(contact.direction) <= slip_ends_) {
-      rests();
+      stick();
       if (!touching) note(Change::stuck, node);
     }
   }
@@ -382,7 +383,7 @@ void Reference::settle(NodeIndex node, bool touching) {
   }
 }
 
-// Where a surface's velocity jumps, or a load: what separates leaves, what is run into gets an impulse.
+// Where the velocity of a surface or a load jumps: separating contacts end, approaching ones get an impulse.
 void Reference::jump() {
   for (NodeIndex k = 0; k < now_.size(); ++k) {
     Contact& contact = contacts_[k];
@@ -418,8 +419,8 @@ Reference surfaces_of(const Network& net) {
 }
 
 double Reference::time_of(Change change, std::size_t n) const {
-  for (const Happening& h : happenings_)
-    if (h.change == change && n-- == 0) return h.time;
+  for (const Event& event : events_)
+    if (event.change == change && n-- == 0) return event.time;
   return std::numeric_limits<double>::quiet_NaN();
 }
 

@@ -10,8 +10,8 @@
 
 namespace springnet::testing {
 
-// Displacement, velocity, acceleration of a motion at a time, from its formula: a sinusoid, or a linear table (rates
-// are those after the time). m, m/s, m/s^2
+// Displacement, velocity and acceleration of a motion at a time: a sinusoid, or a linear table (derivatives from the
+// right). m, m/s, m/s^2
 struct Shift {
   Vector3 place = Vector3::Zero(), velocity = Vector3::Zero(), acceleration = Vector3::Zero();
 };
@@ -20,7 +20,7 @@ class Reference {
  public:
   enum class Mode { free, sticking, sliding };
   enum class Change { touched, released, slipped, stuck };
-  struct Happening {
+  struct Event {
     Change change;
     double time;  // s
     NodeIndex node;
@@ -41,13 +41,13 @@ class Reference {
   [[nodiscard]] double time() const noexcept { return time_; }
   [[nodiscard]] Vector3 position(NodeIndex node) const { return now_[node].p; }
   [[nodiscard]] Vector3 velocity(NodeIndex node) const { return now_[node].v; }
-  // What the surface does to the node, N; its integral over time, and the sum of impulses of touching, N s.
+  // Force of the surface on the node, N; its integral over time, and the sum of the impulses of touches, N s.
   [[nodiscard]] Vector3 reaction(NodeIndex node) const;
   [[nodiscard]] Vector3 reaction_integral(NodeIndex node) const { return now_[node].pushed; }
   [[nodiscard]] Vector3 impulse(NodeIndex node) const { return contacts_[node].impulse; }
   [[nodiscard]] Mode mode(NodeIndex node) const { return contacts_[node].mode; }
-  [[nodiscard]] const std::vector<Happening>& happenings() const noexcept { return happenings_; }
-  // How a node at p with velocity v lies to a surface: planes, then instruments.
+  [[nodiscard]] const std::vector<Event>& events() const noexcept { return events_; }
+  // The gap between a node at p with velocity v and a surface; surfaces are planes, then instruments.
   [[nodiscard]] Gap gap(int surface, double time, const Vector3& p, const Vector3& v) const;
   [[nodiscard]] int surface_count() const noexcept { return static_cast<int>(surfaces_.size()); }
   // Time of the n-th change of a kind, s; nan where there are fewer.
@@ -76,7 +76,7 @@ class Reference {
   };
   struct Push {
     double normal;  // N, < 0: the surface would have to pull
-    Vector3 along;  // N, what holding it takes (sticking), or friction (sliding)
+    Vector3 along;  // N, the force that holds it (sticking), or friction (sliding)
   };
 
   [[nodiscard]] Vector3 force(NodeIndex node, double time, const Bodies& bodies) const;
@@ -84,24 +84,24 @@ class Reference {
   [[nodiscard]] Vector3 reaction_at(NodeIndex node, double time, const Bodies& bodies) const;
   [[nodiscard]] Bodies rates(double time, const Bodies& bodies) const;
   [[nodiscard]] Bodies stepped(double h, double& error) const;
-  [[nodiscard]] bool happened(NodeIndex node, double time, const Bodies& bodies) const;
+  [[nodiscard]] bool event_occurred(NodeIndex node, double time, const Bodies& bodies) const;
   void commit(double time, Bodies&& bodies);
   void respond(NodeIndex node);
   void touch(NodeIndex node, int surface);
   [[nodiscard]] bool presses(NodeIndex node, int surface);
   void settle(NodeIndex node, bool touching = false);
   void jump();
-  void note(Change change, NodeIndex node) { happenings_.push_back({change, time_, node}); }
+  void note(Change change, NodeIndex node) { events_.push_back({change, time_, node}); }
 
   const Network net_;
   std::vector<Surface> surfaces_;
   std::vector<double> stops_;
   double tolerance_;  // m, m/s
-  double slip_ends_;  // m/s: the tolerance would turn less about
+  double slip_ends_;  // m/s: an error of the tolerance could reverse slower slip
   double time_ = 0.0, h_ = 1e-4;
   Bodies now_;
   std::vector<Contact> contacts_;
-  std::vector<Happening> happenings_;
+  std::vector<Event> events_;
 };
 
 // The surfaces of a network alone, to ask for gaps.

@@ -1,4 +1,4 @@
-// Bodies that come to rest on their contacts, rebound until they lie, or find no place any more, in the reference.
+// Bodies that come to rest on their contacts, rebound until they lie, or have no room left, in the reference.
 
 #include <doctest/doctest.h>
 
@@ -103,8 +103,8 @@ TEST_CASE("a rigid cube rebounds from the plane itself until it lies") {
         CHECK(fate.run.stretch <= 1.001e-8);
         CHECK(fate.run.sink <= 1e-7);
         CHECK(fate.run.pull <= 1e-6);
-        // Speeds halve from 4 m/s to the least of a rebound, 4e-4 m/s: 14 times, on any of the eight nodes; each tells
-        // of a touch and a release. Then it lies down.
+        // Speeds halve from 4 m/s to the least of a rebound, 4e-4 m/s: 14 times, on any of the eight nodes; each with
+        // a touch and a release. Then it lies down.
         CHECK(fate.run.events.size() <= 256);
       }
       if (tilt > 0.0) continue;  // it still tips over an edge
@@ -115,7 +115,7 @@ TEST_CASE("a rigid cube rebounds from the plane itself until it lies") {
   }
 }
 
-TEST_CASE("where surfaces leave no place the run says when, to which node, and which surfaces") {
+TEST_CASE("where obstacles leave no room the error names the time, the node and the obstacles") {
   for (const Friction& friction : {Friction{Friction::Kind::none, 0.0}, Friction{Friction::Kind::held, 0.0}, rough}) {
     for (const NodeIndex nodes : {1u, 2u}) {
       CAPTURE(static_cast<int>(friction.kind));
@@ -128,7 +128,7 @@ TEST_CASE("where surfaces leave no place the run says when, to which node, and w
       }
       add_press(net, friction);
       Simulation s = simulate(net, cvode(1e-8), 1e-3);
-      // A node has place until the press is down, a rod at least until that has come as far as it is long.
+      // A node has room until the press is down, a rod at least until that has come as far as it is long.
       s.advance_to(nodes == 1 ? 0.499 : 0.28);
       try {
         s.advance_to(0.51);
@@ -147,7 +147,7 @@ TEST_CASE("where surfaces leave no place the run says when, to which node, and w
 }
 
 // Planes that close from both sides lift what slides up between them.
-TEST_CASE("a node that surfaces close in on goes where it has place") {
+TEST_CASE("a node that obstacles close in on goes where it has room") {
   Network net;
   net.add_node(point({0, 0, 0.1}));
   net.set_gravity({0, 0, -9.81});

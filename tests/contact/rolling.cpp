@@ -74,8 +74,8 @@ void check_rod(const Simulation& s, const Rod& rod, double accuracy) {
   CHECK((s.position(1) - tip).norm() <= accuracy);
 }
 
-double accuracy_of(const Way& way, double h, double first, double second) {
-  return way.order == 1.0 ? first * h : way.order == 2.0 ? second * h * h : 1e-6;
+double accuracy_of(const Scheme& scheme, double h, double first, double second) {
+  return scheme.order == 1.0 ? first * h : scheme.order == 2.0 ? second * h * h : 1e-6;
 }
 
 }  // namespace
@@ -85,14 +85,14 @@ TEST_CASE("a rod whose foot slides without friction falls with its centre straig
   const Network net = leaning(angle, frictionless);
   const Rod end = advance({angle, 0, 0, 0}, 0.0, until, [](const Rod& rod) { return sliding(rod, 0.0, 1.0); });
   REQUIRE(end[0] < 1.3);
-  for (const Way& way : all_ways(1e-10)) {
-    INFO(way.name);
-    Simulation s = simulate(net, way.integrator, h);
+  for (const Scheme& scheme : all_schemes(1e-10)) {
+    INFO(scheme.name);
+    Simulation s = simulate(net, scheme.integrator, h);
     while (s.time() < until - 0.5 * h) {
       s.step();
       CHECK(s.reaction(0).z() >= -1e-9);
     }
-    check_rod(s, end, accuracy_of(way, h, 3.0, 20.0));
+    check_rod(s, end, accuracy_of(scheme, h, 3.0, 20.0));
     const Vector3 centre = (lower * s.position(0) + upper * s.position(1)) / (lower + upper);
     CHECK(std::abs(centre.dot(aside) - upper / (lower + upper) * length * std::sin(angle)) <= 1e-8);
     CHECK(worst_length(net, s) <= 1e-8);
@@ -140,22 +140,23 @@ TEST_CASE("a hexagon rolls over its corners: each touch takes a quarter of its s
   const double until = time + 0.05;
   wheel = advance(wheel, time, until, falls);
   const Vector3 end(corner + radius * std::sin(wheel[0]), 0, radius * std::cos(wheel[0]));
-  for (const Way& way : all_ways(1e-10)) {
-    INFO(way.name);
+  for (const Scheme& scheme : all_schemes(1e-10)) {
+    INFO(scheme.name);
     constexpr double h = 0.0005;
-    Simulation s = simulate(net, way.integrator, way.order > 0.0 ? h : 0.01);
+    Simulation s = simulate(net, scheme.integrator, scheme.order > 0.0 ? h : 0.01);
     if (!reaches(s, until)) continue;
     Vector3 middle = Vector3::Zero();
     for (NodeIndex k = 0; k < 6; ++k) middle += s.position(k) / 6.0;
     // A touch falls within a step, of the spin times the radius.
-    CHECK((middle - end).norm() <= (way.order > 0.0 ? 4.0 * h : 1e-6));
+    CHECK((middle - end).norm() <= (scheme.order > 0.0 ? 4.0 * h : 1e-6));
     CHECK(worst_length(net, s) <= 1e-8);
     std::vector<double> touched;
     for (const Event& event : s.events())
       if (event.kind == Event::Kind::touched && event.time > 0.0) touched.push_back(event.time);
     CHECK(touched.size() == 2);
     if (touched.size() != 2) continue;
-    for (const std::size_t i : {0u, 1u}) CHECK(std::abs(touched[i] - touches[i]) <= (way.order > 0.0 ? 3.0 * h : 1e-6));
+    for (const std::size_t i : {0u, 1u})
+      CHECK(std::abs(touched[i] - touches[i]) <= (scheme.order > 0.0 ? 3.0 * h : 1e-6));
   }
 }
 
@@ -177,14 +178,14 @@ TEST_CASE("a rod's foot sticks until its push leaves the cone, and slips back wi
   const Rod at_slip = advance({angle, 0, 0, 0}, 0.0, slips, sticking);
   const Rod end = advance(at_slip, slips, until, [](const Rod& rod) { return sliding(rod, mu, -1.0); });
   REQUIRE(end[3] < -1e-3);
-  for (const Way& way : all_ways(1e-10)) {
-    INFO(way.name);
-    Simulation s = simulate(leaning(angle, {Friction::Kind::coulomb, mu}), way.integrator, h);
+  for (const Scheme& scheme : all_schemes(1e-10)) {
+    INFO(scheme.name);
+    Simulation s = simulate(leaning(angle, {Friction::Kind::coulomb, mu}), scheme.integrator, h);
     if (!reaches(s, until)) continue;
-    check_rod(s, end, accuracy_of(way, h, 3.0, 60.0));
+    check_rod(s, end, accuracy_of(scheme, h, 3.0, 60.0));
     double slipped = 0.0;
     for (const Event& event : s.events())
       if (event.kind == Event::Kind::slipped && slipped == 0.0) slipped = event.time;
-    CHECK(std::abs(slipped - slips) <= (way.order == 1.0 ? 3.0 * h : way.order == 2.0 ? 1.5 * h : 1e-6));
+    CHECK(std::abs(slipped - slips) <= (scheme.order == 1.0 ? 3.0 * h : scheme.order == 2.0 ? 1.5 * h : 1e-6));
   }
 }

@@ -1,4 +1,4 @@
-// A run of the engine beside the truth: how far apart they are, and whether contact keeps its rules at every step.
+// A run of the engine against the exact solution: the distance between them, and violations of contact at every step.
 #pragma once
 
 #include <algorithm>
@@ -9,7 +9,7 @@
 
 #include <doctest/doctest.h>
 
-#include "../constraints/ways.hpp"
+#include "../constraints/schemes.hpp"
 #include "reference.hpp"
 
 namespace springnet::testing {
@@ -31,10 +31,10 @@ struct Truth {
 
 struct Run {
   double error = 0.0;          // m, greatest distance from the truth
-  double pull = 0.0;           // N, the most that a surface drew a node to itself
-  double sink = 0.0;           // m, the deepest a node was in an obstacle
+  double pull = 0.0;           // N, the greatest pull of a surface on a node
+  double sink = 0.0;           // m, the greatest depth of a node in an obstacle
   double stretch = 0.0;        // relative error of a rigid connection's length
-  double impulse_error = 0.0;  // N s, of the sum of impulses of touching
+  double impulse_error = 0.0;  // N s, of the sum of the impulses of touches
   std::size_t touched = 0, released = 0, slipped = 0, stuck = 0;
   std::vector<std::vector<Vector3>> positions;  // m, at the times of the truth
   std::vector<Event> events;
@@ -46,8 +46,8 @@ struct Run {
   }
 };
 
-// Contact's rules in the present state of a simulation.
-inline void look(const Network& net, const Reference& shapes, const Simulation& s, Run& run) {
+// Adds the present state's violations of the conditions of contact to a run.
+inline void record_violations(const Network& net, const Reference& shapes, const Simulation& s, Run& run) {
   run.stretch = std::max(run.stretch, worst_length(net, s));
   for (NodeIndex k = 0; k < s.node_count(); ++k) {
     if (net.nodes()[k].fixed) continue;
@@ -64,7 +64,7 @@ inline void look(const Network& net, const Reference& shapes, const Simulation& 
   }
 }
 
-// Goes on, to a time or by a step; false and a failed check where that throws.
+// Advance to a time or by a step; false and a failed check where that throws.
 inline bool reaches(Simulation& s, double time) {
   try {
     s.advance_to(time);
@@ -103,7 +103,7 @@ inline Run follow(const Truth& truth, const LawUse& integrator, double time_step
         s.advance_to(next);
       else
         s.step();
-      look(truth.net, truth.reference, s, run);
+      record_violations(truth.net, truth.reference, s, run);
     }
     auto& at = run.positions.emplace_back();
     for (NodeIndex k = 0; k < s.node_count(); ++k) at.push_back(s.position(k));

@@ -95,7 +95,8 @@ inline Network thrown_box() {
 }
 
 // A node that starts at rest on a plane that is shaken along itself, x = A (cos w t - 1).
-inline constexpr double shaken_amplitude = 0.1, shaken_turn = 2.0 * std::numbers::pi * 0.8, shaken_friction = 0.15;
+inline constexpr double shaken_amplitude = 0.1, shaken_angular_frequency = 2.0 * std::numbers::pi * 0.8,
+                        shaken_friction = 0.15;
 inline constexpr double shaken_until = 0.9;  // s
 inline Network on_shaken_plane() {
   Network net;
@@ -112,17 +113,19 @@ inline Network on_shaken_plane() {
 }
 // It slides with v = -mu g t until the plane is as fast, A w sin w t = mu g t, by bisection. Its slip turns round
 // there: the plane is too fast to hold it. s
-inline double shaken_sticks() {
-  double below = 2.5 / shaken_turn, above = 3.1 / shaken_turn;
+inline double shaken_stick_time() {
+  double below = 2.5 / shaken_angular_frequency, above = 3.1 / shaken_angular_frequency;
   for (int i = 0; i < 100; ++i) {
     const double t = 0.5 * (below + above);
-    (shaken_amplitude * shaken_turn * std::sin(shaken_turn * t) > shaken_friction * t ? below : above) = t;
+    (shaken_amplitude * shaken_angular_frequency * std::sin(shaken_angular_frequency * t) > shaken_friction * t
+         ? below
+         : above) = t;
   }
   return below;
 }
 // Where it is at shaken_until, m.
 inline double shaken_end() {
-  const double t = shaken_sticks(), later = shaken_until - t;
+  const double t = shaken_stick_time(), later = shaken_until - t;
   return shaken_friction * (-0.5 * t * t - t * later + 0.5 * later * later);
 }
 
@@ -146,7 +149,7 @@ inline Network shaken_oscillator() {
 
 // A force that grows along a plane until friction no longer holds: F = r t.
 inline constexpr double ramp_mass = 0.8, ramp_friction = 0.4, ramp_gravity = 5.0, ramp_rate = 2.0;  // kg, 1, m/s^2, N/s
-inline constexpr double ramp_slips = ramp_friction * ramp_mass * ramp_gravity / ramp_rate;          // s
+inline constexpr double ramp_slip_time = ramp_friction * ramp_mass * ramp_gravity / ramp_rate;      // s
 inline Network on_ramp(const Vector3& direction = Vector3::UnitX()) {
   Network net;
   net.add_node(point({0, 0, 0}, ramp_mass));

@@ -1,5 +1,5 @@
 // Touches between the ends of steps: thin obstacles, arcs that just reach a surface, what swings and turns fast. All
-// ways find them; those that locate events find their times.
+// integrators find them; those that locate events find their times.
 
 #include <doctest/doctest.h>
 
@@ -103,7 +103,7 @@ double first_touch(const Simulation& s) {
 
 }  // namespace
 
-TEST_CASE("what enters and leaves an obstacle within a step touches it, at the right time") {
+TEST_CASE("a node that enters and leaves an obstacle within a step touches it, at the right time") {
   for (const Thin& scene : {plate(), bead(), ceiling(), blade(), shaker()}) {
     INFO(scene.name);
     for (const double tolerance : {1e-7, 1e-10}) {
@@ -130,7 +130,7 @@ TEST_CASE("what enters and leaves an obstacle within a step touches it, at the r
   }
 }
 
-TEST_CASE("steps that decide contact on their way stop at thin obstacles") {
+TEST_CASE("integrators that decide contact within a step stop at thin obstacles") {
   for (const Thin& scene : {plate(), bead()}) {
     INFO(scene.name);
     for (const LawUse& integrator : {recurrent(newton, 1e-11), recurrent(block, 1e-11), LawUse{"verlet", {}}}) {
@@ -151,7 +151,7 @@ TEST_CASE("the time of a touch within a step does not depend on where outputs ar
   }
 }
 
-TEST_CASE("what passes by an obstacle does not touch it") {
+TEST_CASE("a node that passes by an obstacle does not touch it") {
   Thin past = plate();
   past.net = Network{};
   past.net.add_node(point({0.6, 0, 0.0105}, 1.0, {0, 0, -0.3}));
@@ -168,7 +168,7 @@ TEST_CASE("what passes by an obstacle does not touch it") {
   }
 }
 
-TEST_CASE("what turns about its own axis costs no more the faster it turns") {
+TEST_CASE("the cost of an obstacle that turns about its own axis does not grow with its rate") {
   const auto roots = [](double rate) {
     Network net;
     net.add_node(point({0.3, 0, 0.5}, 1.0, {0.1, 0, 0}));

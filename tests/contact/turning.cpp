@@ -52,22 +52,22 @@ Network on_roller(const Friction& friction, double radius, bool box) {
 
 }  // namespace
 
-TEST_CASE("a turntable carries what sticks to it round, and bears the centripetal force") {
+TEST_CASE("a turntable carries a sticking node with it, and supplies the centripetal force") {
   const Vector3 place(0.5, 0.2, 0), velocity = rate * Vector3::UnitZ().cross(place);
   const double until = 1.1;
   for (const Friction& friction : {Friction{Friction::Kind::held, 0.0}, Friction{Friction::Kind::coulomb, 0.2}}) {
     REQUIRE(rate * rate * place.norm() < 0.2 * g);
-    for (const Way& way : all_ways(1e-10)) {
-      INFO(way.name << ", friction " << static_cast<int>(friction.kind));
-      Simulation s = simulate(on_turntable(friction, place, velocity), way.integrator, 0.005);
+    for (const Scheme& scheme : all_schemes(1e-10)) {
+      INFO(scheme.name << ", friction " << static_cast<int>(friction.kind));
+      Simulation s = simulate(on_turntable(friction, place, velocity), scheme.integrator, 0.005);
       if (!reaches(s, until)) continue;
-      const double accuracy = way.order > 0.0 ? 1e-9 : 1e-6;
+      const double accuracy = scheme.order > 0.0 ? 1e-9 : 1e-6;
       const Vector3 now = turned(place, rate * until, Vector3::UnitZ());
       CHECK((s.position(0) - now).norm() <= accuracy);
       CHECK((s.velocity(0) - rate * Vector3::UnitZ().cross(now)).norm() <= accuracy);
       CHECK(s.held(0));
       const Vector3 reaction = mass * (Vector3(0, 0, g) - rate * rate * now);
-      CHECK((s.reaction(0) - reaction).norm() <= (way.order > 0.0 ? 0.01 * reaction.norm() : 1e-6));
+      CHECK((s.reaction(0) - reaction).norm() <= (scheme.order > 0.0 ? 0.01 * reaction.norm() : 1e-6));
       CHECK((s.surface_force(0) + s.reaction(0)).norm() <= 1e-12);
       CHECK((s.surface_torque(0) + s.position(0).cross(s.reaction(0))).norm() <= 1e-9);
       CHECK((s.surface_spin(0) - Vector3(0, 0, rate)).norm() <= 1e-12);
@@ -97,47 +97,47 @@ TEST_CASE("a node at rest on a turntable is dragged along by friction against it
   }
   REQUIRE((v - rate * Vector3::UnitZ().cross(p)).norm() > 0.3);
   const Network net = on_turntable({Friction::Kind::coulomb, mu}, place, Vector3::Zero());
-  for (const Way& way : all_ways(1e-10)) {
-    INFO(way.name);
+  for (const Scheme& scheme : all_schemes(1e-10)) {
+    INFO(scheme.name);
     double error[2];
     for (const int halving : {0, 1}) {
-      Simulation s = simulate(net, way.integrator, halving == 0 ? 0.01 : 0.005);
+      Simulation s = simulate(net, scheme.integrator, halving == 0 ? 0.01 : 0.005);
       if (!reaches(s, until)) continue;
       error[halving] = (s.position(0) - p).norm();
       CHECK_FALSE(s.held(0));
     }
-    if (way.order == 0.0)
+    if (scheme.order == 0.0)
       CHECK(error[1] <= 1e-6);
     else
-      CHECK(std::log2(error[0] / error[1]) > way.order - 0.2);
+      CHECK(std::log2(error[0] / error[1]) > scheme.order - 0.2);
   }
 }
 
-TEST_CASE("a roller carries a held node over until the surface would have to draw it, and throws it") {
+TEST_CASE("a roller carries a held node over until it would have to pull, and throws it off") {
   // N = m (g cos - w^2 R) along the normal; then free flight with w R.
   for (const bool box : {false, true}) {
-    const double radius = 0.8, angle = std::acos(rate * rate * radius / g), leaves = angle / rate, later = 0.15;
+    const double radius = 0.8, angle = std::acos(rate * rate * radius / g), release_time = angle / rate, later = 0.15;
     const Vector3 place = turned({0, 0, radius}, angle, Vector3::UnitY());
     const Vector3 velocity = rate * Vector3::UnitY().cross(place);
     const Vector3 end = place + later * velocity - Vector3(0, 0, 0.5 * g * later * later);
-    for (const Way& way : all_ways(1e-10)) {
-      INFO(way.name << (box ? ", box" : ", sphere"));
+    for (const Scheme& scheme : all_schemes(1e-10)) {
+      INFO(scheme.name << (box ? ", box" : ", sphere"));
       const double h = 0.001;
-      Simulation s = simulate(on_roller({Friction::Kind::held, 0.0}, radius, box), way.integrator, h);
+      Simulation s = simulate(on_roller({Friction::Kind::held, 0.0}, radius, box), scheme.integrator, h);
       double pull = 0.0;
-      while (s.time() < leaves + later - 0.5 * h && steps_on(s)) {
-        if (s.time() + 1.5 * h > leaves + later && !reaches(s, leaves + later)) break;
+      while (s.time() < release_time + later - 0.5 * h && steps_on(s)) {
+        if (s.time() + 1.5 * h > release_time + later && !reaches(s, release_time + later)) break;
         const Vector3 normal = turned(Vector3::UnitZ(), rate * s.time(), Vector3::UnitY());
         if (s.touching(0)) pull = std::max(pull, -normal.dot(s.reaction(0)));
       }
       CHECK(pull <= 1e-9);
       // A step late it is carried on: h times the speed; first order loses g t h / 2 in the flight.
-      CHECK((s.position(0) - end).norm() <= (way.order == 1.0 ? 3.0 * h : way.order == 2.0 ? 5.0 * h : 1e-6));
+      CHECK((s.position(0) - end).norm() <= (scheme.order == 1.0 ? 3.0 * h : scheme.order == 2.0 ? 5.0 * h : 1e-6));
       std::vector<double> released;
       for (const Event& event : s.events())
         if (event.kind == Event::Kind::released) released.push_back(event.time);
       CHECK(released.size() == 1);
-      if (!released.empty()) CHECK(std::abs(released[0] - leaves) <= (way.order > 0.0 ? 2.0 * h : 1e-7));
+      if (!released.empty()) CHECK(std::abs(released[0] - release_time) <= (scheme.order > 0.0 ? 2.0 * h : 1e-7));
     }
   }
 }
@@ -150,19 +150,19 @@ TEST_CASE("on a roller with friction a node slips where the slope is too steep f
     (g * std::sin(angle) < mu * (g * std::cos(angle) - rate * rate * radius) ? below : above) = angle;
   }
   const double slips = below / rate;
-  for (const Way& way : all_ways(1e-10)) {
-    INFO(way.name);
+  for (const Scheme& scheme : all_schemes(1e-10)) {
+    INFO(scheme.name);
     const double h = 0.0005;
-    Simulation s = simulate(on_roller({Friction::Kind::coulomb, mu}, radius, false), way.integrator, h);
+    Simulation s = simulate(on_roller({Friction::Kind::coulomb, mu}, radius, false), scheme.integrator, h);
     if (!reaches(s, slips + 0.02)) continue;
     double slipped = 0.0;
     for (const Event& event : s.events())
       if (event.kind == Event::Kind::slipped && slipped == 0.0) slipped = event.time;
-    CHECK(std::abs(slipped - slips) <= (way.order > 0.0 ? 2.0 * h : 1e-7));
+    CHECK(std::abs(slipped - slips) <= (scheme.order > 0.0 ? 2.0 * h : 1e-7));
   }
 }
 
-TEST_CASE("on a plane that tilts evenly a node slides as its closed form") {
+TEST_CASE("on a plane that tilts at a constant rate a node slides as in the closed form") {
   // In the plane's frame r'' = w^2 r + g sin(w t), N = m (g cos(w t) - 2 w r').
   constexpr double w = 0.9, r0 = 0.3, speed = -0.2, until = 0.5;
   const double b = speed + 0.5 * g / w;  // of r = A cosh + B / w sinh - g / (2 w^2) sin
@@ -178,20 +178,20 @@ TEST_CASE("on a plane that tilts evenly a node slides as its closed form") {
   plane.turn->axis = Vector3::UnitY();
   plane.turn->rate = w;
   net.add_plane(plane);
-  for (const Way& way : all_ways(1e-10)) {
-    INFO(way.name);
+  for (const Scheme& scheme : all_schemes(1e-10)) {
+    INFO(scheme.name);
     double error[2];
     for (const int halving : {0, 1}) {
-      Simulation s = simulate(net, way.integrator, halving == 0 ? 0.01 : 0.005);
+      Simulation s = simulate(net, scheme.integrator, halving == 0 ? 0.01 : 0.005);
       if (!reaches(s, until)) continue;
       error[halving] = (s.position(0) - end - Vector3(0, 0.1, 0)).norm();
       const double normal = Vector3(std::sin(w * until), 0, std::cos(w * until)).dot(s.reaction(0));
-      const double bears = mass * (g * std::cos(w * until) - 2.0 * w * rr);
-      CHECK(std::abs(normal - bears) <= (way.order > 0.0 ? 0.02 * bears : 1e-5));
+      const double expected = mass * (g * std::cos(w * until) - 2.0 * w * rr);
+      CHECK(std::abs(normal - expected) <= (scheme.order > 0.0 ? 0.02 * expected : 1e-5));
     }
-    if (way.order == 0.0)
+    if (scheme.order == 0.0)
       CHECK(error[1] <= 1e-6);
     else
-      CHECK(std::log2(error[0] / error[1]) > way.order - 0.2);
+      CHECK(std::log2(error[0] / error[1]) > scheme.order - 0.2);
   }
 }

@@ -19,7 +19,7 @@ const LawUse verlet{"verlet", {}};
 }  // namespace
 
 TEST_CASE("verlet is of second order where nodes land on curved surfaces, slide round them and leave them") {
-  // A touch is put where the way meets the surface, and what a step loses at a release is of the order of h^2.
+  // A touch is put where the path meets the surface, and what a step loses at a release is of the order of h^2.
   const Friction rough{Friction::Kind::coulomb, 0.2};
   const std::pair<const char*, Network> examples[] = {{"sphere", thrown_on_sphere(frictionless)},
                                                       {"sphere with friction", thrown_on_sphere(rough)},
@@ -29,14 +29,14 @@ TEST_CASE("verlet is of second order where nodes land on curved surfaces, slide 
     const char* const name = title;  // Clang 14 captures no structured binding
     INFO(name);
     const Truth truth(net, 1.2);
-    const double leaves = truth.reference.time_of(Reference::Change::released);
+    const double release_time = truth.reference.time_of(Reference::Change::released);
     for (const double h : {0.004, 0.002, 0.001, 0.0005}) {
       CAPTURE(h);
       const Run run = follow(truth, verlet, h);
       CHECK(run.error <= 2.0 * h * h);
       CHECK(run.touched == 1);
       CHECK(run.released == 1);
-      CHECK(std::abs(run.time_of(Event::Kind::released) - leaves) <= 2.0 * h);
+      CHECK(std::abs(run.time_of(Event::Kind::released) - release_time) <= 2.0 * h);
       CHECK(run.pull <= 1e-9);
       CHECK(run.sink <= 1e-12);
     }
@@ -62,9 +62,9 @@ TEST_CASE("verlet is of second order through slip and stick") {
       CHECK(run.sink <= 1e-12);
     }
     CHECK(follow(truth, verlet, 0.001).slipped ==
-          static_cast<std::size_t>(std::count_if(
-              truth.reference.happenings().begin(), truth.reference.happenings().end(),
-              [](const Reference::Happening& happening) { return happening.change == Reference::Change::slipped; })));
+          static_cast<std::size_t>(
+              std::count_if(truth.reference.events().begin(), truth.reference.events().end(),
+                            [](const Reference::Event& event) { return event.change == Reference::Change::slipped; })));
   }
 }
 
@@ -79,7 +79,7 @@ TEST_CASE("with verlet rigid bodies that tumble keep to their surfaces and gain 
     Run run;
     double lowest = s.kinetic_energy() + s.potential_energy(), gained = 0.0, scale = s.kinetic_energy();
     while (s.time() < Tumbling::until && steps_on(s)) {
-      look(scene.net, shapes, s, run);
+      record_violations(scene.net, shapes, s, run);
       const double energy = s.kinetic_energy() + s.potential_energy();
       scale = std::max(scale, s.kinetic_energy());
       gained = std::max(gained, energy - lowest);

@@ -1,4 +1,4 @@
-// Elements that rupture, that are cut, and that go with a spring; errors that name them; what a host sees.
+// Elements that rupture, are cut, or are removed with a spring; errors that name them; queries of a host.
 #include <cmath>
 #include <numbers>
 #include <vector>
@@ -35,7 +35,7 @@ std::vector<bool> alive(const Simulation& simulation) {
 
 }  // namespace
 
-TEST_CASE("an element that contains both ends of a removed spring goes with it") {
+TEST_CASE("an element that contains both ends of a removed spring is removed with it") {
   struct Case {
     SpringIndex spring;
     std::vector<bool> left;
@@ -46,19 +46,19 @@ TEST_CASE("an element that contains both ends of a removed spring goes with it")
     Simulation simulation = simulate(two_triangles(), recurrent(newton, 1e-9), 0.01);
     CHECK(simulation.cut({c.spring}) == 1);
     CHECK(alive(simulation) == c.left);
-    std::size_t told = 0;
+    std::size_t element_events = 0;
     for (const Event& event : simulation.events()) {
       CHECK(event.kind == Event::Kind::cut);
       if (event.element) CHECK_FALSE(simulation.element_alive(event.index));
-      told += event.element ? 1 : 0;
+      element_events += event.element ? 1 : 0;
     }
-    CHECK(told == static_cast<std::size_t>(std::count(c.left.begin(), c.left.end(), false)));
+    CHECK(element_events == static_cast<std::size_t>(std::count(c.left.begin(), c.left.end(), false)));
     simulation.step();
     CHECK(simulation.element_force(0) == 0.0);
   }
 }
 
-TEST_CASE("a polygon cuts elements that it crosses, springs or not") {
+TEST_CASE("a polygon cuts elements that it crosses, with springs or without") {
   Network net = two_triangles();
   const MaterialIndex material = net.add_material(damped(1.0, 0.0));
   for (const Vector3& p : {Vector3(5, 0, 0), Vector3(6, 0, 0), Vector3(5, 1, 0), Vector3(5, 0, 1)})
@@ -71,7 +71,7 @@ TEST_CASE("a polygon cuts elements that it crosses, springs or not") {
   CHECK(alive(simulation) == std::vector<bool>{false, false, true, false, false});
 }
 
-TEST_CASE("what joins the ends of an angle, or the tips of a hinge, is none of their sides") {
+TEST_CASE("a spring between the ends of an angle, or the tips of a hinge, is none of its sides") {
   Network net = two_triangles();
   const SpringIndex between = net.add_spring(2, 3, 0);  // the ends of the angle {2, 0, 3}, the tips of the hinge
   Simulation simulation = simulate(net, recurrent(newton, 1e-9), 0.01);
@@ -138,7 +138,7 @@ TEST_CASE("an element ruptures by its own law, at the same time in the network a
   }
 }
 
-TEST_CASE("what fails names the element") {
+TEST_CASE("a failure names the element") {
   Network net;
   for (const Vector3& p : {Vector3(0, 0, 0), Vector3(1, 0, 0), Vector3(0, 1, 0), Vector3(0, 0, 1)})
     net.add_node(point(p));

@@ -33,7 +33,7 @@ constexpr double second_tolerance = 2e-10;  // gradients have steeper derivative
 
 constexpr std::array four{Invariant::angle, Invariant::dihedral, Invariant::area, Invariant::volume};
 
-// A shape far from those where an invariant has no direction.
+// A shape far from those where an invariant has no gradient.
 Corners shape(unsigned seed) {
   std::mt19937 random(seed);
   std::uniform_real_distribution<double> unit(-1.0, 1.0);
@@ -78,14 +78,14 @@ TEST_CASE("values, rates and gradients are those of plain formulas") {
         torque += corners.position[i].cross(found.gradient[i]);
       }
       CHECK(std::abs(found.rate - rate) < 10 * first_tolerance);
-      // Nothing changes with a motion of all together: rounding.
+      // Rigid motions change nothing: rounding.
       CHECK(sum.norm() < 1e-14);
       CHECK(torque.norm() < 1e-14);
     }
   }
 }
 
-TEST_CASE("Hessians are the derivatives of the gradients, and what they make of velocities") {
+TEST_CASE("Hessians are the derivatives of the gradients, and give those of the rates") {
   for (const Invariant invariant : four) {
     for (unsigned seed = 1; seed <= 3; ++seed) {
       CAPTURE(name_of(invariant));
@@ -146,7 +146,7 @@ TEST_CASE("a law reads the turn of a dihedral angle that is nearest to its refer
   CHECK(layers::nearest_turn(Invariant::volume, 20.0, 1.0) == 20.0);
 }
 
-TEST_CASE("an invariant without direction pushes nobody") {
+TEST_CASE("an invariant without a gradient exerts no force") {
   Corners corners;
   for (auto& p : corners.position) p = {0.3, 0.2, 0.1};
   for (auto& v : corners.velocity) v = {1, 2, 3};
@@ -174,7 +174,7 @@ TEST_CASE("an invariant without direction pushes nobody") {
   CHECK_FALSE(has_gradient(Invariant::dihedral));
 }
 
-TEST_CASE("a straight angle keeps its stiffness: that of angles that are nearly straight") {
+TEST_CASE("a straight angle has the stiffness of angles that are nearly straight") {
   // With a law that rests at pi the stiffness is a smooth function of the shape.
   const auto stiffness_at = [](double bend, double side) {
     Corners corners;
@@ -202,7 +202,7 @@ TEST_CASE("a straight angle keeps its stiffness: that of angles that are nearly 
   }
 }
 
-TEST_CASE("a straight angle that bends has the gradient and the rate of the next moment") {
+TEST_CASE("a straight angle that bends has the gradient and the rate of the shape right after") {
   for (const double side : {1.0, -1.0}) {  // straight, and folded
     Corners corners;
     corners.position[0] = {-side * 0.8, 0, 0};
@@ -222,7 +222,7 @@ TEST_CASE("a straight angle that bends has the gradient and the rate of the next
   }
 }
 
-TEST_CASE("an enclosed volume: value, gradients, and what it is linear in") {
+TEST_CASE("an enclosed volume: value and gradients, linear in each node's position") {
   TriangleMesh mesh = icosphere(1, 1.0);
   std::mt19937 random(5);
   std::uniform_real_distribution<double> unit(-0.1, 0.1);
@@ -265,7 +265,7 @@ TEST_CASE("an enclosed volume: value, gradients, and what it is linear in") {
       CHECK(std::abs(gradient[row] - by_p) < 1e-11);  // a polynomial: rounding over the step
       CHECK(std::abs(rate_gradient[row] - rate_by_p) < 1e-11);
       rate += by_p * v[c][enclosure.nodes()[k]];
-      // Linear in the node's own position, whatever the way.
+      // Linear in the node's own position, however far it moves.
       coordinate = value + 0.7;
       CHECK(std::abs(enclosure.values(nodes).volume - values.volume - 0.7 * gradient[row]) < 1e-13);
       CHECK((enclosure.gradient(k, nodes) - gradient).norm() == 0.0);

@@ -89,7 +89,7 @@ double swing(const Oscillator& o, double time) {
 
 }  // namespace
 
-TEST_CASE("an oscillator of every invariant moves as its closed form, in CVODE and in the network") {
+TEST_CASE("an oscillator of every invariant moves as in closed form, in CVODE and in the network") {
   for (const Oscillator& o : oscillators()) {
     CAPTURE(o.name);
     CHECK(std::abs(o.read(o.net.nodes()[o.node].position) - o.start) < 1e-15);
@@ -174,7 +174,7 @@ TEST_CASE("a single sweep conserves momentum and angular momentum, with elements
   CHECK((simulation.angular_momentum() - angular).norm() < 1e-12);
 }
 
-TEST_CASE("the energy of a net of undamped elements stays, in the reference") {
+TEST_CASE("the energy of a net of undamped elements is conserved in the reference") {
   const Network net = all_kinds(12, false);
   Simulation simulation = simulate(net, cvode(1e-9), 0.05);
   const double before = simulation.potential_energy() + simulation.kinetic_energy();

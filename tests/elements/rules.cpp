@@ -1,4 +1,4 @@
-// Every update rule and integrator comes to the same with elements; bits do not depend on threads.
+// All update rules and integrators agree on elements; results do not depend on threads.
 #include <cmath>
 #include <string>
 #include <vector>
@@ -47,7 +47,7 @@ Network bladder(int levels) {
 
 }  // namespace
 
-TEST_CASE("every update rule settles at the fixed point of the equation of motion, by other formulas") {
+TEST_CASE("every update rule settles at the fixed point of the equation of motion, by independent formulas") {
   for (const unsigned seed : {1u, 2u, 3u}) {
     Network net = all_kinds(seed);
     if (seed == 2) net.add_rigid(16, 21);  // two nodes of the surface
@@ -96,7 +96,7 @@ TEST_CASE("first and second order against CVODE") {
   CHECK(ratio({"verlet", {}}, 0.001) > 1.8);  // first order at least: forces depend on velocities
 }
 
-TEST_CASE("bits are the same for every number of threads and instruction set") {
+TEST_CASE("results are bitwise equal for every number of threads and every instruction set") {
   const Network net = bladder(5);  // 10,242 nodes: more than one unit
   REQUIRE(net.nodes().size() > 8192);
   struct Run {

@@ -68,12 +68,12 @@ TEST_CASE("the synchronous limit is that of the engine's own stiffness, with a l
     net.set_node(k, node);
   }
   const Inspection found = inspect(net, *plugins());
-  Laid laid(net);
-  const std::uint32_t n = laid.layout.node_count();
+  EvaluatorFixture fixture(net);
+  const std::uint32_t n = fixture.layout.node_count();
   const std::vector<std::uint8_t> constrained(n, 0);
-  layers::Linearisation linearisation(laid.layout, *laid.evaluator, constrained);
+  layers::Linearisation linearisation(fixture.layout, *fixture.evaluator, constrained);
   springnet_message message{};
-  REQUIRE(linearisation.update(0.0, laid.nodes(), laid.external, message) == SPRINGNET_OK);
+  REQUIRE(linearisation.update(0.0, fixture.nodes(), fixture.external, message) == SPRINGNET_OK);
   const auto size = static_cast<Eigen::Index>(3 * n);
   Eigen::MatrixXd by_p(size, size);
   const Eigen::VectorXd zero = Eigen::VectorXd::Zero(size);

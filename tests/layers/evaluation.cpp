@@ -1,4 +1,4 @@
-// Net forces by tiles against the formulas written down once more, plainly, spring by spring.
+// Net forces by tiles against the formulas in plain code, spring by spring.
 
 #include <doctest/doctest.h>
 
@@ -69,15 +69,15 @@ TEST_CASE("tiles, runs and units give the forces of the formulas") {
          {random_network(300, 4, 1), random_network(20000, 4, 2), regular, random_network(2, 1, 4)}) {
       const std::vector<Vector3> expected = plain_forces(net);
       const double scale = greatest(expected);
-      Laid laid(net, InstructionSet::best, 2, renumber);
-      laid.evaluate();
+      EvaluatorFixture fixture(net, InstructionSet::best, 2, renumber);
+      fixture.evaluate();
       double worst = 0.0, worst_single = 0.0;
       for (std::uint32_t k = 0; k < net.nodes().size(); ++k) {
-        worst = std::max(worst, (laid.force(k) - expected[k]).norm());
+        worst = std::max(worst, (fixture.force(k) - expected[k]).norm());
         Vector3 single;
         springnet_message message{};
-        REQUIRE(laid.evaluator->evaluate_node(laid.layout.ordering().engine[k], 0.0, laid.nodes(), laid.external,
-                                              nullptr, single, message) == SPRINGNET_OK);
+        REQUIRE(fixture.evaluator->evaluate_node(fixture.layout.ordering().engine[k], 0.0, fixture.nodes(),
+                                                 fixture.external, nullptr, single, message) == SPRINGNET_OK);
         worst_single = std::max(worst_single, (single - expected[k]).norm());
       }
       CHECK(worst <= rounding * scale);
@@ -86,9 +86,9 @@ TEST_CASE("tiles, runs and units give the forces of the formulas") {
   }
 }
 
-TEST_CASE("the same bits for every number of threads and every instruction set") {
+TEST_CASE("results are bitwise equal for every number of threads and every instruction set") {
   const Network net = random_network(30000, 5, 7);
-  Laid reference(net, InstructionSet::generic, 1);
+  EvaluatorFixture reference(net, InstructionSet::generic, 1);
   REQUIRE(reference.layout.units().size() >= 4);
   reference.evaluate();
   for (const InstructionSet set : {InstructionSet::generic, InstructionSet::avx2, InstructionSet::avx512}) {
@@ -99,10 +99,10 @@ TEST_CASE("the same bits for every number of threads and every instruction set")
         MESSAGE("skipped: " << error.what());
         continue;
       }
-      Laid laid(net, set, threads);
-      CHECK(laid.evaluator->threads() == threads);
-      laid.evaluate();
-      for (int c = 0; c < 3; ++c) CHECK(laid.f[c] == reference.f[c]);
+      EvaluatorFixture fixture(net, set, threads);
+      CHECK(fixture.evaluator->threads() == threads);
+      fixture.evaluate();
+      for (int c = 0; c < 3; ++c) CHECK(fixture.f[c] == reference.f[c]);
     }
   }
 }
@@ -110,24 +110,24 @@ TEST_CASE("the same bits for every number of threads and every instruction set")
 TEST_CASE("springs exchange momentum and angular momentum without loss") {
   Network net = random_network(500, 5, 11);
   net.set_gravity(Vector3::Zero());
-  Laid laid(net);
-  laid.evaluate();
+  EvaluatorFixture fixture(net);
+  fixture.evaluate();
   Vector3 sum = Vector3::Zero();
   double scale = 0.0;
   for (std::uint32_t k = 0; k < 500; ++k) {
-    sum += laid.force(k);
-    scale = std::max(scale, laid.force(k).norm());
+    sum += fixture.force(k);
+    scale = std::max(scale, fixture.force(k).norm());
   }
   CHECK(sum.norm() <= 1e-12 * scale);  // 500 nodes, each sum rounded
 }
 
-TEST_CASE("ends that coincide exert no force and no number that is not finite") {
+TEST_CASE("ends that coincide exert no force, and nothing is infinite or nan") {
   Network net;
   net.add_node(point(Vector3::Ones()));
   net.add_node(point(Vector3::Ones()));
   net.add_spring(0, 1, net.add_material(damped(5.0, 1.0)), 1.0);
-  Laid laid(net);
-  laid.evaluate();
-  CHECK(laid.force(0) == Vector3::Zero());
-  CHECK(laid.force(1) == Vector3::Zero());
+  EvaluatorFixture fixture(net);
+  fixture.evaluate();
+  CHECK(fixture.force(0) == Vector3::Zero());
+  CHECK(fixture.force(1) == Vector3::Zero());
 }

@@ -1,5 +1,5 @@
 // Whether this processor and this build have the instruction set named; status 77 tells ctest that they do not.
-// Tests of kernels compare all sets that there are: this names those that were not among them.
+// Tests of kernels compare all sets that there are; this reports which were not among them.
 #include <cstdio>
 #include <string_view>
 

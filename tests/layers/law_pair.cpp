@@ -32,7 +32,7 @@ Network pairs_of_nodes(const Material& material, bool different) {
 
 // All springs of such a network, evaluated in one batch.
 struct Evaluated {
-  explicit Evaluated(const Network& net) : laid(net, InstructionSet::generic) {
+  explicit Evaluated(const Network& net) : fixture(net, InstructionSet::generic) {
     std::vector<std::uint32_t> springs(count);
     std::iota(springs.begin(), springs.end(), 0u);
     layers::PairOutputs out = answers.outputs(true, true);
@@ -40,10 +40,10 @@ struct Evaluated {
       margin[k].assign(count, 0.0);
       out[k].margin = margin[k].data();
     }
-    status = layers::evaluate_springs(laid.layout, InstructionSet::generic, 0.0, laid.nodes(), 0, springs.data(), count,
-                                      geometry, out, message);
+    status = layers::evaluate_springs(fixture.layout, InstructionSet::generic, 0.0, fixture.nodes(), 0, springs.data(),
+                                      count, geometry, out, message);
   }
-  Laid laid;
+  EvaluatorFixture fixture;
   layers::SegmentGeometry geometry;
   layers::PairAnswers<count> answers;
   std::vector<double> margin[2];
@@ -53,7 +53,7 @@ struct Evaluated {
 
 }  // namespace
 
-TEST_CASE("both laws of a batch answer by their formulas, with neutral values for what a law does not have") {
+TEST_CASE("both laws of a batch follow their formulas, with neutral values for what a law does not have") {
   constexpr double k = 3.0, d = 2.0;
   for (const bool different : {false, true}) {
     const Evaluated at(
@@ -83,8 +83,9 @@ TEST_CASE("a law along the relative velocity reads the speed") {
     CHECK(at.answers.force[1][i] == doctest::Approx(2.0 * at.geometry.speed[i]).epsilon(1e-15));
 }
 
-TEST_CASE("a law without room for its force is not evaluated") {
-  const Laid laid(pairs_of_nodes({LawUse{"linear", {{"stiffness", 3.0}}}, LawUse{"linear", {{"damping", 2.0}}}}, true));
+TEST_CASE("a law without an array for its force is not evaluated") {
+  const EvaluatorFixture fixture(
+      pairs_of_nodes({LawUse{"linear", {{"stiffness", 3.0}}}, LawUse{"linear", {{"damping", 2.0}}}}, true));
   layers::SegmentGeometry geometry;
   const std::uint32_t spring = 7;
   double force = 0.0, untouched = 42.0;
@@ -92,43 +93,44 @@ TEST_CASE("a law without room for its force is not evaluated") {
   out[0].energy = &untouched;
   out[1].force = &force;
   springnet_message message{};
-  REQUIRE(layers::evaluate_springs(laid.layout, InstructionSet::generic, 0.0, laid.nodes(), 0, &spring, 1, geometry,
-                                   out, message) == SPRINGNET_OK);
+  REQUIRE(layers::evaluate_springs(fixture.layout, InstructionSet::generic, 0.0, fixture.nodes(), 0, &spring, 1,
+                                   geometry, out, message) == SPRINGNET_OK);
   CHECK(untouched == 42.0);
   CHECK(force == doctest::Approx(2.0 * geometry.rate[0]).epsilon(1e-15));
 }
 
 TEST_CASE("queries about all springs agree with those about one") {
   const Network net = random_network(300, 6, 4);
-  Laid laid(net);
+  EvaluatorFixture fixture(net);
   const InstructionSet set = InstructionSet::best;
-  laid.layout.remove({5, 17});
+  fixture.layout.remove({5, 17});
   const std::size_t springs = net.springs().size();
   std::vector<double> tensions(springs), energies(springs);
-  layers::spring_tensions(laid.layout, set, 0.0, laid.nodes(), tensions.data());
-  layers::spring_energies(laid.layout, set, 0.0, laid.nodes(), energies.data());
+  layers::spring_tensions(fixture.layout, set, 0.0, fixture.nodes(), tensions.data());
+  layers::spring_energies(fixture.layout, set, 0.0, fixture.nodes(), energies.data());
   double sum = 0.0;
   for (std::uint32_t s = 0; s < springs; ++s) {
     const bool removed = s == 5 || s == 17;
     CAPTURE(s);
-    CHECK(tensions[s] == (removed ? 0.0 : layers::spring_tension(laid.layout, set, 0.0, laid.nodes(), s)));
+    CHECK(tensions[s] == (removed ? 0.0 : layers::spring_tension(fixture.layout, set, 0.0, fixture.nodes(), s)));
     if (removed || !net.materials()[net.springs()[s].material].spring) CHECK(energies[s] == 0.0);
     sum += energies[s];
   }
   // The same terms in another order.
-  CHECK(layers::spring_energy(laid.layout, set, 0.0, laid.nodes()) == doctest::Approx(sum).epsilon(1e-13));
+  CHECK(layers::spring_energy(fixture.layout, set, 0.0, fixture.nodes()) == doctest::Approx(sum).epsilon(1e-13));
   CHECK(sum > 0.0);
-  CHECK(layers::explain_failure(laid.layout, set, 0.0, laid.nodes(), layers::Asked::forces_and_derivatives) == "");
+  CHECK(layers::explain_failure(fixture.layout, set, 0.0, fixture.nodes(), layers::Requested::forces_and_derivatives) ==
+        "");
 }
 
 TEST_CASE("margins to rupture are those of the law that can rupture") {
   const LawUse rupturing{"rupturing", {{"stiffness", 3.0}, {"strength", 1.5}}};
-  const Laid laid(pairs_of_nodes({rupturing, LawUse{"linear", {{"damping", 2.0}}}}, true));
-  const std::vector<std::uint32_t> springs = layers::rupturing_springs(laid.layout);
+  const EvaluatorFixture fixture(pairs_of_nodes({rupturing, LawUse{"linear", {{"damping", 2.0}}}}, true));
+  const std::vector<std::uint32_t> springs = layers::rupturing_springs(fixture.layout);
   REQUIRE(springs.size() == count);
   std::vector<double> margins(count, -1.0);
   springnet_message message{};
-  REQUIRE(layers::spring_margins(laid.layout, InstructionSet::generic, 0.0, laid.nodes(), springs, margins.data(),
+  REQUIRE(layers::spring_margins(fixture.layout, InstructionSet::generic, 0.0, fixture.nodes(), springs, margins.data(),
                                  message) == SPRINGNET_OK);
   // 1 - stiffness elongation / strength, elongation 0.007 m times the number of the spring.
   CHECK(margins.front() > 0.0);

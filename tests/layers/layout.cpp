@@ -1,4 +1,4 @@
-// Renumbering, units, and springs that are taken out.
+// Renumbering, units, and springs that are removed.
 
 #include <doctest/doctest.h>
 
@@ -10,7 +10,7 @@
 using namespace springnet;
 using namespace springnet::testing;
 
-TEST_CASE("the order of nodes is a permutation, and every live spring stands where its ends are") {
+TEST_CASE("the order of nodes is a permutation, and every live spring is in the units of its ends") {
   const Network net = random_network(20000, 4, 5);
   const layers::Layout layout(net, *plugins(), true);
   const layers::Ordering& ordering = layout.ordering();
@@ -86,7 +86,7 @@ TEST_CASE("a network without some springs is the network from which they were re
     else
       part.add_spring(spring.first, spring.second, spring.material, spring.rest_length);
   }
-  Laid cut(whole, InstructionSet::best, 1, false), built(part, InstructionSet::best, 1, false);
+  EvaluatorFixture cut(whole, InstructionSet::best, 1, false), built(part, InstructionSet::best, 1, false);
   CHECK(cut.layout.remove(removed).size() == removed.size());
   CHECK(cut.layout.remove(removed).empty());
   CHECK(cut.layout.live_count() == part.springs().size());
@@ -97,7 +97,7 @@ TEST_CASE("a network without some springs is the network from which they were re
   CHECK(cut.layout.neighbours() == built.layout.neighbours());
 }
 
-TEST_CASE("units are of a size, and do not depend on anything but the nodes' places") {
+TEST_CASE("units are of equal size, and depend on nothing but the nodes' positions") {
   Lattice lattice;
   lattice.nodes = {80, 15, 20};  // 24,000 nodes: halved twice
   Network net;
@@ -116,7 +116,8 @@ TEST_CASE("units are of a size, and do not depend on anything but the nodes' pla
   }
 }
 
-TEST_CASE("neighbours are what springs, rods, elements and followed faces join, by rising user's number") {
+TEST_CASE(
+    "neighbours are the nodes joined by springs, rods, elements and following faces, by increasing user's number") {
   Network net;
   for (int k = 0; k < 8; ++k) net.add_node(point({static_cast<double>(k * k), static_cast<double>(k % 3), 0}));
   const MaterialIndex material = net.add_material(damped(1.0, 0.0));

@@ -13,15 +13,15 @@ using namespace springnet::testing;
 namespace {
 
 // Accelerations of all nodes, x of all first.
-Eigen::VectorXd accelerations(Laid& laid, const std::vector<std::uint8_t>& constrained) {
-  laid.evaluate();
-  const auto n = static_cast<Eigen::Index>(laid.layout.node_count());
+Eigen::VectorXd accelerations(EvaluatorFixture& fixture, const std::vector<std::uint8_t>& constrained) {
+  fixture.evaluate();
+  const auto n = static_cast<Eigen::Index>(fixture.layout.node_count());
   Eigen::VectorXd result(3 * n);
-  const double* force[3] = {laid.f[0].data(), laid.f[1].data(), laid.f[2].data()};
+  const double* force[3] = {fixture.f[0].data(), fixture.f[1].data(), fixture.f[2].data()};
   double* out[3] = {result.data(), result.data() + n, result.data() + 2 * n};
   springnet_message message{};
-  REQUIRE(laid.evaluator->accelerations(0, static_cast<std::uint32_t>(n), 0.0, laid.nodes(), force, out, nullptr,
-                                        nullptr, nullptr, message) == SPRINGNET_OK);
+  REQUIRE(fixture.evaluator->accelerations(0, static_cast<std::uint32_t>(n), 0.0, fixture.nodes(), force, out, nullptr,
+                                           nullptr, nullptr, message) == SPRINGNET_OK);
   for (Eigen::Index i = 0; i < 3 * n; ++i)
     if (constrained[static_cast<std::size_t>(i % n)] != 0) result[i] = 0.0;
   return result;
@@ -29,15 +29,15 @@ Eigen::VectorXd accelerations(Laid& laid, const std::vector<std::uint8_t>& const
 
 }  // namespace
 
-TEST_CASE("the Jacobian is that of the forces, and its systems are solved") {
+TEST_CASE("the Jacobian is the derivative of the forces, and its systems are solved") {
   const Network net = random_network(25, 4, 21);
-  Laid laid(net);
-  const std::uint32_t n = laid.layout.node_count();
+  EvaluatorFixture fixture(net);
+  const std::uint32_t n = fixture.layout.node_count();
   std::vector<std::uint8_t> constrained(n, 0);
   constrained[3] = constrained[17] = 1;
-  layers::Linearisation linearisation(laid.layout, *laid.evaluator, constrained);
+  layers::Linearisation linearisation(fixture.layout, *fixture.evaluator, constrained);
   springnet_message message{};
-  REQUIRE(linearisation.update(0.0, laid.nodes(), laid.external, message) == SPRINGNET_OK);
+  REQUIRE(linearisation.update(0.0, fixture.nodes(), fixture.external, message) == SPRINGNET_OK);
 
   const auto size = static_cast<Eigen::Index>(3 * n);
   Eigen::MatrixXd by_p(size, size), by_v(size, size);
@@ -52,14 +52,14 @@ TEST_CASE("the Jacobian is that of the forces, and its systems are solved") {
   constexpr double h = 4e-4, tolerance = 1e-7;
   for (Eigen::Index j = 0; j < size; ++j) {
     for (const bool velocity : {false, true}) {
-      // Not (velocity ? laid.v : laid.p)[c]: GCC 12 with -fsanitize=bounds reads a wrong index there.
+      // Not (velocity ? fixture.v : fixture.p)[c]: GCC 12 with -fsanitize=bounds reads a wrong index there.
       const auto c = static_cast<std::size_t>(j / n);
-      std::vector<double>& array = velocity ? laid.v[c] : laid.p[c];
+      std::vector<double>& array = velocity ? fixture.v[c] : fixture.p[c];
       const auto k = static_cast<std::size_t>(j % n);
       const double value = array[k];
       const auto at = [&](double step) {
         array[k] = value + step;
-        Eigen::VectorXd a = accelerations(laid, constrained);
+        Eigen::VectorXd a = accelerations(fixture, constrained);
         array[k] = value;
         return a;
       };
@@ -71,17 +71,17 @@ TEST_CASE("the Jacobian is that of the forces, and its systems are solved") {
 
   const double wv = 0.07, wp = 0.0049;
   Eigen::MatrixXd dense = Eigen::MatrixXd::Identity(size, size) - wv * by_v - wp * by_p;
-  for (Eigen::Index i = 0; i < size; ++i)  // unknowns of nodes that are held stand alone
+  for (Eigen::Index i = 0; i < size; ++i)  // rows of constrained nodes are those of the identity
     if (constrained[static_cast<std::size_t>(i % n)] != 0) dense.row(i) = Eigen::VectorXd::Unit(size, i).transpose();
   CHECK((dense - dense.transpose()).cwiseAbs().maxCoeff() > 1e-3);  // so the transposed solve is tested at all
   REQUIRE(linearisation.factorise(wv, wp, {}, message) == SPRINGNET_OK);
-  const Eigen::VectorXd right_side = Eigen::VectorXd::LinSpaced(size, -1.0, 2.0);
+  const Eigen::VectorXd right_hand_side = Eigen::VectorXd::LinSpaced(size, -1.0, 2.0);
   Eigen::VectorXd x(size);
-  REQUIRE(linearisation.solve(false, right_side.data(), x.data(), message) == SPRINGNET_OK);
+  REQUIRE(linearisation.solve(false, right_hand_side.data(), x.data(), message) == SPRINGNET_OK);
   // Well conditioned systems of 75 unknowns, solved to rounding.
-  CHECK((dense * x - right_side).norm() <= 1e-11 * right_side.norm());
-  REQUIRE(linearisation.solve(true, right_side.data(), x.data(), message) == SPRINGNET_OK);
-  CHECK((dense.transpose() * x - right_side).norm() <= 1e-11 * right_side.norm());
+  CHECK((dense * x - right_hand_side).norm() <= 1e-11 * right_hand_side.norm());
+  REQUIRE(linearisation.solve(true, right_hand_side.data(), x.data(), message) == SPRINGNET_OK);
+  CHECK((dense.transpose() * x - right_hand_side).norm() <= 1e-11 * right_hand_side.norm());
 
   std::vector<double> blocks(9 * std::size_t{n});
   linearisation.diagonal_blocks(wv, wp, blocks.data());

@@ -52,13 +52,13 @@ TEST_CASE("terms of very different sizes all count, in the system and in its tra
     const Eigen::VectorXd expected = whole.fullPivLu().solve(right).topRows(size).cast<double>();
     // Rounding of the answers of A, with its condition of some ten.
     CHECK((x - expected).norm() <= 1e-12 * expected.norm());
-    // Above all in what the soft term sees.
+    // Above all in the component of the soft term.
     const Eigen::VectorXd soft = transposed ? u.col(2) : w.col(2);
     CHECK(soft.dot(x) == doctest::Approx(soft.dot(expected)).epsilon(1e-9));
   }
 }
 
-TEST_CASE("a term that takes out what the matrix has is found out") {
+TEST_CASE("a term that makes the matrix singular is detected") {
   const Eigen::Index size = 6;
   const Eigen::MatrixXd a = matrix(size);
   // A + u w^T has the kernel A^-1 u where w^T A^-1 u = -1.

@@ -1,4 +1,4 @@
-// One node by itself: its derivatives against those of the whole net, its energy against its force.
+// A single node: its derivatives against those of the whole net, its energy against its force.
 #include <cmath>
 #include <numeric>
 
@@ -14,22 +14,22 @@ using namespace springnet::testing;
 
 TEST_CASE("a node's own derivatives are the diagonal blocks of the whole net's") {
   const Network net = random_network(25, 4, 21);
-  Laid laid(net);
-  const std::uint32_t n = laid.layout.node_count();
+  EvaluatorFixture fixture(net);
+  const std::uint32_t n = fixture.layout.node_count();
   const std::vector<std::uint8_t> constrained(n, 0);
-  layers::Linearisation linearisation(laid.layout, *laid.evaluator, constrained);
+  layers::Linearisation linearisation(fixture.layout, *fixture.evaluator, constrained);
   springnet_message message{};
-  REQUIRE(linearisation.update(0.0, laid.nodes(), laid.external, message) == SPRINGNET_OK);
+  REQUIRE(linearisation.update(0.0, fixture.nodes(), fixture.external, message) == SPRINGNET_OK);
   std::vector<double> by_velocity(9 * std::size_t{n}), by_position(9 * std::size_t{n});
   linearisation.diagonal_blocks(1.0, 0.0, by_velocity.data());
   linearisation.diagonal_blocks(0.0, 1.0, by_position.data());
   for (std::uint32_t k = 0; k < n; ++k) {
     Vector3 plain, force, acceleration;
     layers::NodeDerivatives derivatives{};
-    REQUIRE(laid.evaluator->evaluate_node(k, 0.0, laid.nodes(), laid.external, nullptr, plain, message) ==
+    REQUIRE(fixture.evaluator->evaluate_node(k, 0.0, fixture.nodes(), fixture.external, nullptr, plain, message) ==
             SPRINGNET_OK);
-    REQUIRE(laid.evaluator->evaluate_node(k, 0.0, laid.nodes(), laid.external, nullptr, force, acceleration,
-                                          &derivatives, nullptr, message) == SPRINGNET_OK);
+    REQUIRE(fixture.evaluator->evaluate_node(k, 0.0, fixture.nodes(), fixture.external, nullptr, force, acceleration,
+                                             &derivatives, nullptr, message) == SPRINGNET_OK);
     CHECK(force == plain);
     for (std::size_t i = 0; i < 9; ++i) {
       const double one = i % 4 == 0 ? 1.0 : 0.0;
@@ -58,22 +58,22 @@ TEST_CASE("a node's energy falls by the work of its force, and is nan where ther
     result.set_gravity({0, 0, -2});
     return result;
   };
-  Laid laid(net(std::nullopt, "point_mass"));
-  laid.external.gravity = {0, 0, -2};
+  EvaluatorFixture fixture(net(std::nullopt, "point_mass"));
+  fixture.external.gravity = {0, 0, -2};
   std::vector<double> load{0.3, -0.2, 0.1};
   std::vector<double> loads[3];
-  const std::uint32_t node = laid.layout.ordering().engine[0];
+  const std::uint32_t node = fixture.layout.ordering().engine[0];
   for (std::size_t c = 0; c < 3; ++c) {
     loads[c].assign(4, 0.0);
     loads[c][node] = load[c];
   }
-  laid.external.loads = {loads[0].data(), loads[1].data(), loads[2].data()};
+  fixture.external.loads = {loads[0].data(), loads[1].data(), loads[2].data()};
   springnet_message message{};
   Vector3 force, acceleration;
   const auto energy = [&] {
     double value = 0.0;
-    REQUIRE(laid.evaluator->evaluate_node(node, 0.0, laid.nodes(), laid.external, nullptr, force, acceleration, nullptr,
-                                          &value, message) == SPRINGNET_OK);
+    REQUIRE(fixture.evaluator->evaluate_node(node, 0.0, fixture.nodes(), fixture.external, nullptr, force, acceleration,
+                                             nullptr, &value, message) == SPRINGNET_OK);
     return value;
   };
   constexpr double h = 1e-4;
@@ -81,7 +81,7 @@ TEST_CASE("a node's energy falls by the work of its force, and is nan where ther
   const Vector3 expected = force;
   CHECK((acceleration - force / 1.7).norm() < 1e-15);  // rounding
   for (std::size_t c = 0; c < 3; ++c) {
-    double& coordinate = laid.p[c][node];
+    double& coordinate = fixture.p[c][node];
     const double value = coordinate;
     coordinate = value + h;
     const double up = energy();
@@ -94,8 +94,8 @@ TEST_CASE("a node's energy falls by the work of its force, and is nan where ther
 
   for (const bool viscous : {true, false}) {
     CAPTURE(viscous);
-    Laid without(net(viscous ? std::optional(LawUse{"linear", {{"damping", 0.1}}}) : std::nullopt,
-                     viscous ? "point_mass" : "dragged"));
+    EvaluatorFixture without(net(viscous ? std::optional(LawUse{"linear", {{"damping", 0.1}}}) : std::nullopt,
+                                 viscous ? "point_mass" : "dragged"));
     double value = 0.0;
     REQUIRE(without.evaluator->evaluate_node(without.layout.ordering().engine[0], 0.0, without.nodes(),
                                              without.external, nullptr, force, acceleration, nullptr, &value,

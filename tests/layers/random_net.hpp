@@ -12,7 +12,7 @@ namespace springnet::testing {
 
 // Nodes in a box at random, each joined to some others near it in number; laws with different stiffnesses, rest
 // lengths, viscosities along the spring, along the relative velocity and none; two kinds of neurons.
-inline Network random_network(std::uint32_t nodes, std::uint32_t springs_a_node, unsigned seed) {
+inline Network random_network(std::uint32_t nodes, std::uint32_t springs_per_node, unsigned seed) {
   std::mt19937 random(seed);
   std::uniform_real_distribution<double> unit(0.0, 1.0);
   Network net;
@@ -34,7 +34,7 @@ inline Network random_network(std::uint32_t nodes, std::uint32_t springs_a_node,
     net.add_node(node);
   }
   for (std::uint32_t k = 0; k < nodes; ++k) {
-    for (std::uint32_t j = 0; j < springs_a_node; ++j) {
+    for (std::uint32_t j = 0; j < springs_per_node; ++j) {
       const auto other = static_cast<std::uint32_t>((k + 1 + random() % 50) % nodes);
       if (other == k) continue;
       const double rest = random() % 3 == 0 ? 0.25 * static_cast<double>(1 + random() % 4) : 0.2 + unit(random);
@@ -46,9 +46,9 @@ inline Network random_network(std::uint32_t nodes, std::uint32_t springs_a_node,
 }
 
 // A layout with the arrays that its evaluator works on, in the initial state of the network.
-struct Laid {
-  explicit Laid(const Network& net, InstructionSet set = InstructionSet::best, unsigned threads = 1,
-                bool renumber = true)
+struct EvaluatorFixture {
+  explicit EvaluatorFixture(const Network& net, InstructionSet set = InstructionSet::best, unsigned threads = 1,
+                            bool renumber = true)
       : layout(net, *plugins(), renumber) {
     const std::size_t n = layout.node_count();
     for (std::vector<double>* arrays : {p, v, f})

@@ -146,16 +146,16 @@ TEST_CASE("a pressure on the start areas keeps its direction, one that follows t
 
 TEST_CASE("derivatives of following pressures are those of the forces, in the whole net and in a node by itself") {
   const Network net = pressed_net();
-  Laid laid(net);
+  EvaluatorFixture fixture(net);
   const std::vector<double> pressures{1.7, -2.3, 4.0};
-  laid.external.pressure = pressures.data();
-  const std::uint32_t n = laid.layout.node_count();
+  fixture.external.pressure = pressures.data();
+  const std::uint32_t n = fixture.layout.node_count();
   const auto size = static_cast<Eigen::Index>(3 * n);
   std::vector<std::uint8_t> constrained(n, 0);
   constrained[3] = 1;
-  layers::Linearisation linearisation(laid.layout, *laid.evaluator, constrained);
+  layers::Linearisation linearisation(fixture.layout, *fixture.evaluator, constrained);
   springnet_message message{};
-  REQUIRE(linearisation.update(0.0, laid.nodes(), laid.external, message) == SPRINGNET_OK);
+  REQUIRE(linearisation.update(0.0, fixture.nodes(), fixture.external, message) == SPRINGNET_OK);
   Eigen::MatrixXd by_p(size, size), by_v(size, size);
   const Eigen::VectorXd zero = Eigen::VectorXd::Zero(size);
   for (Eigen::Index j = 0; j < size; ++j) {
@@ -164,16 +164,16 @@ TEST_CASE("derivatives of following pressures are those of the forces, in the wh
     linearisation.times(zero.data(), unit.data(), by_v.col(j).data());
   }
   const auto accelerations = [&] {
-    laid.evaluate();
+    fixture.evaluate();
     Eigen::VectorXd a(size);
     for (Eigen::Index i = 0; i < size; ++i) {
       const auto k = static_cast<std::size_t>(i % n);
-      a[i] = constrained[k] != 0 ? 0.0 : laid.f[i / n][k] / laid.mass[k];
+      a[i] = constrained[k] != 0 ? 0.0 : fixture.f[i / n][k] / fixture.mass[k];
     }
     return a;
   };
   for (Eigen::Index j = 0; j < size; ++j) {
-    double& coordinate = laid.p[j / n][static_cast<std::size_t>(j % n)];
+    double& coordinate = fixture.p[j / n][static_cast<std::size_t>(j % n)];
     const double value = coordinate;
     const auto at = [&](double h) {
       coordinate = value + h;
@@ -198,16 +198,16 @@ TEST_CASE("derivatives of following pressures are those of the forces, in the wh
   REQUIRE(linearisation.solve(true, right_side.data(), x.data(), message) == SPRINGNET_OK);
   CHECK((dense.transpose() * x - right_side).norm() <= 1e-10 * right_side.norm());
 
-  laid.evaluate();
+  fixture.evaluate();
   std::vector<double> blocks(9 * std::size_t{n});
   linearisation.diagonal_blocks(wv, wp, blocks.data());
   for (std::uint32_t k = 0; k < n; ++k) {
     Vector3 force, acceleration;
     layers::NodeDerivatives own;
     double energy = 0.0;
-    REQUIRE(laid.evaluator->evaluate_node(k, 0.0, laid.nodes(), laid.external, nullptr, force, acceleration, &own,
-                                          &energy, message) == SPRINGNET_OK);
-    CHECK((force - Vector3(laid.f[0][k], laid.f[1][k], laid.f[2][k])).norm() <= 1e-12 * (1.0 + force.norm()));
+    REQUIRE(fixture.evaluator->evaluate_node(k, 0.0, fixture.nodes(), fixture.external, nullptr, force, acceleration,
+                                             &own, &energy, message) == SPRINGNET_OK);
+    CHECK((force - Vector3(fixture.f[0][k], fixture.f[1][k], fixture.f[2][k])).norm() <= 1e-12 * (1.0 + force.norm()));
     for (std::size_t r = 0; r < 3; ++r)
       for (std::size_t c = 0; c < 3; ++c) {
         const auto row = static_cast<Eigen::Index>(r * n + k), column = static_cast<Eigen::Index>(c * n + k);
@@ -226,13 +226,13 @@ TEST_CASE("the Jacobian of a following pressure is symmetric on a closed surface
     if (open) faces.pop_back();
     Network net = points_of(mesh);
     net.add_load(pressed(faces, 2.0, true));
-    Laid laid(net);
+    EvaluatorFixture fixture(net);
     const double pressure = 2.0;
-    laid.external.pressure = &pressure;
+    fixture.external.pressure = &pressure;
     const std::vector<std::uint8_t> constrained(net.nodes().size(), 0);
-    layers::Linearisation linearisation(laid.layout, *laid.evaluator, constrained);
+    layers::Linearisation linearisation(fixture.layout, *fixture.evaluator, constrained);
     springnet_message message{};
-    REQUIRE(linearisation.update(0.0, laid.nodes(), laid.external, message) == SPRINGNET_OK);
+    REQUIRE(linearisation.update(0.0, fixture.nodes(), fixture.external, message) == SPRINGNET_OK);
     const auto size = static_cast<Eigen::Index>(3 * net.nodes().size());
     Eigen::MatrixXd by_p(size, size);
     const Eigen::VectorXd zero = Eigen::VectorXd::Zero(size);
@@ -247,8 +247,8 @@ TEST_CASE("the Jacobian of a following pressure is symmetric on a closed surface
     for (std::uint32_t k = 0; k < net.nodes().size(); ++k) {
       Vector3 force, acceleration;
       double energy = 0.0;
-      REQUIRE(laid.evaluator->evaluate_node(k, 0.0, laid.nodes(), laid.external, nullptr, force, acceleration, nullptr,
-                                            &energy, message) == SPRINGNET_OK);
+      REQUIRE(fixture.evaluator->evaluate_node(k, 0.0, fixture.nodes(), fixture.external, nullptr, force, acceleration,
+                                               nullptr, &energy, message) == SPRINGNET_OK);
       if (std::isnan(energy)) ++without;
     }
     CHECK(without == (open ? 3 : 0));

@@ -1,4 +1,4 @@
-// What is read of each format and variant.
+// What is read from each format and variant.
 #include <doctest/doctest.h>
 
 #include <algorithm>
@@ -24,7 +24,7 @@ void check_body(const Mesh& mesh) {
     const auto corners = mesh.cell(i);
     CHECK(Numbers(corners.begin(), corners.end()) == body_cells()[i].points);
   }
-  CHECK(has_note(mesh, "1 point that no cell uses is left out"));
+  CHECK(has_note(mesh, "1 point | no cell | left out"));
 }
 
 std::size_t count_of(const Mesh& mesh, CellType type) {
@@ -84,8 +84,8 @@ TEST_CASE("pieces of a .vtu are put side by side, with their points, cells and g
     CHECK(group_of(mesh, "material 7").cells == Numbers{0, 1, 2, 3, 6, 7, 8, 9});
     CHECK(group_of(mesh, "material 2").cells == Numbers{4, 5, 10, 11});
     CHECK(group_of(mesh, "material 2").points == Numbers{0, 1, 2, 3, 12, 13, 14, 15});
-    CHECK(has_note(mesh, "the file has 2 pieces"));
-    CHECK(has_note(mesh, "2 points that no cell uses"));
+    CHECK(has_note(mesh, "2 pieces"));
+    CHECK(has_note(mesh, "2 points | no cell"));
   }
 }
 
@@ -114,7 +114,7 @@ TEST_CASE("line ends of other systems") {
   }
 }
 
-TEST_CASE("a byte order mark before a text says nothing") {
+TEST_CASE("a byte order mark before a text is skipped") {
   for (const Sample& sample : {obj_sample(), stl_samples()[0], gmsh_samples()[0], vtk_xml_samples()[0]}) {
     CAPTURE(sample.name);
     const Mesh mesh = read_text_mesh(sample.name, sample.bytes);
@@ -136,10 +136,10 @@ TEST_CASE("polygons, lines, strips and vertices of VTK") {
     CHECK(group_of(mesh, "group 2").cells == Numbers{1, 2});
     CHECK(group_of(mesh, "group 3").cells == Numbers{3, 4, 5});  // the pentagon
     CHECK(group_of(mesh, "group 4").cells == Numbers{6, 7});
-    CHECK(has_note(mesh, "1 polygon of more than four corners"));
+    CHECK(has_note(mesh, "1 polygon | four corners"));
     // A square with a gable of base 1 and height 1.
     CHECK(measure_of(mesh, 3) + measure_of(mesh, 4) + measure_of(mesh, 5) == doctest::Approx(1.5));
-    // Both triangles of the strip are turned alike: their common edge is run through in both directions.
+    // Both triangles of the strip have the same orientation: they run along their common edge in opposite directions.
     const std::vector<Face> strip{{mesh.cell(6)[0], mesh.cell(6)[1], mesh.cell(6)[2]},
                                   {mesh.cell(7)[0], mesh.cell(7)[1], mesh.cell(7)[2]}};
     CHECK(oriented(strip, mesh.points) == strip);
@@ -170,7 +170,7 @@ TEST_CASE("structured grids of VTK") {
   CHECK(count_of(row, CellType::line) == 2);
 }
 
-TEST_CASE("pixels and voxels turn into VTK's other order") {
+TEST_CASE("corners of pixels and voxels are put in the order of quadrilaterals and hexahedra") {
   const Mesh mesh = read_text_mesh("voxel.vtk",
                                    "# vtk DataFile Version 3.0\nt\nASCII\nDATASET UNSTRUCTURED_GRID\nPOINTS 8 float\n0 "
                                    "0 0 1 0 0 0 1 0 1 1 0 0 0 1 1 0 1 "
@@ -194,9 +194,9 @@ TEST_CASE("OBJ") {
   CHECK(group_of(mesh, "right").cells == Numbers{1, 2, 3});
   CHECK(group_of(mesh, "sheet one").cells == Numbers{0, 1, 2, 3, 4, 5, 6, 7});
   CHECK(mesh.groups.size() == 4);
-  CHECK(has_note(mesh, "1 polygon of more than four corners"));
-  CHECK(has_note(mesh, "1 statement is not read: 'curv'"));
-  CHECK(has_note(mesh, "1 point that no cell uses"));
+  CHECK(has_note(mesh, "1 polygon | four corners"));
+  CHECK(has_note(mesh, "1 statement | 'curv'"));
+  CHECK(has_note(mesh, "1 point | no cell"));
 }
 
 TEST_CASE("STL: equal corners become one point") {
@@ -209,37 +209,35 @@ TEST_CASE("STL: equal corners become one point") {
     CHECK(enclosed_volume(mesh, surface) == doctest::Approx(1.0 / 6.0));
     CHECK(mesh.groups.size() == (sample.name == "two.stl" ? 2 : 0));
   }
-  const Mesh text = read_text_mesh("two.STL", stl_samples()[0].bytes);  // the ending in any case
+  const Mesh text = read_text_mesh("two.STL", stl_samples()[0].bytes);  // the extension in upper case
   CHECK(group_of(text, "first part").cells == Numbers{0, 1});
   CHECK(group_of(text, "second part").cells == Numbers{2, 3});
   const Mesh thin = read_text_mesh("thin.stl", replaced(stl_samples()[0].bytes, "vertex 0 1 0", "vertex 0 0 0"));
   CHECK(thin.cell_count() == 3);
-  CHECK(has_note(thin, "1 triangle with two equal corners is left out"));
-  // What is no whole triangle at the end of a binary file.
+  CHECK(has_note(thin, "1 triangle | equal corners | left out"));
+  // An incomplete triangle at the end of a binary file.
   const Mesh spare = read_text_mesh("spare.stl", stl_samples()[1].bytes + "\n");
   CHECK(spare.cell_count() == 4);
-  CHECK(has_note(spare, "1 byte after the last triangle is not read"));
+  CHECK(has_note(spare, "1 byte | last triangle"));
 }
 
-TEST_CASE("what is not read of a file is told once, with the first names") {
+TEST_CASE("parts of a file that are not read are noted once, with the first names") {
   const std::string sections = "$Periodic\n0\n$EndPeriodic\n$NodeData\n1\n$EndNodeData\n$Periodic\n$EndPeriodic\n";
   const Mesh mesh = read_text_mesh("a.msh", gmsh_samples()[0].bytes + sections);
   check_body(mesh);
-  CHECK(has_note(mesh, "3 sections are not read: $Periodic, $NodeData"));
+  CHECK(has_note(mesh, "3 sections | $Periodic, $NodeData"));
   CHECK(mesh.notes.size() == 2);
 
   std::string many = obj_sample().bytes;
   for (int k = 0; k < 40000; ++k) many += fmt::format("g empty{}\n", k);
   const Mesh groups = read_text_mesh("a.obj", many);
   CHECK(groups.groups.size() == 4);
-  CHECK(has_note(groups,
-                 "40000 groups without a used cell or point are left out: 'empty0', 'empty1', "
-                 "'empty2', 'empty3', 'empty4' and others"));
+  CHECK(has_note(groups, "40000 groups | left out | 'empty0', 'empty1', 'empty2', 'empty3', 'empty4' and others"));
   CHECK(groups.notes.size() == 4);
 }
 
-// Each of these took seconds, minutes, or gigabytes; with the loops that they aim at, still. What is measured is the
-// processor's time, of which a hundredth is usual.
+// With quadratic loops each of these took seconds, minutes, or gigabytes. The limit is on the processor's time, of
+// which they need about a hundredth.
 TEST_CASE("small files do not take long") {
   const auto begin = std::clock();
   std::string names = "v 0 0 0\nv 1 0 0\nv 0 1 0\ng";
@@ -296,10 +294,10 @@ TEST_CASE("pieces that share their data claim no more than the file can hold") {
            "</AppendedData></VTKFile>";
   };
   CHECK(error_of("one.vtu", pieces(1)).find("it has no usable cell") != std::string::npos);
-  CHECK(error_of("many.vtu", pieces(200)).find("with those before more than the file can hold") != std::string::npos);
+  CHECK(error_of("many.vtu", pieces(200)).find("more than the file can") != std::string::npos);
 }
 
-TEST_CASE("second order: corners alone; higher and unknown types are left out") {
+TEST_CASE("cells of second order are read by their corners; other types are left out") {
   const std::string head = "# vtk DataFile Version 3.0\nt\nASCII\nDATASET UNSTRUCTURED_GRID\nPOINTS 11 float\n";
   std::string points = "0 0 0 1 0 0 0 1 0 0 0 1 ";
   for (int k = 0; k < 7; ++k) points += "0.5 0.5 0 ";
@@ -307,9 +305,9 @@ TEST_CASE("second order: corners alone; higher and unknown types are left out") 
       "second.vtk", head + points + "\nCELLS 2 15\n10 0 1 2 3 4 5 6 7 8 9\n3 0 1 2\nCELL_TYPES 2\n24 69\n");
   CHECK(mesh.points.size() == 4);
   CHECK(mesh.types == std::vector<CellType>{CellType::tetrahedron});
-  CHECK(has_note(mesh, "1 cell of second order is read without its middle points"));
-  CHECK(has_note(mesh, "1 cell of another type is left out: VTK's type 69"));
-  CHECK(has_note(mesh, "7 points that no cell uses"));
+  CHECK(has_note(mesh, "1 cell of second order"));
+  CHECK(has_note(mesh, "1 cell | left out | VTK's type 69"));
+  CHECK(has_note(mesh, "7 points | no cell"));
 }
 
 // The corners of a type of cells, where VTK and Gmsh have them.
@@ -330,13 +328,13 @@ std::vector<Vector3> corners_of(CellType type) {
   }
 }
 
-TEST_CASE("of every second-order cell of VTK the corners are read") {
+TEST_CASE("the corners of every second-order cell of VTK are read") {
   struct Type {
     int number;
     std::size_t points;
     CellType cell;
   };
-  // The manual's numbers; what is between the corners is of no account.
+  // The manual's numbers; the points between the corners are ignored.
   for (const Type& type :
        {Type{21, 3, CellType::line}, Type{22, 6, CellType::triangle}, Type{23, 8, CellType::quadrilateral},
         Type{24, 10, CellType::tetrahedron}, Type{25, 20, CellType::hexahedron}, Type{26, 15, CellType::wedge},
@@ -357,7 +355,7 @@ TEST_CASE("of every second-order cell of VTK the corners are read") {
                                   type.points, points, type.points + 1, type.points, numbers, type.number));
     CHECK(mesh.types == std::vector<CellType>{type.cell});
     CHECK(mesh.points == corners);
-    CHECK(has_note(mesh, "1 cell of second order is read without its middle points"));
+    CHECK(has_note(mesh, "1 cell of second order"));
   }
 }
 
@@ -371,12 +369,12 @@ TEST_CASE("arrays of points give groups of points, reals none") {
   CHECK(group_of(mesh, "PhysicalIds 4").cells.empty());
   CHECK(group_of(mesh, "PhysicalIds 4").points == Numbers{0, 1});  // and not the one that is left out
   CHECK(group_of(mesh, "PhysicalIds 5").points.size() == 10);
-  CHECK(has_note(mesh, "array 'group' does not have whole numbers"));
+  CHECK(has_note(mesh, "array 'group' | whole numbers"));
   const auto lines = std::count(text.begin(), text.end(), '\n');
-  CHECK(has_note(mesh, fmt::format("data from line {} on are not read", lines + 8)));
+  CHECK(has_note(mesh, fmt::format("line {} on | not read", lines + 8)));
 }
 
-TEST_CASE("points of a geometry that no cell has are left out, named ones stay") {
+TEST_CASE("points of a geometry that no cell has are left out, except those in groups") {
   const std::string text = gmsh_samples()[0].bytes;
   // The vertex to the point that nothing else uses; with its group, then without.
   const std::string far_away = replaced(text, "6 100 \n$EndElements", "6 136 \n$EndElements");

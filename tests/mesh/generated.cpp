@@ -1,4 +1,4 @@
-// Meshes that Gmsh makes: the same geometry in each format, and as large as the closed form says.
+// Meshes that Gmsh generates: the same geometry in each format, with the measures of the closed form.
 #include <doctest/doctest.h>
 
 #include <algorithm>
@@ -50,7 +50,7 @@ TEST_CASE("a ball in each format") {
   const std::vector<Face> skin = surface_of(first);
   const double volume = volume_of(first), area = area_of(first, skin);
   // Flat triangles of edge h within a sphere of radius r lie up to h^2 / (6 r) below it (a triangle's circumradius is
-  // h / sqrt(3)): of volume and area are missing less than 3 h^2 / (6 r^2) = 4.5 %.
+  // h / sqrt(3)): volume and area are less than 3 h^2 / (6 r^2) = 4.5 % too small.
   CHECK(volume < pi / 6.0);
   CHECK(volume > 0.955 * pi / 6.0);
   CHECK(area < pi);
@@ -141,13 +141,13 @@ TEST_CASE("elements of any order are read by their corners") {
       CAPTURE(order);
       run_gmsh(folder, geometry, fmt::format("-3 -order {} -format msh41 -bin", order), "higher.msh");
       const Mesh mesh = read_mesh(folder.path() / "higher.msh");
-      CHECK(sorted(mesh.types) == sorted(first.types));  // Gmsh may turn the order of blocks
+      CHECK(sorted(mesh.types) == sorted(first.types));  // Gmsh may change the order of blocks
       CHECK(mesh.points.size() == first.points.size());
       CHECK(volume_of(mesh) == doctest::Approx(2.0).epsilon(1e-12));
-      CHECK(has_note(mesh, "elements of second or higher order are read without the nodes between their corners"));
+      CHECK(has_note(mesh, "elements of second or higher order"));
     }
   }
-  CHECK(types.size() == 8);  // all that there are
+  CHECK(types.size() == 8);  // every type
 }
 
 constexpr const char* box = R"(
@@ -178,7 +178,7 @@ TEST_CASE("a box of hexahedra, without physical groups") {
   CHECK(mesh.groups.empty());
 }
 
-TEST_CASE("the centre of a circle is no point of the body") {
+TEST_CASE("the centre of a circle is not a point of the body") {
   const TemporaryFolder folder;
   run_gmsh(folder, R"(
 Point(1) = {0, 0, 0, 0.2}; Point(2) = {1, 0, 0, 0.2}; Point(3) = {-1, 0, 0, 0.2};

@@ -1,4 +1,4 @@
-// Files that are cut off or damaged anywhere: an error of input, or a mesh that is sound. Never anything else.
+// Files that are truncated or damaged anywhere give an error of input or a sound mesh.
 #include <doctest/doctest.h>
 
 #include <random>
@@ -40,7 +40,7 @@ class Damage {
   std::string name_;
 };
 
-TEST_CASE("files that are cut off") {
+TEST_CASE("truncated files") {
   for (const Sample& sample : all_samples()) {
     CAPTURE(sample.name);
     Damage damage(sample.name);
@@ -55,7 +55,7 @@ TEST_CASE("files that are cut off") {
   }
 }
 
-TEST_CASE("files with other bytes") {
+TEST_CASE("damaged files") {
   std::mt19937 random(1);  // gives the same numbers everywhere
   const std::uint64_t tries_each = repetitions("SPRINGNET_MESH_MUTATIONS", 200);
   std::size_t refused = 0, tries = 0;

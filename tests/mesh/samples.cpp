@@ -8,6 +8,8 @@
 
 #include <springnet/error.hpp>
 
+#include "facts.hpp"
+
 namespace springnet::testing {
 namespace {
 
@@ -15,7 +17,6 @@ const std::vector<int>& gmsh_types() {
   static const std::vector<int> types{5, 6, 7, 4, 3, 15};
   return types;
 }
-// Dimension and number of the entity that a cell belongs to; entities 11, 12 and 13 are one volume in blocks.
 std::string gmsh_head(bool old, bool binary, bool big) {
   std::string text = fmt::format("$MeshFormat\n{} {} 8\n", old ? "4" : "4.1", binary ? 1 : 0);
   if (binary) {
@@ -261,9 +262,9 @@ long euler_characteristic(const std::vector<Face>& faces) {
   return static_cast<long>(points.size()) - static_cast<long>(edges.size()) + static_cast<long>(faces.size());
 }
 
-bool has_note(const Mesh& mesh, std::string_view text) {
+bool has_note(const Mesh& mesh, std::string_view facts) {
   for (const std::string& note : mesh.notes) {
-    if (note.find(text) != std::string::npos) return true;
+    if (has_facts(note, facts)) return true;
   }
   return false;
 }

@@ -1,4 +1,4 @@
-// Small meshes in every format and variant, and what they have to give.
+// Small meshes in every format and variant, and what must be read from them.
 //
 // `body_…`: a cube [0, 1]^3, a wedge at x = 1, a pyramid on top and a tetrahedron at the pyramid: volume 1 + 1/2 + 1/3
 // + 1/6 = 2, 12 points, a surface of 20 triangles; then the bottom as a quadrilateral, corner 0 as a vertex, and a
@@ -17,7 +17,7 @@
 namespace springnet::testing {
 
 struct Sample {
-  std::string name;  // with the ending
+  std::string name;  // with the extension
   std::string bytes;
 };
 
@@ -66,8 +66,8 @@ double area_of(const Mesh& mesh, const std::vector<Face>& faces);
 double enclosed_volume(const Mesh& mesh, const std::vector<Face>& faces);
 // Points - edges + faces of a surface.
 long euler_characteristic(const std::vector<Face>& faces);
-// Of mesh.notes, whether one has that text.
-bool has_note(const Mesh& mesh, std::string_view text);
+// Whether one of the notes has these facts.
+bool has_note(const Mesh& mesh, std::string_view facts);
 const MeshGroup& group_of(const Mesh& mesh, std::string_view name);
 
 }  // namespace springnet::testing

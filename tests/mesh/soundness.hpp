@@ -1,4 +1,4 @@
-// What holds of every mesh that was read, whatever the file had.
+// Invariants of every mesh that was read, whatever the file contained.
 #pragma once
 
 #include <springnet/mesh.hpp>

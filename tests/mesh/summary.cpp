@@ -30,7 +30,7 @@ Mesh shell(bool open) {
   mesh.points = {{0, 0, 0}, {0.06, 0, 0}, {0, 0.06, 0}, {0, 0, 0.06}};
   mesh.add_cell(CellType::triangle, std::array{0U, 2U, 1U});
   mesh.add_cell(CellType::triangle, std::array{0U, 1U, 3U});
-  mesh.add_cell(CellType::triangle, std::array{3U, 1U, 2U});  // turned the other way: neighbours need not agree
+  mesh.add_cell(CellType::triangle, std::array{3U, 1U, 2U});  // the opposite orientation: neighbours need not agree
   if (!open) mesh.add_cell(CellType::triangle, std::array{0U, 3U, 2U});
   return mesh;
 }
@@ -71,7 +71,7 @@ TEST_CASE("counts, sizes, edges and groups of a solid") {
   CHECK_FALSE(corners.closed);
 }
 
-TEST_CASE("a surface is closed or open, and what a closed one encloses") {
+TEST_CASE("a surface is closed or open, and a closed one encloses a volume") {
   const MeshExtent closed = summarise(shell(false)).whole;
   CHECK(closed.dimension == 2);
   CHECK(closed.closed == true);
@@ -82,7 +82,7 @@ TEST_CASE("a surface is closed or open, and what a closed one encloses") {
   CHECK_FALSE(open.enclosed);
 }
 
-TEST_CASE("the unit is guessed by the size, and where nothing tells it that is said") {
+TEST_CASE("the unit is guessed from the size; where that is ambiguous, the summary says so") {
   struct Guess {
     double size, scale;
     bool sure;
@@ -100,7 +100,7 @@ TEST_CASE("the unit is guessed by the size, and where nothing tells it that is s
   CHECK(summarise(shell(true)).unit.unit == "metres");
 }
 
-TEST_CASE("all of it is in the JSON") {
+TEST_CASE("the JSON has the whole summary") {
   const auto json = nlohmann::json::parse(to_json(summarise(box())));
   CHECK(json["points"] == 24);
   CHECK(json["cell_types"]["hexahedron"] == 6);

@@ -59,7 +59,7 @@ TEST_CASE("the surface of a body is closed, outward, and encloses its volume") {
   Mesh mesh = body();
   for (const bool inside_out : {false, true}) {
     CAPTURE(inside_out);
-    if (inside_out) {  // mirrored cells: the same points in an order that turns them
+    if (inside_out) {  // mirrored cells: the same points in an order that inverts them
       for (std::size_t cell = 0; cell < 4; ++cell) {
         std::uint32_t* corners = mesh.corners.data() + mesh.offsets[cell];
         if (mesh.types[cell] == CellType::hexahedron) std::swap_ranges(corners, corners + 4, corners + 4);
@@ -92,7 +92,7 @@ TEST_CASE("the surface of a body is closed, outward, and encloses its volume") {
   }
 }
 
-TEST_CASE("the volume of a hexahedron with faces that are not plane does not depend on how it is numbered") {
+TEST_CASE("the volume of a hexahedron with curved faces does not depend on its numbering") {
   Mesh mesh;
   for (const double z : {0.0, 1.0}) {
     mesh.points.insert(mesh.points.end(), {{0, 0, z}, {1, 0, z}, {1, 1, z}, {0, 1, z}});
@@ -138,7 +138,7 @@ TEST_CASE("quadrilaterals are divided along their shorter diagonal") {
   }
 }
 
-TEST_CASE("surfaces are turned so that neighbours agree and closed parts are outward") {
+TEST_CASE("surfaces are oriented so that neighbours agree and closed parts point outward") {
   const Mesh mesh = body();
   const std::vector<Face> surface = surface_of(mesh);
   std::vector<Face> faces = surface;
@@ -149,7 +149,7 @@ TEST_CASE("surfaces are turned so that neighbours agree and closed parts are out
   CHECK(enclosed_volume(mesh, oriented(all_inward, mesh.points)) == doctest::Approx(2.0));
   CHECK(oriented({}, mesh.points).empty());
 
-  // A sheet of two triangles stays as the first is turned.
+  // A sheet of two triangles keeps the orientation of the first.
   const std::vector<Face> sheet{{0, 2, 1}, {0, 2, 3}};
   CHECK(oriented(sheet, mesh.points) == std::vector<Face>{{0, 2, 1}, {0, 3, 2}});
   CHECK(!is_closed(sheet));
@@ -158,15 +158,15 @@ TEST_CASE("surfaces are turned so that neighbours agree and closed parts are out
   // A ring of 5 triangles is a Moebius strip: i, i + 1, i + 2 modulo 5.
   std::vector<Face> strip;
   for (std::uint32_t i = 0; i < 5; ++i) strip.push_back({i, (i + 1) % 5, (i + 2) % 5});
-  CHECK_THROWS_WITH_AS(static_cast<void>(oriented(strip, mesh.points)), doctest::Contains("one side only"), Error);
+  CHECK_THROWS_WITH_AS(static_cast<void>(oriented(strip, mesh.points)), doctest::Contains("Moebius"), Error);
   CHECK_THROWS_WITH_AS(static_cast<void>(oriented({{0, 1, 2}, {0, 1, 3}, {0, 1, 4}}, mesh.points)),
-                       doctest::Contains("from point 0 to point 1 belongs to 3 triangles"), Error);
+                       doctest::Contains("point 0 to point 1"), Error);
   CHECK_THROWS_WITH_AS(static_cast<void>(oriented({{0, 1, 99}}, mesh.points)), doctest::Contains("has point 99"),
                        Error);
   CHECK_THROWS_WITH_AS(static_cast<void>(oriented({{0, 1, 1}}, mesh.points)), doctest::Contains("twice"), Error);
 }
 
-TEST_CASE("hinges are what a dihedral wants") {
+TEST_CASE("hinges have the nodes of a dihedral angle in its order") {
   const Mesh mesh = body();
   const std::vector<Face> surface = surface_of(mesh);
   const auto hinges = hinges_of(surface);
@@ -175,7 +175,7 @@ TEST_CASE("hinges are what a dihedral wants") {
   for (const Vector3& point : mesh.points) network.add_node({.position = point});
   std::size_t flat = 0, right = 0;
   for (const auto& [a, b, c, d] : hinges) {
-    // (a, b, c) is a triangle of the surface as it is turned there, and so is (b, a, d).
+    // (a, b, c) and (b, a, d) are triangles of the surface with its orientation.
     const auto has = [&](std::array<std::uint32_t, 3> wanted) {
       for (int k = 0; k < 3; ++k) {
         if (std::find(surface.begin(), surface.end(), wanted) != surface.end()) return true;
@@ -196,7 +196,7 @@ TEST_CASE("hinges are what a dihedral wants") {
   CHECK(hinges_of(std::vector<Face>{{0, 1, 2}, {0, 1, 3}, {0, 1, 4}}).empty());
 }
 
-TEST_CASE("surface cells beside solid ones belong to the surface, also those within are known") {
+TEST_CASE("surface cells beside solid ones belong to the surface, those between solid ones do not") {
   Mesh mesh = body();
   mesh.add_cell(CellType::triangle, std::vector<std::uint32_t>{9, 10, 12});        // a fin
   mesh.add_cell(CellType::quadrilateral, std::vector<std::uint32_t>{6, 5, 1, 2});  // between cube and wedge

@@ -160,12 +160,11 @@ TEST_CASE("a million nodes: counts of the closed form") {
   CHECK(network.springs().size() == 3 * 99 * 100 * 100 + 4 * 99 * 99 * 99);
 }
 
-TEST_CASE("lattices that cannot be: the message says what and what to do, the network stays as it was") {
+TEST_CASE("lattices that are refused: the message says what is wrong, the network stays as it was") {
   const double nan = std::numeric_limits<double>::quiet_NaN();
   const Vector3 one = Vector3::Ones(), zero = Vector3::Zero();
-  CHECK(error_of({{4, 0, 4}, one, zero, Diagonals::none}) == "lattice 'big': it needs one node or more along y");
-  CHECK(error_of({{4, 4, 4}, {1, 1, 0}, zero, Diagonals::none}) ==
-        "lattice 'big': its spacing along z must be a finite number above 0 m, is 0");
+  CHECK(error_of({{4, 0, 4}, one, zero, Diagonals::none}).find("along y") != std::string::npos);
+  CHECK(error_of({{4, 4, 4}, {1, 1, 0}, zero, Diagonals::none}).find("along z") != std::string::npos);
   CHECK(error_of({{4, 4, 4}, {1, -1, 1}, zero, Diagonals::none}).find("is -1") != std::string::npos);
   CHECK(error_of({{4, 4, 4}, {nan, 1, 1}, zero, Diagonals::none}).find("is nan") != std::string::npos);
   CHECK(error_of({{4, 4, 4}, one, {0, nan, 0}, Diagonals::none}).find("along y is nan") != std::string::npos);
@@ -175,19 +174,19 @@ TEST_CASE("lattices that cannot be: the message says what and what to do, the ne
 
 TEST_CASE("more nodes or springs than 32-bit numbers are refused before any memory is taken") {
   const Vector3 one = Vector3::Ones(), zero = Vector3::Zero();
-  constexpr std::uint32_t most = std::numeric_limits<std::uint32_t>::max();
+  constexpr std::uint32_t max = std::numeric_limits<std::uint32_t>::max();
   CHECK(error_of({{2000, 2000, 2000}, one, zero, Diagonals::none}).find("8e+09 nodes") != std::string::npos);
-  CHECK(error_of({{most, most, most}, one, zero, Diagonals::none}).find("use fewer nodes") != std::string::npos);
+  CHECK(error_of({{max, max, max}, one, zero, Diagonals::none}).find("use fewer nodes") != std::string::npos);
   // 1e9 nodes have numbers, their 13e9 springs have not.
   CHECK(error_of({{1000, 1000, 1000}, one, zero, Diagonals::all}).find("springs") != std::string::npos);
 }
 
-TEST_CASE("a name that is taken leaves the network as it was") {
+TEST_CASE("a name in use leaves the network as it was") {
   Network network;
   const auto material = linear(network);
   const Lattice lattice{{2, 2, 2}, Vector3::Ones(), Vector3::Zero(), Diagonals::none};
   network.add_lattice("a", lattice, {}, material);
-  CHECK_THROWS_WITH_AS(network.add_lattice("a", lattice, {}, material), "there are two bodies 'a': rename one",
+  CHECK_THROWS_WITH_AS(network.add_lattice("a", lattice, {}, material), doctest::Contains("bodies 'a'"),
                        springnet::Error);
   CHECK(network.nodes().size() == 8);
   CHECK_THROWS_AS(network.add_lattice("b", lattice, {}, material + 1), springnet::Error);

@@ -9,6 +9,8 @@
 #include <springnet/error.hpp>
 #include <springnet/network.hpp>
 
+#include "facts.hpp"
+
 using springnet::LawUse;
 using springnet::Material;
 using springnet::Network;
@@ -47,7 +49,7 @@ template <class Change>
 bool refused(Change&& change, const std::string& words) {
   const std::string message = error_of(change);
   CAPTURE(message);
-  const bool found = message.find(words) != std::string::npos;
+  const bool found = springnet::testing::has_facts(message, words);
   CHECK(found);
   return found;
 }
@@ -82,7 +84,7 @@ TEST_CASE("equal neurons and materials have one index, different ones have their
   CHECK(network.add_material({LawUse{"linear", {{"stiffness", -0.0}}}, std::nullopt}) == zero);
 }
 
-TEST_CASE("a hundred thousand different materials are no matter of minutes") {
+TEST_CASE("a hundred thousand different materials are added in seconds") {
   // With a linear search these were 5e9 comparisons; the test then runs into the time limit of any test runner.
   Network network;
   for (int i = 0; i < 100'000; ++i) {
@@ -92,14 +94,14 @@ TEST_CASE("a hundred thousand different materials are no matter of minutes") {
   CHECK(network.add_material({LawUse{"linear", {{"stiffness", 77'777.0}}}, std::nullopt}) == 77'777);
 }
 
-TEST_CASE("uses of components that cannot be") {
+TEST_CASE("uses of components that are refused") {
   refused([](Network& n) { n.add_neuron({"", {}}); }, "has no id");
-  refused([](Network& n) { n.add_neuron({"dragged", {{"drag", nan_value}}}); }, "'drag' must be a finite number");
-  refused([](Network& n) { n.add_material({}); }, "needs a spring function, a viscosity function or both");
+  refused([](Network& n) { n.add_neuron({"dragged", {{"drag", nan_value}}}); }, "'dragged' | 'drag' | nan");
+  refused([](Network& n) { n.add_material({}); }, "spring function | viscosity function");
   refused([](Network& n) { n.add_material({LawUse{"linear", {{"stiffness", inf}}}, std::nullopt}); }, "is inf");
 }
 
-TEST_CASE("nodes: what is given is kept, what cannot be is refused") {
+TEST_CASE("nodes: values are kept, wrong ones are refused") {
   Network network;
   const springnet::Node node{{1, 2, 3}, {4, 5, 6}, 7, 0, false};
   CHECK(network.add_node(node) == 0);
@@ -111,7 +113,7 @@ TEST_CASE("nodes: what is given is kept, what cannot be is refused") {
   springnet::Node bad;
   const auto add = [&](Network& n) { n.add_node(bad); };
   bad.mass = 0;
-  refused(add, "node 2: its mass must be a finite number above 0 kg, is 0");
+  refused(add, "node 2: | mass | above 0 kg | is 0");
   bad.mass = -1;
   refused(add, "is -1");
   bad.mass = nan_value;
@@ -120,15 +122,15 @@ TEST_CASE("nodes: what is given is kept, what cannot be is refused") {
   refused(add, "is inf");
   bad = {};
   bad.position.y() = nan_value;
-  refused(add, "its position must be finite, is [0, nan, 0]");
+  refused(add, "position | [0, nan, 0]");
   bad = {};
   bad.velocity.z() = -inf;
-  refused(add, "its velocity must be finite, is [0, 0, -inf]");
+  refused(add, "velocity | [0, 0, -inf]");
   bad = {};
   bad.neuron = 1;
-  refused(add, "there is no neuron 1, only 1");
-  refused([&](Network& n) { n.set_node(0, bad); }, "node 0: there is no neuron 1");
-  refused([](Network& n) { n.set_node(2, {}); }, "there is no node 2, only 2");
+  refused(add, "neuron 1 | only 1");
+  refused([&](Network& n) { n.set_node(0, bad); }, "node 0: | neuron 1");
+  refused([](Network& n) { n.set_node(2, {}); }, "node 2 | only 2");
 }
 
 TEST_CASE("a fixed node has no velocity, however it came to be fixed") {
@@ -145,10 +147,10 @@ TEST_CASE("a fixed node has no velocity, however it came to be fixed") {
     CHECK(node.fixed);
     CHECK(node.velocity == Vector3::Zero());
   }
-  refused([](Network& n) { n.fix(2); }, "there is no node 2 to fix, only 2");
+  refused([](Network& n) { n.fix(2); }, "node 2 | only 2");
 }
 
-TEST_CASE("springs: the rest length is the distance unless given") {
+TEST_CASE("springs: the rest length is the distance by default") {
   Network network;
   network.add_node({{1, 1, 1}, Vector3::Zero(), 1, 0, false});
   network.add_node({{1, 4, 5}, Vector3::Zero(), 1, 0, false});
@@ -160,11 +162,11 @@ TEST_CASE("springs: the rest length is the distance unless given") {
   CHECK(network.springs()[1].second == 0);
 }
 
-TEST_CASE("springs that cannot be") {
-  refused([](Network& n) { n.add_spring(0, 2, 0); }, "there is no node 2, only 2");
+TEST_CASE("springs that are refused") {
+  refused([](Network& n) { n.add_spring(0, 2, 0); }, "node 2 | only 2");
   refused([](Network& n) { n.add_spring(1, 1, 0); }, "joins node 1 to itself");
-  refused([](Network& n) { n.add_spring(0, 1, 1); }, "there is no material 1, only 1");
-  refused([](Network& n) { n.add_spring(0, 1, 0, -1.0); }, "at least 0 m, is -1");
+  refused([](Network& n) { n.add_spring(0, 1, 1); }, "material 1 | only 1");
+  refused([](Network& n) { n.add_spring(0, 1, 0, -1.0); }, "at least 0 m | is -1");
   refused([](Network& n) { n.add_spring(0, 1, 0, nan_value); }, "is nan");
   refused([](Network& n) { n.add_spring(0, 1, 0, inf); }, "is inf");
   refused(
@@ -172,10 +174,10 @@ TEST_CASE("springs that cannot be") {
         n.add_node({Vector3::UnitX(), Vector3::Zero(), 1, 0, false});
         n.add_spring(1, 2, 0);
       },
-      "from node 1 to node 2 has length zero: both are at [1, 0, 0]; move one, or give the spring a rest length");
-  refused([](Network& n) { n.set_spring_material(1, 0); }, "there is no spring 1, only 1");
-  refused([](Network& n) { n.set_spring_material(0, 1); }, "there is no material 1");
-  refused([](Network& n) { n.set_rest_length(1, 1); }, "there is no spring 1");
+      "node 1 | node 2 | length zero | [1, 0, 0]");
+  refused([](Network& n) { n.set_spring_material(1, 0); }, "spring 1 | only 1");
+  refused([](Network& n) { n.set_spring_material(0, 1); }, "material 1");
+  refused([](Network& n) { n.set_rest_length(1, 1); }, "spring 1");
   refused([](Network& n) { n.set_rest_length(0, -2); }, "is -2");
 }
 
@@ -196,7 +198,7 @@ TEST_CASE("changes of springs") {
   CHECK(network.springs()[0].rest_length == 4);
 }
 
-TEST_CASE("bodies: what is added between begin and end") {
+TEST_CASE("a body has the nodes and springs added between begin and end") {
   Network network;
   const auto material = network.add_material(linear);
   network.add_node({{9, 9, 9}, Vector3::Zero(), 1, 0, false});
@@ -212,15 +214,14 @@ TEST_CASE("bodies: what is added between begin and end") {
   CHECK(network.bodies()[0].first_spring == 0);
   CHECK(network.bodies()[0].spring_count == 1);
 
-  CHECK_THROWS_WITH_AS(network.begin_body("pair"), "there are two bodies 'pair': rename one", springnet::Error);
+  CHECK_THROWS_WITH_AS(network.begin_body("pair"), doctest::Contains("bodies 'pair'"), springnet::Error);
   CHECK_THROWS_WITH_AS(network.begin_body(""), "a body needs a name", springnet::Error);
   CHECK_THROWS_AS(network.end_body(), springnet::Error);
   network.begin_body("open");
-  CHECK_THROWS_WITH_AS(network.begin_body("other"), "body 'other' begins before body 'open' has ended",
-                       springnet::Error);
+  CHECK_THROWS_WITH_AS(network.begin_body("other"), doctest::Contains("body 'other'"), springnet::Error);
 }
 
-TEST_CASE("loads: each node once, windows that are some time open") {
+TEST_CASE("loads: each node once, intervals of some length") {
   Network network = pair();
   network.add_load({{1, 0, 1}, {0, 0, 5}, 1.0, 2.0});
   REQUIRE(network.loads().size() == 1);
@@ -228,11 +229,11 @@ TEST_CASE("loads: each node once, windows that are some time open") {
   CHECK(network.loads()[0].force == Vector3(0, 0, 5));
   network.add_load({{0}, {0, 0, 5}, -inf, inf});
 
-  refused([](Network& n) { n.add_load({{2}, {0, 0, 1}, 0, 1}); }, "a load on node 2: there are only 2 nodes");
-  refused([](Network& n) { n.add_load({{0}, {0, nan_value, 1}, 0, 1}); }, "force must be finite");
-  refused([](Network& n) { n.add_load({{0}, {0, 0, 1}, 2, 2}); }, "from 2 s until 2 s, which is never");
-  refused([](Network& n) { n.add_load({{0}, {0, 0, 1}, nan_value, 2}); }, "which is never");
-  // A load that was refused leaves nothing behind.
+  refused([](Network& n) { n.add_load({{2}, {0, 0, 1}, 0, 1}); }, "load | node 2 | 2 nodes");
+  refused([](Network& n) { n.add_load({{0}, {0, nan_value, 1}, 0, 1}); }, "load's force | nan");
+  refused([](Network& n) { n.add_load({{0}, {0, 0, 1}, 2, 2}); }, "load | from 2 s | until 2 s");
+  refused([](Network& n) { n.add_load({{0}, {0, 0, 1}, nan_value, 2}); }, "load | not a number | 2 s");
+  // A refused load leaves nothing behind.
   CHECK_THROWS_AS(network.add_load({{2}, {0, 0, 1}, 0, 1}), springnet::Error);
   CHECK(network.loads().size() == 2);
 }
@@ -246,11 +247,11 @@ TEST_CASE("planes: normals are normalised, whatever their length") {
   CHECK(network.planes()[1].normal == Vector3::UnitZ());
   CHECK(network.planes()[2].normal == Vector3::UnitY());
 
-  refused([](Network& n) { n.add_plane({"", Vector3::Zero(), Vector3::Zero()}); }, "normal must not be zero");
-  refused([](Network& n) { n.add_plane({"", {nan_value, 0, 0}, Vector3::UnitZ()}); }, "point must be finite");
-  refused([](Network& n) { n.add_plane({"", Vector3::Zero(), {0, inf, 0}}); }, "normal must be finite");
+  refused([](Network& n) { n.add_plane({"", Vector3::Zero(), Vector3::Zero()}); }, "normal | zero");
+  refused([](Network& n) { n.add_plane({"", {nan_value, 0, 0}, Vector3::UnitZ()}); }, "point | nan");
+  refused([](Network& n) { n.add_plane({"", Vector3::Zero(), {0, inf, 0}}); }, "normal | inf");
   CHECK_THROWS_WITH_AS(network.add_plane({"floor", Vector3::Zero(), Vector3::UnitZ()}),
-                       "there are two planes 'floor': rename one", springnet::Error);
+                       doctest::Contains("planes 'floor'"), springnet::Error);
 }
 
 TEST_CASE("cuts: springs, polygons planar to rounding, convex or not") {
@@ -261,11 +262,11 @@ TEST_CASE("cuts: springs, polygons planar to rounding, convex or not") {
   network.add_cut({0.0, {}, {{0, 0, 0}, {2, 0, 2}, {2, 1, 2}, {1, 1, 1 + 1e-15}, {1, 2, 1}, {0, 2, 0}}});
   CHECK(network.cuts().size() == 3);
 
-  refused([](Network& n) { n.add_cut({1.0, {}, {}}); }, "needs springs or a polygon");
-  refused([](Network& n) { n.add_cut({nan_value, {0}, {}}); }, "time must be finite");
-  refused([](Network& n) { n.add_cut({1.0, {1}, {}}); }, "there is no spring 1, only 1");
-  refused([](Network& n) { n.add_cut({1.0, {}, {{0, 0, 0}, {1, 0, 0}}}); }, "needs three corners or more, has 2");
-  refused([](Network& n) { n.add_cut({1.0, {}, {{0, 0, 0}, {1, 0, 0}, {nan_value, 1, 0}}}); }, "must be finite");
+  refused([](Network& n) { n.add_cut({1.0, {}, {}}); }, "springs | polygon");
+  refused([](Network& n) { n.add_cut({nan_value, {0}, {}}); }, "time | nan");
+  refused([](Network& n) { n.add_cut({1.0, {1}, {}}); }, "spring 1 | only 1");
+  refused([](Network& n) { n.add_cut({1.0, {}, {{0, 0, 0}, {1, 0, 0}}}); }, "three corners | has 2");
+  refused([](Network& n) { n.add_cut({1.0, {}, {{0, 0, 0}, {1, 0, 0}, {nan_value, 1, 0}}}); }, "corner | nan");
   refused([](Network& n) { n.add_cut({1.0, {}, {{0, 0, 0}, {1, 1, 1}, {3, 3, 3}}}); }, "lie on a line");
   refused(
       [](Network& n) {

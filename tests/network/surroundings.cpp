@@ -1,4 +1,4 @@
-// Surfaces, motions and rigid connections: what a network takes and what it refuses.
+// Obstacles, motions and rigid connections: what a network takes and what it refuses.
 #include <cmath>
 #include <limits>
 #include <string>
@@ -10,6 +10,8 @@
 
 #include <springnet/error.hpp>
 #include <springnet/network.hpp>
+
+#include "facts.hpp"
 
 using springnet::Friction;
 using springnet::Instrument;
@@ -50,7 +52,7 @@ Motion sinusoid(const Vector3& amplitude, double frequency) {
   return motion;
 }
 
-// The change is refused with an Error(input) that has these words.
+// The change is refused with an Error(input) that has these facts.
 template <class Change>
 void refused(const Change& change, const std::string& words) {
   Network network = square();
@@ -63,7 +65,7 @@ void refused(const Change& change, const std::string& words) {
   }
   CAPTURE(message);
   CAPTURE(words);
-  CHECK(message.find(words) != std::string::npos);
+  CHECK(springnet::testing::has_facts(message, words));
   // What was refused left nothing behind.
   CHECK(network.planes().empty());
   CHECK(network.instruments().empty());
@@ -115,7 +117,7 @@ TEST_CASE("instruments: spheres and capsules") {
   const auto with_radius = [](double radius) {
     return [=](Network& n) { n.add_instrument({"ball", Vector3::Zero(), Vector3::Zero(), radius, {}, std::nullopt}); };
   };
-  refused(with_radius(0), "instrument 'ball': its radius must be a finite number above 0 m, is 0");
+  refused(with_radius(0), "instrument 'ball' | radius | above 0 m | is 0");
   refused(with_radius(-1), "is -1");
   refused(with_radius(inf), "is inf");
   refused(with_radius(nan_value), "is nan");
@@ -123,12 +125,12 @@ TEST_CASE("instruments: spheres and capsules") {
       [](Network& n) {
         n.add_instrument({"", {nan_value, 0, 0}, Vector3::Zero(), 1.0, {}, std::nullopt});
       },
-      "an end of an instrument must be finite");
+      "end of an instrument");
   refused(
       [](Network& n) {
         n.add_instrument({"", Vector3::Zero(), {0, inf, 0}, 1.0, {}, std::nullopt});
       },
-      "an end of an instrument must be finite");
+      "end of an instrument");
 }
 
 TEST_CASE("instruments: boxes") {
@@ -164,16 +166,14 @@ TEST_CASE("instruments: boxes") {
         words);
   };
   const Eigen::Matrix3d upright = Eigen::Matrix3d::Identity();
-  box_refused({1, 0, 1}, upright, 0,
-              "instrument 'block': the size of its box must be finite and above 0 m, is [1, 0, 1]");
+  box_refused({1, 0, 1}, upright, 0, "instrument 'block' | size | above 0 m | [1, 0, 1]");
   box_refused({1, -1, 1}, upright, 0, "is [1, -1, 1]");
   box_refused({1, nan_value, 1}, upright, 0, "is [1, nan, 1]");
   box_refused({inf, 1, 1}, upright, 0, "is [inf, 1, 1]");
-  box_refused({1, 1, 1}, 2 * upright, 0, "the axes of its box must be a rotation");
+  box_refused({1, 1, 1}, 2 * upright, 0, "axes | rotation");
   box_refused({1, 1, 1}, -upright, 0, "right-handed");
-  box_refused({1, 1, 1}, nan_value * upright, 0, "the axes of its box must be a rotation");
-  box_refused({2, 1, 3}, upright, 0.51,
-              "the radius of its box's edges must be 0 to 0.5 m, half its smallest size, is 0.51");
+  box_refused({1, 1, 1}, nan_value * upright, 0, "axes | rotation");
+  box_refused({2, 1, 3}, upright, 0.51, "radius | 0.5 m | 0.51");
   box_refused({1, 1, 1}, upright, -0.1, "is -0.1 m");
   box_refused({1, 1, 1}, upright, nan_value, "is nan m");
   refused(
@@ -183,10 +183,10 @@ TEST_CASE("instruments: boxes") {
         instrument.box.emplace();
         n.add_instrument(instrument);
       },
-      "the middle of a box must be finite");
+      "middle of a box");
 }
 
-TEST_CASE("surfaces that turn") {
+TEST_CASE("obstacles that turn") {
   Turn turn;
   turn.axis = {0, 3, 4};
   turn.rate = 2;
@@ -214,46 +214,46 @@ TEST_CASE("surfaces that turn") {
           floor.turn = wrong;
           n.add_plane(floor);
         },
-        std::string("the turn of plane 'floor'") + words);
+        std::string("turn | plane 'floor' | ") + words);
     refused(
         [&](Network& n) {
           Instrument instrument;
           instrument.turn = wrong;
           n.add_instrument(instrument);
         },
-        std::string("the turn of an instrument") + words);
+        std::string("turn | instrument | ") + words);
   };
-  turn_refused({}, " has neither a table nor a rate other than 0: give one of them");
+  turn_refused({}, "table | rate");
   Turn wrong = turn;
   wrong.axis = Vector3::Zero();
-  turn_refused(wrong, ": its axis must be finite and not zero, is [0, 0, 0]");
+  turn_refused(wrong, "axis | [0, 0, 0]");
   wrong.axis = {0, inf, 0};
-  turn_refused(wrong, ": its axis must be finite and not zero, is [0, inf, 0]");
+  turn_refused(wrong, "axis | [0, inf, 0]");
   wrong = turn;
   wrong.through = Vector3(0, nan_value, 0);
-  turn_refused(wrong, ": the point that its axis goes through must be finite, is [0, nan, 0]");
+  turn_refused(wrong, "point | axis | [0, nan, 0]");
   wrong = turn;
   wrong.rate = nan_value;
-  turn_refused(wrong, ": its rate must be finite, is nan rad/s");
+  turn_refused(wrong, "rate | nan rad/s");
   wrong = turn;
   wrong.from = -inf;
-  turn_refused(wrong, ": its start must be finite, is minus infinity");
+  turn_refused(wrong, "start | minus infinity");
   wrong = turn;
   wrong.from = 2;
   wrong.until = 1;
-  turn_refused(wrong, " goes from 2 s until 1 s, which is never");
+  turn_refused(wrong, "from 2 s | until 1 s");
   wrong = turn;
   wrong.times = {0, 1};
   wrong.angles = {0, 1};
-  turn_refused(wrong, " has a table and a rate: give one of them");
+  turn_refused(wrong, "a table | a rate");
   wrong.rate = 0;
   wrong.angles = {0};
-  turn_refused(wrong, ": its table has 2 times and 1 angles");
+  turn_refused(wrong, "2 times | 1 angles");
   wrong.angles = {0, inf};
-  turn_refused(wrong, ": an angle must be finite, entry 1 of its table has inf");
+  turn_refused(wrong, "angle | entry 1 | inf");
   wrong.angles = {0, 1};
   wrong.times = {1, 1};
-  turn_refused(wrong, ": the times of its table must increase");
+  turn_refused(wrong, "times | increase");
 }
 
 TEST_CASE("restitution is 0 to 1") {
@@ -270,28 +270,28 @@ TEST_CASE("restitution is 0 to 1") {
           floor.restitution = restitution;
           n.add_plane(floor);
         },
-        "a plane: its restitution must be 0 to 1, is ");
+        "plane | restitution | 0 to 1");
     refused(
         [&](Network& n) {
           Instrument instrument;
           instrument.restitution = restitution;
           n.add_instrument(instrument);
         },
-        "an instrument: its restitution must be 0 to 1, is ");
+        "instrument | restitution | 0 to 1");
   }
 }
 
-TEST_CASE("names of surfaces are unique among planes and instruments") {
+TEST_CASE("names of obstacles are unique among planes and instruments") {
   Network network = square();
   network.add_plane({"floor", Vector3::Zero(), Vector3::UnitZ()});
   Instrument tip;
   tip.name = "tip";
   network.add_instrument(tip);
-  CHECK_THROWS_WITH_AS(network.add_instrument(tip), "there are two instruments 'tip': rename one", springnet::Error);
+  CHECK_THROWS_WITH_AS(network.add_instrument(tip), doctest::Contains("instruments 'tip'"), springnet::Error);
   CHECK_THROWS_WITH_AS(network.add_plane({"tip", Vector3::Zero(), Vector3::UnitZ()}),
-                       "there is a plane 'tip' and an instrument 'tip': rename one", springnet::Error);
+                       doctest::Contains("plane 'tip' and an instrument 'tip'"), springnet::Error);
   tip.name = "floor";
-  CHECK_THROWS_WITH_AS(network.add_instrument(tip), "there is a plane 'floor' and an instrument 'floor': rename one",
+  CHECK_THROWS_WITH_AS(network.add_instrument(tip), doctest::Contains("plane 'floor' and an instrument 'floor'"),
                        springnet::Error);
   // Several may have none.
   tip.name = "";
@@ -308,13 +308,13 @@ TEST_CASE("coefficients of friction are at least 0") {
         [&](Network& n) {
           n.add_plane({"floor", Vector3::Zero(), Vector3::UnitZ(), {Friction::Kind::coulomb, coefficient}});
         },
-        "plane 'floor': its coefficient of friction must be a finite number of at least 0");
+        "plane 'floor' | friction | at least 0");
     refused(
         [&](Network& n) {
           n.add_instrument(
               {"", Vector3::Zero(), Vector3::Zero(), 1.0, {Friction::Kind::coulomb, coefficient}, std::nullopt});
         },
-        "an instrument: its coefficient of friction");
+        "instrument | friction");
   }
 }
 
@@ -330,7 +330,7 @@ TEST_CASE("nodes that move count as fixed") {
   }
   CHECK_FALSE(network.nodes()[3].fixed);
 
-  // What is changed of it later does not let it go.
+  // It stays fixed when it is changed later.
   springnet::Node heavier = network.nodes()[0];
   heavier.mass = 9;
   heavier.fixed = false;
@@ -341,45 +341,42 @@ TEST_CASE("nodes that move count as fixed") {
   CHECK(network.nodes()[0].velocity == Vector3::Zero());
   network.fix(0);
 
-  CHECK_THROWS_WITH_AS(network.add_move({{3, 2}, lift}),
-                       "node 2 is moved twice: a node can follow one motion only; put the sum of both into one",
-                       springnet::Error);
+  CHECK_THROWS_WITH_AS(network.add_move({{3, 2}, lift}), doctest::Contains("node 2"), springnet::Error);
   CHECK_FALSE(network.nodes()[3].fixed);
-  refused([](Network& n) { n.add_move({{0, 4}, lift}); }, "there is no node 4 to move, only 4");
+  refused([](Network& n) { n.add_move({{0, 4}, lift}); }, "node 4 | only 4");
 }
 
-TEST_CASE("motions that are none") {
-  motion_refused({}, "has neither a table nor a sinusoid with an amplitude: give one of them");
-  motion_refused(sinusoid(Vector3::Zero(), 2), "has neither a table nor a sinusoid");
+TEST_CASE("motions that are refused") {
+  motion_refused({}, "table | sinusoid | amplitude");
+  motion_refused(sinusoid(Vector3::Zero(), 2), "table | sinusoid | amplitude");
   Motion both = lift;
   both.amplitude = Vector3::UnitX();
   both.frequency = 1;
-  motion_refused(both, "has a table and a sinusoid: give one of them");
+  motion_refused(both, "a table | a sinusoid");
 
-  motion_refused(table({0, 1, 2}, {Vector3::Zero(), Vector3::Zero()}), "has 3 times and 2 displacements");
-  motion_refused(table({}, {Vector3::Zero()}), "has 0 times and 1 displacements");
-  motion_refused(table({1}, {Vector3::Zero()}), "needs two entries or more, has 1");
-  motion_refused(table({0, 0}, {Vector3::Zero(), Vector3::UnitX()}),
-                 "must increase, but entry 0 is at 0 s and entry 1 at 0");
+  motion_refused(table({0, 1, 2}, {Vector3::Zero(), Vector3::Zero()}), "3 times | 2 displacements");
+  motion_refused(table({}, {Vector3::Zero()}), "0 times | 1 displacements");
+  motion_refused(table({1}, {Vector3::Zero()}), "two entries | has 1");
+  motion_refused(table({0, 0}, {Vector3::Zero(), Vector3::UnitX()}), "increase | entry 0 | entry 1 | 0 s");
   motion_refused(table({0, 2, 1}, {Vector3::Zero(), Vector3::UnitX(), Vector3::Zero()}),
-                 "entry 1 is at 2 s and entry 2 at 1 s");
-  motion_refused(table({0, inf}, {Vector3::Zero(), Vector3::UnitX()}), "entry 1 of its table is infinity");
-  motion_refused(table({nan_value, 1}, {Vector3::Zero(), Vector3::UnitX()}), "entry 0 of its table is not a number");
-  motion_refused(table({0, 1}, {Vector3::Zero(), {0, nan_value, 0}}), "entry 1 of its table has [0, nan, 0]");
+                 "entry 1 | 2 s | entry 2 | 1 s");
+  motion_refused(table({0, inf}, {Vector3::Zero(), Vector3::UnitX()}), "entry 1 | infinity");
+  motion_refused(table({nan_value, 1}, {Vector3::Zero(), Vector3::UnitX()}), "entry 0 | not a number");
+  motion_refused(table({0, 1}, {Vector3::Zero(), {0, nan_value, 0}}), "entry 1 | [0, nan, 0]");
 
-  motion_refused(sinusoid({0, 0, inf}, 1), "its amplitude must be finite, is [0, 0, inf]");
+  motion_refused(sinusoid({0, 0, inf}, 1), "amplitude | [0, 0, inf]");
   for (const double frequency : {0.0, -2.0, nan_value, inf}) {
-    motion_refused(sinusoid(Vector3::UnitX(), frequency), "its frequency must be a finite number above 0 Hz");
+    motion_refused(sinusoid(Vector3::UnitX(), frequency), "frequency | above 0 Hz");
   }
   Motion wrong = sinusoid(Vector3::UnitX(), 1);
   wrong.phase = nan_value;
-  motion_refused(wrong, "its phase must be finite");
+  motion_refused(wrong, "phase | nan");
   wrong.phase = 0;
   wrong.from = -inf;
-  motion_refused(wrong, "its start must be finite");
+  motion_refused(wrong, "start | minus infinity");
   wrong.from = 2;
   wrong.until = 2;
-  motion_refused(wrong, "goes from 2 s until 2 s, which is never");
+  motion_refused(wrong, "from 2 s | until 2 s");
 }
 
 TEST_CASE("rigid connections: the length is the distance") {
@@ -396,8 +393,7 @@ TEST_CASE("rigid connections: the length is the distance") {
   CHECK(network.rigids()[1].length == doctest::Approx(std::sqrt(2.0)).epsilon(1e-15));  // one rounding
   CHECK(network.rigids()[3].length == 1.0 + 0.9e-8);
 
-  CHECK_THROWS_WITH_AS(network.add_rigid(0, 2),
-                       "there are two rigid connections between node 0 and node 2: one is enough", springnet::Error);
+  CHECK_THROWS_WITH_AS(network.add_rigid(0, 2), doctest::Contains("node 0 and node 2"), springnet::Error);
   CHECK(network.rigids().size() == 5);
 }
 
@@ -410,9 +406,7 @@ TEST_CASE("a node that is joined rigidly keeps its distances") {
   network.set_node(1, node);
   CHECK(network.nodes()[1].mass == 5);
   node.position = Vector3(0, 2, 0);
-  CHECK_THROWS_WITH_AS(network.set_node(1, node),
-                       "node 1 cannot be placed at [0, 2, 0]: it is joined rigidly to node 0, at 1 m, and would be 2 m "
-                       "away; place nodes before they are joined",
+  CHECK_THROWS_WITH_AS(network.set_node(1, node), doctest::Contains("node 1 cannot be placed at [0, 2, 0]"),
                        springnet::Error);
   node = network.nodes()[3];
   node.position = Vector3(7, 7, 7);
@@ -420,20 +414,18 @@ TEST_CASE("a node that is joined rigidly keeps its distances") {
   CHECK(network.nodes()[3].position == Vector3(7, 7, 7));
 }
 
-TEST_CASE("rigid connections that cannot be") {
-  refused([](Network& n) { n.add_rigid(0, 4); },
-          "a rigid connection from node 0 to node 4: there is no node 4, only 4");
-  refused([](Network& n) { n.add_rigid(2, 2); }, "a rigid connection joins node 2 to itself");
+TEST_CASE("rigid connections that are refused") {
+  refused([](Network& n) { n.add_rigid(0, 4); }, "rigid connection | node 0 | node 4 | only 4");
+  refused([](Network& n) { n.add_rigid(2, 2); }, "rigid connection | node 2");
   for (const double length : {0.0, -1.0, nan_value, inf}) {
-    refused([&](Network& n) { n.add_rigid(0, 1, length); }, "its length must be a finite number above 0 m");
+    refused([&](Network& n) { n.add_rigid(0, 1, length); }, "length | above 0 m");
   }
-  refused([](Network& n) { n.add_rigid(0, 1, 2.0); },
-          "the rigid connection from node 0 to node 1: its length is 2 m, but the nodes are 1 m apart: place them");
+  refused([](Network& n) { n.add_rigid(0, 1, 2.0); }, "node 0 | node 1 | 2 m | 1 m");
   refused([](Network& n) { n.add_rigid(0, 1, 1.0 + 1.1e-8); }, "apart");
   refused(
       [](Network& n) {
         n.add_node({Vector3(1, 0, 0), Vector3::Zero(), 1, 0, false});
         n.add_rigid(1, 4);
       },
-      "from node 1 to node 4 has length zero: both are at [1, 0, 0]");
+      "node 1 | node 4 | length zero | [1, 0, 0]");
 }

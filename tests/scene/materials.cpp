@@ -9,6 +9,7 @@
 #include <fmt/format.h>
 #include <springnet/material.hpp>
 
+#include "facts.hpp"
 #include "scenes.hpp"
 #include "temporary_folder.hpp"
 
@@ -16,7 +17,7 @@ using namespace springnet;
 
 namespace {
 
-bool contains(const std::string& text, const std::string& part) { return text.find(part) != std::string::npos; }
+bool contains(const std::string& text, const std::string& facts) { return springnet::testing::has_facts(text, facts); }
 
 std::string body(const std::string& mesh, const std::string& keys, const std::string& neuron = "") {
   return simulation + "[[body]]\nname = \"b\"\n" + mesh + "\nneuron = { type = \"point_mass\"" + neuron + " }\n" +
@@ -106,7 +107,7 @@ TEST_CASE("each spring gets the stiffness of its edge, and its share of damping"
   CHECK(trace == doctest::Approx(6 * 100.0 * 3.0).epsilon(1e-9));  // shares are exact to 1e-10
 }
 
-TEST_CASE("what a net cannot have is noted") {
+TEST_CASE("properties that a net of springs cannot have are noted") {
   const auto notes = [](const std::string& mesh, const std::string& material) {
     std::string all;
     for (const std::string& note : notes_of(parse(
@@ -115,30 +116,33 @@ TEST_CASE("what a net cannot have is noted") {
     }
     return all;
   };
-  CHECK(contains(notes(box, ", poisson_ratio = 0.3"), "Body 'b': its springs make a solid of Poisson ratio 1/4"));
+  for (const char* fact : {"Body 'b'", "Poisson ratio", "1/4", "0.3"}) {
+    CAPTURE(fact);
+    CHECK(contains(notes(box, ", poisson_ratio = 0.3"), fact));
+  }
   CHECK_FALSE(contains(notes(box, ", poisson_ratio = 0.25"), "Poisson"));
   CHECK_FALSE(contains(notes(box, ""), "Poisson"));
-  CHECK(contains(notes(box, ", poisson_ratio = 0.45"), "not 0.45 as asked"));
-  CHECK(contains(notes(sheet, ", poisson_ratio = 0.25"), "a sheet of Poisson ratio 1/3"));
-  CHECK(contains(notes(sheet, ", poisson_ratio = 0.25"), "not 0.25 as asked"));
+  CHECK(contains(notes(box, ", poisson_ratio = 0.45"), "0.45"));
+  CHECK(contains(notes(sheet, ", poisson_ratio = 0.25"), "1/3"));
+  CHECK(contains(notes(sheet, ", poisson_ratio = 0.25"), "0.25"));
   CHECK_FALSE(contains(notes(box, ""), "shear"));
-  CHECK(contains(notes("mesh = { lattice = [3, 3, 3], spacing = 1.0 }", ""), "resist no shear"));
+  CHECK(contains(notes("mesh = { lattice = [3, 3, 3], spacing = 1.0 }", ""), "shear | diagonals"));
 
   // Flat cells, whose springs are another material.
   const auto flat = [&](double height) {
     return notes(
         "mesh = { lattice = [3, 3, 3], spacing = [1, 1, " + std::to_string(height) + "], diagonals = \"all\" }", "");
   };
-  const std::string misfit = "the elasticity of the material: it is off by ";
+  const std::string misfit = "elasticity";
   CHECK_FALSE(contains(flat(0.6), misfit));
-  CHECK(contains(flat(0.5), misfit + "11 %"));
-  CHECK(contains(flat(0.2), misfit + "51 %"));
+  CHECK(contains(flat(0.5), misfit + " | 11 %"));
+  CHECK(contains(flat(0.2), misfit + " | 51 %"));
   CHECK(contains(flat(0.2), "diagonals = \"all\""));
   // Without diagonals there is no shear at all, which is said by itself.
   CHECK_FALSE(contains(notes("mesh = { lattice = [3, 3, 3], spacing = [1, 1, 0.2] }", ""), misfit));
   // Tetrahedra are not isotropic one by one, and have a Poisson ratio that is only about that of a regular net.
   CHECK_FALSE(contains(notes(bar, ""), misfit));
-  CHECK(contains(notes(bar, ", poisson_ratio = 0.3"), "a solid of Poisson ratio about 1/4"));
+  CHECK(contains(notes(bar, ", poisson_ratio = 0.3"), "Poisson ratio | about 1/4"));
   CHECK_FALSE(contains(notes(box, ", poisson_ratio = 0.3"), "about"));
 }
 
@@ -171,35 +175,34 @@ TEST_CASE("a body of a hundred thousand tetrahedra is read in seconds, with its 
 }
 #endif
 
-TEST_CASE("what is wrong with a material is said with its place") {
+TEST_CASE("errors of a material name its place") {
   const auto refused = [](const std::string& keys, const std::string& neuron = "") {
     return refusal(body(bar, keys, neuron));
   };
   const std::string material = "density = 1.0\nmaterial = { youngs_modulus = 1.0";
-  CHECK(contains(refused("density = 1.0\n" + spring, ", mass = 1.0"),
-                 "test.toml:7:40: body.0.neuron.mass: cannot be combined with 'density'"));
-  CHECK(contains(refused(spring), "has no mass; add 'mass' here"));
-  CHECK(contains(refused("density = 0\n" + spring), "test.toml:8:11: body.0.density: must be above 0"));
-  CHECK(contains(refused(material + " }\n" + spring), "body.0.spring: cannot be combined with 'material'"));
-  CHECK(contains(refused("density = 1.0\nmaterial = { }"), "the key 'youngs_modulus' is missing"));
-  CHECK(contains(refused(material + ", poisson_ratio = 0.5 }"), "must lie between -1 and 0.5, is 0.5"));
+  CHECK(
+      contains(refused("density = 1.0\n" + spring, ", mass = 1.0"), "test.toml:7:40: body.0.neuron.mass: | 'density'"));
+  CHECK(contains(refused(spring), "'mass' | 'density'"));
+  CHECK(contains(refused("density = 0\n" + spring), "test.toml:8:11: body.0.density: | above 0"));
+  CHECK(contains(refused(material + " }\n" + spring), "body.0.spring: | 'material'"));
+  CHECK(contains(refused("density = 1.0\nmaterial = { }"), "'youngs_modulus' | missing"));
+  CHECK(contains(refused(material + ", poisson_ratio = 0.5 }"), "poisson_ratio | -1 | 0.5"));
   CHECK(contains(refused(material + ", damping_time = 1.0 }\nviscosity = { type = \"linear\", damping = 1.0 }"),
-                 "damping_time: cannot be combined with 'viscosity'"));
+                 "damping_time: | 'viscosity'"));
   CHECK(contains(refused(material + ", law = \"liner\" }"), "did you mean 'linear'"));
   CHECK(contains(refused(material + ", law = { type = \"linear\", stiffness = 1.0 } }"),
-                 "body.0.material.law.stiffness: is set by the material"));
+                 "body.0.material.law.stiffness: | material"));
   CHECK(contains(refused(material + ", law = \"rupturing\" }"), "strength"));
-  CHECK(contains(refused("thickness = 1.0\n" + spring, ", mass = 1.0"), "body.0.thickness: has no meaning without"));
-  CHECK(contains(refusal(body(sheet, material + " }")),
-                 "body.0.density: quadrilateral 0 has no volume without a thickness"));
+  CHECK(contains(refused("thickness = 1.0\n" + spring, ", mass = 1.0"), "body.0.thickness: | 'density' | 'material'"));
+  CHECK(contains(refusal(body(sheet, material + " }")), "body.0.density: | quadrilateral 0 | thickness"));
   CHECK(contains(refusal(body(rope, material + " }")), "a cross section"));
   CHECK(contains(refusal(body("nodes = [[0, 0, 0], [1, 0, 0], [2, 0, 0]]\nsprings = [[0, 1]]",
                               "cross_section = 1.0\n" + material + " }")),
-                 "point 2 at [2, 0, 0] gets no mass"));
+                 "point 2 | [2, 0, 0] | mass"));
   CHECK(contains(refusal(body("nodes = [[0, 0, 0], [1, 0, 0]]\nsprings = [[0, 1], [1, 0]]",
                               "cross_section = 1.0\n" + material + " }")),
                  "joins two nodes twice"));
   CHECK(contains(
       refusal(body("mesh = { lattice = [100000, 100000, 100000], spacing = 1.0 }", "density = 1.0\n" + spring)),
-      "body.0.mesh: lattice 'b': the network would have 1e+15 nodes"));
+      "body.0.mesh: | lattice 'b' | 1e+15 nodes"));
 }

@@ -22,7 +22,7 @@ std::string read_page() {
 
 std::set<std::string> listed() { return {springnet::scene_keys().begin(), springnet::scene_keys().end()}; }
 
-// Where the keys of a table are listed: those of selections once, as "select.…", those of surfaces' motions and turns
+// Where the keys of a table are listed: those of selections once, as "select.…", those of obstacles' motions and turns
 // likewise.
 std::string listed_path(const std::string& path) {
   if (path.ends_with(".select") || path == "rigid.springs" || path == "output.nodes" || path == "output.springs") {
@@ -73,7 +73,7 @@ TEST_CASE("the scenes of every key use every key, and nothing else but parameter
 
 namespace {
 
-// Puts a date, which no key takes, where the first table that has the key has it.
+// Replaces the value of the first such key by a date, which no key takes.
 bool spoil(toml::node& node, const std::string& key) {
   if (toml::array* array = node.as_array()) {
     return std::any_of(array->begin(), array->end(), [&](toml::node& element) { return spoil(element, key); });

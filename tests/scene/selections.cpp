@@ -15,7 +15,7 @@ using springnet::Vector3;
 
 namespace {
 
-// Numbers of the nodes that a selection fixes in a scene of two lattices: "a" of 27 nodes, "b" of 8 beside it.
+// Two lattices: "a" of 27 nodes, "b" of 8 beside it.
 const std::string two_bodies = small + R"([[body]]
 name = "b"
 mesh = { lattice = [2, 2, 2], spacing = 1.0, origin = [3, 0, 0] }
@@ -23,6 +23,7 @@ neuron = { type = "point_mass", mass = 1.0 }
 spring = { type = "linear", stiffness = 3.0 }
 )";
 
+// Numbers of the nodes that a [[fix]] with the selection fixes.
 std::vector<unsigned> nodes_of(const std::string& selection) {
   const Network network = parse(two_bodies + "[[fix]]\nselect = " + selection + "\n").network;
   std::vector<unsigned> nodes;
@@ -67,7 +68,7 @@ TEST_CASE("nodes by body and number") {
   CHECK(nodes_of("{ body = \"b\", nodes = [3, 0] }") == Numbers{27, 30});
 }
 
-TEST_CASE("nodes by box: what lies on its sides is inside, sides may be open") {
+TEST_CASE("nodes by box: its sides belong to it and may be infinite") {
   CHECK(nodes_of("{ box = { min = [0, 0, 0], max = [1, 1, 0] } }") == Numbers{0, 1, 3, 4});
   CHECK(nodes_of("{ box = { max = [inf, 0, 0] } }") == Numbers{0, 1, 2, 27, 28});
   CHECK(nodes_of("{ box = { min = [3.5, -inf, 1] } }") == Numbers{32, 34});
@@ -75,7 +76,7 @@ TEST_CASE("nodes by box: what lies on its sides is inside, sides may be open") {
   CHECK(nodes_of("{ nodes = [0, 1, 34], box = { max = [inf, 0, 0] } }") == Numbers{0, 1});
 }
 
-TEST_CASE("a box sees nodes whose coordinates are rounded") {
+TEST_CASE("a box contains nodes whose coordinates are rounded beyond its sides") {
   // 3 * 0.1 is above 0.3 by a rounding.
   const std::string text = small + "[[fix]]\nselect = { box = { max = [0.3, inf, inf] } }\n";
   const Network network = parse(text, {{"body.0.mesh", "{ lattice = [5, 1, 1], spacing = 0.1 }"}}).network;
@@ -109,7 +110,7 @@ TEST_CASE("nodes by sphere, alone and with a box") {
   CHECK(nodes_of("{ sphere = { center = [0, 0, 0], radius = 1 }, box = { max = [9, 9, 0.5] } }") == Numbers{0, 1, 3});
 }
 
-TEST_CASE("springs: by number, and where both ends meet what is given") {
+TEST_CASE("springs by number, and by the nodes of both ends") {
   CHECK(springs_of("{}").size() == 54 + 12);
   CHECK(springs_of("{ springs = [7, 0, 7] }") == Numbers{0, 7});
   CHECK(springs_of("{ body = \"b\", springs = [0, 11] }") == Numbers{54, 65});
@@ -120,7 +121,7 @@ TEST_CASE("springs: by number, and where both ends meet what is given") {
   CHECK(springs_of("{ sphere = { center = [0, 0, 0], radius = 1 } }").size() == 3);
 }
 
-TEST_CASE("within: every pair that is near enough, once, as a plain search finds them") {
+TEST_CASE("within: every pair that is near enough, once, as in a plain search") {
   const Network network = parse(two_bodies).network;
   const auto search = [&](double distance, auto in_from, auto in_to) {
     std::set<std::pair<unsigned, unsigned>> pairs;
@@ -185,7 +186,7 @@ TEST_CASE("pairs: numbers of a body, or of the whole network") {
       Pairs{{3, 27}, {1, 30}});
 }
 
-TEST_CASE("an override of springs keeps what it does not name") {
+TEST_CASE("an override of springs keeps the keys that it does not name") {
   const Network network = parse(two_bodies + R"([[spring]]
 select = { body = "b" }
 viscosity = { type = "linear", damping = 1.0 }
@@ -202,7 +203,7 @@ rest_length_scale = 2.0
   for (const springnet::Spring& spring : network.springs()) CHECK(spring.rest_length == 2);
 }
 
-TEST_CASE("a later [[node]] goes on from what an earlier one has set") {
+TEST_CASE("a later [[node]] keeps what an earlier one has set") {
   const Network network = parse(small + R"([[node]]
 select = { nodes = [1, 2] }
 mass = 5

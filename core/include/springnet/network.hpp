@@ -162,7 +162,7 @@ struct Move {
   Motion motion;
 };
 
-// Friction of a surface on nodes in contact.
+// Friction of an obstacle on nodes in contact.
 struct Friction {
   enum class Kind {
     held,    // the paper's rule: held where it touched until a reverse force occurs
@@ -211,7 +211,7 @@ struct BoxShape {
 };
 
 // An obstacle: a sphere or capsule (all points within `radius` of the segment from `first` to `second`), or a box
-// centred at `first` (`second` and `radius` are not read). Nodes stay outside. Its forces and torques (about `first`)
+// centred at `first` (`second` and `radius` are not read). Nodes stay outside. Force and torque on it (about `first`)
 // are outputs.
 struct Instrument {
   std::string name;
@@ -338,8 +338,8 @@ class Network {
   void check_material(MaterialIndex material) const;
   void check_lengths(NodeIndex node, const Vector3& position) const;
   void check_ends(NodeIndex first, NodeIndex second, std::string_view what) const;
-  template <class Surface>
-  void check_surface(std::string_view what, const Surface& surface) const;
+  template <class PlaneOrInstrument>
+  void check_obstacle(std::string_view what, const PlaneOrInstrument& obstacle) const;
 
   std::vector<Node> nodes_;
   std::vector<Spring> springs_;

@@ -38,9 +38,9 @@ template <std::size_t capacity>
 //   -dF_i/dp_j = Q d2q/dp_i dp_j + dq/dp_i (Q_q dq/dp_j + Q_u dq'/dp_j)^T
 //   -dF_i/dv_j = Q_u dq/dp_i dq/dp_j^T, or, for a straight angle, its sum over both rows in place of dq/dp.
 struct ElementBlocks {
-  Block stiffness[most_corners][most_corners];
-  Vector3 row[2][most_corners];  // the second is zero except for a straight angle
-  double damping;                // Q_u
+  Block stiffness[max_corners][max_corners];
+  Vector3 row[2][max_corners];  // the second is zero except for a straight angle
+  double damping;               // Q_u
 
   [[nodiscard]] Block damping_block(std::size_t i, std::size_t j) const {
     return damping * (row[0][i] * row[0][j].transpose() + row[1][i] * row[1][j].transpose());

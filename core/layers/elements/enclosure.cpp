@@ -72,8 +72,8 @@ Vector3 Enclosure::across(const Spoke& spoke, const NodeArrays& nodes) noexcept 
   return (position(nodes, spoke.right) - position(nodes, spoke.left)) / 6.0;
 }
 
-Enclosure::Values Enclosure::share(std::size_t begin, std::size_t end, const NodeArrays& nodes,
-                                   Vector3* gradients) const noexcept {
+Enclosure::Values Enclosure::partial_values(std::size_t begin, std::size_t end, const NodeArrays& nodes,
+                                            Vector3* gradients) const noexcept {
   const Vector3 origin = position(nodes, nodes_[0]), moving = velocity(nodes, nodes_[0]);
   Values sum;
   for (std::size_t place = begin; place < end; ++place) {
@@ -89,7 +89,7 @@ Enclosure::Values Enclosure::share(std::size_t begin, std::size_t end, const Nod
 Enclosure::Values Enclosure::values(const NodeArrays& nodes) const noexcept {
   Values sum;
   for (std::size_t begin = 0; begin < size(); begin += enclosure_chunk) {
-    const Values part = share(begin, std::min(size(), begin + enclosure_chunk), nodes, nullptr);
+    const Values part = partial_values(begin, std::min(size(), begin + enclosure_chunk), nodes, nullptr);
     sum.volume += part.volume;
     sum.rate += part.rate;
   }

@@ -46,8 +46,8 @@ class Enclosure {
   [[nodiscard]] static Vector3 across(const Spoke& spoke, const NodeArrays& nodes) noexcept;
 
   // Contributions of places [begin, end) to V and V'. Writes their gradients, by place, if `gradients` is not null.
-  [[nodiscard]] Values share(std::size_t begin, std::size_t end, const NodeArrays& nodes,
-                             Vector3* gradients) const noexcept;
+  [[nodiscard]] Values partial_values(std::size_t begin, std::size_t end, const NodeArrays& nodes,
+                                      Vector3* gradients) const noexcept;
   [[nodiscard]] Values values(const NodeArrays& nodes) const noexcept;
 
  private:

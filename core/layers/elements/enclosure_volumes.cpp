@@ -34,7 +34,7 @@ void EnclosureVolumes::follow(const ElementLayout& elements, const NodeArrays& n
   following_ = true;
 }
 
-void EnclosureVolumes::moved(std::uint32_t node, Vector3& position, Vector3& velocity) const noexcept {
+void EnclosureVolumes::change_since_commit(std::uint32_t node, Vector3& position, Vector3& velocity) const noexcept {
   const std::array<const double*, 6> now = arrays_of(now_);
   for (std::size_t c = 0; c < 3; ++c) {
     const auto row = static_cast<Eigen::Index>(c);
@@ -43,27 +43,27 @@ void EnclosureVolumes::moved(std::uint32_t node, Vector3& position, Vector3& vel
   }
 }
 
-Enclosure::Values EnclosureVolumes::seen_by(std::uint32_t node, std::uint32_t enclosure, const Vector3& gradient,
-                                            const Vector3& rate_gradient) const noexcept {
+Enclosure::Values EnclosureVolumes::values_for(std::uint32_t node, std::uint32_t enclosure, const Vector3& gradient,
+                                               const Vector3& rate_gradient) const noexcept {
   Enclosure::Values seen = values_[enclosure];
   if (!following_) return seen;
   Vector3 position, velocity;
-  moved(node, position, velocity);
+  change_since_commit(node, position, velocity);
   seen.volume += gradient.dot(position);
   seen.rate += rate_gradient.dot(position) + gradient.dot(velocity);
   return seen;
 }
 
 void EnclosureVolumes::commit(std::uint32_t node) {
-  bool is_base_old = false;
+  bool is_in_enclosure = false;
   for (const ElementShare& share : elements_->shares(node)) {
     if (share.enclosure == no_enclosure) continue;
     const Enclosure& enclosure = elements_->enclosures()[share.enclosure].shape;
-    values_[share.enclosure] = seen_by(node, share.enclosure, enclosure.gradient(share.place, base()),
-                                       enclosure.rate_gradient(share.place, base()));
-    is_base_old = true;
+    values_[share.enclosure] = values_for(node, share.enclosure, enclosure.gradient(share.place, base()),
+                                          enclosure.rate_gradient(share.place, base()));
+    is_in_enclosure = true;
   }
-  if (!is_base_old) return;
+  if (!is_in_enclosure) return;
   const std::array<const double*, 6> now = arrays_of(now_);
   for (std::size_t c = 0; c < 6; ++c) base_[c][node] = now[c][node];
 }

@@ -15,7 +15,7 @@ class EnclosureVolumes {
   // Computes those of all live enclosures.
   void compute(const ElementLayout& elements, const NodeArrays& nodes);
   // Incremental mode: computes them, and until stop() they follow changes of the arrays. Call commit() for each node
-  // that changed; before that, seen_by() may be asked for it and for nodes that are not its neighbours.
+  // that changed; before that, values_for() may be asked for it and for nodes that are not its neighbours.
   void follow(const ElementLayout& elements, const NodeArrays& nodes);
   void commit(std::uint32_t node);
   void stop() noexcept { following_ = false; }
@@ -25,15 +25,15 @@ class EnclosureVolumes {
 
   // Volume and rate with `node` at its present state and all others as last committed. gradient, rate_gradient: of the
   // enclosure at that node.
-  [[nodiscard]] Enclosure::Values seen_by(std::uint32_t node, std::uint32_t enclosure, const Vector3& gradient,
-                                          const Vector3& rate_gradient) const noexcept;
+  [[nodiscard]] Enclosure::Values values_for(std::uint32_t node, std::uint32_t enclosure, const Vector3& gradient,
+                                             const Vector3& rate_gradient) const noexcept;
 
  private:
   [[nodiscard]] NodeArrays base() const noexcept {
     return {base_[0].data(), base_[1].data(), base_[2].data(), base_[3].data(), base_[4].data(), base_[5].data()};
   }
   // Change of a node's state since its last commit.
-  void moved(std::uint32_t node, Vector3& position, Vector3& velocity) const noexcept;
+  void change_since_commit(std::uint32_t node, Vector3& position, Vector3& velocity) const noexcept;
 
   const ElementLayout* elements_ = nullptr;
   bool following_ = false;

@@ -10,7 +10,7 @@ namespace springnet::layers {
 namespace {
 
 // Below this sine an angle counts as straight: its Hessian has lost half of its digits.
-constexpr double least_sine = 1e-7;
+constexpr double min_sine = 1e-7;
 // Transverse motion of a straight angle below this fraction of its nodes' motion counts as none.
 constexpr double rounding = 1e-13;
 
@@ -150,7 +150,7 @@ void complete(const Corners& corners, SecondOrder& out) {
 template <std::size_t Count>
 void second_order_of(Invariant invariant, const Corners& corners, SecondOrder& out) {
   using Number = sdk::Dual<3 * (Count - 1)>;
-  Triple<Number> p[most_corners], g[most_corners];
+  Triple<Number> p[max_corners], g[max_corners];
   const Vector3& origin = corners.position[0];
   p[0] = {Number(origin[0]), Number(origin[1]), Number(origin[2])};
   for (std::size_t i = 1; i < Count; ++i) {
@@ -199,7 +199,7 @@ void dihedral_second_order(const Corners& corners, SecondOrder& out) {
   const double length = std::sqrt(ee), s = c.dot(e) / ee, t = d.dot(e) / ee;
   const Vector3 by_c = (-length / mm) * m, by_d = (-length / nn) * n;
   const double at_c = length / mm / mm, at_d = length / nn / nn;
-  Block(&h)[most_corners][most_corners] = out.hessian;
+  Block(&h)[max_corners][max_corners] = out.hessian;
   h[2][2] = both(at_c, m, m.cross(e));
   h[3][3] = both(-at_d, n, n.cross(e));
   h[2][3].setZero();
@@ -250,7 +250,7 @@ void straight_first_order(const Corners& corners, FirstOrder& out) noexcept {
 
 void first_order(Invariant invariant, const Corners& corners, FirstOrder& out) noexcept {
   const std::size_t count = corners_of(invariant);
-  Triple<double> p[most_corners], g[most_corners];
+  Triple<double> p[max_corners], g[max_corners];
   for (std::size_t i = 0; i < count; ++i)
     p[i] = {corners.position[i][0], corners.position[i][1], corners.position[i][2]};
   gradients(invariant, p, g);
@@ -281,7 +281,7 @@ void second_order(Invariant invariant, const Corners& corners, SecondOrder& out)
 OwnSecondOrder own_second_order(Invariant invariant, const Corners& corners, std::size_t corner) noexcept {
   using Number = sdk::Dual<4>;  // by the corner's coordinates, and along the motion of all
   const std::size_t count = corners_of(invariant);
-  Triple<Number> p[most_corners], g[most_corners];
+  Triple<Number> p[max_corners], g[max_corners];
   for (std::size_t i = 0; i < count; ++i) {
     Number* const to[3] = {&p[i].x, &p[i].y, &p[i].z};
     for (std::size_t c = 0; c < 3; ++c) {
@@ -306,7 +306,7 @@ bool is_straight(Invariant invariant, const Corners& corners, BentDirections& ou
   if (invariant != Invariant::angle) return false;
   const Vector3 u = corners.position[0] - corners.position[1], w = corners.position[2] - corners.position[1];
   const double u_size = u.norm(), w_size = w.norm();
-  if (!(u_size > 0.0) || !(w_size > 0.0) || u.cross(w).norm() > least_sine * u_size * w_size) return false;
+  if (!(u_size > 0.0) || !(w_size > 0.0) || u.cross(w).norm() > min_sine * u_size * w_size) return false;
   const Vector3 along = u / u_size;
   Eigen::Index axis = 0;
   along.cwiseAbs().minCoeff(&axis);

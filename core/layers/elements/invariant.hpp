@@ -16,11 +16,11 @@
 
 namespace springnet::layers {
 
-inline constexpr std::size_t most_corners = 4;
+inline constexpr std::size_t max_corners = 4;
 
 struct Corners {
-  Vector3 position[most_corners];  // m
-  Vector3 velocity[most_corners];  // m/s
+  Vector3 position[max_corners];  // m
+  Vector3 velocity[max_corners];  // m/s
 };
 void gather(const std::uint32_t* corners, std::size_t count, const NodeArrays& nodes, Corners& out) noexcept;
 
@@ -29,7 +29,7 @@ void gather(const std::uint32_t* corners, std::size_t count, const NodeArrays& n
 struct FirstOrder {
   double value;
   double rate;
-  Vector3 gradient[most_corners];
+  Vector3 gradient[max_corners];
 };
 void first_order(Invariant invariant, const Corners& corners, FirstOrder& out) noexcept;
 // The value that laws read: a dihedral angle is shifted by whole turns to be nearest to its reference, so that it jumps
@@ -38,8 +38,8 @@ void first_order(Invariant invariant, const Corners& corners, FirstOrder& out) n
 
 // d2q / dp_i dp_j and dq'/dp_i = sum_j (d2q / dp_i dp_j) v_j.
 struct SecondOrder {
-  Block hessian[most_corners][most_corners];
-  Vector3 rate_gradient[most_corners];
+  Block hessian[max_corners][max_corners];
+  Vector3 rate_gradient[max_corners];
 };
 void second_order(Invariant invariant, const Corners& corners, SecondOrder& out) noexcept;
 

@@ -44,9 +44,9 @@ springnet_status Evaluator::add_elements_of(std::uint32_t node, double time, con
         const Enclosure& enclosure = elements.enclosures()[share.enclosure].shape;
         own.gradient = enclosure.gradient(share.place, nodes);
         own.rate_gradient = enclosure.rate_gradient(share.place, nodes);
-        const Enclosure::Values values = volumes != nullptr
-                                             ? volumes->seen_by(node, share.enclosure, own.gradient, own.rate_gradient)
-                                             : enclosure.values(nodes);
+        const Enclosure::Values values =
+            volumes != nullptr ? volumes->values_for(node, share.enclosure, own.gradient, own.rate_gradient)
+                               : enclosure.values(nodes);
         q[i] = values.volume;
         rate[i] = values.rate;
       } else {

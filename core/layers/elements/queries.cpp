@@ -111,7 +111,7 @@ springnet_status element_margins(const Layout& layout, InstructionSet set, doubl
 }
 
 std::string explain_element_failure(const Layout& layout, InstructionSet set, double time, const NodeArrays& nodes,
-                                    Asked asked) {
+                                    Requested requested) {
   for (std::uint32_t e = 0; e < layout.elements().count(); ++e) {
     if (!layout.elements().alive(e)) continue;
     const ElementState state = element_state(layout, nodes, e);
@@ -120,7 +120,7 @@ std::string explain_element_failure(const Layout& layout, InstructionSet set, do
       if (!*laws[k]) continue;
       LawAnswer answer;
       PairOutputs out{};  // of this law alone
-      out[k] = answer.outputs(*laws[k], asked);
+      out[k] = answer.outputs(*laws[k], requested);
       springnet_message message{};
       const springnet_status status = evaluate_element(layout, set, time, e, state, out, message);
       const std::string what = wrong_answer(*laws[k]->component, status, answer, message);

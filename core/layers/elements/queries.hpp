@@ -33,6 +33,6 @@ springnet_status element_margins(const Layout& layout, InstructionSet set, doubl
 
 // Describes the first element one of whose laws failed or answered a number that is not finite. Empty if there is none.
 [[nodiscard]] std::string explain_element_failure(const Layout& layout, InstructionSet set, double time,
-                                                  const NodeArrays& nodes, Asked asked);
+                                                  const NodeArrays& nodes, Requested requested);
 
 }  // namespace springnet::layers

@@ -68,8 +68,8 @@ springnet_status Evaluator::evaluate_elements(double time, const NodeArrays& nod
     const auto c = static_cast<std::size_t>(i - batches);
     const ElementLayout::EnclosureElement& enclosure = elements.enclosures()[chunks_[c].enclosure];
     if (elements.alive(enclosure.element))
-      enclosure_shares_[c] = enclosure.shape.share(chunks_[c].begin, chunks_[c].end, nodes,
-                                                   element_gradient_.data() + elements.slot(enclosure.element));
+      enclosure_shares_[c] = enclosure.shape.partial_values(
+          chunks_[c].begin, chunks_[c].end, nodes, element_gradient_.data() + elements.slot(enclosure.element));
     return SPRINGNET_OK;
   };
   const FlushDenormals flush;

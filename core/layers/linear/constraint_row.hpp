@@ -11,7 +11,7 @@ namespace springnet {
 struct ConstraintRow {
   static constexpr std::uint32_t no_node = 0xffffffffu;
   std::uint32_t first;
-  std::uint32_t second;       // no_node: the first alone is bound
+  std::uint32_t second;       // no_node: the constraint binds the first alone
   Vector3 direction;          // unit, of the first; the second has the opposite
   std::int32_t surface = -1;  // of the obstacle that `first` slides on; -1: a rigid connection
 };

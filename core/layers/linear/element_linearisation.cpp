@@ -51,18 +51,18 @@ void ElementLinearisation::make_pattern() {
         enclosure_targets_.push_back(rows_.find(s.shape.nodes()[place], to.other));
   }
   face_targets_.clear();
-  for (std::uint32_t node = 0; faces.any_follows() && node < layout_.node_count(); ++node)
-    for (const LoadedFaces::Seen& face : faces.seen_by(node))
+  for (std::uint32_t node = 0; faces.any_following() && node < layout_.node_count(); ++node)
+    for (const LoadedFaces::NodeFace& face : faces.faces_at(node))
       for (const std::uint32_t other : {node, face.next, face.last}) face_targets_.push_back(rows_.find(node, other));
   pattern_known_ = true;
 }
 
 void ElementLinearisation::add_pressures(const NodeArrays& nodes, const double* pressure) {
   const LoadedFaces& faces = layout_.loaded_faces();
-  if (pressure == nullptr || !faces.any_follows()) return;
+  if (pressure == nullptr || !faces.any_following()) return;
   const std::uint32_t* target = face_targets_.data();
   for (std::uint32_t node = 0; node < layout_.node_count(); ++node)
-    for (const LoadedFaces::Seen& face : faces.seen_by(node))
+    for (const LoadedFaces::NodeFace& face : faces.faces_at(node))
       for (const Block& block : LoadedFaces::blocks(node, face, nodes, pressure[face.load]))
         stiffness_[*target++] += block;
 }
@@ -176,7 +176,7 @@ Vector3 ElementLinearisation::force(std::uint32_t node, const double* dp, const 
   return sum;
 }
 
-void ElementLinearisation::follow(const double* const u[3]) {
+void ElementLinearisation::track(const double* const u[3]) {
   const ElementLayout& elements = layout_.elements();
   for (std::size_t s = 0; s < enclosures_.size(); ++s) {
     EnclosureDerivatives& own = enclosures_[s];
@@ -188,7 +188,7 @@ void ElementLinearisation::follow(const double* const u[3]) {
   }
 }
 
-void ElementLinearisation::moved(std::uint32_t node, const Vector3& change) {
+void ElementLinearisation::add_change(std::uint32_t node, const Vector3& change) {
   if (enclosures_.empty()) return;
   for_each_enclosure(layout_.elements().shares(node), [&](const ElementShare& share) {
     EnclosureDerivatives& own = enclosures_[share.enclosure];
@@ -196,7 +196,7 @@ void ElementLinearisation::moved(std::uint32_t node, const Vector3& change) {
   });
 }
 
-Vector3 ElementLinearisation::force_of_others(std::uint32_t node, const double* const u[3]) const {
+Vector3 ElementLinearisation::off_diagonal_force(std::uint32_t node, const double* const u[3]) const {
   const auto at = [&](std::uint32_t k) { return Vector3(u[0][k], u[1][k], u[2][k]); };
   Vector3 sum = Vector3::Zero();
   for (std::size_t b = rows_.begin(node); b < rows_.end(node); ++b) {

@@ -27,7 +27,7 @@ class ElementLinearisation {
   [[nodiscard]] bool finite() const noexcept { return finite_; }
   // Whether there is any live element or face under a following pressure.
   [[nodiscard]] bool any() const noexcept {
-    return layout_.elements().live_count() > 0 || layout_.loaded_faces().any_follows();
+    return layout_.elements().live_count() > 0 || layout_.loaded_faces().any_following();
   }
   // Call it after elements or faces were removed, before the next update().
   void topology_changed() noexcept { pattern_known_ = false; }
@@ -36,15 +36,15 @@ class ElementLinearisation {
   void prepare(const double* dp, const double* dv);
   // Change of the force on a node for these dp (m) and dv (m/s), N.
   [[nodiscard]] Vector3 force(std::uint32_t node, const double* dp, const double* dv) const;
-  // Node by node: with F the change of the force on a node by velocity_weight dv = position_weight dp = u, what the
-  // other nodes have of it. follow() before, and moved() after every change of u; [3] components, [node].
-  void weigh(double velocity_weight, double position_weight) {
+  // Node by node, for dv = velocity_weight u and dp = position_weight u: the change of the force on a node due to all
+  // other nodes. Call track() first and add_change() after every change of u; [3] components, [node].
+  void set_weights(double velocity_weight, double position_weight) {
     velocity_weight_ = velocity_weight;
     position_weight_ = position_weight;
   }
-  [[nodiscard]] Vector3 force_of_others(std::uint32_t node, const double* const u[3]) const;
-  void follow(const double* const u[3]);
-  void moved(std::uint32_t node, const Vector3& change);
+  [[nodiscard]] Vector3 off_diagonal_force(std::uint32_t node, const double* const u[3]) const;
+  void track(const double* const u[3]);
+  void add_change(std::uint32_t node, const Vector3& change);
   // Diagonal block of velocity_weight (-dF/dv) + position_weight (-dF/dp), with or without the rank-one terms.
   [[nodiscard]] Block diagonal(std::uint32_t node, double velocity_weight, double position_weight, bool vectors) const;
   // Its other blocks, without the rank-one terms: what(i, j, block) for each i != j that has one.
@@ -60,7 +60,7 @@ class ElementLinearisation {
     ElementForce law;
     std::vector<Vector3> gradient;       // g, [place]
     std::vector<Vector3> rate_gradient;  // h, [place]
-    double product = 0.0;                // of prepare(), or follow()
+    double product = 0.0;                // of prepare(), or track()
   };
   springnet_status evaluate_elements(const ElementBatch& batch, double time, const std::uint32_t* members,
                                      const double* q, const double* rate, ElementForce* forces,
@@ -87,7 +87,7 @@ class ElementLinearisation {
     return (position_weight_ * own.law.by_q + velocity_weight_ * own.law.by_rate) * own.gradient[place] +
            position_weight_ * own.law.by_rate * own.rate_gradient[place];
   }
-  double velocity_weight_ = 0.0, position_weight_ = 0.0;  // of weigh()
+  double velocity_weight_ = 0.0, position_weight_ = 0.0;  // of set_weights()
 };
 
 template <class What>

@@ -60,7 +60,7 @@ springnet_status Linearisation::update(double time, const NodeArrays& nodes, con
         const Vector3 normal(geometry->nx[i], geometry->ny[i], geometry->nz[i]);
         const Vector3 along(geometry->sx[i], geometry->sy[i], geometry->sz[i]);
         const SpringForces forces = spring_forces(group, *answers, i);
-        // Between constrained nodes it does not matter.
+        // Springs between constrained nodes do not matter.
         const bool counts = constrained_[layout_.first(s)] == 0 || constrained_[layout_.second(s)] == 0;
         finite = finite && (!counts || forces.is_finite());
         const SpringBlocks blocks(forces, geometry->length[i], normal, geometry->rate[i], geometry->speed[i], along);
@@ -99,7 +99,7 @@ springnet_status Linearisation::update(double time, const NodeArrays& nodes, con
 
 springnet_status Linearisation::not_finite(double time, const NodeArrays& nodes, springnet_message& message) const {
   const std::string reason =
-      explain_failure(layout_, evaluator_.instruction_set(), time, nodes, Asked::forces_and_derivatives);
+      explain_failure(layout_, evaluator_.instruction_set(), time, nodes, Requested::forces_and_derivatives);
   set_message(message,
               reason.empty() ? "a law's force or derivative was not finite, but is when evaluated again" : reason);
   return SPRINGNET_RECOVERABLE;
@@ -160,29 +160,29 @@ bool Linearisation::neurons_dissipate() const {
   return true;
 }
 
-void Linearisation::weigh(double velocity_weight, double position_weight) {
+void Linearisation::set_weights(double velocity_weight, double position_weight) {
   weighted_.resize(stiffness_.size());
   for (std::size_t i = 0; i < weighted_.size(); ++i)
     weighted_[i] = velocity_weight * damping_[i] + position_weight * stiffness_[i];
-  weighed_position_ = position_weight;
-  elements_.weigh(velocity_weight, position_weight);
+  position_weight_ = position_weight;
+  elements_.set_weights(velocity_weight, position_weight);
   bond_ends_.clear();
   for (std::uint32_t b = 0; b < bonds_.size(); ++b)
     for (const std::uint32_t end : {bonds_[b].first, bonds_[b].second}) bond_ends_.emplace_back(end, b);
   std::sort(bond_ends_.begin(), bond_ends_.end());
 }
 
-Vector3 Linearisation::others_of(std::uint32_t node, const double* const u[3]) const {
+Vector3 Linearisation::off_diagonal_product(std::uint32_t node, const double* const u[3]) const {
   if (constrained_[node] != 0) return Vector3::Zero();
   const auto at = [&](std::uint32_t k) { return Vector3(u[0][k], u[1][k], u[2][k]); };
   Vector3 force = Vector3::Zero();
   for (const Incident* i = layout_.incident_begin(node); i != layout_.incident_end(node); ++i)
     force += block(weighted_, i->spring) * at(i->other);
-  if (elements_.any()) force += elements_.force_of_others(node, u);
+  if (elements_.any()) force += elements_.off_diagonal_force(node, u);
   for (auto end = std::lower_bound(bond_ends_.begin(), bond_ends_.end(), std::pair(node, std::uint32_t{0}));
        end != bond_ends_.end() && end->first == node; ++end) {
     const Bond& bond = bonds_[end->second];
-    force += weighed_position_ * (bond.stiffness * at(bond.first == node ? bond.second : bond.first));
+    force += position_weight_ * (bond.stiffness * at(bond.first == node ? bond.second : bond.first));
   }
   return block(by_force_, node) * force;
 }
@@ -342,8 +342,8 @@ springnet_status Linearisation::factorise(double velocity_weight, double positio
   set_vectors(velocity_weight, position_weight);
   if (vectors_.is_singular(plain_solver())) {
     set_message(message,
-                "the linear system of the step is singular: what the enclosed volumes push takes as much out of "
-                "it as the rest of the network and its inertia put in");
+                "the linear system of the step is singular: the stiffness of the enclosed volumes cancels that of the "
+                "rest of the network and its inertia; use a smaller time step");
     return SPRINGNET_RECOVERABLE;
   }
   return SPRINGNET_OK;
@@ -369,16 +369,15 @@ void Linearisation::set_vectors(double velocity_weight, double position_weight) 
 
 LowRank::Solve Linearisation::plain_solver() {
   auto& factors = rows_.empty() ? system_->factors : system_->bordered_factors;
-  return [&factors](bool turned, const Eigen::MatrixXd& b) -> Eigen::MatrixXd {
-    return turned ? Eigen::MatrixXd(factors.transpose().solve(b)) : Eigen::MatrixXd(factors.solve(b));
+  return [&factors](bool transposed, const Eigen::MatrixXd& b) -> Eigen::MatrixXd {
+    return transposed ? Eigen::MatrixXd(factors.transpose().solve(b)) : Eigen::MatrixXd(factors.solve(b));
   };
 }
 
 Eigen::VectorXd Linearisation::solve_factorised(bool transposed, const Eigen::VectorXd& right_side) {
   const LowRank::Solve plain = plain_solver();
   if (vectors_.empty()) return plain(transposed, right_side);
-  // The part without the surfaces may be far worse conditioned than the whole: what its solution is off by is solved
-  // for once more.
+  // The matrix without the rank-one terms may be far worse conditioned than the whole: refine the solution once.
   const Eigen::SparseMatrix<double>& matrix = rows_.empty() ? system_->matrix : system_->bordered;
   Eigen::VectorXd x = vectors_.solve(transposed, right_side, plain);
   const Eigen::VectorXd product = transposed ? Eigen::VectorXd(matrix.transpose() * x) : Eigen::VectorXd(matrix * x);
@@ -407,7 +406,7 @@ springnet_status Linearisation::solve(bool transposed, const double* right_side,
   }
   Eigen::VectorXd solution = solve_factorised(transposed, work_);
   if (transposed) {
-    // The right side is b = (r, G r), so its adjoint adds G^T of the rows' solution to the nodes.
+    // The right-hand side is b = (r, G r), so its adjoint adds G^T of the rows' solution to the nodes.
     for (std::size_t r = 0; r < rows_.size(); ++r) {
       const ConstraintRow& row = rows_[r];
       const double value = solution[static_cast<Eigen::Index>(3 * n + r)];

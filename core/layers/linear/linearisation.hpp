@@ -53,13 +53,13 @@ class Linearisation {
   [[nodiscard]] bool neurons_dissipate() const;
 
   // ---- node by node, for sweeps ----
-  // Weighs the blocks for others_of().
-  void weigh(double velocity_weight, double position_weight);
+  // Sets the weights of off_diagonal_product().
+  void set_weights(double velocity_weight, double position_weight);
   // (velocity_weight da/dv + position_weight da/dp) u of a node, without its own block; u: [3] components, [node].
-  // Enclosures: follow() first, and moved() after every change of u.
-  [[nodiscard]] Vector3 others_of(std::uint32_t node, const double* const u[3]) const;
-  void follow(const double* const u[3]) { elements_.follow(u); }
-  void moved(std::uint32_t node, const Vector3& change) { elements_.moved(node, change); }
+  // Enclosures: track() first, and add_change() after every change of u.
+  [[nodiscard]] Vector3 off_diagonal_product(std::uint32_t node, const double* const u[3]) const;
+  void track(const double* const u[3]) { elements_.track(u); }
+  void add_change(std::uint32_t node, const Vector3& change) { elements_.add_change(node, change); }
 
   // Factorises A = I - velocity_weight da/dv - position_weight da/dp or, if there are constraint rows,
   //   [A  W G^T; G  0], G the rows, W the derivatives of the accelerations with respect to forces.
@@ -106,9 +106,9 @@ class Linearisation {
   Blocks stiffness_, damping_;                   // [spring]
   Blocks by_force_, by_position_, by_velocity_;  // [node]
   std::vector<Bond> bonds_;
-  Blocks weighted_;                                                 // [spring], of weigh()
+  Blocks weighted_;                                                 // [spring], of set_weights()
   std::vector<std::pair<std::uint32_t, std::uint32_t>> bond_ends_;  // node and bond, sorted, likewise
-  double weighed_position_ = 0.0;
+  double position_weight_ = 0.0;
   ElementLinearisation elements_;
   LowRank vectors_;  // rank-one terms of enclosures, as of the last factorisation
   std::vector<double> force_[3], acceleration_[3];

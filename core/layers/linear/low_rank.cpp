@@ -18,8 +18,8 @@ const LowRank::Small& LowRank::small(bool transposed, const Solve& solve_a) {
   const int which = transposed ? 1 : 0;
   Small& result = small_[which];
   if (known_[which]) return result;
-  answers_[which] = solve_a(transposed, transposed ? w_ : u_);
-  Eigen::MatrixXd matrix = (transposed ? u_ : w_).transpose() * answers_[which];
+  solutions_[which] = solve_a(transposed, transposed ? w_ : u_);
+  Eigen::MatrixXd matrix = (transposed ? u_ : w_).transpose() * solutions_[which];
   const auto one = Eigen::MatrixXd::Identity(matrix.rows(), matrix.cols());
   Eigen::MatrixXd size = matrix.cwiseAbs() + one;  // size of the terms; their sum may cancel to rounding
   matrix += one;
@@ -40,7 +40,7 @@ Eigen::VectorXd LowRank::solve(bool transposed, const Eigen::VectorXd& right_sid
   const Eigen::MatrixXd& w = transposed ? u_ : w_;
   const Eigen::VectorXd x = solve_a(transposed, right_side);
   const Eigen::VectorXd scaled = s.row.asDiagonal() * (w.transpose() * x);
-  return x - answers_[transposed ? 1 : 0] * (s.column.asDiagonal() * s.factors.solve(scaled));
+  return x - solutions_[transposed ? 1 : 0] * (s.column.asDiagonal() * s.factors.solve(scaled));
 }
 
 }  // namespace springnet::layers

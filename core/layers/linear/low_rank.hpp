@@ -9,7 +9,7 @@ namespace springnet::layers {
 
 class LowRank {
  public:
-  // Solves A x = b, or A^T x = b, for one or more right sides.
+  // Solves A x = b, or A^T x = b, for one or more right-hand sides.
   using Solve = std::function<Eigen::MatrixXd(bool transposed, const Eigen::MatrixXd& right_side)>;
 
   // One column per term; none for no terms. Call it after every new factorisation of A.
@@ -36,9 +36,9 @@ class LowRank {
   const Small& small(bool transposed, const Solve& solve_a);
 
   Eigen::MatrixXd u_, w_;
-  // For A and for its transpose: A^-1 u, and the factors made of it.
+  // For A and for its transpose: A^-1 u, and the small matrix factorised.
   bool known_[2] = {false, false};
-  Eigen::MatrixXd answers_[2];
+  Eigen::MatrixXd solutions_[2];
   Small small_[2];
 };
 

@@ -140,7 +140,7 @@ springnet_status spring_margins(const Layout& layout, InstructionSet set, double
 }
 
 std::string explain_spring_failure(const Layout& layout, InstructionSet set, double time, const NodeArrays& nodes,
-                                   Asked asked) {
+                                   Requested requested) {
   const auto geometry = std::make_unique<SegmentGeometry>();
   for (std::uint32_t s = 0; s < layout.spring_count(); ++s) {
     if (!layout.alive(s)) continue;
@@ -149,7 +149,7 @@ std::string explain_spring_failure(const Layout& layout, InstructionSet set, dou
       if (!*laws[k]) continue;
       LawAnswer answer;
       PairOutputs out{};  // of this law alone
-      out[k] = answer.outputs(*laws[k], asked);
+      out[k] = answer.outputs(*laws[k], requested);
       springnet_message message{};
       const springnet_status status =
           evaluate_springs(layout, set, time, nodes, layout.laws().group[s], &s, 1, *geometry, out, message);

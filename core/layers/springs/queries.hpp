@@ -36,6 +36,6 @@ springnet_status spring_margins(const Layout& layout, InstructionSet set, double
 
 // Describes the first spring one of whose laws failed or answered a number that is not finite. Empty if there is none.
 [[nodiscard]] std::string explain_spring_failure(const Layout& layout, InstructionSet set, double time,
-                                                 const NodeArrays& nodes, Asked asked);
+                                                 const NodeArrays& nodes, Requested requested);
 
 }  // namespace springnet::layers

@@ -1,4 +1,4 @@
-// Every way to integrate a network whose motion is bound, and how far from the truth it may be.
+// Every integration scheme for a network with constraints, with its order of convergence.
 #pragma once
 
 #include <algorithm>
@@ -10,38 +10,38 @@
 
 namespace springnet::testing {
 
-struct Way {
+struct Scheme {
   std::string name;
   LawUse integrator;
   double order;  // of convergence; 0: the reference
 };
 
 // force_tolerance: N, so small that it does not matter beside the errors of the steps.
-inline std::vector<Way> stepping_ways(double force_tolerance) {
-  std::vector<Way> ways;
+inline std::vector<Scheme> stepping_schemes(double force_tolerance) {
+  std::vector<Scheme> schemes;
   const std::pair<const char*, double> rules[] = {
       {"synchronous", synchronous}, {"wavefront", wavefront}, {"block", block},
       {"coloured", coloured},       {"newton", newton},       {"automatic", automatic}};
   for (const auto& [name, rule] : rules) {
     for (const double theta : {1.0, 0.5}) {
-      ways.push_back({std::string(name) + (theta == 1.0 ? ", theta 1" : ", theta 1/2"),
-                      recurrent(rule, force_tolerance, {{"theta", theta}}), theta == 1.0 ? 1.0 : 2.0});
+      schemes.push_back({std::string(name) + (theta == 1.0 ? ", theta 1" : ", theta 1/2"),
+                         recurrent(rule, force_tolerance, {{"theta", theta}}), theta == 1.0 ? 1.0 : 2.0});
     }
   }
-  ways.push_back({"verlet", {"verlet", {}}, 2.0});
-  return ways;
+  schemes.push_back({"verlet", {"verlet", {}}, 2.0});
+  return schemes;
 }
-inline std::vector<Way> reference_ways() {
+inline std::vector<Scheme> reference_schemes() {
   return {{"bdf, direct", cvode(1e-9, {{"linear_solver", 1}}), 0.0},
           {"bdf, krylov", cvode(1e-9, {{"linear_solver", 2}}), 0.0}};
 }
-inline std::vector<Way> all_ways(double force_tolerance) {
-  std::vector<Way> ways = stepping_ways(force_tolerance);
-  for (Way& way : reference_ways()) ways.push_back(std::move(way));
-  return ways;
+inline std::vector<Scheme> all_schemes(double force_tolerance) {
+  std::vector<Scheme> schemes = stepping_schemes(force_tolerance);
+  for (Scheme& scheme : reference_schemes()) schemes.push_back(std::move(scheme));
+  return schemes;
 }
 
-// How far the length of a rigid connection is from what it should be, relatively, at the worst.
+// Greatest relative error of the length of a rigid connection.
 inline double worst_length(const Network& net, const Simulation& simulation) {
   double worst = 0.0;
   for (const Rigid& rigid : net.rigids()) {

@@ -4,6 +4,6 @@
 namespace springnet {
 
 // More than any machine this runs on: a slip of the keyboard.
-inline constexpr unsigned most_threads = 1024;
+inline constexpr unsigned max_threads = 1024;
 
 }  // namespace springnet
