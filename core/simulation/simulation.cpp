@@ -433,11 +433,9 @@ void Simulation::set_position(NodeIndex node, const Vector3& position) {
   for (std::size_t j = 0; j < contact.obstacles().size() && contact.fixed()[k] == 0; ++j) {
     const double distance = contact.obstacles()[j].gap(impl_->pose(j), position);
     if (distance < 0.0)
-      throw Error(
-          ErrorKind::input,
-          fmt::format("position of node {}: {:.3g} m {} {}, where no node can be; keep it outside, or fix the node "
-                      "first",
-                      node, -distance, contact.obstacles()[j].is_plane() ? "behind" : "inside", contact.name_of(j)));
+      throw Error(ErrorKind::input,
+                  fmt::format("position of node {}: it is {:.3g} m {} {}; move it outside, or fix the node first", node,
+                              -distance, contact.obstacles()[j].is_plane() ? "behind" : "inside", contact.name_of(j)));
   }
   springnet::set_node(impl_->engine.model(), k, position, std::nullopt);
 }

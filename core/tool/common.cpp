@@ -147,15 +147,15 @@ bool PluginArguments::matters(const Refusal& refusal, const PluginHost& host, co
 
 std::vector<std::string> PluginArguments::notes(const PluginHost& host, const Scene& scene,
                                                 std::string_view integrator) const {
-  constexpr std::size_t max_told = 3;
+  constexpr std::size_t max_listed = 3;
   std::vector<std::string> notes = empty_folders();
-  std::size_t told = 0, others = 0;
+  std::size_t listed = 0, others = 0;
   for (const Refusal& refusal : host.refusals()) {
-    if (told == max_told || !matters(refusal, host, scene, integrator)) {
+    if (listed == max_listed || !matters(refusal, host, scene, integrator)) {
       ++others;
       continue;
     }
-    ++told;
+    ++listed;
     notes.push_back(fmt::format("Plugin refused: {}: {}.", printable_message(refusal.file.string()), refusal.reason));
   }
   if (others > 0) {

@@ -36,6 +36,7 @@ struct Run {
   double stretch = 0.0;        // relative error of a rigid connection's length
   double impulse_error = 0.0;  // N s, of the sum of the impulses of touches
   std::size_t touched = 0, released = 0, slipped = 0, stuck = 0;
+  double sweeps_per_step = 0.0;
   std::vector<std::vector<Vector3>> positions;  // m, at the times of the truth
   std::vector<Event> events;
 
@@ -108,6 +109,7 @@ inline Run follow(const Truth& truth, const LawUse& integrator, double time_step
     auto& at = run.positions.emplace_back();
     for (NodeIndex k = 0; k < s.node_count(); ++k) at.push_back(s.position(k));
   }
+  run.sweeps_per_step = static_cast<double>(s.sweeps()) / static_cast<double>(s.steps());
   run.error = greatest_distance(run.positions, truth.positions);
   for (NodeIndex k = 0; k < s.node_count(); ++k)
     run.impulse_error = std::max(run.impulse_error, (s.contact_impulse(k) - truth.reference.impulse(k)).norm());

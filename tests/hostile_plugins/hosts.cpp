@@ -78,6 +78,7 @@ Network row(const Material& material, const LawUse& neuron, bool large) {
     Lattice lattice;
     lattice.nodes = {2, 2, 4500};  // more than one unit
     net.add_lattice("rod", lattice, node, index);
+    net.add_plane({"floor", Vector3(0, 0, -1), Vector3::UnitZ()});
     return net;
   }
   for (NodeIndex k = 0; k < 6; ++k) {

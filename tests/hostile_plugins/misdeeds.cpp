@@ -133,11 +133,12 @@ std::vector<Case> all_cases() {
   using sdk::sized;
   const auto nothing = springnet_vectors{nullptr, nullptr, nullptr};
   std::vector<Case> cases{
-      {"commits nothing", [](const StepContext&) -> springnet_status { return SPRINGNET_OK; }},
+      {"commits nothing", [](const StepContext&) -> springnet_status { return SPRINGNET_OK; }, true, true},
       {"commits the past", [](const StepContext& h) { return commit(h, h.from - 1.0); }},
-      {"commits the present", [](const StepContext& h) { return commit(h, h.from); }},
-      {"commits a little", [](const StepContext& h) { return commit(h, h.from + 1e-3 * (h.until - h.from)); }},
-      {"commits half", [](const StepContext& h) { return commit(h, 0.5 * (h.from + h.until)); }},
+      {"commits the present", [](const StepContext& h) { return commit(h, h.from); }, true, true},
+      {"commits a little", [](const StepContext& h) { return commit(h, h.from + 1e-3 * (h.until - h.from)); }, true,
+       true},
+      {"commits half", [](const StepContext& h) { return commit(h, 0.5 * (h.from + h.until)); }, true, true},
       {"commits a time beyond the end", [](const StepContext& h) { return commit(h, h.until + 1e-3); }},
       {"commits a time far beyond", [](const StepContext& h) { return commit(h, 1e300); }},
       {"commits nan s", [](const StepContext& h) { return commit(h, nan_value); }},
@@ -269,6 +270,7 @@ std::vector<Case> all_cases() {
       {"sweeps sets that begin late", sweeps_in_sets({0, 2, 4, 1}, {1, 4})},
       {"sweeps sets of nodes that are joined", sweeps_in_sets({0, 1, 2, 3, 4, 5}, {0, 6})},
       {"sweeps sets of nodes that do not rise", sweeps_in_sets({4, 2, 0}, {0, 3})},
+      {"sweeps a set whose first nodes do not rise", sweeps_in_sets({2, 0, 4}, {0, 3})},
       {"sweeps 4294967295 sets",
        [](const StepContext& h) {
          const std::vector<std::uint32_t> order{0};
@@ -481,13 +483,15 @@ std::vector<Case> all_cases() {
       {"throws in an ordered update",
        updates([](const StepContext&) -> springnet_status { throw std::runtime_error("thrown"); }, true), false},
       {"throws a number in an update", updates([](const StepContext&) -> springnet_status { throw 7; }, false), false},
-      {"updates that note and report", updates(
-                                           [](const StepContext& h) -> springnet_status {
-                                             h.host->note(h.context, "from an update");
-                                             h.host->report(h.context, "updates", 1.0);
-                                             return SPRINGNET_OK;
-                                           },
-                                           false)},
+      {"updates that note and report",
+       updates(
+           [](const StepContext& h) -> springnet_status {
+             h.host->note(h.context, "from an update");
+             h.host->report(h.context, "updates", 1.0);
+             return SPRINGNET_OK;
+           },
+           false),
+       false},
   };
   // What changes the host may not be called from within a sweep.
   for (const bool ordered : {false, true}) {

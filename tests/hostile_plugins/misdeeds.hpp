@@ -65,6 +65,8 @@ struct Case {
   Misdeed misdeed;
   // It breaks the rules, so that its status alone must end the run with an error of the plugin.
   bool refused = true;
+  // Its only fault is that the step ends before its time: nothing may follow.
+  bool incomplete = false;
 };
 
 std::vector<Case> all_cases();

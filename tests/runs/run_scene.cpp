@@ -320,6 +320,25 @@ TEST_CASE("time steps that were divided are counted, with the smaller steps") {
   CHECK(json["stages"] == stages);
 }
 
+TEST_CASE("the summary has the largest residual of all steps and that of the last") {
+  const TemporaryFolder folder;
+  Scene scene = pair();
+  scene.network.set_gravity({1.0, 0.0, 0.0});
+  scene.options.integrator = testing::recurrent(testing::wavefront, 1e-6);
+  run(scene, folder);
+  Simulation simulation(scene.network, plugins(), scene.options);
+  double largest = 0.0, last = 0.0;
+  for (int k = 0; k < 10; ++k) {
+    last = simulation.step().residual;
+    largest = std::max(largest, last);
+  }
+  REQUIRE(last > 0.0);
+  REQUIRE(last < largest);
+  const auto json = nlohmann::json::parse(testing::read_text(folder.path() / "summary.json"));
+  CHECK(json["largest_residual_n"] == largest);
+  CHECK(json["last_residual_n"] == last);
+}
+
 TEST_CASE("the summary is complete") {
   const TemporaryFolder folder;
   const RunSummary summary = run(pair(), folder);

@@ -189,9 +189,9 @@ TEST_CASE("other files are refused with the reason") {
   const TemporaryFolder folder;
   CHECK(refusal(folder.path() / "nowhere.bin").find("nowhere.bin: cannot be read") != std::string::npos);
   folder.write("text.csv", "time,node,x,y,z\n0,0,1,2,3\n");
-  CHECK(refusal(folder.path() / "text.csv").find("no binary table") != std::string::npos);
+  CHECK(refusal(folder.path() / "text.csv").find("not a binary table") != std::string::npos);
   folder.write("empty.bin", "");
-  CHECK(refusal(folder.path() / "empty.bin").find("no binary table") != std::string::npos);
+  CHECK(refusal(folder.path() / "empty.bin").find("not a binary table") != std::string::npos);
   folder.write("later.bin", "springnet records 2 00000064\n{}\n");
   CHECK(refusal(folder.path() / "later.bin").find("another version") != std::string::npos);
 

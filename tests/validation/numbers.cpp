@@ -146,6 +146,24 @@ TEST_CASE("displacements are from the start, deformations from the best rigid mo
   CHECK(norm.result().deformation > 0.3);
 }
 
+TEST_CASE("the mirror image of a solid figure is a deformation") {
+  Network net;
+  for (const Vector3& place : {Vector3(0, 0, 0), Vector3(1, 0, 0), Vector3(0, 2, 0), Vector3(0, 0, 3)}) {
+    net.add_node({place, Vector3::Zero(), 1.0, 0, false});
+  }
+  Rows turned(3, 4), mirrored(3, 4);
+  turned << 0.0, -1.0, 0.0, 0.0,  // by half a turn about z
+      0.0, 0.0, -2.0, 0.0,        //
+      0.0, 0.0, 0.0, 3.0;
+  mirrored = turned;
+  mirrored.row(2) *= -1.0;
+  DisplacementNorm rigid(net), norm(net);
+  rigid.add(1.0, map_of(turned), {0, 1, 2, 3});
+  CHECK(rigid.result().deformation < 1e-14);
+  norm.add(1.0, map_of(mirrored), {0, 1, 2, 3});
+  CHECK(norm.result().deformation > 0.3);
+}
+
 TEST_CASE("nan in a position is not hidden by others") {
   Rows reference = Rows::Zero(3, 2), run = Rows::Zero(3, 2);
   run(1, 0) = NAN;
