@@ -20,9 +20,10 @@ inline constexpr double friction_of_held = 1e4;
 [[nodiscard]] double coefficient_of(const Friction& friction) noexcept;
 // The same for a sliding node: finite.
 [[nodiscard]] double sliding_coefficient_of(const Friction& friction) noexcept;
-// Greatest tangential force of friction, N; infinite for a holding surface.
+// Greatest tangential force of friction for a normal force, both in N; infinite for a holding surface.
 [[nodiscard]] double friction_limit(double coefficient, double normal_force) noexcept;
-// Margin to the boundary of the friction cone, N; < 0 outside of it. Every test of Coulomb's cone uses this function.
+// Margin of a force (N) to the boundary of the friction cone, N; < 0 outside of it. Every test of Coulomb's cone uses
+// this function.
 [[nodiscard]] double cone_margin(double coefficient, double normal_force, double tangential_force) noexcept;
 // Derivative with respect to the node's velocity, N s/m, of the force -strength t(v), N; t is the direction of the slip
 // v (m/s) on a surface with normal n.

@@ -280,9 +280,9 @@ bool Island::relax(double held_coefficient, int rounds, const std::vector<Vector
 
 void Island::begin_slip(std::size_t node) {
   ContactNode& slips = nodes_[node];
-  const Vector3 grip = project_onto(free_directions(active_normals(slips)), slips.force);
+  const Vector3 tangential = project_onto(free_directions(active_normals(slips)), slips.force);
   slips.sticks = false;
-  if (grip.norm() > 0.0) slips.slip = -grip.normalized();
+  if (tangential.norm() > 0.0) slips.slip = -tangential.normalized();
 }
 
 bool Island::release_held(std::size_t node) {

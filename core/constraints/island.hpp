@@ -92,8 +92,8 @@ class Island {
   bool apply_impact(double rebound, double negligible = 0.0, int rounds = max_rounds, bool warm_start = false);
   // The greatest approach speed, m/s.
   [[nodiscard]] double approach() const;
-  // Applies impulses that end the remaining slip of nodes with `rests`. Gap rates up to `negligible` (m/s) become zero,
-  // so that no contact opens or closes. Returns whether there was an impulse.
+  // Applies impulses that end the remaining slip of nodes with `slip_ended`. Gap rates up to `negligible` (m/s) become
+  // zero, so that no contact opens or closes. Returns whether there was an impulse.
   bool end_slip(double negligible);
   // Applies impulses of either sign that end gap rates below `slow` (m/s). A body that rocks between contacts does so
   // infinitely often in a finite time and then rests.

@@ -66,15 +66,15 @@ std::vector<Vector3> share_reaction(const std::vector<Vector3>& normals, const s
   for (const std::size_t i : pressing) some.push_back(normals[i]);
   const SplitReaction split = split_reaction(some, reaction);
   std::vector<Vector3> result(normals.size(), Vector3::Zero());
-  std::vector<double> bears;
+  std::vector<double> limits;
   double all = 0.0;
   for (std::size_t s = 0; s < some.size(); ++s) {
     result[pressing[s]] = split.normal[s] * some[s];
-    bears.push_back(coefficients[pressing[s]] * std::max(0.0, split.normal[s]));
-    all += bears.back();
+    limits.push_back(coefficients[pressing[s]] * std::max(0.0, split.normal[s]));
+    all += limits.back();
   }
   if (all == 0.0) result[pressing[0]] += split.tangential;  // rounding
-  for (std::size_t s = 0; s < some.size() && all > 0.0; ++s) result[pressing[s]] += bears[s] / all * split.tangential;
+  for (std::size_t s = 0; s < some.size() && all > 0.0; ++s) result[pressing[s]] += limits[s] / all * split.tangential;
   return result;
 }
 

@@ -130,7 +130,7 @@ bool RigidConnections::correct_positions(const Placement& at, const Cluster& clu
   return last <= 1e-9;
 }
 
-springnet_status RigidConnections::cannot_keep(const Cluster& cluster, springnet_message& message) const {
+springnet_status RigidConnections::fail_lengths(const Cluster& cluster, springnet_message& message) const {
   const Rod& rod = rods_[cluster.rods.front()];
   std::vector<std::int32_t> touched;
   for (const std::uint32_t k : cluster.nodes)
@@ -318,7 +318,7 @@ springnet_status RigidConnections::project(const Placement& at, std::size_t numb
   const std::vector<Vector3> before = p;
   if (rebounding == sliding || !correct_positions(at, cluster, rebounding, p, movable)) {
     p = before;
-    if (!correct_positions(at, cluster, sliding, p, movable)) return cannot_keep(cluster, message);
+    if (!correct_positions(at, cluster, sliding, p, movable)) return fail_lengths(cluster, message);
   }
   for (std::size_t i = 0; i < count; ++i) put_vector(position, cluster.nodes[i], p[i]);
   ConstraintSystem system;

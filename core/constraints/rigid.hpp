@@ -122,7 +122,7 @@ class RigidConnections {
                                                    const std::vector<Touch>& touches,
                                                    const std::vector<Vector3>& positions) const;
   [[nodiscard]] std::vector<ConstraintRow> rods_of(const Cluster& cluster, const std::vector<Vector3>& positions) const;
-  springnet_status cannot_keep(const Cluster& cluster, springnet_message& message) const;
+  springnet_status fail_lengths(const Cluster& cluster, springnet_message& message) const;
 
   const std::vector<double>& mass_;
   Contact& contact_;

@@ -402,7 +402,7 @@ springnet_status RigidConnections::constrain(const Placement& end, std::size_t i
     case Step::Outcome::solved:
       break;
     case Step::Outcome::lengths_failed:
-      return cannot_keep(cluster, message);
+      return fail_lengths(cluster, message);
     case Step::Outcome::contacts_failed:
       set_message(message, fmt::format("contacts and friction of the {} nodes in the rigid cluster of node {} do not "
                                        "converge; use a smaller time step, or less friction there",

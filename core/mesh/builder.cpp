@@ -11,7 +11,7 @@
 namespace springnet::meshes {
 namespace {
 
-constexpr std::size_t largest_count = std::numeric_limits<std::uint32_t>::max();
+constexpr std::size_t max_count = std::numeric_limits<std::uint32_t>::max();
 
 // m. Volumes, its third powers, stay far within the range of a double.
 constexpr double largest_coordinate = 1e100;
@@ -19,7 +19,7 @@ constexpr double largest_coordinate = 1e100;
 // Limit of the cells in all groups together: base_limit + max_groups_per_cell times the cells of the mesh.
 constexpr std::size_t max_groups_per_cell = 100, base_limit = 1'000'000;
 
-constexpr std::size_t max_names = 5, max_notes = 20, longest_name = 40;
+constexpr std::size_t max_names = 5, max_notes = 20, max_name_length = 40;
 
 void sort_unique(std::vector<std::uint32_t>& numbers) {
   std::sort(numbers.begin(), numbers.end());
@@ -36,8 +36,7 @@ std::uint32_t Builder::add_point(const Vector3& position, Place place) {
     source_.fail(place, fmt::format("this point is farther away than {} m; correct the mesh where it was made",
                                     largest_coordinate));
   }
-  if (mesh_.points.size() >= largest_count)
-    source_.fail(place, fmt::format("a mesh has at most {} points", largest_count));
+  if (mesh_.points.size() >= max_count) source_.fail(place, fmt::format("a mesh has at most {} points", max_count));
   mesh_.points.push_back(position);
   return static_cast<std::uint32_t>(mesh_.points.size() - 1);
 }
@@ -50,8 +49,7 @@ void Builder::add_cell(CellType type, std::span<const std::uint32_t> corners, Pl
                                       j + 1, i + 1, name_of(type)));
     }
   }
-  if (mesh_.cell_count() >= largest_count)
-    source_.fail(place, fmt::format("a mesh has at most {} cells", largest_count));
+  if (mesh_.cell_count() >= max_count) source_.fail(place, fmt::format("a mesh has at most {} cells", max_count));
   mesh_.add_cell(type, corners);
 }
 
@@ -139,7 +137,7 @@ std::string Builder::number_of(const std::string& several, const Counted& note) 
 std::string Builder::sentence_of(const std::string& several, const Counted& note) {
   std::string result = number_of(several, note);
   for (const std::string& name : note.names) {
-    result += fmt::format("{}{}", &name == note.names.data() ? ": " : ", ", printable(name, longest_name));
+    result += fmt::format("{}{}", &name == note.names.data() ? ": " : ", ", printable(name, max_name_length));
   }
   return note.more_names ? result + " and others" : result;
 }

@@ -177,10 +177,10 @@ std::vector<Face> oriented(std::vector<Face> faces, std::span<const Vector3> poi
           winding = wanted;
           part.push_back(neighbour.face);
         } else if (winding != wanted) {
-          fail(
-              fmt::format("a surface: triangles {} and {} cannot be oriented alike: the surface has only one side (a "
-                          "Moebius strip); cut it open",
-                          face, neighbour.face));
+          fail(fmt::format(
+              "a surface: triangles {} and {} cannot be oriented consistently: the surface has only one side (a "
+              "Moebius strip); cut it open",
+              face, neighbour.face));
         }
       }
     }

@@ -12,7 +12,7 @@ namespace {
 
 using namespace checks;
 
-constexpr std::size_t largest_count = std::numeric_limits<std::uint32_t>::max();
+constexpr std::size_t max_count = std::numeric_limits<std::uint32_t>::max();
 
 std::uint64_t directed(NodeIndex from, NodeIndex to) { return std::uint64_t{from} << 32 | to; }
 
@@ -75,7 +75,7 @@ std::string_view unit_of(Invariant invariant) noexcept {
 
 ElementIndex Network::add_element(Invariant invariant, std::vector<NodeIndex> nodes, MaterialIndex material,
                                   std::optional<double> reference) {
-  if (elements_.size() >= largest_count) fail(fmt::format("a network has at most {} elements", largest_count));
+  if (elements_.size() >= max_count) fail(fmt::format("a network has at most {} elements", max_count));
   const std::string what = fmt::format("an element of {}", name_of(invariant));
   const std::size_t wanted = corners_of(invariant);
   if (wanted > 0 ? nodes.size() != wanted : nodes.size() < 12 || nodes.size() % 3 != 0) {

@@ -10,7 +10,7 @@ namespace {
 using namespace checks;
 
 // Numbers of nodes and springs have 32 bits; the largest stands for "none".
-constexpr std::size_t largest_count = std::numeric_limits<std::uint32_t>::max();
+constexpr std::size_t max_count = std::numeric_limits<std::uint32_t>::max();
 
 constexpr double length_accuracy = 1e-8;  // relative; the integrators keep lengths to this
 
@@ -72,7 +72,7 @@ void Network::check_node(const Node& node, NodeIndex index) const {
 }
 
 NodeIndex Network::add_node(const Node& node) {
-  if (nodes_.size() >= largest_count) fail(fmt::format("a network has at most {} nodes", largest_count));
+  if (nodes_.size() >= max_count) fail(fmt::format("a network has at most {} nodes", max_count));
   const auto index = static_cast<NodeIndex>(nodes_.size());
   check_node(node, index);
   nodes_.push_back(node);
@@ -117,7 +117,7 @@ void Network::check_ends(NodeIndex first, NodeIndex second, std::string_view wha
 
 SpringIndex Network::add_spring(NodeIndex first, NodeIndex second, MaterialIndex material,
                                 std::optional<double> rest_length) {
-  if (springs_.size() >= largest_count) fail(fmt::format("a network has at most {} springs", largest_count));
+  if (springs_.size() >= max_count) fail(fmt::format("a network has at most {} springs", max_count));
   check_ends(first, second, "spring");
   check_material(material);
   const double length = rest_length ? *rest_length : distance(nodes_[first].position, nodes_[second].position);
@@ -146,7 +146,7 @@ void Network::check_lengths(NodeIndex node, const Vector3& position) const {
 }
 
 RigidIndex Network::add_rigid(NodeIndex first, NodeIndex second, std::optional<double> length) {
-  if (rigids_.size() >= largest_count) fail(fmt::format("a network has at most {} rigid connections", largest_count));
+  if (rigids_.size() >= max_count) fail(fmt::format("a network has at most {} rigid connections", max_count));
   check_ends(first, second, "rigid connection");
   const auto what = [&] { return fmt::format("the rigid connection from node {} to node {}", first, second); };
   const double apart = distance(nodes_[first].position, nodes_[second].position);

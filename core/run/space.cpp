@@ -87,8 +87,7 @@ std::optional<std::string> space_refusal(const Scene& scene, const Space& space,
                                               : fmt::format("{}", fmt::join(enough, ", "));
   return fmt::format(
       "the output would take about {} ({:.3g} records, most of it in {}), but only {} are free in {}{}; {}, or write "
-      "to "
-      "another disk",
+      "to another disk",
       readable_bytes(estimate.bytes), estimate.records, largest->file.file, readable_bytes(space.free), folder,
       space.earlier > 0.0 ? fmt::format(", and {} in files of an earlier run", readable_bytes(space.earlier)) : "",
       remedies);

@@ -18,7 +18,8 @@ namespace scene {
 namespace {
 
 const std::string too_deep = fmt::format(
-    "this nests deeper than {} levels of tables, lists and parts of a key; a scene needs six", deepest_level);
+    "this nests deeper than {} levels of tables, lists and parts of a key; a scene needs six; use fewer levels",
+    deepest_level);
 const std::string too_large =
     fmt::format("a scene has at most {} bytes; put nodes and springs into a mesh file", grouped(largest_scene));
 

@@ -10,7 +10,7 @@
 namespace springnet::scene {
 namespace {
 
-constexpr std::size_t longest_path = 200;  // characters of it in messages
+constexpr std::size_t max_path_length = 200;  // characters of it in messages
 
 std::filesystem::path follow_links(const std::filesystem::path& path, const Value& name) {
   std::error_code failed;
@@ -42,7 +42,7 @@ std::filesystem::path Files::resolve(const Value& name) const {
     name.fail(
         fmt::format("lies outside of the scene's folder, at {}; copy the file into the folder of the scene, or allow "
                     "this with --allow-outside (OutsideFiles::allowed in a program)",
-                    printable(target.string(), longest_path)));
+                    printable(target.string(), max_path_length)));
   }
   return path;
 }

@@ -28,7 +28,7 @@ void check_version(const Table& root) {
   if (given == scene_version) return;
   version->fail(fmt::format(
       "this scene has version {}, but springnet {} reads version {}; use a newer springnet, or rewrite the scene "
-      "as its documentation (scene.md) describes, with version = {}",
+      "as scene.md of this version describes, with version = {}",
       given, springnet::version(), scene_version, scene_version));
 }
 

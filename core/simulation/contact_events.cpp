@@ -91,9 +91,9 @@ double ContactEvents::beyond_cone(const Source& source) const {
   if (model_.step_length > 0.0) return 0.0;  // only methods that choose their own steps need it
   ReactionsAt reactions(model_, model_.time, read_only(model_.state.view.position),
                         read_only(model_.state.view.velocity));
-  double grip = 0.0;
-  if (this->value(source, reactions, grip) != SPRINGNET_OK || grip > 0.0) return 0.0;
-  return -2.0 * grip + rounding_of_force * model_.scales.force;
+  double margin = 0.0;
+  if (this->value(source, reactions, margin) != SPRINGNET_OK || margin > 0.0) return 0.0;
+  return -2.0 * margin + rounding_of_force * model_.scales.force;
 }
 
 // A node braced with others stays in contact although it would separate if it alone were released. With this offset it
@@ -156,13 +156,13 @@ springnet_status ContactEvents::value(const Source& source, ReactionsAt& reactio
   if (status != SPRINGNET_OK) return status;
   const Touch& touch = contact.committed(k);
   const SplitReaction split = split_reaction(contact.normals(at, k, p), reaction);
-  double bears = 0.0;
+  double limit = 0.0;
   for (std::size_t i = 0; i < split.normal.size(); ++i) {
     const auto j = static_cast<std::size_t>(touch.surfaces()[i]);
     if (j == source.surface) value = -split.normal[i];
-    bears += friction_limit(model_.constraints.coefficient(k, j), split.normal[i]);
+    limit += friction_limit(model_.constraints.coefficient(k, j), split.normal[i]);
   }
-  if (source.kind == Kind::slip) value = bears - split.tangential.norm() + source.offset;
+  if (source.kind == Kind::slip) value = limit - split.tangential.norm() + source.offset;
   return SPRINGNET_OK;
 }
 
@@ -233,7 +233,7 @@ springnet_status ContactEvents::fire(double time, State& state, const std::int32
         if (model_.contact.slip(k).dot(slip) > model_.no_speed())
           Settling(model_, time, state, findings).keep_direction(k);
         else
-          findings[k].rests = true;
+          findings[k].slip_ended = true;
         model_.changed();
         break;
       }
@@ -260,7 +260,7 @@ springnet_status ContactEvents::fire(double time, State& state, const std::int32
           model_.contact.set_slip(k, slip.normalized());
           model_.changed();
         } else {
-          findings[k].rests = true;
+          findings[k].slip_ended = true;
         }
         break;
       }

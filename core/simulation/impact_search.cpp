@@ -14,7 +14,7 @@ constexpr double roundings = 16.0;
 // In parts this short the path is taken as the cubic through its ends: its error is 256^-4 of that over the step.
 constexpr double shortest_part = 1.0 / 256.0;
 constexpr double tenth_of_turn = 0.6;  // rad
-// A node deeper than this share of the obstacle's inner radius is inside, however uncertain positions are.
+// A node deeper than this share of the obstacle's inscribed radius is inside, however uncertain positions are.
 constexpr double share_of_inside = 0.25;
 
 // Bound on the distance between a path and its chord, m: twice that of Hermite's cubic, h (s (1-s)^2 (u0 - c) -

@@ -140,7 +140,7 @@ springnet_status ImpulseLedger::commit(const Sweep::Done& done) {
   }
   for (const AnchoredCluster& anchored : anchored_)
     if (const springnet_status status = book_anchored(anchored, reactions()); status != SPRINGNET_OK) return status;
-  const auto tell = [&](const ContactChange& change) {
+  const auto record = [&](const ContactChange& change) {
     static constexpr Event::Kind kinds[] = {Event::Kind::touched, Event::Kind::released, Event::Kind::slipped,
                                             Event::Kind::stuck};
     Event event{kinds[static_cast<std::size_t>(change.kind)], time, model_.user_number(change.node)};
@@ -156,7 +156,7 @@ springnet_status ImpulseLedger::commit(const Sweep::Done& done) {
       event.impulse = impact->second;
     model_.journal.record(event);
   };
-  for (const ContactChange& change : changes) tell(change);
+  for (const ContactChange& change : changes) record(change);
   model_.contact.update_slip_directions(*at, read_only(model_.state.view.position),
                                         read_only(model_.state.view.velocity));
   return SPRINGNET_OK;

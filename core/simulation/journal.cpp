@@ -7,7 +7,7 @@
 namespace springnet {
 namespace {
 
-constexpr std::size_t max_notes = 200, max_numbers = 500, longest_note = 2000;
+constexpr std::size_t max_notes = 200, max_numbers = 500, max_note_length = 2000;
 
 }  // namespace
 
@@ -21,7 +21,7 @@ void Journal::record(Event::Kind kind, double time, std::uint32_t user_node, std
 
 void Journal::note(const std::string& text) {
   const std::lock_guard guard(lock_);
-  const std::string shown = printable(text, longest_note);
+  const std::string shown = printable(text, max_note_length);
   if (notes_.size() < max_notes && std::find(notes_.begin(), notes_.end(), shown) == notes_.end())
     notes_.push_back(shown);
 }

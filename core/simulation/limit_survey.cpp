@@ -16,18 +16,18 @@ namespace {
 
 // Size of a limit in ABI 1.4; the struct may grow at its end.
 constexpr std::size_t limit_size = SPRINGNET_SIZE_TO(springnet_limit, reason);
-constexpr std::size_t max_limits = 100, longest_name = 40, longest_reason = 500;
+constexpr std::size_t max_limits = 100, max_name_length = 40, max_reason_length = 500;
 
 struct Sink {
   const std::vector<std::uint32_t>& user;
-  std::vector<ReportedLimit> told;
+  std::vector<ReportedLimit> reported;
 };
 
 ReportedLimit read(const springnet_limit& limit, const std::vector<std::uint32_t>& user) {
   ReportedLimit result;
-  result.rule = limit.rule == nullptr ? "" : printable(limit.rule, longest_name);
+  result.rule = limit.rule == nullptr ? "" : printable(limit.rule, max_name_length);
   result.kind = limit.kind;
-  if (limit.reason != nullptr) result.reason = printable(limit.reason, longest_reason);
+  if (limit.reason != nullptr) result.reason = printable(limit.reason, max_reason_length);
   if (limit.node < user.size()) result.node = user[limit.node];
   const bool known = limit.kind == SPRINGNET_LIMIT_KNOWN || limit.kind == SPRINGNET_LIMIT_ESTIMATE;
   if (!known && limit.kind != SPRINGNET_LIMIT_NONE) result.kind = SPRINGNET_LIMIT_UNKNOWN;
@@ -42,11 +42,11 @@ ReportedLimit read(const springnet_limit& limit, const std::vector<std::uint32_t
 }
 
 // Called by the plugin: nothing may be thrown.
-void tell(void* context, const springnet_limit* limit) {
+void report_limit(void* context, const springnet_limit* limit) {
   auto& sink = *static_cast<Sink*>(context);
-  if (limit == nullptr || limit->struct_size < limit_size || sink.told.size() >= max_limits) return;
+  if (limit == nullptr || limit->struct_size < limit_size || sink.reported.size() >= max_limits) return;
   try {
-    sink.told.push_back(read(*limit, sink.user));
+    sink.reported.push_back(read(*limit, sink.user));
   } catch (const std::exception&) {
     // Out of memory: the limit is not listed.
   }
@@ -82,7 +82,7 @@ std::vector<ReportedLimit> LimitSurvey::ask(const Component& component, const Pa
   const springnet_integrator& functions = component.integrator();
   if (!SPRINGNET_HAS_FIELD(springnet_integrator, &functions, limits) || functions.limits == nullptr) return {};
   Sink sink{engine_.model().layout.ordering().user, {}};
-  springnet_limits limits{sizeof limits, 0, &sink, tell};
+  springnet_limits limits{sizeof limits, 0, &sink, report_limit};
   void* integrator = nullptr;
   const auto failed = [&](const std::string& reason) {
     return std::vector<ReportedLimit>{{"", SPRINGNET_LIMIT_UNKNOWN, 0.0, 0.0, std::nullopt, reason}};
@@ -108,7 +108,7 @@ std::vector<ReportedLimit> LimitSurvey::ask(const Component& component, const Pa
   } catch (const Error& error) {
     return failed(error.what());
   }
-  return status == SPRINGNET_OK ? sink.told : failed(text_of(message));
+  return status == SPRINGNET_OK ? sink.reported : failed(text_of(message));
 }
 
 }  // namespace springnet

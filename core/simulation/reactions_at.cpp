@@ -75,19 +75,19 @@ springnet_status ReactionsAt::reported(std::uint32_t node, Vector3& reaction, Ve
   reaction.setZero();
   if (!some.empty()) {
     const SplitReaction split = split_reaction(some, all);
-    double bears = 0.0;
+    double limit = 0.0;
     for (std::size_t s = 0; s < some.size(); ++s) {
       reaction += split.normal[s] * some[s];
       const auto j = static_cast<std::size_t>(touch.surfaces()[pressing[s]]);
-      bears += friction_limit(model_.constraints.coefficient(node, j), split.normal[s]);
+      limit += friction_limit(model_.constraints.coefficient(node, j), split.normal[s]);
     }
     const double along = split.tangential.norm();
-    if (some.size() == normals.size() && along <= bears + rounding * all.norm()) {
+    if (some.size() == normals.size() && along <= limit + rounding * all.norm()) {
       reaction = all;
       return status;
     }
     // A slip that ended within the step may start again at once: sticking would take more than friction bears.
-    if (along > 0.0) reaction += std::min(1.0, bears / along) * split.tangential;
+    if (along > 0.0) reaction += std::min(1.0, limit / along) * split.tangential;
   }
   if (withheld != nullptr) *withheld = all - reaction;
   return status;

@@ -24,10 +24,10 @@ constexpr double uncertain = 1e-8, shallow = 1e-7;
 // speed gained in a step end, too.
 constexpr double min_rebound = 1e-4;
 constexpr double steps_of_fall = 2.0;
-// Integration errors decide whether slower touches happen; likewise.
+// In the same units. Integration errors decide whether slower touches happen.
 constexpr double grazing = 1e-4;
 // Smaller forces, in units of the force scale, are rounding, for example those of a node just released.
-constexpr double least_force = 1e-9;
+constexpr double min_force = 1e-9;
 constexpr int max_jams = 20;
 constexpr double caught = 0.01;  // of the speed with which obstacles approached a body
 // `many_touches` of a node, each within `soon` (in units of the time to move the length scale) of the one before, show
@@ -38,7 +38,8 @@ constexpr double soon = 1e-3, slow_rocking = 1e-3;
 // A node that separates more slowly, in units of the speed gained in a fall through the contact tolerance, stays in
 // contact: it would be back at once, as fast.
 constexpr double times_of_fall = 2.0;
-constexpr double few_steps = 4.0;  // of the user's length: likewise, quick succession of touches
+// Touches within this many of the user's time steps are a quick succession too.
+constexpr double few_steps = 4.0;
 
 }  // namespace
 
@@ -120,7 +121,7 @@ void Settling::add_sides(ContactNode& node) const {
     if (std::abs(speed) <= least) side.velocity -= speed * side.normal;
     node.sides.push_back(side);
   }
-  node.slip_ended = found.rests && touch.slides;
+  node.slip_ended = found.slip_ended && touch.slides;
   node.braced = contact.braced(node.node) && found.released.empty();
 }
 
@@ -169,7 +170,7 @@ springnet_status Settling::accelerate(Island& island) {
   return SPRINGNET_OK;
 }
 
-void Settling::strike(const Island& island) {
+void Settling::apply_impulses(const Island& island) {
   Contact& contact = model_.contact;
   const springnet_vectors& velocity = state_.view.velocity;
   std::vector<Vector3> impulses;
@@ -213,7 +214,7 @@ void Settling::commit_contact(const ContactNode& node) {
     const ContactSide& side = node.sides[s];
     if (before.has(side.surface)) continue;
     if (!side.active && node.impulse[s].isZero(0.0)) continue;
-    // The impulses that end rocking may draw a node back; these are no blows.
+    // The impulses that end rocking may draw a node back; these are not impacts.
     const bool pulls = side.normal.dot(node.impulse[s]) < 0.0;
     model_.record(Event::Kind::touched, time_, k, side.surface, pulls ? Vector3(Vector3::Zero()) : node.impulse[s]);
     if (side.active) {
@@ -228,10 +229,10 @@ void Settling::commit_contact(const ContactNode& node) {
     }
   }
   now = after(now, {node.sticks ? ContactCause::Kind::stick : ContactCause::Kind::slip});
-  if (stays && finding(k).rests) model_.record(Event::Kind::stuck, time_, k, now.surface);
-  if (stays && now.slides != (before.slides && !finding(k).rests))
+  if (stays && finding(k).slip_ended) model_.record(Event::Kind::stuck, time_, k, now.surface);
+  if (stays && now.slides != (before.slides && !finding(k).slip_ended))
     model_.record(now.slides ? Event::Kind::slipped : Event::Kind::stuck, time_, k, now.surface);
-  if (now != before || finding(k).rests || finding(k).slips) model_.changed();
+  if (now != before || finding(k).slip_ended || finding(k).slips) model_.changed();
   const bool was_braced = contact.braced(k), braced = node.braced && node.sticks && now.count() == 1;
   if (was_braced != braced) model_.changed();
   contact.touch(k, now, Vector3::Zero());
@@ -307,7 +308,8 @@ double Settling::rebound_of(Island& island) {
   return least;
 }
 
-springnet_status Settling::stop_and_stick(Island& island, double negligible, std::vector<std::vector<Vector3>>& blows) {
+springnet_status Settling::stop_and_stick(Island& island, double negligible,
+                                          std::vector<std::vector<Vector3>>& impulses) {
   const double slow = slow_rocking * model_.scales.velocity;
   for (ContactNode& node : island.nodes()) {
     std::fill(node.impulse.begin(), node.impulse.end(), Vector3::Zero());
@@ -317,9 +319,9 @@ springnet_status Settling::stop_and_stick(Island& island, double negligible, std
     });
   }
   if (island.end_slip(no_speed_)) {
-    strike(island);
-    for (std::size_t i = 0; i < blows.size(); ++i)
-      for (std::size_t s = 0; s < blows[i].size(); ++s) blows[i][s] += island.nodes()[i].impulse[s];
+    apply_impulses(island);
+    for (std::size_t i = 0; i < impulses.size(); ++i)
+      for (std::size_t s = 0; s < impulses[i].size(); ++s) impulses[i][s] += island.nodes()[i].impulse[s];
     if (const springnet_status status = accelerate(island); status != SPRINGNET_OK) return status;
   }
   for (ContactNode& node : island.nodes()) {
@@ -362,8 +364,8 @@ springnet_status Settling::settle(std::uint32_t node) {
     return no_place(model_, node, {surfaces.begin(), surfaces.end()}, time_);
   }
   struck = stop_held(island, jump_) || struck;
-  std::vector<std::vector<Vector3>> blows;  // N s, [node of the island][side]
-  for (const ContactNode& each : island.nodes()) blows.emplace_back(each.sides.size(), Vector3::Zero());
+  std::vector<std::vector<Vector3>> impulses;  // N s, [node of the island][side]
+  for (const ContactNode& each : island.nodes()) impulses.emplace_back(each.sides.size(), Vector3::Zero());
   for (int jams = 0;; ++jams) {
     if (struck) {
       const bool rocks = chatters(island);
@@ -374,9 +376,9 @@ springnet_status Settling::settle(std::uint32_t node) {
       // there may be no finite forces.
       if (rocks) stop_held(island, slow);
     }
-    if (struck) strike(island);
-    for (std::size_t i = 0; struck && i < blows.size(); ++i)
-      for (std::size_t s = 0; s < blows[i].size(); ++s) blows[i][s] += island.nodes()[i].impulse[s];
+    if (struck) apply_impulses(island);
+    for (std::size_t i = 0; struck && i < impulses.size(); ++i)
+      for (std::size_t s = 0; s < impulses[i].size(); ++s) impulses[i][s] += island.nodes()[i].impulse[s];
     if (const springnet_status status = accelerate(island); status != SPRINGNET_OK) return status;
     find_slips(island);
     begin_slips(island);
@@ -384,13 +386,13 @@ springnet_status Settling::settle(std::uint32_t node) {
     double forces = 0.0;
     for (const ContactNode& each : island.nodes())
       forces = std::max(forces, model_.mass[each.node] * each.acceleration.norm());
-    const double negligible = least_force * model_.scales.force + 1e-12 * forces;
+    const double negligible = min_force * model_.scales.force + 1e-12 * forces;
     if (island.resolve(negligible)) break;
     for (ContactNode& each : island.nodes()) std::fill(each.impulse.begin(), each.impulse.end(), Vector3::Zero());
     struck = jams < max_jams && island.jam(10.0 * no_speed_);
     if (!struck) {
       note_unresolved(model_, node, time_);
-      if (const springnet_status status = stop_and_stick(island, negligible, blows); status != SPRINGNET_OK)
+      if (const springnet_status status = stop_and_stick(island, negligible, impulses); status != SPRINGNET_OK)
         return status;
       break;
     }
@@ -399,11 +401,11 @@ springnet_status Settling::settle(std::uint32_t node) {
         if (!each.impulse[s].isZero(0.0))
           model_.record(Event::Kind::jammed, time_, each.node, each.sides[s].surface, each.impulse[s]);
   }
-  for (std::size_t i = 0; i < blows.size(); ++i) island.nodes()[i].impulse = blows[i];
+  for (std::size_t i = 0; i < impulses.size(); ++i) island.nodes()[i].impulse = impulses[i];
   for (const ContactNode& each : island.nodes()) commit_contact(each);
   for (std::size_t i = 0; i < island.nodes().size(); ++i) {
     const ContactNode& each = island.nodes()[i];
-    find_phase(each, island.acceleration(i), least_force * model_.scales.force / model_.mass[each.node]);
+    find_phase(each, island.acceleration(i), min_force * model_.scales.force / model_.mass[each.node]);
   }
   return SPRINGNET_OK;
 }

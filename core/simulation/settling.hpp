@@ -17,7 +17,7 @@ namespace springnet {
 struct Finding {
   std::vector<std::int32_t> touched, released;  // surfaces
   bool slips = false;                           // friction can no longer hold it
-  bool rests = false;                           // its slip has ended
+  bool slip_ended = false;
 };
 
 using Findings = std::map<std::uint32_t, Finding>;  // by node
@@ -42,8 +42,7 @@ class Settling {
   [[nodiscard]] std::vector<ContactNode> gather() const;
   // Adds the obstacles that a node touches, or may touch now.
   void add_sides(ContactNode& node) const;
-  // Separating, or comes to rest within the position tolerance: an impact would commit_contact the motion that the node
-  // has.
+  // Separating, or comes to rest within the position tolerance: an impact would take away the motion that the node has.
   [[nodiscard]] bool turns_round(std::uint32_t node, const ContactSide& side) const;
   // Accelerations without obstacles, at the present velocities.
   springnet_status accelerate(Island& island);
@@ -58,10 +57,10 @@ class Settling {
   [[nodiscard]] double rebound_of(Island& island);
   bool stop_held(Island& island, double slow) const;
   // Applies the impulses of the island to velocities.
-  void strike(const Island& island);
+  void apply_impulses(const Island& island);
   // If no forces satisfy the contacts: slips with friction that are no faster than integration errors, or rocking, come
   // to rest and stick. A contact that holds too much takes energy; friction of a pulling contact would add some.
-  springnet_status stop_and_stick(Island& island, double negligible, std::vector<std::vector<Vector3>>& blows);
+  springnet_status stop_and_stick(Island& island, double negligible, std::vector<std::vector<Vector3>>& impulses);
   // Finds which nodes slip, and in which direction, from their velocities.
   void find_slips(Island& island) const;
   void begin_slips(Island& island) const;

@@ -90,7 +90,7 @@ struct Simulation::Impl {
       throw Error(ErrorKind::input, fmt::format("element {} does not exist: the network has {} elements", element,
                                                 engine.model().layout.elements().count()));
   }
-  void check_surface(std::size_t surface) const {
+  void check_surface_index(std::size_t surface) const {
     if (surface >= engine.model().contact.obstacles().size())
       throw Error(ErrorKind::input, fmt::format("surface {} does not exist: the network has {} planes and instruments",
                                                 surface, engine.model().contact.obstacles().size()));
@@ -104,14 +104,14 @@ struct Simulation::Impl {
                               checks::seconds(engine.model().time)));
   }
   [[nodiscard]] const Obstacle& surface(std::size_t index) const {
-    check_surface(index);
+    check_surface_index(index);
     return engine.model().contact.obstacles()[index];
   }
   // At the present time.
   [[nodiscard]] Pose pose(std::size_t index) const { return surface(index).at(just_after(engine.model().time)); }
   template <class Visit>
   void for_each_touching(std::size_t index, Visit visit) const {
-    check_surface(index);
+    check_surface_index(index);
     for (std::uint32_t k = 0; k < engine.model().layout.node_count(); ++k)
       if (engine.model().contact.committed(k).has(static_cast<std::int32_t>(index))) visit(k);
   }
@@ -303,7 +303,7 @@ double Simulation::rigid_force(RigidIndex rigid) const {
 
 std::size_t Simulation::surface_count() const noexcept { return impl_->engine.model().contact.obstacles().size(); }
 const std::string& Simulation::surface_name(std::size_t surface) const {
-  impl_->check_surface(surface);
+  impl_->check_surface_index(surface);
   return impl_->engine.model().contact.obstacles()[surface].name();
 }
 Vector3 Simulation::surface_position(std::size_t surface) const {
@@ -337,7 +337,7 @@ Vector3 Simulation::contact_impulse(NodeIndex node) const {
   return impl_->engine.model().contact.impulse(impl_->engine_node(node));
 }
 Vector3 Simulation::surface_impulse(std::size_t surface) const {
-  impl_->check_surface(surface);
+  impl_->check_surface_index(surface);
   return impl_->engine.model().contact.surface_impulse(surface);
 }
 std::vector<std::size_t> Simulation::surfaces_of(NodeIndex node) const {
@@ -451,7 +451,7 @@ void Simulation::set_fixed(NodeIndex node, bool fixed) {
   springnet::set_fixed(impl_->engine.model(), impl_->engine_node(node), fixed);
 }
 void Simulation::move_surface(std::size_t surface, const Vector3& position, double time) {
-  impl_->check_surface(surface);
+  impl_->check_surface_index(surface);
   impl_->check_arrival(position, time);
   springnet::move_surface(impl_->engine.model(), surface, position, time);
 }

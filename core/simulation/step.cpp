@@ -1,17 +1,19 @@
 // A time step, stage by stage.
 //
 // An integrator that takes the user's steps (recurrent, verlet):
-//   begin_step       loads averaged over the step; due ruptures; contacts settled; constraints projected
+//   begin_step       loads averaged over the step; if something changed from outside: due ruptures, contacts settled,
+//                    constraints projected
 //   run_sweep        forces, the integrator's update of nodes, constraints; again until the outputs are settled
-//                    (velocity Verlet: evaluate, constrain for the drift, evaluate, constrain for the kick)
-//   commit           contacts that the sweeps decided; impulses; jumps; ruptures; cuts
+//                    (verlet: sweep().evaluate, constrain for the drift, evaluate, constrain for the kick)
+//   commit           room for the nodes; contacts that the sweeps decided, impulses (verlet: as below); jumps;
+//                    ruptures; cuts
 //
-// One that chooses its own steps and finds events (cvode):
+// One that chooses its own steps and finds events (cvode; with located events also recurrent):
 //   begin_interval   loads follow the time; the rest as in begin_step
-//   sweep().evaluate, linear()                 right sides and linear systems, as often as it likes
+//   sweep().evaluate, linear()                 right-hand sides and linear systems, as often as it likes
 //   contact_events().values, time_of_impact    detect events in this step
 //   fire_events      carries them out: contacts settled, springs broken
-//   commit           constraints projected; penetration stopped; jumps; ruptures; cuts
+//   commit           room for the nodes; constraints projected; penetration stopped; jumps; ruptures; cuts
 
 #include <algorithm>
 #include <cmath>

@@ -14,8 +14,8 @@ namespace springnet {
 namespace {
 
 // Smaller forces, in units of the force scale, are rounding.
-constexpr double least_force = 1e-9;
-constexpr int max_strikes = 100;  // rounds of impulses that depend on each other
+constexpr double min_force = 1e-9;
+constexpr int max_impact_rounds = 100;  // rounds of impulses that depend on each other
 
 }  // namespace
 
@@ -49,7 +49,7 @@ Eigen::MatrixXd VerletContact::mobility(const Body& body, const std::optional<Ro
 
 double VerletContact::negligible(const Body& body) const {
   // The rounding of positions and velocities, as a force.
-  double force = least_force * model_.scales.force;
+  double force = min_force * model_.scales.force;
   for (const Member& m : body.members) {
     const double place = m.position.cwiseAbs().maxCoeff() / h_, speed = m.velocity.cwiseAbs().maxCoeff();
     force = std::max(force, 16.0 * std::numeric_limits<double>::epsilon() * model_.mass[m.node] * (place + speed) / h_);
@@ -57,14 +57,14 @@ double VerletContact::negligible(const Body& body) const {
   return force;
 }
 
-void VerletContact::strike(Island& island, const Body& body) const {
+void VerletContact::apply_impulses(Island& island, const Body& body) const {
   for (std::size_t i = 0; i < island.nodes().size(); ++i) {
     ContactNode& node = island.nodes()[i];
     std::size_t s = 0;
     for (const Side& side : body.touchers[i].sides)
       if (s < node.sides.size() && side.surface == node.sides[s].surface) node.impulse[s++] = side.impulse;
   }
-  static_cast<void>(island.apply_impact(0.0, 0.0, max_strikes, true));
+  static_cast<void>(island.apply_impact(0.0, 0.0, max_impact_rounds, true));
 }
 
 void VerletContact::remember(const Island& island, bool struck, Body& body) const {

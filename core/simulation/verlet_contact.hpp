@@ -105,7 +105,7 @@ class VerletContact {
   [[nodiscard]] Eigen::MatrixXd mobility(const Body& body, const std::optional<Rods>& rods) const;
   [[nodiscard]] double negligible(const Body& body) const;  // N
   // Impulses if no forces were found, starting from the last ones of each side.
-  void strike(Island& island, const Body& body) const;
+  void apply_impulses(Island& island, const Body& body) const;
   // Remembers the impulses of the sides.
   void remember(const Island& island, bool struck, Body& body) const;
 

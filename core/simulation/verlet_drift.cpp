@@ -153,7 +153,7 @@ springnet_status VerletContact::hold(Body& body, const std::optional<Rods>& rods
                                           side.normal.dot(side.velocity));
         }
       }
-      strike(island, body);
+      apply_impulses(island, body);
       for (ContactNode& node : island.nodes()) {
         node.force = per_speed * sum_of(node.impulse);
         for (std::size_t s = 0; s < node.sides.size(); ++s) node.sides[s].active = !node.impulse[s].isZero(0.0);

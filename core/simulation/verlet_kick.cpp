@@ -80,7 +80,7 @@ springnet_status VerletContact::kick(Body& body, const springnet_vectors& positi
       for (ContactSide& side : island.nodes()[i].sides)
         side.velocity = m.velocity - side.surface_acceleration / per_speed;
     }
-    strike(island, body);
+    apply_impulses(island, body);
     for (ContactNode& node : island.nodes()) {
       node.force = per_speed * sum_of(node.impulse);
       for (ContactSide& side : node.sides) side.active = side.normal.dot(side.velocity) <= 10.0 * model_.no_speed();

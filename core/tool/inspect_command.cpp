@@ -150,7 +150,7 @@ void print_limits(const Scene& scene, const Inspection& found) {
   }
   fmt::print("{}", align_columns(rows));
   if (slowed_by_enclosure(scene, found)) {
-    fmt::print("  the sweeps of block and coloured grow with the stiffness of an enclosed volume\n");
+    fmt::print("  block and coloured have no limit, but need more sweeps the stiffer an enclosed volume is\n");
   }
   if (!found.unknown_because.empty()) fmt::print("  unknown because {}\n", printable_message(found.unknown_because));
   if (found.unique_time_constant) {

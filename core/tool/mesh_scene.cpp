@@ -18,7 +18,7 @@ constexpr double density = 1000.0;  // kg/m^3
 constexpr double stiffness = 25.0;
 // Nodes within this fraction of the body's size from its top, or from one end, are fixed.
 constexpr double fixed_fraction = 0.02;
-// Of a mesh that may have thousands.
+// Groups that the scene offers; a mesh may have thousands.
 constexpr std::size_t max_groups = 20;
 
 // As a TOML string.

@@ -138,7 +138,7 @@ int scene_for_mesh(const NewArguments& arguments) {
   if (!has_mesh_ending(arguments.mesh)) {
     throw Error(
         ErrorKind::input,
-        fmt::format("{}: is not a mesh file, whose name ends in .msh, .vtk, .vtu, .vtp, .obj or .stl. To copy an "
+        fmt::format("{}: is not a mesh file; its name must end in .msh, .vtk, .vtu, .vtp, .obj or .stl. To copy an "
                     "example, use --example NAME",
                     printable_message(arguments.mesh.string())));
   }

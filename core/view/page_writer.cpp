@@ -88,8 +88,8 @@ void PageWriter::record(const Record& record) {
 
 void PageWriter::take_events(const Simulation& simulation) {
   const std::vector<Event>& all = simulation.events();
-  for (; event_count_ < all.size(); ++event_count_) {
-    const Event& event = all[event_count_];
+  for (; events_read_ < all.size(); ++events_read_) {
+    const Event& event = all[events_read_];
     if (event.element) continue;  // only springs and nodes are counted
     ++counts_.at(static_cast<std::size_t>(event.kind));
     const bool ruptured = event.kind == Event::Kind::ruptured;

@@ -41,7 +41,7 @@ class PageWriter {
   double size_;  // bytes
   Content content_;
   std::array<std::uint64_t, 7> counts_{};  // of each kind of event
-  std::size_t event_count_ = 0;            // events counted so far
+  std::size_t events_read_ = 0;            // events of the simulation that were read so far
   std::vector<std::string> left_out_;
   bool closed_ = false;
 };

@@ -102,7 +102,7 @@ std::vector<Law> laws() {
                        {"spring `nonlinear`", of({"nonlinear", {{"stiffness", 50}, {"cubic", 100}}}), none},
                        {"spring `exponential`", of({"exponential", {{"stiffness", 50}, {"exponent", 3}}}), none},
                        {"spring `rupturing`", of({"rupturing", {{"stiffness", 50}, {"strength", 1}}}), none},
-                       {"spring of an author, without derivatives", of({"plain", {{"stiffness", 50}}}), none},
+                       {"spring in plain C, without derivatives", of({"plain", {{"stiffness", 50}}}), none},
                        {"viscosity `power`", with({"power", {{"damping", 1}, {"exponent", 1.7}}}), none},
                        {"viscosity `relative`", with({"relative", {{"damping", 1}}}), none},
                        {"viscosity alone", {std::nullopt, basic.viscosity}, none},
@@ -382,14 +382,20 @@ std::string tables(bool& good) {
   }
   return fmt::format(
       "# What works with what\n\n"
-      "Written by `test_abilities --write core/docs/abilities.md`, which runs a body of eight nodes with every law "
-      "under\n"
-      "every constraint in every integrator, {} runs, and checks this page in the suite. The first six columns are\n"
-      "update rules of `recurrent`. \"yes\": it runs, numbers stay finite, constraints hold, and the energy does not\n"
-      "rise. \"no\": it is refused, with an error that gives the reason; the numbers refer to the reasons "
-      "below.\n\n"
-      "## Laws\n\nUnder all constraints that the integrator supports with linear springs.\n\n{}\n"
-      "## Constraints\n\nWith all laws that the integrator supports.\n\n{}\n## Reasons\n\n{}",
+      "Nearly everything works with everything. The exceptions are the cells that do not say \"yes\": there the "
+      "program "
+      "refuses, with\nan error that gives the reason; the numbers in them refer to the reasons below.\n\n"
+      "This page is written by a test, which runs a body of eight nodes with every law under every constraint in every "
+      "integrator\n({} runs). \"yes\": it ran, numbers stayed finite, constraints held, and the energy did not rise. "
+      "The "
+      "first six columns are update\nrules of `recurrent`; `automatic`, the default, chooses one of the first five. "
+      "`cvode` has two methods, `bdf` (the default) and\n`adams`. What was not tried here has tests of its own: "
+      "several "
+      "obstacles at once and turning ones, capsules, cuts, `theta = 0.5`,\nlocated events.\n\n"
+      "## Laws\n\nEach with all constraints that the integrator of the column supports. A law that is not named is "
+      "the default: springs and\nviscosity `linear`, neuron `point_mass`.\n\n{}\n"
+      "## Constraints\n\nEach with all laws that the integrator of the column supports.\n\n{}\n## Reasons\n\n{}\n"
+      "After a change, `build/ci/bin/test_abilities --write core/docs/abilities.md` writes this page again.\n",
       law.size() * constraint.size() * method.size(), by_law, by_constraint, notes.text());
 }
 

@@ -207,7 +207,8 @@ TEST_CASE("a table whose velocity jumps to its opposite throws nodes that do not
   }
 }
 
-TEST_CASE("a surface that sheds nodes at the kinks of a sampled table is named once, and advised to be smooth") {
+TEST_CASE(
+    "a surface that leaves nodes behind at the kinks of a sampled table is named once, and advised to be smooth") {
   for (const bool sampled : {true, false}) {
     Network net;
     for (const double x : {0.0, 0.5}) net.add_node(point({x, 0, 0}));

@@ -86,7 +86,7 @@ TEST_CASE("a sliding node leaves a sphere once, in the step in which its reactio
   }
 }
 
-TEST_CASE("a plane that rises and stops at once sheds nodes, held ones too") {
+TEST_CASE("nodes leave a plane that rises and stops abruptly, held ones too") {
   for (const auto kind : {Friction::Kind::held, Friction::Kind::none, Friction::Kind::coulomb}) {
     Network net;
     net.add_node(point(Vector3::Zero(), 0.5));

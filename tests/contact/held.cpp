@@ -16,7 +16,7 @@ constexpr double g = 4.0, speed = 1.0, starting = 0.1, stops = 0.35;            
 constexpr double height = speed * (stops - 0.5 * starting);                       // m
 const double top = height + 0.5 * speed * speed / g, at_top = stops + speed / g;  // m, s
 
-// A node that lies on a plane, which rises at 1 m/s, after a smooth start or at once, and stops at once, or evenly
+// A node that lies on a plane, which rises at 1 m/s, after a smooth start or at once, and stops abruptly, or evenly
 // within `during`, half of it before the time and half after.
 Network stopping(const Friction& friction, double during) {
   Network net;

@@ -48,6 +48,9 @@ springnet_status step(const springnet_host* host, double until, springnet_step_r
     status = (*misdeed)({host, host->context, from, until, next, report});
     // Where the host let it through, a step without fault follows: the case has to be refused for itself.
     if (when != When::and_then_commits && (status != SPRINGNET_OK || !step_follows)) return status;
+    double committed = 0.0;
+    host->committed(host->context, &committed);
+    if (committed >= until) return SPRINGNET_OK;  // the host took a time that it must not take
     return step(host, until, report, false);
   }
   status = host->commit(host->context, until, next);

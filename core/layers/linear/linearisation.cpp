@@ -343,7 +343,7 @@ springnet_status Linearisation::factorise(double velocity_weight, double positio
   if (vectors_.is_singular(plain_solver())) {
     set_message(message,
                 "the linear system of the step is singular: the stiffness of the enclosed volumes cancels that of the "
-                "rest of the network and its inertia; use a smaller time step");
+                "rest of the network and its inertia; reduce their overpressure");
     return SPRINGNET_RECOVERABLE;
   }
   return SPRINGNET_OK;

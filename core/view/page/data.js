@@ -25,7 +25,7 @@
     const range = block(name + "_range", Float32Array);
     const shares = block(name, Uint16Array);
     const scale = (range[1] - range[0]) / 65535;
-    // A symmetric range has an even number of steps and none of them is 0: the two nearest stand for it.
+    // A symmetric range has an even number of values, 0 to 65535, none of which is 0: the two nearest stand for it.
     const middle = range[0] === -range[1] && range[1] > 0;
     function at(k) {
       const value = range[0] + shares[k] * scale;

@@ -36,7 +36,10 @@ class Cvode : public Integrator {
           .at_least(0)
           .at_most(12),
       number("max_step", "s", "longest internal step; 0: no limit").preset(0).at_least(0),
-      integer("max_steps", "internal steps between two outputs at most").preset(100000).at_least(1).at_most(1e9)};
+      integer("max_steps", "largest number of internal steps between two outputs; more end the run")
+          .preset(100000)
+          .at_least(1)
+          .at_most(1e9)};
 
   Cvode(Host host, Options options) : integrator_(host, read(options)) {}
 

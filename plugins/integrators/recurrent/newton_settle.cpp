@@ -13,8 +13,8 @@ namespace {
 
 // Corrections this small, relative to the positions, are rounding.
 constexpr double negligible = 1e-14;
-// Held nodes are moved at least this far, in units of the length scale, to test for separation.
-constexpr double min_displacement = 1e-3;
+// To test for separation, held nodes may be moved at least this far, in units of the length scale.
+constexpr double min_move_limit = 1e-3;
 // After this many sweeps of a step that change contacts, held nodes stay where they are.
 constexpr int patience = 6;
 
@@ -152,7 +152,7 @@ void Newton::unconstrain_contacts(const Step& step, const springnet_state& outpu
       const double distance = (at(outputs.position, k) - at(step.start.position, k)).norm();
       const double speed = at(step.start.velocity, k).norm();
       const double max_change =
-          std::max({distance, speed * step.time_constant, min_displacement * network.length_scale}) / w;
+          std::max({distance, speed * step.time_constant, min_move_limit * network.length_scale}) / w;
       if (const double share = max_change / change.norm(); share < 1.0) {
         change *= share;
         inertia /= share;  // keeps the impulse that holds it

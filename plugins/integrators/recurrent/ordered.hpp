@@ -18,7 +18,7 @@ class Ordered : public Rule {
 
  protected:
   explicit Ordered(Workspace& workspace) noexcept : work_(workspace) {}
-  // Sweeps with a call that has its order; update(batch) tells whether the new outputs are finite.
+  // Sweeps with a call that has its order; update(batch) returns whether the new outputs are finite.
   template <class Update>
   void sweep_with(Step& step, const springnet_sweep& call, Update&& update) {
     ForceRecord& record = work_.record;

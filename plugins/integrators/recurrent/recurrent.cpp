@@ -44,7 +44,8 @@ using springnet::sdk::Parameter;
 using springnet::sdk::State;
 using springnet::sdk::view;
 
-constexpr int rules = 5;
+// Those that sweeps follow; `automatic`, which chooses among them, is the last of the names.
+constexpr int rules = static_cast<int>(Update::automatic);
 // An automatically chosen rule that has not settled after this many sweeps is replaced by a stronger one.
 constexpr std::uint64_t automatic_patience = 200;
 
@@ -63,13 +64,14 @@ class Recurrent : public springnet::sdk::Integrator {
       choice("update", {"synchronous", "wavefront", "block", "coloured", "newton", "automatic"},
              "all nodes at once; one after another from the node with the greatest force; the same, each to its own "
              "equilibrium; that by colours, in threads; Newton's method; what fits the time step")
-          .preset(5),
+          .preset(rules),
       number("force_tolerance", "N",
              "a step has settled when no force changes by more; 0: 1e-6 of the network's force scale")
           .preset(0)
           .at_least(0),
-      integer("max_sweeps", "sweeps in a time step at most").preset(1000).at_least(2).at_most(1e9),
-      integer("sweeps", "exactly so many sweeps a step; 0: until settled; 1 with update synchronous: symplectic Euler")
+      integer("max_sweeps", "largest number of sweeps in a step").preset(1000).at_least(2).at_most(1e9),
+      integer("sweeps",
+              "exactly this number of sweeps per step; 0: until settled; 1 with update synchronous: symplectic Euler")
           .preset(0)
           .at_least(0)
           .at_most(1e9),

@@ -48,7 +48,7 @@ void advance_by(const springnet_vectors& to, const springnet_vectors& base, doub
 class Verlet : public Integrator {
  public:
   static constexpr const char* id = "verlet";
-  static constexpr const char* summary = "velocity Verlet: explicit, second order, one evaluation a step";
+  static constexpr const char* summary = "velocity Verlet: explicit, second order, one evaluation per step";
   static constexpr const char* reference =
       "Swope, Andersen, Berens, Wilson, Journal of Chemical Physics 76 (1982) 637-649";
   static constexpr Parameter parameters[] = {
