@@ -62,7 +62,7 @@ springnet_status LinearModel::solve(bool transposed, const double* right_side, d
 springnet_status LinearModel::sweep(const springnet_sweep& request, const springnet_network& network) {
   const springnet_sweep sweep = complete(request);
   order_check_.check(sweep, network);
-  if (!sweep_) sweep_ = std::make_unique<LinearSweep>(model_.layout, blocks_, model_.constraints, model_.mass);
+  if (!sweep_) sweep_ = std::make_unique<LinearSweep>(blocks_, model_.constraints, model_.mass);
   struct Updating {
     bool& flag;
     ~Updating() { flag = false; }

@@ -10,18 +10,14 @@
 namespace springnet {
 namespace {
 
-constexpr std::uint32_t no_island = 0xffffffffu, no_cluster = 0xffffffffu;
+constexpr std::uint32_t no_island = 0xffffffffu;
 using Block = layers::Block;
 
 }  // namespace
 
-LinearSweep::LinearSweep(const layers::Layout& layout, layers::Linearisation& linearisation,
-                         const ConstraintSet& constraints, const std::vector<double>& mass)
-    : layout_(layout),
-      linearisation_(linearisation),
-      constraints_(constraints),
-      mass_(mass),
-      island_of_(layout.node_count(), no_island) {
+LinearSweep::LinearSweep(layers::Linearisation& linearisation, const ConstraintSet& constraints,
+                         const std::vector<double>& mass)
+    : linearisation_(linearisation), constraints_(constraints), mass_(mass), island_of_(mass.size(), no_island) {
   const RigidConnections& rigid = constraints.rigid();
   for (std::size_t c = 0; c < rigid.cluster_count(); ++c) {
     islands_.emplace_back().nodes = rigid.nodes_of(c);

@@ -16,8 +16,7 @@ namespace springnet {
 class LinearSweep {
  public:
   // Valid until the next linearise(). References must outlive it.
-  LinearSweep(const layers::Layout& layout, layers::Linearisation& linearisation, const ConstraintSet& constraints,
-              const std::vector<double>& mass);
+  LinearSweep(layers::Linearisation& linearisation, const ConstraintSet& constraints, const std::vector<double>& mass);
 
   // Request and order must have been checked.
   void run(const springnet_sweep& sweep);
@@ -42,7 +41,6 @@ class LinearSweep {
   void factorise(Island& island);
   [[nodiscard]] Vector3 acceleration(std::uint32_t node) const;
 
-  const layers::Layout& layout_;
   layers::Linearisation& linearisation_;
   const ConstraintSet& constraints_;
   const std::vector<double>& mass_;

@@ -106,7 +106,8 @@ TEST_CASE("averages of courses are their integrals, from the beginning of the wi
     load.course = course;
     net.add_load(load);
     Loaded loaded(net);
-    for (const auto& [a, b] : {std::pair{0.5, 1.25}, {1.0, 1.5}, {1.25, 1.75}, {1.5, 3.0}, {3.0, 5.0}, {0.0, 8.0}}) {
+    for (const auto& interval : {std::pair{0.5, 1.25}, {1.0, 1.5}, {1.25, 1.75}, {1.5, 3.0}, {3.0, 5.0}, {0.0, 8.0}}) {
+      const double a = interval.first, b = interval.second;  // not bindings: Clang 14 cannot capture them in CAPTURE
       const double begin = std::max(a, from), end = std::min(b, until);
       loaded.loads.set_interval(a, b);
       CAPTURE(a);
