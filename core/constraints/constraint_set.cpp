@@ -1,6 +1,7 @@
 #include "constraints/constraint_set.hpp"
 
 #include <algorithm>
+#include <memory>
 
 #include "constraints/island.hpp"
 #include "constraints/vectors.hpp"
@@ -206,6 +207,28 @@ void ConstraintSet::project_change(const double* mobility, double* values) {
   system_.for_each_change(system_.solve(-system_.rates(at)), [&](std::uint32_t node, const Vector3& change) {
     for (std::size_t c = 0; c < 3; ++c) values[c * n + node] += change[static_cast<Eigen::Index>(c)];
   });
+}
+
+layers::Projection ConstraintSet::projection(const std::vector<double>& mobility) const {
+  const auto system = std::make_shared<ConstraintSystem>();
+  const auto of = [this, &mobility](std::uint32_t node) -> Matrix3 {
+    if (contact_.constrained()[node] != 0) return Matrix3::Zero();
+    return Eigen::Map<const Matrix3>(mobility.data() + 9 * std::size_t{node});
+  };
+  system->set(rows_, of);
+  layers::Projection result;
+  result.change = [system](double* values) {
+    const auto at = [values](std::uint32_t k) { return Eigen::Map<Vector3>(values + 3 * std::size_t{k}); };
+    system->for_each_change(system->solve(-system->rates(at)),
+                            [&](std::uint32_t node, const Vector3& change) { at(node) += change; });
+  };
+  result.impulse = [system, of](double* values) {
+    const auto at = [values](std::uint32_t k) { return Eigen::Map<Vector3>(values + 3 * std::size_t{k}); };
+    const auto moved = [&](std::uint32_t k) -> Vector3 { return of(k) * at(k); };
+    system->for_each_impulse(system->solve(-system->rates(moved)),
+                             [&](std::uint32_t node, const Vector3& impulse) { at(node) += impulse; });
+  };
+  return result;
 }
 
 }  // namespace springnet

@@ -12,6 +12,7 @@
 #include "constraints/constraint_system.hpp"
 #include "constraints/contact.hpp"
 #include "constraints/rigid.hpp"
+#include "layers/linear/projection.hpp"
 
 namespace springnet {
 
@@ -89,6 +90,9 @@ class ConstraintSet {
   // Projects a change of velocities ([3 node], by components) onto those that the rows allow, in the norm of the
   // inverse of `mobility` ([node] 3x3, row by row; null: 1/mass).
   void project_change(const double* mobility, double* values);
+  // The same with the rows as they are now, kept for many changes ([node][3]). mobility: [node] 3x3, symmetric, which
+  // must outlive it.
+  [[nodiscard]] layers::Projection projection(const std::vector<double>& mobility) const;
 
  private:
   [[nodiscard]] bool is_lone(std::uint32_t node) const noexcept;  // without rigid connections

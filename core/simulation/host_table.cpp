@@ -160,6 +160,16 @@ springnet_status solve(void* context, std::int32_t transposed, const double* rig
     return engine.linear().solve(transposed != 0, right_side, x);
   });
 }
+springnet_status prepare_system(void* context, const springnet_linear_system* request) {
+  return linearised(context, "prepare_system", [&](Engine& engine) {
+    const springnet_linear_system system = checked(request);
+    return engine.linear().prepare({system.velocity_weight, system.position_weight, system.shift});
+  });
+}
+springnet_status solve_system(void* context, springnet_linear_solve* request) {
+  return outside_of_sweeps(context, "solve_system",
+                           [&](Engine& engine) { return engine.linear().solve_prepared(checked(request)); });
+}
 springnet_status event_values(void* context, const springnet_evaluation* at, double* values, std::int32_t* directions) {
   return outside_of_sweeps(context, "event_values", [&](Engine& engine) {
     if (engine.network_info().event_count > 0) require_array(values, "values");
@@ -303,6 +313,8 @@ springnet_host make_host_table(Engine& engine) {
   host.time_of_impact = time_of_impact;
   host.linear_sweep = linear_sweep;
   host.dominant_eigenvalue = dominant_eigenvalue;
+  host.prepare_system = prepare_system;
+  host.solve_system = solve_system;
   return host;
 }
 

@@ -1,19 +1,36 @@
 #include "simulation/linear_model.hpp"
 
+#include <algorithm>
+#include <cmath>
 #include <optional>
+
+#include "plugin_host/message.hpp"
 
 #include "simulation/linear_sweep.hpp"
 #include "simulation/reactions_at.hpp"
 
 namespace springnet {
+namespace {
+
+// Conjugate gradients are used up to this asymmetry of the matrix, in units of the accuracy asked for.
+constexpr double symmetric_share = 0.1;
+// Iterations before a factorisation is tried, for nets of up to so many nodes, and the most without one.
+constexpr std::uint32_t patience = 100, max_iterations = 400;
+constexpr std::size_t max_nodes_factorised = 3000;
+
+}  // namespace
 
 LinearModel::LinearModel(Model& model)
-    : model_(model), blocks_(model.layout, model.evaluator, model.contact.constrained()) {}
+    : model_(model),
+      blocks_(model.layout, model.evaluator, model.contact.constrained()),
+      system_(model.layout, model.mass, model.contact.constrained(), model.evaluator.threads()),
+      solver_(model.evaluator.instruction_set(), model.evaluator.threads()) {}
 
 LinearModel::~LinearModel() = default;
 
 springnet_status LinearModel::linearise(const springnet_evaluation& at) {
   sweep_.reset();
+  at_hand_ = false;
   model_.constraints.linearise(*model_.placement(at.time), at.position);
   const springnet_status status = blocks_.update(at.time, node_arrays(at.position, at.velocity),
                                                  model_.external_at(at.time), model_.journal.message);
@@ -57,6 +74,69 @@ springnet_status LinearModel::factorise(double velocity_weight, double position_
 
 springnet_status LinearModel::solve(bool transposed, const double* right_side, double* x) {
   return blocks_.solve(transposed, right_side, x, model_.journal.message);
+}
+
+springnet_status LinearModel::prepare(const layers::SystemWeights& weights) {
+  using Kind = layers::BlockPreconditioner::Kind;
+  const layers::FlushDenormals flush;
+  prepared_ = factorised_ = false;
+  system_.assemble(blocks_, weights);
+  const bool rows = !model_.constraints.rows().empty();
+  solver_.prepare(system_, system_.is_thin() ? Kind::factors : Kind::blocks, [&](const std::vector<double>& mobility) {
+    return rows ? model_.constraints.projection(mobility) : layers::Projection();
+  });
+  right_side_.assign(3 * model_.mass.size() + 1, 0.0);
+  solution_.assign(3 * model_.mass.size() + 1, 0.0);
+  weights_ = weights;
+  prepared_ = at_hand_ = true;
+  return SPRINGNET_OK;
+}
+
+springnet_status LinearModel::solve_prepared(springnet_linear_solve& request) {
+  if (!prepared_) {
+    set_message(model_.journal.message, "solve_system was called without a prepared system");
+    return SPRINGNET_FAILED;
+  }
+  const std::size_t n = model_.mass.size();
+  for (std::size_t k = 0; k < n; ++k)
+    for (std::size_t c = 0; c < 3; ++c)
+      right_side_[3 * k + c] =
+          model_.contact.constrained()[k] != 0 ? 0.0 : model_.mass[k] * request.right_side[c * n + k];
+  // Conjugate gradients where the matrix is as good as symmetric, for the accuracy asked for.
+  const bool symmetric = system_.asymmetry() <= symmetric_share * request.accuracy;
+  const bool may_factorise = at_hand_ && n <= max_nodes_factorised;
+  const layers::IterativeSolver::Answer answer = solver_.solve(
+      system_, symmetric, request.accuracy, may_factorise ? patience : max_iterations, right_side_, solution_);
+  request.iterations = answer.iterations;
+  request.residual = answer.residual;
+  request.outcome = answer.outcome == layers::IterativeSolver::Outcome::solved      ? SPRINGNET_SOLVED
+                    : answer.outcome == layers::IterativeSolver::Outcome::truncated ? SPRINGNET_TRUNCATED
+                                                                                    : SPRINGNET_STALLED;
+  if (request.outcome == SPRINGNET_STALLED && may_factorise) return solve_directly(request);
+  for (std::size_t k = 0; k < n; ++k)
+    for (std::size_t c = 0; c < 3; ++c) request.x[c * n + k] = solution_[3 * k + c];
+  return SPRINGNET_OK;
+}
+
+springnet_status LinearModel::solve_directly(springnet_linear_solve& request) {
+  // (1 + shift) A with weights that are smaller by 1 + shift: of the form that factorise() knows.
+  const double scale = 1.0 / (1.0 + weights_.shift);
+  if (!factorised_) {
+    if (const springnet_status status = factorise(scale * weights_.velocity, scale * weights_.position);
+        status != SPRINGNET_OK)
+      return status;
+    factorised_ = true;
+  }
+  const std::size_t n = model_.mass.size();
+  std::vector<double> right_side(3 * n);
+  for (std::size_t i = 0; i < 3 * n; ++i)
+    right_side[i] = model_.contact.constrained()[i % n] != 0 ? 0.0 : scale * request.right_side[i];
+  const springnet_status status = solve(false, right_side.data(), request.x);
+  if (status != SPRINGNET_OK) return status;
+  const bool finite = std::all_of(request.x, request.x + 3 * n, [](double x) { return std::isfinite(x); });
+  request.outcome = finite ? SPRINGNET_SOLVED : SPRINGNET_STALLED;
+  request.residual = 0.0;
+  return SPRINGNET_OK;
 }
 
 springnet_status LinearModel::sweep(const springnet_sweep& request, const springnet_network& network) {

@@ -4,6 +4,8 @@
 
 #include <memory>
 
+#include "layers/linear/block_system.hpp"
+#include "layers/linear/iterative_solver.hpp"
 #include "layers/linear/linearisation.hpp"
 #include "simulation/model.hpp"
 #include "simulation/requests.hpp"
@@ -27,6 +29,9 @@ class LinearModel {
   void diagonal_blocks(double velocity_weight, double position_weight, double* out) const;
   springnet_status factorise(double velocity_weight, double position_weight);
   springnet_status solve(bool transposed, const double* right_side, double* x);
+  // Assembles a system with the derivatives at hand, which is then kept; and solves it, see springnet_host.
+  springnet_status prepare(const layers::SystemWeights& weights);
+  springnet_status solve_prepared(springnet_linear_solve& request);
   // A sweep of the linearised network in an order, see springnet_host::linear_sweep; `network.revision` shows changes
   // of its connections.
   springnet_status sweep(const springnet_sweep& request, const springnet_network& network);
@@ -35,16 +40,29 @@ class LinearModel {
   // Projects velocities onto the constraints, see springnet_host::project.
   springnet_status project(const double* mobility, double* values);
   // To be called after springs or elements were removed.
-  void topology_changed() noexcept { blocks_.topology_changed(); }
+  void topology_changed() noexcept {
+    blocks_.topology_changed();
+    system_.topology_changed();
+    prepared_ = false;
+  }
 
  private:
   // Adds the geometric stiffness of rods under tension, and the derivative of friction by the slip. Implicit methods
   // need both: they are stiff where tensions are great or slips slow.
   springnet_status add_constraints(const springnet_evaluation& at);
+  // By factorisation of the prepared system; only while its derivatives are those at hand.
+  springnet_status solve_directly(springnet_linear_solve& request);
 
   Model& model_;
   layers::Linearisation blocks_;
-  std::unique_ptr<LinearSweep> sweep_;  // of blocks_; null: not made since linearise()
+  layers::BlockSystem system_;  // prepared,
+  layers::IterativeSolver solver_;
+  layers::SystemWeights weights_;  // with these weights
+  bool prepared_ = false;
+  bool at_hand_ = false;                       // blocks_ are the derivatives that the system was assembled from
+  bool factorised_ = false;                    // the prepared system
+  std::vector<double> right_side_, solution_;  // [node][3] and one more
+  std::unique_ptr<LinearSweep> sweep_;         // of blocks_; null: not made since linearise()
   OrderCheck order_check_;
 };
 

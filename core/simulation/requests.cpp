@@ -21,6 +21,8 @@ constexpr std::size_t sweep_size = SPRINGNET_SIZE_TO(springnet_sweep, user);
 // Requests of later versions, in the version that added them; they grow at their end, too.
 constexpr std::size_t impact_search_size = SPRINGNET_SIZE_TO(springnet_impact_search, user);           // 1.3
 constexpr std::size_t linear_sweep_size = SPRINGNET_SIZE_TO(springnet_sweep, reserved);                // 1.4
+constexpr std::size_t linear_system_size = SPRINGNET_SIZE_TO(springnet_linear_system, shift);    // 1.5
+constexpr std::size_t linear_solve_size = SPRINGNET_SIZE_TO(springnet_linear_solve, iterations);  // 1.5
 constexpr std::size_t eigenvalue_size = SPRINGNET_SIZE_TO(springnet_eigenvalue_search, applications);  // 1.4
 
 [[noreturn]] void refuse(const std::string& what) { throw Error(ErrorKind::plugin, what); }
@@ -149,6 +151,23 @@ springnet_eigenvalue_search& checked(springnet_eigenvalue_search* search) {
   if (std::any_of(static_cast<const double*>(search->start), end, [](double x) { return !std::isfinite(x); }))
     refuse("start is not finite");
   return *search;
+}
+
+const springnet_linear_system& checked(const springnet_linear_system* system) {
+  const springnet_linear_system& request = sized(system, "springnet_linear_system", linear_system_size);
+  require_finite(request.velocity_weight, "velocity_weight");
+  require_finite(request.position_weight, "position_weight");
+  if (!(request.shift >= 0.0 && std::isfinite(request.shift)))
+    refuse(fmt::format("shift is {}, must be at least 0", request.shift));
+  return request;
+}
+
+springnet_linear_solve& checked(springnet_linear_solve* solve) {
+  static_cast<void>(sized(solve, "springnet_linear_solve", linear_solve_size));
+  require_array(solve->right_side, "right_side");
+  require_array(solve->x, "x");
+  if (!(solve->accuracy > 0.0)) refuse(fmt::format("accuracy is {}, must be above 0", solve->accuracy));
+  return *solve;
 }
 
 const springnet_sweep& checked_linear(const springnet_sweep* sweep, std::uint32_t node_count) {

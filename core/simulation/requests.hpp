@@ -31,6 +31,10 @@ const springnet_sweep& checked_linear(const springnet_sweep* sweep, std::uint32_
 // A search for an eigenvalue.
 springnet_eigenvalue_search& checked(springnet_eigenvalue_search* search);
 
+// A linear system, and its solution.
+const springnet_linear_system& checked(const springnet_linear_system* system);
+springnet_linear_solve& checked(springnet_linear_solve* solve);
+
 // Nodes for evaluate_nodes.
 void check_nodes(const std::uint32_t* nodes, std::uint32_t count, std::uint32_t node_count);
 

@@ -50,10 +50,22 @@ class ElementLinearisation {
   // Its other blocks, without the rank-one terms: what(i, j, block) for each i != j that has one.
   template <class What>
   void for_each_block(double velocity_weight, double position_weight, const What& what) const;
+  // The pattern of the blocks, and one of them, of its row's node by itself or by another node; only if any().
+  [[nodiscard]] const BlockRows& rows() const noexcept { return rows_; }
+  [[nodiscard]] Block weighted(std::size_t b, double velocity_weight, double position_weight) const {
+    Block result = position_weight * stiffness_[b];
+    if (damped_) result += velocity_weight * damping_[b];
+    return result;
+  }
   // Its rank-one terms g weight^T, one for each enclosure: what(enclosure, node, g, weight).
   [[nodiscard]] std::size_t vector_count() const noexcept { return layout_.elements().enclosures().size(); }
   template <class What>
   void for_each_vector(double velocity_weight, double position_weight, const What& what) const;
+  // The share of g in weight.
+  [[nodiscard]] double vector_stiffness(std::size_t enclosure, double velocity_weight, double position_weight) const {
+    const ElementForce& law = enclosures_[enclosure].law;
+    return position_weight * law.by_q + velocity_weight * law.by_rate;
+  }
 
  private:
   struct EnclosureDerivatives {
@@ -95,9 +107,7 @@ void ElementLinearisation::for_each_block(double velocity_weight, double positio
   for (std::uint32_t node = 0; node < layout_.node_count(); ++node) {
     for (std::size_t b = rows_.begin(node); b < rows_.end(node); ++b) {
       if (rows_.other(b) == node) continue;
-      Block block = position_weight * stiffness_[b];
-      if (damped_) block += velocity_weight * damping_[b];
-      what(node, rows_.other(b), block);
+      what(node, rows_.other(b), weighted(b, velocity_weight, position_weight));
     }
   }
 }

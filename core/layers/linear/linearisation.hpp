@@ -49,6 +49,22 @@ class Linearisation {
   void for_each_entry(double velocity_weight, double position_weight,
                       const std::function<void(int row, int column, double value)>& visit);
 
+  // ---- its parts, after update() ----
+  // velocity_weight (-dF/dv) + position_weight (-dF/dp) of a spring: force on its first end by that end's motion.
+  [[nodiscard]] Block weighted(std::uint32_t spring, double velocity_weight, double position_weight) const {
+    return velocity_weight * block(damping_, spring) + position_weight * block(stiffness_, spring);
+  }
+  // Of a node's neuron: da/dF (1/kg), da/dv (1/s, with the friction of add_to_velocity_block), da/dp (1/s^2).
+  [[nodiscard]] Eigen::Map<const Block> by_force(std::uint32_t node) const { return block(by_force_, node); }
+  [[nodiscard]] Eigen::Map<const Block> by_velocity(std::uint32_t node) const { return block(by_velocity_, node); }
+  [[nodiscard]] Eigen::Map<const Block> by_position(std::uint32_t node) const { return block(by_position_, node); }
+  [[nodiscard]] const ElementLinearisation& elements() const noexcept { return elements_; }
+  struct Bond {
+    std::uint32_t first, second;
+    Block stiffness;
+  };
+  [[nodiscard]] const std::vector<Bond>& bonds() const noexcept { return bonds_; }
+
   // Whether no neuron by itself feeds a motion: its da/dp and da/dv are diagonal and nowhere above 0.
   [[nodiscard]] bool neurons_dissipate() const;
 
@@ -77,10 +93,6 @@ class Linearisation {
  private:
   using Blocks = std::vector<double>;
   struct System;  // sparse matrices and their factors: Eigen's templates for them are compiled in one file only
-  struct Bond {
-    std::uint32_t first, second;
-    Block stiffness;
-  };
   [[nodiscard]] static Eigen::Map<const Block> block(const Blocks& blocks, std::size_t index) {
     return Eigen::Map<const Block>(blocks.data() + 9 * index);
   }

@@ -1,6 +1,4 @@
-// Linear systems of Newton's method. Iterative: BiCGSTAB, preconditioned with the 3x3 blocks of the nodes. Direct: by
-// the host with a reused pattern; for small networks, and as fallback if the iteration does not converge, unless the
-// network is so large that its factors would fill in.
+// Linear systems of Newton's method, prepared and solved by the host.
 #pragma once
 
 #include <cstdint>
@@ -17,31 +15,28 @@ class LinearSystem {
   void attach(const springnet_network& network);
   // Derivatives at a state, for the systems that follow.
   void linearise(const springnet_evaluation& at);
-  // Solves (I - w da/dv - w^2 da/dp + shift) x = b in the subspace that the constraints allow and that contains b; [3
-  // nodes], x of all nodes first. accuracy: of the iteration, relative to b. False: the matrix is practically singular.
+  // Whether solve() can do with what is at hand: derivatives, or a system that was assembled with the same weights.
+  [[nodiscard]] bool has(double weight, double shift) const noexcept;
+  // Solves (I - w da/dv - w^2 da/dp + shift) x = b among the changes that the constraints allow; [3 nodes], x of all
+  // nodes first. accuracy: relative to b. False: the matrix has negative curvature along b, or is practically singular.
   [[nodiscard]] bool solve(double weight, double shift, const std::vector<double>& b, double accuracy,
                            std::vector<double>& x);
+  // The matrix met negative curvature in the last solve().
+  [[nodiscard]] bool truncated() const noexcept { return truncated_; }
   // Projects values onto the constraints; no effect without any.
   void project(std::vector<double>& values) const;
 
  private:
-  bool solve_directly(double velocity_weight, double position_weight, const std::vector<double>& b,
-                      std::vector<double>& x);
-  bool iterate(double velocity_weight, double position_weight, const std::vector<double>& b, double accuracy,
-               std::vector<double>& x);
-  void make_preconditioner(double velocity_weight, double position_weight);
+  // Relative residual above which a solution is not used.
+  static constexpr double max_useful_residual = 0.5;
 
   sdk::Host host_;
-  std::size_t nodes_ = 0;
-  bool direct_ = true;         // now
-  bool may_factorise_ = true;  // if the iteration does not converge
   bool constrained_ = false;
-  bool factorised_ = false;  // with the weights below, the derivatives since linearise()
-  double velocity_weight_ = 0.0, position_weight_ = 0.0;
-  double krylov_iterations_ = 0.0;          // of the run
-  std::vector<double> mass_;                // kg
-  std::vector<double> inverse_, mobility_;  // [node][3][3]
-  std::vector<double> scaled_p_, scaled_v_, work_;
+  bool linearised_ = false;  // the host's derivatives are those of the last linearise()
+  bool prepared_ = false;    // with the weights below
+  bool truncated_ = false;
+  double weight_ = 0.0, shift_ = 0.0;
+  double krylov_iterations_ = 0.0;  // of the run
 };
 
 }  // namespace springnet::recurrent

@@ -278,6 +278,33 @@ class Host {
     return result;
   }
 
+  // Functions of ABI 1.5; they throw Failure if the host is older.
+  // Assembles A = (1 + shift) I - velocity_weight da/dv - position_weight da/dp and its preconditioner from the
+  // derivatives of the last linearise(); see plugin.h.
+  void prepare_system(double velocity_weight, double position_weight, double shift = 0.0) const {
+    require(SPRINGNET_HAS_FIELD(springnet_host, table_, solve_system), "1.5");
+    auto system = sized<springnet_linear_system>();
+    system.velocity_weight = velocity_weight;
+    system.position_weight = position_weight;
+    system.shift = shift;
+    check(table_->prepare_system(table_->context, &system));
+  }
+  struct Solved {
+    std::uint32_t outcome;     // SPRINGNET_SOLVED ...
+    double residual;           // relative
+    std::uint64_t iterations;  // of Krylov's method
+  };
+  // Solves A x = right_side among the changes that the constraints allow.
+  Solved solve_system(const double* right_side, double accuracy, double* x) const {
+    require(SPRINGNET_HAS_FIELD(springnet_host, table_, solve_system), "1.5");
+    auto solve = sized<springnet_linear_solve>();
+    solve.right_side = right_side;
+    solve.x = x;
+    solve.accuracy = accuracy;
+    check(table_->solve_system(table_->context, &solve));
+    return {solve.outcome, solve.residual, solve.iterations};
+  }
+
   // Reports a number for the summary, under `name`.
   void report(const char* name, double value) const noexcept { table_->report(table_->context, name, value); }
 

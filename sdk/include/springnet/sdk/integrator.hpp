@@ -108,8 +108,21 @@ struct IntegratorGlue {
     });
   }
   static constexpr bool has_limits = requires(Component & component, const LimitSink& sink) { component.limits(sink); };
-  static constexpr springnet_integrator implementation{sizeof(springnet_integrator),  0, &create, &destroy, &advance,
-                                                       has_limits ? &limits : nullptr};
+  static springnet_status forget(void* integrator) noexcept {
+    auto& instance = *static_cast<Instance*>(integrator);
+    return guarded(instance.host, [&]() -> springnet_status {
+      if constexpr (has_forget) instance.component.forget();
+      return SPRINGNET_OK;
+    });
+  }
+  static constexpr bool has_forget = requires(Component & component) { component.forget(); };
+  static constexpr springnet_integrator implementation{sizeof(springnet_integrator),
+                                                       0,
+                                                       &create,
+                                                       &destroy,
+                                                       &advance,
+                                                       has_limits ? &limits : nullptr,
+                                                       has_forget ? &forget : nullptr};
 
  private:
   struct Instance {

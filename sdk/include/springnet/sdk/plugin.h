@@ -25,7 +25,7 @@ extern "C" {
 
 #define SPRINGNET_MAGIC UINT64_C(0x54454e474e525053) /* "SPRNGNET" in little-endian memory */
 #define SPRINGNET_ABI_MAJOR 1u
-#define SPRINGNET_ABI_MINOR 4u
+#define SPRINGNET_ABI_MINOR 5u
 
 #if defined(_WIN32)
 #define SPRINGNET_EXPORT __declspec(dllexport)
@@ -409,6 +409,36 @@ typedef struct springnet_eigenvalue_search {
   uint64_t applications;  /* used */
 } springnet_eigenvalue_search;
 
+/* Since 1.5. A linear system of an implicit method: A = (1 + shift) I - velocity_weight da/dv - position_weight da/dp,
+ * with the derivatives of the last `linearise`. */
+typedef struct springnet_linear_system {
+  uint32_t struct_size;
+  uint32_t reserved;
+  double velocity_weight; /* s */
+  double position_weight; /* s^2 */
+  double shift;           /* 1, at least 0 */
+} springnet_linear_system;
+
+/* Since 1.5. How a linear system was solved. */
+enum {
+  SPRINGNET_SOLVED = 0,
+  /* The iteration met a direction in which the matrix has negative curvature: x is the iterate before, 0 if there is
+   * none. A greater shift makes the matrix definite. */
+  SPRINGNET_TRUNCATED = 1,
+  SPRINGNET_STALLED = 2 /* x is not accurate */
+};
+
+/* Since 1.5. Solves A x = right_side with the system prepared last. */
+typedef struct springnet_linear_solve {
+  uint32_t struct_size;
+  uint32_t outcome;         /* answer: SPRINGNET_SOLVED ... */
+  const double* right_side; /* [3 node_count], x of all nodes first; read as 0 for nodes that are fixed or held */
+  double* x;                /* [3 node_count]; may be right_side */
+  double accuracy;          /* of the residual, relative to the right-hand side, weighted with the masses */
+  double residual;          /* answer: as accuracy */
+  uint64_t iterations;      /* answer: of Krylov's method; 0 for a factorisation */
+} springnet_linear_solve;
+
 /* Matrices A = I - velocity_weight da/dv - position_weight da/dp in 3n unknowns (x of all nodes, then y, then z), at
  * the state last given to `linearise`. Rows of fixed and held nodes are those of the identity. With rigid connections
  * or sliding nodes, `solve` returns the x with A x + W G^T (multipliers) = b and G x = G b. */
@@ -501,6 +531,15 @@ typedef struct springnet_host {
   springnet_status (*linear_sweep)(void* context, const springnet_sweep* sweep);
   /* The dominant eigenvalue of a map, by Arnoldi's method with restarts. */
   springnet_status (*dominant_eigenvalue)(void* context, springnet_eigenvalue_search* search);
+
+  /* Since 1.5. */
+  /* Assembles a linear system and its preconditioner. It is kept, whatever is linearised later, until the next call or
+   * until nodes become fixed, held or free, springs or elements are removed (`revision`), or rigid connections and
+   * surfaces that nodes slide on have turned. */
+  springnet_status (*prepare_system)(void* context, const springnet_linear_system* system);
+  /* Solves it among the changes that rigid connections and surfaces allow. SPRINGNET_RECOVERABLE if the matrix is
+   * singular. */
+  springnet_status (*solve_system)(void* context, springnet_linear_solve* solve);
 } springnet_host;
 
 /* How a time step ended. */
@@ -563,6 +602,10 @@ typedef struct springnet_integrator {
   /* Reports the largest time steps at the committed state, for the options given to create. All host functions may be
    * called but commit and fire_events; loads are those of the committed time. */
   springnet_status (*limits)(void* integrator, const springnet_limits* limits);
+  /* since 1.5; null where the integrator keeps nothing */
+  /* Drops all that is kept from one call of `advance` to the next (derivatives, steps taken, estimates), so that the
+   * next one gives the same bits as that of an integrator created now. */
+  springnet_status (*forget)(void* integrator);
 } springnet_integrator;
 
 /* Smallest sizes that a host of ABI 1.x accepts: frozen, whatever is appended later. */

@@ -1,0 +1,15 @@
+// Projections onto what constraint rows G allow, with mobilities W of the nodes, in place; [node][3].
+#pragma once
+
+#include <functional>
+
+namespace springnet::layers {
+
+struct Projection {
+  // A change of velocities, m/s: Q z = z - W G^T (G W G^T)^-1 G z.
+  std::function<void(double* values)> change;
+  // Impulses, N s: Q^T r.
+  std::function<void(double* values)> impulse;
+};
+
+}  // namespace springnet::layers
