@@ -15,6 +15,10 @@ class LinearSystem {
   void attach(const springnet_network& network);
   // Derivatives at a state, for the systems that follow.
   void linearise(const springnet_evaluation& at);
+  // Another part of the integrator may have replaced the host's derivatives.
+  void others_linearised() noexcept { linearised_ = false; }
+  // Whether the host's derivatives are those of the last linearise().
+  [[nodiscard]] bool at_hand() const noexcept { return linearised_; }
   // Whether solve() can do with what is at hand: derivatives, or a system that was assembled with the same weights.
   [[nodiscard]] bool has(double weight, double shift) const noexcept;
   // Solves (I - w da/dv - w^2 da/dp + shift) x = b among the changes that the constraints allow; [3 nodes], x of all

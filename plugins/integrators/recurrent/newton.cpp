@@ -21,9 +21,15 @@ constexpr int max_shares = 5, max_shifts = 12;
 constexpr double restoration_factor = 0.6, restoration_weight = 3.0, restoration_accuracy = 0.1;
 constexpr int max_restorations = 8;
 constexpr double first_shift = 1.0, shift_growth = 10.0, min_shift = 0.05;
-// Derivatives are reused for another sweep while each sweep reduces the residual to this share.
-constexpr double fast_convergence = 0.05;
-constexpr double loosest_accuracy = 0.03, tightest_accuracy = 1e-4;  // accuracy of iterative solutions
+// Derivatives are kept, from step to step too, while each sweep reduces the residual to this share, but not for more
+// steps than these.
+constexpr double fast_convergence = 0.3;
+constexpr int max_age = 10;
+// Accuracy of iterative solutions: that of the first sweep; then by the last reduction of the residual, as Eisenstat
+// and Walker advise (1996, choice 2 with exponent 2), but no finer than to settle with some margin.
+constexpr double first_accuracy = 0.01, loosest_accuracy = 0.1, tightest_accuracy = 1e-8, accuracy_factor = 0.9;
+constexpr double settling_margin = 0.25;
+constexpr double accuracy_of_first_step = 1e-4;  // without a guess, from where the step starts
 // Steps and corrections this small, relative to the positions, are rounding.
 constexpr double negligible = 1e-14;
 
@@ -62,25 +68,69 @@ void Newton::attach(const springnet_network& network) {
 }
 
 void Newton::begin(Step& step) {
-  const springnet_state& outputs = work_.outputs_in_place(step);
+  const springnet_network& network = step.network;
+  for (std::uint32_t k = 0; k < network.node_count; ++k) pinned_[k] = network.fixed[k] | network.held[k];
+  extrapolation_.learn(step.from, sdk::view(step.start.velocity), network.node_count);
+  system_.others_linearised();
+  const bool same_nodes = std::equal(status_.begin(), status_.end(), network.status);
+  const bool turning_rows =
+      network.rigid_count > 0 || std::count(status_.begin(), status_.end(), SPRINGNET_SLIDING) > 0;
+  const bool keeps = linearised_ && !at_rejected_ && shift_ == 0.0 && rate_ < fast_convergence && same_nodes &&
+                     !turning_rows && age_ < max_age && system_.has(step.weight(), 0.0);
+  ++age_;
+  if (!keeps) linearised_ = false;
+  std::copy_n(network.status, network.node_count, status_.begin());
+  guessed_ = step.outputs == nullptr && start_from_guess(step);
+  start(step);
+}
+
+// Puts nodes that move freely where earlier steps lead. False: there is no guess, and outputs are those of the start.
+bool Newton::start_from_guess(Step& step) {
+  const springnet_network& network = step.network;
+  springnet_state& outputs = work_.outputs_in_place(step);
+  if (!extrapolation_.guess(step.until, outputs.velocity)) return false;
+  const double w = step.weight();
+  const Three u = axes(outputs.velocity), p = axes(outputs.position);
+  const ThreeConst v = axes(sdk::view(step.start.velocity)), start = axes(step.free_position);
+  for (std::uint32_t k = 0; k < network.node_count; ++k) {
+    const bool is_free = pinned_[k] == 0 && !is_partly_constrained(step, k);
+    for (std::size_t axis = 0; axis < 3; ++axis) {
+      if (is_free)
+        p[axis][k] = start[axis][k] + w * u[axis][k];
+      else
+        u[axis][k] = v[axis][k];
+    }
+  }
+  return true;
+}
+
+// Evaluates the outputs where the propagation starts.
+void Newton::start(Step& step) {
   const springnet_network& network = step.network;
   work_.forget_constraint_force();
+  // Prescribed nodes go where they will be; with surfaces or rigid connections settle() does that.
+  if (!step.constrained()) settle_prescribed(step);
+  springnet_state& outputs = work_.outputs_in_place(step);
   work_.evaluate(step, outputs);
   work_.record.begin(network, sdk::view(outputs.force), work_.acceleration().view());
-  linearised_ = fresh_ = false;
+  fresh_ = false;
   first_ = true;
   shift_ = 0.0;
-  rate_ = 1.0;
   contact_changes_ = 0;
-  work_.free_accelerations(step, outputs);
-  std::copy_n(network.status, network.node_count, status_.begin());
   std::fill(has_friction_.begin(), has_friction_.end(), std::uint8_t{0});
-  for (std::uint32_t k = 0; k < network.node_count; ++k) {
-    pinned_[k] = network.fixed[k] | network.held[k];
+  for (std::uint32_t k = 0; k < network.node_count; ++k)
     if (network.touching[k] != 0 && network.cluster[k] != no_node) has_friction_[network.cluster[k]] = 1;
-  }
+  if (step.constrained()) work_.free_accelerations(step, outputs);
   assess(step, outputs, at_outputs_);
-  settle(step, nullptr);
+  if (step.constrained()) settle(step, nullptr);
+}
+
+// The careful way, after a guess that led astray: from the state at the start of the step.
+void Newton::start_again(Step& step) {
+  step.outputs = nullptr;
+  guessed_ = linearised_ = false;
+  rate_ = 1.0;
+  start(step);
 }
 
 void Newton::assess(const Step& step, const springnet_state& state, Assessment& result) {
@@ -118,14 +168,13 @@ void Newton::linearise(const Step& step) {
   system_.linearise(sdk::evaluation_at(step.until, *step.outputs));
   linearised_ = fresh_ = true;
   at_rejected_ = false;
+  age_ = 0;
 }
 
 void Newton::set_up(const Step& step) {
   const std::size_t n = step.network.node_count;
   const springnet_state& outputs = *step.outputs;
   const double w = step.weight();
-  const bool reuse = linearised_ && !at_rejected_ && (fresh_ || (shift_ == 0.0 && rate_ < fast_convergence));
-  if (!reuse) linearise(step);
   // Nodes whose P is not p* + w U are moved there: w^2 da/dp (p* + w U - P) / w.
   double greatest = 0.0;
   for (std::size_t axis = 0; axis < 3; ++axis) {
@@ -138,6 +187,9 @@ void Newton::set_up(const Step& step) {
       greatest = std::max(greatest, std::abs(gap));
     }
   }
+  const bool fast = shift_ == 0.0 && rate_ < fast_convergence && (greatest == 0.0 || system_.at_hand());
+  const bool keeps = linearised_ && !at_rejected_ && (fresh_ || fast) && system_.has(w, shift_);
+  if (!keeps) linearise(step);
   std::fill(right_side_.begin(), right_side_.end(), 0.0);
   if (greatest > 0.0) {
     for (std::size_t i = 0; i < 3 * n; ++i) work_values_[i] = w * w * gap_[i];
@@ -147,6 +199,14 @@ void Newton::set_up(const Step& step) {
   for (std::size_t i = 0; i < 3 * n; ++i)
     right_side_[i] = pinned_[i % n] != 0 ? 0.0 : right_side_[i] - at_outputs_.residual[i];
   system_.project(right_side_);
+}
+
+// Of the linear system of this sweep.
+double Newton::accuracy(const Step& step) const {
+  const double wanted = first_ ? first_accuracy : std::min(first_accuracy, accuracy_factor * rate_ * rate_);
+  const double force = greatest_force(step, at_outputs_.residual);
+  const double enough = force > 0.0 ? settling_margin * step.tolerance / force : loosest_accuracy;
+  return std::clamp(std::max(wanted, enough), tightest_accuracy, loosest_accuracy);
 }
 
 void Newton::find_direction(const Step& step, double accuracy) {
@@ -248,10 +308,22 @@ bool Newton::restore(const Step& step, const springnet_state& candidate) {
   return false;
 }
 
+bool Newton::try_whole_step(const Step& step, const springnet_state& candidate) {
+  find_direction(step, accuracy(step));
+  if (!is_solved_ || system_.truncated() || at_outputs_.slope > 0.0) return false;
+  const double slope = at_outputs_.slope;
+  evaluate_candidate(step, 1.0, candidate);
+  if (!fresh_) {
+    return at_candidate_.norm <= good_decrease * at_outputs_.norm ||
+           (std::isfinite(at_candidate_.norm) && greatest_force(step, at_candidate_.residual) <= step.tolerance);
+  }
+  return is_good(step, slope) || (at_candidate_.norm > max_growth * at_outputs_.norm && restore(step, candidate));
+}
+
 void Newton::search(Step& step, const springnet_state& candidate) {
-  const double accuracy = std::clamp(rate_ * rate_, tightest_accuracy, loosest_accuracy);
+  const double wanted = accuracy(step);
   for (int shifts = 0; shifts < max_shifts; ++shifts) {
-    find_direction(step, accuracy);
+    find_direction(step, wanted);
     if (is_solved_ && at_outputs_.slope <= 0.0) {
       const double slope = at_outputs_.slope;
       double share = 1.0;
@@ -292,15 +364,20 @@ void Newton::start_at_rest(const Step& step, const springnet_state& candidate) {
 }
 
 void Newton::sweep(Step& step) {
-  springnet_state& start = *step.outputs;
-  springnet_state& candidate = work_.state_beside(&start);
+  const std::uint64_t changes = contact_changes_;
   for (int tries = 1;; ++tries) {
-    advance(step, candidate);
+    springnet_state& start = *step.outputs;
+    springnet_state& candidate = work_.state_beside(&start);
+    if (!advance(step, candidate)) {
+      start_again(step);
+      continue;
+    }
+    if (!step.constrained()) break;
     try {
       settle(step, &start);
       break;
     } catch (const sdk::Failure& failure) {
-      if (!failure.recoverable() || tries == max_shifts) throw;
+      if (!failure.recoverable() || tries >= max_shifts) throw;
     }
     // The constraints cannot be satisfied that far away: shorten the step.
     std::swap(at_outputs_, at_candidate_);
@@ -309,29 +386,41 @@ void Newton::sweep(Step& step) {
     shift_ = std::max(first_shift, shift_growth * shift_);
   }
   step.residual = residual(step);
+  // Contacts just decided may change again.
+  step.residual_decides = contact_changes_ == changes;
   ++step.sweeps;
   step.evaluated = true;
   step.finite = std::isfinite(at_outputs_.norm) && std::isfinite(step.residual);
   compare_forces(step);
 }
 
-void Newton::advance(Step& step, springnet_state& candidate) {
+bool Newton::advance(Step& step, springnet_state& candidate) {
   set_up(step);
-  if (first_) {
+  bool done = false;
+  if (!first_ || guessed_) {
+    const bool kept = !fresh_;
+    done = (kept || guessed_) && try_whole_step(step, candidate);
+    if (!done && kept) {
+      linearise(step);
+      set_up(step);
+      done = guessed_ && first_ && try_whole_step(step, candidate);
+    }
+    if (!done && guessed_ && first_) return false;
+    if (!done) search(step, candidate);
+  } else {
     // The step of the system linearised at the start, which needs no P = p* + w U there.
-    find_direction(step, tightest_accuracy);
+    find_direction(step, accuracy_of_first_step);
     if (is_solved_) evaluate_candidate(step, 1.0, candidate);
     const bool is_off = at_candidate_.norm > max_growth * at_outputs_.norm;
     const bool is_near = is_solved_ && (at_candidate_.norm <= at_outputs_.norm || (is_off && restore(step, candidate)));
     if (!is_near) start_at_rest(step, candidate);
-    first_ = false;
-  } else {
-    search(step, candidate);
   }
+  first_ = false;
   rate_ = at_outputs_.norm > 0.0 ? at_candidate_.norm / at_outputs_.norm : 0.0;
   std::swap(at_outputs_, at_candidate_);
   step.outputs = &candidate;
   fresh_ = false;
+  return true;
 }
 
 // As Workspace::residual(), plus the remainder of shortened steps.

@@ -14,6 +14,7 @@
 #include <cstdint>
 #include <vector>
 
+#include "extrapolation.hpp"
 #include "linear_system.hpp"
 #include "rule.hpp"
 
@@ -38,8 +39,14 @@ class Newton final : public Rule {
 
   // Assesses outputs whose forces have been evaluated.
   void assess(const Step& step, const springnet_state& state, Assessment& result);
-  // Makes a step from the outputs to the candidate, which becomes the outputs.
-  void advance(Step& step, springnet_state& candidate);
+  [[nodiscard]] bool start_from_guess(Step& step);
+  void start(Step& step);
+  void start_again(Step& step);
+  // Makes a step from the outputs to the candidate, which becomes the outputs. False: the outputs were a guess from
+  // which no whole step is good.
+  [[nodiscard]] bool advance(Step& step, springnet_state& candidate);
+  // Moves prescribed nodes of a network without other constraints to the end of the step.
+  void settle_prescribed(Step& step);
   // Constrains the newest outputs, assessed in at_outputs_, and decides contacts. Does not change the state `before`.
   void settle(Step& step, const springnet_state* before);
   // Outputs of nodes on surfaces without constraints, on which the host bases its decisions.
@@ -49,6 +56,7 @@ class Newton final : public Rule {
   // Sets the right side, and the derivatives unless those of an earlier sweep are good enough.
   void set_up(const Step& step);
   void linearise(const Step& step);
+  [[nodiscard]] double accuracy(const Step& step) const;
   void find_direction(const Step& step, double accuracy);
   // Sets the candidate to outputs + share * direction, and assesses it.
   void evaluate_candidate(const Step& step, double share, const springnet_state& candidate);
@@ -61,6 +69,9 @@ class Newton final : public Rule {
   // Greatest force of a residual, N.
   [[nodiscard]] static double greatest_force(const Step& step, const std::vector<double>& residual);
   [[nodiscard]] bool is_good(const Step& step, double slope) const;
+  // Makes the candidate a whole step without a shift. False: it is not good enough; with kept derivatives it must
+  // reduce the residual, with fresh ones is_good() decides.
+  [[nodiscard]] bool try_whole_step(const Step& step, const springnet_state& candidate);
   void search(Step& step, const springnet_state& candidate);
   // Outputs with P = p* + w U at the positions where the step's propagation starts.
   void start_at_rest(const Step& step, const springnet_state& candidate);
@@ -72,6 +83,7 @@ class Newton final : public Rule {
 
   Workspace& work_;
   LinearSystem system_;
+  Extrapolation extrapolation_;
   Assessment at_outputs_, at_candidate_;
   std::vector<std::uint8_t> pinned_;            // [n] 1: held, fixed or prescribed
   std::vector<std::uint8_t> was_pinned_;        // [n] pinned_ before the host's last decision
@@ -79,10 +91,12 @@ class Newton final : public Rule {
   std::vector<std::uint8_t> has_friction_;      // [cluster] 1: it has contact, or had in this step
   double shift_ = 0.0;                          // mu
   double rate_ = 1.0;                           // reduction of the norm in the last sweep; 1 if contacts changed
-  bool linearised_ = false;                     // derivatives exist, of this sweep or an earlier one
+  bool linearised_ = false;                     // derivatives exist, of this sweep, an earlier one or an earlier step
   bool fresh_ = false;                          // derivatives are at the newest outputs, up to corrections by settle()
   bool at_rejected_ = false;                    // derivatives are at a candidate that restore() rejected
   bool first_ = false;                          // first sweep of a step
+  bool guessed_ = false;                        // that step starts from a guess
+  int age_ = 0;                                 // steps since the derivatives were computed
   bool is_solved_ = false;                      // the linear system was solved
   std::vector<double> right_side_, direction_;  // [3n] b, delta
   std::vector<double> uncorrected_, correction_;   // [3n] delta before restore(), and its correction
@@ -91,7 +105,7 @@ class Newton final : public Rule {
   Columns contact_acceleration_;                   // [contacts] without constraints, m/s^2
   std::vector<double> inertia_;                    // [n][3][3] kg, effective mass for the host's corrections
   std::vector<double> by_velocity_, by_position_;  // [n][3][3], of contact_acceleration_
-  int contact_changes_ = 0;                        // sweeps of the step that changed contacts
+  std::uint64_t contact_changes_ = 0;              // sweeps of the step that changed contacts
 };
 
 }  // namespace springnet::recurrent

@@ -16,7 +16,7 @@ constexpr double negligible = 1e-14;
 // To test for separation, held nodes may be moved at least this far, in units of the length scale.
 constexpr double min_move_limit = 1e-3;
 // After this many sweeps of a step that change contacts, held nodes stay where they are.
-constexpr int patience = 6;
+constexpr std::uint64_t patience = 6;
 
 // Whether outputs differ by more than rounding.
 bool differ(const springnet_vectors& a, const springnet_vectors& b, std::size_t n) noexcept {
@@ -97,6 +97,15 @@ void Newton::settle(Step& step, const springnet_state* before) {
   if (switched && network.rigid_count == 0) linearised_ = false;
   assess(step, *step.outputs, at_outputs_);
   if (switched) rate_ = 1.0;
+}
+
+void Newton::settle_prescribed(Step& step) {
+  springnet_state& outputs = work_.outputs_in_place(step);
+  springnet_state& next = work_.state_beside(&outputs);
+  copy(sdk::view(outputs.position), next.position, step.network.node_count);
+  copy(sdk::view(outputs.velocity), next.velocity, step.network.node_count);
+  work_.host.constrain(work_.sweep_call(step, outputs, next));
+  step.outputs = &next;
 }
 
 // Reads the host's decisions. Returns whether any node's changed.

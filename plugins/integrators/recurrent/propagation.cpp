@@ -45,6 +45,7 @@ Verdict propagate(Rule& rule, Workspace& workspace, Step& step, const Limits& li
     if (!step.finite) return Verdict::diverging;
     if (limits.exact_sweeps > 0) continue;
     Verdict verdict = monitor.judge(step.differences.greatest);
+    if (step.residual_decides && step.residual <= step.tolerance) return Verdict::settled;
     if (verdict == Verdict::settled) {
       if (!check.is_due() && monitor.sweeps() < limits.max_sweeps) continue;
       workspace.complete(step);

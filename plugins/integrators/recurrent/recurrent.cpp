@@ -315,6 +315,7 @@ Attempt Recurrent::propagate_with(Update update, Step& step, std::uint64_t max_s
   step.start_node = no_node;
   step.finite = true;
   step.evaluated = false;
+  step.residual_decides = false;
   step.residual = std::numeric_limits<double>::quiet_NaN();
   try {
     work_.know_start_acceleration(step);

@@ -37,6 +37,7 @@ struct Step {
   std::uint32_t start_node = no_node;
   bool finite = true;
   double residual = std::numeric_limits<double>::quiet_NaN();  // N
+  bool residual_decides = false;  // the residual alone, which the rule has set, tells whether the step has settled
 
   [[nodiscard]] double weight() const noexcept { return theta * time_constant; }
   [[nodiscard]] const springnet_state& newest() const noexcept { return outputs == nullptr ? start : *outputs; }
