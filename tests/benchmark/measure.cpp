@@ -129,8 +129,8 @@ class Repetitions {
 
   bool next() {
     const double spent = now(Clock::wall) - start_;
-    if (done_ == window_.repetitions || (done_ > 1 && spent > window_.enough) || (done_ > 0 && spent > window_.most))
-      return false;
+    const double limit = done_ == 1 ? window_.most : done_ == 2 ? window_.enough : window_.least;
+    if (done_ > 0 && spent >= limit) return false;
     ++done_;
     return true;
   }
@@ -156,7 +156,8 @@ Comparison against_naive(const Case& one, const Window& window) {
 }
 
 Pair in_turn(const Case& one, const SimulationOptions& first, const SimulationOptions& second, const Window& window) {
-  TimedSteps a(one, first, window, Clock::wall), b(one, second, window, Clock::wall);
+  const Clock clock = first.threads == 1 && second.threads == 1 ? Clock::thread : Clock::wall;
+  TimedSteps a(one, first, window, clock), b(one, second, window, clock);
   for (Repetitions repetitions(window); repetitions.next();) {
     a.repeat();
     b.repeat();

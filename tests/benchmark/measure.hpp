@@ -13,10 +13,11 @@ namespace springnet::benchmark {
 // Which steps are timed, and how often. A simulation makes the same steps each time, so that each counts with its
 // fastest time: what other programs on the machine cost is left out as far as possible.
 struct Window {
-  std::uint64_t skipped = 0;          // steps from the start that are not timed
-  std::uint64_t steps = 1;            // timed; all_steps: until the end of the scene
-  int repetitions = 3;                // at most
-  double enough = 10.0, most = 25.0;  // s: no third repetition after the first, no second after the second
+  std::uint64_t skipped = 0;  // steps from the start that are not timed
+  std::uint64_t steps = 1;    // timed; all_steps: until the end of the scene
+  // s: a row is repeated for `least`, up to `most` to be repeated once, and up to `enough` to be repeated twice. All 0:
+  // once.
+  double least = 2.0, enough = 10.0, most = 25.0;
 };
 inline constexpr std::uint64_t all_steps = ~std::uint64_t{0};
 
@@ -34,7 +35,7 @@ struct Comparison {
 };
 [[nodiscard]] Comparison against_naive(const Case& one, const Window& window);
 
-// The same steps in two ways, in seconds of the clock.
+// The same steps in two ways: in seconds of the thread if both run on one, else in those of the clock.
 struct Pair {
   Cost first, second;
 };
