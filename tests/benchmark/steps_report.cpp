@@ -23,7 +23,7 @@ std::string digits(double value) {
   return fmt::format("{:.3g}", value);
 }
 
-std::string floor_of(const Result& result) { return result.floor ? fmt::format("{:g}", *result.floor) : ""; }
+std::string floor_of(const Result& result) { return result.floor ? fmt::format("{:.3g}", *result.floor) : ""; }
 
 std::string processor_name() {
   std::ifstream stream("/proc/cpuinfo");
