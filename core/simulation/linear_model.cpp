@@ -13,7 +13,7 @@ namespace springnet {
 namespace {
 
 // Conjugate gradients are used up to this asymmetry of the matrix, in units of the accuracy asked for.
-constexpr double symmetric_share = 0.1;
+constexpr double symmetric_share = 1.0;
 // Iterations before a factorisation is tried, for nets of up to so many nodes, and the most without one.
 constexpr std::uint32_t patience = 100, max_iterations = 400;
 constexpr std::size_t max_nodes_factorised = 3000;
@@ -79,7 +79,7 @@ springnet_status LinearModel::solve(bool transposed, const double* right_side, d
 springnet_status LinearModel::prepare(const layers::SystemWeights& weights) {
   using Kind = layers::BlockPreconditioner::Kind;
   const layers::FlushDenormals flush;
-  prepared_ = factorised_ = false;
+  prepared_ = factorised_ = indefinite_ = false;
   system_.assemble(blocks_, weights);
   const bool rows = !model_.constraints.rows().empty();
   solver_.prepare(system_, system_.is_thin() ? Kind::factors : Kind::blocks, [&](const std::vector<double>& mobility) {
@@ -103,10 +103,19 @@ springnet_status LinearModel::solve_prepared(springnet_linear_solve& request) {
       right_side_[3 * k + c] =
           model_.contact.constrained()[k] != 0 ? 0.0 : model_.mass[k] * request.right_side[c * n + k];
   // Conjugate gradients where the matrix is as good as symmetric, for the accuracy asked for.
-  const bool symmetric = system_.asymmetry() <= symmetric_share * request.accuracy;
+  const bool symmetric = !indefinite_ && system_.asymmetry() <= symmetric_share * request.accuracy;
   const bool may_factorise = at_hand_ && n <= max_nodes_factorised;
-  const layers::IterativeSolver::Answer answer = solver_.solve(
-      system_, symmetric, request.accuracy, may_factorise ? patience : max_iterations, right_side_, solution_);
+  const auto solve = [&](bool by_conjugate_gradients) {
+    return solver_.solve(system_, by_conjugate_gradients, request.accuracy, may_factorise ? patience : max_iterations,
+                         right_side_, solution_);
+  };
+  layers::IterativeSolver::Answer answer = solve(symmetric);
+  if (answer.outcome == layers::IterativeSolver::Outcome::truncated) {
+    // As with a sheet under compression: the step may still have one solution, to which the whole matrix leads.
+    indefinite_ = true;
+    answer = solve(false);
+  }
+  if (std::getenv("DBG")) std::fprintf(stderr, "  solve acc %.1e asym %.1e sym %d kind %d thin %d its %u res %.1e out %d\n", request.accuracy, system_.asymmetry(), symmetric, int(solver_.preconditioner().kind()), system_.is_thin(), answer.iterations, answer.residual, int(answer.outcome));
   request.iterations = answer.iterations;
   request.residual = answer.residual;
   request.outcome = answer.outcome == layers::IterativeSolver::Outcome::solved      ? SPRINGNET_SOLVED

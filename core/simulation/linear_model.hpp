@@ -61,6 +61,7 @@ class LinearModel {
   bool prepared_ = false;
   bool at_hand_ = false;                       // blocks_ are the derivatives that the system was assembled from
   bool factorised_ = false;                    // the prepared system
+  bool indefinite_ = false;                    // conjugate gradients met negative curvature in it
   std::vector<double> right_side_, solution_;  // [node][3] and one more
   std::unique_ptr<LinearSweep> sweep_;         // of blocks_; null: not made since linearise()
   OrderCheck order_check_;

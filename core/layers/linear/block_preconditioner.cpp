@@ -21,6 +21,23 @@ std::optional<Columns> inverse_of(const Columns& block) {
   return Columns(0.5 * (inverse + inverse.transpose()));
 }
 
+// A pivot of the factorisation is at least this share of the node's own block, and of its mass, in each of its
+// principal directions. A sheet under compression, for example, has negative ones across its plane, where nothing may
+// move.
+constexpr double min_pivot = 0.3;
+
+// Inverse of the pivot made positive definite; `own` is the node's own block.
+Columns inverse_of_pivot(const Columns& pivot, const Columns& own, double mass) {
+  const Eigen::SelfAdjointEigenSolver<Columns> modes(0.5 * (pivot + pivot.transpose()));
+  Columns inverse = Columns::Zero();
+  for (Eigen::Index i = 0; i < 3; ++i) {
+    const Vector3 mode = modes.eigenvectors().col(i);
+    const double floor = min_pivot * std::max(std::abs(mode.dot(own * mode)), mass);
+    inverse += mode * mode.transpose() / std::max(std::abs(modes.eigenvalues()[i]), floor);
+  }
+  return inverse;
+}
+
 }  // namespace
 
 void BlockPreconditioner::set(const BlockSystem& system, Kind wanted, unsigned threads) {
@@ -31,14 +48,12 @@ void BlockPreconditioner::set(const BlockSystem& system, Kind wanted, unsigned t
   const std::size_t n = system.node_count();
   pivots_.resize(9 * n + 1);
   const auto pieces = static_cast<std::int64_t>((n + piece - 1) / piece);
-  int failed = 0;
-#pragma omp parallel for schedule(dynamic, 1) num_threads(static_cast <int>(threads)) reduction(+ : failed) \
-    if (threads > 1 && pieces > 1)
+#pragma omp parallel for schedule(dynamic, 1) num_threads(static_cast <int>(threads)) if (threads > 1 && pieces > 1)
   for (std::int64_t p = 0; p < pieces; ++p) {
     const std::size_t begin = static_cast<std::size_t>(p) * piece;
-    if (!factorise(system, {begin, std::min(n, begin + piece)})) ++failed;
+    factorise(system, {begin, std::min(n, begin + piece)});
   }
-  if (failed == 0) kind_ = Kind::factors;
+  kind_ = Kind::factors;
 }
 
 void BlockPreconditioner::invert_blocks(const BlockSystem& system) {
@@ -47,8 +62,9 @@ void BlockPreconditioner::invert_blocks(const BlockSystem& system) {
   const double* values = system.arrays().values;
   for (std::size_t k = 0; k < n; ++k) {
     const Eigen::Map<const Columns> block(values + 9 * std::size_t{system.own_block(k)});
+    const std::optional<Columns> inverse = inverse_of(block);
     Eigen::Map<Columns>(inverse_.data() + 9 * k) =
-        inverse_of(block).value_or(Columns(Columns::Identity() / system.mass()[k]));
+        inverse ? *inverse : inverse_of_pivot(block, block, system.mass()[k]);
   }
 }
 
@@ -75,7 +91,7 @@ void BlockPreconditioner::find_pattern(const BlockSystem& system) {
   upper_.values.resize(9 * upper_.column.size() + 1);
 }
 
-bool BlockPreconditioner::factorise(const BlockSystem& system, NodeRange nodes) {
+void BlockPreconditioner::factorise(const BlockSystem& system, NodeRange nodes) {
   const double* from = system.arrays().values;
   const auto copy = [from](Triangle& t, std::size_t b) {
     std::copy_n(from + 9 * std::size_t{t.source[b]}, 9, &t.values[9 * b]);
@@ -95,7 +111,8 @@ bool BlockPreconditioner::factorise(const BlockSystem& system, NodeRange nodes) 
       copy(upper_, b);
       place[upper_.column[b] - nodes.begin] = b;
     }
-    Columns own = Eigen::Map<const Columns>(from + 9 * std::size_t{system.own_block(k)});
+    const Columns whole = Eigen::Map<const Columns>(from + 9 * std::size_t{system.own_block(k)});
+    Columns own = whole;
     for (std::uint32_t b = l_begin; b < l_end; ++b) {
       const std::uint32_t j = lower_.column[b];
       const Columns factor = block(lower_.values, b) * block(pivots_, j);
@@ -114,10 +131,8 @@ bool BlockPreconditioner::factorise(const BlockSystem& system, NodeRange nodes) 
     for (std::uint32_t b = l_begin; b < l_end; ++b) place[lower_.column[b] - nodes.begin] = none;
     for (std::uint32_t b = u_begin; b < u_end; ++b) place[upper_.column[b] - nodes.begin] = none;
     const std::optional<Columns> inverse = inverse_of(own);
-    if (!inverse) return false;
-    block(pivots_, k) = *inverse;
+    block(pivots_, k) = inverse ? *inverse : inverse_of_pivot(own, whole, system.mass()[k]);
   }
-  return true;
 }
 
 void BlockPreconditioner::apply(const BlockKernels& kernels, NodeRange nodes, const double* r, double* z) const {

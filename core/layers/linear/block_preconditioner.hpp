@@ -17,10 +17,9 @@ class BlockPreconditioner {
   // Most nodes of a piece. Pieces depend on the network alone, never on the number of threads.
   static constexpr std::size_t piece = 4096;
 
-  // Sets it up for a system. A factorisation that meets a block that is not positive definite is given up: kind().
   void set(const BlockSystem& system, Kind wanted, unsigned threads);
   [[nodiscard]] Kind kind() const noexcept { return kind_; }
-  // Inverses of the nodes' own blocks, symmetric; [node][9]. Those not positive definite are replaced by 1/mass.
+  // Inverses of the nodes' own blocks, symmetric; [node][9]. Made positive definite where they are not.
   [[nodiscard]] const std::vector<double>& inverse_blocks() const noexcept { return inverse_; }
   // z = P^-1 r for nodes of one or more whole pieces.
   void apply(const BlockKernels& kernels, NodeRange nodes, const double* r, double* z) const;
@@ -29,8 +28,7 @@ class BlockPreconditioner {
   using Columns = Eigen::Matrix<double, 3, 3>;
   void invert_blocks(const BlockSystem& system);
   void find_pattern(const BlockSystem& system);
-  // False: a block is not positive definite.
-  [[nodiscard]] bool factorise(const BlockSystem& system, NodeRange nodes);
+  void factorise(const BlockSystem& system, NodeRange nodes);
 
   struct Triangle {
     std::vector<std::uint32_t> start, column, source;  // source: block of the system
