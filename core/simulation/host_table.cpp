@@ -161,9 +161,11 @@ springnet_status solve(void* context, std::int32_t transposed, const double* rig
   });
 }
 springnet_status prepare_system(void* context, const springnet_linear_system* request) {
-  return linearised(context, "prepare_system", [&](Engine& engine) {
-    const springnet_linear_system system = checked(request);
-    return engine.linear().prepare({system.velocity_weight, system.position_weight, system.shift});
+  return outside_of_sweeps(context, "prepare_system", [&](Engine& engine) {
+    const springnet_linear_system& system = checked(request);
+    if (system.at == nullptr && !engine.linear().known())
+      throw Error(ErrorKind::plugin, "derivatives were asked for before linearise");
+    return engine.linear().prepare(system);
   });
 }
 springnet_status solve_system(void* context, springnet_linear_solve* request) {

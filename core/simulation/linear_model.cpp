@@ -14,6 +14,8 @@ namespace {
 
 // Conjugate gradients are used up to this asymmetry of the matrix, in units of the accuracy asked for.
 constexpr double symmetric_share = 1.0;
+// More may not be left out of an approximate system.
+constexpr double max_asymmetry = 0.05;
 // Iterations before a factorisation is tried, for nets of up to so many nodes, and the most without one.
 constexpr std::uint32_t patience = 100, max_iterations = 400;
 constexpr std::size_t max_nodes_factorised = 3000;
@@ -24,7 +26,8 @@ LinearModel::LinearModel(Model& model)
     : model_(model),
       blocks_(model.layout, model.evaluator, model.contact.constrained()),
       system_(model.layout, model.mass, model.contact.constrained(), model.evaluator.threads()),
-      solver_(model.evaluator.instruction_set(), model.evaluator.threads()) {}
+      solver_(model.evaluator.instruction_set(), model.evaluator.threads()),
+      matrix_free_(model.layout, model.evaluator, model.mass, model.contact.constrained()) {}
 
 LinearModel::~LinearModel() = default;
 
@@ -76,28 +79,65 @@ springnet_status LinearModel::solve(bool transposed, const double* right_side, d
   return blocks_.solve(transposed, right_side, x, model_.journal.message);
 }
 
-springnet_status LinearModel::prepare(const layers::SystemWeights& weights) {
-  using Kind = layers::BlockPreconditioner::Kind;
+springnet_status LinearModel::prepare(const springnet_linear_system& request) {
   const layers::FlushDenormals flush;
-  prepared_ = factorised_ = indefinite_ = false;
-  system_.assemble(blocks_, weights);
+  prepared_ = Prepared::nothing;
+  factorised_ = indefinite_ = false;
+  weights_ = {request.velocity_weight, request.position_weight, request.shift};
+  if (request.at != nullptr) {
+    const springnet_evaluation& at = *request.at;
+    if (request.exact == 0 && may_be_matrix_free() &&
+        matrix_free_.prepare(at.time, node_arrays(at.position, at.velocity), model_.external_at(at.time), weights_) &&
+        matrix_free_.asymmetry() <= max_asymmetry) {
+      prepared_ = Prepared::matrix_free;
+      at_hand_ = false;
+      return SPRINGNET_OK;
+    }
+    if (const springnet_status status = linearise(at); status != SPRINGNET_OK) return status;
+  }
+  assemble();
+  return SPRINGNET_OK;
+}
+
+bool LinearModel::may_be_matrix_free() const {
+  if (!matrix_free_.fits() || model_.rigid.any()) return false;
+  const std::uint8_t* status = model_.contact.status().data();
+  return std::none_of(status, status + model_.node_count(), [](std::uint8_t s) { return s == SPRINGNET_SLIDING; });
+}
+
+void LinearModel::assemble() {
+  using Kind = layers::BlockPreconditioner::Kind;
+  system_.assemble(blocks_, weights_);
   const bool rows = !model_.constraints.rows().empty();
   solver_.prepare(system_, system_.is_thin() ? Kind::factors : Kind::blocks, [&](const std::vector<double>& mobility) {
     return rows ? model_.constraints.projection(mobility) : layers::Projection();
   });
   right_side_.assign(3 * model_.mass.size() + 1, 0.0);
   solution_.assign(3 * model_.mass.size() + 1, 0.0);
-  weights_ = weights;
-  prepared_ = at_hand_ = true;
-  return SPRINGNET_OK;
+  prepared_ = Prepared::assembled;
+  at_hand_ = true;
 }
 
 springnet_status LinearModel::solve_prepared(springnet_linear_solve& request) {
-  if (!prepared_) {
+  if (prepared_ == Prepared::nothing) {
     set_message(model_.journal.message, "solve_system was called without a prepared system");
     return SPRINGNET_FAILED;
   }
   const std::size_t n = model_.mass.size();
+  const auto answered = [&](const layers::SolveAnswer& answer) {
+    request.iterations = answer.iterations;
+    request.residual = answer.residual;
+    request.outcome = answer.outcome == layers::SolveOutcome::solved      ? SPRINGNET_SOLVED
+                      : answer.outcome == layers::SolveOutcome::truncated ? SPRINGNET_TRUNCATED
+                                                                          : SPRINGNET_STALLED;
+  };
+  if (prepared_ == Prepared::matrix_free) {
+    answered(matrix_free_.solve(request.accuracy, max_iterations, request.right_side, request.x));
+    if (std::getenv("DBG"))
+      std::fprintf(stderr, "  mfree acc %.1e asym %.1e its %u res %.1e out %d\n", request.accuracy,
+                   matrix_free_.asymmetry(), unsigned(request.iterations), request.residual, int(request.outcome));
+    return SPRINGNET_OK;
+  }
   for (std::size_t k = 0; k < n; ++k)
     for (std::size_t c = 0; c < 3; ++c)
       right_side_[3 * k + c] =
@@ -109,18 +149,17 @@ springnet_status LinearModel::solve_prepared(springnet_linear_solve& request) {
     return solver_.solve(system_, by_conjugate_gradients, request.accuracy, may_factorise ? patience : max_iterations,
                          right_side_, solution_);
   };
-  layers::IterativeSolver::Answer answer = solve(symmetric);
-  if (answer.outcome == layers::IterativeSolver::Outcome::truncated) {
+  layers::SolveAnswer answer = solve(symmetric);
+  if (answer.outcome == layers::SolveOutcome::truncated) {
     // As with a sheet under compression: the step may still have one solution, to which the whole matrix leads.
     indefinite_ = true;
     answer = solve(false);
   }
-  if (std::getenv("DBG")) std::fprintf(stderr, "  solve acc %.1e asym %.1e sym %d kind %d thin %d its %u res %.1e out %d\n", request.accuracy, system_.asymmetry(), symmetric, int(solver_.preconditioner().kind()), system_.is_thin(), answer.iterations, answer.residual, int(answer.outcome));
-  request.iterations = answer.iterations;
-  request.residual = answer.residual;
-  request.outcome = answer.outcome == layers::IterativeSolver::Outcome::solved      ? SPRINGNET_SOLVED
-                    : answer.outcome == layers::IterativeSolver::Outcome::truncated ? SPRINGNET_TRUNCATED
-                                                                                    : SPRINGNET_STALLED;
+  if (std::getenv("DBG"))
+    std::fprintf(stderr, "  solve acc %.1e asym %.1e sym %d kind %d thin %d its %u res %.1e out %d\n", request.accuracy,
+                 system_.asymmetry(), symmetric, int(solver_.preconditioner().kind()), system_.is_thin(),
+                 answer.iterations, answer.residual, int(answer.outcome));
+  answered(answer);
   if (request.outcome == SPRINGNET_STALLED && may_factorise) return solve_directly(request);
   for (std::size_t k = 0; k < n; ++k)
     for (std::size_t c = 0; c < 3; ++c) request.x[c * n + k] = solution_[3 * k + c];

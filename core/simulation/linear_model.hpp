@@ -7,6 +7,7 @@
 #include "layers/linear/block_system.hpp"
 #include "layers/linear/iterative_solver.hpp"
 #include "layers/linear/linearisation.hpp"
+#include "layers/linear/matrix_free.hpp"
 #include "simulation/model.hpp"
 #include "simulation/requests.hpp"
 
@@ -30,7 +31,7 @@ class LinearModel {
   springnet_status factorise(double velocity_weight, double position_weight);
   springnet_status solve(bool transposed, const double* right_side, double* x);
   // Assembles a system with the derivatives at hand, which is then kept; and solves it, see springnet_host.
-  springnet_status prepare(const layers::SystemWeights& weights);
+  springnet_status prepare(const springnet_linear_system& request);
   springnet_status solve_prepared(springnet_linear_solve& request);
   // A sweep of the linearised network in an order, see springnet_host::linear_sweep; `network.revision` shows changes
   // of its connections.
@@ -43,22 +44,27 @@ class LinearModel {
   void topology_changed() noexcept {
     blocks_.topology_changed();
     system_.topology_changed();
-    prepared_ = false;
+    prepared_ = Prepared::nothing;
   }
 
  private:
   // Adds the geometric stiffness of rods under tension, and the derivative of friction by the slip. Implicit methods
   // need both: they are stiff where tensions are great or slips slow.
   springnet_status add_constraints(const springnet_evaluation& at);
+  [[nodiscard]] bool may_be_matrix_free() const;
+  void assemble();  // with the derivatives at hand
   // By factorisation of the prepared system; only while its derivatives are those at hand.
   springnet_status solve_directly(springnet_linear_solve& request);
 
   Model& model_;
   layers::Linearisation blocks_;
-  layers::BlockSystem system_;  // prepared,
+  // What is prepared: a matrix, or springs.
+  enum class Prepared : std::uint8_t { nothing, assembled, matrix_free };
+  Prepared prepared_ = Prepared::nothing;
+  layers::SystemWeights weights_;
+  layers::BlockSystem system_;
   layers::IterativeSolver solver_;
-  layers::SystemWeights weights_;  // with these weights
-  bool prepared_ = false;
+  layers::MatrixFree matrix_free_;
   bool at_hand_ = false;                       // blocks_ are the derivatives that the system was assembled from
   bool factorised_ = false;                    // the prepared system
   bool indefinite_ = false;                    // conjugate gradients met negative curvature in it

@@ -21,7 +21,7 @@ constexpr std::size_t sweep_size = SPRINGNET_SIZE_TO(springnet_sweep, user);
 // Requests of later versions, in the version that added them; they grow at their end, too.
 constexpr std::size_t impact_search_size = SPRINGNET_SIZE_TO(springnet_impact_search, user);           // 1.3
 constexpr std::size_t linear_sweep_size = SPRINGNET_SIZE_TO(springnet_sweep, reserved);                // 1.4
-constexpr std::size_t linear_system_size = SPRINGNET_SIZE_TO(springnet_linear_system, shift);    // 1.5
+constexpr std::size_t linear_system_size = SPRINGNET_SIZE_TO(springnet_linear_system, at);    // 1.5
 constexpr std::size_t linear_solve_size = SPRINGNET_SIZE_TO(springnet_linear_solve, iterations);  // 1.5
 constexpr std::size_t eigenvalue_size = SPRINGNET_SIZE_TO(springnet_eigenvalue_search, applications);  // 1.4
 
@@ -159,6 +159,7 @@ const springnet_linear_system& checked(const springnet_linear_system* system) {
   require_finite(request.position_weight, "position_weight");
   if (!(request.shift >= 0.0 && std::isfinite(request.shift)))
     refuse(fmt::format("shift is {}, must be at least 0", request.shift));
+  if (request.at != nullptr) static_cast<void>(checked(request.at));
   return request;
 }
 

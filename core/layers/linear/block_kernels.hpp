@@ -7,6 +7,7 @@
 #include <cstdint>
 
 #include "layers/instruction_set.hpp"
+#include "layers/linear/node_range.hpp"
 
 namespace springnet::layers {
 
@@ -15,10 +16,6 @@ struct BlockArrays {
   const std::uint32_t* start;
   const std::uint32_t* column;  // [block] node
   const double* values;         // [block][9]
-};
-
-struct NodeRange {
-  std::size_t begin, end;
 };
 
 struct BlockKernels {

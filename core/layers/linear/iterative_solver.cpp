@@ -12,41 +12,24 @@ namespace {
 constexpr std::size_t blocks_worth_threads = 20000;
 // Enclosures beyond this many are left to the other parts of the preconditioner.
 constexpr std::size_t max_terms = 48;
-constexpr std::size_t slots = 4;
 constexpr std::size_t vectors = 8;
 
 }  // namespace
 
-// A thread's share of the work. Threads run the same code; where one reads what another one wrote, there is a barrier.
-struct IterativeSolver::Team {
-  unsigned count = 1, me = 0;
-  NodeRange nodes{0, 0};   // whole chunks
-  NodeRange pieces{0, 0};  // nodes of whole pieces of the preconditioner
-  std::size_t slot = 0;
+NodeRange IterativeSolver::chunk_nodes(std::size_t index) const noexcept {
+  return {index * chunk, std::min(nodes_, (index + 1) * chunk)};
+}
 
-  Team(unsigned threads, unsigned index, std::size_t node_count) : count(threads), me(index) {
-    nodes = share(node_count, chunk);
-    pieces = share(node_count, BlockPreconditioner::piece);
-  }
-  void barrier() const {
-    if (count > 1) {
-#pragma omp barrier
-    }
-  }
-  // `action` by one thread alone, between barriers.
-  template <class Action>
-  void alone(const Action& action) const {
-    barrier();
-    if (me == 0) action();
-    barrier();
-  }
+NodeRange IterativeSolver::nodes_of(const Team& team) const noexcept {
+  const NodeRange chunks = team.share(chunk_count());
+  return {std::min(nodes_, chunks.begin * chunk), std::min(nodes_, chunks.end * chunk)};
+}
 
- private:
-  [[nodiscard]] NodeRange share(std::size_t node_count, std::size_t unit) const {
-    const std::size_t units = (node_count + unit - 1) / unit;
-    return {std::min(node_count, units * me / count * unit), std::min(node_count, units * (me + 1) / count * unit)};
-  }
-};
+NodeRange IterativeSolver::pieces_of(const Team& team) const noexcept {
+  constexpr std::size_t piece = BlockPreconditioner::piece;
+  const NodeRange pieces = team.share((nodes_ + piece - 1) / piece);
+  return {std::min(nodes_, pieces.begin * piece), std::min(nodes_, pieces.end * piece)};
+}
 
 void IterativeSolver::prepare(const BlockSystem& system, BlockPreconditioner::Kind kind,
                               const MakeProjection& make_projection) {
@@ -58,7 +41,7 @@ void IterativeSolver::prepare(const BlockSystem& system, BlockPreconditioner::Ki
   for (std::size_t k = 0; k < nodes_; ++k) inverse_mass_[k] = 1.0 / system.mass()[k];
   work_.resize(vectors);
   for (auto& values : work_) values.resize(3 * nodes_ + 1);
-  partial_.resize(slots * ((nodes_ + chunk - 1) / chunk));
+  sum_.resize(chunk_count());
   prepare_enclosures(system);
 }
 
@@ -73,7 +56,7 @@ void IterativeSolver::prepare_enclosures(const BlockSystem& system) {
   }
   std::vector<const BlockSystem::RankOne*> all;
   std::swap(all, terms_);  // B without enclosures
-  Team alone(1, 0, nodes_);
+  Team alone(1, 0);
   std::vector<double> g(3 * nodes_ + 1);
   z_.resize(all.size());
   for (std::size_t s = 0; s < all.size(); ++s) {
@@ -113,24 +96,31 @@ void IterativeSolver::correct(double* z) const {
     kernels_.add(-share[static_cast<Eigen::Index>(s)], z_[s].data(), {0, nodes_}, z);
 }
 
-template <class Part>
-double IterativeSolver::sum(Team& team, const Part& part) {
-  const std::size_t chunks = (nodes_ + chunk - 1) / chunk;
-  double* own = partial_.data() + team.slot * chunks;
-  team.slot = (team.slot + 1) % slots;
-  for (std::size_t begin = team.nodes.begin; begin < team.nodes.end; begin += chunk)
-    own[begin / chunk] = part(NodeRange{begin, std::min(team.nodes.end, begin + chunk)});
-  team.barrier();
-  double total = 0.0;
-  for (std::size_t c = 0; c < chunks; ++c) total += own[c];
-  return total;
+double IterativeSolver::dot(Team& team, const double* a, const double* b) {
+  return sum_(team, team.share(chunk_count()), [&](std::size_t c) { return kernels_.dot(a, b, chunk_nodes(c)); });
 }
 
-void IterativeSolver::product(Team& team, const BlockSystem& system, const double* p, double* q) {
-  kernels_.product(system.arrays(), team.nodes, p, q);
-  if (system.enclosures().empty()) return;
+double IterativeSolver::square(Team& team, const double* r, double along) {
+  if (projection_.change) return along;
+  return sum_(team, team.share(chunk_count()),
+              [&](std::size_t c) { return kernels_.square(inverse_mass_.data(), r, chunk_nodes(c)); });
+}
+
+void IterativeSolver::copy(Team& team, const double* x, double* y) {
+  const NodeRange own = nodes_of(team);
+  std::copy(x + 3 * own.begin, x + 3 * own.end, y + 3 * own.begin);
+}
+
+void IterativeSolver::zero(Team& team, double* x) {
+  const NodeRange own = nodes_of(team);
+  std::fill(x + 3 * own.begin, x + 3 * own.end, 0.0);
+}
+
+void IterativeSolver::product(Team& team, const double* p, double* q) {
+  kernels_.product(system_->arrays(), nodes_of(team), p, q);
+  if (system_->enclosures().empty()) return;
   team.alone([&] {
-    for (const BlockSystem::RankOne& term : system.enclosures()) {
+    for (const BlockSystem::RankOne& term : system_->enclosures()) {
       double share = 0.0;
       for (std::size_t i = 0; i < term.nodes.size(); ++i)
         share += term.w[i].dot(Eigen::Map<const Vector3>(p + 3 * std::size_t{term.nodes[i]}));
@@ -144,14 +134,14 @@ void IterativeSolver::precondition(Team& team, const double* r, double* z) {
   const bool constrained = projection_.change != nullptr;
   if (preconditioner_.kind() == BlockPreconditioner::Kind::blocks) {
     // Q^T may be left out: Q W = W Q^T, and Q Q = Q.
-    preconditioner_.apply(kernels_, team.nodes, r, z);
+    preconditioner_.apply(kernels_, nodes_of(team), r, z);
   } else {
     team.barrier();
     if (constrained) {  // one thread
       std::copy(r, r + 3 * nodes_, impulses_.begin());
       projection_.impulse(impulses_.data());
     }
-    preconditioner_.apply(kernels_, team.pieces, constrained ? impulses_.data() : r, z);
+    preconditioner_.apply(kernels_, pieces_of(team), constrained ? impulses_.data() : r, z);
     team.barrier();
   }
   if (!constrained && terms_.empty()) return;
@@ -161,18 +151,20 @@ void IterativeSolver::precondition(Team& team, const double* r, double* z) {
   });
 }
 
-IterativeSolver::Answer IterativeSolver::solve(const BlockSystem& system, bool symmetric, double accuracy,
-                                               std::uint32_t max_iterations, const std::vector<double>& b,
-                                               std::vector<double>& x) {
-  Answer answer;
+SolveAnswer IterativeSolver::solve(const BlockSystem& system, bool symmetric, double accuracy,
+                                   std::uint32_t max_iterations, const std::vector<double>& b, std::vector<double>& x) {
+  system_ = &system;
+  SolveAnswer answer;
   // Projections are not for threads.
   const bool threaded = system.block_count() >= blocks_worth_threads && !projection_.change;
   const unsigned threads = threaded ? threads_ : 1;
   const auto run = [&](unsigned count, unsigned me) {
     const FlushDenormals flush;
-    Team team(count, me, nodes_);
-    const Answer own = symmetric ? conjugate_gradients(team, system, accuracy, max_iterations, b.data(), x.data())
-                                 : bicgstab(team, system, accuracy, max_iterations, b.data(), x.data());
+    Team team(count, me);
+    double* const work[4] = {work_[0].data(), work_[1].data(), work_[2].data(), work_[3].data()};
+    const SolveAnswer own = symmetric ? conjugate_gradients(*this, team, accuracy, max_iterations, b.data(), x.data(),
+                                                            work[0], work[1], work[2], work[3])
+                                      : bicgstab(team, accuracy, max_iterations, b.data(), x.data());
     if (me == 0) answer = own;
   };
   if (threads <= 1) {
@@ -184,112 +176,58 @@ IterativeSolver::Answer IterativeSolver::solve(const BlockSystem& system, bool s
   return answer;
 }
 
-IterativeSolver::Answer IterativeSolver::conjugate_gradients(Team& team, const BlockSystem& system, double accuracy,
-                                                             std::uint32_t max_iterations, const double* b, double* x) {
-  double *r = work_[0].data(), *z = work_[1].data(), *p = work_[2].data(), *q = work_[3].data();
-  const NodeRange own = team.nodes;
-  const auto square = [&](double along) {
-    if (projection_.change) return along;
-    return sum(team, [&](NodeRange range) { return kernels_.square(inverse_mass_.data(), r, range); });
-  };
-  std::copy(b + 3 * own.begin, b + 3 * own.end, r + 3 * own.begin);
-  std::fill(x + 3 * own.begin, x + 3 * own.end, 0.0);
-  precondition(team, r, z);
-  std::copy(z + 3 * own.begin, z + 3 * own.end, p + 3 * own.begin);
-  double along = sum(team, [&](NodeRange range) { return kernels_.dot(r, z, range); });
-  const double first = square(along);
-  Answer answer;
-  if (first == 0.0) {
-    answer.outcome = Outcome::solved;
-    answer.residual = 0.0;
-    return answer;
-  }
-  if (!std::isfinite(first) || !(along > 0.0)) return answer;
-  while (answer.iterations < max_iterations) {
-    product(team, system, p, q);
-    const double curvature = sum(team, [&](NodeRange range) { return kernels_.dot(p, q, range); });
-    if (!std::isfinite(curvature)) return answer;
-    if (!(curvature > 0.0)) {
-      answer.outcome = Outcome::truncated;
-      return answer;
-    }
-    const double step = along / curvature;
-    kernels_.add(step, p, own, x);
-    kernels_.add(-step, q, own, r);
-    precondition(team, r, z);
-    const double next = sum(team, [&](NodeRange range) { return kernels_.dot(r, z, range); });
-    const double left = square(next);
-    ++answer.iterations;
-    answer.residual = std::sqrt(std::max(0.0, left) / first);
-    if (!std::isfinite(answer.residual)) return answer;
-    if (answer.residual <= accuracy || !(next > 0.0)) {
-      answer.outcome = answer.residual <= accuracy ? Outcome::solved : Outcome::stalled;
-      return answer;
-    }
-    kernels_.scale_add(next / along, z, own, p);
-    along = next;
-    team.barrier();
-  }
-  return answer;
-}
-
 // van der Vorst 1992, preconditioned from the left: every vector is a change that the constraints allow.
-IterativeSolver::Answer IterativeSolver::bicgstab(Team& team, const BlockSystem& system, double accuracy,
-                                                  std::uint32_t max_iterations, const double* b, double* x) {
+SolveAnswer IterativeSolver::bicgstab(Team& team, double accuracy, std::uint32_t max_iterations, const double* b,
+                                      double* x) {
   double *r = work_[0].data(), *shadow = work_[1].data(), *p = work_[2].data(), *v = work_[3].data(),
          *t = work_[4].data(), *q = work_[5].data(), *right = work_[6].data();
-  const NodeRange own = team.nodes;
-  const double* mass = system.mass().data();
-  const auto dot = [&](const double* a, const double* c) {
-    return sum(team, [&](NodeRange range) { return kernels_.dot(a, c, range); });
-  };
   const auto apply = [&](const double* from, double* to) {
-    product(team, system, from, q);
+    product(team, from, q);
     precondition(team, q, to);
   };
-  const auto copy = [&](const double* from, double* to) {
-    std::copy(from + 3 * own.begin, from + 3 * own.end, to + 3 * own.begin);
+  const auto norm = [&] {
+    return sum_(team, team.share(chunk_count()),
+                [&](std::size_t c) { return kernels_.square(system_->mass().data(), r, chunk_nodes(c)); });
   };
-  const auto norm = [&] { return sum(team, [&](NodeRange range) { return kernels_.square(mass, r, range); }); };
-  copy(b, right);
-  std::fill(x + 3 * own.begin, x + 3 * own.end, 0.0);
+  copy(team, b, right);
+  zero(team, x);
   precondition(team, right, r);
-  copy(r, shadow);
-  copy(r, p);
-  Answer answer;
+  copy(team, r, shadow);
+  copy(team, r, p);
+  SolveAnswer answer;
   const double first = norm();
   if (first == 0.0) {
-    answer.outcome = Outcome::solved;
+    answer.outcome = SolveOutcome::solved;
     answer.residual = 0.0;
     return answer;
   }
   if (!std::isfinite(first)) return answer;
-  double rho = dot(shadow, r);
+  double rho = dot(team, shadow, r);
   while (answer.iterations < max_iterations) {
     apply(p, v);
-    const double alpha = rho / dot(shadow, v);
+    const double alpha = rho / dot(team, shadow, v);
     if (!std::isfinite(alpha)) return answer;
-    kernels_.add(alpha, p, own, x);
-    kernels_.add(-alpha, v, own, r);  // s
+    add(team, alpha, p, x);
+    add(team, -alpha, v, r);  // s
     team.barrier();
     apply(r, t);
-    const double tt = dot(t, t), ts = dot(t, r);
+    const double tt = dot(team, t, t), ts = dot(team, t, r);
     const double omega = tt > 0.0 ? ts / tt : 0.0;
-    kernels_.add(omega, r, own, x);
-    kernels_.add(-omega, t, own, r);
+    add(team, omega, r, x);
+    add(team, -omega, t, r);
     ++answer.iterations;
     answer.residual = std::sqrt(norm() / first);
     if (!std::isfinite(answer.residual)) return answer;
     if (answer.residual <= accuracy) {
-      answer.outcome = Outcome::solved;
+      answer.outcome = SolveOutcome::solved;
       return answer;
     }
-    const double next = dot(shadow, r);
+    const double next = dot(team, shadow, r);
     const double beta = next / rho * (alpha / omega);
     if (!std::isfinite(beta) || omega == 0.0) return answer;
     rho = next;
-    kernels_.add(-omega, v, own, p);
-    kernels_.scale_add(beta, r, own, p);
+    add(team, -omega, v, p);
+    scale_add(team, beta, r, p);
     team.barrier();
   }
   return answer;

@@ -14,6 +14,7 @@
 #include <Eigen/Dense>
 
 #include "layers/linear/block_preconditioner.hpp"
+#include "layers/linear/conjugate_gradients.hpp"
 #include "layers/linear/projection.hpp"
 
 namespace springnet::layers {
@@ -22,18 +23,6 @@ class IterativeSolver {
  public:
   IterativeSolver(InstructionSet set, unsigned threads) : kernels_(block_kernels_for(set)), threads_(threads) {}
 
-  enum class Outcome {
-    solved,
-    // Conjugate gradients met a direction of negative curvature; x is the iterate before, zero if it was the first.
-    truncated,
-    // Not as accurate as asked for within the iterations, or not at all.
-    stalled
-  };
-  struct Answer {
-    Outcome outcome = Outcome::stalled;
-    std::uint32_t iterations = 0;
-    double residual = 1.0;  // relative to the right-hand side's
-  };
   // Makes a projection with these mobilities, the preconditioner's inverse_blocks(); an empty one without constraints.
   using MakeProjection = std::function<Projection(const std::vector<double>& mobility)>;
 
@@ -41,35 +30,42 @@ class IterativeSolver {
   void prepare(const BlockSystem& system, BlockPreconditioner::Kind kind, const MakeProjection& make_projection);
   // Solves S x = b to `accuracy`: of the norm of M^-1/2 (b - S x), or with constraint rows of the preconditioned
   // residual. [node][3] and one more number; b is zero for nodes that do not move.
-  [[nodiscard]] Answer solve(const BlockSystem& system, bool symmetric, double accuracy, std::uint32_t max_iterations,
-                             const std::vector<double>& b, std::vector<double>& x);
+  [[nodiscard]] SolveAnswer solve(const BlockSystem& system, bool symmetric, double accuracy,
+                                  std::uint32_t max_iterations, const std::vector<double>& b, std::vector<double>& x);
   [[nodiscard]] const BlockPreconditioner& preconditioner() const noexcept { return preconditioner_; }
 
- private:
-  static constexpr std::size_t chunk = 256;  // nodes
-  struct Team;
-  Answer conjugate_gradients(Team& team, const BlockSystem& system, double accuracy, std::uint32_t max_iterations,
-                             const double* b, double* x);
-  Answer bicgstab(Team& team, const BlockSystem& system, double accuracy, std::uint32_t max_iterations, const double* b,
-                  double* x);
-  // q = S p and z = B r. Complete for all threads' nodes of the calling thread's range; `p` must be complete for all.
-  void product(Team& team, const BlockSystem& system, const double* p, double* q);
+  // ---- for conjugate_gradients() ----
+  // Vectors are [node][3] and one more number.
+  void product(Team& team, const double* p, double* q);
   void precondition(Team& team, const double* r, double* z);
-  // The sum over all nodes of what `part` answers for a range, the same in all threads. A barrier.
-  template <class Part>
-  double sum(Team& team, const Part& part);
+  [[nodiscard]] double dot(Team& team, const double* a, const double* b);
+  [[nodiscard]] double square(Team& team, const double* r, double along);
+  void add(Team& team, double s, const double* x, double* y) { kernels_.add(s, x, nodes_of(team), y); }
+  void scale_add(Team& team, double s, const double* x, double* y) { kernels_.scale_add(s, x, nodes_of(team), y); }
+  void copy(Team& team, const double* x, double* y);
+  void zero(Team& team, double* x);
+
+ private:
+  static constexpr std::size_t chunk = 256;  // nodes of a part of a sum
+  [[nodiscard]] std::size_t chunk_count() const noexcept { return (nodes_ + chunk - 1) / chunk; }
+  [[nodiscard]] NodeRange chunk_nodes(std::size_t index) const noexcept;
+  // The calling thread's nodes, whole chunks; or whole pieces of the preconditioner.
+  [[nodiscard]] NodeRange nodes_of(const Team& team) const noexcept;
+  [[nodiscard]] NodeRange pieces_of(const Team& team) const noexcept;
+  SolveAnswer bicgstab(Team& team, double accuracy, std::uint32_t max_iterations, const double* b, double* x);
   void prepare_enclosures(const BlockSystem& system);
   void correct(double* z) const;  // for the enclosures
 
   const BlockKernels& kernels_;
   unsigned threads_;
+  const BlockSystem* system_ = nullptr;  // to be solved
   std::size_t nodes_ = 0;
   BlockPreconditioner preconditioner_;
   Projection projection_;
   std::vector<double> impulses_;  // projected
   std::vector<double> inverse_mass_;
   std::vector<std::vector<double>> work_;
-  std::vector<double> partial_;  // [slot][chunk]
+  TeamSum sum_;
   // B - Z T^-1 G^T B for the enclosures' terms of positive stiffness.
   std::vector<const BlockSystem::RankOne*> terms_;
   std::vector<std::vector<double>> z_;

@@ -4,36 +4,37 @@
 #include <cmath>
 
 namespace springnet::recurrent {
+namespace {
+
+constexpr double same_weight = 1e-9;
+
+}  // namespace
 
 void LinearSystem::attach(const springnet_network& network) {
   constrained_ = network.surface_count > 0 || network.rigid_count > 0;
-  prepared_ = linearised_ = false;
-}
-
-void LinearSystem::linearise(const springnet_evaluation& at) {
-  host_.linearise(at);
-  linearised_ = true;
   prepared_ = false;
 }
 
+void LinearSystem::prepare(const springnet_evaluation& at, double weight, double shift, bool exact) {
+  prepared_ = false;
+  host_.prepare_system({weight, weight * weight, shift}, at, exact);
+  prepared_ = true;
+  weight_ = weight;
+  shift_ = shift;
+}
+
 bool LinearSystem::has(double weight, double shift) const noexcept {
-  return linearised_ || (prepared_ && weight_ == weight && shift_ == shift);
+  // Steps of equal length differ by the rounding of their ends.
+  return prepared_ && std::abs(weight_ - weight) <= same_weight * weight && shift_ == shift;
 }
 
 void LinearSystem::project(std::vector<double>& values) const {
   if (constrained_) host_.project(nullptr, values.data());
 }
 
-bool LinearSystem::solve(double weight, double shift, const std::vector<double>& b, double accuracy,
-                         std::vector<double>& x) {
+bool LinearSystem::solve(const std::vector<double>& b, double accuracy, std::vector<double>& x) {
   truncated_ = false;
   try {
-    if (!prepared_ || weight_ != weight || shift_ != shift) {
-      host_.prepare_system(weight, weight * weight, shift);
-      prepared_ = true;
-      weight_ = weight;
-      shift_ = shift;
-    }
     const sdk::Host::Solved solved = host_.solve_system(b.data(), accuracy, x.data());
     host_.report("krylov_iterations", krylov_iterations_ += static_cast<double>(solved.iterations));
     truncated_ = solved.outcome == SPRINGNET_TRUNCATED;

@@ -279,16 +279,18 @@ class Host {
   }
 
   // Functions of ABI 1.5; they throw Failure if the host is older.
-  // Assembles A = (1 + shift) I - velocity_weight da/dv - position_weight da/dp and its preconditioner from the
-  // derivatives of the last linearise(); see plugin.h.
-  void prepare_system(double velocity_weight, double position_weight, double shift = 0.0) const {
-    require(SPRINGNET_HAS_FIELD(springnet_host, table_, solve_system), "1.5");
-    auto system = sized<springnet_linear_system>();
-    system.velocity_weight = velocity_weight;
-    system.position_weight = position_weight;
-    system.shift = shift;
-    check(table_->prepare_system(table_->context, &system));
+  struct SystemWeights {
+    double velocity;     // s
+    double position;     // s^2
+    double shift = 0.0;  // 1
+  };
+  // Prepares A = (1 + shift) I - velocity da/dv - position da/dp at a state; see plugin.h. Unless `exact`, the host may
+  // leave out small parts of it.
+  void prepare_system(const SystemWeights& weights, const springnet_evaluation& at, bool exact = true) const {
+    prepare_system(weights, &at, exact);
   }
+  // The same with the derivatives of the last linearise().
+  void prepare_system(const SystemWeights& weights) const { prepare_system(weights, nullptr, true); }
   struct Solved {
     std::uint32_t outcome;     // SPRINGNET_SOLVED ...
     double residual;           // relative
@@ -309,6 +311,16 @@ class Host {
   void report(const char* name, double value) const noexcept { table_->report(table_->context, name, value); }
 
  private:
+  void prepare_system(const SystemWeights& weights, const springnet_evaluation* at, bool exact) const {
+    require(SPRINGNET_HAS_FIELD(springnet_host, table_, solve_system), "1.5");
+    auto system = sized<springnet_linear_system>();
+    system.exact = exact ? 1 : 0;
+    system.velocity_weight = weights.velocity;
+    system.position_weight = weights.position;
+    system.shift = weights.shift;
+    system.at = at;
+    check(table_->prepare_system(table_->context, &system));
+  }
   template <class Update>
   void run_sweep(springnet_status (*function)(void*, const springnet_sweep*), springnet_sweep sweep,
                  Update& update) const {

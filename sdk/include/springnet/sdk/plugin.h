@@ -409,14 +409,16 @@ typedef struct springnet_eigenvalue_search {
   uint64_t applications;  /* used */
 } springnet_eigenvalue_search;
 
-/* Since 1.5. A linear system of an implicit method: A = (1 + shift) I - velocity_weight da/dv - position_weight da/dp,
- * with the derivatives of the last `linearise`. */
+/* Since 1.5. A linear system of an implicit method: A = (1 + shift) I - velocity_weight da/dv - position_weight da/dp.
+ */
 typedef struct springnet_linear_system {
   uint32_t struct_size;
-  uint32_t reserved;
-  double velocity_weight; /* s */
-  double position_weight; /* s^2 */
-  double shift;           /* 1, at least 0 */
+  /* 1: A exactly. 0: the host may leave out parts of it that are small and costly, such as what is not symmetric. */
+  uint32_t exact;
+  double velocity_weight;        /* s */
+  double position_weight;        /* s^2 */
+  double shift;                  /* 1, at least 0 */
+  const springnet_evaluation* at; /* the state; null: that of the last `linearise`, and exactly */
 } springnet_linear_system;
 
 /* Since 1.5. How a linear system was solved. */

@@ -1,0 +1,85 @@
+// The system of an implicit step of a large net of springs alone, without its matrix: products go over the springs,
+// four numbers each, tile by tile as the forces do; the preconditioner inverts the nodes' own blocks. Nets with
+// elements, rigid connections or nodes that slide, neurons other than point masses with drag, and springs that soften
+// need the assembled block system.
+//
+// The matrix is the symmetric part of the exact one. With tension T at length l, direction n and weights w_p, w_v of
+// position and velocity, a spring has
+//   w_p K + w_v D = a I + q q^T,   a = w_p T / l,   q = n sqrt(w_p (T' - T / l) + w_v T_u),
+// without the part T_u n w^T of K, which only its relative size tells: asymmetry().
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <vector>
+
+#include "layers/evaluator.hpp"
+#include "layers/linear/block_system.hpp"
+#include "layers/linear/conjugate_gradients.hpp"
+#include "layers/linear/spring_kernels.hpp"
+
+namespace springnet::layers {
+
+class MatrixFree {
+ public:
+  // References must outlive it. mass: [node] kg; constrained: [node] 1 for nodes that do not move.
+  MatrixFree(const Layout& layout, const Evaluator& evaluator, const std::vector<double>& mass,
+             const std::vector<std::uint8_t>& constrained);
+
+  // Whether the net is of this kind, and large enough; depends on its springs that are left.
+  [[nodiscard]] bool fits() const;
+  // Linearises at a state. False if a spring, law or neuron does not allow it; nothing is kept then.
+  [[nodiscard]] bool prepare(double time, const NodeArrays& nodes, const ExternalForces& external,
+                             const SystemWeights& weights);
+  [[nodiscard]] double asymmetry() const noexcept { return asymmetry_; }
+  // Solves S x = M b; [3 node], x of all nodes first. Reads b as 0 for nodes that do not move.
+  [[nodiscard]] SolveAnswer solve(double accuracy, std::uint32_t max_iterations, const double* b, double* x);
+
+  // ---- for conjugate_gradients() ----
+  // Vectors are [axis][pitch_].
+  void product(Team& team, const double* p, double* q);
+  void precondition(Team& team, const double* r, double* z);
+  [[nodiscard]] double dot(Team& team, const double* a, const double* b);
+  [[nodiscard]] double square(Team& team, const double* r, double along);
+  void add(Team& team, double s, const double* x, double* y);
+  void scale_add(Team& team, double s, const double* x, double* y);
+  void copy(Team& team, const double* x, double* y);
+  void zero(Team& team, double* x);
+
+ private:
+  struct UnitStiffness {
+    std::vector<float> a, qx, qy, qz;  // [slot]
+  };
+  struct Sums {
+    double asymmetric = 0.0, all = 0.0;
+    bool fits = true;
+  };
+  void lay_out();
+  Sums linearise_unit(std::size_t unit, double time, const NodeArrays& nodes, const SystemWeights& weights);
+  [[nodiscard]] bool set_own_blocks(double time, const NodeArrays& nodes, const ExternalForces& external,
+                                    const SystemWeights& weights);
+  // The calling thread's units, their parts and their nodes.
+  [[nodiscard]] NodeRange own_units(const Team& team) const;
+  [[nodiscard]] NodeRange own_parts(const Team& team) const;
+  template <class Action>
+  void for_own_axes(const Team& team, const Action& action) const;
+
+  const Layout& layout_;
+  const Evaluator& evaluator_;
+  const std::vector<double>& mass_;
+  const std::vector<std::uint8_t>& constrained_;
+  const SpringKernels& kernels_;
+  std::size_t pitch_ = 0;
+  std::vector<UnitStiffness> stiffness_;              // [unit]
+  std::vector<NodeRange> parts_;                      // of sums
+  std::vector<std::size_t> first_part_;               // [unit + 1]
+  std::array<std::vector<double>, 6> own_, inverse_;  // blocks xx, yy, zz, xy, yz, xz, [node]
+  std::vector<double> inverse_mass_;
+  std::array<std::vector<double>, 6> vectors_;  // b, x, r, z, p, q
+  std::vector<double> force_;
+  std::vector<double> by_force_, by_position_, by_velocity_;
+  TeamSum sum_;
+  double asymmetry_ = 0.0;
+};
+
+}  // namespace springnet::layers

@@ -1,0 +1,2 @@
+#define KERNEL_NAMESPACE generic
+#include "layers/linear/spring_kernels.inl"
