@@ -89,6 +89,7 @@ springnet_status LinearModel::prepare(const springnet_linear_system& request) {
     if (request.exact == 0 && may_be_matrix_free() &&
         matrix_free_.prepare(at.time, node_arrays(at.position, at.velocity), model_.external_at(at.time), weights_) &&
         matrix_free_.asymmetry() <= max_asymmetry) {
+      model_.constraints.linearise(*model_.placement(at.time), at.position);  // no rows
       prepared_ = Prepared::matrix_free;
       at_hand_ = false;
       return SPRINGNET_OK;

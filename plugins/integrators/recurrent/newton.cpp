@@ -25,6 +25,8 @@ constexpr double first_shift = 1.0, shift_growth = 10.0, min_shift = 0.05;
 // steps than these.
 constexpr double fast_convergence = 0.3;
 constexpr int max_age = 10;
+// Steps in which systems are exact after an approximate one has converged slowly.
+constexpr int max_exact_steps = 16;
 // Accuracy of iterative solutions: that of the first sweep; then by the last reduction of the residual, as Eisenstat
 // and Walker advise (1996, choice 2 with exponent 2), but no finer than to settle with some margin.
 constexpr double first_accuracy = 0.01, loosest_accuracy = 0.1, tightest_accuracy = 1e-3, accuracy_factor = 0.9;
@@ -71,13 +73,13 @@ void Newton::begin(Step& step) {
   const springnet_network& network = step.network;
   for (std::uint32_t k = 0; k < network.node_count; ++k) pinned_[k] = network.fixed[k] | network.held[k];
   extrapolation_.learn(step.from, sdk::view(step.start.velocity), network.node_count);
-  system_.others_linearised();
   const bool same_nodes = std::equal(status_.begin(), status_.end(), network.status);
   const bool turning_rows =
       network.rigid_count > 0 || std::count(status_.begin(), status_.end(), SPRINGNET_SLIDING) > 0;
   const bool keeps = linearised_ && !at_rejected_ && shift_ == 0.0 && rate_ < fast_convergence && same_nodes &&
                      !turning_rows && age_ < max_age && system_.has(step.weight(), 0.0);
   ++age_;
+  if (exact_steps_ > 0) --exact_steps_;
   if (!keeps) linearised_ = false;
   std::copy_n(network.status, network.node_count, status_.begin());
   guessed_ = step.outputs == nullptr && start_from_guess(step);
@@ -165,7 +167,7 @@ void Newton::assess(const Step& step, const springnet_state& state, Assessment& 
 }
 
 void Newton::linearise(const Step& step) {
-  system_.linearise(sdk::evaluation_at(step.until, *step.outputs));
+  system_.prepare(sdk::evaluation_at(step.until, *step.outputs), step.weight(), shift_, exact_steps_ > 0);
   linearised_ = fresh_ = true;
   at_rejected_ = false;
   age_ = 0;
@@ -187,11 +189,12 @@ void Newton::set_up(const Step& step) {
       greatest = std::max(greatest, std::abs(gap));
     }
   }
-  const bool fast = shift_ == 0.0 && rate_ < fast_convergence && (greatest == 0.0 || system_.at_hand());
+  const bool fast = shift_ == 0.0 && rate_ < fast_convergence;
   const bool keeps = linearised_ && !at_rejected_ && (fresh_ || fast) && system_.has(w, shift_);
   if (!keeps) linearise(step);
   std::fill(right_side_.begin(), right_side_.end(), 0.0);
   if (greatest > 0.0) {
+    work_.host.linearise(sdk::evaluation_at(step.until, outputs));
     for (std::size_t i = 0; i < 3 * n; ++i) work_values_[i] = w * w * gap_[i];
     std::fill(direction_.begin(), direction_.end(), 0.0);
     work_.host.jacobian_times(work_values_.data(), direction_.data(), right_side_.data());
@@ -210,7 +213,8 @@ double Newton::accuracy(const Step& step) const {
 }
 
 void Newton::find_direction(const Step& step, double accuracy) {
-  is_solved_ = system_.solve(step.weight(), shift_, right_side_, accuracy, direction_);
+  if (!system_.has(step.weight(), shift_)) linearise(step);
+  is_solved_ = system_.solve(right_side_, accuracy, direction_);
   at_outputs_.slope = is_solved_ ? slope_along(step, direction_) : 0.0;
 }
 
@@ -287,14 +291,14 @@ bool Newton::restore(const Step& step, const springnet_state& candidate) {
     if (!std::isfinite(shift)) break;
     at_rejected_ = true;
     try {
-      system_.linearise(sdk::evaluation_at(step.until, candidate));
+      system_.prepare(sdk::evaluation_at(step.until, candidate), step.weight(), shift, true);
     } catch (const sdk::Failure& failure) {
       if (!failure.recoverable()) throw;
       break;  // no derivatives there: shorten the step
     }
     for (std::size_t i = 0; i < 3 * n; ++i) work_values_[i] = -at_candidate_.residual[i];
     system_.project(work_values_);
-    if (!system_.solve(step.weight(), shift, work_values_, restoration_accuracy, correction_)) break;
+    if (!system_.solve(work_values_, restoration_accuracy, correction_)) break;
     for (std::size_t i = 0; i < 3 * n; ++i) direction_[i] += correction_[i];
     evaluate_candidate(step, 1.0, candidate);
     if (!(at_candidate_.norm <= restoration_factor * before)) break;
@@ -386,7 +390,9 @@ void Newton::sweep(Step& step) {
     shift_ = std::max(first_shift, shift_growth * shift_);
   }
   step.residual = residual(step);
-  if (std::getenv("DBG")) std::fprintf(stderr, "t %.4f sweep %d rate %.2e res %.2e tol %.2e age %d guessed %d shift %g\n", step.until, int(step.sweeps), rate_, step.residual, step.tolerance, age_, guessed_, shift_);
+  if (std::getenv("DBG"))
+    std::fprintf(stderr, "t %.4f sweep %d rate %.2e res %.2e tol %.2e age %d guessed %d shift %g\n", step.until,
+                 int(step.sweeps), rate_, step.residual, step.tolerance, age_, guessed_, shift_);
   // Contacts just decided may change again.
   step.residual_decides = contact_changes_ == changes;
   ++step.sweeps;
@@ -418,6 +424,8 @@ bool Newton::advance(Step& step, springnet_state& candidate) {
   }
   first_ = false;
   rate_ = at_outputs_.norm > 0.0 ? at_candidate_.norm / at_outputs_.norm : 0.0;
+  // What the host left out of an approximate system may be to blame.
+  if (fresh_ && rate_ >= fast_convergence) exact_steps_ = max_exact_steps;
   std::swap(at_outputs_, at_candidate_);
   step.outputs = &candidate;
   fresh_ = false;
