@@ -24,8 +24,9 @@ struct SolveAnswer {
 // Solves S x = b, run by all threads of a team. The space knows the matrix, and what to do with its vectors:
 //   product(team, p, q)       q = S p; complete for the calling thread's nodes, p must be so for all
 //   precondition(team, r, z)  z = B r, likewise; r need be complete for the thread's own nodes only
-//   dot(team, a, b), add(team, s, x, y), scale_add(team, s, x, y), copy(team, x, y), zero(team, x)
+//   dot(team, a, b), scale_add(team, s, x, y), copy(team, x, y), zero(team, x)
 //   square(team, r, along)    by which accuracy is measured; along: r.z
+//   update(team, s, p, q, x, r, z)   x += s p, r -= s q, z = B r; answers r.z and square(r)
 template <class Space>
 [[nodiscard]] SolveAnswer conjugate_gradients(Space& space, Team& team, double accuracy, std::uint32_t max_iterations,
                                               const double* b, double* x, double* r, double* z, double* p, double* q) {
@@ -51,11 +52,7 @@ template <class Space>
       return answer;
     }
     const double step = along / curvature;
-    space.add(team, step, p, x);
-    space.add(team, -step, q, r);
-    space.precondition(team, r, z);
-    const double next = space.dot(team, r, z);
-    const double left = space.square(team, r, next);
+    const auto [next, left] = space.update(team, step, p, q, x, r, z);
     ++answer.iterations;
     answer.residual = std::sqrt(left > 0.0 ? left / first : 0.0);
     if (!std::isfinite(answer.residual)) return answer;

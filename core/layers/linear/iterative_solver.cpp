@@ -106,6 +106,27 @@ double IterativeSolver::square(Team& team, const double* r, double along) {
               [&](std::size_t c) { return kernels_.square(inverse_mass_.data(), r, chunk_nodes(c)); });
 }
 
+Sums2 IterativeSolver::update(Team& team, double step, const double* p, const double* q, double* x, double* r,
+                              double* z) {
+  const bool local =
+      preconditioner_.kind() == BlockPreconditioner::Kind::blocks && !projection_.change && terms_.empty();
+  if (!local) {
+    add(team, step, p, x);
+    add(team, -step, q, r);
+    precondition(team, r, z);
+  }
+  const Sums2 sums = sum_.two(team, team.share(chunk_count()), [&](std::size_t c) -> Sums2 {
+    const NodeRange nodes = chunk_nodes(c);
+    if (local) {
+      kernels_.add(step, p, nodes, x);
+      kernels_.add(-step, q, nodes, r);
+      preconditioner_.apply(kernels_, nodes, r, z);
+    }
+    return {kernels_.dot(r, z, nodes), kernels_.square(inverse_mass_.data(), r, nodes)};
+  });
+  return {sums.first, projection_.change ? sums.first : sums.second};
+}
+
 void IterativeSolver::copy(Team& team, const double* x, double* y) {
   const NodeRange own = nodes_of(team);
   std::copy(x + 3 * own.begin, x + 3 * own.end, y + 3 * own.begin);

@@ -41,6 +41,7 @@ class IterativeSolver {
   [[nodiscard]] double dot(Team& team, const double* a, const double* b);
   [[nodiscard]] double square(Team& team, const double* r, double along);
   void add(Team& team, double s, const double* x, double* y) { kernels_.add(s, x, nodes_of(team), y); }
+  Sums2 update(Team& team, double step, const double* p, const double* q, double* x, double* r, double* z);
   void scale_add(Team& team, double s, const double* x, double* y) { kernels_.scale_add(s, x, nodes_of(team), y); }
   void copy(Team& team, const double* x, double* y);
   void zero(Team& team, double* x);

@@ -138,6 +138,7 @@ bool MatrixFree::set_own_blocks(double time, const NodeArrays& nodes, const Exte
                                by_force_.data(), by_position_.data(), by_velocity_.data(), message) != SPRINGNET_OK)
     return false;
   using Map = Eigen::Map<const Block>;
+  isotropic_ = true;
   for (std::size_t k = 0; k < n; ++k) {
     const double m = mass_[k];
     if (constrained_[k] != 0) {
@@ -149,6 +150,8 @@ bool MatrixFree::set_own_blocks(double time, const NodeArrays& nodes, const Exte
         -m * (weights.velocity * Map(&by_velocity_[9 * k]) + weights.position * Map(&by_position_[9 * k]));
     if (!drag.allFinite() || !drag.isApprox(drag.transpose(), rounding)) return false;
     const double inertia = m * (1.0 + weights.shift);
+    isotropic_ = isotropic_ && drag(0, 0) == drag(1, 1) && drag(0, 0) == drag(2, 2) && drag(0, 1) == 0.0 &&
+                 drag(1, 2) == 0.0 && drag(0, 2) == 0.0;
     const double values[6] = {inertia + drag(0, 0), inertia + drag(1, 1), inertia + drag(2, 2),
                               drag(0, 1),           drag(1, 2),           drag(0, 2)};
     for (std::size_t c = 0; c < 6; ++c) own_[c][k] = values[c];
@@ -160,7 +163,8 @@ MatrixFree::Sums MatrixFree::linearise_unit(std::size_t index, double time, cons
                                             const SystemWeights& weights) {
   const Unit& unit = layout_.units()[index];
   UnitStiffness& stiffness = stiffness_[index];
-  for (auto* values : {&stiffness.a, &stiffness.qx, &stiffness.qy, &stiffness.qz}) values->resize(unit.first.size());
+  for (auto* values : {&stiffness.a, &stiffness.qx, &stiffness.qy, &stiffness.qz})
+    values->assign(unit.first.size() + 8, 0.0F);
   const Kernels& kernels = kernels_for(evaluator_.instruction_set());
   const auto geometry = std::make_unique<SegmentGeometry>();
   const auto answers = std::make_unique<PairAnswers<max_segment>>();
@@ -266,7 +270,10 @@ void MatrixFree::product(Team& team, const double* p, double* q) {
                                      &own_[3][begin], &own_[4][begin], &own_[5][begin]};
     const double* const in[3] = {from[0] + begin, from[1] + begin, from[2] + begin};
     double* const out[3] = {to[0] + begin, to[1] + begin, to[2] + begin};
-    kernels_.diagonal(blocks, in, unit.node_count, out);
+    if (isotropic_)
+      for (std::size_t c = 0; c < 3; ++c) kernels_.multiply(blocks[0], in[c], unit.node_count, out[c]);
+    else
+      kernels_.diagonal(blocks, in, unit.node_count, out);
     for (const Segment& segment : unit.segments)
       kernels_.product(springs_of(unit, segment),
                        {own.a.data() + segment.begin, own.qx.data() + segment.begin, own.qy.data() + segment.begin,
@@ -275,40 +282,54 @@ void MatrixFree::product(Team& team, const double* p, double* q) {
   }
 }
 
+void MatrixFree::precondition_part(std::size_t part, const double* r, double* z) const {
+  const auto [begin, end] = parts_[part];
+  const double* const blocks[6] = {&inverse_[0][begin], &inverse_[1][begin], &inverse_[2][begin],
+                                   &inverse_[3][begin], &inverse_[4][begin], &inverse_[5][begin]};
+  const double* const in[3] = {r + begin, r + pitch_ + begin, r + 2 * pitch_ + begin};
+  double* const out[3] = {z + begin, z + pitch_ + begin, z + 2 * pitch_ + begin};
+  kernels_.diagonal(blocks, in, end - begin, out);
+}
+
+double MatrixFree::dot_part(std::size_t part, const double* a, const double* b) const {
+  const auto [begin, end] = parts_[part];
+  double value = 0.0;
+  for (std::size_t c = 0; c < 3; ++c)
+    value += kernels_.dot(a + c * pitch_ + begin, b + c * pitch_ + begin, end - begin);
+  return value;
+}
+
+double MatrixFree::square_part(std::size_t part, const double* r) const {
+  const auto [begin, end] = parts_[part];
+  double value = 0.0;
+  for (std::size_t c = 0; c < 3; ++c)
+    value += kernels_.square(&inverse_mass_[begin], r + c * pitch_ + begin, end - begin);
+  return value;
+}
+
 void MatrixFree::precondition(Team& team, const double* r, double* z) {
   const NodeRange parts = own_parts(team);
-  for (std::size_t i = parts.begin; i < parts.end; ++i) {
-    const std::size_t begin = parts_[i].begin;
-    const double* const blocks[6] = {&inverse_[0][begin], &inverse_[1][begin], &inverse_[2][begin],
-                                     &inverse_[3][begin], &inverse_[4][begin], &inverse_[5][begin]};
-    const double* const in[3] = {r + begin, r + pitch_ + begin, r + 2 * pitch_ + begin};
-    double* const out[3] = {z + begin, z + pitch_ + begin, z + 2 * pitch_ + begin};
-    kernels_.diagonal(blocks, in, parts_[i].end - begin, out);
-  }
+  for (std::size_t i = parts.begin; i < parts.end; ++i) precondition_part(i, r, z);
 }
 
 double MatrixFree::dot(Team& team, const double* a, const double* b) {
-  return sum_(team, own_parts(team), [&](std::size_t i) {
-    const auto [begin, end] = parts_[i];
-    double value = 0.0;
-    for (std::size_t c = 0; c < 3; ++c)
-      value += kernels_.dot(a + c * pitch_ + begin, b + c * pitch_ + begin, end - begin);
-    return value;
-  });
+  return sum_(team, own_parts(team), [&](std::size_t i) { return dot_part(i, a, b); });
 }
 
 double MatrixFree::square(Team& team, const double* r, double) {
-  return sum_(team, own_parts(team), [&](std::size_t i) {
-    const auto [begin, end] = parts_[i];
-    double value = 0.0;
-    for (std::size_t c = 0; c < 3; ++c)
-      value += kernels_.square(&inverse_mass_[begin], r + c * pitch_ + begin, end - begin);
-    return value;
-  });
+  return sum_(team, own_parts(team), [&](std::size_t i) { return square_part(i, r); });
 }
 
-void MatrixFree::add(Team& team, double s, const double* x, double* y) {
-  for_own_axes(team, [&](std::size_t begin, std::size_t count) { kernels_.add(s, x + begin, count, y + begin); });
+Sums2 MatrixFree::update(Team& team, double step, const double* p, const double* q, double* x, double* r, double* z) {
+  return sum_.two(team, own_parts(team), [&](std::size_t i) -> Sums2 {
+    const auto [begin, end] = parts_[i];
+    for (std::size_t at = begin; at < begin + 3 * pitch_; at += pitch_) {
+      kernels_.add(step, p + at, end - begin, x + at);
+      kernels_.add(-step, q + at, end - begin, r + at);
+    }
+    precondition_part(i, r, z);
+    return {dot_part(i, r, z), square_part(i, r)};
+  });
 }
 
 void MatrixFree::scale_add(Team& team, double s, const double* x, double* y) {

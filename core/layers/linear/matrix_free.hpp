@@ -41,7 +41,7 @@ class MatrixFree {
   void precondition(Team& team, const double* r, double* z);
   [[nodiscard]] double dot(Team& team, const double* a, const double* b);
   [[nodiscard]] double square(Team& team, const double* r, double along);
-  void add(Team& team, double s, const double* x, double* y);
+  Sums2 update(Team& team, double step, const double* p, const double* q, double* x, double* r, double* z);
   void scale_add(Team& team, double s, const double* x, double* y);
   void copy(Team& team, const double* x, double* y);
   void zero(Team& team, double* x);
@@ -55,6 +55,9 @@ class MatrixFree {
     bool fits = true;
   };
   void lay_out();
+  void precondition_part(std::size_t part, const double* r, double* z) const;
+  [[nodiscard]] double dot_part(std::size_t part, const double* a, const double* b) const;
+  [[nodiscard]] double square_part(std::size_t part, const double* r) const;
   Sums linearise_unit(std::size_t unit, double time, const NodeArrays& nodes, const SystemWeights& weights);
   [[nodiscard]] bool set_own_blocks(double time, const NodeArrays& nodes, const ExternalForces& external,
                                     const SystemWeights& weights);
@@ -74,6 +77,7 @@ class MatrixFree {
   std::vector<NodeRange> parts_;                      // of sums
   std::vector<std::size_t> first_part_;               // [unit + 1]
   std::array<std::vector<double>, 6> own_, inverse_;  // blocks xx, yy, zz, xy, yz, xz, [node]
+  bool isotropic_ = false;                            // own_ are multiples of the identity
   std::vector<double> inverse_mass_;
   std::array<std::vector<double>, 6> vectors_;  // b, x, r, z, p, q
   std::vector<double> force_;

@@ -15,8 +15,8 @@ struct SpringStiffness {
 };
 
 struct SpringKernels {
-  // y += B (x_first - x_second) for the first ends of a segment's springs, minus that for the second ends if
-  // `to_second`.
+  // Vectors x end with eight numbers more than they need, and so do the arrays of stiffness; y += B (x_first -
+  // x_second) for the first ends of a segment's springs, minus that for the second ends if `to_second`.
   void (*product)(const SegmentSprings& springs, const SpringStiffness& stiffness, const double* const x[3],
                   bool to_second, double* const y[3]);
   // z = D r; d: xx, yy, zz, xy, yz, xz, [count] each, as all arrays.
@@ -27,6 +27,8 @@ struct SpringKernels {
   // y += s x, and y = x + s y.
   void (*add)(double s, const double* x, std::size_t count, double* y);
   void (*scale_add)(double s, const double* x, std::size_t count, double* y);
+  // y = w x.
+  void (*multiply)(const double* w, const double* x, std::size_t count, double* y);
 };
 
 namespace generic {

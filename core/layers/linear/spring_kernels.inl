@@ -12,8 +12,12 @@
 namespace springnet::layers::KERNEL_NAMESPACE {
 namespace {
 
+// Springs of a run are taken eight at a time, also beyond its end, where the results are overwritten by those of the
+// next run: most runs are short, and a loop over what is left would cost as much as the rest.
+constexpr std::size_t lanes = 8;
+
 struct alignas(64) Products {
-  double x[max_segment], y[max_segment], z[max_segment];
+  double x[max_segment + lanes], y[max_segment + lanes], z[max_segment + lanes];
 };
 
 // B (x_first - x_second) of spring `at` of the segment, between nodes i and j.
@@ -28,15 +32,32 @@ struct alignas(64) Products {
   out.z[at] = a * dz + along * qz;
 }
 
+template <std::size_t width>
+[[gnu::always_inline]] inline void add_lanes(const double* RESTRICT product, double* RESTRICT y) {
+  for (std::size_t i = 0; i < width; ++i) y[i] += product[i];
+}
+template <std::size_t width>
+[[gnu::always_inline]] inline void subtract_lanes(const double* RESTRICT product, double* RESTRICT y) {
+  for (std::size_t i = 0; i < width; ++i) y[i] -= product[i];
+}
+
 // One component of the products of a run. First and second ends have a loop each, in which no node occurs twice.
 [[gnu::always_inline]] inline void scatter_run(const Run& run, const double* RESTRICT product, bool to_second,
                                                double* y) {
   const std::size_t count = run.count;
-  double* RESTRICT first = y + run.first;
-  for (std::size_t i = 0; i < count; ++i) first[i] += product[i];
+  double* first = y + run.first;
+  std::size_t i = 0;
+  for (; i + lanes <= count; i += lanes) add_lanes<lanes>(product + i, first + i);
+  if (i + 4 <= count) add_lanes<4>(product + i, first + i), i += 4;
+  if (i + 2 <= count) add_lanes<2>(product + i, first + i), i += 2;
+  if (i < count) first[i] += product[i];
   if (!to_second) return;
-  double* RESTRICT second = y + run.second;
-  for (std::size_t i = 0; i < count; ++i) second[i] -= product[i];
+  double* second = y + run.second;
+  i = 0;
+  for (; i + lanes <= count; i += lanes) subtract_lanes<lanes>(product + i, second + i);
+  if (i + 4 <= count) subtract_lanes<4>(product + i, second + i), i += 4;
+  if (i + 2 <= count) subtract_lanes<2>(product + i, second + i), i += 2;
+  if (i < count) second[i] -= product[i];
 }
 
 void product(const SegmentSprings& springs, const SpringStiffness& stiffness, const double* const x[3], bool to_second,
@@ -49,8 +70,10 @@ void product(const SegmentSprings& springs, const SpringStiffness& stiffness, co
   for (std::uint32_t r = 0; r < springs.run_count; ++r) {
     const Run run = springs.runs[r];
     const std::size_t i = run.first, j = run.second, count = run.count;
-    INDEPENDENT_ITERATIONS
-    for (std::size_t s = 0; s < count; ++s) one(b, px, py, pz, i + s, j + s, at + s, products);
+    for (std::size_t s = 0; s < count; s += lanes) {
+      INDEPENDENT_ITERATIONS
+      for (std::size_t l = 0; l < lanes; ++l) one(b, px, py, pz, i + s + l, j + s + l, at + s + l, products);
+    }
     scatter_run(run, products.x + at, to_second, yx);
     scatter_run(run, products.y + at, to_second, yy);
     scatter_run(run, products.z + at, to_second, yz);
@@ -116,6 +139,10 @@ void add(double s, const double* RESTRICT x, std::size_t count, double* RESTRICT
   for (std::size_t i = 0; i < count; ++i) y[i] += s * x[i];
 }
 
+void multiply(const double* RESTRICT w, const double* RESTRICT x, std::size_t count, double* RESTRICT y) {
+  for (std::size_t i = 0; i < count; ++i) y[i] = w[i] * x[i];
+}
+
 void scale_add(double s, const double* RESTRICT x, std::size_t count, double* RESTRICT y) {
   for (std::size_t i = 0; i < count; ++i) y[i] = x[i] + s * y[i];
 }
@@ -123,7 +150,7 @@ void scale_add(double s, const double* RESTRICT x, std::size_t count, double* RE
 }  // namespace
 
 const SpringKernels& spring_kernels() {
-  static constexpr SpringKernels table{product, diagonal, dot, square, add, scale_add};
+  static constexpr SpringKernels table{product, diagonal, dot, square, add, scale_add, multiply};
   return table;
 }
 

@@ -37,21 +37,37 @@ class Team {
   std::size_t slot_ = 0;  // of the next sum
 };
 
+// Two sums at once.
+struct Sums2 {
+  double first, second;
+};
+
 // Memory for sums of one team at a time.
 class TeamSum {
  public:
-  void resize(std::size_t parts) { values_.assign(slots * parts, 0.0); }
+  void resize(std::size_t parts) { values_.assign(2 * slots * parts, 0.0); }
   // The sum of part(i) over all i, the same in all threads, which compute those of `own`. A barrier.
   template <class Part>
   [[nodiscard]] double operator()(Team& team, NodeRange own, const Part& part) {
-    const std::size_t parts = values_.size() / slots;
-    double* values = values_.data() + team.slot_ * parts;
+    return two(team, own, [&](std::size_t i) -> Sums2 { return {part(i), 0.0}; }).first;
+  }
+  template <class Part>
+  [[nodiscard]] Sums2 two(Team& team, NodeRange own, const Part& part) {
+    const std::size_t parts = values_.size() / (2 * slots);
+    double* values = values_.data() + team.slot_ * 2 * parts;
     // A thread may still be reading the last sum, but not the one before: it has passed a barrier since.
     team.slot_ = (team.slot_ + 1) % slots;
-    for (std::size_t i = own.begin; i < own.end; ++i) values[i] = part(i);
+    for (std::size_t i = own.begin; i < own.end; ++i) {
+      const Sums2 value = part(i);
+      values[2 * i] = value.first;
+      values[2 * i + 1] = value.second;
+    }
     team.barrier();
-    double total = 0.0;
-    for (std::size_t i = 0; i < parts; ++i) total += values[i];
+    Sums2 total{0.0, 0.0};
+    for (std::size_t i = 0; i < parts; ++i) {
+      total.first += values[2 * i];
+      total.second += values[2 * i + 1];
+    }
     return total;
   }
 
