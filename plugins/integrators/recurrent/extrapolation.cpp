@@ -46,7 +46,7 @@ void Extrapolation::learn(double time, const springnet_const_vectors& velocity, 
 }
 
 bool Extrapolation::guess(double time, const springnet_vectors& velocity) const {
-  if (order_ == 0 || known_ <= order_) return false;
+  if (known_ < 2 || known_ <= order_) return false;
   const std::array<double, 3> w = weights(0, order_, time);
   const double *a = at(0).velocity.data(), *b = at(1).velocity.data(),
                *c = at(std::min(known_ - 1, order_)).velocity.data();

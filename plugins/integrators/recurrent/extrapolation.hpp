@@ -17,7 +17,7 @@ class Extrapolation {
   // Learns the committed velocities (m/s, [count]) at a time, s. Call it at every step; again for the same step has no
   // effect.
   void learn(double time, const springnet_const_vectors& velocity, std::uint32_t count);
-  // Writes the guess for a later time; false if none is better than the velocities as they are.
+  // Writes the guess for a later time; false if too few steps are known.
   [[nodiscard]] bool guess(double time, const springnet_vectors& velocity) const;
 
  private:

@@ -37,6 +37,7 @@ bool LinearSystem::solve(const std::vector<double>& b, double accuracy, std::vec
   try {
     const sdk::Host::Solved solved = host_.solve_system(b.data(), accuracy, x.data());
     host_.report("krylov_iterations", krylov_iterations_ += static_cast<double>(solved.iterations));
+    iterations_ = solved.iterations;
     truncated_ = solved.outcome == SPRINGNET_TRUNCATED;
     if (truncated_) return solved.iterations > 0;
     const bool useful = solved.outcome == SPRINGNET_SOLVED || solved.residual <= max_useful_residual;

@@ -22,6 +22,8 @@ class LinearSystem {
   [[nodiscard]] bool solve(const std::vector<double>& b, double accuracy, std::vector<double>& x);
   // The matrix met negative curvature in the last solve().
   [[nodiscard]] bool truncated() const noexcept { return truncated_; }
+  // Of Krylov's method in the last solve().
+  [[nodiscard]] std::uint64_t iterations() const noexcept { return iterations_; }
   // Projects values onto the constraints; no effect without any.
   void project(std::vector<double>& values) const;
 
@@ -34,6 +36,7 @@ class LinearSystem {
   bool prepared_ = false;  // with the weights below
   bool truncated_ = false;
   double weight_ = 0.0, shift_ = 0.0;
+  std::uint64_t iterations_ = 0;
   double krylov_iterations_ = 0.0;  // of the run
 };
 

@@ -25,6 +25,9 @@ constexpr double first_shift = 1.0, shift_growth = 10.0, min_shift = 0.05;
 // steps than these.
 constexpr double fast_convergence = 0.3;
 constexpr int max_age = 10;
+// Renewing them costs about as much as these iterations of a linear solve; a sweep costs those of its solve and some
+// more. Derivatives at hand reduce the residual by this at best, as the first solves are no more accurate.
+constexpr double cost_of_renewal = 10.0, cost_of_sweep = 3.0, best_rate = 0.015;
 // Steps in which systems are exact after an approximate one has converged slowly.
 constexpr int max_exact_steps = 16;
 // Accuracy of iterative solutions: that of the first sweep; then by the last reduction of the residual, as Eisenstat
@@ -76,11 +79,12 @@ void Newton::begin(Step& step) {
   const bool same_nodes = std::equal(status_.begin(), status_.end(), network.status);
   const bool turning_rows =
       network.rigid_count > 0 || std::count(status_.begin(), status_.end(), SPRINGNET_SLIDING) > 0;
-  const bool keeps = linearised_ && !at_rejected_ && shift_ == 0.0 && rate_ < fast_convergence && same_nodes &&
+  const bool keeps = linearised_ && !at_rejected_ && shift_ == 0.0 && kept_rate_ < fast_convergence && same_nodes &&
                      !turning_rows && age_ < max_age && system_.has(step.weight(), 0.0);
   ++age_;
   if (exact_steps_ > 0) --exact_steps_;
   if (!keeps) linearised_ = false;
+  rate_ = kept_rate_;
   std::copy_n(network.status, network.node_count, status_.begin());
   guessed_ = step.outputs == nullptr && start_from_guess(step);
   start(step);
@@ -131,7 +135,7 @@ void Newton::start(Step& step) {
 void Newton::start_again(Step& step) {
   step.outputs = nullptr;
   guessed_ = linearised_ = false;
-  rate_ = 1.0;
+  rate_ = kept_rate_ = 1.0;
   start(step);
 }
 
@@ -189,7 +193,7 @@ void Newton::set_up(const Step& step) {
       greatest = std::max(greatest, std::abs(gap));
     }
   }
-  const bool fast = shift_ == 0.0 && rate_ < fast_convergence;
+  const bool fast = shift_ == 0.0 && rate_ < fast_convergence && keeping_pays(step);
   const bool keeps = linearised_ && !at_rejected_ && (fresh_ || fast) && system_.has(w, shift_);
   if (!keeps) linearise(step);
   std::fill(right_side_.begin(), right_side_.end(), 0.0);
@@ -204,6 +208,15 @@ void Newton::set_up(const Step& step) {
   system_.project(right_side_);
 }
 
+// Whether the sweeps that kept derivatives need until the step has settled cost less than renewing them.
+bool Newton::keeping_pays(const Step& step) const {
+  const double force = greatest_force(step, at_outputs_.residual);
+  if (!(force > step.tolerance)) return true;
+  const auto sweeps = [&](double rate) { return std::ceil(std::log(step.tolerance / force) / std::log(rate)); };
+  const double cost = static_cast<double>(system_.iterations()) + cost_of_sweep;
+  return sweeps(std::max(kept_rate_, best_rate)) * cost <= sweeps(best_rate) * cost + cost_of_renewal;
+}
+
 // Of the linear system of this sweep.
 double Newton::accuracy(const Step& step) const {
   const double wanted = first_ ? first_accuracy : std::min(first_accuracy, accuracy_factor * rate_ * rate_);
@@ -215,6 +228,7 @@ double Newton::accuracy(const Step& step) const {
 void Newton::find_direction(const Step& step, double accuracy) {
   if (!system_.has(step.weight(), shift_)) linearise(step);
   is_solved_ = system_.solve(right_side_, accuracy, direction_);
+  last_accuracy_ = accuracy;
   at_outputs_.slope = is_solved_ ? slope_along(step, direction_) : 0.0;
 }
 
@@ -424,6 +438,8 @@ bool Newton::advance(Step& step, springnet_state& candidate) {
   }
   first_ = false;
   rate_ = at_outputs_.norm > 0.0 ? at_candidate_.norm / at_outputs_.norm : 0.0;
+  // An inaccurate solution tells nothing of the derivatives.
+  if (last_accuracy_ <= first_accuracy) kept_rate_ = fresh_ ? rate_ : std::max(kept_rate_, rate_);
   // What the host left out of an approximate system may be to blame.
   if (fresh_ && rate_ >= fast_convergence) exact_steps_ = max_exact_steps;
   std::swap(at_outputs_, at_candidate_);

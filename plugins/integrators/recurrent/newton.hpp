@@ -56,6 +56,7 @@ class Newton final : public Rule {
   // Sets the right side, and the derivatives unless those of an earlier sweep are good enough.
   void set_up(const Step& step);
   void linearise(const Step& step);
+  [[nodiscard]] bool keeping_pays(const Step& step) const;
   [[nodiscard]] double accuracy(const Step& step) const;
   void find_direction(const Step& step, double accuracy);
   // Sets the candidate to outputs + share * direction, and assesses it.
@@ -90,6 +91,8 @@ class Newton final : public Rule {
   std::vector<std::uint8_t> status_;            // [n] SPRINGNET_FREE …, likewise
   std::vector<std::uint8_t> has_friction_;      // [cluster] 1: it has contact, or had in this step
   double shift_ = 0.0;                          // mu
+  double kept_rate_ = 1.0;                      // slowest reduction with these derivatives
+  double last_accuracy_ = 1.0;                  // of the last linear solve
   double rate_ = 1.0;                           // reduction of the norm in the last sweep; 1 if contacts changed
   bool linearised_ = false;                     // derivatives exist, of this sweep, an earlier one or an earlier step
   bool fresh_ = false;                          // derivatives are at the newest outputs, up to corrections by settle()
