@@ -134,10 +134,6 @@ springnet_status LinearModel::solve_prepared(springnet_linear_solve& request) {
   };
   if (prepared_ == Prepared::matrix_free) {
     answered(matrix_free_.solve(request.accuracy, max_iterations, request.right_side, request.x));
-    if (std::getenv("DBG"))
-      std::fprintf(stderr, "  mfree acc %.1e asym %.1e its %u res %.1e out %d\n", request.accuracy,
-                   matrix_free_.asymmetry(), unsigned(request.iterations), request.residual, int(request.outcome));
-    return SPRINGNET_OK;
   }
   for (std::size_t k = 0; k < n; ++k)
     for (std::size_t c = 0; c < 3; ++c)
@@ -156,10 +152,6 @@ springnet_status LinearModel::solve_prepared(springnet_linear_solve& request) {
     indefinite_ = true;
     answer = solve(false);
   }
-  if (std::getenv("DBG"))
-    std::fprintf(stderr, "  solve acc %.1e asym %.1e sym %d kind %d thin %d its %u res %.1e out %d\n", request.accuracy,
-                 system_.asymmetry(), symmetric, int(solver_.preconditioner().kind()), system_.is_thin(),
-                 answer.iterations, answer.residual, int(answer.outcome));
   answered(answer);
   if (request.outcome == SPRINGNET_STALLED && may_factorise) return solve_directly(request);
   for (std::size_t k = 0; k < n; ++k)

@@ -404,9 +404,6 @@ void Newton::sweep(Step& step) {
     shift_ = std::max(first_shift, shift_growth * shift_);
   }
   step.residual = residual(step);
-  if (std::getenv("DBG"))
-    std::fprintf(stderr, "t %.4f sweep %d rate %.2e res %.2e tol %.2e age %d guessed %d shift %g\n", step.until,
-                 int(step.sweeps), rate_, step.residual, step.tolerance, age_, guessed_, shift_);
   // Contacts just decided may change again.
   step.residual_decides = contact_changes_ == changes;
   ++step.sweeps;
