@@ -6,6 +6,11 @@
 #include <limits>
 
 namespace springnet::profile {
+namespace {
+
+constexpr Nanoseconds interrupted = 16;  // times the mean of a part
+
+}  // namespace
 
 // ---- one thread -----------------------------------------------------------------------------------------------------
 
@@ -99,8 +104,12 @@ bool Lane::begin_part(Kind kind, const char* name) noexcept {
 void Lane::end_part() noexcept {
   Node& part = nodes_[present_];
   const PartCost& cost = recording_.part_cost();
-  const Nanoseconds time = now() - overhead_ - part.started - cost.inside;
-  part.time += weight_ * std::max<Nanoseconds>(0, time);
+  const Nanoseconds time = std::max<Nanoseconds>(0, now() - overhead_ - part.started - cost.inside);
+  // A thread that was interrupted here was not in the tiles that this one stands for.
+  const Nanoseconds others = part.calls > 0 && weight_ > 1
+                                 ? std::min(time, interrupted * part.time / static_cast<Nanoseconds>(part.calls))
+                                 : time;
+  part.time += time + (weight_ - 1) * others;
   part.calls += weight_;
   overhead_ += cost.outside;
   present_ = part.parent;
