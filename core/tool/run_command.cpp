@@ -177,7 +177,12 @@ int run(const RunArguments& arguments) {
   if (!arguments.output.silent()) {
     std::string text;
     for (const std::string& note : notes) text += fmt::format("note: {}\n", note);
-    print_report(text + estimate_text(estimate_output(scene), folder));
+    OutputEstimate estimate = estimate_output(scene);
+    if (arguments.trace) {
+      estimate.files.push_back({"trace.json", Profiler::trace_bytes(run_trace_events), false});
+      estimate.bytes += estimate.files.back().bytes;
+    }
+    print_report(text + estimate_text(estimate, folder));
   }
 
   catch_interrupts();
