@@ -39,7 +39,7 @@ struct Node {
   std::uint32_t skip = 0;  // and so many are not before the next is
 
   static constexpr std::uint32_t first_tiles = 64;
-  static constexpr std::uint32_t sampling = 64;
+  static constexpr std::uint32_t sampling = 256;
 };
 
 // A stage that has ended, for the trace.
@@ -69,7 +69,12 @@ class Lane {
 
   // Whether to measure the next tile of this stage. Parts of a measured tile count as often as there are tiles to one
   // that is measured, and what the clock takes is not in their time.
-  bool measures_next() noexcept;
+  bool measures_next() noexcept {
+    Node& stage = nodes_[present_];
+    if (stage.skip == 0) return measure(stage);
+    --stage.skip;
+    return false;
+  }
   bool begin_part(Kind kind, const char* name) noexcept;
   void end_part() noexcept;
 
@@ -92,6 +97,7 @@ class Lane {
     std::uint32_t of_region, team;
     [[nodiscard]] bool is(const Node& node) const noexcept;
   };
+  bool measure(Node& stage) noexcept;  // sets the weight of this tile, and when the next is measured
   bool enter(const Key& key, Nanoseconds time) noexcept;
   void leave(Nanoseconds time) noexcept;
   void keep(const TraceEvent& event) noexcept;

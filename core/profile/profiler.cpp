@@ -51,6 +51,7 @@ Profiler::Scope::Scope(Profiler* profiler, const char* name) noexcept
       return;
     }
     entered_ = true;
+    ++profile::open_scopes;
     outer_stages_ = outer.stages;
     outer_parts_ = outer.parts;
     profile::current = {&lane, nullptr};
@@ -64,6 +65,7 @@ Profiler::Scope::~Scope() {
   if (!entered_) return;
   profile::current = {static_cast<profile::Lane*>(outer_stages_), static_cast<profile::Lane*>(outer_parts_)};
   recording_->in_use = false;
+  --profile::open_scopes;
 }
 
 }  // namespace springnet

@@ -72,16 +72,11 @@ void Lane::end_share(std::uint32_t stage) noexcept {
   if (recording_.traces() && number_ > 0) keep({stage, number_, started, time});
 }
 
-bool Lane::measures_next() noexcept {
-  Node& stage = nodes_[present_];
+bool Lane::measure(Node& stage) noexcept {
   if (stage.measure_all > 0) {
     --stage.measure_all;
     weight_ = 1;
     return true;
-  }
-  if (stage.skip > 0) {
-    --stage.skip;
-    return false;
   }
   // At random, because tiles differ in an order that repeats with every sweep: 0 to 2 (sampling - 1) are skipped.
   random_ ^= random_ << 13;

@@ -5,32 +5,20 @@
 namespace springnet::profile {
 
 thread_local constinit Current current{nullptr, nullptr};
+constinit std::atomic<std::uint32_t> open_scopes{0};
 
 void Stage::begin(Kind kind, const char* name) noexcept {
-  if (lane_->in_tile || !lane_->begin(kind, name)) lane_ = nullptr;
+  Lane* const lane = current.stages;
+  if (lane != nullptr && !lane->in_tile && lane->begin(kind, name)) lane_ = lane;
 }
 void Stage::end() noexcept { lane_->end(); }
 
-void Tile::begin() noexcept {
-  if (lane_->in_tile) {
-    lane_ = nullptr;
-    return;
-  }
-  lane_->in_tile = true;
-  if (lane_->measures_next()) current.parts = lane_;
-}
-void Tile::end() noexcept {
-  lane_->in_tile = false;
-  current.parts = nullptr;
-}
-
 void Region::begin(unsigned threads) noexcept {
-  stage_ = lane_->present();
-  if (threads < 2 || lane_->in_tile || lane_->number() > 0 || !lane_->recording().prepare(threads) ||
-      !lane_->begin_region()) {
-    lane_ = nullptr;
-    return;
-  }
+  Lane* const lane = current.stages;
+  if (lane == nullptr || threads < 2 || lane->in_tile || lane->number() > 0) return;
+  stage_ = lane->present();
+  if (!lane->recording().prepare(threads) || !lane->begin_region()) return;
+  lane_ = lane;
   region_ = lane_->present();
 }
 

@@ -223,8 +223,8 @@ TEST_CASE("the calls of parts of tiles are estimated within their scatter") {
   const ProfileStage& sweep = profile.stages[static_cast<std::size_t>(springs.parent)];
   REQUIRE(sweep.name == "sweep");
   CHECK(sweep.calls == 20000);
-  // 125 nodes are two tiles. Of the 40,000 about 1 in 64 is measured, 625, which scatter by 2 % of it.
-  CHECK(static_cast<double>(springs.calls) / static_cast<double>(sweep.calls) == doctest::Approx(2.0).epsilon(0.08));
+  // 125 nodes are two tiles. Of the 40,000 about 1 in 256 is measured, 156, which scatter by 5 %.
+  CHECK(static_cast<double>(springs.calls) / static_cast<double>(sweep.calls) == doctest::Approx(2.0).epsilon(0.16));
 }
 
 TEST_CASE("a trace has a complete event for each stage") {
