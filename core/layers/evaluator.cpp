@@ -8,6 +8,7 @@
 
 #include "plugin_host/call.hpp"
 #include "plugin_host/message.hpp"
+#include "profile/stage.hpp"
 
 namespace springnet::layers {
 namespace {
@@ -61,10 +62,12 @@ springnet_status Evaluator::evaluate(double time, const NodeArrays& nodes, const
   }
   std::int64_t failed_unit = units;
   springnet_status failure = SPRINGNET_OK;
+  const profile::Region region(threads_);
 #pragma omp parallel num_threads(static_cast <int>(threads_))
   {
     const FlushDenormals flush;
-#pragma omp for schedule(dynamic, 1)
+    const profile::Share share(region, omp_get_thread_num(), omp_get_num_threads());
+#pragma omp for schedule(dynamic, 1) nowait
     for (std::int64_t u = 0; u < units; ++u) {
       springnet_message unit_message{};
       // An exception that leaves the region would end the process.
@@ -112,12 +115,20 @@ springnet_status Evaluator::evaluate_unit(std::uint32_t index, double time, cons
       force.z[k] += push[2];
     }
   }
-  if (layout_.elements().live_count() > 0) add_elements(begin, end, force);
+  if (layout_.elements().live_count() > 0) {
+    const profile::Tile measured;
+    const profile::Part part("elements");
+    add_elements(begin, end, force);
+  }
   SegmentGeometry geometry;  // not initialised: written before it is read
   for (const Tile& tile : unit.tiles) {
-    for (std::uint32_t s = tile.segment_begin; s < tile.segment_end; ++s) {
-      const springnet_status status = evaluate_segment(unit, unit.segments[s], time, nodes, force, geometry, message);
-      if (status != SPRINGNET_OK) return status;
+    const profile::Tile measured;
+    {
+      const profile::Part part("springs");
+      for (std::uint32_t s = tile.segment_begin; s < tile.segment_end; ++s) {
+        const springnet_status status = evaluate_segment(unit, unit.segments[s], time, nodes, force, geometry, message);
+        if (status != SPRINGNET_OK) return status;
+      }
     }
     if (finished.call == nullptr) continue;
     const springnet_status status = finished.call(finished.user, index, tile.first_node, tile.node_count, message);
@@ -155,6 +166,7 @@ springnet_status Evaluator::accelerations(std::uint32_t first, std::uint32_t cou
     batch.acceleration_by_force = block(by_force);
     batch.acceleration_by_position = block(by_position);
     batch.acceleration_by_velocity = block(by_velocity);
+    const profile::Part part(kind.component->description->id, profile::Kind::neuron);
     const springnet_status status = call_component(*kind.component, message, [&](springnet_message& own) {
       batch.message = &own;
       return kind.component->neuron().evaluate(&batch);

@@ -4,6 +4,7 @@
 #include <limits>
 
 #include "plugin_host/call.hpp"
+#include "profile/stage.hpp"
 
 namespace springnet::layers {
 namespace {
@@ -86,6 +87,8 @@ springnet_status evaluate_laws(const LawBatch& batch, InstructionSet set, double
       fill(own.energy, std::numeric_limits<double>::quiet_NaN());
     if (own.margin != nullptr && !law.can(SPRINGNET_HAS_RUPTURE))
       fill(own.margin, std::numeric_limits<double>::infinity());
+    const profile::Part part(law.component->description->id,
+                             k == 0 ? profile::Kind::spring_function : profile::Kind::viscosity_function);
     const springnet_status status = evaluate_law(batch, law, instruction_set, time, own, message);
     if (status != SPRINGNET_OK) return status;
   }

@@ -177,7 +177,15 @@ void VtkOutput::visit_earlier(const OutputFolder::Pointer& folder, const Visit& 
   }
 }
 
-std::vector<std::string> summary_names() { return {summary_file, part_name(summary_file)}; }
+// Of files about the run itself, which are written when it has ended.
+std::vector<std::string> report_names() {
+  std::vector<std::string> names;
+  for (const char* file : {summary_file, profile_file, trace_file}) {
+    names.emplace_back(file);
+    names.push_back(part_name(file));
+  }
+  return names;
+}
 
 }  // namespace
 
@@ -206,7 +214,7 @@ std::uintmax_t earlier_bytes(const std::filesystem::path& path) {
   if (!folder) return sum;
   const auto add = [&](const OutputFolder& in, const std::string& name) { sum += in.size(name); };
   for (const auto& output : outputs()) output->visit_earlier(folder, add);
-  for (const std::string& name : summary_names()) visit_file(*folder, name, add);
+  for (const std::string& name : report_names()) visit_file(*folder, name, add);
   return sum;
 }
 
@@ -214,9 +222,9 @@ void remove_earlier(const OutputFolder::Pointer& folder) {
   for (const auto& output : outputs()) {
     for (const std::string& name : output->file_names()) folder->require_no_folder(name);
   }
-  for (const std::string& name : summary_names()) folder->require_no_folder(name);
+  for (const std::string& name : report_names()) folder->require_no_folder(name);
   for (const auto& output : outputs()) output->clear(folder);
-  for (const std::string& name : summary_names()) {
+  for (const std::string& name : report_names()) {
     visit_file(*folder, name, [](const OutputFolder& in, const std::string& file) { in.remove(file); });
   }
 }

@@ -72,6 +72,8 @@ class Output {
 [[nodiscard]] const std::vector<std::unique_ptr<const Output>>& outputs();
 
 inline constexpr const char* summary_file = "summary.json";
+inline constexpr const char* profile_file = "profile.json";
+inline constexpr const char* trace_file = "trace.json";
 
 // Bytes of an earlier run's files in the folder, which the next one removes.
 [[nodiscard]] std::uintmax_t earlier_bytes(const std::filesystem::path& folder);

@@ -3,6 +3,7 @@
 #include <exception>
 
 #include "files/output_error.hpp"
+#include "profile/stage.hpp"
 
 namespace springnet {
 
@@ -19,6 +20,7 @@ void Recorder::each(const Work& work) {
   std::exception_ptr first;
   for (Entry& entry : entries_) {
     if (entry.failed) continue;
+    const profile::Stage stage(entry.sink->file().c_str(), profile::Kind::output);
     try {
       work(entry);
     } catch (const OutputError& error) {

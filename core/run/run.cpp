@@ -8,6 +8,7 @@
 #include <springnet/run.hpp>
 
 #include "files/whole_file.hpp"
+#include "profile/stage.hpp"
 #include "record/record.hpp"
 #include "run/outputs.hpp"
 #include "run/pace.hpp"
@@ -29,12 +30,15 @@ std::filesystem::path nearest_existing(std::filesystem::path folder) {
   return folder;
 }
 
-void require_space(const Scene& scene, const std::filesystem::path& folder) {
+void require_space(const Scene& scene, const RunOptions& options) {
+  const std::filesystem::path& folder = options.folder;
   std::error_code unknown;
   const std::filesystem::space_info space = std::filesystem::space(nearest_existing(folder), unknown);
   if (unknown) return;  // a file system that does not report its free space is no reason to refuse
+  const double trace = options.trace ? Profiler::trace_bytes(run_trace_events) : 0.0;
   const auto refusal = space_refusal(
-      scene, {static_cast<double>(space.available), static_cast<double>(earlier_bytes(folder))}, folder.string());
+      scene, {std::max(0.0, static_cast<double>(space.available) - trace), static_cast<double>(earlier_bytes(folder))},
+      folder.string());
   if (refusal) throw Error(ErrorKind::input, *refusal);
 }
 
@@ -88,6 +92,7 @@ class RunTimeline : public Timeline {
   }
 
   void record() {
+    const profile::Stage stage("record");
     const double begin = clock_.now();
     recorded_ = time();
     state_.take(simulation_);
@@ -181,6 +186,28 @@ void capture_failure(RunSummary& summary, const Work& work) {
   }
 }
 
+// Adds the files of the profile to those of the summary.
+void write_profile(const OutputFolder::Pointer& folder, const Profiler& profiler, const RunOptions& options,
+                   RunSummary& summary) {
+  const auto add = [&](const char* name) {
+    summary.files.emplace_back(name);
+    summary.bytes += folder->size(name);
+  };
+  if (options.profile)
+    capture_failure(summary, [&] {
+      summary.profile = profiler.profile();
+      write_whole({folder, profile_file}, to_json(*summary.profile, summary.steps, summary.threads));
+      add(profile_file);
+    });
+  if (options.trace)
+    capture_failure(summary, [&] {
+      WholeFile file({folder, trace_file});
+      profiler.write_trace(file.stream());
+      file.finish();
+      add(trace_file);
+    });
+}
+
 // Removes summary.json, the last of the summary's files, from the list if it cannot be written.
 void write_summary(const OutputFolder::Pointer& folder, RunSummary& summary) {
   bool written = false;
@@ -236,12 +263,17 @@ RunSummary describe(const Scene& scene, const Simulation& simulation, const Plug
 }  // namespace
 
 RunSummary run_scene(const Scene& scene, const std::shared_ptr<const PluginHost>& plugins, const RunOptions& options) {
-  require_space(scene, options.folder);
+  require_space(scene, options);
   const RunClock clock = clock_or_system(options.clock);
   std::optional<Pace> pace;
   if (options.realtime != 0.0) pace.emplace(options.realtime, 0.0, clock);
   check_starts(scene);
-  Simulation simulation(scene.network, plugins, scene.options);
+  SimulationOptions simulated = scene.options;
+  if (!simulated.profiler && (options.profile || options.trace))
+    simulated.profiler = std::make_shared<Profiler>(options.trace ? run_trace_events : 0);
+  std::optional<Profiler::Scope> whole(std::in_place, simulated.profiler.get(), "run");
+  std::optional<profile::Stage> setting_up(std::in_place, "set up");
+  Simulation simulation(scene.network, plugins, simulated);
   RunSummary summary = describe(scene, simulation, *plugins, options.scene_name);
   const OutputFolder::Pointer folder = OutputFolder::make(options.folder);
   folder->lock();
@@ -251,15 +283,21 @@ RunSummary run_scene(const Scene& scene, const std::shared_ptr<const PluginHost>
   capture_failure(summary, [&] {
     recorder.emplace(scene, plugins, folder);
     timeline.emplace(scene, simulation, *recorder, clock, memory, summary);
+    setting_up.reset();
     simulate(*timeline, scene, simulation, pace ? &*pace : nullptr, clock, options, summary);
   });
+  setting_up.reset();
   memory.release();
   if (!recorder && summary.failure == ErrorKind::input) throw Error(ErrorKind::input, summary.error);
   if (summary.failure == ErrorKind::simulation && simulation.last_report().outcome != Outcome::settled) {
     summary.outcome = name_of(simulation.last_report().outcome);
   }
   if (summary.failure && recorder) recorder->failed(summary.error);
-  if (recorder) capture_failure(summary, [&] { recorder->close(); });
+  if (recorder) {
+    const profile::Stage stage("close");
+    capture_failure(summary, [&] { recorder->close(); });
+  }
+  whole.reset();
 
   if (timeline) add(timeline->totals(), summary);
   if (pace) summary.pace = pace->report();
@@ -279,6 +317,7 @@ RunSummary run_scene(const Scene& scene, const std::shared_ptr<const PluginHost>
     summary.files = recorder->files();
     summary.cut_short = recorder->cut_short();
   }
+  if (options.profile || options.trace) write_profile(folder, *simulated.profiler, options, summary);
   summary.files.emplace_back(summary_file);
   write_summary(folder, summary);
   return summary;

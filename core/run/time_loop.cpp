@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "profile/stage.hpp"
 #include "run/record_times.hpp"
 
 namespace springnet {
@@ -48,7 +49,10 @@ void Stepper::count(const StepReport& report) {
 
 bool advance_to_end(Timeline& timeline, Pace* pace, const std::function<bool()>& go_on) {
   while (!timeline.has_ended()) {
-    if (pace != nullptr && !pace->wait(timeline.time(), go_on)) return false;
+    if (pace != nullptr) {
+      const profile::Stage stage("wait for the clock");
+      if (!pace->wait(timeline.time(), go_on)) return false;
+    }
     timeline.advance();
     if (pace != nullptr) pace->count_frame(timeline.time());
     timeline.record_if_due();

@@ -9,6 +9,7 @@
 #include "constraints/vectors.hpp"
 #include "layers/elements/queries.hpp"
 #include "layers/springs/queries.hpp"
+#include "profile/stage.hpp"
 #include "simulation/start.hpp"
 
 namespace springnet {
@@ -30,6 +31,7 @@ Engine::Engine(const Network& network, const PluginHost& plugins, const Simulati
 
 const Reactions& Engine::reactions() {
   if (model_.stale.reactions) {
+    const profile::Stage stage("reactions");
     reactions_ = reactions_now(model_);
     model_.stale.reactions = false;
   }
@@ -42,6 +44,7 @@ Vector3 Engine::reaction_of(std::uint32_t node, std::size_t surface) {
 }
 
 double Engine::potential_energy() {
+  const profile::Stage stage("energy");
   const layers::NodeArrays nodes = model_.state.nodes();
   const InstructionSet set = model_.evaluator.instruction_set();
   double sum = layers::spring_energy(model_.layout, set, model_.time, nodes) +

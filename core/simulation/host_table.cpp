@@ -10,6 +10,7 @@
 #include <springnet/error.hpp>
 #include <springnet/sdk/message.hpp>
 
+#include "profile/stage.hpp"
 #include "simulation/dominant.hpp"
 #include "simulation/requests.hpp"
 
@@ -43,13 +44,20 @@ springnet_status guarded(void* context, const char* function, const Action& acti
   return SPRINGNET_FAILED;
 }
 
-// The same for functions that change the engine or use its buffers.
+// The same for functions that change the engine or use its buffers. Each is a stage of a profile, by its own name
+// unless another one is given.
 template <class Action>
-springnet_status outside_of_sweeps(void* context, const char* function, const Action& action) noexcept {
+springnet_status outside_of_sweeps(void* context, const char* function, const char* stage_name,
+                                   const Action& action) noexcept {
   return guarded(context, function, [&](Engine& engine) -> springnet_status {
     engine.calls().require_no_callback();
+    const profile::Stage stage(stage_name);
     return action(engine);
   });
+}
+template <class Action>
+springnet_status outside_of_sweeps(void* context, const char* function, const Action& action) noexcept {
+  return outside_of_sweeps(context, function, function, action);
 }
 
 // The same for functions of the derivatives, which need a call of linearise first.
@@ -100,13 +108,13 @@ void require_order(double from, double until) {
 }
 
 springnet_status begin_step(void* context, double from, double until) {
-  return outside_of_sweeps(context, "begin_step", [&](Engine& engine) {
+  return outside_of_sweeps(context, "begin_step", "begin", [&](Engine& engine) {
     require_order(from, until);
     return engine.begin_step(from, until);
   });
 }
 springnet_status begin_interval(void* context, double from, double until) {
-  return outside_of_sweeps(context, "begin_interval", [&](Engine& engine) {
+  return outside_of_sweeps(context, "begin_interval", "begin", [&](Engine& engine) {
     require_order(from, until);
     return engine.begin_interval(from, until);
   });
@@ -119,6 +127,8 @@ springnet_status evaluate_nodes(void* context, const springnet_evaluation* evalu
                                 std::uint32_t count) {
   return guarded(context, "evaluate_nodes", [&](Engine& engine) {
     check_nodes(nodes, count, engine.model().node_count());
+    const profile::Tile tile;  // often one node: too short for a stage
+    const profile::Part part("evaluate_nodes");
     return engine.sweep().evaluate_nodes(checked(evaluation), nodes, count);
   });
 }
@@ -173,13 +183,13 @@ springnet_status solve_system(void* context, springnet_linear_solve* request) {
                            [&](Engine& engine) { return engine.linear().solve_prepared(checked(request)); });
 }
 springnet_status event_values(void* context, const springnet_evaluation* at, double* values, std::int32_t* directions) {
-  return outside_of_sweeps(context, "event_values", [&](Engine& engine) {
+  return outside_of_sweeps(context, "event_values", "events", [&](Engine& engine) {
     if (engine.network_info().event_count > 0) require_array(values, "values");
     return engine.contact_events().values(checked(at), values, directions);
   });
 }
 springnet_status fire_events(void* context, double time, springnet_state* state, const std::int32_t* fired) {
-  return outside_of_sweeps(context, "fire_events", [&](Engine& engine) {
+  return outside_of_sweeps(context, "fire_events", "events", [&](Engine& engine) {
     engine.calls().require_advancing();
     require_finite(time, "time");
     if (engine.network_info().event_count > 0) require_array(fired, "fired");
@@ -187,7 +197,7 @@ springnet_status fire_events(void* context, double time, springnet_state* state,
   });
 }
 springnet_status time_of_impact(void* context, const springnet_impact_search* search, double* time) {
-  return outside_of_sweeps(context, "time_of_impact", [&](Engine& engine) {
+  return outside_of_sweeps(context, "time_of_impact", "events", [&](Engine& engine) {
     require_array(time, "time");
     return engine.time_of_impact(checked(search), *time);
   });

@@ -5,6 +5,7 @@
 
 #include <springnet/error.hpp>
 #include <springnet/printable.hpp>
+#include <springnet/profile.hpp>
 #include <springnet/simulation.hpp>
 
 #include "layers/elements/queries.hpp"
@@ -12,6 +13,7 @@
 #include "network/checks.hpp"
 #include "network/spacing.hpp"
 #include "plugin_host/call.hpp"
+#include "profile/stage.hpp"
 #include "simulation/embedding_changes.hpp"
 #include "simulation/engine.hpp"
 #include "simulation/host_table.hpp"
@@ -167,12 +169,16 @@ Simulation::Impl::Ending Simulation::Impl::call(const Function& function) {
 }
 
 void Simulation::Impl::advance(double until) {
+  const Profiler::Scope step(options.profiler.get(), "step");
   const double from = engine.model().time;
   springnet_step_report report{};
   report.struct_size = sizeof report;
   report.start_node = 0xffffffffu;
   engine.calls().begin_advance(until);
-  Ending end = call([&] { return component->integrator().advance(integrator, until, &report); });
+  Ending end = call([&] {
+    const profile::Stage stage(component->description->id, profile::Kind::integrator);
+    return component->integrator().advance(integrator, until, &report);
+  });
   if (end.status == SPRINGNET_OK && !(std::abs(engine.model().time - until) <= engine.calls().end_tolerance())) {
     end.status = SPRINGNET_FAILED;
     end.broken = true;

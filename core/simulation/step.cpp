@@ -19,6 +19,7 @@
 #include <cmath>
 
 #include "constraints/vectors.hpp"
+#include "profile/stage.hpp"
 #include "simulation/contact_changes.hpp"
 #include "simulation/engine.hpp"
 #include "simulation/impact_search.hpp"
@@ -59,6 +60,7 @@ springnet_status Engine::begin(Loads::Change loads) {
 // After a load was switched, a spring cut, or a state set by the embedding program: the same nodes touch and the same
 // springs break for every integrator and length of step.
 springnet_status Engine::settle() {
+  const profile::Stage stage("settle");
   springnet_status status = topology_.perform_due_ruptures();
   if (status == SPRINGNET_OK) status = settle_contacts(model_);
   if (status == SPRINGNET_OK)
@@ -119,17 +121,20 @@ springnet_status Engine::commit(double time, State& state) {
   if (status == SPRINGNET_OK && jumps) status = commit_jumps(from);
   if (status != SPRINGNET_OK) return status;
   committed_events_ = model_.journal.events().size();
+  const profile::Stage stage("topology");
   status = topology_.perform_due_ruptures();
   topology_.perform_due_cuts();
   return status;
 }
 
 springnet_status Engine::commit_sweeps() {
+  const profile::Stage stage("impulses");
   sweep_.forget();
   return ledger_.commit(sweep_.done());
 }
 
 springnet_status Engine::commit_solution(const State& before, bool jumps) {
+  const profile::Stage stage("constraints");
   const springnet_vectors &position = model_.state.view.position, &velocity = model_.state.view.velocity;
   const std::shared_ptr<const Placement> now = model_.placement(model_.time);
   // Remove what rounding in a solver left in unknowns that do not move.

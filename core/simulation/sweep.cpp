@@ -1,5 +1,7 @@
 // Sweeps: all springs before any node, tile by tile, or node by node in an order.
 
+#include <omp.h>
+
 #include <algorithm>
 #include <cmath>
 #include <mutex>
@@ -7,6 +9,7 @@
 #include <springnet/sdk/message.hpp>
 
 #include "constraints/vectors.hpp"
+#include "profile/stage.hpp"
 #include "simulation/sweep_tiles.hpp"
 
 namespace springnet {
@@ -46,8 +49,10 @@ springnet_status Sweep::run(const springnet_sweep& request, const springnet_netw
     status = in_order(tiles);
   } else {
     status = model_.evaluator.evaluate(sweep.time, tiles.nodes, external, tiles.force, {finish_tile, &tiles}, message);
-    if (status == SPRINGNET_OK)
+    if (status == SPRINGNET_OK && model_.rigid.cluster_count() > 0) {
+      const profile::Stage stage("rigid");
       status = model_.constraints.constrain_clusters(*at, sweep, model_.evaluator.threads(), message);
+    }
   }
   if (status != SPRINGNET_OK) return model_.failed(status, sweep.time, tiles.nodes);
   // The integrator detects that the sweep diverged; the journal keeps the reason.
@@ -141,6 +146,7 @@ springnet_status Sweep::range(std::uint32_t begin, std::uint32_t end, std::uint3
     if (has_enclosures && turn != Turn::all && is_on_enclosure(k) != (turn == Turn::on_enclosure)) continue;
     const std::uint32_t cluster = clusters == nullptr ? no_cluster : clusters[k];
     springnet_status status = SPRINGNET_OK;
+    const profile::Tile measured;
     if (cluster == no_cluster) {
       NodeEvaluation evaluation;
       status = evaluate_node(k, tiles, evaluation, message);
@@ -169,23 +175,30 @@ springnet_status Sweep::one_set(std::uint32_t set, Tiles& tiles) {
   std::int64_t failed_unit = unit_count;
   springnet_status failure = SPRINGNET_OK;
   in_sets_ = true;
-#pragma omp parallel for schedule(dynamic, 1) num_threads(static_cast <int>(model_.evaluator.threads()))
-  for (std::int64_t u = 0; u < unit_count; ++u) {
-    const layers::FlushDenormals flush;
-    const layers::Unit& unit = units[static_cast<std::size_t>(u)];
-    const auto first = static_cast<std::uint32_t>(std::lower_bound(begin, end, unit.first_node) - sweep.order);
-    const auto last =
-        static_cast<std::uint32_t>(std::lower_bound(begin, end, unit.first_node + unit.node_count) - sweep.order);
-    springnet_message message{};
-    // An exception that leaves the region would end the process.
-    const springnet_status status = sdk::detail::guarded(
-        &message, [&] { return range(first, last, static_cast<std::uint32_t>(u), Turn::others, tiles, message); });
-    if (status == SPRINGNET_OK) continue;
-    const std::lock_guard guard(model_.journal.failure_lock);
-    if (u < failed_unit) {
-      failed_unit = u;
-      failure = status;
-      model_.journal.message = message;
+  {
+    const profile::Region region(model_.evaluator.threads());
+#pragma omp parallel num_threads(static_cast <int>(model_.evaluator.threads()))
+    {
+      const profile::Share share(region, omp_get_thread_num(), omp_get_num_threads());
+#pragma omp for schedule(dynamic, 1) nowait
+      for (std::int64_t u = 0; u < unit_count; ++u) {
+        const layers::FlushDenormals flush;
+        const layers::Unit& unit = units[static_cast<std::size_t>(u)];
+        const auto first = static_cast<std::uint32_t>(std::lower_bound(begin, end, unit.first_node) - sweep.order);
+        const auto last =
+            static_cast<std::uint32_t>(std::lower_bound(begin, end, unit.first_node + unit.node_count) - sweep.order);
+        springnet_message message{};
+        // An exception that leaves the region would end the process.
+        const springnet_status status = sdk::detail::guarded(
+            &message, [&] { return range(first, last, static_cast<std::uint32_t>(u), Turn::others, tiles, message); });
+        if (status == SPRINGNET_OK) continue;
+        const std::lock_guard guard(model_.journal.failure_lock);
+        if (u < failed_unit) {
+          failed_unit = u;
+          failure = status;
+          model_.journal.message = message;
+        }
+      }
     }
   }
   in_sets_ = false;

@@ -6,6 +6,7 @@
 #include <springnet/sdk/message.hpp>
 
 #include "constraints/vectors.hpp"
+#include "profile/stage.hpp"
 
 namespace springnet {
 namespace {
@@ -20,6 +21,7 @@ bool all_finite(const double* const values[3], std::uint32_t count) {
 // Calls the integrator's update, which must not throw; if it does, the sweep ends with a message.
 springnet_status call_update(const springnet_sweep& sweep, const springnet_node_batch& batch,
                              springnet_message& message) noexcept {
+  const profile::Part part("update");
   try {
     sweep.update(sweep.user, &batch);
     return SPRINGNET_OK;
@@ -56,6 +58,7 @@ springnet_status Sweep::Tiles::accelerate(std::uint32_t first, std::uint32_t cou
                                                                 nullptr, nullptr, nullptr, message);
   if (status != SPRINGNET_OK) return status;
   if (forces_finite && !all_finite(accelerations, count)) note_bad_neuron(first, count, accelerations);
+  const profile::Part part("constraints");
   model.constraints.accelerate(*at, first, count, {nodes.px, nodes.py, nodes.pz}, {nodes.vx, nodes.vy, nodes.vz},
                                accelerations);
   return SPRINGNET_OK;
@@ -86,6 +89,7 @@ springnet_status Sweep::Tiles::update(std::uint32_t unit, std::uint32_t first, s
   const bool in_place = count == 1 && sweep->order != nullptr;
   if (in_place) read = {nodes.vx[first], nodes.vy[first], nodes.vz[first]};
   if (const springnet_status updated = call_update(*sweep, batch, message); updated != SPRINGNET_OK) return updated;
+  const profile::Part part("constraints");
   model.constraints.constrain(*at, first, count, *sweep, in_place ? &read : nullptr);
   return SPRINGNET_OK;
 }

@@ -9,6 +9,7 @@
 #include "commands.hpp"
 #include "common.hpp"
 #include "process.hpp"
+#include "profile_table.hpp"
 #include "progress.hpp"
 #include "tables/table.hpp"
 #include "text/counted.hpp"
@@ -23,6 +24,7 @@ constexpr const char* run_examples =
   springnet run cube/cube.toml --time-step 0.01 --duration 5 -o /tmp/cube
   springnet run cube/cube.toml --integrator cvode --set simulation.integrator.method=\"adams\"
   springnet run cube/cube.toml --set output.interval=0.5 --set output.vtk=true
+  springnet run cube/cube.toml --profile         shows which stages and laws take the time
   springnet run cube/cube.toml --realtime=4      keeps pace with four times real time, and counts late time steps
 
 Exit status:
@@ -49,6 +51,8 @@ std::string run_footer() {
          fmt::format(R"(  vtk/run.pvd      for ParaView, if output.vtk = true
   view.html        a page that plays the run, unless output.view = false
   summary.json     outcome and statistics of the run
+  profile.json     time of each stage, with --profile
+  trace.json       their course for ui.perfetto.dev or chrome://tracing, with --trace
 With output.format = "binary" these are .bin files, which 'springnet convert' converts to text: {}.
 
 )",
@@ -59,6 +63,8 @@ With output.format = "binary" these are .bin files, which 'springnet convert' co
 struct RunArguments {
   SceneArguments scene;
   OutputArguments output;
+  bool profile = false;
+  bool trace = false;
   std::string realtime;  // simulated seconds per second of the clock, "true": 1; empty: as fast as possible
 };
 
@@ -171,12 +177,19 @@ int run(const RunArguments& arguments) {
   if (!arguments.output.silent()) {
     std::string text;
     for (const std::string& note : notes) text += fmt::format("note: {}\n", note);
-    print_report(text + estimate_text(estimate_output(scene), folder));
+    OutputEstimate estimate = estimate_output(scene);
+    if (arguments.trace) {
+      estimate.files.push_back({"trace.json", Profiler::trace_bytes(run_trace_events), false});
+      estimate.bytes += estimate.files.back().bytes;
+    }
+    print_report(text + estimate_text(estimate, folder));
   }
 
   catch_interrupts();
   Progress progress(arguments.output.silent());
   options.folder = folder;
+  options.profile = arguments.profile;
+  options.trace = arguments.trace;
   options.scene_name = arguments.scene.file.string();
   if (!arguments.realtime.empty()) {
     options.realtime = arguments.realtime == "true" ? 1.0 : std::stod(arguments.realtime);
@@ -189,6 +202,7 @@ int run(const RunArguments& arguments) {
     fmt::print("{}", to_json(summary));
   } else if (!arguments.output.quiet) {
     print_report(result_text(summary, folder, notes.size()));
+    if (summary.profile) print_report(profile_text(*summary.profile, summary.steps));
   }
   std::fflush(stdout);
   if (summary.failure) {
@@ -217,6 +231,12 @@ void add_run(CLI::App& app, Action& action) {
           "is a frame that starts when it is due; late frames are counted, none is skipped")
       ->type_name("[=FACTOR]")
       ->check(factor_or_true());
+  command->add_flag("--profile", arguments->profile,
+                    "Measure where the time goes: print the share of each stage, law and output, and write all of them "
+                    "to profile.json");
+  command->add_flag("--trace", arguments->trace,
+                    "Write the course of the stages to trace.json, which ui.perfetto.dev and chrome://tracing show: "
+                    "of a long run the first and the last time steps");
   command->footer(run_footer());
   command->parse_complete_callback([arguments, command] { refuse_separate_factor(*command, *arguments); });
   command->callback([arguments, &action] { action = [arguments] { return run(*arguments); }; });

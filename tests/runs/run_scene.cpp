@@ -406,3 +406,41 @@ TEST_CASE("elements removed with a spring are counted separately, and a volume i
   CHECK(summary.volumes[0].first == doctest::Approx(1.0 / 6.0));
   CHECK(summary.volumes[0].last == doctest::Approx(1.0 / 6.0));  // at rest from the start
 }
+
+TEST_CASE("the profile of a run has its outputs, and its trace opens; without options there is neither") {
+  const TemporaryFolder folder;
+  const Scene scene = pair();
+  RunOptions options{folder.path(), "pair", {}};
+  options.profile = options.trace = true;
+  const RunSummary profiled = run_scene(scene, plugins(), options);
+  const std::string trajectory = testing::read_text(folder.path() / "trajectory.csv");
+  REQUIRE(profiled.profile);
+  CHECK(std::count(profiled.files.begin(), profiled.files.end(), "profile.json") == 1);
+  CHECK(std::count(profiled.files.begin(), profiled.files.end(), "trace.json") == 1);
+
+  const auto document = nlohmann::json::parse(testing::read_text(folder.path() / "profile.json"));
+  CHECK(document.at("steps") == 10);
+  std::vector<std::string> paths;
+  double own = 0.0;
+  for (const auto& stage : document.at("stages")) {
+    paths.push_back(stage.at("path"));
+    own += stage.at("own_share").get<double>();
+  }
+  CHECK(own == doctest::Approx(1.0).epsilon(1e-9));
+  for (const char* path : {"run", "run/set up", "run/step", "run/step/integrator recurrent/sweep", "run/record",
+                           "run/record/trajectory.csv", "run/record/view.html", "run/close/view.html"}) {
+    CAPTURE(path);
+    CHECK(std::count(paths.begin(), paths.end(), path) == 1);
+  }
+  const auto trace = nlohmann::json::parse(testing::read_text(folder.path() / "trace.json"));
+  const auto& events = trace.at("traceEvents");
+  CHECK(std::count_if(events.begin(), events.end(), [](const auto& event) { return event.at("name") == "step"; }) ==
+        10);
+
+  // The next run removes the files of this one, and writes the same without its own.
+  const RunSummary plain = run(scene, folder);
+  CHECK(!plain.profile);
+  CHECK(!std::filesystem::exists(folder.path() / "profile.json"));
+  CHECK(!std::filesystem::exists(folder.path() / "trace.json"));
+  CHECK(testing::read_text(folder.path() / "trajectory.csv") == trajectory);
+}

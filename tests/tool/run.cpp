@@ -332,3 +332,23 @@ TEST_CASE("singular and plural are right, and a run without a step has no speed"
   CHECK(fails.out.find("0 times real time") == std::string::npos);
   CHECK(fails.out.find("(no time step): 0 steps") != std::string::npos);
 }
+
+TEST_CASE("--profile prints where the time goes, --trace writes its course") {
+  const TemporaryFolder folder;
+  folder.write("pair.toml", testing::pair_scene);
+  Answer answer = testing::springnet(folder, "run pair.toml --profile");
+  CAPTURE(answer.out);
+  CHECK(answer.status == 0);
+  for (const char* text : {"where time goes", "share", "integrator recurrent", "view.html", "100.0 %"}) {
+    CAPTURE(text);
+    CHECK(answer.out.find(text) != std::string::npos);
+  }
+  CHECK(std::filesystem::exists(folder.path() / "results/pair/profile.json"));
+  CHECK(!std::filesystem::exists(folder.path() / "results/pair/trace.json"));
+
+  answer = testing::springnet(folder, "run pair.toml --trace");
+  CHECK(answer.status == 0);
+  CHECK(answer.out.find("where time goes") == std::string::npos);
+  CHECK(!std::filesystem::exists(folder.path() / "results/pair/profile.json"));
+  CHECK(testing::read_json(folder.path() / "results/pair/trace.json").contains("traceEvents"));
+}

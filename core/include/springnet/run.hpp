@@ -16,6 +16,7 @@
 #include <springnet/error.hpp>
 #include <springnet/events.hpp>
 #include <springnet/plugin_host.hpp>
+#include <springnet/profile.hpp>
 #include <springnet/readable.hpp>
 #include <springnet/scene.hpp>
 #include <springnet/simulation.hpp>
@@ -63,7 +64,14 @@ struct RunOptions {
   // Simulated seconds per second of the clock; 0: as fast as possible.
   double realtime = 0.0;
   RunClock clock{};  // empty: the system's
+  // Write profile.json, the time that each stage, law, solver and output took; and trace.json, their course for a
+  // viewer of traces (core/docs/output.md). If the scene has a profiler, it records for both.
+  bool profile = false;
+  bool trace = false;
 };
+
+// Of how many stages a run keeps the times for trace.json.
+inline constexpr std::size_t run_trace_events = 100000;
 
 // How a run kept pace with the clock. Each time step is a frame: it starts when the clock reaches its start time, and
 // is due at its end time. No frame is skipped: after a late one the next ones start at once until they have caught up.
@@ -126,6 +134,8 @@ struct RunSummary {
   std::vector<std::string> files;   // names in the folder, summary.json included
   std::vector<CutShort> cut_short;  // of these, what could not be written to the end
 
+  std::optional<Profile> profile;  // if RunOptions ask for it
+
   std::string outcome;  // that of the worst time step ("settled", …), "failed" or "stopped"
   std::string error;    // why it failed; empty otherwise
   std::optional<ErrorKind> failure;
@@ -141,5 +151,7 @@ RunSummary run_scene(const Scene& scene, const std::shared_ptr<const PluginHost>
 
 // The text of summary.json.
 [[nodiscard]] std::string to_json(const RunSummary& summary);
+// The text of profile.json. steps: of the run, for the shares of one.
+[[nodiscard]] std::string to_json(const Profile& profile, std::uint64_t steps, unsigned threads);
 
 }  // namespace springnet

@@ -16,12 +16,16 @@
 
 namespace springnet {
 
+class Profiler;
+
 struct SimulationOptions {
   double time_step = 0.01;  // s: the paper's time constant t_c
   LawUse integrator{"recurrent", {}};
   unsigned threads = 0;  // 0: chosen by machine and size of the network. 1: starts no thread.
   InstructionSet instruction_set = InstructionSet::best;
   bool renumber = true;  // false: node k of the user is column k of positions()
+  // Takes the time of the steps (profile.hpp), and of nothing else of the simulation; null: nothing.
+  std::shared_ptr<Profiler> profiler{};
 };
 
 enum class Outcome { settled, oscillating, out_of_sweeps, diverging };

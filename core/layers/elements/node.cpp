@@ -4,6 +4,7 @@
 
 #include "layers/elements/blocks.hpp"
 #include "layers/node_sums.hpp"
+#include "profile/stage.hpp"
 
 namespace springnet::layers {
 namespace {
@@ -26,6 +27,7 @@ springnet_status Evaluator::add_elements_of(std::uint32_t node, double time, con
   const ElementLayout& elements = layout_.elements();
   const std::span<const ElementShare> shares = elements.shares(node);
   if (shares.empty()) return SPRINGNET_OK;
+  const profile::Part part("elements");
   const bool blocks = sums.stiffness != nullptr;
   Seen seen[chunk];  // not initialised: written before it is read
   double q[chunk], rate[chunk];

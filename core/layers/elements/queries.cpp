@@ -7,6 +7,7 @@
 #include <limits>
 
 #include "layers/elements/blocks.hpp"
+#include "profile/stage.hpp"
 
 namespace springnet::layers {
 namespace {
@@ -18,6 +19,8 @@ const Group& group_of(const Layout& layout, std::uint32_t element) {
 // The laws of one element.
 springnet_status evaluate_element(const Layout& layout, InstructionSet set, double time, std::uint32_t element,
                                   const ElementState& state, const PairOutputs& out, springnet_message& message) {
+  const profile::Tile measured;
+  const profile::Part part("elements");
   const LawBatch batch{
       group_of(layout, element), 1, {nullptr, layout.elements().row(element)}, &state.value, &state.rate};
   return evaluate_laws(batch, set, time, out, message);

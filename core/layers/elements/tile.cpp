@@ -2,12 +2,15 @@
 // forces of its elements in a fixed order. So no two threads write to the same place, and the sums do not depend on the
 // number of threads.
 
+#include <omp.h>
+
 #include <algorithm>
 
 #include <springnet/sdk/message.hpp>
 
 #include "layers/elements/blocks.hpp"
 #include "layers/evaluator.hpp"
+#include "profile/stage.hpp"
 
 namespace springnet::layers {
 
@@ -49,6 +52,8 @@ springnet_status Evaluator::evaluate_enclosures(double time, springnet_message& 
       sum.rate += enclosure_shares_[next].rate;
     }
     if (!elements.alive(e)) continue;
+    const profile::Tile measured;
+    const profile::Part part("elements");
     const Group& group = layout_.laws().groups[elements.group(e)];
     PairAnswers<1> answers;
     const springnet_status status = evaluate_laws({group, 1, {nullptr, elements.row(e)}, &sum.volume, &sum.rate}, set_,
@@ -64,6 +69,8 @@ springnet_status Evaluator::evaluate_elements(double time, const NodeArrays& nod
   const auto batches = static_cast<std::int64_t>(elements.batches().size());
   const auto pieces = batches + static_cast<std::int64_t>(elements.live_enclosures() > 0 ? chunks_.size() : 0);
   const auto evaluate_piece = [&](std::int64_t i, springnet_message& own_message) -> springnet_status {
+    const profile::Tile measured;
+    const profile::Part part("elements");
     if (i < batches) return evaluate_batch(elements.batches()[static_cast<std::size_t>(i)], time, nodes, own_message);
     const auto c = static_cast<std::size_t>(i - batches);
     const ElementLayout::EnclosureElement& enclosure = elements.enclosures()[chunks_[c].enclosure];
@@ -81,20 +88,24 @@ springnet_status Evaluator::evaluate_elements(double time, const NodeArrays& nod
   }
   std::int64_t failed = pieces;
   springnet_status failure = SPRINGNET_OK;
-#pragma omp parallel num_threads(static_cast <int>(threads_))
   {
-    const FlushDenormals flush_thread;
-#pragma omp for schedule(static)
-    for (std::int64_t i = 0; i < pieces; ++i) {
-      springnet_message own_message{};
-      const springnet_status status =
-          sdk::detail::guarded(&own_message, [&] { return evaluate_piece(i, own_message); });
-      if (status == SPRINGNET_OK) continue;
+    const profile::Region region(threads_);
+#pragma omp parallel num_threads(static_cast <int>(threads_))
+    {
+      const FlushDenormals flush_thread;
+      const profile::Share share(region, omp_get_thread_num(), omp_get_num_threads());
+#pragma omp for schedule(static) nowait
+      for (std::int64_t i = 0; i < pieces; ++i) {
+        springnet_message own_message{};
+        const springnet_status status =
+            sdk::detail::guarded(&own_message, [&] { return evaluate_piece(i, own_message); });
+        if (status == SPRINGNET_OK) continue;
 #pragma omp critical(springnet_evaluate_elements)
-      if (i < failed) {
-        failed = i;
-        failure = status;
-        message = own_message;
+        if (i < failed) {
+          failed = i;
+          failure = status;
+          message = own_message;
+        }
       }
     }
   }

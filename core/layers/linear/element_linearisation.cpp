@@ -1,5 +1,7 @@
 #include "layers/linear/element_linearisation.hpp"
 
+#include "profile/stage.hpp"
+
 namespace springnet::layers {
 namespace {
 
@@ -16,6 +18,8 @@ springnet_status ElementLinearisation::evaluate_elements(const ElementBatch& bat
                                                          const std::uint32_t* members, const double* q,
                                                          const double* rate, ElementForce* forces,
                                                          springnet_message& message) {
+  const profile::Tile measured;
+  const profile::Part part("elements");
   const Group& group = layout_.laws().groups[batch.group];
   std::uint32_t rows[element_batch];
   for (std::size_t i = 0; i < batch.count; ++i) rows[i] = layout_.elements().row(members[i]);

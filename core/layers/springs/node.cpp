@@ -6,6 +6,7 @@
 
 #include "layers/node_sums.hpp"
 #include "layers/springs/blocks.hpp"
+#include "profile/stage.hpp"
 
 namespace springnet::layers {
 namespace {
@@ -50,6 +51,7 @@ void read(const Incident* springs, std::size_t count, std::uint32_t k, const Nod
 
 springnet_status Evaluator::add_springs_of(std::uint32_t node, double time, const NodeArrays& nodes, NodeSums& sums,
                                            springnet_message& message) const {
+  const profile::Part part("springs");
   const bool blocks = sums.stiffness != nullptr;
   NodeGeometry geometry;
   PairAnswers<chunk> answers;

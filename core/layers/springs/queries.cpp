@@ -7,11 +7,15 @@
 #include <limits>
 #include <memory>
 
+#include "profile/stage.hpp"
+
 namespace springnet::layers {
 
 springnet_status evaluate_springs(const Layout& layout, InstructionSet set, double time, const NodeArrays& nodes,
                                   std::size_t group, const std::uint32_t* springs, std::size_t count,
                                   SegmentGeometry& geometry, const PairOutputs& out, springnet_message& message) {
+  const profile::Tile measured;
+  const profile::Part part("springs");
   std::uint32_t first[max_segment], second[max_segment], rows[max_segment];
   for (std::size_t i = 0; i < count; ++i) {
     first[i] = layout.first(springs[i]);
