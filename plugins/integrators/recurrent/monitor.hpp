@@ -33,6 +33,11 @@ class Monitor {
   // settles: its outputs replace the activities, so its forces have nothing to be compared with.
   [[nodiscard]] Verdict judge(double difference) noexcept;
 
+  // Call instead after a sweep whose difference means nothing.
+  [[nodiscard]] Verdict skip() noexcept {
+    return ++sweeps_ >= max_sweeps_ ? Verdict::out_of_sweeps : Verdict::go_on;
+  }
+
   [[nodiscard]] std::uint64_t sweeps() const noexcept { return sweeps_; }
 
  private:

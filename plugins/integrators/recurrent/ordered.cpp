@@ -36,9 +36,12 @@ void WavefrontRule::with_update(Step& step, std::span<const std::uint32_t> order
 }
 
 void WavefrontRule::sweep(Step& step) {
-  if (step.differences.free_node != no_node) step.start_node = step.differences.free_node;
-  const auto order = order_.order(step.network, step.start_node, sdk::view(step.outputs->force));
-  with_update(step, order, [&](const springnet_sweep& call, const auto& update) { sweep_with(step, call, update); });
+  if (step.sweeps == 0 || !step.keeps_order) {
+    if (step.differences.free_node != no_node) step.start_node = step.differences.free_node;
+    sweep_order_ = order_.order(step.network, step.start_node, sdk::view(step.outputs->force));
+  }
+  with_update(step, sweep_order_,
+              [&](const springnet_sweep& call, const auto& update) { sweep_with(step, call, update); });
 }
 
 // In the order of the first sweep of a run. Later ones begin elsewhere, which moves the limit by some per cent.

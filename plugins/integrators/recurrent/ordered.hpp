@@ -54,7 +54,7 @@ class WavefrontRule final : public Ordered {
 
   bool block_;
   Wavefront order_;
-  std::span<const std::uint32_t> linear_order_;
+  std::span<const std::uint32_t> sweep_order_, linear_order_;
   BlockMemory memory_;
 };
 

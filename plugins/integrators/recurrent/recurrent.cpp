@@ -82,6 +82,12 @@ class Recurrent : public springnet::sdk::Integrator {
           .preset(1)
           .at_least(0.5)
           .at_most(1),
+      integer("acceleration",
+              "Anderson acceleration of synchronous, wavefront, block and coloured: combines this number of earlier "
+              "sweeps; 0: none")
+          .preset(0)
+          .at_least(0)
+          .at_most(Anderson::max_depth),
       choice("events", {"stepwise", "located"},
              "contacts and ruptures happen where a time step ends; or the step is divided where they, slip, rest and "
              "cuts happen, so that theta 0.5 stays of second order")};
@@ -93,7 +99,14 @@ class Recurrent : public springnet::sdk::Integrator {
         theta_(options["theta"]),
         locates_(options.choice<Events>("events") == Events::located),
         work_(host),
-        threshold_(host, options["force_tolerance"], limits_.exact_sweeps > 0) {}
+        acceleration_(options.integer<std::size_t>("acceleration")),
+        threshold_(host, options["force_tolerance"], limits_.exact_sweeps > 0) {
+    if (!acceleration_.is_on()) return;
+    if (limits_.exact_sweeps > 0)
+      throw Failure("recurrent: acceleration combines sweeps until a step settles; set sweeps = 0 or acceleration = 0");
+    if (update_ == Update::newton)
+      throw Failure("recurrent: acceleration is for other rules than newton; set another update or acceleration = 0");
+  }
 
   springnet_status advance(double until, springnet_step_report& report);
   void limits(const springnet::sdk::LimitSink& sink) {
@@ -148,6 +161,7 @@ class Recurrent : public springnet::sdk::Integrator {
   Crossings crossings_;
   double all_events_ = 0.0;
   Workspace work_;
+  Anderson acceleration_, no_acceleration_{0};
   Threshold threshold_;
   Automatic automatic_;
   std::array<std::unique_ptr<Rule>, rules> rules_;
@@ -271,6 +285,7 @@ const springnet_network& Recurrent::attach() {
   const springnet_network& network = work_.host.network();
   if (revision_ != network.revision) {
     work_.attach(network);
+    acceleration_.attach(network);
     revision_ = network.revision;
   }
   return network;
@@ -312,6 +327,7 @@ Attempt Recurrent::propagate_with(Update update, Step& step, std::uint64_t max_s
   attempt.update = update;
   step.sweeps = 0;
   step.differences = {};
+  step.keeps_order = false;
   step.start_node = no_node;
   step.finite = true;
   step.evaluated = false;
@@ -319,7 +335,8 @@ Attempt Recurrent::propagate_with(Update update, Step& step, std::uint64_t max_s
   try {
     work_.know_start_acceleration(step);
     work_.set_free_motion(step);
-    attempt.verdict = propagate(rule(update), work_, step, {max_sweeps, limits_.exact_sweeps});
+    Anderson& acceleration = update == Update::newton ? no_acceleration_ : acceleration_;
+    attempt.verdict = propagate(rule(update), work_, step, {max_sweeps, limits_.exact_sweeps}, acceleration);
     const bool stalled = attempt.verdict == Verdict::oscillating || attempt.verdict == Verdict::out_of_sweeps;
     if (stalled && settles_to_rounding(step)) attempt.verdict = Verdict::settled;
     const bool taken = settled(attempt.verdict) || unsettled_ == Unsettled::accept;

@@ -26,8 +26,9 @@ struct Step {
   const springnet_network& network;
   bool compares;        // forces of successive sweeps are compared; a single synchronous sweep has nothing to compare
   bool decides = true;  // which nodes touch, slide and stick; else that stays as committed
-  bool is_linear = false;  // outputs are small changes of the linearised network
-  double rounding = 0.0;   // N, of the forces (force_rounding.hpp); 0: not known
+  bool is_linear = false;    // outputs are small changes of the linearised network
+  bool keeps_order = false;  // sweeps in an order keep that of the first one: all are the same map
+  double rounding = 0.0;     // N, of the forces (force_rounding.hpp); 0: not known
 
   springnet_const_vectors free_position{}, free_velocity{};  // p*, v*: where nodes go that nothing accelerates
   springnet_state* outputs = nullptr;                        // the newest; null: the start
