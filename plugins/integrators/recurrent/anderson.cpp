@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <utility>
 
 #include "columns.hpp"
 
@@ -11,8 +12,11 @@ namespace {
 
 // The residual may grow by this over the smallest one: on a linear network by at most |G|, for a sweep.
 constexpr double max_growth = 10.0;
-constexpr int max_retreats = 8;  // then plain sweeps
-constexpr int patience = 40;     // sweeps without a smaller residual, then plain sweeps
+constexpr double max_first_growth = 2.0;
+constexpr std::size_t slopes_after_first = 4;
+constexpr double less_relaxation = 0.25;
+constexpr double infinity = std::numeric_limits<double>::infinity();
+constexpr int patience = 40;  // sweeps without a smaller residual, then plain sweeps
 // A difference of which the newer ones leave less than this, squared and relative, is dropped.
 constexpr double min_independent = 1e-12;
 
@@ -45,6 +49,7 @@ void Anderson::attach(const springnet_network& network) {
   if (!is_on()) return;
   const std::size_t size = 3 * std::size_t{network.node_count};
   root_.assign(network.node_count, 0.0);
+  common_ = root_;
   for (auto* values : {&input_, &last_input_, &residual_, &next_, &best_position_, &best_velocity_, &best_residual_})
     values->resize(size);
   x_.resize(depth_);
@@ -55,46 +60,45 @@ void Anderson::attach(const springnet_network& network) {
   }
 }
 
-void Anderson::begin(Step& step) {
+void Anderson::begin(Step& step, bool relaxes) {
   if (!is_on()) return;
+  relaxes_ = relaxes;
+  slopes_ = 0;
   count_ = 0;
   has_last_ = went_back_ = given_up_ = false;
   first_ = true;
-  best_norm_ = std::numeric_limits<double>::infinity();
-  steepest_ = 0.0;
+  best_norm_ = start_norm_ = infinity;
+  steepest_ = later_steepest_ = 0.0;
   damping_ = max_damping_ = 1.0;
   retreats_ = since_best_ = 0;
   step.keeps_order = true;
+  step.relaxation = 1.0;
   static_cast<void>(find_free(step));
   copy_to(step.newest().velocity, input_);
 }
 
-bool Anderson::moves_freely(const springnet_network& network, std::uint32_t node) const noexcept {
-  return network.fixed[node] == 0 && network.held[node] == 0 && network.touching[node] == 0 &&
-         network.cluster[node] == no_node && network.status[node] == SPRINGNET_FREE;
-}
-
 bool Anderson::find_free(const Step& step) {
   bool changed = false;
+  common_ = root_;
   for (std::uint32_t k = 0; k < step.network.node_count; ++k) {
     const bool free = moves_freely(step.network, k);
     if (free == (root_[k] > 0.0)) continue;
     root_[k] = free ? std::sqrt(step.network.mass[k]) : 0.0;
+    common_[k] = 0.0;
     changed = true;
   }
   return changed;
 }
 
 bool Anderson::record(Step& step) {
-  if (!is_on() || given_up_) return step.finite;
+  if (!is_on() || given_up_) {
+    went_back_ = false;
+    return step.finite;
+  }
   went_back_ = false;
-  double norm = std::numeric_limits<double>::infinity();
+  double norm = infinity;
   if (step.finite) {
-    if (step.constrained() && find_free(step)) {
-      count_ = 0;
-      has_last_ = false;
-      best_norm_ = std::numeric_limits<double>::infinity();
-    }
+    const bool changed = step.constrained() && find_free(step);
     const std::size_t n = root_.size();
     for (std::size_t axis = 0; axis < 3; ++axis) {
       const double* u = axes(step.outputs->velocity)[axis];
@@ -103,42 +107,52 @@ bool Anderson::record(Step& step) {
       for (std::size_t k = 0; k < n; ++k) f[k] = root_[k] * (u[k] - input[k]);
     }
     norm = std::sqrt(dot(next_, next_));
-    if (std::isfinite(norm) && has_last_) add_difference();
-    has_last_ = true;
+    if (std::isfinite(norm) && has_last_) add_difference(changed ? common_ : root_);
+    if (changed) {
+      count_ = 0;
+      best_norm_ = start_norm_ = infinity;
+    }
   }
   damping_ = std::min(max_damping_, 2.0 / (1.0 + std::max(1.0, steepest_)));
-  // Negated: not finite is too much.
-  const bool grew = !(norm <= max_growth * best_norm_) || !std::isfinite(norm);
+  const double least = std::min(best_norm_, start_norm_);
+  const double limit = slopes_ > 1 ? max_growth : max_first_growth;
+  const bool grew = !std::isfinite(norm) || norm > limit * least;
   if (grew || ++since_best_ > patience) {
-    if (!std::isfinite(best_norm_)) return step.finite;
     given_up_ = !grew || ++retreats_ > max_retreats;
+    if (given_up_ && !std::isfinite(best_norm_)) return step.finite;
     go_back(step);
     return true;
   }
   std::swap(residual_, next_);
-  if (norm < best_norm_) keep_best(*step.outputs, norm);
+  if (!has_last_ && first_)
+    start_norm_ = norm;
+  else if (norm < best_norm_)
+    keep_best(*step.outputs, norm);
+  has_last_ = true;
   return true;
 }
 
-void Anderson::add_difference() {
-  const std::size_t n = root_.size();
+void Anderson::add_difference(const std::vector<double>& nodes) {
+  const std::size_t n = nodes.size();
   const std::size_t at = (newest_ + 1) % depth_;
   std::vector<double>&dx = x_[at], &df = f_[at];
   for (std::size_t axis = 0; axis < 3; ++axis) {
     const std::size_t offset = axis * n;
     for (std::size_t k = 0; k < n; ++k) {
       const std::size_t i = offset + k;
-      dx[i] = root_[k] * (input_[i] - last_input_[i]);
-      df[i] = next_[i] - residual_[i];
+      dx[i] = nodes[k] * (input_[i] - last_input_[i]);
+      df[i] = nodes[k] > 0.0 ? next_[i] - residual_[i] : 0.0;
     }
   }
   const double moved = dot(dx, dx), changed = dot(df, df);
+  const bool was_first = std::exchange(first_, false);
   if (!(moved > 0.0 && changed > 0.0)) return;
-  steepest_ = std::max(steepest_, std::sqrt(changed / moved));
-  if (first_) {
-    first_ = false;
-    return;
-  }
+  // A long first way may be steeper than the network near the solution.
+  if (++slopes_ == slopes_after_first) steepest_ = later_steepest_;
+  const double slope = std::sqrt(changed / moved);
+  steepest_ = std::max(steepest_, slope);
+  if (!was_first) later_steepest_ = std::max(later_steepest_, slope);
+  if (was_first) return;
   newest_ = at;
   count_ = std::min(count_ + 1, depth_);
   for (std::size_t age = 0; age < count_; ++age) {
@@ -186,17 +200,44 @@ void Anderson::keep_best(const springnet_state& outputs, double norm) {
 }
 
 void Anderson::go_back(Step& step) {
-  copy_from(best_position_, step.outputs->position);
-  copy_from(best_velocity_, step.outputs->velocity);
   step.finite = true;
-  residual_ = best_residual_;
-  max_damping_ *= 0.5;
-  damping_ = std::min(damping_, max_damping_);
+  if (std::isfinite(best_norm_)) {
+    copy_from(best_position_, step.outputs->position);
+    copy_from(best_velocity_, step.outputs->velocity);
+    residual_ = best_residual_;
+    max_damping_ *= 0.5;
+    damping_ = std::min(damping_, max_damping_);
+  } else {
+    go_to_start(step);
+    std::fill(residual_.begin(), residual_.end(), 0.0);
+    first_ = false;
+    start_norm_ = infinity;
+  }
+  if (relaxes_) {  // another map
+    step.relaxation *= less_relaxation;
+    best_norm_ *= less_relaxation;
+    steepest_ = later_steepest_ = 0.0;
+  }
   count_ = 0;
   since_best_ = 0;
   has_last_ = false;
   went_back_ = true;
-  if (given_up_) step.keeps_order = false;
+  if (!given_up_) return;
+  step.keeps_order = false;
+  step.relaxation = 1.0;
+}
+
+void Anderson::go_to_start(Step& step) const {
+  const double w = step.weight();
+  for (std::size_t axis = 0; axis < 3; ++axis) {
+    double *u = axes(step.outputs->velocity)[axis], *p = axes(step.outputs->position)[axis];
+    const double* free_position = axes(step.free_position)[axis];
+    for (std::size_t k = 0; k < root_.size(); ++k) {
+      if (step.network.fixed[k] != 0) continue;
+      u[k] = axes(step.start.velocity)[axis][k];
+      p[k] = root_[k] > 0.0 ? free_position[k] + w * u[k] : axes(step.start.position)[axis][k];
+    }
+  }
 }
 
 void Anderson::mix(Step& step) {

@@ -26,36 +26,40 @@ namespace springnet::recurrent {
 class Anderson {
  public:
   static constexpr std::size_t max_depth = 20;
+  static constexpr int max_retreats = 8;  // in a step, then plain sweeps
 
   // depth: differences kept, up to max_depth; 0: none of the calls does anything.
   explicit Anderson(std::size_t depth) noexcept : depth_(depth) {}
   [[nodiscard]] bool is_on() const noexcept { return depth_ > 0; }
+  [[nodiscard]] bool can_go_back() const noexcept { return is_on() && !given_up_ && retreats_ < max_retreats; }
   // Whether the last record() went back: the host then knows of contacts that the outputs do not have.
   [[nodiscard]] bool went_back() const noexcept { return went_back_; }
 
   // After every change of network.revision. Keeps 2 depth + 7 vectors of 3 numbers a node.
   void attach(const springnet_network& network);
-  // Before the first sweep of a step, or of a stage of it.
-  void begin(Step& step);
+  // Before the first sweep of a step, or of a stage of it. relaxes: whether the rule heeds step.relaxation.
+  void begin(Step& step, bool relaxes);
   // After a sweep. If the residual grew too much, or is not finite, the outputs go back to those of the sweep with the
-  // smallest residual. False: not finite, and there is no such sweep.
+  // smallest residual, or to the start, and step.relaxation is reduced. False: not finite, and that was tried.
   [[nodiscard]] bool record(Step& step);
   // Replaces the outputs of the last sweep by the combination, from which the next sweep starts.
   void mix(Step& step);
 
  private:
-  // Nodes that are combined. Returns whether they changed.
+  // Nodes that are combined. Returns whether they changed; common_ then has those that were and are.
   bool find_free(const Step& step);
-  [[nodiscard]] bool moves_freely(const springnet_network& network, std::uint32_t node) const noexcept;
-  void add_difference();
+  // Of this sweep and the last one. nodes: root_, or common_ if nodes changed: then only its slope counts.
+  void add_difference(const std::vector<double>& nodes);
   // Coefficients c of the differences, newest first. Drops the oldest that the newer ones nearly span.
   void solve() noexcept;
   void keep_best(const springnet_state& outputs, double norm);
   void go_back(Step& step);
+  // Free motion at the start's velocity, with prescribed nodes where the sweep put them.
+  void go_to_start(Step& step) const;
   [[nodiscard]] std::size_t slot(std::size_t age) const noexcept { return (newest_ + depth_ - age) % depth_; }
 
   std::size_t depth_;
-  std::vector<double> root_;             // [node_count] sqrt(m), kg^1/2; 0: not combined
+  std::vector<double> root_, common_;    // [node_count] sqrt(m), kg^1/2; 0: not combined
   std::vector<double> input_;            // [3n] U that the last sweep read, x of all nodes first, m/s
   std::vector<double> last_input_;       // of the sweep before
   std::vector<double> residual_, next_;  // [3n] f of the last sweep, of this one
@@ -65,12 +69,16 @@ class Anderson {
   std::array<double, max_depth> projected_{};                          // DF^T f, by slot
   std::array<double, max_depth> coefficients_{};                       // c, by age
   std::size_t count_ = 0, newest_ = 0;                                 // differences
-  bool has_last_ = false;     // residual_ and input_ are those of a sweep that a difference can begin from
-  bool first_ = true;         // the outputs that a step starts from do not satisfy P = p* + w U
-  bool went_back_ = false;    // the outputs are those of the best sweep
-  bool given_up_ = false;     // plain sweeps for the rest of the step
-  double best_norm_ = 0.0;    // |f|
-  double steepest_ = 0.0;     // L
+  bool has_last_ = false;    // residual_ and input_ are those of a sweep that a difference can begin from
+  bool first_ = true;        // the last sweep began with the outputs of the start, which do not satisfy P = p* + w U
+  bool went_back_ = false;   // the outputs are those of the best sweep
+  bool given_up_ = false;    // plain sweeps for the rest of the step
+  double best_norm_ = 0.0;   // |f|; infinite: there is no best sweep
+  double start_norm_ = 0.0;  // of the first sweep
+  double steepest_ = 0.0;    // L
+  double later_steepest_ = 0.0;  // but for the first difference
+  std::size_t slopes_ = 0;       // differences that steepest_ is from
+  bool relaxes_ = false;
   double damping_ = 1.0;      // b
   double max_damping_ = 1.0;  // halved whenever outputs go back
   int retreats_ = 0, since_best_ = 0;

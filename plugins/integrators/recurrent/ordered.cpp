@@ -27,7 +27,8 @@ void WavefrontRule::with_update(Step& step, std::span<const std::uint32_t> order
   call.order = order.data();
   call.order_count = static_cast<std::uint32_t>(order.size());
   if (!block_) {
-    go(call, NodeUpdate(step.weight(), step.free_position, step.free_velocity, outputs));
+    go(call,
+       NodeUpdate(step.weight(), step.free_position, step.free_velocity, outputs, step.relaxation, &step.network));
     return;
   }
   const BlockUpdate update(work_.host, step, memory_);

@@ -43,6 +43,7 @@ class WavefrontRule final : public Ordered {
   WavefrontRule(Workspace& workspace, bool block) noexcept : Ordered(workspace), block_(block) {}
   void attach(const springnet_network& network) override;
   void begin(Step& step) override;
+  [[nodiscard]] bool relaxes() const noexcept override { return !block_; }
   void sweep(Step& step) override;
   void begin_linear(const Step& step) override;
   void linear_sweep(Step& step) override;

@@ -31,20 +31,31 @@ class ResidualCheck {
   double smallest_ = std::numeric_limits<double>::infinity();
 };
 
+// A sweep of outputs that the acceleration put too far away for a law may fail: it then counts as not finite.
+void sweep(Rule& rule, Step& step, const Anderson& acceleration) {
+  try {
+    rule.sweep(step);
+    step.finite = step.finite && std::isfinite(step.differences.greatest);
+  } catch (const sdk::Failure& failure) {
+    if (!failure.recoverable() || step.outputs == nullptr || !acceleration.can_go_back()) throw;
+    step.finite = false;
+    ++step.sweeps;
+  }
+}
+
 }  // namespace
 
 bool within_tolerance(const Step& step) noexcept { return step.residual <= residual_limit * step.tolerance; }
 
 Verdict propagate(Rule& rule, Workspace& workspace, Step& step, const Limits& limits, Anderson& acceleration) {
   rule.begin(step);
-  acceleration.begin(step);
+  acceleration.begin(step, rule.relaxes());
   // A step ends with outputs of a sweep, as the host left them, where they are in contact or on rigid connections.
   const bool mixes_first = !step.constrained();
   Monitor monitor(step.tolerance, limits.max_sweeps);
   ResidualCheck check;
   while (limits.exact_sweeps == 0 || step.sweeps < limits.exact_sweeps) {
-    rule.sweep(step);
-    step.finite = step.finite && std::isfinite(step.differences.greatest);
+    sweep(rule, step, acceleration);
     if (!acceleration.record(step)) return Verdict::diverging;
     if (limits.exact_sweeps > 0) continue;
     if (acceleration.went_back()) {

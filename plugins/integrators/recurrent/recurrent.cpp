@@ -328,6 +328,7 @@ Attempt Recurrent::propagate_with(Update update, Step& step, std::uint64_t max_s
   step.sweeps = 0;
   step.differences = {};
   step.keeps_order = false;
+  step.relaxation = 1.0;
   step.start_node = no_node;
   step.finite = true;
   step.evaluated = false;
