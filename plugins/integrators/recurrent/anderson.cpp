@@ -14,11 +14,22 @@ namespace {
 constexpr double max_growth = 10.0;
 constexpr double max_first_growth = 2.0;
 constexpr std::size_t slopes_after_first = 4;
+constexpr double near = 1e-3;  // to the solution: residual over the greatest one
+constexpr double min_way = 0.1;  // over the residual
 constexpr double less_relaxation = 0.25;
 constexpr double infinity = std::numeric_limits<double>::infinity();
 constexpr int patience = 40;  // sweeps without a smaller residual, then plain sweeps
 // A difference of which the newer ones leave less than this, squared and relative, is dropped.
 constexpr double min_independent = 1e-12;
+
+// What acts on a node besides springs and loads.
+constexpr std::uint8_t pinned_node = 0, sliding_node = 1, joined_node = 2, free_node = 3;
+std::uint8_t status_of(const springnet_network& network, std::uint32_t k) noexcept {
+  const std::uint8_t status = network.status[k];
+  if (network.fixed[k] != 0 || status == SPRINGNET_PRESCRIBED || status == SPRINGNET_STICKING) return pinned_node;
+  if (status == SPRINGNET_SLIDING) return sliding_node;
+  return network.cluster[k] != no_node ? joined_node : free_node;
+}
 
 // Sums in eight lanes: one order for every instruction set, and loops that vectorise.
 constexpr std::size_t lanes = 8;
@@ -50,6 +61,7 @@ void Anderson::attach(const springnet_network& network) {
   const std::size_t size = 3 * std::size_t{network.node_count};
   root_.assign(network.node_count, 0.0);
   common_ = root_;
+  status_.assign(network.node_count, pinned_node);
   for (auto* values : {&input_, &last_input_, &residual_, &next_, &best_position_, &best_velocity_, &best_residual_})
     values->resize(size);
   x_.resize(depth_);
@@ -64,6 +76,7 @@ void Anderson::begin(Step& step, bool relaxes) {
   if (!is_on()) return;
   relaxes_ = relaxes;
   slopes_ = 0;
+  greatest_norm_ = 0.0;
   count_ = 0;
   has_last_ = went_back_ = given_up_ = false;
   first_ = true;
@@ -73,6 +86,7 @@ void Anderson::begin(Step& step, bool relaxes) {
   retreats_ = since_best_ = 0;
   step.keeps_order = true;
   step.relaxation = 1.0;
+  step.waits = step.network.surface_count > 0;
   static_cast<void>(find_free(step));
   copy_to(step.newest().velocity, input_);
 }
@@ -81,9 +95,10 @@ bool Anderson::find_free(const Step& step) {
   bool changed = false;
   common_ = root_;
   for (std::uint32_t k = 0; k < step.network.node_count; ++k) {
-    const bool free = moves_freely(step.network, k);
-    if (free == (root_[k] > 0.0)) continue;
-    root_[k] = free ? std::sqrt(step.network.mass[k]) : 0.0;
+    const std::uint8_t status = status_of(step.network, k);
+    if (status == status_[k]) continue;
+    status_[k] = status;
+    root_[k] = status == pinned_node ? 0.0 : std::sqrt(step.network.mass[k]);
     common_[k] = 0.0;
     changed = true;
   }
@@ -97,8 +112,9 @@ bool Anderson::record(Step& step) {
   }
   went_back_ = false;
   double norm = infinity;
+  bool changed = false;
   if (step.finite) {
-    const bool changed = step.constrained() && find_free(step);
+    changed = step.constrained() && find_free(step);
     const std::size_t n = root_.size();
     for (std::size_t axis = 0; axis < 3; ++axis) {
       const double* u = axes(step.outputs->velocity)[axis];
@@ -111,6 +127,7 @@ bool Anderson::record(Step& step) {
     if (changed) {
       count_ = 0;
       best_norm_ = start_norm_ = infinity;
+      first_ = true;  // the sweep read outputs in which other nodes were in contact
     }
   }
   damping_ = std::min(max_damping_, 2.0 / (1.0 + std::max(1.0, steepest_)));
@@ -124,11 +141,14 @@ bool Anderson::record(Step& step) {
     return true;
   }
   std::swap(residual_, next_);
-  if (!has_last_ && first_)
-    start_norm_ = norm;
+  if (first_)
+    start_norm_ = changed ? infinity : norm;
   else if (norm < best_norm_)
     keep_best(*step.outputs, norm);
   has_last_ = true;
+  // Sweeps that go too far would touch surfaces that the solution does not touch.
+  greatest_norm_ = std::max(greatest_norm_, norm);
+  if (norm <= near * greatest_norm_) step.waits = false;
   return true;
 }
 
@@ -147,6 +167,8 @@ void Anderson::add_difference(const std::vector<double>& nodes) {
   const double moved = dot(dx, dx), changed = dot(df, df);
   const bool was_first = std::exchange(first_, false);
   if (!(moved > 0.0 && changed > 0.0)) return;
+  // Other nodes, which a step or a contact puts in place, may have changed the residual much more than this way did.
+  if (was_first && moved < min_way * min_way * dot(next_, next_)) return;
   // A long first way may be steeper than the network near the solution.
   if (++slopes_ == slopes_after_first) steepest_ = later_steepest_;
   const double slope = std::sqrt(changed / moved);
@@ -223,7 +245,7 @@ void Anderson::go_back(Step& step) {
   has_last_ = false;
   went_back_ = true;
   if (!given_up_) return;
-  step.keeps_order = false;
+  step.keeps_order = step.waits = false;
   step.relaxation = 1.0;
 }
 
@@ -235,7 +257,7 @@ void Anderson::go_to_start(Step& step) const {
     for (std::size_t k = 0; k < root_.size(); ++k) {
       if (step.network.fixed[k] != 0) continue;
       u[k] = axes(step.start.velocity)[axis][k];
-      p[k] = root_[k] > 0.0 ? free_position[k] + w * u[k] : axes(step.start.position)[axis][k];
+      p[k] = status_[k] == free_node ? free_position[k] + w * u[k] : axes(step.start.position)[axis][k];
     }
   }
 }
@@ -259,8 +281,10 @@ void Anderson::mix(Step& step) {
     }
     for (std::size_t k = 0; k < n; ++k) {
       if (root_[k] == 0.0) continue;
-      u[k] += change[k] / root_[k];
-      p[k] = start[k] + w * u[k];
+      const double du = change[k] / root_[k];
+      u[k] += du;
+      // In contact and on rigid connections positions follow to first order; the next sweep puts its own in place.
+      p[k] = status_[k] == free_node ? start[k] + w * u[k] : p[k] + w * du;
     }
     std::copy_n(u, n, input_.data() + axis * n);
   }

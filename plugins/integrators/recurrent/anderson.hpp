@@ -10,9 +10,10 @@
 // all sweeps kept, this is GMRES, which does not need the spectral radius of G below 1. The damping b keeps what the
 // differences do not span from growing: 2 / (1 + L) with L the greatest |DF| / |DX| seen in the step, at most 1.
 //
-// Only nodes that move freely are combined, with P = p* + w U. The others (fixed, prescribed, in contact, in rigid
-// clusters) keep what the sweep and the host made of them. A change of these nodes begins a new history. Nothing lives
-// on from step to step. Sums are in one order, so results are the same for every number of threads.
+// Nodes that move freely stay at P = p* + w U. Sliding and rigidly connected ones are combined too, but only as what
+// the next sweep reads: a step ends with outputs of a sweep, as the host constrained them. Fixed, prescribed and
+// sticking nodes keep theirs. A change of contact begins a new history. Nothing lives on from step to step. Sums are in
+// one order, so results are the same for every number of threads.
 #pragma once
 
 #include <array>
@@ -46,7 +47,7 @@ class Anderson {
   void mix(Step& step);
 
  private:
-  // Nodes that are combined. Returns whether they changed; common_ then has those that were and are.
+  // Nodes that are combined, and how. Returns whether they changed; common_ then has those that were and are.
   bool find_free(const Step& step);
   // Of this sweep and the last one. nodes: root_, or common_ if nodes changed: then only its slope counts.
   void add_difference(const std::vector<double>& nodes);
@@ -60,6 +61,7 @@ class Anderson {
 
   std::size_t depth_;
   std::vector<double> root_, common_;    // [node_count] sqrt(m), kg^1/2; 0: not combined
+  std::vector<std::uint8_t> status_;     // [node_count]
   std::vector<double> input_;            // [3n] U that the last sweep read, x of all nodes first, m/s
   std::vector<double> last_input_;       // of the sweep before
   std::vector<double> residual_, next_;  // [3n] f of the last sweep, of this one
@@ -69,13 +71,14 @@ class Anderson {
   std::array<double, max_depth> projected_{};                          // DF^T f, by slot
   std::array<double, max_depth> coefficients_{};                       // c, by age
   std::size_t count_ = 0, newest_ = 0;                                 // differences
-  bool has_last_ = false;    // residual_ and input_ are those of a sweep that a difference can begin from
-  bool first_ = true;        // the last sweep began with the outputs of the start, which do not satisfy P = p* + w U
-  bool went_back_ = false;   // the outputs are those of the best sweep
-  bool given_up_ = false;    // plain sweeps for the rest of the step
-  double best_norm_ = 0.0;   // |f|; infinite: there is no best sweep
-  double start_norm_ = 0.0;  // of the first sweep
-  double steepest_ = 0.0;    // L
+  bool has_last_ = false;   // residual_ and input_ are those of a sweep that a difference can begin from
+  bool first_ = true;       // the last sweep began with the outputs of the start, which do not satisfy P = p* + w U
+  bool went_back_ = false;  // the outputs are those of the best sweep
+  bool given_up_ = false;   // plain sweeps for the rest of the step
+  double best_norm_ = 0.0;  // |f|; infinite: there is no best sweep
+  double greatest_norm_ = 0.0;
+  double start_norm_ = 0.0;      // of the first sweep
+  double steepest_ = 0.0;        // L
   double later_steepest_ = 0.0;  // but for the first difference
   std::size_t slopes_ = 0;       // differences that steepest_ is from
   bool relaxes_ = false;

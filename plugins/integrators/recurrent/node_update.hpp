@@ -14,23 +14,16 @@ namespace springnet::recurrent {
 
 inline constexpr std::uint32_t no_node = 0xffffffffu;
 
-// Whether nothing but springs and loads moves a node, by the host's last decision.
-inline bool moves_freely(const springnet_network& network, std::uint32_t node) noexcept {
-  return network.fixed[node] == 0 && network.held[node] == 0 && network.touching[node] == 0 &&
-         network.cluster[node] == no_node && network.status[node] == SPRINGNET_FREE;
-}
-
 // U' = v* + w a and P' = p* + w U' (v*, p* of the step; a from the net force at the newest outputs) for the nodes of
 // batches.
 class NodeUpdate {
  public:
   // `next` takes the new outputs. weight: w, s. relaxation: share of the way from the velocities in `next` to the new
-  // ones, for nodes of `network` that move freely.
+  // ones; the effective mass of the update is that of the node over it.
   NodeUpdate(double weight, const springnet_const_vectors& free_position, const springnet_const_vectors& free_velocity,
-             const springnet_state& next, double relaxation = 1.0, const springnet_network* network = nullptr) noexcept
+             const springnet_state& next, double relaxation = 1.0) noexcept
       : weight_(weight),
         relaxation_(relaxation),
-        network_(network),
         position_(free_position),
         velocity_(free_velocity),
         next_position_(next.position),
@@ -54,9 +47,8 @@ class NodeUpdate {
     bool finite = true;
     for (std::uint32_t i = 0; i < batch.count; ++i) {
       const std::uint32_t k = batch.first + i;
-      const double share = moves_freely(*network_, k) ? relaxation_ : 1.0;
       const auto go = [&](double a, double p, double v, double& next_p, double& next_u) {
-        next_u += share * (v + weight_ * a - next_u);
+        next_u += relaxation_ * (v + weight_ * a - next_u);
         next_p = p + weight_ * next_u;
         finite = finite && std::isfinite(next_p);
       };
@@ -87,7 +79,6 @@ class NodeUpdate {
 
   double weight_;  // s
   double relaxation_;
-  const springnet_network* network_;
   springnet_const_vectors position_, velocity_;
   springnet_vectors next_position_, next_velocity_;
 };

@@ -20,6 +20,14 @@ void WavefrontRule::begin(Step& step) {
   step.start_node = order_.strongest(step.network, sdk::view(step.outputs->force));
 }
 
+const double* WavefrontRule::relaxed_inertia(const Step& step) {
+  memory_.inertia.assign(9 * std::size_t{step.network.node_count}, 0.0);
+  for (std::uint32_t k = 0; k < step.network.node_count; ++k)
+    for (std::size_t axis = 0; axis < 3; ++axis)
+      memory_.inertia[9 * std::size_t{k} + 4 * axis] = step.network.mass[k] / step.relaxation;
+  return memory_.inertia.data();
+}
+
 template <class Go>
 void WavefrontRule::with_update(Step& step, std::span<const std::uint32_t> order, const Go& go) {
   const springnet_state& outputs = *step.outputs;
@@ -27,8 +35,8 @@ void WavefrontRule::with_update(Step& step, std::span<const std::uint32_t> order
   call.order = order.data();
   call.order_count = static_cast<std::uint32_t>(order.size());
   if (!block_) {
-    go(call,
-       NodeUpdate(step.weight(), step.free_position, step.free_velocity, outputs, step.relaxation, &step.network));
+    if (step.relaxation != 1.0 && step.constrained()) call.inertia = relaxed_inertia(step);
+    go(call, NodeUpdate(step.weight(), step.free_position, step.free_velocity, outputs, step.relaxation));
     return;
   }
   const BlockUpdate update(work_.host, step, memory_);

@@ -53,6 +53,9 @@ class WavefrontRule final : public Ordered {
   template <class Go>
   void with_update(Step& step, std::span<const std::uint32_t> order, const Go& go);
 
+  // [node_count][3][3] kg, effective masses of a relaxed update.
+  const double* relaxed_inertia(const Step& step);
+
   bool block_;
   Wavefront order_;
   std::span<const std::uint32_t> sweep_order_, linear_order_;

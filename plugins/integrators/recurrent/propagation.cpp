@@ -55,6 +55,7 @@ Verdict propagate(Rule& rule, Workspace& workspace, Step& step, const Limits& li
   Monitor monitor(step.tolerance, limits.max_sweeps);
   ResidualCheck check;
   while (limits.exact_sweeps == 0 || step.sweeps < limits.exact_sweeps) {
+    const bool waited = step.waits;
     sweep(rule, step, acceleration);
     if (!acceleration.record(step)) return Verdict::diverging;
     if (limits.exact_sweeps > 0) continue;
@@ -65,7 +66,11 @@ Verdict propagate(Rule& rule, Workspace& workspace, Step& step, const Limits& li
     }
     if (mixes_first) acceleration.mix(step);
     Verdict verdict = acceleration.went_back() ? monitor.skip() : monitor.judge(step.differences.greatest);
-    if (verdict == Verdict::settled) {
+    if (waited && verdict != Verdict::go_on) {
+      // Contacts have yet to be decided, whatever becomes of the step.
+      step.waits = false;
+      verdict = Verdict::go_on;
+    } else if (verdict == Verdict::settled) {
       verdict = Verdict::go_on;
       if (check.is_due() || monitor.sweeps() >= limits.max_sweeps) {
         workspace.complete(step);

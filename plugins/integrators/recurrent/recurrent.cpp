@@ -327,7 +327,7 @@ Attempt Recurrent::propagate_with(Update update, Step& step, std::uint64_t max_s
   attempt.update = update;
   step.sweeps = 0;
   step.differences = {};
-  step.keeps_order = false;
+  step.keeps_order = step.waits = false;
   step.relaxation = 1.0;
   step.start_node = no_node;
   step.finite = true;
