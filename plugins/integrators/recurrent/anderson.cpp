@@ -14,11 +14,13 @@ namespace {
 constexpr double max_growth = 10.0;
 constexpr double max_first_growth = 2.0;
 constexpr std::size_t slopes_after_first = 4;
-constexpr double near = 1e-3;  // to the solution: residual over the greatest one
+constexpr double near = 1e-3;    // to the solution: residual over the greatest one
 constexpr double min_way = 0.1;  // over the residual
 constexpr double less_relaxation = 0.25;
 constexpr double infinity = std::numeric_limits<double>::infinity();
-constexpr int patience = 40;  // sweeps without a smaller residual, then plain sweeps
+constexpr int patience = 20;   // sweeps without a smaller residual
+constexpr int max_stalls = 2;  // then plain sweeps
+constexpr double max_steepness = 4.0;
 // A difference of which the newer ones leave less than this, squared and relative, is dropped.
 constexpr double min_independent = 1e-12;
 
@@ -83,7 +85,7 @@ void Anderson::begin(Step& step, bool relaxes) {
   best_norm_ = start_norm_ = infinity;
   steepest_ = later_steepest_ = 0.0;
   damping_ = max_damping_ = 1.0;
-  retreats_ = since_best_ = 0;
+  retreats_ = stalls_ = since_best_ = 0;
   step.keeps_order = true;
   step.relaxation = 1.0;
   step.waits = step.network.surface_count > 0;
@@ -134,15 +136,19 @@ bool Anderson::record(Step& step) {
   const double least = std::min(best_norm_, start_norm_);
   const double limit = slopes_ > 1 ? max_growth : max_first_growth;
   const bool grew = !std::isfinite(norm) || norm > limit * least;
-  if (grew || ++since_best_ > patience) {
-    given_up_ = !grew || ++retreats_ > max_retreats;
+  const bool stalls = ++since_best_ > patience;
+  // A wave may go on too far without diverging; then it settles sooner on shorter ways.
+  const bool overshoots = relaxes_ && steepest_ > max_steepness;
+  if (grew || stalls || overshoots) {
+    stalls_ += stalls ? 1 : 0;
+    given_up_ = ++retreats_ > max_retreats || stalls_ > max_stalls;
     if (given_up_ && !std::isfinite(best_norm_)) return step.finite;
     go_back(step);
     return true;
   }
   std::swap(residual_, next_);
   if (first_)
-    start_norm_ = changed ? infinity : norm;
+    start_norm_ = changed || norm == 0.0 ? infinity : norm;
   else if (norm < best_norm_)
     keep_best(*step.outputs, norm);
   has_last_ = true;

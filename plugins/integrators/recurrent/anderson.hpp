@@ -84,7 +84,7 @@ class Anderson {
   bool relaxes_ = false;
   double damping_ = 1.0;      // b
   double max_damping_ = 1.0;  // halved whenever outputs go back
-  int retreats_ = 0, since_best_ = 0;
+  int retreats_ = 0, stalls_ = 0, since_best_ = 0;
 };
 
 }  // namespace springnet::recurrent
