@@ -109,10 +109,10 @@ bool Anderson::find_free(const Step& step) {
 
 bool Anderson::record(Step& step) {
   if (!is_on() || given_up_) {
-    went_back_ = false;
+    went_back_ = contacts_changed_ = false;
     return step.finite;
   }
-  went_back_ = false;
+  went_back_ = contacts_changed_ = false;
   double norm = infinity;
   bool changed = false;
   if (step.finite) {
@@ -127,6 +127,7 @@ bool Anderson::record(Step& step) {
     norm = std::sqrt(dot(next_, next_));
     if (std::isfinite(norm) && has_last_) add_difference(changed ? common_ : root_);
     if (changed) {
+      contacts_changed_ = true;
       count_ = 0;
       best_norm_ = start_norm_ = infinity;
       first_ = true;  // the sweep read outputs in which other nodes were in contact
@@ -138,7 +139,7 @@ bool Anderson::record(Step& step) {
   const bool grew = !std::isfinite(norm) || norm > limit * least;
   const bool stalls = ++since_best_ > patience;
   // A wave may go on too far without diverging; then it settles sooner on shorter ways.
-  const bool overshoots = relaxes_ && steepest_ > max_steepness;
+  const bool overshoots = relaxes_ && later_steepest_ > max_steepness;
   if (grew || stalls || overshoots) {
     stalls_ += stalls ? 1 : 0;
     given_up_ = ++retreats_ > max_retreats || stalls_ > max_stalls;
@@ -179,7 +180,7 @@ void Anderson::add_difference(const std::vector<double>& nodes) {
   if (++slopes_ == slopes_after_first) steepest_ = later_steepest_;
   const double slope = std::sqrt(changed / moved);
   steepest_ = std::max(steepest_, slope);
-  if (!was_first) later_steepest_ = std::max(later_steepest_, slope);
+  if (!was_first && &nodes == &root_) later_steepest_ = std::max(later_steepest_, slope);
   if (was_first) return;
   newest_ = at;
   count_ = std::min(count_ + 1, depth_);

@@ -43,6 +43,8 @@ class Anderson {
   // After a sweep. If the residual grew too much, or is not finite, the outputs go back to those of the sweep with the
   // smallest residual, or to the start, and step.relaxation is reduced. False: not finite, and that was tried.
   [[nodiscard]] bool record(Step& step);
+  // Whether the last sweep found another contact than the one before.
+  [[nodiscard]] bool contacts_changed() const noexcept { return contacts_changed_; }
   // Replaces the outputs of the last sweep by the combination, from which the next sweep starts.
   void mix(Step& step);
 
@@ -74,6 +76,7 @@ class Anderson {
   bool has_last_ = false;   // residual_ and input_ are those of a sweep that a difference can begin from
   bool first_ = true;       // the last sweep began with the outputs of the start, which do not satisfy P = p* + w U
   bool went_back_ = false;  // the outputs are those of the best sweep
+  bool contacts_changed_ = false;
   bool given_up_ = false;   // plain sweeps for the rest of the step
   double best_norm_ = 0.0;  // |f|; infinite: there is no best sweep
   double greatest_norm_ = 0.0;

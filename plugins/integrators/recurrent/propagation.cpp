@@ -70,6 +70,7 @@ Verdict propagate(Rule& rule, Workspace& workspace, Step& step, const Limits& li
       // Contacts have yet to be decided, whatever becomes of the step.
       step.waits = false;
       verdict = Verdict::go_on;
+      check = {};
     } else if (verdict == Verdict::settled) {
       verdict = Verdict::go_on;
       if (check.is_due() || monitor.sweeps() >= limits.max_sweeps) {
@@ -79,6 +80,8 @@ Verdict propagate(Rule& rule, Workspace& workspace, Step& step, const Limits& li
       }
     }
     if (verdict != Verdict::go_on) return verdict;
+    if (waited && !step.waits) monitor.forget();
+    if (acceleration.contacts_changed()) monitor.expect_jump();
     if (!mixes_first) acceleration.mix(step);
   }
   return Verdict::go_on;
