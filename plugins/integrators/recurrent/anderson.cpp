@@ -18,8 +18,10 @@ constexpr double near = 1e-3;    // to the solution: residual over the greatest 
 constexpr double min_way = 0.1;  // over the residual
 constexpr double less_relaxation = 0.25;
 constexpr double infinity = std::numeric_limits<double>::infinity();
-constexpr int patience = 20;   // sweeps without a smaller residual
-constexpr int max_stalls = 2;  // then plain sweeps
+constexpr double milestone_share = 0.5;
+constexpr int max_since_milestone = 15;  // sweeps
+constexpr int patience = 20;             // sweeps without a smaller residual
+constexpr int max_stalls = 2;            // then plain sweeps
 constexpr double max_steepness = 4.0;
 // A difference of which the newer ones leave less than this, squared and relative, is dropped.
 constexpr double min_independent = 1e-12;
@@ -74,8 +76,11 @@ void Anderson::attach(const springnet_network& network) {
   }
 }
 
-void Anderson::begin(Step& step, bool relaxes) {
+void Anderson::begin(Step& step, bool relaxes, bool changes_order) {
   if (!is_on()) return;
+  changes_order_ = changes_order;
+  milestone_ = infinity;
+  since_milestone_ = 0;
   relaxes_ = relaxes;
   slopes_ = 0;
   greatest_norm_ = 0.0;
@@ -153,10 +158,23 @@ bool Anderson::record(Step& step) {
   else if (norm < best_norm_)
     keep_best(*step.outputs, norm);
   has_last_ = true;
+  if (step.relaxation == 1.0 && is_slow(norm)) {
+    given_up_ = true;
+    step.keeps_order = step.waits = false;
+  }
   // Sweeps that go too far would touch surfaces that the solution does not touch.
   greatest_norm_ = std::max(greatest_norm_, norm);
   if (norm <= near * greatest_norm_) step.waits = false;
   return true;
+}
+
+// Whether sweeps that change their order, and settle without damping, may well need fewer without acceleration.
+bool Anderson::is_slow(double norm) noexcept {
+  if (norm > milestone_share * milestone_ && ++since_milestone_ < max_since_milestone) return false;
+  const bool slow = norm > milestone_share * milestone_ && changes_order_ && damping_ == 1.0;
+  milestone_ = norm;
+  since_milestone_ = 0;
+  return slow;
 }
 
 void Anderson::add_difference(const std::vector<double>& nodes) {

@@ -39,7 +39,8 @@ class Anderson {
   // After every change of network.revision. Keeps 2 depth + 7 vectors of 3 numbers a node.
   void attach(const springnet_network& network);
   // Before the first sweep of a step, or of a stage of it. relaxes: whether the rule heeds step.relaxation.
-  void begin(Step& step, bool relaxes);
+  // changes_order: whether its sweeps take another order each, unless step.keeps_order.
+  void begin(Step& step, bool relaxes, bool changes_order);
   // After a sweep. If the residual grew too much, or is not finite, the outputs go back to those of the sweep with the
   // smallest residual, or to the start, and step.relaxation is reduced. False: not finite, and that was tried.
   [[nodiscard]] bool record(Step& step);
@@ -55,6 +56,7 @@ class Anderson {
   void add_difference(const std::vector<double>& nodes);
   // Coefficients c of the differences, newest first. Drops the oldest that the newer ones nearly span.
   void solve() noexcept;
+  bool is_slow(double norm) noexcept;
   void keep_best(const springnet_state& outputs, double norm);
   void go_back(Step& step);
   // Free motion at the start's velocity, with prescribed nodes where the sweep put them.
@@ -84,7 +86,9 @@ class Anderson {
   double steepest_ = 0.0;        // L
   double later_steepest_ = 0.0;  // but for the first difference
   std::size_t slopes_ = 0;       // differences that steepest_ is from
-  bool relaxes_ = false;
+  bool relaxes_ = false, changes_order_ = false;
+  double milestone_ = 0.0;    // |f|
+  int since_milestone_ = 0;   // sweeps
   double damping_ = 1.0;      // b
   double max_damping_ = 1.0;  // halved whenever outputs go back
   int retreats_ = 0, stalls_ = 0, since_best_ = 0;

@@ -44,6 +44,7 @@ class WavefrontRule final : public Ordered {
   void attach(const springnet_network& network) override;
   void begin(Step& step) override;
   [[nodiscard]] bool relaxes() const noexcept override { return !block_; }
+  [[nodiscard]] bool changes_order() const noexcept override { return true; }
   void sweep(Step& step) override;
   void begin_linear(const Step& step) override;
   void linear_sweep(Step& step) override;

@@ -49,7 +49,7 @@ bool within_tolerance(const Step& step) noexcept { return step.residual <= resid
 
 Verdict propagate(Rule& rule, Workspace& workspace, Step& step, const Limits& limits, Anderson& acceleration) {
   rule.begin(step);
-  acceleration.begin(step, rule.relaxes());
+  acceleration.begin(step, rule.relaxes(), rule.changes_order());
   // A step ends with outputs of a sweep, as the host left them, where they are in contact or on rigid connections.
   const bool mixes_first = !step.constrained();
   Monitor monitor(step.tolerance, limits.max_sweeps);
