@@ -133,6 +133,7 @@ bool Anderson::record(Step& step) {
     if (std::isfinite(norm) && has_last_) add_difference(changed ? common_ : root_);
     if (changed) {
       contacts_changed_ = true;
+      slopes_ = 0;
       count_ = 0;
       best_norm_ = start_norm_ = infinity;
       first_ = true;  // the sweep read outputs in which other nodes were in contact
@@ -140,7 +141,7 @@ bool Anderson::record(Step& step) {
   }
   damping_ = std::min(max_damping_, 2.0 / (1.0 + std::max(1.0, steepest_)));
   const double least = std::min(best_norm_, start_norm_);
-  const double limit = slopes_ > 1 ? max_growth : max_first_growth;
+  const double limit = std::isfinite(best_norm_) ? max_growth : max_first_growth;
   const bool grew = !std::isfinite(norm) || norm > limit * least;
   const bool stalls = ++since_best_ > patience;
   // A wave may go on too far without diverging; then it settles sooner on shorter ways.
@@ -193,12 +194,13 @@ void Anderson::add_difference(const std::vector<double>& nodes) {
   const bool was_first = std::exchange(first_, false);
   if (!(moved > 0.0 && changed > 0.0)) return;
   // Other nodes, which a step or a contact puts in place, may have changed the residual much more than this way did.
-  if (was_first && moved < min_way * min_way * dot(next_, next_)) return;
-  // A long first way may be steeper than the network near the solution.
+  const bool is_clean = !was_first && &nodes == &root_;
+  if (!is_clean && moved < min_way * min_way * dot(next_, next_)) return;
+  // A long way at the start, or at a change of contact, may be steeper than the network near the solution.
   if (++slopes_ == slopes_after_first) steepest_ = later_steepest_;
   const double slope = std::sqrt(changed / moved);
   steepest_ = std::max(steepest_, slope);
-  if (!was_first && &nodes == &root_) later_steepest_ = std::max(later_steepest_, slope);
+  if (is_clean) later_steepest_ = std::max(later_steepest_, slope);
   if (was_first) return;
   newest_ = at;
   count_ = std::min(count_ + 1, depth_);
