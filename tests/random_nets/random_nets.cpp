@@ -313,32 +313,51 @@ TEST_CASE("random networks: no settled step is wrong, and nearly all settle") {
 }
 
 TEST_CASE("random networks: no settled step is wrong under any update rule, for any number of threads") {
-  const std::pair<const char*, double> rules[] = {{"synchronous", testing::synchronous},
-                                                  {"wavefront", testing::wavefront},
-                                                  {"block", testing::block},
-                                                  {"coloured", testing::coloured},
-                                                  {"newton", testing::newton}};
-  std::size_t settled[5] = {};
+  struct Method {
+    const char* name;
+    double rule, acceleration;
+  };
+  constexpr Method rules[] = {{"newton", testing::newton, 0},
+                              {"synchronous", testing::synchronous, 0},
+                              {"wavefront", testing::wavefront, 0},
+                              {"block", testing::block, 0},
+                              {"coloured", testing::coloured, 0},
+                              {"synchronous, accelerated", testing::synchronous, 5},
+                              {"wavefront, accelerated", testing::wavefront, 5},
+                              {"block, accelerated", testing::block, 3},
+                              {"coloured, accelerated", testing::coloured, 10}};
+  constexpr std::size_t methods = std::size(rules);
+  std::size_t settled[methods] = {}, plain = 0, also_accelerated = 0;
   const std::uint64_t count = testing::repetitions("SPRINGNET_RANDOM_NETS", 200);
   for (std::uint64_t seed = 1; seed <= count; ++seed) {
     const testing::RandomNet random(seed);
     const double tolerance = 1e-6 * force_scale(random.network);
     CAPTURE(seed);
-    const auto& name = rules[seed % 5].first;  // not bindings: Clang 14 cannot capture them in INFO
-    const auto& rule = rules[seed % 5].second;
-    CAPTURE(name);
-    SimulationOptions options = options_with(tolerance, static_cast<unsigned>(1 + seed / 5 % 3));
-    options.integrator.parameters["update"] = rule;
+    const Method& method = rules[seed % methods];
+    CAPTURE(method.name);
+    SimulationOptions options = options_with(tolerance, static_cast<unsigned>(1 + seed / methods % 3));
+    options.integrator.parameters["update"] = method.rule;
+    options.integrator.parameters["acceleration"] = method.acceleration;
     options.integrator.parameters["max_sweeps"] = 200;  // many do not settle at this step, whatever the number
     Eigen::MatrixXd course, alone;
-    settled[seed % 5] += settles(random.network, options, tolerance, 2, &course) ? 1 : 0;
+    const bool all_settled = settles(random.network, options, tolerance, 2, &course);
+    settled[seed % methods] += all_settled ? 1 : 0;
+    if (all_settled && method.acceleration == 0.0 && method.rule != testing::newton) {
+      SimulationOptions accelerated = options;
+      accelerated.integrator.parameters["acceleration"] = static_cast<double>(1 + seed % 10);
+      ++plain;
+      also_accelerated += settles(random.network, accelerated, tolerance, 2) ? 1 : 0;
+    }
     if (options.threads == 1 || seed % 4 != 0) continue;
     options.threads = 1;
     static_cast<void>(settles(random.network, options, tolerance, 2, &alone));
     CHECK(course == alone);
   }
   // The other rules have a limit of the step that most of these nets exceed.
-  CHECK(settled[4] >= count / 5 * 9 / 10);
+  CHECK(settled[0] >= count / methods * 9 / 10);
+  CHECK(settled[5] > settled[1]);
+  MESSAGE(also_accelerated << " of " << plain << " that settle with plain sweeps settle with accelerated ones");
+  CHECK(also_accelerated >= plain * 95 / 100);
   for (const std::size_t each : settled) CHECK(each > 0);
 }
 

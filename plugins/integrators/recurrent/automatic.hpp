@@ -13,6 +13,8 @@ class Automatic {
   // The rule for a step. Estimated at the first call, when the time constant changes, after a step that did not settle
   // and, at intervals, after changes of the network. Notes the choice and its reason.
   [[nodiscard]] Update choose(const Workspace& workspace, const Step& step);
+  // Whether the synchronous rule, if it was chosen for the step, settles in less time with acceleration.
+  [[nodiscard]] bool accelerates() const noexcept { return accelerates_; }
   // The rule to try when `update` did not settle a step; empty if none is left.
   [[nodiscard]] static std::optional<Update> after(Update update) noexcept;
   // Records that a step settled with a rule other than the chosen one.
@@ -22,6 +24,7 @@ class Automatic {
   void estimate(const Workspace& workspace, const Step& step);
 
   std::optional<Update> chosen_;
+  bool accelerates_ = false;
   double time_constant_ = 0.0;   // s, of the estimate
   double weight_ = 0.0;          // s, critical
   std::uint64_t revision_ = 0;   // of the network at the estimate

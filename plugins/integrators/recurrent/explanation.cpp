@@ -8,9 +8,9 @@
 namespace springnet::recurrent {
 namespace {
 
-// Up to these multiples of the critical time constant, wavefront certainly settles (its limit is 1.4 to 2), and block
-// settles within some tens of sweeps.
-constexpr double wavefront_settles = 1.2, block_settles = 20.0;
+// Up to these multiples of the critical time constant, wavefront certainly settles (its limit is 1.4 to 2), and
+// accelerated synchronous and block sweeps settle within some tens.
+constexpr double wavefront_settles = 1.2, accelerated_settles = 8.0, block_settles = 20.0;
 
 bool is_explicit(Update update) { return update == Update::synchronous || update == Update::wavefront; }
 
@@ -30,6 +30,9 @@ std::string better_rules(const Attempt& attempt, const Circumstances& circumstan
 std::string remedy_for(const Step& step, const Attempt& attempt, const Circumstances& circumstances) {
   std::vector<std::string> remedies;
   if (const std::string rules = better_rules(attempt, circumstances); !rules.empty()) remedies.push_back(rules);
+  if (attempt.update == Update::synchronous && !circumstances.accelerated && !circumstances.exact_sweeps &&
+      circumstances.over_critical < accelerated_settles)
+    remedies.emplace_back("acceleration = 5");
   // theta = 1 damps motion that the step cannot resolve, but makes explicit sweeps harder to settle.
   if (step.theta < 1.0 && !circumstances.exact_sweeps && !is_explicit(attempt.update))
     remedies.emplace_back("theta = 1");

@@ -19,6 +19,7 @@ struct Attempt {
 struct Circumstances {
   bool chosen_by_user = false;  // the update rule
   bool exact_sweeps = false;
+  bool accelerated = false;
   bool divided = false;         // smaller and smaller steps were tried
   bool fails_at_start = false;  // a law or neuron has no finite result at the start of the step
   // theta times the time constant over the critical one of synchronous sweeps; nan: not known.

@@ -11,7 +11,8 @@ Verdict Monitor::judge(double difference) noexcept {
   if (sweeps_ > 1) {
     if (difference <= tolerance_) return Verdict::settled;
     window_smallest_ = std::min(window_smallest_, difference);
-    if (difference > growth_limit * std::min(smallest_, window_smallest_)) return Verdict::diverging;
+    least_ = std::min(least_, difference);
+    if (difference > growth_limit * least_) return Verdict::diverging;
     if ((sweeps_ - 1) % window == 0) {
       const Verdict verdict = judge_window();
       if (verdict != Verdict::go_on) return verdict;

@@ -33,6 +33,19 @@ class Monitor {
   // settles: its outputs replace the activities, so its forces have nothing to be compared with.
   [[nodiscard]] Verdict judge(double difference) noexcept;
 
+  // Call instead after a sweep whose difference means nothing.
+  [[nodiscard]] Verdict skip() noexcept {
+    forget();
+    return ++sweeps_ >= max_sweeps_ ? Verdict::out_of_sweeps : Verdict::go_on;
+  }
+  // What follows is another problem than what was, with the same number of sweeps left.
+  void forget() noexcept {
+    least_ = smallest_ = window_smallest_ = last_window_ = std::numeric_limits<double>::infinity();
+    growing_ = stalled_ = 0;
+  }
+  // The next difference may be any number of times those before.
+  void expect_jump() noexcept { least_ = std::numeric_limits<double>::infinity(); }
+
   [[nodiscard]] std::uint64_t sweeps() const noexcept { return sweeps_; }
 
  private:
@@ -41,6 +54,7 @@ class Monitor {
   double tolerance_;
   std::uint64_t max_sweeps_;
   std::uint64_t sweeps_ = 0;
+  double least_ = std::numeric_limits<double>::infinity();            // since the last jump
   double smallest_ = std::numeric_limits<double>::infinity();         // of the step so far, without this window
   double window_smallest_ = std::numeric_limits<double>::infinity();  // of this window
   double last_window_ = std::numeric_limits<double>::infinity();      // of the window before

@@ -18,10 +18,12 @@ inline constexpr std::uint32_t no_node = 0xffffffffu;
 // batches.
 class NodeUpdate {
  public:
-  // `next` takes the new outputs. weight: w, s.
+  // `next` takes the new outputs. weight: w, s. relaxation: share of the way from the velocities in `next` to the new
+  // ones; the effective mass of the update is that of the node over it.
   NodeUpdate(double weight, const springnet_const_vectors& free_position, const springnet_const_vectors& free_velocity,
-             const springnet_state& next) noexcept
+             const springnet_state& next, double relaxation = 1.0) noexcept
       : weight_(weight),
+        relaxation_(relaxation),
         position_(free_position),
         velocity_(free_velocity),
         next_position_(next.position),
@@ -30,6 +32,7 @@ class NodeUpdate {
   // Returns whether all new outputs are finite.
   bool operator()(const springnet_node_batch& batch) const noexcept {
     const std::uint32_t k = batch.first;
+    if (relaxation_ != 1.0) return relax(batch);
     std::uint64_t top = integrate(batch.count, batch.acceleration.x, position_.x + k, velocity_.x + k,
                                   next_position_.x + k, next_velocity_.x + k);
     top |= integrate(batch.count, batch.acceleration.y, position_.y + k, velocity_.y + k, next_position_.y + k,
@@ -40,6 +43,22 @@ class NodeUpdate {
   }
 
  private:
+  bool relax(const springnet_node_batch& batch) const noexcept {
+    bool finite = true;
+    for (std::uint32_t i = 0; i < batch.count; ++i) {
+      const std::uint32_t k = batch.first + i;
+      const auto go = [&](double a, double p, double v, double& next_p, double& next_u) {
+        next_u += relaxation_ * (v + weight_ * a - next_u);
+        next_p = p + weight_ * next_u;
+        finite = finite && std::isfinite(next_p);
+      };
+      go(batch.acceleration.x[i], position_.x[k], velocity_.x[k], next_position_.x[k], next_velocity_.x[k]);
+      go(batch.acceleration.y[i], position_.y[k], velocity_.y[k], next_position_.y[k], next_velocity_.y[k]);
+      go(batch.acceleration.z[i], position_.z[k], velocity_.z[k], next_position_.z[k], next_velocity_.z[k]);
+    }
+    return finite;
+  }
+
   // One component. The result has its highest bit set if a new position is not finite (which includes a velocity that
   // is not): an exponent of all ones overflows into the sign bit. In integers, so that the loop vectorises.
   std::uint64_t integrate(std::uint32_t count, const double* __restrict a, const double* __restrict p,
@@ -59,6 +78,7 @@ class NodeUpdate {
   }
 
   double weight_;  // s
+  double relaxation_;
   springnet_const_vectors position_, velocity_;
   springnet_vectors next_position_, next_velocity_;
 };

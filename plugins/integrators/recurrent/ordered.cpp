@@ -20,6 +20,14 @@ void WavefrontRule::begin(Step& step) {
   step.start_node = order_.strongest(step.network, sdk::view(step.outputs->force));
 }
 
+const double* WavefrontRule::relaxed_inertia(const Step& step) {
+  memory_.inertia.assign(9 * std::size_t{step.network.node_count}, 0.0);
+  for (std::uint32_t k = 0; k < step.network.node_count; ++k)
+    for (std::size_t axis = 0; axis < 3; ++axis)
+      memory_.inertia[9 * std::size_t{k} + 4 * axis] = step.network.mass[k] / step.relaxation;
+  return memory_.inertia.data();
+}
+
 template <class Go>
 void WavefrontRule::with_update(Step& step, std::span<const std::uint32_t> order, const Go& go) {
   const springnet_state& outputs = *step.outputs;
@@ -27,7 +35,8 @@ void WavefrontRule::with_update(Step& step, std::span<const std::uint32_t> order
   call.order = order.data();
   call.order_count = static_cast<std::uint32_t>(order.size());
   if (!block_) {
-    go(call, NodeUpdate(step.weight(), step.free_position, step.free_velocity, outputs));
+    if (step.relaxation != 1.0 && step.constrained()) call.inertia = relaxed_inertia(step);
+    go(call, NodeUpdate(step.weight(), step.free_position, step.free_velocity, outputs, step.relaxation));
     return;
   }
   const BlockUpdate update(work_.host, step, memory_);
@@ -36,9 +45,12 @@ void WavefrontRule::with_update(Step& step, std::span<const std::uint32_t> order
 }
 
 void WavefrontRule::sweep(Step& step) {
-  if (step.differences.free_node != no_node) step.start_node = step.differences.free_node;
-  const auto order = order_.order(step.network, step.start_node, sdk::view(step.outputs->force));
-  with_update(step, order, [&](const springnet_sweep& call, const auto& update) { sweep_with(step, call, update); });
+  if (step.sweeps == 0 || !step.keeps_order) {
+    if (step.differences.free_node != no_node) step.start_node = step.differences.free_node;
+    sweep_order_ = order_.order(step.network, step.start_node, sdk::view(step.outputs->force));
+  }
+  with_update(step, sweep_order_,
+              [&](const springnet_sweep& call, const auto& update) { sweep_with(step, call, update); });
 }
 
 // In the order of the first sweep of a run. Later ones begin elsewhere, which moves the limit by some per cent.

@@ -43,6 +43,8 @@ class WavefrontRule final : public Ordered {
   WavefrontRule(Workspace& workspace, bool block) noexcept : Ordered(workspace), block_(block) {}
   void attach(const springnet_network& network) override;
   void begin(Step& step) override;
+  [[nodiscard]] bool relaxes() const noexcept override { return !block_; }
+  [[nodiscard]] bool changes_order() const noexcept override { return true; }
   void sweep(Step& step) override;
   void begin_linear(const Step& step) override;
   void linear_sweep(Step& step) override;
@@ -52,9 +54,12 @@ class WavefrontRule final : public Ordered {
   template <class Go>
   void with_update(Step& step, std::span<const std::uint32_t> order, const Go& go);
 
+  // [node_count][3][3] kg, effective masses of a relaxed update.
+  const double* relaxed_inertia(const Step& step);
+
   bool block_;
   Wavefront order_;
-  std::span<const std::uint32_t> linear_order_;
+  std::span<const std::uint32_t> sweep_order_, linear_order_;
   BlockMemory memory_;
 };
 

@@ -31,28 +31,59 @@ class ResidualCheck {
   double smallest_ = std::numeric_limits<double>::infinity();
 };
 
+// A sweep of outputs that the acceleration put too far away for a law may fail: it then counts as not finite.
+void sweep(Rule& rule, Step& step, const Anderson& acceleration) {
+  try {
+    rule.sweep(step);
+    step.finite = step.finite && std::isfinite(step.differences.greatest);
+  } catch (const sdk::Failure& failure) {
+    if (!failure.recoverable() || step.outputs == nullptr || !acceleration.can_go_back()) throw;
+    step.finite = false;
+    ++step.sweeps;
+  }
+}
+
 }  // namespace
 
 bool within_tolerance(const Step& step) noexcept { return step.residual <= residual_limit * step.tolerance; }
 
-Verdict propagate(Rule& rule, Workspace& workspace, Step& step, const Limits& limits) {
+Verdict propagate(Rule& rule, Workspace& workspace, Step& step, const Limits& limits, Anderson& acceleration) {
   rule.begin(step);
+  acceleration.begin(step, rule.relaxes(), rule.changes_order());
+  // A step ends with outputs of a sweep, as the host left them, where they are in contact or on rigid connections.
+  const bool mixes_first = !step.constrained();
   Monitor monitor(step.tolerance, limits.max_sweeps);
   ResidualCheck check;
   while (limits.exact_sweeps == 0 || step.sweeps < limits.exact_sweeps) {
-    rule.sweep(step);
-    step.finite = step.finite && std::isfinite(step.differences.greatest);
-    if (!step.finite) return Verdict::diverging;
+    const bool waited = step.waits;
+    sweep(rule, step, acceleration);
+    if (!acceleration.record(step)) return Verdict::diverging;
     if (limits.exact_sweeps > 0) continue;
-    Verdict verdict = monitor.judge(step.differences.greatest);
+    if (acceleration.went_back()) {
+      // Forget contacts and forces of the outputs that were left.
+      if (step.constrained()) workspace.host.begin_step(step.from, step.until);
+      workspace.record.begin();
+    }
+    if (mixes_first) acceleration.mix(step);
+    Verdict verdict = acceleration.went_back() ? monitor.skip() : monitor.judge(step.differences.greatest);
     if (step.residual_decides && step.residual <= step.tolerance) return Verdict::settled;
-    if (verdict == Verdict::settled) {
-      if (!check.is_due() && monitor.sweeps() < limits.max_sweeps) continue;
-      workspace.complete(step);
-      verdict = check.judge(step.residual, step.tolerance);
-      if (verdict == Verdict::go_on && monitor.sweeps() >= limits.max_sweeps) verdict = Verdict::out_of_sweeps;
+    if (waited && verdict != Verdict::go_on) {
+      // Contacts have yet to be decided, whatever becomes of the step.
+      step.waits = false;
+      verdict = Verdict::go_on;
+      check = {};
+    } else if (verdict == Verdict::settled) {
+      verdict = Verdict::go_on;
+      if (check.is_due() || monitor.sweeps() >= limits.max_sweeps) {
+        workspace.complete(step);
+        verdict = check.judge(step.residual, step.tolerance);
+        if (verdict == Verdict::go_on && monitor.sweeps() >= limits.max_sweeps) verdict = Verdict::out_of_sweeps;
+      }
     }
     if (verdict != Verdict::go_on) return verdict;
+    if (waited && !step.waits) monitor.forget();
+    if (acceleration.contacts_changed()) monitor.expect_jump();
+    if (!mixes_first) acceleration.mix(step);
   }
   return Verdict::go_on;
 }

@@ -3,6 +3,7 @@
 
 #include <cstdint>
 
+#include "anderson.hpp"
 #include "monitor.hpp"
 #include "rule.hpp"
 
@@ -23,6 +24,8 @@ struct Limits {
 
 // A step has settled when the forces have and the residual of the equation of motion is small: a slow rule changes
 // little long before. The residual is evaluated only once the forces have settled, then less and less often.
-[[nodiscard]] Verdict propagate(Rule& rule, Workspace& workspace, Step& step, const Limits& limits);
+// acceleration: combines the outputs of the sweeps, if it is on.
+[[nodiscard]] Verdict propagate(Rule& rule, Workspace& workspace, Step& step, const Limits& limits,
+                                Anderson& acceleration);
 
 }  // namespace springnet::recurrent

@@ -48,6 +48,8 @@ using springnet::sdk::view;
 constexpr int rules = static_cast<int>(Update::automatic);
 // An automatically chosen rule that has not settled after this many sweeps is replaced by a stronger one.
 constexpr std::uint64_t automatic_patience = 200;
+// Sweeps that accelerated ones combine if the rule was chosen automatically.
+constexpr std::size_t automatic_depth = 5;
 
 enum class Unsettled : int { error, accept, adapt };
 enum class Events : int { stepwise, located };
@@ -82,6 +84,12 @@ class Recurrent : public springnet::sdk::Integrator {
           .preset(1)
           .at_least(0.5)
           .at_most(1),
+      integer("acceleration",
+              "Anderson acceleration of synchronous, wavefront, block and coloured: combines this number of earlier "
+              "sweeps; 0: none")
+          .preset(0)
+          .at_least(0)
+          .at_most(Anderson::max_depth),
       choice("events", {"stepwise", "located"},
              "contacts and ruptures happen where a time step ends; or the step is divided where they, slip, rest and "
              "cuts happen, so that theta 0.5 stays of second order")};
@@ -93,7 +101,17 @@ class Recurrent : public springnet::sdk::Integrator {
         theta_(options["theta"]),
         locates_(options.choice<Events>("events") == Events::located),
         work_(host),
-        threshold_(host, options["force_tolerance"], limits_.exact_sweeps > 0) {}
+        accelerates_(options.integer<int>("acceleration") > 0),
+        acceleration_(accelerates_                   ? options.integer<std::size_t>("acceleration")
+                      : update_ == Update::automatic ? automatic_depth
+                                                     : 0),
+        threshold_(host, options["force_tolerance"], limits_.exact_sweeps > 0) {
+    if (!accelerates_) return;
+    if (limits_.exact_sweeps > 0)
+      throw Failure("recurrent: acceleration combines sweeps until a step settles; set sweeps = 0 or acceleration = 0");
+    if (update_ == Update::newton)
+      throw Failure("recurrent: acceleration is for other rules than newton; set another update or acceleration = 0");
+  }
 
   springnet_status advance(double until, springnet_step_report& report);
   void limits(const springnet::sdk::LimitSink& sink) {
@@ -124,6 +142,8 @@ class Recurrent : public springnet::sdk::Integrator {
   // Whether a step that stalled has settled but for the rounding of its forces.
   [[nodiscard]] bool settles_to_rounding(Step& step);
   [[nodiscard]] Rule& rule(Update update);
+  // What combines the sweeps of a rule: for automatic only where it settles sooner, unless the scene asks for it.
+  [[nodiscard]] Anderson& acceleration_for(Update update);
   // Propagates from step.outputs (null: the start) with the step's time constant.
   Attempt propagate_with(Update update, Step& step, std::uint64_t max_sweeps);
   // From the start of the step: with the rule of the scene, or the chosen one and then stronger ones.
@@ -148,6 +168,9 @@ class Recurrent : public springnet::sdk::Integrator {
   Crossings crossings_;
   double all_events_ = 0.0;
   Workspace work_;
+  bool accelerates_;  // by the scene
+  Anderson acceleration_, no_acceleration_{0};
+  std::optional<std::uint64_t> acceleration_revision_;  // of the network at the last attach()
   Threshold threshold_;
   Automatic automatic_;
   std::array<std::unique_ptr<Rule>, rules> rules_;
@@ -307,11 +330,21 @@ Rule& Recurrent::rule(Update update) {
   return *rules_[i];
 }
 
+Anderson& Recurrent::acceleration_for(Update update) {
+  const bool chosen = update_ == Update::automatic && update == Update::synchronous && automatic_.accelerates();
+  if (update == Update::newton || !(accelerates_ || chosen)) return no_acceleration_;
+  if (acceleration_revision_ != revision_) acceleration_.attach(work_.host.network());
+  acceleration_revision_ = revision_;
+  return acceleration_;
+}
+
 Attempt Recurrent::propagate_with(Update update, Step& step, std::uint64_t max_sweeps) {
   Attempt attempt;
   attempt.update = update;
   step.sweeps = 0;
   step.differences = {};
+  step.keeps_order = step.waits = false;
+  step.relaxation = 1.0;
   step.start_node = no_node;
   step.finite = true;
   step.evaluated = false;
@@ -320,7 +353,8 @@ Attempt Recurrent::propagate_with(Update update, Step& step, std::uint64_t max_s
   try {
     work_.know_start_acceleration(step);
     work_.set_free_motion(step);
-    attempt.verdict = propagate(rule(update), work_, step, {max_sweeps, limits_.exact_sweeps});
+    attempt.verdict =
+        propagate(rule(update), work_, step, {max_sweeps, limits_.exact_sweeps}, acceleration_for(update));
     const bool stalled = attempt.verdict == Verdict::oscillating || attempt.verdict == Verdict::out_of_sweeps;
     if (stalled && settles_to_rounding(step)) attempt.verdict = Verdict::settled;
     const bool taken = settled(attempt.verdict) || unsettled_ == Unsettled::accept;
@@ -454,6 +488,7 @@ Circumstances Recurrent::circumstances(const Step& step, const Attempt& attempt)
   Circumstances result;
   result.chosen_by_user = update_ != Update::automatic;
   result.exact_sweeps = limits_.exact_sweeps > 0;
+  result.accelerated = accelerates_;
   if (!attempt.law_message.empty() || !step.finite) {
     try {
       work_.evaluate(step, step.start);

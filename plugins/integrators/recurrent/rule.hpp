@@ -22,6 +22,10 @@ class Rule {
   virtual void attach(const springnet_network& network) = 0;
   // Before the first sweep of a step, or of a stage of it: step.outputs are where the propagation starts.
   virtual void begin(Step& step) = 0;
+  // Whether sweeps heed step.relaxation.
+  [[nodiscard]] virtual bool relaxes() const noexcept { return false; }
+  // Whether each sweep takes another order, unless step.keeps_order.
+  [[nodiscard]] virtual bool changes_order() const noexcept { return false; }
   // One sweep: sets step.outputs, differences, finite; and counts itself.
   virtual void sweep(Step& step) = 0;
 

@@ -26,8 +26,11 @@ struct Step {
   const springnet_network& network;
   bool compares;        // forces of successive sweeps are compared; a single synchronous sweep has nothing to compare
   bool decides = true;  // which nodes touch, slide and stick; else that stays as committed
-  bool is_linear = false;  // outputs are small changes of the linearised network
-  double rounding = 0.0;   // N, of the forces (force_rounding.hpp); 0: not known
+  bool waits = false;   // sweeps do not decide yet: outputs are far from the solution
+  bool is_linear = false;    // outputs are small changes of the linearised network
+  bool keeps_order = false;  // sweeps in an order keep that of the first one: all are the same map
+  double relaxation = 1.0;   // share of its way that a node goes in a sweep of `wavefront` which is accelerated
+  double rounding = 0.0;     // N, of the forces (force_rounding.hpp); 0: not known
 
   springnet_const_vectors free_position{}, free_velocity{};  // p*, v*: where nodes go that nothing accelerates
   springnet_state* outputs = nullptr;                        // the newest; null: the start

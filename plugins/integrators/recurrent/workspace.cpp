@@ -97,7 +97,7 @@ springnet_sweep Workspace::sweep_call(const Step& step, const springnet_state& r
   call.next_position = write.position;
   call.next_velocity = write.velocity;
   call.force = write.force;
-  call.contacts = step.decides ? 0 : 1;
+  call.contacts = step.decides && !step.waits ? 0 : 1;
   if (step.constrained()) call.constraint_force = constraint_force_.view();
   return call;
 }

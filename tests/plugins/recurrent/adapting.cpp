@@ -106,8 +106,11 @@ TEST_CASE("automatic notes the rule that it selects and the critical time consta
   CHECK(has_all(short_step, {"rule synchronous", " 0.2 times", " 0.5 s"}));
   CHECK(has_all(long_step, {"rule newton", " 10 times", " 0.5 s"}));
   // Synchronous sweeps up to three quarters of it.
-  CHECK(contains(note_of(0.36, 0.0), "rule synchronous"));
-  CHECK(contains(note_of(0.39, 0.0), "rule newton"));
+  CHECK(contains(note_of(0.36, 0.0), "rule synchronous: "));
+  CHECK(contains(note_of(0.39, 0.0), "rule synchronous, accelerated: "));
+  // Accelerated ones up to a fifth more than all of it.
+  CHECK(contains(note_of(0.58, 0.0), "rule synchronous, accelerated: "));
+  CHECK(contains(note_of(0.62, 0.0), "rule newton"));
   // t_c^2 k / m + t_c d / m = 1 at (sqrt(5) - 1) / 4 = 0.309 s.
   CHECK(contains(viscous, " 0.31 s"));
 }

@@ -75,8 +75,9 @@ TEST_CASE("a step allocates nothing") {
   net.set_gravity({0, 0, -1});
   // The count is live: building a network has counted.
   REQUIRE(allocations.load() > 0);
-  for (const LawUse& integrator : {single_sweep(), recurrent(synchronous, 0), recurrent(wavefront, 0),
-                                   recurrent(block, 0), recurrent(coloured, 0)}) {
+  for (const LawUse& integrator :
+       {single_sweep(), recurrent(synchronous, 0), recurrent(wavefront, 0), recurrent(block, 0), recurrent(coloured, 0),
+        recurrent(synchronous, 0, {{"acceleration", 5}}), recurrent(wavefront, 0, {{"acceleration", 5}})}) {
     Simulation simulation = simulate(net, integrator, 0.05);
     simulation.step();
     simulation.step();

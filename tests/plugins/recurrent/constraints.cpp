@@ -90,9 +90,14 @@ TEST_CASE("with constraints all rules give the same motion, order 1 and 2") {
       const ParameterValues order{{"theta", theta}};
       Simulation reference = simulate(net, recurrent(wavefront, force_tolerance, order), t_c);
       for (int i = 0; i < 40; ++i) CHECK(reference.step().residual <= 2 * force_tolerance);
-      for (const double update : {synchronous, block, coloured, newton}) {
+      const std::pair<double, double> accelerated[] = {{synchronous, 0}, {block, 0},     {coloured, 0}, {newton, 0},
+                                                       {synchronous, 5}, {wavefront, 5}, {block, 5},    {coloured, 5}};
+      for (const auto& rule : accelerated) {
+        const double update = rule.first;
         CAPTURE(update);
-        Simulation simulation = simulate(net, recurrent(update, force_tolerance, order), t_c);
+        ParameterValues options = order;
+        options["acceleration"] = rule.second;
+        Simulation simulation = simulate(net, recurrent(update, force_tolerance, options), t_c);
         for (int i = 0; i < 40; ++i) {
           const StepReport report = simulation.step();
           CHECK(report.outcome == Outcome::settled);
