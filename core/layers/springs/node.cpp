@@ -109,14 +109,8 @@ springnet_status Evaluator::add_springs_of(std::uint32_t node, double time, cons
       subtract_springs(0, count, tension, along_velocity ? g.sx : g.nx, along_velocity ? g.sy : g.ny,
                        along_velocity ? g.sz : g.nz, sums.force[0], sums.force[1], sums.force[2]);
     };
-    if (group.spring && group.viscosity && group.spring.relative == group.viscosity.relative) {
-      double tension[chunk];
-      for (std::size_t i = 0; i < count; ++i) tension[i] = answers.force[0][i] + answers.force[1][i];
-      subtract(tension, group.spring.relative);
-    } else {
-      for (std::size_t k = 0; k < laws.size(); ++k)
-        if (*laws[k]) subtract(answers.force[k], laws[k]->relative);
-    }
+    for (std::size_t k = 0; k < laws.size(); ++k)
+      if (*laws[k]) subtract(answers.force[k], laws[k]->relative);
     for (std::size_t k = 0; k < laws.size() && sums.energy != nullptr; ++k) {
       if (!*laws[k]) continue;
       for (std::size_t i = 0; i < count; ++i)

@@ -71,13 +71,6 @@ springnet_status add(const Springs& springs, const Group& group, const Kernels& 
   const springnet_status status =
       evaluate_laws(batch, set, time, {LawOutputs{tension[0]}, LawOutputs{tension[1]}}, message);
   if (status != SPRINGNET_OK) return status;
-  if (group.spring && group.viscosity && group.spring.relative == group.viscosity.relative) {
-    for (std::size_t i = 0; i < springs.count; ++i) tension[0][i] += tension[1][i];
-    const bool relative = group.spring.relative;
-    subtract(springs, tension[0], relative ? geometry.sx : geometry.nx, relative ? geometry.sy : geometry.ny,
-             relative ? geometry.sz : geometry.nz, force);
-    return SPRINGNET_OK;
-  }
   for (std::size_t k = 0; k < laws.size(); ++k) {
     if (!*laws[k]) continue;
     const bool relative = laws[k]->relative;
