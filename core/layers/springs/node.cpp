@@ -53,14 +53,15 @@ void read(const Incident* springs, std::size_t count, std::uint32_t k, const Nod
 
 // The sum of SpringBlocks for laws that are axial, in components: with a = T / l,
 //   K = sum n ((T' - a) n + T_u (dv - u n) / l)^T + a I,   D = sum T_u n n^T
-void add_axial_blocks(const NodeGeometry& g, std::size_t count, const SpringForces* forces, Block& stiffness,
-                      Block& damping) {
+void add_axial_blocks(const NodeGeometry& g, std::size_t count, const Group& group, const PairAnswers<chunk>& answers,
+                      Block& stiffness, Block& damping) {
   double k[9] = {}, d[6] = {}, along = 0.0;
   for (std::size_t i = 0; i < count; ++i) {
     const double x = g.nx[i], y = g.ny[i], z = g.nz[i];
     const double inverse = g.length[i] > 0.0 ? 1.0 / g.length[i] : 0.0;
-    const double by_rate = forces[i].by_rate, turn = by_rate * inverse, a = forces[i].tension * inverse;
-    const double axial = forces[i].by_length - a - turn * g.rate[i];
+    const SpringForces forces = spring_forces(group, answers, i);
+    const double by_rate = forces.by_rate, turn = by_rate * inverse, a = forces.tension * inverse;
+    const double axial = forces.by_length - a - turn * g.rate[i];
     const double w[3] = {axial * x + turn * g.vx[i], axial * y + turn * g.vy[i], axial * z + turn * g.vz[i]};
     for (int c = 0; c < 3; ++c) {
       k[c] += x * w[c];
@@ -117,13 +118,11 @@ springnet_status Evaluator::add_springs_of(std::uint32_t node, double time, cons
         *sums.energy += laws[k]->has_potential() ? answers.energy[k][i] : std::numeric_limits<double>::quiet_NaN();
     }
     if (blocks) {
-      SpringForces forces[chunk];
-      for (std::size_t i = 0; i < count; ++i) forces[i] = spring_forces(group, answers, i);
-      if (!relative) add_axial_blocks(geometry, count, forces, *sums.stiffness, *sums.damping);
+      if (!relative) add_axial_blocks(geometry, count, group, answers, *sums.stiffness, *sums.damping);
       for (std::size_t i = 0; i < count && relative; ++i) {
         const NodeGeometry& g = geometry;
-        const SpringBlocks spring(forces[i], g.length[i], {g.nx[i], g.ny[i], g.nz[i]}, g.rate[i], g.speed[i],
-                                  {g.sx[i], g.sy[i], g.sz[i]});
+        const SpringBlocks spring(spring_forces(group, answers, i), g.length[i], {g.nx[i], g.ny[i], g.nz[i]}, g.rate[i],
+                                  g.speed[i], {g.sx[i], g.sy[i], g.sz[i]});
         *sums.stiffness += spring.stiffness;
         *sums.damping += spring.damping;
       }
