@@ -30,6 +30,7 @@ Contact::Contact(const Network& network, const std::vector<std::uint32_t>& user_
   bounces_.assign(nodes, 0);
   braced_.assign(nodes, 0);
   slip_phase_.assign(nodes, Slip::ongoing);
+  start_gap_.assign(nodes, StartGap{});
   last_surface_.assign(nodes, -1);
   for (auto* vectors : {&slip_, &impulse_, &sweep_impulse_}) vectors->assign(nodes, Vector3::Zero());
 }
@@ -51,6 +52,7 @@ std::string Contact::names_of(const std::vector<std::int32_t>& surfaces) const {
 
 void Contact::set_trajectory(std::size_t surface, Trajectory trajectory) {
   obstacles_[surface].set_trajectory(std::move(trajectory));
+  start_gap_.assign(mass_.size(), StartGap{});
   cached_placement_.reset();
 }
 
@@ -119,6 +121,7 @@ void Contact::release(std::uint32_t node) {
 
 void Contact::begin_step(std::shared_ptr<const Placement> start) {
   start_ = std::move(start);
+  any_moves_ = std::any_of(obstacles_.begin(), obstacles_.end(), [](const Obstacle& o) { return o.moves(); });
   std::fill(changes_.begin(), changes_.end(), std::uint8_t{0});
   std::fill(slide_changes_.begin(), slide_changes_.end(), std::uint8_t{0});
   for (std::vector<std::int32_t>& surfaces : met_) surfaces.clear();

@@ -5,6 +5,7 @@
 #pragma once
 
 #include <cstdint>
+#include <limits>
 #include <memory>
 #include <optional>
 #include <string>
@@ -137,6 +138,9 @@ class Contact {
     std::uint32_t node;
     Vector3 start, start_velocity, end, velocity;
   };
+  // Whether obstacles that stand still are farther from `start` than the path is long, so that it meets none. False if
+  // that is not certain.
+  [[nodiscard]] bool is_far(std::uint32_t node, const Vector3& start, const Vector3& end);
   // For a node that slides on some surfaces: the next one that it meets, except those known; -1: none.
   [[nodiscard]] Meeting next_meeting(const Placement& at, const Path& path, const Touch& on,
                                      const std::vector<std::int32_t>& known = {}) const;
@@ -259,6 +263,13 @@ class Contact {
   std::vector<std::uint8_t> slide_changes_;
   std::vector<std::vector<std::int32_t>> met_;
   std::vector<Slip> slip_phase_;
+  // [node] the smallest gap of obstacles that stand still, m, where the node last started.
+  struct StartGap {
+    Vector3 start = Vector3::Constant(std::numeric_limits<double>::quiet_NaN());
+    double gap = 0.0;
+  };
+  std::vector<StartGap> start_gap_;
+  bool any_moves_ = false;  // an obstacle
   std::vector<std::int32_t> last_surface_;
   std::vector<Vector3> slip_;
   std::vector<Vector3> impulse_, sweep_impulse_;

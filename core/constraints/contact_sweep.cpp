@@ -3,6 +3,7 @@
 #include <Eigen/LU>
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 #include "constraints/contact.hpp"
 #include "constraints/contact_within.hpp"
@@ -119,10 +120,29 @@ void Contact::constrain(const Placement& end, std::uint32_t first, std::uint32_t
   }
 }
 
+// The gap changes by at most the length of the path.
+bool Contact::is_far(std::uint32_t node, const Vector3& start, const Vector3& end) {
+  constexpr double margin = 1.001, rounding = 1e-12;
+  if (any_moves_) return false;
+  StartGap& known = start_gap_[node];
+  if (known.start != start) {
+    known = {start, std::numeric_limits<double>::infinity()};
+    for (std::size_t j = 0; j < obstacles_.size(); ++j) known.gap = std::min(known.gap, gap(*start_, j, start));
+  }
+  const double reach = known.gap - rounding * start.cwiseAbs().maxCoeff();
+  return reach > 0.0 && reach * reach > margin * (end - start).squaredNorm();
+}
+
 void Contact::constrain_node(const Within& within, std::uint32_t node, const Vector3* read) {
   const auto& [sweep, at] = within;
   const Vector3 start = vector_at(sweep.start_position, node), end = vector_at(sweep.next_position, node);
   const bool decides = sweep.contacts == 0;
+  // Most nodes are free, were free in the sweep before, and are far from everything: nothing changes.
+  if (decides && committed_[node].surface < 0 && now_[node].surface < 0 && was_in_contact_[node] == 0 &&
+      bounces_[node] == 0 && changes_[node] < max_changes && is_far(node, start, end)) {
+    sweep_impulse_[node].setZero();
+    return;
+  }
   // At the last permitted change of decision skip the shortcut: meet() then keeps the contact.
   const bool last_change = changes_[node] + (was_in_contact_[node] != 0 ? 1 : 0) >= max_changes;
   if (committed_[node].surface < 0 && (!decides || (!last_change && first_meeting(at, start, end).surface < 0))) {

@@ -20,21 +20,39 @@ Vector3 external_force(std::uint32_t node, double mass, const NodeArrays& nodes,
 
 }  // namespace
 
+springnet_status Evaluator::evaluate_together(std::span<const std::uint32_t> list, double time, const NodeArrays& nodes,
+                                              const ExternalForces& external, const EnclosureVolumes* volumes,
+                                              double* const force[3], springnet_message& message) const {
+  const bool elements = layout_.elements().live_count() > 0;
+  for (std::size_t i = 0; i < list.size(); ++i) {
+    Vector3 own = external_force(list[i], mass_[list[i]], nodes, layout_.loaded_faces(), external);
+    if (elements) {
+      NodeSums sums{own};
+      const springnet_status status = add_elements_of(list[i], time, nodes, volumes, sums, message);
+      if (status != SPRINGNET_OK) return status;
+    }
+    for (Eigen::Index c = 0; c < 3; ++c) force[c][i] = own[c];
+  }
+  return add_springs_of(list, time, nodes, force, message);
+}
+
 springnet_status Evaluator::evaluate_node(std::uint32_t node, double time, const NodeArrays& nodes,
                                           const ExternalForces& external, const EnclosureVolumes* volumes,
                                           Vector3& force, springnet_message& message) const {
-  force = external_force(node, mass_[node], nodes, layout_.loaded_faces(), external);
-  NodeSums sums{force};
-  if (const springnet_status status = add_elements_of(node, time, nodes, volumes, sums, message);
-      status != SPRINGNET_OK)
-    return status;
-  return add_springs_of(node, time, nodes, sums, message);
+  double* const component[3] = {&force[0], &force[1], &force[2]};
+  return evaluate_together({&node, 1}, time, nodes, external, volumes, component, message);
 }
 
 springnet_status Evaluator::evaluate_node(std::uint32_t node, double time, const NodeArrays& nodes,
                                           const ExternalForces& external, const EnclosureVolumes* volumes,
                                           Vector3& force, Vector3& acceleration, NodeDerivatives* derivatives,
                                           double* energy, springnet_message& message) const {
+  if (derivatives == nullptr && energy == nullptr) {
+    const springnet_status status = evaluate_node(node, time, nodes, external, volumes, force, message);
+    double* const answer[3] = {&acceleration[0], &acceleration[1], &acceleration[2]};
+    const double* const net[3] = {&force[0], &force[1], &force[2]};
+    return status != SPRINGNET_OK ? status : accelerations({&node, 1}, time, nodes, net, answer, message);
+  }
   const NeuronKind& neuron = layout_.laws().neurons[layout_.neuron_kind()[node]];
   const bool differentiable = (neuron.component->description->capabilities & SPRINGNET_HAS_DERIVATIVES) != 0;
   if (derivatives != nullptr && require_derivatives(*neuron.component, message) != SPRINGNET_OK)

@@ -34,10 +34,11 @@ Evaluator::Evaluator(const Layout& layout, const std::vector<double>& mass, Inst
       threads_(useful_threads(threads, layout.spring_count() + springs_in_an_element * layout.elements().count(),
                               layout.units().size())) {
   const ElementLayout& elements = layout.elements();
-  element_gradient_.resize(elements.slot_count(), Vector3::Zero());
-  element_force_.resize(elements.count());
+  for (std::vector<double>& component : corner_force_) component.resize(max_corners * elements.batched().size());
+  enclosure_force_.resize(elements.enclosures().size());
   for (std::uint32_t s = 0; s < elements.enclosures().size(); ++s) {
     const auto size = static_cast<std::uint32_t>(elements.enclosures()[s].shape.size());
+    enclosure_gradient_.emplace_back(size, Vector3::Zero());
     for (std::uint32_t begin = 0; begin < size; begin += enclosure_chunk)
       chunks_.push_back({s, begin, std::min(size, begin + static_cast<std::uint32_t>(enclosure_chunk))});
   }
@@ -142,44 +143,77 @@ springnet_status Evaluator::accelerations(std::uint32_t first, std::uint32_t cou
                                           double* const acceleration[3], double* by_force, double* by_position,
                                           double* by_velocity, springnet_message& message) const {
   const std::vector<std::uint32_t>& kinds = layout_.neuron_kind();
-  const double* parameters[max_parameters];
-  std::uint32_t strides[max_parameters] = {};
   for (std::uint32_t begin = 0; begin < count;) {
     const std::uint32_t node = first + begin;
     std::uint32_t end = begin + 1;
     while (end < count && kinds[first + end] == kinds[node]) ++end;
     const NeuronKind& kind = layout_.laws().neurons[kinds[node]];
-    for (std::size_t p = 0; p < kind.parameters.size(); ++p) parameters[p] = &kind.parameters[p];
     springnet_neuron_batch batch{};
-    batch.struct_size = sizeof batch;
     batch.count = end - begin;
-    batch.instruction_set = abi_number(set_);
     batch.time = time;
     batch.force = {force[0] + begin, force[1] + begin, force[2] + begin};
     batch.position = {nodes.px + node, nodes.py + node, nodes.pz + node};
     batch.velocity = {nodes.vx + node, nodes.vy + node, nodes.vz + node};
     batch.mass = mass_.data() + node;
-    batch.parameters = parameters;
-    batch.parameter_strides = strides;
     batch.acceleration = {acceleration[0] + begin, acceleration[1] + begin, acceleration[2] + begin};
     const auto block = [begin](double* blocks) { return blocks == nullptr ? nullptr : blocks + 9 * begin; };
     batch.acceleration_by_force = block(by_force);
     batch.acceleration_by_position = block(by_position);
     batch.acceleration_by_velocity = block(by_velocity);
-    const profile::Part part(kind.component->description->id, profile::Kind::neuron);
-    const springnet_status status = call_component(*kind.component, message, [&](springnet_message& own) {
-      batch.message = &own;
-      return kind.component->neuron().evaluate(&batch);
-    });
-    if (status != SPRINGNET_OK) {
-      const std::uint32_t others = end - begin - 1;
-      set_message(message, fmt::format("{}; for node {}{}", text_of(message), layout_.ordering().user[node],
-                                       others == 0 ? "" : fmt::format(" or one of the {} after it", others)));
-      return status;
-    }
+    if (const springnet_status status = call_neuron(kind, batch, node, message); status != SPRINGNET_OK) return status;
     begin = end;
   }
   return SPRINGNET_OK;
+}
+
+springnet_status Evaluator::accelerations(std::span<const std::uint32_t> list, double time, const NodeArrays& nodes,
+                                          const double* const force[3], double* const acceleration[3],
+                                          springnet_message& message) const {
+  const std::vector<std::uint32_t>& kinds = layout_.neuron_kind();
+  // Copies side by side, as neurons read them.
+  double copies[7][together_limit];
+  const double* const from[7] = {nodes.px, nodes.py, nodes.pz, nodes.vx, nodes.vy, nodes.vz, mass_.data()};
+  for (std::size_t c = 0; c < 7; ++c)
+    for (std::size_t i = 0; i < list.size(); ++i) copies[c][i] = from[c][list[i]];
+  for (std::size_t begin = 0; begin < list.size();) {
+    std::size_t end = begin + 1;
+    while (end < list.size() && kinds[list[end]] == kinds[list[begin]]) ++end;
+    springnet_neuron_batch batch{};
+    batch.count = static_cast<std::uint32_t>(end - begin);
+    batch.time = time;
+    batch.force = {force[0] + begin, force[1] + begin, force[2] + begin};
+    batch.position = {copies[0] + begin, copies[1] + begin, copies[2] + begin};
+    batch.velocity = {copies[3] + begin, copies[4] + begin, copies[5] + begin};
+    batch.mass = copies[6] + begin;
+    batch.acceleration = {acceleration[0] + begin, acceleration[1] + begin, acceleration[2] + begin};
+    const NeuronKind& kind = layout_.laws().neurons[kinds[list[begin]]];
+    if (const springnet_status status = call_neuron(kind, batch, list[begin], message); status != SPRINGNET_OK)
+      return status;
+    begin = end;
+  }
+  return SPRINGNET_OK;
+}
+
+// Fills in the rest of a batch whose first node is `node`.
+springnet_status Evaluator::call_neuron(const NeuronKind& kind, springnet_neuron_batch& batch, std::uint32_t node,
+                                        springnet_message& message) const {
+  const double* parameters[max_parameters];
+  static constexpr std::uint32_t strides[max_parameters] = {};
+  for (std::size_t p = 0; p < kind.parameters.size(); ++p) parameters[p] = &kind.parameters[p];
+  batch.struct_size = sizeof batch;
+  batch.instruction_set = abi_number(set_);
+  batch.parameters = parameters;
+  batch.parameter_strides = strides;
+  const profile::Part part(kind.component->description->id, profile::Kind::neuron);
+  const springnet_status status = call_component(*kind.component, message, [&](springnet_message& own) {
+    batch.message = &own;
+    return kind.component->neuron().evaluate(&batch);
+  });
+  if (status == SPRINGNET_OK) return status;
+  const std::uint32_t others = batch.count - 1;
+  set_message(message, fmt::format("{}; for node {}{}", text_of(message), layout_.ordering().user[node],
+                                   others == 0 ? "" : fmt::format(" or one of the {} after it", others)));
+  return status;
 }
 
 }  // namespace springnet::layers

@@ -3,6 +3,7 @@
 #pragma once
 
 #include <cstdint>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -33,6 +34,9 @@ struct NodeDerivatives {
   double by_position[9];  // da/dp, 1/s^2
 };
 
+// Most nodes that are evaluated together, node by node.
+inline constexpr std::size_t together_limit = 64;
+
 class Evaluator {
  public:
   // Layout and masses ([node] kg) must outlive the evaluator.
@@ -46,8 +50,13 @@ class Evaluator {
   // evaluated into buffers of the evaluator.
   springnet_status evaluate(double time, const NodeArrays& nodes, const ExternalForces& external,
                             const ForceArrays& force, TileFinished finished, springnet_message& message) const;
-  // Net force on one node, N, from all its springs and elements. volumes: those of the enclosures at this state; null
-  // computes them here, from all their nodes.
+  // Net forces on up to together_limit nodes, N: force[component][i] of nodes[i], from all its springs and elements.
+  // The same bits whichever nodes are evaluated together. volumes: those of the enclosures at this state; null computes
+  // them here, from all their nodes.
+  springnet_status evaluate_together(std::span<const std::uint32_t> list, double time, const NodeArrays& nodes,
+                                     const ExternalForces& external, const EnclosureVolumes* volumes,
+                                     double* const force[3], springnet_message& message) const;
+  // The same for one node.
   springnet_status evaluate_node(std::uint32_t node, double time, const NodeArrays& nodes,
                                  const ExternalForces& external, const EnclosureVolumes* volumes, Vector3& force,
                                  springnet_message& message) const;
@@ -64,6 +73,10 @@ class Evaluator {
   springnet_status accelerations(std::uint32_t first, std::uint32_t count, double time, const NodeArrays& nodes,
                                  const double* const force[3], double* const acceleration[3], double* by_force,
                                  double* by_position, double* by_velocity, springnet_message& message) const;
+  // The same for up to together_limit nodes of a list: [component][i] of nodes[i].
+  springnet_status accelerations(std::span<const std::uint32_t> list, double time, const NodeArrays& nodes,
+                                 const double* const force[3], double* const acceleration[3],
+                                 springnet_message& message) const;
 
  private:
   springnet_status evaluate_unit(std::uint32_t unit, double time, const NodeArrays& nodes,
@@ -73,7 +86,10 @@ class Evaluator {
                                     const ForceArrays& force, SegmentGeometry& geometry,
                                     springnet_message& message) const;
 
-  // Q of every element and dq/dp of each of its nodes; add_elements() sums them up over the elements of each node.
+  // Values, rates and gradients of up to element_batch elements of one invariant.
+  void measure(Invariant invariant, const BatchCorners& corners, const NodeArrays& nodes,
+               BatchGeometry& out) const noexcept;
+  // Forces of every element on its corners; add_elements() sums them up over the elements of each node.
   springnet_status evaluate_elements(double time, const NodeArrays& nodes, springnet_message& message) const;
   springnet_status evaluate_batch(const ElementBatch& batch, double time, const NodeArrays& nodes,
                                   springnet_message& message) const;
@@ -83,6 +99,10 @@ class Evaluator {
   struct NodeSums;
   springnet_status add_springs_of(std::uint32_t node, double time, const NodeArrays& nodes, NodeSums& sums,
                                   springnet_message& message) const;
+  springnet_status add_springs_of(std::span<const std::uint32_t> list, double time, const NodeArrays& nodes,
+                                  double* const force[3], springnet_message& message) const;
+  springnet_status call_neuron(const NeuronKind& kind, springnet_neuron_batch& batch, std::uint32_t node,
+                               springnet_message& message) const;
   springnet_status add_elements_of(std::uint32_t node, double time, const NodeArrays& nodes,
                                    const EnclosureVolumes* volumes, NodeSums& sums, springnet_message& message) const;
 
@@ -95,10 +115,11 @@ class Evaluator {
   struct Chunk {
     std::uint32_t enclosure, begin, end;  // places
   };
-  std::vector<Chunk> chunks_;                                // of all closed enclosures
-  mutable std::vector<Vector3> element_gradient_;            // [slot] dq/dp
-  mutable std::vector<double> element_force_;                // [element] Q
-  mutable std::vector<Enclosure::Values> enclosure_shares_;  // [chunk]
+  std::vector<Chunk> chunks_;                                     // of all closed enclosures
+  mutable std::vector<double> corner_force_[3];                   // N, x, y, z: [corner][batched element]
+  mutable std::vector<std::vector<Vector3>> enclosure_gradient_;  // [enclosure][place] dq/dp
+  mutable std::vector<double> enclosure_force_;                   // [enclosure] Q
+  mutable std::vector<Enclosure::Values> enclosure_shares_;       // [chunk]
 };
 
 // Number of threads worth using for this many springs (an element counts as several): 1 below some thousands, where

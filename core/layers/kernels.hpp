@@ -5,6 +5,8 @@
 #include <cstddef>
 #include <cstdint>
 
+#include "layers/elements/kernels.hpp"
+
 namespace springnet::layers {
 
 // Most springs of a segment: its scratch arrays fit the first-level cache.
@@ -56,6 +58,7 @@ struct Kernels {
   // The same with value dv / |dv|.
   void (*scatter_relative)(const SegmentSprings& springs, const SegmentGeometry& geometry, const double* value,
                            bool to_second, const ForceArrays& force);
+  ElementKernels elements;
 };
 
 namespace generic {

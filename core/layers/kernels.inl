@@ -1,6 +1,7 @@
 // Included once for each instruction set with KERNEL_NAMESPACE defined. Plain loops only: the linker could pick an
 // inline library function compiled here, for a wider instruction set, for the whole program.
 
+#include "layers/elements/gradients.hpp"
 #include "layers/kernels.hpp"
 
 #define RESTRICT __restrict
@@ -125,9 +126,16 @@ void scatter_relative(const SegmentSprings& springs, const SegmentGeometry& g, c
 
 }  // namespace
 
+#include "layers/elements/kernels.inl"
+
 const Kernels& kernels() {
-  static constexpr Kernels table{gather<Reads::length>, gather<Reads::length_and_rate>, gather<Reads::relative_speed>,
-                                 scatter_axial, scatter_relative};
+  static constexpr Kernels table{gather<Reads::length>,
+                                 gather<Reads::length_and_rate>,
+                                 gather<Reads::relative_speed>,
+                                 scatter_axial,
+                                 scatter_relative,
+                                 {geometry_of<Measure::angle>, geometry_of<Measure::dihedral>,
+                                  geometry_of<Measure::area>, geometry_of<Measure::volume>, corner_forces}};
   return table;
 }
 

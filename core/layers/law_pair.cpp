@@ -19,11 +19,12 @@ springnet_status evaluate_law(const LawBatch& laws, const Law& law, std::uint32_
   const double* parameters[max_parameters];
   std::uint32_t strides[max_parameters];
   const double* reference = nullptr;
-  // Parameters that differ between members are copied to `expanded`, for 64 members at a time; the size of a batch does
-  // not change the bits.
-  alignas(64) double expanded[(max_parameters + 1) * 64];
+  // Parameters that differ between members are copied to `expanded`, for some members at a time; the size of a batch
+  // does not change the bits.
+  constexpr std::size_t most_expanded = 128;
+  alignas(64) double expanded[(max_parameters + 1) * most_expanded];
   const bool uniform = rows.rows == nullptr || group.row_count() == 1;
-  const std::size_t batch_size = uniform ? count : std::size_t{64};
+  const std::size_t batch_size = uniform ? count : most_expanded;
 
   springnet_law_batch batch{};
   batch.struct_size = sizeof batch;
@@ -36,11 +37,11 @@ springnet_status evaluate_law(const LawBatch& laws, const Law& law, std::uint32_
     const std::size_t size = count - begin < batch_size ? count - begin : batch_size;
     const auto column = [&](std::size_t index, std::size_t slot, std::uint32_t& stride) -> const double* {
       const std::vector<double>& values = group.columns[index];
-      if (uniform) {
+      if (uniform || (index < group.same.size() && group.same[index] != 0)) {
         stride = 0;
         return values.data() + (rows.rows == nullptr ? rows.row : 0);
       }
-      double* copy = expanded + slot * 64;
+      double* copy = expanded + slot * most_expanded;
       for (std::size_t i = 0; i < size; ++i) copy[i] = values[rows.rows[begin + i]];
       stride = 1;
       return copy;

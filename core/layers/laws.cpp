@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <bit>
 #include <unordered_map>
 
@@ -169,6 +170,10 @@ CompiledLaws compile_laws(const Network& network, const PluginHost& plugins) {
     compiled.element_group.push_back(group);
     compiled.element_row.push_back(row_of(elements[e].material, elements[e].reference));
   }
+
+  for (Group& group : compiled.groups)
+    for (const std::vector<double>& column : group.columns)
+      group.same.push_back(std::equal(column.begin() + (column.empty() ? 0 : 1), column.end(), column.begin()) ? 1 : 0);
 
   for (const LawUse& use : network.neurons()) {
     NeuronKind neuron;

@@ -38,6 +38,7 @@ struct Group {
   Law spring;
   Law viscosity;
   std::vector<std::vector<double>> columns;
+  std::vector<std::uint8_t> same{};  // [column] 1: the same in all rows; empty: not known
 
   [[nodiscard]] std::size_t row_count() const noexcept { return columns[0].size(); }
   // The spring function, then the viscosity function.

@@ -2,10 +2,9 @@
 #include <cmath>
 #include <unordered_map>
 
-#include <Eigen/Geometry>
-
 #include "network/checks.hpp"
 #include "network/corners.hpp"
+#include "network/invariant_values.hpp"
 
 namespace springnet {
 namespace {
@@ -115,29 +114,27 @@ void Network::set_reference(ElementIndex element, double reference) {
 }
 
 double Network::value_of(const Element& element) const {
-  const auto p = [&](std::size_t k) -> const Vector3& { return nodes_[element.nodes[k]].position; };
+  const auto p = [&](std::size_t k) -> invariants::Point {
+    const Vector3& at = nodes_[element.nodes[k]].position;
+    return {at[0], at[1], at[2]};
+  };
   switch (element.invariant) {
-    case Invariant::angle: {
-      const Vector3 u = p(0) - p(1), w = p(2) - p(1);
-      return std::atan2(u.cross(w).norm(), u.dot(w));
-    }
-    case Invariant::dihedral: {
-      const Vector3 edge = p(1) - p(0);
-      const Vector3 m = edge.cross(p(2) - p(0)), n = (p(3) - p(0)).cross(edge);  // normals of (a, b, c), (b, a, d)
-      return std::atan2(m.cross(n).dot(edge.normalized()), m.dot(n));
-    }
+    case Invariant::angle:
+      return invariants::angle(p(0), p(1), p(2));
+    case Invariant::dihedral:
+      return invariants::dihedral(p(0), p(1), p(2), p(3));
     case Invariant::area:
-      return 0.5 * (p(1) - p(0)).cross(p(2) - p(0)).norm();
+      return invariants::area(p(0), p(1), p(2));
     case Invariant::volume:
-      return (p(1) - p(0)).dot((p(2) - p(0)).cross(p(3) - p(0))) / 6.0;
+      return invariants::volume(p(0), p(1), p(2), p(3));
     case Invariant::enclosed_volume:
       break;
   }
   // Relative to a node of the surface: far from the origin the sum would lose significant digits.
-  const Vector3 origin = p(0);
+  const invariants::Point origin = p(0);
   double sum = 0.0;
   for (std::size_t k = 0; k < element.nodes.size(); k += 3)
-    sum += (p(k) - origin).dot((p(k + 1) - origin).cross(p(k + 2) - origin));
+    sum += dot(p(k) - origin, cross(p(k + 1) - origin, p(k + 2) - origin));
   return sum / 6.0;
 }
 

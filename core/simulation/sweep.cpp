@@ -106,6 +106,69 @@ springnet_status Sweep::update_node(std::uint32_t node, std::uint32_t unit, Tile
                       tiles.sweep->want_blocks != 0 ? &evaluation.derivatives : nullptr, message);
 }
 
+// Nodes that do not read one another: evaluated together, then updated one after another. That is what a sweep in their
+// order does, and costs one call of a law for all their springs.
+springnet_status Sweep::together(std::span<const std::uint32_t> nodes, std::uint32_t unit, Tiles& tiles,
+                                 springnet_message& message) {
+  alignas(64) double forces[3][layers::together_limit], accelerations[3][layers::together_limit];
+  double* const force[3] = {forces[0], forces[1], forces[2]};
+  double* const acceleration[3] = {accelerations[0], accelerations[1], accelerations[2]};
+  springnet_status status = model_.evaluator.evaluate_together(nodes, tiles.time, tiles.nodes,
+                                                               model_.external_at(tiles.time), nullptr, force, message);
+  if (status != SPRINGNET_OK) return status;
+  double zero_if_finite = 0.0;
+  for (std::size_t i = 0; i < nodes.size(); ++i) {
+    const std::uint32_t k = nodes[i];
+    tiles.force.x[k] = force[0][i];
+    tiles.force.y[k] = force[1][i];
+    tiles.force.z[k] = force[2][i];
+    zero_if_finite += 0.0 * force[0][i] + 0.0 * force[1][i] + 0.0 * force[2][i];
+  }
+  if (zero_if_finite != 0.0) {
+    tiles.finite.store(false, std::memory_order_relaxed);
+    // As in evaluate_node().
+    if (!in_sets_) model_.explain(tiles.time, tiles.nodes);
+  }
+  status = model_.evaluator.accelerations(nodes, tiles.time, tiles.nodes, force, acceleration, message);
+  if (status != SPRINGNET_OK) return status;
+  tiles.note_bad_neurons(nodes, force, acceleration);
+  return tiles.update(unit, nodes, force, acceleration, message);
+}
+
+// The end of the run of nodes from order[begin] on that can be evaluated together, at least begin + 1 if any can;
+// `begin` if order[begin] must be evaluated by itself.
+std::uint32_t Sweep::end_of_run(std::uint32_t begin, std::uint32_t end, Turn turn, const Tiles& tiles) {
+  const springnet_sweep& sweep = *tiles.sweep;
+  if (sweep.want_blocks != 0 || turn == Turn::on_enclosure) return begin;
+  const std::uint32_t* clusters = model_.rigid.cluster_of();
+  const bool has_enclosures = model_.layout.elements().live_enclosures() > 0;
+  const auto is_lone = [&](std::uint32_t k) {
+    return (clusters == nullptr || clusters[k] == no_cluster) && !(has_enclosures && is_on_enclosure(k));
+  };
+  end = std::min(end, begin + static_cast<std::uint32_t>(layers::together_limit));
+  std::uint32_t i = begin;
+  if (sweep.set_start != nullptr) {  // no two nodes of a set are joined
+    while (i < end && is_lone(sweep.order[i])) ++i;
+    return i;
+  }
+  const std::vector<std::uint32_t>& start = model_.layout.neighbour_start();
+  const std::vector<std::uint32_t>& neighbours = model_.layout.neighbours();
+  run_of_.resize(model_.node_count(), 0);
+  if (++run_ == 0) {  // overflow
+    std::fill(run_of_.begin(), run_of_.end(), 0);
+    run_ = 1;
+  }
+  for (; i < end; ++i) {
+    const std::uint32_t k = sweep.order[i];
+    if (!is_lone(k)) break;
+    bool reads_run = false;
+    for (std::uint32_t n = start[k]; n < start[k + 1]; ++n) reads_run |= run_of_[neighbours[n]] == run_;
+    if (reads_run) break;
+    run_of_[k] = run_;
+  }
+  return i;
+}
+
 // All nodes of a cluster are evaluated before any is updated: with only some updated, outputs do not satisfy the
 // connections.
 springnet_status Sweep::cluster(std::size_t cluster, std::uint32_t unit, Tiles& tiles, springnet_message& message) {
@@ -142,6 +205,12 @@ springnet_status Sweep::range(std::uint32_t begin, std::uint32_t end, std::uint3
   const std::uint32_t* clusters = model_.rigid.cluster_of();
   const bool has_enclosures = model_.layout.elements().live_enclosures() > 0;
   for (std::uint32_t i = begin; i < end; ++i) {
+    if (const std::uint32_t stop = end_of_run(i, end, turn, tiles); stop > i) {
+      const springnet_status status = together({sweep.order + i, stop - i}, unit, tiles, message);
+      if (status != SPRINGNET_OK) return status;
+      i = stop - 1;
+      continue;
+    }
     const std::uint32_t k = sweep.order[i];
     if (has_enclosures && turn != Turn::all && is_on_enclosure(k) != (turn == Turn::on_enclosure)) continue;
     const std::uint32_t cluster = clusters == nullptr ? no_cluster : clusters[k];

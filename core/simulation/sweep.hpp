@@ -3,6 +3,7 @@
 #pragma once
 
 #include <cstdint>
+#include <span>
 #include <vector>
 
 #include "layers/elements/enclosure_volumes.hpp"
@@ -45,6 +46,9 @@ class Sweep {
   springnet_status one_set(std::uint32_t set, Tiles& tiles);
   springnet_status range(std::uint32_t begin, std::uint32_t end, std::uint32_t unit, Turn turn, Tiles& tiles,
                          springnet_message& message);
+  springnet_status together(std::span<const std::uint32_t> nodes, std::uint32_t unit, Tiles& tiles,
+                            springnet_message& message);
+  [[nodiscard]] std::uint32_t end_of_run(std::uint32_t begin, std::uint32_t end, Turn turn, const Tiles& tiles);
   springnet_status cluster(std::size_t cluster, std::uint32_t unit, Tiles& tiles, springnet_message& message);
   springnet_status evaluate_node(std::uint32_t node, Tiles& tiles, NodeEvaluation& result, springnet_message& message);
   springnet_status update_node(std::uint32_t node, std::uint32_t unit, Tiles& tiles, const NodeEvaluation& evaluation,
@@ -62,7 +66,9 @@ class Sweep {
   layers::EnclosureVolumes swept_volumes_;      // of enclosures within a sweep in an order
   layers::EnclosureVolumes evaluated_volumes_;  // in evaluate_nodes outside of sweeps
   std::vector<std::uint8_t> cluster_done_;      // [cluster] within a sweep in an order
-  std::vector<double> scratch_;                 // forces that the caller does not want
+  std::vector<std::uint32_t> run_of_;           // [node] the run that it was in last
+  std::uint32_t run_ = 0;
+  std::vector<double> scratch_;  // forces that the caller does not want
 };
 
 }  // namespace springnet

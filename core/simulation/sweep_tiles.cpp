@@ -50,6 +50,16 @@ void Sweep::Tiles::note_bad_neuron(std::uint32_t first, std::uint32_t count, con
   }
 }
 
+void Sweep::Tiles::note_bad_neurons(std::span<const std::uint32_t> list, const double* const force_of[3],
+                                    const double* const acceleration_of[3]) {
+  if (all_finite(acceleration_of, static_cast<std::uint32_t>(list.size()))) return;
+  for (std::size_t i = 0; i < list.size(); ++i) {
+    const double* const own[3] = {force_of[0] + i, force_of[1] + i, force_of[2] + i};
+    const double* const answered[3] = {acceleration_of[0] + i, acceleration_of[1] + i, acceleration_of[2] + i};
+    if (all_finite(own, 1)) note_bad_neuron(list[i], 1, answered);
+  }
+}
+
 springnet_status Sweep::Tiles::accelerate(std::uint32_t first, std::uint32_t count, bool forces_finite,
                                           springnet_message& message) {
   const double* of_tile[3] = {force.x + first, force.y + first, force.z + first};
@@ -91,6 +101,26 @@ springnet_status Sweep::Tiles::update(std::uint32_t unit, std::uint32_t first, s
   if (const springnet_status updated = call_update(*sweep, batch, message); updated != SPRINGNET_OK) return updated;
   const profile::Part part("constraints");
   model.constraints.constrain(*at, first, count, *sweep, in_place ? &read : nullptr);
+  return SPRINGNET_OK;
+}
+
+springnet_status Sweep::Tiles::update(std::uint32_t unit, std::span<const std::uint32_t> list,
+                                      const double* const force_of[3], const double* const acceleration_of[3],
+                                      springnet_message& message) {
+  springnet_node_batch batch{};
+  batch.struct_size = sizeof batch;
+  batch.count = 1;
+  batch.unit = unit;
+  for (std::size_t i = 0; i < list.size(); ++i) {
+    const std::uint32_t k = list[i];
+    batch.first = k;
+    batch.force = {force_of[0] + i, force_of[1] + i, force_of[2] + i};
+    batch.acceleration = {acceleration_of[0] + i, acceleration_of[1] + i, acceleration_of[2] + i};
+    // The old velocity, which the update overwrites.
+    const Vector3 read(nodes.vx[k], nodes.vy[k], nodes.vz[k]);
+    if (const springnet_status updated = call_update(*sweep, batch, message); updated != SPRINGNET_OK) return updated;
+    model.constraints.constrain(*at, k, 1, *sweep, &read);
+  }
   return SPRINGNET_OK;
 }
 

@@ -3,6 +3,7 @@
 #pragma once
 
 #include <atomic>
+#include <span>
 
 #include "simulation/sweep.hpp"
 
@@ -25,6 +26,13 @@ struct Sweep::Tiles {
   // A tile of a sweep: the integrator's update of nodes, then their constraints.
   springnet_status update(std::uint32_t unit, std::uint32_t first, std::uint32_t count, bool forces_finite,
                           const layers::NodeDerivatives* derivatives, springnet_message& message);
+  // Single nodes of an order with their accelerations, [component][i] of nodes[i].
+  springnet_status update(std::uint32_t unit, std::span<const std::uint32_t> nodes, const double* const force_of[3],
+                          const double* const acceleration_of[3], springnet_message& message);
+
+  // Notes nodes of a list whose acceleration is not finite although their force is.
+  void note_bad_neurons(std::span<const std::uint32_t> list, const double* const force_of[3],
+                        const double* const acceleration_of[3]);
 
  private:
   void note_bad_neuron(std::uint32_t first, std::uint32_t count, const double* const acceleration_of[3]);

@@ -93,6 +93,38 @@ BENCHMARK(evaluation)
     ->UseRealTime()
     ->Unit(benchmark::kMicrosecond);
 
+// Net forces of a crumpled sheet that has hinges only; items_per_second counts hinges.
+void hinges(benchmark::State& state) {
+  constexpr int side = 21;  // nodes
+  springnet::Network network;
+  const auto material = network.add_material(
+      {.spring = LawUse{"linear", {{"stiffness", 1.0}}}, .viscosity = LawUse{"linear", {{"damping", 0.1}}}});
+  const auto at = [](int i, int j) { return static_cast<springnet::NodeIndex>(side * i + j); };
+  for (int i = 0; i < side; ++i) {
+    for (int j = 0; j < side; ++j) {
+      springnet::Node node;
+      node.position = {i + 0.1 * ((7 * i + 3 * j) % 5), j + 0.1 * ((2 * i + 5 * j) % 7), 0.1 * ((3 * i + 4 * j) % 6)};
+      node.velocity = {0.01 * (i % 3), 0.01 * (j % 4), 0.01 * ((i + j) % 5)};
+      network.add_node(node);
+    }
+  }
+  for (int i = 0; i + 1 < side; ++i)
+    for (int j = 0; j + 1 < side; ++j)
+      network.add_element(springnet::Invariant::dihedral, {at(i, j), at(i + 1, j + 1), at(i + 1, j), at(i, j + 1)},
+                          material, 0.1);
+  springnet::Model model(network, *plugins(), {.threads = 1});
+  springnet::Sweep sweep(model);
+  springnet_evaluation request{};
+  request.struct_size = sizeof request;
+  request.position = springnet::read_only(model.state.view.position);
+  request.velocity = springnet::read_only(model.state.view.velocity);
+  for ([[maybe_unused]] auto iteration : state) {
+    if (sweep.evaluate(request) != SPRINGNET_OK) state.SkipWithError(model.journal.message.text);
+  }
+  state.SetItemsProcessed(state.iterations() * static_cast<std::int64_t>(network.elements().size()));
+}
+BENCHMARK(hinges)->Name("hinges/nodes_a_side:21/threads:1")->Unit(benchmark::kMicrosecond);
+
 // A step of one synchronous sweep: symplectic Euler. The network stays the same size and in motion for any number of
 // steps (t_c^2 k/m = 0.01, far inside the stable range, and little damping), so every step costs as much as the first.
 void single_sweep(benchmark::State& state) {
@@ -138,6 +170,8 @@ void cube_recurrent(benchmark::State& state, const char* update) {
 }
 BENCHMARK_CAPTURE(cube_recurrent, synchronous, "synchronous")->Name("cube_synchronous/nodes_a_side:4/threads:1");
 BENCHMARK_CAPTURE(cube_recurrent, wavefront, "wavefront")->Name("cube_wavefront/nodes_a_side:4/threads:1");
+BENCHMARK_CAPTURE(cube_recurrent, block, "block")->Name("cube_block/nodes_a_side:4/threads:1");
+BENCHMARK_CAPTURE(cube_recurrent, coloured, "coloured")->Name("cube_coloured/nodes_a_side:4/threads:1");
 
 // Output points 0.05 s apart; inside, the method's own steps.
 void cube_cvode(benchmark::State& state) {

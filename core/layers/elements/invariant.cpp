@@ -4,7 +4,8 @@
 
 #include <Eigen/Geometry>
 #include <cmath>
-#include <numbers>
+
+#include "layers/elements/gradients.hpp"
 
 namespace springnet::layers {
 namespace {
@@ -14,119 +15,32 @@ constexpr double min_sine = 1e-7;
 // Transverse motion of a straight angle below this fraction of its nodes' motion counts as none.
 constexpr double rounding = 1e-13;
 
-// A vector over any number type: the formulas are evaluated with doubles, and with duals for their derivatives.
 template <class T>
-struct Triple {
-  T x{}, y{}, z{};
-};
-template <class T>
-Triple<T> operator+(const Triple<T>& a, const Triple<T>& b) {
-  return {a.x + b.x, a.y + b.y, a.z + b.z};
-}
-template <class T>
-Triple<T> operator-(const Triple<T>& a, const Triple<T>& b) {
-  return {a.x - b.x, a.y - b.y, a.z - b.z};
-}
-template <class T, class S>
-Triple<T> operator*(const S& s, const Triple<T>& a) {
-  return {s * a.x, s * a.y, s * a.z};
-}
-template <class T>
-T dot(const Triple<T>& a, const Triple<T>& b) {
-  return a.x * b.x + a.y * b.y + a.z * b.z;
-}
-template <class T>
-Triple<T> cross(const Triple<T>& a, const Triple<T>& b) {
-  return {a.y * b.z - a.z * b.y, a.z * b.x - a.x * b.z, a.x * b.y - a.y * b.x};
-}
-
-using sdk::value_of;
-
-// u = a - b, w = c - b, n = u x w: dq/da = u x n / (|u|^2 |n|), dq/dc = n x w / (|w|^2 |n|).
-template <class T>
-void angle(const Triple<T>* p, Triple<T>* g) {
-  using std::sqrt;
-  const Triple<T> u = p[0] - p[1], w = p[2] - p[1], n = cross(u, w);
-  const T square = dot(n, n);
-  if (!(value_of(square) > 0.0)) return;
-  const T size = sqrt(square);
-  g[0] = (1.0 / (dot(u, u) * size)) * cross(u, n);
-  g[2] = (1.0 / (dot(w, w) * size)) * cross(n, w);
-  g[1] = -1.0 * (g[0] + g[2]);
-}
-
-// e = b - a, normals m = e x (c - a), n = (d - a) x e: dq/dc = -|e| m / |m|^2, dq/dd = -|e| n / |n|^2. The ends
-// of the edge balance the tips by the lever rule at the feet of the tips on the edge.
-template <class T>
-void dihedral(const Triple<T>* p, Triple<T>* g) {
-  using std::sqrt;
-  const Triple<T> e = p[1] - p[0], c = p[2] - p[0], d = p[3] - p[0];
-  const Triple<T> m = cross(e, c), n = cross(d, e);
-  const T ee = dot(e, e), mm = dot(m, m), nn = dot(n, n);
-  if (!(value_of(mm) > 0.0) || !(value_of(nn) > 0.0)) return;
-  const T length = sqrt(ee);
-  g[2] = (-1.0 * length / mm) * m;
-  g[3] = (-1.0 * length / nn) * n;
-  const T at_c = dot(c, e) / ee, at_d = dot(d, e) / ee;
-  g[1] = -1.0 * (at_c * g[2] + at_d * g[3]);
-  g[0] = -1.0 * (g[1] + g[2] + g[3]);
-}
-
-// dq/da = n x (c - b) / 2 with the unit normal n, and cyclically.
-template <class T>
-void area(const Triple<T>* p, Triple<T>* g) {
-  using std::sqrt;
-  const Triple<T> b = p[1] - p[0], c = p[2] - p[0], n = cross(b, c);
-  const T square = dot(n, n);
-  if (!(value_of(square) > 0.0)) return;
-  const Triple<T> half = (0.5 / sqrt(square)) * n;
-  g[1] = cross(c, half);
-  g[2] = cross(half, b);
-  g[0] = -1.0 * (g[1] + g[2]);
-}
-
-template <class T>
-void volume(const Triple<T>* p, Triple<T>* g) {
-  const Triple<T> b = p[1] - p[0], c = p[2] - p[0], d = p[3] - p[0];
-  g[1] = (1.0 / 6.0) * cross(c, d);
-  g[2] = (1.0 / 6.0) * cross(d, b);
-  g[3] = (1.0 / 6.0) * cross(b, c);
-  g[0] = -1.0 * (g[1] + g[2] + g[3]);
-}
-
-template <class T>
-void gradients(Invariant invariant, const Triple<T>* p, Triple<T>* g) {
+void gradients_at(Invariant invariant, const Triple<T>* p, Triple<T>* g) {
   switch (invariant) {
     case Invariant::angle:
-      return angle(p, g);
+      return angle_gradients(p[0], p[1], p[2], g[0], g[1], g[2]);
     case Invariant::dihedral:
-      return dihedral(p, g);
+      return dihedral_gradients(p[0], p[1], p[2], p[3], g[0], g[1], g[2], g[3]);
     case Invariant::area:
-      return area(p, g);
+      return area_gradients(p[0], p[1], p[2], g[0], g[1], g[2]);
     case Invariant::volume:
-      return volume(p, g);
+      return volume_gradients(p[0], p[1], p[2], p[3], g[0], g[1], g[2], g[3]);
     case Invariant::enclosed_volume:
       return;
   }
 }
 
-double value(Invariant invariant, const Triple<double>* p) {
+double value(Invariant invariant, const Point* p) {
   switch (invariant) {
-    case Invariant::angle: {
-      const Triple<double> u = p[0] - p[1], w = p[2] - p[1], n = cross(u, w);
-      return std::atan2(std::sqrt(dot(n, n)), dot(u, w));
-    }
-    case Invariant::dihedral: {
-      const Triple<double> e = p[1] - p[0], m = cross(e, p[2] - p[0]), n = cross(p[3] - p[0], e);
-      const double length = std::sqrt(dot(e, e));
-      return length > 0.0 ? std::atan2(dot(cross(m, n), e) / length, dot(m, n)) : 0.0;
-    }
-    case Invariant::area: {
-      const Triple<double> n = cross(p[1] - p[0], p[2] - p[0]);
-      return 0.5 * std::sqrt(dot(n, n));
-    }
+    case Invariant::angle:
+      return invariants::angle(p[0], p[1], p[2]);
+    case Invariant::dihedral:
+      return invariants::dihedral(p[0], p[1], p[2], p[3]);
+    case Invariant::area:
+      return invariants::area(p[0], p[1], p[2]);
     case Invariant::volume:
-      return dot(p[1] - p[0], cross(p[2] - p[0], p[3] - p[0])) / 6.0;
+      return invariants::volume(p[0], p[1], p[2], p[3]);
     case Invariant::enclosed_volume:
       break;
   }
@@ -150,7 +64,7 @@ void complete(const Corners& corners, SecondOrder& out) {
 template <std::size_t Count>
 void second_order_of(Invariant invariant, const Corners& corners, SecondOrder& out) {
   using Number = sdk::Dual<3 * (Count - 1)>;
-  Triple<Number> p[max_corners], g[max_corners];
+  Triple<Number> p[max_corners]{}, g[max_corners]{};
   const Vector3& origin = corners.position[0];
   p[0] = {Number(origin[0]), Number(origin[1]), Number(origin[2])};
   for (std::size_t i = 1; i < Count; ++i) {
@@ -158,7 +72,7 @@ void second_order_of(Invariant invariant, const Corners& corners, SecondOrder& o
     const std::size_t first = 3 * (i - 1);
     p[i] = {Number::variable(at[0], first), Number::variable(at[1], first + 1), Number::variable(at[2], first + 2)};
   }
-  gradients(invariant, p, g);
+  gradients_at(invariant, p, g);
   for (std::size_t i = 0; i < Count; ++i) {
     for (std::size_t j = 1; j < Count; ++j) {
       Block& block = out.hessian[i][j];
@@ -224,11 +138,9 @@ void gather(const std::uint32_t* corners, std::size_t count, const NodeArrays& n
   }
 }
 
-namespace {
-
 // For a straight angle, q = pi - |x| or |x|, that is bending: the limit along the motion, where x has the direction of
 // x'.
-void straight_first_order(const Corners& corners, FirstOrder& out) noexcept {
+void straighten(const Corners& corners, FirstOrder& out) noexcept {
   BentDirections bent;
   if (!is_straight(Invariant::angle, corners, bent)) return;
   Eigen::Vector2d rate = Eigen::Vector2d::Zero();
@@ -246,14 +158,12 @@ void straight_first_order(const Corners& corners, FirstOrder& out) noexcept {
   out.rate = away * speed;
 }
 
-}  // namespace
-
 void first_order(Invariant invariant, const Corners& corners, FirstOrder& out) noexcept {
   const std::size_t count = corners_of(invariant);
-  Triple<double> p[max_corners], g[max_corners];
+  Point p[max_corners]{}, g[max_corners]{};
   for (std::size_t i = 0; i < count; ++i)
     p[i] = {corners.position[i][0], corners.position[i][1], corners.position[i][2]};
-  gradients(invariant, p, g);
+  gradients_at(invariant, p, g);
   out.value = value(invariant, p);
   out.rate = 0.0;
   for (std::size_t i = 0; i < count; ++i) {
@@ -261,12 +171,11 @@ void first_order(Invariant invariant, const Corners& corners, FirstOrder& out) n
     // Relative to the first corner, so that a common motion contributes exactly nothing.
     out.rate += out.gradient[i].dot(corners.velocity[i] - corners.velocity[0]);
   }
-  if (invariant == Invariant::angle && out.gradient[0].isZero(0.0)) straight_first_order(corners, out);
+  if (invariant == Invariant::angle && out.gradient[0].isZero(0.0)) straighten(corners, out);
 }
 
 double nearest_turn(Invariant invariant, double value, double reference) noexcept {
-  constexpr double turn = 2.0 * std::numbers::pi;
-  return invariant == Invariant::dihedral ? value + turn * std::round((reference - value) / turn) : value;
+  return invariant == Invariant::dihedral ? turned(value, reference) : value;
 }
 
 void second_order(Invariant invariant, const Corners& corners, SecondOrder& out) noexcept {
@@ -281,7 +190,7 @@ void second_order(Invariant invariant, const Corners& corners, SecondOrder& out)
 OwnSecondOrder own_second_order(Invariant invariant, const Corners& corners, std::size_t corner) noexcept {
   using Number = sdk::Dual<4>;  // by the corner's coordinates, and along the motion of all
   const std::size_t count = corners_of(invariant);
-  Triple<Number> p[max_corners], g[max_corners];
+  Triple<Number> p[max_corners]{}, g[max_corners]{};
   for (std::size_t i = 0; i < count; ++i) {
     Number* const to[3] = {&p[i].x, &p[i].y, &p[i].z};
     for (std::size_t c = 0; c < 3; ++c) {
@@ -291,7 +200,7 @@ OwnSecondOrder own_second_order(Invariant invariant, const Corners& corners, std
       if (i == corner) to[c]->derivatives[c] = 1.0;
     }
   }
-  gradients(invariant, p, g);
+  gradients_at(invariant, p, g);
   OwnSecondOrder out;
   const Number* const from[3] = {&g[corner].x, &g[corner].y, &g[corner].z};
   for (std::size_t r = 0; r < 3; ++r) {

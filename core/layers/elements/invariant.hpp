@@ -32,6 +32,9 @@ struct FirstOrder {
   Vector3 gradient[max_corners];
 };
 void first_order(Invariant invariant, const Corners& corners, FirstOrder& out) noexcept;
+// For an angle without a gradient: fills rate and gradients if it is straight and bending. first_order() has done so;
+// for those whose value comes from kernels.
+void straighten(const Corners& corners, FirstOrder& out) noexcept;
 // The value that laws read: a dihedral angle is shifted by whole turns to be nearest to its reference, so that it jumps
 // half a turn away from rest, not where wings that rest folded pass through one another.
 [[nodiscard]] double nearest_turn(Invariant invariant, double value, double reference) noexcept;

@@ -64,8 +64,35 @@ void ElementLayout::make_batches() {
     while (end < batched_.size() && end - begin < element_batch && invariant_[batched_[end]] == invariant_[e] &&
            group(batched_[end]) == group(e))
       ++end;
-    batches_.push_back({invariant_[e], group(e), begin, end - begin});
+    const bool one_row = std::all_of(batched_.begin() + begin, batched_.begin() + end,
+                                     [&](std::uint32_t other) { return row(other) == row(e); });
+    batches_.push_back({invariant_[e], group(e), begin, end - begin, one_row});
     begin = end;
+  }
+  fill_batches();
+}
+
+void ElementLayout::fill_batches() {
+  row_.clear();
+  reference_.clear();
+  for (std::vector<std::uint32_t>& nodes : corner_) nodes.clear();
+  std::vector<std::uint32_t> index(count());
+  for (std::uint32_t i = 0; i < batched_.size(); ++i) {
+    const std::uint32_t e = batched_[i];
+    const std::span<const std::uint32_t> own = nodes(e);
+    index[e] = i;
+    row_.push_back(row(e));
+    reference_.push_back(reference(e));
+    for (std::size_t c = 0; c < max_corners; ++c) corner_[c].push_back(own[std::min(c, own.size() - 1)]);
+  }
+  const auto pitch = static_cast<std::uint32_t>(batched_.size());
+  force_slots_.resize(shares_.size());
+  slot_stop_ = share_stop_;
+  for (std::size_t k = 0; k < slot_stop_.size(); ++k) {
+    std::size_t at = share_start_[k];
+    for (; at < share_stop_[k] && shares_[at].enclosure == no_enclosure; ++at)
+      force_slots_[at] = shares_[at].place * pitch + index[shares_[at].element];
+    slot_stop_[k] = at;
   }
 }
 

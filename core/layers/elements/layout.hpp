@@ -10,12 +10,10 @@
 
 #include "layers/elements/enclosure.hpp"
 #include "layers/elements/invariant.hpp"
+#include "layers/elements/kernels.hpp"
 #include "layers/laws.hpp"
 
 namespace springnet::layers {
-
-// Most elements of a batch: their geometry fits the first-level cache.
-inline constexpr std::size_t element_batch = 32;
 
 // An element seen from one of its nodes.
 struct ElementShare {
@@ -31,6 +29,7 @@ struct ElementBatch {
   Invariant invariant;
   std::uint32_t group;
   std::uint32_t begin, count;
+  bool one_row = false;  // of all its elements
 };
 
 class ElementLayout {
@@ -62,6 +61,20 @@ class ElementLayout {
   }
   [[nodiscard]] const std::vector<ElementBatch>& batches() const noexcept { return batches_; }
   [[nodiscard]] const std::vector<std::uint32_t>& batched() const noexcept { return batched_; }
+  // Corners and references of a batch, and the rows of its elements.
+  [[nodiscard]] BatchCorners corners(const ElementBatch& batch) const noexcept {
+    const auto at = [&batch](const std::vector<std::uint32_t>& nodes) { return nodes.data() + batch.begin; };
+    return {
+        {at(corner_[0]), at(corner_[1]), at(corner_[2]), at(corner_[3])}, reference_.data() + batch.begin, batch.count};
+  }
+  [[nodiscard]] const std::uint32_t* rows(const ElementBatch& batch) const noexcept {
+    return row_.data() + batch.begin;
+  }
+  // [share of the node] where the force of an element of three or four nodes on the node is in arrays over the corners
+  // of batched(): place * batched().size() + index in batched(). As many as shares(node) that are no enclosures.
+  [[nodiscard]] std::span<const std::uint32_t> force_slots(std::uint32_t node) const noexcept {
+    return {force_slots_.data() + share_start_[node], force_slots_.data() + slot_stop_[node]};
+  }
 
   struct EnclosureElement {
     std::uint32_t element;
@@ -86,6 +99,7 @@ class ElementLayout {
 
  private:
   void make_batches();
+  void fill_batches();
   // Whether the line between corners i < j is a side: not between the tips of a hinge, nor between the ends of an
   // angle.
   [[nodiscard]] bool is_side(std::uint32_t element, std::size_t i, std::size_t j) const noexcept {
@@ -110,6 +124,11 @@ class ElementLayout {
   std::vector<ElementShare> shares_;
   std::vector<ElementBatch> batches_;
   std::vector<std::uint32_t> batched_;
+  // [batched]
+  std::vector<std::uint32_t> corner_[max_corners], row_;
+  std::vector<double> reference_;
+  std::vector<std::uint32_t> force_slots_;  // [share]
+  std::vector<std::size_t> slot_stop_;      // [node]
 };
 
 template <class Crosses>

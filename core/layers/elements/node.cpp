@@ -11,12 +11,41 @@ namespace {
 
 constexpr std::size_t chunk = 16;
 
-// One element seen from the node.
+// Elements of one group and invariant, or enclosures of one group, seen from a node.
 struct Seen {
-  Corners corners;        // of three or four nodes
-  FirstOrder geometry;    // of three or four nodes
-  Vector3 gradient;       // dq/dp of the node
-  Vector3 rate_gradient;  // dq'/dp, of an enclosure
+  double q[chunk], rate[chunk];
+  Vector3 gradient[chunk];       // dq/dp of the node
+  Vector3 rate_gradient[chunk];  // dq'/dp, of an enclosure
+  BatchGeometry geometry;        // of elements of three or four nodes
+  std::uint32_t corner[max_corners][chunk];
+  std::uint32_t rows[chunk];
+
+  void read_enclosures(const ElementLayout& elements, std::span<const ElementShare> shares, std::uint32_t node,
+                       const NodeArrays& nodes, const EnclosureVolumes* volumes) {
+    for (std::size_t i = 0; i < shares.size(); ++i) {
+      const ElementShare& share = shares[i];
+      const Enclosure& enclosure = elements.enclosures()[share.enclosure].shape;
+      gradient[i] = enclosure.gradient(share.place, nodes);
+      rate_gradient[i] = enclosure.rate_gradient(share.place, nodes);
+      const Enclosure::Values values = volumes != nullptr
+                                           ? volumes->values_for(node, share.enclosure, gradient[i], rate_gradient[i])
+                                           : enclosure.values(nodes);
+      q[i] = values.volume;
+      rate[i] = values.rate;
+    }
+  }
+  // What linearise_own() reads of element i.
+  void read_one(std::size_t i, std::size_t count, const NodeArrays& nodes, Corners& corners, FirstOrder& first) const {
+    std::uint32_t own[max_corners];
+    for (std::size_t c = 0; c < count; ++c) {
+      own[c] = corner[c][i];
+      first.gradient[c] = {geometry.gradient[3 * c][i], geometry.gradient[3 * c + 1][i],
+                           geometry.gradient[3 * c + 2][i]};
+    }
+    gather(own, count, nodes, corners);
+    first.value = geometry.value[i];
+    first.rate = geometry.rate[i];
+  }
 };
 
 }  // namespace
@@ -29,39 +58,44 @@ springnet_status Evaluator::add_elements_of(std::uint32_t node, double time, con
   if (shares.empty()) return SPRINGNET_OK;
   const profile::Part part("elements");
   const bool blocks = sums.stiffness != nullptr;
-  Seen seen[chunk];  // not initialised: written before it is read
-  double q[chunk], rate[chunk];
+  Seen seen;  // not initialised: written before it is read
   PairAnswers<chunk> answers;
   const PairOutputs out = answers.outputs(blocks, sums.energy != nullptr);
-  std::uint32_t rows[chunk];
   for (std::size_t begin = 0; begin < shares.size();) {
+    const ElementShare& first = shares[begin];
+    const Invariant invariant = elements.invariant(first.element);
+    const bool enclosures = first.enclosure != no_enclosure;
     std::size_t end = begin + 1;
-    while (end < shares.size() && end - begin < chunk && shares[end].group == shares[begin].group) ++end;
+    while (end < shares.size() && end - begin < chunk && shares[end].group == first.group &&
+           elements.invariant(shares[end].element) == invariant)
+      ++end;
     const std::size_t count = end - begin;
-    const Group& group = layout_.laws().groups[shares[begin].group];
-    for (std::size_t i = 0; i < count; ++i) {
-      const ElementShare& share = shares[begin + i];
-      Seen& own = seen[i];
-      if (share.enclosure != no_enclosure) {
-        const Enclosure& enclosure = elements.enclosures()[share.enclosure].shape;
-        own.gradient = enclosure.gradient(share.place, nodes);
-        own.rate_gradient = enclosure.rate_gradient(share.place, nodes);
-        const Enclosure::Values values =
-            volumes != nullptr ? volumes->values_for(node, share.enclosure, own.gradient, own.rate_gradient)
-                               : enclosure.values(nodes);
-        q[i] = values.volume;
-        rate[i] = values.rate;
-      } else {
-        const std::span<const std::uint32_t> corners = elements.nodes(share.element);
-        gather(corners.data(), corners.size(), nodes, own.corners);
-        first_order(elements.invariant(share.element), own.corners, own.geometry);
-        own.gradient = own.geometry.gradient[share.place];
-        q[i] = nearest_turn(elements.invariant(share.element), own.geometry.value, elements.reference(share.element));
-        rate[i] = own.geometry.rate;
+    const Group& group = layout_.laws().groups[first.group];
+    for (std::size_t i = 0; i < count; ++i) seen.rows[i] = elements.row(shares[begin + i].element);
+    if (enclosures) {
+      seen.read_enclosures(elements, shares.subspan(begin, count), node, nodes, volumes);
+    } else {
+      double reference[chunk];
+      for (std::size_t i = 0; i < count; ++i) {
+        const std::uint32_t e = shares[begin + i].element;
+        const std::span<const std::uint32_t> own = elements.nodes(e);
+        for (std::size_t c = 0; c < own.size(); ++c) seen.corner[c][i] = own[c];
+        reference[i] = elements.reference(e);
       }
-      rows[i] = elements.row(share.element);
+      measure(invariant, {{seen.corner[0], seen.corner[1], seen.corner[2], seen.corner[3]}, reference, count}, nodes,
+              seen.geometry);
+      for (std::size_t i = 0; i < count; ++i) {
+        const std::size_t row = 3 * std::size_t{shares[begin + i].place};
+        seen.gradient[i] = {seen.geometry.gradient[row][i], seen.geometry.gradient[row + 1][i],
+                            seen.geometry.gradient[row + 2][i]};
+      }
     }
-    const springnet_status status = evaluate_laws({group, count, {rows, 0}, q, rate}, set_, time, out, message);
+    const springnet_status status = evaluate_laws({group,
+                                                   count,
+                                                   {seen.rows, 0},
+                                                   enclosures ? seen.q : seen.geometry.value,
+                                                   enclosures ? seen.rate : seen.geometry.rate},
+                                                  set_, time, out, message);
     if (status != SPRINGNET_OK) return status;
     const std::array<const Law*, 2> laws = group.laws();
     for (std::size_t k = 0; k < laws.size() && sums.energy != nullptr; ++k) {
@@ -70,19 +104,20 @@ springnet_status Evaluator::add_elements_of(std::uint32_t node, double time, con
         *sums.energy += laws[k]->has_potential() ? answers.energy[k][i] : std::numeric_limits<double>::quiet_NaN();
     }
     for (std::size_t i = 0; i < count; ++i) {
-      const ElementShare& share = shares[begin + i];
       const ElementForce law = element_force(group, answers, i, blocks);
-      sums.force -= law.force * seen[i].gradient;
+      sums.force -= law.force * seen.gradient[i];
       if (!blocks) continue;
       Block stiffness, damping;
-      if (share.enclosure != no_enclosure) {
+      if (enclosures) {
         // The volume is linear in the node's position, so its Hessian has no diagonal block.
-        const Vector3 change = law.by_q * seen[i].gradient + law.by_rate * seen[i].rate_gradient;
-        stiffness = seen[i].gradient * change.transpose();
-        damping = law.by_rate * seen[i].gradient * seen[i].gradient.transpose();
+        const Vector3 change = law.by_q * seen.gradient[i] + law.by_rate * seen.rate_gradient[i];
+        stiffness = seen.gradient[i] * change.transpose();
+        damping = law.by_rate * seen.gradient[i] * seen.gradient[i].transpose();
       } else {
-        linearise_own(elements.invariant(share.element), seen[i].corners, seen[i].geometry, law, share.place, stiffness,
-                      damping);
+        Corners corners;
+        FirstOrder geometry;
+        seen.read_one(i, corners_of(invariant), nodes, corners, geometry);
+        linearise_own(invariant, corners, geometry, law, shares[begin + i].place, stiffness, damping);
       }
       *sums.stiffness += stiffness;
       *sums.damping += damping;

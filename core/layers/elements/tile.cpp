@@ -1,6 +1,6 @@
-// All elements at a state, batch by batch. Each writes its Q, and dq/dp of each of its nodes; then each node sums the
-// forces of its elements in a fixed order. So no two threads write to the same place, and the sums do not depend on the
-// number of threads.
+// All elements at a state, batch by batch. Each writes the forces on its corners, an enclosure Q and dq/dp of each of
+// its nodes; then each node sums the forces of its elements in a fixed order. So no two threads write to the same
+// place, and the sums do not depend on the number of threads.
 
 #include <omp.h>
 
@@ -14,30 +14,58 @@
 
 namespace springnet::layers {
 
+namespace {
+
+ElementKernels::Geometry geometry_kernel(const ElementKernels& kernels, Invariant invariant) {
+  switch (invariant) {
+    case Invariant::angle:
+      return kernels.angles;
+    case Invariant::dihedral:
+      return kernels.dihedrals;
+    case Invariant::area:
+      return kernels.areas;
+    default:
+      return kernels.volumes;
+  }
+}
+
+}  // namespace
+
+void Evaluator::measure(Invariant invariant, const BatchCorners& corners, const NodeArrays& nodes,
+                        BatchGeometry& out) const noexcept {
+  geometry_kernel(kernels_.elements, invariant)(corners, nodes, out);
+  if (invariant != Invariant::angle) return;
+  // Straight angles that are bending.
+  for (std::size_t i = 0; i < corners.count; ++i) {
+    if (out.gradient[0][i] != 0.0 || out.gradient[1][i] != 0.0 || out.gradient[2][i] != 0.0) continue;
+    const std::uint32_t own[3] = {corners.corner[0][i], corners.corner[1][i], corners.corner[2][i]};
+    Corners one;
+    gather(own, 3, nodes, one);
+    FirstOrder geometry;
+    first_order(invariant, one, geometry);
+    out.rate[i] = geometry.rate;
+    for (std::size_t c = 0; c < 9; ++c) out.gradient[c][i] = geometry.gradient[c / 3][static_cast<Eigen::Index>(c % 3)];
+  }
+}
+
 springnet_status Evaluator::evaluate_batch(const ElementBatch& batch, double time, const NodeArrays& nodes,
                                            springnet_message& message) const {
   const ElementLayout& elements = layout_.elements();
   const Group& group = layout_.laws().groups[batch.group];
-  double q[element_batch], rate[element_batch];
-  PairAnswers<element_batch> answers;
-  std::uint32_t rows[element_batch];
-  const std::uint32_t* members = elements.batched().data() + batch.begin;
-  for (std::size_t i = 0; i < batch.count; ++i) {
-    const std::span<const std::uint32_t> own = elements.nodes(members[i]);
-    Corners corners;  // not initialised: written before it is read
-    FirstOrder geometry;
-    gather(own.data(), own.size(), nodes, corners);
-    first_order(batch.invariant, corners, geometry);
-    q[i] = nearest_turn(batch.invariant, geometry.value, elements.reference(members[i]));
-    rate[i] = geometry.rate;
-    rows[i] = elements.row(members[i]);
-    std::copy_n(geometry.gradient, own.size(), element_gradient_.data() + elements.slot(members[i]));
-  }
+  BatchGeometry geometry;  // not initialised: written before it is read
+  measure(batch.invariant, elements.corners(batch), nodes, geometry);
+  alignas(64) double force[2][element_batch];
+  const std::uint32_t* rows = elements.rows(batch);
   const springnet_status status =
-      evaluate_laws({group, batch.count, {rows, 0}, q, rate}, set_, time, answers.outputs(false, false), message);
+      evaluate_laws({group, batch.count, batch.one_row ? RowSelection{nullptr, rows[0]} : RowSelection{rows, 0},
+                     geometry.value, geometry.rate},
+                    set_, time, {LawOutputs{force[0]}, LawOutputs{force[1]}}, message);
   if (status != SPRINGNET_OK) return status;
-  for (std::size_t i = 0; i < batch.count; ++i)
-    element_force_[members[i]] = element_force(group, answers, i, false).force;
+  const std::size_t pitch = elements.batched().size();
+  const auto at = [&](std::vector<double>& forces) { return forces.data() + batch.begin; };
+  kernels_.elements.forces(geometry, corners_of(batch.invariant), batch.count, group.spring ? force[0] : nullptr,
+                           group.viscosity ? force[1] : nullptr,
+                           {at(corner_force_[0]), at(corner_force_[1]), at(corner_force_[2]), pitch});
   return SPRINGNET_OK;
 }
 
@@ -59,7 +87,7 @@ springnet_status Evaluator::evaluate_enclosures(double time, springnet_message& 
     const springnet_status status = evaluate_laws({group, 1, {nullptr, elements.row(e)}, &sum.volume, &sum.rate}, set_,
                                                   time, answers.outputs(false, false), message);
     if (status != SPRINGNET_OK) return status;
-    element_force_[e] = element_force(group, answers, 0, false).force;
+    enclosure_force_[s] = element_force(group, answers, 0, false).force;
   }
   return SPRINGNET_OK;
 }
@@ -75,8 +103,8 @@ springnet_status Evaluator::evaluate_elements(double time, const NodeArrays& nod
     const auto c = static_cast<std::size_t>(i - batches);
     const ElementLayout::EnclosureElement& enclosure = elements.enclosures()[chunks_[c].enclosure];
     if (elements.alive(enclosure.element))
-      enclosure_shares_[c] = enclosure.shape.partial_values(
-          chunks_[c].begin, chunks_[c].end, nodes, element_gradient_.data() + elements.slot(enclosure.element));
+      enclosure_shares_[c] = enclosure.shape.partial_values(chunks_[c].begin, chunks_[c].end, nodes,
+                                                            enclosure_gradient_[chunks_[c].enclosure].data());
     return SPRINGNET_OK;
   };
   const FlushDenormals flush;
@@ -114,10 +142,22 @@ springnet_status Evaluator::evaluate_elements(double time, const NodeArrays& nod
 
 void Evaluator::add_elements(std::uint32_t begin, std::uint32_t end, const ForceArrays& force) const noexcept {
   const ElementLayout& elements = layout_.elements();
+  const double *x = corner_force_[0].data(), *y = corner_force_[1].data(), *z = corner_force_[2].data();
+  const bool enclosures = elements.live_enclosures() > 0;
   for (std::uint32_t k = begin; k < end; ++k) {
-    Vector3 sum = Vector3::Zero();
-    for (const ElementShare& share : elements.shares(k))
-      sum -= element_force_[share.element] * element_gradient_[elements.slot(share.element) + share.place];
+    const std::span<const std::uint32_t> slots = elements.force_slots(k);
+    double sum[3] = {0.0, 0.0, 0.0};
+    for (const std::uint32_t slot : slots) {
+      sum[0] += x[slot];
+      sum[1] += y[slot];
+      sum[2] += z[slot];
+    }
+    if (enclosures) {
+      for (const ElementShare& share : elements.shares(k).subspan(slots.size())) {
+        const Vector3& gradient = enclosure_gradient_[share.enclosure][share.place];
+        for (Eigen::Index c = 0; c < 3; ++c) sum[c] -= enclosure_force_[share.enclosure] * gradient[c];
+      }
+    }
     force.x[k] += sum[0];
     force.y[k] += sum[1];
     force.z[k] += sum[2];

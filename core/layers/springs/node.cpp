@@ -6,17 +6,19 @@
 
 #include "layers/node_sums.hpp"
 #include "layers/springs/blocks.hpp"
+#include "layers/springs/node_sum.hpp"
 #include "profile/stage.hpp"
 
 namespace springnet::layers {
 namespace {
 
-constexpr std::size_t chunk = 64;
+constexpr std::size_t chunk = node_chunk;
 
 // Geometry of springs of one node; the same formulas as the kernels'.
 struct NodeGeometry {
   double length[chunk], rate[chunk], nx[chunk], ny[chunk], nz[chunk];
   double speed[chunk], sx[chunk], sy[chunk], sz[chunk];
+  double vx[chunk], vy[chunk], vz[chunk];  // relative velocity, m/s
   std::uint32_t rows[chunk];
 };
 
@@ -35,6 +37,9 @@ void read(const Incident* springs, std::size_t count, std::uint32_t k, const Nod
       g.ny[i] = dp[1] * inverse;
       g.nz[i] = dp[2] * inverse;
       g.rate[i] = g.nx[i] * dv[0] + g.ny[i] * dv[1] + g.nz[i] * dv[2];
+      g.vx[i] = dv[0];
+      g.vy[i] = dv[1];
+      g.vz[i] = dv[2];
     }
     if (relative) {
       const double speed = std::sqrt(dv[0] * dv[0] + dv[1] * dv[1] + dv[2] * dv[2]);
@@ -45,6 +50,37 @@ void read(const Incident* springs, std::size_t count, std::uint32_t k, const Nod
       g.sz[i] = dv[2] * inverse;
     }
   }
+}
+
+// The sum of SpringBlocks for laws that are axial, in components: with a = T / l,
+//   K = sum n ((T' - a) n + T_u (dv - u n) / l)^T + a I,   D = sum T_u n n^T
+void add_axial_blocks(const NodeGeometry& g, std::size_t count, const Group& group, const PairAnswers<chunk>& answers,
+                      Block& stiffness, Block& damping) {
+  double k[9] = {}, d[6] = {}, along = 0.0;
+  for (std::size_t i = 0; i < count; ++i) {
+    const double x = g.nx[i], y = g.ny[i], z = g.nz[i];
+    const double inverse = g.length[i] > 0.0 ? 1.0 / g.length[i] : 0.0;
+    const SpringForces forces = spring_forces(group, answers, i);
+    const double by_rate = forces.by_rate, turn = by_rate * inverse, a = forces.tension * inverse;
+    const double axial = forces.by_length - a - turn * g.rate[i];
+    const double w[3] = {axial * x + turn * g.vx[i], axial * y + turn * g.vy[i], axial * z + turn * g.vz[i]};
+    for (int c = 0; c < 3; ++c) {
+      k[c] += x * w[c];
+      k[3 + c] += y * w[c];
+      k[6 + c] += z * w[c];
+    }
+    along += a;
+    d[0] += by_rate * x * x;
+    d[1] += by_rate * x * y;
+    d[2] += by_rate * x * z;
+    d[3] += by_rate * y * y;
+    d[4] += by_rate * y * z;
+    d[5] += by_rate * z * z;
+  }
+  stiffness += Eigen::Map<const Block>(k) + along * Block::Identity();
+  Block sum;
+  sum << d[0], d[1], d[2], d[1], d[3], d[4], d[2], d[4], d[5];
+  damping += sum;
 }
 
 }  // namespace
@@ -64,26 +100,28 @@ springnet_status Evaluator::add_springs_of(std::uint32_t node, double time, cons
     const Group& group = layout_.laws().groups[begin->group];
     const bool relative = group.spring.relative || group.viscosity.relative;
     const bool axial = (group.spring && !group.spring.relative) || (group.viscosity && !group.viscosity.relative);
-    read(begin, count, node, nodes, axial || blocks, relative || blocks, geometry);
+    read(begin, count, node, nodes, axial || blocks, relative, geometry);
     const bool one_row = std::all_of(begin, stop, [&](const Incident& i) { return i.row == begin->row; });
     const RowSelection rows = one_row ? RowSelection{nullptr, begin->row} : RowSelection{geometry.rows, 0};
     const LawBatch batch{group, count, rows, geometry.length, geometry.rate, geometry.speed};
     const springnet_status status = evaluate_laws(batch, set_, time, out, message);
     if (status != SPRINGNET_OK) return status;
     const std::array<const Law*, 2> laws = group.laws();
-    for (std::size_t k = 0; k < laws.size(); ++k) {
-      const Law& law = *laws[k];
-      if (!law) continue;
-      const double* x = law.relative ? geometry.sx : geometry.nx;
-      const double* y = law.relative ? geometry.sy : geometry.ny;
-      const double* z = law.relative ? geometry.sz : geometry.nz;
-      for (std::size_t i = 0; i < count; ++i) sums.force -= answers.force[k][i] * Vector3(x[i], y[i], z[i]);
-      if (sums.energy == nullptr) continue;
+    const auto subtract = [&](const double* tension, bool along_velocity) {
+      const NodeGeometry& g = geometry;
+      subtract_springs(0, count, tension, along_velocity ? g.sx : g.nx, along_velocity ? g.sy : g.ny,
+                       along_velocity ? g.sz : g.nz, sums.force[0], sums.force[1], sums.force[2]);
+    };
+    for (std::size_t k = 0; k < laws.size(); ++k)
+      if (*laws[k]) subtract(answers.force[k], laws[k]->relative);
+    for (std::size_t k = 0; k < laws.size() && sums.energy != nullptr; ++k) {
+      if (!*laws[k]) continue;
       for (std::size_t i = 0; i < count; ++i)
-        *sums.energy += law.has_potential() ? answers.energy[k][i] : std::numeric_limits<double>::quiet_NaN();
+        *sums.energy += laws[k]->has_potential() ? answers.energy[k][i] : std::numeric_limits<double>::quiet_NaN();
     }
     if (blocks) {
-      for (std::size_t i = 0; i < count; ++i) {
+      if (!relative) add_axial_blocks(geometry, count, group, answers, *sums.stiffness, *sums.damping);
+      for (std::size_t i = 0; i < count && relative; ++i) {
         const NodeGeometry& g = geometry;
         const SpringBlocks spring(spring_forces(group, answers, i), g.length[i], {g.nx[i], g.ny[i], g.nz[i]}, g.rate[i],
                                   g.speed[i], {g.sx[i], g.sy[i], g.sz[i]});

@@ -33,6 +33,7 @@ class NodeUpdate {
   bool operator()(const springnet_node_batch& batch) const noexcept {
     const std::uint32_t k = batch.first;
     if (relaxation_ != 1.0) return relax(batch);
+    if (batch.count == 1) return step(k, batch);
     std::uint64_t top = integrate(batch.count, batch.acceleration.x, position_.x + k, velocity_.x + k,
                                   next_position_.x + k, next_velocity_.x + k);
     top |= integrate(batch.count, batch.acceleration.y, position_.y + k, velocity_.y + k, next_position_.y + k,
@@ -59,6 +60,20 @@ class NodeUpdate {
     return finite;
   }
 
+  // One node, in an order: the same without the loops' preparations.
+  bool step(std::uint32_t k, const springnet_node_batch& batch) const noexcept {
+    const double x = velocity_.x[k] + weight_ * *batch.acceleration.x;
+    const double y = velocity_.y[k] + weight_ * *batch.acceleration.y;
+    const double z = velocity_.z[k] + weight_ * *batch.acceleration.z;
+    next_velocity_.x[k] = x;
+    next_velocity_.y[k] = y;
+    next_velocity_.z[k] = z;
+    next_position_.x[k] = position_.x[k] + weight_ * x;
+    next_position_.y[k] = position_.y[k] + weight_ * y;
+    next_position_.z[k] = position_.z[k] + weight_ * z;
+    return std::isfinite(next_position_.x[k]) && std::isfinite(next_position_.y[k]) &&
+           std::isfinite(next_position_.z[k]);
+  }
   // One component. The result has its highest bit set if a new position is not finite (which includes a velocity that
   // is not): an exponent of all ones overflows into the sign bit. In integers, so that the loop vectorises.
   std::uint64_t integrate(std::uint32_t count, const double* __restrict a, const double* __restrict p,
@@ -143,6 +158,14 @@ class ForceRecord {
 
   void take(const springnet_network& network, const springnet_node_batch& batch) noexcept {
     Unit& unit = units_[batch.unit];
+    if (batch.count == 1) {
+      const std::uint32_t k = batch.first;
+      const double m = network.mass[k];
+      const double x = exchange(x_[k], m * *batch.acceleration.x), y = exchange(y_[k], m * *batch.acceleration.y),
+                   z = exchange(z_[k], m * *batch.acceleration.z);
+      offer(unit, network, k, x * x + y * y + z * z);
+      return;
+    }
     for (std::uint32_t begin = 0; begin < batch.count; begin += block) {
       const std::uint32_t count = std::min(block, batch.count - begin);
       const std::uint32_t first = batch.first + begin;
