@@ -97,6 +97,10 @@ const springnet_evaluation& checked(const springnet_evaluation* evaluation) {
   require_vectors(request.velocity, "velocity");
   require_all_or_none(request.force, "force");
   require_all_or_none(request.acceleration, "acceleration");
+  if (SPRINGNET_HAS_FIELD(springnet_evaluation, &request, free_acceleration)) {
+    require_all_or_none(request.free_acceleration, "free_acceleration");
+    if (request.free_acceleration.x != nullptr) require_all(request.acceleration, "acceleration");
+  }
   return request;
 }
 

@@ -25,7 +25,9 @@ bool Sweep::check_finite(bool forces, std::uint32_t bad_neuron, double time, con
   return false;
 }
 
-springnet_status Sweep::evaluate(const springnet_evaluation& request) {
+springnet_status Sweep::evaluate(const springnet_evaluation& wanted) {
+  springnet_evaluation request{};
+  std::memcpy(&request, &wanted, std::min<std::size_t>(sizeof request, wanted.struct_size));
   const std::shared_ptr<const Placement> at = model_.placement(request.time);
   layers::ForceArrays force{request.force.x, request.force.y, request.force.z};
   if (force.x == nullptr) {
@@ -33,8 +35,8 @@ springnet_status Sweep::evaluate(const springnet_evaluation& request) {
     scratch_.resize(3 * pitch);
     force = {scratch_.data(), scratch_.data() + pitch, scratch_.data() + 2 * pitch};
   }
-  Tiles tiles{model_, at.get(), request.time,        node_arrays(request.position, request.velocity),
-              force,  nullptr,  request.acceleration};
+  Tiles tiles{model_, at.get(), request.time,         node_arrays(request.position, request.velocity),
+              force,  nullptr,  request.acceleration, request.free_acceleration};
   const springnet_status status = model_.evaluator.evaluate(request.time, tiles.nodes, model_.external_at(request.time),
                                                             tiles.force, {finish_tile, &tiles}, model_.journal.message);
   if (status != SPRINGNET_OK) return model_.failed(status, request.time, tiles.nodes);

@@ -1,5 +1,6 @@
 #include "simulation/sweep_tiles.hpp"
 
+#include <algorithm>
 #include <cmath>
 #include <cstdio>
 
@@ -68,6 +69,11 @@ springnet_status Sweep::Tiles::accelerate(std::uint32_t first, std::uint32_t cou
                                                                 nullptr, nullptr, nullptr, message);
   if (status != SPRINGNET_OK) return status;
   if (forces_finite && !all_finite(accelerations, count)) note_bad_neuron(first, count, accelerations);
+  if (free.x != nullptr) {
+    std::copy_n(accelerations[0], count, free.x + first);
+    std::copy_n(accelerations[1], count, free.y + first);
+    std::copy_n(accelerations[2], count, free.z + first);
+  }
   const profile::Part part("constraints");
   model.constraints.accelerate(*at, first, count, {nodes.px, nodes.py, nodes.pz}, {nodes.vx, nodes.vy, nodes.vz},
                                accelerations);

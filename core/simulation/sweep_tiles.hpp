@@ -17,6 +17,7 @@ struct Sweep::Tiles {
   layers::ForceArrays force;
   const springnet_sweep* sweep = nullptr;  // null: an evaluation
   springnet_vectors acceleration{};        // of an evaluation; null: not wanted
+  springnet_vectors free{};                // the same without constraints
   std::atomic<bool> finite{true};
   std::atomic<std::uint32_t> bad_neuron{
       ConstraintRow::no_node};  // first node with finite force but acceleration not finite

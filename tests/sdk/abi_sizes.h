@@ -50,6 +50,7 @@
   check(springnet_host, dominant_eigenvalue, 232)
 /* And ABI 1.5. */
 #define SPRINGNET_ENDS_1_5(check)                        \
+  check(springnet_evaluation, free_acceleration, 176)    \
   check(springnet_linear_system, at, 40)                 \
   check(springnet_linear_solve, iterations, 48)          \
   check(springnet_integrator, forget, 48)                \

@@ -126,7 +126,7 @@ void Newton::start(Step& step) {
   std::fill(has_friction_.begin(), has_friction_.end(), std::uint8_t{0});
   for (std::uint32_t k = 0; k < network.node_count; ++k)
     if (network.touching[k] != 0 && network.cluster[k] != no_node) has_friction_[network.cluster[k]] = 1;
-  if (step.constrained()) work_.free_accelerations(step, outputs);
+  if (step.constrained()) work_.free_accelerations(step);
   assess(step, outputs, at_outputs_);
   if (step.constrained()) settle(step, nullptr);
 }
@@ -261,7 +261,7 @@ void Newton::evaluate_candidate(const Step& step, double share, const springnet_
   at_candidate_.norm = at_candidate_.slope = infinite;
   try {
     work_.evaluate(step, candidate);
-    work_.free_accelerations(step, candidate);
+    work_.free_accelerations(step);
     assess(step, candidate, at_candidate_);
   } catch (const sdk::Failure& failure) {
     if (!failure.recoverable()) throw;
@@ -377,7 +377,7 @@ void Newton::start_at_rest(const Step& step, const springnet_state& candidate) {
   }
   linearised_ = false;
   work_.evaluate(step, candidate);
-  work_.free_accelerations(step, candidate);
+  work_.free_accelerations(step);
   assess(step, candidate, at_candidate_);
 }
 

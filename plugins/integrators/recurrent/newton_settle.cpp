@@ -87,7 +87,7 @@ void Newton::settle(Step& step, const springnet_state* before) {
   const bool changed = differ(next.position, outputs.position, n) || differ(next.velocity, outputs.velocity, n);
   if (changed) {
     work_.evaluate(step, next);
-    work_.free_accelerations(step, next);
+    work_.free_accelerations(step);
     step.outputs = &next;
   }
   if (network.rigid_count > 0) linearise(step);

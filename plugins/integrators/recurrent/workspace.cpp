@@ -29,6 +29,7 @@ void Workspace::attach(const springnet_network& network) {
   acceleration_.resize(network.node_count);
   if (network.surface_count > 0 || network.rigid_count > 0) {
     free_acceleration_.resize(network.node_count);
+    unconstrained_.resize(network.node_count);
     constraint_force_.resize(network.node_count);
     pinned_.resize(network.node_count);
     selected_.reserve(network.node_count);
@@ -106,6 +107,7 @@ void Workspace::evaluate(const Step& step, const springnet_state& at) {
   springnet_evaluation evaluation = sdk::evaluation_at(step.until, at);
   evaluation.force = at.force;
   evaluation.acceleration = acceleration_.view();
+  if (step.constrained()) evaluation.free_acceleration = unconstrained_.view();
   evaluation.internal_rate = step.network.internal_count > 0 ? internal_rate_.data() : nullptr;
   host.evaluate(evaluation);
   host.report("evaluations", ++evaluations_);
@@ -130,20 +132,16 @@ void Workspace::complete(Step& step) {
   step.evaluated = true;
 }
 
-void Workspace::find_free_accelerations(const Step& step, const springnet_state& at) {
+void Workspace::find_free_accelerations(const Step& step) {
   const springnet_network& network = step.network;
-  const springnet_vectors free = free_acceleration_.view();
-  copy(std::as_const(acceleration_).view(), free, network.node_count);
-  selected_.clear();
+  const Three free = axes(free_acceleration_.view());
+  const ThreeConst bound = axes(std::as_const(acceleration_)), unbound = axes(std::as_const(unconstrained_));
   for (std::uint32_t k = 0; k < network.node_count; ++k) {
     const std::uint8_t status = network.status[k];
     pinned_[k] = status == SPRINGNET_PRESCRIBED || status == SPRINGNET_STICKING ? 1 : 0;
-    if (status == SPRINGNET_SLIDING || (pinned_[k] == 0 && network.cluster[k] != no_node)) selected_.push_back(k);
+    const bool is_free = status == SPRINGNET_SLIDING || (pinned_[k] == 0 && network.cluster[k] != no_node);
+    for (std::size_t axis = 0; axis < 3; ++axis) free[axis][k] = is_free ? unbound[axis][k] : bound[axis][k];
   }
-  if (selected_.empty()) return;
-  springnet_evaluation evaluation = sdk::evaluation_at(step.until, at);
-  evaluation.acceleration = free;
-  host.evaluate_nodes(evaluation, selected_);
 }
 
 std::uint32_t Workspace::spurious_contact(const Step& step) {
@@ -173,7 +171,7 @@ std::uint32_t Workspace::spurious_contact(const Step& step) {
 Greatest Workspace::residual(const Step& step, const springnet_state& at) {
   const springnet_network& network = step.network;
   const bool constrained = step.constrained();
-  if (constrained) find_free_accelerations(step, at);
+  if (constrained) find_free_accelerations(step);
   const Columns& a = constrained ? free_acceleration_ : acceleration_;
   const springnet_const_vectors& v = step.free_velocity;
   const springnet_vectors& u = at.velocity;

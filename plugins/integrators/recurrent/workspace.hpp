@@ -55,9 +55,9 @@ class Workspace {
   // sweep. Needs evaluate(). Sets free_acceleration().
   [[nodiscard]] Greatest residual(const Step& step, const springnet_state& at);
 
-  // The part of residual() that sets free_acceleration().
-  void free_accelerations(const Step& step, const springnet_state& at) {
-    if (step.constrained()) find_free_accelerations(step, at);
+  // The part of residual() that sets free_acceleration(), from the last evaluate().
+  void free_accelerations(const Step& step) {
+    if (step.constrained()) find_free_accelerations(step);
   }
 
   // Accelerations of the last evaluate(): of the constrained motion; and without constraints (after residual()).
@@ -75,12 +75,13 @@ class Workspace {
   ForceRecord record;
 
  private:
-  void find_free_accelerations(const Step& step, const springnet_state& at);
+  void find_free_accelerations(const Step& step);
 
   std::array<sdk::State, 3> states_;
   Columns free_position_, free_velocity_;  // p*, v*; empty where theta is 1
   Columns start_acceleration_;             // m/s^2
   Columns acceleration_, free_acceleration_, constraint_force_;
+  Columns unconstrained_;                // accelerations of the neurons by themselves, m/s^2
   std::vector<std::uint8_t> pinned_;     // [node_count] after residual(), 1: constrained in all coordinates
   std::vector<std::uint32_t> selected_;  // nodes
   std::vector<double> internal_rate_;    // [internal_count]

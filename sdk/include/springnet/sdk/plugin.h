@@ -308,6 +308,8 @@ typedef struct springnet_evaluation {
   double* acceleration_by_position; /* out: [node_count][3][3] 1/s^2 */
   double* energy; /* out: [node_count] J, of the node's springs less the work of its loads; nan if there is no
                      potential: a law without energy, or one that reads the rate */
+  /* since 1.5, for evaluate with `acceleration` only; null if not wanted */
+  springnet_vectors free_acceleration; /* out: of the nodes' neurons by themselves, without constraints, m/s^2 */
 } springnet_evaluation;
 
 /* Nodes whose net force is final, passed to the integrator's node update while they are in cache. Element i of the
