@@ -29,10 +29,10 @@ void destroy(void*) {}
 springnet_status advance(void*, double, springnet_step_report*) { return SPRINGNET_FAILED; }
 springnet_status limits(void*, const springnet_limits* sink) { return told(*sink); }
 
-constexpr springnet_integrator functions{sizeof(springnet_integrator), 0, create, destroy, advance, limits};
+constexpr springnet_integrator functions{sizeof(springnet_integrator), 0, create, destroy, advance, limits, nullptr};
 // As one that was compiled against ABI 1.3.
 constexpr springnet_integrator old_functions{
-    SPRINGNET_SIZE_TO(springnet_integrator, advance), 0, create, destroy, advance, limits};
+    SPRINGNET_SIZE_TO(springnet_integrator, advance), 0, create, destroy, advance, limits, nullptr};
 constexpr springnet_component teller{
     sizeof(springnet_component), SPRINGNET_INTEGRATOR, "teller", "", "", 0, 0, nullptr, &functions};
 constexpr springnet_component silent{

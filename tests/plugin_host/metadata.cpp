@@ -32,7 +32,7 @@ struct Sample {
   const springnet_parameter* law_parameters[2] = {&number, &choice};
   springnet_law law{sizeof(springnet_law), SPRINGNET_LENGTH, 0, 0, nullptr, nullptr, evaluate_law, nullptr, nullptr};
   springnet_neuron_model neuron{sizeof(springnet_neuron_model), 0, evaluate_neuron};
-  springnet_integrator integrator{sizeof(springnet_integrator), 0, create, destroy, advance, nullptr};
+  springnet_integrator integrator{sizeof(springnet_integrator), 0, create, destroy, advance, nullptr, nullptr};
   springnet_component components[3] = {
       {sizeof(springnet_component), SPRINGNET_SPRING_FUNCTION, "law", "", "", 0, 2, law_parameters, &law},
       {sizeof(springnet_component), SPRINGNET_NEURON, "neuron", "", "", 0, 0, nullptr, &neuron},

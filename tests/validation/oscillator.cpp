@@ -62,6 +62,7 @@ constexpr springnet_integrator idle_functions{
     },
     [](void*) {},
     [](void*, double, springnet_step_report*) -> springnet_status { return SPRINGNET_OK; },
+    nullptr,
     nullptr};
 constexpr springnet_component idle{
     sizeof(springnet_component), SPRINGNET_INTEGRATOR, "idle", "", "", 0, 0, nullptr, &idle_functions};

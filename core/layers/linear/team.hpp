@@ -16,11 +16,8 @@ class Team {
 
   [[nodiscard]] unsigned count() const noexcept { return count_; }
   [[nodiscard]] unsigned me() const noexcept { return me_; }
-  void barrier() const {
-    if (count_ > 1) {
-#pragma omp barrier
-    }
-  }
+  // Waits for the others.
+  void barrier() const;
   // Runs `action` in one thread alone, between barriers.
   template <class Action>
   void alone(const Action& action) const {

@@ -28,6 +28,9 @@ constexpr int max_age = 10;
 // Renewing them costs about as much as these iterations of a linear solve; a sweep costs those of its solve and some
 // more. Derivatives at hand reduce the residual by this at best, as the first solves are no more accurate.
 constexpr double cost_of_renewal = 10.0, cost_of_sweep = 3.0, best_rate = 0.015;
+// A step from a guess that has not settled after this many sweeps starts again from its start: a guess may lead contacts
+// into a cycle.
+constexpr std::uint64_t patience_with_guess = 12;
 // Steps in which systems are exact after an approximate one has converged slowly.
 constexpr int max_exact_steps = 16;
 // Accuracy of iterative solutions: that of the first sweep; then by the last reduction of the residual, as Eisenstat
@@ -382,6 +385,7 @@ void Newton::start_at_rest(const Step& step, const springnet_state& candidate) {
 }
 
 void Newton::sweep(Step& step) {
+  if (guessed_ && step.sweeps >= patience_with_guess) start_again(step);
   const std::uint64_t changes = contact_changes_;
   for (int tries = 1;; ++tries) {
     springnet_state& start = *step.outputs;

@@ -80,16 +80,13 @@ TEST_CASE("a step with corrected volumes is the one that other rules find") {
   for (NodeIndex k = 0; k < a.node_count(); ++k) CHECK((a.position(k) - b.position(k)).norm() < tolerance);
 }
 
-TEST_CASE("iterations of the linear systems are counted, where there are any") {
+TEST_CASE("iterations of the linear systems are counted") {
   Simulation iterative = simulate(pulled_sphere(1e4), recurrent(newton, 0.0), 0.01);
-  Simulation direct = simulate(tetrahedra(5.0), recurrent(newton, 0.0), 1.0);
   const double sweeps = static_cast<double>(iterative.step().sweeps);
-  direct.step();
   const double first = iterative.statistics().at("krylov_iterations");
   CHECK(first >= sweeps);
   iterative.step();
   CHECK(iterative.statistics().at("krylov_iterations") > first);
-  CHECK(direct.statistics().count("krylov_iterations") == 0);
 }
 
 TEST_CASE("the linear systems of a large pre-stressed net, which are indefinite, converge") {

@@ -119,10 +119,12 @@ TEST_CASE("the message advises rules that settle the step") {
   CHECK(rules_in(half_weight) == Rules{"automatic", "block", "newton", "wavefront"});
   CHECK_FALSE(contains(half_weight, "theta"));
   CHECK_FALSE(contains(advice(1.1, wavefront, 1.0), "wavefront"));
-  // A net of many springs, which blocks do not settle in so few sweeps.
+  // A net of many springs under compression, which blocks do not settle in so few sweeps.
   const auto advice_for_cube = [](double update, double max_sweeps, double theta) {
-    Simulation simulation = simulate(cube(4e4, 0.0, 1.0, 0.081),
-                                     recurrent(update, 1e-6, {{"max_sweeps", max_sweeps}, {"theta", theta}}), 0.05);
+    Network net = cube(4e4, 0.0, 1.0, 0.081);
+    for (SpringIndex s = 0; s < net.springs().size(); ++s) net.set_rest_length(s, 1.2 * net.springs()[s].rest_length);
+    Simulation simulation =
+        simulate(net, recurrent(update, 1e-6, {{"max_sweeps", max_sweeps}, {"theta", theta}}), 0.05);
     return failure(simulation);
   };
   CHECK(rules_in(advice_for_cube(block, 30, 1.0)) == Rules{"automatic", "newton"});
@@ -295,8 +297,8 @@ TEST_CASE("automatic accepts the state of the whole step, not that of an interme
   };
   const auto [accepted, accepted_residual] = fall(automatic);
   const auto [reference, reference_residual] = fall(newton);
-  // The middle node falls 4.9 m as the body does, whatever the springs.
-  CHECK(std::abs(accepted[2] - reference[2]) <= 1e-3);
+  // The middle node falls 4.9 m as the body does, whatever the springs; steps accepted as they are leave some force.
+  CHECK(std::abs(accepted[2] - reference[2]) <= 1e-2);
   CHECK(accepted[2] < -4.5);
   CHECK(accepted_residual <= 10.0 * reference_residual);
 }
