@@ -222,11 +222,12 @@ layers::Projection ConstraintSet::projection(const std::vector<double>& mobility
     system->for_each_change(system->solve(-system->rates(at)),
                             [&](std::uint32_t node, const Vector3& change) { at(node) += change; });
   };
-  result.impulse = [system, of](double* values) {
+  result.impulse = [this, system, of](double* values) {
     const auto at = [values](std::uint32_t k) { return Eigen::Map<Vector3>(values + 3 * std::size_t{k}); };
     const auto moved = [&](std::uint32_t k) -> Vector3 { return of(k) * at(k); };
-    system->for_each_impulse(system->solve(-system->rates(moved)),
-                             [&](std::uint32_t node, const Vector3& impulse) { at(node) += impulse; });
+    system->for_each_impulse(system->solve(-system->rates(moved)), [&](std::uint32_t node, const Vector3& impulse) {
+      if (contact_.constrained()[node] == 0) at(node) += impulse;
+    });
   };
   return result;
 }

@@ -34,6 +34,8 @@ LinearModel::~LinearModel() = default;
 springnet_status LinearModel::linearise(const springnet_evaluation& at) {
   sweep_.reset();
   at_hand_ = false;
+  if (factors_.owner == Factors::Owner::system) factors_.owner = Factors::Owner::nobody;
+  factors_.current = false;
   model_.constraints.linearise(*model_.placement(at.time), at.position);
   const springnet_status status = blocks_.update(at.time, node_arrays(at.position, at.velocity),
                                                  model_.external_at(at.time), model_.journal.message);
@@ -72,24 +74,43 @@ void LinearModel::diagonal_blocks(double velocity_weight, double position_weight
 }
 
 springnet_status LinearModel::factorise(double velocity_weight, double position_weight) {
-  return blocks_.factorise(velocity_weight, position_weight, model_.constraints.rows(), model_.journal.message);
+  const springnet_status status = factorise_for(Factors::Owner::integrator, velocity_weight, position_weight);
+  if (status == SPRINGNET_OK) factors_ = {Factors::Owner::integrator, velocity_weight, position_weight, true};
+  return status;
+}
+
+springnet_status LinearModel::factorise_for(Factors::Owner owner, double velocity_weight, double position_weight) {
+  factors_.owner = Factors::Owner::nobody;
+  const springnet_status status =
+      blocks_.factorise(velocity_weight, position_weight, model_.constraints.rows(), model_.journal.message);
+  if (status == SPRINGNET_OK) factors_.owner = owner;
+  return status;
 }
 
 springnet_status LinearModel::solve(bool transposed, const double* right_side, double* x) {
+  if (factors_.owner != Factors::Owner::integrator && factors_.current) {  // a prepared system took their place
+    const springnet_status status =
+        factorise_for(Factors::Owner::integrator, factors_.velocity_weight, factors_.position_weight);
+    if (status != SPRINGNET_OK) return status;
+  }
+  if (factors_.owner != Factors::Owner::integrator) {
+    set_message(model_.journal.message, "solve was called without a factorisation");
+    return SPRINGNET_FAILED;
+  }
   return blocks_.solve(transposed, right_side, x, model_.journal.message);
 }
 
 springnet_status LinearModel::prepare(const springnet_linear_system& request) {
   const layers::FlushDenormals flush;
   prepared_ = Prepared::nothing;
-  factorised_ = indefinite_ = false;
+  indefinite_ = false;
+  if (factors_.owner == Factors::Owner::system) factors_.owner = Factors::Owner::nobody;
   weights_ = {request.velocity_weight, request.position_weight, request.shift};
   if (request.at != nullptr) {
     const springnet_evaluation& at = *request.at;
-    if (request.exact == 0 && may_be_matrix_free() &&
+    if (request.exact == 0 && may_be_matrix_free(at) &&
         matrix_free_.prepare(at.time, node_arrays(at.position, at.velocity), model_.external_at(at.time), weights_) &&
         matrix_free_.asymmetry() <= max_asymmetry) {
-      model_.constraints.linearise(*model_.placement(at.time), at.position);  // no rows
       prepared_ = Prepared::matrix_free;
       at_hand_ = false;
       return SPRINGNET_OK;
@@ -100,10 +121,10 @@ springnet_status LinearModel::prepare(const springnet_linear_system& request) {
   return SPRINGNET_OK;
 }
 
-bool LinearModel::may_be_matrix_free() const {
+bool LinearModel::may_be_matrix_free(const springnet_evaluation& at) {
   if (!matrix_free_.fits() || model_.rigid.any()) return false;
-  const std::uint8_t* status = model_.contact.status().data();
-  return std::none_of(status, status + model_.node_count(), [](std::uint8_t s) { return s == SPRINGNET_SLIDING; });
+  model_.constraints.linearise(*model_.placement(at.time), at.position);
+  return model_.constraints.rows().empty();
 }
 
 void LinearModel::assemble() {
@@ -140,9 +161,10 @@ springnet_status LinearModel::solve_prepared(springnet_linear_solve& request) {
     for (std::size_t c = 0; c < 3; ++c)
       right_side_[3 * k + c] =
           model_.contact.constrained()[k] != 0 ? 0.0 : model_.mass[k] * request.right_side[c * n + k];
+  const bool may_factorise = at_hand_ && n <= max_nodes_factorised;
+  if (may_factorise && factors_.owner == Factors::Owner::system) return solve_directly(request);
   // Conjugate gradients where the matrix is as good as symmetric, for the accuracy asked for.
   const bool symmetric = !indefinite_ && system_.asymmetry() <= symmetric_share * request.accuracy;
-  const bool may_factorise = at_hand_ && n <= max_nodes_factorised;
   const auto solve = [&](bool by_conjugate_gradients) {
     return solver_.solve(system_, by_conjugate_gradients, request.accuracy, may_factorise ? patience : max_iterations,
                          right_side_, solution_);
@@ -163,21 +185,24 @@ springnet_status LinearModel::solve_prepared(springnet_linear_solve& request) {
 springnet_status LinearModel::solve_directly(springnet_linear_solve& request) {
   // (1 + shift) A with weights that are smaller by 1 + shift: of the form that factorise() knows.
   const double scale = 1.0 / (1.0 + weights_.shift);
-  if (!factorised_) {
-    if (const springnet_status status = factorise(scale * weights_.velocity, scale * weights_.position);
+  if (factors_.owner != Factors::Owner::system)
+    if (const springnet_status status =
+            factorise_for(Factors::Owner::system, scale * weights_.velocity, scale * weights_.position);
         status != SPRINGNET_OK)
       return status;
-    factorised_ = true;
-  }
   const std::size_t n = model_.mass.size();
   std::vector<double> right_side(3 * n);
   for (std::size_t i = 0; i < 3 * n; ++i)
     right_side[i] = model_.contact.constrained()[i % n] != 0 ? 0.0 : scale * request.right_side[i];
-  const springnet_status status = solve(false, right_side.data(), request.x);
+  // What constraints do not allow of it would come back in the solution: see Linearisation::solve.
+  if (!model_.constraints.rows().empty())
+    if (const springnet_status status = project(nullptr, right_side.data()); status != SPRINGNET_OK) return status;
+  const springnet_status status = blocks_.solve(false, right_side.data(), request.x, model_.journal.message);
   if (status != SPRINGNET_OK) return status;
   const bool finite = std::all_of(request.x, request.x + 3 * n, [](double x) { return std::isfinite(x); });
   request.outcome = finite ? SPRINGNET_SOLVED : SPRINGNET_STALLED;
-  request.residual = 0.0;
+  request.residual = finite ? 0.0 : 1.0;
+  request.iterations = 0;
   return SPRINGNET_OK;
 }
 

@@ -45,14 +45,25 @@ class LinearModel {
     blocks_.topology_changed();
     system_.topology_changed();
     prepared_ = Prepared::nothing;
+    if (factors_.owner == Factors::Owner::system) factors_.owner = Factors::Owner::nobody;
+    factors_.current = false;
   }
 
  private:
   // Adds the geometric stiffness of rods under tension, and the derivative of friction by the slip. Implicit methods
   // need both: they are stiff where tensions are great or slips slow.
   springnet_status add_constraints(const springnet_evaluation& at);
-  [[nodiscard]] bool may_be_matrix_free() const;
+  // Lets the constraints follow the state, if it comes to that.
+  [[nodiscard]] bool may_be_matrix_free(const springnet_evaluation& at);
   void assemble();  // with the derivatives at hand
+  // There is room for one factorisation: the integrator's or, where iterations give up, that of the prepared system.
+  struct Factors {
+    enum class Owner : std::uint8_t { nobody, integrator, system };
+    Owner owner = Owner::nobody;
+    double velocity_weight = 0.0, position_weight = 0.0;  // of the integrator's last one
+    bool current = false;                                 // which was of the derivatives at hand
+  };
+  springnet_status factorise_for(Factors::Owner owner, double velocity_weight, double position_weight);
   // By factorisation of the prepared system; only while its derivatives are those at hand.
   springnet_status solve_directly(springnet_linear_solve& request);
 
@@ -65,8 +76,8 @@ class LinearModel {
   layers::BlockSystem system_;
   layers::IterativeSolver solver_;
   layers::MatrixFree matrix_free_;
+  Factors factors_;
   bool at_hand_ = false;                       // blocks_ are the derivatives that the system was assembled from
-  bool factorised_ = false;                    // the prepared system
   bool indefinite_ = false;                    // conjugate gradients met negative curvature in it
   std::vector<double> right_side_, solution_;  // [node][3] and one more
   std::unique_ptr<LinearSweep> sweep_;         // of blocks_; null: not made since linearise()

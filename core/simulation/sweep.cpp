@@ -110,6 +110,7 @@ springnet_status Sweep::update_node(std::uint32_t node, std::uint32_t unit, Tile
 // order does, and costs one call of a law for all their springs.
 springnet_status Sweep::together(std::span<const std::uint32_t> nodes, std::uint32_t unit, Tiles& tiles,
                                  springnet_message& message) {
+  const profile::Tile measured;
   alignas(64) double forces[3][layers::together_limit], accelerations[3][layers::together_limit];
   double* const force[3] = {forces[0], forces[1], forces[2]};
   double* const acceleration[3] = {accelerations[0], accelerations[1], accelerations[2]};

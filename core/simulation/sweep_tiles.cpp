@@ -125,6 +125,7 @@ springnet_status Sweep::Tiles::update(std::uint32_t unit, std::span<const std::u
     // The old velocity, which the update overwrites.
     const Vector3 read(nodes.vx[k], nodes.vy[k], nodes.vz[k]);
     if (const springnet_status updated = call_update(*sweep, batch, message); updated != SPRINGNET_OK) return updated;
+    const profile::Part part("constraints");
     model.constraints.constrain(*at, k, 1, *sweep, &read);
   }
   return SPRINGNET_OK;

@@ -98,8 +98,9 @@ TEST_CASE("Newton's method converges quadratically under a following pressure") 
   Simulation simulation = simulate(sail(2, -8.0), recurrent(newton, 1e-10), 0.02);
   for (int i = 0; i < 20; ++i) {
     REQUIRE(simulation.step().outcome == Outcome::settled);
-    // From forces of 1 N to 1e-10 N: without a derivative each sweep would gain a digit or two.
-    CHECK(simulation.last_report().sweeps <= 7);
+    // From forces of 1 N to 1e-10 N, with linear systems solved to 1e-3 at best: without a derivative each sweep would
+    // gain a digit or two less.
+    CHECK(simulation.last_report().sweeps <= 10);
   }
 }
 

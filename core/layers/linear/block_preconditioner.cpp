@@ -50,6 +50,7 @@ void BlockPreconditioner::set(const BlockSystem& system, Kind wanted, unsigned t
   const auto pieces = static_cast<std::int64_t>((n + piece - 1) / piece);
 #pragma omp parallel for schedule(dynamic, 1) num_threads(static_cast <int>(threads)) if (threads > 1 && pieces > 1)
   for (std::int64_t p = 0; p < pieces; ++p) {
+    const FlushDenormals flush;  // as the calling thread does
     const std::size_t begin = static_cast<std::size_t>(p) * piece;
     factorise(system, {begin, std::min(n, begin + piece)});
   }

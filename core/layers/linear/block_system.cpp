@@ -12,33 +12,45 @@ constexpr double rounding = 1e-12;
 // Up to this many nodes a factorisation costs little.
 constexpr std::uint32_t small_net = 256;
 
-// Number of layers of a breadth-first search from the node that another one reached last: about the greatest distance
-// in springs between two nodes of the first node's part.
-std::size_t depth_of(const std::vector<std::uint32_t>& start, const std::vector<std::uint32_t>& column) {
-  const std::size_t n = start.size() - 1;
-  std::vector<std::uint32_t> order;
-  std::vector<std::uint8_t> reached;
-  std::uint32_t from = 0;
-  std::size_t depth = 0;
-  for (int pass = 0; pass < 2; ++pass) {
-    order.assign(1, from);
-    reached.assign(n, 0);
-    reached[from] = 1;
-    depth = 0;
-    for (std::size_t next = 0; next < order.size(); ++depth) {
-      for (const std::size_t layer_end = order.size(); next < layer_end; ++next) {
-        const std::uint32_t k = order[next];
-        for (std::uint32_t b = start[k]; b < start[k + 1]; ++b) {
-          if (reached[column[b]] != 0) continue;
-          reached[column[b]] = 1;
-          order.push_back(column[b]);
+// Breadth-first searches over the parts of a net.
+class Search {
+ public:
+  Search(const std::vector<std::uint32_t>& start, const std::vector<std::uint32_t>& column)
+      : start_(start), column_(column), pass_(start.size() - 1, 0) {}
+
+  [[nodiscard]] bool reached(std::uint32_t node) const { return pass_[node] != 0; }
+  // Number of layers of a search from the node that another one from `first` reached last: about the greatest distance
+  // in springs between two nodes of its part, whose size nodes() tells.
+  std::size_t depth_from(std::uint32_t first) {
+    run(first);
+    return run(order_.back());
+  }
+  [[nodiscard]] std::size_t nodes() const { return order_.size(); }
+
+ private:
+  std::size_t run(std::uint32_t from) {
+    ++last_;
+    order_.assign(1, from);
+    pass_[from] = last_;
+    std::size_t depth = 0;
+    for (std::size_t next = 0; next < order_.size(); ++depth) {
+      for (const std::size_t layer_end = order_.size(); next < layer_end; ++next) {
+        const std::uint32_t k = order_[next];
+        for (std::uint32_t b = start_[k]; b < start_[k + 1]; ++b) {
+          if (pass_[column_[b]] == last_) continue;
+          pass_[column_[b]] = last_;
+          order_.push_back(column_[b]);
         }
       }
     }
-    from = order.back();
+    return depth;
   }
-  return depth;
-}
+
+  const std::vector<std::uint32_t>&start_, &column_;
+  std::vector<std::uint64_t> pass_;  // [node] the last search that reached it
+  std::uint64_t last_ = 0;
+  std::vector<std::uint32_t> order_;
+};
 
 }  // namespace
 
@@ -78,16 +90,26 @@ void BlockSystem::make_pattern(Linearisation& derivatives) {
     for (std::uint32_t k = 0; k < n; ++k)
       for (std::size_t b = rows.begin(k); b < rows.end(k); ++b) element_places_.push_back(find(k, rows.other(b)));
   }
-  const std::size_t depth = n > 0 ? depth_of(start_, column_) : 0;
-  thin_ = n <= small_net || n <= 2 * depth * depth;
+  Search search(start_, column_);
+  std::size_t in_thin_parts = 0;
+  for (std::uint32_t k = 0; k < n; ++k) {
+    if (search.reached(k)) continue;
+    const std::size_t depth = search.depth_from(k);
+    if (search.nodes() <= 2 * depth * depth) in_thin_parts += search.nodes();
+  }
+  thin_ = n <= small_net || 2 * in_thin_parts >= n;
   pattern_known_ = true;
 }
 
 void BlockSystem::assemble(Linearisation& derivatives, const SystemWeights& weights) {
   if (!pattern_known_) make_pattern(derivatives);
-#pragma omp parallel for schedule(static) num_threads(static_cast <int>(threads_)) if (threads_ > 1)
-  for (std::int64_t k = 0; k < static_cast<std::int64_t>(layout_.node_count()); ++k)
-    assemble_row(static_cast<std::uint32_t>(k), derivatives, weights);
+#pragma omp parallel num_threads(static_cast <int>(threads_)) if (threads_ > 1)
+  {
+    const FlushDenormals flush;  // as the calling thread does
+#pragma omp for schedule(static)
+    for (std::int64_t k = 0; k < static_cast<std::int64_t>(layout_.node_count()); ++k)
+      assemble_row(static_cast<std::uint32_t>(k), derivatives, weights);
+  }
   for (const Linearisation::Bond& bond : derivatives.bonds()) {
     for (const auto& [k, other] : {std::pair(bond.first, bond.second), std::pair(bond.second, bond.first)}) {
       if (constrained_[k] != 0) continue;

@@ -40,8 +40,8 @@ class BlockSystem {
   [[nodiscard]] std::uint32_t own_block(std::size_t node) const noexcept { return own_[node]; }
   [[nodiscard]] const std::vector<double>& mass() const noexcept { return mass_; }
   [[nodiscard]] const std::vector<std::uint8_t>& constrained() const noexcept { return constrained_; }
-  // Whether the net is closer to a line or surface than to a solid: the distance in springs between its ends is about
-  // the square root of the number of nodes, or more.
+  // Whether most of the net is closer to a line or surface than to a solid: the distance in springs between the ends of
+  // a part is about the square root of the number of its nodes, or more.
   [[nodiscard]] bool is_thin() const noexcept { return thin_; }
 
   // |S - S^T| / |S|, Frobenius norms.

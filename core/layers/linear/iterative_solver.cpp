@@ -210,6 +210,20 @@ SolveAnswer IterativeSolver::bicgstab(Team& team, double accuracy, std::uint32_t
     return sum_(team, team.share(chunk_count()),
                 [&](std::size_t c) { return kernels_.square(system_->mass().data(), r, chunk_nodes(c)); });
   };
+  // What the accuracy is of: constraint forces are in a residual until it is preconditioned.
+  const auto residual = [&] {
+    const auto square_of = [&](const double* values) {
+      return sum_(team, team.share(chunk_count()),
+                  [&](std::size_t c) { return kernels_.square(inverse_mass_.data(), values, chunk_nodes(c)); });
+    };
+    team.barrier();
+    product(team, x, q);
+    copy(team, right, t);
+    add(team, -1.0, q, t);
+    const double left = square_of(t), all = square_of(right);
+    return std::sqrt(left / all);
+  };
+  double target = accuracy;  // of the preconditioned residual
   copy(team, b, right);
   zero(team, x);
   precondition(team, right, r);
@@ -239,9 +253,15 @@ SolveAnswer IterativeSolver::bicgstab(Team& team, double accuracy, std::uint32_t
     ++answer.iterations;
     answer.residual = std::sqrt(norm() / first);
     if (!std::isfinite(answer.residual)) return answer;
-    if (answer.residual <= accuracy) {
-      answer.outcome = SolveOutcome::solved;
-      return answer;
+    if (answer.residual <= target) {
+      const double preconditioned = answer.residual;
+      if (!projection_.change) answer.residual = residual();
+      if (!std::isfinite(answer.residual)) return answer;
+      if (answer.residual <= accuracy) {
+        answer.outcome = SolveOutcome::solved;
+        return answer;
+      }
+      target = 0.5 * preconditioned * accuracy / answer.residual;
     }
     const double next = dot(team, shadow, r);
     const double beta = next / rho * (alpha / omega);

@@ -21,6 +21,8 @@ constexpr std::size_t nodes_of_part = 1024;
 constexpr std::size_t springs_worth_threads = 8000;
 // Mass times da/dF of a point mass, up to rounding.
 constexpr double rounding = 1e-12;
+// So that products of a spring's four numbers are finite, too.
+constexpr double greatest = 1e37;
 
 const SpringKernels& kernels_of(InstructionSet set) {
 #if defined(__x86_64__) && !defined(SPRINGNET_GENERIC_ONLY)
@@ -189,8 +191,8 @@ MatrixFree::Sums MatrixFree::linearise_unit(std::size_t index, double time, cons
       const double length = geometry->length[i], rate = geometry->rate[i], speed = geometry->speed[i];
       const double a = length > 0.0 ? weights.position * forces.tension / length : 0.0;
       const double along = weights.position * forces.by_length + weights.velocity * forces.by_rate - a;
-      // A spring that softens, or an answer that is not finite.
-      if (!(along >= 0.0) || !std::isfinite(a + along)) {
+      // A spring that softens, or a stiffness that is not finite in single precision.
+      if (!(along >= 0.0) || !(std::abs(a) <= greatest && along <= greatest)) {
         if (constrained_[unit.first[slot]] != 0 && constrained_[unit.second[slot]] != 0) continue;
         sums.fits = false;
         return sums;

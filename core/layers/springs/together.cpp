@@ -5,6 +5,7 @@
 #include "layers/evaluator.hpp"
 #include "layers/law_pair.hpp"
 #include "layers/springs/node_sum.hpp"
+#include "profile/stage.hpp"
 
 namespace springnet::layers {
 namespace {
@@ -84,6 +85,7 @@ springnet_status add(const Springs& springs, const Group& group, const Kernels& 
 
 springnet_status Evaluator::add_springs_of(std::span<const std::uint32_t> list, double time, const NodeArrays& nodes,
                                            double* const force[3], springnet_message& message) const {
+  const profile::Part part("springs");
   Springs springs;  // arrays not initialised: written before they are read
   const Incident* next[together_limit];
   for (std::size_t i = 0; i < list.size(); ++i) next[i] = layout_.incident_begin(list[i]);

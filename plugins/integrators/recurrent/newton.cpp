@@ -408,8 +408,8 @@ void Newton::sweep(Step& step) {
     shift_ = std::max(first_shift, shift_growth * shift_);
   }
   step.residual = residual(step);
-  // Contacts just decided may change again.
-  step.residual_decides = contact_changes_ == changes;
+  // Contacts just decided may change again; forces of rigid connections belong to the sweep before.
+  step.residual_decides = contact_changes_ == changes && step.network.rigid_count == 0;
   ++step.sweeps;
   step.evaluated = true;
   step.finite = std::isfinite(at_outputs_.norm) && std::isfinite(step.residual);
