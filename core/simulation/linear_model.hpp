@@ -40,6 +40,12 @@ class LinearModel {
   [[nodiscard]] layers::Linearisation& matrices() noexcept { return blocks_; }
   // Projects velocities onto the constraints, see springnet_host::project.
   springnet_status project(const double* mobility, double* values);
+  // Drops derivatives, the prepared system and patterns.
+  void forget() noexcept {
+    sweep_.reset();
+    at_hand_ = factorised_ = indefinite_ = false;
+    topology_changed();
+  }
   // To be called after springs or elements were removed.
   void topology_changed() noexcept {
     blocks_.topology_changed();

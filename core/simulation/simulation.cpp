@@ -2,6 +2,7 @@
 
 #include <Eigen/Geometry>
 #include <cmath>
+#include <utility>
 
 #include <springnet/error.hpp>
 #include <springnet/printable.hpp>
@@ -42,21 +43,9 @@ struct Simulation::Impl {
         component(plugins->require(ComponentKind::integrator, given.integrator.id)),
         engine(network, *plugins, given),
         host(make_host_table(engine)) {
-    const std::vector<double> values = complete_parameters(*component->description, given.integrator.parameters,
-                                                           fmt::format("integrator '{}'", given.integrator.id));
-    const Ending end = call([&] { return component->integrator().create(&host, values.data(), &integrator); });
-    if (end.status == SPRINGNET_OK) return;
-    if (end.broken) throw Error(ErrorKind::plugin, end.text);
-    if (end.out_of_memory()) throw std::bad_alloc();
-    throw Error(ErrorKind::input, fmt::format("integrator '{}': {}", given.integrator.id, end.text));
+    create_integrator();
   }
-  ~Impl() {
-    if (integrator == nullptr) return;
-    try {
-      component->integrator().destroy(integrator);
-    } catch (...) {  // plugin.h forbids it, and a destructor cannot report it
-    }
-  }
+  ~Impl() { destroy_integrator(); }
   Impl(const Impl&) = delete;
   Impl& operator=(const Impl&) = delete;
 
@@ -75,6 +64,9 @@ struct Simulation::Impl {
   [[nodiscard]] std::string broken_by(std::string_view what) const {
     return fmt::format("{}: {}", full_name_with_file(*component), what);
   }
+  void create_integrator();
+  void destroy_integrator() noexcept;
+  void drop_history();
   void advance(double until);
   [[nodiscard]] std::uint32_t engine_node(NodeIndex node) const {
     if (node >= engine.model().layout.node_count())
@@ -166,6 +158,47 @@ Simulation::Impl::Ending Simulation::Impl::call(const Function& function) {
     end.text = broken_by("it threw something that is not a std::exception");
   }
   return end;
+}
+
+void Simulation::Impl::create_integrator() {
+  const std::vector<double> values = complete_parameters(*component->description, options.integrator.parameters,
+                                                         fmt::format("integrator '{}'", options.integrator.id));
+  const Ending end = call([&] { return component->integrator().create(&host, values.data(), &integrator); });
+  if (end.status == SPRINGNET_OK) return;
+  if (end.broken) throw Error(ErrorKind::plugin, end.text);
+  if (end.out_of_memory()) throw std::bad_alloc();
+  throw Error(ErrorKind::input, fmt::format("integrator '{}': {}", options.integrator.id, end.text));
+}
+
+void Simulation::Impl::destroy_integrator() noexcept {
+  if (integrator == nullptr) return;
+  try {
+    component->integrator().destroy(integrator);
+  } catch (...) {  // plugin.h forbids it, and a destructor cannot report it
+  }
+  integrator = nullptr;
+}
+
+void Simulation::Impl::drop_history() {
+  engine.forget();
+  engine.calls().begin_advance(engine.model().time);  // nothing later may be committed
+  const springnet_integrator& functions = component->integrator();
+  if (SPRINGNET_HAS_FIELD(springnet_integrator, &functions, forget) && functions.forget != nullptr) {
+    const Ending end = call([&] { return functions.forget(integrator); });
+    if (end.status == SPRINGNET_OK) return;
+    throw Error(ErrorKind::plugin, end.broken ? end.text : broken_by(end.text));
+  }
+  // One that may keep something all the same, as it is older than the call.
+  void* before = std::exchange(integrator, nullptr);
+  try {
+    create_integrator();
+  } catch (...) {
+    integrator = before;
+    throw;
+  }
+  std::swap(integrator, before);
+  destroy_integrator();
+  integrator = before;
 }
 
 void Simulation::Impl::advance(double until) {
@@ -268,6 +301,8 @@ const StepReport& Simulation::advance_to(double until) {
   }
   return impl.last;
 }
+
+void Simulation::drop_history() { impl_->drop_history(); }
 
 double Simulation::time() const noexcept { return impl_->engine.model().time; }
 double Simulation::time_step() const noexcept { return impl_->options.time_step; }

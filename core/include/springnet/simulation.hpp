@@ -77,6 +77,15 @@ class Simulation {
   // Makes time steps until `time`; the last one is shortened to end there.
   const StepReport& advance_to(double time);
 
+  // Drops all that the integrator and the engine keep from step to step only to be faster, or to choose the next step by
+  // those before: derivatives and preconditioners, earlier velocities, estimates, the history of a multistep method.
+  // What follows then depends on the state alone (with the time, loads, contacts and springs that are left), bit by
+  // bit. Call it where a state is saved, so that a run that goes on there gives the same bits as one restored from it.
+  // State, report, statistics, notes and the grid of time steps do not change. Not while another thread uses this
+  // object. Throws Error(plugin) if the integrator breaks a rule; Error(input) if it has no way to forget and cannot be
+  // created anew.
+  void drop_history();
+
   [[nodiscard]] double time() const noexcept;
   [[nodiscard]] double time_step() const noexcept;
   [[nodiscard]] std::uint64_t steps() const noexcept;   // since the beginning

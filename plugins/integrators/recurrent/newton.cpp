@@ -72,6 +72,15 @@ void Newton::attach(const springnet_network& network) {
   by_position_.resize(9 * n);
 }
 
+void Newton::forget() noexcept {
+  extrapolation_.forget();
+  linearised_ = fresh_ = at_rejected_ = first_ = guessed_ = is_solved_ = false;
+  shift_ = 0.0;
+  rate_ = 1.0;
+  exact_steps_ = age_ = 0;
+  contact_changes_ = 0;
+}
+
 void Newton::begin(Step& step) {
   const springnet_network& network = step.network;
   for (std::uint32_t k = 0; k < network.node_count; ++k) pinned_[k] = network.fixed[k] | network.held[k];

@@ -114,6 +114,7 @@ class Recurrent : public springnet::sdk::Integrator {
   }
 
   springnet_status advance(double until, springnet_step_report& report);
+  void forget() noexcept;
   void limits(const springnet::sdk::LimitSink& sink) {
     attach();
     report_limits(
@@ -195,6 +196,17 @@ springnet_status Recurrent::advance(double until, springnet_step_report& report)
     return advance_once(until, report);
   }
   return SPRINGNET_OK;
+}
+
+// Counters of statistics, and which notes were given, stay: they tell of the run.
+void Recurrent::forget() noexcept {
+  work_.forget();
+  threshold_.forget();
+  automatic_.forget();
+  for (const std::unique_ptr<Rule>& rule : rules_)
+    if (rule) rule->forget();
+  attached_ = {};
+  revision_.reset();
 }
 
 bool Recurrent::advance_to_event(double until, springnet_step_report& report) {

@@ -33,6 +33,12 @@ class Workspace {
   // Call before a commit: keeps the accelerations at its outputs, if evaluated, for the next start.
   void committed(const Step& step);
 
+  // Forgets them, and the constraint forces: what was kept from the steps before.
+  void forget() noexcept {
+    known_.reset();
+    forget_constraint_force();
+  }
+
   // A state for outputs other than these two.
   [[nodiscard]] springnet_state& state_beside(const springnet_state* one,
                                               const springnet_state* other = nullptr) const noexcept {
