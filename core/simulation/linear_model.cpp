@@ -31,6 +31,12 @@ LinearModel::LinearModel(Model& model)
 
 LinearModel::~LinearModel() = default;
 
+void LinearModel::forget() noexcept {
+  sweep_.reset();
+  at_hand_ = factorised_ = indefinite_ = false;
+  topology_changed();
+}
+
 springnet_status LinearModel::linearise(const springnet_evaluation& at) {
   sweep_.reset();
   at_hand_ = false;

@@ -41,11 +41,7 @@ class LinearModel {
   // Projects velocities onto the constraints, see springnet_host::project.
   springnet_status project(const double* mobility, double* values);
   // Drops derivatives, the prepared system and patterns.
-  void forget() noexcept {
-    sweep_.reset();
-    at_hand_ = factorised_ = indefinite_ = false;
-    topology_changed();
-  }
+  void forget() noexcept;
   // To be called after springs or elements were removed.
   void topology_changed() noexcept {
     blocks_.topology_changed();

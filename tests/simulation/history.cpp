@@ -7,10 +7,11 @@
 #include <vector>
 
 #include <springnet/error.hpp>
+#include <springnet/plugin_host.hpp>
 
+#include "constraints/vectors.hpp"
 #include "generator.hpp"
 #include "nets.hpp"
-#include "plugin_host/parameters.hpp"
 #include "simulation/engine.hpp"
 #include "simulation/host_table.hpp"
 
