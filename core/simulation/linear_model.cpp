@@ -140,6 +140,7 @@ springnet_status LinearModel::solve_prepared(springnet_linear_solve& request) {
   };
   if (prepared_ == Prepared::matrix_free) {
     answered(matrix_free_.solve(request.accuracy, max_iterations, request.right_side, request.x));
+    return SPRINGNET_OK;
   }
   for (std::size_t k = 0; k < n; ++k)
     for (std::size_t c = 0; c < 3; ++c)
