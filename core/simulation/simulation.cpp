@@ -2,6 +2,7 @@
 
 #include <Eigen/Geometry>
 #include <cmath>
+#include <limits>
 #include <utility>
 
 #include <springnet/error.hpp>
@@ -32,6 +33,8 @@ std::string_view name_of(Outcome outcome) noexcept {
       return "out of sweeps";
     case Outcome::diverging:
       return "diverging";
+    case Outcome::out_of_time:
+      return "out of time";
   }
   return "unknown";
 }
@@ -207,6 +210,7 @@ void Simulation::Impl::advance(double until) {
   springnet_step_report report{};
   report.struct_size = sizeof report;
   report.start_node = 0xffffffffu;
+  report.position_error = std::numeric_limits<double>::quiet_NaN();
   engine.calls().begin_advance(until);
   Ending end = call([&] {
     const profile::Stage stage(component->description->id, profile::Kind::integrator);
@@ -224,9 +228,10 @@ void Simulation::Impl::advance(double until) {
   const springnet_status status = end.status;
   const std::vector<std::uint32_t>& user = engine.model().layout.ordering().user;
   // A failed step is not settled, whatever the integrator reports; running out of memory says nothing about the motion.
-  const bool known = report.outcome >= SPRINGNET_SETTLED && report.outcome <= SPRINGNET_DIVERGING;
+  const bool known = report.outcome >= SPRINGNET_SETTLED && report.outcome <= SPRINGNET_OUT_OF_TIME;
   Outcome outcome = known ? static_cast<Outcome>(report.outcome) : Outcome::diverging;
-  if (status != SPRINGNET_OK && outcome == Outcome::settled) outcome = Outcome::diverging;
+  const bool fine = outcome == Outcome::settled || outcome == Outcome::out_of_time;
+  if (status != SPRINGNET_OK && fine) outcome = Outcome::diverging;
   if (end.out_of_memory()) outcome = Outcome::settled;
   if (outcome != Outcome::settled) last.outcome = outcome;
   last.sweeps += report.sweeps;
@@ -236,6 +241,7 @@ void Simulation::Impl::advance(double until) {
   last.start_node = report.start_node < user.size() ? std::int64_t{user[report.start_node]} : -1;
   last.substeps += report.substeps;
   last.stages += report.stages;
+  last.position_error = report.position_error;
   sweeps += report.sweeps;
   if (status == SPRINGNET_OK) {
     last.steps += report.steps;
@@ -274,6 +280,17 @@ const StepReport& Simulation::step() {
   impl_->advance(until);
   ++impl_->grid_steps;
   return impl_->last;
+}
+
+const StepReport& Simulation::step_within(double seconds) {
+  if (!(seconds >= 0.0))
+    throw Error(ErrorKind::input, fmt::format("time for a step: must be 0 s or more, is {}", checks::seconds(seconds)));
+  struct Guard {
+    Deadline& deadline;
+    ~Guard() { deadline.clear(); }
+  } const guard{impl_->engine.model().deadline};
+  guard.deadline.set(seconds);
+  return step();
 }
 
 const StepReport& Simulation::advance_to(double until) {

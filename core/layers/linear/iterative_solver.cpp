@@ -243,6 +243,7 @@ SolveAnswer IterativeSolver::bicgstab(Team& team, double accuracy, std::uint32_t
       answer.outcome = SolveOutcome::solved;
       return answer;
     }
+    if (is_late(team, answer.iterations)) return answer;
     const double next = dot(team, shadow, r);
     const double beta = next / rho * (alpha / omega);
     if (!std::isfinite(beta) || omega == 0.0) return answer;

@@ -23,6 +23,7 @@ class Automatic {
   // Forgets estimates, and failures of steps before.
   void forget() noexcept {
     chosen_.reset();
+    accelerates_ = false;
     time_constant_ = weight_ = 0.0;
     revision_ = steps_ = kept_ = 0;
     patience_ = first_patience;

@@ -76,7 +76,7 @@ void Newton::forget() noexcept {
   extrapolation_.forget();
   linearised_ = fresh_ = at_rejected_ = first_ = guessed_ = is_solved_ = false;
   shift_ = 0.0;
-  rate_ = 1.0;
+  rate_ = kept_rate_ = last_accuracy_ = 1.0;
   exact_steps_ = age_ = 0;
   contact_changes_ = 0;
 }
@@ -413,6 +413,8 @@ void Newton::sweep(Step& step) {
     shift_ = std::max(first_shift, shift_growth * shift_);
   }
   step.residual = residual(step);
+  step.norm = at_outputs_.norm;
+  step.rate = rate_;
   // Contacts just decided may change again.
   step.residual_decides = contact_changes_ == changes;
   ++step.sweeps;

@@ -60,6 +60,8 @@ class Workspace {
   // Residual m ((U - v*) / h - theta a) - theta c of nodes that are not pinned, N; c: constraint forces of the last
   // sweep. Needs evaluate(). Sets free_acceleration().
   [[nodiscard]] Greatest residual(const Step& step, const springnet_state& at);
+  // After it: sqrt(sum |residual|^2 / m), N kg^-1/2.
+  [[nodiscard]] double residual_norm() const noexcept { return residual_norm_; }
 
   // The part of residual() that sets free_acceleration().
   void free_accelerations(const Step& step, const springnet_state& at) {
@@ -94,6 +96,7 @@ class Workspace {
   using Revisions = std::pair<std::uint64_t, std::uint64_t>;
   [[nodiscard]] Revisions revisions(const Step& step) const { return {step.network.revision, host.load_revision()}; }
   std::optional<Revisions> known_;
+  double residual_norm_ = 0.0;
   double evaluations_ = 0.0;  // besides the sweeps
 };
 
