@@ -424,6 +424,7 @@ void Newton::sweep(Step& step) {
 }
 
 bool Newton::advance(Step& step, springnet_state& candidate) {
+  step.is_provisional = false;
   set_up(step);
   bool done = false;
   if (!first_ || guessed_) {
@@ -443,6 +444,7 @@ bool Newton::advance(Step& step, springnet_state& candidate) {
     const bool is_off = at_candidate_.norm > max_growth * at_outputs_.norm;
     const bool is_near = is_solved_ && (at_candidate_.norm <= at_outputs_.norm || (is_off && restore(step, candidate)));
     if (!is_near) start_at_rest(step, candidate);
+    step.is_provisional = !is_near;
   }
   first_ = false;
   rate_ = at_outputs_.norm > 0.0 ? at_candidate_.norm / at_outputs_.norm : 0.0;

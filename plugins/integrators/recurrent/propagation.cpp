@@ -62,7 +62,7 @@ Verdict propagate(Rule& rule, Workspace& workspace, Step& step, const Limits& li
     if (!acceleration.record(step)) return Verdict::diverging;
     watch.after_sweep(step);
     // Contacts have to be decided.
-    const bool is_over = watch.is_over() && !waited && !acceleration.went_back();
+    const bool is_over = watch.is_over() && !waited && !acceleration.went_back() && !step.is_provisional;
     if (limits.exact_sweeps > 0 && is_over && step.sweeps < limits.exact_sweeps) return Verdict::out_of_time;
     if (limits.exact_sweeps > 0) continue;
     if (acceleration.went_back()) {

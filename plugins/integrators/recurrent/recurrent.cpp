@@ -358,7 +358,7 @@ Attempt Recurrent::propagate_with(Update update, Step& step, std::uint64_t max_s
   attempt.update = update;
   step.sweeps = 0;
   step.differences = {};
-  step.keeps_order = step.waits = false;
+  step.keeps_order = step.waits = step.is_provisional = false;
   step.relaxation = 1.0;
   step.start_node = no_node;
   step.finite = true;

@@ -53,7 +53,7 @@ void Watch::after_sweep(const Step& step) {
   change_ = std::sqrt(square);
   store(p, n, position_);
   newest_is_best_ = step.constrained() || !(measure(step) > best_);
-  if (newest_is_best_) keep(step);
+  if (newest_is_best_ && !step.is_provisional) keep(step);
   const double now = host_.time_left();
   duration_ = std::max(0.0, left_ - now);
   left_ = now;
