@@ -68,7 +68,8 @@ TEST_CASE("a step with time enough is the step without a deadline, bit by bit") 
   for (const double rule : {synchronous, wavefront, block, coloured, newton, automatic}) {
     CAPTURE(rule);
     const double time_step = rule == synchronous || rule == wavefront ? 0.005 : 0.025;
-    Simulation within = simulate(net, recurrent(rule, 0.0), time_step), plain = simulate(net, recurrent(rule, 0.0), time_step);
+    Simulation within = simulate(net, recurrent(rule, 0.0), time_step),
+               plain = simulate(net, recurrent(rule, 0.0), time_step);
     for (int i = 0; i < 20; ++i) {
       const StepReport report = within.step_within(1e6);
       plain.step();
@@ -97,6 +98,7 @@ TEST_CASE("a step without time is one sweep, and says how far it is from settled
         CAPTURE(each.name);
         CAPTURE(theta);
         CAPTURE(rule);
+        if (each.name == "large lattice" && rule != newton) continue;
         const LawUse integrator = recurrent(rule, 0.0, {{"theta", theta}, {"max_sweeps", 1e5}});
         const Compared found = compare(each.net, integrator, each.time_step, 0.0);
         CAPTURE(found.error);
@@ -109,8 +111,9 @@ TEST_CASE("a step without time is one sweep, and says how far it is from settled
         CHECK(found.report.sweeps == 1);
         CHECK(found.report.residual > 0.0);
         REQUIRE(std::isfinite(found.estimate));
-        MESSAGE(each.name, " theta ", theta, " rule ", rule, ": error ", found.error, " estimate ", found.estimate, " moved ",
-                found.moved);
+        // As documented: not below half of the error, nor beyond these multiples of it.
+        CHECK(found.estimate >= 0.5 * found.error);
+        CHECK(found.estimate <= (rule == newton || rule == automatic ? 30.0 : 100.0) * found.error);
       }
 }
 
@@ -136,12 +139,12 @@ TEST_CASE("a deadline ends the solution of a linear system") {
   const Network net = hanging_lattice(14);
   Simulation simulation = simulate(net, recurrent(newton, 0.0), 0.2);
   simulation.step_within(0.0);
-  CHECK(simulation.statistics().at("krylov_iterations") <= 8.0);
+  CHECK(simulation.statistics().at("krylov_iterations") <= 16.0);  // of two solutions
   CHECK(simulation.positions().allFinite());
   CHECK(simulation.last_report().outcome == Outcome::out_of_time);
   Simulation whole = simulate(net, recurrent(newton, 0.0), 0.2);
   whole.step();
-  CHECK(whole.statistics().at("krylov_iterations") > 16.0);
+  CHECK(whole.statistics().at("krylov_iterations") > 32.0);
 }
 
 TEST_CASE("a time for a step is a number of seconds") {

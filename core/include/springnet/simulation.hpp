@@ -44,8 +44,8 @@ struct StepReport {
   std::int64_t start_node = -1;        // where the last sweep started; -1: the rule has no start node
   std::uint64_t substeps = 0;          // smaller steps made in place of time steps that did not settle
   std::uint64_t stages = 0;            // smaller time constants passed on the way to the full one
-  // m, of a step with a deadline: estimate of the greatest distance of a node from where it is in the settled step. nan:
-  // not estimated; that of steps without a deadline.
+  // m, of a step with a deadline: estimate of the greatest distance of a node from where it is in the settled step.
+  // nan: not estimated; that of steps without a deadline.
   double position_error = std::numeric_limits<double>::quiet_NaN();
 };
 
@@ -79,19 +79,19 @@ class Simulation {
   // number is not finite. The state is then the last one reached, that of time(): the state before the step or, with an
   // integrator that stops at events, that of the last event within it.
   const StepReport& step();
-  // The same within `seconds` of wall time, for a program that must draw: `recurrent` then stops between sweeps, or in the
-  // solution of a linear system, once another sweep like the last one would take longer than what is left, and takes the
-  // best state until then, with Outcome::out_of_time. How far it is from the settled step is told by `residual` and
-  // `position_error` of the report. One sweep is always made, however small `seconds` is (0: one sweep). Surfaces keep
-  // nodes out, and rigid connections keep their lengths, as always. Results then depend on the machine and its load.
-  // With time enough, and with integrators that know no deadline (cvode, verlet, those of other authors), it is step().
-  // Throws as step(), and Error(input) if `seconds` is below 0 or not a number.
+  // The same within `seconds` of wall time, for a program that must draw: `recurrent` then stops between sweeps, or in
+  // the solution of a linear system, once another sweep like the last one would take longer than what is left, and
+  // takes the best state until then, with Outcome::out_of_time. How far it is from the settled step is told by
+  // `residual` and `position_error` of the report. One sweep is always made, however small `seconds` is (0: one sweep).
+  // Surfaces keep nodes out, and rigid connections keep their lengths, as always. Results then depend on the machine
+  // and its load. With time enough, and with integrators that know no deadline (cvode, verlet, those of other authors),
+  // it is step(). Throws as step(), and Error(input) if `seconds` is below 0 or not a number.
   const StepReport& step_within(double seconds);
   // Makes time steps until `time`; the last one is shortened to end there.
   const StepReport& advance_to(double time);
 
-  // Drops all that the integrator and the engine keep from step to step only to be faster, or to choose the next step by
-  // those before: derivatives and preconditioners, earlier velocities, estimates, the history of a multistep method.
+  // Drops all that the integrator and the engine keep from step to step only to be faster, or to choose the next step
+  // by those before: derivatives and preconditioners, earlier velocities, estimates, the history of a multistep method.
   // What follows then depends on the state alone (with the time, loads, contacts and springs that are left), bit by
   // bit. Call it where a state is saved, so that a run that goes on there gives the same bits as one restored from it.
   // State, report, statistics, notes and the grid of time steps do not change. Not while another thread uses this

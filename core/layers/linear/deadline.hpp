@@ -15,8 +15,8 @@ class Deadline {
   void set(double seconds) {
     is_set_ = seconds < longest;
     if (is_set_)
-      end_ = Clock::now() + std::chrono::duration_cast<Clock::duration>(
-                                std::chrono::duration<double>(seconds > 0.0 ? seconds : 0.0));
+      end_ = Clock::now() +
+             std::chrono::duration_cast<Clock::duration>(std::chrono::duration<double>(seconds > 0.0 ? seconds : 0.0));
   }
   void clear() noexcept { is_set_ = false; }
   [[nodiscard]] bool is_set() const noexcept { return is_set_; }

@@ -33,11 +33,11 @@ class Watch {
 
   sdk::Host host_;
   bool active_ = false;
-  double left_ = 0.0, duration_ = 0.0;           // s: until the deadline, at the end of the last sweep; of that sweep
-  double best_ = 0.0;                            // smallest measure, N
+  double left_ = 0.0, duration_ = 0.0;  // s: until the deadline, at the end of the last sweep; of that sweep
+  double best_ = 0.0;                   // smallest measure, N
   bool newest_is_best_ = true;
-  double change_ = 0.0, last_change_ = 0.0;      // m: greatest, by the last sweep and the one before
-  std::vector<double> position_;                 // [3n] before the last sweep
+  double change_ = 0.0, last_change_ = 0.0;            // m: greatest, by the last sweep and the one before
+  std::vector<double> position_;                       // [3n] before the last sweep
   std::vector<double> best_position_, best_velocity_;  // [3n]
 };
 
