@@ -36,6 +36,9 @@ class Engine {
   springnet_status project_state(double time, const springnet_vectors& position, const springnet_vectors& velocity);
   springnet_status commit(double time, State& state);
   [[nodiscard]] double next_discontinuity(double time) const noexcept;
+  // Drops what is kept for the next step but is not part of the state: derivatives, linear systems, impulses at which
+  // iterations would start. (What was withheld from the impulses of obstacles is part of it: momentum balances.)
+  void forget() noexcept;
 
   // ---- the parts ----
   [[nodiscard]] Model& model() noexcept { return model_; }

@@ -182,6 +182,9 @@ springnet_status solve_system(void* context, springnet_linear_solve* request) {
   return outside_of_sweeps(context, "solve_system",
                            [&](Engine& engine) { return engine.linear().solve_prepared(checked(request)); });
 }
+double time_left(void* context) {
+  return context == nullptr ? std::numeric_limits<double>::infinity() : engine_of(context).model().deadline.left();
+}
 springnet_status event_values(void* context, const springnet_evaluation* at, double* values, std::int32_t* directions) {
   return outside_of_sweeps(context, "event_values", "events", [&](Engine& engine) {
     if (engine.network_info().event_count > 0) require_array(values, "values");
@@ -327,6 +330,7 @@ springnet_host make_host_table(Engine& engine) {
   host.dominant_eigenvalue = dominant_eigenvalue;
   host.prepare_system = prepare_system;
   host.solve_system = solve_system;
+  host.time_left = time_left;
   return host;
 }
 

@@ -27,9 +27,18 @@ LinearModel::LinearModel(Model& model)
       blocks_(model.layout, model.evaluator, model.contact.constrained()),
       system_(model.layout, model.mass, model.contact.constrained(), model.evaluator.threads()),
       solver_(model.evaluator.instruction_set(), model.evaluator.threads()),
-      matrix_free_(model.layout, model.evaluator, model.mass, model.contact.constrained()) {}
+      matrix_free_(model.layout, model.evaluator, model.mass, model.contact.constrained()) {
+  solver_.set_deadline(&model.deadline);
+  matrix_free_.set_deadline(&model.deadline);
+}
 
 LinearModel::~LinearModel() = default;
+
+void LinearModel::forget() noexcept {
+  sweep_.reset();
+  at_hand_ = factorised_ = indefinite_ = false;
+  topology_changed();
+}
 
 springnet_status LinearModel::linearise(const springnet_evaluation& at) {
   sweep_.reset();
@@ -176,7 +185,8 @@ springnet_status LinearModel::solve_prepared(springnet_linear_solve& request) {
     answer = solve(false);
   }
   answered(answer);
-  if (request.outcome == SPRINGNET_STALLED && may_factorise) return solve_directly(request);
+  if (request.outcome == SPRINGNET_STALLED && may_factorise && !model_.deadline.has_passed())
+    return solve_directly(request);
   for (std::size_t k = 0; k < n; ++k)
     for (std::size_t c = 0; c < 3; ++c) request.x[c * n + k] = solution_[3 * k + c];
   return SPRINGNET_OK;

@@ -40,6 +40,8 @@ class LinearModel {
   [[nodiscard]] layers::Linearisation& matrices() noexcept { return blocks_; }
   // Projects velocities onto the constraints, see springnet_host::project.
   springnet_status project(const double* mobility, double* values);
+  // Drops derivatives, the prepared system and patterns.
+  void forget() noexcept;
   // To be called after springs or elements were removed.
   void topology_changed() noexcept {
     blocks_.topology_changed();

@@ -12,6 +12,7 @@
 #include "constraints/constraint_set.hpp"
 #include "layers/evaluator.hpp"
 #include "layers/failure.hpp"
+#include "layers/linear/deadline.hpp"
 #include "simulation/journal.hpp"
 #include "simulation/loads.hpp"
 #include "simulation/recent_touches.hpp"
@@ -46,6 +47,7 @@ struct Model {
   Interval interval;   // present step
   double step_length;  // s, of a method that takes the user's steps; 0: it chooses its own
   Journal journal;
+  Deadline deadline;  // of the present step
   RecentTouches recent_touches;
 
   // `revision` increases with every change after which a multistep method must restart, `load_revision` with every step

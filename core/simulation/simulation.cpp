@@ -2,6 +2,8 @@
 
 #include <Eigen/Geometry>
 #include <cmath>
+#include <limits>
+#include <utility>
 
 #include <springnet/error.hpp>
 #include <springnet/printable.hpp>
@@ -31,6 +33,8 @@ std::string_view name_of(Outcome outcome) noexcept {
       return "out of sweeps";
     case Outcome::diverging:
       return "diverging";
+    case Outcome::out_of_time:
+      return "out of time";
   }
   return "unknown";
 }
@@ -42,21 +46,9 @@ struct Simulation::Impl {
         component(plugins->require(ComponentKind::integrator, given.integrator.id)),
         engine(network, *plugins, given),
         host(make_host_table(engine)) {
-    const std::vector<double> values = complete_parameters(*component->description, given.integrator.parameters,
-                                                           fmt::format("integrator '{}'", given.integrator.id));
-    const Ending end = call([&] { return component->integrator().create(&host, values.data(), &integrator); });
-    if (end.status == SPRINGNET_OK) return;
-    if (end.broken) throw Error(ErrorKind::plugin, end.text);
-    if (end.out_of_memory()) throw std::bad_alloc();
-    throw Error(ErrorKind::input, fmt::format("integrator '{}': {}", given.integrator.id, end.text));
+    create_integrator();
   }
-  ~Impl() {
-    if (integrator == nullptr) return;
-    try {
-      component->integrator().destroy(integrator);
-    } catch (...) {  // plugin.h forbids it, and a destructor cannot report it
-    }
-  }
+  ~Impl() { destroy_integrator(); }
   Impl(const Impl&) = delete;
   Impl& operator=(const Impl&) = delete;
 
@@ -75,6 +67,9 @@ struct Simulation::Impl {
   [[nodiscard]] std::string broken_by(std::string_view what) const {
     return fmt::format("{}: {}", full_name_with_file(*component), what);
   }
+  void create_integrator();
+  void destroy_integrator() noexcept;
+  void drop_history();
   void advance(double until);
   [[nodiscard]] std::uint32_t engine_node(NodeIndex node) const {
     if (node >= engine.model().layout.node_count())
@@ -168,12 +163,54 @@ Simulation::Impl::Ending Simulation::Impl::call(const Function& function) {
   return end;
 }
 
+void Simulation::Impl::create_integrator() {
+  const std::vector<double> values = complete_parameters(*component->description, options.integrator.parameters,
+                                                         fmt::format("integrator '{}'", options.integrator.id));
+  const Ending end = call([&] { return component->integrator().create(&host, values.data(), &integrator); });
+  if (end.status == SPRINGNET_OK) return;
+  if (end.broken) throw Error(ErrorKind::plugin, end.text);
+  if (end.out_of_memory()) throw std::bad_alloc();
+  throw Error(ErrorKind::input, fmt::format("integrator '{}': {}", options.integrator.id, end.text));
+}
+
+void Simulation::Impl::destroy_integrator() noexcept {
+  if (integrator == nullptr) return;
+  try {
+    component->integrator().destroy(integrator);
+  } catch (...) {  // plugin.h forbids it, and a destructor cannot report it
+  }
+  integrator = nullptr;
+}
+
+void Simulation::Impl::drop_history() {
+  engine.forget();
+  engine.calls().begin_advance(engine.model().time);  // nothing later may be committed
+  const springnet_integrator& functions = component->integrator();
+  if (SPRINGNET_HAS_FIELD(springnet_integrator, &functions, forget) && functions.forget != nullptr) {
+    const Ending end = call([&] { return functions.forget(integrator); });
+    if (end.status == SPRINGNET_OK) return;
+    throw Error(ErrorKind::plugin, end.broken ? end.text : broken_by(end.text));
+  }
+  // One that may keep something all the same, as it is older than the call.
+  void* before = std::exchange(integrator, nullptr);
+  try {
+    create_integrator();
+  } catch (...) {
+    integrator = before;
+    throw;
+  }
+  std::swap(integrator, before);
+  destroy_integrator();
+  integrator = before;
+}
+
 void Simulation::Impl::advance(double until) {
   const Profiler::Scope step(options.profiler.get(), "step");
   const double from = engine.model().time;
   springnet_step_report report{};
   report.struct_size = sizeof report;
   report.start_node = 0xffffffffu;
+  report.position_error = std::numeric_limits<double>::quiet_NaN();
   engine.calls().begin_advance(until);
   Ending end = call([&] {
     const profile::Stage stage(component->description->id, profile::Kind::integrator);
@@ -191,9 +228,10 @@ void Simulation::Impl::advance(double until) {
   const springnet_status status = end.status;
   const std::vector<std::uint32_t>& user = engine.model().layout.ordering().user;
   // A failed step is not settled, whatever the integrator reports; running out of memory says nothing about the motion.
-  const bool known = report.outcome >= SPRINGNET_SETTLED && report.outcome <= SPRINGNET_DIVERGING;
+  const bool known = report.outcome >= SPRINGNET_SETTLED && report.outcome <= SPRINGNET_OUT_OF_TIME;
   Outcome outcome = known ? static_cast<Outcome>(report.outcome) : Outcome::diverging;
-  if (status != SPRINGNET_OK && outcome == Outcome::settled) outcome = Outcome::diverging;
+  const bool fine = outcome == Outcome::settled || outcome == Outcome::out_of_time;
+  if (status != SPRINGNET_OK && fine) outcome = Outcome::diverging;
   if (end.out_of_memory()) outcome = Outcome::settled;
   if (outcome != Outcome::settled) last.outcome = outcome;
   last.sweeps += report.sweeps;
@@ -203,6 +241,7 @@ void Simulation::Impl::advance(double until) {
   last.start_node = report.start_node < user.size() ? std::int64_t{user[report.start_node]} : -1;
   last.substeps += report.substeps;
   last.stages += report.stages;
+  last.position_error = report.position_error;
   sweeps += report.sweeps;
   if (status == SPRINGNET_OK) {
     last.steps += report.steps;
@@ -243,6 +282,17 @@ const StepReport& Simulation::step() {
   return impl_->last;
 }
 
+const StepReport& Simulation::step_within(double seconds) {
+  if (!(seconds >= 0.0))
+    throw Error(ErrorKind::input, fmt::format("time for a step: must be 0 s or more, is {}", checks::seconds(seconds)));
+  struct Guard {
+    Deadline& deadline;
+    ~Guard() { deadline.clear(); }
+  } const guard{impl_->engine.model().deadline};
+  guard.deadline.set(seconds);
+  return step();
+}
+
 const StepReport& Simulation::advance_to(double until) {
   Impl& impl = *impl_;
   if (!(until >= time()) || !std::isfinite(until))
@@ -268,6 +318,8 @@ const StepReport& Simulation::advance_to(double until) {
   }
   return impl.last;
 }
+
+void Simulation::drop_history() { impl_->drop_history(); }
 
 double Simulation::time() const noexcept { return impl_->engine.model().time; }
 double Simulation::time_step() const noexcept { return impl_->options.time_step; }

@@ -105,6 +105,12 @@ double Engine::next_discontinuity(double time) const noexcept {
   return std::min({model_.loads.next_switch(time), model_.contact.next_change(time), topology_.next_cut(time)});
 }
 
+void Engine::forget() noexcept {
+  sweep_.forget();
+  linear_.forget();
+  verlet_.reset();
+}
+
 // ---- commit ---------------------------------------------------------------------------------------------------------
 
 springnet_status Engine::commit(double time, State& state) {

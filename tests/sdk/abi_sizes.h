@@ -54,7 +54,8 @@
   check(springnet_linear_system, at, 40)                 \
   check(springnet_linear_solve, iterations, 48)          \
   check(springnet_integrator, forget, 48)                \
-  check(springnet_host, solve_system, 248)
+  check(springnet_host, time_left, 256)                  \
+  check(springnet_step_report, position_error, 72)
 /* clang-format on */
 
 #ifdef __cplusplus

@@ -3,6 +3,7 @@
 
 #include <cstdint>
 #include <functional>
+#include <limits>
 #include <map>
 #include <memory>
 #include <string>
@@ -28,7 +29,8 @@ struct SimulationOptions {
   std::shared_ptr<Profiler> profiler{};
 };
 
-enum class Outcome { settled, oscillating, out_of_sweeps, diverging };
+// out_of_time: at a deadline (Simulation::step_within) the best state until then was taken.
+enum class Outcome { settled, oscillating, out_of_sweeps, diverging, out_of_time };
 [[nodiscard]] std::string_view name_of(Outcome outcome) noexcept;  // "settled", "oscillating", "out of sweeps", …
 
 // Report on the steps of the last call of step() or advance_to().
@@ -42,6 +44,9 @@ struct StepReport {
   std::int64_t start_node = -1;        // where the last sweep started; -1: the rule has no start node
   std::uint64_t substeps = 0;          // smaller steps made in place of time steps that did not settle
   std::uint64_t stages = 0;            // smaller time constants passed on the way to the full one
+  // m, of a step with a deadline: estimate of the greatest distance of a node from where it is in the settled step.
+  // nan: not estimated; that of steps without a deadline.
+  double position_error = std::numeric_limits<double>::quiet_NaN();
 };
 
 // An event of a spring, an element or a node.
@@ -74,8 +79,25 @@ class Simulation {
   // number is not finite. The state is then the last one reached, that of time(): the state before the step or, with an
   // integrator that stops at events, that of the last event within it.
   const StepReport& step();
+  // The same within `seconds` of wall time, for a program that must draw: `recurrent` then stops between sweeps, or in
+  // the solution of a linear system, once another sweep like the last one would take longer than what is left, and
+  // takes the best state until then, with Outcome::out_of_time. How far it is from the settled step is told by
+  // `residual` and `position_error` of the report. One sweep is always made, however small `seconds` is (0: one sweep).
+  // Surfaces keep nodes out, and rigid connections keep their lengths, as always. Results then depend on the machine
+  // and its load. With time enough, and with integrators that know no deadline (cvode, verlet, those of other authors),
+  // it is step(). Throws as step(), and Error(input) if `seconds` is below 0 or not a number.
+  const StepReport& step_within(double seconds);
   // Makes time steps until `time`; the last one is shortened to end there.
   const StepReport& advance_to(double time);
+
+  // Drops all that the integrator and the engine keep from step to step only to be faster, or to choose the next step
+  // by those before: derivatives and preconditioners, earlier velocities, estimates, the history of a multistep method.
+  // What follows then depends on the state alone (with the time, loads, contacts and springs that are left), bit by
+  // bit. Call it where a state is saved, so that a run that goes on there gives the same bits as one restored from it.
+  // State, report, statistics, notes and the grid of time steps do not change. Not while another thread uses this
+  // object. Throws Error(plugin) if the integrator breaks a rule; Error(input) if it has no way to forget and cannot be
+  // created anew.
+  void drop_history();
 
   [[nodiscard]] double time() const noexcept;
   [[nodiscard]] double time_step() const noexcept;

@@ -25,6 +25,7 @@ struct SolveAnswer {
 //   product(team, p, q)       q = S p; complete for the calling thread's nodes, p must be so for all
 //   precondition(team, r, z)  z = B r, likewise; r need be complete for the thread's own nodes only
 //   dot(team, a, b), scale_add(team, s, x, y), copy(team, x, y), zero(team, x)
+//   is_late(team, iterations) whether to end here, stalled; the same in all threads
 //   square(team, r, along)    by which accuracy is measured; along: r.z
 //   update(team, s, p, q, x, r, z)   x += s p, r -= s q, z = B r; answers r.z and square(r)
 template <class Space>
@@ -60,6 +61,7 @@ template <class Space>
       if (answer.residual <= accuracy) answer.outcome = SolveOutcome::solved;
       return answer;
     }
+    if (space.is_late(team, answer.iterations)) return answer;
     space.scale_add(team, next / along, z, p);
     along = next;
     team.barrier();

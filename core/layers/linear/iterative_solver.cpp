@@ -263,6 +263,7 @@ SolveAnswer IterativeSolver::bicgstab(Team& team, double accuracy, std::uint32_t
       }
       target = 0.5 * preconditioned * accuracy / answer.residual;
     }
+    if (is_late(team, answer.iterations)) return answer;
     const double next = dot(team, shadow, r);
     const double beta = next / rho * (alpha / omega);
     if (!std::isfinite(beta) || omega == 0.0) return answer;

@@ -15,6 +15,7 @@
 
 #include "layers/linear/block_preconditioner.hpp"
 #include "layers/linear/conjugate_gradients.hpp"
+#include "layers/linear/deadline.hpp"
 #include "layers/linear/projection.hpp"
 
 namespace springnet::layers {
@@ -34,6 +35,9 @@ class IterativeSolver {
                                   std::uint32_t max_iterations, const std::vector<double>& b, std::vector<double>& x);
   [[nodiscard]] const BlockPreconditioner& preconditioner() const noexcept { return preconditioner_; }
 
+  // Solutions end soon after it, stalled; null: none. It must outlive the solver.
+  void set_deadline(const Deadline* deadline) noexcept { interruption_.set_deadline(deadline); }
+
   // ---- for conjugate_gradients() ----
   // Vectors are [node][3] and one more number.
   void product(Team& team, const double* p, double* q);
@@ -45,6 +49,7 @@ class IterativeSolver {
   void scale_add(Team& team, double s, const double* x, double* y) { kernels_.scale_add(s, x, nodes_of(team), y); }
   void copy(Team& team, const double* x, double* y);
   void zero(Team& team, double* x);
+  [[nodiscard]] bool is_late(const Team& team, std::uint32_t iterations) { return interruption_(team, iterations); }
 
  private:
   static constexpr std::size_t chunk = 256;  // nodes of a part of a sum
@@ -67,6 +72,7 @@ class IterativeSolver {
   std::vector<double> inverse_mass_;
   std::vector<std::vector<double>> work_;
   TeamSum sum_;
+  Interruption interruption_;
   // B - Z T^-1 G^T B for the enclosures' terms of positive stiffness.
   std::vector<const BlockSystem::RankOne*> terms_;
   std::vector<std::vector<double>> z_;

@@ -16,6 +16,7 @@
 #include "layers/evaluator.hpp"
 #include "layers/linear/block_system.hpp"
 #include "layers/linear/conjugate_gradients.hpp"
+#include "layers/linear/deadline.hpp"
 #include "layers/linear/spring_kernels.hpp"
 
 namespace springnet::layers {
@@ -35,6 +36,9 @@ class MatrixFree {
   // Solves S x = M b; [3 node], x of all nodes first. Reads b as 0 for nodes that do not move.
   [[nodiscard]] SolveAnswer solve(double accuracy, std::uint32_t max_iterations, const double* b, double* x);
 
+  // Solutions end soon after it, stalled; null: none. It must outlive the solver.
+  void set_deadline(const Deadline* deadline) noexcept { interruption_.set_deadline(deadline); }
+
   // ---- for conjugate_gradients() ----
   // Vectors are [axis][pitch_].
   void product(Team& team, const double* p, double* q);
@@ -45,6 +49,7 @@ class MatrixFree {
   void scale_add(Team& team, double s, const double* x, double* y);
   void copy(Team& team, const double* x, double* y);
   void zero(Team& team, double* x);
+  [[nodiscard]] bool is_late(const Team& team, std::uint32_t iterations) { return interruption_(team, iterations); }
 
  private:
   struct UnitStiffness {
@@ -83,6 +88,7 @@ class MatrixFree {
   std::vector<double> force_;
   std::vector<double> by_force_, by_position_, by_velocity_;
   TeamSum sum_;
+  Interruption interruption_;
   double asymmetry_ = 0.0;
 };
 

@@ -2,10 +2,8 @@
 
 namespace springnet::layers {
 
-void Team::barrier() const {
-  if (count_ > 1) {
+void Team::wait() {
 #pragma omp barrier
-  }
 }
 
 }  // namespace springnet::layers

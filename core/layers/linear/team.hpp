@@ -16,8 +16,9 @@ class Team {
 
   [[nodiscard]] unsigned count() const noexcept { return count_; }
   [[nodiscard]] unsigned me() const noexcept { return me_; }
-  // Waits for the others.
-  void barrier() const;
+  void barrier() const {
+    if (count_ > 1) wait();
+  }
   // Runs `action` in one thread alone, between barriers.
   template <class Action>
   void alone(const Action& action) const {
@@ -30,6 +31,7 @@ class Team {
 
  private:
   friend class TeamSum;
+  static void wait();  // elsewhere, so that code compiled without OpenMP has the same
   unsigned count_, me_;
   std::size_t slot_ = 0;  // of the next sum
 };

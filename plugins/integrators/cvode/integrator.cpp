@@ -275,6 +275,25 @@ void ReferenceIntegrator::advance(double until, springnet_step_report& report) {
   fill_report(SPRINGNET_SETTLED);
 }
 
+// CVODE is created anew: CVodeReInit leaves estimates behind, such as the rate at which iterations converge.
+void ReferenceIntegrator::forget() {
+  if (memory_) {
+    total_ += counters();
+    ++restarts_;
+  }
+  memory_.reset();
+  callbacks_.newton.reset();
+  fixed_point_.reset();
+  projects_ = false;
+  restart_ = true;
+  equations_.event_directions().clear();
+  event_values_.clear();
+  fired_.clear();
+  impact_.reset();
+  events_at_once_ = 0;
+  last_event_time_ = -std::numeric_limits<double>::infinity();
+}
+
 void ReferenceIntegrator::step_towards(double until) {
   const auto [time, committed] = host_.committed();
   const double stop = host_.next_discontinuity(time);

@@ -26,6 +26,8 @@ class ReferenceIntegrator {
   // discontinuities (load switches, cuts). The internal steps do not depend on the position of `until` between those.
   // Throws sdk::Failure; the network is then in the state committed last.
   void advance(double until, springnet_step_report& report);
+  // Drops CVODE's history, and all else that is kept but the counters: the next advance() starts as the first did.
+  void forget();
 
  private:
   [[nodiscard]] LinearSolverKind linear_solver() const;

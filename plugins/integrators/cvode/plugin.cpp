@@ -48,6 +48,7 @@ class Cvode : public Integrator {
     return SPRINGNET_OK;
   }
 
+  void forget() { integrator_.forget(); }
   void limits(const LimitSink& sink) { sink.none("", "it divides time steps by its error test"); }
 
  private:

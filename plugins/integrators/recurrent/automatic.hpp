@@ -20,7 +20,18 @@ class Automatic {
   // Records that a step settled with a rule other than the chosen one.
   void escalated(const Workspace& workspace, Update chosen, Update needed);
 
+  // Forgets estimates, and failures of steps before.
+  void forget() noexcept {
+    chosen_.reset();
+    accelerates_ = false;
+    time_constant_ = weight_ = 0.0;
+    revision_ = steps_ = kept_ = 0;
+    patience_ = first_patience;
+    kept_rule_ = Update::newton;
+  }
+
  private:
+  static constexpr std::uint64_t first_patience = 16;
   void estimate(const Workspace& workspace, const Step& step);
 
   std::optional<Update> chosen_;
@@ -30,7 +41,7 @@ class Automatic {
   std::uint64_t revision_ = 0;   // of the network at the estimate
   std::uint64_t steps_ = 0;      // since the estimate
   std::optional<Update> noted_;  // the rule in the last note
-  std::uint64_t patience_ = 16;  // steps for which another rule is kept after a failure
+  std::uint64_t patience_ = first_patience;  // steps for which another rule is kept after a failure
   Update kept_rule_ = Update::newton;
   std::uint64_t kept_ = 0;  // steps left of them
   double escalations_ = 0.0;

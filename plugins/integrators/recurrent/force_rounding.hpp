@@ -22,6 +22,10 @@ class ForceRounding {
   // Estimates the error at a state; 0 if derivatives are missing or not finite. Replaces the host's last linearisation.
   void estimate(const Step& step, const springnet_state& at);
 
+  void forget() noexcept {
+    force_ = 0.0;
+    node_ = no_node;
+  }
   [[nodiscard]] double force() const noexcept { return force_; }       // N, greatest over the nodes
   [[nodiscard]] std::uint32_t node() const noexcept { return node_; }  // where; no_node: not known
 

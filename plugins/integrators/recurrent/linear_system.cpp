@@ -40,7 +40,9 @@ bool LinearSystem::solve(const std::vector<double>& b, double accuracy, std::vec
     iterations_ = solved.iterations;
     truncated_ = solved.outcome == SPRINGNET_TRUNCATED;
     if (truncated_) return solved.iterations > 0;
-    const bool useful = solved.outcome == SPRINGNET_SOLVED || solved.residual <= max_useful_residual;
+    // At a deadline what was found so far has to do.
+    const bool late = solved.iterations > 0 && host_.time_left() <= 0.0;
+    const bool useful = solved.outcome == SPRINGNET_SOLVED || solved.residual <= max_useful_residual || late;
     return useful && std::all_of(x.begin(), x.end(), [](double value) { return std::isfinite(value); });
   } catch (const sdk::Failure& failure) {
     if (!failure.recoverable()) throw;

@@ -13,7 +13,8 @@ enum class Verdict {
   settled = SPRINGNET_SETTLED,
   oscillating = SPRINGNET_OSCILLATING,
   out_of_sweeps = SPRINGNET_OUT_OF_SWEEPS,
-  diverging = SPRINGNET_DIVERGING
+  diverging = SPRINGNET_DIVERGING,
+  out_of_time = SPRINGNET_OUT_OF_TIME
 };
 
 // Judges the greatest force differences of successive sweeps. Windows of sweeps are compared by their smallest

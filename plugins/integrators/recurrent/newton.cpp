@@ -75,6 +75,15 @@ void Newton::attach(const springnet_network& network) {
   by_position_.resize(9 * n);
 }
 
+void Newton::forget() noexcept {
+  extrapolation_.forget();
+  linearised_ = fresh_ = at_rejected_ = first_ = guessed_ = is_solved_ = false;
+  shift_ = 0.0;
+  rate_ = kept_rate_ = last_accuracy_ = 1.0;
+  exact_steps_ = age_ = 0;
+  contact_changes_ = 0;
+}
+
 void Newton::begin(Step& step) {
   const springnet_network& network = step.network;
   for (std::uint32_t k = 0; k < network.node_count; ++k) pinned_[k] = network.fixed[k] | network.held[k];
@@ -408,6 +417,8 @@ void Newton::sweep(Step& step) {
     shift_ = std::max(first_shift, shift_growth * shift_);
   }
   step.residual = residual(step);
+  step.norm = at_outputs_.norm;
+  step.rate = rate_;
   // Contacts just decided may change again; forces of rigid connections belong to the sweep before.
   step.residual_decides = contact_changes_ == changes && step.network.rigid_count == 0;
   ++step.sweeps;
@@ -417,6 +428,7 @@ void Newton::sweep(Step& step) {
 }
 
 bool Newton::advance(Step& step, springnet_state& candidate) {
+  step.is_provisional = false;
   set_up(step);
   bool done = false;
   if (!first_ || guessed_) {
@@ -436,6 +448,7 @@ bool Newton::advance(Step& step, springnet_state& candidate) {
     const bool is_off = at_candidate_.norm > max_growth * at_outputs_.norm;
     const bool is_near = is_solved_ && (at_candidate_.norm <= at_outputs_.norm || (is_off && restore(step, candidate)));
     if (!is_near) start_at_rest(step, candidate);
+    step.is_provisional = !is_near;
   }
   first_ = false;
   rate_ = at_outputs_.norm > 0.0 ? at_candidate_.norm / at_outputs_.norm : 0.0;

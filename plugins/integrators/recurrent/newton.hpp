@@ -24,6 +24,7 @@ class Newton final : public Rule {
  public:
   explicit Newton(Workspace& workspace) : work_(workspace), system_(workspace.host) {}
   void attach(const springnet_network& network) override;
+  void forget() noexcept override;
   void begin(Step& step) override;
   void sweep(Step& step) override;
   [[nodiscard]] bool has_linear_sweep() const noexcept override { return false; }

@@ -47,8 +47,10 @@ void sweep(Rule& rule, Step& step, const Anderson& acceleration) {
 
 bool within_tolerance(const Step& step) noexcept { return step.residual <= residual_limit * step.tolerance; }
 
-Verdict propagate(Rule& rule, Workspace& workspace, Step& step, const Limits& limits, Anderson& acceleration) {
+Verdict propagate(Rule& rule, Workspace& workspace, Step& step, const Limits& limits, Anderson& acceleration,
+                  Watch& watch) {
   rule.begin(step);
+  watch.begin(step);
   acceleration.begin(step, rule.relaxes(), rule.changes_order());
   // A step ends with outputs of a sweep, as the host left them, where they are in contact or on rigid connections.
   const bool mixes_first = !step.constrained();
@@ -58,13 +60,18 @@ Verdict propagate(Rule& rule, Workspace& workspace, Step& step, const Limits& li
     const bool waited = step.waits;
     sweep(rule, step, acceleration);
     if (!acceleration.record(step)) return Verdict::diverging;
+    watch.after_sweep(step);
+    // Contacts have to be decided.
+    const bool is_over = watch.is_over() && !waited && !acceleration.went_back() && !step.is_provisional;
+    if (limits.exact_sweeps > 0 && is_over && step.sweeps < limits.exact_sweeps) return Verdict::out_of_time;
     if (limits.exact_sweeps > 0) continue;
     if (acceleration.went_back()) {
       // Forget contacts and forces of the outputs that were left.
       if (step.constrained()) workspace.host.begin_step(step.from, step.until);
       workspace.record.begin();
     }
-    if (mixes_first) acceleration.mix(step);
+    if (watch.is_over()) step.waits = false;
+    if (mixes_first && !is_over) acceleration.mix(step);  // a step ends with outputs of a sweep at a deadline, too
     Verdict verdict = acceleration.went_back() ? monitor.skip() : monitor.judge(step.differences.greatest);
     if (step.residual_decides && step.residual <= step.tolerance) return Verdict::settled;
     if (waited && verdict != Verdict::go_on) {
@@ -81,6 +88,10 @@ Verdict propagate(Rule& rule, Workspace& workspace, Step& step, const Limits& li
       }
     }
     if (verdict != Verdict::go_on) return verdict;
+    if (is_over) {
+      watch.take_best(step);
+      return Verdict::out_of_time;
+    }
     if (waited && !step.waits) monitor.forget();
     if (acceleration.contacts_changed()) monitor.expect_jump();
     if (!mixes_first) acceleration.mix(step);

@@ -6,6 +6,7 @@
 #include "anderson.hpp"
 #include "monitor.hpp"
 #include "rule.hpp"
+#include "watch.hpp"
 
 namespace springnet::recurrent {
 
@@ -19,13 +20,17 @@ struct Limits {
   return verdict == Verdict::settled || verdict == Verdict::go_on;
 }
 
+// Whether a step is taken as it is.
+[[nodiscard]] inline bool ends(Verdict verdict) noexcept { return settled(verdict) || verdict == Verdict::out_of_time; }
+
 // Whether the residual of the equation of motion is small enough for a settled step; needs Workspace::complete().
 [[nodiscard]] bool within_tolerance(const Step& step) noexcept;
 
 // A step has settled when the forces have and the residual of the equation of motion is small: a slow rule changes
-// little long before. The residual is evaluated only once the forces have settled, then less and less often.
+// little long before. The residual is evaluated only once the forces have settled, then less and less often. At a
+// deadline (Verdict::out_of_time, after one sweep at least) the outputs are the best until then.
 // acceleration: combines the outputs of the sweeps, if it is on.
 [[nodiscard]] Verdict propagate(Rule& rule, Workspace& workspace, Step& step, const Limits& limits,
-                                Anderson& acceleration);
+                                Anderson& acceleration, Watch& watch);
 
 }  // namespace springnet::recurrent

@@ -105,6 +105,7 @@ class Recurrent : public springnet::sdk::Integrator {
         acceleration_(accelerates_                   ? options.integer<std::size_t>("acceleration")
                       : update_ == Update::automatic ? automatic_depth
                                                      : 0),
+        watch_(host),
         threshold_(host, options["force_tolerance"], limits_.exact_sweeps > 0) {
     if (!accelerates_) return;
     if (limits_.exact_sweeps > 0)
@@ -114,6 +115,7 @@ class Recurrent : public springnet::sdk::Integrator {
   }
 
   springnet_status advance(double until, springnet_step_report& report);
+  void forget() noexcept;
   void limits(const springnet::sdk::LimitSink& sink) {
     attach();
     report_limits(
@@ -151,7 +153,7 @@ class Recurrent : public springnet::sdk::Integrator {
   Attempt propagate_again(Update update, Step& step);
   // Continuation: increasing time constants, each starting from the outputs of the one before.
   Attempt raise_time_constant(Step& step, const Attempt& last);
-  void take(const Step& step, bool is_settled);
+  void take(const Step& step, Verdict verdict);
   void subdivide(double until, int halvings, springnet_step_report& report);
   // Circumstances of a failed attempt, for its explanation.
   [[nodiscard]] Circumstances circumstances(const Step& step, const Attempt& attempt);
@@ -171,6 +173,7 @@ class Recurrent : public springnet::sdk::Integrator {
   bool accelerates_;  // by the scene
   Anderson acceleration_, no_acceleration_{0};
   std::optional<std::uint64_t> acceleration_revision_;  // of the network at the last attach()
+  Watch watch_;
   Threshold threshold_;
   Automatic automatic_;
   std::array<std::unique_ptr<Rule>, rules> rules_;
@@ -178,7 +181,7 @@ class Recurrent : public springnet::sdk::Integrator {
   std::optional<std::uint64_t> revision_;                     // at the workspace's last attach()
   State stage_;                                               // outputs of the last stage that settled
   std::uint64_t sweeps_ = 0, stages_ = 0, substeps_ = 0;      // in this call
-  double all_stages_ = 0.0, all_substeps_ = 0.0, accepted_ = 0.0;
+  double all_stages_ = 0.0, all_substeps_ = 0.0, accepted_ = 0.0, late_ = 0.0;
 };
 
 springnet_status Recurrent::advance(double until, springnet_step_report& report) {
@@ -197,6 +200,18 @@ springnet_status Recurrent::advance(double until, springnet_step_report& report)
   return SPRINGNET_OK;
 }
 
+// Counters of statistics, and which notes were given, stay: they tell of the run.
+void Recurrent::forget() noexcept {
+  work_.forget();
+  threshold_.forget();
+  automatic_.forget();
+  for (const std::unique_ptr<Rule>& rule : rules_)
+    if (rule) rule->forget();
+  attached_ = {};
+  revision_.reset();
+  acceleration_revision_.reset();
+}
+
 bool Recurrent::advance_to_event(double until, springnet_step_report& report) {
   const auto [from, start] = work_.host.committed();
   const double whole = until - from;
@@ -211,7 +226,7 @@ bool Recurrent::advance_to_event(double until, springnet_step_report& report) {
     if (work_.host.network().revision != revision) return false;
     step.decides = false;
     const Attempt attempt = propagate_from_start(step);
-    if (!settled(attempt.verdict)) return false;
+    if (!settled(attempt.verdict)) return false;  // or out of time: too late to locate an event
     fill(report, step, attempt);
     const bool crossed = crossings_.evaluate(work_.host, time, *step.outputs);
     if (evaluations == 0)
@@ -225,7 +240,7 @@ bool Recurrent::advance_to_event(double until, springnet_step_report& report) {
     }
     if (!crossings_.any()) {
       if (time == until) {
-        take(step, true);
+        take(step, Verdict::settled);
         return true;
       }
       // Nodes that pass an obstacle between the probes: leave them to a step that decides contacts itself.
@@ -233,14 +248,14 @@ bool Recurrent::advance_to_event(double until, springnet_step_report& report) {
     }
     // Within rounding, an event seen in a longer step may not occur in this one: take the step.
     if (!crossed && last) {
-      take(step, true);
+      take(step, Verdict::settled);
       return true;
     }
     const bool narrow = crossings_.high() - crossings_.low() <= time_of_event * whole || evaluations >= max_evaluations;
     if (crossed && (narrow || time <= from + min_part * whole)) {
       work_.host.fire_events(time, *step.outputs, crossings_.fired());
       step.evaluated = false;
-      take(step, true);
+      take(step, Verdict::settled);
       work_.host.report("located_events", ++all_events_);
       return true;
     }
@@ -271,15 +286,15 @@ springnet_status Recurrent::advance_once(double until, springnet_step_report& re
   Attempt attempt = propagate_from_start(step);
   // An automatically chosen rule may use continuation, too: the scene prescribes no path to the fixed point.
   const bool may_raise = unsettled_ == Unsettled::adapt || update_ == Update::automatic;
-  if (!settled(attempt.verdict) && may_raise) {
+  if (!ends(attempt.verdict) && may_raise) {
     attempt = raise_time_constant(step, attempt);
     // Report, or accept, the step with its own time constant.
-    if (!settled(attempt.verdict) && unsettled_ != Unsettled::adapt)
+    if (!ends(attempt.verdict) && unsettled_ != Unsettled::adapt)
       attempt = propagate_again(update_ == Update::automatic ? Update::newton : attempt.update, step);
   }
   fill(report, step, attempt);
-  if (settled(attempt.verdict) || (unsettled_ == Unsettled::accept && step.finite)) {
-    take(step, settled(attempt.verdict));
+  if (ends(attempt.verdict) || (unsettled_ == Unsettled::accept && step.finite)) {
+    take(step, attempt.verdict);
     return SPRINGNET_OK;
   }
   if (unsettled_ != Unsettled::adapt)
@@ -343,25 +358,25 @@ Attempt Recurrent::propagate_with(Update update, Step& step, std::uint64_t max_s
   attempt.update = update;
   step.sweeps = 0;
   step.differences = {};
-  step.keeps_order = step.waits = false;
+  step.keeps_order = step.waits = step.is_provisional = false;
   step.relaxation = 1.0;
   step.start_node = no_node;
   step.finite = true;
   step.evaluated = false;
   step.residual_decides = false;
-  step.residual = std::numeric_limits<double>::quiet_NaN();
+  step.residual = step.norm = step.rate = std::numeric_limits<double>::quiet_NaN();
   try {
     work_.know_start_acceleration(step);
     work_.set_free_motion(step);
     attempt.verdict =
-        propagate(rule(update), work_, step, {max_sweeps, limits_.exact_sweeps}, acceleration_for(update));
+        propagate(rule(update), work_, step, {max_sweeps, limits_.exact_sweeps}, acceleration_for(update), watch_);
     const bool stalled = attempt.verdict == Verdict::oscillating || attempt.verdict == Verdict::out_of_sweeps;
     if (stalled && settles_to_rounding(step)) attempt.verdict = Verdict::settled;
-    const bool taken = settled(attempt.verdict) || unsettled_ == Unsettled::accept;
+    const bool taken = ends(attempt.verdict) || unsettled_ == Unsettled::accept;
     if (step.finite && taken && !single_sweep(step)) work_.complete(step);
     // Rules that may diverge.
     const bool explicit_rule = update == Update::synchronous || update == Update::wavefront;
-    if (attempt.verdict == Verdict::settled && explicit_rule) {
+    if ((attempt.verdict == Verdict::settled || attempt.verdict == Verdict::out_of_time) && explicit_rule) {
       if (const std::uint32_t node = work_.spurious_contact(step); node != no_node) {
         attempt.verdict = Verdict::diverging;
         attempt.law_message = "the sweeps put node " + std::to_string(step.network.user_number[node]) +
@@ -391,7 +406,7 @@ Attempt Recurrent::propagate_from_start(Step& step) {
   const Update chosen = automatic_.choose(work_, step);
   const std::uint64_t most = std::min(limits_.max_sweeps, automatic_patience);
   Attempt attempt = propagate_with(chosen, step, most);
-  for (std::optional<Update> next = Automatic::after(chosen); next && !settled(attempt.verdict);
+  for (std::optional<Update> next = Automatic::after(chosen); next && !ends(attempt.verdict);
        next = Automatic::after(*next)) {
     attempt = propagate_again(*next, step);
   }
@@ -429,6 +444,11 @@ Attempt Recurrent::raise_time_constant(Step& step, const Attempt& last) {
       copy(view(step.outputs->position), stage_->position, step.network.node_count);
       copy(view(step.outputs->velocity), stage_->velocity, step.network.node_count);
       reached = next;
+    } else if (attempt.verdict == Verdict::out_of_time) {
+      // Not the step's own solution, nor time for more than a sweep of it.
+      step.time_constant = full;
+      if (next < full) attempt = propagate_again(last.update, step);
+      break;
     } else if (reached == 0.0) {
       if (++small > max_small_stages) break;
       next *= 0.5;
@@ -444,12 +464,15 @@ Attempt Recurrent::raise_time_constant(Step& step, const Attempt& last) {
   return attempt;
 }
 
-void Recurrent::take(const Step& step, bool is_settled) {
+void Recurrent::take(const Step& step, Verdict verdict) {
   springnet_state& result = *step.outputs;
   result.force_is_current = step.evaluated ? 1 : 0;
   work_.committed(step);
   work_.host.commit(step.until, result);
-  if (!is_settled) work_.host.report("unsettled_steps", ++accepted_);
+  if (verdict == Verdict::out_of_time)
+    work_.host.report("out_of_time_steps", ++late_);
+  else if (!settled(verdict))
+    work_.host.report("unsettled_steps", ++accepted_);
 }
 
 void Recurrent::subdivide(double until, int halvings, springnet_step_report& report) {
@@ -457,14 +480,14 @@ void Recurrent::subdivide(double until, int halvings, springnet_step_report& rep
   const Attempt attempt = propagate_from_start(step);
   const springnet_step_report before = report;
   fill(report, step, attempt);
-  if (settled(attempt.verdict)) {
+  if (ends(attempt.verdict)) {
     // The report has the worst of the smaller steps.
     if (substeps_ > 0 && before.residual > report.residual) {
       report.residual = before.residual;
       report.force_difference = before.force_difference;
       report.node = before.node;
     }
-    take(step, true);
+    take(step, attempt.verdict);
     report.substeps = ++substeps_;
     work_.host.report("substeps", ++all_substeps_);
     return;
@@ -514,6 +537,7 @@ void Recurrent::fill(springnet_step_report& report, const Step& step, const Atte
   report.node = step.differences.node == no_node ? 0 : step.differences.node;
   report.start_node = step.start_node;
   report.stages = stages_;
+  report.position_error = watch_.position_error(step);
   report.substeps = substeps_;
 }
 

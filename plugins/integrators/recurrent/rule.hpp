@@ -20,6 +20,8 @@ class Rule {
 
   // After every change of network.revision.
   virtual void attach(const springnet_network& network) = 0;
+  // Drops all that is kept from step to step and influences results; attach() follows.
+  virtual void forget() noexcept {}
   // Before the first sweep of a step, or of a stage of it: step.outputs are where the propagation starts.
   virtual void begin(Step& step) = 0;
   // Whether sweeps heed step.relaxation.

@@ -40,6 +40,10 @@ struct Step {
   std::uint32_t start_node = no_node;
   bool finite = true;
   double residual = std::numeric_limits<double>::quiet_NaN();  // N
+  // sqrt(sum m |r|^2) of the residual r = U - v* - w a, kg^1/2 m/s, where `evaluated`; and the reduction of it by the
+  // last sweep, if the rule knows that.
+  double norm = std::numeric_limits<double>::quiet_NaN(), rate = std::numeric_limits<double>::quiet_NaN();
+  bool is_provisional = false;    // outputs are only where a search begins: not for a state, whatever the time
   bool residual_decides = false;  // the residual alone, which the rule has set, tells whether the step has settled
 
   [[nodiscard]] double weight() const noexcept { return theta * time_constant; }

@@ -21,6 +21,11 @@ class Threshold {
   // Sets tolerance and rounding of a step that begins. estimates: the rule needs derivatives anyway, so the
   // rounding is estimated at the first step and again every steps_per_estimate steps.
   void begin(Step& step, bool estimates);
+  // Forgets the estimate: the next step makes its own.
+  void forget() noexcept {
+    rounding_.forget();
+    steps_since_estimate_ = steps_per_estimate;
+  }
   // For outputs at which a step has stalled: whether their differences are rounding; if so, it becomes the threshold.
   [[nodiscard]] bool is_rounding(Step& step);
 

@@ -128,6 +128,7 @@ void Workspace::complete(Step& step) {
     outputs.internal[i] += step.time_constant * internal_rate_[i];
   }
   step.residual = std::sqrt(residual(step, outputs).square);
+  step.norm = step.time_constant * residual_norm_;
   step.finite = std::isfinite(step.residual);
   step.evaluated = true;
 }
@@ -177,6 +178,7 @@ Greatest Workspace::residual(const Step& step, const springnet_state& at) {
   const springnet_vectors& u = at.velocity;
   const double h = step.time_constant, theta = step.theta;
   Greatest greatest;
+  double sum = 0.0;
   for (std::uint32_t k = 0; k < network.node_count; ++k) {
     if (constrained ? pinned_[k] != 0 : network.fixed[k] != 0) continue;
     const double m = network.mass[k];
@@ -188,8 +190,11 @@ Greatest Workspace::residual(const Step& step, const springnet_state& at) {
       y -= theta * constraint_force_.y[k];
       z -= theta * constraint_force_.z[k];
     }
-    greatest.offer(x * x + y * y + z * z, k, network.user_number);
+    const double square = x * x + y * y + z * z;
+    greatest.offer(square, k, network.user_number);
+    sum += square / m;
   }
+  residual_norm_ = std::sqrt(sum);
   return greatest;
 }
 

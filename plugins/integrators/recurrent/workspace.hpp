@@ -33,6 +33,12 @@ class Workspace {
   // Call before a commit: keeps the accelerations at its outputs, if evaluated, for the next start.
   void committed(const Step& step);
 
+  // Forgets them, and the constraint forces: what was kept from the steps before.
+  void forget() noexcept {
+    known_.reset();
+    forget_constraint_force();
+  }
+
   // A state for outputs other than these two.
   [[nodiscard]] springnet_state& state_beside(const springnet_state* one,
                                               const springnet_state* other = nullptr) const noexcept {
@@ -54,6 +60,8 @@ class Workspace {
   // Residual m ((U - v*) / h - theta a) - theta c of nodes that are not pinned, N; c: constraint forces of the last
   // sweep. Needs evaluate(). Sets free_acceleration().
   [[nodiscard]] Greatest residual(const Step& step, const springnet_state& at);
+  // After it: sqrt(sum |residual|^2 / m), N kg^-1/2.
+  [[nodiscard]] double residual_norm() const noexcept { return residual_norm_; }
 
   // The part of residual() that sets free_acceleration(), from the last evaluate().
   void free_accelerations(const Step& step) {
@@ -89,6 +97,7 @@ class Workspace {
   using Revisions = std::pair<std::uint64_t, std::uint64_t>;
   [[nodiscard]] Revisions revisions(const Step& step) const { return {step.network.revision, host.load_revision()}; }
   std::optional<Revisions> known_;
+  double residual_norm_ = 0.0;
   double evaluations_ = 0.0;  // besides the sweeps
 };
 

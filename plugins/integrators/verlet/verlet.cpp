@@ -92,6 +92,12 @@ class Verlet : public Integrator {
     return SPRINGNET_OK;
   }
 
+  void forget() noexcept {
+    revisions_.reset();
+    checked_step_ = 0.0;
+    checked_revision_ = steps_since_check_ = 0;
+  }
+
   void limits(const LimitSink& sink) {
     if (is_any_sliding()) {
       sink.unknown("", "nodes slide on an obstacle, and the effect of their friction on the limit is not known");

@@ -8,6 +8,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <exception>
+#include <limits>
 #include <memory>
 #include <new>
 #include <optional>
@@ -305,6 +306,12 @@ class Host {
     solve.accuracy = accuracy;
     check(table_->solve_system(table_->context, &solve));
     return {solve.outcome, solve.residual, solve.iterations};
+  }
+
+  // Wall time left for this advance(), s: infinity without a deadline, and with an older host; below 0 after it.
+  [[nodiscard]] double time_left() const noexcept {
+    if (!SPRINGNET_HAS_FIELD(springnet_host, table_, time_left)) return std::numeric_limits<double>::infinity();
+    return table_->time_left(table_->context);
   }
 
   // Reports a number for the summary, under `name`.

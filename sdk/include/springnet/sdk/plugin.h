@@ -544,10 +544,20 @@ typedef struct springnet_host {
   /* Solves it among the changes that rigid connections and surfaces allow. SPRINGNET_RECOVERABLE if the matrix is
    * singular. */
   springnet_status (*solve_system)(void* context, springnet_linear_solve* solve);
+  /* Wall time left until the present `advance` should end, s: infinity if it has no deadline, below 0 after it. Then a
+   * method commits the best it has, with the outcome SPRINGNET_OUT_OF_TIME. solve_system ends soon after the deadline,
+   * with SPRINGNET_STALLED and an x on the way. */
+  double (*time_left)(void* context);
 } springnet_host;
 
 /* How a time step ended. */
-enum { SPRINGNET_SETTLED = 0, SPRINGNET_OSCILLATING = 1, SPRINGNET_OUT_OF_SWEEPS = 2, SPRINGNET_DIVERGING = 3 };
+enum {
+  SPRINGNET_SETTLED = 0,
+  SPRINGNET_OSCILLATING = 1,
+  SPRINGNET_OUT_OF_SWEEPS = 2,
+  SPRINGNET_DIVERGING = 3,
+  SPRINGNET_OUT_OF_TIME = 4 /* since 1.5: committed at the deadline, not settled */
+};
 
 typedef struct springnet_step_report {
   uint32_t struct_size;
@@ -561,6 +571,8 @@ typedef struct springnet_step_report {
   /* since 1.1 */
   uint64_t substeps; /* smaller time steps made in place of steps that did not settle */
   uint64_t stages;   /* smaller time constants passed on the way to the full one */
+  /* since 1.5 */
+  double position_error; /* m, estimated greatest distance of a node from the settled step; nan: not estimated */
 } springnet_step_report;
 
 /* Since 1.4. Whether there is a largest time step. */
