@@ -36,7 +36,7 @@ LinearModel::~LinearModel() = default;
 
 void LinearModel::forget() noexcept {
   sweep_.reset();
-  at_hand_ = factorised_ = indefinite_ = false;
+  at_hand_ = indefinite_ = false;
   topology_changed();
 }
 
