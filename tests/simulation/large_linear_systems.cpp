@@ -201,7 +201,7 @@ TEST_CASE("exact systems, sliding nodes, rods, elements and viscosities across t
 }
 
 TEST_CASE("the same bits for every number of threads and instruction set, without a matrix") {
-  const Network net = lattice(24, 2e4, 1.0);  // more than 100,000 springs
+  const Network net = lattice(29, 2e4, 1.0);  // more than 100,000 springs
   REQUIRE(PreparedSystem(net).engine.model().layout.units().size() >= 3);
   check_same_bits(net, false, 1e-3, 1e-6);
 }
