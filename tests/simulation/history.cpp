@@ -185,9 +185,28 @@ TEST_CASE("after drop_history the steps are those of a new integrator, bit by bi
   history_matters(net, with({"verlet", {}}, 0.002));
 }
 
+TEST_CASE("drop_history drops the estimate of the forces' rounding") {
+  // Of the start, where the chain is short and slow; the threshold is below it.
+  Network net = chain(8, {100.0, 0, 0}, {0.1, 0, 0}, damped(1e4, 5.0), 0.1);
+  net.fix(0);
+  net.set_gravity({0, 0, -9.81});
+  CHECK(history_matters(net, with(recurrent(newton, 1e-13), 0.02)));
+}
+
+TEST_CASE("drop_history drops the rule that was chosen") {
+  // Springs that stiffen as they are stretched: synchronous sweeps at the start, Newton's method later.
+  Network net;
+  const MaterialIndex hardening =
+      net.add_material({LawUse{"nonlinear", {{"stiffness", 10.0}, {"cubic", 4000.0}, {"quintic", 0.0}}}, std::nullopt});
+  for (NodeIndex k = 0; k < 5; ++k) net.add_node(point({static_cast<double>(k), 0, 0}, 1.0, {4.0 * k, 0, 0}));
+  for (NodeIndex k = 0; k + 1 < 5; ++k) net.add_spring(k, k + 1, hardening);
+  net.fix(0);
+  CHECK(history_matters(net, with(recurrent(automatic, 0.0), 0.012)));
+}
+
 TEST_CASE("after drop_history random nets go on as with a new integrator") {
   int mattered = 0;
-  for (std::uint64_t seed = 1; seed <= 10; ++seed) {
+  for (std::uint64_t seed = 1; seed <= 4; ++seed) {
     CAPTURE(seed);
     const Network net = RandomNet(seed).network;
     for (const double theta : {1.0, 0.5}) {
@@ -198,10 +217,9 @@ TEST_CASE("after drop_history random nets go on as with a new integrator") {
             net, with(recurrent(rule, 0.0, {{"theta", theta}, {"unsettled", on_unsettled_adapt}}), 0.01));
       }
     }
-    if (seed <= 3) history_matters(net, with(cvode(1e-5), 0.01));
     history_matters(net, with({"verlet", {{"substeps", 20}}}, 0.002));
   }
-  CHECK(mattered > 10);
+  CHECK(mattered > 4);
 }
 
 // Large enough for the system without its matrix.
