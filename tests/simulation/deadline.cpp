@@ -147,6 +147,20 @@ TEST_CASE("a deadline ends the solution of a linear system") {
   CHECK(whole.statistics().at("krylov_iterations") > 32.0);
 }
 
+TEST_CASE("a step without time has the same bits for every number of threads") {
+  const Network net = hanging_lattice(16);
+  const auto run = [&net](unsigned threads) {
+    SimulationOptions options;
+    options.integrator = recurrent(newton, 0.0);
+    options.time_step = 0.02;
+    options.threads = threads;
+    Simulation simulation(net, plugins(), options);
+    for (int i = 0; i < 3; ++i) simulation.step_within(0.0);
+    return Eigen::MatrixXd(simulation.positions());
+  };
+  CHECK((run(1) == run(2)));
+}
+
 TEST_CASE("a time for a step is a number of seconds") {
   Simulation simulation = simulate(swinging_rods(), recurrent(newton, 0.0), 0.02);
   for (const double wrong : {-1.0, std::nan("")}) CHECK_THROWS_AS(simulation.step_within(wrong), Error);
