@@ -72,7 +72,8 @@ springnet_status advance(void* integrator, double until, springnet_step_report* 
   return step(static_cast<Instance*>(integrator)->host, until, report, misbehave);
 }
 
-constexpr springnet_integrator implementation{sizeof(springnet_integrator), 0, create, destroy, advance, nullptr, nullptr};
+constexpr springnet_integrator implementation{
+    sizeof(springnet_integrator), 0, create, destroy, advance, nullptr, nullptr};
 constexpr springnet_component component{
     sizeof(springnet_component), SPRINGNET_INTEGRATOR, "hostile", "", "", 0, 0, nullptr, &implementation};
 constexpr const springnet_component* components[] = {&component};

@@ -30,7 +30,8 @@ class IterativeSolver {
   // Sets up the preconditioner.
   void prepare(const BlockSystem& system, BlockPreconditioner::Kind kind, const MakeProjection& make_projection);
   // Solves S x = b to `accuracy`: of the norm of M^-1/2 (b - S x), or with constraint rows of the preconditioned
-  // residual. [node][3] and one more number; b is zero for nodes that do not move.
+  // residual. Without symmetry it stalls if the norm does not follow the preconditioned residual soon, which it then
+  // answers. [node][3] and one more number; b is zero for nodes that do not move.
   [[nodiscard]] SolveAnswer solve(const BlockSystem& system, bool symmetric, double accuracy,
                                   std::uint32_t max_iterations, const std::vector<double>& b, std::vector<double>& x);
   [[nodiscard]] const BlockPreconditioner& preconditioner() const noexcept { return preconditioner_; }

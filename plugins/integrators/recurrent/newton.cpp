@@ -28,8 +28,8 @@ constexpr int max_age = 10;
 // Renewing them costs about as much as these iterations of a linear solve; a sweep costs those of its solve and some
 // more. Derivatives at hand reduce the residual by this at best, as the first solves are no more accurate.
 constexpr double cost_of_renewal = 10.0, cost_of_sweep = 3.0, best_rate = 0.015;
-// A step from a guess that has not settled after this many sweeps starts again from its start: a guess may lead contacts
-// into a cycle.
+// A step from a guess that has not settled after this many sweeps starts again from its start: a guess may lead
+// contacts into a cycle.
 constexpr std::uint64_t patience_with_guess = 12;
 // Steps in which systems are exact after an approximate one has converged slowly.
 constexpr int max_exact_steps = 16;

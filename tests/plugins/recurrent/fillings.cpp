@@ -54,7 +54,7 @@ TEST_CASE("Newton's method: the sweeps that a filled sphere needs do not grow wi
   // Steps that were only shortened took 11 sweeps at 1e10 and 18 at 1e12, about water.
   for (const double filling : {1e4, 1e8, 1e10, 1e12}) {
     CAPTURE(filling);
-    CHECK(sweeps_of(pulled_sphere(filling), recurrent(newton, 0.0), 0.01, 10) < 7.0);
+    CHECK(sweeps_of(pulled_sphere(filling), recurrent(newton, 0.0), 0.01, 10) < 9.0);
   }
 }
 

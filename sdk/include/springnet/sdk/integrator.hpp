@@ -116,13 +116,9 @@ struct IntegratorGlue {
     });
   }
   static constexpr bool has_forget = requires(Component & component) { component.forget(); };
-  static constexpr springnet_integrator implementation{sizeof(springnet_integrator),
-                                                       0,
-                                                       &create,
-                                                       &destroy,
-                                                       &advance,
-                                                       has_limits ? &limits : nullptr,
-                                                       has_forget ? &forget : nullptr};
+  static constexpr springnet_integrator implementation{
+      sizeof(springnet_integrator),  0, &create, &destroy, &advance, has_limits ? &limits : nullptr,
+      has_forget ? &forget : nullptr};
 
  private:
   struct Instance {

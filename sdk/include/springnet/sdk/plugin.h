@@ -417,9 +417,9 @@ typedef struct springnet_linear_system {
   uint32_t struct_size;
   /* 1: A exactly. 0: the host may leave out parts of it that are small and costly, such as what is not symmetric. */
   uint32_t exact;
-  double velocity_weight;        /* s */
-  double position_weight;        /* s^2 */
-  double shift;                  /* 1, at least 0 */
+  double velocity_weight;         /* s */
+  double position_weight;         /* s^2 */
+  double shift;                   /* 1, at least 0 */
   const springnet_evaluation* at; /* the state; null: that of the last `linearise`, and exactly */
 } springnet_linear_system;
 
@@ -429,7 +429,9 @@ enum {
   /* The iteration met a direction in which the matrix has negative curvature: x is the iterate before, 0 if there is
    * none. A greater shift makes the matrix definite. */
   SPRINGNET_TRUNCATED = 1,
-  SPRINGNET_STALLED = 2 /* x is not accurate */
+  /* x is not as accurate as asked for; `residual` may be that of the preconditioned system, which a stiff filling does
+   * not dominate as it does the residual */
+  SPRINGNET_STALLED = 2
 };
 
 /* Since 1.5. Solves A x = right_side with the system prepared last. */
