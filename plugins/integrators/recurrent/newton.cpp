@@ -99,7 +99,12 @@ void Newton::begin(Step& step) {
   rate_ = kept_rate_;
   std::copy_n(network.status, network.node_count, status_.begin());
   guessed_ = step.outputs == nullptr && start_from_guess(step);
-  start(step);
+  try {
+    start(step);
+  } catch (const sdk::Failure& failure) {
+    if (!guessed_ || !failure.recoverable()) throw;
+    start_again(step);  // a law has no finite force at the guess
+  }
 }
 
 // Puts nodes that move freely where earlier steps lead. False: there is no guess, and outputs are those of the start.
@@ -399,7 +404,13 @@ void Newton::sweep(Step& step) {
   for (int tries = 1;; ++tries) {
     springnet_state& start = *step.outputs;
     springnet_state& candidate = work_.state_beside(&start);
-    if (!advance(step, candidate)) {
+    bool advanced = false;
+    try {
+      advanced = advance(step, candidate);
+    } catch (const sdk::Failure& failure) {
+      if (!guessed_ || !first_ || !failure.recoverable()) throw;  // else: no finite derivatives at the guess
+    }
+    if (!advanced) {
       start_again(step);
       continue;
     }
