@@ -44,7 +44,11 @@ std::vector<std::string> vtk_series_files(const OutputFolder& folder) {
           std::string_view(name).substr(stem.size(), name.size() - stem.size() - ending.size());
       return digits.find_first_not_of("0123456789") == std::string_view::npos;
     };
-    if (name == index_name || is(net_stem, ".vtu") || is(surface_stem, ".vtp")) files.push_back(name);
+    // The index first, so that no run that is killed while it removes them leaves one that lists missing pictures.
+    if (name == index_name)
+      files.insert(files.begin(), name);
+    else if (is(net_stem, ".vtu") || is(surface_stem, ".vtp"))
+      files.push_back(name);
   }
   return files;
 }
