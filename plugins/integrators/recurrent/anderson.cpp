@@ -14,8 +14,8 @@ namespace {
 constexpr double max_growth = 10.0;
 constexpr double max_first_growth = 2.0;
 constexpr std::size_t slopes_after_first = 4;
-constexpr double near = 1e-3;    // to the solution: residual over the greatest one
-constexpr double min_way = 0.1;  // over the residual
+constexpr double near = 1e-3;       // to the solution: residual over the greatest one
+constexpr double min_change = 0.1;  // of the outputs, over the residual
 constexpr double less_relaxation = 0.25;
 constexpr double infinity = std::numeric_limits<double>::infinity();
 constexpr double milestone_share = 0.5;
@@ -144,7 +144,7 @@ bool Anderson::record(Step& step) {
   const double limit = std::isfinite(best_norm_) ? max_growth : max_first_growth;
   const bool grew = !std::isfinite(norm) || norm > limit * least;
   const bool stalls = ++since_best_ > patience;
-  // A wave may go on too far without diverging; then it settles sooner on shorter ways.
+  // A wave may go on too far without diverging; then shorter moves settle sooner.
   const bool overshoots = relaxes_ && later_steepest_ > max_steepness;
   if (grew || stalls || overshoots) {
     stalls_ += stalls ? 1 : 0;
@@ -193,10 +193,11 @@ void Anderson::add_difference(const std::vector<double>& nodes) {
   const double moved = dot(dx, dx), changed = dot(df, df);
   const bool was_first = std::exchange(first_, false);
   if (!(moved > 0.0 && changed > 0.0)) return;
-  // Other nodes, which a step or a contact puts in place, may have changed the residual much more than this way did.
+  // Other nodes, which a step or a contact puts in place, may have changed the residual much more than these changes
+  // did.
   const bool is_clean = !was_first && &nodes == &root_;
-  if (!is_clean && moved < min_way * min_way * dot(next_, next_)) return;
-  // A long way at the start, or at a change of contact, may be steeper than the network near the solution.
+  if (!is_clean && moved < min_change * min_change * dot(next_, next_)) return;
+  // Great changes at the start, or at a change of contact, may be steeper than the network near the solution.
   if (++slopes_ == slopes_after_first) steepest_ = later_steepest_;
   const double slope = std::sqrt(changed / moved);
   steepest_ = std::max(steepest_, slope);

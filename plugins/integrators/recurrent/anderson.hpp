@@ -72,7 +72,6 @@ class Anderson {
   std::vector<double> best_position_, best_velocity_, best_residual_;  // of the sweep with the smallest |f|
   std::vector<std::vector<double>> x_, f_;                             // [depth][3n] differences, in a ring
   std::array<std::array<double, max_depth>, max_depth> gram_{};        // DF^T DF, by slot
-  std::array<double, max_depth> projected_{};                          // DF^T f, by slot
   std::array<double, max_depth> coefficients_{};                       // c, by age
   std::size_t count_ = 0, newest_ = 0;                                 // differences
   bool has_last_ = false;   // residual_ and input_ are those of a sweep that a difference can begin from

@@ -30,6 +30,11 @@ class Newton final : public Rule {
   [[nodiscard]] bool has_linear_sweep() const noexcept override { return false; }
 
  private:
+  // Derivatives are kept, from step to step too, while each sweep reduces the residual to this share, but not for more
+  // steps than these.
+  static constexpr double fast_convergence = 0.3;
+  static constexpr int max_age = 10;
+
   // Residuals of outputs. Arrays of 3 n numbers have x of all nodes first.
   struct Assessment {
     std::vector<double> free;      // [3n] U - v* - w a, m/s
