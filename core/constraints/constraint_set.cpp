@@ -149,15 +149,16 @@ springnet_status ConstraintSet::constrain_clusters(const Placement& end, const s
 }
 
 void ConstraintSet::linearise(const Placement& at, const springnet_const_vectors& position) {
-  factorised_ = false;
-  rows_ = rigid_.rows(position);
+  linearised_.factorised = false;
+  linearised_.rows = rigid_.rows(position);
   for (std::uint32_t k = 0; !contact_.obstacles().empty() && k < mass_.size(); ++k) {
     const Touch& touch = contact_.now(k);
     if (!touch.slides || contact_.fixed()[k] != 0) continue;
     for (const std::int32_t surface : touch.surfaces())
       if (surface >= 0)
-        rows_.push_back({k, ConstraintRow::no_node,
-                         contact_.normal(at, static_cast<std::size_t>(surface), vector_at(position, k)), surface});
+        linearised_.rows.push_back({k, ConstraintRow::no_node,
+                                    contact_.normal(at, static_cast<std::size_t>(surface), vector_at(position, k)),
+                                    surface});
   }
 }
 
@@ -191,20 +192,37 @@ void ConstraintSet::project_change(const double* mobility, double* values) {
     if (contact_.constrained()[k] == 0) continue;
     for (std::size_t c = 0; c < 3; ++c) values[c * n + k] = 0.0;
   }
-  if (rows_.empty()) return;
+  if (linearised_.rows.empty()) return;
   const std::size_t wanted = mobility == nullptr ? 0 : 9 * n;
-  const bool same =
-      factorised_ && mobility_.size() == wanted && std::equal(mobility_.begin(), mobility_.end(), mobility);
+  const bool same = linearised_.factorised && linearised_.mobility.size() == wanted &&
+                    std::equal(linearised_.mobility.begin(), linearised_.mobility.end(), mobility);
   if (!same) {
-    mobility_.assign(mobility, mobility + wanted);
-    system_.set(rows_, [&](std::uint32_t node) -> Matrix3 {
+    linearised_.mobility.assign(mobility, mobility + wanted);
+    linearised_.system.set(linearised_.rows, [&](std::uint32_t node) -> Matrix3 {
       if (mobility == nullptr || contact_.constrained()[node] != 0) return rigid_.mobility(node);
       return Eigen::Map<const Eigen::Matrix<double, 3, 3, Eigen::RowMajor>>(mobility + 9 * std::size_t{node});
     });
-    factorised_ = true;
+    linearised_.factorised = true;
   }
   const auto at = [&](std::uint32_t k) { return Vector3(values[k], values[n + k], values[2 * n + k]); };
-  system_.for_each_change(system_.solve(-system_.rates(at)), [&](std::uint32_t node, const Vector3& change) {
+  linearised_.system.for_each_change(linearised_.system.solve(-linearised_.system.rates(at)),
+                                     [&](std::uint32_t node, const Vector3& change) {
+                                       for (std::size_t c = 0; c < 3; ++c)
+                                         values[c * n + node] += change[static_cast<Eigen::Index>(c)];
+                                     });
+}
+
+void ConstraintSet::add_rates(const std::function<double(const ConstraintRow&)>& rate, double* values) {
+  const std::size_t n = mass_.size();
+  ConstraintSystem system;
+  system.set(linearised_.rows, [&](std::uint32_t node) -> Matrix3 {
+    return contact_.constrained()[node] != 0 ? Matrix3(Matrix3::Zero()) : rigid_.mobility(node);
+  });
+  const auto at = [&](std::uint32_t k) { return Vector3(values[k], values[n + k], values[2 * n + k]); };
+  Eigen::VectorXd missing = -system.rates(at);
+  for (std::size_t r = 0; r < system.rows().size(); ++r)
+    missing[static_cast<Eigen::Index>(r)] += rate(system.rows()[r]);
+  system.for_each_change(system.solve(missing), [&](std::uint32_t node, const Vector3& change) {
     for (std::size_t c = 0; c < 3; ++c) values[c * n + node] += change[static_cast<Eigen::Index>(c)];
   });
 }
@@ -215,7 +233,7 @@ layers::Projection ConstraintSet::projection(const std::vector<double>& mobility
     if (contact_.constrained()[node] != 0) return Matrix3::Zero();
     return Eigen::Map<const Matrix3>(mobility.data() + 9 * std::size_t{node});
   };
-  system->set(rows_, of);
+  system->set(linearised_.rows, of);
   layers::Projection result;
   result.change = [system](double* values) {
     const auto at = [values](std::uint32_t k) { return Eigen::Map<Vector3>(values + 3 * std::size_t{k}); };

@@ -4,6 +4,8 @@
 #pragma once
 
 #include <cstdint>
+#include <functional>
+#include <utility>
 #include <vector>
 
 #include <springnet/sdk/plugin.h>
@@ -76,7 +78,18 @@ class ConstraintSet {
   // ---- small changes of a state ----
   // Stores the constraint rows at these positions: rods first, then the surfaces on which nodes slide.
   void linearise(const Placement& at, const springnet_const_vectors& position);
-  [[nodiscard]] const std::vector<ConstraintRow>& rows() const noexcept { return rows_; }
+  [[nodiscard]] const std::vector<ConstraintRow>& rows() const noexcept { return linearised_.rows; }
+  // What linearise() stored, so that it can be set aside and put back.
+  struct Linearised {
+    std::vector<ConstraintRow> rows;
+    bool factorised = false;
+    std::vector<double> mobility;  // with which the system was factorised; empty: 1/mass
+    ConstraintSystem system;
+  };
+  void exchange(Linearised& other) { std::swap(linearised_, other); }
+  // The smallest change of velocities ([3 node], by components; weighted with the masses) that gives the rows, as they
+  // are now, these rates, m/s.
+  void add_rates(const std::function<double(const ConstraintRow&)>& rate, double* values);
   // Geometric stiffness of a rod at this tension (N), N/m: minus the derivative of its force on the first end with
   // respect to that end's position, at constant tension. The multipliers carry changes of the tension.
   [[nodiscard]] Matrix3 rod_geometric_stiffness(std::size_t rod, const springnet_const_vectors& position,
@@ -102,10 +115,7 @@ class ConstraintSet {
   const std::vector<double>& mass_;
   Contact contact_;
   RigidConnections rigid_;
-  std::vector<ConstraintRow> rows_;
-  bool factorised_ = false;
-  std::vector<double> mobility_;  // with which system_ was factorised; empty: 1/mass
-  ConstraintSystem system_;
+  Linearised linearised_;
 };
 
 }  // namespace springnet

@@ -84,6 +84,13 @@ double Contact::next_change(double time) const {
   return next;
 }
 
+double Contact::next_change_of_scene(double time) const {
+  double next = prescribed_.next_change_of_scene(time);
+  for (const Obstacle& surface : obstacles_)
+    next = std::min(next, surface.told() ? surface.next_change_of_turn(time) : surface.next_change(time));
+  return next;
+}
+
 Vector3 Contact::impulse(std::uint32_t node) const { return impulse_.empty() ? Vector3::Zero() : impulse_[node]; }
 
 void Contact::refresh(std::uint32_t node) {

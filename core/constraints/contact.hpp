@@ -48,6 +48,8 @@ class Contact {
   [[nodiscard]] const std::shared_ptr<const Placement>& at(const SampleTime& time) const;
   // The next time after `time` at which the velocity or acceleration of a prescribed motion may jump; s.
   [[nodiscard]] double next_change(double time) const;
+  // The same of motions of the scene, not those that set_trajectory() and set_motion() gave.
+  [[nodiscard]] double next_change_of_scene(double time) const;
 
   // [node], 1 if: fixed or prescribed; held by a surface in the committed state; in contact in the committed state.
   [[nodiscard]] const std::vector<std::uint8_t>& fixed() const noexcept { return fixed_; }

@@ -64,7 +64,10 @@ class Obstacle {
   void set_trajectory(Trajectory trajectory) {
     trajectory_ = std::move(trajectory);
     looks_sampled_ = false;
+    told_ = true;
   }
+  // Its motion was set since the start, by the embedding program.
+  [[nodiscard]] bool told() const noexcept { return told_; }
   // Its motion or turn is a linear table that looks sampled from a smooth function.
   [[nodiscard]] bool looks_sampled() const noexcept { return looks_sampled_; }
   [[nodiscard]] Pose at(const SampleTime& time) const;
@@ -72,6 +75,7 @@ class Obstacle {
   [[nodiscard]] double next_change(double time) const {
     return std::min(trajectory_.next_change(time), turning_.next_change(time));
   }
+  [[nodiscard]] double next_change_of_turn(double time) const { return turning_.next_change(time); }
 
   // Signed distance of a point, m; > 0 outside.
   [[nodiscard]] double gap(const Pose& pose, const Vector3& x) const;
@@ -129,7 +133,7 @@ class Obstacle {
   double radius_ = 0.0;                 // m: of a capsule, of a box's edges
   Trajectory trajectory_;
   Turning turning_;
-  bool looks_sampled_ = false;
+  bool looks_sampled_ = false, told_ = false;
   bool turns_in_place_ = false;
   Vector3 turn_axis_ = Vector3::UnitZ();
   Vector3 pivot_;  // m: a point of the axis, at the start

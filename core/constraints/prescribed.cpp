@@ -18,6 +18,7 @@ Prescribed::Prescribed(const Network& network, const std::vector<std::uint32_t>&
     }
   }
   if (motion_of_.empty()) trajectories_.clear();  // no motion has a node
+  told_.assign(trajectories_.size(), 0);
 }
 
 Prescribed::Samples Prescribed::at(const SampleTime& time) const {
@@ -33,6 +34,13 @@ double Prescribed::next_change(double time) const {
   return next;
 }
 
+double Prescribed::next_change_of_scene(double time) const {
+  double next = std::numeric_limits<double>::infinity();
+  for (std::size_t i = 0; i < trajectories_.size(); ++i)
+    if (told_[i] == 0) next = std::min(next, trajectories_[i].next_change(time));
+  return next;
+}
+
 void Prescribed::set(std::uint32_t node, const Vector3& start, Trajectory trajectory) {
   motion_of_.resize(node_count_, none);
   start_.resize(node_count_);
@@ -42,7 +50,9 @@ void Prescribed::set(std::uint32_t node, const Vector3& start, Trajectory trajec
   if (!alone) {
     motion_of_[node] = static_cast<std::uint32_t>(trajectories_.size());
     trajectories_.emplace_back();
+    told_.push_back(1);
   }
+  told_[motion_of_[node]] = 1;
   trajectories_[motion_of_[node]] = std::move(trajectory);
   start_[node] = start;
 }

@@ -32,6 +32,8 @@ class Prescribed {
   }
   // The next time after `time` at which a velocity or acceleration may jump; s.
   [[nodiscard]] double next_change(double time) const;
+  // The next such time of a motion of the scene, not set by set().
+  [[nodiscard]] double next_change_of_scene(double time) const;
   // set(): from now on the node follows `trajectory`, relative to `start` (m). stop(): its motion ends.
   void set(std::uint32_t node, const Vector3& start, Trajectory trajectory);
   void stop(std::uint32_t node);
@@ -41,6 +43,7 @@ class Prescribed {
 
   std::size_t node_count_;
   std::vector<Trajectory> trajectories_;
+  std::vector<std::uint8_t> told_;        // [trajectory] 1: set by set()
   std::vector<std::uint32_t> motion_of_;  // [node], empty without motions
   std::vector<Vector3> start_;            // [node] m, likewise
 };

@@ -78,26 +78,26 @@ std::set<std::uint32_t> follow_prescribed(Model& model) {
   return affected;
 }
 
-springnet_status follow_jumps(Model& model, double from) {
+Followed follow_jumps(Model& model, double from, bool leave_told) {
   const std::set<std::uint32_t> pulled = follow_prescribed(model);
-  if (model.contact.obstacles().empty()) return SPRINGNET_OK;
-  const std::shared_ptr<const Placement> before = model.contact.at(just_before(model.time, model.time - from));
+  const Contact& contact = model.contact;
+  if (contact.obstacles().empty()) return {SPRINGNET_OK, !pulled.empty()};
+  const std::shared_ptr<const Placement> before = contact.at(just_before(model.time, model.time - from));
   const std::shared_ptr<const Placement> now = model.placement_now();
+  // One told to move otherwise has forgotten its velocity before.
+  const auto jumps = [&](std::size_t j, const Vector3& p) {
+    if (contact.obstacles()[j].told()) return !leave_told;
+    return Contact::velocity(*before, j, p) != Contact::velocity(*now, j, p);
+  };
   Findings findings;
-  for (std::uint32_t k = 0; k < model.node_count(); ++k) {
-    const Vector3 p = vector_at(model.state.view.position, k);
-    bool jumps = false;
-    for (const std::int32_t surface : model.contact.committed(k).surfaces()) {
-      if (surface < 0) continue;
-      const auto j = static_cast<std::size_t>(surface);
-      jumps = jumps || Contact::velocity(*before, j, p) != Contact::velocity(*now, j, p);
-    }
-    if (jumps) findings[k];
-  }
+  for (std::uint32_t k = 0; k < model.node_count(); ++k)
+    for (const std::int32_t surface : contact.committed(k).surfaces())
+      if (surface >= 0 && jumps(static_cast<std::size_t>(surface), vector_at(model.state.view.position, k)))
+        findings[k];
   for (const std::uint32_t cluster : pulled)
     for (const std::uint32_t k : model.rigid.nodes_of(cluster))
-      if (model.contact.touching()[k] != 0) findings[k];
-  return settle(model, model.time, model.state, findings);
+      if (contact.touching()[k] != 0) findings[k];
+  return {settle(model, model.time, model.state, findings), !pulled.empty()};
 }
 
 void note_left_behind(Model& model, std::size_t first_event, double from, std::set<std::size_t>& noted) {

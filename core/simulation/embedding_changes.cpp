@@ -66,15 +66,15 @@ void move_surface(Model& model, std::size_t surface, const Vector3& position, do
   const Vector3 end = model.contact.obstacles()[surface].displacement_to(position, time);
   model.contact.set_trajectory(surface, Trajectory(straight(model.time, time, now, end)));
   model.interval = {};
-  model.changed();
+  model.jumps_due = true;
 }
 
 void move_node(Model& model, std::uint32_t node, const Vector3& position, double time) {
   const Vector3 now = vector_at(model.state.view.position, node);
+  if (model.contact.fixed()[node] == 0) model.changed();
   model.contact.set_fixed(node, true);
   model.contact.set_motion(node, now, Trajectory(straight(model.time, time, Vector3::Zero(), position - now)));
-  static_cast<void>(follow_prescribed(model));
-  model.changed();
+  model.jumps_due = true;
 }
 
 }  // namespace springnet

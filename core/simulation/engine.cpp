@@ -10,6 +10,7 @@
 #include "layers/elements/queries.hpp"
 #include "layers/springs/queries.hpp"
 #include "profile/stage.hpp"
+#include "simulation/local_force.hpp"
 #include "simulation/start.hpp"
 
 namespace springnet {
@@ -27,6 +28,13 @@ Engine::Engine(const Network& network, const PluginHost& plugins, const Simulati
   if (topology_.perform_due_ruptures() != SPRINGNET_OK) throw Error(ErrorKind::simulation, model_.journal.message.text);
   model_.scales = find_scales(model_);
   start_constraints(model_, size_of(network));
+}
+
+Engine::~Engine() = default;
+
+LocalForceModel& Engine::local_force() {
+  if (!local_force_) local_force_ = std::make_unique<LocalForceModel>(model_);
+  return *local_force_;
 }
 
 const Reactions& Engine::reactions() {

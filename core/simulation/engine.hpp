@@ -18,11 +18,13 @@
 
 namespace springnet {
 
+class LocalForceModel;
 class VerletContact;
 
 class Engine {
  public:
   Engine(const Network& network, const PluginHost& plugins, const SimulationOptions& options);
+  ~Engine();
   Engine(const Engine&) = delete;
   Engine& operator=(const Engine&) = delete;
 
@@ -57,16 +59,20 @@ class Engine {
   [[nodiscard]] Vector3 reaction_of(std::uint32_t node, std::size_t surface);
   // J, of springs, elements and gravity. If it is not finite, a note names the time and the law.
   [[nodiscard]] double potential_energy();
+  [[nodiscard]] LocalForceModel& local_force();
 
  private:
-  springnet_status begin(Loads::Change loads);
+  // sweeps_follow: as for commit_jumps().
+  springnet_status begin(Loads::Change loads, bool sweeps_follow);
   // Settles contacts and ruptures after changes from outside.
   springnet_status settle();
   // End of a step, with sweeps or another method: makes the committed state satisfy its constraints.
   springnet_status commit_sweeps();
   springnet_status commit_solution(const State& before, bool jumps);
-  // For jumps of prescribed velocities at the committed time. from: s, the time committed before.
-  springnet_status commit_jumps(double from);
+  // For jumps of prescribed velocities at the committed time. from: s, the time committed before. sweeps_follow: the
+  // sweeps of the coming step decide whether nodes separate from surfaces whose motion the program told; nodes then go
+  // on as they moved.
+  springnet_status commit_jumps(double from, bool sweeps_follow);
 
   Model model_;
   LinearModel linear_;
@@ -78,6 +84,7 @@ class Engine {
   ImpulseLedger ledger_;
   std::shared_ptr<VerletContact> verlet_;  // contact in the last step of velocity Verlet; null: none
   Reactions reactions_;
+  std::unique_ptr<LocalForceModel> local_force_;  // null: not asked for yet
   bool energy_noted_ = false;
   std::size_t committed_events_ = 0;   // events when the last commit ended
   std::set<std::size_t> left_behind_;  // noted by note_left_behind()

@@ -34,6 +34,7 @@ class IntegratorCalls {
   [[nodiscard]] const std::string& misuse() const noexcept { return misuse_; }
   // Rounding of the end of the present advance, s.
   [[nodiscard]] double end_tolerance() const noexcept;
+  [[nodiscard]] bool ends_at(double time) const noexcept { return time >= until_ - end_tolerance(); }
   // Throws Error if the integrator may not commit this.
   void check_commit(double time, const State& state) const;
 

@@ -59,14 +59,22 @@ struct Model {
     bool contacts = false;  // and ruptures: forces changed from outside of a step
     bool reactions = true;
   } stale;
+  // At `time` a motion that the embedding program told a surface or node begins or ends: its velocity jumps when the
+  // next step begins, to that of the motion told last. `time_before`: s, before the last commit.
+  bool jumps_due = false;
+  double time_before = 0.0;
   // A callback of the integrator is running, which must not change the model.
   bool in_callback = false;
 
   [[nodiscard]] std::uint32_t node_count() const noexcept { return layout.node_count(); }
   [[nodiscard]] std::uint32_t user_number(std::uint32_t node) const { return layout.ordering().user[node]; }
   // Obstacles and prescribed nodes at a time of the present interval.
-  [[nodiscard]] std::shared_ptr<const Placement> placement(double at) const { return contact.at(interval.at(at)); }
-  [[nodiscard]] std::shared_ptr<const Placement> placement_now() const { return contact.at(just_after(time)); }
+  [[nodiscard]] std::shared_ptr<const Placement> placement(double at) const {
+    return contact.at(jumps_due && at == time ? now() : interval.at(at));
+  }
+  [[nodiscard]] std::shared_ptr<const Placement> placement_now() const { return contact.at(now()); }
+  // The present time: after jumps of prescribed velocities, but before those that are still due.
+  [[nodiscard]] SampleTime now() const noexcept { return jumps_due ? just_before(time, time_step) : just_after(time); }
   // Loads for an evaluation at a time, s; valid until the next call with another time.
   [[nodiscard]] layers::ExternalForces external_at(double at);
   // The committed state with its forces, evaluated if they are stale. Throws Error(simulation) if a law fails.

@@ -2,6 +2,7 @@
 
 #include <Eigen/Geometry>
 #include <algorithm>
+#include <utility>
 
 #include <springnet/error.hpp>
 
@@ -17,13 +18,13 @@ constexpr double rounding = 1e-9;  // of friction at the edge of its cone, relat
 }  // namespace
 
 ReactionsAt::ReactionsAt(Model& model, double time, const springnet_const_vectors& position,
-                         const springnet_const_vectors& velocity)
+                         const springnet_const_vectors& velocity, std::shared_ptr<const Placement> placement)
     : model_(model),
       time_(time),
       position_(position),
       velocity_(velocity),
       external_(model.external_at(time)),
-      placement_(model.placement(time)),
+      placement_(placement ? std::move(placement) : model.placement(time)),
       cluster_known_(model.rigid.cluster_count(), 0) {
   if (model.layout.elements().live_enclosures() > 0)
     volumes_.compute(model.layout.elements(), node_arrays(position, velocity));

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <algorithm>
+#include <memory>
 #include <vector>
 
 #include "layers/elements/enclosure_volumes.hpp"
@@ -19,9 +20,9 @@ struct Reactions {
 
 class ReactionsAt {
  public:
-  // The arrays must outlive it.
+  // The arrays must outlive it. `placement`: of obstacles and prescribed nodes; null: that of the time.
   ReactionsAt(Model& model, double time, const springnet_const_vectors& position,
-              const springnet_const_vectors& velocity);
+              const springnet_const_vectors& velocity, std::shared_ptr<const Placement> placement = nullptr);
   // The force of fixation or obstacles on a node, N.
   springnet_status of(std::uint32_t node, Vector3& reaction);
   // The same without the bracing of sticking nodes against each other.

@@ -19,6 +19,7 @@
 #include "simulation/embedding_changes.hpp"
 #include "simulation/engine.hpp"
 #include "simulation/host_table.hpp"
+#include "simulation/local_force.hpp"
 #include "simulation/max_threads.hpp"
 
 namespace springnet {
@@ -100,12 +101,19 @@ struct Simulation::Impl {
                               position[0], position[1], position[2], checks::seconds(until),
                               checks::seconds(engine.model().time)));
   }
+  // Of a local force model, s.
+  [[nodiscard]] double local_time(double over) const {
+    if (!(over >= 0.0) || !std::isfinite(over))
+      throw Error(ErrorKind::input, fmt::format("local force model: the time must be finite and 0 s or more, is {}",
+                                                checks::seconds(over)));
+    return over > 0.0 ? over : options.time_step;
+  }
   [[nodiscard]] const Obstacle& surface(std::size_t index) const {
     check_surface_index(index);
     return engine.model().contact.obstacles()[index];
   }
   // At the present time.
-  [[nodiscard]] Pose pose(std::size_t index) const { return surface(index).at(just_after(engine.model().time)); }
+  [[nodiscard]] Pose pose(std::size_t index) const { return surface(index).at(engine.model().now()); }
   template <class Visit>
   void for_each_touching(std::size_t index, Visit visit) const {
     check_surface_index(index);
@@ -516,6 +524,19 @@ void Simulation::move_surface(std::size_t surface, const Vector3& position, doub
 void Simulation::move_node(NodeIndex node, const Vector3& position, double time) {
   impl_->check_arrival(position, time);
   springnet::move_node(impl_->engine.model(), impl_->engine_node(node), position, time);
+}
+LocalForce Simulation::local_force(NodeIndex node, double over) {
+  const std::uint32_t k = impl_->engine_node(node);
+  if (impl_->engine.model().contact.fixed()[k] == 0)
+    throw Error(ErrorKind::input, fmt::format("node {} is free: nothing holds it; set_fixed or move_node first", node));
+  const double step = impl_->local_time(over);
+  return {time(), position(node), -reaction(node), impl_->engine.local_force().stiffness_of_node(k, step)};
+}
+LocalForce Simulation::local_surface_force(std::size_t surface, double over) {
+  impl_->check_surface_index(surface);
+  const double step = impl_->local_time(over);
+  return {time(), surface_position(surface), surface_force(surface),
+          impl_->engine.local_force().stiffness_of_surface(surface, step)};
 }
 std::size_t Simulation::cut(const std::vector<SpringIndex>& springs) {
   for (const SpringIndex s : springs) impl_->check_spring(s);

@@ -17,6 +17,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 #include "constraints/vectors.hpp"
 #include "profile/stage.hpp"
@@ -37,21 +38,26 @@ springnet_status Engine::begin_step(double from, double until) {
     ++model_.load_revision;
     model_.stale.reactions = model_.stale.forces = true;
   }
-  return begin(loads);
+  return begin(loads, !verlet_);
 }
 
 springnet_status Engine::begin_interval(double from, double until) {
   model_.step_length = 0.0;
   model_.interval = until > from ? Interval{from, until} : Interval{};
-  return begin(model_.loads.begin_following(from));
+  return begin(model_.loads.begin_following(from), false);
 }
 
-springnet_status Engine::begin(Loads::Change loads) {
+springnet_status Engine::begin(Loads::Change loads, bool sweeps_follow) {
   model_.journal.non_finite.clear();
   if (loads == Loads::Change::switched) model_.changed();
-  const std::shared_ptr<const Placement> now = model_.placement_now();
   springnet_status status = model_.stale.contacts ? settle() : SPRINGNET_OK;
-  model_.contact.begin_step(now);
+  if (status == SPRINGNET_OK && std::exchange(model_.jumps_due, false)) {
+    const Interval interval = model_.interval;
+    status = commit_jumps(model_.time_before, sweeps_follow);
+    model_.interval = interval;
+    model_.stale.contacts = false;
+  }
+  model_.contact.begin_step(model_.placement_now());
   sweep_.forget();
   if (status == SPRINGNET_OK) status = ledger_.begin_step();
   return status;
@@ -122,9 +128,13 @@ springnet_status Engine::commit(double time, State& state) {
   model_.time = time;
   model_.stale.reactions = true;
   model_.stale.forces = model_.state.view.force_is_current == 0;
-  const bool jumps = model_.contact.next_change(from) <= time;  // of prescribed velocities or accelerations
+  model_.time_before = from;
+  const double change = model_.contact.next_change(from);  // of prescribed velocities or accelerations
+  const bool told = model_.contact.next_change_of_scene(from) > time && change >= just_before(time, time - from).rate;
+  model_.jumps_due = change <= time && told && calls_.ends_at(time);
+  const bool jumps = change <= time && !model_.jumps_due;
   springnet_status status = sweep_.done().any ? commit_sweeps() : commit_solution(state, jumps);
-  if (status == SPRINGNET_OK && jumps) status = commit_jumps(from);
+  if (status == SPRINGNET_OK && jumps) status = commit_jumps(from, false);
   if (status != SPRINGNET_OK) return status;
   committed_events_ = model_.journal.events().size();
   const profile::Stage stage("topology");
@@ -153,11 +163,12 @@ springnet_status Engine::commit_solution(const State& before, bool jumps) {
   return status;
 }
 
-springnet_status Engine::commit_jumps(double from) {
+springnet_status Engine::commit_jumps(double from, bool sweeps_follow) {
   model_.interval = {};  // placements just before the jump are no longer valid
   model_.changed();
-  springnet_status status = follow_jumps(model_, from);
-  if (status == SPRINGNET_OK)
+  const auto [status_of_jumps, pulled] = follow_jumps(model_, from, sweeps_follow);
+  springnet_status status = status_of_jumps;
+  if (status == SPRINGNET_OK && (pulled || !sweeps_follow))
     status = model_.constraints.project(*model_.placement(model_.time), model_.state.view.position,
                                         model_.state.view.velocity, model_.journal.message);
   if (status == SPRINGNET_OK) note_left_behind(model_, committed_events_, from, left_behind_);

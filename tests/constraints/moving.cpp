@@ -242,3 +242,67 @@ TEST_CASE(
     }
   }
 }
+
+TEST_CASE("a tool that a program tells before each step where it is at its end keeps what it presses") {
+  // A node on a spring between the floor and a plate that comes down, more and less slowly, by up to 0.1 m.
+  constexpr double step = 0.01, mass = 0.05;
+  Network net;
+  Node foot = point({0, 0, 0});
+  foot.fixed = true;
+  net.add_node(foot);
+  net.add_node(point({0, 0, 1}, mass));
+  net.add_spring(0, 1, net.add_material(damped(200.0, 1.0)));
+  const auto height = [](double time) { return 0.95 + 0.05 * std::cos(4.0 * time); };
+  for (const Friction::Kind kind : {Friction::Kind::held, Friction::Kind::none, Friction::Kind::coulomb}) {
+    Network pressed = net;
+    pressed.add_plane({.name = "plate", .point = {0, 0, height(0.0)}, .normal = {0, 0, -1}, .friction = {kind, 0.5}});
+    for (const double update : {newton, synchronous, wavefront, block}) {
+      CAPTURE(update);
+      Simulation s = simulate(pressed, recurrent(update, 1e-9), step);
+      s.move_surface(0, {0, 0, height(step)}, step);
+      s.step();
+      const std::size_t events = s.events().size();
+      for (int i = 2; i * step < 0.75; ++i) {  // the plate turns back at 0.785 s
+        s.move_surface(0, {0, 0, height(i * step)}, i * step);
+        s.step();
+        // It is where it was told, and still moves as it did.
+        const double speed = (height(i * step) - height((i - 1) * step)) / step;
+        CHECK(s.surface_position(0).z() == doctest::Approx(height(i * step)).epsilon(1e-12));
+        CHECK(s.surface_velocity(0).z() == doctest::Approx(speed).epsilon(1e-9));
+        CHECK(s.touching(1));
+        CHECK(s.position(1).z() == doctest::Approx(height(i * step)).epsilon(1e-12));
+        // Spring and damper press; the plate feels no stop.
+        CHECK(s.surface_force(0).z() == doctest::Approx(200.0 * (1.0 - height(i * step)) - 1.0 * speed).epsilon(1e-9));
+      }
+      CHECK(s.events().size() == events);  // no node separates where the plate becomes slower
+      // Told nothing more, it stops: at once for the next step, in which the spring holds the node against it.
+      s.step();
+      CHECK(s.surface_velocity(0) == Vector3::Zero());
+      CHECK(s.touching(1));
+    }
+  }
+}
+
+TEST_CASE("impulses of a tool that a program moves by fits and starts are what the node's momentum shows") {
+  constexpr double step = 0.01, mass = 0.05;
+  Network net;
+  net.add_node(point({0, 0, 0}, mass));
+  net.add_plane({.name = "bat", .point = {0, 0, 0}, .normal = {0, 0, 1}, .friction = {Friction::Kind::none}});
+  for (const LawUse& integrator :
+       {recurrent(newton, 1e-12), recurrent(wavefront, 1e-12), cvode(1e-10), LawUse{"verlet", {}}}) {
+    INFO(integrator.id);
+    Simulation s = simulate(net, integrator, step);
+    double height = 0.0;
+    int i = 0;
+    for (const double speed : {0.0, 0.2, 0.5, 0.5, 0.3, 0.9, 0.0, 1.0, 1.0}) {
+      height += speed * step;
+      s.move_surface(0, {0, 0, height}, ++i * step);
+      s.step();
+      CHECK(s.position(0).z() >= height - 1e-12);
+      CHECK((mass * s.velocity(0) - s.contact_impulse(0)).norm() <= 1e-9);
+      CHECK((s.surface_impulse(0) + s.contact_impulse(0)).norm() <= 1e-12);
+    }
+    // It flew off when the bat stopped, which has not caught up with it.
+    CHECK(s.velocity(0).z() == doctest::Approx(0.9).epsilon(1e-6));
+  }
+}

@@ -63,6 +63,16 @@ struct Event {
   Vector3 impulse = Vector3::Zero();
 };
 
+// What a grasped node or a surface feels near where it is: the force at the end of a step, and how it would differ had
+// the step taken the node or the surface elsewhere. For programs that render forces more often than they make steps.
+struct LocalForce {
+  double time = 0.0;                                    // s, of the state
+  Vector3 position = Vector3::Zero();                   // m, of the node; of the surface, surface_position()
+  Vector3 force = Vector3::Zero();                      // N, of the network on what holds the node, or the surface
+  Eigen::Matrix3d stiffness = Eigen::Matrix3d::Zero();  // N/m, minus the derivative of the force
+  [[nodiscard]] Vector3 at(const Vector3& x) const { return force - stiffness * (x - position); }  // N
+};
+
 // Vector quantities of all nodes without a copy: 3 x nodes, one row a coordinate, in the engine's order of nodes.
 using ConstNodeMap =
     Eigen::Map<const Eigen::Matrix<double, 3, Eigen::Dynamic, Eigen::RowMajor>, 0, Eigen::OuterStride<>>;
@@ -191,10 +201,22 @@ class Simulation {
   std::size_t cut_polygon(const std::vector<Vector3>& corners);
 
   // Moves the surface, or the node (fixed from then on), in a straight line at constant speed to `position` (m), where
-  // it arrives at `time` (s, later than now) and stays: for tracked tools. Ends a motion of the scene; a surface that
-  // turns keeps turning.
+  // it arrives at `time` (s, later than now) and stays. Ends a motion of the scene; a surface that turns keeps turning.
+  // For tracked tools: call it before each step with the place at the end of the step. The velocity changes when the
+  // next step begins, to that told by then: tools do not stop at the end of each step. In `recurrent` nodes lose contact
+  // with a tool that becomes slower only if nothing presses them against it over the step.
   void move_surface(std::size_t surface, const Vector3& position, double time);
   void move_node(NodeIndex node, const Vector3& position, double time);
+
+  // The local force model of a fixed or moved node, or of a surface that moves without turning: its force now, and the
+  // change of that force at the end of a backward Euler step of `over` seconds (0: the time step) had it arrived
+  // elsewhere, with all else in contact as it is. That is the Schur complement of the step's linear system: exact for
+  // `recurrent` with theta = 1 to first order. A long `over` gives the stiffness at rest, a short one that of the
+  // nearest springs and dampers. It is symmetric where forces have a potential and nothing slips with friction. The
+  // motion of the network does not change. Costs about three steps' linear systems. Throws Error(input) for a free
+  // node, Error(simulation) if a law has no derivatives or the systems cannot be solved, as where the network buckles.
+  [[nodiscard]] LocalForce local_force(NodeIndex node, double over = 0.0);
+  [[nodiscard]] LocalForce local_surface_force(std::size_t surface, double over = 0.0);
 
   // All events so far, in order.
   [[nodiscard]] const std::vector<Event>& events() const noexcept;

@@ -34,6 +34,10 @@ class Linearisation {
   void add_to_velocity_block(std::uint32_t node, const Block& block) {
     Eigen::Map<Block>(by_velocity_.data() + 9 * std::size_t{node}) += block;
   }
+  // Adds to the da/dp block of one node, 1/s^2; call after update().
+  void add_to_position_block(std::uint32_t node, const Block& block) {
+    Eigen::Map<Block>(by_position_.data() + 9 * std::size_t{node}) += block;
+  }
   // Adds a stiffness (N/m) between two neighbours; call after update().
   void add_bond(std::uint32_t first, std::uint32_t second, const Block& stiffness) {
     bonds_.push_back({first, second, stiffness});

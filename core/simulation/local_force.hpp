@@ -1,0 +1,77 @@
+// The force on a grasped node or a surface, and its derivative by a translation of it over a step.
+//
+// Had a backward Euler step of length h taken the handle farther by d, the velocities at its end would differ by the u
+// with
+//
+//   u = d / h                           on nodes that the handle carries,
+//   G u = g                             g: the speed d / h along the normals of nodes that slide on it, else 0
+//   M u = h (dF/dv u + dF/dp h u) + G^T (multipliers)      on all other nodes
+//
+// and the positions by h u. The force follows as the difference of the reactions in these directions.
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <functional>
+#include <vector>
+
+#include "simulation/linear_model.hpp"
+#include "simulation/reactions_at.hpp"
+
+namespace springnet {
+
+class LocalForceModel {
+ public:
+  explicit LocalForceModel(Model& model) : model_(model), linear_(model) {}
+
+  // At the committed state, over a step of `step` seconds. Throw Error(simulation).
+  [[nodiscard]] Matrix3 stiffness_of_node(std::uint32_t node, double step);
+  [[nodiscard]] Matrix3 stiffness_of_surface(std::size_t surface, double step);
+
+ private:
+  using Values = std::vector<double>;  // [3 node], by components
+  struct Handle {
+    std::uint32_t node = ConstraintRow::no_node;  // one of both
+    std::int32_t surface = -1;
+    [[nodiscard]] bool is_surface() const noexcept { return surface >= 0; }
+  };
+  struct Friction {  // of a node that slides on one surface
+    std::uint32_t node;
+    std::int32_t surface;
+    double mass;
+    Matrix3 by_velocity;  // N s/m, which the linear system has
+    Vector3 normal;       // of the surface
+    Vector3 share;        // friction over the pressing force
+    // Its change by a velocity, besides that with the reaction at the end of the step: the impact over the step, too,
+    // presses.
+    [[nodiscard]] Vector3 without_reaction(const Vector3& velocity, double step) const {
+      return mass / step * normal.dot(velocity) * share - by_velocity * velocity;
+    }
+  };
+
+  Matrix3 stiffness(const Handle& handle, double step);
+  void linearise(const Handle& handle);
+  // Velocities that satisfy the constraints with the handle moving at `speed`, m/s.
+  [[nodiscard]] Values carried(const Handle& handle, const Vector3& speed);
+  [[nodiscard]] bool carries(const Handle& handle, std::uint32_t node) const;
+  // Completes `carried` velocities of all nodes. extra: [friction] N, changes of friction that the system leaves out.
+  [[nodiscard]] Values respond(double step, const Vector3& speed, const Values& carried,
+                               const std::vector<Vector3>& extra);
+  // The derivatives by `velocity` (m/s) and positions that change by h times as much, of the force on the handle, N,
+  // and of friction, [friction] N.
+  [[nodiscard]] Vector3 change(const Handle& handle, double step, const Vector3& speed, const Values& velocity,
+                               std::vector<Vector3>& friction);
+  // Force of the network on the handle, and friction on the nodes, at a state.
+  [[nodiscard]] Vector3 force(const Handle& handle, ReactionsAt& at, std::vector<Vector3>& friction) const;
+  void check(springnet_status status) const;
+
+  Model& model_;
+  LinearModel linear_;
+  using Parts = std::array<std::size_t, 2>;  // springs and elements that are left
+  Parts parts_{};
+  std::vector<Friction> friction_;
+  std::vector<std::uint32_t> curved_;  // nodes that slide on the handle's surface
+  std::vector<Matrix3> curvature_;     // [curved] N/m, pressing force times curvature
+};
+
+}  // namespace springnet
