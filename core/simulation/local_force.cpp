@@ -16,10 +16,10 @@
 namespace springnet {
 namespace {
 
-constexpr double accuracy = 1e-7;          // of the linear systems
-constexpr double enough = 1e-4;            // what they may stop at
+// Of the linear systems: first ones, later ones for changes of friction, and what may be taken if there is no better.
+constexpr double accuracy = 1e-5, accuracy_of_corrections = 1e-3, enough = 1e-4;
 constexpr double difference = 1e-5;        // of positions, over the network's length scale
-constexpr double friction_settles = 1e-6;  // change from iteration to iteration, relative
+constexpr double friction_settles = 1e-4;  // change from iteration to iteration, relative
 constexpr int max_iterations = 20;         // for friction
 
 Vector3 vector_of(const std::vector<double>& values, std::uint32_t node) {
@@ -80,30 +80,44 @@ Matrix3 LocalForceModel::stiffness(const Handle& handle, double step) {
   check(linear_.prepare(system));
 
   Matrix3 result;
-  for (Eigen::Index axis = 0; axis < 3; ++axis) {
-    const Vector3 speed = Vector3::Unit(axis) / step;  // for a displacement of 1 m
-    const Values carried = this->carried(handle, speed);
-    std::vector<Vector3> extra(friction_.size(), Vector3::Zero()), friction = extra;
-    Vector3 change = Vector3::Zero(), before;
-    // Friction follows the slip relative to the surface. The system has the node's part of that at the present
-    // pressure; the rest follows by iteration.
-    for (std::size_t f = 0; f < friction_.size(); ++f)
-      if (friction_[f].surface == handle.surface) extra[f] = -friction_[f].by_velocity * speed;
-    for (int i = 0; i < max_iterations; ++i) {
-      before = change;
-      const Values velocity = respond(step, speed, carried, extra);
-      change = this->change(handle, step, speed, velocity, friction);
-      if (friction_.empty() || (i > 0 && (change - before).norm() <= friction_settles * change.norm())) break;
-      for (std::size_t f = 0; f < friction_.size(); ++f)
-        extra[f] = friction[f] + friction_[f].without_reaction(vector_of(velocity, friction_[f].node), step);
-    }
-    if (!friction_.empty() && !((change - before).norm() <= std::sqrt(friction_settles) * change.norm()))
-      throw Error(ErrorKind::simulation, "local force model: friction and pressure do not settle; the contact jams");
-    result.col(axis) = -change;
-  }
+  for (Eigen::Index axis = 0; axis < 3; ++axis)
+    result.col(axis) = -change_along(handle, step, Vector3::Unit(axis) / step);  // for a displacement of 1 m
   if (!result.allFinite())
     throw Error(ErrorKind::simulation, "local force model: a force near the state is not finite");
   return result;
+}
+
+Vector3 LocalForceModel::change_along(const Handle& handle, double step, const Vector3& speed) {
+  Values velocity = carried(handle, speed), right_side = right_side_of(step, speed, velocity);
+  std::vector<Vector3> extra(friction_.size(), Vector3::Zero()), friction = extra;
+  // Friction follows the slip relative to the surface. The system has the node's part of that at the present pressure;
+  // the rest follows by iteration.
+  for (std::size_t f = 0; f < friction_.size(); ++f) {
+    if (friction_[f].surface != handle.surface) continue;
+    extra[f] = -friction_[f].by_velocity * speed;
+    add_force(right_side, friction_[f].node, extra[f], step);
+  }
+  add_solution(right_side, accuracy, step, velocity);
+  Vector3 change = this->change(handle, step, speed, velocity, friction);
+  for (int i = 0; i < max_iterations && !friction_.empty(); ++i) {
+    std::fill(right_side.begin(), right_side.end(), 0.0);
+    for (std::size_t f = 0; f < friction_.size(); ++f) {
+      const Vector3 now = friction[f] + friction_[f].without_reaction(vector_of(velocity, friction_[f].node), step);
+      add_force(right_side, friction_[f].node, now - extra[f], step);
+      extra[f] = now;
+    }
+    add_solution(right_side, accuracy_of_corrections, step, velocity);
+    const Vector3 before = change;
+    change = this->change(handle, step, speed, velocity, friction);
+    if ((change - before).norm() <= friction_settles * change.norm()) return change;
+  }
+  if (!friction_.empty())
+    throw Error(ErrorKind::simulation, "local force model: friction and pressure do not settle; the contact jams");
+  return change;
+}
+
+void LocalForceModel::add_force(Values& right_side, std::uint32_t node, const Vector3& force, double step) const {
+  put(right_side, node, vector_of(right_side, node) + step / model_.mass[node] * force);
 }
 
 void LocalForceModel::linearise(const Handle& handle) {
@@ -160,33 +174,32 @@ LocalForceModel::Values LocalForceModel::carried(const Handle& handle, const Vec
   return values;
 }
 
-LocalForceModel::Values LocalForceModel::respond(double step, const Vector3& speed, const Values& carried,
-                                                 const std::vector<Vector3>& extra) {
+LocalForceModel::Values LocalForceModel::right_side_of(double step, const Vector3& speed, const Values& carried) {
   Values positions = carried, right_side(carried.size());
   for (double& value : positions) value *= step;
   linear_.matrices().times(positions.data(), carried.data(), right_side.data());
   for (std::size_t i = 0; i < right_side.size(); ++i) right_side[i] = step * right_side[i] - carried[i];
-  const auto add_force = [&](std::uint32_t node, const Vector3& force) {
-    put(right_side, node, vector_of(right_side, node) + step / model_.mass[node] * force);
-  };
   // The surface moves away from under its nodes, and its normals with it.
-  for (std::size_t i = 0; i < curved_.size(); ++i) add_force(curved_[i], -curvature_[i] * (step * speed));
-  for (std::size_t f = 0; f < friction_.size(); ++f) add_force(friction_[f].node, extra[f]);
+  for (std::size_t i = 0; i < curved_.size(); ++i)
+    add_force(right_side, curved_[i], -curvature_[i] * (step * speed), step);
+  return right_side;
+}
+
+void LocalForceModel::add_solution(const Values& right_side, double wanted, double step, Values& velocity) {
+  Values result(right_side.size(), 0.0);
   springnet_linear_solve solve{};
   solve.struct_size = sizeof solve;
   solve.right_side = right_side.data();
-  solve.accuracy = accuracy;
-  Values result(carried.size(), 0.0);
+  solve.accuracy = wanted;
   solve.x = result.data();
   check(linear_.solve_prepared(solve));
-  if (solve.outcome != SPRINGNET_SOLVED && !(solve.residual <= enough))
+  if (solve.outcome != SPRINGNET_SOLVED && !(solve.residual <= std::max(enough, wanted)))
     throw Error(
         ErrorKind::simulation,
         fmt::format("local force model: its linear system was not solved (residual {:.1e}): the network is about "
                     "to buckle, or far stiffer than its masses over {:.3g} s; ask for a shorter time",
                     solve.residual, step));
-  for (std::size_t i = 0; i < result.size(); ++i) result[i] += carried[i];
-  return result;
+  for (std::size_t i = 0; i < result.size(); ++i) velocity[i] += result[i];
 }
 
 Vector3 LocalForceModel::change(const Handle& handle, double step, const Vector3& speed, const Values& velocity,

@@ -54,9 +54,12 @@ class LocalForceModel {
   // Velocities that satisfy the constraints with the handle moving at `speed`, m/s.
   [[nodiscard]] Values carried(const Handle& handle, const Vector3& speed);
   [[nodiscard]] bool carries(const Handle& handle, std::uint32_t node) const;
-  // Completes `carried` velocities of all nodes. extra: [friction] N, changes of friction that the system leaves out.
-  [[nodiscard]] Values respond(double step, const Vector3& speed, const Values& carried,
-                               const std::vector<Vector3>& extra);
+  // The change of the force on the handle, N, if it moves at `speed` (m/s) over the step besides.
+  [[nodiscard]] Vector3 change_along(const Handle& handle, double step, const Vector3& speed);
+  // Of the linear system, from `carried` velocities, m/s.
+  [[nodiscard]] Values right_side_of(double step, const Vector3& speed, const Values& carried);
+  void add_force(Values& right_side, std::uint32_t node, const Vector3& force, double step) const;
+  void add_solution(const Values& right_side, double wanted, double step, Values& velocity);
   // The derivatives by `velocity` (m/s) and positions that change by h times as much, of the force on the handle, N,
   // and of friction, [friction] N.
   [[nodiscard]] Vector3 change(const Handle& handle, double step, const Vector3& speed, const Values& velocity,
