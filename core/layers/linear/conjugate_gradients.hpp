@@ -22,7 +22,7 @@ struct SolveAnswer {
 };
 
 // Solves S x = b, run by all threads of a team. The space knows the matrix, and what to do with its vectors:
-//   product(team, p, q)       q = S p; complete for the calling thread's nodes, p must be so for all
+//   product_and_dot(team, p, q)   q = S p, complete for the calling thread's nodes, p must be so for all; answers p.q
 //   precondition(team, r, z)  z = B r, likewise; r need be complete for the thread's own nodes only
 //   dot(team, a, b), scale_add(team, s, x, y), copy(team, x, y), zero(team, x)
 //   is_late(team, iterations) whether to end here, stalled; the same in all threads
@@ -45,8 +45,7 @@ template <class Space>
   }
   if (!std::isfinite(first) || !(along > 0.0)) return answer;
   while (answer.iterations < max_iterations) {
-    space.product(team, p, q);
-    const double curvature = space.dot(team, p, q);
+    const double curvature = space.product_and_dot(team, p, q);
     if (!std::isfinite(curvature)) return answer;
     if (!(curvature > 0.0)) {
       answer.outcome = SolveOutcome::truncated;

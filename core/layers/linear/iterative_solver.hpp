@@ -42,6 +42,10 @@ class IterativeSolver {
   // ---- for conjugate_gradients() ----
   // Vectors are [node][3] and one more number.
   void product(Team& team, const double* p, double* q);
+  double product_and_dot(Team& team, const double* p, double* q) {
+    product(team, p, q);
+    return dot(team, p, q);
+  }
   void precondition(Team& team, const double* r, double* z);
   [[nodiscard]] double dot(Team& team, const double* a, const double* b);
   [[nodiscard]] double square(Team& team, const double* r, double along);

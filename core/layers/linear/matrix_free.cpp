@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 #include <memory>
+#include <numeric>
 
 #include <Eigen/Dense>
 
@@ -16,7 +17,7 @@ namespace {
 
 // Smaller nets fit the caches as matrices, too. (Measured on lattices.)
 constexpr std::size_t min_nodes = 2000;
-constexpr std::size_t nodes_of_part = 1024;
+constexpr std::size_t nodes_of_part = 256;
 // Springs from which on threads pay off.
 constexpr std::size_t springs_worth_threads = 8000;
 // Mass times da/dF of a point mass, up to rounding.
@@ -67,11 +68,13 @@ bool MatrixFree::fits() const {
 
 void MatrixFree::lay_out() {
   const std::size_t n = layout_.node_count();
-  pitch_ = (n + 7) / 8 * 8 + 8;
-  for (auto& vector : vectors_) vector.assign(3 * pitch_, 0.0);
-  for (auto* blocks : {&own_, &inverse_})
-    for (auto& component : *blocks) component.assign(n, 0.0);
-  inverse_mass_.assign(n, 0.0);
+  for (auto* values : {&own_scale_, &inverse_mass_}) values->assign(n, 0.0);
+  own_.assign(12 * n, 0.0);
+  blocks_.assign(9 * n, 0.0);
+  inverse_.assign(12 * n, 0.0F);
+  if (laid_out_springs_ == layout_.live_count()) return;
+  laid_out_springs_ = layout_.live_count();
+  for (auto& vector : vectors_) vector.assign(4 * n, 0.0);
   parts_.clear();
   first_part_.assign(1, 0);
   for (const Unit& unit : layout_.units()) {
@@ -81,14 +84,36 @@ void MatrixFree::lay_out() {
     first_part_.push_back(parts_.size());
   }
   sum_.resize(parts_.size());
-  stiffness_.resize(layout_.units().size());
+  springs_.resize(layout_.units().size());
+  for (std::size_t u = 0; u < springs_.size(); ++u) lay_out_unit(layout_.units()[u], springs_[u]);
+}
+
+void MatrixFree::lay_out_unit(const Unit& unit, UnitSprings& springs) const {
+  for (Part* part : {&springs.within, &springs.leaving}) part->start.assign(unit.node_count + std::size_t{1}, 0);
+  const auto for_each = [&](const auto& visit) {
+    for (const Segment& segment : unit.segments)
+      for (std::size_t slot = segment.begin; slot < segment.begin + segment.count; ++slot)
+        visit(slot, segment.boundary ? springs.leaving : springs.within, unit.first[slot] - unit.first_node);
+  };
+  for_each([](std::size_t, Part& part, std::uint32_t node) { ++part.start[node + 1]; });
+  for (Part* part : {&springs.within, &springs.leaving}) {
+    std::partial_sum(part->start.begin(), part->start.end(), part->start.begin());
+    part->second.resize(part->start.back());
+    part->stiffness.assign(4 * std::size_t{part->start.back()}, 0.0F);
+  }
+  springs.place.assign(unit.first.size(), 0);
+  std::vector<std::uint32_t> within = springs.within.start, leaving = springs.leaving.start;
+  for_each([&](std::size_t slot, Part& part, std::uint32_t node) {
+    std::uint32_t& next = &part == &springs.within ? within[node] : leaving[node];
+    part.second[next] = unit.second[slot];
+    springs.place[slot] = next++;
+  });
 }
 
 bool MatrixFree::prepare(double time, const NodeArrays& nodes, const ExternalForces& external,
                          const SystemWeights& weights) {
   lay_out();
   if (!set_own_blocks(time, nodes, external, weights)) return false;
-  for (std::size_t c = 0; c < 6; ++c) inverse_[c] = own_[c];
   const auto units = static_cast<std::int64_t>(layout_.units().size());
   std::vector<Sums> sums(layout_.units().size());
 #pragma omp parallel for schedule(static) num_threads(static_cast <int>(evaluator_.threads()))
@@ -104,20 +129,17 @@ bool MatrixFree::prepare(double time, const NodeArrays& nodes, const ExternalFor
   }
   asymmetry_ = all > 0.0 ? std::sqrt(asymmetric / all) : 0.0;
   for (std::size_t k = 0; k < layout_.node_count(); ++k) {
-    if (constrained_[k] != 0) {
-      for (auto& component : inverse_) component[k] = 0.0;
-      continue;
-    }
+    if (constrained_[k] != 0) continue;
     inverse_mass_[k] = 1.0 / mass_[k];
-    Eigen::Matrix3d block;
-    block << inverse_[0][k], inverse_[3][k], inverse_[5][k], inverse_[3][k], inverse_[1][k], inverse_[4][k],
-        inverse_[5][k], inverse_[4][k], inverse_[2][k];
-    const Eigen::LLT<Eigen::Matrix3d> factors(block);
+    const Eigen::LLT<Eigen::Matrix3d> factors(Eigen::Map<const Eigen::Matrix3d>(&blocks_[9 * k]));
     if (factors.info() != Eigen::Success) return false;
     const Eigen::Matrix3d inverse = factors.solve(Eigen::Matrix3d::Identity());
-    if (!inverse.allFinite()) return false;
-    const double values[6] = {inverse(0, 0), inverse(1, 1), inverse(2, 2), inverse(0, 1), inverse(1, 2), inverse(0, 2)};
-    for (std::size_t c = 0; c < 6; ++c) inverse_[c][k] = values[c];
+    const double least = inverse.diagonal().minCoeff(), most = inverse.diagonal().maxCoeff();
+    if (!(least >= 1.0 / greatest && most <= greatest)) return false;  // in single precision
+    for (Eigen::Index c = 0; c < 3; ++c)
+      for (Eigen::Index r = 0; r < 3; ++r)
+        inverse_[12 * k + static_cast<std::size_t>(4 * c + r)] =
+            static_cast<float>(inverse(std::min(r, c), std::max(r, c)));
   }
   return true;
 }
@@ -128,9 +150,9 @@ bool MatrixFree::set_own_blocks(double time, const NodeArrays& nodes, const Exte
   const std::size_t n = layout_.node_count();
   for (const NeuronKind& neuron : layout_.laws().neurons)
     if ((neuron.component->description->capabilities & SPRINGNET_HAS_DERIVATIVES) == 0) return false;
-  force_.resize(6 * pitch_);
-  double* force[3] = {force_.data(), force_.data() + pitch_, force_.data() + 2 * pitch_};
-  double* acceleration[3] = {force_.data() + 3 * pitch_, force_.data() + 4 * pitch_, force_.data() + 5 * pitch_};
+  force_.resize(6 * n);
+  double* force[3] = {force_.data(), force_.data() + n, force_.data() + 2 * n};
+  double* acceleration[3] = {force_.data() + 3 * n, force_.data() + 4 * n, force_.data() + 5 * n};
   springnet_message message{};
   if (evaluator_.evaluate(time, nodes, external, {force[0], force[1], force[2]}, {}, message) != SPRINGNET_OK)
     return false;
@@ -143,20 +165,22 @@ bool MatrixFree::set_own_blocks(double time, const NodeArrays& nodes, const Exte
   isotropic_ = true;
   for (std::size_t k = 0; k < n; ++k) {
     const double m = mass_[k];
-    if (constrained_[k] != 0) {
-      for (std::size_t c = 0; c < 6; ++c) own_[c][k] = c < 3 ? m : 0.0;
-      continue;
+    Block own = m * Block::Identity();
+    if (constrained_[k] == 0) {
+      if (!((m * Map(&by_force_[9 * k]) - Block::Identity()).cwiseAbs().maxCoeff() <= rounding)) return false;
+      const Block drag =
+          -m * (weights.velocity * Map(&by_velocity_[9 * k]) + weights.position * Map(&by_position_[9 * k]));
+      if (!drag.allFinite() || !drag.isApprox(drag.transpose(), rounding)) return false;
+      own = m * (1.0 + weights.shift) * Block::Identity() + 0.5 * (drag + drag.transpose());
     }
-    if (!((m * Map(&by_force_[9 * k]) - Block::Identity()).cwiseAbs().maxCoeff() <= rounding)) return false;
-    const Block drag =
-        -m * (weights.velocity * Map(&by_velocity_[9 * k]) + weights.position * Map(&by_position_[9 * k]));
-    if (!drag.allFinite() || !drag.isApprox(drag.transpose(), rounding)) return false;
-    const double inertia = m * (1.0 + weights.shift);
-    isotropic_ = isotropic_ && drag(0, 0) == drag(1, 1) && drag(0, 0) == drag(2, 2) && drag(0, 1) == 0.0 &&
-                 drag(1, 2) == 0.0 && drag(0, 2) == 0.0;
-    const double values[6] = {inertia + drag(0, 0), inertia + drag(1, 1), inertia + drag(2, 2),
-                              drag(0, 1),           drag(1, 2),           drag(0, 2)};
-    for (std::size_t c = 0; c < 6; ++c) own_[c][k] = values[c];
+    isotropic_ = isotropic_ && own == Block(own(0, 0) * Block::Identity());
+    own_scale_[k] = own(0, 0);
+    for (Eigen::Index c = 0; c < 3; ++c) {
+      for (Eigen::Index r = 0; r < 3; ++r) {
+        own_[12 * k + static_cast<std::size_t>(4 * c + r)] = own(r, c);
+        blocks_[9 * k + static_cast<std::size_t>(3 * c + r)] = own(r, c);
+      }
+    }
   }
   return true;
 }
@@ -164,9 +188,7 @@ bool MatrixFree::set_own_blocks(double time, const NodeArrays& nodes, const Exte
 MatrixFree::Sums MatrixFree::linearise_unit(std::size_t index, double time, const NodeArrays& nodes,
                                             const SystemWeights& weights) {
   const Unit& unit = layout_.units()[index];
-  UnitStiffness& stiffness = stiffness_[index];
-  for (auto* values : {&stiffness.a, &stiffness.qx, &stiffness.qy, &stiffness.qz})
-    values->assign(unit.first.size() + 8, 0.0F);
+  UnitSprings& own = springs_[index];
   const Kernels& kernels = kernels_for(evaluator_.instruction_set());
   const auto geometry = std::make_unique<SegmentGeometry>();
   const auto answers = std::make_unique<PairAnswers<max_segment>>();
@@ -191,6 +213,9 @@ MatrixFree::Sums MatrixFree::linearise_unit(std::size_t index, double time, cons
       const double length = geometry->length[i], rate = geometry->rate[i], speed = geometry->speed[i];
       const double a = length > 0.0 ? weights.position * forces.tension / length : 0.0;
       const double along = weights.position * forces.by_length + weights.velocity * forces.by_rate - a;
+      Part& part = segment.boundary ? own.leaving : own.within;
+      float* const stiffness = &part.stiffness[4 * std::size_t{own.place[slot]}];
+      std::fill_n(stiffness, 4, 0.0F);
       // A spring that softens, or a stiffness that is not finite in single precision.
       if (!(along >= 0.0) || !(std::abs(a) <= greatest && along <= greatest)) {
         if (constrained_[unit.first[slot]] != 0 && constrained_[unit.second[slot]] != 0) continue;
@@ -199,14 +224,11 @@ MatrixFree::Sums MatrixFree::linearise_unit(std::size_t index, double time, cons
       }
       const double root = std::sqrt(along);
       const double q[3] = {root * geometry->nx[i], root * geometry->ny[i], root * geometry->nz[i]};
-      stiffness.a[slot] = static_cast<float>(a);
-      stiffness.qx[slot] = static_cast<float>(q[0]);
-      stiffness.qy[slot] = static_cast<float>(q[1]);
-      stiffness.qz[slot] = static_cast<float>(q[2]);
-      const double block[6] = {a + q[0] * q[0], a + q[1] * q[1], a + q[2] * q[2],
-                               q[0] * q[1],     q[1] * q[2],     q[0] * q[2]};
+      for (std::size_t c = 0; c < 3; ++c) stiffness[c] = static_cast<float>(q[c]);
+      stiffness[3] = static_cast<float>(a);
       for (const std::size_t node : {unit.first[slot], unit.second[slot]}) {
-        for (std::size_t c = 0; c < 6; ++c) inverse_[c][node] += block[c];
+        for (std::size_t c = 0; c < 3; ++c)
+          for (std::size_t r = 0; r < 3; ++r) blocks_[9 * node + 3 * c + r] += (r == c ? a : 0.0) + q[r] * q[c];
         if (segment.boundary) break;
       }
       if (length > 0.0) {
@@ -221,9 +243,8 @@ MatrixFree::Sums MatrixFree::linearise_unit(std::size_t index, double time, cons
 
 SolveAnswer MatrixFree::solve(double accuracy, std::uint32_t max_iterations, const double* b, double* x) {
   const std::size_t n = layout_.node_count();
-  for (std::size_t c = 0; c < 3; ++c)
-    for (std::size_t k = 0; k < n; ++k)
-      vectors_[0][c * pitch_ + k] = constrained_[k] != 0 ? 0.0 : mass_[k] * b[c * n + k];
+  for (std::size_t k = 0; k < n; ++k)
+    for (std::size_t c = 0; c < 3; ++c) vectors_[0][4 * k + c] = constrained_[k] != 0 ? 0.0 : mass_[k] * b[c * n + k];
   SolveAnswer answer;
   const auto run = [&](unsigned count, unsigned me) {
     const FlushDenormals flush;
@@ -240,7 +261,8 @@ SolveAnswer MatrixFree::solve(double accuracy, std::uint32_t max_iterations, con
 #pragma omp parallel num_threads(static_cast <int>(threads))
     run(static_cast<unsigned>(omp_get_num_threads()), static_cast<unsigned>(omp_get_thread_num()));
   }
-  for (std::size_t c = 0; c < 3; ++c) std::copy_n(vectors_[1].data() + c * pitch_, n, x + c * n);
+  for (std::size_t c = 0; c < 3; ++c)
+    for (std::size_t k = 0; k < n; ++k) x[c * n + k] = vectors_[1][4 * k + c];
   return answer;
 }
 
@@ -251,62 +273,40 @@ NodeRange MatrixFree::own_parts(const Team& team) const {
   return {first_part_[units.begin], first_part_[units.end]};
 }
 
-// action(begin, count) for each axis of the thread's nodes.
-template <class Action>
-void MatrixFree::for_own_axes(const Team& team, const Action& action) const {
+NodeRange MatrixFree::own_numbers(const Team& team) const {
   const NodeRange parts = own_parts(team);
-  if (parts.begin == parts.end) return;
-  const std::size_t begin = parts_[parts.begin].begin, end = parts_[parts.end - 1].end;
-  for (std::size_t c = 0; c < 3; ++c) action(c * pitch_ + begin, end - begin);
+  if (parts.begin == parts.end) return {0, 0};
+  return {4 * parts_[parts.begin].begin, 4 * parts_[parts.end - 1].end};
 }
 
-void MatrixFree::product(Team& team, const double* p, double* q) {
+double MatrixFree::product_and_dot(Team& team, const double* p, double* q) {
   const NodeRange units = own_units(team);
-  const double* const from[3] = {p, p + pitch_, p + 2 * pitch_};
-  double* const to[3] = {q, q + pitch_, q + 2 * pitch_};
   for (std::size_t u = units.begin; u < units.end; ++u) {
     const Unit& unit = layout_.units()[u];
-    const UnitStiffness& own = stiffness_[u];
-    const std::size_t begin = unit.first_node;
-    const double* const blocks[6] = {&own_[0][begin], &own_[1][begin], &own_[2][begin],
-                                     &own_[3][begin], &own_[4][begin], &own_[5][begin]};
-    const double* const in[3] = {from[0] + begin, from[1] + begin, from[2] + begin};
-    double* const out[3] = {to[0] + begin, to[1] + begin, to[2] + begin};
+    const std::size_t begin = unit.first_node, end = begin + unit.node_count;
     if (isotropic_)
-      for (std::size_t c = 0; c < 3; ++c) kernels_.multiply(blocks[0], in[c], unit.node_count, out[c]);
+      std::fill(q + 4 * begin, q + 4 * end, 0.0);
     else
-      kernels_.diagonal(blocks, in, unit.node_count, out);
-    for (const Segment& segment : unit.segments)
-      kernels_.product(springs_of(unit, segment),
-                       {own.a.data() + segment.begin, own.qx.data() + segment.begin, own.qy.data() + segment.begin,
-                        own.qz.data() + segment.begin},
-                       from, !segment.boundary, to);
+      kernels_.diagonal_double(own_.data(), {begin, end}, p, q);
+    kernels_.product(springs_[u].within.rows(), {begin, end}, p, true, q);
+    kernels_.product(springs_[u].leaving.rows(), {begin, end}, p, false, q);
   }
+  return sum_(team, own_parts(team), [&](std::size_t i) {
+    return isotropic_ ? kernels_.add_and_dot(own_scale_.data(), p, parts_[i], q) : dot_part(i, p, q);
+  });
 }
 
 void MatrixFree::precondition_part(std::size_t part, const double* r, double* z) const {
-  const auto [begin, end] = parts_[part];
-  const double* const blocks[6] = {&inverse_[0][begin], &inverse_[1][begin], &inverse_[2][begin],
-                                   &inverse_[3][begin], &inverse_[4][begin], &inverse_[5][begin]};
-  const double* const in[3] = {r + begin, r + pitch_ + begin, r + 2 * pitch_ + begin};
-  double* const out[3] = {z + begin, z + pitch_ + begin, z + 2 * pitch_ + begin};
-  kernels_.diagonal(blocks, in, end - begin, out);
+  kernels_.diagonal(inverse_.data(), parts_[part], r, z);
 }
 
 double MatrixFree::dot_part(std::size_t part, const double* a, const double* b) const {
   const auto [begin, end] = parts_[part];
-  double value = 0.0;
-  for (std::size_t c = 0; c < 3; ++c)
-    value += kernels_.dot(a + c * pitch_ + begin, b + c * pitch_ + begin, end - begin);
-  return value;
+  return kernels_.dot(a + 4 * begin, b + 4 * begin, 4 * (end - begin));
 }
 
 double MatrixFree::square_part(std::size_t part, const double* r) const {
-  const auto [begin, end] = parts_[part];
-  double value = 0.0;
-  for (std::size_t c = 0; c < 3; ++c)
-    value += kernels_.square(&inverse_mass_[begin], r + c * pitch_ + begin, end - begin);
-  return value;
+  return kernels_.square(inverse_mass_.data(), r, parts_[part]);
 }
 
 void MatrixFree::precondition(Team& team, const double* r, double* z) {
@@ -323,27 +323,24 @@ double MatrixFree::square(Team& team, const double* r, double) {
 }
 
 Sums2 MatrixFree::update(Team& team, double step, const double* p, const double* q, double* x, double* r, double* z) {
-  return sum_.two(team, own_parts(team), [&](std::size_t i) -> Sums2 {
-    const auto [begin, end] = parts_[i];
-    for (std::size_t at = begin; at < begin + 3 * pitch_; at += pitch_) {
-      kernels_.add(step, p + at, end - begin, x + at);
-      kernels_.add(-step, q + at, end - begin, r + at);
-    }
-    precondition_part(i, r, z);
-    return {dot_part(i, r, z), square_part(i, r)};
+  return sum_.two(team, own_parts(team), [&](std::size_t i) {
+    return kernels_.advance(step, p, q, inverse_.data(), inverse_mass_.data(), parts_[i], x, r, z);
   });
 }
 
 void MatrixFree::scale_add(Team& team, double s, const double* x, double* y) {
-  for_own_axes(team, [&](std::size_t begin, std::size_t count) { kernels_.scale_add(s, x + begin, count, y + begin); });
+  const auto [begin, end] = own_numbers(team);
+  kernels_.scale_add(s, x + begin, end - begin, y + begin);
 }
 
 void MatrixFree::copy(Team& team, const double* x, double* y) {
-  for_own_axes(team, [&](std::size_t begin, std::size_t count) { std::copy_n(x + begin, count, y + begin); });
+  const auto [begin, end] = own_numbers(team);
+  std::copy(x + begin, x + end, y + begin);
 }
 
 void MatrixFree::zero(Team& team, double* x) {
-  for_own_axes(team, [&](std::size_t begin, std::size_t count) { std::fill_n(x + begin, count, 0.0); });
+  const auto [begin, end] = own_numbers(team);
+  std::fill(x + begin, x + end, 0.0);
 }
 
 }  // namespace springnet::layers

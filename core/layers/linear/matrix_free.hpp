@@ -1,5 +1,5 @@
 // The system of an implicit step of a large net of springs alone, without its matrix: products go over the springs,
-// four numbers each, tile by tile as the forces do; the preconditioner inverts the nodes' own blocks. Nets with
+// four numbers each, ordered by their first nodes; the preconditioner inverts the nodes' own blocks. Nets with
 // elements, rigid connections or nodes that slide, neurons other than point masses with drag, and springs that soften
 // need the assembled block system.
 //
@@ -40,8 +40,8 @@ class MatrixFree {
   void set_deadline(const Deadline* deadline) noexcept { interruption_.set_deadline(deadline); }
 
   // ---- for conjugate_gradients() ----
-  // Vectors are [axis][pitch_].
-  void product(Team& team, const double* p, double* q);
+  // Vectors are [node][4]: x, y, z and 0.
+  double product_and_dot(Team& team, const double* p, double* q);
   void precondition(Team& team, const double* r, double* z);
   [[nodiscard]] double dot(Team& team, const double* a, const double* b);
   [[nodiscard]] double square(Team& team, const double* r, double along);
@@ -52,14 +52,22 @@ class MatrixFree {
   [[nodiscard]] bool is_late(const Team& team, std::uint32_t iterations) { return interruption_(team, iterations); }
 
  private:
-  struct UnitStiffness {
-    std::vector<float> a, qx, qy, qz;  // [slot]
+  // Springs between nodes of a unit, and those that lead out of it.
+  struct Part {
+    std::vector<std::uint32_t> start, second;
+    std::vector<float> stiffness;  // [spring][4]
+    [[nodiscard]] SpringRows rows() const { return {start.data(), second.data(), stiffness.data()}; }
+  };
+  struct UnitSprings {
+    Part within, leaving;
+    std::vector<std::uint32_t> place;  // [slot of the unit] in its part
   };
   struct Sums {
     double asymmetric = 0.0, all = 0.0;
     bool fits = true;
   };
   void lay_out();
+  void lay_out_unit(const Unit& unit, UnitSprings& springs) const;
   void precondition_part(std::size_t part, const double* r, double* z) const;
   [[nodiscard]] double dot_part(std::size_t part, const double* a, const double* b) const;
   [[nodiscard]] double square_part(std::size_t part, const double* r) const;
@@ -69,22 +77,25 @@ class MatrixFree {
   // The calling thread's units, their parts and their nodes.
   [[nodiscard]] NodeRange own_units(const Team& team) const;
   [[nodiscard]] NodeRange own_parts(const Team& team) const;
-  template <class Action>
-  void for_own_axes(const Team& team, const Action& action) const;
+  // The calling thread's numbers of a vector.
+  [[nodiscard]] NodeRange own_numbers(const Team& team) const;
 
   const Layout& layout_;
   const Evaluator& evaluator_;
   const std::vector<double>& mass_;
   const std::vector<std::uint8_t>& constrained_;
   const SpringKernels& kernels_;
-  std::size_t pitch_ = 0;
-  std::vector<UnitStiffness> stiffness_;              // [unit]
-  std::vector<NodeRange> parts_;                      // of sums
-  std::vector<std::size_t> first_part_;               // [unit + 1]
-  std::array<std::vector<double>, 6> own_, inverse_;  // blocks xx, yy, zz, xy, yz, xz, [node]
-  bool isotropic_ = false;                            // own_ are multiples of the identity
-  std::vector<double> inverse_mass_;
-  std::array<std::vector<double>, 6> vectors_;  // b, x, r, z, p, q
+  std::size_t laid_out_springs_ = ~std::size_t{0};  // left when springs_ were made
+  std::vector<UnitSprings> springs_;                // [unit]
+  std::vector<NodeRange> parts_;                    // of sums
+  std::vector<std::size_t> first_part_;             // [unit + 1]
+  std::vector<double> own_;                         // [node][3][4] columns of their own blocks
+  std::vector<double> blocks_;                      // [node][3][3], with the springs'
+  std::vector<float> inverse_;                      // [node][3][4] columns
+  bool isotropic_ = false;                          // own_ are multiples of the identity:
+  std::vector<double> own_scale_;                   // [node][4]
+  std::vector<double> inverse_mass_;                // [node][4]
+  std::array<std::vector<double>, 6> vectors_;      // b, x, r, z, p, q
   std::vector<double> force_;
   std::vector<double> by_force_, by_position_, by_velocity_;
   TeamSum sum_;

@@ -1,120 +1,98 @@
-// Included once for each instruction set with KERNEL_NAMESPACE defined. Plain loops only, as in kernels.inl.
+// Included once for each instruction set with KERNEL_NAMESPACE defined. Loops over nodes use the compilers' vectors of
+// four numbers, which mean the same for every instruction set; the others are plain.
+
+#if defined(__AVX__)
+#include <immintrin.h>
+#endif
+
+#include <cstring>
 
 #include "layers/linear/spring_kernels.hpp"
 
 #define RESTRICT __restrict
-#if defined(__clang__)
-#define INDEPENDENT_ITERATIONS _Pragma("clang loop vectorize(assume_safety)")
-#else
-#define INDEPENDENT_ITERATIONS _Pragma("GCC ivdep")
-#endif
 
 namespace springnet::layers::KERNEL_NAMESPACE {
 namespace {
 
-// Springs of a run are taken eight at a time, also beyond its end, where the results are overwritten by those of the
-// next run: most runs are short, and a loop over what is left would cost as much as the rest.
-constexpr std::size_t lanes = 8;
+using Four = double __attribute__((vector_size(32)));
+using FourFloats = float __attribute__((vector_size(16)));
 
-struct alignas(64) Products {
-  double x[max_segment + lanes], y[max_segment + lanes], z[max_segment + lanes];
-};
-
-// B (x_first - x_second) of spring `at` of the segment, between nodes i and j.
-[[gnu::always_inline]] inline void one(const SpringStiffness& b, const double* RESTRICT px, const double* RESTRICT py,
-                                       const double* RESTRICT pz, std::size_t i, std::size_t j, std::size_t at,
-                                       Products& out) {
-  const double dx = px[i] - px[j], dy = py[i] - py[j], dz = pz[i] - pz[j];
-  const double qx = b.qx[at], qy = b.qy[at], qz = b.qz[at], a = b.a[at];
-  const double along = qx * dx + qy * dy + qz * dz;
-  out.x[at] = a * dx + along * qx;
-  out.y[at] = a * dy + along * qy;
-  out.z[at] = a * dz + along * qz;
+// Into a variable, for functions that return such vectors differ between instruction sets.
+[[gnu::always_inline]] inline void load(const double* from, Four& to) { std::memcpy(&to, from, sizeof to); }
+[[gnu::always_inline]] inline void load(const float* from, Four& to) {
+#if defined(__AVX__)
+  to = _mm256_cvtps_pd(_mm_loadu_ps(from));  // which GCC 12 does not find
+#else
+  FourFloats values;
+  std::memcpy(&values, from, sizeof values);
+  to = __builtin_convertvector(values, Four);
+#endif
 }
+[[gnu::always_inline]] inline void store(const Four& from, double* to) { std::memcpy(to, &from, sizeof from); }
 
-template <std::size_t width>
-[[gnu::always_inline]] inline void add_lanes(const double* RESTRICT product, double* RESTRICT y) {
-  for (std::size_t i = 0; i < width; ++i) y[i] += product[i];
-}
-template <std::size_t width>
-[[gnu::always_inline]] inline void subtract_lanes(const double* RESTRICT product, double* RESTRICT y) {
-  for (std::size_t i = 0; i < width; ++i) y[i] -= product[i];
-}
-
-// One component of the products of a run. First and second ends have a loop each, in which no node occurs twice.
-[[gnu::always_inline]] inline void scatter_run(const Run& run, const double* RESTRICT product, bool to_second,
-                                               double* y) {
-  const std::size_t count = run.count;
-  double* first = y + run.first;
-  std::size_t i = 0;
-  for (; i + lanes <= count; i += lanes) add_lanes<lanes>(product + i, first + i);
-  if (i + 4 <= count) add_lanes<4>(product + i, first + i), i += 4;
-  if (i + 2 <= count) add_lanes<2>(product + i, first + i), i += 2;
-  if (i < count) first[i] += product[i];
-  if (!to_second) return;
-  double* second = y + run.second;
-  i = 0;
-  for (; i + lanes <= count; i += lanes) subtract_lanes<lanes>(product + i, second + i);
-  if (i + 4 <= count) subtract_lanes<4>(product + i, second + i), i += 4;
-  if (i + 2 <= count) subtract_lanes<2>(product + i, second + i), i += 2;
-  if (i < count) second[i] -= product[i];
-}
-
-void product(const SegmentSprings& springs, const SpringStiffness& stiffness, const double* const x[3], bool to_second,
-             double* const y[3]) {
-  Products products;  // not initialised: written before it is read
-  const SpringStiffness b = stiffness;
-  const double *px = x[0], *py = x[1], *pz = x[2];
-  double *yx = y[0], *yy = y[1], *yz = y[2];
-  std::size_t at = 0;
-  for (std::uint32_t r = 0; r < springs.run_count; ++r) {
-    const Run run = springs.runs[r];
-    const std::size_t i = run.first, j = run.second, count = run.count;
-    for (std::size_t s = 0; s < count; s += lanes) {
-      INDEPENDENT_ITERATIONS
-      for (std::size_t l = 0; l < lanes; ++l) one(b, px, py, pz, i + s + l, j + s + l, at + s + l, products);
+template <bool to_second>
+[[gnu::always_inline]] inline void product_of(const SpringRows& springs, NodeRange nodes, const double* x, double* y) {
+  for (std::size_t k = nodes.begin; k < nodes.end; ++k) {
+    const std::size_t begin = springs.start[k - nodes.begin], end = springs.start[k - nodes.begin + 1];
+    if (begin == end) continue;
+    Four here, sum{};
+    load(x + 4 * k, here);
+    for (std::size_t s = begin; s < end; ++s) {
+      const std::size_t j = springs.second[s];
+      Four there, q;
+      load(x + 4 * j, there);
+      load(springs.stiffness + 4 * s, q);
+      const double a = q[3];
+      q[3] = 0.0;
+      const Four d = here - there, terms = q * d;
+      const double along = terms[0] + terms[1] + terms[2];
+      const Four force = a * d + along * q;
+      sum += force;
+      if constexpr (to_second) {
+        Four other;
+        load(y + 4 * j, other);
+        other -= force;
+        store(other, y + 4 * j);
+      }
     }
-    scatter_run(run, products.x + at, to_second, yx);
-    scatter_run(run, products.y + at, to_second, yy);
-    scatter_run(run, products.z + at, to_second, yz);
-    at += count;
-  }
-  const std::uint32_t* RESTRICT first = springs.first;
-  const std::uint32_t* RESTRICT second = springs.second;
-  const std::size_t count = springs.count;
-  INDEPENDENT_ITERATIONS
-  for (std::size_t s = at; s < count; ++s) one(b, px, py, pz, first[s], second[s], s, products);
-  for (std::size_t s = at; s < count; ++s) {
-    const std::size_t i = first[s];
-    yx[i] += products.x[s];
-    yy[i] += products.y[s];
-    yz[i] += products.z[s];
-    if (to_second) {
-      const std::size_t j = second[s];
-      yx[j] -= products.x[s];
-      yy[j] -= products.y[s];
-      yz[j] -= products.z[s];
-    }
+    Four own;
+    load(y + 4 * k, own);
+    own += sum;
+    store(own, y + 4 * k);
   }
 }
 
-void diagonal(const double* const d[6], const double* const r[3], std::size_t count, double* const z[3]) {
-  const double *RESTRICT xx = d[0], *RESTRICT yy = d[1], *RESTRICT zz = d[2];
-  const double *RESTRICT xy = d[3], *RESTRICT yz = d[4], *RESTRICT xz = d[5];
-  const double *RESTRICT rx = r[0], *RESTRICT ry = r[1], *RESTRICT rz = r[2];
-  double *RESTRICT zx = z[0], *RESTRICT zy = z[1], *RESTRICT z3 = z[2];
-  for (std::size_t k = 0; k < count; ++k) {
-    zx[k] = xx[k] * rx[k] + xy[k] * ry[k] + xz[k] * rz[k];
-    zy[k] = xy[k] * rx[k] + yy[k] * ry[k] + yz[k] * rz[k];
-    z3[k] = xz[k] * rx[k] + yz[k] * ry[k] + zz[k] * rz[k];
+void product(const SpringRows& springs, NodeRange nodes, const double* x, bool to_second, double* y) {
+  if (to_second)
+    product_of<true>(springs, nodes, x, y);
+  else
+    product_of<false>(springs, nodes, x, y);
+}
+
+template <class Number>
+[[gnu::always_inline]] inline void diagonal_of(const Number* d, NodeRange nodes, const double* r, double* z) {
+  for (std::size_t k = nodes.begin; k < nodes.end; ++k) {
+    Four first, second, third;
+    load(d + 12 * k, first);
+    load(d + 12 * k + 4, second);
+    load(d + 12 * k + 8, third);
+    const Four sum = first * r[4 * k] + second * r[4 * k + 1] + third * r[4 * k + 2];
+    store(sum, z + 4 * k);
   }
 }
+void diagonal(const float* d, NodeRange nodes, const double* r, double* z) { diagonal_of(d, nodes, r, z); }
+void diagonal_double(const double* d, NodeRange nodes, const double* r, double* z) { diagonal_of(d, nodes, r, z); }
 
 // Sums in eight parts, each of every eighth term, so that all instruction sets add alike.
 constexpr std::size_t parts = 8;
 
 [[gnu::always_inline]] inline double total(const double (&sum)[parts]) {
   return ((sum[0] + sum[4]) + (sum[1] + sum[5])) + ((sum[2] + sum[6]) + (sum[3] + sum[7]));
+}
+
+// The same of vectors.
+[[gnu::always_inline]] inline double total(const Four (&sum)[2]) {
+  return ((sum[0][0] + sum[1][0]) + (sum[0][1] + sum[1][1])) + (sum[0][2] + sum[1][2]);
 }
 
 double dot(const double* RESTRICT a, const double* RESTRICT b, std::size_t count) {
@@ -126,31 +104,63 @@ double dot(const double* RESTRICT a, const double* RESTRICT b, std::size_t count
   return total(sum);
 }
 
-double square(const double* RESTRICT w, const double* RESTRICT a, std::size_t count) {
-  double sum[parts] = {};
-  std::size_t i = 0;
-  for (; i + parts <= count; i += parts)
-    for (std::size_t p = 0; p < parts; ++p) sum[p] += w[i + p] * a[i + p] * a[i + p];
-  for (std::size_t p = 0; i < count; ++i, ++p) sum[p] += w[i] * a[i] * a[i];
-  return total(sum);
+double square(const double* RESTRICT w, const double* RESTRICT a, NodeRange nodes) {
+  Four sums[2]{};
+  for (std::size_t k = nodes.begin; k < nodes.end; ++k) {
+    Four there;
+    load(a + 4 * k, there);
+    sums[k % 2] += w[k] * (there * there);
+  }
+  return total(sums);
 }
 
-void add(double s, const double* RESTRICT x, std::size_t count, double* RESTRICT y) {
-  for (std::size_t i = 0; i < count; ++i) y[i] += s * x[i];
-}
-
-void multiply(const double* RESTRICT w, const double* RESTRICT x, std::size_t count, double* RESTRICT y) {
-  for (std::size_t i = 0; i < count; ++i) y[i] = w[i] * x[i];
+double add_and_dot(const double* RESTRICT w, const double* RESTRICT x, NodeRange nodes, double* RESTRICT y) {
+  Four sums[2]{};
+  for (std::size_t k = nodes.begin; k < nodes.end; ++k) {
+    Four there, result;
+    load(x + 4 * k, there);
+    load(y + 4 * k, result);
+    result += w[k] * there;
+    store(result, y + 4 * k);
+    sums[k % 2] += there * result;
+  }
+  return total(sums);
 }
 
 void scale_add(double s, const double* RESTRICT x, std::size_t count, double* RESTRICT y) {
   for (std::size_t i = 0; i < count; ++i) y[i] = x[i] + s * y[i];
 }
 
+Sums2 advance(double s, const double* RESTRICT p, const double* RESTRICT q, const float* RESTRICT d,
+              const double* RESTRICT w, NodeRange nodes, double* RESTRICT x, double* RESTRICT r, double* RESTRICT z) {
+  Four along[2]{}, square[2]{};
+  for (std::size_t k = nodes.begin; k < nodes.end; ++k) {
+    const std::size_t i = 4 * k;
+    Four direction, image, place, left, first, second, third;
+    load(p + i, direction);
+    load(x + i, place);
+    place += s * direction;
+    store(place, x + i);
+    load(q + i, image);
+    load(r + i, left);
+    left -= s * image;
+    store(left, r + i);
+    load(d + 12 * k, first);
+    load(d + 12 * k + 4, second);
+    load(d + 12 * k + 8, third);
+    const Four preconditioned = first * left[0] + second * left[1] + third * left[2];
+    store(preconditioned, z + i);
+    along[k % 2] += left * preconditioned;
+    square[k % 2] += w[k] * (left * left);
+  }
+  return {total(along), total(square)};
+}
+
 }  // namespace
 
 const SpringKernels& spring_kernels() {
-  static constexpr SpringKernels table{product, diagonal, dot, square, add, scale_add, multiply};
+  static constexpr SpringKernels table{product, diagonal,    diagonal_double, dot,
+                                       square,  add_and_dot, scale_add,       advance};
   return table;
 }
 
