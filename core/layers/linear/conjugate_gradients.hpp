@@ -28,9 +28,9 @@ struct SolveAnswer {
 //   is_late(team, iterations) whether to end here, stalled; the same in all threads
 //   square(team, r, along)    by which accuracy is measured; along: r.z
 //   update(team, s, p, q, x, r, z)   x += s p, r -= s q, z = B r; answers r.z and square(r)
-template <class Space>
+template <class Space, class Number>
 [[nodiscard]] SolveAnswer conjugate_gradients(Space& space, Team& team, double accuracy, std::uint32_t max_iterations,
-                                              const double* b, double* x, double* r, double* z, double* p, double* q) {
+                                              const Number* b, Number* x, Number* r, Number* z, Number* p, Number* q) {
   space.copy(team, b, r);
   space.zero(team, x);
   space.precondition(team, r, z);

@@ -22,8 +22,10 @@ constexpr std::size_t nodes_of_part = 256;
 constexpr std::size_t springs_worth_threads = 8000;
 // Mass times da/dF of a point mass, up to rounding.
 constexpr double rounding = 1e-12;
-// So that products of a spring's four numbers are finite, too.
-constexpr double greatest = 1e37;
+// In the unit of mass, so that products of numbers are finite in single precision, too.
+constexpr double greatest = 1e18, max_mass_ratio = 1e12;
+// Accuracy that single precision reaches in one go, and the reduction that refinement must bring.
+constexpr double single_accuracy = 1e-4, max_reduction = 0.1;
 
 const SpringKernels& kernels_of(InstructionSet set) {
 #if defined(__x86_64__) && !defined(SPRINGNET_GENERIC_ONLY)
@@ -68,13 +70,14 @@ bool MatrixFree::fits() const {
 
 void MatrixFree::lay_out() {
   const std::size_t n = layout_.node_count();
-  for (auto* values : {&own_scale_, &inverse_mass_}) values->assign(n, 0.0);
+  for (auto* values : {&own_scale_, &inverse_mass_}) values->assign(n, 0.0F);
   own_.assign(12 * n, 0.0);
   blocks_.assign(9 * n, 0.0);
   inverse_.assign(12 * n, 0.0F);
   if (laid_out_springs_ == layout_.live_count()) return;
   laid_out_springs_ = layout_.live_count();
-  for (auto& vector : vectors_) vector.assign(4 * n, 0.0);
+  for (auto& vector : vectors_) vector.assign(4 * n, 0.0F);
+  for (auto* vector : {&solution_, &residual_}) vector->assign(4 * n, 0.0);
   parts_.clear();
   first_part_.assign(1, 0);
   for (const Unit& unit : layout_.units()) {
@@ -130,7 +133,7 @@ bool MatrixFree::prepare(double time, const NodeArrays& nodes, const ExternalFor
   asymmetry_ = all > 0.0 ? std::sqrt(asymmetric / all) : 0.0;
   for (std::size_t k = 0; k < layout_.node_count(); ++k) {
     if (constrained_[k] != 0) continue;
-    inverse_mass_[k] = 1.0 / mass_[k];
+    inverse_mass_[k] = static_cast<float>(unit_ / mass_[k]);
     const Eigen::LLT<Eigen::Matrix3d> factors(Eigen::Map<const Eigen::Matrix3d>(&blocks_[9 * k]));
     if (factors.info() != Eigen::Success) return false;
     const Eigen::Matrix3d inverse = factors.solve(Eigen::Matrix3d::Identity());
@@ -162,19 +165,22 @@ bool MatrixFree::set_own_blocks(double time, const NodeArrays& nodes, const Exte
                                by_force_.data(), by_position_.data(), by_velocity_.data(), message) != SPRINGNET_OK)
     return false;
   using Map = Eigen::Map<const Block>;
+  const auto [lightest, heaviest] = std::minmax_element(mass_.begin(), mass_.end());
+  if (!(*heaviest <= max_mass_ratio * *lightest)) return false;
+  unit_ = std::sqrt(*lightest) * std::sqrt(*heaviest);
   isotropic_ = true;
   for (std::size_t k = 0; k < n; ++k) {
-    const double m = mass_[k];
+    const double m = mass_[k] / unit_;
     Block own = m * Block::Identity();
     if (constrained_[k] == 0) {
-      if (!((m * Map(&by_force_[9 * k]) - Block::Identity()).cwiseAbs().maxCoeff() <= rounding)) return false;
+      if (!((mass_[k] * Map(&by_force_[9 * k]) - Block::Identity()).cwiseAbs().maxCoeff() <= rounding)) return false;
       const Block drag =
           -m * (weights.velocity * Map(&by_velocity_[9 * k]) + weights.position * Map(&by_position_[9 * k]));
       if (!drag.allFinite() || !drag.isApprox(drag.transpose(), rounding)) return false;
       own = m * (1.0 + weights.shift) * Block::Identity() + 0.5 * (drag + drag.transpose());
     }
     isotropic_ = isotropic_ && own == Block(own(0, 0) * Block::Identity());
-    own_scale_[k] = own(0, 0);
+    own_scale_[k] = static_cast<float>(own(0, 0));
     for (Eigen::Index c = 0; c < 3; ++c) {
       for (Eigen::Index r = 0; r < 3; ++r) {
         own_[12 * k + static_cast<std::size_t>(4 * c + r)] = own(r, c);
@@ -182,6 +188,7 @@ bool MatrixFree::set_own_blocks(double time, const NodeArrays& nodes, const Exte
       }
     }
   }
+  if (!isotropic_) own_single_.assign(own_.begin(), own_.end());
   return true;
 }
 
@@ -211,8 +218,8 @@ MatrixFree::Sums MatrixFree::linearise_unit(std::size_t index, double time, cons
       const std::size_t slot = segment.begin + i;
       const SpringForces forces = spring_forces(group, *answers, i);
       const double length = geometry->length[i], rate = geometry->rate[i], speed = geometry->speed[i];
-      const double a = length > 0.0 ? weights.position * forces.tension / length : 0.0;
-      const double along = weights.position * forces.by_length + weights.velocity * forces.by_rate - a;
+      const double a = length > 0.0 ? weights.position / unit_ * forces.tension / length : 0.0;
+      const double along = weights.position / unit_ * forces.by_length + weights.velocity / unit_ * forces.by_rate - a;
       Part& part = segment.boundary ? own.leaving : own.within;
       float* const stiffness = &part.stiffness[4 * std::size_t{own.place[slot]}];
       std::fill_n(stiffness, 4, 0.0F);
@@ -232,7 +239,7 @@ MatrixFree::Sums MatrixFree::linearise_unit(std::size_t index, double time, cons
         if (segment.boundary) break;
       }
       if (length > 0.0) {
-        const double skew = weights.position * forces.by_rate / length;
+        const double skew = weights.position / unit_ * forces.by_rate / length;
         sums.asymmetric += 2.0 * skew * skew * std::max(0.0, speed * speed - rate * rate);
       }
       sums.all += 2.0 * a * a + (a + along) * (a + along);
@@ -242,16 +249,11 @@ MatrixFree::Sums MatrixFree::linearise_unit(std::size_t index, double time, cons
 }
 
 SolveAnswer MatrixFree::solve(double accuracy, std::uint32_t max_iterations, const double* b, double* x) {
-  const std::size_t n = layout_.node_count();
-  for (std::size_t k = 0; k < n; ++k)
-    for (std::size_t c = 0; c < 3; ++c) vectors_[0][4 * k + c] = constrained_[k] != 0 ? 0.0 : mass_[k] * b[c * n + k];
   SolveAnswer answer;
   const auto run = [&](unsigned count, unsigned me) {
     const FlushDenormals flush;
     Team team(count, me);
-    const SolveAnswer own =
-        conjugate_gradients(*this, team, accuracy, max_iterations, vectors_[0].data(), vectors_[1].data(),
-                            vectors_[2].data(), vectors_[3].data(), vectors_[4].data(), vectors_[5].data());
+    const SolveAnswer own = solve(team, accuracy, max_iterations, b);
     if (me == 0) answer = own;
   };
   const unsigned threads = layout_.live_count() >= springs_worth_threads ? evaluator_.threads() : 1;
@@ -261,9 +263,78 @@ SolveAnswer MatrixFree::solve(double accuracy, std::uint32_t max_iterations, con
 #pragma omp parallel num_threads(static_cast <int>(threads))
     run(static_cast<unsigned>(omp_get_num_threads()), static_cast<unsigned>(omp_get_thread_num()));
   }
+  const std::size_t n = layout_.node_count();
   for (std::size_t c = 0; c < 3; ++c)
-    for (std::size_t k = 0; k < n; ++k) x[c * n + k] = vectors_[1][4 * k + c];
+    for (std::size_t k = 0; k < n; ++k) x[c * n + k] = solution_[4 * k + c];
   return answer;
+}
+
+SolveAnswer MatrixFree::solve(Team& team, double accuracy, std::uint32_t max_iterations, const double* b) {
+  const auto [begin, end] = own_nodes(team);
+  const std::size_t n = layout_.node_count();
+  std::fill(solution_.begin() + static_cast<std::ptrdiff_t>(4 * begin),
+            solution_.begin() + static_cast<std::ptrdiff_t>(4 * end), 0.0);
+  for (std::size_t k = begin; k < end; ++k)
+    for (std::size_t c = 0; c < 3; ++c)
+      residual_[4 * k + c] = constrained_[k] != 0 ? 0.0 : mass_[k] / unit_ * b[c * n + k];
+  const double first = norm(team, residual_.data());
+  SolveAnswer answer{SolveOutcome::solved, 0, 0.0};
+  if (first == 0.0) return answer;
+  answer.outcome = SolveOutcome::stalled;
+  answer.residual = 1.0;
+  if (!std::isfinite(first)) return answer;
+  double left = first;
+  while (true) {
+    const double scale = 1.0 / left;
+    for (std::size_t i = 4 * begin; i < 4 * end; ++i) vectors_[0][i] = static_cast<float>(scale * residual_[i]);
+    const double wanted = accuracy / answer.residual;
+    const SolveAnswer part = conjugate_gradients(
+        *this, team, std::max(wanted, single_accuracy), max_iterations - answer.iterations, vectors_[0].data(),
+        vectors_[1].data(), vectors_[2].data(), vectors_[3].data(), vectors_[4].data(), vectors_[5].data());
+    answer.iterations += part.iterations;
+    answer.outcome = part.outcome;
+    for (std::size_t i = 4 * begin; i < 4 * end; ++i) solution_[i] += left * double{vectors_[1][i]};
+    if (wanted >= single_accuracy || part.outcome != SolveOutcome::solved) {
+      answer.residual *= part.residual;
+      return answer;
+    }
+    const double before = left;
+    left = find_residual(team, b);
+    answer.residual = left / first;
+    if (answer.residual <= accuracy) return answer;
+    if (!(left < max_reduction * before)) {
+      answer.outcome = SolveOutcome::stalled;
+      return answer;
+    }
+  }
+}
+
+double MatrixFree::find_residual(Team& team, const double* b) {
+  team.barrier();  // solution_ of all
+  const NodeRange units = own_units(team);
+  const std::size_t n = layout_.node_count();
+  for (std::size_t u = units.begin; u < units.end; ++u) {
+    const Unit& unit = layout_.units()[u];
+    const NodeRange nodes{unit.first_node, std::size_t{unit.first_node} + unit.node_count};
+    kernels_.diagonal_double(own_.data(), nodes, solution_.data(), residual_.data());
+    kernels_.product_double(springs_[u].within.rows(), nodes, solution_.data(), true, residual_.data());
+    kernels_.product_double(springs_[u].leaving.rows(), nodes, solution_.data(), false, residual_.data());
+    for (std::size_t k = nodes.begin; k < nodes.end; ++k)
+      for (std::size_t c = 0; c < 3; ++c) {
+        double& r = residual_[4 * k + c];
+        r = constrained_[k] != 0 ? 0.0 : mass_[k] / unit_ * b[c * n + k] - r;
+      }
+  }
+  return norm(team, residual_.data());
+}
+
+double MatrixFree::norm(Team& team, const double* residual) {
+  return std::sqrt(sum_(team, own_parts(team), [&](std::size_t i) {
+    double sum = 0.0;
+    for (std::size_t k = parts_[i].begin; k < parts_[i].end; ++k)
+      for (std::size_t c = 0; c < 3; ++c) sum += unit_ / mass_[k] * residual[4 * k + c] * residual[4 * k + c];
+    return sum;
+  }));
 }
 
 NodeRange MatrixFree::own_units(const Team& team) const { return team.share(layout_.units().size()); }
@@ -273,74 +344,60 @@ NodeRange MatrixFree::own_parts(const Team& team) const {
   return {first_part_[units.begin], first_part_[units.end]};
 }
 
-NodeRange MatrixFree::own_numbers(const Team& team) const {
+NodeRange MatrixFree::own_nodes(const Team& team) const {
   const NodeRange parts = own_parts(team);
   if (parts.begin == parts.end) return {0, 0};
-  return {4 * parts_[parts.begin].begin, 4 * parts_[parts.end - 1].end};
+  return {parts_[parts.begin].begin, parts_[parts.end - 1].end};
 }
 
-double MatrixFree::product_and_dot(Team& team, const double* p, double* q) {
+double MatrixFree::product_and_dot(Team& team, const float* p, float* q) {
   const NodeRange units = own_units(team);
   for (std::size_t u = units.begin; u < units.end; ++u) {
     const Unit& unit = layout_.units()[u];
-    const std::size_t begin = unit.first_node, end = begin + unit.node_count;
+    const NodeRange nodes{unit.first_node, std::size_t{unit.first_node} + unit.node_count};
     if (isotropic_)
-      std::fill(q + 4 * begin, q + 4 * end, 0.0);
+      std::fill(q + 4 * nodes.begin, q + 4 * nodes.end, 0.0F);
     else
-      kernels_.diagonal_double(own_.data(), {begin, end}, p, q);
-    kernels_.product(springs_[u].within.rows(), {begin, end}, p, true, q);
-    kernels_.product(springs_[u].leaving.rows(), {begin, end}, p, false, q);
+      kernels_.diagonal(own_single_.data(), nodes, p, q);
+    kernels_.product(springs_[u].within.rows(), nodes, p, true, q);
+    kernels_.product(springs_[u].leaving.rows(), nodes, p, false, q);
   }
   return sum_(team, own_parts(team), [&](std::size_t i) {
-    return isotropic_ ? kernels_.add_and_dot(own_scale_.data(), p, parts_[i], q) : dot_part(i, p, q);
+    return isotropic_ ? kernels_.add_and_dot(own_scale_.data(), p, parts_[i], q) : kernels_.dot(p, q, parts_[i]);
   });
 }
 
-void MatrixFree::precondition_part(std::size_t part, const double* r, double* z) const {
-  kernels_.diagonal(inverse_.data(), parts_[part], r, z);
+void MatrixFree::precondition(Team& team, const float* r, float* z) {
+  kernels_.diagonal(inverse_.data(), own_nodes(team), r, z);
 }
 
-double MatrixFree::dot_part(std::size_t part, const double* a, const double* b) const {
-  const auto [begin, end] = parts_[part];
-  return kernels_.dot(a + 4 * begin, b + 4 * begin, 4 * (end - begin));
+double MatrixFree::dot(Team& team, const float* a, const float* b) {
+  return sum_(team, own_parts(team), [&](std::size_t i) { return kernels_.dot(a, b, parts_[i]); });
 }
 
-double MatrixFree::square_part(std::size_t part, const double* r) const {
-  return kernels_.square(inverse_mass_.data(), r, parts_[part]);
+double MatrixFree::square(Team& team, const float* r, double) {
+  return sum_(team, own_parts(team),
+              [&](std::size_t i) { return kernels_.square(inverse_mass_.data(), r, parts_[i]); });
 }
 
-void MatrixFree::precondition(Team& team, const double* r, double* z) {
-  const NodeRange parts = own_parts(team);
-  for (std::size_t i = parts.begin; i < parts.end; ++i) precondition_part(i, r, z);
-}
-
-double MatrixFree::dot(Team& team, const double* a, const double* b) {
-  return sum_(team, own_parts(team), [&](std::size_t i) { return dot_part(i, a, b); });
-}
-
-double MatrixFree::square(Team& team, const double* r, double) {
-  return sum_(team, own_parts(team), [&](std::size_t i) { return square_part(i, r); });
-}
-
-Sums2 MatrixFree::update(Team& team, double step, const double* p, const double* q, double* x, double* r, double* z) {
+Sums2 MatrixFree::update(Team& team, double step, const float* p, const float* q, float* x, float* r, float* z) {
   return sum_.two(team, own_parts(team), [&](std::size_t i) {
-    return kernels_.advance(step, p, q, inverse_.data(), inverse_mass_.data(), parts_[i], x, r, z);
+    return kernels_.advance(static_cast<float>(step), p, q, inverse_.data(), inverse_mass_.data(), parts_[i], x, r, z);
   });
 }
 
-void MatrixFree::scale_add(Team& team, double s, const double* x, double* y) {
-  const auto [begin, end] = own_numbers(team);
-  kernels_.scale_add(s, x + begin, end - begin, y + begin);
+void MatrixFree::scale_add(Team& team, double s, const float* x, float* y) {
+  kernels_.scale_add(static_cast<float>(s), x, own_nodes(team), y);
 }
 
-void MatrixFree::copy(Team& team, const double* x, double* y) {
-  const auto [begin, end] = own_numbers(team);
-  std::copy(x + begin, x + end, y + begin);
+void MatrixFree::copy(Team& team, const float* x, float* y) {
+  const auto [begin, end] = own_nodes(team);
+  std::copy(x + 4 * begin, x + 4 * end, y + 4 * begin);
 }
 
-void MatrixFree::zero(Team& team, double* x) {
-  const auto [begin, end] = own_numbers(team);
-  std::fill(x + begin, x + end, 0.0);
+void MatrixFree::zero(Team& team, float* x) {
+  const auto [begin, end] = own_nodes(team);
+  std::fill(x + 4 * begin, x + 4 * end, 0.0F);
 }
 
 }  // namespace springnet::layers

@@ -7,6 +7,9 @@
 // position and velocity, a spring has
 //   w_p K + w_v D = a I + q q^T,   a = w_p T / l,   q = n sqrt(w_p (T' - T / l) + w_v T_u),
 // without the part T_u n w^T of K, which only its relative size tells: asymmetry().
+//
+// Conjugate gradients run in single precision, in units in which masses and right-hand side are about 1. Solutions more
+// accurate than that allows are refined: residuals in double precision are solved for again.
 #pragma once
 
 #include <array>
@@ -41,14 +44,14 @@ class MatrixFree {
 
   // ---- for conjugate_gradients() ----
   // Vectors are [node][4]: x, y, z and 0.
-  double product_and_dot(Team& team, const double* p, double* q);
-  void precondition(Team& team, const double* r, double* z);
-  [[nodiscard]] double dot(Team& team, const double* a, const double* b);
-  [[nodiscard]] double square(Team& team, const double* r, double along);
-  Sums2 update(Team& team, double step, const double* p, const double* q, double* x, double* r, double* z);
-  void scale_add(Team& team, double s, const double* x, double* y);
-  void copy(Team& team, const double* x, double* y);
-  void zero(Team& team, double* x);
+  double product_and_dot(Team& team, const float* p, float* q);
+  void precondition(Team& team, const float* r, float* z);
+  [[nodiscard]] double dot(Team& team, const float* a, const float* b);
+  [[nodiscard]] double square(Team& team, const float* r, double along);
+  Sums2 update(Team& team, double step, const float* p, const float* q, float* x, float* r, float* z);
+  void scale_add(Team& team, double s, const float* x, float* y);
+  void copy(Team& team, const float* x, float* y);
+  void zero(Team& team, float* x);
   [[nodiscard]] bool is_late(const Team& team, std::uint32_t iterations) { return interruption_(team, iterations); }
 
  private:
@@ -68,17 +71,18 @@ class MatrixFree {
   };
   void lay_out();
   void lay_out_unit(const Unit& unit, UnitSprings& springs) const;
-  void precondition_part(std::size_t part, const double* r, double* z) const;
-  [[nodiscard]] double dot_part(std::size_t part, const double* a, const double* b) const;
-  [[nodiscard]] double square_part(std::size_t part, const double* r) const;
+  // In one thread of the team.
+  SolveAnswer solve(Team& team, double accuracy, std::uint32_t max_iterations, const double* b);
+  // residual_ = M b - S solution_, scaled; answers its norm.
+  double find_residual(Team& team, const double* b);
+  [[nodiscard]] double norm(Team& team, const double* residual);
   Sums linearise_unit(std::size_t unit, double time, const NodeArrays& nodes, const SystemWeights& weights);
   [[nodiscard]] bool set_own_blocks(double time, const NodeArrays& nodes, const ExternalForces& external,
                                     const SystemWeights& weights);
   // The calling thread's units, their parts and their nodes.
   [[nodiscard]] NodeRange own_units(const Team& team) const;
   [[nodiscard]] NodeRange own_parts(const Team& team) const;
-  // The calling thread's numbers of a vector.
-  [[nodiscard]] NodeRange own_numbers(const Team& team) const;
+  [[nodiscard]] NodeRange own_nodes(const Team& team) const;
 
   const Layout& layout_;
   const Evaluator& evaluator_;
@@ -89,13 +93,16 @@ class MatrixFree {
   std::vector<UnitSprings> springs_;                // [unit]
   std::vector<NodeRange> parts_;                    // of sums
   std::vector<std::size_t> first_part_;             // [unit + 1]
+  double unit_ = 1.0;                               // kg: the system is that in this unit of mass
   std::vector<double> own_;                         // [node][3][4] columns of their own blocks
   std::vector<double> blocks_;                      // [node][3][3], with the springs'
   std::vector<float> inverse_;                      // [node][3][4] columns
   bool isotropic_ = false;                          // own_ are multiples of the identity:
-  std::vector<double> own_scale_;                   // [node][4]
-  std::vector<double> inverse_mass_;                // [node][4]
-  std::array<std::vector<double>, 6> vectors_;      // b, x, r, z, p, q
+  std::vector<float> own_scale_;                    // [node]
+  std::vector<float> own_single_;                   // own_, if they are not
+  std::vector<float> inverse_mass_;                 // [node]
+  std::array<std::vector<float>, 6> vectors_;       // b, x, r, z, p, q
+  std::vector<double> solution_, residual_;         // [node][4]
   std::vector<double> force_;
   std::vector<double> by_force_, by_position_, by_velocity_;
   TeamSum sum_;

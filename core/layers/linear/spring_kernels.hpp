@@ -1,6 +1,6 @@
-// Inner loops of the matrix-free solver: products with the stiffness of springs that are not assembled. Vectors have
-// four numbers a node, x, y, z and 0, so that one load has all of a node. Compiled once for each instruction set; all
-// give the same bits.
+// Inner loops of the matrix-free solver: products with the stiffness of springs that are not assembled, and steps of
+// conjugate gradients in single precision. Vectors have four numbers a node, x, y, z and 0, so that one load has all of
+// a node. Compiled once for each instruction set; all give the same bits.
 #pragma once
 
 #include <cstddef>
@@ -20,23 +20,25 @@ struct SpringRows {
   const float* stiffness;
 };
 
+// All answer sums over some nodes.
 struct SpringKernels {
   // y += B (x_first - x_second) for the first ends of the springs of some nodes, minus that for the second ends if
   // `to_second`.
-  void (*product)(const SpringRows& springs, NodeRange nodes, const double* x, bool to_second, double* y);
-  // z = D r of some nodes; D: [node][3][4], three columns.
-  void (*diagonal)(const float* d, NodeRange nodes, const double* r, double* z);
+  void (*product)(const SpringRows& springs, NodeRange nodes, const float* x, bool to_second, float* y);
+  void (*product_double)(const SpringRows& springs, NodeRange nodes, const double* x, bool to_second, double* y);
+  // z = D r; D: [node][3][4], three columns.
+  void (*diagonal)(const float* d, NodeRange nodes, const float* r, float* z);
   void (*diagonal_double)(const double* d, NodeRange nodes, const double* r, double* z);
-  double (*dot)(const double* a, const double* b, std::size_t count);
-  // Sum of w a^2 of some nodes; w: [node].
-  double (*square)(const double* w, const double* a, NodeRange nodes);
-  // y += w x of some nodes; answers x.y.
-  double (*add_and_dot)(const double* w, const double* x, NodeRange nodes, double* y);
+  double (*dot)(const float* a, const float* b, NodeRange nodes);
+  // Sum of w a^2; w: [node].
+  double (*square)(const float* w, const float* a, NodeRange nodes);
+  // y += w x; answers x.y.
+  double (*add_and_dot)(const float* w, const float* x, NodeRange nodes, float* y);
   // y = x + s y.
-  void (*scale_add)(double s, const double* x, std::size_t count, double* y);
-  // x += s p, r -= s q, z = D r of some nodes; answers r.z and the sum of w r^2.
-  Sums2 (*advance)(double s, const double* p, const double* q, const float* d, const double* w, NodeRange nodes,
-                   double* x, double* r, double* z);
+  void (*scale_add)(float s, const float* x, NodeRange nodes, float* y);
+  // x += s p, r -= s q, z = D r; answers r.z and the sum of w r^2.
+  Sums2 (*advance)(float s, const float* p, const float* q, const float* d, const float* w, NodeRange nodes, float* x,
+                   float* r, float* z);
 };
 
 namespace generic {
