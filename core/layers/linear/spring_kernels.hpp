@@ -1,6 +1,7 @@
 // Inner loops of the matrix-free solver: products with the stiffness of springs that are not assembled, and steps of
-// conjugate gradients in single precision. Vectors have four numbers a node, x, y, z and 0, so that one load has all of
-// a node. Compiled once for each instruction set; all give the same bits.
+// conjugate gradients in single precision. Vectors have four numbers a node, x, y, z and one of no meaning (finite
+// in x of products), so that one load has all of a node. Compiled once for each instruction set; all give the same
+// bits.
 #pragma once
 
 #include <cstddef>

@@ -12,6 +12,7 @@ namespace {
 
 using FourDoubles = double __attribute__((vector_size(32)));
 using FourFloats = float __attribute__((vector_size(16)));
+using EightFloats = float __attribute__((vector_size(32)));
 template <class Number>
 struct VectorOf;
 template <>
@@ -36,34 +37,71 @@ using FourOf = typename VectorOf<Number>::Four;
 [[gnu::always_inline]] inline void store(const FourDoubles& from, double* to) { std::memcpy(to, &from, sizeof from); }
 [[gnu::always_inline]] inline void store(const FourFloats& from, float* to) { std::memcpy(to, &from, sizeof from); }
 
+// What a spring's first end feels; the fourth number is of no use.
+template <class Number>
+[[gnu::always_inline]] inline void force_of(const FourOf<Number>& d, const FourOf<Number>& q, FourOf<Number>& force) {
+  const FourOf<Number> terms = q * d;
+  const Number a = q[3], along = terms[0] + terms[1] + terms[2];
+  force = a * d + along * q;
+}
+template <class Number>
+[[gnu::always_inline]] inline void subtract(const FourOf<Number>& force, Number* y) {
+  FourOf<Number> there;
+  load(y, there);
+  there -= force;
+  store(there, y);
+}
+
+// Springs of a node two by two, from `s` on.
+template <bool to_second>
+[[gnu::always_inline]] inline void add_pairs(const SpringRows& springs, const float* x, const FourFloats& here,
+                                             std::size_t& s, std::size_t end, float* y, FourFloats& sum) {
+  EightFloats both{};
+  const EightFloats from = __builtin_shufflevector(here, here, 0, 1, 2, 3, 4, 5, 6, 7);
+  for (; s + 2 <= end; s += 2) {
+    const std::size_t i = springs.second[s], j = springs.second[s + 1];
+    FourFloats one, other;
+    EightFloats q;
+    load(x + 4 * i, one);
+    load(x + 4 * j, other);
+    std::memcpy(&q, springs.stiffness + 4 * s, sizeof q);
+    const EightFloats d = from - __builtin_shufflevector(one, other, 0, 1, 2, 3, 4, 5, 6, 7), terms = q * d;
+    const EightFloats along = __builtin_shufflevector(terms, terms, 0, 0, 0, 0, 4, 4, 4, 4) +
+                              __builtin_shufflevector(terms, terms, 1, 1, 1, 1, 5, 5, 5, 5) +
+                              __builtin_shufflevector(terms, terms, 2, 2, 2, 2, 6, 6, 6, 6);
+    const EightFloats force = __builtin_shufflevector(q, q, 3, 3, 3, 3, 7, 7, 7, 7) * d + along * q;
+    both += force;
+    if constexpr (to_second) {
+      subtract<float>(__builtin_shufflevector(force, force, 0, 1, 2, 3), y + 4 * i);
+      subtract<float>(__builtin_shufflevector(force, force, 4, 5, 6, 7), y + 4 * j);
+    }
+  }
+  sum += __builtin_shufflevector(both, both, 0, 1, 2, 3) + __builtin_shufflevector(both, both, 4, 5, 6, 7);
+}
+template <bool to_second>
+[[gnu::always_inline]] inline void add_pairs(const SpringRows&, const double*, const FourDoubles&, std::size_t&,
+                                             std::size_t, double*, FourDoubles&) {}
+
 template <bool to_second, class Number>
 [[gnu::always_inline]] inline void product_of(const SpringRows& rows, NodeRange nodes, const Number* x, Number* y) {
-  using Four = FourOf<Number>;
   const SpringRows springs = rows;
   for (std::size_t k = nodes.begin; k < nodes.end; ++k) {
-    const std::size_t begin = springs.start[k - nodes.begin], end = springs.start[k - nodes.begin + 1];
-    if (begin == end) continue;
-    Four here, sum{};
+    std::size_t s = springs.start[k - nodes.begin];
+    const std::size_t end = springs.start[k - nodes.begin + 1];
+    if (s == end) continue;
+    FourOf<Number> here, sum{};
     load(x + 4 * k, here);
-    for (std::size_t s = begin; s < end; ++s) {
+    add_pairs<to_second>(springs, x, here, s, end, y, sum);
+    for (; s < end; ++s) {
       const std::size_t j = springs.second[s];
-      Four there, q;
+      FourOf<Number> there, q, force;
       load(x + 4 * j, there);
       load(springs.stiffness + 4 * s, q);
-      const Number a = q[3];
-      const Four d = here - there, terms = q * d;
-      const Number along = terms[0] + terms[1] + terms[2];
-      Four force = a * d + along * q;
-      force[3] = 0;
+      force_of<Number>(here - there, q, force);
       sum += force;
-      if constexpr (to_second) {
-        Four other;
-        load(y + 4 * j, other);
-        other -= force;
-        store(other, y + 4 * j);
-      }
+      if constexpr (to_second) subtract<Number>(force, y + 4 * j);
     }
-    Four own;
+    FourOf<Number> own;
     load(y + 4 * k, own);
     own += sum;
     store(own, y + 4 * k);
