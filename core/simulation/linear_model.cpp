@@ -6,6 +6,7 @@
 
 #include "plugin_host/message.hpp"
 
+#include "layers/linear/thinness.hpp"
 #include "simulation/linear_sweep.hpp"
 #include "simulation/reactions_at.hpp"
 
@@ -19,6 +20,9 @@ constexpr double max_asymmetry = 0.05;
 // Iterations before a factorisation is tried, for nets of up to so many nodes, and the most without one.
 constexpr std::uint32_t patience = 100, max_iterations = 400;
 constexpr std::size_t max_nodes_factorised = 3000;
+// From here on matrices are larger than the caches. Smaller nets are solved without one if they are solids, which takes
+// few iterations.
+constexpr std::size_t nodes_worth_no_matrix = 2000;
 
 }  // namespace
 
@@ -36,7 +40,7 @@ LinearModel::~LinearModel() = default;
 
 void LinearModel::forget() noexcept {
   sweep_.reset();
-  at_hand_ = indefinite_ = false;
+  at_hand_ = indefinite_ = matrix_free_stalled_ = false;
   topology_changed();
 }
 
@@ -122,6 +126,7 @@ springnet_status LinearModel::prepare(const springnet_linear_system& request) {
         matrix_free_.asymmetry() <= max_asymmetry) {
       prepared_ = Prepared::matrix_free;
       at_hand_ = false;
+      keep_state(at);
       return SPRINGNET_OK;
     }
     if (const springnet_status status = linearise(at); status != SPRINGNET_OK) return status;
@@ -131,16 +136,49 @@ springnet_status LinearModel::prepare(const springnet_linear_system& request) {
 }
 
 bool LinearModel::may_be_matrix_free(const springnet_evaluation& at) {
-  if (!matrix_free_.fits() || model_.rigid.any()) return false;
+  if (!suits_matrix_free() || !matrix_free_.fits() || model_.rigid.any()) return false;
   model_.constraints.linearise(*model_.placement(at.time), at.position);
   return model_.constraints.rows().empty();
+}
+
+bool LinearModel::suits_matrix_free() {
+  if (matrix_free_stalled_) return false;
+  return model_.mass.size() >= nodes_worth_no_matrix || !is_thin();
+}
+
+bool LinearModel::is_thin() {
+  if (!thin_) thin_ = layers::is_thin(model_.layout);
+  return *thin_;
+}
+
+void LinearModel::keep_state(const springnet_evaluation& at) {
+  const std::size_t n = model_.mass.size();
+  if (n > max_nodes_factorised) return;
+  kept_time_ = at.time;
+  kept_state_.resize(6 * n);
+  const double* const from[] = {at.position.x, at.position.y, at.position.z,
+                                at.velocity.x, at.velocity.y, at.velocity.z};
+  for (std::size_t c = 0; c < 6; ++c) std::copy_n(from[c], n, kept_state_.data() + c * n);
+}
+
+springnet_status LinearModel::assemble_kept() {
+  const std::size_t n = model_.mass.size();
+  const double* const state = kept_state_.data();
+  springnet_evaluation at{};
+  at.struct_size = sizeof at;
+  at.time = kept_time_;
+  at.position = {state, state + n, state + 2 * n};
+  at.velocity = {state + 3 * n, state + 4 * n, state + 5 * n};
+  const springnet_status status = linearise(at);
+  if (status == SPRINGNET_OK) assemble();
+  return status;
 }
 
 void LinearModel::assemble() {
   using Kind = layers::BlockPreconditioner::Kind;
   system_.assemble(blocks_, weights_);
   const bool rows = !model_.constraints.rows().empty();
-  solver_.prepare(system_, system_.is_thin() ? Kind::factors : Kind::blocks, [&](const std::vector<double>& mobility) {
+  solver_.prepare(system_, is_thin() ? Kind::factors : Kind::blocks, [&](const std::vector<double>& mobility) {
     return rows ? model_.constraints.projection(mobility) : layers::Projection();
   });
   right_side_.assign(3 * model_.mass.size() + 1, 0.0);
@@ -163,8 +201,14 @@ springnet_status LinearModel::solve_prepared(springnet_linear_solve& request) {
                                                                           : SPRINGNET_STALLED;
   };
   if (prepared_ == Prepared::matrix_free) {
+    const bool may_assemble = n <= max_nodes_factorised;
+    if (may_assemble) kept_right_side_.assign(request.right_side, request.right_side + 3 * n);  // x may be that
     answered(matrix_free_.solve(request.accuracy, max_iterations, request.right_side, request.x));
-    return SPRINGNET_OK;
+    if (request.outcome != SPRINGNET_STALLED || !may_assemble || model_.deadline.has_passed()) return SPRINGNET_OK;
+    matrix_free_stalled_ = true;
+    if (const springnet_status status = assemble_kept(); status != SPRINGNET_OK) return status;
+    std::copy(kept_right_side_.begin(), kept_right_side_.end(), request.x);
+    request.right_side = request.x;
   }
   for (std::size_t k = 0; k < n; ++k)
     for (std::size_t c = 0; c < 3; ++c)

@@ -3,6 +3,8 @@
 #pragma once
 
 #include <memory>
+#include <optional>
+#include <vector>
 
 #include "layers/linear/block_system.hpp"
 #include "layers/linear/iterative_solver.hpp"
@@ -47,6 +49,7 @@ class LinearModel {
     blocks_.topology_changed();
     system_.topology_changed();
     prepared_ = Prepared::nothing;
+    thin_.reset();
     if (factors_.owner == Factors::Owner::system) factors_.owner = Factors::Owner::nobody;
     factors_.current = false;
   }
@@ -57,6 +60,12 @@ class LinearModel {
   springnet_status add_constraints(const springnet_evaluation& at);
   // Lets the constraints follow the state, if it comes to that.
   [[nodiscard]] bool may_be_matrix_free(const springnet_evaluation& at);
+  // Whether the preconditioner of the matrix-free solver is good enough for the net.
+  [[nodiscard]] bool suits_matrix_free();
+  [[nodiscard]] bool is_thin();
+  // The state at which a small matrix-free system was prepared, in case that it has to be assembled.
+  void keep_state(const springnet_evaluation& at);
+  springnet_status assemble_kept();
   void assemble();  // with the derivatives at hand
   // There is room for one factorisation: the integrator's or, where iterations give up, that of the prepared system.
   struct Factors {
@@ -78,6 +87,10 @@ class LinearModel {
   layers::BlockSystem system_;
   layers::IterativeSolver solver_;
   layers::MatrixFree matrix_free_;
+  bool matrix_free_stalled_ = false;
+  double kept_time_ = 0.0;
+  std::vector<double> kept_state_, kept_right_side_;  // [6 node], [3 node]
+  std::optional<bool> thin_;                          // of the springs and elements that are left
   Factors factors_;
   bool at_hand_ = false;                       // blocks_ are the derivatives that the system was assembled from
   bool indefinite_ = false;                    // conjugate gradients met negative curvature in it

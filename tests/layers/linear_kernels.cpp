@@ -137,105 +137,156 @@ TEST_CASE("loops over blocks do what plain ones do, for every range of nodes") {
   }
 }
 
-TEST_CASE("loops over numbers of one axis do what plain ones do, for every count") {
+namespace {
+
+std::vector<float> singles(std::size_t count, unsigned seed) {
+  std::vector<float> result;
+  for (const double value : numbers(count, seed)) result.push_back(static_cast<float>(value));
+  return result;
+}
+// x, y, z of nodes and a fourth number that says nothing.
+template <class Number>
+double plain_dot(const std::vector<Number>& a, const std::vector<Number>& b, NodeRange nodes) {
+  double sum = 0.0;
+  for (std::size_t k = nodes.begin; k < nodes.end; ++k)
+    for (std::size_t c = 0; c < 3; ++c) sum += double{a[4 * k + c]} * b[4 * k + c];
+  return sum;
+}
+bool same_bits(const std::vector<float>& a, const std::vector<float>& b) {
+  return a.size() == b.size() && std::memcmp(a.data(), b.data(), a.size() * sizeof(float)) == 0;
+}
+
+constexpr double single_rounding = 3e-6;  // of sums of some tens of products of numbers below 1
+
+}  // namespace
+
+TEST_CASE("loops over nodes in single precision do what plain ones do, for every range") {
   for (std::size_t count = 0; count <= 33; ++count) {
-    CAPTURE(count);
-    const std::vector<double> a = numbers(count + 8, 1), b = numbers(count + 8, 2);
-    std::vector<std::vector<double>> d, r;
-    for (unsigned c = 0; c < 6; ++c) d.push_back(numbers(count + 8, 10 + c));
-    for (unsigned c = 0; c < 3; ++c) r.push_back(numbers(count + 8, 20 + c));
-    const double* const blocks[6] = {d[0].data(), d[1].data(), d[2].data(), d[3].data(), d[4].data(), d[5].data()};
-    const double* const in[3] = {r[0].data(), r[1].data(), r[2].data()};
-    std::vector<std::vector<double>> first;
-    for (const Loops& set : all_loops()) {
-      const SpringKernels& kernels = *set.springs;
-      std::vector<std::vector<double>> y(6, b);
-      double* const out[3] = {y[0].data(), y[1].data(), y[2].data()};
-      kernels.diagonal(blocks, in, count, out);
-      kernels.add(-1.3, a.data(), count, y[3].data());
-      kernels.scale_add(-1.3, a.data(), count, y[4].data());
-      kernels.multiply(a.data(), b.data(), count, y[5].data());
-      constexpr std::size_t component[3][3] = {{0, 3, 5}, {3, 1, 4}, {5, 4, 2}};
-      for (std::size_t i = 0; i < count + 8; ++i) {
-        if (i >= count) {
-          for (const auto& values : y) REQUIRE(values[i] == b[i]);
-          continue;
+    for (const std::size_t begin : {std::size_t{0}, std::size_t{5}}) {
+      CAPTURE(count);
+      CAPTURE(begin);
+      const std::size_t n = begin + count + 2;
+      const NodeRange nodes{begin, begin + count};
+      const std::vector<float> a = singles(4 * n, 1), b = singles(4 * n, 2), w = singles(n, 3);
+      std::vector<float> d = singles(12 * n, 4);
+      for (std::size_t i = 3; i < d.size(); i += 4) d[i] = 0.0F;
+      const std::vector<double> d_double(d.begin(), d.end()), a_double(a.begin(), a.end());
+      std::vector<std::vector<float>> first;
+      std::vector<double> first_sums, first_double;
+      for (const Loops& set : all_loops()) {
+        const SpringKernels& kernels = *set.springs;
+        std::vector<std::vector<float>> y(6, b);
+        std::vector<double> y_double(b.begin(), b.end());
+        kernels.diagonal(d.data(), nodes, a.data(), y[0].data());
+        kernels.diagonal_double(d_double.data(), nodes, a_double.data(), y_double.data());
+        kernels.scale_add(-1.3F, a.data(), nodes, y[1].data());
+        const double added = kernels.add_and_dot(w.data(), a.data(), nodes, y[2].data());
+        y[4] = a;
+        const Sums2 sums =
+            kernels.advance(0.7F, a.data(), b.data(), d.data(), w.data(), nodes, y[3].data(), y[4].data(), y[5].data());
+        for (std::size_t k = 0; k < n; ++k) {
+          const bool inside = k >= nodes.begin && k < nodes.end;
+          for (std::size_t c = 0; c < 4; ++c) {
+            const std::size_t i = 4 * k + c;
+            if (!inside) {
+              for (const std::size_t which : {0, 1, 2, 3, 5}) REQUIRE(y[which][i] == b[i]);
+              REQUIRE(y[4][i] == a[i]);
+              REQUIRE(y_double[i] == b[i]);
+              continue;
+            }
+            if (c == 3) continue;
+            double sum = 0.0, of_left = 0.0;
+            for (std::size_t j = 0; j < 3; ++j) {
+              sum += double{d[12 * k + 4 * j + c]} * a[4 * k + j];
+              of_left += double{d[12 * k + 4 * j + c]} * y[4][4 * k + j];
+            }
+            CHECK(std::abs(y[0][i] - sum) <= single_rounding);
+            CHECK(std::abs(y_double[i] - sum) <= rounding);
+            CHECK(y[1][i] == a[i] + -1.3F * b[i]);
+            CHECK(y[2][i] == b[i] + w[k] * a[i]);
+            CHECK(y[3][i] == b[i] + 0.7F * a[i]);
+            CHECK(y[4][i] == a[i] - 0.7F * b[i]);
+            CHECK(std::abs(y[5][i] - of_left) <= single_rounding);
+          }
         }
-        for (std::size_t c = 0; c < 3; ++c) {
-          double sum = 0.0;
-          for (std::size_t j = 0; j < 3; ++j) sum += d[component[c][j]][i] * r[j][i];
-          CHECK(std::abs(y[c][i] - sum) <= rounding);
+        double square = 0.0, square_left = 0.0;
+        for (std::size_t k = nodes.begin; k < nodes.end; ++k) {
+          for (std::size_t c = 0; c < 3; ++c) {
+            square += double{w[k]} * a[4 * k + c] * a[4 * k + c];
+            square_left += double{w[k]} * y[4][4 * k + c] * y[4][4 * k + c];
+          }
         }
-        CHECK(y[3][i] == b[i] + -1.3 * a[i]);
-        CHECK(y[4][i] == a[i] + -1.3 * b[i]);
-        CHECK(y[5][i] == a[i] * b[i]);
+        const std::vector<double> all{kernels.dot(a.data(), b.data(), nodes), kernels.square(w.data(), a.data(), nodes),
+                                      added, sums.first, sums.second};
+        const double wanted[] = {plain_dot(a, b, nodes), square, plain_dot(a, y[2], nodes),
+                                 plain_dot(y[4], y[5], nodes), square_left};
+        for (std::size_t i = 0; i < all.size(); ++i) CHECK(std::abs(all[i] - wanted[i]) <= 10.0 * single_rounding);
+        if (first.empty()) {
+          first = y;
+          first_sums = all;
+          first_double = y_double;
+        }
+        for (std::size_t i = 0; i < y.size(); ++i) CHECK(same_bits(y[i], first[i]));
+        CHECK(same_bits(all, first_sums));
+        CHECK(same_bits(y_double, first_double));
       }
-      double square = 0.0;
-      for (std::size_t i = 0; i < count; ++i) square += b[i] * a[i] * a[i];
-      const double dot = kernels.dot(a.data(), b.data(), count), own = kernels.square(b.data(), a.data(), count);
-      CHECK(std::abs(dot - plain_dot(a, b, 0, count)) <= rounding);
-      CHECK(std::abs(own - square) <= rounding);
-      y.push_back({dot, own});
-      if (first.empty()) first = y;
-      for (std::size_t i = 0; i < y.size(); ++i) CHECK(same_bits(y[i], first[i]));
     }
   }
 }
 
-TEST_CASE("products over springs in runs of every length, and by their ends, are those of single springs") {
-  for (std::uint32_t length = 1; length <= 17; ++length) {
-    for (const std::uint32_t loose : {0u, 1u, 7u, 23u}) {
-      for (const bool to_second : {true, false}) {
-        CAPTURE(length);
-        CAPTURE(loose);
-        CAPTURE(to_second);
-        // Runs of different lengths, overlapping in nodes, then springs by their ends, some of which meet at a node.
-        std::vector<Run> runs;
-        std::vector<std::uint32_t> ends[2];
-        const std::uint32_t counts[] = {length, 1, length % 5 + 1, length, 16};
-        for (std::uint32_t r = 0; r < 5; ++r) {
-          runs.push_back({3 * r, 3 * r + 1 + r % 3, counts[r]});
-          for (std::uint32_t i = 0; i < counts[r]; ++i) {
-            ends[0].push_back(runs.back().first + i);
-            ends[1].push_back(runs.back().second + i);
-          }
+TEST_CASE("products over springs by their first nodes are those of single springs") {
+  constexpr std::size_t nodes = 40, begin = 7, end = 31;
+  for (unsigned seed = 0; seed < 12; ++seed) {
+    for (const bool to_second : {true, false}) {
+      CAPTURE(seed);
+      CAPTURE(to_second);
+      std::mt19937 random(seed);
+      std::vector<std::uint32_t> start{0}, second;
+      for (std::size_t k = begin; k < end; ++k) {
+        // None, one, two, and more; some twice between the same nodes.
+        for (std::size_t s = random() % 6; s > 0; --s) {
+          second.push_back(static_cast<std::uint32_t>((k + 1 + random() % (nodes - 1)) % nodes));
+          if (random() % 5 == 0) second.push_back(second.back());
         }
-        const auto in_runs = static_cast<std::uint32_t>(ends[0].size());
-        std::mt19937 random(length);
-        for (std::uint32_t i = 0; i < loose; ++i) {
-          ends[0].push_back(static_cast<std::uint32_t>(random() % 40));
-          ends[1].push_back(static_cast<std::uint32_t>((ends[0].back() + 1 + random() % 39) % 40));
-        }
-        constexpr std::size_t nodes = 40;
-        const auto count = static_cast<std::uint32_t>(ends[0].size());
-        std::vector<std::vector<float>> b(4);
-        for (unsigned c = 0; c < 4; ++c)
-          for (const double value : numbers(count + 8, c)) b[c].push_back(static_cast<float>(value));
-        std::vector<std::vector<double>> x, first;
-        for (unsigned c = 0; c < 3; ++c) x.push_back(numbers(nodes + 8, 30 + c));
-        std::vector<std::vector<double>> expected(3, std::vector<double>(nodes + 8, 0.25));
-        for (std::uint32_t s = 0; s < count; ++s) {
-          const std::uint32_t i = ends[0][s], j = ends[1][s];
+        start.push_back(static_cast<std::uint32_t>(second.size()));
+      }
+      const std::vector<float> stiffness = singles(4 * second.size() + 4, seed + 1);
+      std::vector<float> x = singles(4 * nodes, seed + 2);
+      for (std::size_t i = 3; i < x.size(); i += 4) x[i] = 0.0F;
+      const std::vector<double> x_double(x.begin(), x.end());
+      std::vector<double> expected(4 * nodes, 0.25);
+      for (std::size_t k = begin; k < end; ++k) {
+        for (std::size_t s = start[k - begin]; s < start[k - begin + 1]; ++s) {
+          const std::size_t j = second[s];
+          const float* const q = &stiffness[4 * s];
           double along = 0.0;
-          for (std::size_t c = 0; c < 3; ++c) along += double{b[1 + c][s]} * (x[c][i] - x[c][j]);
+          for (std::size_t c = 0; c < 3; ++c) along += double{q[c]} * (double{x[4 * k + c]} - x[4 * j + c]);
           for (std::size_t c = 0; c < 3; ++c) {
-            const double force = b[0][s] * (x[c][i] - x[c][j]) + b[1 + c][s] * along;
-            expected[c][i] += force;
-            if (to_second) expected[c][j] -= force;
+            const double force = double{q[3]} * (double{x[4 * k + c]} - x[4 * j + c]) + q[c] * along;
+            expected[4 * k + c] += force;
+            if (to_second) expected[4 * j + c] -= force;
           }
         }
-        const SegmentSprings springs{
-            runs.data(), static_cast<std::uint32_t>(runs.size()), in_runs, count, ends[0].data(), ends[1].data()};
-        for (const Loops& set : all_loops()) {
-          std::vector<std::vector<double>> y(3, std::vector<double>(nodes + 8, 0.25));
-          const double* const from[3] = {x[0].data(), x[1].data(), x[2].data()};
-          double* const to[3] = {y[0].data(), y[1].data(), y[2].data()};
-          set.springs->product(springs, {b[0].data(), b[1].data(), b[2].data(), b[3].data()}, from, to_second, to);
-          for (std::size_t c = 0; c < 3; ++c)
-            for (std::size_t k = 0; k < nodes + 8; ++k) CHECK(std::abs(y[c][k] - expected[c][k]) <= 1e-12);
-          if (first.empty()) first = y;
-          for (std::size_t c = 0; c < 3; ++c) CHECK(same_bits(y[c], first[c]));
+      }
+      std::vector<float> first;
+      std::vector<double> first_double;
+      const SpringRows rows{start.data(), second.data(), stiffness.data()};
+      for (const Loops& set : all_loops()) {
+        std::vector<float> y(4 * nodes, 0.25F);
+        std::vector<double> y_double(4 * nodes, 0.25);
+        set.springs->product(rows, {begin, end}, x.data(), to_second, y.data());
+        set.springs->product_double(rows, {begin, end}, x_double.data(), to_second, y_double.data());
+        for (std::size_t i = 0; i < y.size(); ++i) {
+          if (i % 4 == 3) continue;
+          CHECK(std::abs(y[i] - expected[i]) <= 10.0 * single_rounding);
+          CHECK(std::abs(y_double[i] - expected[i]) <= 1e-12);
         }
+        if (first.empty()) {
+          first = y;
+          first_double = y_double;
+        }
+        CHECK(same_bits(y, first));
+        CHECK(same_bits(y_double, first_double));
       }
     }
   }

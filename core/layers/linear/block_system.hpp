@@ -40,10 +40,6 @@ class BlockSystem {
   [[nodiscard]] std::uint32_t own_block(std::size_t node) const noexcept { return own_[node]; }
   [[nodiscard]] const std::vector<double>& mass() const noexcept { return mass_; }
   [[nodiscard]] const std::vector<std::uint8_t>& constrained() const noexcept { return constrained_; }
-  // Whether most of the net is closer to a line or surface than to a solid: the distance in springs between the ends of
-  // a part is about the square root of the number of its nodes, or more.
-  [[nodiscard]] bool is_thin() const noexcept { return thin_; }
-
   // |S - S^T| / |S|, Frobenius norms.
   [[nodiscard]] double asymmetry() const noexcept { return asymmetry_; }
 
@@ -72,7 +68,6 @@ class BlockSystem {
   const std::vector<std::uint8_t>& constrained_;
   unsigned threads_;
   bool pattern_known_ = false;
-  bool thin_ = false;
   std::vector<std::uint32_t> start_;  // [node + 1]
   std::vector<std::uint32_t> column_, transposed_;
   std::vector<std::uint32_t> own_;             // [node]

@@ -15,8 +15,8 @@
 namespace springnet::layers {
 namespace {
 
-// Smaller nets fit the caches as matrices, too. (Measured on lattices.)
-constexpr std::size_t min_nodes = 2000;
+// (Measured on lattices.)
+constexpr std::size_t min_nodes = 300;
 constexpr std::size_t nodes_of_part = 256;
 // Springs from which on threads pay off.
 constexpr std::size_t springs_worth_threads = 8000;
