@@ -82,11 +82,11 @@ Followed follow_jumps(Model& model, double from, bool leave_told) {
   const std::set<std::uint32_t> pulled = follow_prescribed(model);
   const Contact& contact = model.contact;
   if (contact.obstacles().empty()) return {SPRINGNET_OK, !pulled.empty()};
-  const std::shared_ptr<const Placement> before = contact.at(just_before(model.time, model.time - from));
+  const double length = model.time > from ? model.time - from : model.time_step;  // none before the first step
+  const std::shared_ptr<const Placement> before = contact.at(just_before(model.time, length));
   const std::shared_ptr<const Placement> now = model.placement_now();
-  // One told to move otherwise has forgotten its velocity before.
   const auto jumps = [&](std::size_t j, const Vector3& p) {
-    if (contact.obstacles()[j].told()) return !leave_told;
+    if (leave_told && contact.obstacles()[j].told()) return false;
     return Contact::velocity(*before, j, p) != Contact::velocity(*now, j, p);
   };
   Findings findings;

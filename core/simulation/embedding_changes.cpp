@@ -6,11 +6,12 @@
 namespace springnet {
 namespace {
 
-Motion straight(double from, double until, const Vector3& start, const Vector3& end) {
+// From `start` now to `end` (m) until a time, s; the velocity until now (m/s) goes on to the next step.
+Motion straight(const Model& model, double until, const Vector3& start, const Vector3& end, const Vector3& velocity) {
   Motion motion;
   motion.interpolation = Motion::Interpolation::linear;
-  motion.times = {from, until};
-  motion.displacements = {start, end};
+  motion.times = {model.time - model.time_step, model.time, until};
+  motion.displacements = {start - model.time_step * velocity, start, end};
   return motion;
 }
 
@@ -62,9 +63,9 @@ void set_fixed(Model& model, std::uint32_t node, bool fixed) {
 }
 
 void move_surface(Model& model, std::size_t surface, const Vector3& position, double time) {
-  const Vector3 now = model.placement_now()->poses[surface].displacement;
+  const Pose now = model.placement_now()->poses[surface];
   const Vector3 end = model.contact.obstacles()[surface].displacement_to(position, time);
-  model.contact.set_trajectory(surface, Trajectory(straight(model.time, time, now, end)));
+  model.contact.set_trajectory(surface, Trajectory(straight(model, time, now.displacement, end, now.velocity)));
   model.interval = {};
   model.jumps_due = true;
 }
@@ -73,7 +74,8 @@ void move_node(Model& model, std::uint32_t node, const Vector3& position, double
   const Vector3 now = vector_at(model.state.view.position, node);
   if (model.contact.fixed()[node] == 0) model.changed();
   model.contact.set_fixed(node, true);
-  model.contact.set_motion(node, now, Trajectory(straight(model.time, time, Vector3::Zero(), position - now)));
+  const Vector3 velocity = vector_at(model.state.view.velocity, node);
+  model.contact.set_motion(node, now, Trajectory(straight(model, time, Vector3::Zero(), position - now, velocity)));
   model.jumps_due = true;
 }
 

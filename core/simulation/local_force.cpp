@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <memory>
 #include <string>
 
@@ -21,6 +22,7 @@ constexpr double accuracy = 1e-5, accuracy_of_corrections = 1e-3, enough = 1e-4;
 constexpr double difference = 1e-5;        // of positions, over the network's length scale
 constexpr double friction_settles = 1e-4;  // change from iteration to iteration, relative
 constexpr int max_iterations = 20;         // for friction
+constexpr double slow = 0.7;               // of which a change may be of the one before
 
 Vector3 vector_of(const std::vector<double>& values, std::uint32_t node) {
   const std::size_t n = values.size() / 3;
@@ -99,21 +101,26 @@ Vector3 LocalForceModel::change_along(const Handle& handle, double step, const V
   }
   add_solution(right_side, accuracy, step, velocity);
   Vector3 change = this->change(handle, step, speed, velocity, friction);
-  for (int i = 0; i < max_iterations && !friction_.empty(); ++i) {
+  if (friction_.empty()) return change;
+  const Vector3 at_present_pressure = change;
+  double share = 1.0, distance = std::numeric_limits<double>::infinity();
+  for (int i = 0; i < max_iterations; ++i) {
     std::fill(right_side.begin(), right_side.end(), 0.0);
     for (std::size_t f = 0; f < friction_.size(); ++f) {
-      const Vector3 now = friction[f] + friction_[f].without_reaction(vector_of(velocity, friction_[f].node), step);
-      add_force(right_side, friction_[f].node, now - extra[f], step);
-      extra[f] = now;
+      const Vector3 wanted = friction[f] + friction_[f].without_reaction(vector_of(velocity, friction_[f].node), step);
+      const Vector3 more = share * (wanted - extra[f]);
+      add_force(right_side, friction_[f].node, more, step);
+      extra[f] += more;
     }
     add_solution(right_side, accuracy_of_corrections, step, velocity);
     const Vector3 before = change;
     change = this->change(handle, step, speed, velocity, friction);
-    if ((change - before).norm() <= friction_settles * change.norm()) return change;
+    const double moved = (change - before).norm() / share;
+    if (moved <= friction_settles * change.norm()) return change;
+    if (moved > slow * distance) share *= 0.5;
+    distance = moved;
   }
-  if (!friction_.empty())
-    throw Error(ErrorKind::simulation, "local force model: friction and pressure do not settle; the contact jams");
-  return change;
+  return at_present_pressure;  // the contact is about to jam
 }
 
 void LocalForceModel::add_force(Values& right_side, std::uint32_t node, const Vector3& force, double step) const {

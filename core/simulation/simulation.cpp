@@ -103,9 +103,10 @@ struct Simulation::Impl {
   }
   // Of a local force model, s.
   [[nodiscard]] double local_time(double over) const {
-    if (!(over >= 0.0) || !std::isfinite(over))
-      throw Error(ErrorKind::input, fmt::format("local force model: the time must be finite and 0 s or more, is {}",
-                                                checks::seconds(over)));
+    constexpr double longest = 1e100;  // s
+    if (!(over >= 0.0 && over <= longest))
+      throw Error(ErrorKind::input,
+                  fmt::format("local force model: the time must be 0 s to 1e100 s, is {}", checks::seconds(over)));
     return over > 0.0 ? over : options.time_step;
   }
   [[nodiscard]] const Obstacle& surface(std::size_t index) const {

@@ -306,3 +306,36 @@ TEST_CASE("impulses of a tool that a program moves by fits and starts are what t
     CHECK(s.velocity(0).z() == doctest::Approx(0.9).epsilon(1e-6));
   }
 }
+
+TEST_CASE("until the next step a tool has the velocity that it had, whatever it is told") {
+  constexpr double step = 0.01;
+  Network net;
+  net.add_node(point({0, 0, 0}, 0.1));
+  net.set_gravity({0, 0, -9.81});
+  net.add_plane({.name = "belt", .friction = {Friction::Kind::coulomb, 0.2}});
+  for (const LawUse& integrator : {recurrent(newton, 1e-12), cvode(1e-10), LawUse{"verlet", {}}}) {
+    INFO(integrator.id);
+    Simulation s = simulate(net, integrator, step);
+    for (int i = 1; i <= 3; ++i) {
+      s.move_surface(0, {0.5 * i * step, 0, 0}, i * step);
+      s.step();
+    }
+    // The node slips back on the belt, which pulls it on by 0.2 times its weight: as read before and after the next
+    // call.
+    const Vector3 pull = s.reaction(0);
+    CHECK(pull.x() == doctest::Approx(0.2 * 0.981).epsilon(1e-6));
+    const Vector3 velocity = s.surface_velocity(0);
+    CHECK(velocity.x() == doctest::Approx(0.5).epsilon(1e-9));
+    const LocalForce before = s.local_surface_force(0);
+    for (const double x : {0.0, 0.5 * 4 * step}) {  // told twice
+      s.move_surface(0, {x, 0, 0}, 4 * step);
+      CHECK(s.surface_velocity(0).x() == doctest::Approx(velocity.x()).epsilon(1e-9));
+      CHECK((s.reaction(0) - pull).norm() <= 1e-9);
+      CHECK((s.surface_force(0) + pull).norm() <= 1e-9);
+      CHECK((s.local_surface_force(0).stiffness - before.stiffness).norm() <= 1e-6 * (1.0 + before.stiffness.norm()));
+    }
+    s.step();
+    CHECK(s.touching(0));
+    CHECK(s.surface_position(0).x() == doctest::Approx(0.5 * 4 * step));
+  }
+}
