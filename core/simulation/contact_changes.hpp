@@ -18,13 +18,13 @@ springnet_status stop_penetration(Model& model);
 // connected to it get the impulses of the rods, as if there were no obstacles, and the reaction on the node their sum.
 // Returns the clusters that got any.
 std::set<std::uint32_t> follow_prescribed(Model& model);
-// The same, and obstacles whose velocity jumps: they break contact if it jumps in the separating direction; otherwise
-// they strike nodes, or carry them on. from: s, the time committed before. leave_told: not those of obstacles whose
-// motion the embedding program told, for the sweeps of the coming step decide their contacts.
 struct Followed {
   springnet_status status;
   bool pulled;  // rigidly connected nodes were carried along
 };
+// The same, and obstacles whose velocity jumps: they break contact if it jumps in the separating direction; otherwise
+// they strike nodes, or carry them on. from: s, the time committed before. leave_told: not those of obstacles whose
+// motion the embedding program told, for the sweeps of the coming step decide their contacts.
 Followed follow_jumps(Model& model, double from, bool leave_told);
 // Fails if moving obstacles have closed on a node that they touch at `state`: no step and no force resolves that.
 springnet_status check_room(Model& model, double time, const State& state);

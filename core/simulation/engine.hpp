@@ -83,6 +83,7 @@ class Engine {
   Sweep sweep_;
   ImpulseLedger ledger_;
   std::shared_ptr<VerletContact> verlet_;  // contact in the last step of velocity Verlet; null: none
+  bool swept_ = false;                     // the last commit was one of sweeps; false after forget()
   Reactions reactions_;
   std::unique_ptr<LocalForceModel> local_force_;  // null: not asked for yet
   bool energy_noted_ = false;

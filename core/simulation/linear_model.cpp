@@ -20,8 +20,8 @@ constexpr double max_asymmetry = 0.05;
 // Iterations before a factorisation is tried, for nets of up to so many nodes, and the most without one.
 constexpr std::uint32_t patience = 100, max_iterations = 400;
 constexpr std::size_t max_nodes_factorised = 3000;
-// From here on matrices are larger than the caches. Smaller nets are solved without one if they are solids, which takes
-// few iterations.
+// From here on matrices are larger than the caches. Smaller nets are solved without one only if they are solids, for
+// which the preconditioner of the nodes' own blocks is good.
 constexpr std::size_t nodes_worth_no_matrix = 2000;
 
 }  // namespace
@@ -153,7 +153,6 @@ bool LinearModel::is_thin() {
 
 void LinearModel::keep_state(const springnet_evaluation& at) {
   const std::size_t n = model_.mass.size();
-  if (n > max_nodes_factorised) return;
   kept_time_ = at.time;
   kept_state_.resize(6 * n);
   const double* const from[] = {at.position.x, at.position.y, at.position.z,
@@ -200,22 +199,22 @@ springnet_status LinearModel::solve_prepared(springnet_linear_solve& request) {
                       : answer.outcome == layers::SolveOutcome::truncated ? SPRINGNET_TRUNCATED
                                                                           : SPRINGNET_STALLED;
   };
+  const double* b = request.right_side;
+  std::uint64_t iterations_before = 0;
   if (prepared_ == Prepared::matrix_free) {
-    const bool may_assemble = n <= max_nodes_factorised;
-    if (may_assemble) kept_right_side_.assign(request.right_side, request.right_side + 3 * n);  // x may be that
-    answered(matrix_free_.solve(request.accuracy, max_iterations, request.right_side, request.x));
-    if (request.outcome != SPRINGNET_STALLED || !may_assemble || model_.deadline.has_passed()) return SPRINGNET_OK;
+    kept_right_side_.assign(b, b + 3 * n);  // x may be that
+    answered(matrix_free_.solve(request.accuracy, max_iterations, b, request.x));
+    if (request.outcome != SPRINGNET_STALLED || model_.deadline.has_passed()) return SPRINGNET_OK;
     matrix_free_stalled_ = true;
+    iterations_before = request.iterations;
+    b = kept_right_side_.data();
     if (const springnet_status status = assemble_kept(); status != SPRINGNET_OK) return status;
-    std::copy(kept_right_side_.begin(), kept_right_side_.end(), request.x);
-    request.right_side = request.x;
   }
   for (std::size_t k = 0; k < n; ++k)
     for (std::size_t c = 0; c < 3; ++c)
-      right_side_[3 * k + c] =
-          model_.contact.constrained()[k] != 0 ? 0.0 : model_.mass[k] * request.right_side[c * n + k];
+      right_side_[3 * k + c] = model_.contact.constrained()[k] != 0 ? 0.0 : model_.mass[k] * b[c * n + k];
   const bool may_factorise = at_hand_ && n <= max_nodes_factorised;
-  if (may_factorise && factors_.owner == Factors::Owner::system) return solve_directly(request);
+  if (may_factorise && factors_.owner == Factors::Owner::system) return solve_directly(request, b);
   // Conjugate gradients where the matrix is as good as symmetric, for the accuracy asked for.
   const bool symmetric = !indefinite_ && system_.asymmetry() <= symmetric_share * request.accuracy;
   const auto solve = [&](bool by_conjugate_gradients) {
@@ -229,14 +228,15 @@ springnet_status LinearModel::solve_prepared(springnet_linear_solve& request) {
     answer = solve(false);
   }
   answered(answer);
+  request.iterations += iterations_before;
   if (request.outcome == SPRINGNET_STALLED && may_factorise && !model_.deadline.has_passed())
-    return solve_directly(request);
+    return solve_directly(request, b);
   for (std::size_t k = 0; k < n; ++k)
     for (std::size_t c = 0; c < 3; ++c) request.x[c * n + k] = solution_[3 * k + c];
   return SPRINGNET_OK;
 }
 
-springnet_status LinearModel::solve_directly(springnet_linear_solve& request) {
+springnet_status LinearModel::solve_directly(springnet_linear_solve& request, const double* b) {
   // (1 + shift) A with weights that are smaller by 1 + shift: of the form that factorise() knows.
   const double scale = 1.0 / (1.0 + weights_.shift);
   if (factors_.owner != Factors::Owner::system)
@@ -246,8 +246,7 @@ springnet_status LinearModel::solve_directly(springnet_linear_solve& request) {
       return status;
   const std::size_t n = model_.mass.size();
   std::vector<double> right_side(3 * n);
-  for (std::size_t i = 0; i < 3 * n; ++i)
-    right_side[i] = model_.contact.constrained()[i % n] != 0 ? 0.0 : scale * request.right_side[i];
+  for (std::size_t i = 0; i < 3 * n; ++i) right_side[i] = model_.contact.constrained()[i % n] != 0 ? 0.0 : scale * b[i];
   // What constraints do not allow of it would come back in the solution: see Linearisation::solve.
   if (!model_.constraints.rows().empty())
     if (const springnet_status status = project(nullptr, right_side.data()); status != SPRINGNET_OK) return status;

@@ -50,6 +50,7 @@ class LinearModel {
     system_.topology_changed();
     prepared_ = Prepared::nothing;
     thin_.reset();
+    matrix_free_stalled_ = false;
     if (factors_.owner == Factors::Owner::system) factors_.owner = Factors::Owner::nobody;
     factors_.current = false;
   }
@@ -63,7 +64,7 @@ class LinearModel {
   // Whether the preconditioner of the matrix-free solver is good enough for the net.
   [[nodiscard]] bool suits_matrix_free();
   [[nodiscard]] bool is_thin();
-  // The state at which a small matrix-free system was prepared, in case that it has to be assembled.
+  // The state at which a matrix-free system was prepared, in case that its solution stalls and it has to be assembled.
   void keep_state(const springnet_evaluation& at);
   springnet_status assemble_kept();
   void assemble();  // with the derivatives at hand
@@ -76,7 +77,7 @@ class LinearModel {
   };
   springnet_status factorise_for(Factors::Owner owner, double velocity_weight, double position_weight);
   // By factorisation of the prepared system; only while its derivatives are those at hand.
-  springnet_status solve_directly(springnet_linear_solve& request);
+  springnet_status solve_directly(springnet_linear_solve& request, const double* right_side);
 
   Model& model_;
   layers::Linearisation blocks_;

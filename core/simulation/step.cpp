@@ -38,7 +38,7 @@ springnet_status Engine::begin_step(double from, double until) {
     ++model_.load_revision;
     model_.stale.reactions = model_.stale.forces = true;
   }
-  return begin(loads, !verlet_);
+  return begin(loads, swept_);
 }
 
 springnet_status Engine::begin_interval(double from, double until) {
@@ -115,6 +115,7 @@ void Engine::forget() noexcept {
   sweep_.forget();
   linear_.forget();
   verlet_.reset();
+  swept_ = false;
 }
 
 // ---- commit ---------------------------------------------------------------------------------------------------------
@@ -133,7 +134,8 @@ springnet_status Engine::commit(double time, State& state) {
   const bool told = model_.contact.next_change_of_scene(from) > time && change >= just_before(time, time - from).rate;
   model_.jumps_due = change <= time && told && calls_.ends_at(time);
   const bool jumps = change <= time && !model_.jumps_due;
-  springnet_status status = sweep_.done().any ? commit_sweeps() : commit_solution(state, jumps);
+  swept_ = sweep_.done().any;
+  springnet_status status = swept_ ? commit_sweeps() : commit_solution(state, jumps);
   if (status == SPRINGNET_OK && jumps) status = commit_jumps(from, false);
   if (status != SPRINGNET_OK) return status;
   committed_events_ = model_.journal.events().size();

@@ -31,7 +31,7 @@ constexpr const char* usage =
     "Prints the cost of settled steps in naive explicit steps of the same net, as Markdown.\n"
     "  --json FILE    write the results for tests/benchmark/compare\n"
     "  --only NAME    only the row NAME, or those that a pattern like 'lattice-*' matches; may be repeated\n"
-    "  --all          with the rows that take minutes: lattices of 64 nodes a side, stiff ones\n"
+    "  --all          with the rows that take minutes: lattices of 64 nodes a side, stiff ones, fine tissue\n"
     "  --quick        a step or two of each net, once: shows that it runs\n"
     "  --mesh FILE    a mesh of tetrahedra for the block of tissue, a box from the origin\n"
     "  --list         print the names of the rows\n";
@@ -75,6 +75,9 @@ std::vector<Row> rows(const Arguments& arguments) {
       {"cube", Kind::naive, "sweep", scene("cube"), whole_scene, 3.8},
       {"tissue", Kind::naive, "step", block, few_steps, 110.0},
   };
+  // The same block by elements of half the length.
+  all.push_back(
+      {"tissue-fine", Kind::naive, "step", [] { return tissue(tissue_mesh(47)); }, two_steps, std::nullopt, true});
   // t_c^2 k/m; the lattices above have 8.
   for (const std::uint32_t n : {32u, 64u}) {
     for (const double ratio : {10.0, 100.0, 1000.0}) {

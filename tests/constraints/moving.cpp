@@ -294,7 +294,7 @@ TEST_CASE("impulses of a tool that a program moves by fits and starts are what t
     Simulation s = simulate(net, integrator, step);
     double height = 0.0;
     int i = 0;
-    for (const double speed : {0.0, 0.2, 0.5, 0.5, 0.3, 0.9, 0.0, 1.0, 1.0}) {
+    for (const double speed : {0.1, 0.0, 0.2, 0.5, 0.5, 0.3, 0.9, 0.0, 1.0, 1.0}) {
       height += speed * step;
       s.move_surface(0, {0, 0, height}, ++i * step);
       s.step();

@@ -203,18 +203,20 @@ class Simulation {
   // Moves the surface, or the node (fixed from then on), in a straight line at constant speed to `position` (m), where
   // it arrives at `time` (s, later than now) and stays. Ends a motion of the scene; a surface that turns keeps turning.
   // For tracked tools: call it before each step with the place at the end of the step. The velocity changes when the
-  // next step begins, to that told by then: tools do not stop at the end of each step. In `recurrent` nodes lose contact
-  // with a tool that becomes slower only if nothing presses them against it over the step.
+  // next step begins, to that told by then: tools do not stop at the end of each step (but where the velocity of a
+  // motion of the scene jumps within it, too). In `recurrent` nodes lose contact with a tool that becomes slower only
+  // if nothing presses them against it over the step.
   void move_surface(std::size_t surface, const Vector3& position, double time);
   void move_node(NodeIndex node, const Vector3& position, double time);
 
-  // The local force model of a fixed or moved node, or of a surface that moves without turning: its force now, and the
-  // change of that force at the end of a backward Euler step of `over` seconds (0: the time step) had it arrived
-  // elsewhere, with all else in contact as it is. That is the Schur complement of the step's linear system: exact for
-  // `recurrent` with theta = 1 to first order. A long `over` gives the stiffness at rest, a short one that of the
+  // The local force model of a fixed or moved node, or of a surface: its force now, and the change of that force at the
+  // end of a backward Euler step of `over` seconds (0: the time step) had it arrived elsewhere, with all else in
+  // contact as it is. That is the Schur complement of the step's linear system: exact to first order for `recurrent`
+  // with theta = 1 and surfaces that do not turn. A long `over` gives the stiffness at rest, a short one that of the
   // nearest springs and dampers. It is symmetric where forces have a potential and nothing slips with friction. The
-  // motion of the network does not change. Costs about three steps' linear systems. Throws Error(input) for a free
-  // node, Error(simulation) if a law has no derivatives or the systems cannot be solved, as where the network buckles.
+  // motion of the network does not change. Costs about as much as a step. Throws Error(input) for a free node, a
+  // surface that does not exist, an `over` below 0, above 1e100 s or not a number; Error(simulation) if a law has no
+  // derivatives or the systems cannot be solved, as where the network buckles.
   [[nodiscard]] LocalForce local_force(NodeIndex node, double over = 0.0);
   [[nodiscard]] LocalForce local_surface_force(std::size_t surface, double over = 0.0);
 

@@ -543,8 +543,9 @@ typedef struct springnet_host {
    * until nodes become fixed, held or free, springs or elements are removed (`revision`), or rigid connections and
    * surfaces that nodes slide on have turned. */
   springnet_status (*prepare_system)(void* context, const springnet_linear_system* system);
-  /* Solves it among the changes that rigid connections and surfaces allow, whose forces F add F / mass to accelerations,
-   * whatever the neurons make of forces. SPRINGNET_RECOVERABLE if the matrix is singular. */
+  /* Solves it among the changes that rigid connections and surfaces allow; their forces F add F / mass to
+   * accelerations, independent of the neurons. SPRINGNET_RECOVERABLE if the matrix is singular. May replace the
+   * derivatives of `linearise` and the factors of `factorise`: do not use both kinds of systems at a time. */
   springnet_status (*solve_system)(void* context, springnet_linear_solve* solve);
   /* Wall time left until the present `advance` should end, s: infinity if it has no deadline, below 0 after it. Then a
    * method commits the best it has, with the outcome SPRINGNET_OUT_OF_TIME. solve_system ends soon after the deadline,
