@@ -168,3 +168,24 @@ TEST_CASE("a time for a step is a number of seconds") {
   Simulation reference = simulate(swinging_rods(), cvode(1e-6), 0.02);
   CHECK(reference.step_within(0.0).outcome == Outcome::settled);
 }
+
+TEST_CASE("after a deadline a sweep of Newton's method does not search for a better step") {
+  // A spring that stiffens, hit so hard that the first sweeps are far off: without a deadline they take up to 22
+  // evaluations until a step is good. One for the start, one a sweep, one where the outputs stay, and that at the end.
+  for (const double exponent : {50.0, 300.0, 1000.0}) {
+    for (const double stiffness : {100.0, 1e5}) {
+      for (const double speed : {-150.0, 40.0, 70.0, 200.0, 500.0}) {
+        CAPTURE(exponent);
+        CAPTURE(stiffness);
+        CAPTURE(speed);
+        const Material tissue{LawUse{"exponential", {{"stiffness", stiffness}, {"exponent", exponent}}}, std::nullopt};
+        Simulation simulation = simulate(oscillator(tissue, 1.0, 0.0, speed), recurrent(newton, 1e-9), 0.01);
+        const StepReport report = simulation.step_within(0.0);
+        CHECK(report.outcome == Outcome::out_of_time);
+        CHECK(report.sweeps <= 2);
+        CHECK(simulation.statistics().at("evaluations") <= 5);
+        CHECK(std::isfinite(report.residual));
+      }
+    }
+  }
+}

@@ -239,7 +239,8 @@ bool Newton::restore(const Step& step, const springnet_state& candidate) {
   const std::size_t n = step.network.node_count;
   uncorrected_ = direction_;
   const double uncorrected_slope = at_candidate_.slope;
-  for (int tries = 0; tries < max_restorations && std::isfinite(at_candidate_.norm); ++tries) {
+  for (int tries = 0; tries < max_restorations && std::isfinite(at_candidate_.norm) && work_.host.time_left() > 0.0;
+       ++tries) {
     double square = 0.0;
     for (std::size_t i = 0; i < 3 * n; ++i) square += step.network.mass[i % n] * direction_[i] * direction_[i];
     const double before = at_candidate_.norm, shift = restoration_weight * before / std::sqrt(square);
@@ -279,8 +280,17 @@ bool Newton::try_whole_step(const Step& step, const springnet_state& candidate) 
   return is_good(step, slope) || (at_candidate_.norm > max_growth * at_outputs_.norm && restore(step, candidate));
 }
 
+void Newton::relax_shift() noexcept { shift_ = shift_ / shift_growth < min_shift ? 0.0 : shift_ / shift_growth; }
+
 void Newton::search(Step& step, const springnet_state& candidate) {
   const double wanted = accuracy(step);
+  // At a deadline the outputs stay as they are.
+  const auto is_late = [&] {
+    if (work_.host.time_left() > 0.0) return false;
+    std::fill(direction_.begin(), direction_.end(), 0.0);
+    evaluate_candidate(step, 0.0, candidate);
+    return true;
+  };
   for (int shifts = 0; shifts < max_shifts; ++shifts) {
     find_direction(step, wanted);
     if (is_solved_ && at_outputs_.slope <= 0.0) {
@@ -288,9 +298,13 @@ void Newton::search(Step& step, const springnet_state& candidate) {
       double share = 1.0;
       for (int tries = 0; tries < max_shares; ++tries) {
         evaluate_candidate(step, share, candidate);
-        const bool is_off = tries == 0 && at_candidate_.norm > max_growth * at_outputs_.norm;
-        if (is_good(step, slope) || (is_off && restore(step, candidate))) {
-          if (tries == 0) shift_ = shift_ / shift_growth < min_shift ? 0.0 : shift_ / shift_growth;
+        if (is_good(step, slope)) {
+          if (tries == 0) relax_shift();
+          return;
+        }
+        if (is_late()) return;
+        if (tries == 0 && at_candidate_.norm > max_growth * at_outputs_.norm && restore(step, candidate)) {
+          relax_shift();
           return;
         }
         // Zero of the linear interpolation of the slopes, away from both ends.
@@ -298,6 +312,7 @@ void Newton::search(Step& step, const springnet_state& candidate) {
         share *= std::clamp(zero, 0.1, 0.6);
       }
     }
+    if (is_late()) return;
     shift_ = std::max(first_shift, shift_growth * shift_);
   }
   if (!std::isfinite(at_candidate_.norm))

@@ -80,6 +80,7 @@ class Newton final : public Rule {
   // reduce the residual, with fresh ones is_good() decides.
   [[nodiscard]] bool try_whole_step(const Step& step, const springnet_state& candidate);
   void search(Step& step, const springnet_state& candidate);
+  void relax_shift() noexcept;
   // Outputs with P = p* + w U at the positions where the step's propagation starts.
   void start_at_rest(const Step& step, const springnet_state& candidate);
   void compare_forces(Step& step);
