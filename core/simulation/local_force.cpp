@@ -128,7 +128,9 @@ void LocalForceModel::add_force(Values& right_side, std::uint32_t node, const Ve
 }
 
 void LocalForceModel::linearise(const Handle& handle) {
-  const Parts parts{model_.layout.live_count(), model_.layout.elements().live_count()};
+  const layers::LoadedFaces& faces = model_.layout.loaded_faces();
+  Parts parts{model_.layout.live_count(), model_.layout.elements().live_count(), 0};
+  for (std::size_t f = 0; f < faces.count(); ++f) parts[2] += faces.alive(f) ? 1 : 0;
   if (parts != parts_) linear_.topology_changed();
   parts_ = parts;
   const springnet_state& state = model_.state.view;

@@ -70,7 +70,7 @@ class LocalForceModel {
 
   Model& model_;
   LinearModel linear_;
-  using Parts = std::array<std::size_t, 2>;  // springs and elements that are left
+  using Parts = std::array<std::size_t, 3>;  // springs, elements and loaded faces that are left
   Parts parts_{};
   std::vector<Friction> friction_;
   std::vector<std::uint32_t> curved_;  // nodes that slide on the handle's surface
