@@ -120,6 +120,11 @@ void ConstraintSet::constrain(const Placement& end, std::uint32_t first, std::ui
   contact_.constrain(end, first, count, sweep, rigid_.cluster_of(), read);
 }
 
+void ConstraintSet::constrain(const Placement& end, std::span<const std::uint32_t> nodes, const springnet_sweep& sweep,
+                              const springnet_const_vectors& read) {
+  contact_.constrain(end, nodes, sweep, read);
+}
+
 springnet_status ConstraintSet::constrain_cluster(const Placement& end, std::size_t cluster,
                                                   const springnet_sweep& sweep, springnet_message& message) const {
   return rigid_.constrain(end, cluster, sweep, message);

@@ -6,6 +6,7 @@
 #include <cstdint>
 #include <functional>
 #include <utility>
+#include <span>
 #include <vector>
 
 #include <springnet/sdk/plugin.h>
@@ -69,6 +70,10 @@ class ConstraintSet {
   // Constrains outputs of nodes [first, first + count) without rigid connections, see Contact::constrain.
   void constrain(const Placement& end, std::uint32_t first, std::uint32_t count, const springnet_sweep& sweep,
                  const Vector3* read = nullptr);
+  // The same for nodes of a list, none of which has rigid connections. read: [component][i] velocity that the update of
+  // nodes[i] started from, m/s.
+  void constrain(const Placement& end, std::span<const std::uint32_t> nodes, const springnet_sweep& sweep,
+                 const springnet_const_vectors& read);
   // The same for one cluster, and for all with up to `threads` threads.
   springnet_status constrain_cluster(const Placement& end, std::size_t cluster, const springnet_sweep& sweep,
                                      springnet_message& message) const;

@@ -8,6 +8,7 @@
 #include <limits>
 #include <memory>
 #include <optional>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -126,6 +127,9 @@ class Contact {
   // the resulting contacts the committed ones.
   void constrain(const Placement& end, std::uint32_t first, std::uint32_t count, const springnet_sweep& sweep,
                  const std::uint32_t* cluster, const Vector3* read = nullptr);
+  // The same for nodes of a list without rigid connections, [component][i] of `read` for nodes[i].
+  void constrain(const Placement& end, std::span<const std::uint32_t> nodes, const springnet_sweep& sweep,
+                 const springnet_const_vectors& read);
   // Sets position and velocity of a fixed or prescribed node; false for any other node.
   bool constrain_fixed(const Placement& end, std::uint32_t node, const springnet_sweep& sweep) const;
   // The first surface that a node meets on its path through the step, and the share of the path at which it does.
@@ -140,9 +144,6 @@ class Contact {
     std::uint32_t node;
     Vector3 start, start_velocity, end, velocity;
   };
-  // Whether obstacles that stand still are farther from `start` than the path is long, so that it meets none. False if
-  // that is not certain.
-  [[nodiscard]] bool is_far(std::uint32_t node, const Vector3& start, const Vector3& end);
   // For a node that slides on some surfaces: the next one that it meets, except those known; -1: none.
   [[nodiscard]] Meeting next_meeting(const Placement& at, const Path& path, const Touch& on,
                                      const std::vector<std::int32_t>& known = {}) const;
@@ -212,6 +213,11 @@ class Contact {
   struct Candidate;
   struct Within;  // a sweep and the placement at its end
   struct Slide;
+  // Whether obstacles that stand still are farther from where a node starts than its path is long, so that it meets
+  // none. False if that is not certain.
+  [[nodiscard]] bool is_far(std::uint32_t node, const springnet_sweep& sweep);
+  // Whether a node that no surface touches clearly stays free.
+  [[nodiscard]] bool stays_free(const Within& within, std::uint32_t node);
   void constrain_node(const Within& within, std::uint32_t node, const Vector3* read);
   // Keeps the committed contact unless a surface would have to pull. True: kept, outputs are set.
   [[nodiscard]] bool try_to_keep(const Within& within, std::uint32_t node, const Candidate& candidate);
@@ -265,10 +271,11 @@ class Contact {
   std::vector<std::uint8_t> slide_changes_;
   std::vector<std::vector<std::int32_t>> met_;
   std::vector<Slip> slip_phase_;
-  // [node] the smallest gap of obstacles that stand still, m, where the node last started.
+  // [node] where the node last started, m, and the square of the path from there that meets no obstacle, if they stand
+  // still, m^2.
   struct StartGap {
     Vector3 start = Vector3::Constant(std::numeric_limits<double>::quiet_NaN());
-    double gap = 0.0;
+    double square_reach = 0.0;
   };
   std::vector<StartGap> start_gap_;
   bool any_moves_ = false;  // an obstacle

@@ -58,9 +58,9 @@ Contact::Slide Contact::slide_along(const Within& within, std::int32_t surface, 
     const Vector3 w = Contact::velocity(at, j, place), n = normal(at, j, place);
     const auto solve = [&] {
       const Vector3 relative = candidate.velocity - w - rebound * n;
-      return sweep.contacts != 0 ? solve_slipping(candidate.mobility, relative, n, sliding_coefficient_of(friction),
+      return sweep.contacts != 0 ? solve_slipping(candidate.mobility(), relative, n, sliding_coefficient_of(friction),
                                                   slip_[candidate.node])
-                                 : solve_contact(candidate.mobility, relative, n, friction);
+                                 : solve_contact(candidate.mobility(), relative, n, friction);
     };
     ContactResponse reaction = solve();
     const double pressing = n.dot(reaction.impulse);
@@ -138,7 +138,7 @@ Contact::Slide Contact::slide_along_edge(const Within& within, std::int32_t firs
     const Vector3 w = directions.row(2).norm() > 1e-6 ? Vector3(directions.inverse() * rates) : with;
     const auto solve = [&] {
       const Vector3* kept = sweep.contacts != 0 ? &slip_[candidate.node] : nullptr;
-      return solve_edge(candidate.mobility, candidate.velocity - w, directions.row(0), directions.row(1), rough_a,
+      return solve_edge(candidate.mobility(), candidate.velocity - w, directions.row(0), directions.row(1), rough_a,
                         rough_b, kept);
     };
     EdgeResponse reaction = solve();

@@ -73,13 +73,19 @@ Contact::Meeting Contact::first_meeting(const Placement& at, const Vector3& star
 Contact::Meeting Contact::next_meeting(const Placement& at, const Path& path, const Touch& on,
                                        const std::vector<std::int32_t>& known) const {
   Meeting next{-1, 2.0};
+  double depth = 0.0;  // behind it at the end of the path, m
   for (std::size_t j = 0; j < obstacles_.size(); ++j) {
     const auto surface = static_cast<std::int32_t>(j);
     if (on.has(surface) || std::find(known.begin(), known.end(), surface) != known.end()) continue;
     const auto share = obstacles_[j].first_touch(start_->poses[j], path.start, at.poses[j], path.end);
-    if (!share || *share >= next.share || is_separating(at, surface, path)) continue;
-    const bool behind = gap(at, j, path.end) < -beside * (path.end - path.start).norm();
-    if (behind || (*share > 0.0 && !is_flush(at, on, surface, path.end))) next = {surface, *share};
+    if (!share || *share > next.share + beside || is_separating(at, surface, path)) continue;
+    const double gap_at_end = gap(at, j, path.end);
+    // An edge that leads to a vertex meets all other surfaces there at once: not rounding decides which comes first.
+    if (next.surface >= 0 && *share >= next.share - beside && -gap_at_end <= depth) continue;
+    const bool behind = gap_at_end < -beside * (path.end - path.start).norm();
+    if (!behind && (*share == 0.0 || is_flush(at, on, surface, path.end))) continue;
+    next = {surface, *share};
+    depth = -gap_at_end;
   }
   return next;
 }
@@ -106,6 +112,35 @@ bool Contact::constrain_fixed(const Placement& end, std::uint32_t node, const sp
   return true;
 }
 
+// The gap changes by at most the length of the path. Called for each node in each sweep: no vectors in memory.
+inline bool Contact::is_far(std::uint32_t node, const springnet_sweep& sweep) {
+  constexpr double margin = 1.001, rounding = 1e-12;
+  if (any_moves_) return false;
+  StartGap& known = start_gap_[node];
+  const springnet_const_vectors& from = sweep.start_position;
+  const double x = from.x[node], y = from.y[node], z = from.z[node];
+  if (known.start[0] != x || known.start[1] != y || known.start[2] != z) {
+    const Vector3 start(x, y, z);
+    double least = std::numeric_limits<double>::infinity();
+    for (std::size_t j = 0; j < obstacles_.size(); ++j) least = std::min(least, gap(*start_, j, start));
+    const double reach = least - rounding * start.cwiseAbs().maxCoeff();
+    known = {start, reach > 0.0 ? reach * reach : 0.0};
+  }
+  const springnet_vectors& to = sweep.next_position;
+  const double dx = to.x[node] - x, dy = to.y[node] - y, dz = to.z[node] - z;
+  return known.square_reach > margin * (dx * dx + dy * dy + dz * dz);
+}
+
+inline bool Contact::stays_free(const Within& within, std::uint32_t node) {
+  const springnet_sweep& sweep = within.sweep;
+  // Most nodes are free, were free in the sweep before, and are far from everything: nothing changes.
+  const bool is_free = sweep.contacts == 0 && committed_[node].surface < 0 && now_[node].surface < 0 &&
+                       was_in_contact_[node] == 0 && bounces_[node] == 0 && changes_[node] < max_changes;
+  if (!is_free || !is_far(node, sweep)) return false;
+  sweep_impulse_[node].setZero();
+  return true;
+}
+
 void Contact::constrain(const Placement& end, std::uint32_t first, std::uint32_t count, const springnet_sweep& sweep,
                         const std::uint32_t* cluster, const Vector3* read) {
   // Without surfaces only fixed nodes are constrained, and the others have no contact force to report.
@@ -115,34 +150,29 @@ void Contact::constrain(const Placement& end, std::uint32_t first, std::uint32_t
     if (constrain_fixed(end, k, sweep)) continue;
     if (cluster != nullptr && cluster[k] != no_cluster) continue;
     put_force(sweep, k, Vector3::Zero());
-    if (obstacles_.empty()) continue;
-    constrain_node({sweep, end}, k, read);
+    const Within within{sweep, end};
+    if (!obstacles_.empty() && !stays_free(within, k)) constrain_node(within, k, read);
   }
 }
 
-// The gap changes by at most the length of the path.
-bool Contact::is_far(std::uint32_t node, const Vector3& start, const Vector3& end) {
-  constexpr double margin = 1.001, rounding = 1e-12;
-  if (any_moves_) return false;
-  StartGap& known = start_gap_[node];
-  if (known.start != start) {
-    known = {start, std::numeric_limits<double>::infinity()};
-    for (std::size_t j = 0; j < obstacles_.size(); ++j) known.gap = std::min(known.gap, gap(*start_, j, start));
+void Contact::constrain(const Placement& end, std::span<const std::uint32_t> nodes, const springnet_sweep& sweep,
+                        const springnet_const_vectors& read) {
+  const bool has_surfaces = !obstacles_.empty();
+  const Within within{sweep, end};
+  for (std::size_t i = 0; i < nodes.size(); ++i) {
+    const std::uint32_t k = nodes[i];
+    if (constrain_fixed(end, k, sweep)) continue;
+    put_force(sweep, k, Vector3::Zero());
+    if (!has_surfaces || stays_free(within, k)) continue;
+    const Vector3 old(read.x[i], read.y[i], read.z[i]);
+    constrain_node(within, k, &old);
   }
-  const double reach = known.gap - rounding * start.cwiseAbs().maxCoeff();
-  return reach > 0.0 && reach * reach > margin * (end - start).squaredNorm();
 }
 
 void Contact::constrain_node(const Within& within, std::uint32_t node, const Vector3* read) {
   const auto& [sweep, at] = within;
   const Vector3 start = vector_at(sweep.start_position, node), end = vector_at(sweep.next_position, node);
   const bool decides = sweep.contacts == 0;
-  // Most nodes are free, were free in the sweep before, and are far from everything: nothing changes.
-  if (decides && committed_[node].surface < 0 && now_[node].surface < 0 && was_in_contact_[node] == 0 &&
-      bounces_[node] == 0 && changes_[node] < max_changes && is_far(node, start, end)) {
-    sweep_impulse_[node].setZero();
-    return;
-  }
   // At the last permitted change of decision skip the shortcut: meet() then keeps the contact.
   const bool last_change = changes_[node] + (was_in_contact_[node] != 0 ? 1 : 0) >= max_changes;
   if (committed_[node].surface < 0 && (!decides || (!last_change && first_meeting(at, start, end).surface < 0))) {
@@ -151,18 +181,16 @@ void Contact::constrain_node(const Within& within, std::uint32_t node, const Vec
     decide(node, {}, Vector3::Zero());
     return;
   }
-  Candidate candidate{node,
-                      start,
-                      vector_at(sweep.start_velocity, node),
-                      end,
-                      vector_at(sweep.next_velocity, node),
-                      {},
-                      {},
-                      read != nullptr ? *read : vector_at(sweep.velocity, node)};
-  candidate.inertia = sweep.inertia == nullptr
-                          ? Matrix3(mass_[node] * Matrix3::Identity())
-                          : Matrix3(Eigen::Map<const Matrix3>(sweep.inertia + 9 * std::size_t{node}));
-  candidate.mobility = candidate.inertia.inverse();
+  const Matrix3 inertia = sweep.inertia == nullptr
+                              ? Matrix3(mass_[node] * Matrix3::Identity())
+                              : Matrix3(Eigen::Map<const Matrix3>(sweep.inertia + 9 * std::size_t{node}));
+  const Candidate candidate{node,
+                            start,
+                            vector_at(sweep.start_velocity, node),
+                            end,
+                            vector_at(sweep.next_velocity, node),
+                            inertia,
+                            read != nullptr ? *read : vector_at(sweep.velocity, node)};
   if (!decides)
     keep(within, node, candidate);
   else if (committed_[node].surface < 0 || !try_to_keep(within, node, candidate))
@@ -420,7 +448,7 @@ void Contact::slide(const Within& within, std::uint32_t node, const Slide& on, c
       if (settles && gap(at, static_cast<std::size_t>(j), on.position) <= length) met.push_back(j);
     if (next.surface >= 0) met.push_back(next.surface);
     const std::optional<Slide> found = choose_active_set(within, on, met, candidate);
-    if (found && now_[node] != found->touch && !settles) ++slide_changes_[node];
+    if (found && now_[node] != found->touch && slide_changes_[node] < 2 * max_changes) ++slide_changes_[node];
     for (const std::int32_t j : met)
       if (std::find(met_[node].begin(), met_[node].end(), j) == met_[node].end()) met_[node].push_back(j);
     if (found && found->touch.third >= 0 && any_is(found->touch, Friction::Kind::coulomb)) {
@@ -428,6 +456,11 @@ void Contact::slide(const Within& within, std::uint32_t node, const Slide& on, c
       const std::int32_t by = before.surface >= 0 && !before.slides ? before.surface : found->touch.surface;
       const Vector3 place = before.surface == by ? carried(at, candidate.start, by) : found->position;
       stop(within, node, {by, false}, place, candidate);
+      return;
+    }
+    if (found && slide_changes_[node] >= 2 * max_changes && any_is(found->touch, Friction::Kind::coulomb)) {
+      // Among more surfaces friction takes and leaves each in turn: it stops the node, too.
+      stop(within, node, {found->touch.surface, false}, found->position, candidate);
       return;
     }
     if (found) {

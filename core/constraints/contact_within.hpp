@@ -14,7 +14,7 @@ struct Contact::Candidate {
   std::uint32_t node;
   Vector3 start, start_velocity;  // m, m/s, at the start of the step
   Vector3 position, velocity;     // m, m/s
-  Matrix3 inertia, mobility;      // kg, 1/kg
+  Matrix3 inertia;                // kg
   Vector3 read;                   // m/s: the velocity that the update started from
 
   // The same update with the isotropic inertia |inertia| I: the fixed point is the same, and a slip direction always
@@ -24,10 +24,13 @@ struct Contact::Candidate {
     const double most = inertia.norm();
     result.velocity = read + inertia * (velocity - read) / most;
     result.inertia = most * Matrix3::Identity();
-    result.mobility = Matrix3::Identity() / most;
     return result;
   }
   [[nodiscard]] bool is_isotropic() const { return inertia == Matrix3(inertia(0, 0) * Matrix3::Identity()); }
+  // 1/kg.
+  [[nodiscard]] Matrix3 mobility() const {
+    return inertia.inverse();
+  }
 };
 
 // A node constrained to the surfaces that it touches.

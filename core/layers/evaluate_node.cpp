@@ -20,27 +20,49 @@ Vector3 external_force(std::uint32_t node, double mass, const NodeArrays& nodes,
 
 }  // namespace
 
-springnet_status Evaluator::evaluate_together(std::span<const std::uint32_t> list, double time, const NodeArrays& nodes,
-                                              const ExternalForces& external, const EnclosureVolumes* volumes,
-                                              double* const force[3], springnet_message& message) const {
-  const bool elements = layout_.elements().live_count() > 0;
+void Evaluator::copy(std::span<const std::uint32_t> list, const NodeArrays& nodes, ListedNodes& out) const noexcept {
   for (std::size_t i = 0; i < list.size(); ++i) {
-    Vector3 own = external_force(list[i], mass_[list[i]], nodes, layout_.loaded_faces(), external);
+    const std::uint32_t k = list[i];
+    out.p[0][i] = nodes.px[k];
+    out.p[1][i] = nodes.py[k];
+    out.p[2][i] = nodes.pz[k];
+    out.v[0][i] = nodes.vx[k];
+    out.v[1][i] = nodes.vy[k];
+    out.v[2][i] = nodes.vz[k];
+    out.mass[i] = mass_[k];
+  }
+}
+
+springnet_status Evaluator::evaluate_together(const NodeList& list, const ListedNodes& own, double time,
+                                              const NodeArrays& nodes, const ExternalForces& external,
+                                              const EnclosureVolumes* volumes, double* const force[3],
+                                              springnet_message& message) const {
+  const bool elements = layout_.elements().live_count() > 0;
+  if (!elements && external.loads.x == nullptr && external.pressure == nullptr) {
+    for (Eigen::Index c = 0; c < 3; ++c)
+      for (std::size_t i = 0; i < list.nodes.size(); ++i) force[c][i] = own.mass[i] * external.gravity[c];
+    return add_springs_of(list, own, time, nodes, force, message);
+  }
+  for (std::size_t i = 0; i < list.nodes.size(); ++i) {
+    const std::uint32_t k = list.nodes[i];
+    Vector3 sum = external_force(k, own.mass[i], nodes, layout_.loaded_faces(), external);
     if (elements) {
-      NodeSums sums{own};
-      const springnet_status status = add_elements_of(list[i], time, nodes, volumes, sums, message);
+      NodeSums sums{sum};
+      const springnet_status status = add_elements_of(k, time, nodes, volumes, sums, message);
       if (status != SPRINGNET_OK) return status;
     }
-    for (Eigen::Index c = 0; c < 3; ++c) force[c][i] = own[c];
+    for (Eigen::Index c = 0; c < 3; ++c) force[c][i] = sum[c];
   }
-  return add_springs_of(list, time, nodes, force, message);
+  return add_springs_of(list, own, time, nodes, force, message);
 }
 
 springnet_status Evaluator::evaluate_node(std::uint32_t node, double time, const NodeArrays& nodes,
                                           const ExternalForces& external, const EnclosureVolumes* volumes,
                                           Vector3& force, springnet_message& message) const {
+  ListedNodes own;  // not initialised: written before it is read
+  copy({&node, 1}, nodes, own);
   double* const component[3] = {&force[0], &force[1], &force[2]};
-  return evaluate_together({&node, 1}, time, nodes, external, volumes, component, message);
+  return evaluate_together({{&node, 1}}, own, time, nodes, external, volumes, component, message);
 }
 
 springnet_status Evaluator::evaluate_node(std::uint32_t node, double time, const NodeArrays& nodes,
@@ -51,7 +73,8 @@ springnet_status Evaluator::evaluate_node(std::uint32_t node, double time, const
     const springnet_status status = evaluate_node(node, time, nodes, external, volumes, force, message);
     double* const answer[3] = {&acceleration[0], &acceleration[1], &acceleration[2]};
     const double* const net[3] = {&force[0], &force[1], &force[2]};
-    return status != SPRINGNET_OK ? status : accelerations({&node, 1}, time, nodes, net, answer, message);
+    if (status != SPRINGNET_OK) return status;
+    return accelerations(node, 1, time, nodes, net, answer, nullptr, nullptr, nullptr, message);
   }
   const NeuronKind& neuron = layout_.laws().neurons[layout_.neuron_kind()[node]];
   const bool differentiable = (neuron.component->description->capabilities & SPRINGNET_HAS_DERIVATIVES) != 0;

@@ -166,25 +166,21 @@ springnet_status Evaluator::accelerations(std::uint32_t first, std::uint32_t cou
   return SPRINGNET_OK;
 }
 
-springnet_status Evaluator::accelerations(std::span<const std::uint32_t> list, double time, const NodeArrays& nodes,
+springnet_status Evaluator::accelerations(std::span<const std::uint32_t> list, const ListedNodes& own, double time,
                                           const double* const force[3], double* const acceleration[3],
                                           springnet_message& message) const {
   const std::vector<std::uint32_t>& kinds = layout_.neuron_kind();
-  // Copies side by side, as neurons read them.
-  double copies[7][together_limit];
-  const double* const from[7] = {nodes.px, nodes.py, nodes.pz, nodes.vx, nodes.vy, nodes.vz, mass_.data()};
-  for (std::size_t c = 0; c < 7; ++c)
-    for (std::size_t i = 0; i < list.size(); ++i) copies[c][i] = from[c][list[i]];
+  const bool one_kind = layout_.laws().neurons.size() == 1;
   for (std::size_t begin = 0; begin < list.size();) {
-    std::size_t end = begin + 1;
+    std::size_t end = one_kind ? list.size() : begin + 1;
     while (end < list.size() && kinds[list[end]] == kinds[list[begin]]) ++end;
     springnet_neuron_batch batch{};
     batch.count = static_cast<std::uint32_t>(end - begin);
     batch.time = time;
     batch.force = {force[0] + begin, force[1] + begin, force[2] + begin};
-    batch.position = {copies[0] + begin, copies[1] + begin, copies[2] + begin};
-    batch.velocity = {copies[3] + begin, copies[4] + begin, copies[5] + begin};
-    batch.mass = copies[6] + begin;
+    batch.position = {own.p[0] + begin, own.p[1] + begin, own.p[2] + begin};
+    batch.velocity = {own.v[0] + begin, own.v[1] + begin, own.v[2] + begin};
+    batch.mass = own.mass + begin;
     batch.acceleration = {acceleration[0] + begin, acceleration[1] + begin, acceleration[2] + begin};
     const NeuronKind& kind = layout_.laws().neurons[kinds[list[begin]]];
     if (const springnet_status status = call_neuron(kind, batch, list[begin], message); status != SPRINGNET_OK)

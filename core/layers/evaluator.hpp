@@ -10,6 +10,7 @@
 #include "layers/elements/enclosure_volumes.hpp"
 #include "layers/instruction_set.hpp"
 #include "layers/layout.hpp"
+#include "layers/springs/node_springs.hpp"
 
 namespace springnet::layers {
 
@@ -34,8 +35,18 @@ struct NodeDerivatives {
   double by_position[9];  // da/dp, 1/s^2
 };
 
-// Most nodes that are evaluated together, node by node.
-inline constexpr std::size_t together_limit = 64;
+// Up to together_limit nodes to evaluate together, node by node.
+struct NodeList {
+  std::span<const std::uint32_t> nodes;
+  std::span<const NodeSprings> springs{};  // theirs, if they are at hand; else they are found
+};
+
+// The values of nodes of a list, side by side.
+struct ListedNodes {
+  alignas(64) double p[3][together_limit];  // m
+  double v[3][together_limit];              // m/s
+  double mass[together_limit];              // kg
+};
 
 class Evaluator {
  public:
@@ -50,10 +61,12 @@ class Evaluator {
   // evaluated into buffers of the evaluator.
   springnet_status evaluate(double time, const NodeArrays& nodes, const ExternalForces& external,
                             const ForceArrays& force, TileFinished finished, springnet_message& message) const;
-  // Net forces on up to together_limit nodes, N: force[component][i] of nodes[i], from all its springs and elements.
-  // The same bits whichever nodes are evaluated together. volumes: those of the enclosures at this state; null computes
-  // them here, from all their nodes.
-  springnet_status evaluate_together(std::span<const std::uint32_t> list, double time, const NodeArrays& nodes,
+  // The values of up to together_limit nodes.
+  void copy(std::span<const std::uint32_t> list, const NodeArrays& nodes, ListedNodes& out) const noexcept;
+  // Net forces on nodes of a list, whose values are `own`, N: force[component][i] of nodes[i], from all its springs and
+  // elements. The same bits whichever nodes are evaluated together. volumes: those of the enclosures at this state;
+  // null computes them here, from all their nodes.
+  springnet_status evaluate_together(const NodeList& list, const ListedNodes& own, double time, const NodeArrays& nodes,
                                      const ExternalForces& external, const EnclosureVolumes* volumes,
                                      double* const force[3], springnet_message& message) const;
   // The same for one node.
@@ -73,8 +86,8 @@ class Evaluator {
   springnet_status accelerations(std::uint32_t first, std::uint32_t count, double time, const NodeArrays& nodes,
                                  const double* const force[3], double* const acceleration[3], double* by_force,
                                  double* by_position, double* by_velocity, springnet_message& message) const;
-  // The same for up to together_limit nodes of a list: [component][i] of nodes[i].
-  springnet_status accelerations(std::span<const std::uint32_t> list, double time, const NodeArrays& nodes,
+  // The same for nodes of a list, whose values are `own`: [component][i] of nodes[i].
+  springnet_status accelerations(std::span<const std::uint32_t> list, const ListedNodes& own, double time,
                                  const double* const force[3], double* const acceleration[3],
                                  springnet_message& message) const;
 
@@ -99,8 +112,11 @@ class Evaluator {
   struct NodeSums;
   springnet_status add_springs_of(std::uint32_t node, double time, const NodeArrays& nodes, NodeSums& sums,
                                   springnet_message& message) const;
-  springnet_status add_springs_of(std::span<const std::uint32_t> list, double time, const NodeArrays& nodes,
+  springnet_status add_springs_of(const NodeList& list, const ListedNodes& own, double time, const NodeArrays& nodes,
                                   double* const force[3], springnet_message& message) const;
+  // A batch of springs of nodes of a list: adds its forces.
+  springnet_status add_springs(const NodeSprings& springs, const ListedNodes& own, double time, const NodeArrays& nodes,
+                               double* const force[3], springnet_message& message) const;
   springnet_status call_neuron(const NeuronKind& kind, springnet_neuron_batch& batch, std::uint32_t node,
                                springnet_message& message) const;
   springnet_status add_elements_of(std::uint32_t node, double time, const NodeArrays& nodes,

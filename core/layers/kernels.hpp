@@ -47,10 +47,20 @@ struct alignas(64) SegmentGeometry {
   double sx[max_segment], sy[max_segment], sz[max_segment];  // dv / |dv|
 };
 
+// From the other end of each spring to this one, [component][spring]: m, m/s.
+struct EndChanges {
+  const double *x, *y, *z;
+  const double *vx, *vy, *vz;
+};
+
 struct Kernels {
   void (*lengths)(const SegmentSprings& springs, const NodeArrays& nodes, SegmentGeometry& out);
   void (*lengths_and_rates)(const SegmentSprings& springs, const NodeArrays& nodes, SegmentGeometry& out);
   void (*relative_speeds)(const SegmentSprings& springs, const NodeArrays& nodes, SegmentGeometry& out);
+  // The same of springs given by the differences of their ends.
+  void (*lengths_of)(const EndChanges& changes, std::size_t count, SegmentGeometry& out);
+  void (*lengths_and_rates_of)(const EndChanges& changes, std::size_t count, SegmentGeometry& out);
+  void (*relative_speeds_of)(const EndChanges& changes, std::size_t count, SegmentGeometry& out);
   // Subtracts (axial + axial_2) n from the force on the first ends; adds it to the second ends if `to_second`. axial_2
   // may be null.
   void (*scatter_axial)(const SegmentSprings& springs, const SegmentGeometry& geometry, const double* axial,

@@ -28,26 +28,41 @@ struct Direction {
 
 enum class Reads { length, length_and_rate, relative_speed };
 
-// Geometry of spring `at` of the segment, between nodes a and b.
+// Geometry of spring `at` from the differences of its ends.
 template <Reads reads>
-[[gnu::always_inline]] inline void element(const NodeArrays& n, std::size_t a, std::size_t b, SegmentGeometry& out,
-                                           std::size_t at) {
+[[gnu::always_inline]] inline void element(double dx, double dy, double dz, double dvx, double dvy, double dvz,
+                                           SegmentGeometry& out, std::size_t at) {
   if constexpr (reads == Reads::relative_speed) {
-    const Direction s = direction(n.vx[a] - n.vx[b], n.vy[a] - n.vy[b], n.vz[a] - n.vz[b]);
+    const Direction s = direction(dvx, dvy, dvz);
     out.speed[at] = s.length;
     out.sx[at] = s.x;
     out.sy[at] = s.y;
     out.sz[at] = s.z;
   } else {
-    const Direction d = direction(n.px[a] - n.px[b], n.py[a] - n.py[b], n.pz[a] - n.pz[b]);
+    const Direction d = direction(dx, dy, dz);
     out.length[at] = d.length;
     out.nx[at] = d.x;
     out.ny[at] = d.y;
     out.nz[at] = d.z;
-    if constexpr (reads == Reads::length_and_rate) {
-      out.rate[at] = d.x * (n.vx[a] - n.vx[b]) + d.y * (n.vy[a] - n.vy[b]) + d.z * (n.vz[a] - n.vz[b]);
-    }
+    if constexpr (reads == Reads::length_and_rate) out.rate[at] = d.x * dvx + d.y * dvy + d.z * dvz;
   }
+}
+// The same of a spring between nodes a and b.
+template <Reads reads>
+[[gnu::always_inline]] inline void element(const NodeArrays& n, std::size_t a, std::size_t b, SegmentGeometry& out,
+                                           std::size_t at) {
+  double dx = 0.0, dy = 0.0, dz = 0.0, dvx = 0.0, dvy = 0.0, dvz = 0.0;
+  if constexpr (reads != Reads::relative_speed) {
+    dx = n.px[a] - n.px[b];
+    dy = n.py[a] - n.py[b];
+    dz = n.pz[a] - n.pz[b];
+  }
+  if constexpr (reads != Reads::length) {
+    dvx = n.vx[a] - n.vx[b];
+    dvy = n.vy[a] - n.vy[b];
+    dvz = n.vz[a] - n.vz[b];
+  }
+  element<reads>(dx, dy, dz, dvx, dvy, dvz, out, at);
 }
 
 template <Reads reads>
@@ -67,6 +82,20 @@ void gather(const SegmentSprings& springs, const NodeArrays& node_arrays, Segmen
   const std::size_t count = springs.count;
   INDEPENDENT_ITERATIONS
   for (std::size_t i = at; i < count; ++i) element<reads>(nodes, first[i], second[i], out, i);
+}
+
+template <Reads reads>
+void measure(const EndChanges& changes, std::size_t count, SegmentGeometry& out) {
+  const EndChanges c = changes;
+  INDEPENDENT_ITERATIONS
+  for (std::size_t i = 0; i < count; ++i) {
+    if constexpr (reads == Reads::length)
+      element<reads>(c.x[i], c.y[i], c.z[i], 0.0, 0.0, 0.0, out, i);
+    else if constexpr (reads == Reads::length_and_rate)
+      element<reads>(c.x[i], c.y[i], c.z[i], c.vx[i], c.vy[i], c.vz[i], out, i);
+    else
+      element<reads>(0.0, 0.0, 0.0, c.vx[i], c.vy[i], c.vz[i], out, i);
+  }
 }
 
 // One component of the forces of a run. First and second ends have a loop each, in which no node occurs twice.
@@ -132,6 +161,9 @@ const Kernels& kernels() {
   static constexpr Kernels table{gather<Reads::length>,
                                  gather<Reads::length_and_rate>,
                                  gather<Reads::relative_speed>,
+                                 measure<Reads::length>,
+                                 measure<Reads::length_and_rate>,
+                                 measure<Reads::relative_speed>,
                                  scatter_axial,
                                  scatter_relative,
                                  {geometry_of<Measure::angle>, geometry_of<Measure::dihedral>,

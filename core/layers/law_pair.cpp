@@ -24,7 +24,7 @@ springnet_status evaluate_law(const LawBatch& laws, const Law& law, std::uint32_
   constexpr std::size_t most_expanded = 128;
   alignas(64) double expanded[(max_parameters + 1) * most_expanded];
   const bool uniform = rows.rows == nullptr || group.row_count() == 1;
-  const std::size_t batch_size = uniform ? count : most_expanded;
+  const std::size_t batch_size = uniform || rows.columns != nullptr ? count : most_expanded;
 
   springnet_law_batch batch{};
   batch.struct_size = sizeof batch;
@@ -41,9 +41,10 @@ springnet_status evaluate_law(const LawBatch& laws, const Law& law, std::uint32_
         stride = 0;
         return values.data() + (rows.rows == nullptr ? rows.row : 0);
       }
+      stride = 1;
+      if (rows.columns != nullptr) return rows.columns[index];
       double* copy = expanded + slot * most_expanded;
       for (std::size_t i = 0; i < size; ++i) copy[i] = values[rows.rows[begin + i]];
-      stride = 1;
       return copy;
     };
     reference = column(0, 0, batch.reference_stride);

@@ -14,6 +14,8 @@ namespace springnet::layers {
 struct RowSelection {
   const std::uint32_t* rows = nullptr;  // null: `row` for all
   std::uint32_t row = 0;
+  // With `rows`: [column] values of the members, null for a column that is the same in all rows. Null: not at hand.
+  const double* const* columns = nullptr;
 };
 
 // Springs, or elements, of one group. Arrays are [count].

@@ -111,6 +111,11 @@ springnet_status ImpulseLedger::commit(const Sweep::Done& done) {
       known.emplace(model_, time, read_only(model_.state.view.position), read_only(model_.state.view.velocity));
     return *known;
   };
+  std::vector<std::uint32_t> touching;
+  for (std::uint32_t k = 0; surfaces_exist && k < count; ++k)
+    if (model_.contact.fixed()[k] == 0 && model_.contact.committed(k).surface >= 0) touching.push_back(k);
+  if (!touching.empty())
+    if (const springnet_status status = reactions().prepare(std::move(touching)); status != SPRINGNET_OK) return status;
   for (std::uint32_t k = 0; k < count; ++k) {
     if (model_.contact.fixed()[k] != 0) {
       withheld_[k].setZero();

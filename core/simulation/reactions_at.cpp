@@ -2,6 +2,7 @@
 
 #include <Eigen/Geometry>
 #include <algorithm>
+#include <span>
 #include <utility>
 
 #include <springnet/error.hpp>
@@ -35,7 +36,38 @@ ReactionsAt::ReactionsAt(Model& model, double time, const springnet_const_vector
   }
 }
 
+springnet_status ReactionsAt::prepare(std::vector<std::uint32_t> nodes) {
+  const layers::NodeArrays arrays = node_arrays(position_, velocity_);
+  double forces[3][layers::together_limit], accelerations[3][layers::together_limit];
+  double* const force[3] = {forces[0], forces[1], forces[2]};
+  double* const acceleration[3] = {accelerations[0], accelerations[1], accelerations[2]};
+  prepared_ = std::move(nodes);
+  prepared_acceleration_.clear();
+  for (std::size_t begin = 0; begin < prepared_.size(); begin += layers::together_limit) {
+    const std::size_t count = std::min(layers::together_limit, prepared_.size() - begin);
+    const std::span<const std::uint32_t> list = std::span(prepared_).subspan(begin, count);
+    layers::ListedNodes own;  // not initialised: written before it is read
+    model_.evaluator.copy(list, arrays, own);
+    springnet_status status = model_.evaluator.evaluate_together({list}, own, time_, arrays, external_, &volumes_,
+                                                                 force, model_.journal.message);
+    if (status == SPRINGNET_OK)
+      status = model_.evaluator.accelerations(list, own, time_, force, acceleration, model_.journal.message);
+    if (status != SPRINGNET_OK) {
+      prepared_.clear();
+      return status;
+    }
+    for (std::size_t i = 0; i < count; ++i)
+      prepared_acceleration_.emplace_back(acceleration[0][i], acceleration[1][i], acceleration[2][i]);
+  }
+  return SPRINGNET_OK;
+}
+
 springnet_status ReactionsAt::free_acceleration(std::uint32_t node, Vector3& acceleration) {
+  const auto prepared = std::lower_bound(prepared_.begin(), prepared_.end(), node);
+  if (prepared != prepared_.end() && *prepared == node) {
+    acceleration = prepared_acceleration_[static_cast<std::size_t>(prepared - prepared_.begin())];
+    return SPRINGNET_OK;
+  }
   Vector3 force;
   return model_.evaluator.evaluate_node(node, time_, node_arrays(position_, velocity_), external_, &volumes_, force,
                                         acceleration, nullptr, nullptr, model_.journal.message);
@@ -207,9 +239,12 @@ Reactions reactions_now(Model& model) {
   ReactionsAt at(model, model.time, read_only(state.position), read_only(state.velocity));
   Reactions result;
   result.node.assign(model.node_count(), Vector3::Zero());
-  springnet_status status = SPRINGNET_OK;
-  for (std::uint32_t k = 0; k < model.node_count() && status == SPRINGNET_OK; ++k)
-    if (model.contact.fixed()[k] != 0 || model.contact.touching()[k] != 0) status = at.reported(k, result.node[k]);
+  std::vector<std::uint32_t> nodes;
+  for (std::uint32_t k = 0; k < model.node_count(); ++k)
+    if (model.contact.fixed()[k] != 0 || model.contact.touching()[k] != 0) nodes.push_back(k);
+  springnet_status status = at.prepare(nodes);
+  for (std::size_t i = 0; i < nodes.size() && status == SPRINGNET_OK; ++i)
+    status = at.reported(nodes[i], result.node[nodes[i]]);
   for (std::uint32_t c = 0; c < model.rigid.cluster_count() && status == SPRINGNET_OK; ++c) status = at.know(c);
   if (status != SPRINGNET_OK) throw Error(ErrorKind::simulation, model.journal.message.text);
   result.rigid = at.tensions();

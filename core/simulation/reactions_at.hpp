@@ -23,6 +23,8 @@ class ReactionsAt {
   // The arrays must outlive it. `placement`: of obstacles and prescribed nodes; null: that of the time.
   ReactionsAt(Model& model, double time, const springnet_const_vectors& position,
               const springnet_const_vectors& velocity, std::shared_ptr<const Placement> placement = nullptr);
+  // Evaluates nodes, in ascending order, at once: what is asked of them then costs less.
+  springnet_status prepare(std::vector<std::uint32_t> nodes);
   // The force of fixation or obstacles on a node, N.
   springnet_status of(std::uint32_t node, Vector3& reaction);
   // The same without the bracing of sticking nodes against each other.
@@ -71,6 +73,8 @@ class ReactionsAt {
   layers::ExternalForces external_;
   std::shared_ptr<const Placement> placement_;
   layers::EnclosureVolumes volumes_;
+  std::vector<std::uint32_t> prepared_;         // nodes,
+  std::vector<Vector3> prepared_acceleration_;  // and theirs, without obstacles and rigid connections, m/s^2
   std::uint32_t without_ = ConstraintRow::no_node;
   std::vector<std::uint8_t> cluster_known_;
   std::vector<double> free_, bound_;  // [3 node] m/s^2

@@ -20,7 +20,7 @@ constexpr std::size_t evaluation_size = SPRINGNET_SIZE_TO(springnet_evaluation, 
 constexpr std::size_t sweep_size = SPRINGNET_SIZE_TO(springnet_sweep, user);
 // Requests of later versions, in the version that added them; they grow at their end, too.
 constexpr std::size_t impact_search_size = SPRINGNET_SIZE_TO(springnet_impact_search, user);           // 1.3
-constexpr std::size_t linear_sweep_size = SPRINGNET_SIZE_TO(springnet_sweep, reserved);                // 1.4
+constexpr std::size_t linear_sweep_size = SPRINGNET_SIZE_TO(springnet_sweep, contacts);                // 1.4
 constexpr std::size_t linear_system_size = SPRINGNET_SIZE_TO(springnet_linear_system, at);             // 1.5
 constexpr std::size_t linear_solve_size = SPRINGNET_SIZE_TO(springnet_linear_solve, iterations);       // 1.5
 constexpr std::size_t eigenvalue_size = SPRINGNET_SIZE_TO(springnet_eigenvalue_search, applications);  // 1.4
@@ -200,7 +200,7 @@ void check_nodes(const std::uint32_t* nodes, std::uint32_t count, std::uint32_t 
       refuse(fmt::format("nodes[{}] is {}, the network has nodes 0 to {}", i, nodes[i], node_count - 1));
 }
 
-void OrderCheck::check(const springnet_sweep& sweep, const springnet_network& network) {
+bool OrderCheck::check(const springnet_sweep& sweep, const springnet_network& network) {
   const std::uint32_t set_ends = sweep.set_start == nullptr ? 0 : sweep.set_count + 1;
   if (sweep.set_start != nullptr && sweep.set_count > sweep.order_count)
     refuse(fmt::format("there are {} sets for {} nodes", sweep.set_count, sweep.order_count));
@@ -208,7 +208,7 @@ void OrderCheck::check(const springnet_sweep& sweep, const springnet_network& ne
                      order_.size() == sweep.order_count && set_start_.size() == set_ends &&
                      std::equal(order_.begin(), order_.end(), sweep.order) &&
                      std::equal(set_start_.begin(), set_start_.end(), sweep.set_start);
-  if (known) return;
+  if (known) return true;
   order_.clear();
   set_start_.clear();
   check_order(sweep, network);
@@ -216,6 +216,7 @@ void OrderCheck::check(const springnet_sweep& sweep, const springnet_network& ne
   order_.assign(sweep.order, sweep.order + sweep.order_count);
   set_start_.assign(sweep.set_start, sweep.set_start + set_ends);
   revision_ = network.revision;
+  return false;
 }
 
 void OrderCheck::check_order(const springnet_sweep& sweep, const springnet_network& network) {

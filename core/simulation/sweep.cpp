@@ -27,7 +27,7 @@ bool all_finite(const layers::NodeDerivatives& derivatives) noexcept {
 
 springnet_status Sweep::run(const springnet_sweep& request, const springnet_network& network) {
   const springnet_sweep sweep = complete(request);
-  if (sweep.order != nullptr) order_check_.check(sweep, network);
+  const layers::SweepPlan* const plan = sweep.order == nullptr ? nullptr : plan_for(sweep, network);
   const std::shared_ptr<const Placement> at = model_.placement(sweep.time);
   const layers::ExternalForces external = model_.external_at(sweep.time);  // before threads ask for them
   note_done(sweep);
@@ -46,7 +46,7 @@ springnet_status Sweep::run(const springnet_sweep& request, const springnet_netw
   springnet_message& message = model_.journal.message;
   springnet_status status = SPRINGNET_OK;
   if (sweep.order != nullptr) {
-    status = in_order(tiles);
+    status = in_order(tiles, plan);
   } else {
     status = model_.evaluator.evaluate(sweep.time, tiles.nodes, external, tiles.force, {finish_tile, &tiles}, message);
     if (status == SPRINGNET_OK && model_.rigid.cluster_count() > 0) {
@@ -108,32 +108,33 @@ springnet_status Sweep::update_node(std::uint32_t node, std::uint32_t unit, Tile
 
 // Nodes that do not read one another: evaluated together, then updated one after another. That is what a sweep in their
 // order does, and costs one call of a law for all their springs.
-springnet_status Sweep::together(std::span<const std::uint32_t> nodes, std::uint32_t unit, Tiles& tiles,
+springnet_status Sweep::together(const layers::NodeList& list, std::uint32_t unit, Tiles& tiles,
                                  springnet_message& message) {
   const profile::Tile measured;
+  const std::span<const std::uint32_t> nodes = list.nodes;
   alignas(64) double forces[3][layers::together_limit], accelerations[3][layers::together_limit];
   double* const force[3] = {forces[0], forces[1], forces[2]};
   double* const acceleration[3] = {accelerations[0], accelerations[1], accelerations[2]};
-  springnet_status status = model_.evaluator.evaluate_together(nodes, tiles.time, tiles.nodes,
+  layers::ListedNodes own;  // not initialised: written before it is read
+  model_.evaluator.copy(nodes, tiles.nodes, own);
+  springnet_status status = model_.evaluator.evaluate_together(list, own, tiles.time, tiles.nodes,
                                                                model_.external_at(tiles.time), nullptr, force, message);
   if (status != SPRINGNET_OK) return status;
-  double zero_if_finite = 0.0;
   for (std::size_t i = 0; i < nodes.size(); ++i) {
     const std::uint32_t k = nodes[i];
     tiles.force.x[k] = force[0][i];
     tiles.force.y[k] = force[1][i];
     tiles.force.z[k] = force[2][i];
-    zero_if_finite += 0.0 * force[0][i] + 0.0 * force[1][i] + 0.0 * force[2][i];
   }
-  if (zero_if_finite != 0.0) {
+  if (!Tiles::all_finite(force, static_cast<std::uint32_t>(nodes.size()))) {
     tiles.finite.store(false, std::memory_order_relaxed);
     // As in evaluate_node().
     if (!in_sets_) model_.explain(tiles.time, tiles.nodes);
   }
-  status = model_.evaluator.accelerations(nodes, tiles.time, tiles.nodes, force, acceleration, message);
+  status = model_.evaluator.accelerations(nodes, own, tiles.time, force, acceleration, message);
   if (status != SPRINGNET_OK) return status;
   tiles.note_bad_neurons(nodes, force, acceleration);
-  return tiles.update(unit, nodes, force, acceleration, message);
+  return tiles.update(unit, nodes, own, force, acceleration, message);
 }
 
 // The end of the run of nodes from order[begin] on that can be evaluated together, at least begin + 1 if any can;
@@ -141,11 +142,6 @@ springnet_status Sweep::together(std::span<const std::uint32_t> nodes, std::uint
 std::uint32_t Sweep::end_of_run(std::uint32_t begin, std::uint32_t end, Turn turn, const Tiles& tiles) {
   const springnet_sweep& sweep = *tiles.sweep;
   if (sweep.want_blocks != 0 || turn == Turn::on_enclosure) return begin;
-  const std::uint32_t* clusters = model_.rigid.cluster_of();
-  const bool has_enclosures = model_.layout.elements().live_enclosures() > 0;
-  const auto is_lone = [&](std::uint32_t k) {
-    return (clusters == nullptr || clusters[k] == no_cluster) && !(has_enclosures && is_on_enclosure(k));
-  };
   end = std::min(end, begin + static_cast<std::uint32_t>(layers::together_limit));
   std::uint32_t i = begin;
   if (sweep.set_start != nullptr) {  // no two nodes of a set are joined
@@ -168,6 +164,31 @@ std::uint32_t Sweep::end_of_run(std::uint32_t begin, std::uint32_t end, Turn tur
     run_of_[k] = run_;
   }
   return i;
+}
+
+bool Sweep::is_lone(std::uint32_t node) const {
+  const std::uint32_t* clusters = model_.rigid.cluster_of();
+  return (clusters == nullptr || clusters[node] == no_cluster) && !is_on_enclosure(node);
+}
+
+// An order is planned when it comes again: the plan takes about as long as a sweep without.
+const layers::SweepPlan* Sweep::plan_for(const springnet_sweep& sweep, const springnet_network& network) {
+  const bool suits = sweep.lists != 0 && sweep.set_start == nullptr && sweep.want_blocks == 0;
+  const std::span<const std::uint32_t> order(sweep.order, sweep.order_count);
+  if (suits)
+    if (const layers::SweepPlan* known = plans_.find(order, network.revision)) return known;
+  const bool again = order_check_.check(sweep, network);
+  if (!suits || !again) return nullptr;
+  return &plans_.make(model_.layout, order, [this](std::uint32_t k) { return is_lone(k); });
+}
+
+springnet_status Sweep::by_plan(const layers::SweepPlan& plan, Tiles& tiles, springnet_message& message) {
+  for (const layers::SweepPlan::Stage& stage : plan.stages()) {
+    const springnet_status status = stage.by_itself ? one(stage.nodes.front(), 0, Turn::all, tiles, message)
+                                                    : together({stage.nodes, stage.springs}, 0, tiles, message);
+    if (status != SPRINGNET_OK) return status;
+  }
+  return SPRINGNET_OK;
 }
 
 // All nodes of a cluster are evaluated before any is updated: with only some updated, outputs do not satisfy the
@@ -199,36 +220,41 @@ bool Sweep::is_on_enclosure(std::uint32_t node) const {
   return std::any_of(members.begin(), members.end(), on_enclosure);
 }
 
-// Nodes [begin, end) of the order, one after another; a cluster in the place of its first node.
-springnet_status Sweep::range(std::uint32_t begin, std::uint32_t end, std::uint32_t unit, Turn turn, Tiles& tiles,
-                              springnet_message& message) {
-  const springnet_sweep& sweep = *tiles.sweep;
+// A node by itself; a cluster in the place of its first node.
+springnet_status Sweep::one(std::uint32_t node, std::uint32_t unit, Turn turn, Tiles& tiles,
+                            springnet_message& message) {
   const std::uint32_t* clusters = model_.rigid.cluster_of();
   const bool has_enclosures = model_.layout.elements().live_enclosures() > 0;
-  for (std::uint32_t i = begin; i < end; ++i) {
-    if (const std::uint32_t stop = end_of_run(i, end, turn, tiles); stop > i) {
-      const springnet_status status = together({sweep.order + i, stop - i}, unit, tiles, message);
-      if (status != SPRINGNET_OK) return status;
-      i = stop - 1;
-      continue;
-    }
-    const std::uint32_t k = sweep.order[i];
-    if (has_enclosures && turn != Turn::all && is_on_enclosure(k) != (turn == Turn::on_enclosure)) continue;
-    const std::uint32_t cluster = clusters == nullptr ? no_cluster : clusters[k];
-    springnet_status status = SPRINGNET_OK;
-    const profile::Tile measured;
-    if (cluster == no_cluster) {
-      NodeEvaluation evaluation;
-      status = evaluate_node(k, tiles, evaluation, message);
-      if (status == SPRINGNET_OK) status = update_node(k, unit, tiles, evaluation, message);
-      if (has_enclosures && turn != Turn::others) swept_volumes_.commit(k);
-    } else if (sweep.set_start != nullptr ? k == model_.rigid.nodes_of(cluster).front() : cluster_done_[cluster] == 0) {
-      cluster_done_[cluster] = 1;
-      status = this->cluster(cluster, unit, tiles, message);
-      if (has_enclosures && turn != Turn::others)
-        for (const std::uint32_t member : model_.rigid.nodes_of(cluster)) swept_volumes_.commit(member);
-    }
+  if (has_enclosures && turn != Turn::all && is_on_enclosure(node) != (turn == Turn::on_enclosure)) return SPRINGNET_OK;
+  const bool commits = has_enclosures && turn != Turn::others;
+  const std::uint32_t cluster = clusters == nullptr ? no_cluster : clusters[node];
+  springnet_status status = SPRINGNET_OK;
+  const profile::Tile measured;
+  if (cluster == no_cluster) {
+    NodeEvaluation evaluation;
+    status = evaluate_node(node, tiles, evaluation, message);
+    if (status == SPRINGNET_OK) status = update_node(node, unit, tiles, evaluation, message);
+    if (commits) swept_volumes_.commit(node);
+  } else if (tiles.sweep->set_start != nullptr ? node == model_.rigid.nodes_of(cluster).front()
+                                               : cluster_done_[cluster] == 0) {
+    cluster_done_[cluster] = 1;
+    status = this->cluster(cluster, unit, tiles, message);
+    if (commits)
+      for (const std::uint32_t member : model_.rigid.nodes_of(cluster)) swept_volumes_.commit(member);
+  }
+  return status;
+}
+
+// Nodes [begin, end) of the order, one after another.
+springnet_status Sweep::range(std::uint32_t begin, std::uint32_t end, std::uint32_t unit, Turn turn, Tiles& tiles,
+                              springnet_message& message) {
+  const std::uint32_t* order = tiles.sweep->order;
+  for (std::uint32_t i = begin; i < end;) {
+    const std::uint32_t stop = end_of_run(i, end, turn, tiles);
+    const springnet_status status =
+        stop > i ? together({{order + i, stop - i}}, unit, tiles, message) : one(order[i], unit, turn, tiles, message);
     if (status != SPRINGNET_OK) return status;
+    i = std::max(stop, i + 1);
   }
   return SPRINGNET_OK;
 }
@@ -277,7 +303,7 @@ springnet_status Sweep::one_set(std::uint32_t set, Tiles& tiles) {
   return range(sweep.set_start[set], sweep.set_start[set + 1], 0, Turn::on_enclosure, tiles, model_.journal.message);
 }
 
-springnet_status Sweep::in_order(Tiles& tiles) {
+springnet_status Sweep::in_order(Tiles& tiles, const layers::SweepPlan* plan) {
   const springnet_sweep& sweep = *tiles.sweep;
   cluster_done_.assign(model_.rigid.cluster_count(), 0);
   struct Following {
@@ -286,6 +312,7 @@ springnet_status Sweep::in_order(Tiles& tiles) {
   } const following{swept_volumes_};
   const layers::FlushDenormals flush;
   if (model_.layout.elements().live_enclosures() > 0) swept_volumes_.follow(model_.layout.elements(), tiles.nodes);
+  if (plan != nullptr) return by_plan(*plan, tiles, model_.journal.message);
   if (sweep.set_start == nullptr) return range(0, sweep.order_count, 0, Turn::all, tiles, model_.journal.message);
   for (std::uint32_t set = 0; set < sweep.set_count; ++set) {
     if (const springnet_status status = one_set(set, tiles); status != SPRINGNET_OK) return status;

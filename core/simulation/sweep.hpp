@@ -9,6 +9,7 @@
 #include "layers/elements/enclosure_volumes.hpp"
 #include "simulation/model.hpp"
 #include "simulation/requests.hpp"
+#include "simulation/sweep_plans.hpp"
 
 namespace springnet {
 
@@ -42,18 +43,23 @@ class Sweep {
 
   static springnet_status finish_tile(void* tiles, std::uint32_t unit, std::uint32_t first, std::uint32_t count,
                                       springnet_message& message);
-  springnet_status in_order(Tiles& tiles);
+  springnet_status in_order(Tiles& tiles, const layers::SweepPlan* plan);
   springnet_status one_set(std::uint32_t set, Tiles& tiles);
   springnet_status range(std::uint32_t begin, std::uint32_t end, std::uint32_t unit, Turn turn, Tiles& tiles,
                          springnet_message& message);
-  springnet_status together(std::span<const std::uint32_t> nodes, std::uint32_t unit, Tiles& tiles,
-                            springnet_message& message);
+  springnet_status by_plan(const layers::SweepPlan& plan, Tiles& tiles, springnet_message& message);
+  springnet_status one(std::uint32_t node, std::uint32_t unit, Turn turn, Tiles& tiles, springnet_message& message);
+  springnet_status together(const layers::NodeList& list, std::uint32_t unit, Tiles& tiles, springnet_message& message);
   [[nodiscard]] std::uint32_t end_of_run(std::uint32_t begin, std::uint32_t end, Turn turn, const Tiles& tiles);
   springnet_status cluster(std::size_t cluster, std::uint32_t unit, Tiles& tiles, springnet_message& message);
   springnet_status evaluate_node(std::uint32_t node, Tiles& tiles, NodeEvaluation& result, springnet_message& message);
   springnet_status update_node(std::uint32_t node, std::uint32_t unit, Tiles& tiles, const NodeEvaluation& evaluation,
                                springnet_message& message);
   [[nodiscard]] bool is_on_enclosure(std::uint32_t node) const;
+  // Whether a node depends on its neighbours alone: it is in no cluster and on no enclosure.
+  [[nodiscard]] bool is_lone(std::uint32_t node) const;
+  // The plan for a sweep, null if it is done without. Checks the order.
+  [[nodiscard]] const layers::SweepPlan* plan_for(const springnet_sweep& sweep, const springnet_network& network);
   void note_done(const springnet_sweep& sweep) noexcept;
   // Records why results of an evaluation are not finite. Returns true if they are finite.
   bool check_finite(bool forces, std::uint32_t bad_neuron, double time, const layers::NodeArrays& nodes);
@@ -63,6 +69,7 @@ class Sweep {
   bool in_sets_ = false;   // several threads update the nodes of a set,
   bool in_tiles_ = false;  // or of tiles
   OrderCheck order_check_;
+  SweepPlans plans_;
   layers::EnclosureVolumes swept_volumes_;      // of enclosures within a sweep in an order
   layers::EnclosureVolumes evaluated_volumes_;  // in evaluate_nodes outside of sweeps
   std::vector<std::uint8_t> cluster_done_;      // [cluster] within a sweep in an order

@@ -1,7 +1,9 @@
 #include "simulation/sweep_tiles.hpp"
 
 #include <algorithm>
+#include <bit>
 #include <cmath>
+#include <cstdint>
 #include <cstdio>
 
 #include <springnet/sdk/message.hpp>
@@ -12,11 +14,12 @@
 namespace springnet {
 namespace {
 
-bool all_finite(const double* const values[3], std::uint32_t count) {
-  double sum = 0.0;
-  for (int c = 0; c < 3; ++c)
-    for (std::uint32_t i = 0; i < count; ++i) sum += values[c][i] * 0.0;
-  return sum == 0.0;
+// In integers, so that the loop vectorises: adding 1 to an exponent of all ones overflows into the sign bit.
+bool all_finite(const double* values, std::uint32_t count) noexcept {
+  constexpr std::uint64_t magnitude = ~std::uint64_t{0} >> 1, one = std::uint64_t{1} << 52;
+  std::uint64_t top = 0;
+  for (std::uint32_t i = 0; i < count; ++i) top |= (std::bit_cast<std::uint64_t>(values[i]) & magnitude) + one;
+  return top >> 63 == 0;
 }
 
 // Calls the integrator's update, which must not throw; if it does, the sweep ends with a message.
@@ -39,6 +42,11 @@ springnet_status call_update(const springnet_sweep& sweep, const springnet_node_
 
 }  // namespace
 
+bool Sweep::Tiles::all_finite(const double* const values[3], std::uint32_t count) noexcept {
+  return springnet::all_finite(values[0], count) && springnet::all_finite(values[1], count) &&
+         springnet::all_finite(values[2], count);
+}
+
 void Sweep::Tiles::note_bad_neuron(std::uint32_t first, std::uint32_t count, const double* const acceleration_of[3]) {
   for (std::uint32_t i = 0; i < count; ++i) {
     if (std::isfinite(acceleration_of[0][i]) && std::isfinite(acceleration_of[1][i]) &&
@@ -53,7 +61,8 @@ void Sweep::Tiles::note_bad_neuron(std::uint32_t first, std::uint32_t count, con
 
 void Sweep::Tiles::note_bad_neurons(std::span<const std::uint32_t> list, const double* const force_of[3],
                                     const double* const acceleration_of[3]) {
-  if (all_finite(acceleration_of, static_cast<std::uint32_t>(list.size()))) return;
+  const auto count = static_cast<std::uint32_t>(list.size());
+  if (all_finite(acceleration_of, count)) return;
   for (std::size_t i = 0; i < list.size(); ++i) {
     const double* const own[3] = {force_of[0] + i, force_of[1] + i, force_of[2] + i};
     const double* const answered[3] = {acceleration_of[0] + i, acceleration_of[1] + i, acceleration_of[2] + i};
@@ -111,22 +120,22 @@ springnet_status Sweep::Tiles::update(std::uint32_t unit, std::uint32_t first, s
 }
 
 springnet_status Sweep::Tiles::update(std::uint32_t unit, std::span<const std::uint32_t> list,
-                                      const double* const force_of[3], const double* const acceleration_of[3],
-                                      springnet_message& message) {
+                                      const layers::ListedNodes& own, const double* const force_of[3],
+                                      const double* const acceleration_of[3], springnet_message& message) {
   springnet_node_batch batch{};
   batch.struct_size = sizeof batch;
-  batch.count = 1;
   batch.unit = unit;
-  for (std::size_t i = 0; i < list.size(); ++i) {
-    const std::uint32_t k = list[i];
-    batch.first = k;
-    batch.force = {force_of[0] + i, force_of[1] + i, force_of[2] + i};
-    batch.acceleration = {acceleration_of[0] + i, acceleration_of[1] + i, acceleration_of[2] + i};
-    // The old velocity, which the update overwrites.
-    const Vector3 read(nodes.vx[k], nodes.vy[k], nodes.vz[k]);
+  const std::size_t step = sweep->lists != 0 ? list.size() : 1;
+  for (std::size_t begin = 0; begin < list.size(); begin += step) {
+    batch.first = list[begin];
+    batch.count = static_cast<std::uint32_t>(step);
+    batch.force = {force_of[0] + begin, force_of[1] + begin, force_of[2] + begin};
+    batch.acceleration = {acceleration_of[0] + begin, acceleration_of[1] + begin, acceleration_of[2] + begin};
+    batch.nodes = sweep->lists != 0 ? list.data() : nullptr;
     if (const springnet_status updated = call_update(*sweep, batch, message); updated != SPRINGNET_OK) return updated;
     const profile::Part part("constraints");
-    model.constraints.constrain(*at, k, 1, *sweep, &read);
+    model.constraints.constrain(*at, list.subspan(begin, step), *sweep,
+                                {own.v[0] + begin, own.v[1] + begin, own.v[2] + begin});
   }
   return SPRINGNET_OK;
 }
@@ -135,7 +144,7 @@ springnet_status Sweep::finish_tile(void* user, std::uint32_t unit, std::uint32_
                                     springnet_message& message) {
   Tiles& tiles = *static_cast<Tiles*>(user);
   const double* force[3] = {tiles.force.x + first, tiles.force.y + first, tiles.force.z + first};
-  const bool finite = all_finite(force, count);
+  const bool finite = Tiles::all_finite(force, count);
   if (!finite) tiles.finite.store(false, std::memory_order_relaxed);
   if (tiles.sweep != nullptr) return tiles.update(unit, first, count, finite, nullptr, message);
   if (tiles.acceleration.x == nullptr) return SPRINGNET_OK;

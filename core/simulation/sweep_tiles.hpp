@@ -27,10 +27,12 @@ struct Sweep::Tiles {
   // A tile of a sweep: the integrator's update of nodes, then their constraints.
   springnet_status update(std::uint32_t unit, std::uint32_t first, std::uint32_t count, bool forces_finite,
                           const layers::NodeDerivatives* derivatives, springnet_message& message);
-  // Single nodes of an order with their accelerations, [component][i] of nodes[i].
-  springnet_status update(std::uint32_t unit, std::span<const std::uint32_t> nodes, const double* const force_of[3],
-                          const double* const acceleration_of[3], springnet_message& message);
+  // Nodes of an order, whose old values are `own`, with their accelerations, [component][i] of nodes[i].
+  springnet_status update(std::uint32_t unit, std::span<const std::uint32_t> nodes, const layers::ListedNodes& own,
+                          const double* const force_of[3], const double* const acceleration_of[3],
+                          springnet_message& message);
 
+  [[nodiscard]] static bool all_finite(const double* const values[3], std::uint32_t count) noexcept;
   // Notes nodes of a list whose acceleration is not finite although their force is.
   void note_bad_neurons(std::span<const std::uint32_t> list, const double* const force_of[3],
                         const double* const acceleration_of[3]);

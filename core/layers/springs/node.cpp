@@ -107,13 +107,16 @@ springnet_status Evaluator::add_springs_of(std::uint32_t node, double time, cons
     const springnet_status status = evaluate_laws(batch, set_, time, out, message);
     if (status != SPRINGNET_OK) return status;
     const std::array<const Law*, 2> laws = group.laws();
-    const auto subtract = [&](const double* tension, bool along_velocity) {
-      const NodeGeometry& g = geometry;
-      subtract_springs(0, count, tension, along_velocity ? g.sx : g.nx, along_velocity ? g.sy : g.ny,
-                       along_velocity ? g.sz : g.nz, sums.force[0], sums.force[1], sums.force[2]);
+    const NodeGeometry& g = geometry;
+    const auto subtract = [&](const double* tension, const double* x, const double* y, const double* z) {
+      subtract_springs(0, count, tension, x, y, z, sums.force[0], sums.force[1], sums.force[2]);
     };
+    alignas(64) double tension[chunk];
+    std::copy_n(answers.force[0], count, tension);
+    if (const double* const along = axial_tension(group, tension, answers.force[1], count))
+      subtract(along, g.nx, g.ny, g.nz);
     for (std::size_t k = 0; k < laws.size(); ++k)
-      if (*laws[k]) subtract(answers.force[k], laws[k]->relative);
+      if (laws[k]->relative) subtract(answers.force[k], g.sx, g.sy, g.sz);
     for (std::size_t k = 0; k < laws.size() && sums.energy != nullptr; ++k) {
       if (!*laws[k]) continue;
       for (std::size_t i = 0; i < count; ++i)
@@ -122,7 +125,6 @@ springnet_status Evaluator::add_springs_of(std::uint32_t node, double time, cons
     if (blocks) {
       if (!relative) add_axial_blocks(geometry, count, group, answers, *sums.stiffness, *sums.damping);
       for (std::size_t i = 0; i < count && relative; ++i) {
-        const NodeGeometry& g = geometry;
         const SpringBlocks spring(spring_forces(group, answers, i), g.length[i], {g.nx[i], g.ny[i], g.nz[i]}, g.rate[i],
                                   g.speed[i], {g.sx[i], g.sy[i], g.sz[i]});
         *sums.stiffness += spring.stiffness;

@@ -4,36 +4,54 @@
 #include <algorithm>
 #include <cstddef>
 
+#include "layers/laws.hpp"
+
 namespace springnet::layers {
 
 // Springs of a node are summed by so many, counted from the first of their laws.
 inline constexpr std::size_t node_chunk = 64;
 
-// Subtracts tension * n of springs [begin, end) of one node, which have the same laws, from the force on it, N. Two
-// chains, of springs with even and with odd places, hide half of the time that a sum takes.
+// Two numbers side by side, at any address.
+using Pair = double __attribute__((vector_size(16)));
+using PairInMemory = double __attribute__((vector_size(16), aligned(8), may_alias));
+inline Pair pair_at(const double* values) noexcept { return *reinterpret_cast<const PairInMemory*>(values); }
+inline void store(Pair pair, double* values) noexcept { *reinterpret_cast<PairInMemory*>(values) = pair; }
+
+// Subtracts tension * n of springs [begin, end) of one node, which have the same laws, from the force on it, N. Springs
+// with even and with odd places are summed apart, counted from `begin`: the two sums of a component share a register.
 inline void subtract_springs(std::size_t begin, std::size_t end, const double* tension, const double* x,
                              const double* y, const double* z, double& force_x, double& force_y, double& force_z) {
   for (; begin < end; begin += node_chunk) {
     const std::size_t stop = std::min(end, begin + node_chunk);
-    double even[3] = {0.0, 0.0, 0.0}, odd[3] = {0.0, 0.0, 0.0};
+    Pair sum_x{}, sum_y{}, sum_z{};
     std::size_t i = begin;
     for (; i + 1 < stop; i += 2) {
-      even[0] += tension[i] * x[i];
-      even[1] += tension[i] * y[i];
-      even[2] += tension[i] * z[i];
-      odd[0] += tension[i + 1] * x[i + 1];
-      odd[1] += tension[i + 1] * y[i + 1];
-      odd[2] += tension[i + 1] * z[i + 1];
+      const Pair t = pair_at(tension + i);
+      sum_x += t * pair_at(x + i);
+      sum_y += t * pair_at(y + i);
+      sum_z += t * pair_at(z + i);
     }
     if (i < stop) {
-      even[0] += tension[i] * x[i];
-      even[1] += tension[i] * y[i];
-      even[2] += tension[i] * z[i];
+      sum_x[0] += tension[i] * x[i];
+      sum_y[0] += tension[i] * y[i];
+      sum_z[0] += tension[i] * z[i];
     }
-    force_x -= even[0] + odd[0];
-    force_y -= even[1] + odd[1];
-    force_z -= even[2] + odd[2];
+    force_x -= sum_x[0] + sum_x[1];
+    force_y -= sum_y[0] + sum_y[1];
+    force_z -= sum_z[0] + sum_z[1];
   }
+}
+
+// Forces along the springs, N, [count], of those laws of a group that act so: in `first`, which takes the sum of two,
+// or in `second`; null: there are none.
+inline const double* axial_tension(const Group& group, double* __restrict first, const double* __restrict second,
+                                   std::size_t count) noexcept {
+  const bool has_first = group.spring && !group.spring.relative;
+  const bool has_second = group.viscosity && !group.viscosity.relative;
+  if (!has_first) return has_second ? second : nullptr;
+  if (has_second)
+    for (std::size_t i = 0; i < count; ++i) first[i] += second[i];
+  return first;
 }
 
 }  // namespace springnet::layers

@@ -1,117 +1,93 @@
 // The springs of several nodes that are evaluated at one state: forces on these nodes, with one call of a law for all.
 
-#include <algorithm>
-
 #include "layers/evaluator.hpp"
 #include "layers/law_pair.hpp"
+#include "layers/springs/node_springs.hpp"
 #include "layers/springs/node_sum.hpp"
 #include "profile/stage.hpp"
 
 namespace springnet::layers {
 namespace {
 
-// Springs of one call: what is touched of their arrays fits the first-level cache.
-constexpr std::size_t capacity = 256;
-static_assert(capacity % node_chunk == 0);
+static_assert(together_springs % node_chunk == 0);
 
-// Springs of one group seen from nodes of a list, those of a node side by side.
-struct Springs {
-  struct Piece {
-    std::size_t node;  // index in the list
-    std::size_t begin, end;
-  };
-  std::uint32_t first[capacity], second[capacity], row[capacity];
-  Piece piece[together_limit];
-  std::size_t count = 0, pieces = 0;
-  bool mixed = false;
+// Rows apart by a power of two would share a few places of the first-level cache.
+constexpr std::size_t row_length = together_springs + 8;
 
-  void clear() noexcept {
-    count = pieces = 0;
-    mixed = false;
-  }
-  // The first `size` springs from `from` on, of a node of the list.
-  void append(std::size_t index, std::uint32_t node_number, const Incident* from, std::size_t size) noexcept {
-    std::uint32_t differs = 0;
-    if (count == 0) row[0] = from->row;
-    const std::uint32_t row_0 = row[0];
-    for (std::size_t i = 0; i < size; ++i) {
-      first[count + i] = node_number;
-      second[count + i] = from[i].other;
-      row[count + i] = from[i].row;
-      differs |= from[i].row ^ row_0;
+// Differences from the other end of each spring to the node: of the first or last components of position and velocity.
+// Loads by index cost less than a gather of vectors.
+template <std::size_t first, std::size_t last>
+void subtract_others(const NodeSprings& springs, const ListedNodes& listed, const NodeArrays& nodes,
+                     double (*change)[row_length]) noexcept {
+  const double* const values[6] = {nodes.px, nodes.py, nodes.pz, nodes.vx, nodes.vy, nodes.vz};
+  const std::uint32_t* other = springs.other.data();
+  for (const NodeSprings::Piece& piece : springs.pieces) {
+    double own[6];
+    for (std::size_t c = first; c < last; ++c) own[c] = c < 3 ? listed.p[c][piece.node] : listed.v[c - 3][piece.node];
+    std::size_t i = piece.begin;
+    for (; i + 1 < piece.end; i += 2) {
+      const std::uint32_t one = other[i], two = other[i + 1];
+      for (std::size_t c = first; c < last; ++c)
+        store(Pair{own[c], own[c]} - Pair{values[c][one], values[c][two]}, change[c] + i);
     }
-    mixed = mixed || differs != 0;
-    piece[pieces++] = {index, count, count + size};
-    count += size;
-  }
-};
-
-void subtract(const Springs& springs, const double* tension, const double* x, const double* y, const double* z,
-              double* const force[3]) {
-  for (std::size_t p = 0; p < springs.pieces; ++p) {
-    const Springs::Piece& piece = springs.piece[p];
-    subtract_springs(piece.begin, piece.end, tension, x, y, z, force[0][piece.node], force[1][piece.node],
-                     force[2][piece.node]);
+    if (i < piece.end)
+      for (std::size_t c = first; c < last; ++c) change[c][i] = own[c] - values[c][other[i]];
   }
 }
 
-springnet_status add(const Springs& springs, const Group& group, const Kernels& kernels, InstructionSet set,
-                     double time, const NodeArrays& nodes, double* const force[3], springnet_message& message) {
-  if (springs.count == 0) return SPRINGNET_OK;
-  SegmentGeometry geometry;  // not initialised: written before it is read
-  alignas(64) double tension[2][capacity];
-  const SegmentSprings ends{nullptr, 0, 0, static_cast<std::uint32_t>(springs.count), springs.first, springs.second};
-  const std::array<const Law*, 2> laws = group.laws();
-  if (group.spring.reads_rate || group.viscosity.reads_rate)
-    kernels.lengths_and_rates(ends, nodes, geometry);
-  else if ((group.spring && !group.spring.relative) || (group.viscosity && !group.viscosity.relative))
-    kernels.lengths(ends, nodes, geometry);
-  if (group.spring.relative || group.viscosity.relative) kernels.relative_speeds(ends, nodes, geometry);
-  const RowSelection rows = springs.mixed ? RowSelection{springs.row, 0} : RowSelection{nullptr, springs.row[0]};
-  const LawBatch batch{group, springs.count, rows, geometry.length, geometry.rate, geometry.speed};
-  const springnet_status status =
-      evaluate_laws(batch, set, time, {LawOutputs{tension[0]}, LawOutputs{tension[1]}}, message);
-  if (status != SPRINGNET_OK) return status;
-  for (std::size_t k = 0; k < laws.size(); ++k) {
-    if (!*laws[k]) continue;
-    const bool relative = laws[k]->relative;
-    subtract(springs, tension[k], relative ? geometry.sx : geometry.nx, relative ? geometry.sy : geometry.ny,
-             relative ? geometry.sz : geometry.nz, force);
-  }
-  return SPRINGNET_OK;
+void subtract(const NodeSprings& springs, const double* tension, const double* x, const double* y, const double* z,
+              double* const force[3]) noexcept {
+  for (const NodeSprings::Piece& piece : springs.pieces)
+    subtract_springs(piece.begin, piece.end, tension, x, y, z, force[0][piece.node], force[1][piece.node],
+                     force[2][piece.node]);
 }
 
 }  // namespace
 
-springnet_status Evaluator::add_springs_of(std::span<const std::uint32_t> list, double time, const NodeArrays& nodes,
-                                           double* const force[3], springnet_message& message) const {
+springnet_status Evaluator::add_springs(const NodeSprings& springs, const ListedNodes& own, double time,
+                                        const NodeArrays& nodes, double* const force[3],
+                                        springnet_message& message) const {
+  const Group& group = layout_.laws().groups[springs.group];
+  const std::size_t count = springs.other.size();
+  // Not initialised: written before they are read.
+  SegmentGeometry geometry;
+  alignas(64) double change[6][row_length];
+  alignas(64) double tension[2][row_length];
+  const bool relative = group.spring.relative || group.viscosity.relative;
+  const bool axial = (group.spring && !group.spring.relative) || (group.viscosity && !group.viscosity.relative);
+  const bool rates = group.spring.reads_rate || group.viscosity.reads_rate;
+  if (!rates && !relative)
+    subtract_others<0, 3>(springs, own, nodes, change);
+  else if (!axial)
+    subtract_others<3, 6>(springs, own, nodes, change);
+  else
+    subtract_others<0, 6>(springs, own, nodes, change);
+  const EndChanges changes{change[0], change[1], change[2], change[3], change[4], change[5]};
+  if (rates)
+    kernels_.lengths_and_rates_of(changes, count, geometry);
+  else if (axial)
+    kernels_.lengths_of(changes, count, geometry);
+  if (relative) kernels_.relative_speeds_of(changes, count, geometry);
+  const LawBatch batch{group, count, springs.rows, geometry.length, geometry.rate, geometry.speed};
+  const springnet_status status =
+      evaluate_laws(batch, set_, time, {LawOutputs{tension[0]}, LawOutputs{tension[1]}}, message);
+  if (status != SPRINGNET_OK) return status;
+  if (const double* const along = axial_tension(group, tension[0], tension[1], count))
+    subtract(springs, along, geometry.nx, geometry.ny, geometry.nz, force);
+  const std::array<const Law*, 2> laws = group.laws();
+  for (std::size_t k = 0; k < laws.size(); ++k)
+    if (laws[k]->relative) subtract(springs, tension[k], geometry.sx, geometry.sy, geometry.sz, force);
+  return SPRINGNET_OK;
+}
+
+springnet_status Evaluator::add_springs_of(const NodeList& list, const ListedNodes& own, double time,
+                                           const NodeArrays& nodes, double* const force[3],
+                                           springnet_message& message) const {
   const profile::Part part("springs");
-  Springs springs;  // arrays not initialised: written before they are read
-  const Incident* next[together_limit];
-  for (std::size_t i = 0; i < list.size(); ++i) next[i] = layout_.incident_begin(list[i]);
-  const std::vector<Group>& groups = layout_.laws().groups;
-  for (std::uint32_t g = 0; g < groups.size(); ++g) {
-    springs.clear();
-    const auto evaluate = [&] {
-      const springnet_status status = add(springs, groups[g], kernels_, set_, time, nodes, force, message);
-      springs.clear();
-      return status;
-    };
-    for (std::size_t i = 0; i < list.size();) {
-      const Incident* end = layout_.incident_end(list[i]);
-      if (groups.size() > 1) end = std::find_if(next[i], end, [g](const Incident& s) { return s.group != g; });
-      const auto wanted = static_cast<std::size_t>(end - next[i]);
-      if (springs.count > 0 && springs.count + wanted > capacity) {
-        if (const springnet_status status = evaluate(); status != SPRINGNET_OK) return status;
-      }
-      // A node's springs are divided only if they do not fit at all.
-      const std::size_t size = std::min(wanted, capacity);
-      if (size > 0) springs.append(i, list[i], next[i], size);
-      next[i] += size;
-      if (size == wanted) ++i;
-    }
-    if (const springnet_status status = evaluate(); status != SPRINGNET_OK) return status;
-  }
+  const auto add = [&](const NodeSprings& springs) { return add_springs(springs, own, time, nodes, force, message); };
+  if (list.springs.empty()) return for_each_batch(layout_, list.nodes, add);
+  for (const NodeSprings& springs : list.springs)
+    if (const springnet_status status = add(springs); status != SPRINGNET_OK) return status;
   return SPRINGNET_OK;
 }
 

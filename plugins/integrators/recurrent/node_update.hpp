@@ -33,6 +33,7 @@ class NodeUpdate {
   bool operator()(const springnet_node_batch& batch) const noexcept {
     const std::uint32_t k = batch.first;
     if (relaxation_ != 1.0) return relax(batch);
+    if (batch.nodes != nullptr) return list(batch);
     if (batch.count == 1) return step(k, batch);
     std::uint64_t top = integrate(batch.count, batch.acceleration.x, position_.x + k, velocity_.x + k,
                                   next_position_.x + k, next_velocity_.x + k);
@@ -47,7 +48,7 @@ class NodeUpdate {
   bool relax(const springnet_node_batch& batch) const noexcept {
     bool finite = true;
     for (std::uint32_t i = 0; i < batch.count; ++i) {
-      const std::uint32_t k = batch.first + i;
+      const std::uint32_t k = batch.nodes != nullptr ? batch.nodes[i] : batch.first + i;
       const auto go = [&](double a, double p, double v, double& next_p, double& next_u) {
         next_u += relaxation_ * (v + weight_ * a - next_u);
         next_p = p + weight_ * next_u;
@@ -73,6 +74,26 @@ class NodeUpdate {
     next_position_.z[k] = position_.z[k] + weight_ * z;
     return std::isfinite(next_position_.x[k]) && std::isfinite(next_position_.y[k]) &&
            std::isfinite(next_position_.z[k]);
+  }
+  bool list(const springnet_node_batch& batch) const noexcept {
+    double zero_if_finite = 0.0;
+    for (std::uint32_t i = 0; i < batch.count; ++i) {
+      const std::uint32_t k = batch.nodes[i];
+      const double x = velocity_.x[k] + weight_ * batch.acceleration.x[i];
+      const double y = velocity_.y[k] + weight_ * batch.acceleration.y[i];
+      const double z = velocity_.z[k] + weight_ * batch.acceleration.z[i];
+      const double px = position_.x[k] + weight_ * x;
+      const double py = position_.y[k] + weight_ * y;
+      const double pz = position_.z[k] + weight_ * z;
+      next_velocity_.x[k] = x;
+      next_velocity_.y[k] = y;
+      next_velocity_.z[k] = z;
+      next_position_.x[k] = px;
+      next_position_.y[k] = py;
+      next_position_.z[k] = pz;
+      zero_if_finite += 0.0 * px + 0.0 * py + 0.0 * pz;
+    }
+    return zero_if_finite == 0.0;
   }
   // One component. The result has its highest bit set if a new position is not finite (which includes a velocity that
   // is not): an exponent of all ones overflows into the sign bit. In integers, so that the loop vectorises.
@@ -158,12 +179,15 @@ class ForceRecord {
 
   void take(const springnet_network& network, const springnet_node_batch& batch) noexcept {
     Unit& unit = units_[batch.unit];
-    if (batch.count == 1) {
-      const std::uint32_t k = batch.first;
-      const double m = network.mass[k];
-      const double x = exchange(x_[k], m * *batch.acceleration.x), y = exchange(y_[k], m * *batch.acceleration.y),
-                   z = exchange(z_[k], m * *batch.acceleration.z);
-      offer(unit, network, k, x * x + y * y + z * z);
+    if (batch.count == 1 || batch.nodes != nullptr) {
+      for (std::uint32_t i = 0; i < batch.count; ++i) {
+        const std::uint32_t k = batch.nodes != nullptr ? batch.nodes[i] : batch.first;
+        const double m = network.mass[k];
+        const double x = exchange(x_[k], m * batch.acceleration.x[i]);
+        const double y = exchange(y_[k], m * batch.acceleration.y[i]);
+        const double z = exchange(z_[k], m * batch.acceleration.z[i]);
+        offer(unit, network, k, x * x + y * y + z * z);
+      }
       return;
     }
     for (std::uint32_t begin = 0; begin < batch.count; begin += block) {

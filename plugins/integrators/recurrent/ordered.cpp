@@ -35,6 +35,7 @@ void WavefrontRule::with_update(Step& step, std::span<const std::uint32_t> order
   call.order = order.data();
   call.order_count = static_cast<std::uint32_t>(order.size());
   if (!block_) {
+    call.lists = 1;
     if (step.relaxation != 1.0 && step.constrained()) call.inertia = relaxed_inertia(step);
     go(call, NodeUpdate(step.weight(), step.free_position, step.free_velocity, outputs, step.relaxation));
     return;

@@ -8,6 +8,7 @@ namespace springnet::recurrent {
 namespace {
 
 constexpr std::uint32_t none = 0xffffffffu;
+constexpr std::size_t max_kept = std::size_t{1} << 16;  // nodes, of orders to find again; the newest is kept anyway
 
 // Whether node a precedes node b as the start of the wave.
 bool precedes(const springnet_network& network, const springnet_const_vectors& force, std::uint32_t a,
@@ -41,8 +42,7 @@ void Wavefront::attach(const springnet_network& network) {
     ++parts;
   }
   starts_.assign(parts, none);
-  last_starts_.assign(parts, none);
-  current_ = false;
+  known_.clear();
 }
 
 std::uint32_t Wavefront::strongest(const springnet_network& network, const springnet_const_vectors& force) const {
@@ -56,14 +56,21 @@ std::uint32_t Wavefront::strongest(const springnet_network& network, const sprin
 std::span<const std::uint32_t> Wavefront::order(const springnet_network& network, std::uint32_t start,
                                                 const springnet_const_vectors& force) {
   choose_starts(network, start, force);
-  if (!current_ || starts_ != last_starts_) {
-    std::fill(reached_.begin(), reached_.end(), std::uint8_t{0});
-    order_.clear();
-    for (const std::uint32_t node : starts_) spread(network, node);
-    last_starts_ = starts_;
-    current_ = true;
+  const auto found = std::find_if(known_.begin(), known_.end(), [&](const Known& k) { return k.starts == starts_; });
+  if (found != known_.end()) {
+    std::rotate(known_.begin(), found, found + 1);
+    return known_.front().order;
   }
-  return order_;
+  std::fill(reached_.begin(), reached_.end(), std::uint8_t{0});
+  order_.clear();
+  for (const std::uint32_t node : starts_) spread(network, node);
+  const std::size_t most = std::max<std::size_t>(1, max_kept / order_.size());
+  // The place of the one used least recently, if there are too many.
+  if (known_.size() < most) known_.emplace_back();
+  std::rotate(known_.begin(), known_.end() - 1, known_.end());
+  known_.front().starts = starts_;
+  known_.front().order = order_;
+  return known_.front().order;
 }
 
 void Wavefront::choose_starts(const springnet_network& network, std::uint32_t start,

@@ -23,20 +23,23 @@ class Wavefront {
   // The node with the greatest force (arrays [node_count], N). The network must have a node.
   [[nodiscard]] std::uint32_t strongest(const springnet_network& network, const springnet_const_vectors& force) const;
 
-  // All nodes, once each, in the order of a wave that begins at `start`. Valid until the next call. Does not allocate.
+  // All nodes, once each, in the order of a wave that begins at `start`. Valid until the next call.
   std::span<const std::uint32_t> order(const springnet_network& network, std::uint32_t start,
                                        const springnet_const_vectors& force);
 
  private:
+  // Orders found since attach(), by their starts; as many as take no more memory than max_kept nodes.
+  struct Known {
+    std::vector<std::uint32_t> starts, order;
+  };
   void choose_starts(const springnet_network& network, std::uint32_t start, const springnet_const_vectors& force);
   void spread(const springnet_network& network, std::uint32_t start);
 
   std::vector<std::uint32_t> part_;    // [node_count] which part a node belongs to
   std::vector<std::uint32_t> starts_;  // [parts] in the order of the wave
-  std::vector<std::uint32_t> last_starts_;
   std::vector<std::uint32_t> order_;   // [node_count]; it is the queue of the search as well
   std::vector<std::uint8_t> reached_;  // [node_count]
-  bool current_ = false;               // order_ belongs to last_starts_
+  std::vector<Known> known_;           // used last first
 };
 
 }  // namespace springnet::recurrent

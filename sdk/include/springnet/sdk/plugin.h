@@ -313,7 +313,7 @@ typedef struct springnet_evaluation {
 } springnet_evaluation;
 
 /* Nodes whose net force is final, passed to the integrator's node update while they are in cache. Element i of the
- * arrays belongs to node first + i. */
+ * arrays belongs to node first + i, or nodes[i]. */
 typedef struct springnet_node_batch {
   uint32_t struct_size;
   uint32_t first; /* nodes first … first + count - 1 */
@@ -324,6 +324,8 @@ typedef struct springnet_node_batch {
   /* since 1.1: with springnet_sweep::want_blocks, else null; as in springnet_evaluation, [count][3][3] */
   const double* acceleration_by_velocity;
   const double* acceleration_by_position;
+  /* since 1.5: null, or with springnet_sweep::lists [count] the nodes, instead of first … first + count - 1 */
+  const uint32_t* nodes;
 } springnet_node_batch;
 typedef void (*springnet_node_update)(void* user, const springnet_node_batch* batch);
 
@@ -366,7 +368,9 @@ typedef struct springnet_sweep {
   /* since 1.3 */
   uint32_t contacts; /* 0: the sweep decides which nodes stick, slide and separate; 1: they stay as committed, for
                         methods that locate such events in time; 2 and 3: see constrain */
-  uint32_t reserved;
+  /* since 1.5, with an order; 1: the update also takes lists of nodes that are not joined, and the host may choose any
+   * order that gives the same outputs as `order`; before, this was reserved and 0 */
+  uint32_t lists;
 } springnet_sweep;
 
 /* Writes the positions (m) and velocities (m/s) of all nodes at a time (s) within a completed step. */
