@@ -5,8 +5,8 @@
 
 #include <cstdint>
 #include <functional>
-#include <utility>
 #include <span>
+#include <utility>
 #include <vector>
 
 #include <springnet/sdk/plugin.h>

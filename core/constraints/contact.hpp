@@ -216,8 +216,8 @@ class Contact {
   // Whether obstacles that stand still are farther from where a node starts than its path is long, so that it meets
   // none. False if that is not certain.
   [[nodiscard]] bool is_far(std::uint32_t node, const springnet_sweep& sweep);
-  // Whether a node that no surface touches clearly stays free.
-  [[nodiscard]] bool stays_free(const Within& within, std::uint32_t node);
+  // Keeps a node free that was free, and whose path is too short to meet a surface; false: that is not certain.
+  [[nodiscard]] bool keep_free(const Within& within, std::uint32_t node);
   void constrain_node(const Within& within, std::uint32_t node, const Vector3* read);
   // Keeps the committed contact unless a surface would have to pull. True: kept, outputs are set.
   [[nodiscard]] bool try_to_keep(const Within& within, std::uint32_t node, const Candidate& candidate);

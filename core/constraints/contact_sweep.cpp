@@ -131,7 +131,7 @@ inline bool Contact::is_far(std::uint32_t node, const springnet_sweep& sweep) {
   return known.square_reach > margin * (dx * dx + dy * dy + dz * dz);
 }
 
-inline bool Contact::stays_free(const Within& within, std::uint32_t node) {
+inline bool Contact::keep_free(const Within& within, std::uint32_t node) {
   const springnet_sweep& sweep = within.sweep;
   // Most nodes are free, were free in the sweep before, and are far from everything: nothing changes.
   const bool is_free = sweep.contacts == 0 && committed_[node].surface < 0 && now_[node].surface < 0 &&
@@ -151,7 +151,7 @@ void Contact::constrain(const Placement& end, std::uint32_t first, std::uint32_t
     if (cluster != nullptr && cluster[k] != no_cluster) continue;
     put_force(sweep, k, Vector3::Zero());
     const Within within{sweep, end};
-    if (!obstacles_.empty() && !stays_free(within, k)) constrain_node(within, k, read);
+    if (!obstacles_.empty() && !keep_free(within, k)) constrain_node(within, k, read);
   }
 }
 
@@ -163,7 +163,7 @@ void Contact::constrain(const Placement& end, std::span<const std::uint32_t> nod
     const std::uint32_t k = nodes[i];
     if (constrain_fixed(end, k, sweep)) continue;
     put_force(sweep, k, Vector3::Zero());
-    if (!has_surfaces || stays_free(within, k)) continue;
+    if (!has_surfaces || keep_free(within, k)) continue;
     const Vector3 old(read.x[i], read.y[i], read.z[i]);
     constrain_node(within, k, &old);
   }

@@ -23,7 +23,7 @@ springnet_status evaluate_law(const LawBatch& laws, const Law& law, std::uint32_
   // does not change the bits.
   constexpr std::size_t most_expanded = 128;
   alignas(64) double expanded[(max_parameters + 1) * most_expanded];
-  const bool uniform = rows.rows == nullptr || group.row_count() == 1;
+  const bool uniform = rows.columns == nullptr && (rows.rows == nullptr || group.row_count() == 1);
   const std::size_t batch_size = uniform || rows.columns != nullptr ? count : most_expanded;
 
   springnet_law_batch batch{};

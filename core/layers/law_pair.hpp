@@ -10,12 +10,11 @@
 
 namespace springnet::layers {
 
-// Rows of the members of a batch: one for all, or one each.
+// Rows of the members of a batch: one for all, or one each, by their numbers or by their values.
 struct RowSelection {
-  const std::uint32_t* rows = nullptr;  // null: `row` for all
-  std::uint32_t row = 0;
-  // With `rows`: [column] values of the members, null for a column that is the same in all rows. Null: not at hand.
-  const double* const* columns = nullptr;
+  const std::uint32_t* rows = nullptr;
+  std::uint32_t row = 0;                   // of all, if both others are null
+  const double* const* columns = nullptr;  // [column][member], null for a column that is the same in all rows
 };
 
 // Springs, or elements, of one group. Arrays are [count].

@@ -272,20 +272,25 @@ std::vector<std::uint32_t> Layout::remove(const std::vector<std::uint32_t>& spri
   }
   for (std::size_t g = 0; g < springs_of_group_.size(); ++g)
     if (group_changed[g] != 0) std::erase_if(springs_of_group_[g], [this](std::uint32_t s) { return !alive(s); });
-  neighbour_start_.clear();
+  note_removal();
   return removed;
 }
 
 std::vector<std::uint32_t> Layout::remove_elements(const std::vector<std::uint32_t>& elements) {
   const std::vector<std::uint32_t> removed = elements_.remove(elements);
-  if (!removed.empty()) neighbour_start_.clear();
+  if (!removed.empty()) note_removal();
   return removed;
 }
 
 std::vector<std::size_t> Layout::remove_faces(const std::vector<std::size_t>& faces) {
   const std::vector<std::size_t> removed = loaded_faces_.remove(faces);
-  if (!removed.empty()) neighbour_start_.clear();
+  if (!removed.empty()) note_removal();
   return removed;
+}
+
+void Layout::note_removal() noexcept {
+  neighbour_start_.clear();
+  ++revision_;
 }
 
 }  // namespace springnet::layers

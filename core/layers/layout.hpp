@@ -67,6 +67,8 @@ class Layout {
   [[nodiscard]] std::uint32_t node_count() const noexcept { return static_cast<std::uint32_t>(ordering_.user.size()); }
   [[nodiscard]] std::size_t spring_count() const noexcept { return alive_.size(); }
   [[nodiscard]] std::size_t live_count() const noexcept { return live_count_; }
+  // Increases with removals.
+  [[nodiscard]] std::uint64_t revision() const noexcept { return revision_; }
   [[nodiscard]] bool alive(std::uint32_t spring) const noexcept { return alive_[spring] != 0; }
   // Ends, as the engine numbers nodes.
   [[nodiscard]] std::uint32_t first(std::uint32_t spring) const noexcept { return ends_[2 * spring]; }
@@ -104,6 +106,7 @@ class Layout {
   void add_segment(Unit& unit, const std::uint32_t* slots, std::size_t count, bool boundary, bool mixed);
   void build_incidence();
   void build_neighbours() const;
+  void note_removal() noexcept;
   void build_groups();
 
   CompiledLaws laws_;
@@ -115,6 +118,7 @@ class Layout {
   std::vector<std::pair<std::uint32_t, std::uint32_t>> rigid_;  // pairs of nodes in both orders, sorted
   std::vector<std::uint8_t> alive_;
   std::size_t live_count_ = 0;
+  std::uint64_t revision_ = 1;
   std::vector<std::uint32_t> neuron_kind_;
   std::vector<Unit> units_;
   std::vector<std::uint64_t> incident_start_, incident_stop_;

@@ -19,7 +19,9 @@ namespace {
 
 // Of the linear systems: first ones, later ones for changes of friction, and what may be taken if there is no better.
 constexpr double accuracy = 1e-5, accuracy_of_corrections = 1e-3, enough = 1e-4;
-constexpr double difference = 1e-5;        // of positions, over the network's length scale
+// Central differences: of positions, over the network's length scale; of the slip of a node with friction, over its
+// speed; and never so little, over the extent of the positions, that their rounding shows.
+constexpr double difference = 1e-8, slip_difference = 1e-3, rounding_difference = 1e-11;
 constexpr double friction_settles = 1e-4;  // change from iteration to iteration, relative
 constexpr int max_iterations = 20;         // for friction
 constexpr double slow = 0.7;               // of which a change may be of the one before
@@ -81,15 +83,22 @@ Matrix3 LocalForceModel::stiffness(const Handle& handle, double step) {
   system.position_weight = step * step;
   check(linear_.prepare(system));
 
-  Matrix3 result;
-  for (Eigen::Index axis = 0; axis < 3; ++axis)
-    result.col(axis) = -change_along(handle, step, Vector3::Unit(axis) / step);  // for a displacement of 1 m
+  Matrix3 result, at_present_pressure;
+  bool follows = true;
+  for (Eigen::Index axis = 0; axis < 3; ++axis) {
+    const Vector3 speed = Vector3::Unit(axis) / step;  // for a displacement of 1 m
+    const Change change = change_along(handle, step, speed);
+    follows = follows && change.friction_follows;
+    result.col(axis) = -change.force;
+    at_present_pressure.col(axis) = -change.at_present_pressure;
+  }
+  if (!follows) result = at_present_pressure;  // a contact is about to jam
   if (!result.allFinite())
     throw Error(ErrorKind::simulation, "local force model: a force near the state is not finite");
   return result;
 }
 
-Vector3 LocalForceModel::change_along(const Handle& handle, double step, const Vector3& speed) {
+LocalForceModel::Change LocalForceModel::change_along(const Handle& handle, double step, const Vector3& speed) {
   Values velocity = carried(handle, speed), right_side = right_side_of(step, speed, velocity);
   std::vector<Vector3> extra(friction_.size(), Vector3::Zero()), friction = extra;
   // Friction follows the slip relative to the surface. The system has the node's part of that at the present pressure;
@@ -101,8 +110,8 @@ Vector3 LocalForceModel::change_along(const Handle& handle, double step, const V
   }
   add_solution(right_side, accuracy, step, velocity);
   Vector3 change = this->change(handle, step, speed, velocity, friction);
-  if (friction_.empty()) return change;
   const Vector3 at_present_pressure = change;
+  if (friction_.empty()) return {change, at_present_pressure, true};
   double share = 1.0, distance = std::numeric_limits<double>::infinity();
   for (int i = 0; i < max_iterations; ++i) {
     std::fill(right_side.begin(), right_side.end(), 0.0);
@@ -116,11 +125,11 @@ Vector3 LocalForceModel::change_along(const Handle& handle, double step, const V
     const Vector3 before = change;
     change = this->change(handle, step, speed, velocity, friction);
     const double moved = (change - before).norm() / share;
-    if (moved <= friction_settles * change.norm()) return change;
+    if (moved <= friction_settles * change.norm()) return {change, at_present_pressure, true};
     if (moved > slow * distance) share *= 0.5;
     distance = moved;
   }
-  return at_present_pressure;  // the contact is about to jam
+  return {change, at_present_pressure, false};
 }
 
 void LocalForceModel::add_force(Values& right_side, std::uint32_t node, const Vector3& force, double step) const {
@@ -211,10 +220,30 @@ void LocalForceModel::add_solution(const Values& right_side, double wanted, doub
   for (std::size_t i = 0; i < result.size(); ++i) velocity[i] += result[i];
 }
 
+// Of a displacement of 1 m.
+double LocalForceModel::difference_along(const Handle& handle, const Vector3& speed, const Values& velocity) const {
+  double share = difference * model_.scales.length, extent = model_.scales.length;
+  const springnet_state& state = model_.state.view;
+  for (const Friction& friction : friction_) {
+    const auto surface = static_cast<std::size_t>(friction.surface);
+    const double slip =
+        model_.contact
+            .slip_vector(*model_.placement(model_.time), friction.node, surface,
+                         vector_at(state.position, friction.node), vector_at(state.velocity, friction.node))
+            .norm();
+    Vector3 more = vector_of(velocity, friction.node);
+    if (friction.surface == handle.surface) more -= speed;
+    if (slip > 0.0 && more.norm() > 0.0) share = std::min(share, slip_difference * slip / more.norm());
+  }
+  for (std::uint32_t k = 0; k < model_.node_count(); ++k)
+    extent = std::max(extent, vector_at(state.position, k).cwiseAbs().maxCoeff());
+  return std::max(share, rounding_difference * extent);
+}
+
 Vector3 LocalForceModel::change(const Handle& handle, double step, const Vector3& speed, const Values& velocity,
                                 std::vector<Vector3>& friction) {
   const springnet_state& state = model_.state.view;
-  const double share = difference * model_.scales.length;  // of a displacement of 1 m
+  const double share = difference_along(handle, speed, velocity);
   std::array<Vector3, 2> forces;
   std::array<std::vector<Vector3>, 2> frictions{friction, friction};
   for (const int side : {0, 1}) {

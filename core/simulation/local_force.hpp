@@ -55,7 +55,12 @@ class LocalForceModel {
   [[nodiscard]] Values carried(const Handle& handle, const Vector3& speed);
   [[nodiscard]] bool carries(const Handle& handle, std::uint32_t node) const;
   // The change of the force on the handle, N, if it moves at `speed` (m/s) over the step besides.
-  [[nodiscard]] Vector3 change_along(const Handle& handle, double step, const Vector3& speed);
+  struct Change {
+    Vector3 force;
+    Vector3 at_present_pressure;  // of surfaces on nodes with friction
+    bool friction_follows;        // else `force` was not found
+  };
+  [[nodiscard]] Change change_along(const Handle& handle, double step, const Vector3& speed);
   // Of the linear system, from `carried` velocities, m/s.
   [[nodiscard]] Values right_side_of(double step, const Vector3& speed, const Values& carried);
   void add_force(Values& right_side, std::uint32_t node, const Vector3& force, double step) const;
@@ -64,6 +69,7 @@ class LocalForceModel {
   // and of friction, [friction] N.
   [[nodiscard]] Vector3 change(const Handle& handle, double step, const Vector3& speed, const Values& velocity,
                                std::vector<Vector3>& friction);
+  [[nodiscard]] double difference_along(const Handle& handle, const Vector3& speed, const Values& velocity) const;
   // Force of the network on the handle, and friction on the nodes, at a state.
   [[nodiscard]] Vector3 force(const Handle& handle, ReactionsAt& at, std::vector<Vector3>& friction) const;
   void check(springnet_status status) const;

@@ -26,6 +26,7 @@ const springnet_network& NetworkInfo::now() {
   info_.user_number = layout.ordering().user.data();
   info_.neighbour_start = layout.neighbour_start().data();
   info_.neighbours = layout.neighbours().data();
+  info_.connection_revision = layout.revision();
   info_.touching = contact.touching().data();
   info_.cluster = model_.rigid.any() ? model_.rigid.cluster_of() : no_cluster_.data();
   info_.rigid_count = model_.rigid.rods().size();

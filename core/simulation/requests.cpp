@@ -20,7 +20,7 @@ constexpr std::size_t evaluation_size = SPRINGNET_SIZE_TO(springnet_evaluation, 
 constexpr std::size_t sweep_size = SPRINGNET_SIZE_TO(springnet_sweep, user);
 // Requests of later versions, in the version that added them; they grow at their end, too.
 constexpr std::size_t impact_search_size = SPRINGNET_SIZE_TO(springnet_impact_search, user);           // 1.3
-constexpr std::size_t linear_sweep_size = SPRINGNET_SIZE_TO(springnet_sweep, contacts);                // 1.4
+constexpr std::size_t linear_sweep_size = SPRINGNET_SIZE_TO(springnet_sweep, reserved);                // 1.4
 constexpr std::size_t linear_system_size = SPRINGNET_SIZE_TO(springnet_linear_system, at);             // 1.5
 constexpr std::size_t linear_solve_size = SPRINGNET_SIZE_TO(springnet_linear_solve, iterations);       // 1.5
 constexpr std::size_t eigenvalue_size = SPRINGNET_SIZE_TO(springnet_eigenvalue_search, applications);  // 1.4

@@ -106,8 +106,8 @@ springnet_status Sweep::update_node(std::uint32_t node, std::uint32_t unit, Tile
                       tiles.sweep->want_blocks != 0 ? &evaluation.derivatives : nullptr, message);
 }
 
-// Nodes that do not read one another: evaluated together, then updated one after another. That is what a sweep in their
-// order does, and costs one call of a law for all their springs.
+// Nodes that do not read one another: all are evaluated, then all are updated. That is what a sweep in their order
+// does, and costs one call of a law for all their springs.
 springnet_status Sweep::together(const layers::NodeList& list, std::uint32_t unit, Tiles& tiles,
                                  springnet_message& message) {
   const profile::Tile measured;
@@ -145,7 +145,7 @@ std::uint32_t Sweep::end_of_run(std::uint32_t begin, std::uint32_t end, Turn tur
   end = std::min(end, begin + static_cast<std::uint32_t>(layers::together_limit));
   std::uint32_t i = begin;
   if (sweep.set_start != nullptr) {  // no two nodes of a set are joined
-    while (i < end && is_lone(sweep.order[i])) ++i;
+    while (i < end && is_local(sweep.order[i])) ++i;
     return i;
   }
   const std::vector<std::uint32_t>& start = model_.layout.neighbour_start();
@@ -157,7 +157,7 @@ std::uint32_t Sweep::end_of_run(std::uint32_t begin, std::uint32_t end, Turn tur
   }
   for (; i < end; ++i) {
     const std::uint32_t k = sweep.order[i];
-    if (!is_lone(k)) break;
+    if (!is_local(k)) break;
     bool reads_run = false;
     for (std::uint32_t n = start[k]; n < start[k + 1]; ++n) reads_run |= run_of_[neighbours[n]] == run_;
     if (reads_run) break;
@@ -166,25 +166,26 @@ std::uint32_t Sweep::end_of_run(std::uint32_t begin, std::uint32_t end, Turn tur
   return i;
 }
 
-bool Sweep::is_lone(std::uint32_t node) const {
+bool Sweep::is_local(std::uint32_t node) const {
   const std::uint32_t* clusters = model_.rigid.cluster_of();
   return (clusters == nullptr || clusters[node] == no_cluster) && !is_on_enclosure(node);
 }
 
-// An order is planned when it comes again: the plan takes about as long as a sweep without.
+// An order that comes twice in a row is planned: that takes about as long as a sweep without.
 const layers::SweepPlan* Sweep::plan_for(const springnet_sweep& sweep, const springnet_network& network) {
   const bool suits = sweep.lists != 0 && sweep.set_start == nullptr && sweep.want_blocks == 0;
   const std::span<const std::uint32_t> order(sweep.order, sweep.order_count);
   if (suits)
-    if (const layers::SweepPlan* known = plans_.find(order, network.revision)) return known;
+    if (const layers::SweepPlan* known = plans_.find(model_.layout, order)) return known;
   const bool again = order_check_.check(sweep, network);
   if (!suits || !again) return nullptr;
-  return &plans_.make(model_.layout, order, [this](std::uint32_t k) { return is_lone(k); });
+  const profile::Stage stage("plan");
+  return plans_.make(model_.layout, order, [this](std::uint32_t k) { return is_local(k); });
 }
 
 springnet_status Sweep::by_plan(const layers::SweepPlan& plan, Tiles& tiles, springnet_message& message) {
   for (const layers::SweepPlan::Stage& stage : plan.stages()) {
-    const springnet_status status = stage.by_itself ? one(stage.nodes.front(), 0, Turn::all, tiles, message)
+    const springnet_status status = stage.is_single ? one(stage.nodes.front(), 0, Turn::all, tiles, message)
                                                     : together({stage.nodes, stage.springs}, 0, tiles, message);
     if (status != SPRINGNET_OK) return status;
   }

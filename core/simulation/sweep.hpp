@@ -57,7 +57,7 @@ class Sweep {
                                springnet_message& message);
   [[nodiscard]] bool is_on_enclosure(std::uint32_t node) const;
   // Whether a node depends on its neighbours alone: it is in no cluster and on no enclosure.
-  [[nodiscard]] bool is_lone(std::uint32_t node) const;
+  [[nodiscard]] bool is_local(std::uint32_t node) const;
   // The plan for a sweep, null if it is done without. Checks the order.
   [[nodiscard]] const layers::SweepPlan* plan_for(const springnet_sweep& sweep, const springnet_network& network);
   void note_done(const springnet_sweep& sweep) noexcept;

@@ -6,29 +6,41 @@ namespace springnet {
 namespace {
 
 constexpr std::size_t max_plans = 64;
-constexpr std::size_t max_bytes = std::size_t{1}
-                                  << 21;  // of all but the newest plan: they share the cache with the net
+// Of several plans, which share the cache with the net; and of a single one: a large net is swept without.
+constexpr std::size_t max_bytes = std::size_t{1} << 21, max_plan_bytes = std::size_t{1} << 24;
 
 }  // namespace
 
-const layers::SweepPlan* SweepPlans::find(std::span<const std::uint32_t> order, std::uint64_t revision) {
-  if (revision != revision_) plans_.clear();
-  revision_ = revision;
-  const auto found = std::find_if(plans_.begin(), plans_.end(), [&](const auto& plan) {
+const layers::SweepPlan* SweepPlans::find(const layers::Layout& layout, std::span<const std::uint32_t> order) {
+  if (revision_ != layout.revision()) {
+    revision_ = layout.revision();
+    made_ = 0;
+    is_too_large_ = false;
+  }
+  const auto end = plans_.begin() + static_cast<std::ptrdiff_t>(made_);
+  const auto found = std::find_if(plans_.begin(), end, [&](const auto& plan) {
     return std::equal(order.begin(), order.end(), plan->order().begin(), plan->order().end());
   });
-  if (found == plans_.end()) return nullptr;
+  if (found == end) return nullptr;
   std::rotate(plans_.begin(), found, found + 1);
   return plans_.front().get();
 }
 
-const layers::SweepPlan& SweepPlans::make(const layers::Layout& layout, std::span<const std::uint32_t> order,
-                                          const std::function<bool(std::uint32_t)>& is_lone) {
-  plans_.insert(plans_.begin(), std::make_unique<const layers::SweepPlan>(layout, order, is_lone));
-  std::size_t bytes = 0, kept = 1;
-  while (kept < plans_.size() && kept < max_plans && (bytes += plans_[kept]->size()) <= max_bytes) ++kept;
-  plans_.resize(kept);
-  return *plans_.front();
+const layers::SweepPlan* SweepPlans::make(const layers::Layout& layout, std::span<const std::uint32_t> order,
+                                          const layers::SweepPlan::IsLocal& is_local) {
+  if (is_too_large_) return nullptr;
+  if (plans_.empty()) {
+    const layers::SweepPlan::Sizes sizes(layout);
+    is_too_large_ = sizes.bytes() > max_plan_bytes;
+    if (is_too_large_) return nullptr;
+    const std::size_t count = std::clamp<std::size_t>(max_bytes / sizes.bytes(), 1, max_plans);
+    for (std::size_t i = 0; i < count; ++i) plans_.push_back(std::make_unique<layers::SweepPlan>(sizes));
+  }
+  made_ = std::min(made_ + 1, plans_.size());
+  const auto end = plans_.begin() + static_cast<std::ptrdiff_t>(made_);
+  std::rotate(plans_.begin(), end - 1, end);
+  plans_.front()->make(layout, order, is_local);
+  return plans_.front().get();
 }
 
 }  // namespace springnet

@@ -3,7 +3,6 @@
 
 #include <cstddef>
 #include <cstdint>
-#include <functional>
 #include <memory>
 #include <span>
 #include <vector>
@@ -12,17 +11,20 @@
 
 namespace springnet {
 
+// Memory for all plans is allocated for the first one, and after removals only if they need more.
 class SweepPlans {
  public:
-  // The plan of an order; null if there is none. `revision`: of the network's connections; another one drops all plans.
-  [[nodiscard]] const layers::SweepPlan* find(std::span<const std::uint32_t> order, std::uint64_t revision);
-  // Makes one, in place of those used least recently if plans would take too much memory.
-  const layers::SweepPlan& make(const layers::Layout& layout, std::span<const std::uint32_t> order,
-                                const std::function<bool(std::uint32_t)>& is_lone);
+  // The plan of an order; null if there is none.
+  [[nodiscard]] const layers::SweepPlan* find(const layers::Layout& layout, std::span<const std::uint32_t> order);
+  // Makes one, in place of the one used least recently; null if a plan would take too much memory.
+  const layers::SweepPlan* make(const layers::Layout& layout, std::span<const std::uint32_t> order,
+                                const layers::SweepPlan::IsLocal& is_local);
 
  private:
-  std::vector<std::unique_ptr<const layers::SweepPlan>> plans_;  // used last first
-  std::uint64_t revision_ = 0;
+  std::vector<std::unique_ptr<layers::SweepPlan>> plans_;  // used last first
+  std::size_t made_ = 0;                                   // of them
+  bool is_too_large_ = false;
+  std::uint64_t revision_ = 0;  // of the layout
 };
 
 }  // namespace springnet

@@ -38,7 +38,7 @@
 /* And ABI 1.3. */
 #define SPRINGNET_ENDS_1_3(check)                        \
   check(springnet_network, status, 160)                  \
-  check(springnet_sweep, contacts, 276)                  \
+  check(springnet_sweep, reserved, 280)                  \
   check(springnet_impact_search, user, 64)               \
   check(springnet_host, time_of_impact, 216)
 /* And ABI 1.4. */
@@ -52,7 +52,8 @@
 #define SPRINGNET_ENDS_1_5(check)                        \
   check(springnet_evaluation, free_acceleration, 176)    \
   check(springnet_node_batch, nodes, 88)                 \
-  check(springnet_sweep, lists, 280)                     \
+  check(springnet_sweep, reserved_2, 288)                \
+  check(springnet_network, connection_revision, 168)     \
   check(springnet_linear_system, at, 40)                 \
   check(springnet_linear_solve, iterations, 48)          \
   check(springnet_integrator, forget, 48)                \

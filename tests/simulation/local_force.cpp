@@ -135,6 +135,73 @@ TEST_CASE("local force model of two springs with a mass between them, by hand") 
   }
 }
 
+// The derivative of the viscous force changes within rates of millimetres a second, so the model must not take larger
+// differences of the velocity, however short the time is.
+TEST_CASE("local force model with a viscosity that is curved in the rate, over short times, by hand") {
+  constexpr double stiffness = 50.0;
+  for (const double exponent : {1.0, 1.2, 2.0}) {
+    for (const double over : {5e-4, 5e-3, 0.5}) {
+      INFO("exponent " << exponent << ", over " << over << " s");
+      Network net;
+      const MaterialIndex material = net.add_material(
+          {LawUse{"linear", {{"stiffness", stiffness}}}, LawUse{"power", {{"damping", 1.0}, {"exponent", exponent}}}});
+      const Vector3 ends[2] = {Vector3::Zero(), {1, 0, 0}}, middle(0.5, 0.8, 0.1);
+      for (const Vector3& end : ends) net.fix(net.add_node(point(end)));
+      net.add_node(point(middle, 1.0, {0.003, 0.001, 0}));
+      for (const NodeIndex end : {0u, 1u}) net.add_spring(end, 2, material);
+      Simulation s = simulate(net, recurrent(newton, 1e-12), 0.005);
+      s.step();
+      // dF/dx of each end over the step, with x' = x / over.
+      Matrix by_end[2];
+      for (int e = 0; e < 2; ++e) {
+        const Vector3 d = ends[e] - s.position(2), dv = -s.velocity(2), n = d.normalized();
+        const double length = d.norm(), rate = n.dot(dv);
+        const double tension =
+            stiffness * (length - (ends[e] - middle).norm()) + std::copysign(std::pow(std::abs(rate), exponent), rate);
+        const double by_rate = exponent * std::pow(std::abs(rate), exponent - 1.0);
+        const Matrix across = (Matrix::Identity() - n * n.transpose()) / length;
+        by_end[e] = (stiffness + by_rate / over) * n * n.transpose() + tension * across +
+                    by_rate * n * (across * dv).transpose();
+      }
+      const Matrix inertia = Matrix::Identity() / (over * over);
+      const Matrix expected = by_end[0] - by_end[0] * (by_end[0] + by_end[1] + inertia).inverse() * by_end[0];
+      // The linear system is solved to 1e-5.
+      CHECK((s.local_force(0, over).stiffness - expected).norm() <= 2e-5 * expected.norm());
+    }
+  }
+}
+
+// A mass slides at a constant speed c, pushed by a spring against the friction f: across the slip friction turns with
+// it, f / c per velocity.
+TEST_CASE("local force model of a rough plane under a slow slip, turned too, by hand") {
+  constexpr double friction = 3.0, h = 0.005, length = 2.0;  // N, s, m
+  for (const double speed : {0.1, 0.01, 1e-3, 1e-4}) {
+    for (const double turn : {0.0, 0.6}) {
+      INFO("speed " << speed << " m/s, turned by " << turn);
+      const Matrix q = Eigen::AngleAxisd(turn, Vector3::UnitZ()).toRotationMatrix();
+      Network net;
+      net.fix(net.add_node(point(q * Vector3(-length, 0, 0))));
+      net.add_node(point(Vector3::Zero(), 1.0, q * Vector3(speed, 0, 0)));
+      net.add_spring(0, 1, net.add_material(damped(1.0, 0.0)), length + friction);
+      net.set_gravity({0, 0, -10});
+      Plane plane;
+      plane.friction = {Friction::Kind::coulomb, 0.1 * friction};
+      net.add_plane(plane);
+      Simulation s = simulate(net, recurrent(newton, 1e-10), h);
+      s.step();
+      const Matrix stiffness = q.transpose() * s.local_surface_force(0).stiffness * q;
+      const Vector3 slip = s.velocity(1);
+      const double damping = friction / slip.norm(), tension = -friction / length;  // N s/m, N/m
+      const double velocity = damping / (1.0 + damping * h + tension * h * h);      // of the mass, 1/s for 1 m
+      const double across = damping * (1.0 / h - velocity);
+      CHECK(stiffness(1, 1) == doctest::Approx(across).epsilon(1e-3));
+      CHECK(std::abs(stiffness(0, 0)) <= 1e-3 * across);
+      CHECK(std::abs(stiffness(0, 1)) <= 1e-3 * across);
+      CHECK(std::abs(stiffness(1, 0)) <= 1e-3 * across);
+    }
+  }
+}
+
 TEST_CASE("local force model of a grasped node: the differences of whole steps") {
   const NodeIndex middle = 48 + 5;  // of the upper side
   for (const bool elements : {false, true}) {

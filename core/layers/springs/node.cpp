@@ -112,11 +112,11 @@ springnet_status Evaluator::add_springs_of(std::uint32_t node, double time, cons
       subtract_springs(0, count, tension, x, y, z, sums.force[0], sums.force[1], sums.force[2]);
     };
     alignas(64) double tension[chunk];
-    std::copy_n(answers.force[0], count, tension);
-    if (const double* const along = axial_tension(group, tension, answers.force[1], count))
-      subtract(along, g.nx, g.ny, g.nz);
-    for (std::size_t k = 0; k < laws.size(); ++k)
-      if (laws[k]->relative) subtract(answers.force[k], g.sx, g.sy, g.sz);
+    if (group.spring) std::copy_n(answers.force[0], count, tension);
+    if (const double* const forces = sum_of_laws(group, false, tension, answers.force[1], count))
+      subtract(forces, g.nx, g.ny, g.nz);
+    if (const double* const forces = sum_of_laws(group, true, tension, answers.force[1], count))
+      subtract(forces, g.sx, g.sy, g.sz);
     for (std::size_t k = 0; k < laws.size() && sums.energy != nullptr; ++k) {
       if (!*laws[k]) continue;
       for (std::size_t i = 0; i < count; ++i)

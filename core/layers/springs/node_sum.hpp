@@ -8,7 +8,7 @@
 
 namespace springnet::layers {
 
-// Springs of a node are summed by so many, counted from the first of their laws.
+// Springs of a node are summed by so many, counted from the first of their laws: the axial forces, then the others.
 inline constexpr std::size_t node_chunk = 64;
 
 // Two numbers side by side, at any address.
@@ -42,12 +42,12 @@ inline void subtract_springs(std::size_t begin, std::size_t end, const double* t
   }
 }
 
-// Forces along the springs, N, [count], of those laws of a group that act so: in `first`, which takes the sum of two,
-// or in `second`; null: there are none.
-inline const double* axial_tension(const Group& group, double* __restrict first, const double* __restrict second,
-                                   std::size_t count) noexcept {
-  const bool has_first = group.spring && !group.spring.relative;
-  const bool has_second = group.viscosity && !group.viscosity.relative;
+// Forces, N, [count], of those laws of a group that act along the springs, or along relative velocities: in `first`,
+// which takes the sum of two, or in `second`; null: there are none.
+inline const double* sum_of_laws(const Group& group, bool relative, double* __restrict first,
+                                 const double* __restrict second, std::size_t count) noexcept {
+  const bool has_first = group.spring && group.spring.relative == relative;
+  const bool has_second = group.viscosity && group.viscosity.relative == relative;
   if (!has_first) return has_second ? second : nullptr;
   if (has_second)
     for (std::size_t i = 0; i < count; ++i) first[i] += second[i];

@@ -11,56 +11,68 @@
 
 namespace springnet::layers {
 
-// Each node reads the newest outputs of its neighbours, so it depends on those before it in the order. Nodes that
-// depend on no node of their stage or a later one are a stage: the outputs are those of the order itself.
+// Each node reads the newest outputs of its neighbours, so it depends on those before it in the order. A stage has
+// nodes that depend on none of their stage or a later one: stage by stage, the outputs are those of the order itself.
 class SweepPlan {
  public:
   struct Stage {
     std::span<const std::uint32_t> nodes;
-    std::span<const NodeSprings> springs;  // none for a node by itself
-    bool by_itself;                        // a node that must not be evaluated with others
+    std::span<const NodeSprings> springs;  // none for a single node
+    bool is_single;                        // a node that depends on more than its neighbours
+  };
+  // Whether a node depends on its neighbours alone. One that does not is a stage, after those of all nodes before it
+  // and before those of all nodes after it.
+  using IsLocal = std::function<bool(std::uint32_t node)>;
+
+  // What plans of any order take at most.
+  struct Sizes {
+    std::size_t nodes = 0, springs = 0, pieces = 0, values = 0, columns = 0;
+    explicit Sizes(const Layout& layout);
+    [[nodiscard]] std::size_t bytes() const noexcept;  // about
   };
 
-  // is_lone(node): whether a node depends on its neighbours alone. One that does not has a stage of its own, between
-  // those of the nodes before and after it in the order. The layout must outlive the plan; removals make it invalid.
-  SweepPlan(const Layout& layout, std::span<const std::uint32_t> order,
-            const std::function<bool(std::uint32_t)>& is_lone);
+  explicit SweepPlan(const Sizes& sizes);
   SweepPlan(const SweepPlan&) = delete;
   SweepPlan& operator=(const SweepPlan&) = delete;
 
+  // Allocates nothing if the sizes were those of the layout. The layout must outlive the plan; removals make it
+  // invalid.
+  void make(const Layout& layout, std::span<const std::uint32_t> order, const IsLocal& is_local);
+
   [[nodiscard]] std::span<const std::uint32_t> order() const noexcept { return order_; }
   [[nodiscard]] std::span<const Stage> stages() const noexcept { return stages_; }
-  // Memory that it takes, about, bytes.
-  [[nodiscard]] std::size_t size() const noexcept;
 
  private:
   // Where the parts of a stage and of a batch begin; spans would not survive that the arrays grow.
   struct Range {
     std::size_t nodes, batches;
-    bool by_itself;
+    bool is_single;
   };
   struct Batch {
     std::uint32_t group, row;
-    std::size_t other, pieces, rows, columns;  // where they begin
+    std::size_t springs, pieces, columns;
     bool is_mixed;
   };
 
   void add_stretch(const Layout& layout, std::span<const std::uint32_t> nodes);
   void add_stage(const Layout& layout, std::span<const std::uint32_t> nodes);
   void add_batch(const Group& group, const NodeSprings& springs);
-  void finish();
+  void take_spans();
 
   std::vector<std::uint32_t> order_, nodes_;
   std::vector<Stage> stages_;
   std::vector<NodeSprings> springs_;
-  std::vector<std::uint32_t> other_, rows_;
+  std::vector<std::uint32_t> other_;
   std::vector<NodeSprings::Piece> pieces_;
   std::vector<double> values_;          // of parameters, [column][spring] of each batch
   std::vector<std::size_t> value_of_;   // [batch][column] where they begin, or none
   std::vector<const double*> columns_;  // the same as pointers
   std::vector<Range> ranges_;
   std::vector<Batch> batches_;
-  std::vector<std::uint32_t> level_, stretch_;  // [node] within the stretch of the order that it was last in
+  // Of a stretch of the order between single nodes.
+  std::vector<std::uint32_t> level_, stretch_, place_;  // [node] the stretch that it was last in, its place in it
+  std::vector<std::uint32_t> sorted_;
+  std::vector<std::size_t> level_begin_, level_next_;  // [level] in sorted_
   std::uint32_t stretches_ = 0;
 };
 

@@ -1,5 +1,7 @@
 // The springs of several nodes that are evaluated at one state: forces on these nodes, with one call of a law for all.
 
+#include <algorithm>
+
 #include "layers/evaluator.hpp"
 #include "layers/law_pair.hpp"
 #include "layers/springs/node_springs.hpp"
@@ -35,11 +37,23 @@ void subtract_others(const NodeSprings& springs, const ListedNodes& listed, cons
   }
 }
 
-void subtract(const NodeSprings& springs, const double* tension, const double* x, const double* y, const double* z,
-              double* const force[3]) noexcept {
-  for (const NodeSprings::Piece& piece : springs.pieces)
-    subtract_springs(piece.begin, piece.end, tension, x, y, z, force[0][piece.node], force[1][piece.node],
-                     force[2][piece.node]);
+// Forces of springs along directions; no force: none.
+struct Directed {
+  const double* force = nullptr;
+  const double *x, *y, *z;
+};
+
+// In the order in which springs of a single node are summed: so many at a time, the axial forces first.
+void subtract(const NodeSprings& springs, const Directed& axial, const Directed& relative, double* const force[3]) {
+  for (const NodeSprings::Piece& piece : springs.pieces) {
+    for (std::size_t begin = piece.begin; begin < piece.end; begin += node_chunk) {
+      const std::size_t end = std::min<std::size_t>(piece.end, begin + node_chunk);
+      for (const Directed& part : {axial, relative})
+        if (part.force != nullptr)
+          subtract_springs(begin, end, part.force, part.x, part.y, part.z, force[0][piece.node], force[1][piece.node],
+                           force[2][piece.node]);
+    }
+  }
 }
 
 }  // namespace
@@ -72,11 +86,10 @@ springnet_status Evaluator::add_springs(const NodeSprings& springs, const Listed
   const springnet_status status =
       evaluate_laws(batch, set_, time, {LawOutputs{tension[0]}, LawOutputs{tension[1]}}, message);
   if (status != SPRINGNET_OK) return status;
-  if (const double* const along = axial_tension(group, tension[0], tension[1], count))
-    subtract(springs, along, geometry.nx, geometry.ny, geometry.nz, force);
-  const std::array<const Law*, 2> laws = group.laws();
-  for (std::size_t k = 0; k < laws.size(); ++k)
-    if (laws[k]->relative) subtract(springs, tension[k], geometry.sx, geometry.sy, geometry.sz, force);
+  const SegmentGeometry& g = geometry;
+  const Directed axial_forces{sum_of_laws(group, false, tension[0], tension[1], count), g.nx, g.ny, g.nz};
+  const Directed relative_forces{sum_of_laws(group, true, tension[0], tension[1], count), g.sx, g.sy, g.sz};
+  subtract(springs, axial_forces, relative_forces, force);
   return SPRINGNET_OK;
 }
 

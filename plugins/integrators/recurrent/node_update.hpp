@@ -8,7 +8,7 @@
 #include <limits>
 #include <vector>
 
-#include <springnet/sdk/plugin.h>
+#include <springnet/sdk/host.hpp>
 
 namespace springnet::recurrent {
 
@@ -32,8 +32,9 @@ class NodeUpdate {
   // Returns whether all new outputs are finite.
   bool operator()(const springnet_node_batch& batch) const noexcept {
     const std::uint32_t k = batch.first;
-    if (relaxation_ != 1.0) return relax(batch);
-    if (batch.nodes != nullptr) return list(batch);
+    const std::uint32_t* list = sdk::list_of(batch);
+    if (relaxation_ != 1.0) return relax(batch, list);
+    if (list != nullptr) return step(batch, list);
     if (batch.count == 1) return step(k, batch);
     std::uint64_t top = integrate(batch.count, batch.acceleration.x, position_.x + k, velocity_.x + k,
                                   next_position_.x + k, next_velocity_.x + k);
@@ -45,10 +46,10 @@ class NodeUpdate {
   }
 
  private:
-  bool relax(const springnet_node_batch& batch) const noexcept {
+  bool relax(const springnet_node_batch& batch, const std::uint32_t* list) const noexcept {
     bool finite = true;
     for (std::uint32_t i = 0; i < batch.count; ++i) {
-      const std::uint32_t k = batch.nodes != nullptr ? batch.nodes[i] : batch.first + i;
+      const std::uint32_t k = list != nullptr ? list[i] : batch.first + i;
       const auto go = [&](double a, double p, double v, double& next_p, double& next_u) {
         next_u += relaxation_ * (v + weight_ * a - next_u);
         next_p = p + weight_ * next_u;
@@ -75,10 +76,10 @@ class NodeUpdate {
     return std::isfinite(next_position_.x[k]) && std::isfinite(next_position_.y[k]) &&
            std::isfinite(next_position_.z[k]);
   }
-  bool list(const springnet_node_batch& batch) const noexcept {
-    double zero_if_finite = 0.0;
+  bool step(const springnet_node_batch& batch, const std::uint32_t* list) const noexcept {
+    double zero_if_finite = 0.0;  // vectors would gain nothing: places are any
     for (std::uint32_t i = 0; i < batch.count; ++i) {
-      const std::uint32_t k = batch.nodes[i];
+      const std::uint32_t k = list[i];
       const double x = velocity_.x[k] + weight_ * batch.acceleration.x[i];
       const double y = velocity_.y[k] + weight_ * batch.acceleration.y[i];
       const double z = velocity_.z[k] + weight_ * batch.acceleration.z[i];
@@ -179,9 +180,10 @@ class ForceRecord {
 
   void take(const springnet_network& network, const springnet_node_batch& batch) noexcept {
     Unit& unit = units_[batch.unit];
-    if (batch.count == 1 || batch.nodes != nullptr) {
+    const std::uint32_t* list = sdk::list_of(batch);
+    if (batch.count == 1 || list != nullptr) {
       for (std::uint32_t i = 0; i < batch.count; ++i) {
-        const std::uint32_t k = batch.nodes != nullptr ? batch.nodes[i] : batch.first;
+        const std::uint32_t k = list != nullptr ? list[i] : batch.first;
         const double m = network.mass[k];
         const double x = exchange(x_[k], m * batch.acceleration.x[i]);
         const double y = exchange(y_[k], m * batch.acceleration.y[i]);

@@ -8,7 +8,8 @@ namespace springnet::recurrent {
 namespace {
 
 constexpr std::uint32_t none = 0xffffffffu;
-constexpr std::size_t max_kept = std::size_t{1} << 16;  // nodes, of orders to find again; the newest is kept anyway
+// Orders to find again, and their nodes; the newest is kept anyway.
+constexpr std::size_t max_found = 64, max_found_nodes = std::size_t{1} << 16;
 
 // Whether node a precedes node b as the start of the wave.
 bool precedes(const springnet_network& network, const springnet_const_vectors& force, std::uint32_t a,
@@ -29,6 +30,10 @@ bool precedes(const springnet_network& network, const springnet_const_vectors& f
 
 void Wavefront::attach(const springnet_network& network) {
   const std::uint32_t count = network.node_count;
+  const bool has_revision = SPRINGNET_HAS_FIELD(springnet_network, &network, connection_revision);
+  const std::uint64_t revision = has_revision ? network.connection_revision : 0;
+  if (revision != 0 && revision == revision_) return;
+  revision_ = revision;
   part_.assign(count, none);
   order_.clear();
   order_.reserve(count);
@@ -42,7 +47,12 @@ void Wavefront::attach(const springnet_network& network) {
     ++parts;
   }
   starts_.assign(parts, none);
-  known_.clear();
+  found_count_ = 0;
+  found_.resize(std::clamp<std::size_t>(max_found_nodes / std::max(count, 1u), 1, max_found));
+  for (Found& found : found_) {
+    found.starts.reserve(parts);
+    found.order.reserve(count);
+  }
 }
 
 std::uint32_t Wavefront::strongest(const springnet_network& network, const springnet_const_vectors& force) const {
@@ -56,21 +66,22 @@ std::uint32_t Wavefront::strongest(const springnet_network& network, const sprin
 std::span<const std::uint32_t> Wavefront::order(const springnet_network& network, std::uint32_t start,
                                                 const springnet_const_vectors& force) {
   choose_starts(network, start, force);
-  const auto found = std::find_if(known_.begin(), known_.end(), [&](const Known& k) { return k.starts == starts_; });
-  if (found != known_.end()) {
-    std::rotate(known_.begin(), found, found + 1);
-    return known_.front().order;
+  const auto end = found_.begin() + static_cast<std::ptrdiff_t>(found_count_);
+  const auto found = std::find_if(found_.begin(), end, [&](const Found& f) { return f.starts == starts_; });
+  if (found != end) {
+    std::rotate(found_.begin(), found, found + 1);
+    return found_.front().order;
   }
   std::fill(reached_.begin(), reached_.end(), std::uint8_t{0});
   order_.clear();
   for (const std::uint32_t node : starts_) spread(network, node);
-  const std::size_t most = std::max<std::size_t>(1, max_kept / order_.size());
-  // The place of the one used least recently, if there are too many.
-  if (known_.size() < most) known_.emplace_back();
-  std::rotate(known_.begin(), known_.end() - 1, known_.end());
-  known_.front().starts = starts_;
-  known_.front().order = order_;
-  return known_.front().order;
+  // In place of the one used least recently, if there are too many.
+  found_count_ = std::min(found_count_ + 1, found_.size());
+  const auto last = found_.begin() + static_cast<std::ptrdiff_t>(found_count_ - 1);
+  std::rotate(found_.begin(), last, last + 1);
+  found_.front().starts.assign(starts_.begin(), starts_.end());
+  found_.front().order.assign(order_.begin(), order_.end());
+  return found_.front().order;
 }
 
 void Wavefront::choose_starts(const springnet_network& network, std::uint32_t start,

@@ -17,19 +17,19 @@ namespace springnet::recurrent {
 
 class Wavefront {
  public:
-  // Call after every change of network.revision; finds the connected parts of the network.
+  // Call after every change of network.revision; finds the connected parts of the network if it is another one.
   void attach(const springnet_network& network);
 
   // The node with the greatest force (arrays [node_count], N). The network must have a node.
   [[nodiscard]] std::uint32_t strongest(const springnet_network& network, const springnet_const_vectors& force) const;
 
-  // All nodes, once each, in the order of a wave that begins at `start`. Valid until the next call.
+  // All nodes, once each, in the order of a wave that begins at `start`. Valid until the next call. Does not allocate.
   std::span<const std::uint32_t> order(const springnet_network& network, std::uint32_t start,
                                        const springnet_const_vectors& force);
 
  private:
-  // Orders found since attach(), by their starts; as many as take no more memory than max_kept nodes.
-  struct Known {
+  // An order, by the starts of its waves.
+  struct Found {
     std::vector<std::uint32_t> starts, order;
   };
   void choose_starts(const springnet_network& network, std::uint32_t start, const springnet_const_vectors& force);
@@ -39,7 +39,9 @@ class Wavefront {
   std::vector<std::uint32_t> starts_;  // [parts] in the order of the wave
   std::vector<std::uint32_t> order_;   // [node_count]; it is the queue of the search as well
   std::vector<std::uint8_t> reached_;  // [node_count]
-  std::vector<Known> known_;           // used last first
+  std::vector<Found> found_;           // used last first; memory for all is allocated by attach()
+  std::size_t found_count_ = 0;
+  std::uint64_t revision_ = 0;  // of the connections; 0: not known
 };
 
 }  // namespace springnet::recurrent

@@ -81,6 +81,11 @@ struct Dominant {
   std::vector<double> real, imaginary;  // the eigenvector, norm 1
 };
 
+// The nodes of a batch that is a list, [count]; null for a range.
+[[nodiscard]] inline const std::uint32_t* list_of(const springnet_node_batch& batch) noexcept {
+  return SPRINGNET_HAS_FIELD(springnet_node_batch, &batch, nodes) ? batch.nodes : nullptr;
+}
+
 // A view of the table, cheap to copy, valid for the life of the integrator. Functions throw Failure with the host's
 // message and status; see Failure::recoverable().
 class Host {
@@ -127,7 +132,8 @@ class Host {
     check(table_->evaluate_nodes(table_->context, &evaluation, nodes.data(), static_cast<std::uint32_t>(nodes.size())));
   }
   // One sweep. `update(const springnet_node_batch&)` replaces sweep.update and sweep.user; unless the sweep has an
-  // order, it is called from several threads with different units. An exception from it is rethrown after the sweep.
+  // order, it is called from several threads with different units. With sweep.lists it is given lists of nodes as well,
+  // see list_of(). An exception from it is rethrown after the sweep.
   template <class Update>
   void sweep(springnet_sweep sweep, Update&& update) const {
     run_sweep(table_->sweep, sweep, update);

@@ -17,6 +17,13 @@
 #define SPRINGNET_TARGET_AVX512 "avx512f,avx512dq,avx512vl,avx512bw,avx512cd,prefer-vector-width=512"
 #endif
 
+// Asserts that no iteration of the following loop reads what another one writes. Clang finds out by __restrict.
+#if defined(__clang__)
+#define SPRINGNET_INDEPENDENT_ITERATIONS
+#else
+#define SPRINGNET_INDEPENDENT_ITERATIONS _Pragma("GCC ivdep")
+#endif
+
 namespace springnet::sdk {
 
 // The parameters of one element or node, in the order in which they are declared.

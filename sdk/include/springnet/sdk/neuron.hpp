@@ -81,34 +81,43 @@ class NeuronKernel {
   enum class By { force, position, velocity };
 
   template <class Real>
-  SPRINGNET_INLINE static Vector<Real> load(const springnet_const_vectors& v, std::uint32_t i) {
+  SPRINGNET_INLINE static Vector<Real> load(const springnet_const_vectors& v, std::size_t i) {
     return {v.x[i], v.y[i], v.z[i]};
   }
   template <class Real, bool uniform>
-  SPRINGNET_INLINE static std::array<Real, P> parameters_at(const Chunk& c, std::uint32_t i) {
+  SPRINGNET_INLINE static std::array<Real, P> parameters_at(const Chunk& c, std::size_t i) {
     std::array<Real, P> result{};
     for (std::size_t j = 0; j < P; ++j) result[j] = uniform ? *c.parameters[j] : c.parameters[j][i];
     return result;
   }
   template <class Real>
-  SPRINGNET_INLINE static Node<Real> node_at(const springnet_neuron_batch& b, std::uint32_t k) {
+  SPRINGNET_INLINE static Node<Real> node_at(const springnet_neuron_batch& b, std::size_t k) {
     return {load<Real>(b.force, k), load<Real>(b.position, k), load<Real>(b.velocity, k), b.mass[k], b.time};
+  }
+  SPRINGNET_INLINE static springnet_const_vectors from(const springnet_const_vectors& v, std::size_t begin) {
+    return {v.x + begin, v.y + begin, v.z + begin};
   }
 
   template <bool uniform>
   SPRINGNET_INLINE static void accelerations(const springnet_neuron_batch& batch, const Chunk& c) {
-    const springnet_neuron_batch b = batch;  // a copy: outputs cannot overlap it
-    double* __restrict x = b.acceleration.x;
-    double* __restrict y = b.acceleration.y;
-    double* __restrict z = b.acceleration.z;
+    // A copy, which outputs cannot overlap, from the chunk's first node on: the loop's index is that of the arrays.
+    springnet_neuron_batch b = batch;
+    b.force = from(batch.force, c.begin);
+    b.position = from(batch.position, c.begin);
+    b.velocity = from(batch.velocity, c.begin);
+    b.mass = batch.mass + c.begin;
+    double* __restrict x = batch.acceleration.x + c.begin;
+    double* __restrict y = batch.acceleration.y + c.begin;
+    double* __restrict z = batch.acceleration.z + c.begin;
     const auto fixed = parameters_at<double, uniform>(c, 0);
-    for (std::uint32_t i = 0; i < c.count; ++i) {
-      const std::uint32_t k = c.begin + i;
+    const std::size_t count = c.count;
+    SPRINGNET_INDEPENDENT_ITERATIONS
+    for (std::size_t i = 0; i < count; ++i) {
       const auto own = uniform ? fixed : parameters_at<double, uniform>(c, i);
-      const Vector<double> a = Model::acceleration(node_at<double>(b, k), Parameters<double>(own.data()));
-      x[k] = a.x;
-      y[k] = a.y;
-      z[k] = a.z;
+      const Vector<double> a = Model::acceleration(node_at<double>(b, i), Parameters<double>(own.data()));
+      x[i] = a.x;
+      y[i] = a.y;
+      z[i] = a.z;
     }
   }
   // out[node][row][column] = d a_row / d (what)_column.

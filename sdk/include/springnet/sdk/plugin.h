@@ -288,6 +288,8 @@ typedef struct springnet_network {
                             committed before the first one and after commit. The address of the array does not change.
                             Within a sweep it may be read for the nodes of the batch; it holds the decisions of the
                             sweep before */
+  /* since 1.5 */
+  uint64_t connection_revision; /* increases with `revision` when neighbours change; from 1 on */
 } springnet_network;
 
 /* Evaluation of the layers at a state: springs, loads, neurons. Outputs that are not wanted are null (all three
@@ -324,7 +326,8 @@ typedef struct springnet_node_batch {
   /* since 1.1: with springnet_sweep::want_blocks, else null; as in springnet_evaluation, [count][3][3] */
   const double* acceleration_by_velocity;
   const double* acceleration_by_position;
-  /* since 1.5: null, or with springnet_sweep::lists [count] the nodes, instead of first … first + count - 1 */
+  /* since 1.5: null, or [count] the nodes, instead of first … first + count - 1. Some batches of a sweep with `lists`
+   * have them */
   const uint32_t* nodes;
 } springnet_node_batch;
 typedef void (*springnet_node_update)(void* user, const springnet_node_batch* batch);
@@ -333,7 +336,8 @@ typedef void (*springnet_node_update)(void* user, const springnet_node_batch* ba
  * the host then applies fixation, prescribed motion and contact to the outputs.
  * Without an order all springs are evaluated before any output is replaced: `next` must differ from (position,
  * velocity), and updates are called tile by tile, from several threads. With an order the nodes are updated one by one
- * in that order, on the calling thread, each reading the newest outputs: `next` must equal (position, velocity). Nodes
+ * in that order (see `lists`), on the calling thread, each reading the newest outputs: `next` must equal (position,
+ * velocity). Nodes
  * of one cluster are updated together, in the place of the first of them. If `set_start` divides the order into sets,
  * the nodes of a set are in ascending order and updated by several threads. No two nodes of a set may be joined, unless
  * they belong to the same cluster. An enclosed volume counts as joining only those of its nodes that share a triangle.
@@ -368,9 +372,11 @@ typedef struct springnet_sweep {
   /* since 1.3 */
   uint32_t contacts; /* 0: the sweep decides which nodes stick, slide and separate; 1: they stay as committed, for
                         methods that locate such events in time; 2 and 3: see constrain */
-  /* since 1.5, with an order; 1: the update also takes lists of nodes that are not joined, and the host may choose any
-   * order that gives the same outputs as `order`; before, this was reserved and 0 */
+  uint32_t reserved;
+  /* since 1.5, with an order; 1: the update takes lists of nodes (springnet_node_batch::nodes), too, and the host may
+   * choose any order that gives the same outputs as `order`. Of several nodes whose law fails it may name another one */
   uint32_t lists;
+  uint32_t reserved_2;
 } springnet_sweep;
 
 /* Writes the positions (m) and velocities (m/s) of all nodes at a time (s) within a completed step. */
