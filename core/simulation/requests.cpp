@@ -200,7 +200,7 @@ void check_nodes(const std::uint32_t* nodes, std::uint32_t count, std::uint32_t 
       refuse(fmt::format("nodes[{}] is {}, the network has nodes 0 to {}", i, nodes[i], node_count - 1));
 }
 
-bool OrderCheck::check(const springnet_sweep& sweep, const springnet_network& network) {
+void OrderCheck::check(const springnet_sweep& sweep, const springnet_network& network) {
   const std::uint32_t set_ends = sweep.set_start == nullptr ? 0 : sweep.set_count + 1;
   if (sweep.set_start != nullptr && sweep.set_count > sweep.order_count)
     refuse(fmt::format("there are {} sets for {} nodes", sweep.set_count, sweep.order_count));
@@ -208,7 +208,7 @@ bool OrderCheck::check(const springnet_sweep& sweep, const springnet_network& ne
                      order_.size() == sweep.order_count && set_start_.size() == set_ends &&
                      std::equal(order_.begin(), order_.end(), sweep.order) &&
                      std::equal(set_start_.begin(), set_start_.end(), sweep.set_start);
-  if (known) return true;
+  if (known) return;
   order_.clear();
   set_start_.clear();
   check_order(sweep, network);
@@ -216,7 +216,6 @@ bool OrderCheck::check(const springnet_sweep& sweep, const springnet_network& ne
   order_.assign(sweep.order, sweep.order + sweep.order_count);
   set_start_.assign(sweep.set_start, sweep.set_start + set_ends);
   revision_ = network.revision;
-  return false;
 }
 
 void OrderCheck::check_order(const springnet_sweep& sweep, const springnet_network& network) {

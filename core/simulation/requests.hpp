@@ -41,9 +41,8 @@ void check_nodes(const std::uint32_t* nodes, std::uint32_t count, std::uint32_t 
 // Checks the order of sweeps. Many sweeps have the same order: one that was found valid is kept for comparison.
 class OrderCheck {
  public:
-  // Returns whether the order is that of the check before. `network.revision` shows changes of the network's
-  // connections.
-  bool check(const springnet_sweep& sweep, const springnet_network& network);
+  // `network.revision` shows changes of the network's connections.
+  void check(const springnet_sweep& sweep, const springnet_network& network);
 
  private:
   void check_order(const springnet_sweep& sweep, const springnet_network& network);
