@@ -28,9 +28,7 @@ struct Contact::Candidate {
   }
   [[nodiscard]] bool is_isotropic() const { return inertia == Matrix3(inertia(0, 0) * Matrix3::Identity()); }
   // 1/kg.
-  [[nodiscard]] Matrix3 mobility() const {
-    return inertia.inverse();
-  }
+  [[nodiscard]] Matrix3 mobility() const { return inertia.inverse(); }
 };
 
 // A node constrained to the surfaces that it touches.

@@ -75,7 +75,12 @@ std::string cell(const Case& one, double time_step, const Column& column) {
     }
     fastest = std::min(fastest, processor_time() - begin);
   }
-  return fmt::format("{:.2g} ({:.2g})", static_cast<double>(sweeps) / step_count, 1e3 * fastest / step_count);
+  const double mean = static_cast<double>(sweeps) / step_count, milliseconds = 1e3 * fastest / step_count;
+  return fmt::format("{:.{}f} ({:.{}f})", mean, mean < 10.0 ? 1 : 0, milliseconds,
+                     milliseconds < 0.1    ? 3
+                     : milliseconds < 1.0  ? 2
+                     : milliseconds < 10.0 ? 1
+                                           : 0);
 }
 
 }  // namespace
