@@ -374,7 +374,8 @@ typedef struct springnet_sweep {
                         methods that locate such events in time; 2 and 3: see constrain */
   uint32_t reserved;
   /* since 1.5, with an order; 1: the update takes lists of nodes (springnet_node_batch::nodes), too, and the host may
-   * choose any order that gives the same outputs as `order`. Of several nodes whose law fails it may name another one */
+   * choose any order that gives the same outputs as `order`. Of several nodes whose law fails it may name another one
+   */
   uint32_t lists;
   uint32_t reserved_2;
 } springnet_sweep;
