@@ -105,8 +105,8 @@ struct Simulation::Impl {
   [[nodiscard]] double local_time(double over) const {
     constexpr double longest = 1e100;  // s
     if (!(over >= 0.0 && over <= longest))
-      throw Error(ErrorKind::input,
-                  fmt::format("local force model: the time must be 0 s to 1e100 s, is {}", checks::seconds(over)));
+      throw Error(ErrorKind::input, fmt::format("local force model: over must be 0 (the time step) to 1e100 s, is {}",
+                                                checks::seconds(over)));
     return over > 0.0 ? over : options.time_step;
   }
   [[nodiscard]] const Obstacle& surface(std::size_t index) const {

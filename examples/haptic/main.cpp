@@ -67,6 +67,7 @@ void run(const char* name, springnet::Friction friction) {
   springnet::Network network = tissue();
   network.add_instrument(
       {.name = "ball", .first = hand(0.0), .second = hand(0.0), .radius = radius, .friction = friction});
+  // Choices are numbers here, in the order in which `springnet plugin show recurrent` lists them: 4 is newton.
   springnet::Simulation simulation(network, plugins,
                                    {.time_step = frame, .integrator = {"recurrent", {{"update", 4}}}});
   springnet::LocalForce model;
