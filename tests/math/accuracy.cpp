@@ -4,6 +4,8 @@
 
 #include <doctest/doctest.h>
 
+#include <springnet/sdk/math.hpp>
+
 #include "functions.hpp"
 
 using namespace springnet::test;
@@ -84,6 +86,24 @@ TEST_CASE("powers are exact where they are doubles, and near the bounds of their
         CAPTURE(x);
         CAPTURE(result);
         CHECK(error_at(function, x, result / std::log2(x)) <= function.bound);
+      }
+    }
+  }
+}
+
+TEST_CASE("quick powers have the error that is documented, and are 0 or infinite where they would not be normal") {
+  using springnet::sdk::quick_pow;
+  for (double x = 0x1p-1022; x < 1e308; x *= 3.7) {
+    for (const double y : {-7.3, -1.0, -0.4, 0.0, 0.3, 1.0, 1.7, 2.0, 9.0}) {
+      CAPTURE(x);
+      CAPTURE(y);
+      const double power = y * std::log2(x), exact = springnet::sdk::pow(x, y);
+      if (power > 1024.0) {
+        CHECK(quick_pow(x, y) == HUGE_VAL);
+      } else if (power < -1023.0) {
+        CHECK(quick_pow(x, y) == 0.0);
+      } else if (power > -1021.0 && power < 1023.0) {
+        CHECK(std::abs(quick_pow(x, y) - exact) <= 0x1p-51 * (1.0 + std::abs(power)) * exact);
       }
     }
   }

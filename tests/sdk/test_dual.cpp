@@ -132,6 +132,7 @@ TEST_CASE("functions of dual numbers without a complex twin") {
   check_with_differences([](auto x) { return x * max(x, 0) + min(1, x); }, {-1.5, 0.5, 2.3});
   check_with_differences([](auto x) { return abs(x) * x; }, {-2.0, 1.0});
   check_with_differences([](auto x) { return pow(x, 2.5); }, {1.0, 2.0});
+  check_with_differences([](auto x) { return quick_pow(x, 2.5) + quick_pow(1.7, x) + quick_pow(x, x); }, {1.0, 2.0});
   check_with_differences([](auto x) { return pow(1.7, x); }, {-1.0, 0.0, 2.0});
   check_with_differences([](auto x) { return pow(x, x); }, {1.0, 1.5});
   check_with_differences([](auto x) { return hypot(x, 1.0 - x); }, {-1.0, 0.0, 2.0});

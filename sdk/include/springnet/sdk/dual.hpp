@@ -258,6 +258,24 @@ template <std::size_t N>
 [[nodiscard]] SPRINGNET_INLINE Dual<N> pow(double x, const Dual<N>& exponent) {
   return pow(Dual<N>(x), exponent);
 }
+// As pow, for normal x > 0; see sdk/math/power.hpp.
+template <std::size_t N>
+[[nodiscard]] SPRINGNET_INLINE Dual<N> quick_pow(const Dual<N>& x, const Dual<N>& exponent) {
+  Dual<N> result(sdk::quick_pow(x.value, exponent.value));
+  for (std::size_t i = 0; i < N; ++i) {
+    result.derivatives[i] =
+        result.value * (exponent.value * (x.derivatives[i] / x.value) + sdk::log(x.value) * exponent.derivatives[i]);
+  }
+  return result;
+}
+template <std::size_t N>
+[[nodiscard]] SPRINGNET_INLINE Dual<N> quick_pow(const Dual<N>& x, double exponent) {
+  return quick_pow(x, Dual<N>(exponent));
+}
+template <std::size_t N>
+[[nodiscard]] SPRINGNET_INLINE Dual<N> quick_pow(double x, const Dual<N>& exponent) {
+  return quick_pow(Dual<N>(x), exponent);
+}
 template <std::size_t N>
 [[nodiscard]] SPRINGNET_INLINE Dual<N> sin(const Dual<N>& x) {
   return detail::chain(x, sdk::sin(x.value), sdk::cos(x.value));

@@ -39,6 +39,7 @@
 
 #include <springnet/sdk/component.hpp>
 #include <springnet/sdk/kernel.hpp>
+#include <springnet/sdk/math/members.hpp>
 
 namespace springnet::sdk {
 
@@ -427,7 +428,7 @@ struct LawGlue {
 };
 
 // Base of spring functions. They do not read the rate unless they declare `static constexpr bool reads_rate = true`.
-struct SpringFunction {
+struct SpringFunction : ElementaryFunctions {
   static constexpr std::uint32_t kind = SPRINGNET_SPRING_FUNCTION;
   static constexpr std::uint32_t invariant = SPRINGNET_LENGTH;
   static constexpr bool reads_rate = false;
@@ -438,7 +439,7 @@ struct SpringFunction {
 
 // Base of viscosity functions: on SPRINGNET_LENGTH they read e.rate and act along the spring; on
 // SPRINGNET_RELATIVE_SPEED they read the speed e.q and act along the relative velocity.
-struct ViscosityFunction {
+struct ViscosityFunction : ElementaryFunctions {
   static constexpr std::uint32_t kind = SPRINGNET_VISCOSITY_FUNCTION;
   static constexpr std::uint32_t invariant = SPRINGNET_LENGTH;
   static constexpr bool reads_rate = true;

@@ -17,6 +17,7 @@
 
 #include <springnet/sdk/component.hpp>
 #include <springnet/sdk/kernel.hpp>
+#include <springnet/sdk/math/members.hpp>
 
 namespace springnet::sdk {
 
@@ -171,7 +172,7 @@ struct NeuronGlue {
 };
 
 // Base of neurons; see the top of this file.
-struct Neuron {
+struct Neuron : ElementaryFunctions {
   static constexpr std::uint32_t kind = SPRINGNET_NEURON;
   template <class Model>
   using Glue = NeuronGlue<Model>;

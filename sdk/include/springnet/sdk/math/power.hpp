@@ -33,15 +33,18 @@ namespace detail {
   return {result, (log_high - (result - parts.exponent)) + log_low};
 }
 
-// 2^(high + low), |low| below 1; |high| at most 1100.
-[[nodiscard]] SPRINGNET_INLINE double split_exp2(double high, double low) {
+// 2^r for |r| <= 1/2. The polynomial changes it by at most 2^-58 of itself.
+[[nodiscard]] SPRINGNET_INLINE double exp2_of_fraction(double r) {
   constexpr double c[] = {0x1.ebfbdff82c58fp-3,  0x1.c6b08d704a0c2p-5,  0x1.3b2ab6fba4e78p-7,  0x1.5d87fe78a526dp-10,
                           0x1.430912f86bf4ep-13, 0x1.ffcbfc6712438p-17, 0x1.62c022401d5c2p-20, 0x1.b524fad88ed30p-24,
                           0x1.e4cf1cc5c8b02p-28, 0x1.e9d419696e0e9p-32, 0x1.c48f8c2305624p-36};
   constexpr double ln_2 = 0x1.62e42fefa39efp-1;
+  return 1.0 + (r * ln_2 + r * r * polynomial(r, c));
+}
+// 2^(high + low), |low| below 1; |high| at most 1100.
+[[nodiscard]] SPRINGNET_INLINE double split_exp2(double high, double low) {
   const Rounded k = rounded(high);
-  const double r = (high - k.value) + low;
-  return scaled(1.0 + (r * ln_2 + r * r * polynomial(r, c)), k.bits);
+  return scaled(exp2_of_fraction((high - k.value) + low), k.bits);
 }
 
 }  // namespace detail
@@ -76,6 +79,22 @@ namespace detail {
   const double signed_result = from_bits(bits_of(result) ^ (bits_of(x) & bits_of(odd_is_negative) & sign_bit));
   // nan: 1 for y = 0.
   return x == x ? signed_result : 1.0 + (enlarged - enlarged);
+}
+
+// x^y in less than half of the time of pow, for normal x > 0: with a relative error of up to 2^-51 (1 + |y log2 x|), as
+// the logarithm is rounded to double. Results that are not normal become 0 or infinity.
+[[nodiscard]] SPRINGNET_INLINE double quick_pow(double x, double y) {
+  using namespace detail;
+  // log2((1 + s) / (1 - s)) / s = 2 / ln 2 + s^2 q(s^2); q changes the logarithm by at most 2^-57 of itself.
+  constexpr double c[] = {0x1.ec709dc3a0401p-1, 0x1.2776c50ef68ecp-1, 0x1.a61762b5367a7p-2, 0x1.484b091972da2p-2,
+                          0x1.0c9e9219bd11dp-2, 0x1.c4ff17011d0fbp-3, 0x1.afdf14af16498p-3};
+  const Split parts = split_normal(x);
+  const double f = parts.fraction - 1.0, s = f / (2.0 + f), square = s * s;
+  const double logarithm = parts.exponent + (0x1.71547652b82fep+1 * s + s * square * polynomial(square, c));
+  const double power = y * logarithm, low_bound = power < -1023.0 ? -1023.0 : power;
+  const double bounded = low_bound > 1024.0 ? 1024.0 : low_bound;
+  const Rounded k = rounded(bounded);
+  return exp2_of_fraction(bounded - k.value) * from_bits((k.bits + 1023) << 52);
 }
 
 // Within 1.1 ulp. x = 2^3q m with m in [1, 8); a polynomial, which interpolates the root on [1, 2] to 2^-19, times
