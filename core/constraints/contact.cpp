@@ -19,9 +19,9 @@ Contact::Contact(const Network& network, const std::vector<std::uint32_t>& user_
   constrained_ = status_ = fixed_;  // SPRINGNET_PRESCRIBED is 1
   held_.assign(nodes, 0);
   touching_.assign(nodes, 0);
+  if (obstacles_.empty()) return;
   committed_.assign(nodes, {});
   now_.assign(nodes, {});
-  if (obstacles_.empty()) return;
   surface_impulse_.assign(obstacles_.size(), Vector3::Zero());
   changes_.assign(nodes, 0);
   was_in_contact_.assign(nodes, 0);
@@ -94,13 +94,14 @@ double Contact::next_change_of_scene(double time) const {
 Vector3 Contact::impulse(std::uint32_t node) const { return impulse_.empty() ? Vector3::Zero() : impulse_[node]; }
 
 void Contact::refresh(std::uint32_t node) {
-  held_[node] = committed_[node].surface >= 0 && !committed_[node].slides ? 1 : 0;
-  touching_[node] = committed_[node].surface >= 0 ? 1 : 0;
+  const Touch& touch = committed(node);
+  held_[node] = touch.surface >= 0 && !touch.slides ? 1 : 0;
+  touching_[node] = touch.surface >= 0 ? 1 : 0;
   update_status(node);
 }
 
 void Contact::update_status(std::uint32_t node) noexcept {
-  const Touch& touch = now_[node];
+  const Touch& touch = now(node);
   status_[node] = fixed_[node] != 0   ? SPRINGNET_PRESCRIBED
                   : touch.surface < 0 ? SPRINGNET_FREE
                   : touch.slides      ? SPRINGNET_SLIDING

@@ -19,7 +19,7 @@ void bisect(const Network& network, Nodes& nodes, std::size_t begin, std::size_t
     starts.push_back(static_cast<std::uint32_t>(begin));
     return;
   }
-  const std::vector<Node>& all = network.nodes();
+  const NodeList& all = network.nodes();
   Eigen::AlignedBox3d box;
   for (std::size_t i = begin; i < end; ++i) box.extend(all[nodes[i]].position);
   // Of equal sides the last: lattices number their nodes along x first, and long rows along x make long runs.
