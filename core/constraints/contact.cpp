@@ -141,8 +141,8 @@ void Contact::discard_sweep() {
   if (obstacles_.empty()) return;
   std::fill(sweep_impulse_.begin(), sweep_impulse_.end(), Vector3::Zero());
   for (std::uint32_t k = 0; k < now_.size(); ++k) {
-    if (now_[k] == committed_[k]) continue;
-    now_[k] = committed_[k];
+    if (now(k) == committed(k)) continue;
+    now_[k] = committed(k);
     refresh(k);
   }
 }
@@ -153,7 +153,7 @@ std::vector<ContactChange> Contact::commit_sweep(bool decided) {
   if (obstacles_.empty()) return changes;
   if (decided) std::fill(slip_phase_.begin(), slip_phase_.end(), Slip::ongoing);
   for (std::uint32_t k = 0; k < now_.size() && decided; ++k) {
-    const Touch before = committed_[k], after = now_[k];
+    const Touch before = committed(k), after = now(k);
     if (fixed_[k] != 0 || before == after) continue;
     bool same = true;
     for (const std::int32_t j : before.surfaces()) {
@@ -182,7 +182,7 @@ std::vector<ContactChange> Contact::commit_sweep(bool decided) {
 
 std::vector<Vector3> Contact::normals(const Placement& at, std::uint32_t node, const Vector3& position) const {
   std::vector<Vector3> result;
-  for (const std::int32_t surface : now_[node].surfaces())
+  for (const std::int32_t surface : now(node).surfaces())
     if (surface >= 0) result.push_back(normal(at, static_cast<std::size_t>(surface), position));
   return result;
 }
@@ -190,7 +190,7 @@ std::vector<Vector3> Contact::normals(const Placement& at, std::uint32_t node, c
 Vector3 Contact::slip_vector(const Placement& at, std::uint32_t node, std::size_t surface, const Vector3& position,
                              const Vector3& velocity) const {
   const Vector3 relative = velocity - Contact::velocity(at, surface, position);
-  if (now_[node].second < 0) {
+  if (now(node).second < 0) {
     const Vector3 n = normal(at, surface, position);
     return relative - n * n.dot(relative);
   }
@@ -210,7 +210,7 @@ Vector3 Contact::slip_direction(const Placement& at, std::uint32_t node, std::si
 // Solves d^2 (gap) / dt^2 = 0 of each surface for the normal forces, with friction proportional to them.
 Vector3 Contact::sliding_acceleration(const Placement& at, std::uint32_t node, const Vector3& position,
                                       const Vector3& velocity, const Vector3& acceleration) const {
-  const Touch& touch = now_[node];
+  const Touch& touch = now(node);
   const auto count = static_cast<Eigen::Index>(touch.count());
   Eigen::Matrix<double, 3, 3> directions;  // of each surface's force at unit normal force
   Eigen::Matrix<double, 3, 3> normals;
@@ -241,8 +241,8 @@ Vector3 Contact::sliding_acceleration(const Placement& at, std::uint32_t node, c
 void Contact::update_slip_directions(const Placement& at, const springnet_const_vectors& position,
                                      const springnet_const_vectors& velocity) {
   for (std::uint32_t k = 0; !obstacles_.empty() && k < committed_.size(); ++k) {
-    if (!committed_[k].slides || slip_phase_[k] != Slip::ongoing) continue;
-    const Vector3 slip = slip_vector(at, k, static_cast<std::size_t>(committed_[k].surface), vector_at(position, k),
+    if (!committed(k).slides || slip_phase_[k] != Slip::ongoing) continue;
+    const Vector3 slip = slip_vector(at, k, static_cast<std::size_t>(committed(k).surface), vector_at(position, k),
                                      vector_at(velocity, k));
     if (slip.norm() > 2.0 * rest_speed_) slip_[k] = slip.normalized();
   }
@@ -250,7 +250,7 @@ void Contact::update_slip_directions(const Placement& at, const springnet_const_
 
 void Contact::project_sliding(const Placement& at, std::uint32_t node, const springnet_vectors& position,
                               const springnet_vectors& velocity) const {
-  const Touch& touch = now_[node];
+  const Touch& touch = now(node);
   Vector3 p = vector_at(position, node), v = vector_at(velocity, node);
   if (touch.second < 0) {
     const auto j = static_cast<std::size_t>(touch.surface);
@@ -285,7 +285,7 @@ void Contact::accelerate(const Placement& at, std::uint32_t first, std::uint32_t
                          double* const acceleration[3], const std::uint32_t* cluster) const {
   for (std::uint32_t i = 0; i < count; ++i) {
     const std::uint32_t k = first + i;
-    const Touch& touch = now_[k];
+    const Touch& touch = now(k);
     if (fixed_[k] == 0 && touch.surface < 0) continue;
     Vector3 result = Vector3::Zero();
     if (fixed_[k] != 0) {
