@@ -157,14 +157,6 @@ class Boundary {
   NodeIndex first_;
 };
 
-// Reserves room for `more` elements, growing by at least one half, so that thousands of small bodies do not cause a
-// copy each.
-template <class Reserve>
-void reserve(std::size_t size, std::size_t more, std::size_t capacity, const Reserve& reserve_to) {
-  const std::size_t needed = size + more;
-  if (needed > capacity) reserve_to(std::max(needed, capacity + capacity / 2));
-}
-
 // The springs of the nodes of one layer of a lattice, in the order of the nodes, then of the directions.
 class Layer {
  public:
@@ -231,10 +223,8 @@ void Network::add_lattice(const std::string& name, const Lattice& lattice, const
                                               name, nodes, springs, gigabytes));
   };
   try {
-    reserve(nodes_.size(), static_cast<std::size_t>(nodes), nodes_.positions().capacity(),
-            [&](std::size_t count) { nodes_.reserve(count); });
-    reserve(springs_.size(), static_cast<std::size_t>(springs), springs_.ends().capacity(),
-            [&](std::size_t count) { springs_.reserve(count); });
+    reserve_nodes(nodes_.size() + static_cast<std::size_t>(nodes));
+    reserve_springs(springs_.size() + static_cast<std::size_t>(springs));
   } catch (const std::bad_alloc&) {
     out_of_memory();
   } catch (const std::length_error&) {

@@ -82,8 +82,15 @@ NodeIndex Network::add_node(const Node& node) {
   return index;
 }
 
-void Network::reserve_nodes(std::size_t count) { nodes_.reserve(std::min(count, max_count)); }
-void Network::reserve_springs(std::size_t count) { springs_.reserve(std::min(count, max_count)); }
+// Growing by at least one half, so that thousands of small bodies do not cause a copy each.
+void Network::reserve_nodes(std::size_t count) {
+  const std::size_t capacity = nodes_.positions().capacity();
+  if (count > capacity) nodes_.reserve(std::max(count, capacity + capacity / 2));
+}
+void Network::reserve_springs(std::size_t count) {
+  const std::size_t capacity = springs_.ends().capacity();
+  if (count > capacity) springs_.reserve(std::max(count, capacity + capacity / 2));
+}
 
 void Network::set_node(NodeIndex index, const Node& node) {
   if (index >= nodes_.size()) fail(fmt::format("there is no node {}, only {}", index, nodes_.size()));
