@@ -165,6 +165,7 @@ class Rows {
     }
     // Pieces by themselves, then their keys in the order of the pieces: the numbers do not depend on the threads.
     constexpr std::size_t piece = std::size_t{1} << 19;
+    constexpr double irregular_share = 0.75;
     const std::size_t pieces = (count + piece - 1) / piece;
     std::vector<std::vector<RowKey>> keys(pieces);
     std::uint32_t* const row = rows.append_each(count);
@@ -178,7 +179,10 @@ class Rows {
     std::vector<std::vector<std::uint32_t>> rows_of(pieces);
     for (std::size_t p = 0; p < pieces; ++p) {
       rows_of[p].reserve(keys[p].size());
-      for (const RowKey& key : keys[p]) rows_of[p].push_back(row_of(key));
+      // Springs of an irregular mesh have hardly any two rest lengths alike: to look for them would find nothing.
+      const bool irregular = static_cast<double>(keys[p].size()) >
+                             irregular_share * static_cast<double>(std::min(piece, count - p * piece));
+      for (const RowKey& key : keys[p]) rows_of[p].push_back(irregular ? new_row(key) : row_of(key));
       std::vector<RowKey>().swap(keys[p]);
     }
 #pragma omp parallel for schedule(static) if (pieces > 1)
@@ -190,13 +194,16 @@ class Rows {
  private:
   std::uint32_t row_of(const RowKey& key) {
     const std::uint32_t number = known_.number_of(key);
-    if (number < rows_.size()) return rows_[number];
+    if (number == rows_.size()) rows_.push_back(new_row(key));
+    return rows_[number];
+  }
+  std::uint32_t new_row(const RowKey& key) {
     const MaterialLaws& material = materials_[key.material];
     Group& group = groups_[material.group];
-    rows_.push_back(static_cast<std::uint32_t>(group.row_count()));
+    const auto row = static_cast<std::uint32_t>(group.row_count());
     group.columns[0].push_back(key.reference);
     for (std::size_t k = 0; k < material.parameters.size(); ++k) group.columns[k + 1].push_back(material.parameters[k]);
-    return rows_.back();
+    return row;
   }
 
   std::vector<Group>& groups_;
