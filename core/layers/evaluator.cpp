@@ -1,16 +1,17 @@
-#include "layers/evaluator.hpp"
+// Units of the layout, each by one thread: the springs of a tile, then what the caller does with the forces on its
+// nodes. The head of a unit, up to the last node that springs of the unit before lead to, waits for that unit.
 
-#include <fmt/format.h>
 #include <omp.h>
 
 #include <algorithm>
-#include <string>
 
+#include "layers/evaluator.hpp"
+#include "layers/unit_scratch.hpp"
 #include "plugin_host/call.hpp"
-#include "plugin_host/message.hpp"
 #include "profile/stage.hpp"
 
 namespace springnet::layers {
+
 namespace {
 
 constexpr std::size_t springs_in_an_element = 4;  // by the time that its evaluation takes
@@ -45,36 +46,82 @@ Evaluator::Evaluator(const Layout& layout, const std::vector<double>& mass, Inst
   enclosure_shares_.resize(chunks_.size());
 }
 
+// Units of a thread, in order, so that most find the unit before done; who has done all of them takes from others.
+struct alignas(64) Evaluator::Share {
+  std::atomic<std::uint32_t> next{0};
+  std::uint32_t begin = 0, end = 0;
+};
+
+Evaluator::~Evaluator() = default;
+
+void Evaluator::prepare_units() const {
+  const std::vector<Unit>& units = layout_.units();
+  if (revision_ != layout_.revision()) {
+    revision_ = 0;
+    scratch_.resize(threads_);
+    for (std::unique_ptr<UnitScratch>& scratch : scratch_) {
+      if (!scratch) scratch = std::make_unique<UnitScratch>();
+      scratch->reserve(layout_);
+    }
+    if (!shares_) shares_ = std::make_unique<Share[]>(threads_);
+    if (!arrivals_) arrivals_ = std::make_unique<std::atomic<std::uint8_t>[]>(units.size());
+    for (unsigned t = 0; t < threads_; ++t) {
+      shares_[t].begin = static_cast<std::uint32_t>(units.size() * t / threads_);
+      shares_[t].end = static_cast<std::uint32_t>(units.size() * (t + 1) / threads_);
+    }
+    std::size_t size = 0;
+    for (const Unit& unit : units) size += 3 * std::size_t{unit.halo};
+    halo_memory_.resize(size);
+    halo_.clear();
+    double* next = halo_memory_.data();
+    for (const Unit& unit : units) {
+      halo_.push_back({next, next + unit.halo, next + 2 * std::size_t{unit.halo}});
+      next += 3 * std::size_t{unit.halo};
+    }
+    revision_ = layout_.revision();
+  }
+  for (unsigned t = 0; t < threads_; ++t) shares_[t].next.store(shares_[t].begin, std::memory_order_relaxed);
+  for (std::size_t u = 0; u < units.size(); ++u) arrivals_[u].store(0, std::memory_order_relaxed);
+}
+
+bool Evaluator::take_unit(unsigned thread, std::uint32_t& unit) const noexcept {
+  for (unsigned i = 0; i < threads_; ++i) {
+    Share& share = shares_[(thread + i) % threads_];
+    unit = share.next.fetch_add(1, std::memory_order_relaxed);
+    if (unit < share.end) return true;
+  }
+  return false;
+}
+
 springnet_status Evaluator::evaluate(double time, const NodeArrays& nodes, const ExternalForces& external,
                                      const ForceArrays& force, TileFinished finished,
                                      springnet_message& message) const {
   if (layout_.elements().live_count() > 0) {
     if (const springnet_status status = evaluate_elements(time, nodes, message); status != SPRINGNET_OK) return status;
   }
-  const auto units = static_cast<std::int64_t>(layout_.units().size());
+  prepare_units();
+  const Pass pass{time, nodes, external, force, finished};
+  const auto units = static_cast<std::uint32_t>(layout_.units().size());
   if (threads_ == 1) {
     const FlushDenormals flush;
-    for (std::int64_t u = 0; u < units; ++u) {
-      const springnet_status status =
-          evaluate_unit(static_cast<std::uint32_t>(u), time, nodes, external, force, finished, message);
-      if (status != SPRINGNET_OK) return status;
-    }
+    for (std::uint32_t u = 0; u < units; ++u)
+      if (const springnet_status status = evaluate_unit(u, pass, *scratch_[0], message); status != SPRINGNET_OK)
+        return status;
     return SPRINGNET_OK;
   }
-  std::int64_t failed_unit = units;
+  std::uint32_t failed_unit = units;
   springnet_status failure = SPRINGNET_OK;
   const profile::Region region(threads_);
 #pragma omp parallel num_threads(static_cast <int>(threads_))
   {
     const FlushDenormals flush;
     const profile::Share share(region, omp_get_thread_num(), omp_get_num_threads());
-#pragma omp for schedule(dynamic, 1) nowait
-    for (std::int64_t u = 0; u < units; ++u) {
+    const auto thread = static_cast<unsigned>(omp_get_thread_num());
+    for (std::uint32_t u = 0; take_unit(thread, u);) {
       springnet_message unit_message{};
       // An exception that leaves the region would end the process.
-      const springnet_status status = sdk::detail::guarded(&unit_message, [&] {
-        return evaluate_unit(static_cast<std::uint32_t>(u), time, nodes, external, force, finished, unit_message);
-      });
+      const springnet_status status = sdk::detail::guarded(
+          &unit_message, [&] { return evaluate_unit(u, pass, *scratch_[thread], unit_message); });
       if (status != SPRINGNET_OK) {
 #pragma omp critical(springnet_evaluate)
         if (u < failed_unit) {
@@ -88,14 +135,42 @@ springnet_status Evaluator::evaluate(double time, const NodeArrays& nodes, const
   return failure;
 }
 
-springnet_status Evaluator::evaluate_unit(std::uint32_t index, double time, const NodeArrays& nodes,
-                                          const ExternalForces& external, const ForceArrays& force,
-                                          TileFinished finished, springnet_message& message) const {
+springnet_status Evaluator::evaluate_unit(std::uint32_t index, const Pass& pass, UnitScratch& scratch,
+                                          springnet_message& message) const {
   const Unit& unit = layout_.units()[index];
+  const ForceArrays& halo = halo_[index];
+  std::fill_n(halo.x, 3 * std::size_t{unit.halo}, 0.0);
+  scratch.open_window(unit);
+  const std::uint32_t head = head_end(index);
+  const bool waits = head > unit.first_node && arrivals_[index].load(std::memory_order_acquire) == 0;
+  std::uint32_t begun = unit.first_node, filled = unit.first_node;
+  for (const Tile& tile : unit.tiles) {
+    const profile::Tile measured;
+    const std::uint32_t ahead = std::min(layout_.node_count(), tile.first_node + std::max(unit.reach, tile_nodes));
+    const std::uint32_t own_ahead = std::min(ahead, unit.end_node());
+    begin_forces(begun, own_ahead, pass);
+    begun = own_ahead;
+    if (unit.window > 0) {
+      kernels_.fill_window(pass.nodes, filled, ahead, scratch.window);
+      filled = ahead;
+    }
+    springnet_status status = evaluate_tile(unit, tile, pass, halo, scratch, message);
+    if (status == SPRINGNET_OK && !(waits && tile.first_node < head)) status = finish_tile(index, tile, pass, message);
+    if (status != SPRINGNET_OK) return status;
+  }
+  if (unit.window > 0)
+    kernels_.drain_window(scratch.window, unit.end_node(), unit.end_node() + unit.halo, halo, unit.end_node());
+  if (waits)
+    if (const springnet_status status = arrive_at(index, pass, message); status != SPRINGNET_OK) return status;
+  return unit.halo > 0 ? arrive_at(index + 1, pass, message) : SPRINGNET_OK;
+}
+
+// Forces of gravity, loads and elements.
+void Evaluator::begin_forces(std::uint32_t begin, std::uint32_t end, const Pass& pass) const {
   const double* mass = mass_.data();
-  const std::uint32_t begin = unit.first_node, end = unit.first_node + unit.node_count;
-  const Vector3 g = external.gravity;
-  if (external.loads.x == nullptr) {
+  const Vector3 g = pass.external.gravity;
+  const ForceArrays force = pass.force, loads = pass.external.loads;
+  if (loads.x == nullptr) {
     for (std::uint32_t k = begin; k < end; ++k) {
       force.x[k] = mass[k] * g[0];
       force.y[k] = mass[k] * g[1];
@@ -103,113 +178,69 @@ springnet_status Evaluator::evaluate_unit(std::uint32_t index, double time, cons
     }
   } else {
     for (std::uint32_t k = begin; k < end; ++k) {
-      force.x[k] = mass[k] * g[0] + external.loads.x[k];
-      force.y[k] = mass[k] * g[1] + external.loads.y[k];
-      force.z[k] = mass[k] * g[2] + external.loads.z[k];
+      force.x[k] = mass[k] * g[0] + loads.x[k];
+      force.y[k] = mass[k] * g[1] + loads.y[k];
+      force.z[k] = mass[k] * g[2] + loads.z[k];
     }
   }
-  if (external.pressure != nullptr && layout_.loaded_faces().any_following()) {
+  if (pass.external.pressure != nullptr && layout_.loaded_faces().any_following()) {
     for (std::uint32_t k = begin; k < end; ++k) {
-      const Vector3 push = layout_.loaded_faces().force(k, nodes, external.pressure);
+      const Vector3 push = layout_.loaded_faces().force(k, pass.nodes, pass.external.pressure);
       force.x[k] += push[0];
       force.y[k] += push[1];
       force.z[k] += push[2];
     }
   }
-  if (layout_.elements().live_count() > 0) {
-    const profile::Tile measured;
+  if (layout_.elements().live_count() > 0 && begin < end) {
     const profile::Part part("elements");
     add_elements(begin, end, force);
   }
-  SegmentGeometry geometry;  // not initialised: written before it is read
-  for (const Tile& tile : unit.tiles) {
-    const profile::Tile measured;
-    {
-      const profile::Part part("springs");
-      for (std::uint32_t s = tile.segment_begin; s < tile.segment_end; ++s) {
-        const springnet_status status = evaluate_segment(unit, unit.segments[s], time, nodes, force, geometry, message);
-        if (status != SPRINGNET_OK) return status;
-      }
-    }
-    if (finished.call == nullptr) continue;
-    const springnet_status status = finished.call(finished.user, index, tile.first_node, tile.node_count, message);
+}
+
+springnet_status Evaluator::evaluate_tile(const Unit& unit, const Tile& tile, const Pass& pass, const ForceArrays& halo,
+                                          UnitScratch& scratch, springnet_message& message) const {
+  const profile::Part part("springs");
+  for (std::uint32_t s = tile.segment_begin; s < tile.segment_end; ++s) {
+    const springnet_status status =
+        evaluate_segment(unit, unit.segments[s], pass.time, pass.nodes, pass.force, halo, scratch, message);
     if (status != SPRINGNET_OK) return status;
   }
+  if (unit.window > 0)
+    kernels_.drain_window(scratch.window, tile.first_node, tile.first_node + tile.node_count, pass.force, 0);
   return SPRINGNET_OK;
 }
 
-springnet_status Evaluator::accelerations(std::uint32_t first, std::uint32_t count, double time,
-                                          const NodeArrays& nodes, const double* const force[3],
-                                          double* const acceleration[3], double* by_force, double* by_position,
-                                          double* by_velocity, springnet_message& message) const {
-  const std::vector<std::uint32_t>& kinds = layout_.neuron_kind();
-  for (std::uint32_t begin = 0; begin < count;) {
-    const std::uint32_t node = first + begin;
-    std::uint32_t end = begin + 1;
-    while (end < count && kinds[first + end] == kinds[node]) ++end;
-    const NeuronKind& kind = layout_.laws().neurons[kinds[node]];
-    springnet_neuron_batch batch{};
-    batch.count = end - begin;
-    batch.time = time;
-    batch.force = {force[0] + begin, force[1] + begin, force[2] + begin};
-    batch.position = {nodes.px + node, nodes.py + node, nodes.pz + node};
-    batch.velocity = {nodes.vx + node, nodes.vy + node, nodes.vz + node};
-    batch.mass = mass_.data() + node;
-    batch.acceleration = {acceleration[0] + begin, acceleration[1] + begin, acceleration[2] + begin};
-    const auto block = [begin](double* blocks) { return blocks == nullptr ? nullptr : blocks + 9 * begin; };
-    batch.acceleration_by_force = block(by_force);
-    batch.acceleration_by_position = block(by_position);
-    batch.acceleration_by_velocity = block(by_velocity);
-    if (const springnet_status status = call_neuron(kind, batch, node, message); status != SPRINGNET_OK) return status;
-    begin = end;
-  }
-  return SPRINGNET_OK;
+// Nodes before it are reached by springs of the unit before.
+std::uint32_t Evaluator::head_end(std::uint32_t unit) const noexcept {
+  return layout_.units()[unit].first_node + (unit > 0 ? layout_.units()[unit - 1].halo : 0);
 }
 
-springnet_status Evaluator::accelerations(std::span<const std::uint32_t> list, const ListedNodes& own, double time,
-                                          const double* const force[3], double* const acceleration[3],
-                                          springnet_message& message) const {
-  const std::vector<std::uint32_t>& kinds = layout_.neuron_kind();
-  const bool one_kind = layout_.laws().neurons.size() == 1;
-  for (std::size_t begin = 0; begin < list.size();) {
-    std::size_t end = one_kind ? list.size() : begin + 1;
-    while (end < list.size() && kinds[list[end]] == kinds[list[begin]]) ++end;
-    springnet_neuron_batch batch{};
-    batch.count = static_cast<std::uint32_t>(end - begin);
-    batch.time = time;
-    batch.force = {force[0] + begin, force[1] + begin, force[2] + begin};
-    batch.position = {own.p[0] + begin, own.p[1] + begin, own.p[2] + begin};
-    batch.velocity = {own.v[0] + begin, own.v[1] + begin, own.v[2] + begin};
-    batch.mass = own.mass + begin;
-    batch.acceleration = {acceleration[0] + begin, acceleration[1] + begin, acceleration[2] + begin};
-    const NeuronKind& kind = layout_.laws().neurons[kinds[list[begin]]];
-    if (const springnet_status status = call_neuron(kind, batch, list[begin], message); status != SPRINGNET_OK)
-      return status;
-    begin = end;
-  }
-  return SPRINGNET_OK;
-}
-
-// Fills in the rest of a batch whose first node is `node`.
-springnet_status Evaluator::call_neuron(const NeuronKind& kind, springnet_neuron_batch& batch, std::uint32_t node,
+// All springs of this unit, and of the one before where they lead here, have been evaluated.
+springnet_status Evaluator::finish_tile(std::uint32_t unit, const Tile& tile, const Pass& pass,
                                         springnet_message& message) const {
-  const double* parameters[max_parameters];
-  static constexpr std::uint32_t strides[max_parameters] = {};
-  for (std::size_t p = 0; p < kind.parameters.size(); ++p) parameters[p] = &kind.parameters[p];
-  batch.struct_size = sizeof batch;
-  batch.instruction_set = abi_number(set_);
-  batch.parameters = parameters;
-  batch.parameter_strides = strides;
-  const profile::Part part(kind.component->description->id, profile::Kind::neuron);
-  const springnet_status status = call_component(*kind.component, message, [&](springnet_message& own) {
-    batch.message = &own;
-    return kind.component->neuron().evaluate(&batch);
-  });
-  if (status == SPRINGNET_OK) return status;
-  const std::uint32_t others = batch.count - 1;
-  set_message(message, fmt::format("{}; for node {}{}", text_of(message), layout_.ordering().user[node],
-                                   others == 0 ? "" : fmt::format(" or one of the {} after it", others)));
-  return status;
+  const std::uint32_t first_node = layout_.units()[unit].first_node;
+  const std::uint32_t end = std::min(tile.first_node + tile.node_count, head_end(unit));
+  if (tile.first_node < end) {
+    const ForceArrays& before = halo_[unit - 1];
+    for (std::uint32_t k = tile.first_node; k < end; ++k) {
+      pass.force.x[k] += before.x[k - first_node];
+      pass.force.y[k] += before.y[k - first_node];
+      pass.force.z[k] += before.z[k - first_node];
+    }
+  }
+  if (pass.finished.call == nullptr) return SPRINGNET_OK;
+  return pass.finished.call(pass.finished.user, unit, tile.first_node, tile.node_count, message);
+}
+
+// By the unit itself, if it waits, and by the one before; who comes second finishes its head.
+springnet_status Evaluator::arrive_at(std::uint32_t unit, const Pass& pass, springnet_message& message) const {
+  if (arrivals_[unit].fetch_add(1, std::memory_order_acq_rel) == 0) return SPRINGNET_OK;
+  for (const Tile& tile : layout_.units()[unit].tiles) {
+    if (tile.first_node >= head_end(unit)) break;
+    const profile::Tile measured;
+    if (const springnet_status status = finish_tile(unit, tile, pass, message); status != SPRINGNET_OK) return status;
+  }
+  return SPRINGNET_OK;
 }
 
 }  // namespace springnet::layers

@@ -2,7 +2,9 @@
 // accelerations. What springs do is in springs/, what elements do in elements/.
 #pragma once
 
+#include <atomic>
 #include <cstdint>
+#include <memory>
 #include <span>
 #include <string>
 #include <vector>
@@ -48,10 +50,15 @@ struct ListedNodes {
   double mass[together_limit];              // kg
 };
 
+struct UnitScratch;
+
 class Evaluator {
  public:
   // Layout and masses ([node] kg) must outlive the evaluator.
   Evaluator(const Layout& layout, const std::vector<double>& mass, InstructionSet set, unsigned threads);
+  ~Evaluator();
+  Evaluator(const Evaluator&) = delete;
+  Evaluator& operator=(const Evaluator&) = delete;
 
   [[nodiscard]] InstructionSet instruction_set() const noexcept { return set_; }
   [[nodiscard]] unsigned threads() const noexcept { return threads_; }
@@ -92,11 +99,27 @@ class Evaluator {
                                  springnet_message& message) const;
 
  private:
-  springnet_status evaluate_unit(std::uint32_t unit, double time, const NodeArrays& nodes,
-                                 const ExternalForces& external, const ForceArrays& force, TileFinished finished,
+  // One call of evaluate().
+  struct Pass {
+    double time;
+    const NodeArrays& nodes;
+    const ExternalForces& external;
+    const ForceArrays& force;
+    const TileFinished& finished;
+  };
+  void prepare_units() const;
+  [[nodiscard]] bool take_unit(unsigned thread, std::uint32_t& unit) const noexcept;
+  springnet_status evaluate_unit(std::uint32_t unit, const Pass& pass, UnitScratch& scratch,
                                  springnet_message& message) const;
+  void begin_forces(std::uint32_t begin, std::uint32_t end, const Pass& pass) const;
+  springnet_status evaluate_tile(const Unit& unit, const Tile& tile, const Pass& pass, const ForceArrays& halo,
+                                 UnitScratch& scratch, springnet_message& message) const;
+  springnet_status finish_tile(std::uint32_t unit, const Tile& tile, const Pass& pass,
+                               springnet_message& message) const;
+  [[nodiscard]] std::uint32_t head_end(std::uint32_t unit) const noexcept;
+  springnet_status arrive_at(std::uint32_t unit, const Pass& pass, springnet_message& message) const;
   springnet_status evaluate_segment(const Unit& unit, const Segment& segment, double time, const NodeArrays& nodes,
-                                    const ForceArrays& force, SegmentGeometry& geometry,
+                                    const ForceArrays& force, const ForceArrays& halo, UnitScratch& scratch,
                                     springnet_message& message) const;
 
   // Values, rates and gradients of up to element_batch elements of one invariant.
@@ -127,6 +150,14 @@ class Evaluator {
   InstructionSet set_;
   const Kernels& kernels_;
   unsigned threads_;
+  // Units on their way; made anew for a revision of the layout.
+  struct Share;
+  mutable std::uint64_t revision_ = 0;
+  mutable std::vector<std::unique_ptr<UnitScratch>> scratch_;      // [thread]
+  mutable std::unique_ptr<Share[]> shares_;                        // [thread]
+  mutable std::unique_ptr<std::atomic<std::uint8_t>[]> arrivals_;  // [unit]
+  mutable std::vector<double> halo_memory_;                        // N
+  mutable std::vector<ForceArrays> halo_;                          // [unit] of the first nodes of the next one
   // Buffers of elements, written and read within one call.
   struct Chunk {
     std::uint32_t enclosure, begin, end;  // places

@@ -19,11 +19,10 @@ struct Run {
   std::uint32_t count;
 };
 
-// Springs of one segment: first run_springs of them in runs, then the others, by their ends.
+// Springs in runs, or, without runs, by their ends.
 struct SegmentSprings {
   const Run* runs;
   std::uint32_t run_count;
-  std::uint32_t run_springs;
   std::uint32_t count;
   const std::uint32_t* first;   // [count]
   const std::uint32_t* second;  // [count]
@@ -36,6 +35,14 @@ struct NodeArrays {
 
 struct ForceArrays {
   double *x, *y, *z;  // N
+};
+
+// Nodes in the places (number modulo the number of places) of a window that moves along with the tiles: all values of
+// a node next to each other, for springs that are read and written through indices.
+struct Window {
+  double (*state)[8];  // px, py, pz, 0 and vx, vy, vz, 0
+  double (*force)[4];  // x, y, z, 0, N
+  std::uint32_t mask;  // of a node's number: the places are a power of 2
 };
 
 // Directions are zero where the ends coincide (or move alike), so that such a spring exerts no force.
@@ -53,6 +60,11 @@ struct EndChanges {
   const double *vx, *vy, *vz;
 };
 
+// Along which forces act.
+struct Directions {
+  const double *x, *y, *z;
+};
+
 struct Kernels {
   void (*lengths)(const SegmentSprings& springs, const NodeArrays& nodes, SegmentGeometry& out);
   void (*lengths_and_rates)(const SegmentSprings& springs, const NodeArrays& nodes, SegmentGeometry& out);
@@ -61,13 +73,23 @@ struct Kernels {
   void (*lengths_of)(const EndChanges& changes, std::size_t count, SegmentGeometry& out);
   void (*lengths_and_rates_of)(const EndChanges& changes, std::size_t count, SegmentGeometry& out);
   void (*relative_speeds_of)(const EndChanges& changes, std::size_t count, SegmentGeometry& out);
-  // Subtracts (axial + axial_2) n from the force on the first ends; adds it to the second ends if `to_second`. axial_2
-  // may be null.
-  void (*scatter_axial)(const SegmentSprings& springs, const SegmentGeometry& geometry, const double* axial,
-                        const double* axial_2, bool to_second, const ForceArrays& force);
-  // The same with value dv / |dv|.
-  void (*scatter_relative)(const SegmentSprings& springs, const SegmentGeometry& geometry, const double* value,
-                           bool to_second, const ForceArrays& force);
+  // Subtracts (value + value_2) times the direction from the forces on the first ends and adds it to those on the
+  // second ends. value_2 may be null. Of runs, whose second ends have forces in arrays that begin at node `origin`:
+  void (*scatter_runs)(const SegmentSprings& springs, const double* value, const double* value_2, const Directions& n,
+                       const ForceArrays& first, const ForceArrays& second, std::uint32_t origin);
+  // Of springs by their ends, on the first ends alone:
+  void (*scatter_first)(const SegmentSprings& springs, const double* value, const double* value_2, const Directions& n,
+                        const ForceArrays& first);
+  // Of springs by their ends, in a window:
+  void (*scatter_window)(const SegmentSprings& springs, const double* value, const double* value_2,
+                         const Directions& n, const Window& window);
+  // First ends minus second ends in a window, [component][spring]: positions, velocities, in rows of max_segment.
+  void (*subtract_window)(const SegmentSprings& springs, const Window& window, double (*changes)[max_segment]);
+  // Copies nodes [begin, end) to a window and clears their forces there; adds their forces there to those in arrays that
+  // begin at node `origin`.
+  void (*fill_window)(const NodeArrays& nodes, std::uint32_t begin, std::uint32_t end, const Window& window);
+  void (*drain_window)(const Window& window, std::uint32_t begin, std::uint32_t end, const ForceArrays& force,
+                       std::uint32_t origin);
   ElementKernels elements;
 };
 

@@ -1,14 +1,18 @@
 #include "layers/layout.hpp"
 
+#include <omp.h>
+
 #include <algorithm>
+#include <exception>
+#include <numeric>
+
+#include "layers/unit_builder.hpp"
 
 namespace springnet::layers {
 namespace {
 
-// Springs of equal offset that make a run; fewer are faster read through indices.
-constexpr std::uint32_t shortest_run = 8;
-// Springs of a tile with equal parameters that make a segment of their own, whose law reads one value per parameter.
-constexpr std::size_t smallest_uniform = 24;
+// Springs from which on several threads lay them out.
+constexpr std::size_t springs_worth_threads = 100'000;
 
 }  // namespace
 
@@ -34,166 +38,91 @@ Layout::Layout(const Network& network, const PluginHost& plugins, bool renumber)
   neuron_kind_.resize(nodes);
   for (std::size_t k = 0; k < nodes; ++k) neuron_kind_[k] = network.nodes()[ordering_.user[k]].neuron;
 
-  unit_of_.resize(nodes);
   units_.resize(ordering_.unit_start.size() - 1);
   for (std::size_t u = 0; u < units_.size(); ++u) {
     units_[u].first_node = ordering_.unit_start[u];
     units_[u].node_count = ordering_.unit_start[u + 1] - ordering_.unit_start[u];
-    std::fill_n(unit_of_.begin() + units_[u].first_node, units_[u].node_count, static_cast<std::uint32_t>(u));
   }
-  for (std::uint32_t s = 0; s < springs.size(); ++s) {
-    const std::uint32_t a = unit_of_[first(s)], b = unit_of_[second(s)];
-    units_[a].springs.push_back(s);
-    if (b != a) units_[b].springs.push_back(s);
-  }
-  for (Unit& unit : units_) lay_out(unit);
-  build_groups();
-  build_incidence();
+  lay_out();
 }
 
-void Layout::lay_out(Unit& unit) {
-  unit.tiles.clear();
-  unit.segments.clear();
-  unit.runs.clear();
-  unit.first.clear();
-  unit.second.clear();
-  unit.row.clear();
-
-  // Springs of each tile: those inside the unit, and those across its boundary.
-  const std::uint32_t tile_count = (unit.node_count + tile_nodes - 1) / tile_nodes;
-  std::vector<std::vector<std::uint32_t>> inside(tile_count), across(tile_count);
-  const std::uint32_t unit_index = unit.node_count == 0 ? 0 : unit_of_[unit.first_node];
-  for (const std::uint32_t s : unit.springs) {
-    if (!alive(s)) continue;
-    const std::uint32_t a = first(s), b = second(s);
-    const bool a_in = unit_of_[a] == unit_index, b_in = unit_of_[b] == unit_index;
-    const std::uint32_t own = a_in && b_in ? std::min(a, b) : a_in ? a : b;
-    (a_in && b_in ? inside : across)[(own - unit.first_node) / tile_nodes].push_back(s);
-  }
-  for (std::uint32_t t = 0; t < tile_count; ++t) {
-    Tile tile{};
-    tile.first_node = unit.first_node + t * tile_nodes;
-    tile.node_count = std::min(tile_nodes, unit.first_node + unit.node_count - tile.first_node);
-    tile.segment_begin = static_cast<std::uint32_t>(unit.segments.size());
-    add_segments(unit, inside[t], false);
-    add_segments(unit, across[t], true);
-    tile.segment_end = static_cast<std::uint32_t>(unit.segments.size());
-    unit.tiles.push_back(tile);
-  }
+std::uint32_t Layout::unit_of(std::uint32_t node) const noexcept {
+  const std::uint32_t size = ordering_.unit_start[1];  // all but the last are equal
+  return size == 0 ? 0 : node / size;
 }
 
-// Sorts the springs of a tile by group and row; frequent rows get segments of their own, the others mixed ones.
-void Layout::add_segments(Unit& unit, std::vector<std::uint32_t>& slots, bool boundary) {
-  std::sort(slots.begin(), slots.end(), [this](std::uint32_t s, std::uint32_t t) {
-    if (laws_.group[s] != laws_.group[t]) return laws_.group[s] < laws_.group[t];
-    if (laws_.row[s] != laws_.row[t]) return laws_.row[s] < laws_.row[t];
-    return s < t;
-  });
-  std::vector<std::uint32_t> mixed;
-  std::size_t begin = 0;
-  while (begin < slots.size()) {
-    const std::uint32_t group = laws_.group[slots[begin]];
-    mixed.clear();
-    while (begin < slots.size() && laws_.group[slots[begin]] == group) {
-      std::size_t end = begin;
-      while (end < slots.size() && laws_.group[slots[end]] == group && laws_.row[slots[end]] == laws_.row[slots[begin]])
-        ++end;
-      if (end - begin >= smallest_uniform) {
-        add_segment(unit, slots.data() + begin, end - begin, boundary, false);
-      } else {
-        mixed.insert(mixed.end(), slots.begin() + static_cast<std::ptrdiff_t>(begin),
-                     slots.begin() + static_cast<std::ptrdiff_t>(end));
-      }
-      begin = end;
-    }
-    add_segment(unit, mixed.data(), mixed.size(), boundary, true);
-  }
+template <class What>
+void Layout::for_units_of(std::uint32_t spring, const What& what) const {
+  const std::uint32_t a = std::min(first(spring), second(spring)), b = std::max(first(spring), second(spring));
+  const std::uint32_t u = unit_of(a), v = unit_of(b);
+  const bool is_far = v > u + 1;
+  const std::uint32_t group = laws_.group[spring], row = laws_.row[spring];
+  what(u, UnitSpring{a, b, spring, group, row, is_far});
+  if (is_far) what(v, UnitSpring{b, a, spring, group, row, true});
 }
 
-void Layout::add_segment(Unit& unit, const std::uint32_t* slots, std::size_t count, bool boundary, bool mixed) {
-  if (count == 0) return;
-  struct Ends {
-    std::uint32_t own, other, spring;
-  };
-  std::vector<Ends> ends(count);
-  const std::uint32_t unit_index = unit_of_[unit.first_node];
-  for (std::size_t i = 0; i < count; ++i) {
-    std::uint32_t a = first(slots[i]), b = second(slots[i]);
-    // The force is the same seen from either end. First comes the lower node, or the one inside the unit.
-    if (boundary ? unit_of_[a] != unit_index : b < a) std::swap(a, b);
-    ends[i] = {a, b, slots[i]};
-  }
-  const auto offset = [](const Ends& e) { return std::int64_t{e.other} - std::int64_t{e.own}; };
-  std::sort(ends.begin(), ends.end(), [&](const Ends& x, const Ends& y) {
-    if (offset(x) != offset(y)) return offset(x) < offset(y);
-    return x.own != y.own ? x.own < y.own : x.spring < y.spring;
-  });
-
-  // Maximal runs; those of shortest_run springs or more come first.
-  struct Piece {
-    std::size_t begin, end;
-  };
-  std::vector<Piece> runs, rest;
-  for (std::size_t begin = 0; begin < count;) {
-    std::size_t end = begin + 1;
-    while (end < count && offset(ends[end]) == offset(ends[begin]) && ends[end].own == ends[end - 1].own + 1) ++end;
-    (end - begin >= shortest_run ? runs : rest).push_back({begin, end});
-    begin = end;
-  }
-  std::vector<Ends> ordered;
-  ordered.reserve(count);
-  std::vector<Piece> pieces = runs;
-  pieces.insert(pieces.end(), rest.begin(), rest.end());
-  std::vector<std::uint8_t> in_run;
-  in_run.reserve(count);
-  for (std::size_t p = 0; p < pieces.size(); ++p) {
-    for (std::size_t i = pieces[p].begin; i < pieces[p].end; ++i) {
-      ordered.push_back(ends[i]);
-      in_run.push_back(p < runs.size() ? 1 : 0);
-    }
-  }
-  const std::size_t run_total = static_cast<std::size_t>(std::count(in_run.begin(), in_run.end(), std::uint8_t{1}));
-  std::sort(ordered.begin() + static_cast<std::ptrdiff_t>(run_total), ordered.end(), [](const Ends& x, const Ends& y) {
-    if (x.own != y.own) return x.own < y.own;
-    return x.other != y.other ? x.other < y.other : x.spring < y.spring;
-  });
-
-  // Cut into segments that fit the scratch arrays.
-  for (std::size_t begin = 0; begin < count; begin += max_segment) {
-    const std::size_t end = std::min(count, begin + max_segment);
-    Segment segment{};
-    segment.group = laws_.group[slots[0]];
-    segment.row = mixed ? mixed_rows : laws_.row[slots[0]];
-    segment.begin = static_cast<std::uint32_t>(unit.first.size());
-    segment.count = static_cast<std::uint32_t>(end - begin);
-    segment.run_begin = static_cast<std::uint32_t>(unit.runs.size());
-    segment.boundary = boundary;
-    for (std::size_t i = begin; i < end; ++i) {
-      const Ends& e = ordered[i];
-      if (i < run_total) {
-        const bool continues = i > begin && offset(e) == offset(ordered[i - 1]) && e.own == ordered[i - 1].own + 1;
-        if (continues)
-          ++unit.runs.back().count;
-        else
-          unit.runs.push_back({e.own, e.other, 1});
-        ++segment.run_springs;
-      }
-      unit.first.push_back(e.own);
-      unit.second.push_back(e.other);
-      unit.row.push_back(laws_.row[e.spring]);
-    }
-    segment.run_count = static_cast<std::uint32_t>(unit.runs.size()) - segment.run_begin;
-    unit.segments.push_back(segment);
-  }
-}
-
-void Layout::build_groups() {
-  springs_of_group_.assign(laws_.groups.size(), {});
+void Layout::lay_out() {
+  // Springs by unit.
+  std::vector<std::size_t> start(units_.size() + 1, 0);
   for (std::uint32_t s = 0; s < alive_.size(); ++s)
-    if (alive(s)) springs_of_group_[laws_.group[s]].push_back(s);
+    for_units_of(s, [&](std::uint32_t u, const UnitSpring&) { ++start[u + 1]; });
+  std::partial_sum(start.begin(), start.end(), start.begin());
+  std::vector<std::uint32_t> springs(start.back());
+  std::vector<std::size_t> next(start.begin(), start.end() - 1);
+  for (std::uint32_t s = 0; s < alive_.size(); ++s)
+    for_units_of(s, [&](std::uint32_t u, const UnitSpring&) { springs[next[u]++] = s; });
+
+  const int threads = alive_.size() < springs_worth_threads ? 1 : omp_get_num_procs();
+  std::exception_ptr failure;
+#pragma omp parallel num_threads(threads)
+  {
+    UnitBuilder builder(laws_.groups);
+    std::vector<UnitSpring> of_unit;
+#pragma omp for schedule(dynamic, 1)
+    for (std::int64_t i = 0; i < static_cast<std::int64_t>(units_.size()); ++i) {
+      const auto u = static_cast<std::size_t>(i);
+      try {
+        of_unit.clear();
+        for (std::size_t k = start[u]; k < start[u + 1]; ++k)
+          for_units_of(springs[k], [&](std::uint32_t unit, const UnitSpring& spring) {
+            if (unit == u) of_unit.push_back(spring);
+          });
+        builder.build(units_[u], of_unit);
+      } catch (...) {  // an exception that leaves the region would end the process
+#pragma omp critical(springnet_lay_out)
+        failure = std::current_exception();
+      }
+    }
+  }
+  if (failure) std::rethrow_exception(failure);
 }
 
-void Layout::build_incidence() {
+// Without the springs that were removed.
+void Layout::lay_out_again(Unit& unit) {
+  std::vector<UnitSpring> springs;
+  springs.reserve(unit.live);
+  const auto u = static_cast<std::uint32_t>(&unit - units_.data());
+  for (const std::uint32_t s : unit.spring) {
+    if (s == no_spring) continue;
+    for_units_of(s, [&](std::uint32_t of, const UnitSpring& spring) {
+      if (of == u) springs.push_back(spring);
+    });
+  }
+  UnitBuilder(laws_.groups).build(unit, springs);
+}
+
+const std::vector<std::uint32_t>& Layout::springs_of(std::size_t group) const {
+  if (springs_of_group_.empty()) {
+    springs_of_group_.resize(laws_.groups.size());
+    for (std::uint32_t s = 0; s < alive_.size(); ++s)
+      if (alive(s)) springs_of_group_[laws_.group[s]].push_back(s);
+  }
+  return springs_of_group_[group];
+}
+
+void Layout::build_incidence() const {
+  const std::lock_guard guard(building_);
+  if (has_incidence_.load(std::memory_order_relaxed)) return;
   const std::size_t nodes = node_count();
   incident_start_.assign(nodes + 1, 0);
   for (std::uint32_t s = 0; s < alive_.size(); ++s) {
@@ -204,25 +133,48 @@ void Layout::build_incidence() {
   for (std::size_t k = 0; k < nodes; ++k) incident_start_[k + 1] += incident_start_[k];
   incident_.resize(incident_start_[nodes]);
   incident_stop_.assign(incident_start_.begin(), incident_start_.end() - 1);
-  // Group by group, so that each node's springs are sorted by group.
-  for (const std::vector<std::uint32_t>& springs : springs_of_group_) {
-    for (const std::uint32_t s : springs) {
-      const std::uint32_t a = first(s), b = second(s);
-      incident_[incident_stop_[a]++] = {b, laws_.group[s], laws_.row[s], s};
-      incident_[incident_stop_[b]++] = {a, laws_.group[s], laws_.row[s], s};
-    }
+  for (std::uint32_t s = 0; s < alive_.size(); ++s) {
+    if (!alive(s)) continue;
+    const std::uint32_t a = first(s), b = second(s);
+    incident_[incident_stop_[a]++] = {b, laws_.group[s], laws_.row[s], s};
+    incident_[incident_stop_[b]++] = {a, laws_.group[s], laws_.row[s], s};
   }
+  if (laws_.groups.size() > 1) {
+    for (std::size_t k = 0; k < nodes; ++k)
+      std::stable_sort(incident_.begin() + static_cast<std::ptrdiff_t>(incident_start_[k]),
+                       incident_.begin() + static_cast<std::ptrdiff_t>(incident_stop_[k]),
+                       [](const Incident& a, const Incident& b) { return a.group < b.group; });
+  }
+  has_incidence_.store(true, std::memory_order_release);
 }
 
 void Layout::build_neighbours() const {
   const std::uint32_t nodes = node_count();
-  neighbour_start_.assign(1, 0);
+  // Other ends of each node's springs.
+  std::vector<std::size_t> start(nodes + std::size_t{1}, 0);
+  for (std::uint32_t s = 0; s < alive_.size(); ++s) {
+    if (!alive(s)) continue;
+    ++start[first(s) + std::size_t{1}];
+    ++start[second(s) + std::size_t{1}];
+  }
+  std::partial_sum(start.begin(), start.end(), start.begin());
+  std::vector<std::uint32_t> others(start.back());
+  std::vector<std::size_t> next(start.begin(), start.end() - 1);
+  for (std::uint32_t s = 0; s < alive_.size(); ++s) {
+    if (!alive(s)) continue;
+    others[next[first(s)]++] = second(s);
+    others[next[second(s)]++] = first(s);
+  }
+  neighbour_start_.clear();
+  neighbour_start_.reserve(nodes + std::size_t{1});
+  neighbour_start_.push_back(0);
   neighbours_.clear();
+  neighbours_.reserve(others.size());
   std::vector<std::uint32_t> joined;
   auto rigid = rigid_.begin();
   for (std::uint32_t k = 0; k < nodes; ++k) {
-    joined.clear();
-    for (const Incident* i = incident_begin(k); i != incident_end(k); ++i) joined.push_back(i->other);
+    joined.assign(others.begin() + static_cast<std::ptrdiff_t>(start[k]),
+                  others.begin() + static_cast<std::ptrdiff_t>(start[k + std::size_t{1}]));
     for (; rigid != rigid_.end() && rigid->first == k; ++rigid) joined.push_back(rigid->second);
     elements_.add_neighbours(k, joined);
     loaded_faces_.add_neighbours(k, joined);
@@ -246,32 +198,37 @@ const std::vector<std::uint32_t>& Layout::neighbours() const {
 
 std::vector<std::uint32_t> Layout::remove(const std::vector<std::uint32_t>& springs) {
   std::vector<std::uint32_t> removed;
-  std::vector<std::uint8_t> unit_changed(units_.size(), 0);
+  std::vector<std::uint32_t> changed;  // units
   for (const std::uint32_t s : springs) {
     if (!alive(s)) continue;
     alive_[s] = 0;
     removed.push_back(s);
-    unit_changed[unit_of_[first(s)]] = 1;
-    unit_changed[unit_of_[second(s)]] = 1;
+    for_units_of(s, [&](std::uint32_t u, const UnitSpring& spring) {
+      units_[u].remove(spring.own, s);
+      changed.push_back(u);
+    });
   }
   if (removed.empty()) return removed;
   live_count_ -= removed.size();
-  for (std::size_t u = 0; u < units_.size(); ++u)
-    if (unit_changed[u] != 0) lay_out(units_[u]);
-  const auto forget = [this](std::uint32_t node) {
-    Incident* begin = incident_.data() + incident_start_[node];
-    Incident* end = incident_.data() + incident_stop_[node];
-    const Incident* kept = std::remove_if(begin, end, [this](const Incident& i) { return !alive(i.spring); });
-    incident_stop_[node] = static_cast<std::uint64_t>(kept - incident_.data());
-  };
-  std::vector<std::uint8_t> group_changed(springs_of_group_.size(), 0);
-  for (const std::uint32_t s : removed) {
-    forget(first(s));
-    forget(second(s));
-    group_changed[laws_.group[s]] = 1;
+  // Removed springs cost as much as others; laying out all that are left, once for each halving of their number, costs
+  // little.
+  std::sort(changed.begin(), changed.end());
+  changed.erase(std::unique(changed.begin(), changed.end()), changed.end());
+  for (const std::uint32_t u : changed)
+    if (2 * units_[u].live < units_[u].spring.size()) lay_out_again(units_[u]);
+  if (has_incidence_.load(std::memory_order_relaxed)) {
+    const auto forget = [this](std::uint32_t node) {
+      Incident* begin = incident_.data() + incident_start_[node];
+      Incident* end = incident_.data() + incident_stop_[node];
+      const Incident* kept = std::remove_if(begin, end, [this](const Incident& i) { return !alive(i.spring); });
+      incident_stop_[node] = static_cast<std::uint64_t>(kept - incident_.data());
+    };
+    for (const std::uint32_t s : removed) {
+      forget(first(s));
+      forget(second(s));
+    }
   }
-  for (std::size_t g = 0; g < springs_of_group_.size(); ++g)
-    if (group_changed[g] != 0) std::erase_if(springs_of_group_[g], [this](std::uint32_t s) { return !alive(s); });
+  springs_of_group_.clear();
   note_removal();
   return removed;
 }

@@ -1,49 +1,21 @@
-// The network in memory: units of nodes, tiles of a unit's nodes, segments of a tile's springs with the same laws.
-//
-// A spring between two nodes of a unit belongs to the tile of its lower node, so that the forces on a tile are final
-// once it has been evaluated. A spring between two units is in both, and each adds to its own node only: no two units
-// write to the same node, whichever threads they run on, and the order of every sum is fixed by the layout.
+// The network in memory: units of nodes with their springs (unit.hpp), springs by their nodes and by their laws.
 #pragma once
 
+#include <atomic>
 #include <cstdint>
+#include <mutex>
 #include <utility>
 #include <vector>
 
 #include <springnet/network.hpp>
 
 #include "layers/elements/layout.hpp"
-#include "layers/kernels.hpp"
 #include "layers/laws.hpp"
 #include "layers/loaded_faces.hpp"
 #include "layers/ordering.hpp"
+#include "layers/unit.hpp"
 
 namespace springnet::layers {
-
-inline constexpr std::uint32_t tile_nodes = 64;
-inline constexpr std::uint32_t mixed_rows = 0xffffffffu;
-
-struct Segment {
-  std::uint32_t group;
-  std::uint32_t row;           // of all its springs, or mixed_rows
-  std::uint32_t begin, count;  // slots in the unit
-  std::uint32_t run_begin, run_count, run_springs;
-  bool boundary;  // springs to other units: force on the first ends only
-};
-
-struct Tile {
-  std::uint32_t first_node, node_count;
-  std::uint32_t segment_begin, segment_end;
-};
-
-struct Unit {
-  std::uint32_t first_node = 0, node_count = 0;
-  std::vector<std::uint32_t> springs;  // with an end in the unit, removed ones included
-  std::vector<Tile> tiles;
-  std::vector<Segment> segments;
-  std::vector<Run> runs;
-  // [slot]
-  std::vector<std::uint32_t> first, second, row;
-};
 
 // A spring seen from one of its ends.
 struct Incident {
@@ -75,17 +47,19 @@ class Layout {
   [[nodiscard]] std::uint32_t second(std::uint32_t spring) const noexcept { return ends_[2 * spring + 1]; }
   [[nodiscard]] const Group& group_of(std::uint32_t spring) const noexcept { return laws_.groups[laws_.group[spring]]; }
 
-  // Live springs of a node, sorted by group, then by number.
-  [[nodiscard]] const Incident* incident_begin(std::uint32_t node) const noexcept {
+  // Live springs of a node, sorted by group, then by number. Built when first asked for, by any thread.
+  [[nodiscard]] const Incident* incident_begin(std::uint32_t node) const {
+    need_incidence();
     return incident_.data() + incident_start_[node];
   }
-  [[nodiscard]] const Incident* incident_end(std::uint32_t node) const noexcept {
+  [[nodiscard]] const Incident* incident_end(std::uint32_t node) const {
+    need_incidence();
     return incident_.data() + incident_stop_[node];
   }
-  // Live springs of a group, in rising order.
-  [[nodiscard]] const std::vector<std::uint32_t>& springs_of(std::size_t group) const noexcept {
-    return springs_of_group_[group];
-  }
+  // Live springs of a group, in rising order. Built when first asked for after a removal; not thread safe.
+  [[nodiscard]] const std::vector<std::uint32_t>& springs_of(std::size_t group) const;
+  // The unit of a node.
+  [[nodiscard]] std::uint32_t unit_of(std::uint32_t node) const noexcept;
   // [node] index into laws().neurons.
   [[nodiscard]] const std::vector<std::uint32_t>& neuron_kind() const noexcept { return neuron_kind_; }
 
@@ -101,19 +75,22 @@ class Layout {
   std::vector<std::size_t> remove_faces(const std::vector<std::size_t>& faces);
 
  private:
-  void lay_out(Unit& unit);
-  void add_segments(Unit& unit, std::vector<std::uint32_t>& slots, bool boundary);
-  void add_segment(Unit& unit, const std::uint32_t* slots, std::size_t count, bool boundary, bool mixed);
-  void build_incidence();
+  // To the units that have a spring: what(unit, the spring as it is seen from there).
+  template <class What>
+  void for_units_of(std::uint32_t spring, const What& what) const;
+  void lay_out();
+  void lay_out_again(Unit& unit);
+  void need_incidence() const {
+    if (!has_incidence_.load(std::memory_order_acquire)) build_incidence();
+  }
+  void build_incidence() const;
   void build_neighbours() const;
   void note_removal() noexcept;
-  void build_groups();
 
   CompiledLaws laws_;
   Ordering ordering_;
   ElementLayout elements_;
   LoadedFaces loaded_faces_;
-  std::vector<std::uint32_t> unit_of_;                          // [node]
   std::vector<std::uint32_t> ends_;                             // [2 spring]
   std::vector<std::pair<std::uint32_t, std::uint32_t>> rigid_;  // pairs of nodes in both orders, sorted
   std::vector<std::uint8_t> alive_;
@@ -121,10 +98,13 @@ class Layout {
   std::uint64_t revision_ = 1;
   std::vector<std::uint32_t> neuron_kind_;
   std::vector<Unit> units_;
-  std::vector<std::uint64_t> incident_start_, incident_stop_;
-  std::vector<Incident> incident_;
-  std::vector<std::vector<std::uint32_t>> springs_of_group_;
-  mutable std::vector<std::uint32_t> neighbour_start_, neighbours_;  // empty until built
+  // Empty until built.
+  mutable std::mutex building_;
+  mutable std::atomic<bool> has_incidence_{false};
+  mutable std::vector<std::uint64_t> incident_start_, incident_stop_;
+  mutable std::vector<Incident> incident_;
+  mutable std::vector<std::vector<std::uint32_t>> springs_of_group_;
+  mutable std::vector<std::uint32_t> neighbour_start_, neighbours_;
 };
 
 }  // namespace springnet::layers

@@ -1,9 +1,11 @@
 #include "layers/ordering.hpp"
 
-#include <Eigen/Geometry>
 #include <algorithm>
+#include <array>
+#include <bit>
 #include <boost/graph/adjacency_list.hpp>
 #include <boost/graph/cuthill_mckee_ordering.hpp>
+#include <cmath>
 #include <numeric>
 
 namespace springnet::layers {
@@ -11,64 +13,71 @@ namespace {
 
 using Nodes = std::vector<std::uint32_t>;
 
-// Halves [begin, end) of `nodes` along the longest side of their bounding box until the parts have at most max_unit.
-// Ties are broken by the user's number, so that the result depends on the network alone.
-void bisect(const Network& network, Nodes& nodes, std::size_t begin, std::size_t end,
-            std::vector<std::uint32_t>& starts) {
-  if (end - begin <= max_unit) {
-    starts.push_back(static_cast<std::uint32_t>(begin));
-    return;
-  }
-  const NodeList& all = network.nodes();
-  Eigen::AlignedBox3d box;
-  for (std::size_t i = begin; i < end; ++i) box.extend(all[nodes[i]].position);
-  // Of equal sides the last: lattices number their nodes along x first, and long rows along x make long runs.
-  const Vector3 sides = box.sizes();
-  Eigen::Index axis = 2;
-  for (const Eigen::Index other : {1, 0})
-    if (sides[other] > sides[axis] * (1.0 + 1e-9)) axis = other;
-  const std::size_t middle = begin + (end - begin) / 2;
-  const auto at = [&](std::size_t i) { return nodes.begin() + static_cast<std::ptrdiff_t>(i); };
-  std::nth_element(at(begin), at(middle), at(end), [&](std::uint32_t a, std::uint32_t b) {
-    const double pa = all[a].position[axis], pb = all[b].position[axis];
-    return pa < pb || (pa == pb && a < b);
-  });
-  bisect(network, nodes, begin, middle, starts);
-  bisect(network, nodes, middle, end, starts);
+std::uint32_t distance(std::uint32_t a, std::uint32_t b) noexcept { return a < b ? b - a : a - b; }
+
+// Sum over springs of the distance between their ends' numbers; null: the user's.
+std::uint64_t spread(const Network& network, const Nodes* number) {
+  std::uint64_t sum = 0;
+  for (const Spring& s : network.springs())
+    sum += number == nullptr ? distance(s.first, s.second) : distance((*number)[s.first], (*number)[s.second]);
+  return sum;
 }
 
-// Pairs of nodes joined within a unit, numbered from its start.
-std::vector<std::pair<std::uint32_t, std::uint32_t>> edges_of_unit(const Network& network,
-                                                                   const std::vector<std::uint32_t>& springs,
-                                                                   const Nodes& place, std::uint32_t begin) {
-  std::vector<std::pair<std::uint32_t, std::uint32_t>> edges;
-  edges.reserve(springs.size());
-  for (const std::uint32_t s : springs) {
-    const Spring& spring = network.springs()[s];
-    edges.emplace_back(place[spring.first] - begin, place[spring.second] - begin);
-  }
-  return edges;
+// Whether joined nodes are as close as in a compact body numbered layer by layer, where they are a layer apart. Boundary
+// layers are up to twice as large in bodies that are not cubes.
+bool is_compact(const Network& network) {
+  const double layer = std::pow(static_cast<double>(network.nodes().size()), 2.0 / 3.0);
+  return static_cast<double>(spread(network, nullptr)) <= 2.0 * layer * static_cast<double>(network.springs().size());
 }
 
-void improve_unit(std::vector<std::uint32_t>::iterator begin, std::size_t count,
-                  const std::vector<std::pair<std::uint32_t, std::uint32_t>>& edges) {
-  const auto distance = [](std::uint32_t a, std::uint32_t b) { return a < b ? b - a : a - b; };
+// The user's nodes by reverse Cuthill-McKee.
+Nodes cuthill_mckee(const Network& network) {
   using Graph = boost::adjacency_list<boost::vecS, boost::vecS, boost::undirectedS,
                                       boost::property<boost::vertex_color_t, boost::default_color_type>>;
-  Graph graph(edges.begin(), edges.end(), count);
-  std::vector<std::size_t> order(count);
+  std::vector<std::pair<std::uint32_t, std::uint32_t>> edges;
+  edges.reserve(network.springs().size());
+  for (const Spring& spring : network.springs()) edges.emplace_back(spring.first, spring.second);
+  Graph graph(edges.begin(), edges.end(), network.nodes().size());
+  Nodes order(network.nodes().size());
   boost::cuthill_mckee_ordering(graph, order.rbegin(), boost::get(boost::vertex_color, graph),
                                 boost::make_degree_map(graph));
-  std::vector<std::uint32_t> place(count);
-  for (std::size_t i = 0; i < count; ++i) place[order[i]] = static_cast<std::uint32_t>(i);
-  std::uint64_t spread = 0, new_spread = 0;
-  for (const auto& [a, b] : edges) {
-    spread += distance(a, b);
-    new_spread += distance(place[a], place[b]);
+  return order;
+}
+
+Nodes inverse(const Nodes& order) {
+  Nodes place(order.size());
+  for (std::size_t k = 0; k < order.size(); ++k) place[order[k]] = static_cast<std::uint32_t>(k);
+  return place;
+}
+
+// A distance that 99 % of the springs do not exceed, to an eighth.
+std::uint32_t common_distance(const Network& network, const Nodes& number) {
+  std::array<std::uint64_t, 33 * 8> count{};
+  const auto bucket = [](std::uint32_t d) {
+    const auto width = static_cast<std::uint32_t>(std::bit_width(d));
+    return width <= 3 ? d : 8 * width + ((d >> (width - 4)) & 7u);
+  };
+  for (const Spring& s : network.springs()) ++count[bucket(distance(number[s.first], number[s.second]))];
+  std::uint64_t within = 0;
+  for (std::uint32_t i = 0; i < count.size(); ++i) {
+    within += count[i];
+    if (within < network.springs().size() - network.springs().size() / 100) continue;
+    if (i < 8) return i;
+    const std::uint32_t width = i / 8;
+    return static_cast<std::uint32_t>(((std::uint64_t{8} + i % 8 + 1) << (width - 4)) - 1);
   }
-  if (2 * new_spread > spread) return;
-  const std::vector<std::uint32_t> old(begin, begin + static_cast<std::ptrdiff_t>(count));
-  for (std::size_t i = 0; i < count; ++i) *(begin + static_cast<std::ptrdiff_t>(i)) = old[order[i]];
+  return 0;
+}
+
+std::uint32_t unit_nodes(const Network& network, const Nodes& number) {
+  // Springs across a boundary cost a little more, so their layer is at most half of a unit; but not so few units that
+  // threads find no work.
+  constexpr std::uint32_t fewest_units = 8;
+  const auto count = static_cast<std::uint32_t>(network.nodes().size());
+  const std::uint64_t wanted = 2 * std::uint64_t{common_distance(network, number)};
+  const std::uint64_t most = std::max(least_unit, count / fewest_units);
+  const std::uint64_t size = std::clamp<std::uint64_t>(wanted, least_unit, most);
+  return static_cast<std::uint32_t>((size + tile_nodes - 1) / tile_nodes * tile_nodes);
 }
 
 }  // namespace
@@ -77,42 +86,20 @@ Ordering order_nodes(const Network& network, bool renumber) {
   const std::size_t count = network.nodes().size();
   Ordering ordering;
   ordering.user.resize(count);
-  ordering.engine.resize(count);
   std::iota(ordering.user.begin(), ordering.user.end(), 0u);
-  if (!renumber) {
-    for (std::size_t begin = 0; begin < count; begin += max_unit)
-      ordering.unit_start.push_back(static_cast<std::uint32_t>(begin));
-  } else {
-    bisect(network, ordering.user, 0, count, ordering.unit_start);
+  ordering.engine = ordering.user;
+  if (renumber && !is_compact(network)) {
+    Nodes order = cuthill_mckee(network), place = inverse(order);
+    if (2 * spread(network, &place) <= spread(network, nullptr)) {
+      ordering.user = std::move(order);
+      ordering.engine = std::move(place);
+    }
   }
+  const std::uint32_t size = unit_nodes(network, ordering.engine);
+  for (std::size_t begin = 0; begin < count; begin += size)
+    ordering.unit_start.push_back(static_cast<std::uint32_t>(begin));
+  if (ordering.unit_start.empty()) ordering.unit_start.push_back(0);
   ordering.unit_start.push_back(static_cast<std::uint32_t>(count));
-
-  const auto number = [&] {
-    for (std::size_t k = 0; k < count; ++k) ordering.engine[ordering.user[k]] = static_cast<std::uint32_t>(k);
-  };
-  if (renumber) {
-    const std::size_t units = ordering.unit_start.size() - 1;
-    std::vector<std::uint32_t> unit_of(count);
-    for (std::size_t u = 0; u < units; ++u) {
-      const auto begin = ordering.user.begin() + ordering.unit_start[u];
-      const auto end = ordering.user.begin() + ordering.unit_start[u + 1];
-      std::sort(begin, end);
-      for (auto i = begin; i != end; ++i) unit_of[*i] = static_cast<std::uint32_t>(u);
-    }
-    number();
-    std::vector<std::vector<std::uint32_t>> springs_of(units);
-    for (std::size_t s = 0; s < network.springs().size(); ++s) {
-      const Spring& spring = network.springs()[s];
-      if (unit_of[spring.first] == unit_of[spring.second])
-        springs_of[unit_of[spring.first]].push_back(static_cast<std::uint32_t>(s));
-    }
-    for (std::size_t u = 0; u < units; ++u) {
-      const std::uint32_t begin = ordering.unit_start[u];
-      improve_unit(ordering.user.begin() + begin, ordering.unit_start[u + 1] - begin,
-                   edges_of_unit(network, springs_of[u], ordering.engine, begin));
-    }
-  }
-  number();
   return ordering;
 }
 

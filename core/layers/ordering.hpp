@@ -8,8 +8,10 @@
 
 namespace springnet::layers {
 
-// Most nodes of a unit. The units depend on the network alone, never on the number of threads.
-inline constexpr std::uint32_t max_unit = 8192;
+// Nodes of a tile, which is evaluated at once; units begin at multiples of it.
+inline constexpr std::uint32_t tile_nodes = 64;
+// Fewest nodes of a unit, except the last one.
+inline constexpr std::uint32_t least_unit = 2048;
 
 struct Ordering {
   std::vector<std::uint32_t> user;        // [engine's node] user's node
@@ -17,9 +19,9 @@ struct Ordering {
   std::vector<std::uint32_t> unit_start;  // [unit + 1] first node of each unit, then the number of nodes
 };
 
-// Units are made by recursive bisection in space, so that few springs cross their boundaries. Within a unit nodes keep
-// the user's order unless reverse Cuthill-McKee at least halves the distances between joined nodes. Without renumbering
-// units are ranges of the user's order.
+// Nodes keep the user's order unless it spreads springs wider than a compact body needs, and reverse Cuthill-McKee
+// halves the distances between joined nodes. Units are ranges of the order, so long that nearly all springs lead to the
+// same or the next unit; they depend on the network alone, never on the number of threads.
 [[nodiscard]] Ordering order_nodes(const Network& network, bool renumber);
 
 }  // namespace springnet::layers

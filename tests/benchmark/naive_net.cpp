@@ -1,7 +1,9 @@
 #include "naive_net.hpp"
 
+#include <algorithm>
 #include <string>
 #include <string_view>
+#include <utility>
 
 #include <fmt/format.h>
 
@@ -28,10 +30,11 @@ int number(std::uint32_t node) { return static_cast<int>(node); }
 
 }  // namespace
 
-PlainNet::PlainNet(const Network& network, const layers::Layout& layout) {
+PlainNet::PlainNet(const Network& network, const layers::Layout& layout, Order order) {
   take_nodes(network, layout);
   take_springs(layout);
   take_elements(network, layout);
+  if (order == Order::file) number_as_file(network, layout);
   net_.nodes = nodes_.data();
   net_.node_count = static_cast<int>(nodes_.size());
   net_.springs = springs_.data();
@@ -74,25 +77,40 @@ void PlainNet::take_nodes(const Network& network, const layers::Layout& layout) 
 
 void PlainNet::take_springs(const layers::Layout& layout) {
   springs_.reserve(layout.live_count());
-  std::size_t relative = 0;
   for (const layers::Unit& unit : layout.units()) {
-    for (const layers::Segment& segment : unit.segments) {
-      const layers::Group& group = layout.laws().groups[segment.group];
-      if (!group.spring || !(is(group.spring, "linear") || is(group.spring, "rupturing")))
-        refuse("springs that are neither 'linear' nor 'rupturing'");
-      if (group.viscosity && !(is(group.viscosity, "linear") || is(group.viscosity, "relative")))
-        refuse("viscosity but 'linear' and 'relative'");
-      for (std::uint32_t slot = segment.begin; slot < segment.begin + segment.count; ++slot) {
-        const std::uint32_t first = unit.first[slot], second = unit.second[slot], row = unit.row[slot];
-        if (segment.boundary && first > second) continue;  // it is in the other unit as well
-        springs_.push_back({number(first), number(second), parameter(group, group.spring, "stiffness", row),
-                            parameter(group, group.viscosity, "damping", row), group.columns[0][row]});
-        if (group.viscosity.relative) ++relative;
-      }
+    for (const std::uint32_t s : unit.spring) {
+      if (s == layers::no_spring) continue;
+      const auto [first, second] = std::minmax({layout.first(s), layout.second(s)});
+      if (first < unit.first_node) continue;  // it is in an earlier unit as well
+      take_spring(layout, first, second, s);
     }
   }
-  if (relative > 0 && relative < springs_.size()) refuse("springs of both 'linear' and 'relative' viscosity");
-  net_.relative_damping = relative > 0 ? 1 : 0;
+  if (relative_ > 0 && relative_ < springs_.size()) refuse("springs of both 'linear' and 'relative' viscosity");
+  net_.relative_damping = relative_ > 0 ? 1 : 0;
+}
+
+void PlainNet::take_spring(const layers::Layout& layout, std::uint32_t first, std::uint32_t second,
+                           std::uint32_t spring) {
+  const layers::Group& group = layout.group_of(spring);
+  if (!group.spring || !(is(group.spring, "linear") || is(group.spring, "rupturing")))
+    refuse("springs that are neither 'linear' nor 'rupturing'");
+  if (group.viscosity && !(is(group.viscosity, "linear") || is(group.viscosity, "relative")))
+    refuse("viscosity but 'linear' and 'relative'");
+  const std::uint32_t row = layout.laws().row[spring];
+  springs_.push_back({number(first), number(second), parameter(group, group.spring, "stiffness", row),
+                      parameter(group, group.viscosity, "damping", row), group.columns[0][row]});
+  if (group.viscosity.relative) ++relative_;
+}
+
+// Springs alone: hinges and triangles keep the engine's numbers.
+void PlainNet::number_as_file(const Network& network, const layers::Layout& layout) {
+  if (!network.elements().empty()) refuse("elements in the order of the file");
+  std::vector<NaiveNode> nodes(nodes_.size());
+  for (std::uint32_t k = 0; k < nodes_.size(); ++k) nodes[layout.ordering().user[k]] = nodes_[k];
+  nodes_ = std::move(nodes);
+  springs_.clear();
+  for (std::uint32_t s = 0; s < layout.spring_count(); ++s)
+    take_spring(layout, network.springs()[s].first, network.springs()[s].second, s);
 }
 
 void PlainNet::take_elements(const Network& network, const layers::Layout& layout) {

@@ -37,15 +37,6 @@ const SpringKernels& kernels_of(InstructionSet set) {
   return generic::spring_kernels();
 }
 
-SegmentSprings springs_of(const Unit& unit, const Segment& segment) {
-  return {unit.runs.data() + segment.run_begin,
-          segment.run_count,
-          segment.run_springs,
-          segment.count,
-          unit.first.data() + segment.begin,
-          unit.second.data() + segment.begin};
-}
-
 }  // namespace
 
 MatrixFree::MatrixFree(const Layout& layout, const Evaluator& evaluator, const std::vector<double>& mass,
@@ -88,30 +79,63 @@ void MatrixFree::lay_out() {
     first_part_.push_back(parts_.size());
   }
   sum_.resize(parts_.size());
-  springs_.resize(layout_.units().size());
-  for (std::size_t u = 0; u < springs_.size(); ++u) lay_out_unit(layout_.units()[u], springs_[u]);
+  lay_out_springs();
 }
 
-void MatrixFree::lay_out_unit(const Unit& unit, UnitSprings& springs) const {
-  for (Part* part : {&springs.within, &springs.leaving}) part->start.assign(unit.node_count + std::size_t{1}, 0);
-  const auto for_each = [&](const auto& visit) {
-    for (const Segment& segment : unit.segments)
-      for (std::size_t slot = segment.begin; slot < segment.begin + segment.count; ++slot)
-        visit(slot, segment.boundary ? springs.leaving : springs.within, unit.first[slot] - unit.first_node);
+// Each spring with its stiffness in the unit of its first end, and where the second end is in another unit, there, too.
+void MatrixFree::lay_out_springs() {
+  const std::vector<Unit>& units = layout_.units();
+  springs_.clear();
+  springs_.resize(units.size());
+  // what(unit, part of it, its node, the other node, slot of the unit that has the spring; that unit)
+  const auto for_each_end = [&](const auto& what) {
+    for (std::size_t u = 0; u < units.size(); ++u) {
+      for (const Segment& segment : units[u].segments) {
+        for (std::uint32_t slot = segment.begin; slot < segment.begin + segment.count; ++slot) {
+          const std::uint32_t s = units[u].spring[slot];
+          if (s == no_spring) continue;
+          const auto [own, other] = ends_in(u, segment, s);
+          const bool is_within = other >= units[u].first_node && other < units[u].end_node();
+          what(u, is_within ? springs_[u].within : springs_[u].leaving, own, other, slot, u);
+          if (!is_within && segment.reach != Reach::far)  // far ones are in the other unit by themselves
+            what(u + 1, springs_[u + 1].leaving, other, own, slot, u);
+        }
+      }
+    }
   };
-  for_each([](std::size_t, Part& part, std::uint32_t node) { ++part.start[node + 1]; });
-  for (Part* part : {&springs.within, &springs.leaving}) {
-    std::partial_sum(part->start.begin(), part->start.end(), part->start.begin());
-    part->second.resize(part->start.back());
-    part->stiffness.assign(4 * std::size_t{part->start.back()}, 0.0F);
-  }
-  springs.place.assign(unit.first.size(), 0);
-  std::vector<std::uint32_t> within = springs.within.start, leaving = springs.leaving.start;
-  for_each([&](std::size_t slot, Part& part, std::uint32_t node) {
-    std::uint32_t& next = &part == &springs.within ? within[node] : leaving[node];
-    part.second[next] = unit.second[slot];
-    springs.place[slot] = next++;
+  for (std::size_t u = 0; u < units.size(); ++u)
+    for (Part* part : {&springs_[u].within, &springs_[u].leaving}) part->start.assign(units[u].node_count + std::size_t{1}, 0);
+  for_each_end([&](std::size_t u, Part& part, std::uint32_t own, std::uint32_t, std::uint32_t, std::size_t) {
+    ++part.start[own - units[u].first_node + 1];
   });
+  std::vector<std::vector<std::uint32_t>> next(2 * units.size());
+  for (std::size_t u = 0; u < units.size(); ++u) {
+    springs_[u].place.assign(units[u].spring.size(), 0);
+    for (Part* part : {&springs_[u].within, &springs_[u].leaving}) {
+      std::partial_sum(part->start.begin(), part->start.end(), part->start.begin());
+      part->second.resize(part->start.back());
+      part->stiffness.assign(4 * std::size_t{part->start.back()}, 0.0F);
+      next[2 * u + (part == &springs_[u].leaving ? 1 : 0)] = part->start;
+    }
+  }
+  for_each_end([&](std::size_t u, Part& part, std::uint32_t own, std::uint32_t other, std::uint32_t slot,
+                   std::size_t of) {
+    std::uint32_t& place = next[2 * u + (&part == &springs_[u].leaving ? 1 : 0)][own - units[u].first_node];
+    part.second[place] = other;
+    if (of == u)
+      springs_[u].place[slot] = place;
+    else
+      springs_[u].incoming.push_back({own, place, springs_[of].place[slot]});
+    ++place;
+  });
+}
+
+// Ends of a spring of a segment, that in the unit first.
+std::pair<std::uint32_t, std::uint32_t> MatrixFree::ends_in(std::size_t unit, const Segment& segment,
+                                                            std::uint32_t spring) const {
+  const std::uint32_t a = layout_.first(spring), b = layout_.second(spring);
+  const bool is_first = segment.reach == Reach::far ? layout_.unit_of(a) == unit : a < b;
+  return is_first ? std::pair(a, b) : std::pair(b, a);
 }
 
 bool MatrixFree::prepare(double time, const NodeArrays& nodes, const ExternalForces& external,
@@ -125,6 +149,7 @@ bool MatrixFree::prepare(double time, const NodeArrays& nodes, const ExternalFor
     const FlushDenormals flush;
     sums[static_cast<std::size_t>(u)] = linearise_unit(static_cast<std::size_t>(u), time, nodes, weights);
   }
+  for (std::size_t u = 0; u < springs_.size(); ++u) take_incoming(u);
   double asymmetric = 0.0, all = 0.0;
   for (const Sums& unit : sums) {
     if (!unit.fits) return false;
@@ -210,11 +235,14 @@ MatrixFree::Sums MatrixFree::linearise_unit(std::size_t index, double time, cons
   Sums sums;
   springnet_message message{};
   for (const Segment& segment : unit.segments) {
+    if (segment.dead == segment.count) continue;
     const Group& group = layout_.laws().groups[segment.group];
-    const SegmentSprings springs = springs_of(unit, segment);
+    const SegmentSprings springs = unit.springs_of(segment);
     kernels.lengths_and_rates(springs, nodes, *geometry);
     kernels.relative_speeds(springs, nodes, *geometry);
-    const RowSelection rows = segment.row == mixed_rows ? RowSelection{unit.row.data() + segment.begin, 0}
+    settle_dead(unit, segment, *geometry);
+    const SegmentColumns columns(unit, segment, group);
+    const RowSelection rows = segment.row == mixed_rows ? RowSelection{nullptr, 0, columns.data()}
                                                         : RowSelection{nullptr, segment.row};
     const LawBatch batch{group, segment.count, rows, geometry->length, geometry->rate, geometry->speed};
     if (evaluate_laws(batch, evaluator_.instruction_set(), time, out, message) != SPRINGNET_OK) {
@@ -223,16 +251,19 @@ MatrixFree::Sums MatrixFree::linearise_unit(std::size_t index, double time, cons
     }
     for (std::size_t i = 0; i < segment.count; ++i) {
       const std::size_t slot = segment.begin + i;
+      if (unit.spring[slot] == no_spring) continue;
+      const auto [node, other] = ends_in(index, segment, unit.spring[slot]);
+      const bool is_within = other >= unit.first_node && other < unit.end_node();
       const SpringForces forces = spring_forces(group, *answers, i);
       const double length = geometry->length[i], rate = geometry->rate[i], speed = geometry->speed[i];
       const double a = length > 0.0 ? weights.position / unit_ * forces.tension / length : 0.0;
       const double along = weights.position / unit_ * forces.by_length + weights.velocity / unit_ * forces.by_rate - a;
-      Part& part = segment.boundary ? own.leaving : own.within;
+      Part& part = is_within ? own.within : own.leaving;
       float* const stiffness = &part.stiffness[4 * std::size_t{own.place[slot]}];
       std::fill_n(stiffness, 4, 0.0F);
       // A spring that softens, or a stiffness that is not finite in single precision.
       if (!(along >= 0.0) || !(std::abs(a) <= greatest && along <= greatest)) {
-        if (constrained_[unit.first[slot]] != 0 && constrained_[unit.second[slot]] != 0) continue;
+        if (constrained_[node] != 0 && constrained_[other] != 0) continue;
         sums.fits = false;
         return sums;
       }
@@ -240,11 +271,8 @@ MatrixFree::Sums MatrixFree::linearise_unit(std::size_t index, double time, cons
       const double q[3] = {root * geometry->nx[i], root * geometry->ny[i], root * geometry->nz[i]};
       for (std::size_t c = 0; c < 3; ++c) stiffness[c] = static_cast<float>(q[c]);
       stiffness[3] = static_cast<float>(a);
-      for (const std::size_t node : {unit.first[slot], unit.second[slot]}) {
-        for (std::size_t c = 0; c < 3; ++c)
-          for (std::size_t r = 0; r < 3; ++r) blocks_[9 * node + 3 * c + r] += (r == c ? a : 0.0) + q[r] * q[c];
-        if (segment.boundary) break;
-      }
+      add_block(node, a, q);
+      if (is_within) add_block(other, a, q);
       if (length > 0.0) {
         const double skew = weights.position / unit_ * forces.by_rate / length;
         sums.asymmetric += 2.0 * skew * skew * std::max(0.0, speed * speed - rate * rate);
@@ -253,6 +281,20 @@ MatrixFree::Sums MatrixFree::linearise_unit(std::size_t index, double time, cons
     }
   }
   return sums;
+}
+
+void MatrixFree::add_block(std::size_t node, double a, const double (&q)[3]) {
+  for (std::size_t c = 0; c < 3; ++c)
+    for (std::size_t r = 0; r < 3; ++r) blocks_[9 * node + 3 * c + r] += (r == c ? a : 0.0) + q[r] * q[c];
+}
+
+// Springs that the unit before has linearised. Blocks only precondition, in single precision.
+void MatrixFree::take_incoming(std::size_t unit) {
+  for (const Incoming& spring : springs_[unit].incoming) {
+    const float* const from = &springs_[unit - 1].leaving.stiffness[4 * std::size_t{spring.from}];
+    std::copy_n(from, 4, &springs_[unit].leaving.stiffness[4 * std::size_t{spring.place}]);
+    add_block(spring.node, from[3], {from[0], from[1], from[2]});
+  }
 }
 
 SolveAnswer MatrixFree::solve(double accuracy, std::uint32_t max_iterations, const double* b, double* x) {

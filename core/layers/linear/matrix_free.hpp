@@ -14,6 +14,7 @@
 
 #include <array>
 #include <cstdint>
+#include <utility>
 #include <vector>
 
 #include "layers/evaluator.hpp"
@@ -61,16 +62,25 @@ class MatrixFree {
     std::vector<float> stiffness;  // [spring][4]
     [[nodiscard]] SpringRows rows() const { return {start.data(), second.data(), stiffness.data()}; }
   };
+  // A spring from the unit before to a node, its place in `leaving` of this unit and of that one.
+  struct Incoming {
+    std::uint32_t node, place, from;
+  };
   struct UnitSprings {
     Part within, leaving;
     std::vector<std::uint32_t> place;  // [slot of the unit] in its part
+    std::vector<Incoming> incoming;
   };
   struct Sums {
     double asymmetric = 0.0, all = 0.0;
     bool fits = true;
   };
   void lay_out();
-  void lay_out_unit(const Unit& unit, UnitSprings& springs) const;
+  void lay_out_springs();
+  [[nodiscard]] std::pair<std::uint32_t, std::uint32_t> ends_in(std::size_t unit, const Segment& segment,
+                                                                std::uint32_t spring) const;
+  void add_block(std::size_t node, double a, const double (&q)[3]);
+  void take_incoming(std::size_t unit);
   // In one thread of the team.
   SolveAnswer solve(Team& team, double accuracy, std::uint32_t max_iterations, const double* b);
   // residual_ = M b - S solution_, scaled; answers its norm.

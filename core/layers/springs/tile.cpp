@@ -2,45 +2,85 @@
 
 #include "layers/evaluator.hpp"
 #include "layers/law_pair.hpp"
+#include "layers/unit_scratch.hpp"
 
 namespace springnet::layers {
+namespace {
+
+void find_geometry(const Kernels& kernels, const Unit& unit, const Segment& segment, const Group& group,
+                   const NodeArrays& nodes, UnitScratch& scratch) {
+  const SegmentSprings springs = unit.springs_of(segment);
+  SegmentGeometry& geometry = scratch.geometry;
+  const bool rates = group.spring.reads_rate || group.viscosity.reads_rate;
+  const bool lengths = (group.spring && !group.spring.relative) || (group.viscosity && !group.viscosity.relative);
+  const bool speeds = group.spring.relative || group.viscosity.relative;
+  if (segment.reach == Reach::near) {
+    kernels.subtract_window(springs, scratch.window, scratch.changes);
+    const auto& c = scratch.changes;
+    const EndChanges changes{c[0], c[1], c[2], c[3], c[4], c[5]};
+    if (rates)
+      kernels.lengths_and_rates_of(changes, segment.count, geometry);
+    else if (lengths)
+      kernels.lengths_of(changes, segment.count, geometry);
+    if (speeds) kernels.relative_speeds_of(changes, segment.count, geometry);
+  } else {
+    if (rates)
+      kernels.lengths_and_rates(springs, nodes, geometry);
+    else if (lengths)
+      kernels.lengths(springs, nodes, geometry);
+    if (speeds) kernels.relative_speeds(springs, nodes, geometry);
+  }
+  settle_dead(unit, segment, geometry);
+}
+
+}  // namespace
 
 springnet_status Evaluator::evaluate_segment(const Unit& unit, const Segment& segment, double time,
                                              const NodeArrays& nodes, const ForceArrays& force,
-                                             SegmentGeometry& geometry, springnet_message& message) const {
+                                             const ForceArrays& halo, UnitScratch& scratch,
+                                             springnet_message& message) const {
+  if (segment.dead == segment.count) return SPRINGNET_OK;
   const Group& group = layout_.laws().groups[segment.group];
-  const SegmentSprings springs{unit.runs.data() + segment.run_begin,
-                               segment.run_count,
-                               segment.run_springs,
-                               segment.count,
-                               unit.first.data() + segment.begin,
-                               unit.second.data() + segment.begin};
-  const RowSelection rows =
-      segment.row == mixed_rows ? RowSelection{unit.row.data() + segment.begin, 0} : RowSelection{nullptr, segment.row};
-  const bool to_second = !segment.boundary;
-  if (group.spring.reads_rate || group.viscosity.reads_rate)
-    kernels_.lengths_and_rates(springs, nodes, geometry);
-  else if ((group.spring && !group.spring.relative) || (group.viscosity && !group.viscosity.relative))
-    kernels_.lengths(springs, nodes, geometry);
-  if (group.spring.relative || group.viscosity.relative) kernels_.relative_speeds(springs, nodes, geometry);
+  find_geometry(kernels_, unit, segment, group, nodes, scratch);
 
   alignas(64) double force_of[2][max_segment];  // [law]
-  const LawBatch batch{group, segment.count, rows, geometry.length, geometry.rate, geometry.speed};
-  const springnet_status status =
-      evaluate_laws(batch, set_, time, {LawOutputs{force_of[0]}, LawOutputs{force_of[1]}}, message);
+  const SegmentGeometry& g = scratch.geometry;
+  const PairOutputs out{LawOutputs{force_of[0]}, LawOutputs{force_of[1]}};
+  springnet_status status = SPRINGNET_OK;
+  if (segment.row == mixed_rows) {
+    const SegmentColumns columns(unit, segment, group);
+    status = evaluate_laws({group, segment.count, {nullptr, 0, columns.data()}, g.length, g.rate, g.speed}, set_, time,
+                           out, message);
+  } else {
+    status = evaluate_laws({group, segment.count, {nullptr, segment.row}, g.length, g.rate, g.speed}, set_, time, out,
+                           message);
+  }
   if (status != SPRINGNET_OK) return status;
 
+  const SegmentSprings springs = unit.springs_of(segment);
+  const auto scatter = [&](const double* value, const double* value_2, const Directions& directions) {
+    switch (segment.reach) {
+      case Reach::within:
+        return kernels_.scatter_runs(springs, value, value_2, directions, force, force, 0);
+      case Reach::across:
+        return kernels_.scatter_runs(springs, value, value_2, directions, force, halo, unit.end_node());
+      case Reach::near:
+        return kernels_.scatter_window(springs, value, value_2, directions, scratch.window);
+      case Reach::far:
+        return kernels_.scatter_first(springs, value, value_2, directions, force);
+    }
+  };
   const double* axial[2] = {nullptr, nullptr};
   std::size_t axial_count = 0;
   const std::array<const Law*, 2> laws = group.laws();
   for (std::size_t k = 0; k < laws.size(); ++k) {
     if (!*laws[k]) continue;
     if (laws[k]->relative)
-      kernels_.scatter_relative(springs, geometry, force_of[k], to_second, force);
+      scatter(force_of[k], nullptr, {g.sx, g.sy, g.sz});
     else
       axial[axial_count++] = force_of[k];
   }
-  if (axial_count > 0) kernels_.scatter_axial(springs, geometry, axial[0], axial[1], to_second, force);
+  if (axial_count > 0) scatter(axial[0], axial[1], {g.nx, g.ny, g.nz});
   return SPRINGNET_OK;
 }
 

@@ -1,0 +1,85 @@
+// A unit of the layout: a range of nodes, tiles of them, segments of a tile's springs with the same laws.
+//
+// A spring between two nodes of a unit belongs to the tile of its lower node, so that the forces on a tile are final
+// once it has been evaluated. A spring to the next unit belongs to the lower node, too: the forces on the first nodes
+// of that unit, its halo, are summed apart, and added when both units are done. A spring that leads further is in both
+// units, and each adds to its own node only. So no two units write to the same place, whichever threads they run on,
+// and the order of every sum is fixed by the layout.
+#pragma once
+
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include "layers/kernels.hpp"
+#include "layers/laws.hpp"
+
+namespace springnet::layers {
+
+inline constexpr std::uint32_t mixed_rows = 0xffffffffu;
+inline constexpr std::uint32_t no_spring = 0xffffffffu;
+
+// Where the second ends of a segment's springs are.
+enum class Reach : std::uint8_t {
+  near,    // in the unit or the next one, for springs by their ends
+  within,  // in the unit, for runs
+  across,  // in the next unit, for runs
+  far      // elsewhere: force on the first ends only
+};
+
+struct Segment {
+  std::uint32_t group;
+  std::uint32_t row;                   // of all its springs, or mixed_rows
+  std::uint32_t begin, count;          // slots in the unit
+  std::uint32_t run_begin, run_count;  // without runs:
+  std::uint32_t end_begin;             // its springs in Unit::first, Unit::second
+  std::uint32_t mask_begin;            // its words in Unit::mask
+  std::uint32_t dead;                  // slots without a spring: removed ones, and gaps that a run bridges
+  std::uint32_t living;                // a slot with one, counted from `begin`
+  std::size_t value_begin;             // its parameters in Unit::values, if rows are mixed
+  Reach reach;
+};
+
+struct Tile {
+  std::uint32_t first_node, node_count;
+  std::uint32_t segment_begin, segment_end;
+};
+
+struct Unit {
+  std::uint32_t first_node = 0, node_count = 0;
+  std::uint32_t halo = 0;         // nodes of the next unit up to the last one that a spring of this one leads to
+  std::uint32_t reach = 0;        // most that a second end is ahead of the first node of its tile
+  std::uint32_t window = 0;       // places of the window for springs by their ends, a power of 2; 0: there are none
+  std::size_t live = 0;           // slots with a spring
+  std::vector<Tile> tiles;
+  std::vector<Segment> segments;
+  std::vector<Run> runs;
+  std::vector<std::uint32_t> first, second;  // ends of springs that are in no run
+  std::vector<std::uint32_t> spring;         // [slot] or no_spring
+  std::vector<std::uint64_t> mask;           // a bit for each slot of a segment without a spring
+  std::vector<double> values;                // of the columns that differ between rows, [column][slot] of each segment
+
+  [[nodiscard]] std::uint32_t end_node() const noexcept { return first_node + node_count; }
+  [[nodiscard]] SegmentSprings springs_of(const Segment& segment) const noexcept {
+    return {runs.data() + segment.run_begin, segment.run_count, segment.count, first.data() + segment.end_begin,
+            second.data() + segment.end_begin};
+  }
+  // Removes a spring from the tile of its end `own`, which must be in the unit.
+  void remove(std::uint32_t own, std::uint32_t spring_number) noexcept;
+};
+
+// In slots without a spring, gives geometry that a law may meet, of a spring of the segment, and no direction, so that
+// they exert no force.
+void settle_dead(const Unit& unit, const Segment& segment, SegmentGeometry& geometry) noexcept;
+
+// Where the values of the columns of a segment of mixed rows are: RowSelection::columns.
+class SegmentColumns {
+ public:
+  SegmentColumns(const Unit& unit, const Segment& segment, const Group& group) noexcept;
+  [[nodiscard]] const double* const* data() const noexcept { return columns_; }
+
+ private:
+  const double* columns_[2 * max_parameters + 1];
+};
+
+}  // namespace springnet::layers
