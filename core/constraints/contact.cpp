@@ -20,9 +20,9 @@ Contact::Contact(const Network& network, const std::vector<std::uint32_t>& user_
   any_fixed_ = std::find(fixed_.begin(), fixed_.end(), 1) != fixed_.end();
   held_.assign(nodes, 0);
   touching_.assign(nodes, 0);
+  if (obstacles_.empty()) return;
   committed_.assign(nodes, {});
   now_.assign(nodes, {});
-  if (obstacles_.empty()) return;
   surface_impulse_.assign(obstacles_.size(), Vector3::Zero());
   changes_.assign(nodes, 0);
   was_in_contact_.assign(nodes, 0);
@@ -95,13 +95,14 @@ double Contact::next_change_of_scene(double time) const {
 Vector3 Contact::impulse(std::uint32_t node) const { return impulse_.empty() ? Vector3::Zero() : impulse_[node]; }
 
 void Contact::refresh(std::uint32_t node) {
-  held_[node] = committed_[node].surface >= 0 && !committed_[node].slides ? 1 : 0;
-  touching_[node] = committed_[node].surface >= 0 ? 1 : 0;
+  const Touch& touch = committed(node);
+  held_[node] = touch.surface >= 0 && !touch.slides ? 1 : 0;
+  touching_[node] = touch.surface >= 0 ? 1 : 0;
   update_status(node);
 }
 
 void Contact::update_status(std::uint32_t node) noexcept {
-  const Touch& touch = now_[node];
+  const Touch& touch = now(node);
   status_[node] = fixed_[node] != 0   ? SPRINGNET_PRESCRIBED
                   : touch.surface < 0 ? SPRINGNET_FREE
                   : touch.slides      ? SPRINGNET_SLIDING
@@ -142,8 +143,8 @@ void Contact::discard_sweep() {
   if (obstacles_.empty()) return;
   std::fill(sweep_impulse_.begin(), sweep_impulse_.end(), Vector3::Zero());
   for (std::uint32_t k = 0; k < now_.size(); ++k) {
-    if (now_[k] == committed_[k]) continue;
-    now_[k] = committed_[k];
+    if (now(k) == committed(k)) continue;
+    now_[k] = committed(k);
     refresh(k);
   }
 }
@@ -154,7 +155,7 @@ std::vector<ContactChange> Contact::commit_sweep(bool decided) {
   if (obstacles_.empty()) return changes;
   if (decided) std::fill(slip_phase_.begin(), slip_phase_.end(), Slip::ongoing);
   for (std::uint32_t k = 0; k < now_.size() && decided; ++k) {
-    const Touch before = committed_[k], after = now_[k];
+    const Touch before = committed(k), after = now(k);
     if (fixed_[k] != 0 || before == after) continue;
     bool same = true;
     for (const std::int32_t j : before.surfaces()) {
@@ -183,7 +184,7 @@ std::vector<ContactChange> Contact::commit_sweep(bool decided) {
 
 std::vector<Vector3> Contact::normals(const Placement& at, std::uint32_t node, const Vector3& position) const {
   std::vector<Vector3> result;
-  for (const std::int32_t surface : now_[node].surfaces())
+  for (const std::int32_t surface : now(node).surfaces())
     if (surface >= 0) result.push_back(normal(at, static_cast<std::size_t>(surface), position));
   return result;
 }
@@ -191,7 +192,7 @@ std::vector<Vector3> Contact::normals(const Placement& at, std::uint32_t node, c
 Vector3 Contact::slip_vector(const Placement& at, std::uint32_t node, std::size_t surface, const Vector3& position,
                              const Vector3& velocity) const {
   const Vector3 relative = velocity - Contact::velocity(at, surface, position);
-  if (now_[node].second < 0) {
+  if (now(node).second < 0) {
     const Vector3 n = normal(at, surface, position);
     return relative - n * n.dot(relative);
   }
@@ -211,7 +212,7 @@ Vector3 Contact::slip_direction(const Placement& at, std::uint32_t node, std::si
 // Solves d^2 (gap) / dt^2 = 0 of each surface for the normal forces, with friction proportional to them.
 Vector3 Contact::sliding_acceleration(const Placement& at, std::uint32_t node, const Vector3& position,
                                       const Vector3& velocity, const Vector3& acceleration) const {
-  const Touch& touch = now_[node];
+  const Touch& touch = now(node);
   const auto count = static_cast<Eigen::Index>(touch.count());
   Eigen::Matrix<double, 3, 3> directions;  // of each surface's force at unit normal force
   Eigen::Matrix<double, 3, 3> normals;
@@ -242,8 +243,8 @@ Vector3 Contact::sliding_acceleration(const Placement& at, std::uint32_t node, c
 void Contact::update_slip_directions(const Placement& at, const springnet_const_vectors& position,
                                      const springnet_const_vectors& velocity) {
   for (std::uint32_t k = 0; !obstacles_.empty() && k < committed_.size(); ++k) {
-    if (!committed_[k].slides || slip_phase_[k] != Slip::ongoing) continue;
-    const Vector3 slip = slip_vector(at, k, static_cast<std::size_t>(committed_[k].surface), vector_at(position, k),
+    if (!committed(k).slides || slip_phase_[k] != Slip::ongoing) continue;
+    const Vector3 slip = slip_vector(at, k, static_cast<std::size_t>(committed(k).surface), vector_at(position, k),
                                      vector_at(velocity, k));
     if (slip.norm() > 2.0 * rest_speed_) slip_[k] = slip.normalized();
   }
@@ -251,7 +252,7 @@ void Contact::update_slip_directions(const Placement& at, const springnet_const_
 
 void Contact::project_sliding(const Placement& at, std::uint32_t node, const springnet_vectors& position,
                               const springnet_vectors& velocity) const {
-  const Touch& touch = now_[node];
+  const Touch& touch = now(node);
   Vector3 p = vector_at(position, node), v = vector_at(velocity, node);
   if (touch.second < 0) {
     const auto j = static_cast<std::size_t>(touch.surface);
@@ -286,7 +287,7 @@ void Contact::accelerate(const Placement& at, std::uint32_t first, std::uint32_t
                          double* const acceleration[3], const std::uint32_t* cluster) const {
   for (std::uint32_t i = 0; i < count; ++i) {
     const std::uint32_t k = first + i;
-    const Touch& touch = now_[k];
+    const Touch& touch = now(k);
     if (fixed_[k] == 0 && touch.surface < 0) continue;
     Vector3 result = Vector3::Zero();
     if (fixed_[k] != 0) {

@@ -60,8 +60,10 @@ class Contact {
   [[nodiscard]] const std::vector<std::uint8_t>& constrained() const noexcept { return constrained_; }
   // [node] SPRINGNET_FREE … after the last sweep or commit.
   [[nodiscard]] const std::vector<std::uint8_t>& status() const noexcept { return status_; }
-  [[nodiscard]] const Touch& committed(std::uint32_t node) const noexcept { return committed_[node]; }
-  [[nodiscard]] const Touch& now(std::uint32_t node) const noexcept { return now_[node]; }
+  [[nodiscard]] const Touch& committed(std::uint32_t node) const noexcept {
+    return committed_.empty() ? no_touch : committed_[node];
+  }
+  [[nodiscard]] const Touch& now(std::uint32_t node) const noexcept { return now_.empty() ? no_touch : now_[node]; }
   [[nodiscard]] Vector3 impulse(std::uint32_t node) const;
 
   // Queries of one surface, see Obstacle.
@@ -265,8 +267,10 @@ class Contact {
   double rest_speed_ = 0.0;
   bool any_fixed_ = false;  // or was
   std::vector<std::uint8_t> fixed_, held_, touching_, constrained_, status_;
+  static constexpr Touch no_touch{};
+  // All empty without surfaces.
   std::vector<Touch> committed_, now_;
-  // All empty without surfaces. Within a step, [node]: changes of decision between sweeps, and the last decision.
+  // Within a step, [node]: changes of decision between sweeps, and the last decision.
   std::vector<std::uint8_t> changes_, was_in_contact_, bounces_, braced_;
   // Changes of the set of surfaces on which a node slides, and all surfaces that it met.
   std::vector<std::uint8_t> slide_changes_;

@@ -157,7 +157,7 @@ Contact::Slide Contact::slide_along_edge(const Within& within, std::int32_t firs
     if ((result.position - p).norm() <= 1e-14 * result.position.norm()) break;
   }
   // A node that stays stuck between two surfaces must not drift by rounding.
-  if (sticks && committed_[made.node].has(first) && committed_[made.node].has(second)) result.position = from;
+  if (sticks && committed(made.node).has(first) && committed(made.node).has(second)) result.position = from;
   result.touch = {first, !sticks || rebound > 0.0, second};
   result.bounces = rebound > 0.0;
   return result;

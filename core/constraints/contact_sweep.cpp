@@ -39,7 +39,7 @@ void Contact::decide(std::uint32_t node, const Touch& touch, const Vector3& impu
   if (touch.surface >= 0) last_surface_[node] = touch.surface;
   sweep_impulse_[node] = impulse;
   bounces_[node] = bounces ? 1 : 0;
-  if (now_[node] == touch) return;
+  if (now(node) == touch) return;
   now_[node] = touch;
   update_status(node);
 }
@@ -134,7 +134,7 @@ inline bool Contact::is_far(std::uint32_t node, const springnet_sweep& sweep) {
 inline bool Contact::keep_free(const Within& within, std::uint32_t node) {
   const springnet_sweep& sweep = within.sweep;
   // Most nodes are free, were free in the sweep before, and are far from everything: nothing changes.
-  const bool is_free = sweep.contacts == 0 && committed_[node].surface < 0 && now_[node].surface < 0 &&
+  const bool is_free = sweep.contacts == 0 && committed(node).surface < 0 && now(node).surface < 0 &&
                        was_in_contact_[node] == 0 && bounces_[node] == 0 && changes_[node] < max_changes;
   if (!is_free || !is_far(node, sweep)) return false;
   sweep_impulse_[node].setZero();
@@ -176,7 +176,7 @@ void Contact::constrain_node(const Within& within, std::uint32_t node, const Vec
   const bool decides = sweep.contacts == 0;
   // At the last permitted change of decision skip the shortcut: meet() then keeps the contact.
   const bool last_change = changes_[node] + (was_in_contact_[node] != 0 ? 1 : 0) >= max_changes;
-  if (committed_[node].surface < 0 && (!decides || (!last_change && first_meeting(at, start, end).surface < 0))) {
+  if (committed(node).surface < 0 && (!decides || (!last_change && first_meeting(at, start, end).surface < 0))) {
     // The common case: the node stays free.
     if (decides) static_cast<void>(record_decision(node, false));
     decide(node, {}, Vector3::Zero());
@@ -194,14 +194,14 @@ void Contact::constrain_node(const Within& within, std::uint32_t node, const Vec
                             read != nullptr ? *read : vector_at(sweep.velocity, node)};
   if (!decides)
     keep(within, node, candidate);
-  else if (committed_[node].surface < 0 || !try_to_keep(within, node, candidate))
+  else if (committed(node).surface < 0 || !try_to_keep(within, node, candidate))
     meet(within, node, candidate);
 }
 
 // The reaction over the step decides on release. A surface on which nodes slide never pulls, even after chatter.
 bool Contact::try_to_keep(const Within& within, std::uint32_t node, const Candidate& candidate) {
   const Placement& at = within.at;
-  const Touch& before = committed_[node];
+  const Touch& before = committed(node);
   std::int32_t surface = before.surface;
   if (before.third >= 0 && before.slides) {
     Slide on = at_vertex(within, before, candidate);
@@ -238,7 +238,7 @@ bool Contact::try_to_keep(const Within& within, std::uint32_t node, const Candid
 }
 
 void Contact::keep(const Within& within, std::uint32_t node, const Candidate& candidate) {
-  const Touch& touch = committed_[node];
+  const Touch& touch = committed(node);
   if (touch.slides && touch.third >= 0) {
     set_outputs(within, node, at_vertex(within, touch, candidate));
     return;
@@ -274,7 +274,7 @@ bool Contact::is_separating(const Placement& at, std::int32_t surface, const Pat
   if (obstacle.is_flat()) return true;
   const Vector3 before = normal(*start_, j, path.start);
   if (!(before.dot(n) > 0.0)) return false;
-  if (obstacle.moves() || committed_[path.node].surface == surface) return true;
+  if (obstacle.moves() || committed(path.node).surface == surface) return true;
   return gap(*start_, j, path.start) <= beside * (path.end - path.start).norm() ||
          before.dot(path.start_velocity - Contact::velocity(*start_, j, path.start)) >= 0.0;
 }
@@ -282,7 +282,7 @@ bool Contact::is_separating(const Placement& at, std::int32_t surface, const Pat
 // A node that is free at the start of the step, or was released within it.
 void Contact::meet(const Within& within, std::uint32_t node, const Candidate& candidate) {
   const auto& [sweep, at] = within;
-  const Touch before = committed_[node];
+  const Touch before = committed(node);
   Meeting meeting = first_meeting(at, candidate.start, candidate.position);
   const Path path{node, candidate.start, candidate.start_velocity, candidate.position, candidate.velocity};
   if (meeting.surface >= 0 && is_separating(at, meeting.surface, path)) meeting.surface = -1;
@@ -415,13 +415,13 @@ bool Contact::is_flush(const Placement& at, const Touch& on, std::int32_t surfac
 
 void Contact::slide(const Within& within, std::uint32_t node, const Slide& on, const Candidate& candidate) {
   const Placement& at = within.at;
-  const Touch& before = committed_[node];
+  const Touch& before = committed(node);
   const Path path{node, candidate.start, candidate.start_velocity, on.position, on.velocity};
   const Meeting next = next_meeting(at, path, on.touch);
   // After too many changes of its surfaces the node counts as meeting all that it met so far.
   const bool settles = slide_changes_[node] >= max_changes;
   if (next.surface < 0 && !settles) {
-    if (now_[node] != on.touch) ++slide_changes_[node];
+    if (now(node) != on.touch) ++slide_changes_[node];
     set_outputs(within, node, on);
     return;
   }
@@ -449,7 +449,7 @@ void Contact::slide(const Within& within, std::uint32_t node, const Slide& on, c
       if (settles && gap(at, static_cast<std::size_t>(j), on.position) <= length) met.push_back(j);
     if (next.surface >= 0) met.push_back(next.surface);
     const std::optional<Slide> found = choose_active_set(within, on, met, candidate);
-    if (found && now_[node] != found->touch && slide_changes_[node] < 2 * max_changes) ++slide_changes_[node];
+    if (found && now(node) != found->touch && slide_changes_[node] < 2 * max_changes) ++slide_changes_[node];
     for (const std::int32_t j : met)
       if (std::find(met_[node].begin(), met_[node].end(), j) == met_[node].end()) met_[node].push_back(j);
     if (found && found->touch.third >= 0 && any_is(found->touch, Friction::Kind::coulomb)) {
@@ -489,7 +489,7 @@ void Contact::stop_between(const Within& within, std::uint32_t node, const Slide
                            const Candidate& candidate) {
   const Placement& at = within.at;
   // A node already held between them stays with the surface that held it first.
-  const Touch& before = committed_[node];
+  const Touch& before = committed(node);
   const bool held = before.surface >= 0 && !before.slides;
   const std::int32_t by = held && before.surface == on.touch.surface ? on.touch.surface : next.surface;
   const Vector3 place =

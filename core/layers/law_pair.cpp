@@ -36,10 +36,10 @@ springnet_status evaluate_law(const LawBatch& laws, const Law& law, std::uint32_
   for (std::size_t begin = 0; begin < count; begin += batch_size) {
     const std::size_t size = count - begin < batch_size ? count - begin : batch_size;
     const auto column = [&](std::size_t index, std::size_t slot, std::uint32_t& stride) -> const double* {
-      const std::vector<double>& values = group.columns[index];
-      if (uniform || (index < group.same.size() && group.same[index] != 0)) {
+      const Column<double>& values = group.columns[index];
+      if (uniform || group.is_same(index)) {
         stride = 0;
-        return values.data() + (rows.rows == nullptr ? rows.row : 0);
+        return values.find(rows.rows == nullptr ? rows.row : 0);
       }
       stride = 1;
       if (rows.columns != nullptr) return rows.columns[index];

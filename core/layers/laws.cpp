@@ -4,7 +4,6 @@
 
 #include <algorithm>
 #include <bit>
-#include <unordered_map>
 
 #include <springnet/error.hpp>
 
@@ -101,17 +100,128 @@ void check_use(const Law& law, Invariant invariant, std::size_t element) {
                   reading(law.invariant)));
 }
 
-// Key of a row: the material, and the bits of the rest length or reference.
+// Key of a row: the material, and the rest length or reference.
 struct RowKey {
   std::uint32_t material;
-  std::uint64_t rest_length;
-  bool operator==(const RowKey&) const = default;
+  double reference;
 };
-struct RowKeyHash {
-  std::size_t operator()(const RowKey& key) const noexcept {
-    return std::hash<std::uint64_t>{}(key.rest_length * 0x9e3779b97f4a7c15u + key.material);
+
+// Distinct keys, numbered in the order in which they were first asked for. Four to eight bytes a key besides the keys:
+// every spring of an irregular mesh may have its own.
+class RowKeys {
+ public:
+  std::uint32_t number_of(const RowKey& key) {
+    if (!keys_.empty() && is_same(key, keys_[last_])) return last_;
+    if (2 * keys_.size() >= places_.size()) grow();
+    std::uint32_t& place = places_[place_of(key)];
+    if (place == none) {
+      place = static_cast<std::uint32_t>(keys_.size());
+      keys_.push_back(key);
+    }
+    return last_ = place;
   }
+  [[nodiscard]] const std::vector<RowKey>& keys() const noexcept { return keys_; }
+
+ private:
+  static constexpr std::uint32_t none = 0xffffffffu;
+
+  static bool is_same(const RowKey& a, const RowKey& b) {
+    return a.material == b.material && same_bits(a.reference, b.reference);
+  }
+  // Of the key, or the free one where it belongs.
+  [[nodiscard]] std::size_t place_of(const RowKey& key) const {
+    const std::size_t mask = places_.size() - 1;
+    std::uint64_t hash = (std::bit_cast<std::uint64_t>(key.reference) ^ key.material * 0xff51afd7ed558ccdu);
+    hash = (hash ^ hash >> 32) * 0x9e3779b97f4a7c15u;
+    std::size_t at = (hash ^ hash >> 29) & mask;
+    while (places_[at] != none && !is_same(keys_[places_[at]], key)) at = (at + 1) & mask;
+    return at;
+  }
+  void grow() {
+    places_.assign(std::max<std::size_t>(64, 2 * places_.size()), none);
+    for (std::size_t i = 0; i < keys_.size(); ++i) places_[place_of(keys_[i])] = static_cast<std::uint32_t>(i);
+  }
+
+  std::vector<RowKey> keys_;
+  std::vector<std::uint32_t> places_;  // a power of two, open addressing
+  std::uint32_t last_ = 0;
 };
+
+// Numbers the rows of the groups. The number of a key of springs or elements becomes that of a row in its group.
+class Rows {
+ public:
+  Rows(std::vector<Group>& groups, const std::vector<MaterialLaws>& materials)
+      : groups_(groups), materials_(materials) {}
+
+  // Of springs or elements with these materials and references.
+  template <class References>
+  Column<std::uint32_t> of(std::size_t count, const Column<MaterialIndex>& materials, const References& references,
+                           bool all_alike) {
+    Column<std::uint32_t> rows;
+    if (count == 0) return rows;
+    if (all_alike) {
+      rows.append(count, row_of({materials[0], references(0)}));
+      return rows;
+    }
+    // Pieces by themselves, then their keys in the order of the pieces: the numbers do not depend on the threads.
+    constexpr std::size_t piece = std::size_t{1} << 19;
+    constexpr double irregular_share = 0.75;
+    const std::size_t pieces = (count + piece - 1) / piece;
+    std::vector<std::vector<RowKey>> keys(pieces);
+    std::uint32_t* const row = rows.append_each(count);
+#pragma omp parallel for schedule(dynamic, 1) if (pieces > 1)
+    for (std::size_t p = 0; p < pieces; ++p) {
+      RowKeys own;
+      for (std::size_t i = p * piece; i < std::min(count, (p + 1) * piece); ++i)
+        row[i] = own.number_of({materials[i], references(i)});
+      keys[p] = own.keys();
+    }
+    std::vector<std::vector<std::uint32_t>> rows_of(pieces);
+    for (std::size_t p = 0; p < pieces; ++p) {
+      rows_of[p].reserve(keys[p].size());
+      // Springs of an irregular mesh have hardly any two rest lengths alike: to look for them would find nothing.
+      const bool irregular = static_cast<double>(keys[p].size()) >
+                             irregular_share * static_cast<double>(std::min(piece, count - p * piece));
+      for (const RowKey& key : keys[p]) rows_of[p].push_back(irregular ? new_row(key) : row_of(key));
+      std::vector<RowKey>().swap(keys[p]);
+    }
+#pragma omp parallel for schedule(static) if (pieces > 1)
+    for (std::size_t p = 0; p < pieces; ++p)
+      for (std::size_t i = p * piece; i < std::min(count, (p + 1) * piece); ++i) row[i] = rows_of[p][row[i]];
+    return rows;
+  }
+
+ private:
+  std::uint32_t row_of(const RowKey& key) {
+    const std::uint32_t number = known_.number_of(key);
+    if (number == rows_.size()) rows_.push_back(new_row(key));
+    return rows_[number];
+  }
+  std::uint32_t new_row(const RowKey& key) {
+    const MaterialLaws& material = materials_[key.material];
+    Group& group = groups_[material.group];
+    const auto row = static_cast<std::uint32_t>(group.row_count());
+    group.columns[0].push_back(key.reference);
+    for (std::size_t k = 0; k < material.parameters.size(); ++k) group.columns[k + 1].push_back(material.parameters[k]);
+    return row;
+  }
+
+  std::vector<Group>& groups_;
+  const std::vector<MaterialLaws>& materials_;
+  RowKeys known_;
+  std::vector<std::uint32_t> rows_;  // [key's number]
+};
+
+Column<std::uint32_t> groups_of(const Column<MaterialIndex>& used, const std::vector<MaterialLaws>& materials) {
+  Column<std::uint32_t> groups;
+  if (used.is_uniform() && !used.empty()) {
+    groups.append(used.size(), materials[used[0]].group);
+    return groups;
+  }
+  groups.reserve(used.size());
+  for (std::size_t i = 0; i < used.size(); ++i) groups.push_back(materials[used[i]].group);
+  return groups;
+}
 
 }  // namespace
 
@@ -128,52 +238,37 @@ CompiledLaws compile_laws(const Network& network, const PluginHost& plugins) {
                                               compiled.groups[index].viscosity.component != viscosity.component))
       ++index;
     if (index == compiled.groups.size()) {
-      compiled.groups.push_back({spring, viscosity, std::vector<std::vector<double>>(1 + parameters.size())});
+      compiled.groups.push_back({spring, viscosity, std::vector<Column<double>>(1 + parameters.size())});
     }
     materials.push_back({index, std::move(parameters)});
   }
 
-  const std::vector<Spring>& springs = network.springs();
-  compiled.group.reserve(springs.size());
-  compiled.row.reserve(springs.size());
-  std::unordered_map<RowKey, std::uint32_t, RowKeyHash> rows;
-  RowKey last_key{0xffffffffu, 0};
-  std::uint32_t last_row = 0;
-  const auto row_of = [&](MaterialIndex index, double reference) {
-    const MaterialLaws& material = materials[index];
-    Group& group = compiled.groups[material.group];
-    const RowKey key{index, std::bit_cast<std::uint64_t>(reference)};
-    if (key != last_key) {
-      const auto [entry, is_new] = rows.try_emplace(key, static_cast<std::uint32_t>(group.row_count()));
-      if (is_new) {
-        group.columns[0].push_back(reference);
-        for (std::size_t k = 0; k < material.parameters.size(); ++k)
-          group.columns[k + 1].push_back(material.parameters[k]);
-      }
-      last_key = key;
-      last_row = entry->second;
-    }
-    return last_row;
-  };
+  const SpringList& springs = network.springs();
+  compiled.group = groups_of(springs.materials(), materials);
   for (std::size_t s = 0; s < springs.size(); ++s) {
-    const std::uint32_t group = materials[springs[s].material].group;
-    check_use(compiled.groups[group].spring, s);
-    check_use(compiled.groups[group].viscosity, s);
-    compiled.group.push_back(group);
-    compiled.row.push_back(row_of(springs[s].material, springs[s].rest_length));
+    const Group& group = compiled.groups[compiled.group[s]];
+    check_use(group.spring, s);
+    check_use(group.viscosity, s);
+    if (compiled.group.is_uniform()) break;  // the others have the same laws
   }
-  const std::vector<Element>& elements = network.elements();
-  for (std::size_t e = 0; e < elements.size(); ++e) {
-    const std::uint32_t group = materials[elements[e].material].group;
-    check_use(compiled.groups[group].spring, elements[e].invariant, e);
-    check_use(compiled.groups[group].viscosity, elements[e].invariant, e);
-    compiled.element_group.push_back(group);
-    compiled.element_row.push_back(row_of(elements[e].material, elements[e].reference));
-  }
+  Rows rows(compiled.groups, materials);
+  const Column<double>& rest_lengths = springs.rest_lengths();
+  compiled.row = rows.of(
+      springs.size(), springs.materials(), [&](std::size_t s) { return rest_lengths[s]; },
+      springs.materials().is_uniform() && rest_lengths.is_uniform());
 
-  for (Group& group : compiled.groups)
-    for (const std::vector<double>& column : group.columns)
-      group.same.push_back(std::equal(column.begin() + (column.empty() ? 0 : 1), column.end(), column.begin()) ? 1 : 0);
+  const std::vector<Element>& elements = network.elements();
+  Column<MaterialIndex> element_materials;
+  element_materials.reserve(elements.size());
+  for (const Element& element : elements) element_materials.push_back(element.material);
+  compiled.element_group = groups_of(element_materials, materials);
+  for (std::size_t e = 0; e < elements.size(); ++e) {
+    const Group& group = compiled.groups[compiled.element_group[e]];
+    check_use(group.spring, elements[e].invariant, e);
+    check_use(group.viscosity, elements[e].invariant, e);
+  }
+  compiled.element_row = rows.of(
+      elements.size(), element_materials, [&](std::size_t e) { return elements[e].reference; }, false);
 
   for (const LawUse& use : network.neurons()) {
     NeuronKind neuron;

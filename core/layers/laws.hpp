@@ -37,10 +37,10 @@ struct Law {
 struct Group {
   Law spring;
   Law viscosity;
-  std::vector<std::vector<double>> columns;
-  std::vector<std::uint8_t> same{};  // [column] 1: the same in all rows; empty: not known
+  std::vector<Column<double>> columns;
 
   [[nodiscard]] std::size_t row_count() const noexcept { return columns[0].size(); }
+  [[nodiscard]] bool is_same(std::size_t column) const noexcept { return columns[column].is_uniform(); }
   // The spring function, then the viscosity function.
   [[nodiscard]] std::array<const Law*, 2> laws() const noexcept { return {&spring, &viscosity}; }
   [[nodiscard]] bool can(std::uint32_t capability) const noexcept {
@@ -59,10 +59,10 @@ struct NeuronKind {
 // tables), or a law is used on an invariant that it does not read.
 struct CompiledLaws {
   std::vector<Group> groups;
-  std::vector<std::uint32_t> group;                       // [spring]
-  std::vector<std::uint32_t> row;                         // [spring] row in its group
-  std::vector<std::uint32_t> element_group, element_row;  // [element]
-  std::vector<NeuronKind> neurons;                        // as Network::neurons()
+  Column<std::uint32_t> group;                       // [spring]
+  Column<std::uint32_t> row;                         // [spring] row in its group
+  Column<std::uint32_t> element_group, element_row;  // [element]
+  std::vector<NeuronKind> neurons;                   // as Network::neurons()
 };
 [[nodiscard]] CompiledLaws compile_laws(const Network& network, const PluginHost& plugins);
 

@@ -21,7 +21,7 @@ Layout::Layout(const Network& network, const PluginHost& plugins, bool renumber)
       ordering_(order_nodes(network, renumber)),
       elements_(network, laws_, ordering_.engine),
       loaded_faces_(network, ordering_.engine) {
-  const std::vector<Spring>& springs = network.springs();
+  const SpringList& springs = network.springs();
   const std::size_t nodes = ordering_.user.size();
   alive_.assign(springs.size(), 1);
   live_count_ = springs.size();

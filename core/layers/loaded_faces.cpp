@@ -9,7 +9,8 @@ Vector3 position(const NodeArrays& nodes, std::uint32_t k) { return {nodes.px[k]
 
 }  // namespace
 
-LoadedFaces::LoadedFaces(const Network& network, const std::vector<std::uint32_t>& engine) {
+LoadedFaces::LoadedFaces(const Network& network, const std::vector<std::uint32_t>& engine)
+    : node_count_(engine.size()) {
   for (const Load& load : network.loads()) {
     first_.push_back(corners_.size());
     follows_.push_back(load.follow && load.pressure != 0.0 ? 1 : 0);
@@ -19,21 +20,21 @@ LoadedFaces::LoadedFaces(const Network& network, const std::vector<std::uint32_t
     }
   }
   alive_.assign(corners_.size(), 1);
-  start_.assign(engine.size() + 1, 0);
   build();
 }
 
 void LoadedFaces::build() {
-  std::fill(start_.begin(), start_.end(), 0);
-  following_count_ = 0;
   const auto follows = [this](std::size_t f) { return alive(f) && follows_[load_[f]] != 0; };
+  following_count_ = 0;
+  for (std::size_t f = 0; f < count(); ++f) following_count_ += follows(f) ? 1 : 0;
+  start_.assign(following_count_ == 0 ? 0 : node_count_ + 1, 0);
+  node_faces_.resize(3 * following_count_);
+  if (following_count_ == 0) return;
   for (std::size_t f = 0; f < count(); ++f) {
     if (!follows(f)) continue;
-    ++following_count_;
     for (const std::uint32_t node : corners_[f]) ++start_[node + 1];
   }
   for (std::size_t k = 0; k + 1 < start_.size(); ++k) start_[k + 1] += start_[k];
-  node_faces_.resize(3 * following_count_);
   std::vector<std::size_t> next(start_.begin(), start_.end() - 1);
   for (std::size_t f = 0; f < count(); ++f) {
     if (!follows(f)) continue;

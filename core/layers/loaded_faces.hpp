@@ -82,8 +82,9 @@ class LoadedFaces {
   std::vector<std::uint8_t> alive_;                    // [face]
   std::vector<std::size_t> first_;                     // [load]
   std::vector<std::uint8_t> follows_;                  // [load]
+  std::size_t node_count_ = 0;
   std::size_t following_count_ = 0;
-  std::vector<std::size_t> start_;  // [node + 1]
+  std::vector<std::size_t> start_;  // [node + 1], empty where no pressure follows
   std::vector<NodeFace> node_faces_;
 };
 

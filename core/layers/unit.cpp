@@ -28,8 +28,8 @@ void Unit::remove(std::uint32_t own, std::uint32_t spring_number) noexcept {
 SegmentColumns::SegmentColumns(const Unit& unit, const Segment& segment, const Group& group) noexcept {
   const double* next = unit.values.data() + segment.value_begin;
   for (std::size_t c = 0; c < group.columns.size(); ++c) {
-    columns_[c] = group.same[c] != 0 ? nullptr : next;
-    if (group.same[c] == 0) next += segment.count;
+    columns_[c] = group.is_same(c) ? nullptr : next;
+    if (!group.is_same(c)) next += segment.count;
   }
 }
 

@@ -195,7 +195,7 @@ void UnitBuilder::end_segment() {
   if (segment.row != mixed_rows) return;
   const Group& group = groups_[segment.group];
   for (std::size_t c = 0; c < group.columns.size(); ++c) {
-    if (group.same[c] != 0) continue;
+    if (group.is_same(c)) continue;
     for (const UnitSpring* const spring : slots_)
       unit_->values.push_back(group.columns[c][(spring != nullptr ? spring : slots_[segment.living])->row]);
   }

@@ -11,6 +11,7 @@
 #include <utility>
 #include <vector>
 
+#include <springnet/huge_pages.hpp>
 #include <springnet/mesh.hpp>
 
 #include "mesh/source.hpp"
@@ -28,7 +29,17 @@ class Builder {
   // Grows at least by a factor of two: a file may have as many blocks as points.
   void reserve_points(std::size_t more) {
     const std::size_t wanted = mesh_.points.size() + more;
-    if (wanted > mesh_.points.capacity()) mesh_.points.reserve(std::max(wanted, 2 * mesh_.points.capacity()));
+    if (wanted > mesh_.points.capacity()) reserve_huge(mesh_.points, std::max(wanted, 2 * mesh_.points.capacity()));
+  }
+  // The same for cells of a type.
+  void reserve_cells(CellType type, std::size_t more) {
+    const auto grow = [](auto& vector, std::size_t by) {
+      const std::size_t wanted = vector.size() + by;
+      if (wanted > vector.capacity()) reserve_huge(vector, std::max(wanted, 2 * vector.capacity()));
+    };
+    grow(mesh_.types, more);
+    grow(mesh_.offsets, more);
+    grow(mesh_.corners, more * corner_count(type));
   }
   // Throws Error(input) for coordinates that are not finite or beyond 1e100 m (their squares and volumes would not be
   // finite), and for too many points.

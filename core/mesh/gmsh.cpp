@@ -370,6 +370,7 @@ class GmshReader {
   void element_block(const ElementType& type, std::size_t size, const std::vector<std::size_t>& groups) {
     const std::size_t first = builder_.cell_count();
     std::array<std::uint32_t, max_nodes> points{};
+    if (type.cell != CellType::vertex) builder_.reserve_cells(type.cell, size);
     for (std::size_t k = 0; k < size; ++k) {
       tag("the number of an element");
       const Place place = in_.place();

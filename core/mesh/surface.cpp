@@ -2,6 +2,7 @@
 #include <array>
 #include <limits>
 #include <tuple>
+#include <utility>
 
 #include <fmt/format.h>
 #include <Eigen/Geometry>
@@ -9,6 +10,7 @@
 #include <springnet/error.hpp>
 #include <springnet/mesh.hpp>
 
+#include "mesh/by_point.hpp"
 #include "mesh/cells.hpp"
 
 namespace springnet {
@@ -88,37 +90,81 @@ std::vector<std::array<Neighbour, 3>> neighbours_of(std::span<const Face> faces)
   return result;
 }
 
+// A face of a solid cell: its place among face_places.
+struct SolidFace {
+  std::uint32_t cell;
+  std::uint8_t face;
+};
+
+// Faces of all solid cells by their lowest point, then by their keys.
+class SolidFaces {
+ public:
+  explicit SolidFaces(const Mesh& mesh)
+      : mesh_(mesh), faces_(mesh.points.size(), [&mesh](const auto& add) {
+          for (std::size_t cell = 0; cell < mesh.cell_count(); ++cell) {
+            const auto places = meshes::face_places(mesh.types[cell]);
+            for (std::uint8_t face = 0; face < places.size(); ++face)
+              add(meshes::face_key(mesh.cell(cell), places[face])[0],
+                  SolidFace{static_cast<std::uint32_t>(cell), face});
+          }
+        }) {
+    const auto points = static_cast<std::int64_t>(faces_.points());
+#pragma omp parallel if (points > 10000)
+    {
+      std::vector<Keyed> keyed;
+      std::vector<SolidFace> outer;
+#pragma omp for schedule(dynamic, 4096) nowait
+      for (std::int64_t p = 0; p < points; ++p) sort(faces_.of(static_cast<std::size_t>(p)), keyed, outer);
+#pragma omp critical(springnet_outer_faces)
+      outer_.insert(outer_.end(), outer.begin(), outer.end());
+    }
+    std::sort(outer_.begin(), outer_.end(), precedes);
+  }
+
+  // Those that belong to one cell only, in the order of the cells.
+  [[nodiscard]] std::vector<SolidFace> take_outer() { return std::move(outer_); }
+  [[nodiscard]] bool has(const FaceKey& key) {
+    const std::span<const SolidFace> faces = faces_.of(key[0]);
+    const auto found = std::lower_bound(faces.begin(), faces.end(), key,
+                                        [this](const SolidFace& face, const FaceKey& k) { return key_of(face) < k; });
+    return found != faces.end() && key_of(*found) == key;
+  }
+
+ private:
+  struct Keyed {
+    FaceKey key;
+    SolidFace face;
+  };
+  static bool precedes(const SolidFace& a, const SolidFace& b) {
+    return std::tie(a.cell, a.face) < std::tie(b.cell, b.face);
+  }
+  [[nodiscard]] FaceKey key_of(const SolidFace& face) const {
+    return meshes::face_key(mesh_.cell(face.cell), meshes::face_places(mesh_.types[face.cell])[face.face]);
+  }
+  // Sorts the faces of a point by their keys, and adds those that occur once. `keyed` is memory to work with.
+  void sort(std::span<SolidFace> faces, std::vector<Keyed>& keyed, std::vector<SolidFace>& outer) const {
+    keyed.clear();
+    for (const SolidFace& face : faces) keyed.push_back({key_of(face), face});
+    std::sort(keyed.begin(), keyed.end(), [](const Keyed& a, const Keyed& b) { return a.key < b.key; });
+    for (std::size_t i = 0; i < keyed.size(); ++i) {
+      faces[i] = keyed[i].face;
+      const bool first = i == 0 || keyed[i - 1].key != keyed[i].key;
+      const bool last = i + 1 == keyed.size() || keyed[i + 1].key != keyed[i].key;
+      if (first && last) outer.push_back(keyed[i].face);
+    }
+  }
+
+  const Mesh& mesh_;
+  meshes::ByPoint<SolidFace> faces_;
+  std::vector<SolidFace> outer_;
+};
+
 }  // namespace
 
 std::vector<Face> surface_of(const Mesh& mesh) {
-  struct SolidFace {
-    FaceKey key;
-    std::size_t cell;
-    std::uint8_t face;
-  };
-  std::vector<SolidFace> solid;
-  for (std::size_t cell = 0; cell < mesh.cell_count(); ++cell) {
-    const auto corners = mesh.cell(cell);
-    const auto places = meshes::face_places(mesh.types[cell]);
-    for (std::uint8_t face = 0; face < places.size(); ++face) {
-      solid.push_back({meshes::face_key(corners, places[face]), cell, face});
-    }
-  }
-  std::sort(solid.begin(), solid.end(), [](const SolidFace& a, const SolidFace& b) {
-    return std::tie(a.key, a.cell, a.face) < std::tie(b.key, b.cell, b.face);
-  });
-  std::vector<FaceKey> keys;  // ascending
-  std::vector<SolidFace> outer;
-  for (std::size_t begin = 0, end = 0; begin < solid.size(); begin = end) {
-    while (end < solid.size() && solid[end].key == solid[begin].key) ++end;
-    keys.push_back(solid[begin].key);
-    if (end == begin + 1) outer.push_back(solid[begin]);
-  }
-  std::sort(outer.begin(), outer.end(),
-            [](const SolidFace& a, const SolidFace& b) { return std::tie(a.cell, a.face) < std::tie(b.cell, b.face); });
-
+  SolidFaces solid(mesh);
   std::vector<Face> faces;
-  for (const SolidFace& face : outer) {
+  for (const SolidFace& face : solid.take_outer()) {
     const auto corners = mesh.cell(face.cell);
     const auto& places = meshes::face_places(mesh.types[face.cell])[face.face];
     const bool inside_out = meshes::solid_volume(mesh, face.cell) < 0.0;
@@ -135,7 +181,7 @@ std::vector<Face> surface_of(const Mesh& mesh) {
   for (std::size_t cell = 0; cell < mesh.cell_count(); ++cell) {
     const auto corners = mesh.cell(cell);
     if (dimension_of(mesh.types[cell]) != 2) continue;
-    if (std::binary_search(keys.begin(), keys.end(), meshes::face_key(corners))) continue;
+    if (solid.has(meshes::face_key(corners))) continue;
     if (corners.size() == 3) {
       faces.push_back({corners[0], corners[1], corners[2]});
     } else {

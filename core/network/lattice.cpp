@@ -24,6 +24,9 @@ constexpr std::array<Step, 3> axial{{{1, 0, 0}, {0, 1, 0}, {0, 0, 1}}};
 constexpr std::array<Step, 6> across_faces{{{1, 1, 0}, {-1, 1, 0}, {1, 0, 1}, {-1, 0, 1}, {0, 1, 1}, {0, -1, 1}}};
 constexpr std::array<Step, 4> through_cells{{{1, 1, 1}, {-1, 1, 1}, {1, -1, 1}, {-1, -1, 1}}};
 
+// What a simulation takes at least, with its network: bytes.
+constexpr double bytes_a_node = 150.0, bytes_a_spring = 40.0;
+
 struct Direction {
   Step step;
   double length;  // m
@@ -108,8 +111,7 @@ void checks::check_lattice(const std::string& name, const Lattice& lattice, std:
         "the network would have {:.4g} nodes and {:.4g} springs, but the limit is {:.0f} of each: use fewer nodes",
         nodes, springs, limit));
   }
-  // A simulation stores each node and spring at least once more.
-  const double needed = 2 * (nodes * sizeof(Node) + springs * sizeof(Spring)), available = available_memory();
+  const double needed = nodes * bytes_a_node + springs * bytes_a_spring, available = available_memory();
   if (needed > available) {
     fail(
         fmt::format("the network would have {:.4g} nodes and {:.4g} springs, whose simulation needs more than {:.3g} "
@@ -155,13 +157,51 @@ class Boundary {
   NodeIndex first_;
 };
 
-// Reserves room for `more` elements, growing by at least one half, so that thousands of small bodies do not cause a
-// copy each.
-template <class Element>
-void reserve(std::vector<Element>& vector, std::size_t more) {
-  const std::size_t needed = vector.size() + more;
-  if (needed > vector.capacity()) vector.reserve(std::max(needed, vector.capacity() + vector.capacity() / 2));
-}
+// The springs of the nodes of one layer of a lattice, in the order of the nodes, then of the directions.
+class Layer {
+ public:
+  Layer(const Lattice& lattice, const std::vector<Direction>& directions, std::uint32_t k)
+      : lattice_(lattice), directions_(directions), k_(k) {}
+
+  [[nodiscard]] std::size_t spring_count() const {
+    std::size_t count = 0;
+    for (const Direction& direction : directions_) {
+      const auto places = [&](std::size_t axis) {
+        const auto steps = static_cast<std::uint32_t>(std::abs(direction.step[axis]));
+        return lattice_.nodes[axis] > steps ? std::size_t{lattice_.nodes[axis]} - steps : 0;
+      };
+      if (k_ + static_cast<std::uint32_t>(direction.step[2]) < lattice_.nodes[2]) count += places(0) * places(1);
+    }
+    return count;
+  }
+
+  // Calls visit(node, other, direction's number); nodes are numbered from that of place (0, 0, 0).
+  template <class Visit>
+  void for_each_spring(NodeIndex first, const Visit& visit) const {
+    const auto [nx, ny, nz] = lattice_.nodes;
+    // A step below 0 wraps to a large number, which is outside as well.
+    const auto inside = [](std::uint32_t place, int step, std::uint32_t count) {
+      return place + static_cast<std::uint32_t>(step) < count;
+    };
+    NodeIndex here = first + k_ * nx * ny;
+    for (std::uint32_t j = 0; j < ny; ++j) {
+      for (std::uint32_t i = 0; i < nx; ++i, ++here) {
+        for (std::size_t d = 0; d < directions_.size(); ++d) {
+          const Step& step = directions_[d].step;
+          if (!inside(i, step[0], nx) || !inside(j, step[1], ny) || !inside(k_, step[2], nz)) continue;
+          const std::int64_t ahead =
+              step[0] + static_cast<std::int64_t>(nx) * (step[1] + static_cast<std::int64_t>(ny) * step[2]);
+          visit(here, static_cast<NodeIndex>(here + ahead), d);
+        }
+      }
+    }
+  }
+
+ private:
+  const Lattice& lattice_;
+  const std::vector<Direction>& directions_;
+  std::uint32_t k_;
+};
 
 }  // namespace
 
@@ -177,14 +217,14 @@ void Network::add_lattice(const std::string& name, const Lattice& lattice, const
 
   const double nodes = node_count(lattice), springs = spring_count(lattice, directions);
   const auto out_of_memory = [&] {
-    const double gigabytes = (nodes * sizeof(Node) + springs * sizeof(Spring)) * 1e-9;
+    const double gigabytes = (nodes * sizeof(Vector3) + springs * (sizeof(SpringList::Ends) + sizeof(double))) * 1e-9;
     throw Error(ErrorKind::input, fmt::format("lattice '{}': its {:.4g} nodes and {:.4g} springs need {:.3g} GB, which "
                                               "this machine cannot provide: use fewer nodes",
                                               name, nodes, springs, gigabytes));
   };
   try {
-    reserve(nodes_, static_cast<std::size_t>(nodes));
-    reserve(springs_, static_cast<std::size_t>(springs));
+    reserve_nodes(nodes_.size() + static_cast<std::size_t>(nodes));
+    reserve_springs(springs_.size() + static_cast<std::size_t>(springs));
   } catch (const std::bad_alloc&) {
     out_of_memory();
   } catch (const std::length_error&) {
@@ -194,30 +234,32 @@ void Network::add_lattice(const std::string& name, const Lattice& lattice, const
   begin_body(name);
   const auto first = static_cast<NodeIndex>(nodes_.size());
   const auto [nx, ny, nz] = lattice.nodes;
-  for (std::uint32_t k = 0; k < nz; ++k) {
-    for (std::uint32_t j = 0; j < ny; ++j) {
-      for (std::uint32_t i = 0; i < nx; ++i) {
-        node.position = lattice.origin + lattice.spacing.cwiseProduct(Vector3(i, j, k));
-        nodes_.push_back(node);
-      }
-    }
-  }
-  // A step below 0 wraps to a large number, which is outside as well.
-  const auto inside = [&](std::uint32_t place, int step, std::uint32_t count) {
-    return place + static_cast<std::uint32_t>(step) < count;
-  };
-  NodeIndex here = first;
-  for (std::uint32_t k = 0; k < nz; ++k) {
-    for (std::uint32_t j = 0; j < ny; ++j) {
-      for (std::uint32_t i = 0; i < nx; ++i, ++here) {
-        for (const auto& [step, length] : directions) {
-          if (!inside(i, step[0], nx) || !inside(j, step[1], ny) || !inside(k, step[2], nz)) continue;
-          const std::int64_t ahead =
-              step[0] + static_cast<std::int64_t>(nx) * (step[1] + static_cast<std::int64_t>(ny) * step[2]);
-          springs_.push_back({here, static_cast<NodeIndex>(here + ahead), material, length});
-        }
-      }
-    }
+  Vector3* const positions = nodes_.append(static_cast<std::size_t>(nodes), node);
+  const bool one_length = std::all_of(directions.begin(), directions.end(), [&](const Direction& direction) {
+    return same_bits(direction.length, directions.front().length);
+  });
+  const auto spring_total = static_cast<std::size_t>(springs);
+  SpringList::Ends* const ends = springs_.append(spring_total, material);
+  double* lengths = nullptr;
+  if (one_length)
+    springs_.rest_length_.append(spring_total, directions.front().length);
+  else
+    lengths = springs_.rest_length_.append_each(spring_total);
+  // All layers but the last have as many springs as the first.
+  const std::size_t springs_a_layer = Layer(lattice, directions, 0).spring_count();
+#pragma omp parallel for schedule(static) if (springs > 1e5)
+  for (std::int64_t layer = 0; layer < std::int64_t{nz}; ++layer) {
+    const auto k = static_cast<std::uint32_t>(layer);
+    Vector3* position = positions + std::size_t{k} * nx * ny;
+    for (std::uint32_t j = 0; j < ny; ++j)
+      for (std::uint32_t i = 0; i < nx; ++i)
+        *position++ = lattice.origin + lattice.spacing.cwiseProduct(Vector3(i, j, k));
+    std::size_t at = k * springs_a_layer;
+    Layer(lattice, directions, k).for_each_spring(first, [&](NodeIndex here, NodeIndex other, std::size_t direction) {
+      ends[at] = {here, other};
+      if (lengths != nullptr) lengths[at] = directions[direction].length;
+      ++at;
+    });
   }
   Boundary(lattice, first).add_to(*this);
   end_body();

@@ -58,16 +58,17 @@ MaterialIndex Network::add_material(const Material& material) {
 }
 
 void Network::check_node(const Node& node, NodeIndex index) const {
-  const std::string what = fmt::format("node {}", index);
+  const auto what = [&] { return fmt::format("node {}", index); };
   if (!node.position.allFinite())
-    fail(fmt::format("{}: its position must be finite, is {}", what, text(node.position)));
+    fail(fmt::format("{}: its position must be finite, is {}", what(), text(node.position)));
   if (!node.velocity.allFinite())
-    fail(fmt::format("{}: its velocity must be finite, is {}", what, text(node.velocity)));
+    fail(fmt::format("{}: its velocity must be finite, is {}", what(), text(node.velocity)));
   if (!(std::isfinite(node.mass) && node.mass > 0)) {
-    fail(fmt::format("{}: its mass must be a finite number above 0 kg, is {}", what, node.mass));
+    fail(fmt::format("{}: its mass must be a finite number above 0 kg, is {}", what(), node.mass));
   }
   if (node.neuron >= neurons_.size()) {
-    fail(fmt::format("{}: there is no neuron {}, only {}: add it with add_neuron", what, node.neuron, neurons_.size()));
+    fail(fmt::format("{}: there is no neuron {}, only {}: add it with add_neuron", what(), node.neuron,
+                     neurons_.size()));
   }
 }
 
@@ -75,24 +76,36 @@ NodeIndex Network::add_node(const Node& node) {
   if (nodes_.size() >= max_count) fail(fmt::format("a network has at most {} nodes", max_count));
   const auto index = static_cast<NodeIndex>(nodes_.size());
   check_node(node, index);
-  nodes_.push_back(node);
-  if (node.fixed) nodes_.back().velocity.setZero();
+  Node added = node;
+  if (node.fixed) added.velocity.setZero();
+  nodes_.push_back(added);
   return index;
+}
+
+// Growing by at least one half, so that thousands of small bodies do not cause a copy each.
+void Network::reserve_nodes(std::size_t count) {
+  const std::size_t capacity = nodes_.positions().capacity();
+  if (count > capacity) nodes_.reserve(std::max(count, capacity + capacity / 2));
+}
+void Network::reserve_springs(std::size_t count) {
+  const std::size_t capacity = springs_.ends().capacity();
+  if (count > capacity) springs_.reserve(std::max(count, capacity + capacity / 2));
 }
 
 void Network::set_node(NodeIndex index, const Node& node) {
   if (index >= nodes_.size()) fail(fmt::format("there is no node {}, only {}", index, nodes_.size()));
   check_node(node, index);
   if (node.position != nodes_[index].position) check_lengths(index, node.position);
-  nodes_[index] = node;
-  if (moving_nodes_.contains(index)) nodes_[index].fixed = true;
-  if (nodes_[index].fixed) nodes_[index].velocity.setZero();
+  Node changed = node;
+  if (moving_nodes_.contains(index)) changed.fixed = true;
+  if (changed.fixed) changed.velocity.setZero();
+  nodes_.set(index, changed);
 }
 
 void Network::fix(NodeIndex node) {
   if (node >= nodes_.size()) fail(fmt::format("there is no node {} to fix, only {}", node, nodes_.size()));
-  nodes_[node].fixed = true;
-  nodes_[node].velocity.setZero();
+  nodes_.fixed_.set(node, 1);
+  nodes_.velocity_.set(node, Vector3::Zero());
 }
 
 void Network::check_material(MaterialIndex material) const {
@@ -175,13 +188,13 @@ RigidIndex Network::add_rigid(NodeIndex first, NodeIndex second, std::optional<d
 void Network::set_spring_material(SpringIndex spring, MaterialIndex material) {
   check_spring(spring);
   check_material(material);
-  springs_[spring].material = material;
+  springs_.material_.set(spring, material);
 }
 
 void Network::set_rest_length(SpringIndex spring, double rest_length) {
   check_spring(spring);
   check_rest_length(rest_length);
-  springs_[spring].rest_length = rest_length;
+  springs_.rest_length_.set(spring, rest_length);
 }
 
 void Network::begin_body(const std::string& name) {

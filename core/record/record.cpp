@@ -2,10 +2,7 @@
 
 namespace springnet {
 
-Record::Record(const Network& network) {
-  springs_.reserve(network.springs().size());
-  for (const Spring& spring : network.springs()) springs_.push_back({spring.first, spring.second});
-}
+Record::Record(const Network& network) : springs_(network.springs().ends()) {}
 
 void Record::take(const Simulation& simulation) {
   simulation_ = &simulation;
@@ -39,8 +36,8 @@ const std::vector<double>& Record::lengths() const {
     const Vectors& at = positions();
     out.resize(springs_.size());
     for (std::size_t k = 0; k < springs_.size(); ++k) {
-      const Ends& ends = springs_[k];
-      out[k] = (at.col(static_cast<Eigen::Index>(ends.second)) - at.col(static_cast<Eigen::Index>(ends.first))).norm();
+      const auto& [first, second] = springs_[k];
+      out[k] = (at.col(static_cast<Eigen::Index>(second)) - at.col(static_cast<Eigen::Index>(first))).norm();
     }
   });
 }

@@ -64,10 +64,7 @@ class Record {
   }
   void by_user(const ConstNodeMap& from, Vectors& to) const;
 
-  struct Ends {
-    NodeIndex first, second;
-  };
-  std::vector<Ends> springs_;
+  const std::vector<SpringList::Ends>& springs_;
   const Simulation* simulation_ = nullptr;
   mutable Once<Vectors> positions_, velocities_, forces_;
   mutable Once<std::vector<double>> lengths_, tensions_, energies_;

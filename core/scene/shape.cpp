@@ -139,6 +139,8 @@ void add_mesh_body(const std::string& name, const Mesh& mesh, const std::vector<
                    std::vector<std::string>& notes) {
   network.begin_body(name);
   const auto first = static_cast<NodeIndex>(network.nodes().size());
+  network.reserve_nodes(first + mesh.points.size());
+  network.reserve_springs(network.springs().size() + edges.size());
   Node node = prototype;
   for (std::size_t k = 0; k < mesh.points.size(); ++k) {
     node.position = mesh.points[k];

@@ -8,7 +8,7 @@
 namespace springnet {
 
 void check_starts(const Scene& scene) {
-  const std::vector<Node>& nodes = scene.network.nodes();
+  const NodeList& nodes = scene.network.nodes();
   const double size = size_of(scene.network);
   std::size_t place = 0;
   const auto check = [&](const Obstacle& surface, std::size_t number) {

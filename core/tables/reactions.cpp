@@ -32,7 +32,7 @@ class Rows {
   Rows(const Network& network, const OutputOptions& options)
       : nodes_(chosen_or_all(options.nodes, network.nodes().size())), impulses_(nodes_.size(), Vector3::Zero()) {
     fixed_.reserve(nodes_.size());
-    for (const NodeIndex node : nodes_) fixed_.push_back(network.nodes().at(node).fixed);
+    for (const NodeIndex node : nodes_) fixed_.push_back(network.nodes()[node].fixed);
   }
 
   void operator()(const Record& record, TableFile& file) {

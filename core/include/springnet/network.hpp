@@ -14,14 +14,11 @@
 
 #include <Eigen/Core>
 
+#include <springnet/network_lists.hpp>
 #include <springnet/parameters.hpp>
 
 namespace springnet {
 
-using Vector3 = Eigen::Vector3d;
-using NodeIndex = std::uint32_t;
-using SpringIndex = std::uint32_t;
-using MaterialIndex = std::uint32_t;
 using RigidIndex = std::uint32_t;
 using ElementIndex = std::uint32_t;
 
@@ -37,21 +34,6 @@ struct Material {
   std::optional<LawUse> spring;
   std::optional<LawUse> viscosity;
   friend bool operator==(const Material&, const Material&) = default;
-};
-
-struct Node {
-  Vector3 position = Vector3::Zero();  // m
-  Vector3 velocity = Vector3::Zero();  // m/s
-  double mass = 1.0;                   // kg
-  std::uint32_t neuron = 0;            // index into Network::neurons()
-  bool fixed = false;
-};
-
-struct Spring {
-  NodeIndex first;
-  NodeIndex second;
-  MaterialIndex material;
-  double rest_length;  // m
 };
 
 // The scalar q of an element's nodes that a law reads in place of the length of a spring. Laws that read a length (and
@@ -277,6 +259,9 @@ class Network {
   // otherwise.
   void begin_body(const std::string& name);
   void end_body();
+  // Make room for so many nodes or springs in all, so that adding them one by one does not copy those before.
+  void reserve_nodes(std::size_t count);
+  void reserve_springs(std::size_t count);
   // Adds a body from a lattice. `prototype` gives mass, neuron and velocity. Springs of one direction have bitwise
   // equal rest lengths. Its faces are its boundary, outward. Throws Error(input) for 0 nodes in a direction, a spacing
   // that is not above 0, or more nodes or springs than there are numbers or than fit into memory.
@@ -305,8 +290,8 @@ class Network {
   void add_cut(const Cut& cut);
   void set_gravity(const Vector3& acceleration);  // m/s^2
 
-  [[nodiscard]] const std::vector<Node>& nodes() const noexcept { return nodes_; }
-  [[nodiscard]] const std::vector<Spring>& springs() const noexcept { return springs_; }
+  [[nodiscard]] const NodeList& nodes() const noexcept { return nodes_; }
+  [[nodiscard]] const SpringList& springs() const noexcept { return springs_; }
   [[nodiscard]] const std::vector<Element>& elements() const noexcept { return elements_; }
   [[nodiscard]] const std::vector<Face>& faces() const noexcept { return faces_; }
   [[nodiscard]] const std::vector<Material>& materials() const noexcept { return materials_; }
@@ -341,8 +326,8 @@ class Network {
   template <class PlaneOrInstrument>
   void check_obstacle(std::string_view what, const PlaneOrInstrument& obstacle) const;
 
-  std::vector<Node> nodes_;
-  std::vector<Spring> springs_;
+  NodeList nodes_;
+  SpringList springs_;
   std::vector<Element> elements_;
   std::vector<Face> faces_;
   std::vector<Material> materials_;

@@ -8,9 +8,7 @@ namespace {
 
 constexpr std::size_t no_value = static_cast<std::size_t>(-1);
 
-bool is_same(const Group& group, std::size_t column) noexcept {
-  return column < group.same.size() && group.same[column] != 0;
-}
+bool is_same(const Group& group, std::size_t column) noexcept { return group.is_same(column); }
 
 }  // namespace
 

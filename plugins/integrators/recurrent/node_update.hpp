@@ -167,14 +167,16 @@ class ForceRecord {
   };
 
   void resize(const springnet_network& network) {
-    for (auto* component : {&x_, &y_, &z_}) component->resize(network.node_count);
+    node_count_ = network.node_count;
+    if (!x_.empty()) make_room();
     units_.resize(network.unit_count);
   }
 
   // Sets the forces that those of the first sweep are compared with. For fixed and held nodes, whose `acceleration` is
   // zero, the net force replaces m a.
   void begin(const springnet_network& network, const springnet_const_vectors& force,
-             const springnet_const_vectors& acceleration) noexcept {
+             const springnet_const_vectors& acceleration) {
+    make_room();
     for (std::uint32_t k = 0; k < network.node_count; ++k) {
       const bool is_pinned = network.fixed[k] != 0 || network.held[k] != 0;
       const double m = network.mass[k];
@@ -185,7 +187,8 @@ class ForceRecord {
   }
 
   // Without forces to compare with: the first sweep then records the forces themselves.
-  void begin() noexcept {
+  void begin() {
+    make_room();
     for (auto* component : {&x_, &y_, &z_}) std::fill(component->begin(), component->end(), 0.0);
   }
 
@@ -276,6 +279,12 @@ class ForceRecord {
     }
   }
 
+  // Not before begin(): steps of one sweep compare nothing.
+  void make_room() {
+    for (auto* component : {&x_, &y_, &z_}) component->resize(node_count_);
+  }
+
+  std::size_t node_count_ = 0;
   std::vector<double> x_, y_, z_;  // N, [node_count], m a of the sweep before
   std::vector<Unit> units_;        // [unit_count]
 };

@@ -26,7 +26,6 @@ void Workspace::attach(const springnet_network& network) {
     throw sdk::Failure("the host is older than ABI 1.4, which this integrator needs; update the host");
   record.resize(network);
   internal_rate_.resize(network.internal_count);
-  acceleration_.resize(network.node_count);
   if (network.surface_count > 0 || network.rigid_count > 0) {
     free_acceleration_.resize(network.node_count);
     unconstrained_.resize(network.node_count);
@@ -77,9 +76,9 @@ void Workspace::committed(const Step& step) {
   known_ = revisions(step);  // a change by the commit has a later revision
 }
 
-springnet_state& Workspace::outputs_in_place(Step& step) const noexcept {
+springnet_state& Workspace::outputs_in_place(Step& step) const {
   if (step.outputs == nullptr) {
-    step.outputs = states_[0].get();
+    step.outputs = &state_beside(nullptr);
     copy(sdk::view(step.start.position), step.outputs->position, step.network.node_count);
     copy(sdk::view(step.start.velocity), step.outputs->velocity, step.network.node_count);
   }
@@ -106,6 +105,7 @@ springnet_sweep Workspace::sweep_call(const Step& step, const springnet_state& r
 void Workspace::evaluate(const Step& step, const springnet_state& at) {
   springnet_evaluation evaluation = sdk::evaluation_at(step.until, at);
   evaluation.force = at.force;
+  acceleration_.resize(step.network.node_count);  // not before: single sweeps do without
   evaluation.acceleration = acceleration_.view();
   if (step.constrained()) evaluation.free_acceleration = unconstrained_.view();
   evaluation.internal_rate = step.network.internal_count > 0 ? internal_rate_.data() : nullptr;

@@ -19,8 +19,7 @@ void copy(const springnet_const_vectors& from, const springnet_vectors& to, std:
 
 class Workspace {
  public:
-  explicit Workspace(sdk::Host table)
-      : host(table), states_{table.make_state(), table.make_state(), table.make_state()} {}
+  explicit Workspace(sdk::Host table) : host(table) {}
 
   // Call after every change of network.revision.
   void attach(const springnet_network& network);
@@ -41,14 +40,15 @@ class Workspace {
 
   // A state for outputs other than these two.
   [[nodiscard]] springnet_state& state_beside(const springnet_state* one,
-                                              const springnet_state* other = nullptr) const noexcept {
-    for (const sdk::State& state : states_) {
+                                              const springnet_state* other = nullptr) const {
+    for (sdk::State& state : states_) {
+      if (!state) state = host.make_state();
       if (state.get() != one && state.get() != other) return *state;
     }
     return *states_[0];  // not reached: there are three
   }
   // Outputs for a rule that changes them in place: the newest, or a copy of the start.
-  springnet_state& outputs_in_place(Step& step) const noexcept;
+  springnet_state& outputs_in_place(Step& step) const;
 
   // A sweep from `read` to `write`; without order.
   [[nodiscard]] springnet_sweep sweep_call(const Step& step, const springnet_state& read, const springnet_state& write);
@@ -85,9 +85,9 @@ class Workspace {
  private:
   void find_free_accelerations(const Step& step);
 
-  std::array<sdk::State, 3> states_;
-  Columns free_position_, free_velocity_;  // p*, v*; empty where theta is 1
-  Columns start_acceleration_;             // m/s^2
+  mutable std::array<sdk::State, 3> states_;  // made when first used: a single sweep needs one
+  Columns free_position_, free_velocity_;     // p*, v*; empty where theta is 1
+  Columns start_acceleration_;                // m/s^2
   Columns acceleration_, free_acceleration_, constraint_force_;
   Columns unconstrained_;                // accelerations of the neurons by themselves, m/s^2
   std::vector<std::uint8_t> pinned_;     // [node_count] after residual(), 1: constrained in all coordinates

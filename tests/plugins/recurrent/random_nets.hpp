@@ -89,7 +89,7 @@ inline Network random_net(Random& random, const RandomNet& kind) {
     LawUse spring = random_spring(random, kind);
     materials.push_back(net.add_material({std::move(spring), random_viscosity(random, kind)}));
   }
-  const std::vector<Node>& nodes = net.nodes();
+  const NodeList& nodes = net.nodes();
   for (NodeIndex a = 0; a < kind.nodes; ++a) {
     std::vector<NodeIndex> near;
     for (NodeIndex b = 0; b < kind.nodes; ++b)
