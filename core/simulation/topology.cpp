@@ -9,6 +9,7 @@
 #include "constraints/vectors.hpp"
 #include "layers/elements/queries.hpp"
 #include "layers/springs/queries.hpp"
+#include "layers/springs/rupture.hpp"
 #include "plugin_host/call.hpp"
 #include "plugin_host/message.hpp"
 #include "simulation/linear_model.hpp"
@@ -133,20 +134,32 @@ void Topology::perform_due_cuts() {
 }
 
 springnet_status Topology::perform_due_ruptures() {
-  const Rupturing& some = rupturing();
-  if (some.count() == 0) return SPRINGNET_OK;
-  std::vector<double> margins(some.count());
-  const springnet_status status = this->margins(model_.time, model_.state.nodes(), margins.data());
-  if (status != SPRINGNET_OK) return status;
-  std::vector<std::uint32_t> springs, elements;
-  for (std::size_t i = 0; i < margins.size(); ++i) {
-    if (margins[i] > 0.0) continue;
-    if (i < some.springs.size())
-      springs.push_back(some.springs[i]);
-    else
-      elements.push_back(some.elements[i - some.springs.size()]);
+  const layers::NodeArrays nodes = model_.state.nodes();
+  const InstructionSet set = model_.evaluator.instruction_set();
+  springnet_message& message = model_.journal.message;
+  broken_.clear();
+  springnet_status status = SPRINGNET_OK;
+  if (layers::can_rupture(model_.layout))
+    status = layers::broken_springs(model_.layout, set, model_.evaluator.threads(), model_.time, nodes, broken_, message);
+  std::vector<std::uint32_t> elements;
+  if (status == SPRINGNET_OK && model_.layout.elements().live_count() > 0) {
+    elements = layers::rupturing_elements(model_.layout);
+    std::vector<double> margins(elements.size());
+    status = layers::element_margins(model_.layout, set, model_.time, nodes, elements, margins.data(), message);
+    if (std::any_of(margins.begin(), margins.end(), [](double margin) { return std::isnan(margin); }))
+      status = SPRINGNET_RECOVERABLE;
+    std::size_t kept = 0;
+    for (std::size_t i = 0; i < elements.size(); ++i)
+      if (!(margins[i] > 0.0)) elements[kept++] = elements[i];
+    elements.resize(kept);
   }
-  remove({springs, elements, {}}, Event::Kind::ruptured, model_.time);
+  if (status != SPRINGNET_OK) {
+    // Once more one by one, for a message that names what failed.
+    std::vector<double> margins(rupturing().count());
+    const springnet_status again = this->margins(model_.time, nodes, margins.data());
+    return again == SPRINGNET_OK ? status : again;
+  }
+  if (!broken_.empty() || !elements.empty()) remove({broken_, elements, {}}, Event::Kind::ruptured, model_.time);
   return SPRINGNET_OK;
 }
 

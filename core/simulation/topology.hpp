@@ -61,6 +61,7 @@ class Topology {
   LinearModel& linear_;
   std::vector<ScheduledCut> cuts_;
   std::optional<Rupturing> rupturing_;  // empty: not known
+  std::vector<std::uint32_t> broken_;   // found last; kept for its memory
   std::set<std::uint32_t> torn_loads_;  // that have lost faces
   std::size_t torn_faces_ = 0;
 };
