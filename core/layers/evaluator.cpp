@@ -4,6 +4,7 @@
 #include <omp.h>
 
 #include <algorithm>
+#include <utility>
 
 #include "layers/evaluator.hpp"
 #include "layers/unit_scratch.hpp"
@@ -156,6 +157,13 @@ springnet_status Evaluator::evaluate_unit(std::uint32_t index, const Pass& pass,
   const std::uint32_t head = head_end(index);
   const bool waits = head > unit.first_node && arrivals_[index].load(std::memory_order_acquire) == 0;
   std::uint32_t begun = unit.first_node, filled = unit.first_node;
+  scratch.pending.springs.count = 0;
+  const Tile* before = nullptr;  // whose forces are pending
+  const auto end_before = [&]() -> springnet_status {
+    if (before == nullptr) return SPRINGNET_OK;
+    scatter_pending(scratch);
+    return end_tile(index, *std::exchange(before, nullptr), waits, pass, scratch, message);
+  };
   for (const Tile& tile : unit.tiles) {
     const profile::Tile measured;
     const std::uint32_t ahead = std::min(layout_.node_count(), tile.first_node + std::max(unit.reach, tile_nodes));
@@ -166,16 +174,26 @@ springnet_status Evaluator::evaluate_unit(std::uint32_t index, const Pass& pass,
       kernels_.fill_window(pass.nodes, filled, ahead, scratch.window);
       filled = ahead;
     }
-    springnet_status status = evaluate_tile(unit, tile, pass, scratch, message);
-    if (status != SPRINGNET_OK) return status;
-    const std::uint32_t place = tile.first_node - unit.first_node;
-    const ForceArrays of_tile{force.x + place, force.y + place, force.z + place};
-    if (waits && tile.first_node < head)
-      copy_forces(of_tile, tile.node_count, {head_[index].x + place, head_[index].y + place, head_[index].z + place});
-    else
-      status = finish_tile(index, tile, pass, of_tile, message);
-    if (status != SPRINGNET_OK) return status;
+    for (std::uint32_t s = tile.segment_begin; s < tile.segment_end; ++s) {
+      const Segment& segment = unit.segments[s];
+      if (segment.dead == segment.count) continue;
+      {
+        const profile::Part part("springs");
+        find_geometry(unit, segment, pass.nodes, scratch);
+      }
+      springnet_status status = end_before();
+      if (status != SPRINGNET_OK) return status;
+      const profile::Part part("springs");
+      status = apply_laws(unit, segment, pass.time, scratch, message);
+      if (status != SPRINGNET_OK) return status;
+    }
+    if (const springnet_status status = end_before(); status != SPRINGNET_OK) return status;
+    before = &tile;
+    // The window moves on.
+    if (unit.window > 0)
+      if (const springnet_status status = end_before(); status != SPRINGNET_OK) return status;
   }
+  if (const springnet_status status = end_before(); status != SPRINGNET_OK) return status;
   if (unit.window > 0)
     kernels_.drain_window(scratch.window, unit.end_node(), unit.end_node() + unit.halo, force, unit.first_node);
   copy_forces({force.x + unit.node_count, force.y + unit.node_count, force.z + unit.node_count}, unit.halo,
@@ -208,17 +226,17 @@ void Evaluator::begin_forces(std::uint32_t begin, std::uint32_t end, const Pass&
   }
 }
 
-springnet_status Evaluator::evaluate_tile(const Unit& unit, const Tile& tile, const Pass& pass, UnitScratch& scratch,
-                                          springnet_message& message) const {
-  const profile::Part part("springs");
-  for (std::uint32_t s = tile.segment_begin; s < tile.segment_end; ++s) {
-    const springnet_status status =
-        evaluate_segment(unit, unit.segments[s], pass.time, pass.nodes, scratch, message);
-    if (status != SPRINGNET_OK) return status;
-  }
+springnet_status Evaluator::end_tile(std::uint32_t index, const Tile& tile, bool waits, const Pass& pass,
+                                     UnitScratch& scratch, springnet_message& message) const {
+  const Unit& unit = layout_.units()[index];
+  const ForceArrays& force = scratch.force;
   if (unit.window > 0)
-    kernels_.drain_window(scratch.window, tile.first_node, tile.first_node + tile.node_count, scratch.force,
-                          unit.first_node);
+    kernels_.drain_window(scratch.window, tile.first_node, tile.first_node + tile.node_count, force, unit.first_node);
+  const std::uint32_t place = tile.first_node - unit.first_node;
+  const ForceArrays of_tile{force.x + place, force.y + place, force.z + place};
+  if (!waits || tile.first_node >= head_end(index)) return finish_tile(index, tile, pass, of_tile, message);
+  const ForceArrays& head = head_[index];
+  copy_forces(of_tile, tile.node_count, {head.x + place, head.y + place, head.z + place});
   return SPRINGNET_OK;
 }
 

@@ -117,15 +117,19 @@ class Evaluator {
                                  springnet_message& message) const;
   void begin_forces(std::uint32_t begin, std::uint32_t end, const Pass& pass, const ForceArrays& force,
                     std::uint32_t origin) const;
-  springnet_status evaluate_tile(const Unit& unit, const Tile& tile, const Pass& pass, UnitScratch& scratch,
-                                 springnet_message& message) const;
+  // A tile whose springs have been evaluated, all but the forces that are pending.
+  springnet_status end_tile(std::uint32_t unit, const Tile& tile, bool waits, const Pass& pass, UnitScratch& scratch,
+                            springnet_message& message) const;
   springnet_status finish_tile(std::uint32_t unit, const Tile& tile, const Pass& pass, const ForceArrays& force,
                                springnet_message& message) const;
   [[nodiscard]] std::uint32_t head_end(std::uint32_t unit) const noexcept;
   [[nodiscard]] std::uint32_t head_size(std::uint32_t unit) const noexcept;
   springnet_status arrive_at(std::uint32_t index, const Pass& pass, springnet_message& message) const;
-  springnet_status evaluate_segment(const Unit& unit, const Segment& segment, double time, const NodeArrays& nodes,
-                                    UnitScratch& scratch, springnet_message& message) const;
+  void scatter_pending(UnitScratch& scratch) const noexcept;
+  void find_geometry(const Unit& unit, const Segment& segment, const NodeArrays& nodes,
+                     UnitScratch& scratch) const noexcept;
+  springnet_status apply_laws(const Unit& unit, const Segment& segment, double time, UnitScratch& scratch,
+                              springnet_message& message) const;
 
   // Values, rates and gradients of up to element_batch elements of one invariant.
   void measure(Invariant invariant, const BatchCorners& corners, const NodeArrays& nodes,

@@ -65,6 +65,15 @@ struct Directions {
   const double *x, *y, *z;
 };
 
+// Forces of chunks, for nodes in arrays that begin at node `origin`.
+struct ChunkForces {
+  SegmentSprings springs;
+  const double *value, *value_2;  // N, [slot]
+  Directions n;
+  ForceArrays force;
+  std::uint32_t origin;
+};
+
 struct Kernels {
   void (*lengths)(const SegmentSprings& springs, const NodeArrays& nodes, SegmentGeometry& out);
   void (*lengths_and_rates)(const SegmentSprings& springs, const NodeArrays& nodes, SegmentGeometry& out);
@@ -79,9 +88,14 @@ struct Kernels {
   // that laws meet nothing unusual and such slots exert no force. live: a bit for each slot.
   void (*settle_dead)(const std::uint8_t* live, std::size_t count, std::size_t living, SegmentGeometry& geometry);
   // Subtracts (value + value_2) times the direction from the forces on the first ends and adds it to those on the
-  // second ends. value_2 may be null. Of chunks, in arrays that begin at node `origin`:
-  void (*scatter_chunks)(const SegmentSprings& springs, const double* value, const double* value_2,
-                         const Directions& n, const ForceArrays& force, std::uint32_t origin);
+  // second ends. value_2 may be null. Of chunks:
+  void (*scatter_chunks)(const ChunkForces& forces);
+  // The same, and `lengths` or `lengths_and_rates` of other chunks between: these wait for square roots, those for
+  // memory.
+  void (*scatter_and_lengths)(const ChunkForces& forces, const SegmentSprings& springs, const NodeArrays& nodes,
+                              SegmentGeometry& out);
+  void (*scatter_and_lengths_and_rates)(const ChunkForces& forces, const SegmentSprings& springs,
+                                        const NodeArrays& nodes, SegmentGeometry& out);
   // Of springs by their ends, on the first ends alone:
   void (*scatter_first)(const SegmentSprings& springs, const double* value, const double* value_2, const Directions& n,
                         const ForceArrays& force, std::uint32_t origin);

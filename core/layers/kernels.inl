@@ -81,16 +81,20 @@ template <Reads reads>
 }
 
 template <Reads reads>
+[[gnu::always_inline]] inline void gather_chunk(const Chunk& chunk, const NodeArrays& nodes, SegmentGeometry& out,
+                                                std::size_t at) {
+  const std::size_t a = chunk.first, b = chunk.second;
+  INDEPENDENT_ITERATIONS
+  for (std::size_t i = 0; i < chunk_springs; ++i) element<reads>(nodes, a + i, b + i, out, at + i);
+}
+
+template <Reads reads>
 void gather(const SegmentSprings& springs, const NodeArrays& node_arrays, SegmentGeometry& out) {
   const NodeArrays nodes = node_arrays;
   const std::size_t count = springs.count;
   if (springs.chunks != nullptr) {
-    const Chunk* chunk = springs.chunks;
-    for (std::size_t at = 0; at < count; at += chunk_springs, ++chunk) {
-      const std::size_t a = chunk->first, b = chunk->second;
-      INDEPENDENT_ITERATIONS
-      for (std::size_t i = 0; i < chunk_springs; ++i) element<reads>(nodes, a + i, b + i, out, at + i);
-    }
+    for (std::size_t at = 0; at < count; at += chunk_springs)
+      gather_chunk<reads>(springs.chunks[at / chunk_springs], nodes, out, at);
     return;
   }
   const std::uint32_t* RESTRICT first = springs.first;
@@ -133,76 +137,119 @@ void settle_dead(const std::uint8_t* live, std::size_t count, std::size_t living
   }
 }
 
-// The forces on the nodes of a chunk.
-struct ChunkForces {
-  Eight x, y, z;
+// The forces on the first ends of a chunk, which stay in registers as long as chunks have the same ones.
+class FirstEnds {
+ public:
+  [[gnu::always_inline]] FirstEnds(const ForceArrays& force, std::ptrdiff_t first) : force_(force), first_(first) {
+    load_all();
+  }
+  [[gnu::always_inline]] void move_to(std::ptrdiff_t first) {
+    if (first == first_) return;
+    store_all();
+    first_ = first;
+    load_all();
+  }
+  [[gnu::always_inline]] void subtract(const Eight& x, const Eight& y, const Eight& z) {
+    x_ -= x;
+    y_ -= y;
+    z_ -= z;
+  }
+  [[gnu::always_inline]] void load_all() {
+    load(force_.x + first_, x_);
+    load(force_.y + first_, y_);
+    load(force_.z + first_, z_);
+  }
+  [[gnu::always_inline]] void store_all() const {
+    store(x_, force_.x + first_);
+    store(y_, force_.y + first_);
+    store(z_, force_.z + first_);
+  }
+
+ private:
+  const ForceArrays force_;
+  std::ptrdiff_t first_;
+  Eight x_, y_, z_;
 };
-[[gnu::always_inline]] inline void load(const ForceArrays& force, std::ptrdiff_t at, ChunkForces& to) {
-  load(force.x + at, to.x);
-  load(force.y + at, to.y);
-  load(force.z + at, to.z);
-}
-[[gnu::always_inline]] inline void store(const ChunkForces& from, const ForceArrays& force, std::ptrdiff_t at) {
-  store(from.x, force.x + at);
-  store(from.y, force.y + at);
-  store(from.z, force.z + at);
+
+[[gnu::always_inline]] inline void add_to(const Eight& force, double* at) {
+  Eight there;
+  load(at, there);
+  there += force;
+  store(there, at);
 }
 
-// Those on the first ends stay in registers as long as chunks have the same ones.
+// Forces of the chunk whose slots begin at `at`. first: place of its first ends in the arrays.
 template <bool has_2>
-[[gnu::always_inline]] inline void scatter_chunks_of(const SegmentSprings& springs, const double* t1, const double* t2,
-                                                     const Directions& n, const ForceArrays& arrays,
-                                                     std::uint32_t origin) {
-  if (springs.count == 0) return;
-  const ForceArrays force = arrays;
-  const double *nx = n.x, *ny = n.y, *nz = n.z;
-  const Chunk* chunk = springs.chunks;
-  const std::size_t count = springs.count;
-  // A chunk at the end of a net may begin before the first node.
-  std::ptrdiff_t first = std::ptrdiff_t{chunk->first} - origin;
-  ChunkForces own;
-  load(force, first, own);
-  for (std::size_t at = 0; at < count; at += chunk_springs, ++chunk) {
-    const std::ptrdiff_t a = std::ptrdiff_t{chunk->first} - origin, b = std::ptrdiff_t{chunk->second} - origin;
-    if (a != first) {
-      store(own, force, first);
-      first = a;
-      load(force, first, own);
-    }
-    Eight value, x, y, z;
-    load(t1 + at, value);
-    if constexpr (has_2) {
-      Eight other;
-      load(t2 + at, other);
-      value += other;
-    }
-    load(nx + at, x);
-    load(ny + at, y);
-    load(nz + at, z);
-    x *= value;
-    y *= value;
-    z *= value;
-    own.x -= x;
-    own.y -= y;
-    own.z -= z;
-    const bool overlaps = b - a < std::ptrdiff_t{chunk_springs};
-    if (overlaps) store(own, force, first);
-    ChunkForces other_ends;
-    load(force, b, other_ends);
-    other_ends.x += x;
-    other_ends.y += y;
-    other_ends.z += z;
-    store(other_ends, force, b);
-    if (overlaps) load(force, first, own);
+[[gnu::always_inline]] inline void scatter_chunk(const ChunkForces& forces, std::size_t at, std::ptrdiff_t first,
+                                                 FirstEnds& own) {
+  Eight value, x, y, z;
+  load(forces.value + at, value);
+  if constexpr (has_2) {
+    Eight other;
+    load(forces.value_2 + at, other);
+    value += other;
   }
-  store(own, force, first);
+  load(forces.n.x + at, x);
+  load(forces.n.y + at, y);
+  load(forces.n.z + at, z);
+  x *= value;
+  y *= value;
+  z *= value;
+  own.move_to(first);
+  own.subtract(x, y, z);
+  const std::ptrdiff_t second = std::ptrdiff_t{forces.springs.chunks[at / chunk_springs].second} - forces.origin;
+  const bool overlaps = second - first < std::ptrdiff_t{chunk_springs};
+  if (overlaps) own.store_all();
+  add_to(x, forces.force.x + second);
+  add_to(y, forces.force.y + second);
+  add_to(z, forces.force.z + second);
+  if (overlaps) own.load_all();
 }
-void scatter_chunks(const SegmentSprings& springs, const double* value, const double* value_2, const Directions& n,
-                    const ForceArrays& force, std::uint32_t origin) {
-  if (value_2 == nullptr)
-    scatter_chunks_of<false>(springs, value, value_2, n, force, origin);
+// A chunk at the end of a net may begin before the first node.
+[[gnu::always_inline]] inline std::ptrdiff_t first_of(const ChunkForces& forces, std::size_t at) {
+  return std::ptrdiff_t{forces.springs.chunks[at / chunk_springs].first} - forces.origin;
+}
+
+template <bool has_2>
+[[gnu::always_inline]] inline void scatter_from(const ChunkForces& forces, std::size_t begin, FirstEnds& own) {
+  for (std::size_t at = begin; at < forces.springs.count; at += chunk_springs)
+    scatter_chunk<has_2>(forces, at, first_of(forces, at), own);
+}
+void scatter_chunks(const ChunkForces& given) {
+  const ChunkForces forces = given;
+  if (forces.springs.count == 0) return;
+  FirstEnds own(forces.force, first_of(forces, 0));
+  if (forces.value_2 == nullptr)
+    scatter_from<false>(forces, 0, own);
   else
-    scatter_chunks_of<true>(springs, value, value_2, n, force, origin);
+    scatter_from<true>(forces, 0, own);
+  own.store_all();
+}
+
+template <Reads reads, bool has_2>
+[[gnu::always_inline]] inline void scatter_and_gather_of(const ChunkForces& forces, const SegmentSprings& springs,
+                                                         const NodeArrays& nodes, SegmentGeometry& out) {
+  FirstEnds own(forces.force, first_of(forces, 0));
+  const std::size_t both = springs.count < forces.springs.count ? springs.count : forces.springs.count;
+  std::size_t at = 0;
+  for (; at < both; at += chunk_springs) {
+    gather_chunk<reads>(springs.chunks[at / chunk_springs], nodes, out, at);
+    scatter_chunk<has_2>(forces, at, first_of(forces, at), own);
+  }
+  scatter_from<has_2>(forces, at, own);
+  own.store_all();
+  for (; at < springs.count; at += chunk_springs)
+    gather_chunk<reads>(springs.chunks[at / chunk_springs], nodes, out, at);
+}
+template <Reads reads>
+void scatter_and_gather(const ChunkForces& given, const SegmentSprings& springs, const NodeArrays& node_arrays,
+                        SegmentGeometry& out) {
+  const ChunkForces forces = given;
+  const NodeArrays nodes = node_arrays;
+  if (forces.value_2 == nullptr)
+    scatter_and_gather_of<reads, false>(forces, springs, nodes, out);
+  else
+    scatter_and_gather_of<reads, true>(forces, springs, nodes, out);
 }
 
 // Forces of springs, [component][spring].
@@ -354,6 +401,8 @@ const Kernels& kernels() {
                                  measure<Reads::relative_speed>,
                                  settle_dead,
                                  scatter_chunks,
+                                 scatter_and_gather<Reads::length>,
+                                 scatter_and_gather<Reads::length_and_rate>,
                                  scatter_first,
                                  scatter_window,
                                  subtract_window,

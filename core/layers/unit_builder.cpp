@@ -14,6 +14,8 @@ constexpr std::size_t common_chunk = 4;
 // About what a chunk and a spring read through indices cost, and what a unit with such springs costs more for a node
 // and for a tile: cycles.
 constexpr std::size_t chunk_cost = 50, listed_cost = 16, window_cost = 12, call_cost = 300;
+// Slots of a segment of chunks: the cache has to hold two at a time.
+constexpr std::size_t most_chunk_slots = 256;
 // Springs of a tile with equal parameters that make a segment of their own, whose law reads one value per parameter.
 // In a net that the caches hold, a call of a law costs more than reading values.
 constexpr std::size_t smallest_uniform = 24, smallest_uniform_of_small_net = 192, small_net = 4096;
@@ -206,7 +208,7 @@ void UnitBuilder::add_chunks(const Set& set) {
   for (std::size_t p = set.piece_begin; p < set.piece_end; ++p) {
     const Piece& piece = pieces_[p];
     if (!is_chunk(piece)) continue;
-    if (is_open && slots_.size() == max_segment) {
+    if (is_open && slots_.size() == most_chunk_slots) {
       end_segment();
       is_open = false;
     }

@@ -9,7 +9,15 @@
 namespace springnet::layers {
 
 struct UnitScratch {
-  SegmentGeometry geometry;  // not initialised: written before it is read
+  // Of a segment, and of the one before, whose forces may have yet to reach the nodes. Not initialised: written before
+  // they are read.
+  struct Springs {
+    SegmentGeometry geometry;
+    alignas(64) double force[2][max_segment];  // [law] N
+  };
+  Springs springs[2];
+  unsigned turn = 0;  // which is of this segment
+  ChunkForces pending{};  // of that before; no springs: none
   alignas(64) double changes[6][max_segment];
   Window window{};
   // N, on nodes of the unit and its halo, from its first node on.

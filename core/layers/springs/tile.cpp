@@ -7,44 +7,73 @@
 namespace springnet::layers {
 namespace {
 
-void find_geometry(const Kernels& kernels, const Unit& unit, const Segment& segment, const Group& group,
-                   const NodeArrays& nodes, UnitScratch& scratch) {
-  const SegmentSprings springs = unit.springs_of(segment);
-  SegmentGeometry& geometry = scratch.geometry;
-  const bool rates = group.spring.reads_rate || group.viscosity.reads_rate;
-  const bool lengths = (group.spring && !group.spring.relative) || (group.viscosity && !group.viscosity.relative);
-  const bool speeds = group.spring.relative || group.viscosity.relative;
-  if (segment.access == Access::near) {
-    kernels.subtract_window(springs, scratch.window, scratch.changes);
-    const auto& c = scratch.changes;
-    const EndChanges changes{c[0], c[1], c[2], c[3], c[4], c[5]};
-    if (rates)
-      kernels.lengths_and_rates_of(changes, segment.count, geometry);
-    else if (lengths)
-      kernels.lengths_of(changes, segment.count, geometry);
-    if (speeds) kernels.relative_speeds_of(changes, segment.count, geometry);
-  } else {
-    if (rates)
-      kernels.lengths_and_rates(springs, nodes, geometry);
-    else if (lengths)
-      kernels.lengths(springs, nodes, geometry);
-    if (speeds) kernels.relative_speeds(springs, nodes, geometry);
-  }
-  if (segment.dead > 0)
-    kernels.settle_dead(unit.live_in(segment), segment.count, segment.living, geometry);
+struct Wanted {
+  bool lengths, rates, speeds;
+  explicit Wanted(const Group& group) noexcept
+      : lengths((group.spring && !group.spring.relative) || (group.viscosity && !group.viscosity.relative)),
+        rates(group.spring.reads_rate || group.viscosity.reads_rate),
+        speeds(group.spring.relative || group.viscosity.relative) {}
+};
+
+void find_by_window(const Kernels& kernels, const SegmentSprings& springs, const Wanted& wanted, UnitScratch& scratch,
+                    SegmentGeometry& geometry) {
+  kernels.subtract_window(springs, scratch.window, scratch.changes);
+  const auto& c = scratch.changes;
+  const EndChanges changes{c[0], c[1], c[2], c[3], c[4], c[5]};
+  if (wanted.rates)
+    kernels.lengths_and_rates_of(changes, springs.count, geometry);
+  else if (wanted.lengths)
+    kernels.lengths_of(changes, springs.count, geometry);
+  if (wanted.speeds) kernels.relative_speeds_of(changes, springs.count, geometry);
+}
+
+void find_by_arrays(const Kernels& kernels, const SegmentSprings& springs, const Wanted& wanted,
+                    const NodeArrays& nodes, SegmentGeometry& geometry) {
+  if (wanted.rates)
+    kernels.lengths_and_rates(springs, nodes, geometry);
+  else if (wanted.lengths)
+    kernels.lengths(springs, nodes, geometry);
+  if (wanted.speeds) kernels.relative_speeds(springs, nodes, geometry);
 }
 
 }  // namespace
 
-springnet_status Evaluator::evaluate_segment(const Unit& unit, const Segment& segment, double time,
-                                             const NodeArrays& nodes, UnitScratch& scratch,
-                                             springnet_message& message) const {
-  if (segment.dead == segment.count) return SPRINGNET_OK;
-  const Group& group = layout_.laws().groups[segment.group];
-  find_geometry(kernels_, unit, segment, group, nodes, scratch);
+void Evaluator::scatter_pending(UnitScratch& scratch) const noexcept {
+  if (scratch.pending.springs.count == 0) return;
+  kernels_.scatter_chunks(scratch.pending);
+  scratch.pending.springs.count = 0;
+}
 
-  alignas(64) double force_of[2][max_segment];  // [law]
-  const SegmentGeometry& g = scratch.geometry;
+// The forces of the segment before reach the nodes meanwhile, at the latest.
+void Evaluator::find_geometry(const Unit& unit, const Segment& segment, const NodeArrays& nodes,
+                              UnitScratch& scratch) const noexcept {
+  const Wanted wanted(layout_.laws().groups[segment.group]);
+  const SegmentSprings springs = unit.springs_of(segment);
+  scratch.turn ^= 1u;
+  SegmentGeometry& geometry = scratch.springs[scratch.turn].geometry;
+  const bool is_pending = scratch.pending.springs.count > 0;
+  if (is_pending && segment.access == Access::chunks && wanted.lengths && !wanted.speeds) {
+    if (wanted.rates)
+      kernels_.scatter_and_lengths_and_rates(scratch.pending, springs, nodes, geometry);
+    else
+      kernels_.scatter_and_lengths(scratch.pending, springs, nodes, geometry);
+    scratch.pending.springs.count = 0;
+  } else {
+    scatter_pending(scratch);
+    if (segment.access == Access::near)
+      find_by_window(kernels_, springs, wanted, scratch, geometry);
+    else
+      find_by_arrays(kernels_, springs, wanted, nodes, geometry);
+  }
+  if (segment.dead > 0) kernels_.settle_dead(unit.live_in(segment), segment.count, segment.living, geometry);
+}
+
+// After find_geometry(). Forces along the springs of chunks are pending afterwards.
+springnet_status Evaluator::apply_laws(const Unit& unit, const Segment& segment, double time, UnitScratch& scratch,
+                                       springnet_message& message) const {
+  const Group& group = layout_.laws().groups[segment.group];
+  const SegmentGeometry& g = scratch.springs[scratch.turn].geometry;
+  double(&force_of)[2][max_segment] = scratch.springs[scratch.turn].force;
   const PairOutputs out{LawOutputs{force_of[0]}, LawOutputs{force_of[1]}};
   springnet_status status = SPRINGNET_OK;
   if (segment.row == mixed_rows) {
@@ -61,7 +90,9 @@ springnet_status Evaluator::evaluate_segment(const Unit& unit, const Segment& se
   const auto scatter = [&](const double* value, const double* value_2, const Directions& directions) {
     switch (segment.access) {
       case Access::chunks:
-        return kernels_.scatter_chunks(springs, value, value_2, directions, scratch.force, unit.first_node);
+        scatter_pending(scratch);
+        scratch.pending = {springs, value, value_2, directions, scratch.force, unit.first_node};
+        return;
       case Access::near:
         return kernels_.scatter_window(springs, value, value_2, directions, scratch.window);
       case Access::far:
