@@ -55,6 +55,7 @@ TEST_CASE("functions are within their bounds at powers of two, multiples of pi/4
                            711.0,
                            745.13321910194,
                            746.0,
+                           0x1p15,
                            0x1p23,
                            0x1p52,
                            0x1p53,

@@ -45,9 +45,9 @@ std::vector<Function> make_functions() {
   SPRINGNET_FUNCTION(log10, 2, {0.5, 2}, {0, 1000}, {tiny, huge, true});
   SPRINGNET_FUNCTION(sqrt, 0.5, {0, 4}, {tiny, huge, true});
   SPRINGNET_FUNCTION(cbrt, 2, {1, 8}, {tiny, huge, true, true});
-  SPRINGNET_FUNCTION(sin, 2, {-4, 4}, {-8.4e6, 8.4e6}, {tiny, huge, true, true});
-  SPRINGNET_FUNCTION(cos, 2, {-4, 4}, {-8.4e6, 8.4e6}, {tiny, huge, true, true});
-  SPRINGNET_FUNCTION(tan, 2, {-4, 4}, {-8.4e6, 8.4e6}, {tiny, huge, true, true});
+  SPRINGNET_FUNCTION(sin, 2, {-4, 4}, {-33000, 33000}, {tiny, huge, true, true});
+  SPRINGNET_FUNCTION(cos, 2, {-4, 4}, {-33000, 33000}, {tiny, huge, true, true});
+  SPRINGNET_FUNCTION(tan, 2, {-4, 4}, {-33000, 33000}, {tiny, huge, true, true});
   SPRINGNET_FUNCTION(asin, 2, {-1, 1}, {tiny, 1, true, true});
   SPRINGNET_FUNCTION(acos, 2, {-1, 1}, {tiny, 1, true, true});
   SPRINGNET_FUNCTION(atan, 2, {-4, 4}, {tiny, huge, true, true});

@@ -20,8 +20,8 @@ struct PowerViscosity : ViscosityFunction {
       number("linear_below", "m/s", "exponents below 1: rate under which the force is linear").above(0).preset(1e-6)};
 
   static auto force(const auto& e, const auto& p) {
-    // 1e-300: 0^(exponent - 1) may have no derivative; this one is finite and is multiplied by u = 0.
-    const auto least = p[exponent] < 1.0 ? p[linear_below] : 1e-300;
+    // 1e-307: 0^(exponent - 1) may have no derivative; this one is finite and is multiplied by u = 0.
+    const auto least = p[exponent] < 1.0 ? p[linear_below] : 1e-307;
     return p[damping] * e.rate * quick_pow(max(abs(e.rate), least), p[exponent] - 1.0);
   }
 };

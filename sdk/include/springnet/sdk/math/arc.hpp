@@ -90,8 +90,8 @@ inline constexpr double quarter_pi = 0x1.921fb54442d18p-1, quarter_pi_rest = 0x1
   const double bounded_y = height == infinity ? 0x1p1020 : height, bounded_x = width == infinity ? 0x1p1020 : width;
   // Two infinities are as two equal numbers; beside one, all else is as 0. (0, 0) is as (1, 0) or (-1, 0).
   const bool infinite = (width == infinity) | (height == infinity);
-  const double b = infinite & (height != infinity) ? 0.0 : bounded_y;
-  const double a = infinite & (width != infinity) ? 0.0 : bounded_x;
+  const double b = (infinite & (height != infinity)) ? 0.0 : bounded_y;
+  const double a = (infinite & (width != infinity)) ? 0.0 : bounded_x;
   const double result = plane_angle(b * scale, with_sign(b == 0.0 ? 1.0 : a * scale, x));
   return x == x && y == y ? with_sign(result, y) : nan;
 }

@@ -51,7 +51,7 @@ namespace detail {
 
 [[nodiscard]] SPRINGNET_INLINE double sqrt(double x) { return __builtin_sqrt(x); }
 
-// Within 1.2 ulp; specials as in C. x^y = 2^(y log2 |x|), the product to 2^-53, and the sign. Specials are cases of the
+// Within 1.3 ulp; specials as in C. x^y = 2^(y log2 |x|), the product to 2^-53, and the sign. Specials are cases of the
 // exponent y log2 |x|: large for x = 0 or infinite, nan for a negative x and a y that is no integer. What depends on y
 // alone is arithmetic: in a loop with one y conditions on it would be the same for all elements, and GCC 12 does not
 // vectorise selects by such conditions.
@@ -97,7 +97,7 @@ namespace detail {
   return exp2_of_fraction(bounded - k.value) * from_bits((k.bits + 1023) << 52);
 }
 
-// Within 1.1 ulp. x = 2^3q m with m in [1, 8); a polynomial, which interpolates the root on [1, 2] to 2^-19, times
+// Within 1.0 ulp. x = 2^3q m with m in [1, 8); a polynomial, which interpolates the root on [1, 2] to 2^-19, times
 // 1, 2^1/3 or 2^2/3, then a step of Halley's method.
 [[nodiscard]] SPRINGNET_INLINE double cbrt(double x) {
   using namespace detail;

@@ -1,36 +1,37 @@
 // Angles less the nearest multiple of 90 degrees, for sin, cos and tan.
 #pragma once
 
+#include <cstddef>
+#include <cstdint>
 #include <initializer_list>
 
 #include <springnet/sdk/math/number.hpp>
 
 namespace springnet::sdk::detail {
 
-// An angle less `quarters` right angles, in [-pi/4, pi/4], as r and the error of its rounding. Only the lowest two bits
-// of `quarters` count.
+// An angle less `quarters` right angles, in [-pi/4, pi/4], as r - excess: r is the difference rounded. Only the lowest
+// two bits of `quarters` count. A zero angle has r with its sign and the excess +0.
 struct ReducedAngle {
   std::uint64_t quarters;
-  double r, rest;
+  double r, excess;
 };
 
-// Up to here right angles are subtracted as they are below.
-inline constexpr double largest_ordinary_angle = 0x1p23;
+// Up to here right angles are subtracted as follows; larger ones are folded first.
+inline constexpr double largest_ordinary_angle = 0x1p15;
 
-// pi/2 is the sum of three numbers of 30 bits, whose products with an integer below 2^23 are exact, and a fourth one:
-// 143 bits. The rounding errors of the differences are kept. Near a multiple of pi/2, where at most 60 bits cancel, r
-// has all its bits.
+// pi/2 is the sum of two numbers of 38 bits, whose products with an integer below 2^15 are exact, and a third one: 129
+// bits. x - k part[0] is exact; what the next difference loses is kept. Near a multiple of pi/2, where at most 58 bits
+// cancel, r has all its bits.
 [[nodiscard]] SPRINGNET_INLINE ReducedAngle reduced_ordinary_angle(double x) {
   constexpr double two_over_pi = 0x1.45f306dc9c883p-1;
-  constexpr double part[] = {0x1.921fb54000000p+0, 0x1.10b4611800000p-30, 0x1.313198a000000p-61, 0x1.701b839a25205p-92};
+  constexpr double part[] = {0x1.921fb54440000p+0, 0x1.68c234c4c0000p-39, 0x1.98a2e03707345p-77};
   const Rounded k = rounded(x * two_over_pi);
-  const Sum first = exact_sum(x - k.value * part[0], -(k.value * part[1]));
-  const Sum second = exact_sum(first.high, -(k.value * part[2]));
-  const Sum result = ordered_sum(second.high, (second.low + first.low) - k.value * part[3]);
-  return {k.bits, result.high, result.low};
+  const double first = x - k.value * part[0], product = k.value * part[1], second = first - product;
+  const double low = (product - (first - second)) + k.value * part[2], r = second - low;
+  return {k.bits, r, (r - second) + low};
 }
 
-// The same for any angle from 2^23 on, after M. H. Payne and R. N. Hanek, Radian reduction for trigonometric functions,
+// The same for any angle from 2^15 on, after M. H. Payne and R. N. Hanek, Radian reduction for trigonometric functions,
 // ACM SIGNUM Newsletter 18 (1983) 19-24: the product of the 53 bits of x with those 192 bits of 2/pi that matter. Bits
 // of 2/pi before them give multiples of 2 pi, those after them less than 2^-75 of r, since at most 62 bits cancel.
 [[nodiscard]] inline ReducedAngle reduced_huge_angle(double x) {
@@ -79,13 +80,111 @@ inline constexpr double largest_ordinary_angle = 0x1p23;
   const double r = turn.high * half_pi;
   const double rest =
       ((a * b - r) + (a * b_rest + a_rest * b)) + a_rest * b_rest + turn.high * half_pi_rest + turn.low * half_pi;
-  const bool below = negative != (x < 0.0);
-  return {x < 0.0 ? 0 - quarters : quarters, below ? -r : r, below ? -rest : rest};
+  const Sum angle = ordered_sum(r, rest);
+  const double sign = negative != (x < 0.0) ? -1.0 : 1.0;
+  return {x < 0.0 ? 0 - quarters : quarters, sign * angle.high, -sign * angle.low};
 }
 
+// An angle as one double: itself up to `largest_ordinary_angle`, else r 2^(256 quarters), quarters from 0 to 3, with
+// |r| above 2^-65.
+struct FoldedAngle {
+  static constexpr bool ordinary_is_zero = false;
+  [[nodiscard]] static double of_huge(double x) {
+    const ReducedAngle angle = reduced_huge_angle(x);
+    return angle.r * from_bits(one_bits + ((angle.quarters & 3) << 60));
+  }
+};
+// The excess that belongs to r.
+struct FoldedExcess {
+  static constexpr bool ordinary_is_zero = true;
+  [[nodiscard]] static double of_huge(double x) { return reduced_huge_angle(x).excess; }
+};
+template <class Fold>
+[[nodiscard]] SPRINGNET_INLINE double fold(double x) {
+  const bool huge = magnitude(x) > largest_ordinary_angle && magnitude(x) < infinity;
+  return __builtin_expect(static_cast<long>(huge), 0) != 0 ? Fold::of_huge(x) : (Fold::ordinary_is_zero ? 0.0 : x);
+}
+
+}  // namespace springnet::sdk::detail
+
+// Folding is the one thing in sdk/math.hpp that has a branch. For GCC it is a function with variants for vectors, so
+// that loops that call it vectorise: in a vector there are only ordinary angles but in rare cases, and the variants
+// then return at once. Their names are those of the vector function ABI of x86-64
+// (https://sourceware.org/glibc/wiki/libmvec), by which GCC calls them. They are emitted wherever this header is
+// included, since GCC calls them after it has decided which functions are used. Other compilers inline the branch, and
+// do not vectorise these loops.
+#if defined(__GNUC__) && !defined(__clang__) && defined(__x86_64__)
+extern "C" {
+[[nodiscard, gnu::simd("notinbranch"), gnu::const]] double springnet_folded_angle(double x) noexcept;
+[[nodiscard, gnu::simd("notinbranch"), gnu::const]] double springnet_folded_excess(double x) noexcept;
+}
+
+namespace springnet::sdk::detail {
+
+template <class Number, std::size_t count>
+struct VectorOf {
+  using Type [[gnu::vector_size(count * sizeof(Number))]] = Number;
+};
+template <std::size_t count>
+using Angles = typename VectorOf<double, count>::Type;
+
+template <class Fold>
+[[gnu::noinline, gnu::cold]] void fold_each(double* x, std::size_t count) {
+  for (std::size_t i = 0; i < count; ++i) x[i] = fold<Fold>(x[i]);
+}
+template <class Fold, std::size_t count>
+SPRINGNET_INLINE void fold_all(Angles<count>& x) {
+  using Bits = typename VectorOf<std::uint64_t, count>::Type;
+  // The highest bit is set if an angle is above the limit.
+  const Bits above = (reinterpret_cast<Bits>(x) & ~sign_bit) + (~sign_bit - bits_of(largest_ordinary_angle));
+  std::uint64_t any = 0;
+  for (std::size_t i = 0; i < count; ++i) any |= above[i];
+  if (__builtin_expect(static_cast<long>(any >> 63), 0) == 0) {
+    if constexpr (Fold::ordinary_is_zero) x = Angles<count>{};
+    return;
+  }
+  double each[count];
+  for (std::size_t i = 0; i < count; ++i) each[i] = x[i];
+  fold_each<Fold>(each, count);
+  for (std::size_t i = 0; i < count; ++i) x[i] = each[i];
+}
+#define SPRINGNET_VARIANT(name, Fold, Vector, symbol, ...) \
+  __VA_ARGS__ inline Vector name(Vector x) asm(symbol);    \
+  [[gnu::used]] __VA_ARGS__ inline Vector name(Vector x) { \
+    fold_all<Fold, sizeof x / sizeof(double)>(x);          \
+    return x;                                              \
+  }
+#define SPRINGNET_VARIANTS(name, Fold, symbol)                                                 \
+  inline double name(double x) asm(symbol);                                                    \
+  [[gnu::used]] inline double name(double x) { return fold<Fold>(x); }                         \
+  SPRINGNET_VARIANT(name##_sse2, Fold, Angles<2>, "_ZGVbN2v_" symbol)                          \
+  SPRINGNET_VARIANT(name##_avx, Fold, Angles<4>, "_ZGVcN4v_" symbol, [[gnu::target("avx")]])   \
+  SPRINGNET_VARIANT(name##_avx2, Fold, Angles<4>, "_ZGVdN4v_" symbol, [[gnu::target("avx2")]]) \
+  SPRINGNET_VARIANT(name##_avx512, Fold, Angles<8>, "_ZGVeN8v_" symbol, [[gnu::target("avx512f")]])
+SPRINGNET_VARIANTS(folded_angle, FoldedAngle, "springnet_folded_angle")
+SPRINGNET_VARIANTS(folded_excess, FoldedExcess, "springnet_folded_excess")
+#undef SPRINGNET_VARIANTS
+#undef SPRINGNET_VARIANT
+
+}  // namespace springnet::sdk::detail
+#else
+namespace springnet::sdk::detail {
+[[nodiscard]] SPRINGNET_INLINE double springnet_folded_angle(double x) { return fold<FoldedAngle>(x); }
+[[nodiscard]] SPRINGNET_INLINE double springnet_folded_excess(double x) { return fold<FoldedExcess>(x); }
+}  // namespace springnet::sdk::detail
+#endif
+
+namespace springnet::sdk::detail {
+
+// For huge angles the excess is 0, and r has the error of a rounding.
 [[nodiscard]] SPRINGNET_INLINE ReducedAngle reduced_angle(double x) {
-  if (magnitude(x) > largest_ordinary_angle && magnitude(x) < infinity) return reduced_huge_angle(x);
-  return reduced_ordinary_angle(x);
+  const double folded = springnet_folded_angle(x);
+  const std::uint64_t bits = bits_of(folded);
+  // In the exponent of a folded angle plus 66 the bits 256 and 512 are its quarters; ordinary angles have none.
+  const std::uint64_t shift = (bits + (std::uint64_t{66} << 52)) & (std::uint64_t{0x300} << 52);
+  const std::uint64_t scale = magnitude(folded) > 0x1p100 ? shift : 0;
+  const ReducedAngle angle = reduced_ordinary_angle(from_bits(bits - scale));
+  return {angle.quarters + (scale >> 60), angle.r, angle.excess};
 }
 
 }  // namespace springnet::sdk::detail
