@@ -17,6 +17,7 @@ Contact::Contact(const Network& network, const std::vector<std::uint32_t>& user_
   fixed_.resize(nodes);
   for (std::size_t k = 0; k < nodes; ++k) fixed_[k] = network.nodes()[user_number[k]].fixed ? 1 : 0;
   constrained_ = status_ = fixed_;  // SPRINGNET_PRESCRIBED is 1
+  any_fixed_ = std::find(fixed_.begin(), fixed_.end(), 1) != fixed_.end();
   held_.assign(nodes, 0);
   touching_.assign(nodes, 0);
   if (obstacles_.empty()) return;
@@ -111,6 +112,7 @@ void Contact::update_status(std::uint32_t node) noexcept {
 
 void Contact::set_fixed(std::uint32_t node, bool fixed) {
   fixed_[node] = fixed ? 1 : 0;
+  any_fixed_ = any_fixed_ || fixed;
   if (fixed) release(node);
   refresh(node);
 }

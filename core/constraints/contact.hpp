@@ -265,6 +265,7 @@ class Contact {
   mutable std::shared_ptr<const Placement> cached_placement_;  // null: none
   std::shared_ptr<const Placement> start_;                     // of the step
   double rest_speed_ = 0.0;
+  bool any_fixed_ = false;  // or was
   std::vector<std::uint8_t> fixed_, held_, touching_, constrained_, status_;
   static constexpr Touch no_touch{};
   // All empty without surfaces.

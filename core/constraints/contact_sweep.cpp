@@ -145,6 +145,7 @@ void Contact::constrain(const Placement& end, std::uint32_t first, std::uint32_t
                         const std::uint32_t* cluster, const Vector3* read) {
   // Without surfaces only fixed nodes are constrained, and the others have no contact force to report.
   const bool free_stay_free = obstacles_.empty() && sweep.constraint_force.x == nullptr;
+  if (free_stay_free && !any_fixed_) return;
   for (std::uint32_t k = first; k < first + count; ++k) {
     if (free_stay_free && fixed_[k] == 0) continue;
     if (constrain_fixed(end, k, sweep)) continue;

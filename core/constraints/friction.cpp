@@ -7,6 +7,8 @@
 #include <limits>
 #include <numbers>
 
+#include <springnet/sdk/math.hpp>
+
 #include "constraints/least_squares.hpp"
 
 namespace springnet {
@@ -50,7 +52,7 @@ Eigen::Matrix3d friction_by_velocity(double strength, const Vector3& slip, const
 std::optional<Vector3> find_direction(const Vector3& n, const Vector3& start,
                                       const std::function<double(const Vector3&)>& residual) {
   const Vector3 across = n.cross(start);
-  const auto at = [&](double angle) { return Vector3(std::cos(angle) * start + std::sin(angle) * across); };
+  const auto at = [&](double angle) { return Vector3(sdk::cos(angle) * start + sdk::sin(angle) * across); };
   constexpr int max_iterations = 40;
   constexpr double first = 1e-3, longest = 0.5;  // rad
   double before = 0.0, value_before = residual(start), angle = value_before == 0.0 ? 0.0 : first;
@@ -121,7 +123,7 @@ ContactResponse solve_contact(const Eigen::Matrix3d& mobility, const Vector3& re
   if (const std::optional<Vector3> near = find_direction(n, t, across); near && fits(*near)) return with(*near);
   constexpr int directions = 128;
   const Vector3 e = n.unitOrthogonal();
-  const double step = 2.0 * std::numbers::pi / directions, cosine = std::cos(step), sine = std::sin(step);
+  const double step = 2.0 * std::numbers::pi / directions, cosine = sdk::cos(step), sine = sdk::sin(step);
   Vector3 low = e;
   double value = across(low);
   for (int i = 0; i < directions; ++i) {

@@ -16,6 +16,12 @@ namespace {
 
 constexpr std::size_t springs_in_an_element = 4;  // by the time that its evaluation takes
 
+void copy_forces(const ForceArrays& from, std::size_t count, const ForceArrays& to) noexcept {
+  std::copy_n(from.x, count, to.x);
+  std::copy_n(from.y, count, to.y);
+  std::copy_n(from.z, count, to.z);
+}
+
 }  // namespace
 
 unsigned useful_threads(unsigned wanted, std::size_t springs, std::size_t units) {
@@ -70,13 +76,19 @@ void Evaluator::prepare_units() const {
       shares_[t].end = static_cast<std::uint32_t>(units.size() * (t + 1) / threads_);
     }
     std::size_t size = 0;
-    for (const Unit& unit : units) size += 3 * std::size_t{unit.halo};
+    for (std::uint32_t u = 0; u < units.size(); ++u) size += 3 * (std::size_t{units[u].halo} + head_size(u));
     halo_memory_.resize(size);
-    halo_.clear();
     double* next = halo_memory_.data();
-    for (const Unit& unit : units) {
-      halo_.push_back({next, next + unit.halo, next + 2 * std::size_t{unit.halo}});
-      next += 3 * std::size_t{unit.halo};
+    const auto take = [&next](std::size_t count) {
+      const ForceArrays arrays{next, next + count, next + 2 * count};
+      next += 3 * count;
+      return arrays;
+    };
+    halo_.clear();
+    head_.clear();
+    for (std::uint32_t u = 0; u < units.size(); ++u) {
+      halo_.push_back(take(units[u].halo));
+      head_.push_back(take(head_size(u)));
     }
     revision_ = layout_.revision();
   }
@@ -138,8 +150,8 @@ springnet_status Evaluator::evaluate(double time, const NodeArrays& nodes, const
 springnet_status Evaluator::evaluate_unit(std::uint32_t index, const Pass& pass, UnitScratch& scratch,
                                           springnet_message& message) const {
   const Unit& unit = layout_.units()[index];
-  const ForceArrays& halo = halo_[index];
-  std::fill_n(halo.x, 3 * std::size_t{unit.halo}, 0.0);
+  const ForceArrays& force = scratch.force;
+  for (double* of : {force.x, force.y, force.z}) std::fill_n(of + unit.node_count, unit.halo, 0.0);
   scratch.open_window(unit);
   const std::uint32_t head = head_end(index);
   const bool waits = head > unit.first_node && arrivals_[index].load(std::memory_order_acquire) == 0;
@@ -148,65 +160,72 @@ springnet_status Evaluator::evaluate_unit(std::uint32_t index, const Pass& pass,
     const profile::Tile measured;
     const std::uint32_t ahead = std::min(layout_.node_count(), tile.first_node + std::max(unit.reach, tile_nodes));
     const std::uint32_t own_ahead = std::min(ahead, unit.end_node());
-    begin_forces(begun, own_ahead, pass);
+    begin_forces(begun, own_ahead, pass, force, unit.first_node);
     begun = own_ahead;
     if (unit.window > 0) {
       kernels_.fill_window(pass.nodes, filled, ahead, scratch.window);
       filled = ahead;
     }
-    springnet_status status = evaluate_tile(unit, tile, pass, halo, scratch, message);
-    if (status == SPRINGNET_OK && !(waits && tile.first_node < head)) status = finish_tile(index, tile, pass, message);
+    springnet_status status = evaluate_tile(unit, tile, pass, scratch, message);
+    if (status != SPRINGNET_OK) return status;
+    const std::uint32_t place = tile.first_node - unit.first_node;
+    const ForceArrays of_tile{force.x + place, force.y + place, force.z + place};
+    if (waits && tile.first_node < head)
+      copy_forces(of_tile, tile.node_count, {head_[index].x + place, head_[index].y + place, head_[index].z + place});
+    else
+      status = finish_tile(index, tile, pass, of_tile, message);
     if (status != SPRINGNET_OK) return status;
   }
   if (unit.window > 0)
-    kernels_.drain_window(scratch.window, unit.end_node(), unit.end_node() + unit.halo, halo, unit.end_node());
+    kernels_.drain_window(scratch.window, unit.end_node(), unit.end_node() + unit.halo, force, unit.first_node);
+  copy_forces({force.x + unit.node_count, force.y + unit.node_count, force.z + unit.node_count}, unit.halo,
+              halo_[index]);
   if (waits)
     if (const springnet_status status = arrive_at(index, pass, message); status != SPRINGNET_OK) return status;
   return unit.halo > 0 ? arrive_at(index + 1, pass, message) : SPRINGNET_OK;
 }
 
 // Forces of gravity, loads and elements.
-void Evaluator::begin_forces(std::uint32_t begin, std::uint32_t end, const Pass& pass) const {
-  const double* mass = mass_.data();
-  const Vector3 g = pass.external.gravity;
-  const ForceArrays force = pass.force, loads = pass.external.loads;
-  if (loads.x == nullptr) {
-    for (std::uint32_t k = begin; k < end; ++k) {
-      force.x[k] = mass[k] * g[0];
-      force.y[k] = mass[k] * g[1];
-      force.z[k] = mass[k] * g[2];
-    }
-  } else {
-    for (std::uint32_t k = begin; k < end; ++k) {
-      force.x[k] = mass[k] * g[0] + loads.x[k];
-      force.y[k] = mass[k] * g[1] + loads.y[k];
-      force.z[k] = mass[k] * g[2] + loads.z[k];
+void Evaluator::begin_forces(std::uint32_t begin, std::uint32_t end, const Pass& pass, const ForceArrays& force,
+                             std::uint32_t origin) const {
+  const double* const mass = mass_.data() + begin;
+  const ForceArrays& loads = pass.external.loads;
+  double* const of[3] = {force.x, force.y, force.z};
+  const double* const load_of[3] = {loads.x, loads.y, loads.z};
+  for (std::size_t c = 0; c < 3; ++c) {
+    const double g = pass.external.gravity[static_cast<Eigen::Index>(c)];
+    double* const own = of[c] + (begin - origin);
+    if (load_of[c] == nullptr) {
+      for (std::uint32_t i = 0; i < end - begin; ++i) own[i] = mass[i] * g;
+    } else {
+      for (std::uint32_t i = 0; i < end - begin; ++i) own[i] = mass[i] * g + load_of[c][begin + i];
     }
   }
   if (pass.external.pressure != nullptr && layout_.loaded_faces().any_following()) {
     for (std::uint32_t k = begin; k < end; ++k) {
       const Vector3 push = layout_.loaded_faces().force(k, pass.nodes, pass.external.pressure);
-      force.x[k] += push[0];
-      force.y[k] += push[1];
-      force.z[k] += push[2];
+      force.x[k - origin] += push[0];
+      force.y[k - origin] += push[1];
+      force.z[k - origin] += push[2];
     }
   }
   if (layout_.elements().live_count() > 0 && begin < end) {
     const profile::Part part("elements");
-    add_elements(begin, end, force);
+    add_elements(begin, end, force, origin);
   }
 }
 
-springnet_status Evaluator::evaluate_tile(const Unit& unit, const Tile& tile, const Pass& pass, const ForceArrays& halo,
-                                          UnitScratch& scratch, springnet_message& message) const {
+springnet_status Evaluator::evaluate_tile(const Unit& unit, const Tile& tile, const Pass& pass, UnitScratch& scratch,
+                                          springnet_message& message) const {
   const profile::Part part("springs");
   for (std::uint32_t s = tile.segment_begin; s < tile.segment_end; ++s) {
     const springnet_status status =
-        evaluate_segment(unit, unit.segments[s], pass.time, pass.nodes, pass.force, halo, scratch, message);
+        evaluate_segment(unit, unit.segments[s], pass.time, pass.nodes, scratch, message);
     if (status != SPRINGNET_OK) return status;
   }
   if (unit.window > 0)
-    kernels_.drain_window(scratch.window, tile.first_node, tile.first_node + tile.node_count, pass.force, 0);
+    kernels_.drain_window(scratch.window, tile.first_node, tile.first_node + tile.node_count, scratch.force,
+                          unit.first_node);
   return SPRINGNET_OK;
 }
 
@@ -215,30 +234,44 @@ std::uint32_t Evaluator::head_end(std::uint32_t unit) const noexcept {
   return layout_.units()[unit].first_node + (unit > 0 ? layout_.units()[unit - 1].halo : 0);
 }
 
-// All springs of this unit, and of the one before where they lead here, have been evaluated.
-springnet_status Evaluator::finish_tile(std::uint32_t unit, const Tile& tile, const Pass& pass,
+// Nodes of whole tiles that may wait for the unit before.
+std::uint32_t Evaluator::head_size(std::uint32_t unit) const noexcept {
+  const std::uint32_t nodes = head_end(unit) - layout_.units()[unit].first_node;
+  return (nodes + tile_nodes - 1) / tile_nodes * tile_nodes;
+}
+
+// All springs of this unit, and of the one before where they lead here, have been evaluated; `own` are the forces of
+// this unit's.
+springnet_status Evaluator::finish_tile(std::uint32_t unit, const Tile& tile, const Pass& pass, const ForceArrays& own,
                                         springnet_message& message) const {
-  const std::uint32_t first_node = layout_.units()[unit].first_node;
   const std::uint32_t end = std::min(tile.first_node + tile.node_count, head_end(unit));
   if (tile.first_node < end) {
+    const std::uint32_t place = tile.first_node - layout_.units()[unit].first_node;
     const ForceArrays& before = halo_[unit - 1];
-    for (std::uint32_t k = tile.first_node; k < end; ++k) {
-      pass.force.x[k] += before.x[k - first_node];
-      pass.force.y[k] += before.y[k - first_node];
-      pass.force.z[k] += before.z[k - first_node];
+    for (std::uint32_t i = 0; i < end - tile.first_node; ++i) {
+      own.x[i] += before.x[place + i];
+      own.y[i] += before.y[place + i];
+      own.z[i] += before.z[place + i];
     }
   }
+  if (pass.force.x != nullptr)
+    copy_forces(own, tile.node_count,
+                {pass.force.x + tile.first_node, pass.force.y + tile.first_node, pass.force.z + tile.first_node});
   if (pass.finished.call == nullptr) return SPRINGNET_OK;
-  return pass.finished.call(pass.finished.user, unit, tile.first_node, tile.node_count, message);
+  return pass.finished.call(pass.finished.user, unit, tile.first_node, tile.node_count, own, message);
 }
 
 // By the unit itself, if it waits, and by the one before; who comes second finishes its head.
-springnet_status Evaluator::arrive_at(std::uint32_t unit, const Pass& pass, springnet_message& message) const {
-  if (arrivals_[unit].fetch_add(1, std::memory_order_acq_rel) == 0) return SPRINGNET_OK;
-  for (const Tile& tile : layout_.units()[unit].tiles) {
-    if (tile.first_node >= head_end(unit)) break;
+springnet_status Evaluator::arrive_at(std::uint32_t index, const Pass& pass, springnet_message& message) const {
+  if (arrivals_[index].fetch_add(1, std::memory_order_acq_rel) == 0) return SPRINGNET_OK;
+  const Unit& unit = layout_.units()[index];
+  for (const Tile& tile : unit.tiles) {
+    if (tile.first_node >= head_end(index)) break;
     const profile::Tile measured;
-    if (const springnet_status status = finish_tile(unit, tile, pass, message); status != SPRINGNET_OK) return status;
+    const std::uint32_t place = tile.first_node - unit.first_node;
+    const ForceArrays own{head_[index].x + place, head_[index].y + place, head_[index].z + place};
+    if (const springnet_status status = finish_tile(index, tile, pass, own, message); status != SPRINGNET_OK)
+      return status;
   }
   return SPRINGNET_OK;
 }

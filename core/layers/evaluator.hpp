@@ -23,11 +23,11 @@ struct ExternalForces {
   const double* pressure = nullptr;   // Pa, [load]: following pressures; null for none
 };
 
-// Called once the net forces of a tile, nodes [first, first + count), are final, by the thread that computed them. A
-// status other than SPRINGNET_OK ends the evaluation, as that of a law does.
+// Called once the net forces of a tile, nodes [first, first + count), are final, by the thread that computed them:
+// force[i] is that on node first + i, N. A status other than SPRINGNET_OK ends the evaluation, as that of a law does.
 struct TileFinished {
   springnet_status (*call)(void* user, std::uint32_t unit, std::uint32_t first, std::uint32_t count,
-                           springnet_message& message) = nullptr;
+                           const ForceArrays& force, springnet_message& message) = nullptr;
   void* user = nullptr;
 };
 
@@ -64,10 +64,14 @@ class Evaluator {
   [[nodiscard]] unsigned threads() const noexcept { return threads_; }
 
   // Net force on every node, in N, unit by unit on several threads; the order of the sums does not depend on their
-  // number. Returns the status of the first unit in which a law failed. Does not throw. Not reentrant: elements are
-  // evaluated into buffers of the evaluator.
+  // number. force: null where only `finished` asks for them. Returns the status of the first unit in which a law failed.
+  // Throws std::bad_alloc, only at the first call for a layout. Not reentrant: uses buffers of the evaluator.
   springnet_status evaluate(double time, const NodeArrays& nodes, const ExternalForces& external,
                             const ForceArrays& force, TileFinished finished, springnet_message& message) const;
+  // Whether all numbers of three arrays are.
+  [[nodiscard]] bool all_finite(const double* const values[3], std::size_t count) const noexcept {
+    return kernels_.all_finite(values[0], values[1], values[2], count);
+  }
   // The values of up to together_limit nodes.
   void copy(std::span<const std::uint32_t> list, const NodeArrays& nodes, ListedNodes& out) const noexcept;
   // Net forces on nodes of a list, whose values are `own`, N: force[component][i] of nodes[i], from all its springs and
@@ -111,16 +115,17 @@ class Evaluator {
   [[nodiscard]] bool take_unit(unsigned thread, std::uint32_t& unit) const noexcept;
   springnet_status evaluate_unit(std::uint32_t unit, const Pass& pass, UnitScratch& scratch,
                                  springnet_message& message) const;
-  void begin_forces(std::uint32_t begin, std::uint32_t end, const Pass& pass) const;
-  springnet_status evaluate_tile(const Unit& unit, const Tile& tile, const Pass& pass, const ForceArrays& halo,
-                                 UnitScratch& scratch, springnet_message& message) const;
-  springnet_status finish_tile(std::uint32_t unit, const Tile& tile, const Pass& pass,
+  void begin_forces(std::uint32_t begin, std::uint32_t end, const Pass& pass, const ForceArrays& force,
+                    std::uint32_t origin) const;
+  springnet_status evaluate_tile(const Unit& unit, const Tile& tile, const Pass& pass, UnitScratch& scratch,
+                                 springnet_message& message) const;
+  springnet_status finish_tile(std::uint32_t unit, const Tile& tile, const Pass& pass, const ForceArrays& force,
                                springnet_message& message) const;
   [[nodiscard]] std::uint32_t head_end(std::uint32_t unit) const noexcept;
-  springnet_status arrive_at(std::uint32_t unit, const Pass& pass, springnet_message& message) const;
+  [[nodiscard]] std::uint32_t head_size(std::uint32_t unit) const noexcept;
+  springnet_status arrive_at(std::uint32_t index, const Pass& pass, springnet_message& message) const;
   springnet_status evaluate_segment(const Unit& unit, const Segment& segment, double time, const NodeArrays& nodes,
-                                    const ForceArrays& force, const ForceArrays& halo, UnitScratch& scratch,
-                                    springnet_message& message) const;
+                                    UnitScratch& scratch, springnet_message& message) const;
 
   // Values, rates and gradients of up to element_batch elements of one invariant.
   void measure(Invariant invariant, const BatchCorners& corners, const NodeArrays& nodes,
@@ -130,7 +135,9 @@ class Evaluator {
   springnet_status evaluate_batch(const ElementBatch& batch, double time, const NodeArrays& nodes,
                                   springnet_message& message) const;
   springnet_status evaluate_enclosures(double time, springnet_message& message) const;
-  void add_elements(std::uint32_t begin, std::uint32_t end, const ForceArrays& force) const noexcept;
+  // force: arrays that begin at node `origin`.
+  void add_elements(std::uint32_t begin, std::uint32_t end, const ForceArrays& force,
+                    std::uint32_t origin) const noexcept;
 
   struct NodeSums;
   springnet_status add_springs_of(std::uint32_t node, double time, const NodeArrays& nodes, NodeSums& sums,
@@ -157,7 +164,8 @@ class Evaluator {
   mutable std::unique_ptr<Share[]> shares_;                        // [thread]
   mutable std::unique_ptr<std::atomic<std::uint8_t>[]> arrivals_;  // [unit]
   mutable std::vector<double> halo_memory_;                        // N
-  mutable std::vector<ForceArrays> halo_;                          // [unit] of the first nodes of the next one
+  // [unit] forces of its springs on the first nodes of the next one; those on the head of a unit that waits.
+  mutable std::vector<ForceArrays> halo_, head_;
   // Buffers of elements, written and read within one call.
   struct Chunk {
     std::uint32_t enclosure, begin, end;  // places

@@ -9,20 +9,20 @@
 
 namespace springnet::layers {
 
-// Most springs of a segment: its scratch arrays fit the first-level cache.
+// Most slots of a segment: its scratch arrays fit the first-level cache.
 inline constexpr std::size_t max_segment = 448;
+// Springs of a chunk, as many as the widest vectors have numbers.
+inline constexpr std::uint32_t chunk_springs = 8;
 
-// Springs (first + i, second + i), i < count: no indices are read, and both ends are loaded contiguously.
-struct Run {
+// Springs (first + i, second + i), i < chunk_springs: no indices are read, and both ends are loaded contiguously.
+struct Chunk {
   std::uint32_t first;
   std::uint32_t second;
-  std::uint32_t count;
 };
 
-// Springs in runs, or, without runs, by their ends.
+// Slots for springs: in chunks, or, without chunks, by their ends. `count` is a multiple of chunk_springs.
 struct SegmentSprings {
-  const Run* runs;
-  std::uint32_t run_count;
+  const Chunk* chunks;
   std::uint32_t count;
   const std::uint32_t* first;   // [count]
   const std::uint32_t* second;  // [count]
@@ -73,13 +73,16 @@ struct Kernels {
   void (*lengths_of)(const EndChanges& changes, std::size_t count, SegmentGeometry& out);
   void (*lengths_and_rates_of)(const EndChanges& changes, std::size_t count, SegmentGeometry& out);
   void (*relative_speeds_of)(const EndChanges& changes, std::size_t count, SegmentGeometry& out);
+  // In slots without a spring gives lengths, rates and speeds of the slot `living`, which has one, and no direction, so
+  // that laws meet nothing unusual and such slots exert no force. live: a bit for each slot.
+  void (*settle_dead)(const std::uint8_t* live, std::size_t count, std::size_t living, SegmentGeometry& geometry);
   // Subtracts (value + value_2) times the direction from the forces on the first ends and adds it to those on the
-  // second ends. value_2 may be null. Of runs, whose second ends have forces in arrays that begin at node `origin`:
-  void (*scatter_runs)(const SegmentSprings& springs, const double* value, const double* value_2, const Directions& n,
-                       const ForceArrays& first, const ForceArrays& second, std::uint32_t origin);
+  // second ends. value_2 may be null. Of chunks, in arrays that begin at node `origin`:
+  void (*scatter_chunks)(const SegmentSprings& springs, const double* value, const double* value_2,
+                         const Directions& n, const ForceArrays& force, std::uint32_t origin);
   // Of springs by their ends, on the first ends alone:
   void (*scatter_first)(const SegmentSprings& springs, const double* value, const double* value_2, const Directions& n,
-                        const ForceArrays& first);
+                        const ForceArrays& force, std::uint32_t origin);
   // Of springs by their ends, in a window:
   void (*scatter_window)(const SegmentSprings& springs, const double* value, const double* value_2,
                          const Directions& n, const Window& window);
@@ -90,6 +93,8 @@ struct Kernels {
   void (*fill_window)(const NodeArrays& nodes, std::uint32_t begin, std::uint32_t end, const Window& window);
   void (*drain_window)(const Window& window, std::uint32_t begin, std::uint32_t end, const ForceArrays& force,
                        std::uint32_t origin);
+  // Whether all numbers of three arrays are finite.
+  bool (*all_finite)(const double* x, const double* y, const double* z, std::size_t count);
   ElementKernels elements;
 };
 

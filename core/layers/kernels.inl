@@ -15,6 +15,19 @@
 namespace springnet::layers::KERNEL_NAMESPACE {
 namespace {
 
+// The compilers' vectors of four and eight numbers mean the same for every instruction set.
+using Four = double __attribute__((vector_size(32)));
+using Eight = double __attribute__((vector_size(64)));
+static_assert(sizeof(Eight) == chunk_springs * sizeof(double));
+template <class Vector>
+[[gnu::always_inline]] inline void load(const double* from, Vector& to) {
+  __builtin_memcpy(&to, from, sizeof to);
+}
+template <class Vector>
+[[gnu::always_inline]] inline void store(const Vector& from, double* to) {
+  __builtin_memcpy(to, &from, sizeof from);
+}
+
 // l = |dp|; n = dp / l, and 0 / 1 where l = 0.
 struct Direction {
   double length, x, y, z;
@@ -68,21 +81,18 @@ template <Reads reads>
 template <Reads reads>
 void gather(const SegmentSprings& springs, const NodeArrays& node_arrays, SegmentGeometry& out) {
   const NodeArrays nodes = node_arrays;
-  if (springs.run_count > 0) {
-    std::size_t at = 0;
-    for (std::uint32_t r = 0; r < springs.run_count; ++r) {
-      const std::size_t a = springs.runs[r].first;
-      const std::size_t b = springs.runs[r].second;
-      const std::size_t count = springs.runs[r].count;
+  const std::size_t count = springs.count;
+  if (springs.chunks != nullptr) {
+    const Chunk* chunk = springs.chunks;
+    for (std::size_t at = 0; at < count; at += chunk_springs, ++chunk) {
+      const std::size_t a = chunk->first, b = chunk->second;
       INDEPENDENT_ITERATIONS
-      for (std::size_t i = 0; i < count; ++i) element<reads>(nodes, a + i, b + i, out, at + i);
-      at += count;
+      for (std::size_t i = 0; i < chunk_springs; ++i) element<reads>(nodes, a + i, b + i, out, at + i);
     }
     return;
   }
   const std::uint32_t* RESTRICT first = springs.first;
   const std::uint32_t* RESTRICT second = springs.second;
-  const std::size_t count = springs.count;
   INDEPENDENT_ITERATIONS
   for (std::size_t i = 0; i < count; ++i) element<reads>(nodes, first[i], second[i], out, i);
 }
@@ -101,46 +111,96 @@ void measure(const EndChanges& changes, std::size_t count, SegmentGeometry& out)
   }
 }
 
-// One component of the forces of a run. Where its first and second ends overlap, they have a loop each, in which no
-// node occurs twice.
-template <bool has_2>
-[[gnu::always_inline]] inline void scatter_run(const Run& run, const double* RESTRICT t1, const double* RESTRICT t2,
-                                               const double* RESTRICT n, double* on_first, double* on_second,
-                                               std::uint32_t origin) {
-  const std::size_t count = run.count;
-  double* RESTRICT first = on_first + run.first;
-  double* RESTRICT second = on_second + (run.second - origin);
-  if (run.second - run.first >= count) {
-    INDEPENDENT_ITERATIONS
-    for (std::size_t i = 0; i < count; ++i) {
-      const double force = (has_2 ? t1[i] + t2[i] : t1[i]) * n[i];
-      first[i] -= force;
-      second[i] += force;
+void settle_dead(const std::uint8_t* live, std::size_t count, std::size_t living, SegmentGeometry& g) {
+  const double length = g.length[living], rate = g.rate[living], speed = g.speed[living];
+  for (std::size_t at = 0; at < count; at += chunk_springs) {
+    const std::uint64_t mask = live[at / chunk_springs];
+    if (mask == 0xff) continue;
+    for (std::size_t i = 0; i < chunk_springs; ++i) {
+      const bool has_spring = ((mask >> i) & 1u) != 0;
+      g.length[at + i] = has_spring ? g.length[at + i] : length;
+      g.rate[at + i] = has_spring ? g.rate[at + i] : rate;
+      g.speed[at + i] = has_spring ? g.speed[at + i] : speed;
+      g.nx[at + i] = has_spring ? g.nx[at + i] : 0.0;
+      g.ny[at + i] = has_spring ? g.ny[at + i] : 0.0;
+      g.nz[at + i] = has_spring ? g.nz[at + i] : 0.0;
+      g.sx[at + i] = has_spring ? g.sx[at + i] : 0.0;
+      g.sy[at + i] = has_spring ? g.sy[at + i] : 0.0;
+      g.sz[at + i] = has_spring ? g.sz[at + i] : 0.0;
     }
-    return;
   }
-  for (std::size_t i = 0; i < count; ++i) first[i] -= (has_2 ? t1[i] + t2[i] : t1[i]) * n[i];
-  for (std::size_t i = 0; i < count; ++i) second[i] += (has_2 ? t1[i] + t2[i] : t1[i]) * n[i];
 }
+
+// The forces on the nodes of a chunk.
+struct ChunkForces {
+  Eight x, y, z;
+};
+[[gnu::always_inline]] inline void load(const ForceArrays& force, std::ptrdiff_t at, ChunkForces& to) {
+  load(force.x + at, to.x);
+  load(force.y + at, to.y);
+  load(force.z + at, to.z);
+}
+[[gnu::always_inline]] inline void store(const ChunkForces& from, const ForceArrays& force, std::ptrdiff_t at) {
+  store(from.x, force.x + at);
+  store(from.y, force.y + at);
+  store(from.z, force.z + at);
+}
+
+// Those on the first ends stay in registers as long as chunks have the same ones.
 template <bool has_2>
-[[gnu::always_inline]] inline void scatter_runs_of(const SegmentSprings& springs, const double* t1, const double* t2,
-                                                   const Directions& n, const ForceArrays& first,
-                                                   const ForceArrays& second, std::uint32_t origin) {
-  std::size_t at = 0;
-  for (std::uint32_t r = 0; r < springs.run_count; ++r) {
-    const Run run = springs.runs[r];
-    scatter_run<has_2>(run, t1 + at, t2 + (has_2 ? at : 0), n.x + at, first.x, second.x, origin);
-    scatter_run<has_2>(run, t1 + at, t2 + (has_2 ? at : 0), n.y + at, first.y, second.y, origin);
-    scatter_run<has_2>(run, t1 + at, t2 + (has_2 ? at : 0), n.z + at, first.z, second.z, origin);
-    at += run.count;
+[[gnu::always_inline]] inline void scatter_chunks_of(const SegmentSprings& springs, const double* t1, const double* t2,
+                                                     const Directions& n, const ForceArrays& arrays,
+                                                     std::uint32_t origin) {
+  if (springs.count == 0) return;
+  const ForceArrays force = arrays;
+  const double *nx = n.x, *ny = n.y, *nz = n.z;
+  const Chunk* chunk = springs.chunks;
+  const std::size_t count = springs.count;
+  // A chunk at the end of a net may begin before the first node.
+  std::ptrdiff_t first = std::ptrdiff_t{chunk->first} - origin;
+  ChunkForces own;
+  load(force, first, own);
+  for (std::size_t at = 0; at < count; at += chunk_springs, ++chunk) {
+    const std::ptrdiff_t a = std::ptrdiff_t{chunk->first} - origin, b = std::ptrdiff_t{chunk->second} - origin;
+    if (a != first) {
+      store(own, force, first);
+      first = a;
+      load(force, first, own);
+    }
+    Eight value, x, y, z;
+    load(t1 + at, value);
+    if constexpr (has_2) {
+      Eight other;
+      load(t2 + at, other);
+      value += other;
+    }
+    load(nx + at, x);
+    load(ny + at, y);
+    load(nz + at, z);
+    x *= value;
+    y *= value;
+    z *= value;
+    own.x -= x;
+    own.y -= y;
+    own.z -= z;
+    const bool overlaps = b - a < std::ptrdiff_t{chunk_springs};
+    if (overlaps) store(own, force, first);
+    ChunkForces other_ends;
+    load(force, b, other_ends);
+    other_ends.x += x;
+    other_ends.y += y;
+    other_ends.z += z;
+    store(other_ends, force, b);
+    if (overlaps) load(force, first, own);
   }
+  store(own, force, first);
 }
-void scatter_runs(const SegmentSprings& springs, const double* value, const double* value_2, const Directions& n,
-                  const ForceArrays& first, const ForceArrays& second, std::uint32_t origin) {
+void scatter_chunks(const SegmentSprings& springs, const double* value, const double* value_2, const Directions& n,
+                    const ForceArrays& force, std::uint32_t origin) {
   if (value_2 == nullptr)
-    scatter_runs_of<false>(springs, value, value_2, n, first, second, origin);
+    scatter_chunks_of<false>(springs, value, value_2, n, force, origin);
   else
-    scatter_runs_of<true>(springs, value, value_2, n, first, second, origin);
+    scatter_chunks_of<true>(springs, value, value_2, n, force, origin);
 }
 
 // Forces of springs, [component][spring].
@@ -157,12 +217,12 @@ void scatter_runs(const SegmentSprings& springs, const double* value, const doub
 }
 
 void scatter_first(const SegmentSprings& springs, const double* value, const double* value_2, const Directions& n,
-                   const ForceArrays& force) {
+                   const ForceArrays& force, std::uint32_t origin) {
   alignas(64) double of_spring[3][max_segment];
   forces_of(springs.count, value, value_2, n, of_spring);
   double *fx = force.x, *fy = force.y, *fz = force.z;
   for (std::size_t i = 0; i < springs.count; ++i) {
-    const std::size_t a = springs.first[i];
+    const std::size_t a = springs.first[i] - origin;
     fx[a] -= of_spring[0][i];
     fy[a] -= of_spring[1][i];
     fz[a] -= of_spring[2][i];
@@ -171,10 +231,6 @@ void scatter_first(const SegmentSprings& springs, const double* value, const dou
 
 // ---- windows --------------------------------------------------------------------------------------------------------
 
-// The compilers' vectors of four numbers mean the same for every instruction set.
-using Four = double __attribute__((vector_size(32)));
-[[gnu::always_inline]] inline void load(const double* from, Four& to) { __builtin_memcpy(&to, from, sizeof to); }
-[[gnu::always_inline]] inline void store(const Four& from, double* to) { __builtin_memcpy(to, &from, sizeof from); }
 // Rows become columns.
 [[gnu::always_inline]] inline void transpose(Four& a, Four& b, Four& c, Four& d) {
   const Four ab_even = __builtin_shufflevector(a, b, 0, 4, 2, 6), ab_odd = __builtin_shufflevector(a, b, 1, 5, 3, 7);
@@ -188,8 +244,7 @@ using Four = double __attribute__((vector_size(32)));
 void subtract_window(const SegmentSprings& springs, const Window& window, double (*changes)[max_segment]) {
   const std::uint32_t *const first = springs.first, *const second = springs.second, mask = window.mask;
   const double(*const state)[8] = window.state;
-  std::size_t i = 0;
-  for (; i + 4 <= springs.count; i += 4) {
+  for (std::size_t i = 0; i < springs.count; i += 4) {
     for (std::size_t half = 0; half < 2; ++half) {
       Four d[4];
       for (std::size_t j = 0; j < 4; ++j) {
@@ -202,13 +257,6 @@ void subtract_window(const SegmentSprings& springs, const Window& window, double
       for (std::size_t c = 0; c < 3; ++c) store(d[c], changes[3 * half + c] + i);
     }
   }
-  for (; i < springs.count; ++i) {
-    const double *const a = state[first[i] & mask], *const b = state[second[i] & mask];
-    for (std::size_t c = 0; c < 3; ++c) {
-      changes[c][i] = a[c] - b[c];
-      changes[3 + c][i] = a[4 + c] - b[4 + c];
-    }
-  }
 }
 
 void scatter_window(const SegmentSprings& springs, const double* value, const double* value_2, const Directions& n,
@@ -217,8 +265,7 @@ void scatter_window(const SegmentSprings& springs, const double* value, const do
   forces_of(springs.count, value, value_2, n, of_spring);
   const std::uint32_t *const first = springs.first, *const second = springs.second, mask = window.mask;
   double(*const force)[4] = window.force;
-  std::size_t i = 0;
-  for (; i + 4 <= springs.count; i += 4) {
+  for (std::size_t i = 0; i < springs.count; i += 4) {
     Four f[4];
     for (std::size_t c = 0; c < 3; ++c) load(of_spring[c] + i, f[c]);
     f[3] = Four{};
@@ -230,13 +277,6 @@ void scatter_window(const SegmentSprings& springs, const double* value, const do
       store(sum - f[j], on_first);
       load(on_second, sum);
       store(sum + f[j], on_second);
-    }
-  }
-  for (; i < springs.count; ++i) {
-    double *const on_first = force[first[i] & mask], *const on_second = force[second[i] & mask];
-    for (std::size_t c = 0; c < 3; ++c) {
-      on_first[c] -= of_spring[c][i];
-      on_second[c] += of_spring[c][i];
     }
   }
 }
@@ -269,6 +309,21 @@ void drain_window(const Window& window, std::uint32_t begin, std::uint32_t end, 
   }
 }
 
+// In integers, so that the loop vectorises: adding 1 to an exponent of all ones overflows into the sign bit.
+[[gnu::always_inline]] inline std::uint64_t top_bits(const double* RESTRICT values, std::size_t count) {
+  constexpr std::uint64_t magnitude = ~std::uint64_t{0} >> 1, one = std::uint64_t{1} << 52;
+  std::uint64_t top = 0;
+  for (std::size_t i = 0; i < count; ++i) {
+    std::uint64_t bits;
+    __builtin_memcpy(&bits, values + i, sizeof bits);
+    top |= (bits & magnitude) + one;
+  }
+  return top;
+}
+bool all_finite(const double* x, const double* y, const double* z, std::size_t count) {
+  return ((top_bits(x, count) | top_bits(y, count) | top_bits(z, count)) >> 63) == 0;
+}
+
 }  // namespace
 
 #include "layers/elements/kernels.inl"
@@ -280,12 +335,14 @@ const Kernels& kernels() {
                                  measure<Reads::length>,
                                  measure<Reads::length_and_rate>,
                                  measure<Reads::relative_speed>,
-                                 scatter_runs,
+                                 settle_dead,
+                                 scatter_chunks,
                                  scatter_first,
                                  scatter_window,
                                  subtract_window,
                                  fill_window,
                                  drain_window,
+                                 all_finite,
                                  {geometry_of<Measure::angle>, geometry_of<Measure::dihedral>,
                                   geometry_of<Measure::area>, geometry_of<Measure::volume>, corner_forces}};
   return table;

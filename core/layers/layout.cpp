@@ -76,7 +76,7 @@ void Layout::lay_out() {
   std::exception_ptr failure;
 #pragma omp parallel num_threads(threads)
   {
-    UnitBuilder builder(laws_.groups);
+    UnitBuilder builder(laws_.groups, node_count(), spring_count());
     std::vector<UnitSpring> of_unit;
 #pragma omp for schedule(dynamic, 1)
     for (std::int64_t i = 0; i < static_cast<std::int64_t>(units_.size()); ++i) {
@@ -108,7 +108,7 @@ void Layout::lay_out_again(Unit& unit) {
       if (of == u) springs.push_back(spring);
     });
   }
-  UnitBuilder(laws_.groups).build(unit, springs);
+  UnitBuilder(laws_.groups, node_count(), spring_count()).build(unit, springs);
 }
 
 const std::vector<std::uint32_t>& Layout::springs_of(std::size_t group) const {
@@ -215,7 +215,7 @@ std::vector<std::uint32_t> Layout::remove(const std::vector<std::uint32_t>& spri
   std::sort(changed.begin(), changed.end());
   changed.erase(std::unique(changed.begin(), changed.end()), changed.end());
   for (const std::uint32_t u : changed)
-    if (2 * units_[u].live < units_[u].spring.size()) lay_out_again(units_[u]);
+    if (2 * units_[u].live < units_[u].laid_out) lay_out_again(units_[u]);
   if (has_incidence_.load(std::memory_order_relaxed)) {
     const auto forget = [this](std::uint32_t node) {
       Incident* begin = incident_.data() + incident_start_[node];

@@ -19,25 +19,22 @@ namespace springnet::layers {
 inline constexpr std::uint32_t mixed_rows = 0xffffffffu;
 inline constexpr std::uint32_t no_spring = 0xffffffffu;
 
-// Where the second ends of a segment's springs are.
-enum class Reach : std::uint8_t {
-  near,    // in the unit or the next one, for springs by their ends
-  within,  // in the unit, for runs
-  across,  // in the next unit, for runs
-  far      // elsewhere: force on the first ends only
+// Springs that are read and written contiguously, through a window, or one by one.
+enum class Access : std::uint8_t {
+  chunks,
+  near,  // by their ends, in the unit or the next one
+  far    // by their ends, the second elsewhere: force on the first ends only
 };
 
 struct Segment {
   std::uint32_t group;
-  std::uint32_t row;                   // of all its springs, or mixed_rows
-  std::uint32_t begin, count;          // slots in the unit
-  std::uint32_t run_begin, run_count;  // without runs:
-  std::uint32_t end_begin;             // its springs in Unit::first, Unit::second
-  std::uint32_t mask_begin;            // its words in Unit::mask
-  std::uint32_t dead;                  // slots without a spring: removed ones, and gaps that a run bridges
-  std::uint32_t living;                // a slot with one, counted from `begin`
-  std::size_t value_begin;             // its parameters in Unit::values, if rows are mixed
-  Reach reach;
+  std::uint32_t row;           // of all its springs, or mixed_rows
+  std::uint32_t begin, count;  // slots in the unit, multiples of chunk_springs
+  std::uint32_t place;         // where its chunks, or its ends, begin
+  std::uint32_t dead;          // slots without a spring: removed ones, and gaps
+  std::uint32_t living;        // a slot with one, counted from `begin`
+  std::size_t value_begin;     // its parameters in Unit::values, if rows are mixed
+  Access access;
 };
 
 struct Tile {
@@ -50,27 +47,28 @@ struct Unit {
   std::uint32_t halo = 0;         // nodes of the next unit up to the last one that a spring of this one leads to
   std::uint32_t reach = 0;        // most that a second end is ahead of the first node of its tile
   std::uint32_t window = 0;       // places of the window for springs by their ends, a power of 2; 0: there are none
-  std::size_t live = 0;           // slots with a spring
+  std::size_t live = 0;           // slots with a spring; when it was laid out:
+  std::size_t laid_out = 0;
   std::vector<Tile> tiles;
   std::vector<Segment> segments;
-  std::vector<Run> runs;
-  std::vector<std::uint32_t> first, second;  // ends of springs that are in no run
+  std::vector<Chunk> chunks;
+  std::vector<std::uint32_t> first, second;  // ends of springs that are in no chunk
   std::vector<std::uint32_t> spring;         // [slot] or no_spring
-  std::vector<std::uint64_t> mask;           // a bit for each slot of a segment without a spring
+  std::vector<std::uint8_t> live_mask;       // [slot / 8] a bit for each slot with a spring
   std::vector<double> values;                // of the columns that differ between rows, [column][slot] of each segment
 
   [[nodiscard]] std::uint32_t end_node() const noexcept { return first_node + node_count; }
   [[nodiscard]] SegmentSprings springs_of(const Segment& segment) const noexcept {
-    return {runs.data() + segment.run_begin, segment.run_count, segment.count, first.data() + segment.end_begin,
-            second.data() + segment.end_begin};
+    if (segment.access == Access::chunks) return {chunks.data() + segment.place, segment.count, nullptr, nullptr};
+    return {nullptr, segment.count, first.data() + segment.place, second.data() + segment.place};
+  }
+  // [slot / 8] of a segment.
+  [[nodiscard]] const std::uint8_t* live_in(const Segment& segment) const noexcept {
+    return live_mask.data() + segment.begin / chunk_springs;
   }
   // Removes a spring from the tile of its end `own`, which must be in the unit.
   void remove(std::uint32_t own, std::uint32_t spring_number) noexcept;
 };
-
-// In slots without a spring, gives geometry that a law may meet, of a spring of the segment, and no direction, so that
-// they exert no force.
-void settle_dead(const Unit& unit, const Segment& segment, SegmentGeometry& geometry) noexcept;
 
 // Where the values of the columns of a segment of mixed rows are: RowSelection::columns.
 class SegmentColumns {

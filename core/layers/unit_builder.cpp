@@ -9,18 +9,23 @@
 namespace springnet::layers {
 namespace {
 
-// Springs that make a run, where others are read through indices; fewer are faster that way.
-constexpr std::uint32_t common_run = 8;
-// Share of a unit's springs below which all are in runs: springs read through indices cost something for every node.
-constexpr double few_listed = 0.15;
-// Nodes without a spring that a run bridges, as long as half of its slots have one.
-constexpr std::uint32_t longest_gap = 3;
+// Springs that make a chunk, where others are read through indices; fewer are faster that way.
+constexpr std::size_t common_chunk = 4;
+// About what a chunk and a spring read through indices cost, and what a unit with such springs costs more for a node
+// and for a tile: cycles.
+constexpr std::size_t chunk_cost = 50, listed_cost = 16, window_cost = 12, call_cost = 300;
 // Springs of a tile with equal parameters that make a segment of their own, whose law reads one value per parameter.
-constexpr std::size_t smallest_uniform = 24;
+// In a net that the caches hold, a call of a law costs more than reading values.
+constexpr std::size_t smallest_uniform = 24, smallest_uniform_of_small_net = 192, small_net = 4096;
 
 std::uint32_t offset(const UnitSpring& s) noexcept { return s.other - s.own; }  // of springs that are not far
 
 }  // namespace
+
+UnitBuilder::UnitBuilder(const std::vector<Group>& groups, std::uint32_t node_count, std::size_t spring_count)
+    : groups_(groups),
+      node_count_(node_count),
+      smallest_uniform_(spring_count < small_net ? smallest_uniform_of_small_net : smallest_uniform) {}
 
 void UnitBuilder::build(Unit& unit, std::span<UnitSpring> springs) {
   unit_ = &unit;
@@ -28,12 +33,12 @@ void UnitBuilder::build(Unit& unit, std::span<UnitSpring> springs) {
   sets_.clear();
   pieces_.clear();
   unit.halo = unit.reach = unit.window = 0;
-  unit.live = springs.size();
+  unit.live = unit.laid_out = springs.size();
   for (auto* list : {&unit.first, &unit.second, &unit.spring}) list->clear();
   unit.tiles.clear();
   unit.segments.clear();
-  unit.runs.clear();
-  unit.mask.clear();
+  unit.chunks.clear();
+  unit.live_mask.clear();
   unit.values.clear();
 
   const auto tile_of = [&](const UnitSpring& s) { return (s.own - unit.first_node) / tile_nodes; };
@@ -56,11 +61,17 @@ void UnitBuilder::build(Unit& unit, std::span<UnitSpring> springs) {
     begin = end;
     first_set.push_back(sets_.size());
   }
-  std::size_t listed = 0;
-  for (const Piece& piece : pieces_) listed += piece.end - piece.begin < common_run ? piece.end - piece.begin : 0;
-  const bool few = static_cast<double>(listed) <= few_listed * static_cast<double>(springs.size());
-  shortest_run_ = few ? 1 : common_run;
-  if (!few) unit.window = std::bit_ceil(std::max(unit.reach, tile_nodes));
+  std::size_t small = 0, listed = window_cost * unit.node_count + call_cost * (first_set.size() - 1);
+  for (const Piece& piece : pieces_) {
+    if (piece.end - piece.begin >= common_chunk) continue;
+    small += chunk_cost;
+    listed += listed_cost * (piece.end - piece.begin);
+  }
+  all_in_chunks_ = small <= listed;
+  // A window also serves springs at the end of the net that no chunk can hold.
+  const bool any_listed =
+      std::any_of(pieces_.begin(), pieces_.end(), [this](const Piece& piece) { return !is_chunk(piece); });
+  if (any_listed) unit.window = std::bit_ceil(std::max(unit.reach, tile_nodes));
 
   for (std::uint32_t t = 0; t + 1 < first_set.size(); ++t) {
     Tile tile{};
@@ -68,8 +79,7 @@ void UnitBuilder::build(Unit& unit, std::span<UnitSpring> springs) {
     tile.node_count = std::min(tile_nodes, unit.end_node() - tile.first_node);
     tile.segment_begin = static_cast<std::uint32_t>(unit.segments.size());
     for (std::size_t i = first_set[t]; i < first_set[t + 1]; ++i) {
-      add_runs(sets_[i], false);
-      add_runs(sets_[i], true);
+      add_chunks(sets_[i]);
       add_listed(sets_[i]);
     }
     tile.segment_end = static_cast<std::uint32_t>(unit.segments.size());
@@ -77,8 +87,8 @@ void UnitBuilder::build(Unit& unit, std::span<UnitSpring> springs) {
   }
   for (auto* list : {&unit.first, &unit.second, &unit.spring}) list->shrink_to_fit();
   unit.segments.shrink_to_fit();
-  unit.runs.shrink_to_fit();
-  unit.mask.shrink_to_fit();
+  unit.chunks.shrink_to_fit();
+  unit.live_mask.shrink_to_fit();
   unit.values.shrink_to_fit();
 }
 
@@ -97,7 +107,7 @@ void UnitBuilder::find_sets(std::size_t begin, std::size_t end) {
     for (std::size_t i = begin; i < all;) {
       std::size_t stop = i + 1;
       while (stop < all && springs_[stop].row == springs_[i].row) ++stop;
-      if (stop - i >= smallest_uniform) {
+      if (stop - i >= smallest_uniform_) {
         std::copy(springs_.begin() + static_cast<std::ptrdiff_t>(i), springs_.begin() + static_cast<std::ptrdiff_t>(stop),
                   springs_.begin() + static_cast<std::ptrdiff_t>(kept));
         add_set(kept, kept + (stop - i), springs_[kept].row);
@@ -124,91 +134,96 @@ void UnitBuilder::add_set(std::size_t begin, std::size_t end, std::uint32_t row)
 void UnitBuilder::find_pieces(Set& set) {
   const auto at = [this](std::size_t i) { return springs_.begin() + static_cast<std::ptrdiff_t>(i); };
   std::sort(at(set.begin), at(set.end), [](const UnitSpring& s, const UnitSpring& t) {
-    return std::tuple(offset(s), s.own, s.spring) < std::tuple(offset(t), t.own, t.spring);
+    return std::tuple(s.own / chunk_springs, offset(s), s.own, s.spring) <
+           std::tuple(t.own / chunk_springs, offset(t), t.own, t.spring);
   });
-  const auto is_across = [this](const UnitSpring& s) { return s.other >= unit_->end_node(); };
   for (std::size_t begin = set.begin; begin < set.end;) {
+    // All of a chunk are nodes of the net, though not all have such a spring.
+    const std::uint32_t distance = offset(springs_[begin]);
+    const std::uint32_t last = node_count_ < chunk_springs + distance ? 0 : node_count_ - chunk_springs - distance;
+    const std::uint32_t block = springs_[begin].own / chunk_springs;
+    const std::uint32_t first = std::min(block * chunk_springs, last);
     std::size_t end = begin + 1;
-    for (; end < set.end; ++end) {
-      const UnitSpring &last = springs_[end - 1], &next = springs_[end];
-      if (offset(next) != offset(last) || next.own == last.own || next.own - last.own > longest_gap + 1 ||
-          is_across(next) != is_across(last) || next.own - springs_[begin].own >= 2 * (end - begin + 1))
-        break;
-    }
-    pieces_.push_back({begin, end, springs_[end - 1].own - springs_[begin].own + 1, is_across(springs_[begin])});
+    while (end < set.end && offset(springs_[end]) == distance && springs_[end].own != springs_[end - 1].own &&
+           springs_[end].own / chunk_springs == block)
+      ++end;
+    pieces_.push_back({begin, end, first, first + distance});
     begin = end;
   }
   set.piece_end = pieces_.size();
 }
 
-Segment& UnitBuilder::begin_segment(const UnitSpring& one, std::uint32_t row, Reach reach) {
-  Segment& segment = unit_->segments.emplace_back();
-  segment = {};
+bool UnitBuilder::is_chunk(const Piece& piece) const noexcept {
+  const bool fits = piece.second + chunk_springs <= node_count_;
+  return fits && (all_in_chunks_ || piece.end - piece.begin >= common_chunk);
+}
+
+void UnitBuilder::begin_segment(const UnitSpring& one, std::uint32_t row, Access access) {
+  Segment segment{};
   segment.group = one.group;
   segment.row = row;
   segment.begin = static_cast<std::uint32_t>(unit_->spring.size());
-  segment.run_begin = static_cast<std::uint32_t>(unit_->runs.size());
-  segment.end_begin = static_cast<std::uint32_t>(unit_->first.size());
-  segment.mask_begin = static_cast<std::uint32_t>(unit_->mask.size());
+  segment.place = static_cast<std::uint32_t>(access == Access::chunks ? unit_->chunks.size() : unit_->first.size());
   segment.value_begin = unit_->values.size();
-  segment.reach = reach;
-  return segment;
+  segment.access = access;
+  unit_->segments.push_back(segment);
+  slots_.clear();
 }
 
-// slots: [slot], null for those without a spring; the first one has one.
-void UnitBuilder::end_segment(std::span<const UnitSpring* const> slots) {
+// Of slots_, which it fills up.
+void UnitBuilder::end_segment() {
+  slots_.resize((slots_.size() + chunk_springs - 1) / chunk_springs * chunk_springs, nullptr);
   Segment& segment = unit_->segments.back();
-  segment.count = static_cast<std::uint32_t>(slots.size());
-  unit_->mask.resize(segment.mask_begin + (slots.size() + 63) / 64, 0);
-  for (std::size_t i = 0; i < slots.size(); ++i) {
-    unit_->spring.push_back(slots[i] != nullptr ? slots[i]->spring : no_spring);
-    if (slots[i] != nullptr) {
+  segment.count = static_cast<std::uint32_t>(slots_.size());
+  for (std::size_t i = 0; i < slots_.size(); ++i) {
+    if (i % chunk_springs == 0) unit_->live_mask.push_back(0);
+    unit_->spring.push_back(slots_[i] != nullptr ? slots_[i]->spring : no_spring);
+    if (slots_[i] != nullptr) {
       segment.living = static_cast<std::uint32_t>(i);
-      continue;
+      unit_->live_mask.back() |= static_cast<std::uint8_t>(1u << (i % chunk_springs));
+    } else {
+      ++segment.dead;
     }
-    unit_->mask[segment.mask_begin + i / 64] |= std::uint64_t{1} << (i % 64);
-    ++segment.dead;
+  }
+  if (segment.access != Access::chunks) {
+    for (const UnitSpring* spring : slots_) {
+      if (spring == nullptr) spring = slots_.front();
+      unit_->first.push_back(spring->own);
+      unit_->second.push_back(spring->other);
+    }
   }
   if (segment.row != mixed_rows) return;
   const Group& group = groups_[segment.group];
-  std::uint32_t row = slots[segment.living]->row;
   for (std::size_t c = 0; c < group.columns.size(); ++c) {
     if (group.is_same(c)) continue;
-    for (const UnitSpring* const spring : slots) {
-      if (spring != nullptr) row = spring->row;
-      unit_->values.push_back(group.columns[c][row]);
-    }
+    for (const UnitSpring* const spring : slots_)
+      unit_->values.push_back(group.columns[c][(spring != nullptr ? spring : slots_[segment.living])->row]);
   }
 }
 
-void UnitBuilder::add_runs(const Set& set, bool is_across) {
-  slots_.clear();
+void UnitBuilder::add_chunks(const Set& set) {
+  bool is_open = false;
   for (std::size_t p = set.piece_begin; p < set.piece_end; ++p) {
     const Piece& piece = pieces_[p];
-    if (piece.is_across != is_across || piece.end - piece.begin < shortest_run_) continue;
-    const std::uint32_t own = springs_[piece.begin].own, distance = offset(springs_[piece.begin]);
+    if (!is_chunk(piece)) continue;
+    if (is_open && slots_.size() == max_segment) {
+      end_segment();
+      is_open = false;
+    }
+    if (!is_open) begin_segment(springs_[piece.begin], set.row, Access::chunks);
+    is_open = true;
+    unit_->chunks.push_back({piece.first, piece.second});
     std::size_t next = piece.begin;
-    for (std::uint32_t i = 0; i < piece.slots; ++i) {
-      if (slots_.size() == max_segment) {
-        end_segment(slots_);
-        slots_.clear();
-      }
-      const bool is_new = slots_.empty();
-      if (is_new) begin_segment(springs_[next], set.row, is_across ? Reach::across : Reach::within);
-      if (is_new || i == 0) {
-        unit_->runs.push_back({own + i, own + i + distance, 0});
-        ++unit_->segments.back().run_count;
-      }
-      ++unit_->runs.back().count;
-      const bool has_spring = springs_[next].own == own + i;
+    for (std::uint32_t i = 0; i < chunk_springs; ++i) {
+      const bool has_spring = next < piece.end && springs_[next].own == piece.first + i;
       slots_.push_back(has_spring ? &springs_[next] : nullptr);
       next += has_spring ? 1 : 0;
     }
   }
-  if (!slots_.empty()) end_segment(slots_);
+  if (is_open) end_segment();
 }
 
-// Springs in no run, by their ends. The first ones of all nodes come before the second ones, and so on: an end is not
+// Springs in no chunk, by their ends. The first ones of all nodes come before the second ones, and so on: an end is not
 // that of the spring before, whose force may still be on its way to memory.
 void UnitBuilder::add_listed(const Set& set) {
   listed_.clear();
@@ -219,27 +234,24 @@ void UnitBuilder::add_listed(const Set& set) {
   };
   if (is_far) take(set.begin, set.end);
   for (std::size_t p = set.piece_begin; p < set.piece_end; ++p)
-    if (pieces_[p].end - pieces_[p].begin < shortest_run_) take(pieces_[p].begin, pieces_[p].end);
+    if (!is_chunk(pieces_[p])) take(pieces_[p].begin, pieces_[p].end);
   std::sort(listed_.begin(), listed_.end(), [](const UnitSpring& s, const UnitSpring& t) {
     return std::tuple(s.own, s.other, s.spring) < std::tuple(t.own, t.other, t.spring);
   });
-  slots_.clear();
-  for (std::uint32_t round = 0; slots_.size() < listed_.size(); ++round) {
+  rounds_.clear();
+  for (std::uint32_t round = 0; rounds_.size() < listed_.size(); ++round) {
     for (std::size_t begin = 0; begin < listed_.size();) {
       std::size_t end = begin + 1;
       while (end < listed_.size() && listed_[end].own == listed_[begin].own) ++end;
-      if (begin + round < end) slots_.push_back(&listed_[begin + round]);
+      if (begin + round < end) rounds_.push_back(&listed_[begin + round]);
       begin = end;
     }
   }
-  for (std::size_t begin = 0; begin < slots_.size(); begin += max_segment) {
-    const std::size_t end = std::min(slots_.size(), begin + max_segment);
-    begin_segment(*slots_[begin], set.row, is_far ? Reach::far : Reach::near);
-    for (std::size_t i = begin; i < end; ++i) {
-      unit_->first.push_back(slots_[i]->own);
-      unit_->second.push_back(slots_[i]->other);
-    }
-    end_segment(std::span(slots_).subspan(begin, end - begin));
+  for (std::size_t begin = 0; begin < rounds_.size(); begin += max_segment) {
+    const std::size_t end = std::min(rounds_.size(), begin + max_segment);
+    begin_segment(*rounds_[begin], set.row, is_far ? Access::far : Access::near);
+    slots_.assign(rounds_.begin() + static_cast<std::ptrdiff_t>(begin), rounds_.begin() + static_cast<std::ptrdiff_t>(end));
+    end_segment();
   }
 }
 

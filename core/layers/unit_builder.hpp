@@ -18,7 +18,8 @@ struct UnitSpring {
 
 class UnitBuilder {
  public:
-  explicit UnitBuilder(const std::vector<Group>& groups) : groups_(groups) {}
+  // node_count, spring_count: of the whole net.
+  UnitBuilder(const std::vector<Group>& groups, std::uint32_t node_count, std::size_t spring_count);
   // Fills in a unit whose range of nodes is set. Reorders `springs`.
   void build(Unit& unit, std::span<UnitSpring> springs);
 
@@ -29,29 +30,32 @@ class UnitBuilder {
     std::uint32_t row;
     std::size_t piece_begin, piece_end;
   };
-  // Springs whose second ends are as far from their first ends, which follow each other but for small gaps.
+  // Springs of a chunk.
   struct Piece {
     std::size_t begin, end;
-    std::uint32_t slots;
-    bool is_across;
+    std::uint32_t first, second;  // of the chunk
   };
 
   void find_sets(std::size_t begin, std::size_t end);
   void add_set(std::size_t begin, std::size_t end, std::uint32_t row);
   void find_pieces(Set& set);
-  void add_runs(const Set& set, bool is_across);
+  [[nodiscard]] bool is_chunk(const Piece& piece) const noexcept;
+  void add_chunks(const Set& set);
   void add_listed(const Set& set);
-  Segment& begin_segment(const UnitSpring& one, std::uint32_t row, Reach reach);
-  void end_segment(std::span<const UnitSpring* const> slots);
+  void begin_segment(const UnitSpring& one, std::uint32_t row, Access access);
+  void end_segment();
 
   const std::vector<Group>& groups_;
+  const std::uint32_t node_count_;
+  const std::size_t smallest_uniform_;
   Unit* unit_ = nullptr;
   std::span<UnitSpring> springs_;
-  std::uint32_t shortest_run_ = 0;
+  bool all_in_chunks_ = false;
   std::vector<Set> sets_;
   std::vector<Piece> pieces_;
   std::vector<UnitSpring> listed_, mixed_;
-  std::vector<const UnitSpring*> slots_;
+  std::vector<const UnitSpring*> rounds_;
+  std::vector<const UnitSpring*> slots_;  // of the segment; null: without a spring
 };
 
 }  // namespace springnet::layers

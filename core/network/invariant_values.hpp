@@ -2,7 +2,7 @@
 // kernels: an element at rest reads its reference to the bit.
 #pragma once
 
-#include "network/arc_tangent.hpp"
+#include <springnet/sdk/math.hpp>
 
 namespace springnet::invariants {
 
@@ -43,14 +43,14 @@ using Point = Triple<double>;  // m
 // Of the corner b, in rad, between 0 and pi.
 SPRINGNET_INLINE double angle(const Point& a, const Point& b, const Point& c) {
   const Point u = a - b, w = c - b, n = cross(u, w);
-  return arc_tangent(root(dot(n, n)), dot(u, w));
+  return sdk::plane_angle(root(dot(n, n)), dot(u, w));
 }
 // Between the normals of the triangles (a, b, c) and (b, a, d), in rad, between -pi and pi: 0 where flat, positive
 // where the tips turn away from the side to which the normals point. With the edge e = b - a and the normals m = e x (c
 // - a), n = (d - a) x e the sine is (m x n) . e / |e| = -|e| m . (d - a), both times |m| |n|.
 SPRINGNET_INLINE double dihedral(const Point& a, const Point& b, const Point& c, const Point& d) {
   const Point e = b - a, to_d = d - a, m = cross(e, c - a), n = cross(to_d, e);
-  return arc_tangent(-(root(dot(e, e)) * dot(m, to_d)), dot(m, n));
+  return sdk::plane_angle(-(root(dot(e, e)) * dot(m, to_d)), dot(m, n));
 }
 // m^2
 SPRINGNET_INLINE double area(const Point& a, const Point& b, const Point& c) {

@@ -5,6 +5,8 @@
 #include <limits>
 #include <numbers>
 
+#include <springnet/sdk/math.hpp>
+
 namespace springnet {
 
 LoadCourse::LoadCourse(const Load& load) : start_(std::isfinite(load.from) ? load.from : 0.0) {
@@ -38,7 +40,7 @@ double LoadCourse::at(double time) const {
     case Kind::table:
       return table_.at(time).displacement[0];
     case Kind::sinusoid:
-      return mean_ + amplitude_ * std::sin(rate_ * (time - start_) + phase_);
+      return mean_ + amplitude_ * sdk::sin(rate_ * (time - start_) + phase_);
     case Kind::ramp:
       return std::clamp((time - start_) / ramp_, 0.0, 1.0);
     default:
@@ -53,8 +55,8 @@ double LoadCourse::mean(double from, double until) const {
     case Kind::sinusoid: {
       // The difference of two cosines over the angle between them, without cancellation.
       const double half = 0.5 * rate_ * (until - from);
-      const double middle = std::sin(rate_ * (0.5 * (from + until) - start_) + phase_);
-      return mean_ + amplitude_ * middle * (half > 0.0 ? std::sin(half) / half : 1.0);
+      const double middle = sdk::sin(rate_ * (0.5 * (from + until) - start_) + phase_);
+      return mean_ + amplitude_ * middle * (half > 0.0 ? sdk::sin(half) / half : 1.0);
     }
     case Kind::ramp: {
       const double begin = std::clamp(from, start_, start_ + ramp_), end = std::clamp(until, start_, start_ + ramp_);

@@ -4,6 +4,8 @@
 #include <cmath>
 #include <numbers>
 
+#include <springnet/sdk/math.hpp>
+
 namespace springnet {
 
 Trajectory::Trajectory(const Motion& motion) : motion_(motion) {
@@ -115,10 +117,10 @@ Trajectory::Sample Trajectory::on_sinusoid(double time) const {
   const double rate = 2 * std::numbers::pi * motion_.frequency;  // rad/s
   const bool over = time >= motion_.until;
   const double angle = rate * ((over ? motion_.until : time) - motion_.from) + motion_.phase;
-  sample.displacement = motion_.amplitude * (std::sin(angle) - std::sin(motion_.phase));
+  sample.displacement = motion_.amplitude * (sdk::sin(angle) - sdk::sin(motion_.phase));
   if (over) return sample;
-  sample.velocity = motion_.amplitude * (rate * std::cos(angle));
-  sample.acceleration = motion_.amplitude * (-rate * rate * std::sin(angle));
+  sample.velocity = motion_.amplitude * (rate * sdk::cos(angle));
+  sample.acceleration = motion_.amplitude * (-rate * rate * sdk::sin(angle));
   return sample;
 }
 

@@ -66,12 +66,13 @@ double IntegratorCalls::end_tolerance() const noexcept {
   return 1e-6 * std::max(0.0, until_ - from_) + 4.0 * std::numeric_limits<double>::epsilon() * std::abs(until_);
 }
 
-void IntegratorCalls::check_commit(double time, const State& state) const {
+void IntegratorCalls::check_commit(double time, const State& state, bool is_finite) const {
   if (!std::isfinite(time)) throw Error(ErrorKind::plugin, fmt::format("the time {} s is not finite", time));
   if (time < model_.time)
     throw Error(ErrorKind::plugin, fmt::format("{} s lies before {} s, committed already", time, model_.time));
   if (time > until_ + end_tolerance())
     throw Error(ErrorKind::plugin, fmt::format("{} s lies after {} s, where the advance ends", time, until_));
+  if (is_finite) return;
   const std::uint32_t node = state.first_not_finite();
   if (node == model_.node_count()) return;
   // A law or a neuron caused it.

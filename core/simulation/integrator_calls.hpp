@@ -35,8 +35,8 @@ class IntegratorCalls {
   // Rounding of the end of the present advance, s.
   [[nodiscard]] double end_tolerance() const noexcept;
   [[nodiscard]] bool ends_at(double time) const noexcept { return time >= until_ - end_tolerance(); }
-  // Throws Error if the integrator may not commit this.
-  void check_commit(double time, const State& state) const;
+  // Throws Error if the integrator may not commit this. is_finite: all numbers of the state are known to be.
+  void check_commit(double time, const State& state, bool is_finite) const;
 
  private:
   Model& model_;

@@ -64,7 +64,10 @@ void check_ends(const springnet_sweep& sweep) {
   require_vectors(sweep.velocity, "velocity");
   require_vectors(sweep.next_position, "next_position");
   require_vectors(sweep.next_velocity, "next_velocity");
-  require_vectors(sweep.force, "force");
+  if (sweep.order == nullptr)
+    require_all_or_none(sweep.force, "force");
+  else
+    require_vectors(sweep.force, "force");
   require_finite(sweep.time, "time");
   const springnet_sweep later = complete(sweep);
   require_finite(later.time_constant, "time_constant");

@@ -121,7 +121,10 @@ void Engine::forget() noexcept {
 // ---- commit ---------------------------------------------------------------------------------------------------------
 
 springnet_status Engine::commit(double time, State& state) {
-  calls_.check_commit(time, state);
+  const bool is_finite =
+      state.view.is_swept != 0 && sweep_.left_finite(state.view.position, state.view.velocity);
+  state.view.is_swept = 0;
+  calls_.check_commit(time, state, is_finite);
   if (const springnet_status room = check_room(model_, time, state); room != SPRINGNET_OK) return room;
   if (state.view.force_is_current != 0 && !state.forces_finite()) state.view.force_is_current = 0;
   model_.state.swap(state);

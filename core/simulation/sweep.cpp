@@ -54,6 +54,10 @@ springnet_status Sweep::run(const springnet_sweep& request, const springnet_netw
       status = model_.constraints.constrain_clusters(*at, sweep, model_.evaluator.threads(), message);
     }
   }
+  const bool left = status == SPRINGNET_OK && sweep.order == nullptr && model_.rigid.cluster_count() == 0 &&
+                    tiles.outputs_finite;
+  left_position_ = left ? sweep.next_position.x : nullptr;
+  left_velocity_ = left ? sweep.next_velocity.x : nullptr;
   if (status != SPRINGNET_OK) return model_.failed(status, sweep.time, tiles.nodes);
   // The integrator detects that the sweep diverged; the journal keeps the reason.
   static_cast<void>(check_finite(tiles.finite, tiles.bad_neuron, sweep.time, tiles.nodes));
@@ -102,7 +106,8 @@ springnet_status Sweep::evaluate_node(std::uint32_t node, Tiles& tiles, NodeEval
 
 springnet_status Sweep::update_node(std::uint32_t node, std::uint32_t unit, Tiles& tiles,
                                     const NodeEvaluation& evaluation, springnet_message& message) {
-  return tiles.update(unit, node, 1, evaluation.finite,
+  const double* const force[3] = {tiles.force.x + node, tiles.force.y + node, tiles.force.z + node};
+  return tiles.update(unit, node, 1, force, evaluation.finite,
                       tiles.sweep->want_blocks != 0 ? &evaluation.derivatives : nullptr, message);
 }
 
@@ -126,7 +131,7 @@ springnet_status Sweep::together(const layers::NodeList& list, std::uint32_t uni
     tiles.force.y[k] = force[1][i];
     tiles.force.z[k] = force[2][i];
   }
-  if (!Tiles::all_finite(force, static_cast<std::uint32_t>(nodes.size()))) {
+  if (!tiles.all_finite(force, static_cast<std::uint32_t>(nodes.size()))) {
     tiles.finite.store(false, std::memory_order_relaxed);
     // As in evaluate_node().
     if (!in_sets_) model_.explain(tiles.time, tiles.nodes);

@@ -33,7 +33,14 @@ class Sweep {
     double rest = 0.0;     // s: (1 - theta) times it
   };
   [[nodiscard]] const Done& done() const noexcept { return done_; }
-  void forget() noexcept { done_.any = false; }
+  // Whether these are outputs that the last sweep left, and all are finite.
+  [[nodiscard]] bool left_finite(const springnet_vectors& position, const springnet_vectors& velocity) const noexcept {
+    return left_position_ != nullptr && left_position_ == position.x && left_velocity_ == velocity.x;
+  }
+  void forget() noexcept {
+    done_.any = false;
+    left_position_ = left_velocity_ = nullptr;
+  }
 
  private:
   struct Tiles;           // context for the finished tiles of an evaluation or a sweep
@@ -42,7 +49,7 @@ class Sweep {
   enum class Turn : std::uint8_t { all, others, on_enclosure };
 
   static springnet_status finish_tile(void* tiles, std::uint32_t unit, std::uint32_t first, std::uint32_t count,
-                                      springnet_message& message);
+                                      const layers::ForceArrays& force, springnet_message& message);
   springnet_status in_order(Tiles& tiles, const layers::SweepPlan* plan);
   springnet_status one_set(std::uint32_t set, Tiles& tiles);
   springnet_status range(std::uint32_t begin, std::uint32_t end, std::uint32_t unit, Turn turn, Tiles& tiles,
@@ -66,6 +73,7 @@ class Sweep {
 
   Model& model_;
   Done done_;
+  const double *left_position_ = nullptr, *left_velocity_ = nullptr;  // finite outputs of the last sweep
   bool in_sets_ = false;   // several threads update the nodes of a set,
   bool in_tiles_ = false;  // or of tiles
   OrderCheck order_check_;

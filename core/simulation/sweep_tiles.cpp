@@ -1,7 +1,6 @@
 #include "simulation/sweep_tiles.hpp"
 
 #include <algorithm>
-#include <bit>
 #include <cmath>
 #include <cstdint>
 #include <cstdio>
@@ -13,14 +12,6 @@
 
 namespace springnet {
 namespace {
-
-// In integers, so that the loop vectorises: adding 1 to an exponent of all ones overflows into the sign bit.
-bool all_finite(const double* values, std::uint32_t count) noexcept {
-  constexpr std::uint64_t magnitude = ~std::uint64_t{0} >> 1, one = std::uint64_t{1} << 52;
-  std::uint64_t top = 0;
-  for (std::uint32_t i = 0; i < count; ++i) top |= (std::bit_cast<std::uint64_t>(values[i]) & magnitude) + one;
-  return top >> 63 == 0;
-}
 
 // Calls the integrator's update, which must not throw; if it does, the sweep ends with a message.
 springnet_status call_update(const springnet_sweep& sweep, const springnet_node_batch& batch,
@@ -42,9 +33,8 @@ springnet_status call_update(const springnet_sweep& sweep, const springnet_node_
 
 }  // namespace
 
-bool Sweep::Tiles::all_finite(const double* const values[3], std::uint32_t count) noexcept {
-  return springnet::all_finite(values[0], count) && springnet::all_finite(values[1], count) &&
-         springnet::all_finite(values[2], count);
+bool Sweep::Tiles::all_finite(const double* const values[3], std::uint32_t count) const noexcept {
+  return model.evaluator.all_finite(values, count);
 }
 
 void Sweep::Tiles::note_bad_neuron(std::uint32_t first, std::uint32_t count, const double* const acceleration_of[3]) {
@@ -70,9 +60,8 @@ void Sweep::Tiles::note_bad_neurons(std::span<const std::uint32_t> list, const d
   }
 }
 
-springnet_status Sweep::Tiles::accelerate(std::uint32_t first, std::uint32_t count, bool forces_finite,
-                                          springnet_message& message) {
-  const double* of_tile[3] = {force.x + first, force.y + first, force.z + first};
+springnet_status Sweep::Tiles::accelerate(std::uint32_t first, std::uint32_t count, const double* const of_tile[3],
+                                          bool forces_finite, springnet_message& message) {
   double* accelerations[3] = {acceleration.x + first, acceleration.y + first, acceleration.z + first};
   const springnet_status status = model.evaluator.accelerations(first, count, time, nodes, of_tile, accelerations,
                                                                 nullptr, nullptr, nullptr, message);
@@ -89,9 +78,9 @@ springnet_status Sweep::Tiles::accelerate(std::uint32_t first, std::uint32_t cou
   return SPRINGNET_OK;
 }
 
-springnet_status Sweep::Tiles::update(std::uint32_t unit, std::uint32_t first, std::uint32_t count, bool forces_finite,
+springnet_status Sweep::Tiles::update(std::uint32_t unit, std::uint32_t first, std::uint32_t count,
+                                      const double* const of_tile[3], bool forces_finite,
                                       const layers::NodeDerivatives* derivatives, springnet_message& message) {
-  const double* of_tile[3] = {force.x + first, force.y + first, force.z + first};
   alignas(64) double local[3][layers::tile_nodes];
   double* accelerations[3] = {local[0], local[1], local[2]};
   const springnet_status status = model.evaluator.accelerations(first, count, time, nodes, of_tile, accelerations,
@@ -103,6 +92,7 @@ springnet_status Sweep::Tiles::update(std::uint32_t unit, std::uint32_t first, s
   batch.first = first;
   batch.count = count;
   batch.unit = unit;
+  batch.instruction_set = layers::abi_number(model.evaluator.instruction_set());
   batch.force = {of_tile[0], of_tile[1], of_tile[2]};
   batch.acceleration = {accelerations[0], accelerations[1], accelerations[2]};
   if (derivatives != nullptr) {
@@ -116,6 +106,13 @@ springnet_status Sweep::Tiles::update(std::uint32_t unit, std::uint32_t first, s
   if (const springnet_status updated = call_update(*sweep, batch, message); updated != SPRINGNET_OK) return updated;
   const profile::Part part("constraints");
   model.constraints.constrain(*at, first, count, *sweep, in_place ? &read : nullptr);
+  if (in_place) return SPRINGNET_OK;
+  // While they are in the first-level cache: a commit then need not look for them in memory.
+  const springnet_vectors &p = sweep->next_position, &v = sweep->next_velocity;
+  const double* const positions[3] = {p.x + first, p.y + first, p.z + first};
+  const double* const velocities[3] = {v.x + first, v.y + first, v.z + first};
+  if (!all_finite(positions, count) || !all_finite(velocities, count))
+    outputs_finite.store(false, std::memory_order_relaxed);
   return SPRINGNET_OK;
 }
 
@@ -125,6 +122,7 @@ springnet_status Sweep::Tiles::update(std::uint32_t unit, std::span<const std::u
   springnet_node_batch batch{};
   batch.struct_size = sizeof batch;
   batch.unit = unit;
+  batch.instruction_set = layers::abi_number(model.evaluator.instruction_set());
   const std::size_t step = sweep->lists != 0 ? list.size() : 1;
   for (std::size_t begin = 0; begin < list.size(); begin += step) {
     batch.first = list[begin];
@@ -141,14 +139,14 @@ springnet_status Sweep::Tiles::update(std::uint32_t unit, std::span<const std::u
 }
 
 springnet_status Sweep::finish_tile(void* user, std::uint32_t unit, std::uint32_t first, std::uint32_t count,
-                                    springnet_message& message) {
+                                    const layers::ForceArrays& force, springnet_message& message) {
   Tiles& tiles = *static_cast<Tiles*>(user);
-  const double* force[3] = {tiles.force.x + first, tiles.force.y + first, tiles.force.z + first};
-  const bool finite = Tiles::all_finite(force, count);
+  const double* const of_tile[3] = {force.x, force.y, force.z};
+  const bool finite = tiles.model.evaluator.all_finite(of_tile, count);
   if (!finite) tiles.finite.store(false, std::memory_order_relaxed);
-  if (tiles.sweep != nullptr) return tiles.update(unit, first, count, finite, nullptr, message);
+  if (tiles.sweep != nullptr) return tiles.update(unit, first, count, of_tile, finite, nullptr, message);
   if (tiles.acceleration.x == nullptr) return SPRINGNET_OK;
-  return tiles.accelerate(first, count, finite, message);
+  return tiles.accelerate(first, count, of_tile, finite, message);
 }
 
 }  // namespace springnet

@@ -46,7 +46,8 @@ function(_springnet_plugin_flags target)
   target_compile_features(${target} PRIVATE cxx_std_20)
   set_target_properties(${target} PROPERTIES CXX_EXTENSIONS OFF POSITION_INDEPENDENT_CODE ON
     C_VISIBILITY_PRESET hidden CXX_VISIBILITY_PRESET hidden VISIBILITY_INLINES_HIDDEN ON)
-  # Without contraction a kernel gives the same bits for every instruction set and tile size.
-  target_compile_options(${target} PRIVATE -ffp-contract=off $<$<CONFIG:Release>:-O3>)
+  # Without contraction a kernel gives the same bits for every instruction set and tile size. The loops of laws vectorise
+  # only if a square root need not set errno and what is computed for a branch not taken need not be hidden.
+  target_compile_options(${target} PRIVATE -ffp-contract=off -fno-math-errno -fno-trapping-math $<$<CONFIG:Release>:-O3>)
   target_link_libraries(${target} PRIVATE springnet::sdk ${ARGN} $<TARGET_NAME_IF_EXISTS:springnet_build_flags>)
 endfunction()

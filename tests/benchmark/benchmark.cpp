@@ -32,10 +32,9 @@ double choice(const char* integrator, const char* option, const char* name) {
 
 // stiffness N/m, damping N s/m; masses of 1 kg, 1 m apart. Every node starts with a velocity of its own: a lattice at
 // rest would time multiplications with zero.
-springnet::Network lattice(std::uint32_t nodes_a_side, double stiffness, double damping) {
+springnet::Network lattice(std::uint32_t nodes_a_side, const LawUse& spring, const LawUse& viscosity) {
   springnet::Network network;
-  const auto material = network.add_material(
-      {.spring = LawUse{"linear", {{"stiffness", stiffness}}}, .viscosity = LawUse{"linear", {{"damping", damping}}}});
+  const auto material = network.add_material({.spring = spring, .viscosity = viscosity});
   network.add_lattice("lattice",
                       {.nodes = {nodes_a_side, nodes_a_side, nodes_a_side},
                        .spacing = Vector3::Ones(),
@@ -52,6 +51,10 @@ springnet::Network lattice(std::uint32_t nodes_a_side, double stiffness, double 
     network.set_node(index, node);
   }
   return network;
+}
+
+springnet::Network lattice(std::uint32_t nodes_a_side, double stiffness, double damping) {
+  return lattice(nodes_a_side, {"linear", {{"stiffness", stiffness}}}, {"linear", {{"damping", damping}}});
 }
 
 // The cube of examples/cube: falls on a plane and is compressed.
@@ -127,23 +130,44 @@ BENCHMARK(hinges)->Name("hinges/nodes_a_side:21/threads:1")->Unit(benchmark::kMi
 
 // A step of one synchronous sweep: symplectic Euler. The network stays the same size and in motion for any number of
 // steps (t_c^2 k/m = 0.01, far inside the stable range, and little damping), so every step costs as much as the first.
-void single_sweep(benchmark::State& state) {
+void single_sweep_of(benchmark::State& state, const springnet::Network& network, unsigned threads) {
   const springnet::SimulationOptions options{
       .time_step = 0.01,
       .integrator = {"recurrent", {{"update", choice("recurrent", "update", "synchronous")}, {"sweeps", 1.0}}},
-      .threads = static_cast<unsigned>(state.range(1))};
-  springnet::Simulation simulation(lattice(static_cast<std::uint32_t>(state.range(0)), 100.0, 0.1), plugins(), options);
+      .threads = threads};
+  springnet::Simulation simulation(network, plugins(), options);
   simulation.step();  // the first one touches memory for the first time
   for ([[maybe_unused]] auto iteration : state) simulation.step();
   const auto springs = static_cast<std::int64_t>(simulation.spring_count());
   state.SetItemsProcessed(state.iterations() * springs);
   state.counters["springs"] = static_cast<double>(springs);
 }
+void single_sweep(benchmark::State& state) {
+  single_sweep_of(state, lattice(static_cast<std::uint32_t>(state.range(0)), 100.0, 0.1),
+                  static_cast<unsigned>(state.range(1)));
+}
 BENCHMARK(single_sweep)
     ->ArgNames({"nodes_a_side", "threads"})
     ->ArgsProduct({{4, 32, 100}, {1, 2}})
     ->UseRealTime()
     ->Unit(benchmark::kMicrosecond);
+
+// The same with laws that need an exponential or a power for each spring; linear ones beside them.
+void laws(benchmark::State& state, const LawUse& spring, const LawUse& viscosity) {
+  single_sweep_of(state, lattice(static_cast<std::uint32_t>(state.range(0)), spring, viscosity), 1);
+}
+const LawUse linear_spring{"linear", {{"stiffness", 100.0}}}, linear_damper{"linear", {{"damping", 0.1}}};
+BENCHMARK_CAPTURE(laws, linear, linear_spring, linear_damper)->ArgName("nodes_a_side")->Arg(4)->Arg(32)->UseRealTime();
+BENCHMARK_CAPTURE(laws, exponential, LawUse{"exponential", {{"stiffness", 100.0}, {"exponent", 3.0}}}, linear_damper)
+    ->ArgName("nodes_a_side")
+    ->Arg(4)
+    ->Arg(32)
+    ->UseRealTime();
+BENCHMARK_CAPTURE(laws, power, linear_spring, LawUse{"power", {{"damping", 0.1}, {"exponent", 1.7}}})
+    ->ArgName("nodes_a_side")
+    ->Arg(4)
+    ->Arg(32)
+    ->UseRealTime();
 
 // Repeats the first 5 s of the cube's fall (touch-down at 0.9 s, deepest at 3.95 s), one step per iteration.
 void cube_steps(benchmark::State& state, const springnet::SimulationOptions& options) {

@@ -2,6 +2,8 @@
 // over them vectorise.
 #pragma once
 
+#include <springnet/sdk/dual.hpp>
+
 #include "network/invariant_values.hpp"
 
 namespace springnet::layers {

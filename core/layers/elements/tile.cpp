@@ -140,7 +140,8 @@ springnet_status Evaluator::evaluate_elements(double time, const NodeArrays& nod
   return failure == SPRINGNET_OK ? evaluate_enclosures(time, message) : failure;
 }
 
-void Evaluator::add_elements(std::uint32_t begin, std::uint32_t end, const ForceArrays& force) const noexcept {
+void Evaluator::add_elements(std::uint32_t begin, std::uint32_t end, const ForceArrays& force,
+                             std::uint32_t origin) const noexcept {
   const ElementLayout& elements = layout_.elements();
   const double *x = corner_force_[0].data(), *y = corner_force_[1].data(), *z = corner_force_[2].data();
   const bool enclosures = elements.live_enclosures() > 0;
@@ -158,9 +159,9 @@ void Evaluator::add_elements(std::uint32_t begin, std::uint32_t end, const Force
         for (Eigen::Index c = 0; c < 3; ++c) sum[c] -= enclosure_force_[share.enclosure] * gradient[c];
       }
     }
-    force.x[k] += sum[0];
-    force.y[k] += sum[1];
-    force.z[k] += sum[2];
+    force.x[k - origin] += sum[0];
+    force.y[k - origin] += sum[1];
+    force.z[k - origin] += sum[2];
   }
 }
 

@@ -97,7 +97,7 @@ void MatrixFree::lay_out_springs() {
           const auto [own, other] = ends_in(u, segment, s);
           const bool is_within = other >= units[u].first_node && other < units[u].end_node();
           what(u, is_within ? springs_[u].within : springs_[u].leaving, own, other, slot, u);
-          if (!is_within && segment.reach != Reach::far)  // far ones are in the other unit by themselves
+          if (!is_within && segment.access != Access::far)  // far ones are in the other unit by themselves
             what(u + 1, springs_[u + 1].leaving, other, own, slot, u);
         }
       }
@@ -134,7 +134,7 @@ void MatrixFree::lay_out_springs() {
 std::pair<std::uint32_t, std::uint32_t> MatrixFree::ends_in(std::size_t unit, const Segment& segment,
                                                             std::uint32_t spring) const {
   const std::uint32_t a = layout_.first(spring), b = layout_.second(spring);
-  const bool is_first = segment.reach == Reach::far ? layout_.unit_of(a) == unit : a < b;
+  const bool is_first = segment.access == Access::far ? layout_.unit_of(a) == unit : a < b;
   return is_first ? std::pair(a, b) : std::pair(b, a);
 }
 
@@ -240,7 +240,7 @@ MatrixFree::Sums MatrixFree::linearise_unit(std::size_t index, double time, cons
     const SegmentSprings springs = unit.springs_of(segment);
     kernels.lengths_and_rates(springs, nodes, *geometry);
     kernels.relative_speeds(springs, nodes, *geometry);
-    settle_dead(unit, segment, *geometry);
+    if (segment.dead > 0) kernels.settle_dead(unit.live_in(segment), segment.count, segment.living, *geometry);
     const SegmentColumns columns(unit, segment, group);
     const RowSelection rows = segment.row == mixed_rows ? RowSelection{nullptr, 0, columns.data()}
                                                         : RowSelection{nullptr, segment.row};

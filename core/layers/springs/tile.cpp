@@ -14,7 +14,7 @@ void find_geometry(const Kernels& kernels, const Unit& unit, const Segment& segm
   const bool rates = group.spring.reads_rate || group.viscosity.reads_rate;
   const bool lengths = (group.spring && !group.spring.relative) || (group.viscosity && !group.viscosity.relative);
   const bool speeds = group.spring.relative || group.viscosity.relative;
-  if (segment.reach == Reach::near) {
+  if (segment.access == Access::near) {
     kernels.subtract_window(springs, scratch.window, scratch.changes);
     const auto& c = scratch.changes;
     const EndChanges changes{c[0], c[1], c[2], c[3], c[4], c[5]};
@@ -30,14 +30,14 @@ void find_geometry(const Kernels& kernels, const Unit& unit, const Segment& segm
       kernels.lengths(springs, nodes, geometry);
     if (speeds) kernels.relative_speeds(springs, nodes, geometry);
   }
-  settle_dead(unit, segment, geometry);
+  if (segment.dead > 0)
+    kernels.settle_dead(unit.live_in(segment), segment.count, segment.living, geometry);
 }
 
 }  // namespace
 
 springnet_status Evaluator::evaluate_segment(const Unit& unit, const Segment& segment, double time,
-                                             const NodeArrays& nodes, const ForceArrays& force,
-                                             const ForceArrays& halo, UnitScratch& scratch,
+                                             const NodeArrays& nodes, UnitScratch& scratch,
                                              springnet_message& message) const {
   if (segment.dead == segment.count) return SPRINGNET_OK;
   const Group& group = layout_.laws().groups[segment.group];
@@ -59,15 +59,13 @@ springnet_status Evaluator::evaluate_segment(const Unit& unit, const Segment& se
 
   const SegmentSprings springs = unit.springs_of(segment);
   const auto scatter = [&](const double* value, const double* value_2, const Directions& directions) {
-    switch (segment.reach) {
-      case Reach::within:
-        return kernels_.scatter_runs(springs, value, value_2, directions, force, force, 0);
-      case Reach::across:
-        return kernels_.scatter_runs(springs, value, value_2, directions, force, halo, unit.end_node());
-      case Reach::near:
+    switch (segment.access) {
+      case Access::chunks:
+        return kernels_.scatter_chunks(springs, value, value_2, directions, scratch.force, unit.first_node);
+      case Access::near:
         return kernels_.scatter_window(springs, value, value_2, directions, scratch.window);
-      case Reach::far:
-        return kernels_.scatter_first(springs, value, value_2, directions, force);
+      case Access::far:
+        return kernels_.scatter_first(springs, value, value_2, directions, scratch.force, unit.first_node);
     }
   };
   const double* axial[2] = {nullptr, nullptr};

@@ -5,6 +5,8 @@
 #include <limits>
 #include <utility>
 
+#include <springnet/sdk/math.hpp>
+
 #include "columns.hpp"
 
 namespace springnet::recurrent {
@@ -153,7 +155,7 @@ void Newton::set_up(const Step& step) {
 bool Newton::keeping_pays(const Step& step) const {
   const double force = greatest_force(step, at_outputs_.residual);
   if (!(force > step.tolerance)) return true;
-  const auto sweeps = [&](double rate) { return std::ceil(std::log(step.tolerance / force) / std::log(rate)); };
+  const auto sweeps = [&](double rate) { return std::ceil(sdk::log(step.tolerance / force) / sdk::log(rate)); };
   const double cost = static_cast<double>(system_.iterations()) + cost_of_sweep;
   return sweeps(std::max(kept_rate_, best_rate)) * cost <= sweeps(best_rate) * cost + cost_of_renewal;
 }

@@ -9,10 +9,42 @@
 #include <vector>
 
 #include <springnet/sdk/host.hpp>
+#include <springnet/sdk/kernel.hpp>
 
 namespace springnet::recurrent {
 
 inline constexpr std::uint32_t no_node = 0xffffffffu;
+
+// One component of the nodes of a batch.
+struct Component {
+  std::uint32_t instruction_set, count;
+  double weight;  // s
+  const double *acceleration, *position, *velocity;
+  double *next_position, *next_velocity;
+  bool* finite;  // cleared if a new position is not (which includes a velocity that is not)
+};
+struct Integration {
+  // An exponent of all ones overflows into the sign bit: in integers, so that the loop vectorises.
+  SPRINGNET_INLINE static void run(const Component& component) {
+    constexpr std::uint64_t magnitude = ~std::uint64_t{0} >> 1, least_exponent = std::uint64_t{1} << 52;
+    const double* __restrict a = component.acceleration;
+    const double* __restrict p = component.position;
+    const double* __restrict v = component.velocity;
+    double* __restrict next_p = component.next_position;
+    double* __restrict next_v = component.next_velocity;
+    const double weight = component.weight;
+    const std::size_t count = component.count;
+    std::uint64_t top = 0;
+    for (std::size_t i = 0; i < count; ++i) {
+      const double u = v[i] + weight * a[i];
+      const double next = p[i] + weight * u;
+      next_v[i] = u;
+      next_p[i] = next;
+      top |= (std::bit_cast<std::uint64_t>(next) & magnitude) + least_exponent;
+    }
+    if ((top >> 63) != 0) *component.finite = false;
+  }
+};
 
 // U' = v* + w a and P' = p* + w U' (v*, p* of the step; a from the net force at the newest outputs) for the nodes of
 // batches.
@@ -36,13 +68,16 @@ class NodeUpdate {
     if (relaxation_ != 1.0) return relax(batch, list);
     if (list != nullptr) return step(batch, list);
     if (batch.count == 1) return step(k, batch);
-    std::uint64_t top = integrate(batch.count, batch.acceleration.x, position_.x + k, velocity_.x + k,
-                                  next_position_.x + k, next_velocity_.x + k);
-    top |= integrate(batch.count, batch.acceleration.y, position_.y + k, velocity_.y + k, next_position_.y + k,
-                     next_velocity_.y + k);
-    top |= integrate(batch.count, batch.acceleration.z, position_.z + k, velocity_.z + k, next_position_.z + k,
-                     next_velocity_.z + k);
-    return top >> 63 == 0;
+    bool finite = true;
+    const auto go = [&](const double* a, const double* p, const double* v, double* next_p, double* next_v) {
+      const Component component{sdk::instruction_set_of(batch), batch.count, weight_, a, p + k, v + k, next_p + k,
+                                next_v + k, &finite};
+      sdk::detail::run<Integration>(component);
+    };
+    go(batch.acceleration.x, position_.x, velocity_.x, next_position_.x, next_velocity_.x);
+    go(batch.acceleration.y, position_.y, velocity_.y, next_position_.y, next_velocity_.y);
+    go(batch.acceleration.z, position_.z, velocity_.z, next_position_.z, next_velocity_.z);
+    return finite;
   }
 
  private:
@@ -96,24 +131,6 @@ class NodeUpdate {
     }
     return zero_if_finite == 0.0;
   }
-  // One component. The result has its highest bit set if a new position is not finite (which includes a velocity that
-  // is not): an exponent of all ones overflows into the sign bit. In integers, so that the loop vectorises.
-  std::uint64_t integrate(std::uint32_t count, const double* __restrict a, const double* __restrict p,
-                          const double* __restrict v, double* __restrict next_p,
-                          double* __restrict next_v) const noexcept {
-    constexpr std::uint64_t magnitude = ~std::uint64_t{0} >> 1, least_exponent = std::uint64_t{1} << 52;
-    const double weight = weight_;
-    std::uint64_t top = 0;
-    for (std::uint32_t i = 0; i < count; ++i) {
-      const double u = v[i] + weight * a[i];
-      const double next = p[i] + weight * u;
-      next_v[i] = u;
-      next_p[i] = next;
-      top |= (std::bit_cast<std::uint64_t>(next) & magnitude) + least_exponent;
-    }
-    return top;
-  }
-
   double weight_;  // s
   double relaxation_;
   springnet_const_vectors position_, velocity_;

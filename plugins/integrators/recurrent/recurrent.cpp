@@ -232,6 +232,7 @@ Attempt Recurrent::raise_time_constant(Step& step, const Attempt& last) {
 void Recurrent::take(const Step& step, Verdict verdict) {
   springnet_state& result = *step.outputs;
   result.force_is_current = step.evaluated ? 1 : 0;
+  result.is_swept = step.compares ? 0 : 1;  // a single synchronous sweep, whose outputs nothing has changed
   work_.committed(step);
   work_.host.commit(step.until, result);
   if (verdict == Verdict::out_of_time)

@@ -9,7 +9,8 @@ void Synchronous::begin(Step& step) {
 void Synchronous::sweep(Step& step) {
   const springnet_state& read = step.newest();
   springnet_state& write = work_.state_beside(step.outputs);
-  const springnet_sweep call = work_.sweep_call(step, read, write);
+  springnet_sweep call = work_.sweep_call(step, read, write);
+  if (!step.compares) call.force = {};  // a single sweep: nobody reads them
   const NodeUpdate update(step.weight(), step.free_position, step.free_velocity, write);
   ForceRecord& record = work_.record;
   record.begin_sweep();

@@ -2,8 +2,6 @@
 // drag of a turbulent flow, below 1 a shear-thinning fluid.
 // For n < 1 the slope of that formula at u = 0 is infinite, and no implicit method can step across it. The force is
 // then linear for |u| < linear_below and continuous there: Q = d linear_below^(n - 1) u.
-#include <cfloat>
-
 #include <springnet/sdk/law.hpp>
 
 namespace {
@@ -22,9 +20,9 @@ struct PowerViscosity : ViscosityFunction {
       number("linear_below", "m/s", "exponents below 1: rate under which the force is linear").above(0).preset(1e-6)};
 
   static auto force(const auto& e, const auto& p) {
-    // DBL_MIN: 0^(exponent - 1) may have no derivative; this one is finite and is multiplied by u = 0.
-    const auto least = p[exponent] < 1.0 ? p[linear_below] : DBL_MIN;
-    return p[damping] * e.rate * pow(max(abs(e.rate), least), p[exponent] - 1.0);
+    // 1e-300: 0^(exponent - 1) may have no derivative; this one is finite and is multiplied by u = 0.
+    const auto least = p[exponent] < 1.0 ? p[linear_below] : 1e-300;
+    return p[damping] * e.rate * quick_pow(max(abs(e.rate), least), p[exponent] - 1.0);
   }
 };
 

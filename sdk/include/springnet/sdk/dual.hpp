@@ -2,8 +2,8 @@
 // their number type; with Dual in place of double the same formula gives exact derivatives.
 //
 // Comparisons use the value only. The value of every operation is computed exactly as for double. Conventions where a
-// derivative does not exist: abs takes 0, min and max that of the argument chosen; a function with an infinite slope
-// (sqrt at 0, …) keeps a derivative of 0, so that constants stay constants.
+// derivative does not exist: abs, floor and ceil take 0, min, max and clamp that of the argument chosen; a function
+// with an infinite slope (sqrt at 0, …) keeps a derivative of 0, so that constants stay constants.
 #pragma once
 
 #include <algorithm>
@@ -12,22 +12,16 @@
 #include <compare>
 #include <cstddef>
 
-#if defined(__FAST_MATH__)
-#error "springnet laws must give the same bits for every instruction set and tile size: compile without -ffast-math"
-#endif
-
-#if defined(__GNUC__) || defined(__clang__)
-#define SPRINGNET_INLINE __attribute__((always_inline)) inline
-#else
-#define SPRINGNET_INLINE inline
-#endif
+#include <springnet/sdk/math.hpp>
 
 namespace springnet::sdk {
 
+// Dual<0> is a value without derivatives, of the size of a double: laws and neurons get it for what they compute
+// itself. It is not double, so that an unqualified exp(x) in a formula is the one here and never that of the C library.
 template <std::size_t N>
 struct Dual {
   double value = 0.0;
-  std::array<double, N> derivatives{};
+  [[no_unique_address]] std::array<double, N> derivatives{};
 
   constexpr Dual() = default;
   // A constant; implicit, so that laws may mix numbers and duals.
@@ -129,10 +123,15 @@ SPRINGNET_INLINE Dual<N> chain_steep(const Dual<N>& x, double value, double slop
 }
 }  // namespace detail
 
-// For laws evaluated with double; the overloads below are for duals.
-using std::abs, std::min, std::max, std::sqrt, std::cbrt, std::hypot, std::exp, std::expm1, std::log, std::log1p,
-    std::pow, std::sin, std::cos, std::tan, std::asin, std::acos, std::atan, std::atan2, std::sinh, std::cosh,
-    std::tanh;
+// For formulas with numbers that are double in any case; abs, floor and ceil are exact, so that any library's do. min
+// and max of two numbers of different types.
+using std::abs, std::floor, std::ceil, std::min, std::max, std::clamp;
+[[nodiscard]] SPRINGNET_INLINE constexpr double min(double a, double b) { return b < a ? b : a; }
+[[nodiscard]] SPRINGNET_INLINE constexpr double max(double a, double b) { return a < b ? b : a; }
+// As std::clamp: x where it is nan.
+[[nodiscard]] SPRINGNET_INLINE constexpr double clamp(double x, double low, double high) {
+  return x < low ? low : (high < x ? high : x);
+}
 
 template <std::size_t N>
 [[nodiscard]] SPRINGNET_INLINE Dual<N> abs(const Dual<N>& x) {
@@ -166,18 +165,43 @@ template <std::size_t N>
 }
 
 template <std::size_t N>
+[[nodiscard]] SPRINGNET_INLINE constexpr Dual<N> clamp(const Dual<N>& x, const Dual<N>& low, const Dual<N>& high) {
+  return x.value < low.value ? low : (high.value < x.value ? high : x);
+}
+template <std::size_t N>
+[[nodiscard]] SPRINGNET_INLINE constexpr Dual<N> clamp(const Dual<N>& x, double low, double high) {
+  return clamp(x, Dual<N>(low), Dual<N>(high));
+}
+template <std::size_t N>
+[[nodiscard]] SPRINGNET_INLINE constexpr Dual<N> clamp(const Dual<N>& x, const Dual<N>& low, double high) {
+  return clamp(x, low, Dual<N>(high));
+}
+template <std::size_t N>
+[[nodiscard]] SPRINGNET_INLINE constexpr Dual<N> clamp(const Dual<N>& x, double low, const Dual<N>& high) {
+  return clamp(x, Dual<N>(low), high);
+}
+template <std::size_t N>
+[[nodiscard]] SPRINGNET_INLINE Dual<N> floor(const Dual<N>& x) {
+  return Dual<N>(std::floor(x.value));
+}
+template <std::size_t N>
+[[nodiscard]] SPRINGNET_INLINE Dual<N> ceil(const Dual<N>& x) {
+  return Dual<N>(std::ceil(x.value));
+}
+
+template <std::size_t N>
 [[nodiscard]] SPRINGNET_INLINE Dual<N> sqrt(const Dual<N>& x) {
-  const double root = std::sqrt(x.value);
+  const double root = sdk::sqrt(x.value);
   return detail::chain_steep(x, root, 0.5 / root);
 }
 template <std::size_t N>
 [[nodiscard]] SPRINGNET_INLINE Dual<N> cbrt(const Dual<N>& x) {
-  const double root = std::cbrt(x.value);
+  const double root = sdk::cbrt(x.value);
   return detail::chain_steep(x, root, 1.0 / (3.0 * root * root));
 }
 template <std::size_t N>
 [[nodiscard]] SPRINGNET_INLINE Dual<N> hypot(const Dual<N>& x, const Dual<N>& y) {
-  Dual<N> result(std::hypot(x.value, y.value));
+  Dual<N> result(sdk::hypot(x.value, y.value));
   if (result.value != 0.0) {
     for (std::size_t i = 0; i < N; ++i) {
       result.derivatives[i] = (x.value / result.value) * x.derivatives[i] + (y.value / result.value) * y.derivatives[i];
@@ -186,26 +210,38 @@ template <std::size_t N>
   return result;
 }
 template <std::size_t N>
+[[nodiscard]] SPRINGNET_INLINE Dual<N> hypot(const Dual<N>& x, double y) {
+  return hypot(x, Dual<N>(y));
+}
+template <std::size_t N>
+[[nodiscard]] SPRINGNET_INLINE Dual<N> hypot(double x, const Dual<N>& y) {
+  return hypot(Dual<N>(x), y);
+}
+template <std::size_t N>
 [[nodiscard]] SPRINGNET_INLINE Dual<N> exp(const Dual<N>& x) {
-  const double value = std::exp(x.value);
+  const double value = sdk::exp(x.value);
   return detail::chain(x, value, value);
 }
 template <std::size_t N>
 [[nodiscard]] SPRINGNET_INLINE Dual<N> expm1(const Dual<N>& x) {
-  return detail::chain(x, std::expm1(x.value), std::exp(x.value));
+  return detail::chain(x, sdk::expm1(x.value), sdk::exp(x.value));
 }
 template <std::size_t N>
 [[nodiscard]] SPRINGNET_INLINE Dual<N> log(const Dual<N>& x) {
-  return detail::chain_steep(x, std::log(x.value), 1.0 / x.value);
+  return detail::chain_steep(x, sdk::log(x.value), 1.0 / x.value);
 }
 template <std::size_t N>
 [[nodiscard]] SPRINGNET_INLINE Dual<N> log1p(const Dual<N>& x) {
-  return detail::chain_steep(x, std::log1p(x.value), 1.0 / (1.0 + x.value));
+  return detail::chain_steep(x, sdk::log1p(x.value), 1.0 / (1.0 + x.value));
+}
+template <std::size_t N>
+[[nodiscard]] SPRINGNET_INLINE Dual<N> log10(const Dual<N>& x) {
+  return detail::chain_steep(x, sdk::log10(x.value), 0x1.bcb7b1526e50ep-2 / x.value);  // log10 e
 }
 template <std::size_t N>
 [[nodiscard]] SPRINGNET_INLINE Dual<N> pow(const Dual<N>& x, double exponent) {
-  const double slope = exponent == 0.0 ? 0.0 : exponent * std::pow(x.value, exponent - 1.0);
-  return detail::chain_steep(x, std::pow(x.value, exponent), slope);
+  const double slope = exponent == 0.0 ? 0.0 : exponent * sdk::pow(x.value, exponent - 1.0);
+  return detail::chain_steep(x, sdk::pow(x.value, exponent), slope);
 }
 template <std::size_t N>
 [[nodiscard]] SPRINGNET_INLINE Dual<N> pow(const Dual<N>& x, const Dual<N>& exponent) {
@@ -213,7 +249,7 @@ template <std::size_t N>
   for (std::size_t i = 0; i < N; ++i) {
     // d/dy x^y = x^y log x, which tends to 0 with x^y.
     if (exponent.derivatives[i] != 0.0 && result.value != 0.0) {
-      result.derivatives[i] += result.value * std::log(x.value) * exponent.derivatives[i];
+      result.derivatives[i] += result.value * sdk::log(x.value) * exponent.derivatives[i];
     }
   }
   return result;
@@ -222,34 +258,52 @@ template <std::size_t N>
 [[nodiscard]] SPRINGNET_INLINE Dual<N> pow(double x, const Dual<N>& exponent) {
   return pow(Dual<N>(x), exponent);
 }
+// As pow, for normal x > 0; see sdk/math/power.hpp.
+template <std::size_t N>
+[[nodiscard]] SPRINGNET_INLINE Dual<N> quick_pow(const Dual<N>& x, const Dual<N>& exponent) {
+  Dual<N> result(sdk::quick_pow(x.value, exponent.value));
+  for (std::size_t i = 0; i < N; ++i) {
+    result.derivatives[i] =
+        result.value * (exponent.value * (x.derivatives[i] / x.value) + sdk::log(x.value) * exponent.derivatives[i]);
+  }
+  return result;
+}
+template <std::size_t N>
+[[nodiscard]] SPRINGNET_INLINE Dual<N> quick_pow(const Dual<N>& x, double exponent) {
+  return quick_pow(x, Dual<N>(exponent));
+}
+template <std::size_t N>
+[[nodiscard]] SPRINGNET_INLINE Dual<N> quick_pow(double x, const Dual<N>& exponent) {
+  return quick_pow(Dual<N>(x), exponent);
+}
 template <std::size_t N>
 [[nodiscard]] SPRINGNET_INLINE Dual<N> sin(const Dual<N>& x) {
-  return detail::chain(x, std::sin(x.value), std::cos(x.value));
+  return detail::chain(x, sdk::sin(x.value), sdk::cos(x.value));
 }
 template <std::size_t N>
 [[nodiscard]] SPRINGNET_INLINE Dual<N> cos(const Dual<N>& x) {
-  return detail::chain(x, std::cos(x.value), -std::sin(x.value));
+  return detail::chain(x, sdk::cos(x.value), -sdk::sin(x.value));
 }
 template <std::size_t N>
 [[nodiscard]] SPRINGNET_INLINE Dual<N> tan(const Dual<N>& x) {
-  const double value = std::tan(x.value);
+  const double value = sdk::tan(x.value);
   return detail::chain(x, value, 1.0 + value * value);
 }
 template <std::size_t N>
 [[nodiscard]] SPRINGNET_INLINE Dual<N> asin(const Dual<N>& x) {
-  return detail::chain_steep(x, std::asin(x.value), 1.0 / std::sqrt((1.0 - x.value) * (1.0 + x.value)));
+  return detail::chain_steep(x, sdk::asin(x.value), 1.0 / sdk::sqrt((1.0 - x.value) * (1.0 + x.value)));
 }
 template <std::size_t N>
 [[nodiscard]] SPRINGNET_INLINE Dual<N> acos(const Dual<N>& x) {
-  return detail::chain_steep(x, std::acos(x.value), -1.0 / std::sqrt((1.0 - x.value) * (1.0 + x.value)));
+  return detail::chain_steep(x, sdk::acos(x.value), -1.0 / sdk::sqrt((1.0 - x.value) * (1.0 + x.value)));
 }
 template <std::size_t N>
 [[nodiscard]] SPRINGNET_INLINE Dual<N> atan(const Dual<N>& x) {
-  return detail::chain(x, std::atan(x.value), 1.0 / (1.0 + x.value * x.value));
+  return detail::chain(x, sdk::atan(x.value), 1.0 / (1.0 + x.value * x.value));
 }
 template <std::size_t N>
 [[nodiscard]] SPRINGNET_INLINE Dual<N> atan2(const Dual<N>& y, const Dual<N>& x) {
-  Dual<N> result(std::atan2(y.value, x.value));
+  Dual<N> result(sdk::atan2(y.value, x.value));
   const double square = x.value * x.value + y.value * y.value;
   if (square != 0.0) {
     for (std::size_t i = 0; i < N; ++i) {
@@ -259,17 +313,30 @@ template <std::size_t N>
   return result;
 }
 template <std::size_t N>
+[[nodiscard]] SPRINGNET_INLINE Dual<N> atan2(const Dual<N>& y, double x) {
+  return atan2(y, Dual<N>(x));
+}
+template <std::size_t N>
+[[nodiscard]] SPRINGNET_INLINE Dual<N> atan2(double y, const Dual<N>& x) {
+  return atan2(Dual<N>(y), x);
+}
+template <std::size_t N>
 [[nodiscard]] SPRINGNET_INLINE Dual<N> sinh(const Dual<N>& x) {
-  return detail::chain(x, std::sinh(x.value), std::cosh(x.value));
+  return detail::chain(x, sdk::sinh(x.value), sdk::cosh(x.value));
 }
 template <std::size_t N>
 [[nodiscard]] SPRINGNET_INLINE Dual<N> cosh(const Dual<N>& x) {
-  return detail::chain(x, std::cosh(x.value), std::sinh(x.value));
+  return detail::chain(x, sdk::cosh(x.value), sdk::sinh(x.value));
 }
 template <std::size_t N>
 [[nodiscard]] SPRINGNET_INLINE Dual<N> tanh(const Dual<N>& x) {
-  const double value = std::tanh(x.value);
+  const double value = sdk::tanh(x.value);
   return detail::chain(x, value, (1.0 - value) * (1.0 + value));
+}
+template <std::size_t N>
+[[nodiscard]] SPRINGNET_INLINE Dual<N> erf(const Dual<N>& x) {
+  constexpr double two_over_root_pi = 0x1.20dd750429b6dp+0;
+  return detail::chain(x, sdk::erf(x.value), two_over_root_pi * sdk::exp(-x.value * x.value));
 }
 
 }  // namespace springnet::sdk

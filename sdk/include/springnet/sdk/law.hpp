@@ -12,8 +12,8 @@
 //   }  // namespace
 //   SPRINGNET_PLUGIN("org.example.linear", "1.0.0", "author", "MIT", Linear);
 //
-// force() gets an Element<Real> and Parameters<Real>; Real is double for the forces and a dual number for the
-// derivatives. A formula that needs to name Real is written
+// force() gets an Element<Real> and Parameters<Real>; Real is a dual number (dual.hpp), without derivatives for the
+// forces. A formula that needs to name Real is written
 //   template <class Real> static Real force(const Element<Real>& e, const Parameters<Real>& p)
 // Beside force() a class may have:
 //   energy(e, p)                            J; force must be its derivative with respect to e.q
@@ -39,6 +39,7 @@
 
 #include <springnet/sdk/component.hpp>
 #include <springnet/sdk/kernel.hpp>
+#include <springnet/sdk/math/members.hpp>
 
 namespace springnet::sdk {
 
@@ -75,7 +76,7 @@ struct Element {
 // Laws without `static constexpr bool reads_rate = true` are compiled once with elements whose rate has this type,
 // which has no operations: a compiler error that mentions it means that the law reads e.rate.
 struct ReadsRateIsNotDeclared {};
-using Rateless = Dual<0>;
+using Rateless = Dual<7>;
 template <>
 struct Element<Rateless> {
   using Real = Rateless;
@@ -126,16 +127,16 @@ struct LawTraits {
   static constexpr std::size_t state_count = StateList::get().size();
   static constexpr std::size_t input_count = InputList::get().size();
 
-  static constexpr bool has_force = requires(const Element<double>& e, const Parameters<double>& p) {
-    double{Law::force(e, p)};
+  static constexpr bool has_force = requires(const Element<Dual<0>>& e, const Parameters<Dual<0>>& p) {
+    Dual<0>{Law::force(e, p)};
   };
-  static constexpr bool has_energy = requires(const Element<double>& e, const Parameters<double>& p) {
-    double{Law::energy(e, p)};
+  static constexpr bool has_energy = requires(const Element<Dual<0>>& e, const Parameters<Dual<0>>& p) {
+    Dual<0>{Law::energy(e, p)};
   };
-  static constexpr bool has_margin = requires(const Element<double>& e, const Parameters<double>& p) {
-    double{Law::margin(e, p)};
+  static constexpr bool has_margin = requires(const Element<Dual<0>>& e, const Parameters<Dual<0>>& p) {
+    Dual<0>{Law::margin(e, p)};
   };
-  static constexpr bool has_state_rates = requires(const Element<double>& e, const Parameters<double>& p) {
+  static constexpr bool has_state_rates = requires(const Element<Dual<0>>& e, const Parameters<Dual<0>>& p) {
     Law::state_rates(e, p)[0];
   };
   static constexpr bool has_table = requires(const TableSource& source) { Law::prepare(source); };
@@ -274,18 +275,18 @@ class LawKernel {
     double* __restrict out = array + c.begin;
     const auto fixed = constants<uniform>(c);
     for (std::uint32_t i = 0; i < c.count; ++i) {
-      const Arguments<double> a(c, fixed, i, std::bool_constant<uniform>{});
-      out[i] = Quantity::of(a.element, a.values());
+      const Arguments<Dual<0>> a(c, fixed, i, std::bool_constant<uniform>{});
+      out[i] = Quantity::of(a.element, a.values()).value;
     }
   }
   template <bool uniform>
   SPRINGNET_INLINE static void state_rates(const Chunk& c, double* const* arrays) {
     const auto fixed = constants<uniform>(c);
     for (std::uint32_t i = 0; i < c.count; ++i) {
-      const Arguments<double> a(c, fixed, i, std::bool_constant<uniform>{});
-      const std::array<double, S> rates = Law::state_rates(a.element, a.values());
+      const Arguments<Dual<0>> a(c, fixed, i, std::bool_constant<uniform>{});
+      const std::array<Dual<0>, S> rates = Law::state_rates(a.element, a.values());
       for (std::size_t j = 0; j < S; ++j) {
-        if (arrays[j] != nullptr) arrays[j][c.begin + i] = rates[j];
+        if (arrays[j] != nullptr) arrays[j][c.begin + i] = rates[j].value;
       }
     }
   }
@@ -427,7 +428,7 @@ struct LawGlue {
 };
 
 // Base of spring functions. They do not read the rate unless they declare `static constexpr bool reads_rate = true`.
-struct SpringFunction {
+struct SpringFunction : ElementaryFunctions {
   static constexpr std::uint32_t kind = SPRINGNET_SPRING_FUNCTION;
   static constexpr std::uint32_t invariant = SPRINGNET_LENGTH;
   static constexpr bool reads_rate = false;
@@ -438,7 +439,7 @@ struct SpringFunction {
 
 // Base of viscosity functions: on SPRINGNET_LENGTH they read e.rate and act along the spring; on
 // SPRINGNET_RELATIVE_SPEED they read the speed e.q and act along the relative velocity.
-struct ViscosityFunction {
+struct ViscosityFunction : ElementaryFunctions {
   static constexpr std::uint32_t kind = SPRINGNET_VISCOSITY_FUNCTION;
   static constexpr std::uint32_t invariant = SPRINGNET_LENGTH;
   static constexpr bool reads_rate = true;

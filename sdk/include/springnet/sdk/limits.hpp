@@ -16,6 +16,7 @@
 #include <vector>
 
 #include <springnet/sdk/host.hpp>
+#include <springnet/sdk/math.hpp>
 
 namespace springnet::sdk {
 
@@ -293,7 +294,7 @@ double StepSearch<Map>::growth(double step) {
   if (!(length > 0.0) || !std::isfinite(length)) start_ = scattered_;
   const double factor = settings_.wanted == SPRINGNET_LARGEST_REAL_PART ? mode_.value.real() : std::abs(mode_.value);
   accurate_ = mode_.error <= settings_.known_accuracy * std::max(1.0, std::abs(factor));
-  return factor > 0.0 ? std::clamp(std::log(factor), -20.0, 20.0) : -20.0;
+  return factor > 0.0 ? std::clamp(sdk::log(factor), -20.0, 20.0) : -20.0;
 }
 
 template <class Map>
@@ -319,14 +320,14 @@ std::optional<double> StepSearch<Map>::run(double guess) {
     if (below > 0.0 && std::isfinite(above)) {
       // The secant in the logarithms, kept off the ends of the bracket.
       const double share = std::clamp(-below_growth / (above_growth - below_growth), 0.02, 0.98);
-      t = below * std::exp(std::log(above / below) * share);
+      t = below * sdk::exp(sdk::log(above / below) * share);
     } else if (below > 0.0) {
       if (t > settings_.reach * guess) return std::nullopt;
-      t *= std::clamp(std::exp(-now), min_raise, 4.0);
+      t *= std::clamp(sdk::exp(-now), min_raise, 4.0);
       min_raise = std::min(4.0, min_raise * min_raise);
     } else {
       if (t < guess / settings_.reach) break;
-      t *= std::clamp(std::exp(-now), 0.25, 0.98);
+      t *= std::clamp(sdk::exp(-now), 0.25, 0.98);
     }
   }
   accurate_ = accurate_ && above <= below * (1.0 + settings_.known_accuracy);

@@ -6,8 +6,8 @@
 //     static auto acceleration(const auto& n, const auto&) { return n.force / n.mass; }
 //   };
 //
-// acceleration() gets a Node<Real> and Parameters<Real> and returns a Vector<Real>; Real is double, or a dual number
-// for the derivative blocks. It must be pure, like a law.
+// acceleration() gets a Node<Real> and Parameters<Real> and returns a Vector<Real>; Real is a dual number, without
+// derivatives for the accelerations themselves. It must be pure, like a law.
 #pragma once
 
 #include <algorithm>
@@ -17,6 +17,7 @@
 
 #include <springnet/sdk/component.hpp>
 #include <springnet/sdk/kernel.hpp>
+#include <springnet/sdk/math/members.hpp>
 
 namespace springnet::sdk {
 
@@ -35,9 +36,8 @@ struct Vector {
     return {s * a.x, s * a.y, s * a.z};
   }
   friend SPRINGNET_INLINE constexpr Vector operator*(const Vector& a, const Real& s) { return s * a; }
-  friend SPRINGNET_INLINE constexpr Vector operator/(const Vector& a, const Real& s) {
-    return {a.x / s, a.y / s, a.z / s};
-  }
+  // By the reciprocal: one division, which costs as much as the rest of a neuron.
+  friend SPRINGNET_INLINE constexpr Vector operator/(const Vector& a, const Real& s) { return (Real(1.0) / s) * a; }
   friend SPRINGNET_INLINE constexpr Real dot(const Vector& a, const Vector& b) {
     return a.x * b.x + a.y * b.y + a.z * b.z;
   }
@@ -109,15 +109,16 @@ class NeuronKernel {
     double* __restrict x = batch.acceleration.x + c.begin;
     double* __restrict y = batch.acceleration.y + c.begin;
     double* __restrict z = batch.acceleration.z + c.begin;
-    const auto fixed = parameters_at<double, uniform>(c, 0);
+    using Real = Dual<0>;
+    const auto fixed = parameters_at<Real, uniform>(c, 0);
     const std::size_t count = c.count;
     SPRINGNET_INDEPENDENT_ITERATIONS
     for (std::size_t i = 0; i < count; ++i) {
-      const auto own = uniform ? fixed : parameters_at<double, uniform>(c, i);
-      const Vector<double> a = Model::acceleration(node_at<double>(b, i), Parameters<double>(own.data()));
-      x[i] = a.x;
-      y[i] = a.y;
-      z[i] = a.z;
+      const auto own = uniform ? fixed : parameters_at<Real, uniform>(c, i);
+      const Vector<Real> a = Model::acceleration(node_at<Real>(b, i), Parameters<Real>(own.data()));
+      x[i] = a.x.value;
+      y[i] = a.y.value;
+      z[i] = a.z.value;
     }
   }
   // out[node][row][column] = d a_row / d (what)_column.
@@ -154,7 +155,7 @@ class NeuronKernel {
 template <class Model>
 struct NeuronGlue {
   static_assert(
-      requires(const Node<double>& n, const Parameters<double>& p) { Vector<double>{Model::acceleration(n, p)}; },
+      requires(const Node<Dual<0>>& n, const Parameters<Dual<0>>& p) { Vector<Dual<0>>{Model::acceleration(n, p)}; },
       "a neuron needs: static auto acceleration(const auto& n, const auto& p), which returns a Vector");
 
   static constexpr std::uint32_t capabilities = SPRINGNET_HAS_DERIVATIVES;
@@ -170,7 +171,7 @@ struct NeuronGlue {
 };
 
 // Base of neurons; see the top of this file.
-struct Neuron {
+struct Neuron : ElementaryFunctions {
   static constexpr std::uint32_t kind = SPRINGNET_NEURON;
   template <class Model>
   using Glue = NeuronGlue<Model>;

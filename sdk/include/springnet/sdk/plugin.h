@@ -25,7 +25,7 @@ extern "C" {
 
 #define SPRINGNET_MAGIC UINT64_C(0x54454e474e525053) /* "SPRNGNET" in little-endian memory */
 #define SPRINGNET_ABI_MAJOR 1u
-#define SPRINGNET_ABI_MINOR 5u
+#define SPRINGNET_ABI_MINOR 6u
 
 #if defined(_WIN32)
 #define SPRINGNET_EXPORT __declspec(dllexport)
@@ -244,6 +244,10 @@ typedef struct springnet_state {
   springnet_vectors velocity; /* [node_count] m/s */
   springnet_vectors force; /* [node_count] net force at this state, N: springs and loads, without constraint forces */
   double* internal;        /* [internal_count] internal state of laws */
+  /* since 1.6, for commit; 1: position and velocity are as the last sweep without an order left them, so that the host
+   * need not look for numbers that are not finite once more. The host sets it to 0. */
+  uint32_t is_swept;
+  uint32_t reserved;
 } springnet_state;
 
 /* Constraint status of a single node. Rigid connections are separate: springnet_network::cluster. */
@@ -329,6 +333,9 @@ typedef struct springnet_node_batch {
   /* since 1.5: null, or [count] the nodes, instead of first … first + count - 1. Some batches of a sweep with `lists`
    * have them */
   const uint32_t* nodes;
+  /* since 1.6 */
+  uint32_t instruction_set; /* SPRINGNET_GENERIC …, for kernels of the update */
+  uint32_t reserved;
 } springnet_node_batch;
 typedef void (*springnet_node_update)(void* user, const springnet_node_batch* batch);
 
@@ -353,7 +360,7 @@ typedef struct springnet_sweep {
   springnet_const_vectors velocity;
   springnet_vectors next_position; /* outputs that the update writes */
   springnet_vectors next_velocity;
-  springnet_vectors force; /* out: net forces, N */
+  springnet_vectors force; /* out: net forces, N; null (since 1.6, without an order): not wanted */
   springnet_node_update update;
   void* user;
   /* since 1.1 */

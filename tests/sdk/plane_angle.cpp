@@ -8,9 +8,9 @@
 
 #include <doctest/doctest.h>
 
-#include "network/arc_tangent.hpp"
+#include <springnet/sdk/math.hpp>
 
-using springnet::arc_tangent;
+using springnet::sdk::plane_angle;
 
 namespace {
 
@@ -19,12 +19,12 @@ double error(double y, double x) {
   const long double exact = std::atan2(static_cast<long double>(y), static_cast<long double>(x));
   const double size = std::abs(static_cast<double>(exact));
   const double unit = std::nextafter(size, std::numeric_limits<double>::infinity()) - size;
-  return static_cast<double>(std::abs(static_cast<long double>(arc_tangent(y, x)) - exact)) / unit;
+  return static_cast<double>(std::abs(static_cast<long double>(plane_angle(y, x)) - exact)) / unit;
 }
 
 }  // namespace
 
-TEST_CASE("the arc tangent is within two units in the last place, in all quadrants and octants") {
+TEST_CASE("a plane angle is within two units in the last place, in all quadrants and octants") {
   std::mt19937_64 random(1);
   std::uniform_real_distribution<double> side(-1.0, 1.0), exponent(-30.0, 30.0);
   double worst = 0.0;
@@ -46,29 +46,29 @@ TEST_CASE("the arc tangent is within two units in the last place, in all quadran
   CHECK(worst > 0.5);  // it is compared with something exact
 }
 
-TEST_CASE("the arc tangent of axes, of zeros, of what is not finite") {
+TEST_CASE("plane angles of axes, of zeros, of what is not finite") {
   constexpr double pi = std::numbers::pi, infinity = std::numeric_limits<double>::infinity();
   const auto same = [](double a, double b) {
     return std::bit_cast<std::uint64_t>(a) == std::bit_cast<std::uint64_t>(b);
   };
-  CHECK(same(arc_tangent(0.0, 1.0), 0.0));
-  CHECK(same(arc_tangent(-0.0, 1.0), -0.0));
-  CHECK(same(arc_tangent(0.0, -1.0), pi));
-  CHECK(same(arc_tangent(-0.0, -1.0), -pi));
+  CHECK(same(plane_angle(0.0, 1.0), 0.0));
+  CHECK(same(plane_angle(-0.0, 1.0), -0.0));
+  CHECK(same(plane_angle(0.0, -1.0), pi));
+  CHECK(same(plane_angle(-0.0, -1.0), -pi));
   for (const double y : {3.0, infinity, 1e-300}) {
-    CHECK(same(arc_tangent(y, 0.0), pi / 2));
-    CHECK(same(arc_tangent(-y, -0.0), -pi / 2));
+    CHECK(same(plane_angle(y, 0.0), pi / 2));
+    CHECK(same(plane_angle(-y, -0.0), -pi / 2));
   }
-  CHECK(same(arc_tangent(2.0, 2.0), pi / 4));
-  CHECK(same(arc_tangent(-2.0, -2.0), -3 * pi / 4));
+  CHECK(same(plane_angle(2.0, 2.0), pi / 4));
+  CHECK(same(plane_angle(-2.0, -2.0), -3 * pi / 4));
   for (const double y : {0.0, -0.0})
-    for (const double x : {0.0, -0.0}) CHECK(same(arc_tangent(y, x), y));
-  CHECK(arc_tangent(1.0, infinity) == 0.0);
-  CHECK(arc_tangent(1.0, -infinity) == pi);
-  CHECK(arc_tangent(-infinity, 1e300) == -pi / 2);
+    for (const double x : {0.0, -0.0}) CHECK(same(plane_angle(y, x), y));
+  CHECK(plane_angle(1.0, infinity) == 0.0);
+  CHECK(plane_angle(1.0, -infinity) == pi);
+  CHECK(plane_angle(-infinity, 1e300) == -pi / 2);
   const double nan = std::numeric_limits<double>::quiet_NaN();
-  CHECK(std::isnan(arc_tangent(nan, 1.0)));
-  CHECK(std::isnan(arc_tangent(1.0, nan)));
-  CHECK(std::isnan(arc_tangent(0.0, nan)));
-  CHECK(std::isnan(arc_tangent(infinity, -infinity)));
+  CHECK(std::isnan(plane_angle(nan, 1.0)));
+  CHECK(std::isnan(plane_angle(1.0, nan)));
+  CHECK(std::isnan(plane_angle(0.0, nan)));
+  CHECK(std::isnan(plane_angle(infinity, -infinity)));
 }
