@@ -176,6 +176,11 @@ class Rows {
         row[i] = own.number_of({materials[i], references(i)});
       keys[p] = own.keys();
     }
+    if (materials.is_uniform()) {
+      std::size_t most = groups_[materials_[materials[0]].group].row_count();
+      for (const std::vector<RowKey>& own : keys) most += own.size();
+      groups_[materials_[materials[0]].group].columns[0].reserve(most);
+    }
     std::vector<std::vector<std::uint32_t>> rows_of(pieces);
     for (std::size_t p = 0; p < pieces; ++p) {
       rows_of[p].reserve(keys[p].size());

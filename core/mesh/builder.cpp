@@ -13,6 +13,8 @@ namespace {
 
 constexpr std::size_t max_count = std::numeric_limits<std::uint32_t>::max();
 
+constexpr std::size_t tell_every = std::size_t{1} << 16;  // points or cells
+
 // m. Volumes, its third powers, stay far within the range of a double.
 constexpr double largest_coordinate = 1e100;
 
@@ -36,6 +38,7 @@ std::uint32_t Builder::add_point(const Vector3& position, Place place) {
     source_.fail(place, fmt::format("this point is farther away than {} m; correct the mesh where it was made",
                                     largest_coordinate));
   }
+  if (mesh_.points.size() % tell_every == 0) source_.tell(place);
   if (mesh_.points.size() >= max_count) source_.fail(place, fmt::format("a mesh has at most {} points", max_count));
   mesh_.points.push_back(position);
   return static_cast<std::uint32_t>(mesh_.points.size() - 1);
@@ -49,6 +52,7 @@ void Builder::add_cell(CellType type, std::span<const std::uint32_t> corners, Pl
                                       j + 1, i + 1, name_of(type)));
     }
   }
+  if (mesh_.cell_count() % tell_every == 0) source_.tell(place);
   if (mesh_.cell_count() >= max_count) source_.fail(place, fmt::format("a mesh has at most {} cells", max_count));
   mesh_.add_cell(type, corners);
 }

@@ -39,12 +39,12 @@ bool has_mesh_ending(const std::filesystem::path& file) {
                      [&](const Format& format) { return meshes::equal_ignoring_case(ending, format.ending); });
 }
 
-Mesh read_mesh(const std::filesystem::path& file) {
+Mesh read_mesh(const std::filesystem::path& file, const LoadingCallback& loading) {
   const std::string ending = file.extension().string();
   for (const Format& format : formats) {
     if (!meshes::equal_ignoring_case(ending, format.ending)) continue;
     try {
-      return format.read(meshes::Source(file));
+      return format.read(meshes::Source(file, loading));
     } catch (const std::bad_alloc&) {
       throw Error(ErrorKind::input,
                   fmt::format("{}: the mesh does not fit into memory; use a coarser one", file.string()));

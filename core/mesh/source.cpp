@@ -5,10 +5,12 @@
 #include <cstring>
 #include <fstream>
 #include <system_error>
+#include <utility>
 
 #include <fmt/format.h>
 
 #include <springnet/error.hpp>
+#include <springnet/printable.hpp>
 
 namespace springnet::meshes {
 namespace {
@@ -18,7 +20,8 @@ constexpr std::uintmax_t largest_file = std::uintmax_t{4} << 30U;
 
 }  // namespace
 
-Source::Source(const std::filesystem::path& file) : name_(file.string()) {
+Source::Source(const std::filesystem::path& file, LoadingCallback loading)
+    : name_(file.string()), loading_(std::move(loading)), stage_("reading " + printable(file.filename().string())) {
   std::error_code failed;
   const std::filesystem::file_status status = std::filesystem::status(file, failed);
   if (!std::filesystem::exists(status)) fail("there is no such mesh file; check the path");
@@ -28,12 +31,19 @@ Source::Source(const std::filesystem::path& file) : name_(file.string()) {
   std::ifstream in(file, std::ios::binary);
   if (failed || !in) fail(fmt::format("the file cannot be opened ({}); check its permissions", std::strerror(errno)));
   if (size > largest_file) fail("the file is larger than 4 GiB; use a coarser mesh");
+  if (size < slow_to_load) loading_ = {};
+  if (loading_) loading_({stage_, 0.0});
   text_.resize(static_cast<std::size_t>(size));
   in.read(text_.data(), static_cast<std::streamsize>(text_.size()));
   if (static_cast<std::uintmax_t>(in.gcount()) != size) fail("the file cannot be read to its end; copy it again");
   constexpr std::string_view byte_order_mark = "\xEF\xBB\xBF";  // of UTF-8; only text files begin with it
   if (text_.starts_with(byte_order_mark)) text_.erase(0, byte_order_mark.size());
   if (text_.empty()) fail("the file is empty; export the mesh again");
+}
+
+void Source::tell(Place place) const {
+  if (!loading_) return;
+  loading_({stage_, std::min(1.0, static_cast<double>(place.offset) / static_cast<double>(text_.size()))});
 }
 
 std::ptrdiff_t Source::line_of(Place place) const {

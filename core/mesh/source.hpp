@@ -6,6 +6,8 @@
 #include <string>
 #include <string_view>
 
+#include <springnet/loading.hpp>
+
 namespace springnet::meshes {
 
 // An offset into the file, reported as a line of text or as a byte.
@@ -17,11 +19,14 @@ struct Place {
 class Source {
  public:
   // Throws Error(input) if it is not a regular file, cannot be read, or is empty.
-  explicit Source(const std::filesystem::path& file);
+  explicit Source(const std::filesystem::path& file, LoadingCallback loading = {});
 
   [[nodiscard]] std::string_view text() const noexcept { return text_; }
   [[nodiscard]] const std::string& name() const noexcept { return name_; }
   [[nodiscard]] std::string description(Place place) const;  // "line 3" or "byte 80"
+
+  // Tells how much of the file has been read.
+  void tell(Place place) const;
 
   // Error messages quote nothing from the file: a scene may name any file, even one that the reader of the message must
   // not see. Throws Error(input): "file:line: message" or "file: byte n: message".
@@ -34,6 +39,8 @@ class Source {
 
   std::string name_;
   std::string text_;
+  LoadingCallback loading_;  // empty: nothing is told
+  std::string stage_;
 };
 
 [[nodiscard]] bool equal_ignoring_case(std::string_view a, std::string_view b) noexcept;

@@ -90,71 +90,78 @@ std::vector<std::array<Neighbour, 3>> neighbours_of(std::span<const Face> faces)
   return result;
 }
 
-// A face of a solid cell: its place among face_places.
+// A face of a solid cell: its place among face_places, and its key without the lowest point.
 struct SolidFace {
+  std::array<std::uint32_t, 3> others;
   std::uint32_t cell;
   std::uint8_t face;
 };
 
-// Faces of all solid cells by their lowest point, then by their keys.
+// Faces of all solid cells by their lowest point, then by the others.
 class SolidFaces {
  public:
   explicit SolidFaces(const Mesh& mesh)
-      : mesh_(mesh), faces_(mesh.points.size(), [&mesh](const auto& add) {
+      : faces_(mesh.points.size(), [&mesh](const auto& add) {
           for (std::size_t cell = 0; cell < mesh.cell_count(); ++cell) {
+            const auto corners = mesh.cell(cell);
             const auto places = meshes::face_places(mesh.types[cell]);
-            for (std::uint8_t face = 0; face < places.size(); ++face)
-              add(meshes::face_key(mesh.cell(cell), places[face])[0],
-                  SolidFace{static_cast<std::uint32_t>(cell), face});
+            for (std::uint8_t face = 0; face < places.size(); ++face) {
+              const auto [a, b, c, d] = ascending(corners, places[face]);
+              add(a, SolidFace{{b, c, d}, static_cast<std::uint32_t>(cell), face});
+            }
           }
         }) {
     const auto points = static_cast<std::int64_t>(faces_.points());
 #pragma omp parallel if (points > 10000)
     {
-      std::vector<Keyed> keyed;
       std::vector<SolidFace> outer;
 #pragma omp for schedule(dynamic, 4096) nowait
-      for (std::int64_t p = 0; p < points; ++p) sort(faces_.of(static_cast<std::size_t>(p)), keyed, outer);
+      for (std::int64_t p = 0; p < points; ++p) sort(faces_.of(static_cast<std::size_t>(p)), outer);
 #pragma omp critical(springnet_outer_faces)
       outer_.insert(outer_.end(), outer.begin(), outer.end());
     }
-    std::sort(outer_.begin(), outer_.end(), precedes);
+    std::sort(outer_.begin(), outer_.end(), [](const SolidFace& a, const SolidFace& b) {
+      return std::tie(a.cell, a.face) < std::tie(b.cell, b.face);
+    });
   }
 
   // Those that belong to one cell only, in the order of the cells.
   [[nodiscard]] std::vector<SolidFace> take_outer() { return std::move(outer_); }
   [[nodiscard]] bool has(const FaceKey& key) {
     const std::span<const SolidFace> faces = faces_.of(key[0]);
-    const auto found = std::lower_bound(faces.begin(), faces.end(), key,
-                                        [this](const SolidFace& face, const FaceKey& k) { return key_of(face) < k; });
-    return found != faces.end() && key_of(*found) == key;
+    const std::array others{key[1], key[2], key[3]};
+    const auto found = std::lower_bound(faces.begin(), faces.end(), others,
+                                        [](const SolidFace& face, const auto& k) { return face.others < k; });
+    return found != faces.end() && found->others == others;
   }
 
  private:
-  struct Keyed {
-    FaceKey key;
-    SolidFace face;
-  };
-  static bool precedes(const SolidFace& a, const SolidFace& b) {
-    return std::tie(a.cell, a.face) < std::tie(b.cell, b.face);
+  // As meshes::face_key: three or four points in ascending order.
+  static FaceKey ascending(std::span<const std::uint32_t> cell, const std::array<std::uint8_t, 4>& places) {
+    const auto order = [](std::uint32_t& x, std::uint32_t& y) {
+      const std::uint32_t lower = std::min(x, y);
+      y = std::max(x, y);
+      x = lower;
+    };
+    FaceKey key{cell[places[0]], cell[places[1]], cell[places[2]], meshes::no_point};
+    if (places[3] != meshes::no_corner) key[3] = cell[places[3]];
+    order(key[0], key[1]);
+    order(key[2], key[3]);
+    order(key[0], key[2]);
+    order(key[1], key[3]);
+    order(key[1], key[2]);
+    return key;
   }
-  [[nodiscard]] FaceKey key_of(const SolidFace& face) const {
-    return meshes::face_key(mesh_.cell(face.cell), meshes::face_places(mesh_.types[face.cell])[face.face]);
-  }
-  // Sorts the faces of a point by their keys, and adds those that occur once. `keyed` is memory to work with.
-  void sort(std::span<SolidFace> faces, std::vector<Keyed>& keyed, std::vector<SolidFace>& outer) const {
-    keyed.clear();
-    for (const SolidFace& face : faces) keyed.push_back({key_of(face), face});
-    std::sort(keyed.begin(), keyed.end(), [](const Keyed& a, const Keyed& b) { return a.key < b.key; });
-    for (std::size_t i = 0; i < keyed.size(); ++i) {
-      faces[i] = keyed[i].face;
-      const bool first = i == 0 || keyed[i - 1].key != keyed[i].key;
-      const bool last = i + 1 == keyed.size() || keyed[i + 1].key != keyed[i].key;
-      if (first && last) outer.push_back(keyed[i].face);
+  // Sorts the faces of a point, and adds those that occur once.
+  static void sort(std::span<SolidFace> faces, std::vector<SolidFace>& outer) {
+    std::sort(faces.begin(), faces.end(), [](const SolidFace& a, const SolidFace& b) { return a.others < b.others; });
+    for (std::size_t i = 0; i < faces.size(); ++i) {
+      const bool first = i == 0 || faces[i - 1].others != faces[i].others;
+      const bool last = i + 1 == faces.size() || faces[i + 1].others != faces[i].others;
+      if (first && last) outer.push_back(faces[i]);
     }
   }
 
-  const Mesh& mesh_;
   meshes::ByPoint<SolidFace> faces_;
   std::vector<SolidFace> outer_;
 };

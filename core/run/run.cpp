@@ -16,6 +16,7 @@
 #include "run/recorder.hpp"
 #include "run/space.hpp"
 #include "run/time_loop.hpp"
+#include "text/grouped.hpp"
 
 namespace springnet {
 
@@ -273,6 +274,10 @@ RunSummary run_scene(const Scene& scene, const std::shared_ptr<const PluginHost>
     simulated.profiler = std::make_shared<Profiler>(options.trace ? run_trace_events : 0);
   std::optional<Profiler::Scope> whole(std::in_place, simulated.profiler.get(), "run");
   std::optional<profile::Stage> setting_up(std::in_place, "set up");
+  if (options.loading && scene.network.springs().size() >= slow_to_load)
+    options.loading({fmt::format("setting up {} nodes and {} springs", grouped(scene.network.nodes().size()),
+                                 grouped(scene.network.springs().size())),
+                     std::numeric_limits<double>::quiet_NaN()});
   Simulation simulation(scene.network, plugins, simulated);
   RunSummary summary = describe(scene, simulation, *plugins, options.scene_name);
   const OutputFolder::Pointer folder = OutputFolder::make(options.folder);

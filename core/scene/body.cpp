@@ -11,6 +11,7 @@
 #include "scene/material.hpp"
 #include "scene/parts.hpp"
 #include "scene/shape.hpp"
+#include "text/grouped.hpp"
 
 namespace springnet::scene {
 namespace {
@@ -89,6 +90,7 @@ struct BodyReader {
     const std::vector<MaterialIndex> materials = read_materials(body, cells, edges, plugins, network, notes);
     const bool one_node = lattice.nodes == std::array<std::uint32_t, 3>{1, 1, 1};
     if (materials.empty() && !one_node) body.fail(needs_a_law);
+    files.tell("building the lattice", std::size_t{lattice.nodes[0]} * lattice.nodes[1] * lattice.nodes[2]);
     mesh.value().at_this_place([&] {
       if (!materials.empty()) {
         network.add_lattice(name, lattice, prototype, materials.front());
@@ -108,6 +110,7 @@ struct BodyReader {
   Shape read_file_body(const Table& table) {
     MeshBody read = read_mesh_body(table, name, files, notes);
     const Mesh& mesh = read.mesh;
+    files.tell("finding the edges of the mesh", mesh.cell_count());
     const std::vector<Edge> edges = edges_of(mesh, read.edges);
     const auto cells = [&]() -> const Mesh& { return mesh; };
     const auto springs = [&]() -> const std::vector<Edge>& { return edges; };
@@ -115,6 +118,7 @@ struct BodyReader {
     const std::vector<double> masses = read_masses(body, cells);
     const std::vector<MaterialIndex> materials = read_materials(body, cells, springs, plugins, network, notes);
     if (materials.empty() && !edges.empty()) body.fail(needs_a_law);
+    files.tell(fmt::format("adding {} springs", grouped(edges.size())), edges.size());
     table.value().at_this_place(
         [&] { add_mesh_body(name, mesh, edges, prototype, masses, materials, network, notes); });
     return std::move(read.mesh);

@@ -1,7 +1,10 @@
 // Files that a scene names, and where they may be.
 #pragma once
 
+#include <cstddef>
 #include <filesystem>
+#include <limits>
+#include <string_view>
 
 #include <springnet/scene.hpp>
 
@@ -12,10 +15,15 @@ namespace springnet::scene {
 struct Files {
   std::filesystem::path folder;  // of the scene; may be empty
   OutsideFiles outside = OutsideFiles::refused;
+  LoadingCallback loading{};  // empty: nothing is told
 
   // Resolves a path of the scene relative to its folder. Every reader of a file uses this. Throws Error(input) if the
   // path leads out of the folder, by "..", a link or an absolute path, unless that is allowed.
   [[nodiscard]] std::filesystem::path resolve(const Value& name) const;
+  // Tells that work on `count` nodes, springs or cells begins, if that takes time.
+  void tell(std::string_view stage, std::size_t count) const {
+    if (loading && count >= slow_to_load) loading({stage, std::numeric_limits<double>::quiet_NaN()});
+  }
 };
 
 }  // namespace springnet::scene

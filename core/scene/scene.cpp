@@ -56,14 +56,14 @@ void read_simulation(const Table& root, const PluginHost& plugins, Scene& result
 
 Scene parse_scene(std::string_view text, std::string_view name, const PluginHost& plugins,
                   const std::vector<SceneOverride>& overrides, const std::filesystem::path& folder,
-                  OutsideFiles outside) {
+                  OutsideFiles outside, const LoadingCallback& loading) {
   const std::string document(name.empty() ? "scene" : name);
   const toml::table content = scene::parse_document(text, document, overrides);
   const scene::Table root = scene::Value(content, "", document).open_table("");
   scene::check_version(root);  // before keys: a newer version may have more of them
   root.check_keys();
 
-  const scene::Files files{folder, outside};
+  const scene::Files files{folder, outside, loading};
   Scene result;
   if (const auto title = root.find("title")) result.title = title->prose();
   scene::read_simulation(root, plugins, result);
@@ -81,13 +81,13 @@ Scene parse_scene(std::string_view text, std::string_view name, const PluginHost
 }
 
 Scene load_scene(const std::filesystem::path& file, const PluginHost& plugins,
-                 const std::vector<SceneOverride>& overrides, OutsideFiles outside) {
+                 const std::vector<SceneOverride>& overrides, OutsideFiles outside, const LoadingCallback& loading) {
   const std::string text = scene::read_scene_text(file);
   // Something other than a file, as a pipe, has no folder with meshes.
   std::error_code unknown;
   std::filesystem::path folder;
   if (std::filesystem::is_regular_file(file, unknown)) folder = file.has_parent_path() ? file.parent_path() : ".";
-  return parse_scene(text, file.string(), plugins, overrides, folder, outside);
+  return parse_scene(text, file.string(), plugins, overrides, folder, outside, loading);
 }
 
 }  // namespace springnet

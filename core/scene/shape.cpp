@@ -71,7 +71,8 @@ MeshBody read_mesh_body(const Table& table, const std::string& body, const Files
   refuse(table, {"spacing"}, "file");
   const Value file = table.need("file");
   const std::filesystem::path path = files.resolve(file);
-  MeshBody result{file.at_this_place([&] { return read_mesh(path); }), edge_options(read_diagonals(table))};
+  MeshBody result{file.at_this_place([&] { return read_mesh(path, files.loading); }),
+                  edge_options(read_diagonals(table))};
   for (const std::string& note : result.mesh.notes) notes.push_back(fmt::format("Body '{}': {}", body, note));
   place(table, result.mesh);
   return result;
@@ -81,7 +82,7 @@ std::vector<Vector3> read_start(const Table& table, std::size_t count, const Fil
   const auto start = table.find("start");
   if (!start) return {};
   const std::filesystem::path path = files.resolve(*start);
-  Mesh mesh = start->at_this_place([&] { return read_mesh(path); });
+  Mesh mesh = start->at_this_place([&] { return read_mesh(path, files.loading); });
   if (mesh.points.size() != count) {
     start->fail(fmt::format("has {} points, the body has {} nodes; give a mesh of the same points, in the same order",
                             mesh.points.size(), count));

@@ -26,8 +26,6 @@ const std::vector<ContactEvents::Source>& ContactEvents::sources() {
     for (std::uint32_t k = 0; k < model_.node_count(); ++k)
       if (model_.contact.fixed()[k] == 0) add_sources_of(k, tolerance, *now);
   }
-  for (const std::uint32_t s : topology_.rupturing().springs) sources_.push_back({Kind::rupture, s, 0});
-  for (const std::uint32_t e : topology_.rupturing().elements) sources_.push_back({Kind::element_rupture, e, 0});
   sources_revision_ = model_.revision;
   return sources_;
 }
@@ -175,13 +173,12 @@ springnet_status ContactEvents::values(const springnet_evaluation& request, doub
       directions[e] = source.kind == Kind::seam                                    ? 0
                       : source.kind == Kind::release || source.kind == Kind::quick ? 1
                                                                                    : -1;
-    if (source.kind == Kind::rupture || source.kind == Kind::element_rupture) continue;
     if (const springnet_status status = value(source, reactions, values[e]); status != SPRINGNET_OK) return status;
   }
   const std::size_t breaking = topology_.rupturing().count();
-  return breaking == 0 ? SPRINGNET_OK
-                       : topology_.margins(request.time, node_arrays(request.position, request.velocity),
-                                           values + (all.size() - breaking));
+  if (breaking == 0) return SPRINGNET_OK;
+  if (directions != nullptr) std::fill_n(directions + all.size(), breaking, -1);
+  return topology_.margins(request.time, node_arrays(request.position, request.velocity), values + all.size());
 }
 
 bool ContactEvents::is_impacting(const Source& source, const Placement& at, const State& state,
@@ -199,6 +196,13 @@ springnet_status ContactEvents::fire(double time, State& state, const std::int32
   // Place sticking nodes exactly: integration errors must not decide whether and where they slip.
   model_.constraints.place(*at, read_only(model_.state.view.position), state.view.position, state.view.velocity);
   std::vector<std::uint32_t> broken, broken_elements;
+  const Topology::Rupturing& breaking = topology_.rupturing();
+  const std::int32_t* const springs_fired = fired + all.size();
+  const std::int32_t* const elements_fired = springs_fired + breaking.springs.size();
+  for (std::size_t i = 0; i < breaking.springs.size(); ++i)
+    if (springs_fired[i] != 0) broken.push_back(breaking.springs[i]);
+  for (std::size_t i = 0; i < breaking.elements.size(); ++i)
+    if (elements_fired[i] != 0) broken_elements.push_back(breaking.elements[i]);
   Findings findings;
   const double tolerance = model_.contact.obstacles().empty() ? 0.0 : model_.contact_tolerance();
   const auto slip_of = [&](const Source& source) {
@@ -210,12 +214,6 @@ springnet_status ContactEvents::fire(double time, State& state, const std::int32
     const std::uint32_t k = source.index;
     if (fired[e] == 0 && !(source.kind == Kind::touch && is_impacting(source, *at, state, tolerance))) continue;
     switch (source.kind) {
-      case Kind::rupture:
-        broken.push_back(k);
-        break;
-      case Kind::element_rupture:
-        broken_elements.push_back(k);
-        break;
       case Kind::slow:
         Settling(model_, time, state, findings).keep_direction(k);
         model_.changed();

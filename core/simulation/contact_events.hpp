@@ -14,20 +14,22 @@ class ContactEvents {
  public:
   ContactEvents(Model& model, Topology& topology) : model_(model), topology_(topology) {}
 
-  // One event function: of a node and an obstacle, or of a spring or element that may break.
+  // One event function of a node and an obstacle.
   struct Source {
     // rest: a slip has no speed left along its direction. slow: it is about to end, friction keeps its direction;
     // quick: friction follows the slip again. stall: the acceleration of a starting slip reverses. seam: a sliding node
     // crosses a line where the curvature of its obstacle jumps.
-    enum class Kind : std::uint8_t { touch, release, slip, rest, slow, quick, stall, seam, rupture, element_rupture };
+    enum class Kind : std::uint8_t { touch, release, slip, rest, slow, quick, stall, seam };
     Kind kind;
-    std::uint32_t index;  // node, spring or element
+    std::uint32_t index;  // node
     std::uint32_t surface;
     // Added to the value. Touch: depth behind the obstacle at which it counts, m; slip: N; release: m/s^2.
     double offset = 0.0;
   };
   // For the present revision of the model.
   [[nodiscard]] const std::vector<Source>& sources();
+  // Of these, and after them of the springs and elements that may break.
+  [[nodiscard]] std::size_t count() { return sources().size() + topology_.rupturing_count(); }
   // Values and directions of all of them, as in springnet_host::event_values.
   springnet_status values(const springnet_evaluation& at, double* values, std::int32_t* directions);
   // Carries out the events marked in `fired`, and touches within the contact tolerance; then evaluates the forces of

@@ -15,7 +15,7 @@ const springnet_network& NetworkInfo::now() {
   info_.internal_count = 0;
   info_.revision = model_.revision;
   info_.unit_count = static_cast<std::uint32_t>(layout.units().size());
-  info_.event_count = static_cast<std::uint32_t>(events_.sources().size());
+  info_.event_count = static_cast<std::uint32_t>(events_.count());
   info_.surface_count = static_cast<std::uint32_t>(contact.obstacles().size());
   info_.length_scale = model_.scales.length;
   info_.velocity_scale = model_.scales.velocity;

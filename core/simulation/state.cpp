@@ -1,7 +1,11 @@
 #include "simulation/state.hpp"
 
 #include <cmath>
+#include <cstdlib>
+#include <new>
 #include <utility>
+
+#include <springnet/huge_pages.hpp>
 
 namespace springnet {
 
@@ -25,15 +29,25 @@ bool all_finite(const springnet_vectors& vectors, std::uint32_t count) noexcept 
   return sum == 0.0;
 }
 
+// Zeros, from the system where they are many: those are written when the first sweep does, by its threads.
+double* zeros(std::size_t count) {
+  void* const block = std::calloc(count, sizeof(double));
+  if (block == nullptr) throw std::bad_alloc();
+  prefer_huge_pages(block, count * sizeof(double));
+  return static_cast<double*>(block);
+}
+
 }  // namespace
 
-State::State(std::uint32_t nodes) : memory(9 * std::size_t{pitch_of(nodes)}, 0.0), node_count(nodes) { restore_view(); }
+State::State(std::uint32_t nodes) : memory(zeros(9 * std::size_t{pitch_of(nodes)}), std::free), node_count(nodes) {
+  restore_view();
+}
 
 void State::restore_view() noexcept {
   view.struct_size = sizeof view;
   view.internal = nullptr;
   const std::size_t pitch = pitch_of(node_count);
-  double* at = memory.data();
+  double* at = memory.get();
   for (springnet_vectors* vectors : {&view.position, &view.velocity, &view.force}) {
     *vectors = {at, at + pitch, at + 2 * pitch};
     at += 3 * pitch;

@@ -2,7 +2,7 @@
 #pragma once
 
 #include <cstdint>
-#include <vector>
+#include <memory>
 
 #include <springnet/sdk/plugin.h>
 
@@ -13,7 +13,7 @@ namespace springnet {
 // Integrators see `view`.
 struct State {
   springnet_state view{};
-  std::vector<double> memory;
+  std::unique_ptr<double[], void (*)(void*)> memory;
   std::uint32_t node_count;
 
   explicit State(std::uint32_t nodes);

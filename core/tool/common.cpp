@@ -191,7 +191,7 @@ void SceneArguments::add_to(CLI::App& command, bool simulation) {
   plugins.add_to(command);
 }
 
-Scene SceneArguments::load(const PluginHost& host) const {
+Scene SceneArguments::load(const PluginHost& host, const LoadingCallback& loading) const {
   const OutsideFiles outside = allow_outside ? OutsideFiles::allowed : OutsideFiles::refused;
   std::vector<SceneOverride> changes;
   if (std::error_code ignored; has_mesh_ending(file) && std::filesystem::is_regular_file(file, ignored)) {
@@ -213,7 +213,7 @@ Scene SceneArguments::load(const PluginHost& host) const {
     // The options are dropped only if the name changes: those of one integrator mean nothing to another.
     bool same = false;
     try {
-      same = load_scene(file, host, others, outside).options.integrator.id == *integrator;
+      same = load_scene(file, host, others, outside, loading).options.integrator.id == *integrator;
     } catch (const Error&) {
       // Loading it below reports the error, if it remains.
     }
@@ -222,7 +222,7 @@ Scene SceneArguments::load(const PluginHost& host) const {
       changes.insert(changes.begin(), {"simulation.integrator", fmt::format("{{ name = \"{}\" }}", *integrator)});
     }
   }
-  Scene scene = load_scene(file, host, changes, outside);
+  Scene scene = load_scene(file, host, changes, outside, loading);
   if (threads) scene.options.threads = *threads;
   return scene;
 }

@@ -61,7 +61,7 @@ struct SceneArguments {
 
   // --set, --allow-outside and --plugins; `simulation`: --integrator, --time-step, --duration and --threads as well.
   void add_to(CLI::App& command, bool simulation);
-  [[nodiscard]] Scene load(const PluginHost& host) const;
+  [[nodiscard]] Scene load(const PluginHost& host, const LoadingCallback& loading = {}) const;
 };
 
 struct OutputArguments {

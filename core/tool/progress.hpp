@@ -1,9 +1,10 @@
-// Progress of a run: a bar on a terminal, otherwise a line every few seconds. On stderr, so that stdout has only
-// results.
+// Progress of a run, and of its loading: a bar on a terminal, otherwise a line every few seconds. On stderr, so that
+// stdout has only results.
 #pragma once
 
 #include <chrono>
 #include <string>
+#include <string_view>
 
 namespace springnet::tool {
 
@@ -14,9 +15,11 @@ class Progress {
   Progress(const Progress&) = delete;
   Progress& operator=(const Progress&) = delete;
 
+  // Shows what is being done before the first time step; share: nan if it is not known.
+  void load(std::string_view stage, double share);
   // Shows the progress; times are simulated, s. Returns false once a signal has asked the process to end.
   bool update(double time, double duration);
-  void finish();  // removes the bar
+  void finish();  // removes the bar; the next update() begins a run
 
  private:
   void show(double time, double duration);
@@ -26,6 +29,8 @@ class Progress {
   bool silent_;
   bool terminal_;
   bool drawn_ = false;
+  bool running_ = false;
+  std::string stage_;  // of load()
   Clock::time_point start_ = Clock::now();
   Clock::time_point last_ = start_;
 };

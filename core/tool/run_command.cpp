@@ -168,7 +168,10 @@ std::string kept_text(const RunSummary& summary, const std::filesystem::path& fo
 int run(const RunArguments& arguments) {
   outlive_readers();
   const auto host = arguments.scene.plugins.load();
-  const Scene scene = arguments.scene.load(*host);
+  Progress progress(arguments.output.silent());
+  const auto loading = [&](const Loading& now) { progress.load(now.stage, now.share); };
+  const Scene scene = arguments.scene.load(*host, loading);
+  progress.finish();
   const std::filesystem::path folder = arguments.output.folder_for(arguments.scene.file);
   RunOptions options;
   options.notes = arguments.scene.plugins.notes(*host, scene);
@@ -186,7 +189,6 @@ int run(const RunArguments& arguments) {
   }
 
   catch_interrupts();
-  Progress progress(arguments.output.silent());
   options.folder = folder;
   options.profile = arguments.profile;
   options.trace = arguments.trace;
@@ -194,6 +196,7 @@ int run(const RunArguments& arguments) {
   if (!arguments.realtime.empty()) {
     options.realtime = arguments.realtime == "true" ? 1.0 : std::stod(arguments.realtime);
   }
+  options.loading = loading;
   options.progress = [&](const RunProgress& now) { return progress.update(now.time, now.duration); };
   const RunSummary summary = run_scene(scene, host, options);
   progress.finish();

@@ -5,6 +5,7 @@
 #include <cstdio>
 #include <memory>
 #include <string>
+#include <vector>
 
 #include <benchmark/benchmark.h>
 
@@ -151,6 +152,53 @@ BENCHMARK(single_sweep)
     ->ArgsProduct({{4, 32, 100}, {1, 2}})
     ->UseRealTime()
     ->Unit(benchmark::kMicrosecond);
+
+springnet::SimulationOptions one_sweep() {
+  return {.time_step = 0.01,
+          .integrator = {"recurrent", {{"update", choice("recurrent", "update", "synchronous")}, {"sweeps", 1.0}}},
+          .threads = 2};
+}
+
+// From nothing to the first step: the network, its layout, the first forces. items_per_second counts springs.
+void set_up(benchmark::State& state) {
+  std::int64_t springs = 0;
+  for ([[maybe_unused]] auto iteration : state) {
+    const springnet::Network network = lattice(static_cast<std::uint32_t>(state.range(0)), 100.0, 0.1);
+    springnet::Simulation simulation(network, plugins(), one_sweep());
+    simulation.step();
+    springs = static_cast<std::int64_t>(simulation.spring_count());
+  }
+  state.SetItemsProcessed(state.iterations() * springs);
+}
+BENCHMARK(set_up)->ArgName("nodes_a_side")->Arg(32)->Arg(100)->UseRealTime()->Unit(benchmark::kMillisecond);
+
+// A cut of a thousand springs all over the net, and the step after it: less than two steps of single_sweep.
+void cut_and_step(benchmark::State& state) {
+  springnet::Simulation simulation(lattice(static_cast<std::uint32_t>(state.range(0)), 100.0, 0.1), plugins(),
+                                   one_sweep());
+  simulation.step();
+  const std::size_t springs = simulation.spring_count();
+  std::uint64_t next = 0;
+  std::vector<springnet::SpringIndex> cut(1000);
+  for ([[maybe_unused]] auto iteration : state) {
+    for (springnet::SpringIndex& spring : cut)
+      spring = static_cast<springnet::SpringIndex>((next += 7919 * 101) % springs);
+    simulation.cut(cut);
+    simulation.step();
+  }
+}
+BENCHMARK(cut_and_step)->ArgName("nodes_a_side")->Arg(100)->UseRealTime()->Unit(benchmark::kMillisecond);
+
+// A step of springs that may break, of which none does: what asking all of them costs.
+void may_break(benchmark::State& state) {
+  const springnet::Network network =
+      lattice(static_cast<std::uint32_t>(state.range(0)), {"rupturing", {{"stiffness", 100.0}, {"strength", 1e9}}},
+              {"linear", {{"damping", 0.1}}});
+  springnet::Simulation simulation(network, plugins(), one_sweep());
+  simulation.step();
+  for ([[maybe_unused]] auto iteration : state) simulation.step();
+}
+BENCHMARK(may_break)->ArgName("nodes_a_side")->Arg(32)->Arg(100)->UseRealTime()->Unit(benchmark::kMillisecond);
 
 // The same with laws that need an exponential or a power for each spring; linear ones beside them.
 void laws(benchmark::State& state, const LawUse& spring, const LawUse& viscosity) {

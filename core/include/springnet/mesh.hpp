@@ -11,6 +11,7 @@
 #include <utility>
 #include <vector>
 
+#include <springnet/loading.hpp>
 #include <springnet/network.hpp>
 
 namespace springnet {
@@ -53,7 +54,7 @@ struct Mesh {
 // base64, zlib), .obj, .stl (text and binary; equal corners become one point). Points that no cell uses are left out,
 // with a note. Throws Error(input) with "file:line: what; what to do" (in binary parts the byte) if the file cannot be
 // read.
-[[nodiscard]] Mesh read_mesh(const std::filesystem::path& file);
+[[nodiscard]] Mesh read_mesh(const std::filesystem::path& file, const LoadingCallback& loading = {});
 
 // Which edges become springs.
 struct EdgeOptions {

@@ -59,6 +59,7 @@ struct RunOptions {
   std::string scene_name;        // for the summary
   // Called after every time step, and ten times a second of waiting for the clock; false stops the run.
   std::function<bool(const RunProgress&)> progress;
+  LoadingCallback loading{};  // called before the first time step, where setting up takes time
   // Notes of the program that embeds the run; the first ones in the summary.
   std::vector<std::string> notes{};
   // Simulated seconds per second of the clock; 0: as fast as possible.

@@ -7,6 +7,7 @@
 #include <string_view>
 #include <vector>
 
+#include <springnet/loading.hpp>
 #include <springnet/network.hpp>
 #include <springnet/simulation.hpp>
 
@@ -74,12 +75,13 @@ enum class OutsideFiles { refused, allowed };
 // nearest names and the plugins that were refused.
 [[nodiscard]] Scene load_scene(const std::filesystem::path& file, const PluginHost& plugins,
                                const std::vector<SceneOverride>& overrides = {},
-                               OutsideFiles outside = OutsideFiles::refused);
+                               OutsideFiles outside = OutsideFiles::refused, const LoadingCallback& loading = {});
 // The same from text; `name` replaces the file in messages, `folder` is the scene's folder. If that is empty, a scene
 // that names a file is an error, unless outside files are allowed and the path is absolute.
 [[nodiscard]] Scene parse_scene(std::string_view text, std::string_view name, const PluginHost& plugins,
                                 const std::vector<SceneOverride>& overrides = {},
-                                const std::filesystem::path& folder = {}, OutsideFiles outside = OutsideFiles::refused);
+                                const std::filesystem::path& folder = {}, OutsideFiles outside = OutsideFiles::refused,
+                                const LoadingCallback& loading = {});
 
 // Scene::notes and likely mistakes, in plain sentences: cuts, loads and motions wholly outside of the simulated time.
 [[nodiscard]] std::vector<std::string> notes_of(const Scene& scene);
