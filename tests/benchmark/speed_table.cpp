@@ -1,5 +1,5 @@
 // Speed of whole explicit steps against the naive loop (naive.h) of the same net, in the same run, and what each
-// computes: the program fails if results differ. Prints Markdown for core/docs/performance.md.
+// computes: the program fails if results differ. Prints Markdown for core/docs/propagation.md.
 //
 // A step is one synchronous sweep, symplectic Euler. Each figure is that of the fastest of many short stretches of
 // steps, taken in turn with those of the naive loop: what else runs on the machine is left out as far as possible.

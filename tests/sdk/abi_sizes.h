@@ -59,6 +59,10 @@
   check(springnet_integrator, forget, 48)                \
   check(springnet_host, time_left, 256)                  \
   check(springnet_step_report, position_error, 72)
+/* And ABI 1.6. */
+#define SPRINGNET_ENDS_1_6(check)                        \
+  check(springnet_state, is_swept, 92)                   \
+  check(springnet_node_batch, instruction_set, 92)
 /* clang-format on */
 
 #ifdef __cplusplus

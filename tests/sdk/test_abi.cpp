@@ -17,6 +17,7 @@ TEST_CASE("structs of every ABI version end at their frozen sizes, in C and in C
   SPRINGNET_ENDS_1_3(CHECK_END)
   SPRINGNET_ENDS_1_4(CHECK_END)
   SPRINGNET_ENDS_1_5(CHECK_END)
+  SPRINGNET_ENDS_1_6(CHECK_END)
   CHECK(springnet_ends_wrong_in_c() == 0);
 }
 
