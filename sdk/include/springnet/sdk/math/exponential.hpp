@@ -47,7 +47,7 @@ struct ReducedExponent {
   return detail::scaled_exp(bounded, 0);
 }
 
-// Within 0.9 ulp. Half of the result, so that 2^k stays finite, is (2^k - 1) / 2 + 2^k (e^r - 1) / 2; both sums keep
+// Within 0.95 ulp. Half of the result, so that 2^k stays finite, is (2^k - 1) / 2 + 2^k (e^r - 1) / 2; both sums keep
 // their rounding errors.
 [[nodiscard]] SPRINGNET_INLINE double expm1(double x) {
   using namespace detail;
