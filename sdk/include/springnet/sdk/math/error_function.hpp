@@ -21,7 +21,7 @@ namespace springnet::sdk {
   const double size = magnitude(x), bounded = size > 6.0 ? 6.0 : size, square = bounded * bounded;
   const double small = size + size * polynomial(square, p);
   const double t = (bounded - 3.0) / (bounded + 3.0);
-  const double large = 1.0 - scaled_exp(-square, 0.0, 0) * polynomial(t, q);
+  const double large = 1.0 - scaled_exp(-square, 0) * polynomial(t, q);
   return with_sign(size < 1.0 ? small : large, x);
 }
 

@@ -45,7 +45,7 @@ struct Rounded {
 // The integer n, 0 <= n < 2^52, as a double.
 [[nodiscard]] SPRINGNET_INLINE double to_double(std::uint64_t n) { return from_bits(n | 0x4330000000000000) - 0x1p52; }
 
-// x 2^n for -1076 <= n <= 1025 and normal x, rounded once, also where the result is subnormal: the first of the two
+// x 2^n for |n| <= 1100 and normal x, rounded once, also where the result is subnormal: the first of the two
 // factors keeps it normal.
 [[nodiscard]] SPRINGNET_INLINE double scaled(double x, std::uint64_t n) {
   const std::uint64_t biased = (n + 2046) & 4095, half = biased >> 1;
