@@ -84,9 +84,11 @@ struct Kernels {
   void (*lengths_of)(const EndChanges& changes, std::size_t count, SegmentGeometry& out);
   void (*lengths_and_rates_of)(const EndChanges& changes, std::size_t count, SegmentGeometry& out);
   void (*relative_speeds_of)(const EndChanges& changes, std::size_t count, SegmentGeometry& out);
-  // In slots without a spring gives lengths, rates and speeds of the slot `living`, which has one, and no direction, so
-  // that laws meet nothing unusual and such slots exert no force. live: a bit for each slot.
+  // In slots without a spring gives the length and rate, or the speed, of the slot `living`, which has one, and no
+  // direction, so that laws meet nothing unusual and such slots exert no force. live: a bit for each slot.
   void (*settle_dead)(const std::uint8_t* live, std::size_t count, std::size_t living, SegmentGeometry& geometry);
+  void (*settle_dead_speeds)(const std::uint8_t* live, std::size_t count, std::size_t living,
+                             SegmentGeometry& geometry);
   // Subtracts (value + value_2) times the direction from the forces on the first ends and adds it to those on the
   // second ends. value_2 may be null. Of chunks:
   void (*scatter_chunks)(const ChunkForces& forces);

@@ -117,23 +117,30 @@ void measure(const EndChanges& changes, std::size_t count, SegmentGeometry& out)
   }
 }
 
+[[gnu::always_inline]] inline void choose(std::uint64_t mask, double* values, double otherwise) {
+  for (std::size_t i = 0; i < chunk_springs; ++i) values[i] = ((mask >> i) & 1u) != 0 ? values[i] : otherwise;
+}
 void settle_dead(const std::uint8_t* live, std::size_t count, std::size_t living, SegmentGeometry& g) {
-  const double length = g.length[living], rate = g.rate[living], speed = g.speed[living];
+  const double length = g.length[living], rate = g.rate[living];
   for (std::size_t at = 0; at < count; at += chunk_springs) {
     const std::uint64_t mask = live[at / chunk_springs];
     if (mask == 0xff) continue;
-    for (std::size_t i = 0; i < chunk_springs; ++i) {
-      const bool has_spring = ((mask >> i) & 1u) != 0;
-      g.length[at + i] = has_spring ? g.length[at + i] : length;
-      g.rate[at + i] = has_spring ? g.rate[at + i] : rate;
-      g.speed[at + i] = has_spring ? g.speed[at + i] : speed;
-      g.nx[at + i] = has_spring ? g.nx[at + i] : 0.0;
-      g.ny[at + i] = has_spring ? g.ny[at + i] : 0.0;
-      g.nz[at + i] = has_spring ? g.nz[at + i] : 0.0;
-      g.sx[at + i] = has_spring ? g.sx[at + i] : 0.0;
-      g.sy[at + i] = has_spring ? g.sy[at + i] : 0.0;
-      g.sz[at + i] = has_spring ? g.sz[at + i] : 0.0;
-    }
+    choose(mask, g.length + at, length);
+    choose(mask, g.rate + at, rate);
+    choose(mask, g.nx + at, 0.0);
+    choose(mask, g.ny + at, 0.0);
+    choose(mask, g.nz + at, 0.0);
+  }
+}
+void settle_dead_speeds(const std::uint8_t* live, std::size_t count, std::size_t living, SegmentGeometry& g) {
+  const double speed = g.speed[living];
+  for (std::size_t at = 0; at < count; at += chunk_springs) {
+    const std::uint64_t mask = live[at / chunk_springs];
+    if (mask == 0xff) continue;
+    choose(mask, g.speed + at, speed);
+    choose(mask, g.sx + at, 0.0);
+    choose(mask, g.sy + at, 0.0);
+    choose(mask, g.sz + at, 0.0);
   }
 }
 
@@ -400,6 +407,7 @@ const Kernels& kernels() {
                                  measure<Reads::length_and_rate>,
                                  measure<Reads::relative_speed>,
                                  settle_dead,
+                                 settle_dead_speeds,
                                  scatter_chunks,
                                  scatter_and_gather<Reads::length>,
                                  scatter_and_gather<Reads::length_and_rate>,

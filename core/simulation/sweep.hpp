@@ -83,7 +83,6 @@ class Sweep {
   std::vector<std::uint8_t> cluster_done_;      // [cluster] within a sweep in an order
   std::vector<std::uint32_t> run_of_;           // [node] the run that it was in last
   std::uint32_t run_ = 0;
-  std::vector<double> scratch_;  // forces that the caller does not want
 };
 
 }  // namespace springnet

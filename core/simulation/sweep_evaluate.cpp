@@ -29,12 +29,7 @@ springnet_status Sweep::evaluate(const springnet_evaluation& wanted) {
   springnet_evaluation request{};
   std::memcpy(&request, &wanted, std::min<std::size_t>(sizeof request, wanted.struct_size));
   const std::shared_ptr<const Placement> at = model_.placement(request.time);
-  layers::ForceArrays force{request.force.x, request.force.y, request.force.z};
-  if (force.x == nullptr) {
-    const std::size_t pitch = pitch_of(model_.node_count());
-    scratch_.resize(3 * pitch);
-    force = {scratch_.data(), scratch_.data() + pitch, scratch_.data() + 2 * pitch};
-  }
+  const layers::ForceArrays force{request.force.x, request.force.y, request.force.z};  // null: not wanted
   Tiles tiles{model_, at.get(), request.time,         node_arrays(request.position, request.velocity),
               force,  nullptr,  request.acceleration, request.free_acceleration};
   const springnet_status status = model_.evaluator.evaluate(request.time, tiles.nodes, model_.external_at(request.time),

@@ -240,7 +240,10 @@ MatrixFree::Sums MatrixFree::linearise_unit(std::size_t index, double time, cons
     const SegmentSprings springs = unit.springs_of(segment);
     kernels.lengths_and_rates(springs, nodes, *geometry);
     kernels.relative_speeds(springs, nodes, *geometry);
-    if (segment.dead > 0) kernels.settle_dead(unit.live_in(segment), segment.count, segment.living, *geometry);
+    if (segment.dead > 0) {
+      kernels.settle_dead(unit.live_in(segment), segment.count, segment.living, *geometry);
+      kernels.settle_dead_speeds(unit.live_in(segment), segment.count, segment.living, *geometry);
+    }
     const SegmentColumns columns(unit, segment, group);
     const RowSelection rows = segment.row == mixed_rows ? RowSelection{nullptr, 0, columns.data()}
                                                         : RowSelection{nullptr, segment.row};

@@ -38,7 +38,10 @@ void find_geometry(const Search& search, const Unit& unit, const Segment& segmen
   else if (lengths)
     kernels.distances(springs, search.nodes, geometry);
   if (speeds) kernels.relative_speeds(springs, search.nodes, geometry);
-  if (segment.dead > 0) kernels.settle_dead(unit.live_in(segment), segment.count, segment.living, geometry);
+  if (segment.dead > 0) {
+    kernels.settle_dead(unit.live_in(segment), segment.count, segment.living, geometry);
+    kernels.settle_dead_speeds(unit.live_in(segment), segment.count, segment.living, geometry);
+  }
 }
 
 springnet_status find_in_segment(const Search& search, std::uint32_t index, const Segment& segment,

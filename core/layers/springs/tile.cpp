@@ -65,7 +65,10 @@ void Evaluator::find_geometry(const Unit& unit, const Segment& segment, const No
     else
       find_by_arrays(kernels_, springs, wanted, nodes, geometry);
   }
-  if (segment.dead > 0) kernels_.settle_dead(unit.live_in(segment), segment.count, segment.living, geometry);
+  if (segment.dead == 0) return;
+  const std::uint8_t* const live = unit.live_in(segment);
+  if (wanted.lengths || wanted.rates) kernels_.settle_dead(live, segment.count, segment.living, geometry);
+  if (wanted.speeds) kernels_.settle_dead_speeds(live, segment.count, segment.living, geometry);
 }
 
 // After find_geometry(). Forces along the springs of chunks are pending afterwards.
