@@ -188,19 +188,12 @@ springnet_status Evaluator::evaluate_unit(std::uint32_t index, const Pass& pass,
 // Forces of gravity, loads and elements.
 void Evaluator::begin_forces(std::uint32_t begin, std::uint32_t end, const Pass& pass, const ForceArrays& force,
                              std::uint32_t origin) const {
-  const double* const mass = mass_.data() + begin;
   const ForceArrays& loads = pass.external.loads;
-  double* const of[3] = {force.x, force.y, force.z};
-  const double* const load_of[3] = {loads.x, loads.y, loads.z};
-  for (std::size_t c = 0; c < 3; ++c) {
-    const double g = pass.external.gravity[static_cast<Eigen::Index>(c)];
-    double* const own = of[c] + (begin - origin);
-    if (load_of[c] == nullptr) {
-      for (std::uint32_t i = 0; i < end - begin; ++i) own[i] = mass[i] * g;
-    } else {
-      for (std::uint32_t i = 0; i < end - begin; ++i) own[i] = mass[i] * g + load_of[c][begin + i];
-    }
-  }
+  const auto from_begin = [&](const double* load) { return load == nullptr ? nullptr : load + begin; };
+  const double* const load[3] = {from_begin(loads.x), from_begin(loads.y), from_begin(loads.z)};
+  const std::uint32_t place = begin - origin;
+  double* const own[3] = {force.x + place, force.y + place, force.z + place};
+  kernels_.weigh(end - begin, mass_.data() + begin, pass.external.gravity.data(), load, own);
   if (pass.external.pressure != nullptr && layout_.loaded_faces().any_following()) {
     for (std::uint32_t k = begin; k < end; ++k) {
       const Vector3 push = layout_.loaded_faces().force(k, pass.nodes, pass.external.pressure);

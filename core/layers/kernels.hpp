@@ -69,7 +69,9 @@ struct Kernels {
   void (*lengths)(const SegmentSprings& springs, const NodeArrays& nodes, SegmentGeometry& out);
   void (*lengths_and_rates)(const SegmentSprings& springs, const NodeArrays& nodes, SegmentGeometry& out);
   void (*relative_speeds)(const SegmentSprings& springs, const NodeArrays& nodes, SegmentGeometry& out);
-  // The same of springs given by the differences of their ends.
+  // Lengths alone, without directions.
+  void (*distances)(const SegmentSprings& springs, const NodeArrays& nodes, SegmentGeometry& out);
+  // The first three of springs given by the differences of their ends.
   void (*lengths_of)(const EndChanges& changes, std::size_t count, SegmentGeometry& out);
   void (*lengths_and_rates_of)(const EndChanges& changes, std::size_t count, SegmentGeometry& out);
   void (*relative_speeds_of)(const EndChanges& changes, std::size_t count, SegmentGeometry& out);
@@ -93,6 +95,9 @@ struct Kernels {
   void (*fill_window)(const NodeArrays& nodes, std::uint32_t begin, std::uint32_t end, const Window& window);
   void (*drain_window)(const Window& window, std::uint32_t begin, std::uint32_t end, const ForceArrays& force,
                        std::uint32_t origin);
+  // force = mass gravity + load, [count]; load: null for none.
+  void (*weigh)(std::size_t count, const double* mass, const double gravity[3], const double* const load[3],
+                double* const force[3]);
   // Whether all numbers of three arrays are finite.
   bool (*all_finite)(const double* x, const double* y, const double* z, std::size_t count);
   ElementKernels elements;

@@ -39,7 +39,7 @@ struct Direction {
   return {length, dx * inverse, dy * inverse, dz * inverse};
 }
 
-enum class Reads { length, length_and_rate, relative_speed };
+enum class Reads { distance, length, length_and_rate, relative_speed };
 
 // Geometry of spring `at` from the differences of its ends.
 template <Reads reads>
@@ -51,6 +51,8 @@ template <Reads reads>
     out.sx[at] = s.x;
     out.sy[at] = s.y;
     out.sz[at] = s.z;
+  } else if constexpr (reads == Reads::distance) {
+    out.length[at] = __builtin_sqrt(dx * dx + dy * dy + dz * dz);
   } else {
     const Direction d = direction(dx, dy, dz);
     out.length[at] = d.length;
@@ -70,7 +72,7 @@ template <Reads reads>
     dy = n.py[a] - n.py[b];
     dz = n.pz[a] - n.pz[b];
   }
-  if constexpr (reads != Reads::length) {
+  if constexpr (reads == Reads::length_and_rate || reads == Reads::relative_speed) {
     dvx = n.vx[a] - n.vx[b];
     dvy = n.vy[a] - n.vy[b];
     dvz = n.vz[a] - n.vz[b];
@@ -309,6 +311,20 @@ void drain_window(const Window& window, std::uint32_t begin, std::uint32_t end, 
   }
 }
 
+void weigh(std::size_t count, const double* RESTRICT mass, const double gravity[3], const double* const load[3],
+           double* const force[3]) {
+  for (std::size_t c = 0; c < 3; ++c) {
+    const double g = gravity[c];
+    const double* RESTRICT of_load = load[c];
+    double* RESTRICT out = force[c];
+    if (of_load == nullptr) {
+      for (std::size_t i = 0; i < count; ++i) out[i] = mass[i] * g;
+    } else {
+      for (std::size_t i = 0; i < count; ++i) out[i] = mass[i] * g + of_load[i];
+    }
+  }
+}
+
 // In integers, so that the loop vectorises: adding 1 to an exponent of all ones overflows into the sign bit.
 [[gnu::always_inline]] inline std::uint64_t top_bits(const double* RESTRICT values, std::size_t count) {
   constexpr std::uint64_t magnitude = ~std::uint64_t{0} >> 1, one = std::uint64_t{1} << 52;
@@ -332,6 +348,7 @@ const Kernels& kernels() {
   static constexpr Kernels table{gather<Reads::length>,
                                  gather<Reads::length_and_rate>,
                                  gather<Reads::relative_speed>,
+                                 gather<Reads::distance>,
                                  measure<Reads::length>,
                                  measure<Reads::length_and_rate>,
                                  measure<Reads::relative_speed>,
@@ -342,6 +359,7 @@ const Kernels& kernels() {
                                  subtract_window,
                                  fill_window,
                                  drain_window,
+                                 weigh,
                                  all_finite,
                                  {geometry_of<Measure::angle>, geometry_of<Measure::dihedral>,
                                   geometry_of<Measure::area>, geometry_of<Measure::volume>, corner_forces}};

@@ -81,7 +81,7 @@ springnet_status evaluate_laws(const LawBatch& batch, InstructionSet set, double
   const std::array<const Law*, 2> laws = batch.group.laws();
   for (std::size_t k = 0; k < laws.size(); ++k) {
     const Law& law = *laws[k];
-    if (!law || out[k].force == nullptr) continue;
+    if (!law || (out[k].force == nullptr && out[k].margin == nullptr)) continue;
     LawOutputs own = out[k];
     if (own.by_q != nullptr && require_derivatives(*law.component, message) != SPRINGNET_OK) return SPRINGNET_FAILED;
     if (own.by_rate != nullptr && !law.reads_rate) fill(own.by_rate, 0.0);

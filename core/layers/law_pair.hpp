@@ -29,7 +29,7 @@ struct LawBatch {
 
 // Where one law of a batch writes its answers, [count] each; null where they are not wanted.
 struct LawOutputs {
-  double* force = nullptr;  // null: the law is not evaluated
+  double* force = nullptr;  // null, and no margin: the law is not evaluated
   double* by_q = nullptr;
   double* by_rate = nullptr;  // 0 for a law that does not read the rate
   double* energy = nullptr;   // J; nan for a law without one

@@ -6,14 +6,12 @@
 #include <cmath>
 #include <limits>
 
-#include <omp.h>
-
 #include "constraints/vectors.hpp"
 #include "layers/elements/queries.hpp"
 #include "layers/springs/queries.hpp"
+#include "layers/springs/rupture.hpp"
 #include "plugin_host/call.hpp"
 #include "plugin_host/message.hpp"
-#include "profile/stage.hpp"
 #include "simulation/linear_model.hpp"
 
 namespace springnet {
@@ -26,29 +24,20 @@ Topology::Topology(Model& model, LinearModel& linear, const std::vector<Cut>& cu
   }
 }
 
-Topology::Rupturing& Topology::known_rupturing() {
+const Topology::Rupturing& Topology::rupturing() {
   if (!rupturing_) rupturing_ = {layers::rupturing_springs(model_.layout), layers::rupturing_elements(model_.layout)};
   return *rupturing_;
 }
 
-const Topology::Rupturing& Topology::rupturing() {
-  Rupturing& known = known_rupturing();
-  if (dead_ == 0) return known;
-  std::erase_if(known.springs, [this](std::uint32_t s) { return !model_.layout.alive(s); });
-  std::erase_if(known.elements, [this](std::uint32_t e) { return !model_.layout.elements().alive(e); });
-  dead_ = 0;
-  return known;
-}
-
-std::size_t Topology::rupturing_count() { return known_rupturing().count() - dead_; }
-
-// Not removed from the lists, which a tear would go through in each step.
-void Topology::note_removed(const std::vector<std::uint32_t>& springs, const std::vector<std::uint32_t>& elements) {
-  if (!rupturing_) return;
-  const auto& groups = model_.layout.laws().groups;
-  for (const std::uint32_t s : springs) dead_ += model_.layout.group_of(s).can(SPRINGNET_HAS_RUPTURE) ? 1 : 0;
-  for (const std::uint32_t e : elements)
-    dead_ += groups[model_.layout.elements().group(e)].can(SPRINGNET_HAS_RUPTURE) ? 1 : 0;
+std::size_t Topology::rupturing_count() const {
+  const layers::Layout& layout = model_.layout;
+  std::size_t count = layout.elements().live_count() > 0 ? layers::rupturing_elements(layout).size() : 0;
+  if (!layers::can_rupture(layout)) return count;
+  const Column<std::uint32_t>& group = layout.laws().group;
+  if (group.is_uniform()) return count + (layout.group_of(0).can(SPRINGNET_HAS_RUPTURE) ? layout.live_count() : 0);
+  for (std::uint32_t s = 0; s < layout.spring_count(); ++s)
+    count += layout.alive(s) && layout.group_of(s).can(SPRINGNET_HAS_RUPTURE) ? 1 : 0;
+  return count;
 }
 
 springnet_status Topology::margins(double time, const layers::NodeArrays& nodes, double* margins) {
@@ -65,102 +54,17 @@ springnet_status Topology::margins(double time, const layers::NodeArrays& nodes,
   if (bad == margins + some.count()) return SPRINGNET_OK;
   const auto i = static_cast<std::size_t>(bad - margins);
   const bool element = i >= some.springs.size();
-  refuse_margin(time, nodes, element, element ? some.elements[i - some.springs.size()] : some.springs[i]);
-  return SPRINGNET_RECOVERABLE;
-}
-
-void Topology::refuse_margin(double time, const layers::NodeArrays& nodes, bool element, std::uint32_t number) {
+  const std::uint32_t number = element ? some.elements[i - some.springs.size()] : some.springs[i];
   const layers::Group& group =
       model_.layout.laws()
           .groups[element ? model_.layout.elements().group(number) : model_.layout.laws().group[number]];
   const layers::Law& law = group.spring.can(SPRINGNET_HAS_RUPTURE) ? group.spring : group.viscosity;
-  const std::string reason = explain_failure(model_.layout, model_.evaluator.instruction_set(), time, nodes);
+  const std::string reason = explain_failure(model_.layout, set, time, nodes);
   set_message(model_.journal.message,
               !reason.empty() ? reason
                               : fmt::format("{} answered a rupture margin that is not a number for {} {}",
                                             full_name(*law.component), element ? "element" : "spring", number));
-}
-
-namespace {
-
-// What a piece of the springs that may break answers.
-struct PieceMargins {
-  std::vector<std::uint32_t> due;
-  std::optional<std::uint32_t> bad;  // the first whose margin is nan
-  springnet_status status = SPRINGNET_OK;
-  springnet_message message{};
-};
-
-}  // namespace
-
-// Piece by piece, each by one thread: the margins of millions of springs are more than fits into a cache.
-springnet_status Topology::find_due(std::vector<std::uint32_t>& springs, std::vector<std::uint32_t>& elements) {
-  constexpr std::size_t piece = std::size_t{1} << 13;
-  const Rupturing& known = known_rupturing();
-  const layers::Layout& layout = model_.layout;
-  const InstructionSet set = model_.evaluator.instruction_set();
-  const double time = model_.time;
-  const layers::NodeArrays nodes = model_.state.nodes();
-  const std::size_t pieces = (known.springs.size() + piece - 1) / piece;
-  const auto answer = [&](std::size_t p, std::vector<std::uint32_t>& live, PieceMargins& out) {
-    const auto begin = known.springs.begin() + static_cast<std::ptrdiff_t>(p * piece);
-    live.assign(begin, begin + static_cast<std::ptrdiff_t>(std::min(piece, known.springs.size() - p * piece)));
-    if (dead_ > 0) std::erase_if(live, [&](std::uint32_t s) { return !layout.alive(s); });
-    double margins[piece];
-    out.status = layers::spring_margins(layout, set, time, nodes, live, margins, out.message);
-    for (std::size_t i = 0; i < live.size() && out.status == SPRINGNET_OK; ++i) {
-      if (margins[i] > 0.0) continue;
-      if (!std::isnan(margins[i]))
-        out.due.push_back(live[i]);
-      else if (!out.bad)
-        out.bad = live[i];
-    }
-  };
-  std::vector<PieceMargins> answers(pieces);
-  const auto threads = static_cast<unsigned>(std::min<std::size_t>(model_.evaluator.threads(), pieces));
-  if (threads <= 1) {
-    std::vector<std::uint32_t> live;
-    for (std::size_t p = 0; p < pieces; ++p) answer(p, live, answers[p]);
-  } else {
-    const profile::Region region(threads);
-#pragma omp parallel num_threads(static_cast <int>(threads))
-    {
-      const profile::Share share(region, omp_get_thread_num(), omp_get_num_threads());
-      std::vector<std::uint32_t> live;
-#pragma omp for schedule(dynamic, 4) nowait
-      for (std::size_t p = 0; p < pieces; ++p) {
-        answers[p].status = sdk::detail::guarded(&answers[p].message, [&] {
-          answer(p, live, answers[p]);
-          return answers[p].status;
-        });
-      }
-    }
-  }
-  for (PieceMargins& each : answers) {
-    if (each.status != SPRINGNET_OK) {
-      model_.journal.message = each.message;
-      return each.status;
-    }
-    if (each.bad) {
-      refuse_margin(time, nodes, false, *each.bad);
-      return SPRINGNET_RECOVERABLE;
-    }
-    springs.insert(springs.end(), each.due.begin(), each.due.end());
-  }
-  if (known.elements.empty()) return SPRINGNET_OK;
-  const std::vector<std::uint32_t>& some = rupturing().elements;
-  std::vector<double> margins(some.size());
-  const springnet_status status =
-      layers::element_margins(layout, set, time, nodes, some, margins.data(), model_.journal.message);
-  if (status != SPRINGNET_OK) return status;
-  for (std::size_t i = 0; i < some.size(); ++i) {
-    if (std::isnan(margins[i])) {
-      refuse_margin(time, nodes, true, some[i]);
-      return SPRINGNET_RECOVERABLE;
-    }
-    if (!(margins[i] > 0.0)) elements.push_back(some[i]);
-  }
-  return SPRINGNET_OK;
+  return SPRINGNET_RECOVERABLE;
 }
 
 std::size_t Topology::remove(const Removal& removal, Event::Kind kind, double time) {
@@ -184,7 +88,7 @@ std::size_t Topology::remove(const Removal& removal, Event::Kind kind, double ti
     faces_removed = remove_faces(lost, time);
   }
   if (!removed.empty() || !broken.empty() || faces_removed) {
-    note_removed(removed, broken);
+    rupturing_.reset();
     linear_.topology_changed();
     model_.changed();
   }
@@ -241,10 +145,33 @@ void Topology::perform_due_cuts() {
 }
 
 springnet_status Topology::perform_due_ruptures() {
-  if (rupturing_count() == 0) return SPRINGNET_OK;
-  std::vector<std::uint32_t> springs, elements;
-  if (const springnet_status status = find_due(springs, elements); status != SPRINGNET_OK) return status;
-  remove({springs, elements, {}}, Event::Kind::ruptured, model_.time);
+  const layers::NodeArrays nodes = model_.state.nodes();
+  const InstructionSet set = model_.evaluator.instruction_set();
+  springnet_message& message = model_.journal.message;
+  broken_.clear();
+  springnet_status status = SPRINGNET_OK;
+  if (layers::can_rupture(model_.layout))
+    status =
+        layers::broken_springs(model_.layout, set, model_.evaluator.threads(), model_.time, nodes, broken_, message);
+  std::vector<std::uint32_t> elements;
+  if (status == SPRINGNET_OK && model_.layout.elements().live_count() > 0) {
+    elements = layers::rupturing_elements(model_.layout);
+    std::vector<double> margins(elements.size());
+    status = layers::element_margins(model_.layout, set, model_.time, nodes, elements, margins.data(), message);
+    if (std::any_of(margins.begin(), margins.end(), [](double margin) { return std::isnan(margin); }))
+      status = SPRINGNET_RECOVERABLE;
+    std::size_t kept = 0;
+    for (std::size_t i = 0; i < elements.size(); ++i)
+      if (!(margins[i] > 0.0)) elements[kept++] = elements[i];
+    elements.resize(kept);
+  }
+  if (status != SPRINGNET_OK) {
+    // Once more one by one, for a message that names what failed.
+    std::vector<double> margins(rupturing().count());
+    const springnet_status again = this->margins(model_.time, nodes, margins.data());
+    return again == SPRINGNET_OK ? status : again;
+  }
+  if (!broken_.empty() || !elements.empty()) remove({broken_, elements, {}}, Event::Kind::ruptured, model_.time);
   return SPRINGNET_OK;
 }
 

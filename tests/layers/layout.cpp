@@ -19,23 +19,38 @@ TEST_CASE("the order of nodes is a permutation, and every live spring is in the 
   for (std::uint32_t k = 0; k < sorted.size(); ++k) REQUIRE(sorted[k] == k);
   for (std::uint32_t k = 0; k < sorted.size(); ++k) REQUIRE(ordering.engine[ordering.user[k]] == k);
 
-  std::size_t interior = 0, boundary = 0;
-  for (const layers::Unit& unit : layout.units()) {
-    CHECK(unit.node_count <= layers::max_unit);
+  std::vector<int> seen(net.springs().size(), 0);
+  std::size_t far = 0;
+  for (std::size_t u = 0; u < layout.units().size(); ++u) {
+    const layers::Unit& unit = layout.units()[u];
+    CHECK(unit.first_node % layers::tile_nodes == 0);
+    std::size_t live = 0;
     for (const layers::Segment& segment : unit.segments) {
       CHECK(segment.count <= layers::max_segment);
-      (segment.boundary ? boundary : interior) += segment.count;
       for (std::uint32_t i = segment.begin; i < segment.begin + segment.count; ++i) {
-        REQUIRE(unit.first[i] >= unit.first_node);
-        REQUIRE(unit.first[i] < unit.first_node + unit.node_count);
+        const std::uint32_t s = unit.spring[i];
+        const bool is_live = (unit.live_mask[i / 8] >> (i % 8) & 1) != 0;
+        REQUIRE(is_live == (s != layers::no_spring));
+        if (!is_live) continue;
+        ++live;
+        ++seen[s];
+        const auto [low, high] = std::minmax({layout.first(s), layout.second(s)});
+        const bool is_far = layout.unit_of(high) > layout.unit_of(low) + 1;
+        REQUIRE(is_far == (segment.access == layers::Access::far));
+        REQUIRE((layout.unit_of(low) == u || (is_far && layout.unit_of(high) == u)));
+        far += is_far ? 1 : 0;
       }
     }
+    CHECK(live == unit.live);
   }
-  CHECK(interior + boundary / 2 == net.springs().size());
-  CHECK(boundary % 2 == 0);
+  CHECK(far > 0);  // from the last nodes to the first ones
+  for (std::uint32_t s = 0; s < seen.size(); ++s) {
+    const std::uint32_t a = layout.unit_of(layout.first(s)), b = layout.unit_of(layout.second(s));
+    REQUIRE(seen[s] == ((a < b ? b - a : a - b) > 1 ? 2 : 1));
+  }
 }
 
-TEST_CASE("a lattice keeps its runs, and shuffled numbers do not spread it in memory") {
+TEST_CASE("a lattice is in chunks, and shuffled numbers do not spread it in memory") {
   Lattice lattice;
   lattice.nodes = {20, 20, 20};
   lattice.diagonals = Diagonals::space;
@@ -61,10 +76,10 @@ TEST_CASE("a lattice keeps its runs, and shuffled numbers do not spread it in me
   };
   const layers::Layout one(regular, *plugins(), true), two(shuffled, *plugins(), true),
       raw(shuffled, *plugins(), false);
-  std::size_t in_runs = 0;
-  for (const layers::Unit& unit : one.units())
-    for (const layers::Run& run : unit.runs) in_runs += run.count;
-  CHECK(in_runs > regular.springs().size() / 2);
+  for (const layers::Unit& unit : one.units()) {
+    CHECK(unit.first.empty());
+    CHECK(5 * unit.spring.size() < 6 * unit.live);  // few gaps
+  }
   // A random numbering has a mean distance of a third of the nodes; Cuthill-McKee one of about a layer (up to 1.5 x
   // 20^2 nodes).
   CHECK(mean_distance(raw) > 2000.0);
@@ -97,23 +112,32 @@ TEST_CASE("a network without some springs is the network from which they were re
   CHECK(cut.layout.neighbours() == built.layout.neighbours());
 }
 
-TEST_CASE("units are of equal size, and depend on nothing but the nodes' positions") {
+TEST_CASE("units are of equal size, twice as large as springs reach, and depend on the network alone") {
   Lattice lattice;
-  lattice.nodes = {80, 15, 20};  // 24,000 nodes: halved twice
+  lattice.nodes = {15, 80, 40};  // a layer has 1200 nodes
   Network net;
   net.add_lattice("box", lattice, Node{}, net.add_material(damped(1.0, 0.0)));
-  const layers::Ordering renumbered = layers::order_nodes(net, true), plain = layers::order_nodes(net, false);
-  CHECK(renumbered.unit_start == std::vector<std::uint32_t>{0, 6000, 12000, 18000, 24000});
-  CHECK(plain.unit_start == std::vector<std::uint32_t>{0, layers::max_unit, 2 * layers::max_unit, 24000});
-  for (std::uint32_t k = 0; k < 24000; ++k) REQUIRE(plain.user[k] == k);
-  // Halves along the longest side, so that a unit is a quarter of the box along x.
-  for (std::uint32_t u = 0; u < 4; ++u) {
-    for (std::uint32_t k = renumbered.unit_start[u]; k < renumbered.unit_start[u + 1]; ++k) {
-      const double x = net.nodes()[renumbered.user[k]].position.x();
-      REQUIRE(x >= 20.0 * u);
-      REQUIRE(x < 20.0 * (u + 1));
-    }
+  for (const bool renumber : {true, false}) {
+    const layers::Ordering ordering = layers::order_nodes(net, renumber);
+    for (std::uint32_t k = 0; k < 48000; ++k) REQUIRE(ordering.user[k] == k);  // it is compact
+    const std::uint32_t size = ordering.unit_start[1];
+    CHECK(size % layers::tile_nodes == 0);
+    CHECK(size >= 2 * 1200);
+    CHECK(size < 2 * 1200 * 9 / 8 + layers::tile_nodes);  // to an eighth
+    for (std::size_t u = 0; u + 2 < ordering.unit_start.size(); ++u)
+      CHECK(ordering.unit_start[u + 1] - ordering.unit_start[u] == size);
+    CHECK(ordering.unit_start.back() == 48000);
   }
+}
+
+TEST_CASE("a net whose springs lead anywhere still has eight units") {
+  std::mt19937 random(7);
+  Network net;
+  for (std::uint32_t k = 0; k < 40000; ++k) net.add_node(point({0.1 * k, 1.0 * (k % 3), 0}));
+  const MaterialIndex material = net.add_material(damped(1.0, 0.0));
+  for (std::uint32_t k = 0; k < 40000; ++k)
+    if (const auto other = static_cast<std::uint32_t>(random() % 40000); other != k) net.add_spring(k, other, material);
+  CHECK(layers::order_nodes(net, true).unit_start.size() == 1 + 8);
 }
 
 TEST_CASE(

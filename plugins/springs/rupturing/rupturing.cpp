@@ -20,7 +20,8 @@ struct Rupturing : SpringFunction {
 
   static auto margin(const auto& e, const auto& p) {
     const auto tension = p[stiffness] * e.elongation();
-    return 1.0 - (p[breaks_in_compression] != 0.0 ? abs(tension) : tension) / p[strength];
+    // By the reciprocal, which is the same for all springs of a material.
+    return 1.0 - (p[breaks_in_compression] != 0.0 ? abs(tension) : tension) * (1.0 / p[strength]);
   }
 };
 

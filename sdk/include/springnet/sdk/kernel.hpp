@@ -43,7 +43,7 @@ namespace detail {
 inline constexpr std::uint32_t chunk_size = 256;
 
 // Up to Count input arrays with strides 0 or 1, read chunk by chunk. If all have stride 0 (`uniform`), the values are
-// loop constants. Otherwise those with stride 0 are copied to a buffer once, so that every loop has unit stride and
+// loop constants, and likewise all but the first if that alone varies. Otherwise those with stride 0 are copied to a buffer once, so that every loop has unit stride and
 // vectorises.
 template <std::size_t Count>
 class Streams {
@@ -52,9 +52,10 @@ class Streams {
     for (std::size_t j = 0; j < Count; ++j) {
       source_[j] = arrays[j];
       stride_[j] = strides[j];
-      uniform_ = uniform_ && strides[j] == 0;
+      rest_is_uniform_ = rest_is_uniform_ && (j == 0 || strides[j] == 0);
     }
-    if (uniform_) return;
+    uniform_ = rest_is_uniform_ && (Count == 0 || strides[0] == 0);
+    if (rest_is_uniform_) return;
     const std::uint32_t length = std::min(count, chunk_size);
     for (std::size_t j = 0; j < Count; ++j) {
       if (stride_[j] != 0) continue;
@@ -63,6 +64,8 @@ class Streams {
     }
   }
   [[nodiscard]] SPRINGNET_INLINE bool uniform() const { return uniform_; }
+  // All but the first array have stride 0.
+  [[nodiscard]] SPRINGNET_INLINE bool rest_is_uniform() const { return rest_is_uniform_; }
   // Array j from element `begin` on; with stride 0 the same buffer or value for every chunk.
   [[nodiscard]] SPRINGNET_INLINE const double* at(std::size_t j, std::uint32_t begin) const {
     return source_[j] + (stride_[j] != 0 ? begin : 0u);
@@ -71,7 +74,7 @@ class Streams {
  private:
   std::array<const double*, Count> source_;
   std::array<std::uint32_t, Count> stride_;
-  bool uniform_ = true;
+  bool uniform_ = true, rest_is_uniform_ = true;
   double buffer_[Count == 0 ? 1 : Count][chunk_size];
 };
 

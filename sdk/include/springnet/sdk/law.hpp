@@ -200,15 +200,19 @@ class LawKernel {
       chunk.table = b.table;
       for (std::size_t j = 0; j < S; ++j) chunk.states[j] = b.states[j] + begin;
       for (std::size_t j = 0; j < N; ++j) chunk.streams[j] = streams.at(j, begin);
-      if (streams.uniform()) {
-        evaluate<true>(b, chunk);
-      } else {
-        evaluate<false>(b, chunk);
-      }
+      if (streams.uniform())
+        evaluate<Varying::nothing>(b, chunk);
+      else if (streams.rest_is_uniform())
+        evaluate<Varying::reference>(b, chunk);
+      else
+        evaluate<Varying::all>(b, chunk);
     }
   }
 
  private:
+  // What differs between the elements of a batch: springs of one material in a mesh have rest lengths of their own.
+  enum class Varying { nothing, reference, all };
+
   struct Chunk {
     std::uint32_t begin, count;
     const double* q;
@@ -227,14 +231,14 @@ class LawKernel {
     std::array<Real, I> inputs;
     Element<Real> element;
 
-    template <bool uniform>
+    template <Varying varying>
     SPRINGNET_INLINE Arguments(const Chunk& c, const std::array<double, N>& constants, std::uint32_t i,
-                               std::bool_constant<uniform>)
-        : element{c.q[i],        0.0,          uniform ? constants[0] : c.streams[0][i], c.time, TableView(c.table),
+                               std::integral_constant<Varying, varying>)
+        : element{c.q[i],        0.0,          varying == Varying::nothing ? constants[0] : c.streams[0][i], c.time, TableView(c.table),
                   states.data(), inputs.data()} {
       if constexpr (Traits::reads_rate) element.rate = c.rate[i];
-      for (std::size_t j = 0; j < P; ++j) parameters[j] = uniform ? constants[1 + j] : c.streams[1 + j][i];
-      for (std::size_t j = 0; j < I; ++j) inputs[j] = uniform ? constants[1 + P + j] : c.streams[1 + P + j][i];
+      for (std::size_t j = 0; j < P; ++j) parameters[j] = varying != Varying::all ? constants[1 + j] : c.streams[1 + j][i];
+      for (std::size_t j = 0; j < I; ++j) inputs[j] = varying != Varying::all ? constants[1 + P + j] : c.streams[1 + P + j][i];
       for (std::size_t j = 0; j < S; ++j) states[j] = c.states[j][i];
     }
     Arguments(const Arguments&) = delete;  // element points into it
@@ -242,10 +246,10 @@ class LawKernel {
     [[nodiscard]] SPRINGNET_INLINE Parameters<Real> values() const { return Parameters<Real>(parameters.data()); }
   };
 
-  template <bool uniform>
+  template <Varying varying>
   SPRINGNET_INLINE static std::array<double, N> constants(const Chunk& c) {
     std::array<double, N> result{};
-    if constexpr (uniform) {
+    if constexpr (varying != Varying::all) {
       for (std::size_t j = 0; j < N; ++j) result[j] = *c.streams[j];
     }
     return result;
@@ -270,20 +274,20 @@ class LawKernel {
     }
   };
 
-  template <class Quantity, bool uniform>
+  template <class Quantity, Varying varying>
   SPRINGNET_INLINE static void values(const Chunk& c, double* array) {
     double* __restrict out = array + c.begin;
-    const auto fixed = constants<uniform>(c);
+    const auto fixed = constants<varying>(c);
     for (std::uint32_t i = 0; i < c.count; ++i) {
-      const Arguments<Dual<0>> a(c, fixed, i, std::bool_constant<uniform>{});
+      const Arguments<Dual<0>> a(c, fixed, i, std::integral_constant<Varying, varying>{});
       out[i] = Quantity::of(a.element, a.values()).value;
     }
   }
-  template <bool uniform>
+  template <Varying varying>
   SPRINGNET_INLINE static void state_rates(const Chunk& c, double* const* arrays) {
-    const auto fixed = constants<uniform>(c);
+    const auto fixed = constants<varying>(c);
     for (std::uint32_t i = 0; i < c.count; ++i) {
-      const Arguments<Dual<0>> a(c, fixed, i, std::bool_constant<uniform>{});
+      const Arguments<Dual<0>> a(c, fixed, i, std::integral_constant<Varying, varying>{});
       const std::array<Dual<0>, S> rates = Law::state_rates(a.element, a.values());
       for (std::size_t j = 0; j < S; ++j) {
         if (arrays[j] != nullptr) arrays[j][c.begin + i] = rates[j].value;
@@ -291,16 +295,16 @@ class LawKernel {
     }
   }
   // dQ/dq, and dQ/dq' for a law that reads it; either output may be null.
-  template <bool uniform>
+  template <Varying varying>
   SPRINGNET_INLINE static void derivatives(const Chunk& c, double* by_q, double* by_rate) {
     double unwanted[detail::chunk_size];
     double* __restrict out_q = by_q != nullptr ? by_q + c.begin : unwanted;
-    const auto fixed = constants<uniform>(c);
+    const auto fixed = constants<varying>(c);
     if constexpr (Traits::reads_rate) {
       double unwanted_too[detail::chunk_size];
       double* __restrict out_rate = by_rate != nullptr ? by_rate + c.begin : unwanted_too;
       for (std::uint32_t i = 0; i < c.count; ++i) {
-        Arguments<Dual<2>> a(c, fixed, i, std::bool_constant<uniform>{});
+        Arguments<Dual<2>> a(c, fixed, i, std::integral_constant<Varying, varying>{});
         a.element.q.derivatives[0] = 1.0;
         a.element.rate.derivatives[1] = 1.0;
         const Dual<2> force = Law::force(a.element, a.values());
@@ -311,7 +315,7 @@ class LawKernel {
       if (by_rate != nullptr) std::fill_n(by_rate + c.begin, c.count, 0.0);
       if (by_q == nullptr) return;
       for (std::uint32_t i = 0; i < c.count; ++i) {
-        Arguments<Dual<1>> a(c, fixed, i, std::bool_constant<uniform>{});
+        Arguments<Dual<1>> a(c, fixed, i, std::integral_constant<Varying, varying>{});
         a.element.q.derivatives[0] = 1.0;
         const Dual<1> force = Law::force(a.element, a.values());
         out_q[i] = force.derivatives[0];
@@ -319,12 +323,12 @@ class LawKernel {
     }
   }
   // dQ/d(parameter `index`), or dQ/d(state `index`).
-  template <bool uniform, bool of_state>
+  template <Varying varying, bool of_state>
   SPRINGNET_INLINE static void derivative_by(std::size_t index, const Chunk& c, double* array) {
     double* __restrict out = array + c.begin;
-    const auto fixed = constants<uniform>(c);
+    const auto fixed = constants<varying>(c);
     for (std::uint32_t i = 0; i < c.count; ++i) {
-      Arguments<Dual<1>> a(c, fixed, i, std::bool_constant<uniform>{});
+      Arguments<Dual<1>> a(c, fixed, i, std::integral_constant<Varying, varying>{});
       auto& variables = [&]() -> auto& {
         if constexpr (of_state)
           return a.states;
@@ -338,29 +342,29 @@ class LawKernel {
     }
   }
 
-  template <bool uniform>
+  template <Varying varying>
   SPRINGNET_INLINE static void evaluate(const springnet_law_batch& b, const Chunk& c) {
-    if (b.force != nullptr) values<Force, uniform>(c, b.force);
+    if (b.force != nullptr) values<Force, varying>(c, b.force);
     if constexpr (Traits::has_energy) {
-      if (b.energy != nullptr) values<Energy, uniform>(c, b.energy);
+      if (b.energy != nullptr) values<Energy, varying>(c, b.energy);
     }
     if constexpr (Traits::has_margin) {
-      if (b.margin != nullptr) values<Margin, uniform>(c, b.margin);
+      if (b.margin != nullptr) values<Margin, varying>(c, b.margin);
     }
     if constexpr (Traits::has_state_rates) {
-      if (b.state_rates != nullptr) state_rates<uniform>(c, b.state_rates);
+      if (b.state_rates != nullptr) state_rates<varying>(c, b.state_rates);
     }
     if (b.force_by_q != nullptr || b.force_by_rate != nullptr) {
-      derivatives<uniform>(c, b.force_by_q, b.force_by_rate);
+      derivatives<varying>(c, b.force_by_q, b.force_by_rate);
     }
     if (b.force_by_parameters != nullptr) {
       for (std::size_t j = 0; j < P; ++j) {
-        if (b.force_by_parameters[j] != nullptr) derivative_by<uniform, false>(j, c, b.force_by_parameters[j]);
+        if (b.force_by_parameters[j] != nullptr) derivative_by<varying, false>(j, c, b.force_by_parameters[j]);
       }
     }
     if (b.force_by_states != nullptr) {
       for (std::size_t j = 0; j < S; ++j) {
-        if (b.force_by_states[j] != nullptr) derivative_by<uniform, true>(j, c, b.force_by_states[j]);
+        if (b.force_by_states[j] != nullptr) derivative_by<varying, true>(j, c, b.force_by_states[j]);
       }
     }
   }
