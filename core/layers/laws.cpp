@@ -258,9 +258,9 @@ CompiledLaws compile_laws(const Network& network, const PluginHost& plugins) {
   }
   Rows rows(compiled.groups, materials);
   const Column<double>& rest_lengths = springs.rest_lengths();
-  compiled.row = rows.of(
+  compiled.row = RowNumbers(rows.of(
       springs.size(), springs.materials(), [&](std::size_t s) { return rest_lengths[s]; },
-      springs.materials().is_uniform() && rest_lengths.is_uniform());
+      springs.materials().is_uniform() && rest_lengths.is_uniform()));
 
   const std::vector<Element>& elements = network.elements();
   Column<MaterialIndex> element_materials;

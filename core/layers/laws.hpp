@@ -6,6 +6,7 @@
 #include <cstdint>
 #include <memory>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include <springnet/network.hpp>
@@ -54,13 +55,33 @@ struct NeuronKind {
   std::vector<double> parameters;
 };
 
+// Rows of springs in their groups. They take no memory where all are the same, or spring s has row s, as in irregular
+// meshes.
+class RowNumbers {
+ public:
+  RowNumbers() = default;
+  explicit RowNumbers(Column<std::uint32_t> rows) : rows_(std::move(rows)) {
+    for (std::size_t s = 0; s < rows_.size(); ++s)
+      if (rows_[s] != s) return;
+    own_ = true;
+    rows_ = {};
+  }
+  [[nodiscard]] std::uint32_t operator[](std::size_t spring) const {
+    return own_ ? static_cast<std::uint32_t>(spring) : rows_[spring];
+  }
+
+ private:
+  Column<std::uint32_t> rows_;
+  bool own_ = false;
+};
+
 // Groups and rows of all springs and elements of a network, and the neurons of its nodes. Throws Error if a component
 // does not exist, a parameter is out of range, a law needs what this version does not provide (internal state, inputs,
 // tables), or a law is used on an invariant that it does not read.
 struct CompiledLaws {
   std::vector<Group> groups;
   Column<std::uint32_t> group;                       // [spring]
-  Column<std::uint32_t> row;                         // [spring] row in its group
+  RowNumbers row;                                    // [spring] row in its group
   Column<std::uint32_t> element_group, element_row;  // [element]
   std::vector<NeuronKind> neurons;                   // as Network::neurons()
 };

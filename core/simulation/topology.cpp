@@ -24,29 +24,20 @@ Topology::Topology(Model& model, LinearModel& linear, const std::vector<Cut>& cu
   }
 }
 
-Topology::Rupturing& Topology::known_rupturing() {
+const Topology::Rupturing& Topology::rupturing() {
   if (!rupturing_) rupturing_ = {layers::rupturing_springs(model_.layout), layers::rupturing_elements(model_.layout)};
   return *rupturing_;
 }
 
-const Topology::Rupturing& Topology::rupturing() {
-  Rupturing& known = known_rupturing();
-  if (dead_ == 0) return known;
-  std::erase_if(known.springs, [this](std::uint32_t s) { return !model_.layout.alive(s); });
-  std::erase_if(known.elements, [this](std::uint32_t e) { return !model_.layout.elements().alive(e); });
-  dead_ = 0;
-  return known;
-}
-
-std::size_t Topology::rupturing_count() { return known_rupturing().count() - dead_; }
-
-// Not removed from the lists, which a tear would go through in each step.
-void Topology::note_removed(const std::vector<std::uint32_t>& springs, const std::vector<std::uint32_t>& elements) {
-  if (!rupturing_) return;
-  const auto& groups = model_.layout.laws().groups;
-  for (const std::uint32_t s : springs) dead_ += model_.layout.group_of(s).can(SPRINGNET_HAS_RUPTURE) ? 1 : 0;
-  for (const std::uint32_t e : elements)
-    dead_ += groups[model_.layout.elements().group(e)].can(SPRINGNET_HAS_RUPTURE) ? 1 : 0;
+std::size_t Topology::rupturing_count() const {
+  const layers::Layout& layout = model_.layout;
+  std::size_t count = layout.elements().live_count() > 0 ? layers::rupturing_elements(layout).size() : 0;
+  if (!layers::can_rupture(layout)) return count;
+  const Column<std::uint32_t>& group = layout.laws().group;
+  if (group.is_uniform()) return count + (layout.group_of(0).can(SPRINGNET_HAS_RUPTURE) ? layout.live_count() : 0);
+  for (std::uint32_t s = 0; s < layout.spring_count(); ++s)
+    count += layout.alive(s) && layout.group_of(s).can(SPRINGNET_HAS_RUPTURE) ? 1 : 0;
+  return count;
 }
 
 springnet_status Topology::margins(double time, const layers::NodeArrays& nodes, double* margins) {
@@ -63,20 +54,17 @@ springnet_status Topology::margins(double time, const layers::NodeArrays& nodes,
   if (bad == margins + some.count()) return SPRINGNET_OK;
   const auto i = static_cast<std::size_t>(bad - margins);
   const bool element = i >= some.springs.size();
-  refuse_margin(time, nodes, element, element ? some.elements[i - some.springs.size()] : some.springs[i]);
-  return SPRINGNET_RECOVERABLE;
-}
-
-void Topology::refuse_margin(double time, const layers::NodeArrays& nodes, bool element, std::uint32_t number) {
+  const std::uint32_t number = element ? some.elements[i - some.springs.size()] : some.springs[i];
   const layers::Group& group =
       model_.layout.laws()
           .groups[element ? model_.layout.elements().group(number) : model_.layout.laws().group[number]];
   const layers::Law& law = group.spring.can(SPRINGNET_HAS_RUPTURE) ? group.spring : group.viscosity;
-  const std::string reason = explain_failure(model_.layout, model_.evaluator.instruction_set(), time, nodes);
+  const std::string reason = explain_failure(model_.layout, set, time, nodes);
   set_message(model_.journal.message,
               !reason.empty() ? reason
                               : fmt::format("{} answered a rupture margin that is not a number for {} {}",
                                             full_name(*law.component), element ? "element" : "spring", number));
+  return SPRINGNET_RECOVERABLE;
 }
 
 std::size_t Topology::remove(const Removal& removal, Event::Kind kind, double time) {
@@ -100,7 +88,7 @@ std::size_t Topology::remove(const Removal& removal, Event::Kind kind, double ti
     faces_removed = remove_faces(lost, time);
   }
   if (!removed.empty() || !broken.empty() || faces_removed) {
-    note_removed(removed, broken);
+    rupturing_.reset();
     linear_.topology_changed();
     model_.changed();
   }
@@ -163,11 +151,11 @@ springnet_status Topology::perform_due_ruptures() {
   broken_.clear();
   springnet_status status = SPRINGNET_OK;
   if (layers::can_rupture(model_.layout))
-    status = layers::broken_springs(model_.layout, set, model_.evaluator.threads(), model_.time, nodes, broken_, message);
+    status =
+        layers::broken_springs(model_.layout, set, model_.evaluator.threads(), model_.time, nodes, broken_, message);
   std::vector<std::uint32_t> elements;
   if (status == SPRINGNET_OK && model_.layout.elements().live_count() > 0) {
-    elements = known_rupturing().elements;
-    std::erase_if(elements, [this](std::uint32_t e) { return !model_.layout.elements().alive(e); });
+    elements = layers::rupturing_elements(model_.layout);
     std::vector<double> margins(elements.size());
     status = layers::element_margins(model_.layout, set, model_.time, nodes, elements, margins.data(), message);
     if (std::any_of(margins.begin(), margins.end(), [](double margin) { return std::isnan(margin); }))

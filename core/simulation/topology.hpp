@@ -26,7 +26,7 @@ class Topology {
     [[nodiscard]] std::size_t count() const noexcept { return springs.size() + elements.size(); }
   };
   [[nodiscard]] const Rupturing& rupturing();
-  [[nodiscard]] std::size_t rupturing_count();  // without looking which
+  [[nodiscard]] std::size_t rupturing_count() const;  // without a list of them
   // margins: [rupturing().count()] of the springs, then of the elements, at a state; one of 0 or less breaks.
   // SPRINGNET_RECOVERABLE and a message if one is not a number.
   springnet_status margins(double time, const layers::NodeArrays& nodes, double* margins);
@@ -55,11 +55,6 @@ class Topology {
     std::optional<CuttingPolygon> polygon;
     bool done = false;
   };
-  // The springs and elements known, removed ones included.
-  [[nodiscard]] Rupturing& known_rupturing();
-  void note_removed(const std::vector<std::uint32_t>& springs, const std::vector<std::uint32_t>& elements);
-  // The message of a margin that is not a number.
-  void refuse_margin(double time, const layers::NodeArrays& nodes, bool element, std::uint32_t number);
   // Returns whether any face was removed.
   bool remove_faces(const std::vector<std::size_t>& faces, double time);
 
@@ -68,7 +63,6 @@ class Topology {
   std::vector<ScheduledCut> cuts_;
   std::optional<Rupturing> rupturing_;  // empty: not known
   std::vector<std::uint32_t> broken_;   // found last; kept for its memory
-  std::size_t dead_ = 0;                // of those in it
   std::set<std::uint32_t> torn_loads_;  // that have lost faces
   std::size_t torn_faces_ = 0;
 };

@@ -280,12 +280,12 @@ TEST_CASE(
   calls.begin_advance(0.5);
   springnet_state* const mine = calls.create_state();
   State& state = calls.created_state(mine);
-  CHECK_NOTHROW(calls.check_commit(0.5, state));
-  CHECK_THROWS_AS(calls.check_commit(0.51, state), Error);
-  CHECK_THROWS_AS(calls.check_commit(-0.1, state), Error);
-  CHECK_THROWS_AS(calls.check_commit(std::nan(""), state), Error);
+  CHECK_NOTHROW(calls.check_commit(0.5, state, false));
+  CHECK_THROWS_AS(calls.check_commit(0.51, state, false), Error);
+  CHECK_THROWS_AS(calls.check_commit(-0.1, state, false), Error);
+  CHECK_THROWS_AS(calls.check_commit(std::nan(""), state, false), Error);
   state.view.velocity.y[1] = std::numeric_limits<double>::infinity();
-  CHECK_THROWS_AS(calls.check_commit(0.5, state), Error);
+  CHECK_THROWS_AS(calls.check_commit(0.5, state, false), Error);
   springnet_state foreign{};
   CHECK_THROWS_AS(static_cast<void>(calls.created_state(&foreign)), Error);
   mine->position.x = nullptr;  // the engine does not rely on pointers that the integrator can write
