@@ -54,7 +54,7 @@ inline constexpr double quarter_pi = 0x1.921fb54442d18p-1, quarter_pi_rest = 0x1
   return __builtin_copysign(angle, y);
 }
 
-// Within 1.6 ulp. Beyond 1/2: asin x = pi/2 - 2 asin(sqrt((1 - x) / 2)).
+// Within 1.7 ulp. Beyond 1/2: asin x = pi/2 - 2 asin(sqrt((1 - x) / 2)).
 [[nodiscard]] SPRINGNET_INLINE double asin(double x) {
   using namespace detail;
   const double size = magnitude(x);
