@@ -133,8 +133,8 @@ springnet_status Evaluator::evaluate(double time, const NodeArrays& nodes, const
     for (std::uint32_t u = 0; take_unit(thread, u);) {
       springnet_message unit_message{};
       // An exception that leaves the region would end the process.
-      const springnet_status status = sdk::detail::guarded(
-          &unit_message, [&] { return evaluate_unit(u, pass, *scratch_[thread], unit_message); });
+      const springnet_status status =
+          sdk::detail::guarded(&unit_message, [&] { return evaluate_unit(u, pass, *scratch_[thread], unit_message); });
       if (status != SPRINGNET_OK) {
 #pragma omp critical(springnet_evaluate)
         if (u < failed_unit) {

@@ -64,8 +64,8 @@ class Evaluator {
   [[nodiscard]] unsigned threads() const noexcept { return threads_; }
 
   // Net force on every node, in N, unit by unit on several threads; the order of the sums does not depend on their
-  // number. force: null where only `finished` asks for them. Returns the status of the first unit in which a law failed.
-  // Throws std::bad_alloc, only at the first call for a layout. Not reentrant: uses buffers of the evaluator.
+  // number. force: null where only `finished` asks for them. Returns the status of the first unit in which a law
+  // failed. Throws std::bad_alloc, only at the first call for a layout. Not reentrant: uses buffers of the evaluator.
   springnet_status evaluate(double time, const NodeArrays& nodes, const ExternalForces& external,
                             const ForceArrays& force, TileFinished finished, springnet_message& message) const;
   // Whether all numbers of three arrays are.

@@ -102,12 +102,12 @@ struct Kernels {
   void (*scatter_first)(const SegmentSprings& springs, const double* value, const double* value_2, const Directions& n,
                         const ForceArrays& force, std::uint32_t origin);
   // Of springs by their ends, in a window:
-  void (*scatter_window)(const SegmentSprings& springs, const double* value, const double* value_2,
-                         const Directions& n, const Window& window);
+  void (*scatter_window)(const SegmentSprings& springs, const double* value, const double* value_2, const Directions& n,
+                         const Window& window);
   // First ends minus second ends in a window, [component][spring]: positions, velocities, in rows of max_segment.
   void (*subtract_window)(const SegmentSprings& springs, const Window& window, double (*changes)[max_segment]);
-  // Copies nodes [begin, end) to a window and clears their forces there; adds their forces there to those in arrays that
-  // begin at node `origin`.
+  // Copies nodes [begin, end) to a window and clears their forces there; adds their forces there to those in arrays
+  // that begin at node `origin`.
   void (*fill_window)(const NodeArrays& nodes, std::uint32_t begin, std::uint32_t end, const Window& window);
   void (*drain_window)(const Window& window, std::uint32_t begin, std::uint32_t end, const ForceArrays& force,
                        std::uint32_t origin);

@@ -23,8 +23,8 @@ std::uint64_t spread(const Network& network, const Nodes* number) {
   return sum;
 }
 
-// Whether joined nodes are as close as in a compact body numbered layer by layer, where they are a layer apart. Boundary
-// layers are up to twice as large in bodies that are not cubes.
+// Whether joined nodes are as close as in a compact body numbered layer by layer, where they are a layer apart.
+// Boundary layers are up to twice as large in bodies that are not cubes.
 bool is_compact(const Network& network) {
   const double layer = std::pow(static_cast<double>(network.nodes().size()), 2.0 / 3.0);
   return static_cast<double>(spread(network, nullptr)) <= 2.0 * layer * static_cast<double>(network.springs().size());

@@ -44,10 +44,10 @@ struct Tile {
 
 struct Unit {
   std::uint32_t first_node = 0, node_count = 0;
-  std::uint32_t halo = 0;         // nodes of the next unit up to the last one that a spring of this one leads to
-  std::uint32_t reach = 0;        // most that a second end is ahead of the first node of its tile
-  std::uint32_t window = 0;       // places of the window for springs by their ends, a power of 2; 0: there are none
-  std::size_t live = 0;           // slots with a spring; when it was laid out:
+  std::uint32_t halo = 0;    // nodes of the next unit up to the last one that a spring of this one leads to
+  std::uint32_t reach = 0;   // most that a second end is ahead of the first node of its tile
+  std::uint32_t window = 0;  // places of the window for springs by their ends, a power of 2; 0: there are none
+  std::size_t live = 0;      // slots with a spring; when it was laid out:
   std::size_t laid_out = 0;
   std::vector<Tile> tiles;
   std::vector<Segment> segments;

@@ -110,7 +110,8 @@ void UnitBuilder::find_sets(std::size_t begin, std::size_t end) {
       std::size_t stop = i + 1;
       while (stop < all && springs_[stop].row == springs_[i].row) ++stop;
       if (stop - i >= smallest_uniform_) {
-        std::copy(springs_.begin() + static_cast<std::ptrdiff_t>(i), springs_.begin() + static_cast<std::ptrdiff_t>(stop),
+        std::copy(springs_.begin() + static_cast<std::ptrdiff_t>(i),
+                  springs_.begin() + static_cast<std::ptrdiff_t>(stop),
                   springs_.begin() + static_cast<std::ptrdiff_t>(kept));
         add_set(kept, kept + (stop - i), springs_[kept].row);
         kept += stop - i;
@@ -252,7 +253,8 @@ void UnitBuilder::add_listed(const Set& set) {
   for (std::size_t begin = 0; begin < rounds_.size(); begin += max_segment) {
     const std::size_t end = std::min(rounds_.size(), begin + max_segment);
     begin_segment(*rounds_[begin], set.row, is_far ? Access::far : Access::near);
-    slots_.assign(rounds_.begin() + static_cast<std::ptrdiff_t>(begin), rounds_.begin() + static_cast<std::ptrdiff_t>(end));
+    slots_.assign(rounds_.begin() + static_cast<std::ptrdiff_t>(begin),
+                  rounds_.begin() + static_cast<std::ptrdiff_t>(end));
     end_segment();
   }
 }

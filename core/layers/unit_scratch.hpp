@@ -16,7 +16,7 @@ struct UnitScratch {
     alignas(64) double force[2][max_segment];  // [law] N
   };
   Springs springs[2];
-  unsigned turn = 0;  // which is of this segment
+  unsigned turn = 0;      // which is of this segment
   ChunkForces pending{};  // of that before; no springs: none
   alignas(64) double changes[6][max_segment];
   Window window{};

@@ -121,8 +121,7 @@ void Engine::forget() noexcept {
 // ---- commit ---------------------------------------------------------------------------------------------------------
 
 springnet_status Engine::commit(double time, State& state) {
-  const bool is_finite =
-      state.view.is_swept != 0 && sweep_.left_finite(state.view.position, state.view.velocity);
+  const bool is_finite = state.view.is_swept != 0 && sweep_.left_finite(state.view.position, state.view.velocity);
   state.view.is_swept = 0;
   calls_.check_commit(time, state, is_finite);
   if (const springnet_status room = check_room(model_, time, state); room != SPRINGNET_OK) return room;

@@ -54,8 +54,8 @@ springnet_status Sweep::run(const springnet_sweep& request, const springnet_netw
       status = model_.constraints.constrain_clusters(*at, sweep, model_.evaluator.threads(), message);
     }
   }
-  const bool left = status == SPRINGNET_OK && sweep.order == nullptr && model_.rigid.cluster_count() == 0 &&
-                    tiles.outputs_finite;
+  const bool left =
+      status == SPRINGNET_OK && sweep.order == nullptr && model_.rigid.cluster_count() == 0 && tiles.outputs_finite;
   left_position_ = left ? sweep.next_position.x : nullptr;
   left_velocity_ = left ? sweep.next_velocity.x : nullptr;
   if (status != SPRINGNET_OK) return model_.failed(status, sweep.time, tiles.nodes);

@@ -74,8 +74,8 @@ class Sweep {
   Model& model_;
   Done done_;
   const double *left_position_ = nullptr, *left_velocity_ = nullptr;  // finite outputs of the last sweep
-  bool in_sets_ = false;   // several threads update the nodes of a set,
-  bool in_tiles_ = false;  // or of tiles
+  bool in_sets_ = false;                                              // several threads update the nodes of a set,
+  bool in_tiles_ = false;                                             // or of tiles
   OrderCheck order_check_;
   SweepPlans plans_;
   layers::EnclosureVolumes swept_volumes_;      // of enclosures within a sweep in an order

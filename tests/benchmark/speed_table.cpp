@@ -268,7 +268,8 @@ int run(const std::optional<std::string>& only, bool quick) {
     std::string beside;
     for (const auto& [name, speed] : done)
       if (row.beside != nullptr && name == row.beside)
-        beside = fmt::format("{} of {}", with_floor(speeds.one / speed, std::round(100 * row.floor_beside) / 100), name);
+        beside =
+            fmt::format("{} of {}", with_floor(speeds.one / speed, std::round(100 * row.floor_beside) / 100), name);
     fmt::print("| {} | {} | {} | {:.0f} | {:.0f} | {} | {} | {} |\n", row.name, speeds.springs,
                number(speeds.naive * 1e-6, "{:.0f}"), speeds.one * 1e-6, speeds.two * 1e-6,
                with_floor(speeds.one / speeds.naive, row.floor), with_floor(speeds.two / speeds.naive, row.floor_2),

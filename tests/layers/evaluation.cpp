@@ -171,19 +171,18 @@ TEST_CASE("forces are those of tiles as they are finished, whether or not they a
     std::vector<int> count;
   } collected{std::vector<double>(20000), std::vector<double>(20000), std::vector<double>(20000),
               std::vector<int>(20000)};
-  const layers::TileFinished finished{
-      [](void* user, std::uint32_t, std::uint32_t first, std::uint32_t count, const layers::ForceArrays& force,
-         springnet_message&) -> springnet_status {
-        auto& own = *static_cast<Collected*>(user);
-        for (std::uint32_t i = 0; i < count; ++i) {
-          own.x[first + i] = force.x[i];
-          own.y[first + i] = force.y[i];
-          own.z[first + i] = force.z[i];
-          ++own.count[first + i];
-        }
-        return SPRINGNET_OK;
-      },
-      &collected};
+  const layers::TileFinished finished{[](void* user, std::uint32_t, std::uint32_t first, std::uint32_t count,
+                                         const layers::ForceArrays& force, springnet_message&) -> springnet_status {
+                                        auto& own = *static_cast<Collected*>(user);
+                                        for (std::uint32_t i = 0; i < count; ++i) {
+                                          own.x[first + i] = force.x[i];
+                                          own.y[first + i] = force.y[i];
+                                          own.z[first + i] = force.z[i];
+                                          ++own.count[first + i];
+                                        }
+                                        return SPRINGNET_OK;
+                                      },
+                                      &collected};
   springnet_message message{};
   REQUIRE(fixture.evaluator->evaluate(0.0, fixture.nodes(), fixture.external, {}, finished, message) == SPRINGNET_OK);
   CHECK(collected.x == fixture.f[0]);

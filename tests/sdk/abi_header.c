@@ -3,9 +3,8 @@
 
 #define COUNT(type, last, end) +(SPRINGNET_SIZE_TO(type, last) != end)
 unsigned springnet_ends_wrong_in_c(void) {
-  return (unsigned)(0 SPRINGNET_ENDS_1_0(COUNT) SPRINGNET_ENDS_1_1(COUNT) SPRINGNET_ENDS_1_2(COUNT)
-                        SPRINGNET_ENDS_1_3(COUNT) SPRINGNET_ENDS_1_4(COUNT) SPRINGNET_ENDS_1_5(COUNT)
-                            SPRINGNET_ENDS_1_6(COUNT));
+  return (unsigned)(0 SPRINGNET_ENDS_1_0(COUNT) SPRINGNET_ENDS_1_1(COUNT) SPRINGNET_ENDS_1_2(COUNT) SPRINGNET_ENDS_1_3(
+      COUNT) SPRINGNET_ENDS_1_4(COUNT) SPRINGNET_ENDS_1_5(COUNT) SPRINGNET_ENDS_1_6(COUNT));
 }
 
 /* What a host requires at least. */

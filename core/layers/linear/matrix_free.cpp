@@ -104,7 +104,8 @@ void MatrixFree::lay_out_springs() {
     }
   };
   for (std::size_t u = 0; u < units.size(); ++u)
-    for (Part* part : {&springs_[u].within, &springs_[u].leaving}) part->start.assign(units[u].node_count + std::size_t{1}, 0);
+    for (Part* part : {&springs_[u].within, &springs_[u].leaving})
+      part->start.assign(units[u].node_count + std::size_t{1}, 0);
   for_each_end([&](std::size_t u, Part& part, std::uint32_t own, std::uint32_t, std::uint32_t, std::size_t) {
     ++part.start[own - units[u].first_node + 1];
   });
@@ -118,16 +119,16 @@ void MatrixFree::lay_out_springs() {
       next[2 * u + (part == &springs_[u].leaving ? 1 : 0)] = part->start;
     }
   }
-  for_each_end([&](std::size_t u, Part& part, std::uint32_t own, std::uint32_t other, std::uint32_t slot,
-                   std::size_t of) {
-    std::uint32_t& place = next[2 * u + (&part == &springs_[u].leaving ? 1 : 0)][own - units[u].first_node];
-    part.second[place] = other;
-    if (of == u)
-      springs_[u].place[slot] = place;
-    else
-      springs_[u].incoming.push_back({own, place, springs_[of].place[slot]});
-    ++place;
-  });
+  for_each_end(
+      [&](std::size_t u, Part& part, std::uint32_t own, std::uint32_t other, std::uint32_t slot, std::size_t of) {
+        std::uint32_t& place = next[2 * u + (&part == &springs_[u].leaving ? 1 : 0)][own - units[u].first_node];
+        part.second[place] = other;
+        if (of == u)
+          springs_[u].place[slot] = place;
+        else
+          springs_[u].incoming.push_back({own, place, springs_[of].place[slot]});
+        ++place;
+      });
 }
 
 // Ends of a spring of a segment, that in the unit first.
@@ -245,8 +246,8 @@ MatrixFree::Sums MatrixFree::linearise_unit(std::size_t index, double time, cons
       kernels.settle_dead_speeds(unit.live_in(segment), segment.count, segment.living, *geometry);
     }
     const SegmentColumns columns(unit, segment, group);
-    const RowSelection rows = segment.row == mixed_rows ? RowSelection{nullptr, 0, columns.data()}
-                                                        : RowSelection{nullptr, segment.row};
+    const RowSelection rows =
+        segment.row == mixed_rows ? RowSelection{nullptr, 0, columns.data()} : RowSelection{nullptr, segment.row};
     const LawBatch batch{group, segment.count, rows, geometry->length, geometry->rate, geometry->speed};
     if (evaluate_laws(batch, evaluator_.instruction_set(), time, out, message) != SPRINGNET_OK) {
       sums.fits = false;

@@ -70,8 +70,8 @@ class NodeUpdate {
     if (batch.count == 1) return step(k, batch);
     bool finite = true;
     const auto go = [&](const double* a, const double* p, const double* v, double* next_p, double* next_v) {
-      const Component component{sdk::instruction_set_of(batch), batch.count, weight_, a, p + k, v + k, next_p + k,
-                                next_v + k, &finite};
+      const Component component{
+          sdk::instruction_set_of(batch), batch.count, weight_, a, p + k, v + k, next_p + k, next_v + k, &finite};
       sdk::detail::run<Integration>(component);
     };
     go(batch.acceleration.x, position_.x, velocity_.x, next_position_.x, next_velocity_.x);

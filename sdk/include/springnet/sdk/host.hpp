@@ -89,7 +89,7 @@ struct Dominant {
 // The instruction set that the host chose for kernels: of detail::run().
 [[nodiscard]] inline std::uint32_t instruction_set_of(const springnet_node_batch& batch) noexcept {
   return SPRINGNET_HAS_FIELD(springnet_node_batch, &batch, instruction_set) ? batch.instruction_set
-                                                                             : std::uint32_t{SPRINGNET_GENERIC};
+                                                                            : std::uint32_t{SPRINGNET_GENERIC};
 }
 
 // A view of the table, cheap to copy, valid for the life of the integrator. Functions throw Failure with the host's

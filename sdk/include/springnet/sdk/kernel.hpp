@@ -43,8 +43,8 @@ namespace detail {
 inline constexpr std::uint32_t chunk_size = 256;
 
 // Up to Count input arrays with strides 0 or 1, read chunk by chunk. If all have stride 0 (`uniform`), the values are
-// loop constants, and likewise all but the first if that alone varies. Otherwise those with stride 0 are copied to a buffer once, so that every loop has unit stride and
-// vectorises.
+// loop constants, and likewise all but the first if that alone varies. Otherwise those with stride 0 are copied to a
+// buffer once, so that every loop has unit stride and vectorises.
 template <std::size_t Count>
 class Streams {
  public:

@@ -234,11 +234,18 @@ class LawKernel {
     template <Varying varying>
     SPRINGNET_INLINE Arguments(const Chunk& c, const std::array<double, N>& constants, std::uint32_t i,
                                std::integral_constant<Varying, varying>)
-        : element{c.q[i],        0.0,          varying == Varying::nothing ? constants[0] : c.streams[0][i], c.time, TableView(c.table),
-                  states.data(), inputs.data()} {
+        : element{c.q[i],
+                  0.0,
+                  varying == Varying::nothing ? constants[0] : c.streams[0][i],
+                  c.time,
+                  TableView(c.table),
+                  states.data(),
+                  inputs.data()} {
       if constexpr (Traits::reads_rate) element.rate = c.rate[i];
-      for (std::size_t j = 0; j < P; ++j) parameters[j] = varying != Varying::all ? constants[1 + j] : c.streams[1 + j][i];
-      for (std::size_t j = 0; j < I; ++j) inputs[j] = varying != Varying::all ? constants[1 + P + j] : c.streams[1 + P + j][i];
+      for (std::size_t j = 0; j < P; ++j)
+        parameters[j] = varying != Varying::all ? constants[1 + j] : c.streams[1 + j][i];
+      for (std::size_t j = 0; j < I; ++j)
+        inputs[j] = varying != Varying::all ? constants[1 + P + j] : c.streams[1 + P + j][i];
       for (std::size_t j = 0; j < S; ++j) states[j] = c.states[j][i];
     }
     Arguments(const Arguments&) = delete;  // element points into it
