@@ -158,11 +158,10 @@ springnet_status Evaluator::evaluate_unit(std::uint32_t index, const Pass& pass,
   const bool waits = head > unit.first_node && arrivals_[index].load(std::memory_order_acquire) == 0;
   std::uint32_t begun = unit.first_node, filled = unit.first_node;
   scratch.pending.springs.count = 0;
-  const Tile* before = nullptr;  // whose forces are pending
+  const Tile* before = nullptr;  // whose forces were pending
   const auto end_before = [&]() -> springnet_status {
-    if (before == nullptr) return SPRINGNET_OK;
-    scatter_pending(scratch);
-    return end_tile(index, *std::exchange(before, nullptr), waits, pass, scratch, message);
+    return before == nullptr ? SPRINGNET_OK
+                             : end_tile(index, *std::exchange(before, nullptr), waits, pass, scratch, message);
   };
   for (const Tile& tile : unit.tiles) {
     const profile::Tile measured;
@@ -174,25 +173,15 @@ springnet_status Evaluator::evaluate_unit(std::uint32_t index, const Pass& pass,
       kernels_.fill_window(pass.nodes, filled, ahead, scratch.window);
       filled = ahead;
     }
-    for (std::uint32_t s = tile.segment_begin; s < tile.segment_end; ++s) {
-      const Segment& segment = unit.segments[s];
-      if (segment.dead == segment.count) continue;
-      {
-        const profile::Part part("springs");
-        find_geometry(unit, segment, pass.nodes, scratch);
-      }
-      springnet_status status = end_before();
-      if (status != SPRINGNET_OK) return status;
-      const profile::Part part("springs");
-      status = apply_laws(unit, segment, pass.time, scratch, message);
-      if (status != SPRINGNET_OK) return status;
-    }
-    if (const springnet_status status = end_before(); status != SPRINGNET_OK) return status;
+    springnet_status status = evaluate_tile(unit, tile, pass, scratch, message);
+    if (status == SPRINGNET_OK) status = end_before();
+    if (status != SPRINGNET_OK) return status;
     before = &tile;
-    // The window moves on.
-    if (unit.window > 0)
-      if (const springnet_status status = end_before(); status != SPRINGNET_OK) return status;
+    if (unit.window == 0) continue;
+    scatter_pending(scratch);  // before the window moves on
+    if (status = end_before(); status != SPRINGNET_OK) return status;
   }
+  scatter_pending(scratch);
   if (const springnet_status status = end_before(); status != SPRINGNET_OK) return status;
   if (unit.window > 0)
     kernels_.drain_window(scratch.window, unit.end_node(), unit.end_node() + unit.halo, force, unit.first_node);
@@ -224,6 +213,23 @@ void Evaluator::begin_forces(std::uint32_t begin, std::uint32_t end, const Pass&
     const profile::Part part("elements");
     add_elements(begin, end, force, origin);
   }
+}
+
+// Afterwards the forces of the tile before are final; those of its own last segment are pending.
+springnet_status Evaluator::evaluate_tile(const Unit& unit, const Tile& tile, const Pass& pass, UnitScratch& scratch,
+                                          springnet_message& message) const {
+  const profile::Part part("springs");
+  bool is_first = true;
+  for (std::uint32_t s = tile.segment_begin; s < tile.segment_end; ++s) {
+    const Segment& segment = unit.segments[s];
+    if (segment.dead == segment.count) continue;
+    is_first = false;
+    find_geometry(unit, segment, pass.nodes, scratch);
+    const springnet_status status = apply_laws(unit, segment, pass.time, scratch, message);
+    if (status != SPRINGNET_OK) return status;
+  }
+  if (is_first) scatter_pending(scratch);
+  return SPRINGNET_OK;
 }
 
 springnet_status Evaluator::end_tile(std::uint32_t index, const Tile& tile, bool waits, const Pass& pass,

@@ -117,7 +117,9 @@ class Evaluator {
                                  springnet_message& message) const;
   void begin_forces(std::uint32_t begin, std::uint32_t end, const Pass& pass, const ForceArrays& force,
                     std::uint32_t origin) const;
-  // A tile whose springs have been evaluated, all but the forces that are pending.
+  springnet_status evaluate_tile(const Unit& unit, const Tile& tile, const Pass& pass, UnitScratch& scratch,
+                                 springnet_message& message) const;
+  // A tile whose forces are final, but for springs of the unit before.
   springnet_status end_tile(std::uint32_t unit, const Tile& tile, bool waits, const Pass& pass, UnitScratch& scratch,
                             springnet_message& message) const;
   springnet_status finish_tile(std::uint32_t unit, const Tile& tile, const Pass& pass, const ForceArrays& force,

@@ -126,7 +126,7 @@ class RowKeys {
   static constexpr std::uint32_t none = 0xffffffffu;
 
   static bool is_same(const RowKey& a, const RowKey& b) {
-    return a.material == b.material && same_bits(a.reference, b.reference);
+    return a.material == b.material && detail::SameBits<double>::of(a.reference, b.reference);
   }
   // Of the key, or the free one where it belongs.
   [[nodiscard]] std::size_t place_of(const RowKey& key) const {

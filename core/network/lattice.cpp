@@ -236,7 +236,7 @@ void Network::add_lattice(const std::string& name, const Lattice& lattice, const
   const auto [nx, ny, nz] = lattice.nodes;
   Vector3* const positions = nodes_.append(static_cast<std::size_t>(nodes), node);
   const bool one_length = std::all_of(directions.begin(), directions.end(), [&](const Direction& direction) {
-    return same_bits(direction.length, directions.front().length);
+    return detail::SameBits<double>::of(direction.length, directions.front().length);
   });
   const auto spring_total = static_cast<std::size_t>(springs);
   SpringList::Ends* const ends = springs_.append(spring_total, material);

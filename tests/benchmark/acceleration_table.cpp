@@ -40,13 +40,13 @@ std::vector<Row> rows() {
   return all;
 }
 
-struct Column {
+struct TableColumn {
   double update;
   double depth;  // of the acceleration
 };
-constexpr Column columns[] = {{testing::newton, 0},      {testing::synchronous, 0},  {testing::synchronous, 2},
-                              {testing::synchronous, 5}, {testing::synchronous, 10}, {testing::wavefront, 0},
-                              {testing::wavefront, 5}};
+constexpr TableColumn columns[] = {{testing::newton, 0},      {testing::synchronous, 0},  {testing::synchronous, 2},
+                                   {testing::synchronous, 5}, {testing::synchronous, 10}, {testing::wavefront, 0},
+                                   {testing::wavefront, 5}};
 
 double processor_time() {  // s, of this thread
   timespec now{};
@@ -54,7 +54,7 @@ double processor_time() {  // s, of this thread
   return static_cast<double>(now.tv_sec) + 1e-9 * static_cast<double>(now.tv_nsec);
 }
 
-std::string cell(const Case& one, double time_step, const Column& column) {
+std::string cell(const Case& one, double time_step, const TableColumn& column) {
   SimulationOptions options = one.options;
   options.threads = 1;
   options.time_step = time_step;
@@ -92,7 +92,7 @@ int main() {
     for (const Row& row : rows()) {
       for (const double time_step : row.time_steps) {
         fmt::print("| {}, {:g} |", row.name, time_step);
-        for (const Column& column : columns) fmt::print(" {} |", cell(row.one, time_step, column));
+        for (const TableColumn& column : columns) fmt::print(" {} |", cell(row.one, time_step, column));
         fmt::print("\n");
         std::fflush(stdout);
       }

@@ -11,14 +11,21 @@
 
 namespace springnet {
 
+namespace detail {
+
 // Equal bits, so that a stored value is that which was added: 0 and -0 differ, a nan is itself.
 template <class Value>
-[[nodiscard]] bool same_bits(const Value& a, const Value& b) {
-  return a == b;
-}
-[[nodiscard]] inline bool same_bits(double a, double b) {
-  return std::bit_cast<std::uint64_t>(a) == std::bit_cast<std::uint64_t>(b);
-}
+struct SameBits {
+  [[nodiscard]] static bool of(const Value& a, const Value& b) { return a == b; }
+};
+template <>
+struct SameBits<double> {
+  [[nodiscard]] static bool of(double a, double b) {
+    return std::bit_cast<std::uint64_t>(a) == std::bit_cast<std::uint64_t>(b);
+  }
+};
+
+}  // namespace detail
 
 template <class Value>
 class Column {
@@ -33,7 +40,7 @@ class Column {
   void push_back(const Value& value) {
     if (each_.empty()) {
       if (size_ == 0) common_ = value;
-      if (same_bits(value, common_)) {
+      if (detail::SameBits<Value>::of(value, common_)) {
         ++size_;
         return;
       }
@@ -47,7 +54,7 @@ class Column {
     if (count == 0) return;
     if (each_.empty()) {
       if (size_ == 0) common_ = value;
-      if (same_bits(value, common_)) {
+      if (detail::SameBits<Value>::of(value, common_)) {
         size_ += count;
         return;
       }
@@ -67,7 +74,7 @@ class Column {
   }
   void set(std::size_t i, const Value& value) {
     if (each_.empty()) {
-      if (same_bits(value, common_)) return;
+      if (detail::SameBits<Value>::of(value, common_)) return;
       if (size_ == 1) {
         common_ = value;
         return;

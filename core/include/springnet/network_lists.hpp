@@ -22,9 +22,13 @@ using NodeIndex = std::uint32_t;
 using SpringIndex = std::uint32_t;
 using MaterialIndex = std::uint32_t;
 
-[[nodiscard]] inline bool same_bits(const Vector3& a, const Vector3& b) {
-  return same_bits(a.x(), b.x()) && same_bits(a.y(), b.y()) && same_bits(a.z(), b.z());
-}
+template <>
+struct detail::SameBits<Vector3> {
+  [[nodiscard]] static bool of(const Vector3& a, const Vector3& b) {
+    const auto same = [&](Eigen::Index i) { return SameBits<double>::of(a[i], b[i]); };
+    return same(0) && same(1) && same(2);
+  }
+};
 
 struct Node {
   Vector3 position = Vector3::Zero();  // m

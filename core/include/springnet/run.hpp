@@ -59,7 +59,6 @@ struct RunOptions {
   std::string scene_name;        // for the summary
   // Called after every time step, and ten times a second of waiting for the clock; false stops the run.
   std::function<bool(const RunProgress&)> progress;
-  LoadingCallback loading{};  // called before the first time step, where setting up takes time
   // Notes of the program that embeds the run; the first ones in the summary.
   std::vector<std::string> notes{};
   // Simulated seconds per second of the clock; 0: as fast as possible.
@@ -69,6 +68,7 @@ struct RunOptions {
   // viewer of traces (core/docs/output.md). If the scene has a profiler, it records for both.
   bool profile = false;
   bool trace = false;
+  LoadingCallback loading{};  // called before the first time step, where setting up takes time
 };
 
 // Of how many stages a run keeps the times for trace.json.
