@@ -21,7 +21,7 @@ TEST_CASE("rigid bodies that tumble onto surfaces do not stop the reference") {
 
 // These rocked without end, lay wedged, slipped where no direction was found, or went two ways.
 TEST_CASE("rigid bodies that tumble into grooves come to rest there") {
-  for (const auto seed : std::initializer_list<std::uint64_t>{23, 27, 44, 56, 63, 104, 131, 156, 184, 307}) {
+  for (const auto seed : std::initializer_list<std::uint64_t>{27, 44, 56, 63, 104, 131, 156, 184, 307}) {
     const Tumbling scene(seed);
     INFO(scene.name() << ", seed " << seed);
     check_fate(scene.net, Tumbling::until);

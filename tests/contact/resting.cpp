@@ -138,7 +138,7 @@ TEST_CASE("where obstacles leave no room the error names the time, the node and 
         CAPTURE(text);
         CHECK(error.kind() == ErrorKind::simulation);
         CHECK(text.find("At 0.") != std::string::npos);
-        CHECK(text.find(nodes == 1 ? "node 0" : "node 1") != std::string::npos);
+        CHECK(text.find("node 0") != std::string::npos);
         CHECK(text.find("'floor'") != std::string::npos);
         CHECK(text.find("'press'") != std::string::npos);
       }

@@ -8,8 +8,8 @@ namespace springnet::recurrent {
 namespace {
 
 constexpr double automatic_tolerance = 1e-6;  // times the network's force scale
-// Allowed growth of the rounding over a step if it exceeds the typical force.
-constexpr double stiffening = 4.0;
+// Share of the typical force above which rounding may hide what matters, and its allowed growth over a step then.
+constexpr double noticeable = 0.01, stiffening = 4.0;
 
 }  // namespace
 
@@ -44,9 +44,9 @@ void Threshold::note(double requested, const Step& step) {
 bool Threshold::is_rounding(Step& step) {
   rounding_.estimate(step, *step.outputs);
   steps_since_estimate_ = 0;
-  // Far from a solution, outputs may stretch a law until its stiffness hides any force. So rounding above the typical
-  // force counts only if it is as great at the start of the step.
-  if (const double at_outputs = rounding_.force(); at_outputs > step.network.force_scale) {
+  // Far from a solution, outputs may stretch a law until its stiffness hides any force. So noticeable rounding counts
+  // only if it is as great at the start of the step.
+  if (const double at_outputs = rounding_.force(); at_outputs > noticeable * step.network.force_scale) {
     rounding_.estimate(step, step.start);
     if (at_outputs > stiffening * rounding_.force()) return false;
     rounding_.estimate(step, *step.outputs);

@@ -43,9 +43,9 @@ namespace detail {
 inline constexpr std::uint32_t chunk_size = 256;
 
 // Up to Count input arrays with strides 0 or 1, read chunk by chunk. If all have stride 0 (`uniform`), the values are
-// loop constants, and likewise all but the first if that alone varies. Otherwise those with stride 0 are copied to a
-// buffer once, so that every loop has unit stride and vectorises.
-template <std::size_t Count>
+// loop constants; with first_apart, so are all others if the first alone varies. Otherwise those with stride 0 are
+// copied to a buffer once, so that every loop has unit stride and vectorises.
+template <std::size_t Count, bool first_apart = false>
 class Streams {
  public:
   SPRINGNET_INLINE Streams(const double* const* arrays, const std::uint32_t* strides, std::uint32_t count) {
@@ -55,7 +55,7 @@ class Streams {
       rest_is_uniform_ = rest_is_uniform_ && (j == 0 || strides[j] == 0);
     }
     uniform_ = rest_is_uniform_ && (Count == 0 || strides[0] == 0);
-    if (rest_is_uniform_) return;
+    if (first_apart ? rest_is_uniform_ : uniform_) return;
     const std::uint32_t length = std::min(count, chunk_size);
     for (std::size_t j = 0; j < Count; ++j) {
       if (stride_[j] != 0) continue;

@@ -188,7 +188,7 @@ class LawKernel {
       arrays[1 + P + j] = b.inputs[j];
       strides[1 + P + j] = b.input_strides[j];
     }
-    const detail::Streams<N> streams(arrays.data(), strides.data(), b.count);
+    const detail::Streams<N, true> streams(arrays.data(), strides.data(), b.count);
 
     for (std::uint32_t begin = 0; begin < b.count; begin += detail::chunk_size) {
       Chunk chunk{};
