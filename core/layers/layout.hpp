@@ -47,7 +47,11 @@ class Layout {
   [[nodiscard]] std::uint32_t second(std::uint32_t spring) const noexcept { return ends_[2 * spring + 1]; }
   [[nodiscard]] const Group& group_of(std::uint32_t spring) const noexcept { return laws_.groups[laws_.group[spring]]; }
 
-  // Live springs of a node, sorted by group, then by number. Built when first asked for, by any thread.
+  // Live springs of a node, sorted by group, then by number. Built when first asked for, by any thread; before threads
+  // ask that must not throw, call need_incidence(), which throws std::bad_alloc.
+  void need_incidence() const {
+    if (!has_incidence_.load(std::memory_order_acquire)) build_incidence();
+  }
   [[nodiscard]] const Incident* incident_begin(std::uint32_t node) const {
     need_incidence();
     return incident_.data() + incident_start_[node];
@@ -80,9 +84,6 @@ class Layout {
   void for_units_of(std::uint32_t spring, const What& what) const;
   void lay_out();
   void lay_out_again(Unit& unit);
-  void need_incidence() const {
-    if (!has_incidence_.load(std::memory_order_acquire)) build_incidence();
-  }
   void build_incidence() const;
   void build_neighbours() const;
   void note_removal() noexcept;

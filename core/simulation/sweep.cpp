@@ -311,6 +311,7 @@ springnet_status Sweep::one_set(std::uint32_t set, Tiles& tiles) {
 }
 
 springnet_status Sweep::in_order(Tiles& tiles, const layers::SweepPlan* plan) {
+  model_.layout.need_incidence();  // before threads do
   const springnet_sweep& sweep = *tiles.sweep;
   cluster_done_.assign(model_.rigid.cluster_count(), 0);
   struct Following {

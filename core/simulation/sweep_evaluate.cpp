@@ -46,6 +46,7 @@ springnet_status Sweep::evaluate(const springnet_evaluation& wanted) {
 
 springnet_status Sweep::evaluate_nodes(const springnet_evaluation& request, const std::uint32_t* nodes,
                                        std::uint32_t count) {
+  model_.layout.need_incidence();
   springnet_evaluation wanted{};
   std::memcpy(&wanted, &request, std::min<std::size_t>(sizeof wanted, request.struct_size));
   const layers::FlushDenormals flush;

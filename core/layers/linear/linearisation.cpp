@@ -36,6 +36,7 @@ Linearisation::~Linearisation() = default;
 
 springnet_status Linearisation::update(double time, const NodeArrays& nodes, const ExternalForces& external,
                                        springnet_message& message) {
+  layout_.need_incidence();
   const std::size_t n = layout_.node_count();
   known_ = false;
   bonds_.clear();
@@ -119,6 +120,7 @@ springnet_status Linearisation::check_neurons(springnet_message& message) const 
 }
 
 void Linearisation::times(const double* dp, const double* dv, double* out) {
+  layout_.need_incidence();  // before threads do
   const std::size_t n = layout_.node_count();
   const bool elements = elements_.any();
   if (elements) elements_.prepare(dp, dv);

@@ -92,6 +92,7 @@ springnet_status broken_springs(const Layout& layout, InstructionSet set, unsign
   const auto units = static_cast<std::int64_t>(layout.units().size());
   std::int64_t failed_unit = units;
   springnet_status failure = SPRINGNET_OK;
+  std::exception_ptr no_memory;
   broken.clear();
   const profile::Region region(threads);
 #pragma omp parallel num_threads(static_cast <int>(threads)) if (threads > 1)
@@ -123,8 +124,13 @@ springnet_status broken_springs(const Layout& layout, InstructionSet set, unsign
       }
     }
 #pragma omp critical(springnet_rupture)
-    broken.insert(broken.end(), own.begin(), own.end());
+    try {
+      broken.insert(broken.end(), own.begin(), own.end());
+    } catch (...) {
+      no_memory = std::current_exception();
+    }
   }
+  if (no_memory) std::rethrow_exception(no_memory);
   std::sort(broken.begin(), broken.end());
   broken.erase(std::unique(broken.begin(), broken.end()), broken.end());  // far ones are in two units
   return failure;
