@@ -1,15 +1,14 @@
 #include "measure.hpp"
 
 #include <algorithm>
-#include <chrono>
 #include <cmath>
 #include <cstddef>
-#include <ctime>
 #include <limits>
 #include <vector>
 
 #include <springnet/error.hpp>
 
+#include "clock.hpp"
 #include "layers/instruction_set.hpp"
 #include "naive_net.hpp"
 #include "nets.hpp"
@@ -17,17 +16,6 @@
 
 namespace springnet::benchmark {
 namespace {
-
-enum class Clock { wall, thread };
-
-// s
-double now(Clock clock) {
-  if (clock == Clock::wall)
-    return std::chrono::duration<double>(std::chrono::steady_clock::now().time_since_epoch()).count();
-  std::timespec time{};
-  clock_gettime(CLOCK_THREAD_CPUTIME_ID, &time);
-  return static_cast<double>(time.tv_sec) + 1e-9 * static_cast<double>(time.tv_nsec);
-}
 
 // The timed steps of a simulation, each with the fastest of its repetitions.
 class TimedSteps {

@@ -4,11 +4,9 @@
 // A step is one synchronous sweep, symplectic Euler. Each figure is that of the fastest of many short stretches of
 // steps, taken in turn with those of the naive loop: what else runs on the machine is left out as far as possible.
 #include <algorithm>
-#include <chrono>
 #include <cmath>
 #include <cstdint>
 #include <cstdio>
-#include <ctime>
 #include <exception>
 #include <functional>
 #include <limits>
@@ -25,6 +23,7 @@
 #include <springnet/mesh.hpp>
 #include <springnet/simulation.hpp>
 
+#include "clock.hpp"
 #include "layers/instruction_set.hpp"
 #include "naive_net.hpp"
 #include "nets.hpp"
@@ -46,17 +45,6 @@ constexpr const char* usage =
 
 constexpr double time_step = 1e-3;  // s
 constexpr double stiffness = 100.0, damping = 0.1;
-
-enum class Clock { wall, thread };
-
-// s
-double now(Clock clock) {
-  if (clock == Clock::wall)
-    return std::chrono::duration<double>(std::chrono::steady_clock::now().time_since_epoch()).count();
-  std::timespec time{};
-  clock_gettime(CLOCK_THREAD_CPUTIME_ID, &time);
-  return static_cast<double>(time.tv_sec) + 1e-9 * static_cast<double>(time.tv_nsec);
-}
 
 // ---- nets -----------------------------------------------------------------------------------------------------------
 
