@@ -16,9 +16,10 @@ springnet_status Evaluator::accelerations(std::uint32_t first, std::uint32_t cou
                                           double* const acceleration[3], double* by_force, double* by_position,
                                           double* by_velocity, springnet_message& message) const {
   const std::vector<std::uint32_t>& kinds = layout_.neuron_kind();
+  const bool one_kind = layout_.laws().neurons.size() == 1;
   for (std::uint32_t begin = 0; begin < count;) {
     const std::uint32_t node = first + begin;
-    std::uint32_t end = begin + 1;
+    std::uint32_t end = one_kind ? count : begin + 1;
     while (end < count && kinds[first + end] == kinds[node]) ++end;
     const NeuronKind& kind = layout_.laws().neurons[kinds[node]];
     springnet_neuron_batch batch{};

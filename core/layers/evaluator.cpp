@@ -158,6 +158,7 @@ springnet_status Evaluator::evaluate_unit(std::uint32_t index, const Pass& pass,
   const bool waits = head > unit.first_node && arrivals_[index].load(std::memory_order_acquire) == 0;
   std::uint32_t begun = unit.first_node, filled = unit.first_node;
   scratch.pending.springs.count = 0;
+  scratch.unsummed = nullptr;
   const Tile* before = nullptr;  // whose forces were pending
   const auto end_before = [&]() -> springnet_status {
     return before == nullptr ? SPRINGNET_OK
@@ -178,10 +179,10 @@ springnet_status Evaluator::evaluate_unit(std::uint32_t index, const Pass& pass,
     if (status != SPRINGNET_OK) return status;
     before = &tile;
     if (unit.window == 0) continue;
-    scatter_pending(scratch);  // before the window moves on
+    settle_pending(unit, scratch);  // before the window moves on
     if (status = end_before(); status != SPRINGNET_OK) return status;
   }
-  scatter_pending(scratch);
+  settle_pending(unit, scratch);
   if (const springnet_status status = end_before(); status != SPRINGNET_OK) return status;
   if (unit.window > 0)
     kernels_.drain_window(scratch.window, unit.end_node(), unit.end_node() + unit.halo, force, unit.first_node);
@@ -222,13 +223,17 @@ springnet_status Evaluator::evaluate_tile(const Unit& unit, const Tile& tile, co
   bool is_first = true;
   for (std::uint32_t s = tile.segment_begin; s < tile.segment_end; ++s) {
     const Segment& segment = unit.segments[s];
-    if (segment.dead == segment.count) continue;
+    if (segment.dead == segment.count) {
+      clear_forces(unit, segment, scratch);
+      continue;
+    }
     is_first = false;
     find_geometry(unit, segment, pass.nodes, scratch);
     const springnet_status status = apply_laws(unit, segment, pass.time, scratch, message);
     if (status != SPRINGNET_OK) return status;
   }
-  if (is_first) scatter_pending(scratch);
+  if (is_first) settle_pending(unit, scratch);
+  scratch.unsummed = &tile;
   return SPRINGNET_OK;
 }
 

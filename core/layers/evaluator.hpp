@@ -127,7 +127,10 @@ class Evaluator {
   [[nodiscard]] std::uint32_t head_end(std::uint32_t unit) const noexcept;
   [[nodiscard]] std::uint32_t head_size(std::uint32_t unit) const noexcept;
   springnet_status arrive_at(std::uint32_t index, const Pass& pass, springnet_message& message) const;
-  void scatter_pending(UnitScratch& scratch) const noexcept;
+  // Forces of chunks: the pending ones of a segment, the sums over those of a tile.
+  void settle_pending(const Unit& unit, UnitScratch& scratch) const noexcept;
+  void sum_up(const Unit& unit, UnitScratch& scratch) const noexcept;
+  void clear_forces(const Unit& unit, const Segment& segment, UnitScratch& scratch) const noexcept;
   void find_geometry(const Unit& unit, const Segment& segment, const NodeArrays& nodes,
                      UnitScratch& scratch) const noexcept;
   springnet_status apply_laws(const Unit& unit, const Segment& segment, double time, UnitScratch& scratch,

@@ -18,14 +18,24 @@ inline constexpr std::uint32_t chunk_springs = 8;
 struct Chunk {
   std::uint32_t first;
   std::uint32_t second;
+  std::uint32_t place;  // of their forces among those of the tile
+  bool is_last;         // of consecutive chunks of equal distance; eight zeros follow their forces
 };
 
 // Slots for springs: in chunks, or, without chunks, by their ends. `count` is a multiple of chunk_springs.
 struct SegmentSprings {
   const Chunk* chunks;
+  const std::uint8_t* live;  // [slot / 8] a bit for each slot with a spring, for chunks; null: all have one
   std::uint32_t count;
   const std::uint32_t* first;   // [count]
   const std::uint32_t* second;  // [count]
+};
+
+// Forces of a tile's chunks on eight nodes that follow each other: `first_ends` places of forces to subtract, then
+// `second_ends` places of forces to add.
+struct NodeSum {
+  std::uint32_t node;  // in arrays that begin with the unit
+  std::uint32_t first_ends, second_ends;
 };
 
 struct NodeArrays {
@@ -65,13 +75,13 @@ struct Directions {
   const double *x, *y, *z;
 };
 
-// Forces of chunks, for nodes in arrays that begin at node `origin`.
+// Forces of chunks on their second ends: (value + value_2) n.
 struct ChunkForces {
   SegmentSprings springs;
-  const double *value, *value_2;  // N, [slot]
+  const double *value, *value_2;  // N, [slot]; value_2 may be null
   Directions n;
-  ForceArrays force;
-  std::uint32_t origin;
+  ForceArrays force;  // by the chunks' places
+  bool adds;          // to what is there
 };
 
 struct Kernels {
@@ -85,20 +95,23 @@ struct Kernels {
   void (*lengths_and_rates_of)(const EndChanges& changes, std::size_t count, SegmentGeometry& out);
   void (*relative_speeds_of)(const EndChanges& changes, std::size_t count, SegmentGeometry& out);
   // In slots without a spring gives the length and rate, or the speed, of the slot `living`, which has one, and no
-  // direction, so that laws meet nothing unusual and such slots exert no force. live: a bit for each slot.
+  // direction, so that laws meet nothing unusual and such slots exert no force. live: a bit for each slot. Chunks with
+  // a spring need it not: the others of a chunk have the values of its first.
   void (*settle_dead)(const std::uint8_t* live, std::size_t count, std::size_t living, SegmentGeometry& geometry);
   void (*settle_dead_speeds)(const std::uint8_t* live, std::size_t count, std::size_t living,
                              SegmentGeometry& geometry);
+  void (*chunk_forces)(const ChunkForces& forces);
+  // The same, and `lengths` or `lengths_and_rates` of other chunks between, which wait for square roots.
+  void (*chunk_forces_and_lengths)(const ChunkForces& forces, const SegmentSprings& springs, const NodeArrays& nodes,
+                                   SegmentGeometry& out);
+  void (*chunk_forces_and_lengths_and_rates)(const ChunkForces& forces, const SegmentSprings& springs,
+                                             const NodeArrays& nodes, SegmentGeometry& out);
+  // Sums up the forces `of_chunks` on their ends, eight nodes at a time: what one node receives from chunks that begin
+  // anywhere would else go through memory that was just written in other pieces.
+  void (*sum_chunk_forces)(const NodeSum* sums, std::size_t count, const std::uint32_t* places,
+                           const ForceArrays& of_chunks, const ForceArrays& force);
   // Subtracts (value + value_2) times the direction from the forces on the first ends and adds it to those on the
-  // second ends. value_2 may be null. Of chunks:
-  void (*scatter_chunks)(const ChunkForces& forces);
-  // The same, and `lengths` or `lengths_and_rates` of other chunks between: these wait for square roots, those for
-  // memory.
-  void (*scatter_and_lengths)(const ChunkForces& forces, const SegmentSprings& springs, const NodeArrays& nodes,
-                              SegmentGeometry& out);
-  void (*scatter_and_lengths_and_rates)(const ChunkForces& forces, const SegmentSprings& springs,
-                                        const NodeArrays& nodes, SegmentGeometry& out);
-  // Of springs by their ends, on the first ends alone:
+  // second ends. value_2 may be null. Of springs by their ends, on the first ends alone:
   void (*scatter_first)(const SegmentSprings& springs, const double* value, const double* value_2, const Directions& n,
                         const ForceArrays& force, std::uint32_t origin);
   // Of springs by their ends, in a window:

@@ -1,6 +1,10 @@
 // Included once for each instruction set with KERNEL_NAMESPACE defined. Plain loops only: the linker could pick an
 // inline library function compiled here, for a wider instruction set, for the whole program.
 
+#if defined(__AVX__)
+#include <immintrin.h>
+#endif
+
 #include "layers/elements/gradients.hpp"
 #include "layers/kernels.hpp"
 
@@ -28,64 +32,142 @@ template <class Vector>
   __builtin_memcpy(to, &from, sizeof from);
 }
 
-// l = |dp|; n = dp / l, and 0 / 1 where l = 0.
-struct Direction {
-  double length, x, y, z;
-};
+[[gnu::always_inline]] inline void load(const double* from, double& to) { to = *from; }
+[[gnu::always_inline]] inline void store(const double& from, double* to) { *to = from; }
 
-[[gnu::always_inline]] inline Direction direction(double dx, double dy, double dz) {
-  const double length = __builtin_sqrt(dx * dx + dy * dy + dz * dz);
-  const double inverse = 1.0 / (length > 0.0 ? length : 1.0);
+[[gnu::always_inline]] inline double root(double value) { return __builtin_sqrt(value); }
+[[gnu::always_inline]] inline Eight root(const Eight& value) {
+#if defined(__AVX512F__)
+  return reinterpret_cast<Eight>(_mm512_maskz_sqrt_pd(0xff, reinterpret_cast<__m512d>(value)));
+#elif defined(__AVX__)
+  const Four low = __builtin_shufflevector(value, value, 0, 1, 2, 3);
+  const Four high = __builtin_shufflevector(value, value, 4, 5, 6, 7);
+  const auto of_low = reinterpret_cast<Four>(_mm256_sqrt_pd(reinterpret_cast<__m256d>(low)));
+  const auto of_high = reinterpret_cast<Four>(_mm256_sqrt_pd(reinterpret_cast<__m256d>(high)));
+  return __builtin_shufflevector(of_low, of_high, 0, 1, 2, 3, 4, 5, 6, 7);
+#else
+  Eight roots = value;
+  for (std::size_t i = 0; i < chunk_springs; ++i) roots[i] = __builtin_sqrt(value[i]);
+  return roots;
+#endif
+}
+// 0 becomes 1.
+[[gnu::always_inline]] inline double or_one(double length) { return length > 0.0 ? length : 1.0; }
+[[gnu::always_inline]] inline Eight or_one(const Eight& length) { return length > 0.0 ? length : 1.0 - Eight{}; }
+
+// Of one spring, or of eight: l = |d|; n = d / l, and 0 / 1 where l = 0.
+template <class Value>
+struct Direction {
+  Value length, x, y, z;
+};
+template <class Value>
+[[gnu::always_inline]] inline Direction<Value> direction(const Value& dx, const Value& dy, const Value& dz) {
+  const Value length = root(dx * dx + dy * dy + dz * dz);
+  const Value inverse = 1.0 / or_one(length);
   return {length, dx * inverse, dy * inverse, dz * inverse};
 }
 
-enum class Reads { distance, length, length_and_rate, relative_speed };
+// Differences of the ends: positions, velocities.
+template <class Value>
+struct Differences {
+  Value p[3], v[3];
+};
 
-// Geometry of spring `at` from the differences of its ends.
-template <Reads reads>
-[[gnu::always_inline]] inline void element(double dx, double dy, double dz, double dvx, double dvy, double dvz,
-                                           SegmentGeometry& out, std::size_t at) {
+enum class Reads { distance, length, length_and_rate, relative_speed };
+constexpr bool reads_positions(Reads reads) { return reads != Reads::relative_speed; }
+constexpr bool reads_velocities(Reads reads) {
+  return reads == Reads::length_and_rate || reads == Reads::relative_speed;
+}
+
+// Geometry of springs from `at` on. `directed` is applied to directions.
+template <Reads reads, class Value, class Directed>
+[[gnu::always_inline]] inline void element(const Differences<Value>& d, SegmentGeometry& out, std::size_t at,
+                                           const Directed& directed) {
   if constexpr (reads == Reads::relative_speed) {
-    const Direction s = direction(dvx, dvy, dvz);
-    out.speed[at] = s.length;
-    out.sx[at] = s.x;
-    out.sy[at] = s.y;
-    out.sz[at] = s.z;
+    const Direction<Value> s = direction(d.v[0], d.v[1], d.v[2]);
+    store(s.length, out.speed + at);
+    store(directed(s.x), out.sx + at);
+    store(directed(s.y), out.sy + at);
+    store(directed(s.z), out.sz + at);
   } else if constexpr (reads == Reads::distance) {
-    out.length[at] = __builtin_sqrt(dx * dx + dy * dy + dz * dz);
+    store(root(d.p[0] * d.p[0] + d.p[1] * d.p[1] + d.p[2] * d.p[2]), out.length + at);
   } else {
-    const Direction d = direction(dx, dy, dz);
-    out.length[at] = d.length;
-    out.nx[at] = d.x;
-    out.ny[at] = d.y;
-    out.nz[at] = d.z;
-    if constexpr (reads == Reads::length_and_rate) out.rate[at] = d.x * dvx + d.y * dvy + d.z * dvz;
+    const Direction<Value> n = direction(d.p[0], d.p[1], d.p[2]);
+    store(n.length, out.length + at);
+    store(directed(n.x), out.nx + at);
+    store(directed(n.y), out.ny + at);
+    store(directed(n.z), out.nz + at);
+    if constexpr (reads == Reads::length_and_rate)
+      store(Value(n.x * d.v[0] + n.y * d.v[1] + n.z * d.v[2]), out.rate + at);
   }
 }
-// The same of a spring between nodes a and b.
-template <Reads reads>
+struct Unchanged {
+  template <class Value>
+  [[gnu::always_inline]] const Value& operator()(const Value& value) const {
+    return value;
+  }
+};
+
+// subtract(values, difference) of those that are read.
+template <Reads reads, class Subtract, class Value>
+[[gnu::always_inline]] inline void subtract_ends(const NodeArrays& n, const Subtract& subtract, Differences<Value>& d) {
+  if constexpr (reads_positions(reads)) {
+    subtract(n.px, d.p[0]);
+    subtract(n.py, d.p[1]);
+    subtract(n.pz, d.p[2]);
+  }
+  if constexpr (reads_velocities(reads)) {
+    subtract(n.vx, d.v[0]);
+    subtract(n.vy, d.v[1]);
+    subtract(n.vz, d.v[2]);
+  }
+}
+template <Reads reads, class Value>
 [[gnu::always_inline]] inline void element(const NodeArrays& n, std::size_t a, std::size_t b, SegmentGeometry& out,
                                            std::size_t at) {
-  double dx = 0.0, dy = 0.0, dz = 0.0, dvx = 0.0, dvy = 0.0, dvz = 0.0;
-  if constexpr (reads != Reads::relative_speed) {
-    dx = n.px[a] - n.px[b];
-    dy = n.py[a] - n.py[b];
-    dz = n.pz[a] - n.pz[b];
-  }
-  if constexpr (reads == Reads::length_and_rate || reads == Reads::relative_speed) {
-    dvx = n.vx[a] - n.vx[b];
-    dvy = n.vy[a] - n.vy[b];
-    dvz = n.vz[a] - n.vz[b];
-  }
-  element<reads>(dx, dy, dz, dvx, dvy, dvz, out, at);
+  Differences<Value> d;
+  const auto subtract = [&](const double* values, Value& difference) {
+    Value first, second;
+    load(values + a, first);
+    load(values + b, second);
+    difference = first - second;
+  };
+  subtract_ends<reads>(n, subtract, d);
+  element<reads>(d, out, at, Unchanged{});
+}
+
+using EightFlags = std::int64_t __attribute__((vector_size(64)));
+[[gnu::always_inline]] inline EightFlags flags_of(std::int64_t mask) {
+  const EightFlags bits = {1, 2, 4, 8, 16, 32, 64, 128};
+  return (mask & bits) != 0;
+}
+// Slots without a spring have the ends of the first one with a spring, and no direction.
+template <Reads reads>
+[[gnu::always_inline]] inline void gather_partial_chunk(const Chunk& chunk, unsigned mask, const NodeArrays& nodes,
+                                                        SegmentGeometry& out, std::size_t at) {
+  const std::size_t a = chunk.first, b = chunk.second;
+  const auto one = static_cast<std::size_t>(__builtin_ctz(mask));
+  const EightFlags live = flags_of(mask);
+  Differences<Eight> d;
+  const auto subtract = [&](const double* values, Eight& difference) {
+    Eight first, second;
+    load(values + a, first);
+    load(values + b, second);
+    difference = live ? first - second : (values[a + one] - values[b + one]) - Eight{};
+  };
+  subtract_ends<reads>(nodes, subtract, d);
+  element<reads>(d, out, at, [&](const Eight& component) { return live ? component : Eight{}; });
 }
 
 template <Reads reads>
-[[gnu::always_inline]] inline void gather_chunk(const Chunk& chunk, const NodeArrays& nodes, SegmentGeometry& out,
-                                                std::size_t at) {
-  const std::size_t a = chunk.first, b = chunk.second;
-  INDEPENDENT_ITERATIONS
-  for (std::size_t i = 0; i < chunk_springs; ++i) element<reads>(nodes, a + i, b + i, out, at + i);
+[[gnu::always_inline]] inline void gather_chunk(const SegmentSprings& springs, const NodeArrays& nodes,
+                                                SegmentGeometry& out, std::size_t at) {
+  const Chunk& chunk = springs.chunks[at / chunk_springs];
+  const unsigned live = springs.live == nullptr ? 0xffu : springs.live[at / chunk_springs];
+  if (live == 0xff || live == 0)
+    element<reads, Eight>(nodes, chunk.first, chunk.second, out, at);
+  else
+    gather_partial_chunk<reads>(chunk, live, nodes, out, at);
 }
 
 template <Reads reads>
@@ -93,14 +175,13 @@ void gather(const SegmentSprings& springs, const NodeArrays& node_arrays, Segmen
   const NodeArrays nodes = node_arrays;
   const std::size_t count = springs.count;
   if (springs.chunks != nullptr) {
-    for (std::size_t at = 0; at < count; at += chunk_springs)
-      gather_chunk<reads>(springs.chunks[at / chunk_springs], nodes, out, at);
+    for (std::size_t at = 0; at < count; at += chunk_springs) gather_chunk<reads>(springs, nodes, out, at);
     return;
   }
   const std::uint32_t* RESTRICT first = springs.first;
   const std::uint32_t* RESTRICT second = springs.second;
   INDEPENDENT_ITERATIONS
-  for (std::size_t i = 0; i < count; ++i) element<reads>(nodes, first[i], second[i], out, i);
+  for (std::size_t i = 0; i < count; ++i) element<reads, double>(nodes, first[i], second[i], out, i);
 }
 
 template <Reads reads>
@@ -108,23 +189,31 @@ void measure(const EndChanges& changes, std::size_t count, SegmentGeometry& out)
   const EndChanges c = changes;
   INDEPENDENT_ITERATIONS
   for (std::size_t i = 0; i < count; ++i) {
-    if constexpr (reads == Reads::length)
-      element<reads>(c.x[i], c.y[i], c.z[i], 0.0, 0.0, 0.0, out, i);
-    else if constexpr (reads == Reads::length_and_rate)
-      element<reads>(c.x[i], c.y[i], c.z[i], c.vx[i], c.vy[i], c.vz[i], out, i);
-    else
-      element<reads>(0.0, 0.0, 0.0, c.vx[i], c.vy[i], c.vz[i], out, i);
+    Differences<double> d;
+    if constexpr (reads_positions(reads)) {
+      d.p[0] = c.x[i];
+      d.p[1] = c.y[i];
+      d.p[2] = c.z[i];
+    }
+    if constexpr (reads_velocities(reads)) {
+      d.v[0] = c.vx[i];
+      d.v[1] = c.vy[i];
+      d.v[2] = c.vz[i];
+    }
+    element<reads>(d, out, i, Unchanged{});
   }
 }
 
-[[gnu::always_inline]] inline void choose(std::uint64_t mask, double* values, double otherwise) {
-  for (std::size_t i = 0; i < chunk_springs; ++i) values[i] = ((mask >> i) & 1u) != 0 ? values[i] : otherwise;
+[[gnu::always_inline]] inline void choose(const EightFlags& live, double* values, double otherwise) {
+  Eight own;
+  load(values, own);
+  store(live ? own : otherwise - Eight{}, values);
 }
 void settle_dead(const std::uint8_t* live, std::size_t count, std::size_t living, SegmentGeometry& g) {
   const double length = g.length[living], rate = g.rate[living];
   for (std::size_t at = 0; at < count; at += chunk_springs) {
-    const std::uint64_t mask = live[at / chunk_springs];
-    if (mask == 0xff) continue;
+    if (live[at / chunk_springs] == 0xff) continue;
+    const EightFlags mask = flags_of(live[at / chunk_springs]);
     choose(mask, g.length + at, length);
     choose(mask, g.rate + at, rate);
     choose(mask, g.nx + at, 0.0);
@@ -135,8 +224,8 @@ void settle_dead(const std::uint8_t* live, std::size_t count, std::size_t living
 void settle_dead_speeds(const std::uint8_t* live, std::size_t count, std::size_t living, SegmentGeometry& g) {
   const double speed = g.speed[living];
   for (std::size_t at = 0; at < count; at += chunk_springs) {
-    const std::uint64_t mask = live[at / chunk_springs];
-    if (mask == 0xff) continue;
+    if (live[at / chunk_springs] == 0xff) continue;
+    const EightFlags mask = flags_of(live[at / chunk_springs]);
     choose(mask, g.speed + at, speed);
     choose(mask, g.sx + at, 0.0);
     choose(mask, g.sy + at, 0.0);
@@ -144,51 +233,9 @@ void settle_dead_speeds(const std::uint8_t* live, std::size_t count, std::size_t
   }
 }
 
-// The forces on the first ends of a chunk, which stay in registers as long as chunks have the same ones.
-class FirstEnds {
- public:
-  [[gnu::always_inline]] FirstEnds(const ForceArrays& force, std::ptrdiff_t first) : force_(force), first_(first) {
-    load_all();
-  }
-  [[gnu::always_inline]] void move_to(std::ptrdiff_t first) {
-    if (first == first_) return;
-    store_all();
-    first_ = first;
-    load_all();
-  }
-  [[gnu::always_inline]] void subtract(const Eight& x, const Eight& y, const Eight& z) {
-    x_ -= x;
-    y_ -= y;
-    z_ -= z;
-  }
-  [[gnu::always_inline]] void load_all() {
-    load(force_.x + first_, x_);
-    load(force_.y + first_, y_);
-    load(force_.z + first_, z_);
-  }
-  [[gnu::always_inline]] void store_all() const {
-    store(x_, force_.x + first_);
-    store(y_, force_.y + first_);
-    store(z_, force_.z + first_);
-  }
-
- private:
-  const ForceArrays force_;
-  std::ptrdiff_t first_;
-  Eight x_, y_, z_;
-};
-
-[[gnu::always_inline]] inline void add_to(const Eight& force, double* at) {
-  Eight there;
-  load(at, there);
-  there += force;
-  store(there, at);
-}
-
-// Forces of the chunk whose slots begin at `at`. first: place of its first ends in the arrays.
+// Forces of the chunk whose slots begin at `at`.
 template <bool has_2>
-[[gnu::always_inline]] inline void scatter_chunk(const ChunkForces& forces, std::size_t at, std::ptrdiff_t first,
-                                                 FirstEnds& own) {
+[[gnu::always_inline]] inline void forces_of_chunk(const ChunkForces& forces, std::size_t at) {
   Eight value, x, y, z;
   load(forces.value + at, value);
   if constexpr (has_2) {
@@ -199,64 +246,106 @@ template <bool has_2>
   load(forces.n.x + at, x);
   load(forces.n.y + at, y);
   load(forces.n.z + at, z);
-  x *= value;
-  y *= value;
-  z *= value;
-  own.move_to(first);
-  own.subtract(x, y, z);
-  const std::ptrdiff_t second = std::ptrdiff_t{forces.springs.chunks[at / chunk_springs].second} - forces.origin;
-  const bool overlaps = second - first < std::ptrdiff_t{chunk_springs};
-  if (overlaps) own.store_all();
-  add_to(x, forces.force.x + second);
-  add_to(y, forces.force.y + second);
-  add_to(z, forces.force.z + second);
-  if (overlaps) own.load_all();
+  const Chunk& chunk = forces.springs.chunks[at / chunk_springs];
+  store(x * value, forces.force.x + chunk.place);
+  store(y * value, forces.force.y + chunk.place);
+  store(z * value, forces.force.z + chunk.place);
+  if (!chunk.is_last) return;
+  const std::size_t after = chunk.place + std::size_t{chunk_springs};
+  store(Eight{}, forces.force.x + after);
+  store(Eight{}, forces.force.y + after);
+  store(Eight{}, forces.force.z + after);
 }
-// A chunk at the end of a net may begin before the first node.
-[[gnu::always_inline]] inline std::ptrdiff_t first_of(const ChunkForces& forces, std::size_t at) {
-  return std::ptrdiff_t{forces.springs.chunks[at / chunk_springs].first} - forces.origin;
+[[gnu::always_inline]] inline void add_to(double* values, const Eight& other) {
+  Eight sum;
+  load(values, sum);
+  store(sum + other, values);
+}
+void add_chunk_forces(const ChunkForces& forces) {
+  for (std::size_t at = 0; at < forces.springs.count; at += chunk_springs) {
+    Eight value, n;
+    load(forces.value + at, value);
+    const std::size_t place = forces.springs.chunks[at / chunk_springs].place;
+    load(forces.n.x + at, n);
+    add_to(forces.force.x + place, n * value);
+    load(forces.n.y + at, n);
+    add_to(forces.force.y + place, n * value);
+    load(forces.n.z + at, n);
+    add_to(forces.force.z + place, n * value);
+  }
 }
 
 template <bool has_2>
-[[gnu::always_inline]] inline void scatter_from(const ChunkForces& forces, std::size_t begin, FirstEnds& own) {
-  for (std::size_t at = begin; at < forces.springs.count; at += chunk_springs)
-    scatter_chunk<has_2>(forces, at, first_of(forces, at), own);
+[[gnu::always_inline]] inline void forces_from(const ChunkForces& forces, std::size_t begin) {
+  for (std::size_t at = begin; at < forces.springs.count; at += chunk_springs) forces_of_chunk<has_2>(forces, at);
 }
-void scatter_chunks(const ChunkForces& given) {
+void chunk_forces(const ChunkForces& given) {
   const ChunkForces forces = given;
-  if (forces.springs.count == 0) return;
-  FirstEnds own(forces.force, first_of(forces, 0));
-  if (forces.value_2 == nullptr)
-    scatter_from<false>(forces, 0, own);
+  if (forces.adds)
+    add_chunk_forces(forces);
+  else if (forces.value_2 == nullptr)
+    forces_from<false>(forces, 0);
   else
-    scatter_from<true>(forces, 0, own);
-  own.store_all();
+    forces_from<true>(forces, 0);
 }
 
 template <Reads reads, bool has_2>
-[[gnu::always_inline]] inline void scatter_and_gather_of(const ChunkForces& forces, const SegmentSprings& springs,
-                                                         const NodeArrays& nodes, SegmentGeometry& out) {
-  FirstEnds own(forces.force, first_of(forces, 0));
+[[gnu::always_inline]] inline void forces_and_gather_of(const ChunkForces& forces, const SegmentSprings& springs,
+                                                        const NodeArrays& nodes, SegmentGeometry& out) {
   const std::size_t both = springs.count < forces.springs.count ? springs.count : forces.springs.count;
   std::size_t at = 0;
   for (; at < both; at += chunk_springs) {
-    gather_chunk<reads>(springs.chunks[at / chunk_springs], nodes, out, at);
-    scatter_chunk<has_2>(forces, at, first_of(forces, at), own);
+    gather_chunk<reads>(springs, nodes, out, at);
+    forces_of_chunk<has_2>(forces, at);
   }
-  scatter_from<has_2>(forces, at, own);
-  own.store_all();
-  for (; at < springs.count; at += chunk_springs)
-    gather_chunk<reads>(springs.chunks[at / chunk_springs], nodes, out, at);
+  forces_from<has_2>(forces, at);
+  for (; at < springs.count; at += chunk_springs) gather_chunk<reads>(springs, nodes, out, at);
 }
 template <Reads reads>
-void scatter_and_gather(const ChunkForces& given, const SegmentSprings& springs, const NodeArrays& node_arrays,
-                        SegmentGeometry& out) {
-  const ChunkForces forces = given;
+void forces_and_gather(const ChunkForces& given_forces, const SegmentSprings& given_springs,
+                       const NodeArrays& node_arrays, SegmentGeometry& out) {
+  const ChunkForces forces = given_forces;
+  const SegmentSprings springs = given_springs;
   const NodeArrays nodes = node_arrays;
-  if (forces.value_2 == nullptr)
-    scatter_and_gather_of<reads, false>(forces, springs, nodes, out);
-  else
-    scatter_and_gather_of<reads, true>(forces, springs, nodes, out);
+  if (forces.adds) {
+    add_chunk_forces(forces);
+    gather<reads>(springs, nodes, out);
+  } else if (forces.value_2 == nullptr) {
+    forces_and_gather_of<reads, false>(forces, springs, nodes, out);
+  } else {
+    forces_and_gather_of<reads, true>(forces, springs, nodes, out);
+  }
+}
+
+void sum_chunk_forces(const NodeSum* sums, std::size_t count, const std::uint32_t* places,
+                      const ForceArrays& of_chunks, const ForceArrays& force) {
+  const ForceArrays of = of_chunks, on = force;
+  for (std::size_t k = 0; k < count; ++k) {
+    const NodeSum sum = sums[k];
+    Eight x, y, z, other;
+    load(on.x + sum.node, x);
+    load(on.y + sum.node, y);
+    load(on.z + sum.node, z);
+    for (const std::uint32_t* const end = places + sum.first_ends; places != end; ++places) {
+      load(of.x + *places, other);
+      x -= other;
+      load(of.y + *places, other);
+      y -= other;
+      load(of.z + *places, other);
+      z -= other;
+    }
+    for (const std::uint32_t* const end = places + sum.second_ends; places != end; ++places) {
+      load(of.x + *places, other);
+      x += other;
+      load(of.y + *places, other);
+      y += other;
+      load(of.z + *places, other);
+      z += other;
+    }
+    store(x, on.x + sum.node);
+    store(y, on.y + sum.node);
+    store(z, on.z + sum.node);
+  }
 }
 
 // Forces of springs, [component][spring].
@@ -408,9 +497,10 @@ const Kernels& kernels() {
                                  measure<Reads::relative_speed>,
                                  settle_dead,
                                  settle_dead_speeds,
-                                 scatter_chunks,
-                                 scatter_and_gather<Reads::length>,
-                                 scatter_and_gather<Reads::length_and_rate>,
+                                 chunk_forces,
+                                 forces_and_gather<Reads::length>,
+                                 forces_and_gather<Reads::length_and_rate>,
+                                 sum_chunk_forces,
                                  scatter_first,
                                  scatter_window,
                                  subtract_window,

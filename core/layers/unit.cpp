@@ -15,7 +15,9 @@ void Unit::remove(std::uint32_t own, std::uint32_t spring_number) noexcept {
     if (found == end) continue;
     *found = no_spring;
     const auto slot = static_cast<std::uint32_t>(found - begin);
-    live_mask[(segment.begin + slot) / chunk_springs] &= static_cast<std::uint8_t>(~(1u << (slot % chunk_springs)));
+    std::uint8_t& live_slots = live_mask[(segment.begin + slot) / chunk_springs];
+    live_slots &= static_cast<std::uint8_t>(~(1u << (slot % chunk_springs)));
+    segment.has_empty_chunk = segment.has_empty_chunk || live_slots == 0;
     ++segment.dead;
     --live;
     if (slot == segment.living && segment.dead < segment.count)

@@ -35,11 +35,14 @@ struct Segment {
   std::uint32_t living;        // a slot with one, counted from `begin`
   std::size_t value_begin;     // its parameters in Unit::values, if rows are mixed
   Access access;
+  bool has_empty_chunk;  // all of whose springs were removed
 };
 
 struct Tile {
   std::uint32_t first_node, node_count;
   std::uint32_t segment_begin, segment_end;
+  std::uint32_t sum_begin, sum_end;  // of its chunks' forces
+  std::uint32_t place_begin;         // of these sums in Unit::places
 };
 
 struct Unit {
@@ -51,7 +54,10 @@ struct Unit {
   std::size_t laid_out = 0;
   std::vector<Tile> tiles;
   std::vector<Segment> segments;
+  std::uint32_t forces = 0;                  // most places for forces of chunks that a tile needs
   std::vector<Chunk> chunks;
+  std::vector<NodeSum> sums;
+  std::vector<std::uint32_t> places;         // of forces, those of each sum after each other
   std::vector<std::uint32_t> first, second;  // ends of springs that are in no chunk
   std::vector<std::uint32_t> spring;         // [slot] or no_spring
   std::vector<std::uint8_t> live_mask;       // [slot / 8] a bit for each slot with a spring
@@ -59,8 +65,14 @@ struct Unit {
 
   [[nodiscard]] std::uint32_t end_node() const noexcept { return first_node + node_count; }
   [[nodiscard]] SegmentSprings springs_of(const Segment& segment) const noexcept {
-    if (segment.access == Access::chunks) return {chunks.data() + segment.place, segment.count, nullptr, nullptr};
-    return {nullptr, segment.count, first.data() + segment.place, second.data() + segment.place};
+    const std::uint8_t* const live_slots = segment.dead == 0 ? nullptr : live_in(segment);
+    if (segment.access == Access::chunks)
+      return {chunks.data() + segment.place, live_slots, segment.count, nullptr, nullptr};
+    return {nullptr, live_slots, segment.count, first.data() + segment.place, second.data() + segment.place};
+  }
+  // Whether slots without a spring have yet to be given the values of one (Kernels::settle_dead).
+  [[nodiscard]] static bool is_unsettled(const Segment& segment) noexcept {
+    return segment.access == Access::chunks ? segment.has_empty_chunk : segment.dead > 0;
   }
   // [slot / 8] of a segment.
   [[nodiscard]] const std::uint8_t* live_in(const Segment& segment) const noexcept {

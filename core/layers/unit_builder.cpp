@@ -15,7 +15,7 @@ constexpr std::size_t common_chunk = 4;
 // and for a tile: cycles.
 constexpr std::size_t chunk_cost = 50, listed_cost = 16, window_cost = 12, call_cost = 300;
 // Slots of a segment of chunks: the cache has to hold two at a time.
-constexpr std::size_t most_chunk_slots = 256;
+constexpr std::size_t most_chunk_slots = 448;
 // Springs of a tile with equal parameters that make a segment of their own, whose law reads one value per parameter.
 // In a net that the caches hold, a call of a law costs more than reading values.
 constexpr std::size_t smallest_uniform = 24, smallest_uniform_of_small_net = 192, small_net = 4096;
@@ -36,10 +36,12 @@ void UnitBuilder::build(Unit& unit, std::span<UnitSpring> springs) {
   pieces_.clear();
   unit.halo = unit.reach = unit.window = 0;
   unit.live = unit.laid_out = springs.size();
-  for (auto* list : {&unit.first, &unit.second, &unit.spring}) list->clear();
+  unit.forces = 0;
+  for (auto* list : {&unit.first, &unit.second, &unit.spring, &unit.places}) list->clear();
   unit.tiles.clear();
   unit.segments.clear();
   unit.chunks.clear();
+  unit.sums.clear();
   unit.live_mask.clear();
   unit.values.clear();
 
@@ -80,14 +82,18 @@ void UnitBuilder::build(Unit& unit, std::span<UnitSpring> springs) {
     tile.first_node = unit.first_node + t * tile_nodes;
     tile.node_count = std::min(tile_nodes, unit.end_node() - tile.first_node);
     tile.segment_begin = static_cast<std::uint32_t>(unit.segments.size());
+    runs_.clear();
+    next_place_ = chunk_springs;
     for (std::size_t i = first_set[t]; i < first_set[t + 1]; ++i) {
       add_chunks(sets_[i]);
       add_listed(sets_[i]);
     }
     tile.segment_end = static_cast<std::uint32_t>(unit.segments.size());
+    add_sums(tile);
     unit.tiles.push_back(tile);
   }
-  for (auto* list : {&unit.first, &unit.second, &unit.spring}) list->shrink_to_fit();
+  for (auto* list : {&unit.first, &unit.second, &unit.spring, &unit.places}) list->shrink_to_fit();
+  unit.sums.shrink_to_fit();
   unit.segments.shrink_to_fit();
   unit.chunks.shrink_to_fit();
   unit.live_mask.shrink_to_fit();
@@ -137,8 +143,7 @@ void UnitBuilder::add_set(std::size_t begin, std::size_t end, std::uint32_t row)
 void UnitBuilder::find_pieces(Set& set) {
   const auto at = [this](std::size_t i) { return springs_.begin() + static_cast<std::ptrdiff_t>(i); };
   std::sort(at(set.begin), at(set.end), [](const UnitSpring& s, const UnitSpring& t) {
-    return std::tuple(s.own / chunk_springs, offset(s), s.own, s.spring) <
-           std::tuple(t.own / chunk_springs, offset(t), t.own, t.spring);
+    return std::tuple(offset(s), s.own, s.spring) < std::tuple(offset(t), t.own, t.spring);
   });
   for (std::size_t begin = set.begin; begin < set.end;) {
     // All of a chunk are nodes of the net, though not all have such a spring.
@@ -215,7 +220,7 @@ void UnitBuilder::add_chunks(const Set& set) {
     }
     if (!is_open) begin_segment(springs_[piece.begin], set.row, Access::chunks);
     is_open = true;
-    unit_->chunks.push_back({piece.first, piece.second});
+    add_to_run(piece);
     std::size_t next = piece.begin;
     for (std::uint32_t i = 0; i < chunk_springs; ++i) {
       const bool has_spring = next < piece.end && springs_[next].own == piece.first + i;
@@ -224,6 +229,51 @@ void UnitBuilder::add_chunks(const Set& set) {
     }
   }
   if (is_open) end_segment();
+}
+
+// A chunk for it, in the run of the one before if it continues that.
+void UnitBuilder::add_to_run(const Piece& piece) {
+  if (!runs_.empty()) {
+    Chunk& before = unit_->chunks.back();
+    if (piece.first == before.first + chunk_springs && piece.second == before.second + chunk_springs)
+      before.is_last = false;
+    else
+      next_place_ += chunk_springs;  // zeros
+  }
+  if (runs_.empty() || unit_->chunks.back().is_last)
+    runs_.push_back({piece.first, piece.second, next_place_, springs_[piece.begin].own, 0});
+  runs_.back().own_last = springs_[piece.end - 1].own;
+  unit_->chunks.push_back({piece.first, piece.second, next_place_, true});
+  next_place_ += chunk_springs;
+}
+
+void UnitBuilder::add_readings(const Run& run, bool is_second) {
+  // Of nodes of the unit: its first chunk, its first and last spring.
+  const std::uint32_t shift = (is_second ? run.second - run.first : 0) - unit_->first_node;
+  const std::uint32_t begin = run.own_begin + shift, end = run.own_last + shift + 1;
+  for (std::uint32_t node = begin / chunk_springs * chunk_springs; node < end; node += chunk_springs)
+    readings_.push_back({node, is_second, run.place + node - (run.first + shift)});
+}
+
+void UnitBuilder::add_sums(Tile& tile) {
+  tile.sum_begin = static_cast<std::uint32_t>(unit_->sums.size());
+  tile.place_begin = static_cast<std::uint32_t>(unit_->places.size());
+  readings_.clear();
+  for (const Run& run : runs_)
+    for (const bool is_second : {false, true}) add_readings(run, is_second);
+  std::sort(readings_.begin(), readings_.end(), [](const Reading& a, const Reading& b) {
+    return std::tuple(a.node, a.is_second, a.place) < std::tuple(b.node, b.is_second, b.place);
+  });
+  for (std::size_t begin = 0; begin < readings_.size();) {
+    NodeSum sum{readings_[begin].node, 0, 0};
+    for (; begin < readings_.size() && readings_[begin].node == sum.node; ++begin) {
+      ++(readings_[begin].is_second ? sum.second_ends : sum.first_ends);
+      unit_->places.push_back(readings_[begin].place);
+    }
+    unit_->sums.push_back(sum);
+  }
+  tile.sum_end = static_cast<std::uint32_t>(unit_->sums.size());
+  unit_->forces = std::max(unit_->forces, next_place_ + chunk_springs);
 }
 
 // Springs in no chunk, by their ends. The first ones of all nodes come before the second ones, and so on: an end is not

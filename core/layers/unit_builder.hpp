@@ -40,6 +40,7 @@ class UnitBuilder {
   void add_set(std::size_t begin, std::size_t end, std::uint32_t row);
   void find_pieces(Set& set);
   [[nodiscard]] bool is_chunk(const Piece& piece) const noexcept;
+  void add_sums(Tile& tile);
   void add_chunks(const Set& set);
   void add_listed(const Set& set);
   void begin_segment(const UnitSpring& one, std::uint32_t row, Access access);
@@ -53,6 +54,24 @@ class UnitBuilder {
   bool all_in_chunks_ = false;
   std::vector<Set> sets_;
   std::vector<Piece> pieces_;
+  // Chunks of one distance that follow each other, and their places in memory.
+  struct Run {
+    std::uint32_t first, second;        // of its first chunk
+    std::uint32_t place;                // of its forces
+    std::uint32_t own_begin, own_last;  // nodes of its first and its last spring
+  };
+  void add_to_run(const Piece& piece);
+  // What a sum reads: forces on the ends of a run.
+  struct Reading {
+    std::uint32_t node;
+    bool is_second;
+    std::uint32_t place;
+  };
+  void add_readings(const Run& run, bool is_second);
+
+  std::vector<Run> runs_;  // of the tile
+  std::uint32_t next_place_ = 0;
+  std::vector<Reading> readings_;
   std::vector<UnitSpring> listed_, mixed_;
   std::vector<const UnitSpring*> rounds_;
   std::vector<const UnitSpring*> slots_;  // of the segment; null: without a spring

@@ -18,27 +18,29 @@ struct UnitScratch {
   Springs springs[2];
   unsigned turn = 0;      // which is of this segment
   ChunkForces pending{};  // of that before; no springs: none
+  const Tile* unsummed = nullptr;  // a tile whose nodes have yet to receive the forces of its chunks
   alignas(64) double changes[6][max_segment];
   Window window{};
   // N, on nodes of the unit and its halo, from its first node on.
   ForceArrays force{};
+  ForceArrays chunk_force{};  // N, of the chunks of a tile, by their places; the first eight are zeros
 
   // Memory for all units.
   void reserve(const Layout& layout) {
-    std::size_t places = 0, nodes = 0;
+    std::size_t places = 0, nodes = 0, forces = 0;
     for (const Unit& unit : layout.units()) {
       places = std::max<std::size_t>(places, unit.window);
       nodes = std::max<std::size_t>(nodes, std::size_t{unit.node_count} + unit.halo);
+      forces = std::max<std::size_t>(forces, unit.forces);
     }
     if (places > node_state_.size()) {
       node_state_.resize(places);
       node_force_.resize(places);
     }
-    // Slots of chunks without a spring may lie outside; rows apart by whole pages would compete for the cache.
-    const std::size_t row = (nodes + 2 * chunk_springs + 63) / 64 * 64 + 24;
-    if (3 * row > force_.size()) force_.assign(3 * row, 0.0);
-    double* const first = force_.data() + chunk_springs;
-    force = {first, first + row, first + 2 * row};
+    // Sums of eight may reach beyond the nodes.
+    force = reserve_rows(nodes + chunk_springs, force_);
+    chunk_force = reserve_rows(forces, chunk_force_);
+    for (double* const of : {chunk_force.x, chunk_force.y, chunk_force.z}) std::fill_n(of, chunk_springs, 0.0);
   }
   void open_window(const Unit& unit) noexcept {
     window = {&node_state_.data()->values, &node_force_.data()->values, unit.window == 0 ? 0 : unit.window - 1};
@@ -52,9 +54,19 @@ struct UnitScratch {
   struct alignas(32) NodeForce {
     double values[4];
   };
+  struct alignas(64) EightForces {
+    double values[8];
+  };
+  // Rows apart by whole pages would compete for the cache.
+  static ForceArrays reserve_rows(std::size_t count, std::vector<EightForces>& memory) {
+    const std::size_t row = (count + 63) / 64 * 8 + 3;
+    if (3 * row > memory.size()) memory.assign(3 * row, EightForces{});
+    return {memory[0].values, memory[row].values, memory[2 * row].values};
+  }
+
   std::vector<NodeState> node_state_;
   std::vector<NodeForce> node_force_;
-  std::vector<double> force_;
+  std::vector<EightForces> force_, chunk_force_;
 };
 
 }  // namespace springnet::layers

@@ -241,7 +241,7 @@ MatrixFree::Sums MatrixFree::linearise_unit(std::size_t index, double time, cons
     const SegmentSprings springs = unit.springs_of(segment);
     kernels.lengths_and_rates(springs, nodes, *geometry);
     kernels.relative_speeds(springs, nodes, *geometry);
-    if (segment.dead > 0) {
+    if (Unit::is_unsettled(segment)) {
       kernels.settle_dead(unit.live_in(segment), segment.count, segment.living, *geometry);
       kernels.settle_dead_speeds(unit.live_in(segment), segment.count, segment.living, *geometry);
     }

@@ -22,7 +22,7 @@ springnet_status evaluate_springs(const Layout& layout, InstructionSet set, doub
     second[i] = layout.second(springs[i]);
     rows[i] = layout.laws().row[springs[i]];
   }
-  const SegmentSprings segment{nullptr, static_cast<std::uint32_t>(count), first, second};
+  const SegmentSprings segment{nullptr, nullptr, static_cast<std::uint32_t>(count), first, second};
   const Kernels& kernels = kernels_for(set);
   kernels.lengths_and_rates(segment, nodes, geometry);
   kernels.relative_speeds(segment, nodes, geometry);

@@ -1,5 +1,8 @@
 // The springs of one segment of a tile: geometry, laws, forces back to the nodes.
 
+#include <algorithm>
+#include <utility>
+
 #include "layers/evaluator.hpp"
 #include "layers/law_pair.hpp"
 #include "layers/unit_scratch.hpp"
@@ -38,13 +41,31 @@ void find_by_arrays(const Kernels& kernels, const SegmentSprings& springs, const
 
 }  // namespace
 
-void Evaluator::scatter_pending(UnitScratch& scratch) const noexcept {
-  if (scratch.pending.springs.count == 0) return;
-  kernels_.scatter_chunks(scratch.pending);
-  scratch.pending.springs.count = 0;
+void Evaluator::sum_up(const Unit& unit, UnitScratch& scratch) const noexcept {
+  if (scratch.unsummed == nullptr) return;
+  const Tile& tile = *std::exchange(scratch.unsummed, nullptr);
+  kernels_.sum_chunk_forces(unit.sums.data() + tile.sum_begin, tile.sum_end - tile.sum_begin,
+                            unit.places.data() + tile.place_begin, scratch.chunk_force, scratch.force);
 }
 
-// The forces of the segment before reach the nodes meanwhile, at the latest.
+void Evaluator::settle_pending(const Unit& unit, UnitScratch& scratch) const noexcept {
+  if (scratch.pending.springs.count > 0) kernels_.chunk_forces(scratch.pending);
+  scratch.pending.springs.count = 0;
+  sum_up(unit, scratch);
+}
+
+// A segment of chunks whose springs were all removed.
+void Evaluator::clear_forces(const Unit& unit, const Segment& segment, UnitScratch& scratch) const noexcept {
+  settle_pending(unit, scratch);
+  const SegmentSprings springs = unit.springs_of(segment);
+  if (springs.chunks == nullptr) return;
+  const ForceArrays& of = scratch.chunk_force;
+  for (std::uint32_t k = 0; k < springs.count / chunk_springs; ++k)  // a chunk, and the zeros that may follow it
+    for (double* const component : {of.x, of.y, of.z})
+      std::fill_n(component + springs.chunks[k].place, (springs.chunks[k].is_last ? 2 : 1) * chunk_springs, 0.0);
+}
+
+// The forces of the segment before become final meanwhile, and reach the nodes if it was the last one of its tile.
 void Evaluator::find_geometry(const Unit& unit, const Segment& segment, const NodeArrays& nodes,
                               UnitScratch& scratch) const noexcept {
   const Wanted wanted(layout_.laws().groups[segment.group]);
@@ -54,18 +75,19 @@ void Evaluator::find_geometry(const Unit& unit, const Segment& segment, const No
   const bool is_pending = scratch.pending.springs.count > 0;
   if (is_pending && segment.access == Access::chunks && wanted.lengths && !wanted.speeds) {
     if (wanted.rates)
-      kernels_.scatter_and_lengths_and_rates(scratch.pending, springs, nodes, geometry);
+      kernels_.chunk_forces_and_lengths_and_rates(scratch.pending, springs, nodes, geometry);
     else
-      kernels_.scatter_and_lengths(scratch.pending, springs, nodes, geometry);
+      kernels_.chunk_forces_and_lengths(scratch.pending, springs, nodes, geometry);
     scratch.pending.springs.count = 0;
+    sum_up(unit, scratch);
   } else {
-    scatter_pending(scratch);
+    settle_pending(unit, scratch);
     if (segment.access == Access::near)
       find_by_window(kernels_, springs, wanted, scratch, geometry);
     else
       find_by_arrays(kernels_, springs, wanted, nodes, geometry);
   }
-  if (segment.dead == 0) return;
+  if (!Unit::is_unsettled(segment)) return;
   const std::uint8_t* const live = unit.live_in(segment);
   if (wanted.lengths || wanted.rates) kernels_.settle_dead(live, segment.count, segment.living, geometry);
   if (wanted.speeds) kernels_.settle_dead_speeds(live, segment.count, segment.living, geometry);
@@ -90,11 +112,13 @@ springnet_status Evaluator::apply_laws(const Unit& unit, const Segment& segment,
   if (status != SPRINGNET_OK) return status;
 
   const SegmentSprings springs = unit.springs_of(segment);
+  bool is_second = false;
   const auto scatter = [&](const double* value, const double* value_2, const Directions& directions) {
     switch (segment.access) {
       case Access::chunks:
-        scatter_pending(scratch);
-        scratch.pending = {springs, value, value_2, directions, scratch.force, unit.first_node};
+        settle_pending(unit, scratch);
+        scratch.pending = {springs, value, value_2, directions, scratch.chunk_force, is_second};
+        is_second = true;
         return;
       case Access::near:
         return kernels_.scatter_window(springs, value, value_2, directions, scratch.window);
