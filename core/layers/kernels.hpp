@@ -127,6 +127,8 @@ struct Kernels {
   // force = mass gravity + load, [count]; load: null for none.
   void (*weigh)(std::size_t count, const double* mass, const double gravity[3], const double* const load[3],
                 double* const force[3]);
+  // Whether all are above 0: a multiple of chunk_springs.
+  bool (*all_positive)(const double* values, std::size_t count);
   // Whether all numbers of three arrays are finite.
   bool (*all_finite)(const double* x, const double* y, const double* z, std::size_t count);
   ElementKernels elements;

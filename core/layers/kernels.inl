@@ -468,6 +468,18 @@ void weigh(std::size_t count, const double* RESTRICT mass, const double gravity[
   }
 }
 
+bool all_positive(const double* values, std::size_t count) {
+  EightFlags positive = flags_of(0xff);
+  for (std::size_t at = 0; at < count; at += chunk_springs) {
+    Eight eight;
+    load(values + at, eight);
+    positive &= eight > 0.0;
+  }
+  std::int64_t all = -1;
+  for (std::size_t i = 0; i < chunk_springs; ++i) all &= positive[i];
+  return all != 0;
+}
+
 // In integers, so that the loop vectorises: adding 1 to an exponent of all ones overflows into the sign bit.
 [[gnu::always_inline]] inline std::uint64_t top_bits(const double* RESTRICT values, std::size_t count) {
   constexpr std::uint64_t magnitude = ~std::uint64_t{0} >> 1, one = std::uint64_t{1} << 52;
@@ -507,6 +519,7 @@ const Kernels& kernels() {
                                  fill_window,
                                  drain_window,
                                  weigh,
+                                 all_positive,
                                  all_finite,
                                  {geometry_of<Measure::angle>, geometry_of<Measure::dihedral>,
                                   geometry_of<Measure::area>, geometry_of<Measure::volume>, corner_forces}};

@@ -72,6 +72,7 @@ class Layout {
   // safe.
   [[nodiscard]] const std::vector<std::uint32_t>& neighbour_start() const;
   [[nodiscard]] const std::vector<std::uint32_t>& neighbours() const;
+  [[nodiscard]] bool has_neighbours() const noexcept { return !neighbour_start_.empty(); }
 
   // Remove springs, elements, faces. Those removed before are ignored; returns the others.
   std::vector<std::uint32_t> remove(const std::vector<std::uint32_t>& springs);

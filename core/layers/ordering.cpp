@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <bit>
-#include <boost/graph/adjacency_list.hpp>
+#include <boost/graph/compressed_sparse_row_graph.hpp>
 #include <boost/graph/cuthill_mckee_ordering.hpp>
 #include <cmath>
 #include <numeric>
@@ -32,15 +32,28 @@ bool is_compact(const Network& network) {
 
 // The user's nodes by reverse Cuthill-McKee.
 Nodes cuthill_mckee(const Network& network) {
-  using Graph = boost::adjacency_list<boost::vecS, boost::vecS, boost::undirectedS,
-                                      boost::property<boost::vertex_color_t, boost::default_color_type>>;
-  std::vector<std::pair<std::uint32_t, std::uint32_t>> edges;
-  edges.reserve(network.springs().size());
-  for (const Spring& spring : network.springs()) edges.emplace_back(spring.first, spring.second);
-  Graph graph(edges.begin(), edges.end(), network.nodes().size());
-  Nodes order(network.nodes().size());
-  boost::cuthill_mckee_ordering(graph, order.rbegin(), boost::get(boost::vertex_color, graph),
-                                boost::make_degree_map(graph));
+  // Each spring from both ends, by the first one: a graph in a few arrays.
+  using Graph = boost::compressed_sparse_row_graph<boost::directedS, boost::no_property, boost::no_property,
+                                                   boost::no_property, std::uint32_t, std::uint64_t>;
+  const std::size_t nodes = network.nodes().size();
+  std::vector<std::uint64_t> next(nodes + 1, 0);
+  for (const Spring& spring : network.springs()) {
+    ++next[spring.first + std::size_t{1}];
+    ++next[spring.second + std::size_t{1}];
+  }
+  std::partial_sum(next.begin(), next.end(), next.begin());
+  std::vector<std::pair<std::uint32_t, std::uint32_t>> edges(next.back());
+  for (const Spring& spring : network.springs()) {
+    edges[next[spring.first]++] = {spring.first, spring.second};
+    edges[next[spring.second]++] = {spring.second, spring.first};
+  }
+  const Graph graph(boost::edges_are_sorted, edges.begin(), edges.end(), static_cast<std::uint32_t>(nodes));
+  edges = {};
+  Nodes order(nodes);
+  std::vector<boost::default_color_type> colour(nodes);
+  boost::cuthill_mckee_ordering(
+      graph, order.rbegin(), boost::make_iterator_property_map(colour.begin(), boost::get(boost::vertex_index, graph)),
+      boost::make_out_degree_map(graph));
   return order;
 }
 

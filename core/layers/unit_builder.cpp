@@ -1,7 +1,9 @@
 #include "layers/unit_builder.hpp"
 
 #include <algorithm>
+#include <array>
 #include <bit>
+#include <numeric>
 #include <tuple>
 
 #include "layers/ordering.hpp"
@@ -21,6 +23,43 @@ constexpr std::size_t most_chunk_slots = 448;
 constexpr std::size_t smallest_uniform = 24, smallest_uniform_of_small_net = 192, small_net = 4096;
 
 std::uint32_t offset(const UnitSpring& s) noexcept { return s.other - s.own; }  // of springs that are not far
+
+// Sorts by a number; equal ones keep their order. Springs of a tile mostly have few numbers: their rows, their offsets.
+template <class Key>
+void sort_by(std::span<UnitSpring> springs, std::vector<UnitSpring>& copy, const Key& key) {
+  constexpr std::size_t few = 16;
+  std::array<std::uint64_t, few> keys;
+  std::array<std::size_t, few> count{};
+  std::size_t kinds = 0, last = 0;
+  for (const UnitSpring& spring : springs) {
+    const std::uint64_t own = key(spring);
+    if (kinds == 0 || keys[last] != own) {
+      last = static_cast<std::size_t>(std::find(keys.begin(), keys.begin() + kinds, own) - keys.begin());
+      if (last == few) {
+        std::stable_sort(springs.begin(), springs.end(),
+                         [&](const UnitSpring& s, const UnitSpring& t) { return key(s) < key(t); });
+        return;
+      }
+      if (last == kinds) keys[kinds++] = own;
+    }
+    ++count[last];
+  }
+  if (kinds < 2) return;
+  std::array<std::size_t, few> order, place;
+  std::iota(order.begin(), order.begin() + kinds, std::size_t{0});
+  std::sort(order.begin(), order.begin() + kinds, [&](std::size_t a, std::size_t b) { return keys[a] < keys[b]; });
+  std::size_t next = 0;
+  for (std::size_t i = 0; i < kinds; ++i) {
+    place[order[i]] = next;
+    next += count[order[i]];
+  }
+  copy.assign(springs.begin(), springs.end());
+  for (const UnitSpring& spring : copy) {
+    const std::uint64_t own = key(spring);
+    if (keys[last] != own) last = static_cast<std::size_t>(std::find(keys.begin(), keys.end(), own) - keys.begin());
+    springs[place[last]++] = spring;
+  }
+}
 
 }  // namespace
 
@@ -45,16 +84,20 @@ void UnitBuilder::build(Unit& unit, std::span<UnitSpring> springs) {
   unit.live_mask.clear();
   unit.values.clear();
 
+  // Springs by tile; those of a tile by what makes a set.
   const auto tile_of = [&](const UnitSpring& s) { return (s.own - unit.first_node) / tile_nodes; };
-  std::sort(springs.begin(), springs.end(), [&](const UnitSpring& s, const UnitSpring& t) {
-    return std::tuple(tile_of(s), s.is_far, s.group, s.row, s.spring) <
-           std::tuple(tile_of(t), t.is_far, t.group, t.row, t.spring);
-  });
+  std::vector<std::size_t> tile_start((unit.node_count + tile_nodes - 1) / tile_nodes + 1, 0);
+  for (const UnitSpring& s : springs) ++tile_start[tile_of(s) + 1];
+  std::partial_sum(tile_start.begin(), tile_start.end(), tile_start.begin());
+  copy_.assign(springs.begin(), springs.end());
+  std::vector<std::size_t> next(tile_start.begin(), tile_start.end() - 1);
+  for (const UnitSpring& s : copy_) springs[next[tile_of(s)]++] = s;
   std::vector<std::size_t> first_set{0};  // [tile + 1]
-  std::size_t begin = 0;
   for (std::uint32_t first = 0; first < unit.node_count; first += tile_nodes) {
-    std::size_t end = begin;
-    while (end < springs.size() && tile_of(springs[end]) == first / tile_nodes) ++end;
+    const std::size_t begin = tile_start[first / tile_nodes], end = tile_start[first / tile_nodes + 1];
+    const std::span<UnitSpring> of_tile = springs.subspan(begin, end - begin);
+    sort_by(of_tile, copy_, [](const UnitSpring& s) { return s.row; });
+    sort_by(of_tile, copy_, [](const UnitSpring& s) { return (std::uint64_t{s.is_far} << 32) | s.group; });
     find_sets(begin, end);
     for (std::size_t i = begin; i < end; ++i) {
       const UnitSpring& s = springs[i];
@@ -62,7 +105,6 @@ void UnitBuilder::build(Unit& unit, std::span<UnitSpring> springs) {
       unit.reach = std::max(unit.reach, s.other - (unit.first_node + first) + 1);
       if (s.other >= unit.end_node()) unit.halo = std::max(unit.halo, s.other - unit.end_node() + 1);
     }
-    begin = end;
     first_set.push_back(sets_.size());
   }
   std::size_t small = 0, listed = window_cost * unit.node_count + call_cost * (first_set.size() - 1);
@@ -141,10 +183,12 @@ void UnitBuilder::add_set(std::size_t begin, std::size_t end, std::uint32_t row)
 }
 
 void UnitBuilder::find_pieces(Set& set) {
-  const auto at = [this](std::size_t i) { return springs_.begin() + static_cast<std::ptrdiff_t>(i); };
-  std::sort(at(set.begin), at(set.end), [](const UnitSpring& s, const UnitSpring& t) {
-    return std::tuple(offset(s), s.own, s.spring) < std::tuple(offset(t), t.own, t.spring);
-  });
+  const std::span<UnitSpring> springs = springs_.subspan(set.begin, set.end - set.begin);
+  const auto by_own = [](const UnitSpring& s, const UnitSpring& t) {
+    return std::tuple(s.own, s.spring) < std::tuple(t.own, t.spring);
+  };
+  if (!std::is_sorted(springs.begin(), springs.end(), by_own)) std::sort(springs.begin(), springs.end(), by_own);
+  sort_by(springs, copy_, offset);
   for (std::size_t begin = set.begin; begin < set.end;) {
     // All of a chunk are nodes of the net, though not all have such a spring.
     const std::uint32_t distance = offset(springs_[begin]);

@@ -72,7 +72,7 @@ class UnitBuilder {
   std::vector<Run> runs_;  // of the tile
   std::uint32_t next_place_ = 0;
   std::vector<Reading> readings_;
-  std::vector<UnitSpring> listed_, mixed_;
+  std::vector<UnitSpring> listed_, mixed_, copy_;
   std::vector<const UnitSpring*> rounds_;
   std::vector<const UnitSpring*> slots_;  // of the segment; null: without a spring
 };

@@ -46,6 +46,9 @@ class Engine {
   [[nodiscard]] Model& model() noexcept { return model_; }
   [[nodiscard]] const Model& model() const noexcept { return model_; }
   [[nodiscard]] const springnet_network& network_info() { return info_.now(); }
+  [[nodiscard]] const springnet_network& network_with_neighbours() { return info_.with_neighbours(); }
+  // An integrator of that minor version of the ABI will read `network_info`.
+  void serve(std::uint32_t abi_minor) noexcept { info_.serve(abi_minor); }
   [[nodiscard]] Sweep& sweep() noexcept { return sweep_; }
   [[nodiscard]] LinearModel& linear() noexcept { return linear_; }
   [[nodiscard]] ContactEvents& contact_events() noexcept { return contact_events_; }

@@ -78,6 +78,15 @@ const springnet_network* network(void* context) {
   return info;
 }
 
+const springnet_network* network_with_neighbours(void* context) {
+  const springnet_network* info = nullptr;
+  static_cast<void>(outside_of_sweeps(context, "network_with_neighbours", [&](Engine& engine) -> springnet_status {
+    info = &engine.network_with_neighbours();
+    return SPRINGNET_OK;
+  }));
+  return info;
+}
+
 springnet_state* state_create(void* context) {
   springnet_state* state = nullptr;
   static_cast<void>(guarded(context, "state_create", [&](Engine& engine) -> springnet_status {
@@ -331,6 +340,7 @@ springnet_host make_host_table(Engine& engine) {
   host.prepare_system = prepare_system;
   host.solve_system = solve_system;
   host.time_left = time_left;
+  host.network_with_neighbours = network_with_neighbours;
   return host;
 }
 

@@ -81,6 +81,7 @@ LimitSurvey::LimitSurvey(const Network& network, const PluginHost& plugins)
 std::vector<ReportedLimit> LimitSurvey::ask(const Component& component, const ParameterValues& parameters) {
   const springnet_integrator& functions = component.integrator();
   if (!SPRINGNET_HAS_FIELD(springnet_integrator, &functions, limits) || functions.limits == nullptr) return {};
+  engine_.serve(component.plugin->abi_minor);
   Sink sink{engine_.model().layout.ordering().user, {}};
   springnet_limits limits{sizeof limits, 0, &sink, report_limit};
   void* integrator = nullptr;

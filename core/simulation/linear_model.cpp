@@ -261,7 +261,7 @@ springnet_status LinearModel::solve_directly(springnet_linear_solve& request, co
 
 springnet_status LinearModel::sweep(const springnet_sweep& request, const springnet_network& network) {
   const springnet_sweep sweep = complete(request);
-  order_check_.check(sweep, network);
+  order_check_.check(sweep, network, model_.layout);
   if (!sweep_) sweep_ = std::make_unique<LinearSweep>(blocks_, model_.constraints, model_.mass);
   struct Updating {
     bool& flag;

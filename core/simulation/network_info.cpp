@@ -4,7 +4,7 @@ namespace springnet {
 
 const springnet_network& NetworkInfo::now() {
   info_.load_revision = model_.load_revision;
-  if (revision_ == model_.revision) return info_;
+  if (revision_ == model_.revision && (info_.neighbours != nullptr || !always_neighbours_)) return info_;
   revision_ = model_.revision;
   const layers::Layout& layout = model_.layout;
   const Contact& contact = model_.contact;
@@ -24,13 +24,24 @@ const springnet_network& NetworkInfo::now() {
   info_.fixed = contact.fixed().data();
   info_.held = contact.held().data();
   info_.user_number = layout.ordering().user.data();
-  info_.neighbour_start = layout.neighbour_start().data();
-  info_.neighbours = layout.neighbours().data();
+  info_.neighbour_start = info_.neighbours = nullptr;
+  if (always_neighbours_ || layout.has_neighbours()) add_neighbours();
   info_.connection_revision = layout.revision();
   info_.touching = contact.touching().data();
   info_.cluster = model_.rigid.any() ? model_.rigid.cluster_of() : no_cluster_.data();
   info_.rigid_count = model_.rigid.rods().size();
   info_.status = contact.status().data();
+  return info_;
+}
+
+void NetworkInfo::add_neighbours() {
+  info_.neighbour_start = model_.layout.neighbour_start().data();
+  info_.neighbours = model_.layout.neighbours().data();
+}
+
+const springnet_network& NetworkInfo::with_neighbours() {
+  static_cast<void>(now());
+  add_neighbours();
   return info_;
 }
 

@@ -14,12 +14,18 @@ class NetworkInfo {
   NetworkInfo(Model& model, ContactEvents& events) : model_(model), events_(events) {}
   // The present network. The address of the struct does not change.
   [[nodiscard]] const springnet_network& now();
+  [[nodiscard]] const springnet_network& with_neighbours();
+  // Integrators of ABI 1.5 and before expect neighbours at any time.
+  void serve(std::uint32_t abi_minor) noexcept { always_neighbours_ = abi_minor < 6; }
 
  private:
+  void add_neighbours();
+
   Model& model_;
   ContactEvents& events_;
   springnet_network info_{};
   std::uint64_t revision_ = 0;
+  bool always_neighbours_ = false;
   std::vector<std::uint32_t> no_cluster_;  // [node] if there are no rigid connections
 };
 

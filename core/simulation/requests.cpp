@@ -203,7 +203,7 @@ void check_nodes(const std::uint32_t* nodes, std::uint32_t count, std::uint32_t 
       refuse(fmt::format("nodes[{}] is {}, the network has nodes 0 to {}", i, nodes[i], node_count - 1));
 }
 
-void OrderCheck::check(const springnet_sweep& sweep, const springnet_network& network) {
+void OrderCheck::check(const springnet_sweep& sweep, const springnet_network& network, const layers::Layout& layout) {
   const std::uint32_t set_ends = sweep.set_start == nullptr ? 0 : sweep.set_count + 1;
   if (sweep.set_start != nullptr && sweep.set_count > sweep.order_count)
     refuse(fmt::format("there are {} sets for {} nodes", sweep.set_count, sweep.order_count));
@@ -215,7 +215,7 @@ void OrderCheck::check(const springnet_sweep& sweep, const springnet_network& ne
   order_.clear();
   set_start_.clear();
   check_order(sweep, network);
-  if (sweep.set_start != nullptr) check_sets(sweep, network);
+  if (sweep.set_start != nullptr) check_sets(sweep, network, layout);
   order_.assign(sweep.order, sweep.order + sweep.order_count);
   set_start_.assign(sweep.set_start, sweep.set_start + set_ends);
   revision_ = network.revision;
@@ -233,7 +233,8 @@ void OrderCheck::check_order(const springnet_sweep& sweep, const springnet_netwo
 }
 
 // Several threads update the nodes of a set: no node may read what another one writes.
-void OrderCheck::check_sets(const springnet_sweep& sweep, const springnet_network& network) {
+void OrderCheck::check_sets(const springnet_sweep& sweep, const springnet_network& network,
+                            const layers::Layout& layout) {
   if (sweep.set_start[0] != 0 || sweep.set_start[sweep.set_count] != sweep.order_count)
     refuse(fmt::format("set_start begins with {} and ends with {}, must begin with 0 and end with {}",
                        sweep.set_start[0], sweep.set_start[sweep.set_count], sweep.order_count));
@@ -248,10 +249,11 @@ void OrderCheck::check_sets(const springnet_sweep& sweep, const springnet_networ
       set_of_[sweep.order[i]] = set;
     }
   }
+  const std::vector<std::uint32_t>&start = layout.neighbour_start(), &neighbours = layout.neighbours();
   for (std::uint32_t i = 0; i < sweep.order_count; ++i) {
     const std::uint32_t k = sweep.order[i], cluster = network.cluster[k];
-    for (std::uint32_t at = network.neighbour_start[k]; at < network.neighbour_start[k + 1]; ++at) {
-      const std::uint32_t other = network.neighbours[at];
+    for (std::uint32_t at = start[k]; at < start[k + 1]; ++at) {
+      const std::uint32_t other = neighbours[at];
       if (set_of_[other] != set_of_[k] || (cluster != no_cluster && network.cluster[other] == cluster)) continue;
       refuse(fmt::format("nodes {} and {} of set {} are joined", k, other, set_of_[k]));
     }

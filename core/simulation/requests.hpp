@@ -7,6 +7,8 @@
 
 #include <springnet/sdk/plugin.h>
 
+#include "layers/layout.hpp"
+
 namespace springnet {
 
 void require_array(const void* array, const char* name);
@@ -42,11 +44,11 @@ void check_nodes(const std::uint32_t* nodes, std::uint32_t count, std::uint32_t 
 class OrderCheck {
  public:
   // `network.revision` shows changes of the network's connections.
-  void check(const springnet_sweep& sweep, const springnet_network& network);
+  void check(const springnet_sweep& sweep, const springnet_network& network, const layers::Layout& layout);
 
  private:
   void check_order(const springnet_sweep& sweep, const springnet_network& network);
-  void check_sets(const springnet_sweep& sweep, const springnet_network& network);
+  void check_sets(const springnet_sweep& sweep, const springnet_network& network, const layers::Layout& layout);
 
   std::vector<std::uint32_t> order_, set_start_;  // found valid
   std::vector<std::uint32_t> set_of_;             // [node] its place in the order, then its set

@@ -47,6 +47,7 @@ struct Simulation::Impl {
         component(plugins->require(ComponentKind::integrator, given.integrator.id)),
         engine(network, *plugins, given),
         host(make_host_table(engine)) {
+    engine.serve(component->plugin->abi_minor);
     create_integrator();
   }
   ~Impl() { destroy_integrator(); }

@@ -183,7 +183,7 @@ const layers::SweepPlan* Sweep::plan_for(const springnet_sweep& sweep, const spr
   const std::span<const std::uint32_t> order(sweep.order, sweep.order_count);
   if (suits)
     if (const layers::SweepPlan* known = plans_.find(model_.layout, order)) return known;
-  order_check_.check(sweep, network);
+  order_check_.check(sweep, network, model_.layout);
   if (!suits) return nullptr;
   const profile::Stage stage("plan");
   return plans_.make(model_.layout, order, [this](std::uint32_t k) { return is_local(k); });

@@ -62,7 +62,8 @@
 /* And ABI 1.6. */
 #define SPRINGNET_ENDS_1_6(check)                        \
   check(springnet_state, is_swept, 92)                   \
-  check(springnet_node_batch, instruction_set, 92)
+  check(springnet_node_batch, instruction_set, 92)       \
+  check(springnet_host, network_with_neighbours, 288)
 /* clang-format on */
 
 #ifdef __cplusplus

@@ -64,10 +64,7 @@ springnet_status find_in_segment(const Search& search, std::uint32_t index, cons
   if (status != SPRINGNET_OK) return status;
   for (const LawOutputs& law : out) {
     if (law.margin == nullptr) continue;
-    // Without branches, so that the loop vectorises: most segments have none.
-    bool all_hold = true;
-    for (std::size_t i = 0; i < segment.count; ++i) all_hold &= law.margin[i] > 0.0;
-    if (all_hold) continue;
+    if (kernels_for(search.set).all_positive(law.margin, segment.count)) continue;  // in most segments
     for (std::size_t i = 0; i < segment.count; ++i) {
       const std::uint32_t s = unit.spring[segment.begin + i];
       if (law.margin[i] > 0.0 || s == no_spring) continue;

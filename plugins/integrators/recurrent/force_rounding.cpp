@@ -40,7 +40,7 @@ void ForceRounding::find_sizes(const springnet_network& network, const springnet
 void ForceRounding::estimate(const Step& step, const springnet_state& at) {
   force_ = 0.0;
   node_ = no_node;
-  const springnet_network& network = step.network;
+  const springnet_network& network = host_.network_with_neighbours();
   const std::size_t n = network.node_count;
   try {
     host_.linearise(sdk::evaluation_at(step.from, at));

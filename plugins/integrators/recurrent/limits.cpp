@@ -80,7 +80,7 @@ sdk::Limit limit_of(const sdk::Host& host, Update update, RuleMap& map, const sd
   settings.reach = solves_blocks(update) ? reach_of_blocks : reach;
   settings.vectors = network.max_vectors();
   // Seconds for a network of 100,000 nodes.
-  const double work = static_cast<double>(known.neighbour_start[known.node_count]) + known.node_count + 1.0;
+  const double work = 2.0 * static_cast<double>(known.spring_count) + known.node_count + 1.0;
   settings.applications = static_cast<std::uint64_t>(std::clamp(2e8 / work, 60.0, 20000.0));
   Search search(host, map, network.start(), settings);
   const std::optional<double> weight = search.run(guess);

@@ -8,7 +8,8 @@ void Ordered::begin(Step& step) {
   work_.record.begin(step.network, sdk::view(outputs.force), work_.acceleration().view());
 }
 
-void WavefrontRule::attach(const springnet_network& network) {
+void WavefrontRule::attach(const springnet_network&) {
+  const springnet_network& network = work_.host.network_with_neighbours();
   order_.attach(network);
   if (block_) memory_.attach(network);
 }
@@ -65,7 +66,8 @@ void WavefrontRule::linear_sweep(Step& step) {
               [&](const springnet_sweep& call, const auto& update) { work_.host.linear_sweep(call, update); });
 }
 
-void Coloured::attach(const springnet_network& network) {
+void Coloured::attach(const springnet_network&) {
+  const springnet_network& network = work_.host.network_with_neighbours();
   colours_.attach(network);
   memory_.attach(network);
 }

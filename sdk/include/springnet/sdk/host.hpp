@@ -99,11 +99,12 @@ class Host {
   explicit Host(const springnet_host& table) noexcept : table_(&table) {}
 
   [[nodiscard]] const springnet_host& table() const noexcept { return *table_; }
-  // Masses, held nodes, neighbours, scales; valid until `revision` changes.
-  [[nodiscard]] const springnet_network& network() const {
-    const springnet_network* network = table_->network(table_->context);
-    if (network == nullptr) throw Failure(table_->message(table_->context)->text);
-    return *network;
+  // Masses, held nodes, scales; valid until `revision` changes.
+  [[nodiscard]] const springnet_network& network() const { return checked(table_->network(table_->context)); }
+  // The same with the lists of neighbours, which a large net takes long to build.
+  [[nodiscard]] const springnet_network& network_with_neighbours() const {
+    if (!SPRINGNET_HAS_FIELD(springnet_host, table_, network_with_neighbours)) return network();
+    return checked(table_->network_with_neighbours(table_->context));
   }
 
   // Throws std::bad_alloc.
@@ -330,6 +331,10 @@ class Host {
   void report(const char* name, double value) const noexcept { table_->report(table_->context, name, value); }
 
  private:
+  [[nodiscard]] const springnet_network& checked(const springnet_network* network) const {
+    if (network == nullptr) throw Failure(table_->message(table_->context)->text);
+    return *network;
+  }
   void prepare_system(const SystemWeights& weights, const springnet_evaluation* at, bool exact) const {
     require(SPRINGNET_HAS_FIELD(springnet_host, table_, solve_system), "1.5");
     auto system = sized<springnet_linear_system>();
