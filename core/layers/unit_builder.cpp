@@ -16,8 +16,8 @@ constexpr std::size_t common_chunk = 4;
 // About what a chunk and a spring read through indices cost, and what a unit with such springs costs more for a node
 // and for a tile: cycles.
 constexpr std::size_t chunk_cost = 50, listed_cost = 16, window_cost = 12, call_cost = 300;
-// Slots of a segment of chunks: the cache has to hold two at a time.
-constexpr std::size_t most_chunk_slots = 448;
+// Slots of a segment of chunks: the cache has to hold two at a time, and the nodes of the tile.
+constexpr std::size_t most_chunk_slots = 256, most_chunk_slots_of_small_net = max_segment;
 // Springs of a tile with equal parameters that make a segment of their own, whose law reads one value per parameter.
 // In a net that the caches hold, a call of a law costs more than reading values.
 constexpr std::size_t smallest_uniform = 24, smallest_uniform_of_small_net = 192, small_net = 4096;
@@ -66,7 +66,8 @@ void sort_by(std::span<UnitSpring> springs, std::vector<UnitSpring>& copy, const
 UnitBuilder::UnitBuilder(const std::vector<Group>& groups, std::uint32_t node_count, std::size_t spring_count)
     : groups_(groups),
       node_count_(node_count),
-      smallest_uniform_(spring_count < small_net ? smallest_uniform_of_small_net : smallest_uniform) {}
+      smallest_uniform_(spring_count < small_net ? smallest_uniform_of_small_net : smallest_uniform),
+      most_chunk_slots_(spring_count < small_net ? most_chunk_slots_of_small_net : most_chunk_slots) {}
 
 void UnitBuilder::build(Unit& unit, std::span<UnitSpring> springs) {
   unit_ = &unit;
@@ -258,7 +259,7 @@ void UnitBuilder::add_chunks(const Set& set) {
   for (std::size_t p = set.piece_begin; p < set.piece_end; ++p) {
     const Piece& piece = pieces_[p];
     if (!is_chunk(piece)) continue;
-    if (is_open && slots_.size() == most_chunk_slots) {
+    if (is_open && slots_.size() == most_chunk_slots_) {
       end_segment();
       is_open = false;
     }

@@ -48,7 +48,7 @@ class UnitBuilder {
 
   const std::vector<Group>& groups_;
   const std::uint32_t node_count_;
-  const std::size_t smallest_uniform_;
+  const std::size_t smallest_uniform_, most_chunk_slots_;
   Unit* unit_ = nullptr;
   std::span<UnitSpring> springs_;
   bool all_in_chunks_ = false;

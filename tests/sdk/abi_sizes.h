@@ -63,7 +63,7 @@
 #define SPRINGNET_ENDS_1_6(check)                        \
   check(springnet_state, is_swept, 92)                   \
   check(springnet_node_batch, instruction_set, 92)       \
-  check(springnet_host, network_with_neighbours, 288)
+  check(springnet_host, network_with_neighbours, 264)
 /* clang-format on */
 
 #ifdef __cplusplus
