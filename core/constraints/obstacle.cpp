@@ -9,6 +9,7 @@
 
 #include "constraints/path_minimum.hpp"
 #include "network/kinks.hpp"
+#include "network/rotation.hpp"
 
 namespace springnet {
 
@@ -95,7 +96,7 @@ Pose Obstacle::at(const SampleTime& time) const {
   const Turning::Sample turned = sample(turning_, time);
   pose.turns = true;
   pose.pivot = pivot_;
-  pose.rotation = Eigen::AngleAxisd(turned.angle, turn_axis_).toRotationMatrix();
+  pose.rotation = rotation_about(turn_axis_, turned.angle);
   pose.spin = turned.rate * turn_axis_;
   pose.spin_acceleration = turned.acceleration * turn_axis_;
   return pose;

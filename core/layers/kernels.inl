@@ -317,8 +317,8 @@ void forces_and_gather(const ChunkForces& given_forces, const SegmentSprings& gi
   }
 }
 
-void sum_chunk_forces(const NodeSum* sums, std::size_t count, const std::uint32_t* places,
-                      const ForceArrays& of_chunks, const ForceArrays& force) {
+void sum_chunk_forces(const NodeSum* sums, std::size_t count, const std::uint32_t* places, const ForceArrays& of_chunks,
+                      const ForceArrays& force) {
   const ForceArrays of = of_chunks, on = force;
   for (std::size_t k = 0; k < count; ++k) {
     const NodeSum sum = sums[k];

@@ -16,7 +16,7 @@ constexpr std::size_t springs_worth_threads = 100'000;
 
 }  // namespace
 
-Layout::Layout(const Network& network, const PluginHost& plugins, bool renumber)
+Layout::Layout(const Network& network, const PluginHost& plugins, bool renumber, unsigned threads)
     : laws_(compile_laws(network, plugins)),
       ordering_(order_nodes(network, renumber)),
       elements_(network, laws_, ordering_.engine),
@@ -43,7 +43,7 @@ Layout::Layout(const Network& network, const PluginHost& plugins, bool renumber)
     units_[u].first_node = ordering_.unit_start[u];
     units_[u].node_count = ordering_.unit_start[u + 1] - ordering_.unit_start[u];
   }
-  lay_out();
+  lay_out(threads);
 }
 
 std::uint32_t Layout::unit_of(std::uint32_t node) const noexcept {
@@ -61,7 +61,7 @@ void Layout::for_units_of(std::uint32_t spring, const What& what) const {
   if (is_far) what(v, UnitSpring{b, a, spring, group, row, true});
 }
 
-void Layout::lay_out() {
+void Layout::lay_out(unsigned threads) {
   // Springs by unit.
   std::vector<std::size_t> start(units_.size() + 1, 0);
   for (std::uint32_t s = 0; s < alive_.size(); ++s)
@@ -72,9 +72,10 @@ void Layout::lay_out() {
   for (std::uint32_t s = 0; s < alive_.size(); ++s)
     for_units_of(s, [&](std::uint32_t u, const UnitSpring&) { springs[next[u]++] = s; });
 
-  const int threads = alive_.size() < springs_worth_threads ? 1 : omp_get_num_procs();
+  if (threads == 0) threads = static_cast<unsigned>(std::max(1, omp_get_num_procs()));
+  if (alive_.size() < springs_worth_threads) threads = 1;
   std::exception_ptr failure;
-#pragma omp parallel num_threads(threads)
+#pragma omp parallel num_threads(static_cast <int>(threads))
   {
     UnitBuilder builder(laws_.groups, node_count(), spring_count());
     std::vector<UnitSpring> of_unit;

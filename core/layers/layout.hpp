@@ -27,7 +27,8 @@ struct Incident {
 
 class Layout {
  public:
-  Layout(const Network& network, const PluginHost& plugins, bool renumber);
+  // threads: that lay out units; 0: as many as the machine has.
+  Layout(const Network& network, const PluginHost& plugins, bool renumber, unsigned threads = 0);
   Layout(const Layout&) = delete;
   Layout& operator=(const Layout&) = delete;
 
@@ -83,7 +84,7 @@ class Layout {
   // To the units that have a spring: what(unit, the spring as it is seen from there).
   template <class What>
   void for_units_of(std::uint32_t spring, const What& what) const;
-  void lay_out();
+  void lay_out(unsigned threads);
   void lay_out_again(Unit& unit);
   void build_incidence() const;
   void build_neighbours() const;

@@ -5,8 +5,9 @@
 #include <bit>
 #include <boost/graph/compressed_sparse_row_graph.hpp>
 #include <boost/graph/cuthill_mckee_ordering.hpp>
-#include <cmath>
 #include <numeric>
+
+#include <springnet/sdk/math.hpp>
 
 namespace springnet::layers {
 namespace {
@@ -26,8 +27,9 @@ std::uint64_t spread(const Network& network, const Nodes* number) {
 // Whether joined nodes are as close as in a compact body numbered layer by layer, where they are a layer apart.
 // Boundary layers are up to twice as large in bodies that are not cubes.
 bool is_compact(const Network& network) {
-  const double layer = std::pow(static_cast<double>(network.nodes().size()), 2.0 / 3.0);
-  return static_cast<double>(spread(network, nullptr)) <= 2.0 * layer * static_cast<double>(network.springs().size());
+  const double side = sdk::cbrt(static_cast<double>(network.nodes().size()));
+  return static_cast<double>(spread(network, nullptr)) <=
+         2.0 * side * side * static_cast<double>(network.springs().size());
 }
 
 // The user's nodes by reverse Cuthill-McKee.

@@ -54,7 +54,7 @@ struct Unit {
   std::size_t laid_out = 0;
   std::vector<Tile> tiles;
   std::vector<Segment> segments;
-  std::uint32_t forces = 0;                  // most places for forces of chunks that a tile needs
+  std::uint32_t forces = 0;  // most places for forces of chunks that a tile needs
   std::vector<Chunk> chunks;
   std::vector<NodeSum> sums;
   std::vector<std::uint32_t> places;         // of forces, those of each sum after each other

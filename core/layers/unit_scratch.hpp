@@ -16,8 +16,8 @@ struct UnitScratch {
     alignas(64) double force[2][max_segment];  // [law] N
   };
   Springs springs[2];
-  unsigned turn = 0;      // which is of this segment
-  ChunkForces pending{};  // of that before; no springs: none
+  unsigned turn = 0;               // which is of this segment
+  ChunkForces pending{};           // of that before; no springs: none
   const Tile* unsummed = nullptr;  // a tile whose nodes have yet to receive the forces of its chunks
   alignas(64) double changes[6][max_segment];
   Window window{};

@@ -4,7 +4,7 @@
 
 #include <fmt/format.h>
 
-#include <Eigen/Geometry>
+#include "network/rotation.hpp"
 
 namespace springnet::scene {
 namespace {
@@ -36,7 +36,7 @@ void place(const Table& table, Mesh& mesh) {
 
 Eigen::Matrix3d read_rotation(const Table& rotation) {
   const Vector3 axis = rotation.need("axis").direction();
-  return Eigen::AngleAxisd(rotation.need("angle").number(), axis).toRotationMatrix();
+  return rotation_about(axis, rotation.need("angle").number());
 }
 
 EdgeOptions edge_options(Diagonals diagonals) {

@@ -27,7 +27,7 @@ std::vector<double> masses(const Network& network, const std::vector<std::uint32
 }  // namespace
 
 Model::Model(const Network& network, const PluginHost& plugins, const SimulationOptions& options)
-    : layout(network, plugins, options.renumber),
+    : layout(network, plugins, options.renumber, options.threads),
       mass(masses(network, layout.ordering().user)),
       evaluator(layout, mass, options.instruction_set, options.threads),
       loads(network, layout),

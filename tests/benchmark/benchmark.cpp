@@ -200,6 +200,43 @@ void may_break(benchmark::State& state) {
 }
 BENCHMARK(may_break)->ArgName("nodes_a_side")->Arg(32)->Arg(100)->UseRealTime()->Unit(benchmark::kMillisecond);
 
+// Steps of a net that tears, some hundreds to thousands of springs in each, beside the same net with stronger springs.
+void tearing(benchmark::State& state) {
+  constexpr int steps = 200;
+  const double strength = state.range(1) != 0 ? 5.0 : 1e9;
+  springnet::Network network =
+      lattice(static_cast<std::uint32_t>(state.range(0)), {"rupturing", {{"stiffness", 100.0}, {"strength", strength}}},
+              {"linear", {{"damping", 0.1}}});
+  for (springnet::NodeIndex index = 0; index < network.nodes().size(); ++index) {
+    springnet::Node node = network.nodes()[index];
+    const double x = node.position[0] / static_cast<double>(state.range(0));
+    node.velocity[0] += 0.06 * node.position[0] * x;  // the further, the sooner
+    network.set_node(index, node);
+  }
+  std::unique_ptr<springnet::Simulation> simulation;
+  std::size_t torn = 0;
+  int left = 0;
+  for ([[maybe_unused]] auto iteration : state) {
+    if (left == 0) {
+      state.PauseTiming();
+      if (simulation) torn += simulation->spring_count() - simulation->live_spring_count();
+      simulation = std::make_unique<springnet::Simulation>(network, plugins(), one_sweep());
+      simulation->step();
+      left = steps;
+      state.ResumeTiming();
+    }
+    simulation->step();
+    --left;
+  }
+  torn += simulation->spring_count() - simulation->live_spring_count();
+  state.counters["torn_per_step"] = static_cast<double>(torn) / static_cast<double>(state.iterations());
+}
+BENCHMARK(tearing)
+    ->ArgNames({"nodes_a_side", "tears"})
+    ->ArgsProduct({{32, 100}, {0, 1}})
+    ->UseRealTime()
+    ->Unit(benchmark::kMillisecond);
+
 // The same with laws that need an exponential or a power for each spring; linear ones beside them.
 void laws(benchmark::State& state, const LawUse& spring, const LawUse& viscosity) {
   single_sweep_of(state, lattice(static_cast<std::uint32_t>(state.range(0)), spring, viscosity), 1);

@@ -277,7 +277,7 @@ typedef struct springnet_network {
   const double* mass;    /* [node_count] kg */
   const uint8_t* fixed;  /* [node_count] 1: fixed, or moved over time by the scene */
   const uint8_t* held;   /* [node_count] 1: a surface holds it where it touched, and carries it */
-  const uint32_t* user_number;     /* [node_count] */
+  const uint32_t* user_number; /* [node_count] */
   /* For plugins of ABI 1.6 and later null until network_with_neighbours is called, and again after `revision` has
    * changed: they cost as much as many time steps. */
   const uint32_t* neighbour_start; /* [node_count + 1] */
