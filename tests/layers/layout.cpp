@@ -86,21 +86,75 @@ TEST_CASE("a lattice is in chunks, and shuffled numbers do not spread it in memo
   CHECK(mean_distance(two) < 700.0);
 }
 
-TEST_CASE("a network without some springs is the network from which they were removed") {
-  const Network whole = random_network(9000, 3, 9);
+namespace {
+
+// A copy without some springs, whose numbers it adds to `removed`.
+template <class IsRemoved>
+Network without(const Network& whole, const IsRemoved& is_removed, std::vector<std::uint32_t>& removed) {
   Network part;
-  std::vector<std::uint32_t> removed;
   for (const LawUse& neuron : whole.neurons()) part.add_neuron(neuron);
   for (const Material& material : whole.materials()) part.add_material(material);
   for (const Node& node : whole.nodes()) part.add_node(node);
   part.set_gravity(whole.gravity());
   for (std::uint32_t s = 0; s < whole.springs().size(); ++s) {
     const Spring& spring = whole.springs()[s];
-    if (s % 7 == 3)
+    if (is_removed(s, spring))
       removed.push_back(s);
     else
       part.add_spring(spring.first, spring.second, spring.material, spring.rest_length);
   }
+  return part;
+}
+
+}  // namespace
+
+TEST_CASE("whole chunks, segments and tiles of springs can be removed") {
+  Lattice lattice;
+  lattice.nodes = {11, 14, 40};
+  lattice.diagonals = Diagonals::space;
+  for (const bool relative : {false, true}) {
+    CAPTURE(relative);
+    Network whole;
+    whole.add_lattice(
+        "box", lattice, Node{},
+        whole.add_material({LawUse{"linear", {{"stiffness", 3.0}}},
+                            relative ? LawUse{"relative", {{"damping", 0.5}}} : LawUse{"linear", {{"damping", 0.5}}}}));
+    std::mt19937 random(3);
+    std::uniform_real_distribution<double> unit(-0.1, 0.1);
+    for (NodeIndex k = 0; k < whole.nodes().size(); ++k) {
+      Node node = whole.nodes()[k];
+      node.position += Vector3(unit(random), unit(random), unit(random));
+      node.velocity = Vector3(unit(random), unit(random), unit(random));
+      whole.set_node(k, node);
+    }
+    EvaluatorFixture cut(whole, InstructionSet::best, 1, false);
+    cut.evaluate();  // whose forces must not stay behind
+    std::vector<std::uint32_t> removed;
+    const auto is_removed = [](std::uint32_t, const Spring& s) {
+      const std::uint32_t low = std::min(s.first, s.second), distance = std::max(s.first, s.second) - low;
+      const std::uint32_t tile = low / 64;
+      if (tile == 0 || tile == 9) return true;                 // all
+      if (tile == 3) return distance == 1 || distance == 11;   // of two distances
+      if (tile == 4) return distance == 1 || distance >= 154;  // of one rest length nearly all
+      if (tile >= 5 && tile < 8) return low % 64 < 16;         // of sixteen nodes
+      return tile == 8 && (distance == 11 || low % 8 < 7);     // but one of each eight
+    };
+    const Network part = without(whole, is_removed, removed);
+    cut.layout.remove(removed);
+    CHECK(cut.layout.units()[0].live < cut.layout.units()[0].laid_out);  // it was not laid out again
+    for (int turn = 0; turn < 2; ++turn) cut.evaluate();
+    EvaluatorFixture built(part, InstructionSet::best, 1, false);
+    built.evaluate();
+    for (std::uint32_t k = 0; k < whole.nodes().size(); ++k)
+      REQUIRE((cut.force(k) - built.force(k)).norm() <= 1e-13);  // another order of sums of up to 14 forces below 1 N
+  }
+}
+
+TEST_CASE("a network without some springs is the network from which they were removed") {
+  const Network whole = random_network(9000, 3, 9);
+  std::vector<std::uint32_t> removed;
+  const Network part = without(
+      whole, [](std::uint32_t s, const Spring&) { return s % 7 == 3; }, removed);
   EvaluatorFixture cut(whole, InstructionSet::best, 1, false), built(part, InstructionSet::best, 1, false);
   CHECK(cut.layout.remove(removed).size() == removed.size());
   CHECK(cut.layout.remove(removed).empty());

@@ -12,6 +12,7 @@
 #include "nets.hpp"
 #include "simulation/contact_changes.hpp"
 #include "simulation/contact_events.hpp"
+#include "simulation/engine.hpp"
 #include "simulation/integrator_calls.hpp"
 #include "simulation/linear_model.hpp"
 #include "simulation/start.hpp"
@@ -327,4 +328,28 @@ TEST_CASE("recent touches: only those in quick succession count") {
   CHECK(touches.count(3, 1.05, 0.1) == 2);
   CHECK(touches.count(4, 1.05, 0.1) == 1);
   CHECK(touches.count(3, 1.2, 0.1) == 1);
+}
+
+TEST_CASE("integrators of ABI 1.6 get neighbours on request, those before at any time") {
+  Network net;
+  const MaterialIndex material = net.add_material(damped(1.0, 0.5));
+  for (int k = 0; k < 4; ++k) net.add_node(point({1.0 * k, 0, 0}));
+  for (std::uint32_t k = 0; k < 3; ++k) net.add_spring(k, k + 1, material);
+  for (const std::uint32_t abi_minor : {5U, 6U}) {
+    CAPTURE(abi_minor);
+    Engine engine(net, *plugins(), {.renumber = false});
+    engine.serve(abi_minor);
+    const auto neighbours_of_2 = [&] {
+      const springnet_network& network = engine.network_with_neighbours();
+      return std::vector<std::uint32_t>(network.neighbours + network.neighbour_start[2],
+                                        network.neighbours + network.neighbour_start[3]);
+    };
+    CHECK((engine.network_info().neighbours != nullptr) == (abi_minor < 6));
+    CHECK(neighbours_of_2() == std::vector<std::uint32_t>{1, 3});
+    CHECK(engine.network_info().neighbours != nullptr);
+    CHECK(engine.topology().cut(std::vector<std::uint32_t>{1}) == 1);
+    CHECK((engine.network_info().neighbours != nullptr) == (abi_minor < 6));
+    CHECK((engine.network_info().neighbour_start != nullptr) == (abi_minor < 6));
+    CHECK(neighbours_of_2() == std::vector<std::uint32_t>{3});
+  }
 }
