@@ -75,13 +75,21 @@ struct Directions {
   const double *x, *y, *z;
 };
 
-// Forces of chunks on their second ends: (value + value_2) n.
+// Rows of equal length, one for each component: one pointer in the loops that have many.
+struct ForceRows {
+  double* x;  // N
+  std::size_t row;
+  [[nodiscard]] double* component(std::size_t c) const noexcept { return x + c * row; }
+};
+
+// Forces of chunks on their second ends: value n, or the sum of both values.
 struct ChunkForces {
   SegmentSprings springs;
-  const double *value, *value_2;  // N, [slot]; value_2 may be null
-  Directions n;
-  ForceArrays force;  // by the chunks' places
-  bool adds;          // to what is there
+  const double* value;  // N, [law][max_segment]
+  bool has_two;         // laws
+  const double* n;      // [component][max_segment], as in SegmentGeometry
+  ForceRows force;      // by the chunks' places
+  bool adds;            // to what is there
 };
 
 struct Kernels {
@@ -109,7 +117,7 @@ struct Kernels {
   // Sums up the forces `of_chunks` on their ends, eight nodes at a time: what one node receives from chunks that begin
   // anywhere would else go through memory that was just written in other pieces.
   void (*sum_chunk_forces)(const NodeSum* sums, std::size_t count, const std::uint32_t* places,
-                           const ForceArrays& of_chunks, const ForceArrays& force);
+                           const ForceRows& of_chunks, const ForceArrays& force);
   // Subtracts (value + value_2) times the direction from the forces on the first ends and adds it to those on the
   // second ends. value_2 may be null. Of springs by their ends, on the first ends alone:
   void (*scatter_first)(const SegmentSprings& springs, const double* value, const double* value_2, const Directions& n,

@@ -55,6 +55,7 @@ template <class Vector>
 [[gnu::always_inline]] inline double or_one(double length) { return length > 0.0 ? length : 1.0; }
 [[gnu::always_inline]] inline Eight or_one(const Eight& length) { return length > 0.0 ? length : 1.0 - Eight{}; }
 
+using EightIntegers = std::int64_t __attribute__((vector_size(64)));
 // Of one spring, or of eight: l = |d|; n = d / l, and 0 / 1 where l = 0.
 template <class Value>
 struct Direction {
@@ -136,9 +137,8 @@ template <Reads reads, class Value>
   element<reads>(d, out, at, Unchanged{});
 }
 
-using EightFlags = std::int64_t __attribute__((vector_size(64)));
-[[gnu::always_inline]] inline EightFlags flags_of(std::int64_t mask) {
-  const EightFlags bits = {1, 2, 4, 8, 16, 32, 64, 128};
+[[gnu::always_inline]] inline EightIntegers flags_of(std::int64_t mask) {
+  const EightIntegers bits = {1, 2, 4, 8, 16, 32, 64, 128};
   return (mask & bits) != 0;
 }
 // Slots without a spring have the ends of the first one with a spring, and no direction.
@@ -147,7 +147,7 @@ template <Reads reads>
                                                         SegmentGeometry& out, std::size_t at) {
   const std::size_t a = chunk.first, b = chunk.second;
   const auto one = static_cast<std::size_t>(__builtin_ctz(mask));
-  const EightFlags live = flags_of(mask);
+  const EightIntegers live = flags_of(mask);
   Differences<Eight> d;
   const auto subtract = [&](const double* values, Eight& difference) {
     Eight first, second;
@@ -204,7 +204,7 @@ void measure(const EndChanges& changes, std::size_t count, SegmentGeometry& out)
   }
 }
 
-[[gnu::always_inline]] inline void choose(const EightFlags& live, double* values, double otherwise) {
+[[gnu::always_inline]] inline void choose(const EightIntegers& live, double* values, double otherwise) {
   Eight own;
   load(values, own);
   store(live ? own : otherwise - Eight{}, values);
@@ -213,7 +213,7 @@ void settle_dead(const std::uint8_t* live, std::size_t count, std::size_t living
   const double length = g.length[living], rate = g.rate[living];
   for (std::size_t at = 0; at < count; at += chunk_springs) {
     if (live[at / chunk_springs] == 0xff) continue;
-    const EightFlags mask = flags_of(live[at / chunk_springs]);
+    const EightIntegers mask = flags_of(live[at / chunk_springs]);
     choose(mask, g.length + at, length);
     choose(mask, g.rate + at, rate);
     choose(mask, g.nx + at, 0.0);
@@ -225,7 +225,7 @@ void settle_dead_speeds(const std::uint8_t* live, std::size_t count, std::size_t
   const double speed = g.speed[living];
   for (std::size_t at = 0; at < count; at += chunk_springs) {
     if (live[at / chunk_springs] == 0xff) continue;
-    const EightFlags mask = flags_of(live[at / chunk_springs]);
+    const EightIntegers mask = flags_of(live[at / chunk_springs]);
     choose(mask, g.speed + at, speed);
     choose(mask, g.sx + at, 0.0);
     choose(mask, g.sy + at, 0.0);
@@ -234,27 +234,27 @@ void settle_dead_speeds(const std::uint8_t* live, std::size_t count, std::size_t
 }
 
 // Forces of the chunk whose slots begin at `at`.
-template <bool has_2>
+template <bool has_two>
 [[gnu::always_inline]] inline void forces_of_chunk(const ChunkForces& forces, std::size_t at) {
+  const double *const values = forces.value + at, *const n = forces.n + at;
   Eight value, x, y, z;
-  load(forces.value + at, value);
-  if constexpr (has_2) {
+  load(values, value);
+  if constexpr (has_two) {
     Eight other;
-    load(forces.value_2 + at, other);
+    load(values + max_segment, other);
     value += other;
   }
-  load(forces.n.x + at, x);
-  load(forces.n.y + at, y);
-  load(forces.n.z + at, z);
+  load(n, x);
+  load(n + max_segment, y);
+  load(n + 2 * max_segment, z);
   const Chunk& chunk = forces.springs.chunks[at / chunk_springs];
-  store(x * value, forces.force.x + chunk.place);
-  store(y * value, forces.force.y + chunk.place);
-  store(z * value, forces.force.z + chunk.place);
+  double* const force = forces.force.x + chunk.place;
+  const std::size_t row = forces.force.row;
+  store(x * value, force);
+  store(y * value, force + row);
+  store(z * value, force + 2 * row);
   if (!chunk.is_last) return;
-  const std::size_t after = chunk.place + std::size_t{chunk_springs};
-  store(Eight{}, forces.force.x + after);
-  store(Eight{}, forces.force.y + after);
-  store(Eight{}, forces.force.z + after);
+  for (std::size_t c = 0; c < 3; ++c) store(Eight{}, force + c * row + chunk_springs);
 }
 [[gnu::always_inline]] inline void add_to(double* values, const Eight& other) {
   Eight sum;
@@ -266,39 +266,37 @@ void add_chunk_forces(const ChunkForces& forces) {
     Eight value, n;
     load(forces.value + at, value);
     const std::size_t place = forces.springs.chunks[at / chunk_springs].place;
-    load(forces.n.x + at, n);
-    add_to(forces.force.x + place, n * value);
-    load(forces.n.y + at, n);
-    add_to(forces.force.y + place, n * value);
-    load(forces.n.z + at, n);
-    add_to(forces.force.z + place, n * value);
+    for (std::size_t c = 0; c < 3; ++c) {
+      load(forces.n + c * max_segment + at, n);
+      add_to(forces.force.component(c) + place, n * value);
+    }
   }
 }
 
-template <bool has_2>
+template <bool has_two>
 [[gnu::always_inline]] inline void forces_from(const ChunkForces& forces, std::size_t begin) {
-  for (std::size_t at = begin; at < forces.springs.count; at += chunk_springs) forces_of_chunk<has_2>(forces, at);
+  for (std::size_t at = begin; at < forces.springs.count; at += chunk_springs) forces_of_chunk<has_two>(forces, at);
 }
 void chunk_forces(const ChunkForces& given) {
   const ChunkForces forces = given;
   if (forces.adds)
     add_chunk_forces(forces);
-  else if (forces.value_2 == nullptr)
-    forces_from<false>(forces, 0);
-  else
+  else if (forces.has_two)
     forces_from<true>(forces, 0);
+  else
+    forces_from<false>(forces, 0);
 }
 
-template <Reads reads, bool has_2>
+template <Reads reads, bool has_two>
 [[gnu::always_inline]] inline void forces_and_gather_of(const ChunkForces& forces, const SegmentSprings& springs,
                                                         const NodeArrays& nodes, SegmentGeometry& out) {
   const std::size_t both = springs.count < forces.springs.count ? springs.count : forces.springs.count;
   std::size_t at = 0;
   for (; at < both; at += chunk_springs) {
     gather_chunk<reads>(springs, nodes, out, at);
-    forces_of_chunk<has_2>(forces, at);
+    forces_of_chunk<has_two>(forces, at);
   }
-  forces_from<has_2>(forces, at);
+  forces_from<has_two>(forces, at);
   for (; at < springs.count; at += chunk_springs) gather_chunk<reads>(springs, nodes, out, at);
 }
 template <Reads reads>
@@ -310,16 +308,18 @@ void forces_and_gather(const ChunkForces& given_forces, const SegmentSprings& gi
   if (forces.adds) {
     add_chunk_forces(forces);
     gather<reads>(springs, nodes, out);
-  } else if (forces.value_2 == nullptr) {
-    forces_and_gather_of<reads, false>(forces, springs, nodes, out);
-  } else {
+  } else if (forces.has_two) {
     forces_and_gather_of<reads, true>(forces, springs, nodes, out);
+  } else {
+    forces_and_gather_of<reads, false>(forces, springs, nodes, out);
   }
 }
 
-void sum_chunk_forces(const NodeSum* sums, std::size_t count, const std::uint32_t* places, const ForceArrays& of_chunks,
+void sum_chunk_forces(const NodeSum* sums, std::size_t count, const std::uint32_t* places, const ForceRows& of_chunks,
                       const ForceArrays& force) {
-  const ForceArrays of = of_chunks, on = force;
+  const double* const of_x = of_chunks.x;
+  const double *const of_y = of_x + of_chunks.row, *const of_z = of_y + of_chunks.row;
+  const ForceArrays on = force;
   for (std::size_t k = 0; k < count; ++k) {
     const NodeSum sum = sums[k];
     Eight x, y, z, other;
@@ -327,19 +327,19 @@ void sum_chunk_forces(const NodeSum* sums, std::size_t count, const std::uint32_
     load(on.y + sum.node, y);
     load(on.z + sum.node, z);
     for (const std::uint32_t* const end = places + sum.first_ends; places != end; ++places) {
-      load(of.x + *places, other);
+      load(of_x + *places, other);
       x -= other;
-      load(of.y + *places, other);
+      load(of_y + *places, other);
       y -= other;
-      load(of.z + *places, other);
+      load(of_z + *places, other);
       z -= other;
     }
     for (const std::uint32_t* const end = places + sum.second_ends; places != end; ++places) {
-      load(of.x + *places, other);
+      load(of_x + *places, other);
       x += other;
-      load(of.y + *places, other);
+      load(of_y + *places, other);
       y += other;
-      load(of.z + *places, other);
+      load(of_z + *places, other);
       z += other;
     }
     store(x, on.x + sum.node);
@@ -469,7 +469,7 @@ void weigh(std::size_t count, const double* RESTRICT mass, const double gravity[
 }
 
 bool all_positive(const double* values, std::size_t count) {
-  EightFlags positive = flags_of(0xff);
+  EightIntegers positive = flags_of(0xff);
   for (std::size_t at = 0; at < count; at += chunk_springs) {
     Eight eight;
     load(values + at, eight);

@@ -23,7 +23,7 @@ struct UnitScratch {
   Window window{};
   // N, on nodes of the unit and its halo, from its first node on.
   ForceArrays force{};
-  ForceArrays chunk_force{};  // N, of the chunks of a tile, by their places; the first eight are zeros
+  ForceRows chunk_force{};  // N, of the chunks of a tile, by their places; the first eight are zeros
 
   // Memory for all units.
   void reserve(const Layout& layout) {
@@ -38,9 +38,10 @@ struct UnitScratch {
       node_force_.resize(places);
     }
     // Sums of eight may reach beyond the nodes.
-    force = reserve_rows(nodes + chunk_springs, force_);
+    const ForceRows rows = reserve_rows(nodes + chunk_springs, force_);
+    force = {rows.component(0), rows.component(1), rows.component(2)};
     chunk_force = reserve_rows(forces, chunk_force_);
-    for (double* const of : {chunk_force.x, chunk_force.y, chunk_force.z}) std::fill_n(of, chunk_springs, 0.0);
+    for (std::size_t c = 0; c < 3; ++c) std::fill_n(chunk_force.component(c), chunk_springs, 0.0);
   }
   void open_window(const Unit& unit) noexcept {
     window = {&node_state_.data()->values, &node_force_.data()->values, unit.window == 0 ? 0 : unit.window - 1};
@@ -58,10 +59,10 @@ struct UnitScratch {
     double values[8];
   };
   // Rows apart by whole pages would compete for the cache.
-  static ForceArrays reserve_rows(std::size_t count, std::vector<EightForces>& memory) {
+  static ForceRows reserve_rows(std::size_t count, std::vector<EightForces>& memory) {
     const std::size_t row = (count + 63) / 64 * 8 + 3;
     if (3 * row > memory.size()) memory.assign(3 * row, EightForces{});
-    return {memory[0].values, memory[row].values, memory[2 * row].values};
+    return {memory[0].values, row * chunk_springs};
   }
 
   std::vector<NodeState> node_state_;

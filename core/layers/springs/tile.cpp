@@ -1,6 +1,7 @@
 // The springs of one segment of a tile: geometry, laws, forces back to the nodes.
 
 #include <algorithm>
+#include <cstddef>
 #include <utility>
 
 #include "layers/evaluator.hpp"
@@ -9,6 +10,12 @@
 
 namespace springnet::layers {
 namespace {
+
+// ChunkForces reads directions by one pointer.
+static_assert(offsetof(SegmentGeometry, ny) == offsetof(SegmentGeometry, nx) + sizeof(double) * max_segment);
+static_assert(offsetof(SegmentGeometry, nz) == offsetof(SegmentGeometry, ny) + sizeof(double) * max_segment);
+static_assert(offsetof(SegmentGeometry, sy) == offsetof(SegmentGeometry, sx) + sizeof(double) * max_segment);
+static_assert(offsetof(SegmentGeometry, sz) == offsetof(SegmentGeometry, sy) + sizeof(double) * max_segment);
 
 struct Wanted {
   bool lengths, rates, speeds;
@@ -59,10 +66,10 @@ void Evaluator::clear_forces(const Unit& unit, const Segment& segment, UnitScrat
   settle_pending(unit, scratch);
   const SegmentSprings springs = unit.springs_of(segment);
   if (springs.chunks == nullptr) return;
-  const ForceArrays& of = scratch.chunk_force;
   for (std::uint32_t k = 0; k < springs.count / chunk_springs; ++k)  // a chunk, and the zeros that may follow it
-    for (double* const component : {of.x, of.y, of.z})
-      std::fill_n(component + springs.chunks[k].place, (springs.chunks[k].is_last ? 2 : 1) * chunk_springs, 0.0);
+    for (std::size_t c = 0; c < 3; ++c)
+      std::fill_n(scratch.chunk_force.component(c) + springs.chunks[k].place,
+                  (springs.chunks[k].is_last ? 2 : 1) * chunk_springs, 0.0);
 }
 
 // The forces of the segment before become final meanwhile, and reach the nodes if it was the last one of its tile.
@@ -117,7 +124,7 @@ springnet_status Evaluator::apply_laws(const Unit& unit, const Segment& segment,
     switch (segment.access) {
       case Access::chunks:
         settle_pending(unit, scratch);
-        scratch.pending = {springs, value, value_2, directions, scratch.chunk_force, is_second};
+        scratch.pending = {springs, value, value_2 != nullptr, directions.x, scratch.chunk_force, is_second};
         is_second = true;
         return;
       case Access::near:
