@@ -102,12 +102,11 @@ struct Kernels {
   void (*lengths_of)(const EndChanges& changes, std::size_t count, SegmentGeometry& out);
   void (*lengths_and_rates_of)(const EndChanges& changes, std::size_t count, SegmentGeometry& out);
   void (*relative_speeds_of)(const EndChanges& changes, std::size_t count, SegmentGeometry& out);
-  // In slots without a spring gives the length and rate, or the speed, of the slot `living`, which has one, and no
-  // direction, so that laws meet nothing unusual and such slots exert no force. live: a bit for each slot. Chunks with
-  // a spring need it not: the others of a chunk have the values of its first.
-  void (*settle_dead)(const std::uint8_t* live, std::size_t count, std::size_t living, SegmentGeometry& geometry);
-  void (*settle_dead_speeds)(const std::uint8_t* live, std::size_t count, std::size_t living,
-                             SegmentGeometry& geometry);
+  // Gives slots without a spring the length and rate, or the speed, of the slot `living`, so that laws meet nothing
+  // that no spring has. In chunks with a spring they have those of the first one already. What laws answer there is
+  // left out of all forces.
+  void (*settle_dead)(const SegmentSprings& springs, std::size_t living, SegmentGeometry& geometry);
+  void (*settle_dead_speeds)(const SegmentSprings& springs, std::size_t living, SegmentGeometry& geometry);
   void (*chunk_forces)(const ChunkForces& forces);
   // The same, and `lengths` or `lengths_and_rates` of other chunks between, which wait for square roots.
   void (*chunk_forces_and_lengths)(const ChunkForces& forces, const SegmentSprings& springs, const NodeArrays& nodes,

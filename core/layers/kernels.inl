@@ -80,35 +80,27 @@ constexpr bool reads_velocities(Reads reads) {
   return reads == Reads::length_and_rate || reads == Reads::relative_speed;
 }
 
-// Geometry of springs from `at` on. `directed` is applied to directions.
-template <Reads reads, class Value, class Directed>
-[[gnu::always_inline]] inline void element(const Differences<Value>& d, SegmentGeometry& out, std::size_t at,
-                                           const Directed& directed) {
+// Geometry of springs from `at` on.
+template <Reads reads, class Value>
+[[gnu::always_inline]] inline void element(const Differences<Value>& d, SegmentGeometry& out, std::size_t at) {
   if constexpr (reads == Reads::relative_speed) {
     const Direction<Value> s = direction(d.v[0], d.v[1], d.v[2]);
     store(s.length, out.speed + at);
-    store(directed(s.x), out.sx + at);
-    store(directed(s.y), out.sy + at);
-    store(directed(s.z), out.sz + at);
+    store(s.x, out.sx + at);
+    store(s.y, out.sy + at);
+    store(s.z, out.sz + at);
   } else if constexpr (reads == Reads::distance) {
     store(root(d.p[0] * d.p[0] + d.p[1] * d.p[1] + d.p[2] * d.p[2]), out.length + at);
   } else {
     const Direction<Value> n = direction(d.p[0], d.p[1], d.p[2]);
     store(n.length, out.length + at);
-    store(directed(n.x), out.nx + at);
-    store(directed(n.y), out.ny + at);
-    store(directed(n.z), out.nz + at);
+    store(n.x, out.nx + at);
+    store(n.y, out.ny + at);
+    store(n.z, out.nz + at);
     if constexpr (reads == Reads::length_and_rate)
       store(Value(n.x * d.v[0] + n.y * d.v[1] + n.z * d.v[2]), out.rate + at);
   }
 }
-struct Unchanged {
-  template <class Value>
-  [[gnu::always_inline]] const Value& operator()(const Value& value) const {
-    return value;
-  }
-};
-
 // subtract(values, difference) of those that are read.
 template <Reads reads, class Subtract, class Value>
 [[gnu::always_inline]] inline void subtract_ends(const NodeArrays& n, const Subtract& subtract, Differences<Value>& d) {
@@ -134,14 +126,14 @@ template <Reads reads, class Value>
     difference = first - second;
   };
   subtract_ends<reads>(n, subtract, d);
-  element<reads>(d, out, at, Unchanged{});
+  element<reads>(d, out, at);
 }
 
 [[gnu::always_inline]] inline EightIntegers flags_of(std::int64_t mask) {
   const EightIntegers bits = {1, 2, 4, 8, 16, 32, 64, 128};
   return (mask & bits) != 0;
 }
-// Slots without a spring have the ends of the first one with a spring, and no direction.
+// Slots without a spring have the ends of the first one with a spring.
 template <Reads reads>
 [[gnu::always_inline]] inline void gather_partial_chunk(const Chunk& chunk, unsigned mask, const NodeArrays& nodes,
                                                         SegmentGeometry& out, std::size_t at) {
@@ -156,14 +148,17 @@ template <Reads reads>
     difference = live ? first - second : (values[a + one] - values[b + one]) - Eight{};
   };
   subtract_ends<reads>(nodes, subtract, d);
-  element<reads>(d, out, at, [&](const Eight& component) { return live ? component : Eight{}; });
+  element<reads>(d, out, at);
 }
 
+[[gnu::always_inline]] inline unsigned live_of(const SegmentSprings& springs, std::size_t at) {
+  return springs.live == nullptr ? 0xffu : springs.live[at / chunk_springs];
+}
 template <Reads reads>
 [[gnu::always_inline]] inline void gather_chunk(const SegmentSprings& springs, const NodeArrays& nodes,
                                                 SegmentGeometry& out, std::size_t at) {
   const Chunk& chunk = springs.chunks[at / chunk_springs];
-  const unsigned live = springs.live == nullptr ? 0xffu : springs.live[at / chunk_springs];
+  const unsigned live = live_of(springs, at);
   if (live == 0xff || live == 0)
     element<reads, Eight>(nodes, chunk.first, chunk.second, out, at);
   else
@@ -200,7 +195,7 @@ void measure(const EndChanges& changes, std::size_t count, SegmentGeometry& out)
       d.v[1] = c.vy[i];
       d.v[2] = c.vz[i];
     }
-    element<reads>(d, out, i, Unchanged{});
+    element<reads>(d, out, i);
   }
 }
 
@@ -209,27 +204,23 @@ void measure(const EndChanges& changes, std::size_t count, SegmentGeometry& out)
   load(values, own);
   store(live ? own : otherwise - Eight{}, values);
 }
-void settle_dead(const std::uint8_t* live, std::size_t count, std::size_t living, SegmentGeometry& g) {
+// Whether slots of eight have values of another spring to take.
+[[gnu::always_inline]] inline bool is_unsettled(unsigned live, bool in_chunks) {
+  return in_chunks ? live == 0 : live != 0xff;
+}
+void settle_dead(const SegmentSprings& springs, std::size_t living, SegmentGeometry& g) {
   const double length = g.length[living], rate = g.rate[living];
-  for (std::size_t at = 0; at < count; at += chunk_springs) {
-    if (live[at / chunk_springs] == 0xff) continue;
-    const EightIntegers mask = flags_of(live[at / chunk_springs]);
-    choose(mask, g.length + at, length);
-    choose(mask, g.rate + at, rate);
-    choose(mask, g.nx + at, 0.0);
-    choose(mask, g.ny + at, 0.0);
-    choose(mask, g.nz + at, 0.0);
+  for (std::size_t at = 0; at < springs.count; at += chunk_springs) {
+    const unsigned live = springs.live[at / chunk_springs];
+    if (!is_unsettled(live, springs.chunks != nullptr)) continue;
+    choose(flags_of(live), g.length + at, length);
+    choose(flags_of(live), g.rate + at, rate);
   }
 }
-void settle_dead_speeds(const std::uint8_t* live, std::size_t count, std::size_t living, SegmentGeometry& g) {
-  const double speed = g.speed[living];
-  for (std::size_t at = 0; at < count; at += chunk_springs) {
-    if (live[at / chunk_springs] == 0xff) continue;
-    const EightIntegers mask = flags_of(live[at / chunk_springs]);
-    choose(mask, g.speed + at, speed);
-    choose(mask, g.sx + at, 0.0);
-    choose(mask, g.sy + at, 0.0);
-    choose(mask, g.sz + at, 0.0);
+void settle_dead_speeds(const SegmentSprings& springs, std::size_t living, SegmentGeometry& g) {
+  for (std::size_t at = 0; at < springs.count; at += chunk_springs) {
+    const unsigned live = springs.live[at / chunk_springs];
+    if (is_unsettled(live, springs.chunks != nullptr)) choose(flags_of(live), g.speed + at, g.speed[living]);
   }
 }
 
@@ -250,9 +241,19 @@ template <bool has_two>
   const Chunk& chunk = forces.springs.chunks[at / chunk_springs];
   double* const force = forces.force.x + chunk.place;
   const std::size_t row = forces.force.row;
-  store(x * value, force);
-  store(y * value, force + row);
-  store(z * value, force + 2 * row);
+  x *= value;
+  y *= value;
+  z *= value;
+  const unsigned live = live_of(forces.springs, at);
+  if (live != 0xff) {
+    const EightIntegers flags = flags_of(live);
+    x = flags ? x : Eight{};
+    y = flags ? y : Eight{};
+    z = flags ? z : Eight{};
+  }
+  store(x, force);
+  store(y, force + row);
+  store(z, force + 2 * row);
   if (!chunk.is_last) return;
   for (std::size_t c = 0; c < 3; ++c) store(Eight{}, force + c * row + chunk_springs);
 }
@@ -266,9 +267,10 @@ void add_chunk_forces(const ChunkForces& forces) {
     Eight value, n;
     load(forces.value + at, value);
     const std::size_t place = forces.springs.chunks[at / chunk_springs].place;
+    const EightIntegers flags = flags_of(live_of(forces.springs, at));
     for (std::size_t c = 0; c < 3; ++c) {
       load(forces.n + c * max_segment + at, n);
-      add_to(forces.force.component(c) + place, n * value);
+      add_to(forces.force.component(c) + place, flags ? n * value : Eight{});
     }
   }
 }
@@ -349,9 +351,10 @@ void sum_chunk_forces(const NodeSum* sums, std::size_t count, const std::uint32_
 }
 
 // Forces of springs, [component][spring].
-[[gnu::always_inline]] inline void forces_of(std::size_t count, const double* RESTRICT value,
+[[gnu::always_inline]] inline void forces_of(const SegmentSprings& springs, const double* RESTRICT value,
                                              const double* RESTRICT value_2, const Directions& n,
                                              double (*RESTRICT force)[max_segment]) {
+  const std::size_t count = springs.count;
   const double *RESTRICT x = n.x, *RESTRICT y = n.y, *RESTRICT z = n.z;
   for (std::size_t i = 0; i < count; ++i) {
     const double sum = value_2 == nullptr ? value[i] : value[i] + value_2[i];
@@ -359,12 +362,17 @@ void sum_chunk_forces(const NodeSum* sums, std::size_t count, const std::uint32_
     force[1][i] = sum * y[i];
     force[2][i] = sum * z[i];
   }
+  if (springs.live == nullptr) return;
+  for (std::size_t at = 0; at < count; at += chunk_springs) {
+    const EightIntegers flags = flags_of(springs.live[at / chunk_springs]);
+    for (std::size_t c = 0; c < 3; ++c) choose(flags, force[c] + at, 0.0);
+  }
 }
 
 void scatter_first(const SegmentSprings& springs, const double* value, const double* value_2, const Directions& n,
                    const ForceArrays& force, std::uint32_t origin) {
   alignas(64) double of_spring[3][max_segment];
-  forces_of(springs.count, value, value_2, n, of_spring);
+  forces_of(springs, value, value_2, n, of_spring);
   double *fx = force.x, *fy = force.y, *fz = force.z;
   for (std::size_t i = 0; i < springs.count; ++i) {
     const std::size_t a = springs.first[i] - origin;
@@ -407,7 +415,7 @@ void subtract_window(const SegmentSprings& springs, const Window& window, double
 void scatter_window(const SegmentSprings& springs, const double* value, const double* value_2, const Directions& n,
                     const Window& window) {
   alignas(64) double of_spring[3][max_segment];
-  forces_of(springs.count, value, value_2, n, of_spring);
+  forces_of(springs, value, value_2, n, of_spring);
   const std::uint32_t *const first = springs.first, *const second = springs.second, mask = window.mask;
   double(*const force)[4] = window.force;
   for (std::size_t i = 0; i < springs.count; i += 4) {

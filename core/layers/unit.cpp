@@ -1,6 +1,7 @@
 #include "layers/unit.hpp"
 
 #include <algorithm>
+#include <bit>
 
 #include "layers/ordering.hpp"
 
@@ -23,7 +24,25 @@ void Unit::remove(std::uint32_t own, std::uint32_t spring_number) noexcept {
     if (slot == segment.living && segment.dead < segment.count)
       segment.living = static_cast<std::uint32_t>(
           std::find_if(begin, end, [](std::uint32_t other) { return other != no_spring; }) - begin);
+    settle_values(s);
     return;
+  }
+}
+
+void Unit::settle_values(std::size_t index) noexcept {
+  const Segment& segment = segments[index];
+  if (segment.row != mixed_rows || segment.dead == 0 || segment.dead == segment.count) return;
+  const std::size_t values_end = index + 1 < segments.size() ? segments[index + 1].value_begin : values.size();
+  const std::uint8_t* const live_slots = live_in(segment);
+  for (double* column = values.data() + segment.value_begin; column != values.data() + values_end;
+       column += segment.count) {
+    for (std::uint32_t at = 0; at < segment.count; at += chunk_springs) {
+      const unsigned mask = live_slots[at / chunk_springs];
+      const bool has_own = segment.access == Access::chunks && mask != 0;
+      const double value = column[has_own ? at + static_cast<std::uint32_t>(std::countr_zero(mask)) : segment.living];
+      for (std::uint32_t i = 0; i < chunk_springs; ++i)
+        if ((mask >> i & 1u) == 0) column[at + i] = value;
+    }
   }
 }
 

@@ -80,6 +80,9 @@ struct Unit {
   }
   // Removes a spring from the tile of its end `own`, which must be in the unit.
   void remove(std::uint32_t own, std::uint32_t spring_number) noexcept;
+  // Gives slots without a spring the parameters of the spring whose length they get: of the first one of their chunk,
+  // or of `living`. A law could fail for the length of one spring and the rest length of another.
+  void settle_values(std::size_t segment) noexcept;
 };
 
 // Where the values of the columns of a segment of mixed rows are: RowSelection::columns.

@@ -250,8 +250,9 @@ void UnitBuilder::end_segment() {
   for (std::size_t c = 0; c < group.columns.size(); ++c) {
     if (group.is_same(c)) continue;
     for (const UnitSpring* const spring : slots_)
-      unit_->values.push_back(group.columns[c][(spring != nullptr ? spring : slots_[segment.living])->row]);
+      unit_->values.push_back(spring != nullptr ? group.columns[c][spring->row] : 0.0);
   }
+  unit_->settle_values(unit_->segments.size() - 1);
 }
 
 void UnitBuilder::add_chunks(const Set& set) {

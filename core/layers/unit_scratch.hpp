@@ -44,7 +44,8 @@ struct UnitScratch {
     for (std::size_t c = 0; c < 3; ++c) std::fill_n(chunk_force.component(c), chunk_springs, 0.0);
   }
   void open_window(const Unit& unit) noexcept {
-    window = {&node_state_.data()->values, &node_force_.data()->values, unit.window == 0 ? 0 : unit.window - 1};
+    window = {};
+    if (unit.window > 0) window = {&node_state_[0].values, &node_force_[0].values, unit.window - 1};
   }
 
  private:

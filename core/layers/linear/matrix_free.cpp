@@ -242,8 +242,8 @@ MatrixFree::Sums MatrixFree::linearise_unit(std::size_t index, double time, cons
     kernels.lengths_and_rates(springs, nodes, *geometry);
     kernels.relative_speeds(springs, nodes, *geometry);
     if (Unit::is_unsettled(segment)) {
-      kernels.settle_dead(unit.live_in(segment), segment.count, segment.living, *geometry);
-      kernels.settle_dead_speeds(unit.live_in(segment), segment.count, segment.living, *geometry);
+      kernels.settle_dead(springs, segment.living, *geometry);
+      kernels.settle_dead_speeds(springs, segment.living, *geometry);
     }
     const SegmentColumns columns(unit, segment, group);
     const RowSelection rows =

@@ -39,8 +39,8 @@ void find_geometry(const Search& search, const Unit& unit, const Segment& segmen
     kernels.distances(springs, search.nodes, geometry);
   if (speeds) kernels.relative_speeds(springs, search.nodes, geometry);
   if (Unit::is_unsettled(segment)) {
-    kernels.settle_dead(unit.live_in(segment), segment.count, segment.living, geometry);
-    kernels.settle_dead_speeds(unit.live_in(segment), segment.count, segment.living, geometry);
+    kernels.settle_dead(springs, segment.living, geometry);
+    kernels.settle_dead_speeds(springs, segment.living, geometry);
   }
 }
 

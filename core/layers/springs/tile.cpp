@@ -95,9 +95,8 @@ void Evaluator::find_geometry(const Unit& unit, const Segment& segment, const No
       find_by_arrays(kernels_, springs, wanted, nodes, geometry);
   }
   if (!Unit::is_unsettled(segment)) return;
-  const std::uint8_t* const live = unit.live_in(segment);
-  if (wanted.lengths || wanted.rates) kernels_.settle_dead(live, segment.count, segment.living, geometry);
-  if (wanted.speeds) kernels_.settle_dead_speeds(live, segment.count, segment.living, geometry);
+  if (wanted.lengths || wanted.rates) kernels_.settle_dead(springs, segment.living, geometry);
+  if (wanted.speeds) kernels_.settle_dead_speeds(springs, segment.living, geometry);
 }
 
 // After find_geometry(). Forces along the springs of chunks are pending afterwards.
