@@ -44,9 +44,16 @@ std::string remedy_for(const Step& step, const Attempt& attempt, const Circumsta
   return text;
 }
 
-constexpr const char* no_remedy =
-    "this happens already at the start of the step, so no time_step helps: change that law or neuron, or the initial "
-    "state";
+// Steps of a fixed number of sweeps do not test themselves: a state from which one fails may be the result of others
+// that were too long.
+const char* remedy_for_start(const Circumstances& circumstances) {
+  return circumstances.exact_sweeps
+             ? "this happens already at the start of the step: use a smaller time_step from the beginning if the steps "
+               "before were too long, else change that law or neuron, or the initial state"
+             : "this happens already at the start of the step, so no time_step helps: change that law or neuron, or "
+               "the "
+               "initial state";
+}
 
 // Messages of rigid connections and contacts contain their own advice.
 bool has_remedy(const std::string& message) { return message.find("smaller time") != std::string::npos; }
@@ -66,12 +73,13 @@ std::string explain(const Step& step, const Attempt& attempt, const Circumstance
   const std::string remedy = remedy_for(step, attempt, circumstances);
   if (!attempt.law_message.empty()) {
     const std::string text = "the step diverges" + after + attempt.law_message;
-    if (circumstances.fails_at_start) return text + "; " + no_remedy;
+    if (circumstances.fails_at_start) return text + "; " + remedy_for_start(circumstances);
     return has_remedy(attempt.law_message) ? text : text + "; " + remedy;
   }
   if (!step.finite) {
     const std::string text = "the step diverges" + after + "numbers are no longer finite, first at node " + node + "; ";
-    return text + (circumstances.fails_at_start ? std::string(no_remedy) : remedy + ", or unsettled = \"adapt\"");
+    return text + (circumstances.fails_at_start ? std::string(remedy_for_start(circumstances))
+                                                : remedy + ", or unsettled = \"adapt\"");
   }
   std::string outcome = "diverges", more_advice;
   if (attempt.verdict == Verdict::oscillating) {

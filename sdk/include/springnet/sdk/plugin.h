@@ -278,8 +278,8 @@ typedef struct springnet_network {
   const uint8_t* fixed;  /* [node_count] 1: fixed, or moved over time by the scene */
   const uint8_t* held;   /* [node_count] 1: a surface holds it where it touched, and carries it */
   const uint32_t* user_number; /* [node_count] */
-  /* For plugins of ABI 1.6 and later null until network_with_neighbours is called, and again after `revision` has
-   * changed: they cost as much as many time steps. */
+  /* For plugins of ABI 1.6 and later null until network_with_neighbours is called, and again after
+   * `connection_revision` has changed: they cost as much as many time steps. */
   const uint32_t* neighbour_start; /* [node_count + 1] */
   const uint32_t* neighbours;      /* by a live spring, element or rigid connection; ascending user number, unique */
   /* since 1.1 */
@@ -573,7 +573,7 @@ typedef struct springnet_host {
   double (*time_left)(void* context);
 
   /* Since 1.6. */
-  /* As `network`, with the lists of neighbours. Null: out of memory. */
+  /* As `network`, with the lists of neighbours. Not within a sweep. Null: out of memory. */
   const springnet_network* (*network_with_neighbours)(void* context);
 } springnet_host;
 
