@@ -31,10 +31,10 @@ bool forget_peak() {
   return file.good();
 }
 
-// What docs/propagation.md promises for springs of one material, in bytes: 64 a spring and 200 a node while it steps, and at
-// most half more while it loads. A spring takes 16 in the network (ends, rest length), 4 for the row of its parameters,
-// 8 for its ends in the engine's numbers, 8 for the list of neighbours, and what the layout needs to evaluate it; a
-// node 24 in the network (position), 144 for two states, and 8 for its mass.
+// What docs/propagation.md promises for springs of one material, in bytes: 64 a spring and 200 a node while it steps,
+// and at most half more while it loads. A spring takes 16 in the network (ends, rest length), 4 for the row of its
+// parameters, 8 for its ends in the engine's numbers, 8 for the list of neighbours, and what the layout needs to
+// evaluate it; a node 24 in the network (position), 144 for two states, and 8 for its mass.
 double promised(const Network& net) {
   constexpr double a_spring = 64.0, a_node = 200.0;
   constexpr double rest = 3e6;  // stacks of threads, pages of plugins

@@ -44,10 +44,8 @@ std::string remedy_for(const Step& step, const Attempt& attempt, const Circumsta
   return text;
 }
 
-// Steps of a fixed number of sweeps do not test themselves: a state from which one fails may be the result of others
-// that were too long.
 const char* remedy_for_start(const Circumstances& circumstances) {
-  return circumstances.exact_sweeps
+  return circumstances.starts_untested
              ? "this happens already at the start of the step: use a smaller time_step from the beginning if the steps "
                "before were too long, else change that law or neuron, or the initial state"
              : "this happens already at the start of the step, so no time_step helps: change that law or neuron, or "

@@ -22,6 +22,8 @@ struct Circumstances {
   bool accelerated = false;
   bool divided = false;         // smaller and smaller steps were tried
   bool fails_at_start = false;  // a law or neuron has no finite result at the start of the step
+  // The start is the result of steps of a fixed number of sweeps, which do not test themselves.
+  bool starts_untested = false;
   // theta times the time constant over the critical one of synchronous sweeps; nan: not known.
   double over_critical = std::numeric_limits<double>::quiet_NaN();
 };

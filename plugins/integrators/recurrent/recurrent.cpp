@@ -235,6 +235,7 @@ void Recurrent::take(const Step& step, Verdict verdict) {
   result.is_swept = step.compares ? 0 : 1;  // a single synchronous sweep, whose outputs nothing has changed
   work_.committed(step);
   work_.host.commit(step.until, result);
+  has_committed_ = true;
   if (verdict == Verdict::out_of_time)
     work_.host.report("out_of_time_steps", ++late_);
   else if (!settled(verdict))
@@ -277,6 +278,7 @@ Circumstances Recurrent::circumstances(const Step& step, const Attempt& attempt)
   Circumstances result;
   result.chosen_by_user = update_ != Update::automatic;
   result.exact_sweeps = limits_.exact_sweeps > 0;
+  result.starts_untested = result.exact_sweeps && has_committed_;
   result.accelerated = accelerates_;
   if (!attempt.law_message.empty() || !step.finite) {
     try {

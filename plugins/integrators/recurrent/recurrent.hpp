@@ -161,6 +161,7 @@ class Recurrent : public sdk::Integrator {
   Automatic automatic_;
   std::array<std::unique_ptr<Rule>, rules> rules_;
   std::array<std::optional<std::uint64_t>, rules> attached_;  // [rule] revision of the network at its last attach()
+  bool has_committed_ = false;                                // a step
   std::optional<std::uint64_t> revision_;                     // at the workspace's last attach()
   sdk::State stage_;                                          // outputs of the last stage that settled
   std::uint64_t sweeps_ = 0, stages_ = 0, substeps_ = 0;      // in this call

@@ -166,6 +166,16 @@ TEST_CASE("diverging to numbers that are not finite fails, whatever the policy")
   }
 }
 
+TEST_CASE("a step of one sweep that fails from the result of others advises a smaller time step from the beginning") {
+  const Material stiffening{LawUse{"exponential", {{"stiffness", 100}, {"exponent", 1000.0}}}, std::nullopt};
+  Simulation simulation = simulate(oscillator(stiffening, 1.0, 0.0), single_sweep(), 1.0);
+  simulation.set_position(1, {1.1, 0, 0});
+  simulation.step();  // far away, as one sweep does not notice
+  const std::string why = failure(simulation);
+  CAPTURE(why);
+  CHECK(contains(why, "use a smaller time_step from the beginning"));
+}
+
 TEST_CASE("the message names the user's node, also where nodes are renumbered") {
   // A lattice at rest, and one node beside it on a spring that is far too stiff for t_c.
   Network net;
