@@ -141,7 +141,7 @@ Inspection inspect(const Network& network, const PluginHost& plugins, const Insp
   result.hints = find_hints(start, part, result);
   // Measured: peak of resident memory of `springnet run` with explicit steps, lattices of 1 to 8 million nodes and a
   // mesh of 1 million; see "What a network takes of memory" in propagation.md.
-  constexpr double bytes_at_least = 10e6, bytes_per_node = 220.0, bytes_per_spring = 62.0;
+  constexpr double bytes_at_least = 10e6, bytes_per_node = 220.0, bytes_per_spring = 54.0;
   result.memory_bytes = bytes_at_least + bytes_per_node * static_cast<double>(result.nodes) +
                         bytes_per_spring * static_cast<double>(result.springs);
   return result;

@@ -25,7 +25,7 @@ struct Chunk {
 // Slots for springs: in chunks, or, without chunks, by their ends. `count` is a multiple of chunk_springs.
 struct SegmentSprings {
   const Chunk* chunks;
-  const std::uint8_t* live;  // [slot / 8] a bit for each slot with a spring, for chunks; null: all have one
+  const std::uint8_t* live;  // [slot / 8] a bit for each slot with a spring; null: all have one
   std::uint32_t count;
   const std::uint32_t* first;   // [count]
   const std::uint32_t* second;  // [count]

@@ -1,5 +1,6 @@
 // Included once for each instruction set with KERNEL_NAMESPACE defined. Plain loops only: the linker could pick an
-// inline library function compiled here, for a wider instruction set, for the whole program.
+// inline library function compiled here, for a wider instruction set, for the whole program. (Intrinsics are never
+// functions of their own.)
 
 #if defined(__AVX__)
 #include <immintrin.h>

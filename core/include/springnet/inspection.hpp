@@ -158,7 +158,7 @@ struct Inspection {
 
   std::vector<Part> parts;                // by falling number of nodes, then rising first node
   std::size_t nodes_without_springs = 0;  // nor elements nor rigid connections; each is a part
-  double memory_bytes = 0.0;              // estimate for a run with the recurrent integrator
+  double memory_bytes = 0.0;              // estimate for a run of explicit steps
 
   InspectionOptions options;
   std::vector<TimeConstantLimit> limits;  // of every installed integrator that reports any, rule by rule
