@@ -77,7 +77,8 @@ springnet_status Evaluator::call_neuron(const NeuronKind& kind, springnet_neuron
   const profile::Part part(kind.component->description->id, profile::Kind::neuron);
   const springnet_status status = call_component(*kind.component, message, [&](springnet_message& own) {
     batch.message = &own;
-    return kind.component->neuron().evaluate(&batch);
+    const springnet_neuron_model& model = kind.component->neuron();
+    return model.evaluate(model.context, &batch);
   });
   if (status == SPRINGNET_OK) return status;
   const std::uint32_t others = batch.count - 1;

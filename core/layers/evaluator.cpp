@@ -229,7 +229,7 @@ springnet_status Evaluator::evaluate_tile(const Unit& unit, const Tile& tile, co
     }
     is_first = false;
     find_geometry(unit, segment, pass.nodes, scratch);
-    const springnet_status status = apply_laws(unit, segment, pass.time, scratch, message);
+    const springnet_status status = apply_laws(unit, segment, pass.time, pass.nodes, scratch, message);
     if (status != SPRINGNET_OK) return status;
   }
   if (is_first) settle_pending(unit, scratch);

@@ -133,8 +133,8 @@ class Evaluator {
   void clear_forces(const Unit& unit, const Segment& segment, UnitScratch& scratch) const noexcept;
   void find_geometry(const Unit& unit, const Segment& segment, const NodeArrays& nodes,
                      UnitScratch& scratch) const noexcept;
-  springnet_status apply_laws(const Unit& unit, const Segment& segment, double time, UnitScratch& scratch,
-                              springnet_message& message) const;
+  springnet_status apply_laws(const Unit& unit, const Segment& segment, double time, const NodeArrays& nodes,
+                              UnitScratch& scratch, springnet_message& message) const;
 
   // Values, rates and gradients of up to element_batch elements of one invariant.
   void measure(Invariant invariant, const BatchCorners& corners, const NodeArrays& nodes,
@@ -143,7 +143,7 @@ class Evaluator {
   springnet_status evaluate_elements(double time, const NodeArrays& nodes, springnet_message& message) const;
   springnet_status evaluate_batch(const ElementBatch& batch, double time, const NodeArrays& nodes,
                                   springnet_message& message) const;
-  springnet_status evaluate_enclosures(double time, springnet_message& message) const;
+  springnet_status evaluate_enclosures(double time, const NodeArrays& nodes, springnet_message& message) const;
   // force: arrays that begin at node `origin`.
   void add_elements(std::uint32_t begin, std::uint32_t end, const ForceArrays& force,
                     std::uint32_t origin) const noexcept;

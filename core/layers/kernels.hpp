@@ -38,9 +38,13 @@ struct NodeSum {
   std::uint32_t first_ends, second_ends;
 };
 
+struct InternalView;
+
+// What springs and elements read.
 struct NodeArrays {
-  const double *px, *py, *pz;  // m
-  const double *vx, *vy, *vz;  // m/s
+  const double *px, *py, *pz;              // m
+  const double *vx, *vy, *vz;              // m/s
+  const InternalView* internal = nullptr;  // states of laws; null: those at the start of a run, as laws declare them
 };
 
 struct ForceArrays {

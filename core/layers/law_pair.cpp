@@ -21,10 +21,11 @@ springnet_status evaluate_law(const LawBatch& laws, const Law& law, std::uint32_
   const double* reference = nullptr;
   // Parameters that differ between members are copied to `expanded`, for some members at a time; the size of a batch
   // does not change the bits.
-  constexpr std::size_t most_expanded = 128;
+  constexpr std::size_t most_expanded = states_batch;
   alignas(64) double expanded[(max_parameters + 1) * most_expanded];
   const bool uniform = rows.columns == nullptr && (rows.rows == nullptr || group.row_count() == 1);
-  const std::size_t batch_size = uniform || rows.columns != nullptr ? count : most_expanded;
+  const bool whole = (uniform || rows.columns != nullptr) && law.state_count == 0;
+  const std::size_t batch_size = whole ? count : most_expanded;
 
   springnet_law_batch batch{};
   batch.struct_size = sizeof batch;
@@ -42,7 +43,7 @@ springnet_status evaluate_law(const LawBatch& laws, const Law& law, std::uint32_
         return values.find(rows.rows == nullptr ? rows.row : 0);
       }
       stride = 1;
-      if (rows.columns != nullptr) return rows.columns[index];
+      if (rows.columns != nullptr) return rows.columns[index] + begin;
       double* copy = expanded + slot * most_expanded;
       for (std::size_t i = 0; i < size; ++i) copy[i] = values[rows.rows[begin + i]];
       return copy;
@@ -62,7 +63,9 @@ springnet_status evaluate_law(const LawBatch& laws, const Law& law, std::uint32_
     batch.margin = at(out.margin);
     const springnet_status status = call_component(*law.component, message, [&](springnet_message& own) {
       batch.message = &own;
-      return law.component->law().evaluate(&batch);
+      if (law.state_count > 0) return evaluate_with_states(laws.internal, law, begin, batch);
+      const springnet_law& functions = law.component->law();
+      return functions.evaluate(functions.context, &batch);
     });
     if (status != SPRINGNET_OK) return status;
   }

@@ -6,6 +6,7 @@
 #include <cstddef>
 
 #include "layers/instruction_set.hpp"
+#include "layers/kernels.hpp"
 #include "layers/laws.hpp"
 
 namespace springnet::layers {
@@ -17,6 +18,22 @@ struct RowSelection {
   const double* const* columns = nullptr;  // [column][member], null for a column that is the same in all rows
 };
 
+// The internal state of the members of a batch; no group: they have none.
+struct InternalSelection {
+  const InternalView* view = nullptr;  // null: states are those that the laws declare
+  const InternalLayout::OfGroup* group = nullptr;
+  const std::uint32_t* place = nullptr;  // [member], see InternalLayout::silent
+
+  InternalSelection() = default;
+  InternalSelection(const InternalLayout& layout, std::size_t group_index, const NodeArrays& nodes,
+                    const std::uint32_t* places) noexcept {
+    if (!layout.has(group_index)) return;
+    view = nodes.internal;
+    group = &layout.group(group_index);
+    place = places;
+  }
+};
+
 // Springs, or elements, of one group. Arrays are [count].
 struct LawBatch {
   const Group& group;
@@ -25,6 +42,7 @@ struct LawBatch {
   const double* q;                // invariant: length (m), angle (rad), area (m^2), volume (m^3)
   const double* rate;             // dq/dt; may be null where no law of the group reads it
   const double* speed = nullptr;  // |dv|, m/s; may be null where no law of the group reads it
+  InternalSelection internal{};
 };
 
 // Where one law of a batch writes its answers, [count] each; null where they are not wanted.
@@ -36,6 +54,14 @@ struct LawOutputs {
   double* margin = nullptr;   // to rupture; infinity for a law that cannot rupture
 };
 using PairOutputs = std::array<LawOutputs, 2>;  // as Group::laws()
+
+// Members of a law with internal state that are evaluated in one call.
+inline constexpr std::size_t states_batch = 128;
+
+// Evaluates one law with internal state on members [begin, begin + call.count) of a batch, count at most states_batch.
+// `call` is complete but for the states; it may get other outputs.
+springnet_status evaluate_with_states(const InternalSelection& internal, const Law& law, std::size_t begin,
+                                      springnet_law_batch& call);
 
 // Evaluates the laws of the batch's group, the spring function first; outputs of a law that the group does not have are
 // left alone. Does not throw. Returns the status of the first law that failed, with a message that names it, its plugin

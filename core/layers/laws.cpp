@@ -33,7 +33,8 @@ Law resolve(const std::optional<LawUse>& use, ComponentKind kind, std::size_t fi
   };
   if (implementation.invariant < SPRINGNET_LENGTH || implementation.invariant > SPRINGNET_ENCLOSED_VOLUME)
     refuse(fmt::format("reads invariant number {}", implementation.invariant));
-  if (implementation.state_count > 0) refuse("has internal state");
+  if (implementation.state_count > max_states)
+    refuse(fmt::format("has {} internal states, more than {}", implementation.state_count, max_states));
   if (implementation.input_count > 0) refuse("reads input signals");
   if (implementation.prepare != nullptr) refuse("prepares a table");
   if (description.parameter_count > max_parameters)
@@ -42,6 +43,9 @@ Law resolve(const std::optional<LawUse>& use, ComponentKind kind, std::size_t fi
   law.relative = implementation.invariant == SPRINGNET_RELATIVE_SPEED;
   law.reads_rate = !law.relative && (description.capabilities & SPRINGNET_READS_RATE) != 0;
   law.parameter_count = description.parameter_count;
+  law.state_count = implementation.state_count;
+  law.update_order = implementation.update_order;
+  law.reads_start = implementation.reads_start != 0;
   law.first_column = first_column;
   const std::vector<double> values = complete_parameters(description, use->parameters, where);
   parameters.insert(parameters.end(), values.begin(), values.end());
@@ -66,11 +70,11 @@ std::string_view reading(std::uint32_t invariant) {
   }
 }
 
-// A law of a length is a formula in one scalar and its rate, so it may be used on any invariant.
+// A law of a length is a formula in one scalar and its rate; its author says whether it may be used on any invariant.
 bool fits(const Law& law, Invariant invariant) {
   switch (law.invariant) {
     case SPRINGNET_LENGTH:
-      return true;
+      return law.can(SPRINGNET_FITS_ELEMENTS);
     case SPRINGNET_ANGLE:
       return invariant == Invariant::angle || invariant == Invariant::dihedral;
     case SPRINGNET_AREA:
@@ -90,14 +94,18 @@ void check_use(const Law& law, std::size_t spring) {
               fmt::format("spring {}: {} '{}' reads {}; use a law on the length or the relative speed of two nodes",
                           spring, name_of(law.component->kind()), law.component->id(), reading(law.invariant)));
 }
-void check_use(const Law& law, Invariant invariant, std::size_t element) {
-  if (!law || fits(law, invariant)) return;
-  throw Error(
-      ErrorKind::input,
-      fmt::format("element {} ({}): {} '{}' reads {}; use a law on the length, which may read any invariant, or "
-                  "one made for this",
-                  element, name_of(invariant), name_of(law.component->kind()), law.component->id(),
-                  reading(law.invariant)));
+void check_use(const Law& law, Invariant invariant, double reference, std::size_t element) {
+  if (!law) return;
+  const auto refuse = [&](std::string_view what) {
+    throw Error(ErrorKind::input, fmt::format("element {} ({}): {} '{}' {}", element, name_of(invariant),
+                                              name_of(law.component->kind()), law.component->id(), what));
+  };
+  if (!fits(law, invariant))
+    refuse(fmt::format("reads {}; use a law on the length that declares that it fits elements, or one made for this",
+                       reading(law.invariant)));
+  if (law.can(SPRINGNET_DIVIDES_BY_REFERENCE) && !(reference > 0.0))
+    refuse(fmt::format("divides by the reference value, which is {} here; give one above 0, or use another law",
+                       reference));
 }
 
 // Key of a row: the material, and the rest length or reference.
@@ -236,8 +244,9 @@ CompiledLaws compile_laws(const Network& network, const PluginHost& plugins) {
   for (const Material& material : network.materials()) {
     std::vector<double> parameters;
     const Law spring = resolve(material.spring, ComponentKind::spring_function, 1, plugins, parameters);
-    const Law viscosity =
+    Law viscosity =
         resolve(material.viscosity, ComponentKind::viscosity_function, 1 + parameters.size(), plugins, parameters);
+    viscosity.first_state = spring.state_count;
     std::uint32_t index = 0;
     while (index < compiled.groups.size() && (compiled.groups[index].spring.component != spring.component ||
                                               compiled.groups[index].viscosity.component != viscosity.component))
@@ -269,8 +278,8 @@ CompiledLaws compile_laws(const Network& network, const PluginHost& plugins) {
   compiled.element_group = groups_of(element_materials, materials);
   for (std::size_t e = 0; e < elements.size(); ++e) {
     const Group& group = compiled.groups[compiled.element_group[e]];
-    check_use(group.spring, elements[e].invariant, e);
-    check_use(group.viscosity, elements[e].invariant, e);
+    check_use(group.spring, elements[e].invariant, elements[e].reference, e);
+    check_use(group.viscosity, elements[e].invariant, elements[e].reference, e);
   }
   compiled.element_row = rows.of(
       elements.size(), element_materials, [&](std::size_t e) { return elements[e].reference; }, false);

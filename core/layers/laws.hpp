@@ -12,6 +12,8 @@
 #include <springnet/network.hpp>
 #include <springnet/plugin_host.hpp>
 
+#include "layers/internal.hpp"
+
 namespace springnet::layers {
 
 inline constexpr std::size_t max_parameters = 32;  // of one law
@@ -21,16 +23,22 @@ struct Law {
   std::shared_ptr<const Component> component;
   std::size_t parameter_count = 0;
   std::size_t first_column = 0;  // of its parameters in Group::columns
+  std::size_t state_count = 0;
+  std::size_t first_state = 0;     // among those of its group
+  std::uint32_t update_order = 1;  // the highest of its steps
+  bool reads_start = false;        // its steps of order 1 do
   bool reads_rate = false;
   bool relative = false;        // reads the relative speed, acts along the relative velocity
   std::uint32_t invariant = 0;  // SPRINGNET_LENGTH …
 
   explicit operator bool() const noexcept { return component != nullptr; }
-  [[nodiscard]] bool can(std::uint32_t capability) const noexcept {
+  [[nodiscard]] bool can(std::uint64_t capability) const noexcept {
     return component && (component->description->capabilities & capability) != 0;
   }
-  // Whether its force derives from the energy that it returns.
-  [[nodiscard]] bool has_potential() const noexcept { return can(SPRINGNET_HAS_ENERGY) && !reads_rate && !relative; }
+  // Whether its force derives from the energy that it returns. (With states that step along it does not.)
+  [[nodiscard]] bool has_potential() const noexcept {
+    return can(SPRINGNET_HAS_ENERGY) && !reads_rate && !relative && state_count == 0;
+  }
 };
 
 // Springs and elements with the same two laws. columns[0] is the rest length or reference value, followed by the
@@ -44,7 +52,8 @@ struct Group {
   [[nodiscard]] bool is_same(std::size_t column) const noexcept { return columns[column].is_uniform(); }
   // The spring function, then the viscosity function.
   [[nodiscard]] std::array<const Law*, 2> laws() const noexcept { return {&spring, &viscosity}; }
-  [[nodiscard]] bool can(std::uint32_t capability) const noexcept {
+  [[nodiscard]] std::size_t state_count() const noexcept { return spring.state_count + viscosity.state_count; }
+  [[nodiscard]] bool can(std::uint64_t capability) const noexcept {
     return spring.can(capability) || viscosity.can(capability);
   }
 };
@@ -76,8 +85,8 @@ class RowNumbers {
 };
 
 // Groups and rows of all springs and elements of a network, and the neurons of its nodes. Throws Error if a component
-// does not exist, a parameter is out of range, a law needs what this version does not provide (internal state, inputs,
-// tables), or a law is used on an invariant that it does not read.
+// does not exist, a parameter is out of range, a law needs what this version does not provide (inputs, tables), or a
+// law is used on an invariant that it does not read.
 struct CompiledLaws {
   std::vector<Group> groups;
   Column<std::uint32_t> group;                       // [spring]

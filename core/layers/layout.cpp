@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <exception>
+#include <iterator>
 #include <numeric>
 
 #include "layers/unit_builder.hpp"
@@ -96,6 +97,28 @@ void Layout::lay_out(unsigned threads) {
     }
   }
   if (failure) std::rethrow_exception(failure);
+  if (std::none_of(laws_.groups.begin(), laws_.groups.end(), [](const Group& g) { return g.state_count() > 0; }))
+    return;
+  std::vector<std::uint32_t> order;
+  for (const Unit& unit : units_)
+    std::copy_if(unit.spring.begin(), unit.spring.end(), std::back_inserter(order),
+                 [](std::uint32_t s) { return s != no_spring; });
+  internal_ = InternalLayout(laws_, order, spring_count(), elements_.count());
+  elements_.take_places(internal_);
+  for (Unit& unit : units_) place_internal(unit);
+}
+
+// A spring that is in two units is written by that of its lower node.
+void Layout::place_internal(Unit& unit) const {
+  unit.internal.assign(unit.spring.size(), InternalLayout::silent);
+  const auto u = static_cast<std::uint32_t>(&unit - units_.data());
+  for (std::size_t slot = 0; slot < unit.spring.size(); ++slot) {
+    const std::uint32_t s = unit.spring[slot];
+    if (s == no_spring || !internal_.has(laws_.group[s])) continue;
+    const bool is_owner = unit_of(std::min(first(s), second(s))) == u;
+    unit.internal[slot] = internal_.of_spring(s) | (is_owner ? 0u : InternalLayout::silent);
+  }
+  for (std::size_t s = 0; s < unit.segments.size(); ++s) unit.settle_values(s);
 }
 
 // Without the springs that were removed.
@@ -110,6 +133,7 @@ void Layout::lay_out_again(Unit& unit) {
     });
   }
   UnitBuilder(laws_.groups, node_count(), spring_count()).build(unit, springs);
+  if (internal_.any()) place_internal(unit);
 }
 
 const std::vector<std::uint32_t>& Layout::springs_of(std::size_t group) const {

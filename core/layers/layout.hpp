@@ -36,6 +36,7 @@ class Layout {
   [[nodiscard]] const CompiledLaws& laws() const noexcept { return laws_; }
   [[nodiscard]] const ElementLayout& elements() const noexcept { return elements_; }
   [[nodiscard]] const LoadedFaces& loaded_faces() const noexcept { return loaded_faces_; }
+  [[nodiscard]] const InternalLayout& internal() const noexcept { return internal_; }
   [[nodiscard]] const std::vector<Unit>& units() const noexcept { return units_; }
   [[nodiscard]] std::uint32_t node_count() const noexcept { return static_cast<std::uint32_t>(ordering_.user.size()); }
   [[nodiscard]] std::size_t spring_count() const noexcept { return alive_.size(); }
@@ -86,6 +87,7 @@ class Layout {
   void for_units_of(std::uint32_t spring, const What& what) const;
   void lay_out(unsigned threads);
   void lay_out_again(Unit& unit);
+  void place_internal(Unit& unit) const;
   void build_incidence() const;
   void build_neighbours() const;
   void note_removal() noexcept;
@@ -94,6 +96,7 @@ class Layout {
   Ordering ordering_;
   ElementLayout elements_;
   LoadedFaces loaded_faces_;
+  InternalLayout internal_;
   std::vector<std::uint32_t> ends_;                             // [2 spring]
   std::vector<std::pair<std::uint32_t, std::uint32_t>> rigid_;  // pairs of nodes in both orders, sorted
   std::vector<std::uint8_t> alive_;

@@ -31,17 +31,21 @@ void Unit::remove(std::uint32_t own, std::uint32_t spring_number) noexcept {
 
 void Unit::settle_values(std::size_t index) noexcept {
   const Segment& segment = segments[index];
-  if (segment.row != mixed_rows || segment.dead == 0 || segment.dead == segment.count) return;
+  const bool is_mixed = segment.row == mixed_rows;
+  if ((!is_mixed && internal.empty()) || segment.dead == 0 || segment.dead == segment.count) return;
   const std::size_t values_end = index + 1 < segments.size() ? segments[index + 1].value_begin : values.size();
+  double* const columns_end = is_mixed ? values.data() + values_end : values.data() + segment.value_begin;
   const std::uint8_t* const live_slots = live_in(segment);
-  for (double* column = values.data() + segment.value_begin; column != values.data() + values_end;
-       column += segment.count) {
-    for (std::uint32_t at = 0; at < segment.count; at += chunk_springs) {
-      const unsigned mask = live_slots[at / chunk_springs];
-      const bool has_own = segment.access == Access::chunks && mask != 0;
-      const double value = column[has_own ? at + static_cast<std::uint32_t>(std::countr_zero(mask)) : segment.living];
-      for (std::uint32_t i = 0; i < chunk_springs; ++i)
-        if ((mask >> i & 1u) == 0) column[at + i] = value;
+  for (std::uint32_t at = 0; at < segment.count; at += chunk_springs) {
+    const unsigned mask = live_slots[at / chunk_springs];
+    const bool has_own = segment.access == Access::chunks && mask != 0;
+    const std::uint32_t source = has_own ? at + static_cast<std::uint32_t>(std::countr_zero(mask)) : segment.living;
+    for (std::uint32_t i = 0; i < chunk_springs; ++i) {
+      if ((mask >> i & 1u) != 0) continue;
+      for (double* column = values.data() + segment.value_begin; column != columns_end; column += segment.count)
+        column[at + i] = column[source];
+      if (!internal.empty())
+        internal[segment.begin + at + i] = internal[segment.begin + source] | InternalLayout::silent;
     }
   }
 }

@@ -61,6 +61,7 @@ struct Unit {
   std::vector<std::uint32_t> first, second;  // ends of springs that are in no chunk
   std::vector<std::uint32_t> spring;         // [slot] or no_spring
   std::vector<std::uint8_t> live_mask;       // [slot / 8] a bit for each slot with a spring
+  std::vector<std::uint32_t> internal;       // [slot] place in the internal state; empty: no spring of the net has any
   std::vector<double> values;                // of the columns that differ between rows, [column][slot] of each segment
 
   [[nodiscard]] std::uint32_t end_node() const noexcept { return first_node + node_count; }
@@ -74,14 +75,19 @@ struct Unit {
   [[nodiscard]] static bool is_unsettled(const Segment& segment) noexcept {
     return segment.access == Access::chunks ? segment.has_empty_chunk : segment.dead > 0;
   }
+  // [slot] of a segment.
+  [[nodiscard]] const std::uint32_t* internal_of(const Segment& segment) const noexcept {
+    return internal.empty() ? nullptr : internal.data() + segment.begin;
+  }
   // [slot / 8] of a segment.
   [[nodiscard]] const std::uint8_t* live_in(const Segment& segment) const noexcept {
     return live_mask.data() + segment.begin / chunk_springs;
   }
   // Removes a spring from the tile of its end `own`, which must be in the unit.
   void remove(std::uint32_t own, std::uint32_t spring_number) noexcept;
-  // Gives slots without a spring the parameters of the spring whose length they get: of the first one of their chunk,
-  // or of `living`. A law could fail for the length of one spring and the rest length of another.
+  // Gives slots without a spring the parameters and the internal state of the spring whose length they get: of the
+  // first one of their chunk, or of `living`. A law could fail for the length of one spring and the rest length of
+  // another.
   void settle_values(std::size_t segment) noexcept;
 };
 

@@ -27,7 +27,7 @@ std::string too_short(std::string_view what, std::uint32_t size, std::size_t nee
   return fmt::format("{} has {} bytes, plugin ABI {}.0 needs {}: {}", what, size, SPRINGNET_ABI_MAJOR, needed, rebuild);
 }
 
-// Rejects struct pointers that are null or too short for ABI 1.0. Every struct except springnet_plugin begins with its
+// Rejects struct pointers that are null or too short for ABI 2.0. Every struct except springnet_plugin begins with its
 // size.
 template <class Struct>
 std::string check_struct(const Struct* pointer, std::size_t needed, std::string_view what) {
@@ -95,7 +95,7 @@ std::string check_bounds(const springnet_parameter& parameter, const std::string
 }
 
 std::string check_parameter(const springnet_parameter* parameter, const std::string& what) {
-  if (std::string wrong = check_struct(parameter, SPRINGNET_PARAMETER_SIZE_1_0, what); !wrong.empty()) return wrong;
+  if (std::string wrong = check_struct(parameter, SPRINGNET_PARAMETER_SIZE_2_0, what); !wrong.empty()) return wrong;
   if (parameter->name == nullptr || !is_snake_case(parameter->name)) {
     return fmt::format("{} has the name '{}': give it one of lower-case letters, digits and '_' (a key in scenes)",
                        what, shown(parameter->name));
@@ -141,28 +141,66 @@ std::string missing_function(const std::string& owner, std::string_view function
   return fmt::format("{} has no function '{}': provide one", owner, function);
 }
 
+std::string check_tables(const springnet_law& law, const std::string& owner) {
+  if (law.table_count == 0) return {};
+  if (law.table_count > max_count)
+    return fmt::format("{} claims to have {} tables: {}", owner, law.table_count, rebuild);
+  if (law.tables == nullptr) return fmt::format("{}: its list of tables is a null pointer: set it", owner);
+  std::set<std::string_view> names;
+  for (std::uint32_t i = 0; i < law.table_count; ++i) {
+    const std::string what = fmt::format("{}: table {}", owner, i);
+    const springnet_table* const table = law.tables[i];
+    if (std::string wrong = check_struct(table, SPRINGNET_TABLE_SIZE_2_0, what); !wrong.empty()) return wrong;
+    if (table->name == nullptr || !is_snake_case(table->name))
+      return fmt::format("{} has the name '{}': give it one of lower-case letters, digits and '_' (a key in scenes)",
+                         what, shown(table->name));
+    const std::string named = fmt::format("{} '{}'", what, table->name);
+    if (table->unit == nullptr || *table->unit == '\0' || table->summary == nullptr)
+      return fmt::format("{} has no unit or summary: fill them in, \"1\" for no unit", named);
+    if (std::string wrong = check_lengths(named, {{"unit", table->unit}, {"summary", table->summary}}); !wrong.empty())
+      return wrong;
+    if (table->as_long_as >= law.table_count)
+      return fmt::format("{} is to be as long as table {}, of {}: give the number of a table", named, table->as_long_as,
+                         law.table_count);
+    if (!(table->smallest <= table->largest))
+      return fmt::format("{}: no value is between smallest {} and largest {}: correct them", named, table->smallest,
+                         table->largest);
+    if (is_taken_by_scenes(table->name, SPRINGNET_SPRING_FUNCTION) || !names.insert(table->name).second)
+      return fmt::format("{}: its name is taken: rename it", named);
+  }
+  return {};
+}
+
 std::string check_law(const springnet_component& component, const std::string& owner) {
   const auto* law = static_cast<const springnet_law*>(component.implementation);
-  if (std::string wrong = check_struct(law, SPRINGNET_LAW_SIZE_1_0, owner + ": its law"); !wrong.empty()) return wrong;
+  if (std::string wrong = check_struct(law, SPRINGNET_LAW_SIZE_2_0, owner + ": its law"); !wrong.empty()) return wrong;
   if (law->evaluate == nullptr) return missing_function(owner, "evaluate");
+  if (law->state_count > 0 && law->update == nullptr) return missing_function(owner, "update");
+  if (law->update_order < 1 || law->update_order > 2)
+    return fmt::format("{} has an update of order {}: give 1 or 2", owner, law->update_order);
+  if (law->table_count > 0 && law->prepare == nullptr) return missing_function(owner, "prepare");
   if (law->prepare != nullptr && law->release == nullptr) return missing_function(owner, "release");
+  if (!(law->smallest_stretch <= law->largest_stretch))
+    return fmt::format("{} holds from a stretch of {} to {}: correct the bounds", owner, law->smallest_stretch,
+                       law->largest_stretch);
   if (law->invariant == SPRINGNET_RELATIVE_SPEED && (component.capabilities & SPRINGNET_READS_RATE) != 0) {
     return fmt::format("{} reads the rate of the relative speed, which has none: drop SPRINGNET_READS_RATE", owner);
   }
   std::string wrong = check_parameters(law->states, law->state_count, component.kind, owner, "state");
-  return wrong.empty() ? check_parameters(law->inputs, law->input_count, component.kind, owner, "input") : wrong;
+  if (wrong.empty()) wrong = check_parameters(law->inputs, law->input_count, component.kind, owner, "input");
+  return wrong.empty() ? check_tables(*law, owner) : wrong;
 }
 
 std::string check_neuron(const springnet_component& component, const std::string& owner) {
   const auto* neuron = static_cast<const springnet_neuron_model*>(component.implementation);
-  std::string wrong = check_struct(neuron, SPRINGNET_NEURON_MODEL_SIZE_1_0, owner + ": its model");
+  std::string wrong = check_struct(neuron, SPRINGNET_NEURON_MODEL_SIZE_2_0, owner + ": its model");
   if (wrong.empty() && neuron->evaluate == nullptr) wrong = missing_function(owner, "evaluate");
   return wrong;
 }
 
 std::string check_integrator(const springnet_component& component, const std::string& owner) {
   const auto* integrator = static_cast<const springnet_integrator*>(component.implementation);
-  std::string wrong = check_struct(integrator, SPRINGNET_INTEGRATOR_SIZE_1_0, owner + ": its implementation");
+  std::string wrong = check_struct(integrator, SPRINGNET_INTEGRATOR_SIZE_2_0, owner + ": its implementation");
   if (!wrong.empty()) return wrong;
   if (integrator->create == nullptr) return missing_function(owner, "create");
   if (integrator->destroy == nullptr) return missing_function(owner, "destroy");
@@ -170,17 +208,32 @@ std::string check_integrator(const springnet_component& component, const std::st
   return {};
 }
 
-std::string check_component(const springnet_component* component, std::uint32_t number) {
+// Why this host cannot use a component whose struct and id are valid, although its plugin may be all right.
+std::string why_not_usable(const springnet_component& component) {
+  constexpr std::uint64_t known = SPRINGNET_NEEDS_STATES | SPRINGNET_NEEDS_INPUTS | SPRINGNET_NEEDS_TABLES;
+  const char* const remedy = "use a newer springnet";
+  if (component.needs_minor > SPRINGNET_ABI_MINOR)
+    return fmt::format("component '{}' needs plugin ABI {}.{}, this springnet has {}.{}: {}", component.id,
+                       SPRINGNET_ABI_MAJOR, component.needs_minor, SPRINGNET_ABI_MAJOR, SPRINGNET_ABI_MINOR, remedy);
+  if ((component.needs & ~known) != 0)
+    return fmt::format("component '{}' needs what this springnet does not provide (bits {:#x} of `needs`): {}",
+                       component.id, component.needs & ~known, remedy);
+  if (component.kind < SPRINGNET_SPRING_FUNCTION || component.kind > SPRINGNET_INTEGRATOR)
+    return fmt::format("component '{}' is of kind {}, which this springnet does not know: {}", component.id,
+                       component.kind, remedy);
+  return {};
+}
+
+// not_usable: why the component, in itself valid, cannot be used by this host.
+std::string check_component(const springnet_component* component, std::uint32_t number, std::string& not_usable) {
   const std::string what = fmt::format("component {}", number);
-  if (std::string wrong = check_struct(component, SPRINGNET_COMPONENT_SIZE_1_0, what); !wrong.empty()) return wrong;
+  if (std::string wrong = check_struct(component, SPRINGNET_COMPONENT_SIZE_2_0, what); !wrong.empty()) return wrong;
   if (component->id == nullptr || !is_snake_case(component->id)) {
     return fmt::format("{} has the id '{}': give it one of lower-case letters, digits and '_' (its name in scenes)",
                        what, shown(component->id));
   }
-  if (component->kind < SPRINGNET_SPRING_FUNCTION || component->kind > SPRINGNET_INTEGRATOR) {
-    return fmt::format("component '{}' is of kind {}, which springnet does not know: {}", component->id,
-                       component->kind, rebuild);
-  }
+  // What a later version means by the rest is not known.
+  if (not_usable = why_not_usable(*component); !not_usable.empty()) return {};
   const std::string owner = fmt::format("{} '{}'", name_of(static_cast<ComponentKind>(component->kind)), component->id);
   if (std::string_view(component->id) == "none") {
     return fmt::format("{}: in scenes \"none\" stands for no function: rename it", owner);
@@ -218,39 +271,47 @@ std::string check_header(const springnet_plugin& plugin) {
         plugin.abi_major, plugin.abi_minor, SPRINGNET_ABI_MAJOR, SPRINGNET_ABI_MAJOR, SPRINGNET_ABI_MINOR, rebuild,
         plugin.abi_major);
   }
-  if (plugin.struct_size < SPRINGNET_PLUGIN_SIZE_1_0) {
-    return too_short("the plugin's entry", plugin.struct_size, SPRINGNET_PLUGIN_SIZE_1_0);
+  if (plugin.struct_size < SPRINGNET_PLUGIN_SIZE_2_0) {
+    return too_short("the plugin's entry", plugin.struct_size, SPRINGNET_PLUGIN_SIZE_2_0);
+  }
+  if (plugin.needs_minor > SPRINGNET_ABI_MINOR) {
+    return fmt::format("it needs plugin ABI {}.{}, this springnet has {}.{}: use a newer springnet",
+                       SPRINGNET_ABI_MAJOR, plugin.needs_minor, SPRINGNET_ABI_MAJOR, SPRINGNET_ABI_MINOR);
   }
   return {};
 }
 
 }  // namespace
 
-std::string check_plugin(const springnet_plugin& plugin) {
-  if (std::string wrong = check_header(plugin); !wrong.empty()) return wrong;
-  if (plugin.id == nullptr || *plugin.id == '\0') return "the plugin has no id: give it one, as \"org.example.laws\"";
-  if (plugin.version == nullptr || plugin.author == nullptr || plugin.licence == nullptr) {
-    return "version, author or licence of the plugin is a null pointer: fill them in, \"\" where unknown";
-  }
+PluginCheck check_plugin(const springnet_plugin& plugin) {
+  if (std::string wrong = check_header(plugin); !wrong.empty()) return {wrong, {}};
+  if (plugin.id == nullptr || *plugin.id == '\0')
+    return {"the plugin has no id: give it one, as \"org.example.laws\"", {}};
+  if (plugin.version == nullptr || plugin.author == nullptr || plugin.licence == nullptr)
+    return {"version, author or licence of the plugin is a null pointer: fill them in, \"\" where unknown", {}};
   if (std::string wrong = check_lengths(
           "the plugin",
           {{"id", plugin.id}, {"version", plugin.version}, {"author", plugin.author}, {"licence", plugin.licence}});
       !wrong.empty())
-    return wrong;
-  if (plugin.component_count == 0 || plugin.component_count > max_count || plugin.components == nullptr) {
-    return fmt::format("the plugin offers {} components{}: list them", plugin.component_count,
-                       plugin.components == nullptr ? " behind a null pointer" : "");
-  }
+    return {wrong, {}};
+  if (plugin.component_count == 0 || plugin.component_count > max_count || plugin.components == nullptr)
+    return {fmt::format("the plugin offers {} components{}: list them", plugin.component_count,
+                        plugin.components == nullptr ? " behind a null pointer" : ""),
+            {}};
+  PluginCheck result;
   std::set<std::pair<std::uint32_t, std::string_view>> taken;
   for (std::uint32_t i = 0; i < plugin.component_count; ++i) {
-    if (std::string wrong = check_component(plugin.components[i], i); !wrong.empty()) return wrong;
+    std::string not_usable;
+    if (std::string wrong = check_component(plugin.components[i], i, not_usable); !wrong.empty()) return {wrong, {}};
+    result.not_usable.push_back(std::move(not_usable));
+    if (!result.not_usable.back().empty()) continue;
     const springnet_component& component = *plugin.components[i];
-    if (!taken.emplace(component.kind, component.id).second) {
-      return fmt::format("the plugin has two {}s '{}': rename one", name_of(static_cast<ComponentKind>(component.kind)),
-                         component.id);
-    }
+    if (!taken.emplace(component.kind, component.id).second)
+      return {fmt::format("the plugin has two {}s '{}': rename one",
+                          name_of(static_cast<ComponentKind>(component.kind)), component.id),
+              {}};
   }
-  return {};
+  return result;
 }
 
 }  // namespace springnet

@@ -3,12 +3,18 @@
 #pragma once
 
 #include <string>
+#include <vector>
 
 #include <springnet/plugin_host.hpp>
 
 namespace springnet {
 
-// Empty if every component of the plugin is valid, else what is wrong and what to do.
-[[nodiscard]] std::string check_plugin(const springnet_plugin& plugin);
+struct PluginCheck {
+  std::string wrong;                    // with the whole plugin, and what to do; empty: nothing
+  std::vector<std::string> not_usable;  // [component] why this host cannot use it; empty: it can
+};
+
+// A mistake in a description refuses the plugin. A component that needs a newer host is not usable, but the others are.
+[[nodiscard]] PluginCheck check_plugin(const springnet_plugin& plugin);
 
 }  // namespace springnet

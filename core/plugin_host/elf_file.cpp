@@ -8,7 +8,13 @@
 #include <cstdint>
 #include <cstring>
 #include <fstream>
+#include <optional>
+#include <string_view>
 #include <system_error>
+
+#include <fmt/format.h>
+
+#include <springnet/sdk/plugin.h>
 
 namespace springnet {
 namespace {
@@ -26,28 +32,79 @@ bool read(std::ifstream& in, std::uint64_t offset, Struct& out) {
   return static_cast<bool>(in.read(reinterpret_cast<char*>(&out), sizeof out));
 }
 
+// What a plugin's note says.
+struct Version {
+  std::uint32_t abi_major, abi_minor, needs_minor;
+};
+
+// Looks for the plugin's note in a segment of notes, which lies within the file. False: it cannot be read.
+bool find_note(std::ifstream& in, std::uint64_t begin, std::uint64_t size, std::optional<Version>& found) {
+  constexpr std::uint64_t alignment = 4;
+  const auto padded = [](std::uint64_t bytes) { return (bytes + alignment - 1) / alignment * alignment; };
+  constexpr std::string_view name = SPRINGNET_NOTE_NAME;
+  std::uint64_t at = 0;
+  while (within(at, sizeof(ElfW(Nhdr)), size)) {
+    ElfW(Nhdr) header;
+    if (!read(in, begin + at, header)) return false;
+    const std::uint64_t text = at + sizeof header, description = text + padded(header.n_namesz);
+    if (!within(description, header.n_descsz, size)) return true;  // damaged: no note
+    if (header.n_type == SPRINGNET_NOTE_TYPE && header.n_namesz == name.size() + 1 &&
+        header.n_descsz >= sizeof(Version)) {
+      char owner[sizeof SPRINGNET_NOTE_NAME];
+      Version version{};
+      if (!read(in, begin + text, owner)) return false;
+      if (std::memcmp(owner, name.data(), name.size()) == 0) {
+        if (!read(in, begin + description, version)) return false;
+        found = version;
+        return true;
+      }
+    }
+    at = description + padded(header.n_descsz);
+  }
+  return true;
+}
+
+std::string judge(const std::optional<Version>& note) {
+  const char* const rebuild = "rebuild the plugin with the SDK of this springnet";
+  if (!note)
+    return fmt::format("it has no note with the plugin ABI that it was built for, so it was not opened: {}", rebuild);
+  if (note->abi_major != SPRINGNET_ABI_MAJOR)
+    return fmt::format(
+        "built for plugin ABI {}.{}, this springnet reads {}.x (it has {}.{}): {}, or use a springnet of ABI {}",
+        note->abi_major, note->abi_minor, SPRINGNET_ABI_MAJOR, SPRINGNET_ABI_MAJOR, SPRINGNET_ABI_MINOR, rebuild,
+        note->abi_major);
+  if (note->needs_minor > SPRINGNET_ABI_MINOR)
+    return fmt::format("it needs plugin ABI {}.{}, this springnet has {}.{}: use a newer springnet", note->abi_major,
+                       note->needs_minor, SPRINGNET_ABI_MAJOR, SPRINGNET_ABI_MINOR);
+  return {};
+}
+
 }  // namespace
 
-std::string check_elf(const std::filesystem::path& file) {
+ElfCheck check_elf(const std::filesystem::path& file) {
   std::error_code failed;
   const std::uint64_t size = std::filesystem::file_size(file, failed);
   std::ifstream in(file, std::ios::binary);
-  if (failed || !in) return "it cannot be read";
+  if (failed || !in) return {"it cannot be read", {}};
+  std::optional<Version> note;
   ElfW(Ehdr) header;
-  if (size < sizeof header) return "file too short";
-  if (!read(in, 0, header)) return "it cannot be read";
-  if (std::memcmp(header.e_ident, ELFMAG, SELFMAG) != 0) return "it is not an ELF file";
+  if (size < sizeof header) return {"file too short", {}};
+  if (!read(in, 0, header)) return {"it cannot be read", {}};
+  if (std::memcmp(header.e_ident, ELFMAG, SELFMAG) != 0) return {"it is not an ELF file", {}};
   // The loader itself rejects other machines and word sizes before it maps anything.
   if (header.e_ident[EI_CLASS] != (sizeof(void*) == 8 ? ELFCLASS64 : ELFCLASS32)) return {};
   if (header.e_phentsize != sizeof(ElfW(Phdr))) return {};
   for (std::uint64_t k = 0; k < header.e_phnum; ++k) {
     const std::uint64_t offset = header.e_phoff + k * sizeof(ElfW(Phdr));
     ElfW(Phdr) segment;
-    if (!within(offset, sizeof segment, size)) return truncated;
-    if (!read(in, offset, segment)) return "it cannot be read";
-    if (segment.p_type == PT_LOAD && !within(segment.p_offset, segment.p_filesz, size)) return truncated;
+    if (!within(offset, sizeof segment, size)) return {truncated, {}};
+    if (!read(in, offset, segment)) return {"it cannot be read", {}};
+    if ((segment.p_type == PT_LOAD || segment.p_type == PT_NOTE) && !within(segment.p_offset, segment.p_filesz, size))
+      return {truncated, {}};
+    if (segment.p_type != PT_NOTE || note) continue;
+    if (!find_note(in, segment.p_offset, segment.p_filesz, note)) return {"it cannot be read", {}};
   }
-  return {};
+  return {{}, judge(note)};
 }
 
 }  // namespace springnet
@@ -56,7 +113,7 @@ std::string check_elf(const std::filesystem::path& file) {
 
 namespace springnet {
 
-std::string check_elf(const std::filesystem::path&) { return {}; }
+ElfCheck check_elf(const std::filesystem::path&) { return {}; }
 
 }  // namespace springnet
 

@@ -70,7 +70,10 @@ OpenedLibrary open_library(const std::filesystem::path& file) {
     if (std::string wrong = check_kind(real); !wrong.empty()) return {nullptr, std::move(wrong)};
     auto found = registry().find(real);
     if (found == registry().end()) {
-      if (const std::string wrong = check_elf(real); !wrong.empty()) return {nullptr, unloadable(wrong)};
+      if (const ElfCheck check = check_elf(real); !check.damage.empty())
+        return {nullptr, unloadable(check.damage)};
+      else if (!check.version.empty())
+        return {nullptr, check.version};
       using boost::dll::load_mode::rtld_local;
       using boost::dll::load_mode::rtld_now;
       boost::dll::shared_library library(real, rtld_now | rtld_local);

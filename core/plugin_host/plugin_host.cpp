@@ -40,11 +40,16 @@ struct PluginHost::Impl {
   std::vector<Refusal> refusals;
   std::set<fs::path> seen;  // canonical names of the files examined
 
-  [[nodiscard]] std::shared_ptr<const Component> find(ComponentKind kind, std::string_view id) const {
-    const auto found = std::find_if(components.begin(), components.end(), [&](const auto& component) {
-      return component->kind() == kind && component->id() == id;
-    });
-    return found == components.end() ? nullptr : *found;
+  // `id` may say whose: "linear@org.example".
+  [[nodiscard]] std::vector<std::shared_ptr<const Component>> all(ComponentKind kind, std::string_view id) const {
+    const std::size_t at = id.find('@');
+    const std::string_view name = id.substr(0, at);
+    std::vector<std::shared_ptr<const Component>> found;
+    for (const auto& component : components)
+      if (component->kind() == kind && component->id() == name &&
+          (at == std::string_view::npos || component->plugin->id == id.substr(at + 1)))
+        found.push_back(component);
+    return found;
   }
 
   bool refuse(const fs::path& file, const std::string& reason) {
@@ -52,25 +57,34 @@ struct PluginHost::Impl {
     return false;
   }
 
-  // Takes all components of the plugin or none: half a plugin would hide that something is wrong.
+  // Takes all components of the plugin or none: half a plugin would hide that something is wrong. Those that need a
+  // newer host are named as refused.
   bool take(const springnet_plugin& plugin, const fs::path& file) {
-    if (const std::string wrong = check_plugin(plugin); !wrong.empty()) return refuse(file, wrong);
+    const PluginCheck check = check_plugin(plugin);
+    if (!check.wrong.empty()) return refuse(file, check.wrong);
     std::vector<std::shared_ptr<const Component>> taken;
     for (std::uint32_t i = 0; i < plugin.component_count; ++i) {
+      if (!check.not_usable[i].empty()) continue;
       taken.push_back(std::make_shared<const Component>(Component{plugin.components[i], &plugin, file}));
-      const auto other = find(taken.back()->kind(), taken.back()->id());
-      if (!other) continue;
-      if (other->plugin == &plugin) return true;  // the same plugin again
-      const std::string owner = fmt::format("{} {}", printable(other->plugin->id), printable(other->plugin->version));
-      return refuse(file,
-                    fmt::format("{} '{}' is already provided by {}: rename it, or remove one of the two plugins",
-                                name_of(other->kind()), other->id(),
-                                other->file.empty()
-                                    ? owner
-                                    : fmt::format("{} ({})", owner, printable(other->file.string(), max_path_length))));
+      for (const auto& other : all(taken.back()->kind(), taken.back()->id())) {
+        if (other->plugin == &plugin) return true;  // the same plugin again
+        if (std::string_view(other->plugin->id) != plugin.id) continue;
+        return refuse(file,
+                      fmt::format("{} '{}' is already provided by a plugin of the same id, {}: remove one of the two",
+                                  name_of(other->kind()), other->id(), owner_of(*other)));
+      }
     }
+    for (const std::string& reason : check.not_usable)
+      if (!reason.empty()) refuse(file, reason);
     components.insert(components.end(), taken.begin(), taken.end());
-    return true;
+    return !taken.empty();
+  }
+
+  static std::string owner_of(const Component& component) {
+    const std::string owner =
+        fmt::format("{} {}", printable(component.plugin->id), printable(component.plugin->version));
+    return component.file.empty() ? owner
+                                  : fmt::format("{} ({})", owner, printable(component.file.string(), max_path_length));
   }
 };
 
@@ -151,7 +165,13 @@ const std::vector<std::shared_ptr<const Component>>& PluginHost::components() co
 const std::vector<Refusal>& PluginHost::refusals() const noexcept { return impl_->refusals; }
 
 std::shared_ptr<const Component> PluginHost::find(ComponentKind kind, std::string_view id) const {
-  return impl_->find(kind, id);
+  const auto found = impl_->all(kind, id);
+  if (found.size() < 2) return found.empty() ? nullptr : found.front();
+  std::string message =
+      fmt::format("{} plugins have a {} '{}': say which,", found.size(), name_of(kind), printable(id));
+  for (std::size_t i = 0; i < found.size(); ++i)
+    message += fmt::format("{} '{}@{}'", i == 0 ? "" : " or", found[i]->id(), printable(found[i]->plugin->id));
+  throw Error(ErrorKind::plugin, message);
 }
 
 std::shared_ptr<const Component> PluginHost::require(ComponentKind kind, std::string_view id) const {

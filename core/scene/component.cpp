@@ -48,7 +48,7 @@ LawUse begin_use(const Value& name, const Component& component, ComponentKind ki
     name.fail(fmt::format("{} '{}' has no parameter '{}', which is set here; choose one that has it", name_of(kind),
                           component.id(), parameter));
   }
-  return {std::string(component.id()), supplied};
+  return {name.text(), supplied};  // with its plugin's id, if that is given
 }
 
 }  // namespace

@@ -166,7 +166,8 @@ springnet_status ContactEvents::value(const Source& source, ReactionsAt& reactio
 
 springnet_status ContactEvents::values(const springnet_evaluation& request, double* values, std::int32_t* directions) {
   const std::vector<Source>& all = sources();
-  ReactionsAt reactions(model_, request.time, request.position, request.velocity);
+  const layers::InternalView internal = model_.internal_for(request.internal);
+  ReactionsAt reactions(model_, request.time, request.position, request.velocity, internal);
   for (std::size_t e = 0; e < all.size(); ++e) {
     const Source& source = all[e];
     if (directions != nullptr)
@@ -178,7 +179,8 @@ springnet_status ContactEvents::values(const springnet_evaluation& request, doub
   const std::size_t breaking = topology_.rupturing().count();
   if (breaking == 0) return SPRINGNET_OK;
   if (directions != nullptr) std::fill_n(directions + all.size(), breaking, -1);
-  return topology_.margins(request.time, node_arrays(request.position, request.velocity), values + all.size());
+  return topology_.margins(request.time, node_arrays(request.position, request.velocity, internal),
+                           values + all.size());
 }
 
 bool ContactEvents::is_impacting(const Source& source, const Placement& at, const State& state,

@@ -34,7 +34,7 @@ class Engine {
   springnet_status run_sweep(const springnet_sweep& sweep);
   springnet_status constrain(const springnet_sweep& sweep);
   springnet_status fire_events(double time, State& state, const std::int32_t* fired);
-  springnet_status time_of_impact(const springnet_impact_search& search, double& time);
+  springnet_status time_of_impact(springnet_impact_search& search);
   springnet_status project_state(double time, const springnet_vectors& position, const springnet_vectors& velocity);
   springnet_status commit(double time, State& state);
   [[nodiscard]] double next_discontinuity(double time) const noexcept;
@@ -47,8 +47,6 @@ class Engine {
   [[nodiscard]] const Model& model() const noexcept { return model_; }
   [[nodiscard]] const springnet_network& network_info() { return info_.now(); }
   [[nodiscard]] const springnet_network& network_with_neighbours() { return info_.with_neighbours(); }
-  // An integrator of that minor version of the ABI will read `network_info`.
-  void serve(std::uint32_t abi_minor) noexcept { info_.serve(abi_minor); }
   [[nodiscard]] Sweep& sweep() noexcept { return sweep_; }
   [[nodiscard]] LinearModel& linear() noexcept { return linear_; }
   [[nodiscard]] ContactEvents& contact_events() noexcept { return contact_events_; }

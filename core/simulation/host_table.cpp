@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cmath>
 #include <exception>
 #include <limits>
 #include <string>
@@ -69,114 +70,121 @@ springnet_status linearised(void* context, const char* function, const Action& a
   });
 }
 
-const springnet_network* network(void* context) {
-  const springnet_network* info = nullptr;
-  static_cast<void>(guarded(context, "network", [&](Engine& engine) -> springnet_status {
-    info = &engine.network_info();
+// A request, which carries its own size; `last`: its last field in ABI 2.0.
+#define SPRINGNET_REQUEST(type, request, last) sized_request(request, #type, SPRINGNET_SIZE_TO(type, last))
+template <class Request>
+Request& sized_request(Request* request, const char* name, std::size_t min_size) {
+  if (request == nullptr) throw Error(ErrorKind::plugin, fmt::format("the {} is a null pointer", name));
+  require_size(request->struct_size, name, min_size);
+  return *request;
+}
+
+springnet_status network(void* context, springnet_network_query* request) {
+  const bool with_neighbours = request != nullptr && request->with_neighbours != 0;
+  const auto answer = [&](Engine& engine) -> springnet_status {
+    springnet_network_query& query = SPRINGNET_REQUEST(springnet_network_query, request, network);
+    query.network = with_neighbours ? &engine.network_with_neighbours() : &engine.network_info();
     return SPRINGNET_OK;
-  }));
-  return info;
+  };
+  return with_neighbours ? outside_of_sweeps(context, "network", answer) : guarded(context, "network", answer);
 }
-
-const springnet_network* network_with_neighbours(void* context) {
-  const springnet_network* info = nullptr;
-  static_cast<void>(outside_of_sweeps(context, "network_with_neighbours", [&](Engine& engine) -> springnet_status {
-    info = &engine.network_with_neighbours();
+springnet_status create_state(void* context, springnet_state_creation* request) {
+  return guarded(context, "create_state", [&](Engine& engine) -> springnet_status {
+    springnet_state_creation& creation = SPRINGNET_REQUEST(springnet_state_creation, request, state);
+    creation.state = engine.calls().create_state();
     return SPRINGNET_OK;
-  }));
-  return info;
-}
-
-springnet_state* state_create(void* context) {
-  springnet_state* state = nullptr;
-  static_cast<void>(guarded(context, "state_create", [&](Engine& engine) -> springnet_status {
-    state = engine.calls().create_state();
-    return SPRINGNET_OK;
-  }));
-  return state;
-}
-
-void state_destroy(void* context, springnet_state* state) {
-  if (context != nullptr) engine_of(context).calls().destroy_state(state);
-}
-
-const springnet_state* committed(void* context, double* time) {
-  const springnet_state* state = nullptr;
-  static_cast<void>(guarded(context, "committed", [&](Engine& engine) -> springnet_status {
-    state = &engine.model().state.view;
-    if (time != nullptr) *time = engine.model().time;
-    return SPRINGNET_OK;
-  }));
-  return state;
-}
-
-void require_order(double from, double until) {
-  require_finite(from, "from");
-  if (!(until > from))
-    throw Error(ErrorKind::plugin, fmt::format("a step from {} s has to end later than at {} s", from, until));
-}
-
-springnet_status begin_step(void* context, double from, double until) {
-  return outside_of_sweeps(context, "begin_step", "begin", [&](Engine& engine) {
-    require_order(from, until);
-    return engine.begin_step(from, until);
   });
 }
-springnet_status begin_interval(void* context, double from, double until) {
-  return outside_of_sweeps(context, "begin_interval", "begin", [&](Engine& engine) {
-    require_order(from, until);
-    return engine.begin_interval(from, until);
+springnet_status destroy_state(void* context, springnet_state* state) {
+  if (context == nullptr) return SPRINGNET_FAILED;
+  engine_of(context).calls().destroy_state(state);
+  return SPRINGNET_OK;
+}
+springnet_status committed(void* context, springnet_committed* request) {
+  return guarded(context, "committed", [&](Engine& engine) -> springnet_status {
+    springnet_committed& answer = SPRINGNET_REQUEST(springnet_committed, request, state);
+    answer.state = &engine.model().state.view;
+    answer.time = engine.model().time;
+    return SPRINGNET_OK;
   });
 }
-springnet_status evaluate(void* context, const springnet_evaluation* evaluation) {
-  return outside_of_sweeps(context, "evaluate",
-                           [&](Engine& engine) { return engine.sweep().evaluate(checked(evaluation)); });
+springnet_status begin(void* context, const springnet_interval* request) {
+  return outside_of_sweeps(context, "begin", [&](Engine& engine) {
+    const springnet_interval& interval = SPRINGNET_REQUEST(springnet_interval, request, until);
+    const double from = interval.from, until = interval.until;
+    require_finite(from, "from");
+    if (!(until > from))
+      throw Error(ErrorKind::plugin, fmt::format("a step from {} s has to end later than at {} s", from, until));
+    return interval.own_steps != 0 ? engine.begin_interval(from, until) : engine.begin_step(from, until);
+  });
 }
-springnet_status evaluate_nodes(void* context, const springnet_evaluation* evaluation, const std::uint32_t* nodes,
-                                std::uint32_t count) {
-  return guarded(context, "evaluate_nodes", [&](Engine& engine) {
-    check_nodes(nodes, count, engine.model().node_count());
+springnet_status evaluate_nodes(void* context, const springnet_evaluation* request) {
+  return guarded(context, "evaluate", [&](Engine& engine) {
+    const springnet_evaluation& evaluation = checked(request);
+    check_nodes(evaluation.nodes, evaluation.node_count, engine.model().node_count());
     const profile::Tile tile;  // often one node: too short for a stage
     const profile::Part part("evaluate_nodes");
-    return engine.sweep().evaluate_nodes(checked(evaluation), nodes, count);
+    return engine.sweep().evaluate_nodes(evaluation);
   });
+}
+springnet_status evaluate(void* context, const springnet_evaluation* request) {
+  const bool of_some = request != nullptr && request->struct_size >= SPRINGNET_SIZE_TO(springnet_evaluation, nodes) &&
+                       request->nodes != nullptr;
+  if (of_some) return evaluate_nodes(context, request);
+  return outside_of_sweeps(context, "evaluate",
+                           [&](Engine& engine) { return engine.sweep().evaluate(checked(request)); });
 }
 springnet_status sweep(void* context, const springnet_sweep* request) {
   return outside_of_sweeps(context, "sweep", [&](Engine& engine) {
     return engine.run_sweep(checked(request, engine.model().node_count()));
   });
 }
-springnet_status linearise(void* context, const springnet_evaluation* at) {
-  return outside_of_sweeps(context, "linearise",
-                           [&](Engine& engine) { return engine.linear().linearise(checked(at)); });
-}
-springnet_status jacobian_times(void* context, const double* dp, const double* dv, double* out) {
-  return linearised(context, "jacobian_times", [&](Engine& engine) {
-    require_array(dp, "dp");
-    require_array(dv, "dv");
-    require_array(out, "out");
-    return engine.linear().times(dp, dv, out);
+springnet_status linearise(void* context, const springnet_linearisation* request) {
+  return outside_of_sweeps(context, "linearise", [&](Engine& engine) {
+    const springnet_linearisation& at = SPRINGNET_REQUEST(springnet_linearisation, request, elimination);
+    if (!(at.elimination >= 0.0 && std::isfinite(at.elimination)))
+      throw Error(ErrorKind::plugin, fmt::format("elimination is {} s, must be at least 0", at.elimination));
+    return engine.linear().linearise(checked(at.at), at.elimination);
   });
 }
-springnet_status diagonal_blocks(void* context, double velocity_weight, double position_weight, double* out) {
+springnet_status jacobian_times(void* context, const springnet_jacobian_product* request) {
+  return linearised(context, "jacobian_times", [&](Engine& engine) {
+    const springnet_jacobian_product& product = SPRINGNET_REQUEST(springnet_jacobian_product, request, out);
+    require_array(product.dp, "dp");
+    require_array(product.dv, "dv");
+    require_array(product.out, "out");
+    return engine.linear().times(product.dp, product.dv, product.out);
+  });
+}
+springnet_status change_internal(void* context, const springnet_internal_change* request) {
+  return linearised(context, "change_internal", [&](Engine& engine) {
+    const springnet_internal_change& change = SPRINGNET_REQUEST(springnet_internal_change, request, acceleration);
+    if (engine.network_info().internal_count > 0) require_array(change.right_side, "right_side");
+    return engine.linear().change_internal(change);
+  });
+}
+springnet_status diagonal_blocks(void* context, const springnet_diagonal_blocks* request) {
   return linearised(context, "diagonal_blocks", [&](Engine& engine) -> springnet_status {
-    require_array(out, "out");
-    engine.linear().diagonal_blocks(velocity_weight, position_weight, out);
+    const springnet_diagonal_blocks& blocks = SPRINGNET_REQUEST(springnet_diagonal_blocks, request, out);
+    require_array(blocks.out, "out");
+    engine.linear().diagonal_blocks(blocks.velocity_weight, blocks.position_weight, blocks.out);
     return SPRINGNET_OK;
   });
 }
-springnet_status factorise(void* context, double velocity_weight, double position_weight) {
+springnet_status factorise(void* context, const springnet_factorisation* request) {
   return outside_of_sweeps(context, "factorise", [&](Engine& engine) {
-    require_finite(velocity_weight, "velocity_weight");
-    require_finite(position_weight, "position_weight");
-    return engine.linear().factorise(velocity_weight, position_weight);
+    const springnet_factorisation& weights = SPRINGNET_REQUEST(springnet_factorisation, request, position_weight);
+    require_finite(weights.velocity_weight, "velocity_weight");
+    require_finite(weights.position_weight, "position_weight");
+    return engine.linear().factorise(weights.velocity_weight, weights.position_weight);
   });
 }
-springnet_status solve(void* context, std::int32_t transposed, const double* right_side, double* x) {
+springnet_status solve(void* context, const springnet_solve* request) {
   return outside_of_sweeps(context, "solve", [&](Engine& engine) {
-    require_array(right_side, "right_side");
-    require_array(x, "x");
-    return engine.linear().solve(transposed != 0, right_side, x);
+    const springnet_solve& system = SPRINGNET_REQUEST(springnet_solve, request, x);
+    require_array(system.right_side, "right_side");
+    require_array(system.x, "x");
+    return engine.linear().solve(system.transposed != 0, system.right_side, system.x);
   });
 }
 springnet_status prepare_system(void* context, const springnet_linear_system* request) {
@@ -191,76 +199,88 @@ springnet_status solve_system(void* context, springnet_linear_solve* request) {
   return outside_of_sweeps(context, "solve_system",
                            [&](Engine& engine) { return engine.linear().solve_prepared(checked(request)); });
 }
-double time_left(void* context) {
-  return context == nullptr ? std::numeric_limits<double>::infinity() : engine_of(context).model().deadline.left();
-}
-springnet_status event_values(void* context, const springnet_evaluation* at, double* values, std::int32_t* directions) {
-  return outside_of_sweeps(context, "event_values", "events", [&](Engine& engine) {
-    if (engine.network_info().event_count > 0) require_array(values, "values");
-    return engine.contact_events().values(checked(at), values, directions);
-  });
-}
-springnet_status fire_events(void* context, double time, springnet_state* state, const std::int32_t* fired) {
-  return outside_of_sweeps(context, "fire_events", "events", [&](Engine& engine) {
-    engine.calls().require_advancing();
-    require_finite(time, "time");
-    if (engine.network_info().event_count > 0) require_array(fired, "fired");
-    return engine.fire_events(time, engine.calls().created_state(state), fired);
-  });
-}
-springnet_status time_of_impact(void* context, const springnet_impact_search* search, double* time) {
-  return outside_of_sweeps(context, "time_of_impact", "events", [&](Engine& engine) {
-    require_array(time, "time");
-    return engine.time_of_impact(checked(search), *time);
-  });
-}
-double next_discontinuity(void* context, double time) {
-  if (context == nullptr) return std::numeric_limits<double>::infinity();
-  return engine_of(context).next_discontinuity(time);
-}
-springnet_status commit(void* context, double time, springnet_state* state) {
-  return outside_of_sweeps(context, "commit", [&](Engine& engine) {
-    engine.calls().require_advancing();
-    return engine.commit(time, engine.calls().created_state(state));
-  });
-}
-void report(void* context, const char* name, double value) {
-  static_cast<void>(guarded(context, "report", [&](Engine& engine) -> springnet_status {
-    require_array(name, "name");
-    engine.model().journal.report(name, value);
+springnet_status deadline(void* context, springnet_deadline* request) {
+  return guarded(context, "deadline", [&](Engine& engine) -> springnet_status {
+    SPRINGNET_REQUEST(springnet_deadline, request, time_left).time_left = engine.model().deadline.left();
     return SPRINGNET_OK;
-  }));
+  });
+}
+springnet_status event_values(void* context, const springnet_event_values* request) {
+  return outside_of_sweeps(context, "event_values", "events", [&](Engine& engine) {
+    const springnet_event_values& events = SPRINGNET_REQUEST(springnet_event_values, request, directions);
+    if (engine.network_info().event_count > 0) require_array(events.values, "values");
+    return engine.contact_events().values(checked(events.at), events.values, events.directions);
+  });
+}
+springnet_status fire_events(void* context, const springnet_event_firing* request) {
+  return outside_of_sweeps(context, "fire_events", "events", [&](Engine& engine) {
+    const springnet_event_firing& firing = SPRINGNET_REQUEST(springnet_event_firing, request, fired);
+    engine.calls().require_advancing();
+    require_finite(firing.time, "time");
+    if (engine.network_info().event_count > 0) require_array(firing.fired, "fired");
+    return engine.fire_events(firing.time, engine.calls().created_state(firing.state), firing.fired);
+  });
+}
+springnet_status time_of_impact(void* context, springnet_impact_search* request) {
+  return outside_of_sweeps(context, "time_of_impact", "events",
+                           [&](Engine& engine) { return engine.time_of_impact(checked(request)); });
+}
+springnet_status next_discontinuity(void* context, springnet_discontinuity* request) {
+  return guarded(context, "next_discontinuity", [&](Engine& engine) -> springnet_status {
+    springnet_discontinuity& next = SPRINGNET_REQUEST(springnet_discontinuity, request, time);
+    next.time = engine.next_discontinuity(next.after);
+    return SPRINGNET_OK;
+  });
+}
+springnet_status commit(void* context, const springnet_commitment* request) {
+  return outside_of_sweeps(context, "commit", [&](Engine& engine) {
+    const springnet_commitment& commitment = SPRINGNET_REQUEST(springnet_commitment, request, state);
+    engine.calls().require_advancing();
+    return engine.commit(commitment.time, engine.calls().created_state(commitment.state));
+  });
+}
+springnet_status report(void* context, const springnet_number_report* request) {
+  return guarded(context, "report", [&](Engine& engine) -> springnet_status {
+    const springnet_number_report& number = SPRINGNET_REQUEST(springnet_number_report, request, value);
+    require_array(number.name, "name");
+    engine.model().journal.report(number.name, number.value);
+    return SPRINGNET_OK;
+  });
 }
 springnet_status constrain(void* context, const springnet_sweep* request) {
   return outside_of_sweeps(context, "constrain",
                            [&](Engine& engine) { return engine.constrain(checked_end(request)); });
 }
-springnet_status project(void* context, const double* mobility, double* values) {
+springnet_status project(void* context, const springnet_projection* request) {
   return linearised(context, "project", [&](Engine& engine) {
-    require_array(values, "values");
-    return engine.linear().project(mobility, values);
+    const springnet_projection& projection = SPRINGNET_REQUEST(springnet_projection, request, values);
+    require_array(projection.values, "values");
+    return engine.linear().project(projection.mobility, projection.values);
   });
 }
-springnet_status project_state(void* context, double time, springnet_vectors position, springnet_vectors velocity) {
+springnet_status project_state(void* context, const springnet_state_projection* request) {
   return outside_of_sweeps(context, "project_state", [&](Engine& engine) {
-    require_finite(time, "time");
-    require_vectors(position, "position");
-    require_vectors(velocity, "velocity");
-    return engine.project_state(time, position, velocity);
+    const springnet_state_projection& projection = SPRINGNET_REQUEST(springnet_state_projection, request, velocity);
+    require_finite(projection.time, "time");
+    require_vectors(projection.position, "position");
+    require_vectors(projection.velocity, "velocity");
+    return engine.project_state(projection.time, projection.position, projection.velocity);
   });
 }
-void note(void* context, const char* text) {
-  static_cast<void>(guarded(context, "note", [&](Engine& engine) -> springnet_status {
-    require_array(text, "text");
-    engine.model().journal.note(text);
+springnet_status note(void* context, const springnet_user_note* request) {
+  return guarded(context, "note", [&](Engine& engine) -> springnet_status {
+    const springnet_user_note& given = SPRINGNET_REQUEST(springnet_user_note, request, text);
+    require_array(given.text, "text");
+    engine.model().journal.note(given.text);
     return SPRINGNET_OK;
-  }));
+  });
 }
 springnet_status linear_sweep(void* context, const springnet_sweep* request) {
   return linearised(context, "linear_sweep", [&](Engine& engine) {
     return engine.linear().sweep(checked_linear(request, engine.model().node_count()), engine.network_info());
   });
 }
+#undef SPRINGNET_REQUEST
 
 struct MapFailed {
   springnet_status status;
@@ -280,7 +300,8 @@ springnet_status dominant_eigenvalue(void* context, springnet_eigenvalue_search*
     try {
       const Dominant found = springnet::dominant_eigenvalue(
           [&](Eigen::VectorXd& x) {
-            const springnet_status status = search.map(search.user, x.data());
+            const springnet_linear_image image{sizeof image, 0, x.data()};
+            const springnet_status status = search.map(search.user, &image);
             if (status != SPRINGNET_OK) throw MapFailed{status};
           },
           start, options);
@@ -299,9 +320,6 @@ springnet_status dominant_eigenvalue(void* context, springnet_eigenvalue_search*
     return SPRINGNET_OK;
   });
 }
-springnet_message* message(void* context) {
-  return context == nullptr ? nullptr : &engine_of(context).model().journal.message;
-}
 
 }  // namespace
 
@@ -310,37 +328,35 @@ springnet_host make_host_table(Engine& engine) {
   host.struct_size = sizeof host;
   host.abi_minor = SPRINGNET_ABI_MINOR;
   host.context = &engine;
+  host.message = &engine.model().journal.message;
   host.network = network;
-  host.state_create = state_create;
-  host.state_destroy = state_destroy;
+  host.create_state = create_state;
+  host.destroy_state = destroy_state;
   host.committed = committed;
-  host.begin_step = begin_step;
+  host.begin = begin;
   host.evaluate = evaluate;
-  host.evaluate_nodes = evaluate_nodes;
   host.sweep = sweep;
   host.linearise = linearise;
   host.jacobian_times = jacobian_times;
+  host.change_internal = change_internal;
   host.diagonal_blocks = diagonal_blocks;
   host.factorise = factorise;
   host.solve = solve;
+  host.prepare_system = prepare_system;
+  host.solve_system = solve_system;
+  host.linear_sweep = linear_sweep;
+  host.dominant_eigenvalue = dominant_eigenvalue;
   host.event_values = event_values;
   host.fire_events = fire_events;
   host.next_discontinuity = next_discontinuity;
+  host.time_of_impact = time_of_impact;
   host.commit = commit;
-  host.report = report;
-  host.message = message;
   host.constrain = constrain;
   host.project = project;
   host.project_state = project_state;
+  host.report = report;
   host.note = note;
-  host.begin_interval = begin_interval;
-  host.time_of_impact = time_of_impact;
-  host.linear_sweep = linear_sweep;
-  host.dominant_eigenvalue = dominant_eigenvalue;
-  host.prepare_system = prepare_system;
-  host.solve_system = solve_system;
-  host.time_left = time_left;
-  host.network_with_neighbours = network_with_neighbours;
+  host.deadline = deadline;
   return host;
 }
 

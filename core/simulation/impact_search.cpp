@@ -49,7 +49,8 @@ bool ImpactSearch::evaluate(double time, Snapshot& snapshot) {
   snapshot.at = model_.placement(time);
   snapshot.values.resize(6 * n);
   double* const x = snapshot.values.data();
-  status_ = search_.state_at(search_.user, time, {x, x + n, x + 2 * n}, {x + 3 * n, x + 4 * n, x + 5 * n});
+  const springnet_dense_output output{sizeof output, 0, time, {x, x + n, x + 2 * n}, {x + 3 * n, x + 4 * n, x + 5 * n}};
+  status_ = search_.state_at(search_.user, &output);
   return status_ == SPRINGNET_OK;
 }
 

@@ -17,7 +17,7 @@ namespace springnet {
 
 springnet_state* IntegratorCalls::create_state() {
   require_no_callback();
-  states_.push_back(std::make_unique<State>(model_.node_count()));
+  states_.push_back(std::make_unique<State>(model_.node_count(), model_.state.internal_count));
   return &states_.back()->view;
 }
 
@@ -30,7 +30,7 @@ State& IntegratorCalls::created_state(const springnet_state* state) {
   const auto found =
       std::find_if(states_.begin(), states_.end(), [state](const auto& each) { return &each->view == state; });
   if (found == states_.end())
-    throw Error(ErrorKind::plugin, "the state was not made by state_create, or was destroyed");
+    throw Error(ErrorKind::plugin, "the state was not made by create_state, or was destroyed");
   const std::uint32_t current = (*found)->view.force_is_current;
   (*found)->restore_view();
   (*found)->view.force_is_current = current;
@@ -70,6 +70,8 @@ void IntegratorCalls::check_commit(double time, const State& state, bool is_fini
   if (!std::isfinite(time)) throw Error(ErrorKind::plugin, fmt::format("the time {} s is not finite", time));
   if (time < model_.time)
     throw Error(ErrorKind::plugin, fmt::format("{} s lies before {} s, committed already", time, model_.time));
+  if (!state.internal_finite())
+    throw Error(ErrorKind::plugin, fmt::format("the internal state of a law at {} s is not finite", time));
   if (time > until_ + end_tolerance())
     throw Error(ErrorKind::plugin, fmt::format("{} s lies after {} s, where the advance ends", time, until_));
   if (is_finite) return;

@@ -14,7 +14,7 @@
 namespace springnet {
 namespace {
 
-// Size of a limit in ABI 1.4; the struct may grow at its end.
+// Size of a limit in ABI 2.0; the struct may grow at its end.
 constexpr std::size_t limit_size = SPRINGNET_SIZE_TO(springnet_limit, reason);
 constexpr std::size_t max_limits = 100, max_name_length = 40, max_reason_length = 500;
 
@@ -42,13 +42,15 @@ ReportedLimit read(const springnet_limit& limit, const std::vector<std::uint32_t
 }
 
 // Called by the plugin: nothing may be thrown.
-void report_limit(void* context, const springnet_limit* limit) {
+springnet_status report_limit(void* context, const springnet_limit* limit) {
   auto& sink = *static_cast<Sink*>(context);
-  if (limit == nullptr || limit->struct_size < limit_size || sink.reported.size() >= max_limits) return;
+  if (limit == nullptr || limit->struct_size < limit_size || sink.reported.size() >= max_limits)
+    return SPRINGNET_FAILED;
   try {
     sink.reported.push_back(read(*limit, sink.user));
+    return SPRINGNET_OK;
   } catch (const std::exception&) {
-    // Out of memory: the limit is not listed.
+    return SPRINGNET_FAILED;  // out of memory: the limit is not listed
   }
 }
 
@@ -67,7 +69,7 @@ class ReportingLimits {
 void destroy(const springnet_integrator& functions, void* integrator) noexcept {
   if (integrator == nullptr) return;
   try {
-    functions.destroy(integrator);
+    static_cast<void>(functions.destroy(integrator));
   } catch (...) {
     // plugin.h forbids exceptions; the limits are known already.
   }
@@ -80,8 +82,7 @@ LimitSurvey::LimitSurvey(const Network& network, const PluginHost& plugins)
 
 std::vector<ReportedLimit> LimitSurvey::ask(const Component& component, const ParameterValues& parameters) {
   const springnet_integrator& functions = component.integrator();
-  if (!SPRINGNET_HAS_FIELD(springnet_integrator, &functions, limits) || functions.limits == nullptr) return {};
-  engine_.serve(component.plugin->abi_minor);
+  if (functions.limits == nullptr) return {};
   Sink sink{engine_.model().layout.ordering().user, {}};
   springnet_limits limits{sizeof limits, 0, &sink, report_limit};
   void* integrator = nullptr;
@@ -100,7 +101,10 @@ std::vector<ReportedLimit> LimitSurvey::ask(const Component& component, const Pa
     const ReportingLimits guard(engine_.calls());
     status = call_component(component, message, [&](springnet_message& own) {
       engine_.model().journal.message.text[0] = '\0';
-      springnet_status result = functions.create(&table_, values.data(), &integrator);
+      springnet_integrator_creation creation{sizeof creation, static_cast<std::uint32_t>(values.size()), &table_,
+                                             values.data(), nullptr};
+      springnet_status result = functions.create(functions.context, &creation);
+      integrator = creation.integrator;
       if (result == SPRINGNET_OK) result = functions.limits(integrator, &limits);
       if (result != SPRINGNET_OK) own = engine_.model().journal.message;
       return result;

@@ -24,11 +24,18 @@ constexpr std::size_t max_nodes_factorised = 3000;
 // which the preconditioner of the nodes' own blocks is good.
 constexpr std::size_t nodes_worth_no_matrix = 2000;
 
+// Without outputs, which are for evaluations.
+layers::InternalView quiet(layers::InternalView view) {
+  view.next = view.rates = nullptr;
+  return view;
+}
+
 }  // namespace
 
 LinearModel::LinearModel(Model& model)
     : model_(model),
       blocks_(model.layout, model.evaluator, model.contact.constrained()),
+      elimination_(model.layout, model.evaluator.instruction_set()),
       system_(model.layout, model.mass, model.contact.constrained(), model.evaluator.threads()),
       solver_(model.evaluator.instruction_set(), model.evaluator.threads()),
       matrix_free_(model.layout, model.evaluator, model.mass, model.contact.constrained()) {
@@ -44,13 +51,17 @@ void LinearModel::forget() noexcept {
   topology_changed();
 }
 
-springnet_status LinearModel::linearise(const springnet_evaluation& at) {
+springnet_status LinearModel::linearise(const springnet_evaluation& at, double elimination) {
   sweep_.reset();
   at_hand_ = false;
   if (factors_.owner == Factors::Owner::system) factors_.owner = Factors::Owner::nobody;
   factors_.current = false;
   model_.constraints.linearise(*model_.placement(at.time), at.position);
-  const springnet_status status = blocks_.update(at.time, node_arrays(at.position, at.velocity),
+  layers::InternalView internal = quiet(model_.internal_for(at.internal));
+  elimination_.forget();
+  if (elimination > 0.0 && internal.time_step == 0.0 && model_.layout.internal().any())
+    elimination_.begin(node_arrays(at.position, at.velocity, internal), elimination, internal);
+  const springnet_status status = blocks_.update(at.time, node_arrays(at.position, at.velocity, internal),
                                                  model_.external_at(at.time), model_.journal.message);
   return status == SPRINGNET_OK ? add_constraints(at) : status;
 }
@@ -59,7 +70,8 @@ springnet_status LinearModel::add_constraints(const springnet_evaluation& at) {
   const ConstraintSet& constraints = model_.constraints;
   std::optional<ReactionsAt> reactions;
   const auto known = [&]() -> ReactionsAt& {
-    return reactions ? *reactions : reactions.emplace(model_, at.time, at.position, at.velocity);
+    if (reactions) return *reactions;
+    return reactions.emplace(model_, at.time, at.position, at.velocity, quiet(model_.internal_for(at.internal)));
   };
   for (std::uint32_t c = 0; c < model_.rigid.cluster_count(); ++c)
     if (const springnet_status status = known().know(c); status != SPRINGNET_OK) return status;
@@ -75,6 +87,22 @@ springnet_status LinearModel::add_constraints(const springnet_evaluation& at) {
         row.first, constraints.friction_derivative(known().placement(), row, at.position, at.velocity, reaction));
   }
   return SPRINGNET_OK;
+}
+
+springnet_status LinearModel::change_internal(const springnet_internal_change& request) {
+  if (!elimination_.known()) {
+    set_message(model_.journal.message, "change_internal was called without an elimination of internal states");
+    return SPRINGNET_FAILED;
+  }
+  internal_change_.resize(model_.layout.internal().count());
+  double* const change = request.change != nullptr ? request.change : internal_change_.data();
+  elimination_.change(request.right_side, request.dp, request.dv, change);
+  if (request.acceleration == nullptr) return SPRINGNET_OK;
+  const std::size_t n = model_.mass.size();
+  internal_force_.assign(3 * n, 0.0);
+  elimination_.add_forces(change, internal_force_.data());
+  blocks_.accelerations(internal_force_.data(), request.acceleration);
+  return model_.constraints.rows().empty() ? SPRINGNET_OK : project(nullptr, request.acceleration);
 }
 
 springnet_status LinearModel::times(const double* dp, const double* dv, double* out) {
@@ -121,15 +149,17 @@ springnet_status LinearModel::prepare(const springnet_linear_system& request) {
   weights_ = {request.velocity_weight, request.position_weight, request.shift};
   if (request.at != nullptr) {
     const springnet_evaluation& at = *request.at;
+    const layers::InternalView internal = quiet(model_.internal_for(at.internal));
     if (request.exact == 0 && may_be_matrix_free(at) &&
-        matrix_free_.prepare(at.time, node_arrays(at.position, at.velocity), model_.external_at(at.time), weights_) &&
+        matrix_free_.prepare(at.time, node_arrays(at.position, at.velocity, internal), model_.external_at(at.time),
+                             weights_) &&
         matrix_free_.asymmetry() <= max_asymmetry) {
       prepared_ = Prepared::matrix_free;
       at_hand_ = false;
       keep_state(at);
       return SPRINGNET_OK;
     }
-    if (const springnet_status status = linearise(at); status != SPRINGNET_OK) return status;
+    if (const springnet_status status = linearise(at, 0.0); status != SPRINGNET_OK) return status;
   }
   assemble();
   return SPRINGNET_OK;
@@ -158,6 +188,8 @@ void LinearModel::keep_state(const springnet_evaluation& at) {
   const double* const from[] = {at.position.x, at.position.y, at.position.z,
                                 at.velocity.x, at.velocity.y, at.velocity.z};
   for (std::size_t c = 0; c < 6; ++c) std::copy_n(from[c], n, kept_state_.data() + c * n);
+  kept_internal_ = {};
+  if (at.internal != nullptr) kept_internal_ = *at.internal;
 }
 
 springnet_status LinearModel::assemble_kept() {
@@ -168,7 +200,8 @@ springnet_status LinearModel::assemble_kept() {
   at.time = kept_time_;
   at.position = {state, state + n, state + 2 * n};
   at.velocity = {state + 3 * n, state + 4 * n, state + 5 * n};
-  const springnet_status status = linearise(at);
+  if (kept_internal_.struct_size > 0) at.internal = &kept_internal_;
+  const springnet_status status = linearise(at, 0.0);
   if (status == SPRINGNET_OK) assemble();
   return status;
 }

@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "layers/linear/block_system.hpp"
+#include "layers/linear/internal_elimination.hpp"
 #include "layers/linear/iterative_solver.hpp"
 #include "layers/linear/linearisation.hpp"
 #include "layers/linear/matrix_free.hpp"
@@ -23,7 +24,9 @@ class LinearModel {
   ~LinearModel();
 
   // Computes the derivatives at a state, for the functions below. Statuses and messages as in springnet_host.
-  springnet_status linearise(const springnet_evaluation& at);
+  springnet_status linearise(const springnet_evaluation& at, double elimination);
+  // See springnet_internal_change.
+  springnet_status change_internal(const springnet_internal_change& request);
   // Whether there are derivatives: nothing has been removed from the network since.
   [[nodiscard]] bool known() const noexcept { return blocks_.known(); }
   // out = da/dp dp + da/dv dv, 3n numbers each, x of all nodes first.
@@ -81,6 +84,7 @@ class LinearModel {
 
   Model& model_;
   layers::Linearisation blocks_;
+  layers::InternalElimination elimination_;  // of blocks_
   // What is prepared: a matrix, or springs.
   enum class Prepared : std::uint8_t { nothing, assembled, matrix_free };
   Prepared prepared_ = Prepared::nothing;
@@ -90,6 +94,7 @@ class LinearModel {
   layers::MatrixFree matrix_free_;
   bool matrix_free_stalled_ = false;
   double kept_time_ = 0.0;
+  springnet_internal kept_internal_{};                // no size: the evaluation had none
   std::vector<double> kept_state_, kept_right_side_;  // [6 node], [3 node]
   std::optional<bool> thin_;                          // of the springs and elements that are left
   Factors factors_;
@@ -98,6 +103,7 @@ class LinearModel {
   std::vector<double> right_side_, solution_;  // [node][3] and one more
   std::unique_ptr<LinearSweep> sweep_;         // of blocks_; null: not made since linearise()
   OrderCheck order_check_;
+  std::vector<double> internal_change_, internal_force_;  // of change_internal
 };
 
 }  // namespace springnet

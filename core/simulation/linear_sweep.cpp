@@ -77,7 +77,7 @@ void LinearSweep::call_update(std::uint32_t node, const Vector3& acceleration) {
     batch.acceleration_by_velocity = by_velocity_.data() + 9 * std::size_t{node};
     batch.acceleration_by_position = by_position_.data() + 9 * std::size_t{node};
   }
-  sweep_->update(sweep_->user, &batch);
+  static_cast<void>(sweep_->update(sweep_->user, &batch));
 }
 
 void LinearSweep::finish(std::uint32_t node, const Vector3& before) {

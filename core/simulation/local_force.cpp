@@ -148,7 +148,7 @@ void LocalForceModel::linearise(const Handle& handle) {
   at.time = model_.time;
   at.position = read_only(state.position);
   at.velocity = read_only(state.velocity);
-  check(linear_.linearise(at));
+  check(linear_.linearise(at, 0.0));
   friction_.clear();
   curved_.clear();
   curvature_.clear();
@@ -260,7 +260,7 @@ Vector3 LocalForceModel::change(const Handle& handle, double step, const Vector3
       pose.displacement += s * step * speed;
       pose.velocity += s * speed;
     }
-    ReactionsAt at(model_, model_.time, columns(p), columns(v), placement);
+    ReactionsAt at(model_, model_.time, columns(p), columns(v), model_.state.internal, placement);
     const auto i = static_cast<std::size_t>(side);
     forces[i] = force(handle, at, frictions[i]);
   }

@@ -4,9 +4,12 @@
 #include <cmath>
 #include <limits>
 
+#include <fmt/format.h>
+
 #include <springnet/error.hpp>
 
 #include "constraints/vectors.hpp"
+#include "layers/internal_queries.hpp"
 #include "plugin_host/message.hpp"
 
 namespace springnet {
@@ -34,7 +37,7 @@ Model::Model(const Network& network, const PluginHost& plugins, const Simulation
       constraints(network, layout.ordering().user, layout.ordering().engine, mass),
       contact(constraints.contact()),
       rigid(constraints.rigid()),
-      state(layout.node_count()),
+      state(layout.node_count(), layout.internal().count()),
       time_step(options.time_step),
       step_length(0.0) {
   const std::shared_ptr<const Placement> start = placement(0.0);
@@ -49,6 +52,43 @@ Model::Model(const Network& network, const PluginHost& plugins, const Simulation
                             : node.velocity);
   }
   static_cast<void>(loads.set_interval(0.0, std::numeric_limits<double>::infinity()));
+  start_internal();
+}
+
+layers::InternalView Model::internal_for(const springnet_internal* request) {
+  layers::InternalView view = state.internal;
+  if (request == nullptr) return view;
+  if (!(request->time_step >= 0.0 && std::isfinite(request->time_step)))
+    throw Error(ErrorKind::plugin,
+                fmt::format("internal: the time step is {} s, must be at least 0", request->time_step));
+  if (request->time_step == 0.0) {
+    if (request->values != nullptr) view.values = request->values;
+    view.rates = request->rates;
+    return view;
+  }
+  if (request->order != 1 && request->order != 2)
+    throw Error(ErrorKind::plugin, fmt::format("internal: the order is {}, must be 1 or 2", request->order));
+  view.time_step = request->time_step;
+  view.order = request->order;
+  view.next = request->next;
+  if (!layout.internal().reads_start(view.order)) return view;
+  if (!start_known_) {
+    start_q_.resize(layout.internal().count());
+    start_rate_.resize(layout.internal().count());
+    layers::invariants_of_states(layout, evaluator.instruction_set(), state.nodes(), start_q_.data(),
+                                 start_rate_.data());
+    start_known_ = true;
+  }
+  view.start_q = start_q_.data();
+  view.start_rate = start_rate_.data();
+  return view;
+}
+
+void Model::start_internal() {
+  if (!layout.internal().any()) return;
+  if (layers::start_states(layout, evaluator.instruction_set(), time, state.nodes(), state.view.internal,
+                           journal.message) != SPRINGNET_OK)
+    throw Error(ErrorKind::simulation, journal.message.text);
 }
 
 layers::ExternalForces Model::external_at(double at) {

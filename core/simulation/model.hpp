@@ -66,6 +66,14 @@ struct Model {
   // A callback of the integrator is running, which must not change the model.
   bool in_callback = false;
 
+  // The internal state of laws in an evaluation that asks for this; null: that committed. Throws Error(plugin) if it
+  // asks for what cannot be.
+  [[nodiscard]] layers::InternalView internal_for(const springnet_internal* request);
+  // To be called where a step begins, whose start steps of internal states read.
+  void begin_internal_steps() noexcept { start_known_ = false; }
+  // Sets the internal states with which laws begin. Throws Error(simulation) if one fails.
+  void start_internal();
+
   [[nodiscard]] std::uint32_t node_count() const noexcept { return layout.node_count(); }
   [[nodiscard]] std::uint32_t user_number(std::uint32_t node) const { return layout.ordering().user[node]; }
   // Obstacles and prescribed nodes at a time of the present interval.
@@ -95,6 +103,11 @@ struct Model {
   void explain(double at, const layers::NodeArrays& nodes, layers::Requested requested = layers::Requested::forces);
   // The same of an evaluation that a law or a neuron ended; returns `status`.
   springnet_status failed(springnet_status status, double at, const layers::NodeArrays& nodes);
+
+ private:
+  // Invariants and rates at the committed state, see layers::InternalView; empty where nobody reads them.
+  std::vector<double> start_q_, start_rate_;
+  bool start_known_ = false;
 };
 
 }  // namespace springnet

@@ -4,7 +4,7 @@ namespace springnet {
 
 const springnet_network& NetworkInfo::now() {
   info_.load_revision = model_.load_revision;
-  if (revision_ == model_.revision && (info_.neighbours != nullptr || !always_neighbours_)) return info_;
+  if (revision_ == model_.revision) return info_;
   revision_ = model_.revision;
   const layers::Layout& layout = model_.layout;
   const Contact& contact = model_.contact;
@@ -12,7 +12,11 @@ const springnet_network& NetworkInfo::now() {
   info_.struct_size = sizeof info_;
   info_.node_count = model_.node_count();
   info_.spring_count = layout.live_count();
-  info_.internal_count = 0;
+  info_.internal_count = layout.internal().count();
+  internal_ranges_.clear();
+  for (const springnet_internal_range& range : layout.internal().ranges()) internal_ranges_.push_back(&range);
+  info_.internal_ranges = internal_ranges_.data();
+  info_.internal_range_count = internal_ranges_.size();
   info_.revision = model_.revision;
   info_.unit_count = static_cast<std::uint32_t>(layout.units().size());
   info_.event_count = static_cast<std::uint32_t>(events_.count());
@@ -25,7 +29,7 @@ const springnet_network& NetworkInfo::now() {
   info_.held = contact.held().data();
   info_.user_number = layout.ordering().user.data();
   info_.neighbour_start = info_.neighbours = nullptr;
-  if (always_neighbours_ || layout.has_neighbours()) add_neighbours();
+  if (layout.has_neighbours()) add_neighbours();
   info_.connection_revision = layout.revision();
   info_.touching = contact.touching().data();
   info_.cluster = model_.rigid.any() ? model_.rigid.cluster_of() : no_cluster_.data();

@@ -15,8 +15,6 @@ class NetworkInfo {
   // The present network. The address of the struct does not change.
   [[nodiscard]] const springnet_network& now();
   [[nodiscard]] const springnet_network& with_neighbours();
-  // Integrators of ABI 1.5 and before expect neighbours at any time.
-  void serve(std::uint32_t abi_minor) noexcept { always_neighbours_ = abi_minor < 6; }
 
  private:
   void add_neighbours();
@@ -25,7 +23,7 @@ class NetworkInfo {
   ContactEvents& events_;
   springnet_network info_{};
   std::uint64_t revision_ = 0;
-  bool always_neighbours_ = false;
+  std::vector<const springnet_internal_range*> internal_ranges_;
   std::vector<std::uint32_t> no_cluster_;  // [node] if there are no rigid connections
 };
 

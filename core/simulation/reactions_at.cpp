@@ -19,16 +19,18 @@ constexpr double rounding = 1e-9;  // of friction at the edge of its cone, relat
 }  // namespace
 
 ReactionsAt::ReactionsAt(Model& model, double time, const springnet_const_vectors& position,
-                         const springnet_const_vectors& velocity, std::shared_ptr<const Placement> placement)
+                         const springnet_const_vectors& velocity, const layers::InternalView& internal,
+                         std::shared_ptr<const Placement> placement)
     : model_(model),
       time_(time),
+      internal_(internal),
       position_(position),
       velocity_(velocity),
       external_(model.external_at(time)),
       placement_(placement ? std::move(placement) : model.placement(time)),
       cluster_known_(model.rigid.cluster_count(), 0) {
   if (model.layout.elements().live_enclosures() > 0)
-    volumes_.compute(model.layout.elements(), node_arrays(position, velocity));
+    volumes_.compute(model.layout.elements(), node_arrays(position, velocity, internal_));
   if (!cluster_known_.empty()) {
     const std::size_t n = model.layout.node_count();
     for (auto* values : {&free_, &bound_}) values->resize(3 * n);
@@ -37,7 +39,7 @@ ReactionsAt::ReactionsAt(Model& model, double time, const springnet_const_vector
 }
 
 springnet_status ReactionsAt::prepare(std::vector<std::uint32_t> nodes) {
-  const layers::NodeArrays arrays = node_arrays(position_, velocity_);
+  const layers::NodeArrays arrays = node_arrays(position_, velocity_, internal_);
   double forces[3][layers::together_limit], accelerations[3][layers::together_limit];
   double* const force[3] = {forces[0], forces[1], forces[2]};
   double* const acceleration[3] = {accelerations[0], accelerations[1], accelerations[2]};
@@ -69,8 +71,8 @@ springnet_status ReactionsAt::free_acceleration(std::uint32_t node, Vector3& acc
     return SPRINGNET_OK;
   }
   Vector3 force;
-  return model_.evaluator.evaluate_node(node, time_, node_arrays(position_, velocity_), external_, &volumes_, force,
-                                        acceleration, nullptr, nullptr, model_.journal.message);
+  return model_.evaluator.evaluate_node(node, time_, node_arrays(position_, velocity_, internal_), external_, &volumes_,
+                                        force, acceleration, nullptr, nullptr, model_.journal.message);
 }
 
 Vector3 ReactionsAt::held(std::uint32_t node, Vector3 acceleration) const {

@@ -20,9 +20,15 @@ struct Reactions {
 
 class ReactionsAt {
  public:
-  // The arrays must outlive it. `placement`: of obstacles and prescribed nodes; null: that of the time.
+  // The arrays must outlive it. internal: states of laws; `placement`: of obstacles and prescribed nodes; null: that of
+  // the time.
   ReactionsAt(Model& model, double time, const springnet_const_vectors& position,
-              const springnet_const_vectors& velocity, std::shared_ptr<const Placement> placement = nullptr);
+              const springnet_const_vectors& velocity, const layers::InternalView& internal,
+              std::shared_ptr<const Placement> placement = nullptr);
+  // The internal states are those committed.
+  ReactionsAt(Model& model, double time, const springnet_const_vectors& position,
+              const springnet_const_vectors& velocity)
+      : ReactionsAt(model, time, position, velocity, model.state.internal) {}
   // Evaluates nodes, in ascending order, at once: what is asked of them then costs less.
   springnet_status prepare(std::vector<std::uint32_t> nodes);
   // The force of fixation or obstacles on a node, N.
@@ -69,6 +75,7 @@ class ReactionsAt {
 
   Model& model_;
   double time_;
+  layers::InternalView internal_;
   springnet_const_vectors position_, velocity_;
   layers::ExternalForces external_;
   std::shared_ptr<const Placement> placement_;

@@ -15,25 +15,26 @@ namespace {
 
 constexpr std::uint32_t in_no_set = 0xffffffffu, no_cluster = 0xffffffffu;
 
-// Sizes of the structs in ABI 1.0; an integrator compiled against it gives no more.
-constexpr std::size_t evaluation_size = SPRINGNET_SIZE_TO(springnet_evaluation, internal_rate);
-constexpr std::size_t sweep_size = SPRINGNET_SIZE_TO(springnet_sweep, user);
-// Requests of later versions, in the version that added them; they grow at their end, too.
-constexpr std::size_t impact_search_size = SPRINGNET_SIZE_TO(springnet_impact_search, user);           // 1.3
-constexpr std::size_t linear_sweep_size = SPRINGNET_SIZE_TO(springnet_sweep, reserved);                // 1.4
-constexpr std::size_t linear_system_size = SPRINGNET_SIZE_TO(springnet_linear_system, at);             // 1.5
-constexpr std::size_t linear_solve_size = SPRINGNET_SIZE_TO(springnet_linear_solve, iterations);       // 1.5
-constexpr std::size_t eigenvalue_size = SPRINGNET_SIZE_TO(springnet_eigenvalue_search, applications);  // 1.4
+// Sizes of the structs in ABI 2.0; an integrator compiled against it gives no more.
+constexpr std::size_t evaluation_size = SPRINGNET_SIZE_TO(springnet_evaluation, free_acceleration);
+constexpr std::size_t internal_size = SPRINGNET_SIZE_TO(springnet_internal, rates);
+constexpr std::size_t sweep_size = SPRINGNET_SIZE_TO(springnet_sweep, internal);
+constexpr std::size_t impact_search_size = SPRINGNET_SIZE_TO(springnet_impact_search, time);
+constexpr std::size_t linear_system_size = SPRINGNET_SIZE_TO(springnet_linear_system, at);
+constexpr std::size_t linear_solve_size = SPRINGNET_SIZE_TO(springnet_linear_solve, iterations);
+constexpr std::size_t eigenvalue_size = SPRINGNET_SIZE_TO(springnet_eigenvalue_search, applications);
 
 [[noreturn]] void refuse(const std::string& what) { throw Error(ErrorKind::plugin, what); }
 
 template <class Request>
 const Request& sized(const Request* request, const char* name, std::size_t min_size) {
   if (request == nullptr) refuse(fmt::format("the {} is a null pointer", name));
-  if (request->struct_size < min_size)
-    refuse(fmt::format("the {} has {} bytes, and must have at least {}; set its struct_size", name,
-                       request->struct_size, min_size));
+  require_size(request->struct_size, name, min_size);
   return *request;
+}
+
+void check_internal(const springnet_internal* internal) {
+  if (internal != nullptr) static_cast<void>(sized(internal, "springnet_internal", internal_size));
 }
 
 template <class Vectors>
@@ -73,6 +74,7 @@ void check_ends(const springnet_sweep& sweep) {
   require_finite(later.time_constant, "time_constant");
   require_finite(later.theta, "theta");
   require_all_or_none(later.constraint_force, "constraint_force");
+  check_internal(later.internal);
 }
 
 }  // namespace
@@ -84,6 +86,10 @@ springnet_sweep complete(const springnet_sweep& given) {
   return sweep;
 }
 
+void require_size(std::uint32_t size, const char* name, std::size_t min_size) {
+  if (size >= min_size) return;
+  refuse(fmt::format("the {} has {} bytes, and must have at least {}; set its struct_size", name, size, min_size));
+}
 void require_array(const void* array, const char* name) {
   if (array == nullptr) refuse(fmt::format("{} is a null pointer", name));
 }
@@ -100,15 +106,15 @@ const springnet_evaluation& checked(const springnet_evaluation* evaluation) {
   require_vectors(request.velocity, "velocity");
   require_all_or_none(request.force, "force");
   require_all_or_none(request.acceleration, "acceleration");
-  if (SPRINGNET_HAS_FIELD(springnet_evaluation, &request, free_acceleration)) {
-    require_all_or_none(request.free_acceleration, "free_acceleration");
-    if (request.free_acceleration.x != nullptr) require_all(request.acceleration, "acceleration");
-  }
+  require_all_or_none(request.free_acceleration, "free_acceleration");
+  if (request.free_acceleration.x != nullptr) require_all(request.acceleration, "acceleration");
+  check_internal(request.internal);
   return request;
 }
 
-const springnet_impact_search& checked(const springnet_impact_search* search) {
-  const springnet_impact_search& request = sized(search, "springnet_impact_search", impact_search_size);
+springnet_impact_search& checked(springnet_impact_search* search) {
+  static_cast<void>(sized(search, "springnet_impact_search", impact_search_size));
+  springnet_impact_search& request = *search;
   require_finite(request.step_from, "step_from");
   require_finite(request.step_until, "step_until");
   if (!(request.step_until > request.step_from)) refuse("the step ends no later than it begins");
@@ -179,7 +185,7 @@ springnet_linear_solve& checked(springnet_linear_solve* solve) {
 }
 
 const springnet_sweep& checked_linear(const springnet_sweep* sweep, std::uint32_t node_count) {
-  const springnet_sweep& request = sized(sweep, "springnet_sweep", linear_sweep_size);
+  const springnet_sweep& request = sized(sweep, "springnet_sweep", sweep_size);
   require_array(request.order, "order");
   require_array(reinterpret_cast<const void*>(request.update), "update");
   require_vectors(request.position, "position");

@@ -12,17 +12,18 @@
 namespace springnet {
 
 void require_array(const void* array, const char* name);
+void require_size(std::uint32_t size, const char* name, std::size_t min_size);
 void require_finite(double value, const char* name);
 void require_vectors(const springnet_vectors& vectors, const char* name);
 void require_vectors(const springnet_const_vectors& vectors, const char* name);
 
-// An evaluation: at least as large as in ABI 1.0, with positions, velocities and a time; each output has all three of
+// An evaluation: at least as large as in ABI 2.0, with positions, velocities and a time; each output has all three of
 // its arrays, or none.
 const springnet_evaluation& checked(const springnet_evaluation* evaluation);
 // The same for the end of a sweep by itself.
 const springnet_sweep& checked_end(const springnet_sweep* sweep);
 // A search for touches within a step.
-const springnet_impact_search& checked(const springnet_impact_search* search);
+springnet_impact_search& checked(springnet_impact_search* search);
 // A sweep of a network of `node_count` nodes, except for its order.
 const springnet_sweep& checked(const springnet_sweep* sweep, std::uint32_t node_count);
 
@@ -37,7 +38,7 @@ springnet_eigenvalue_search& checked(springnet_eigenvalue_search* search);
 const springnet_linear_system& checked(const springnet_linear_system* system);
 springnet_linear_solve& checked(springnet_linear_solve* solve);
 
-// Nodes for evaluate_nodes.
+// Nodes of an evaluation.
 void check_nodes(const std::uint32_t* nodes, std::uint32_t count, std::uint32_t node_count);
 
 // Checks the order of sweeps. Many sweeps have the same order: one that was found valid is kept for comparison.

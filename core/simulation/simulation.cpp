@@ -47,7 +47,6 @@ struct Simulation::Impl {
         component(plugins->require(ComponentKind::integrator, given.integrator.id)),
         engine(network, *plugins, given),
         host(make_host_table(engine)) {
-    engine.serve(component->plugin->abi_minor);
     create_integrator();
   }
   ~Impl() { destroy_integrator(); }
@@ -176,7 +175,17 @@ Simulation::Impl::Ending Simulation::Impl::call(const Function& function) {
 void Simulation::Impl::create_integrator() {
   const std::vector<double> values = complete_parameters(*component->description, options.integrator.parameters,
                                                          fmt::format("integrator '{}'", options.integrator.id));
-  const Ending end = call([&] { return component->integrator().create(&host, values.data(), &integrator); });
+  if (engine.model().layout.internal().any() &&
+      (component->description->capabilities & SPRINGNET_INTEGRATES_STATES) == 0)
+    throw Error(ErrorKind::input,
+                fmt::format("integrator '{}' does not integrate the internal state of laws, which laws of this network "
+                            "have; use another one, such as recurrent, cvode or verlet",
+                            options.integrator.id));
+  springnet_integrator_creation creation{sizeof creation, static_cast<std::uint32_t>(values.size()), &host,
+                                         values.data(), nullptr};
+  const springnet_integrator& functions = component->integrator();
+  const Ending end = call([&] { return functions.create(functions.context, &creation); });
+  integrator = creation.integrator;
   if (end.status == SPRINGNET_OK) return;
   if (end.broken) throw Error(ErrorKind::plugin, end.text);
   if (end.out_of_memory()) throw std::bad_alloc();
@@ -186,7 +195,7 @@ void Simulation::Impl::create_integrator() {
 void Simulation::Impl::destroy_integrator() noexcept {
   if (integrator == nullptr) return;
   try {
-    component->integrator().destroy(integrator);
+    static_cast<void>(component->integrator().destroy(integrator));
   } catch (...) {  // plugin.h forbids it, and a destructor cannot report it
   }
   integrator = nullptr;
@@ -196,7 +205,7 @@ void Simulation::Impl::drop_history() {
   engine.forget();
   engine.calls().begin_advance(engine.model().time);  // nothing later may be committed
   const springnet_integrator& functions = component->integrator();
-  if (SPRINGNET_HAS_FIELD(springnet_integrator, &functions, forget) && functions.forget != nullptr) {
+  if (functions.forget != nullptr) {
     const Ending end = call([&] { return functions.forget(integrator); });
     if (end.status == SPRINGNET_OK) return;
     throw Error(ErrorKind::plugin, end.broken ? end.text : broken_by(end.text));
@@ -224,7 +233,8 @@ void Simulation::Impl::advance(double until) {
   engine.calls().begin_advance(until);
   Ending end = call([&] {
     const profile::Stage stage(component->description->id, profile::Kind::integrator);
-    return component->integrator().advance(integrator, until, &report);
+    const springnet_advance request{sizeof request, 0, until, &report};
+    return component->integrator().advance(integrator, &request);
   });
   if (end.status == SPRINGNET_OK && !(std::abs(engine.model().time - until) <= engine.calls().end_tolerance())) {
     end.status = SPRINGNET_FAILED;

@@ -1,5 +1,6 @@
 #include "simulation/state.hpp"
 
+#include <algorithm>
 #include <cmath>
 #include <cstdlib>
 #include <new>
@@ -39,19 +40,23 @@ double* zeros(std::size_t count) {
 
 }  // namespace
 
-State::State(std::uint32_t nodes) : memory(zeros(9 * std::size_t{pitch_of(nodes)}), std::free), node_count(nodes) {
+State::State(std::uint32_t nodes, std::uint64_t internal_numbers)
+    : memory(zeros(9 * std::size_t{pitch_of(nodes)} + internal_numbers), std::free),
+      node_count(nodes),
+      internal_count(internal_numbers) {
   restore_view();
 }
 
 void State::restore_view() noexcept {
   view.struct_size = sizeof view;
-  view.internal = nullptr;
   const std::size_t pitch = pitch_of(node_count);
   double* at = memory.get();
   for (springnet_vectors* vectors : {&view.position, &view.velocity, &view.force}) {
     *vectors = {at, at + pitch, at + 2 * pitch};
     at += 3 * pitch;
   }
+  view.internal = internal_count > 0 ? at : nullptr;
+  internal.values = view.internal;
 }
 
 std::uint32_t State::first_not_finite() const noexcept {
@@ -66,15 +71,20 @@ std::uint32_t State::first_not_finite() const noexcept {
   return k;
 }
 
+bool State::internal_finite() const noexcept {
+  return std::all_of(view.internal, view.internal + internal_count, [](double z) { return std::isfinite(z); });
+}
+
 bool State::forces_finite() const noexcept { return all_finite(view.force, node_count); }
 
 void State::swap(State& other) noexcept {
   std::swap(view, other.view);
   memory.swap(other.memory);
+  std::swap(internal.values, other.internal.values);
 }
 
 layers::NodeArrays State::nodes() const noexcept {
-  return {view.position.x, view.position.y, view.position.z, view.velocity.x, view.velocity.y, view.velocity.z};
+  return node_arrays(read_only(view.position), read_only(view.velocity), internal);
 }
 
 }  // namespace springnet

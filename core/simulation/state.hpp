@@ -6,6 +6,7 @@
 
 #include <springnet/sdk/plugin.h>
 
+#include "layers/internal.hpp"
 #include "layers/kernels.hpp"
 
 namespace springnet {
@@ -15,8 +16,10 @@ struct State {
   springnet_state view{};
   std::unique_ptr<double[], void (*)(void*)> memory;
   std::uint32_t node_count;
+  std::uint64_t internal_count;
+  layers::InternalView internal;  // the laws' states of `view`
 
-  explicit State(std::uint32_t nodes);
+  State(std::uint32_t nodes, std::uint64_t internal_numbers);
   State(const State&) = delete;
   State& operator=(const State&) = delete;
 
@@ -27,6 +30,7 @@ struct State {
   // The first node whose position or velocity is not finite; the number of nodes if there is none.
   [[nodiscard]] std::uint32_t first_not_finite() const noexcept;
   [[nodiscard]] bool forces_finite() const noexcept;
+  [[nodiscard]] bool internal_finite() const noexcept;
   [[nodiscard]] layers::NodeArrays nodes() const noexcept;
   [[nodiscard]] layers::ForceArrays forces() const noexcept { return {view.force.x, view.force.y, view.force.z}; }
 };
@@ -35,9 +39,9 @@ struct State {
 // node would compete for the same cache sets.
 [[nodiscard]] std::uint32_t pitch_of(std::uint32_t nodes) noexcept;
 
-[[nodiscard]] inline layers::NodeArrays node_arrays(const springnet_const_vectors& p,
-                                                    const springnet_const_vectors& v) {
-  return {p.x, p.y, p.z, v.x, v.y, v.z};
+[[nodiscard]] inline layers::NodeArrays node_arrays(const springnet_const_vectors& p, const springnet_const_vectors& v,
+                                                    const layers::InternalView& internal) {
+  return {p.x, p.y, p.z, v.x, v.y, v.z, &internal};
 }
 [[nodiscard]] inline springnet_const_vectors read_only(const springnet_vectors& v) { return {v.x, v.y, v.z}; }
 

@@ -48,6 +48,7 @@ springnet_status Engine::begin_interval(double from, double until) {
 }
 
 springnet_status Engine::begin(Loads::Change loads, bool sweeps_follow) {
+  model_.begin_internal_steps();
   model_.journal.non_finite.clear();
   if (loads == Loads::Change::switched) model_.changed();
   springnet_status status = model_.stale.contacts ? settle() : SPRINGNET_OK;
@@ -91,13 +92,13 @@ springnet_status Engine::fire_events(double time, State& state, const std::int32
   return contact_events_.fire(time, state, fired);
 }
 
-springnet_status Engine::time_of_impact(const springnet_impact_search& search, double& time) {
+springnet_status Engine::time_of_impact(springnet_impact_search& search) {
   struct Guard {
     bool& flag;
     explicit Guard(bool& of) : flag(of) { flag = true; }
     ~Guard() { flag = false; }
   } const guard(model_.in_callback);  // state_at must not change the model during the search
-  return ImpactSearch(model_, contact_events_.sources(), search).find(time);
+  return ImpactSearch(model_, contact_events_.sources(), search).find(search.time);
 }
 
 springnet_status Engine::project_state(double time, const springnet_vectors& position,
@@ -126,6 +127,7 @@ springnet_status Engine::commit(double time, State& state) {
   calls_.check_commit(time, state, is_finite);
   if (const springnet_status room = check_room(model_, time, state); room != SPRINGNET_OK) return room;
   if (state.view.force_is_current != 0 && !state.forces_finite()) state.view.force_is_current = 0;
+  model_.begin_internal_steps();
   model_.state.swap(state);
   const double from = model_.time;
   model_.time = time;

@@ -35,12 +35,13 @@ springnet_status Sweep::run(const springnet_sweep& request, const springnet_netw
     bool &callback, &tiles;
     ~Updating() { callback = tiles = false; }
   } const updating{model_.in_callback, in_tiles_};
+  const layers::InternalView internal = internal_of(sweep);
   model_.in_callback = true;
   in_tiles_ = sweep.order == nullptr;
   Tiles tiles{model_,
               at.get(),
               sweep.time,
-              node_arrays(sweep.position, sweep.velocity),
+              node_arrays(sweep.position, sweep.velocity, internal),
               {sweep.force.x, sweep.force.y, sweep.force.z},
               &sweep};
   springnet_message& message = model_.journal.message;
@@ -62,6 +63,13 @@ springnet_status Sweep::run(const springnet_sweep& request, const springnet_netw
   // The integrator detects that the sweep diverged; the journal keeps the reason.
   static_cast<void>(check_finite(tiles.finite, tiles.bad_neuron, sweep.time, tiles.nodes));
   return SPRINGNET_OK;
+}
+
+// With an order each node evaluates the states of its own springs, with outputs that others will still change.
+layers::InternalView Sweep::internal_of(const springnet_sweep& sweep) {
+  layers::InternalView view = model_.internal_for(sweep.internal);
+  if (sweep.order != nullptr) view.next = view.rates = nullptr;
+  return view;
 }
 
 springnet_status Sweep::constrain(const springnet_sweep& request) {

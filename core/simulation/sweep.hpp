@@ -19,7 +19,7 @@ class Sweep {
 
   // Evaluates the layers at a state, for all nodes or some.
   springnet_status evaluate(const springnet_evaluation& request);
-  springnet_status evaluate_nodes(const springnet_evaluation& request, const std::uint32_t* nodes, std::uint32_t count);
+  springnet_status evaluate_nodes(const springnet_evaluation& request);
   // A sweep of the network; `network.revision` shows changes of its connections.
   springnet_status run(const springnet_sweep& request, const springnet_network& network);
   // The end of a sweep by itself: constraints alone.
@@ -67,6 +67,7 @@ class Sweep {
   [[nodiscard]] bool is_local(std::uint32_t node) const;
   // The plan for a sweep, null if it is done without. Checks the order.
   [[nodiscard]] const layers::SweepPlan* plan_for(const springnet_sweep& sweep, const springnet_network& network);
+  [[nodiscard]] layers::InternalView internal_of(const springnet_sweep& sweep);
   void note_done(const springnet_sweep& sweep) noexcept;
   // Records why results of an evaluation are not finite. Returns true if they are finite.
   bool check_finite(bool forces, std::uint32_t bad_neuron, double time, const layers::NodeArrays& nodes);

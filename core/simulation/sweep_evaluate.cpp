@@ -29,8 +29,9 @@ springnet_status Sweep::evaluate(const springnet_evaluation& wanted) {
   springnet_evaluation request{};
   std::memcpy(&request, &wanted, std::min<std::size_t>(sizeof request, wanted.struct_size));
   const std::shared_ptr<const Placement> at = model_.placement(request.time);
+  const layers::InternalView internal = model_.internal_for(request.internal);
   const layers::ForceArrays force{request.force.x, request.force.y, request.force.z};  // null: not wanted
-  Tiles tiles{model_, at.get(), request.time,         node_arrays(request.position, request.velocity),
+  Tiles tiles{model_, at.get(), request.time,         node_arrays(request.position, request.velocity, internal),
               force,  nullptr,  request.acceleration, request.free_acceleration};
   const springnet_status status = model_.evaluator.evaluate(request.time, tiles.nodes, model_.external_at(request.time),
                                                             tiles.force, {finish_tile, &tiles}, model_.journal.message);
@@ -44,13 +45,16 @@ springnet_status Sweep::evaluate(const springnet_evaluation& wanted) {
   return SPRINGNET_OK;
 }
 
-springnet_status Sweep::evaluate_nodes(const springnet_evaluation& request, const std::uint32_t* nodes,
-                                       std::uint32_t count) {
+springnet_status Sweep::evaluate_nodes(const springnet_evaluation& request) {
+  const std::uint32_t* const nodes = request.nodes;
+  const std::uint32_t count = request.node_count;
   model_.layout.need_incidence();
   springnet_evaluation wanted{};
   std::memcpy(&wanted, &request, std::min<std::size_t>(sizeof wanted, request.struct_size));
   const layers::FlushDenormals flush;
-  const layers::NodeArrays arrays = node_arrays(wanted.position, wanted.velocity);
+  layers::InternalView internal = model_.internal_for(wanted.internal);
+  internal.next = internal.rates = nullptr;  // of all elements, or none
+  const layers::NodeArrays arrays = node_arrays(wanted.position, wanted.velocity, internal);
   const layers::ExternalForces external = model_.external_at(wanted.time);  // the same for all threads of a sweep
   const layers::EnclosureVolumes* volumes = nullptr;
   if (model_.layout.elements().live_enclosures() > 0) {

@@ -18,8 +18,9 @@ springnet_status call_update(const springnet_sweep& sweep, const springnet_node_
                              springnet_message& message) noexcept {
   const profile::Part part("update");
   try {
-    sweep.update(sweep.user, &batch);
-    return SPRINGNET_OK;
+    const springnet_status status = sweep.update(sweep.user, &batch);
+    if (status != SPRINGNET_OK) sdk::detail::write_message(&message, "the integrator's update of nodes failed");
+    return status;
   } catch (const std::exception& error) {
     char text[2 * sizeof message.text];
     std::snprintf(text, sizeof text, "the integrator's update of nodes threw an exception: %s", error.what());

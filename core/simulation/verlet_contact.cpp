@@ -107,7 +107,7 @@ VerletContact::Body VerletContact::body_of(const springnet_sweep& step, const st
 springnet_status VerletContact::evaluate_forces(Body& body, const springnet_sweep& step, double time,
                                                 const springnet_const_vectors& position,
                                                 const springnet_const_vectors& velocity) {
-  const layers::NodeArrays nodes = node_arrays(position, velocity);
+  const layers::NodeArrays nodes = node_arrays(position, velocity, model_.state.internal);
   for (Member& m : body.members) {
     const double* const force[3] = {step.force.x + m.node, step.force.y + m.node, step.force.z + m.node};
     Vector3 a;

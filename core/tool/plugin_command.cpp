@@ -42,17 +42,24 @@ constexpr std::array<KindWord, 4> kind_words{{{"spring", ComponentKind::spring_f
                                               {"integrator", ComponentKind::integrator}}};
 
 struct Capability {
-  std::uint32_t bit;
+  std::uint64_t bit;
   const char* text;
 };
-constexpr std::array<Capability, 7> capabilities{
+constexpr std::array<Capability, 14> capabilities{
     {{SPRINGNET_HAS_ENERGY, "energy"},
      {SPRINGNET_HAS_DERIVATIVES, "derivatives"},
      {SPRINGNET_HAS_PARAMETER_DERIVATIVES, "derivatives with respect to parameters"},
      {SPRINGNET_HAS_RUPTURE, "rupture"},
      {SPRINGNET_ACTS_IN_COMPRESSION, "acts in compression"},
      {SPRINGNET_READS_RATE, "reads the rate"},
-     {SPRINGNET_HAS_STATE_DERIVATIVES, "derivatives with respect to state"}}};
+     {SPRINGNET_INTEGRATES_STATES, "integrates the internal state of laws"},
+     {SPRINGNET_MONOTONE, "monotone"},
+     {SPRINGNET_NOT_ZERO_AT_REST, "not zero at rest"},
+     {SPRINGNET_ADDS_POWER, "adds power"},
+     {SPRINGNET_READS_TIME, "reads the time"},
+     {SPRINGNET_CALLING_THREAD_ONLY, "on the calling thread only"},
+     {SPRINGNET_FITS_ELEMENTS, "fits elements"},
+     {SPRINGNET_DIVIDES_BY_REFERENCE, "needs a reference value above 0"}}};
 
 std::vector<std::string> capabilities_of(const Component& component) {
   std::vector<std::string> result;
@@ -60,6 +67,15 @@ std::vector<std::string> capabilities_of(const Component& component) {
     if ((component.description->capabilities & capability.bit) != 0) result.emplace_back(capability.text);
   }
   return result;
+}
+
+bool is_law(const Component& component) {
+  return component.kind() == ComponentKind::spring_function || component.kind() == ComponentKind::viscosity_function;
+}
+
+std::vector<const springnet_parameter*> states_of(const Component& component) {
+  if (!is_law(component)) return {};
+  return {component.law().states, component.law().states + component.law().state_count};
 }
 
 std::vector<const springnet_parameter*> parameters_of(const Component& component) {
@@ -163,6 +179,8 @@ Json json_of(const Component& component) {
   const springnet_plugin& plugin = *component.plugin;
   Json parameters = Json::array();
   for (const springnet_parameter* parameter : parameters_of(component)) parameters.push_back(json_of(*parameter));
+  Json states = Json::array();
+  for (const springnet_parameter* state : states_of(component)) states.push_back(json_of(*state));
   return {{"id", component.id()},
           {"kind", name_of(component.kind())},
           {"version", plugin.version},
@@ -174,7 +192,8 @@ Json json_of(const Component& component) {
           {"abi", fmt::format("{}.{}", plugin.abi_major, plugin.abi_minor)},
           {"reference", component.description->reference},
           {"capabilities", capabilities_of(component)},
-          {"parameters", parameters}};
+          {"parameters", parameters},
+          {"states", states}};
 }
 
 void print_json(const Json& document) {
@@ -244,13 +263,23 @@ void print_parameters(const Component& component) {
   fmt::print("{}", align_columns(rows));
 }
 
+void print_states(const Component& component) {
+  const std::vector<const springnet_parameter*> states = states_of(component);
+  if (states.empty()) return;
+  std::vector<std::vector<std::string>> rows{{"INTERNAL STATE", "UNIT", "AT START", "VALUES", ""}};
+  for (const springnet_parameter* state : states)
+    rows.push_back({state->name, shown(state->unit), value_text(*state, state->default_value), bounds_text(*state),
+                    shown(state->summary)});
+  fmt::print("\n{}", align_columns(rows));
+}
+
 void print_component(const Component& component) {
   const springnet_plugin& plugin = *component.plugin;
   fmt::print("{} ({})\n  {}\n\n", component.id(), name_of(component.kind()), shown(component.description->summary));
   std::vector<std::vector<std::string>> rows;
   const std::string reference = shown(component.description->reference);
   if (!reference.empty()) rows.push_back({"reference", reference});
-  if (component.kind() == ComponentKind::spring_function || component.kind() == ComponentKind::viscosity_function) {
+  if (is_law(component)) {
     const bool speed = component.law().invariant == SPRINGNET_RELATIVE_SPEED;
     rows.push_back({"reads", speed ? "the relative speed of two nodes, m/s" : "the distance of two nodes, m"});
   }
@@ -262,6 +291,7 @@ void print_component(const Component& component) {
   rows.push_back({"file", file_of(component)});
   fmt::print("{}\n", align_columns(rows));
   print_parameters(component);
+  print_states(component);
   fmt::print("\n  in a scene:\n    {}\n", scene_line(component));
 }
 

@@ -5,6 +5,7 @@ namespace {
 using namespace springnet::sdk;
 
 struct MyLaw : SpringFunction {
+  using has = Has<Energy>;
   static constexpr const char *id = "my_law", *summary = "pulls like Hooke's law, does not push";
   static constexpr bool acts_in_compression = false;
   static constexpr Parameter parameters[] = {number("stiffness", "N/m", "tension per elongation").at_least(0)};

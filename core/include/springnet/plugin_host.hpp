@@ -63,7 +63,8 @@ class PluginHost {
   [[nodiscard]] static PluginHost with_default_search(const std::vector<std::filesystem::path>& folders = {});
 
   // Loads all files "*.springnet.so" (.dylib, .dll) of a folder, in the order of their names. A plugin with a component
-  // whose kind and id another one provides is refused. A folder that does not exist is recorded as a refusal.
+  // whose kind and id another one of the same id provides is refused. A folder that does not exist is recorded as a
+  // refusal.
   void search(const std::filesystem::path& folder);
   // Loads one file. Returns false if it was refused; the reason is refusals().back().
   bool load(const std::filesystem::path& file);
@@ -73,7 +74,8 @@ class PluginHost {
   [[nodiscard]] const std::vector<std::shared_ptr<const Component>>& components() const noexcept;
   [[nodiscard]] const std::vector<Refusal>& refusals() const noexcept;
 
-  // Null if there is none.
+  // Null if there is none. An id that several plugins provide is followed by '@' and the id of one:
+  // "linear@org.example"; throws Error(plugin) if it is not.
   [[nodiscard]] std::shared_ptr<const Component> find(ComponentKind kind, std::string_view id) const;
   // Throws Error(plugin) that names the nearest known ids and every refused file with its reason.
   [[nodiscard]] std::shared_ptr<const Component> require(ComponentKind kind, std::string_view id) const;

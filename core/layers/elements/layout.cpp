@@ -94,6 +94,13 @@ void ElementLayout::fill_batches() {
       force_slots_[at] = shares_[at].place * pitch + index[shares_[at].element];
     slot_stop_[k] = at;
   }
+  if (internal_ != nullptr) fill_places();
+}
+
+void ElementLayout::fill_places() {
+  place_.assign(batched_.size(), 0);
+  for (std::size_t i = 0; i < batched_.size(); ++i)
+    if (internal_->has(group(batched_[i]))) place_[i] = internal_->of_element(batched_[i]);
 }
 
 void ElementLayout::add_neighbours(std::uint32_t node, std::vector<std::uint32_t>& neighbours) const {

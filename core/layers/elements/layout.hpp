@@ -70,6 +70,15 @@ class ElementLayout {
   [[nodiscard]] const std::uint32_t* rows(const ElementBatch& batch) const noexcept {
     return row_.data() + batch.begin;
   }
+  // [member] of a batch, in the internal state; null: no law has any.
+  [[nodiscard]] const std::uint32_t* places(const ElementBatch& batch) const noexcept {
+    return place_.empty() ? nullptr : place_.data() + batch.begin;
+  }
+  // `internal` must stay.
+  void take_places(const InternalLayout& internal) {
+    internal_ = &internal;
+    fill_places();
+  }
   // [share of the node] where the force of an element of three or four nodes on the node is in arrays over the corners
   // of batched(): place * batched().size() + index in batched(). As many as shares(node) that are no enclosures.
   [[nodiscard]] std::span<const std::uint32_t> force_slots(std::uint32_t node) const noexcept {
@@ -100,6 +109,7 @@ class ElementLayout {
  private:
   void make_batches();
   void fill_batches();
+  void fill_places();
   // Whether the line between corners i < j is a side: not between the tips of a hinge, nor between the ends of an
   // angle.
   [[nodiscard]] bool is_side(std::uint32_t element, std::size_t i, std::size_t j) const noexcept {
@@ -127,6 +137,8 @@ class ElementLayout {
   // [batched]
   std::vector<std::uint32_t> corner_[max_corners], row_;
   std::vector<double> reference_;
+  const InternalLayout* internal_ = nullptr;  // null: no law has internal state
+  std::vector<std::uint32_t> place_;
   std::vector<std::uint32_t> force_slots_;  // [share]
   std::vector<std::size_t> slot_stop_;      // [node]
 };

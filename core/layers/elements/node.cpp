@@ -19,6 +19,7 @@ struct Seen {
   BatchGeometry geometry;        // of elements of three or four nodes
   std::uint32_t corner[max_corners][chunk];
   std::uint32_t rows[chunk];
+  std::uint32_t places[chunk];  // of internal states; written if there are any
 
   void read_enclosures(const ElementLayout& elements, std::span<const ElementShare> shares, std::uint32_t node,
                        const NodeArrays& nodes, const EnclosureVolumes* volumes) {
@@ -72,6 +73,8 @@ springnet_status Evaluator::add_elements_of(std::uint32_t node, double time, con
     const std::size_t count = end - begin;
     const Group& group = layout_.laws().groups[first.group];
     for (std::size_t i = 0; i < count; ++i) seen.rows[i] = elements.row(shares[begin + i].element);
+    if (layout_.internal().has(first.group))
+      for (std::size_t i = 0; i < count; ++i) seen.places[i] = layout_.internal().of_element(shares[begin + i].element);
     if (enclosures) {
       seen.read_enclosures(elements, shares.subspan(begin, count), node, nodes, volumes);
     } else {
@@ -94,7 +97,9 @@ springnet_status Evaluator::add_elements_of(std::uint32_t node, double time, con
                                                    count,
                                                    {seen.rows, 0},
                                                    enclosures ? seen.q : seen.geometry.value,
-                                                   enclosures ? seen.rate : seen.geometry.rate},
+                                                   enclosures ? seen.rate : seen.geometry.rate,
+                                                   nullptr,
+                                                   {layout_.internal(), first.group, nodes, seen.places}},
                                                   set_, time, out, message);
     if (status != SPRINGNET_OK) return status;
     const std::array<const Law*, 2> laws = group.laws();

@@ -16,15 +16,26 @@ const Group& group_of(const Layout& layout, std::uint32_t element) {
   return layout.laws().groups[layout.elements().group(element)];
 }
 
-// The laws of one element.
-springnet_status evaluate_element(const Layout& layout, InstructionSet set, double time, std::uint32_t element,
-                                  const ElementState& state, const PairOutputs& out, springnet_message& message) {
+}  // namespace
+
+springnet_status evaluate_element(const Layout& layout, InstructionSet set, double time, const NodeArrays& nodes,
+                                  std::uint32_t element, const ElementState& state, const PairOutputs& out,
+                                  springnet_message& message) {
   const profile::Tile measured;
   const profile::Part part("elements");
-  const LawBatch batch{
-      group_of(layout, element), 1, {nullptr, layout.elements().row(element)}, &state.value, &state.rate};
+  const std::uint32_t group = layout.elements().group(element);
+  const std::uint32_t place = layout.internal().has(group) ? layout.internal().of_element(element) : 0;
+  const LawBatch batch{group_of(layout, element),
+                       1,
+                       {nullptr, layout.elements().row(element)},
+                       &state.value,
+                       &state.rate,
+                       nullptr,
+                       {layout.internal(), group, nodes, &place}};
   return evaluate_laws(batch, set, time, out, message);
 }
+
+namespace {
 
 // "nodes 1, 2 and 3"; of an enclosure only their number.
 std::string where(const Layout& layout, std::uint32_t element) {
@@ -61,8 +72,8 @@ double element_force(const Layout& layout, InstructionSet set, double time, cons
                      std::uint32_t element) {
   PairAnswers<1> answers;
   springnet_message message{};
-  if (evaluate_element(layout, set, time, element, element_state(layout, nodes, element), answers.outputs(false, false),
-                       message) != SPRINGNET_OK)
+  if (evaluate_element(layout, set, time, nodes, element, element_state(layout, nodes, element),
+                       answers.outputs(false, false), message) != SPRINGNET_OK)
     return std::numeric_limits<double>::quiet_NaN();
   return element_force(group_of(layout, element), answers, 0, false).force;
 }
@@ -76,7 +87,7 @@ double element_energy(const Layout& layout, InstructionSet set, double time, con
     out[0].force = &force;
     out[0].energy = &energy;
     springnet_message message{};
-    if (evaluate_element(layout, set, time, e, element_state(layout, nodes, e), out, message) != SPRINGNET_OK)
+    if (evaluate_element(layout, set, time, nodes, e, element_state(layout, nodes, e), out, message) != SPRINGNET_OK)
       return std::numeric_limits<double>::quiet_NaN();
     sum += energy;
   }
@@ -106,7 +117,7 @@ springnet_status element_margins(const Layout& layout, InstructionSet set, doubl
       out[k].margin = &margin[k];
     }
     const springnet_status status =
-        evaluate_element(layout, set, time, e, element_state(layout, nodes, e), out, message);
+        evaluate_element(layout, set, time, nodes, e, element_state(layout, nodes, e), out, message);
     if (status != SPRINGNET_OK) return status;
     margins[i] = lesser(margin[0], margin[1]);
   }
@@ -125,7 +136,7 @@ std::string explain_element_failure(const Layout& layout, InstructionSet set, do
       PairOutputs out{};  // of this law alone
       out[k] = answer.outputs(*laws[k], requested);
       springnet_message message{};
-      const springnet_status status = evaluate_element(layout, set, time, e, state, out, message);
+      const springnet_status status = evaluate_element(layout, set, time, nodes, e, state, out, message);
       const std::string what = wrong_answer(*laws[k]->component, status, answer, message);
       if (what.empty()) continue;
       const std::string_view unit = unit_of(layout.elements().invariant(e));

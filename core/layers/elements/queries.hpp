@@ -8,6 +8,7 @@
 
 #include "layers/failure.hpp"
 #include "layers/instruction_set.hpp"
+#include "layers/law_pair.hpp"
 #include "layers/layout.hpp"
 
 namespace springnet::layers {
@@ -18,6 +19,10 @@ struct ElementState {
   double rate;
 };
 [[nodiscard]] ElementState element_state(const Layout& layout, const NodeArrays& nodes, std::uint32_t element);
+// The laws of one element, whose state is given.
+springnet_status evaluate_element(const Layout& layout, InstructionSet set, double time, const NodeArrays& nodes,
+                                  std::uint32_t element, const ElementState& state, const PairOutputs& out,
+                                  springnet_message& message);
 // Q of a live element, summed over both laws; nan where one fails.
 [[nodiscard]] double element_force(const Layout& layout, InstructionSet set, double time, const NodeArrays& nodes,
                                    std::uint32_t element);

@@ -56,10 +56,14 @@ springnet_status Evaluator::evaluate_batch(const ElementBatch& batch, double tim
   measure(batch.invariant, elements.corners(batch), nodes, geometry);
   alignas(64) double force[2][element_batch];
   const std::uint32_t* rows = elements.rows(batch);
-  const springnet_status status =
-      evaluate_laws({group, batch.count, batch.one_row ? RowSelection{nullptr, rows[0]} : RowSelection{rows, 0},
-                     geometry.value, geometry.rate},
-                    set_, time, {LawOutputs{force[0]}, LawOutputs{force[1]}}, message);
+  const springnet_status status = evaluate_laws({group,
+                                                 batch.count,
+                                                 batch.one_row ? RowSelection{nullptr, rows[0]} : RowSelection{rows, 0},
+                                                 geometry.value,
+                                                 geometry.rate,
+                                                 nullptr,
+                                                 {layout_.internal(), batch.group, nodes, elements.places(batch)}},
+                                                set_, time, {LawOutputs{force[0]}, LawOutputs{force[1]}}, message);
   if (status != SPRINGNET_OK) return status;
   const std::size_t pitch = elements.batched().size();
   const auto at = [&](std::vector<double>& forces) { return forces.data() + batch.begin; };
@@ -69,7 +73,8 @@ springnet_status Evaluator::evaluate_batch(const ElementBatch& batch, double tim
   return SPRINGNET_OK;
 }
 
-springnet_status Evaluator::evaluate_enclosures(double time, springnet_message& message) const {
+springnet_status Evaluator::evaluate_enclosures(double time, const NodeArrays& nodes,
+                                                springnet_message& message) const {
   const ElementLayout& elements = layout_.elements();
   std::size_t next = 0;
   for (std::uint32_t s = 0; s < elements.enclosures().size(); ++s) {
@@ -84,8 +89,15 @@ springnet_status Evaluator::evaluate_enclosures(double time, springnet_message& 
     const profile::Part part("elements");
     const Group& group = layout_.laws().groups[elements.group(e)];
     PairAnswers<1> answers;
-    const springnet_status status = evaluate_laws({group, 1, {nullptr, elements.row(e)}, &sum.volume, &sum.rate}, set_,
-                                                  time, answers.outputs(false, false), message);
+    const std::uint32_t place = layout_.internal().has(elements.group(e)) ? layout_.internal().of_element(e) : 0;
+    const springnet_status status = evaluate_laws({group,
+                                                   1,
+                                                   {nullptr, elements.row(e)},
+                                                   &sum.volume,
+                                                   &sum.rate,
+                                                   nullptr,
+                                                   {layout_.internal(), elements.group(e), nodes, &place}},
+                                                  set_, time, answers.outputs(false, false), message);
     if (status != SPRINGNET_OK) return status;
     enclosure_force_[s] = element_force(group, answers, 0, false).force;
   }
@@ -112,7 +124,7 @@ springnet_status Evaluator::evaluate_elements(double time, const NodeArrays& nod
     for (std::int64_t i = 0; i < pieces; ++i) {
       if (const springnet_status status = evaluate_piece(i, message); status != SPRINGNET_OK) return status;
     }
-    return evaluate_enclosures(time, message);
+    return evaluate_enclosures(time, nodes, message);
   }
   std::int64_t failed = pieces;
   springnet_status failure = SPRINGNET_OK;
@@ -137,7 +149,7 @@ springnet_status Evaluator::evaluate_elements(double time, const NodeArrays& nod
       }
     }
   }
-  return failure == SPRINGNET_OK ? evaluate_enclosures(time, message) : failure;
+  return failure == SPRINGNET_OK ? evaluate_enclosures(time, nodes, message) : failure;
 }
 
 void Evaluator::add_elements(std::uint32_t begin, std::uint32_t end, const ForceArrays& force,

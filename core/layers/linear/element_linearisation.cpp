@@ -15,17 +15,22 @@ void for_each_enclosure(std::span<const ElementShare> shares, const What& what) 
 
 // Q and its derivatives for elements with the same laws.
 springnet_status ElementLinearisation::evaluate_elements(const ElementBatch& batch, double time,
-                                                         const std::uint32_t* members, const double* q,
-                                                         const double* rate, ElementForce* forces,
+                                                         const NodeArrays& nodes, const std::uint32_t* members,
+                                                         const double* q, const double* rate, ElementForce* forces,
                                                          springnet_message& message) {
   const profile::Tile measured;
   const profile::Part part("elements");
   const Group& group = layout_.laws().groups[batch.group];
-  std::uint32_t rows[element_batch];
-  for (std::size_t i = 0; i < batch.count; ++i) rows[i] = layout_.elements().row(members[i]);
+  const InternalLayout& internal = layout_.internal();
+  std::uint32_t rows[element_batch], places[element_batch];
+  for (std::size_t i = 0; i < batch.count; ++i) {
+    rows[i] = layout_.elements().row(members[i]);
+    if (internal.has(batch.group)) places[i] = internal.of_element(members[i]);
+  }
   PairAnswers<element_batch> answers;
-  const springnet_status status = evaluate_laws({group, batch.count, {rows, 0}, q, rate}, evaluator_.instruction_set(),
-                                                time, answers.outputs(true, false), message);
+  const LawBatch laws{group, batch.count, {rows, 0}, q, rate, nullptr, {internal, batch.group, nodes, places}};
+  const springnet_status status =
+      evaluate_laws(laws, evaluator_.instruction_set(), time, answers.outputs(true, false), message);
   if (status != SPRINGNET_OK) return status;
   for (std::size_t i = 0; i < batch.count; ++i) {
     forces[i] = element_force(group, answers, i, true);
@@ -105,7 +110,7 @@ springnet_status ElementLinearisation::update(double time, const NodeArrays& nod
       q[i] = nearest_turn(batch.invariant, geometry[i].value, elements.reference(members[i]));
       rate[i] = geometry[i].rate;
     }
-    const springnet_status status = evaluate_elements(batch, time, members, q, rate, forces, message);
+    const springnet_status status = evaluate_elements(batch, time, nodes, members, q, rate, forces, message);
     if (status != SPRINGNET_OK) return status;
     const std::size_t count = corners_of(batch.invariant);
     for (std::size_t i = 0; i < batch.count; ++i, targets += count * count) {
@@ -128,8 +133,8 @@ springnet_status ElementLinearisation::update_enclosures(double time, const Node
     const Enclosure& enclosure = elements.enclosures()[s].shape;
     EnclosureDerivatives& own = enclosures_[s];
     const Enclosure::Values values = enclosure.values(nodes);
-    const springnet_status status = evaluate_elements({Invariant::enclosed_volume, elements.group(e), 0, 1}, time, &e,
-                                                      &values.volume, &values.rate, &own.law, message);
+    const springnet_status status = evaluate_elements({Invariant::enclosed_volume, elements.group(e), 0, 1}, time,
+                                                      nodes, &e, &values.volume, &values.rate, &own.law, message);
     if (status != SPRINGNET_OK) return status;
     own.gradient.resize(enclosure.size());
     own.rate_gradient.resize(enclosure.size());

@@ -74,9 +74,9 @@ class ElementLinearisation {
     std::vector<Vector3> rate_gradient;  // h, [place]
     double product = 0.0;                // of prepare(), or track()
   };
-  springnet_status evaluate_elements(const ElementBatch& batch, double time, const std::uint32_t* members,
-                                     const double* q, const double* rate, ElementForce* forces,
-                                     springnet_message& message);
+  springnet_status evaluate_elements(const ElementBatch& batch, double time, const NodeArrays& nodes,
+                                     const std::uint32_t* members, const double* q, const double* rate,
+                                     ElementForce* forces, springnet_message& message);
   springnet_status update_enclosures(double time, const NodeArrays& nodes, springnet_message& message);
   void make_pattern();
   void add_pressures(const NodeArrays& nodes, const double* pressure);

@@ -154,6 +154,15 @@ void Linearisation::times(const double* dp, const double* dv, double* out) {
   }
 }
 
+void Linearisation::accelerations(const double* force, double* out) const {
+  const std::size_t n = layout_.node_count();
+  for (std::uint32_t k = 0; k < n; ++k) {
+    Vector3 result = Vector3::Zero();
+    if (constrained_[k] == 0) result = block(by_force_, k) * Vector3(force[k], force[n + k], force[2 * n + k]);
+    for (std::size_t c = 0; c < 3; ++c) out[c * n + k] = result[static_cast<Eigen::Index>(c)];
+  }
+}
+
 bool Linearisation::neurons_dissipate() const {
   const auto dissipates = [](const auto& own) { return own.isDiagonal(0.0) && own.diagonal().maxCoeff() <= 0.0; };
   for (std::uint32_t k = 0; k < layout_.node_count(); ++k)

@@ -46,6 +46,8 @@ class Linearisation {
   [[nodiscard]] bool known() const noexcept { return known_; }
   // out = da/dp dp + da/dv dv; 3n numbers each, x of all nodes first.
   void times(const double* dp, const double* dv, double* out);
+  // out = da/dF force, with forces on nodes, N; arrays as above.
+  void accelerations(const double* force, double* out) const;
   // Diagonal blocks of I - velocity_weight da/dv - position_weight da/dp, [node][9].
   void diagonal_blocks(double velocity_weight, double position_weight, double* out) const;
   // The entries of A = I - velocity_weight da/dv - position_weight da/dp, unknown 3 node + coordinate, without the

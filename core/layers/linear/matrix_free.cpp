@@ -248,7 +248,13 @@ MatrixFree::Sums MatrixFree::linearise_unit(std::size_t index, double time, cons
     const SegmentColumns columns(unit, segment, group);
     const RowSelection rows =
         segment.row == mixed_rows ? RowSelection{nullptr, 0, columns.data()} : RowSelection{nullptr, segment.row};
-    const LawBatch batch{group, segment.count, rows, geometry->length, geometry->rate, geometry->speed};
+    const LawBatch batch{group,
+                         segment.count,
+                         rows,
+                         geometry->length,
+                         geometry->rate,
+                         geometry->speed,
+                         {layout_.internal(), segment.group, nodes, unit.internal_of(segment)}};
     if (evaluate_laws(batch, evaluator_.instruction_set(), time, out, message) != SPRINGNET_OK) {
       sums.fits = false;
       return sums;

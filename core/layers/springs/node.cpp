@@ -20,6 +20,7 @@ struct NodeGeometry {
   double speed[chunk], sx[chunk], sy[chunk], sz[chunk];
   double vx[chunk], vy[chunk], vz[chunk];  // relative velocity, m/s
   std::uint32_t rows[chunk];
+  std::uint32_t places[chunk];  // of internal states; written if there are any
 };
 
 void read(const Incident* springs, std::size_t count, std::uint32_t k, const NodeArrays& n, bool axial, bool relative,
@@ -103,7 +104,15 @@ springnet_status Evaluator::add_springs_of(std::uint32_t node, double time, cons
     read(begin, count, node, nodes, axial || blocks, relative, geometry);
     const bool one_row = std::all_of(begin, stop, [&](const Incident& i) { return i.row == begin->row; });
     const RowSelection rows = one_row ? RowSelection{nullptr, begin->row} : RowSelection{geometry.rows, 0};
-    const LawBatch batch{group, count, rows, geometry.length, geometry.rate, geometry.speed};
+    if (layout_.internal().has(begin->group))
+      for (std::size_t i = 0; i < count; ++i) geometry.places[i] = layout_.internal().of_spring(begin[i].spring);
+    const LawBatch batch{group,
+                         count,
+                         rows,
+                         geometry.length,
+                         geometry.rate,
+                         geometry.speed,
+                         {layout_.internal(), begin->group, nodes, geometry.places}};
     const springnet_status status = evaluate_laws(batch, set_, time, out, message);
     if (status != SPRINGNET_OK) return status;
     const std::array<const Law*, 2> laws = group.laws();

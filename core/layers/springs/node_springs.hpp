@@ -26,6 +26,7 @@ struct NodeSprings {
   std::span<const std::uint32_t> other;  // [spring] the other end
   std::span<const Piece> pieces;
   RowSelection rows;
+  const std::uint32_t* places = nullptr;  // [spring] of internal states; null: the laws have none
 };
 
 // Memory for a batch.
@@ -36,14 +37,20 @@ class NodeSpringsBuffer {
     return {group,
             {other_, count_},
             {pieces_, piece_count_},
-            is_mixed_ ? RowSelection{row_} : RowSelection{nullptr, row_[0]}};
+            is_mixed_ ? RowSelection{row_} : RowSelection{nullptr, row_[0]},
+            places_};
   }
   void clear() noexcept {
     count_ = piece_count_ = 0;
     is_mixed_ = false;
+    places_ = nullptr;
   }
   // The first `size` springs from `from` on, of a node of the list.
-  void append(std::uint32_t index, const Incident* from, std::size_t size) noexcept {
+  void append(std::uint32_t index, const Incident* from, std::size_t size, const InternalLayout& internal) noexcept {
+    if (internal.has(from->group)) {
+      places_ = place_;
+      for (std::size_t i = 0; i < size; ++i) place_[count_ + i] = internal.of_spring(from[i].spring);
+    }
     std::uint32_t differs = 0;
     if (count_ == 0) row_[0] = from->row;
     const std::uint32_t row_0 = row_[0];
@@ -60,10 +67,11 @@ class NodeSpringsBuffer {
 
  private:
   // Not initialised: written before they are read.
-  std::uint32_t other_[together_springs], row_[together_springs];
+  std::uint32_t other_[together_springs], row_[together_springs], place_[together_springs];
   NodeSprings::Piece pieces_[together_limit];
   std::size_t count_ = 0, piece_count_ = 0;
   bool is_mixed_ = false;
+  const std::uint32_t* places_ = nullptr;
 };
 
 // Calls take(batch) for all springs of up to together_limit nodes, group by group, until a status is not SPRINGNET_OK.
@@ -86,7 +94,7 @@ springnet_status for_each_batch(const Layout& layout, std::span<const std::uint3
       }
       // A node's springs are divided only if they do not fit at all.
       const std::size_t size = std::min(wanted, together_springs);
-      if (size > 0) springs.append(static_cast<std::uint32_t>(i), next[i], size);
+      if (size > 0) springs.append(static_cast<std::uint32_t>(i), next[i], size, layout.internal());
       next[i] += size;
       if (size == wanted) ++i;
     }

@@ -16,17 +16,24 @@ springnet_status evaluate_springs(const Layout& layout, InstructionSet set, doub
                                   SegmentGeometry& geometry, const PairOutputs& out, springnet_message& message) {
   const profile::Tile measured;
   const profile::Part part("springs");
-  std::uint32_t first[max_segment], second[max_segment], rows[max_segment];
+  std::uint32_t first[max_segment], second[max_segment], rows[max_segment], places[max_segment];
   for (std::size_t i = 0; i < count; ++i) {
     first[i] = layout.first(springs[i]);
     second[i] = layout.second(springs[i]);
     rows[i] = layout.laws().row[springs[i]];
+    if (layout.internal().has(group)) places[i] = layout.internal().of_spring(springs[i]);
   }
   const SegmentSprings segment{nullptr, nullptr, static_cast<std::uint32_t>(count), first, second};
   const Kernels& kernels = kernels_for(set);
   kernels.lengths_and_rates(segment, nodes, geometry);
   kernels.relative_speeds(segment, nodes, geometry);
-  const LawBatch batch{layout.laws().groups[group], count, {rows, 0}, geometry.length, geometry.rate, geometry.speed};
+  const LawBatch batch{layout.laws().groups[group],
+                       count,
+                       {rows, 0},
+                       geometry.length,
+                       geometry.rate,
+                       geometry.speed,
+                       {layout.internal(), group, nodes, places}};
   return evaluate_laws(batch, set, time, out, message);
 }
 

@@ -59,8 +59,14 @@ springnet_status find_in_segment(const Search& search, std::uint32_t index, cons
   const SegmentColumns columns(unit, segment, group);
   const RowSelection rows{nullptr, mixed ? 0 : segment.row, mixed ? columns.data() : nullptr};
   const springnet_status status =
-      evaluate_laws({group, segment.count, rows, geometry.length, geometry.rate, geometry.speed}, search.set,
-                    search.time, out, message);
+      evaluate_laws({group,
+                     segment.count,
+                     rows,
+                     geometry.length,
+                     geometry.rate,
+                     geometry.speed,
+                     {search.layout.internal(), segment.group, search.nodes, unit.internal_of(segment)}},
+                    search.set, search.time, out, message);
   if (status != SPRINGNET_OK) return status;
   for (const LawOutputs& law : out) {
     if (law.margin == nullptr) continue;

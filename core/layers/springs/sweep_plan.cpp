@@ -57,6 +57,7 @@ void SweepPlan::make(const Layout& layout, std::span<const std::uint32_t> order,
   nodes_.clear();
   other_.clear();
   pieces_.clear();
+  internal_.clear();
   values_.clear();
   value_of_.clear();
   ranges_.clear();
@@ -129,7 +130,13 @@ void SweepPlan::add_stage(const Layout& layout, std::span<const std::uint32_t> n
 
 void SweepPlan::add_batch(const Group& group, const NodeSprings& springs) {
   const bool is_mixed = springs.rows.rows != nullptr;
-  batches_.push_back({springs.group, springs.rows.row, other_.size(), pieces_.size(), value_of_.size(), is_mixed});
+  const bool has_states = springs.places != nullptr;
+  batches_.push_back(
+      {springs.group, springs.rows.row, other_.size(), pieces_.size(), value_of_.size(), is_mixed, has_states});
+  if (has_states) {
+    internal_.resize(other_.size());  // of batches without
+    internal_.insert(internal_.end(), springs.places, springs.places + springs.other.size());
+  }
   other_.insert(other_.end(), springs.other.begin(), springs.other.end());
   pieces_.insert(pieces_.end(), springs.pieces.begin(), springs.pieces.end());
   if (!is_mixed) return;
@@ -152,7 +159,8 @@ void SweepPlan::take_spans() {
     springs_.push_back({batch.group,
                         std::span<const std::uint32_t>(other_).subspan(batch.springs, other_end - batch.springs),
                         std::span<const NodeSprings::Piece>(pieces_).subspan(batch.pieces, pieces_end - batch.pieces),
-                        RowSelection{nullptr, batch.row, batch.is_mixed ? columns_.data() + batch.columns : nullptr}});
+                        RowSelection{nullptr, batch.row, batch.is_mixed ? columns_.data() + batch.columns : nullptr},
+                        batch.has_states ? internal_.data() + batch.springs : nullptr});
   }
   stages_.clear();
   for (std::size_t s = 0; s < ranges_.size(); ++s) {

@@ -51,7 +51,7 @@ class SweepPlan {
   struct Batch {
     std::uint32_t group, row;
     std::size_t springs, pieces, columns;
-    bool is_mixed;
+    bool is_mixed, has_states;
   };
 
   void add_stretch(const Layout& layout, std::span<const std::uint32_t> nodes);
@@ -62,7 +62,7 @@ class SweepPlan {
   std::vector<std::uint32_t> order_, nodes_;
   std::vector<Stage> stages_;
   std::vector<NodeSprings> springs_;
-  std::vector<std::uint32_t> other_;
+  std::vector<std::uint32_t> other_, internal_;  // [spring] the other end; place in the internal state
   std::vector<NodeSprings::Piece> pieces_;
   std::vector<double> values_;          // of parameters, [column][spring] of each batch
   std::vector<std::size_t> value_of_;   // [batch][column] where they begin, or none

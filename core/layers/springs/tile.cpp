@@ -100,20 +100,21 @@ void Evaluator::find_geometry(const Unit& unit, const Segment& segment, const No
 }
 
 // After find_geometry(). Forces along the springs of chunks are pending afterwards.
-springnet_status Evaluator::apply_laws(const Unit& unit, const Segment& segment, double time, UnitScratch& scratch,
-                                       springnet_message& message) const {
+springnet_status Evaluator::apply_laws(const Unit& unit, const Segment& segment, double time, const NodeArrays& nodes,
+                                       UnitScratch& scratch, springnet_message& message) const {
   const Group& group = layout_.laws().groups[segment.group];
   const SegmentGeometry& g = scratch.springs[scratch.turn].geometry;
   double(&force_of)[2][max_segment] = scratch.springs[scratch.turn].force;
   const PairOutputs out{LawOutputs{force_of[0]}, LawOutputs{force_of[1]}};
+  const InternalSelection internal(layout_.internal(), segment.group, nodes, unit.internal_of(segment));
   springnet_status status = SPRINGNET_OK;
   if (segment.row == mixed_rows) {
     const SegmentColumns columns(unit, segment, group);
-    status = evaluate_laws({group, segment.count, {nullptr, 0, columns.data()}, g.length, g.rate, g.speed}, set_, time,
-                           out, message);
+    status = evaluate_laws({group, segment.count, {nullptr, 0, columns.data()}, g.length, g.rate, g.speed, internal},
+                           set_, time, out, message);
   } else {
-    status = evaluate_laws({group, segment.count, {nullptr, segment.row}, g.length, g.rate, g.speed}, set_, time, out,
-                           message);
+    status = evaluate_laws({group, segment.count, {nullptr, segment.row}, g.length, g.rate, g.speed, internal}, set_,
+                           time, out, message);
   }
   if (status != SPRINGNET_OK) return status;
 

@@ -82,7 +82,13 @@ springnet_status Evaluator::add_springs(const NodeSprings& springs, const Listed
   else if (axial)
     kernels_.lengths_of(changes, count, geometry);
   if (relative) kernels_.relative_speeds_of(changes, count, geometry);
-  const LawBatch batch{group, count, springs.rows, geometry.length, geometry.rate, geometry.speed};
+  const LawBatch batch{group,
+                       count,
+                       springs.rows,
+                       geometry.length,
+                       geometry.rate,
+                       geometry.speed,
+                       {layout_.internal(), springs.group, nodes, springs.places}};
   const springnet_status status =
       evaluate_laws(batch, set_, time, {LawOutputs{tension[0]}, LawOutputs{tension[1]}}, message);
   if (status != SPRINGNET_OK) return status;

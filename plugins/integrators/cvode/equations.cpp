@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <string>
 
 namespace springnet::cvode {
 
@@ -20,13 +21,35 @@ int Equations::guarded(const Body& body) noexcept {
   }
 }
 
-springnet_evaluation Equations::at(double time, N_Vector y) const noexcept {
+const double* Equations::within_bounds(const double* internal) {
+  constexpr double slack = 10.0;  // tolerances
+  const springnet_network& network = host_.network();
+  bounded_.assign(internal, internal + network.internal_count);
+  for (std::uint64_t r = 0; r < network.internal_range_count; ++r) {
+    const springnet_internal_range& range = *network.internal_ranges[r];
+    const double allowed = slack * tolerances_.relative * range.state->scale;
+    for (std::uint64_t i = range.first; i < range.first + range.count; ++i) {
+      const double inside = std::clamp(bounded_[i], range.state->smallest, range.state->largest);
+      if (!(std::abs(bounded_[i] - inside) <= allowed + slack * tolerances_.relative * std::abs(inside)))
+        throw sdk::Failure(std::string("the internal state '") + range.state->name + "' of a law left its bounds",
+                           SPRINGNET_RECOVERABLE);
+      bounded_[i] = inside;
+    }
+  }
+  return bounded_.data();
+}
+
+springnet_evaluation Equations::at(double time, N_Vector y) {
   const std::size_t n = node_count();
   const double* values = data(y);
   auto evaluation = sdk::sized<springnet_evaluation>();
   evaluation.time = time;
   evaluation.position = {values, values + n, values + 2 * n};
   evaluation.velocity = {values + 3 * n, values + 4 * n, values + 5 * n};
+  if (internal_count() == 0) return evaluation;
+  internal_ = sdk::sized<springnet_internal>();
+  internal_.values = within_bounds(values + 6 * n);
+  evaluation.internal = &internal_;
   return evaluation;
 }
 
@@ -39,6 +62,9 @@ int Equations::right_side(double time, N_Vector y, N_Vector rate) noexcept {
     // v' = a(F(p, v, t), p, v, t)
     springnet_evaluation evaluation = at(time, y);
     evaluation.acceleration = {out + 3 * n, out + 4 * n, out + 5 * n};
+    // z' = r(q, q', z), 0 for elements that were removed
+    std::fill_n(out + 6 * n, internal_count(), 0.0);
+    internal_.rates = out + 6 * n;
     ++work_.evaluations;
     host_.evaluate(evaluation);
   });
@@ -59,14 +85,26 @@ int Equations::error_weights(N_Vector y, N_Vector weights) const noexcept {
   for (std::size_t i = 0; i < 3 * n; ++i) {
     w[3 * n + i] = 1.0 / (tolerances_.relative * std::abs(v[i]) + tolerances_.velocity);
   }
+  const springnet_network& network = host_.network();
+  const double* z = data(y) + 6 * n;
+  for (std::uint64_t r = 0; r < network.internal_range_count; ++r) {
+    const springnet_internal_range& range = *network.internal_ranges[r];
+    for (std::uint64_t i = range.first; i < range.first + range.count; ++i)
+      w[6 * n + i] = 1.0 / (tolerances_.relative * (std::abs(z[i]) + range.state->scale));
+  }
   return 0;
 }
 
-int Equations::linearise(double time, N_Vector y) noexcept {
+int Equations::linearise(double time, N_Vector y, double gamma) noexcept {
   return guarded([&] {
     ++work_.linearisations;
-    host_.linearise(at(time, y));
+    host_.linearise(at(time, y), internal_count() > 0 ? gamma : 0.0);
   });
+}
+
+int Equations::change_internal(const double* right_side, const double* dp, const double* dv, double* change,
+                               double* acceleration) noexcept {
+  return guarded([&] { host_.change_internal(right_side, dp, dv, change, acceleration); });
 }
 
 int Equations::jacobian_times(const double* dp, const double* dv, double* out) noexcept {
@@ -101,6 +139,7 @@ int Equations::correction(double time, N_Vector y, N_Vector correction) noexcept
     ++work_.projections;
     host_.project_state(time, {after, after + n, after + 2 * n}, {after + 3 * n, after + 4 * n, after + 5 * n});
     for (std::size_t i = 0; i < 6 * n; ++i) after[i] -= before[i];
+    std::fill_n(after + 6 * n, internal_count(), 0.0);
   });
   return status != 0 || is_small(y, correction) ? status : 1;
 }
@@ -135,6 +174,9 @@ bool Equations::slides() const {
 void Equations::evaluate_force(double time, springnet_state& state) {
   springnet_evaluation evaluation = sdk::evaluation_at(time, state);
   evaluation.force = state.force;
+  auto internal = sdk::sized<springnet_internal>();
+  internal.values = state.internal;
+  if (internal_count() > 0) evaluation.internal = &internal;
   ++work_.evaluations;
   host_.evaluate(evaluation);
 }

@@ -1,4 +1,5 @@
-// The network as CVODE sees it: y = [px py pz vx vy vz] (structure of arrays, 6 node_count numbers), p' = v, v' = a.
+// The network as CVODE sees it: y = [px py pz vx vy vz z] (structure of arrays; 6 node_count numbers, then the internal
+// state of laws), p' = v, v' = a, z' = r.
 #pragma once
 
 #include <cstddef>
@@ -17,7 +18,8 @@ class Equations {
   explicit Equations(const sdk::Host& host) noexcept : host_(host) {}
 
   // Error weights are 1 / tolerance of a component: `position`, m, for positions, so that the result does not depend on
-  // the origin; relative |v| + `velocity`, m/s, for velocities.
+  // the origin; relative |v| + `velocity`, m/s, for velocities; relative (|z| + the scale that its law declares) for
+  // internal states.
   struct Tolerances {
     double relative;
     double position;
@@ -31,8 +33,12 @@ class Equations {
   int right_side(double time, N_Vector y, N_Vector rate) noexcept;
   int event_values(double time, N_Vector y, double* values) noexcept;  // needs event_directions() of the right size
   int error_weights(N_Vector y, N_Vector weights) const noexcept;
-  // Derivatives of the accelerations at (time, y), for jacobian_times, diagonal_blocks, factorise and solve.
-  int linearise(double time, N_Vector y) noexcept;
+  // Derivatives of the accelerations at (time, y), for jacobian_times, diagonal_blocks, factorise and solve. Internal
+  // states are eliminated from them, for I - gamma J: anew for each gamma, s.
+  int linearise(double time, N_Vector y, double gamma) noexcept;
+  // See springnet_internal_change; dp, dv, change, acceleration may be null.
+  int change_internal(const double* right_side, const double* dp, const double* dv, double* change,
+                      double* acceleration) noexcept;
   // out = da/dp dp + da/dv dv, 3 node_count numbers each.
   int jacobian_times(const double* dp, const double* dv, double* out) noexcept;
   // Matrix I - gamma da/dv - gamma^2 da/dp.
@@ -58,6 +64,8 @@ class Equations {
 
   [[nodiscard]] const sdk::Host& host() const noexcept { return host_; }
   [[nodiscard]] std::size_t node_count() const noexcept { return host_.network().node_count; }
+  [[nodiscard]] std::size_t internal_count() const noexcept { return host_.network().internal_count; }
+  [[nodiscard]] std::size_t size() const noexcept { return 6 * node_count() + internal_count(); }
   [[nodiscard]] const std::optional<sdk::Failure>& failure() const noexcept { return failure_; }
   void clear_failure() noexcept { failure_.reset(); }
 
@@ -71,7 +79,10 @@ class Equations {
   [[nodiscard]] const Work& work() const noexcept { return work_; }
 
  private:
-  [[nodiscard]] springnet_evaluation at(double time, N_Vector y) const noexcept;
+  [[nodiscard]] springnet_evaluation at(double time, N_Vector y);
+  // The internal state of y within the bounds that laws declare. Throws a recoverable Failure where y lies outside by
+  // more than its error.
+  [[nodiscard]] const double* within_bounds(const double* internal);
   // Whether a correction is as small as the error of a step explains.
   [[nodiscard]] bool is_small(N_Vector y, N_Vector correction) const noexcept;
   template <class Body>
@@ -79,6 +90,8 @@ class Equations {
 
   sdk::Host host_;
   Tolerances tolerances_{};
+  springnet_internal internal_{};  // of the last at()
+  std::vector<double> bounded_;    // [internal_count]
   std::vector<std::int32_t> event_directions_;
   std::optional<sdk::Failure> failure_;
   Work work_;

@@ -66,7 +66,9 @@ void unpack(const double* y, const springnet_vectors& position, const springnet_
   }
 }
 
-void copy(const springnet_state& from, springnet_state& to, std::size_t n) noexcept {
+void copy(const springnet_state& from, springnet_state& to, const springnet_network& network) noexcept {
+  const std::size_t n = network.node_count;
+  std::copy_n(from.internal, network.internal_count, to.internal);
   for (const auto part : {&springnet_state::position, &springnet_state::velocity}) {
     for (const auto component : {&springnet_vectors::x, &springnet_vectors::y, &springnet_vectors::z}) {
       std::copy_n(from.*part.*component, n, to.*part.*component);
@@ -140,19 +142,17 @@ void ReferenceIntegrator::create(double time) {
 
 void ReferenceIntegrator::restart(double time, const springnet_state& state, double stop) {
   const springnet_network& network = host_.network();
-  if (network.internal_count != 0) {
-    throw sdk::Failure("cvode does not integrate laws with internal state; use other laws or another integrator");
-  }
   const std::size_t n = network.node_count;
   if (!y_) {
     for (Vector* vector : {&y_, &rate_, &probe_, &probe_rate_}) {
-      *vector = make_vector(static_cast<sunindextype>(6 * n), context_);
+      *vector = make_vector(static_cast<sunindextype>(equations_.size()), context_);
     }
   }
   double* y = data(y_.get());
   for (const springnet_vectors& part : {state.position, state.velocity}) {
     for (const double* component : {part.x, part.y, part.z}) y = std::copy_n(component, n, y);
   }
+  std::copy_n(state.internal, network.internal_count, y);
 
   const double relative = settings_.relative_tolerance;
   const double position = settings_.position_tolerance, velocity = settings_.velocity_tolerance;
@@ -302,7 +302,7 @@ void ReferenceIntegrator::step_towards(double until) {
   if (!state_) state_ = host_.make_state();
 
   if (same_time(time, target, shortest_step)) {
-    copy(committed, *state_, host_.network().node_count);
+    copy(committed, *state_, host_.network());
     commit(target);
     restart_ = true;
     return;
@@ -310,7 +310,7 @@ void ReferenceIntegrator::step_towards(double until) {
   if (restart_ || host_.network().revision != revision_) {
     restart(time, committed, stop);
     if (mark_past_events()) {
-      copy(committed, *state_, host_.network().node_count);
+      copy(committed, *state_, host_.network());
       fire_events(time);
       return;
     }
@@ -326,6 +326,7 @@ void ReferenceIntegrator::step_towards(double until) {
   const double reached = solve_until(target, event);
   springnet_state& state = *state_;
   unpack(data(y_.get()), state.position, state.velocity, host_.network().node_count);
+  std::copy_n(data(y_.get()) + 6 * equations_.node_count(), equations_.internal_count(), state.internal);
   if (event) {
     fire_events(reached);
   } else {

@@ -19,6 +19,7 @@ class Direct final : public NewtonSystem {
   Direct(void* memory, Equations& equations, const Context& context)
       : equations_(equations),
         right_side_(3 * static_cast<Eigen::Index>(equations.node_count())),
+        push_(right_side_.size()),
         matrix_(SUNMatNewEmpty(context.get())),
         solver_(SUNLinSolNewEmpty(context.get())) {
     if (!matrix_ || !solver_) throw std::bad_alloc();
@@ -47,8 +48,9 @@ class Direct final : public NewtonSystem {
                            sunbooleantype* jcur, double gamma, void*, N_Vector, N_Vector, N_Vector) {
     auto& self = *static_cast<Direct*>(matrix->content);
     self.gamma_ = gamma;
-    *jcur = jok == SUNFALSE ? SUNTRUE : SUNFALSE;
-    return jok == SUNFALSE ? self.equations_.linearise(time, y) : 0;
+    const bool anew = jok == SUNFALSE || self.equations_.internal_count() > 0;
+    *jcur = anew ? SUNTRUE : SUNFALSE;
+    return anew ? self.equations_.linearise(time, y, gamma) : 0;
   }
 
   int solve(const double* b, double* x) noexcept {
@@ -60,14 +62,21 @@ class Direct final : public NewtonSystem {
     dv.setZero();
     if (const int status = equations_.jacobian_times(b, dv.data(), right_side_.data()); status != 0) return status;
     right_side_ = rv + gamma_ * right_side_;
+    const bool internal = equations_.internal_count() > 0;
+    const double* const rz = b + 2 * size;
+    if (internal) {
+      if (const int status = equations_.change_internal(rz, nullptr, nullptr, nullptr, push_.data()); status != 0)
+        return status;
+      right_side_ += gamma_ * push_;
+    }
     if (const int status = equations_.solve(right_side_.data(), dv.data()); status != 0) return status;
     dp = rp + gamma_ * dv;
-    return 0;
+    return internal ? equations_.change_internal(rz, dp.data(), dv.data(), x + 2 * size, nullptr) : 0;
   }
 
   Equations& equations_;
-  double gamma_ = 0.0;  // s
-  Eigen::VectorXd right_side_;
+  double gamma_ = 0.0;                 // s
+  Eigen::VectorXd right_side_, push_;  // push_: accelerations by internal states
   Matrix matrix_;
   CustomLinearSolver solver_;
 };
@@ -81,9 +90,12 @@ class Krylov final : public NewtonSystem {
       : equations_(equations),
         coupling_(9 * equations.node_count()),
         inverse_(9 * equations.node_count()),
+        push_(3 * equations.node_count()),
         solver_(SUNLinSol_SPGMR(y, SUN_PREC_RIGHT, max_vectors, context.get())) {
+    // With internal states products are differences of right-hand sides.
+    const bool analytic = equations.internal_count() == 0;
     if (!solver_ || CVodeSetLinearSolver(memory, solver_.get(), nullptr) != 0 ||
-        CVodeSetJacTimes(memory, nullptr, &Krylov::jacobian_times) != 0 ||
+        (analytic && CVodeSetJacTimes(memory, nullptr, &Krylov::jacobian_times) != 0) ||
         CVodeSetPreconditioner(memory, &Krylov::set_up, &Krylov::precondition) != 0) {
       throw std::bad_alloc();
     }
@@ -107,9 +119,10 @@ class Krylov final : public NewtonSystem {
   static int set_up(double time, N_Vector y, N_Vector, sunbooleantype jok, sunbooleantype* jcur, double gamma,
                     void* callbacks) {
     Krylov& self = of(callbacks);
-    *jcur = jok == SUNFALSE ? SUNTRUE : SUNFALSE;
-    if (jok == SUNFALSE) {
-      if (const int status = self.equations_.linearise(time, y); status != 0) return status;
+    const bool anew = jok == SUNFALSE || self.equations_.internal_count() > 0;
+    *jcur = anew ? SUNTRUE : SUNFALSE;
+    if (anew) {
+      if (const int status = self.equations_.linearise(time, y, gamma); status != 0) return status;
     }
     if (const int status = self.invert_blocks(gamma); status != 0) return status;
     self.bound_ = self.equations_.bound();
@@ -149,6 +162,15 @@ class Krylov final : public NewtonSystem {
     const std::size_t n = self.equations_.node_count();
     const double* rp = data(r);
     const double* rv = rp + 3 * n;
+    const double* const rz = rp + 6 * n;
+    const bool internal = self.equations_.internal_count() > 0;
+    if (internal) {
+      std::vector<double>& push = self.push_;
+      if (const int status = self.equations_.change_internal(rz, nullptr, nullptr, nullptr, push.data()); status != 0)
+        return status;
+      for (std::size_t i = 0; i < 3 * n; ++i) push[i] = rv[i] + self.gamma_ * push[i];
+      rv = push.data();
+    }
     double* dp = data(z);
     double* dv = dp + 3 * n;
     for (std::size_t k = 0; k < n; ++k) {
@@ -166,7 +188,7 @@ class Krylov final : public NewtonSystem {
       for (std::size_t i = 0; i < 3 * n; ++i) dv[i] += rv[i];
     }
     for (std::size_t i = 0; i < 3 * n; ++i) dp[i] = rp[i] + self.gamma_ * dv[i];
-    return 0;
+    return internal ? self.equations_.change_internal(rz, dp, dv, data(z) + 6 * n, nullptr) : 0;
   }
 
   Equations& equations_;
@@ -175,6 +197,7 @@ class Krylov final : public NewtonSystem {
   std::vector<double> inverse_;   // [node][3][3]
   bool bound_ = false;
   std::vector<double> mobility_;  // [node][3][3] 1/kg, if the motion is constrained
+  std::vector<double> push_;      // [3 node], with internal states
   LinearSolver solver_;
 };
 

@@ -118,6 +118,7 @@ BlockUpdate::Vector BlockUpdate::acceleration_at(std::uint32_t node) const {
   evaluation.time = step_.until;
   evaluation.position = sdk::view(position_);
   evaluation.velocity = sdk::view(velocity_);
+  evaluation.internal = step_.internal_step();
   evaluation.acceleration = memory_.acceleration.view();
   host_.evaluate_nodes(evaluation, {&node, 1});
   return at(sdk::view(evaluation.acceleration), node);

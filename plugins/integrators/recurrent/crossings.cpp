@@ -27,7 +27,11 @@ void Crossings::begin(const sdk::Host& host, double time, const springnet_state&
 
 bool Crossings::evaluate(const sdk::Host& host, double time, const springnet_state& state) {
   if (first_.empty()) return false;
-  host.event_values(sdk::evaluation_at(time, state), values_.data(), directions_.data());
+  auto internal = sdk::sized<springnet_internal>();
+  internal.values = state.internal;
+  springnet_evaluation evaluation = sdk::evaluation_at(time, state);
+  if (state.internal != nullptr) evaluation.internal = &internal;
+  host.event_values(evaluation, values_.data(), directions_.data());
   bool any = false;
   for (std::size_t e = 0; e < values_.size(); ++e) {
     const double before = directions_[e] * first_[e], now = directions_[e] * values_[e];

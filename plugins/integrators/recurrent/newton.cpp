@@ -114,7 +114,7 @@ void Newton::assess(const Step& step, const springnet_state& state, Assessment& 
 }
 
 void Newton::linearise(const Step& step) {
-  system_.prepare(sdk::evaluation_at(step.until, *step.outputs), step.weight(), shift_, exact_steps_ > 0);
+  system_.prepare(step.evaluation_at_end(*step.outputs), step.weight(), shift_, exact_steps_ > 0);
   linearised_ = fresh_ = true;
   at_rejected_ = false;
   age_ = 0;
@@ -141,7 +141,7 @@ void Newton::set_up(const Step& step) {
   if (!keeps) linearise(step);
   std::fill(right_side_.begin(), right_side_.end(), 0.0);
   if (greatest > 0.0) {
-    work_.host.linearise(sdk::evaluation_at(step.until, outputs));
+    work_.host.linearise(step.evaluation_at_end(outputs));
     for (std::size_t i = 0; i < 3 * n; ++i) work_values_[i] = w * w * gap_[i];
     std::fill(direction_.begin(), direction_.end(), 0.0);
     work_.host.jacobian_times(work_values_.data(), direction_.data(), right_side_.data());
@@ -249,7 +249,7 @@ bool Newton::restore(const Step& step, const springnet_state& candidate) {
     if (!std::isfinite(shift)) break;
     at_rejected_ = true;
     try {
-      system_.prepare(sdk::evaluation_at(step.until, candidate), step.weight(), shift, true);
+      system_.prepare(step.evaluation_at_end(candidate), step.weight(), shift, true);
     } catch (const sdk::Failure& failure) {
       if (!failure.recoverable()) throw;
       break;  // no derivatives there: shorten the step

@@ -134,7 +134,7 @@ void Newton::unconstrain_contacts(const Step& step, const springnet_state& outpu
     if ((pinned_[k] != 0 || slides) && network.fixed[k] == 0) contacts_.push_back(k);
   }
   if (contacts_.empty()) return;
-  springnet_evaluation evaluation = sdk::evaluation_at(step.until, outputs);
+  springnet_evaluation evaluation = step.evaluation_at_end(outputs);
   evaluation.acceleration = contact_acceleration_.view();
   evaluation.acceleration_by_velocity = by_velocity_.data();
   evaluation.acceleration_by_position = by_position_.data();

@@ -64,14 +64,14 @@ class NodeUpdate {
   // Returns whether all new outputs are finite.
   bool operator()(const springnet_node_batch& batch) const noexcept {
     const std::uint32_t k = batch.first;
-    const std::uint32_t* list = sdk::list_of(batch);
+    const std::uint32_t* list = batch.nodes;
     if (relaxation_ != 1.0) return relax(batch, list);
     if (list != nullptr) return step(batch, list);
     if (batch.count == 1) return step(k, batch);
     bool finite = true;
     const auto go = [&](const double* a, const double* p, const double* v, double* next_p, double* next_v) {
       const Component component{
-          sdk::instruction_set_of(batch), batch.count, weight_, a, p + k, v + k, next_p + k, next_v + k, &finite};
+          batch.instruction_set, batch.count, weight_, a, p + k, v + k, next_p + k, next_v + k, &finite};
       sdk::detail::run<Integration>(component);
     };
     go(batch.acceleration.x, position_.x, velocity_.x, next_position_.x, next_velocity_.x);
@@ -200,7 +200,7 @@ class ForceRecord {
 
   void take(const springnet_network& network, const springnet_node_batch& batch) noexcept {
     Unit& unit = units_[batch.unit];
-    const std::uint32_t* list = sdk::list_of(batch);
+    const std::uint32_t* list = batch.nodes;
     if (batch.count == 1 || list != nullptr) {
       for (std::uint32_t i = 0; i < batch.count; ++i) {
         const std::uint32_t k = list != nullptr ? list[i] : batch.first;

@@ -138,7 +138,7 @@ Attempt Recurrent::propagate_by(Update update, Step& step, std::uint64_t max_swe
     const bool stalled = attempt.verdict == Verdict::oscillating || attempt.verdict == Verdict::out_of_sweeps;
     if (stalled && settles_to_rounding(step)) attempt.verdict = Verdict::settled;
     const bool taken = ends(attempt.verdict) || unsettled_ == Unsettled::accept;
-    if (step.finite && taken && !single_sweep(step)) work_.complete(step);
+    if (step.finite && taken && !single_sweep()) work_.complete(step);
     // Rules that may diverge.
     const bool explicit_rule = update == Update::synchronous || update == Update::wavefront;
     if ((attempt.verdict == Verdict::settled || attempt.verdict == Verdict::out_of_time) && explicit_rule) {

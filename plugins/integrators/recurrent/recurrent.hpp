@@ -44,6 +44,7 @@ class Recurrent : public sdk::Integrator {
   static constexpr const char* reference =
       "Nürnberger, Radetzky, Kruse: A Problem Specific Recurrent Neural Network for the Description and Simulation of "
       "Dynamic Spring Models, section 3.4";
+  static constexpr bool integrates_states = true;
   static constexpr sdk::Parameter parameters[] = {
       sdk::choice(
           "update", {"synchronous", "wavefront", "block", "coloured", "newton", "automatic"},
@@ -141,9 +142,7 @@ class Recurrent : public sdk::Integrator {
   // Circumstances of a failed attempt, for its explanation.
   [[nodiscard]] Circumstances circumstances(const Step& step, const Attempt& attempt);
   void fill(springnet_step_report& report, const Step& step, const Attempt& attempt) const;
-  [[nodiscard]] bool single_sweep(const Step& step) const {
-    return limits_.exact_sweeps == 1 && update_ == Update::synchronous && step.network.internal_count == 0;
-  }
+  [[nodiscard]] bool single_sweep() const { return limits_.exact_sweeps == 1 && update_ == Update::synchronous; }
 
   Update update_;
   Limits limits_;

@@ -4,7 +4,7 @@
 #include <cstdint>
 #include <limits>
 
-#include <springnet/sdk/plugin.h>
+#include <springnet/sdk/host.hpp>
 
 #include "node_update.hpp"
 
@@ -45,9 +45,23 @@ struct Step {
   double norm = std::numeric_limits<double>::quiet_NaN(), rate = std::numeric_limits<double>::quiet_NaN();
   bool is_provisional = false;    // outputs are only where a search begins: not for a state, whatever the time
   bool residual_decides = false;  // the residual alone, which the rule has set, tells whether the step has settled
+  mutable springnet_internal internal{};
 
   [[nodiscard]] double weight() const noexcept { return theta * time_constant; }
   [[nodiscard]] const springnet_state& newest() const noexcept { return outputs == nullptr ? start : *outputs; }
+  // How laws step their internal state to the outputs: within each evaluation, as part of the fixed point. `next`:
+  // where that at the end goes. Null if no law has any; valid until the next call.
+  [[nodiscard]] const springnet_internal* internal_step(double* next = nullptr) const noexcept {
+    if (network.internal_count == 0) return nullptr;
+    internal = {sizeof internal, theta < 1.0 ? 2u : 1u, time_constant, nullptr, next, nullptr};
+    return &internal;
+  }
+  // At the outputs, or at another state, at the end of the step.
+  [[nodiscard]] springnet_evaluation evaluation_at_end(const springnet_state& at) const noexcept {
+    springnet_evaluation evaluation = sdk::evaluation_at(until, at);
+    evaluation.internal = internal_step();
+    return evaluation;
+  }
   // Whether anything but fixation can act on outputs after their update.
   [[nodiscard]] bool constrained() const noexcept { return network.surface_count > 0 || network.rigid_count > 0; }
 };

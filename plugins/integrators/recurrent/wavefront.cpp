@@ -30,10 +30,8 @@ bool precedes(const springnet_network& network, const springnet_const_vectors& f
 
 void Wavefront::attach(const springnet_network& network) {
   const std::uint32_t count = network.node_count;
-  const bool has_revision = SPRINGNET_HAS_FIELD(springnet_network, &network, connection_revision);
-  const std::uint64_t revision = has_revision ? network.connection_revision : 0;
-  if (revision != 0 && revision == revision_) return;
-  revision_ = revision;
+  if (network.connection_revision == revision_) return;
+  revision_ = network.connection_revision;
   part_.assign(count, none);
   order_.clear();
   order_.reserve(count);

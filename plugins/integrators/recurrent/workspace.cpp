@@ -21,11 +21,7 @@ void copy(const springnet_const_vectors& from, const springnet_vectors& to, std:
 }
 
 void Workspace::attach(const springnet_network& network) {
-  if (!SPRINGNET_HAS_FIELD(springnet_network, &network, status) ||
-      !SPRINGNET_HAS_FIELD(springnet_host, &host.table(), dominant_eigenvalue))
-    throw sdk::Failure("the host is older than ABI 1.4, which this integrator needs; update the host");
   record.resize(network);
-  internal_rate_.resize(network.internal_count);
   if (network.surface_count > 0 || network.rigid_count > 0) {
     free_acceleration_.resize(network.node_count);
     unconstrained_.resize(network.node_count);
@@ -98,17 +94,20 @@ springnet_sweep Workspace::sweep_call(const Step& step, const springnet_state& r
   call.next_velocity = write.velocity;
   call.force = write.force;
   call.contacts = step.decides && !step.waits ? 0 : 1;
+  call.internal = step.internal_step(step.compares ? nullptr : write.internal);  // else complete() writes them
   if (step.constrained()) call.constraint_force = constraint_force_.view();
   return call;
 }
 
-void Workspace::evaluate(const Step& step, const springnet_state& at) {
-  springnet_evaluation evaluation = sdk::evaluation_at(step.until, at);
+void Workspace::evaluate(const Step& step, const springnet_state& at) { evaluate(step, at, nullptr); }
+
+void Workspace::evaluate(const Step& step, const springnet_state& at, double* next_internal) {
+  springnet_evaluation evaluation = step.evaluation_at_end(at);
+  evaluation.internal = step.internal_step(next_internal);
   evaluation.force = at.force;
   acceleration_.resize(step.network.node_count);  // not before: single sweeps do without
   evaluation.acceleration = acceleration_.view();
   if (step.constrained()) evaluation.free_acceleration = unconstrained_.view();
-  evaluation.internal_rate = step.network.internal_count > 0 ? internal_rate_.data() : nullptr;
   host.evaluate(evaluation);
   host.report("evaluations", ++evaluations_);
 }
@@ -121,12 +120,7 @@ void Workspace::forget_constraint_force() noexcept {
 void Workspace::complete(Step& step) {
   if (step.evaluated) return;
   const springnet_state& outputs = *step.outputs;
-  // Laws with memory: z is frozen during the propagation like any activity, then Z = z + t_c r.
-  for (std::uint64_t i = 0; i < step.network.internal_count; ++i) outputs.internal[i] = step.start.internal[i];
-  evaluate(step, outputs);
-  for (std::uint64_t i = 0; i < step.network.internal_count; ++i) {
-    outputs.internal[i] += step.time_constant * internal_rate_[i];
-  }
+  evaluate(step, outputs, outputs.internal);
   step.residual = std::sqrt(residual(step, outputs).square);
   step.norm = step.time_constant * residual_norm_;
   step.finite = std::isfinite(step.residual);

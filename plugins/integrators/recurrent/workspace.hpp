@@ -54,7 +54,7 @@ class Workspace {
   [[nodiscard]] springnet_sweep sweep_call(const Step& step, const springnet_state& read, const springnet_state& write);
   // Forces and accelerations at `at`, at the end of the step.
   void evaluate(const Step& step, const springnet_state& at);
-  // Forces at the newest outputs, internal state of laws, residual.
+  // Forces and internal state of laws at the newest outputs, residual.
   void complete(Step& step);
 
   // Residual m ((U - v*) / h - theta a) - theta c of nodes that are not pinned, N; c: constraint forces of the last
@@ -83,6 +83,7 @@ class Workspace {
   ForceRecord record;
 
  private:
+  void evaluate(const Step& step, const springnet_state& at, double* next_internal);
   void find_free_accelerations(const Step& step);
 
   mutable std::array<sdk::State, 3> states_;  // made when first used: a single sweep needs one
@@ -92,7 +93,6 @@ class Workspace {
   Columns unconstrained_;                // accelerations of the neurons by themselves, m/s^2
   std::vector<std::uint8_t> pinned_;     // [node_count] after residual(), 1: constrained in all coordinates
   std::vector<std::uint32_t> selected_;  // nodes
-  std::vector<double> internal_rate_;    // [internal_count]
   // Revisions of the network and its loads for which start_acceleration_ was computed.
   using Revisions = std::pair<std::uint64_t, std::uint64_t>;
   [[nodiscard]] Revisions revisions(const Step& step) const { return {step.network.revision, host.load_revision()}; }

@@ -51,6 +51,7 @@ class Verlet : public Integrator {
   static constexpr const char* summary = "velocity Verlet: explicit, second order, one evaluation per step";
   static constexpr const char* reference =
       "Swope, Andersen, Berens, Wilson, Journal of Chemical Physics 76 (1982) 637-649";
+  static constexpr bool integrates_states = true;
   static constexpr Parameter parameters[] = {
       integer("substeps", "equal steps within a time step").preset(1).at_least(1).at_most(1e9)};
 
@@ -142,6 +143,8 @@ class Verlet : public Integrator {
 
     change_.values = acceleration_.values;
     springnet_evaluation at_end = evaluation_at(until, next);
+    const springnet_internal internal{sizeof internal, 2, h, nullptr, next.internal, nullptr};
+    if (network.internal_count > 0) at_end.internal = &internal;
     at_end.force = force_.vectors();
     at_end.acceleration = acceleration_.vectors();
     host_.evaluate(at_end);

@@ -21,10 +21,14 @@ Real expm1_minus_x(const Real& x) {
 
 struct Exponential : SpringFunction {
   enum { stiffness, exponent };
+  using has = Has<Energy>;
   static constexpr const char* id = "exponential";
   static constexpr const char* summary = "soft tissue, T = stiffness l0 / exponent (exp(exponent (l - l0) / l0) - 1)";
   static constexpr const char* reference =
       "Y. C. Fung, Elasticity of soft tissues in simple elongation, Am. J. Physiol. 213 (1967) 1532-1544";
+  static constexpr bool fits_elements = true;
+  static constexpr bool divides_by_reference = true;
+  static constexpr bool monotone = true;
   static constexpr Parameter parameters[] = {
       number("stiffness", "N/m", "slope of the tension at the rest length").at_least(0).learnable(),
       number("exponent", "1", "how fast the stiffness grows with the strain").above(0).preset(10).learnable(10)};

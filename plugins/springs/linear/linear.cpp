@@ -5,7 +5,10 @@ namespace {
 using namespace springnet::sdk;
 
 struct Linear : SpringFunction {
+  using has = Has<Energy>;
   static constexpr const char *id = "linear", *summary = "Hooke's law, T = stiffness (l - l0)";
+  static constexpr bool fits_elements = true;
+  static constexpr bool monotone = true;
   static constexpr Parameter parameters[] = {
       number("stiffness", "N/m", "tension per elongation").at_least(0).learnable()};
 

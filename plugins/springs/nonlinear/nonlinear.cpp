@@ -8,10 +8,12 @@ using namespace springnet::sdk;
 
 struct Nonlinear : SpringFunction {
   enum { stiffness, cubic, quintic };
+  using has = Has<Energy>;
   static constexpr const char* id = "nonlinear";
   static constexpr const char* summary = "odd polynomial, T = stiffness x + cubic x^3 + quintic x^5, x = l - l0";
   static constexpr const char* reference =
       "G. Duffing, Erzwungene Schwingungen bei veraenderlicher Eigenfrequenz, 1918";
+  static constexpr bool fits_elements = true;
   static constexpr Parameter parameters[] = {
       number("stiffness", "N/m", "slope of the tension at the rest length").learnable(),
       number("cubic", "N/m^3", "coefficient of the third power").preset(0).learnable(),

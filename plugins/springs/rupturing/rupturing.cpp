@@ -7,8 +7,10 @@ using namespace springnet::sdk;
 
 struct Rupturing : SpringFunction {
   enum { stiffness, strength, breaks_in_compression };
+  using has = Has<Energy, Margin>;
   static constexpr const char* id = "rupturing";
   static constexpr const char* summary = "Hooke's law, T = stiffness (l - l0), until T reaches the strength";
+  static constexpr bool fits_elements = true;
   static constexpr Parameter parameters[] = {
       number("stiffness", "N/m", "tension per elongation").at_least(0).learnable(),
       number("strength", "N", "tension at which the spring breaks").above(0).learnable(),

@@ -7,6 +7,8 @@ using namespace springnet::sdk;
 struct LinearViscosity : ViscosityFunction {
   static constexpr const char* id = "linear";
   static constexpr const char* summary = "dashpot along the spring, Q = damping dl/dt";
+  static constexpr bool fits_elements = true;
+  static constexpr bool monotone = true;
   static constexpr Parameter parameters[] = {
       number("damping", "N s/m", "force per rate of the length").at_least(0).learnable()};
 

@@ -14,6 +14,8 @@ struct PowerViscosity : ViscosityFunction {
   static constexpr const char* reference =
       "C. J. Black, N. Makris, Viscous heating of fluid dampers under small and large amplitude motions, J. Eng. Mech. "
       "133 (2007) 566-577";
+  static constexpr bool fits_elements = true;
+  static constexpr bool monotone = true;
   static constexpr Parameter parameters[] = {
       number("damping", "N (s/m)^exponent", "force at a rate of 1 m/s").at_least(0).learnable(),
       number("exponent", "1", "power of the rate").above(0).at_most(10).preset(2).learnable(),

@@ -28,6 +28,8 @@ struct ComponentEntry {
                                              Component::summary,
                                              reference(),
                                              Glue::capabilities,
+                                             Glue::needs,
+                                             Glue::needs_minor,
                                              static_cast<std::uint32_t>(ParameterTable<ParameterList>::count),
                                              ParameterTable<ParameterList>::pointer,
                                              &Glue::implementation};
@@ -43,7 +45,9 @@ struct PluginEntry {
             sizeof(springnet_plugin),
             SPRINGNET_ABI_MAJOR,
             SPRINGNET_ABI_MINOR,
+            0,  // components say what they need
             static_cast<std::uint32_t>(components.size()),
+            0,
             id,
             version,
             author,
@@ -61,14 +65,17 @@ struct PluginEntry {
 // into one program and given to PluginHost::add.
 #ifdef SPRINGNET_STATIC_PLUGIN
 #define SPRINGNET_ENTRY SPRINGNET_JOIN(springnet_plugin_entry_, SPRINGNET_STATIC_PLUGIN)
+#define SPRINGNET_NOTE struct springnet_note
 #else
 #define SPRINGNET_ENTRY springnet_plugin_entry
+#define SPRINGNET_NOTE SPRINGNET_PLUGIN_NOTE(0u)
 #endif
 
 // SPRINGNET_PLUGIN("org.example.my_laws", "1.0.0", "author", "SPDX licence", Component, …): the entry of the plugin,
 // once in a plugin, outside of any namespace. Component classes belong in an unnamed namespace: plugins that are linked
 // into one program may then use the same class names.
 #define SPRINGNET_PLUGIN(id, version, author, licence, ...)           \
+  SPRINGNET_NOTE;                                                     \
   extern "C" SPRINGNET_EXPORT const springnet_plugin SPRINGNET_ENTRY; \
   extern "C" constinit const springnet_plugin SPRINGNET_ENTRY =       \
       ::springnet::sdk::PluginEntry<__VA_ARGS__>::make(id, version, author, licence)

@@ -46,19 +46,18 @@ template <class Struct>
 
 [[nodiscard]] constexpr springnet_const_vectors view(const springnet_vectors& v) noexcept { return {v.x, v.y, v.z}; }
 
-// An evaluation that reads `state` and has no outputs yet.
+// An evaluation that reads `state` and has no outputs yet; the internal state of laws is that committed.
 [[nodiscard]] inline springnet_evaluation evaluation_at(double time, const springnet_state& state) noexcept {
   auto evaluation = sized<springnet_evaluation>();
   evaluation.time = time;
   evaluation.position = view(state.position);
   evaluation.velocity = view(state.velocity);
-  evaluation.internal = state.internal;
   return evaluation;
 }
 
 struct StateDeleter {
   const springnet_host* host = nullptr;
-  void operator()(springnet_state* state) const noexcept { host->state_destroy(host->context, state); }
+  void operator()(springnet_state* state) const noexcept { host->destroy_state(host->context, state); }
 };
 // Owns the state of all nodes, in the host's memory. The pointers inside it change when it is committed.
 using State = std::unique_ptr<springnet_state, StateDeleter>;
@@ -81,17 +80,6 @@ struct Dominant {
   std::vector<double> real, imaginary;  // the eigenvector, norm 1
 };
 
-// The nodes of a batch that is a list, [count]; null for a range.
-[[nodiscard]] inline const std::uint32_t* list_of(const springnet_node_batch& batch) noexcept {
-  return SPRINGNET_HAS_FIELD(springnet_node_batch, &batch, nodes) ? batch.nodes : nullptr;
-}
-
-// The instruction set that the host chose for kernels: of detail::run().
-[[nodiscard]] inline std::uint32_t instruction_set_of(const springnet_node_batch& batch) noexcept {
-  return SPRINGNET_HAS_FIELD(springnet_node_batch, &batch, instruction_set) ? batch.instruction_set
-                                                                            : std::uint32_t{SPRINGNET_GENERIC};
-}
-
 // A view of the table, cheap to copy, valid for the life of the integrator. Functions throw Failure with the host's
 // message and status; see Failure::recoverable().
 class Host {
@@ -100,43 +88,36 @@ class Host {
 
   [[nodiscard]] const springnet_host& table() const noexcept { return *table_; }
   // Masses, held nodes, scales; valid until `revision` changes.
-  [[nodiscard]] const springnet_network& network() const { return checked(table_->network(table_->context)); }
+  [[nodiscard]] const springnet_network& network() const { return query_network(false); }
   // The same with the lists of neighbours, which a large net takes long to build.
-  [[nodiscard]] const springnet_network& network_with_neighbours() const {
-    if (!SPRINGNET_HAS_FIELD(springnet_host, table_, network_with_neighbours)) return network();
-    return checked(table_->network_with_neighbours(table_->context));
-  }
+  [[nodiscard]] const springnet_network& network_with_neighbours() const { return query_network(true); }
 
   // Throws std::bad_alloc.
   [[nodiscard]] State make_state() const {
-    springnet_state* state = table_->state_create(table_->context);
-    if (state == nullptr) throw std::bad_alloc();
-    return State(state, StateDeleter{table_});
+    auto creation = sized<springnet_state_creation>();
+    if (table_->create_state(table_->context, &creation) != SPRINGNET_OK || creation.state == nullptr)
+      throw std::bad_alloc();
+    return State(creation.state, StateDeleter{table_});
   }
   [[nodiscard]] Committed committed() const {
-    double time = 0.0;
-    const springnet_state* state = table_->committed(table_->context, &time);
-    if (state == nullptr) check(SPRINGNET_FAILED);
-    return {time, *state};
+    auto request = sized<springnet_committed>();
+    check(table_->committed(table_->context, &request));
+    return {request.time, *request.state};
   }
 
   // Loads are averaged over [from, until], s.
-  void begin_step(double from, double until) const { check(table_->begin_step(table_->context, from, until)); }
-  // Evaluations in [from, until] have the loads of their time, s. A host before ABI 1.2 averages them.
-  void begin_interval(double from, double until) const {
-    if (SPRINGNET_HAS_FIELD(springnet_host, table_, begin_interval))
-      check(table_->begin_interval(table_->context, from, until));
-    else
-      begin_step(from, until);
-  }
-  // The network's `load_revision`; 0 for an older host, whose loads change only with `revision`.
-  [[nodiscard]] std::uint64_t load_revision() const {
-    const springnet_network& known = network();
-    return SPRINGNET_HAS_FIELD(springnet_network, &known, load_revision) ? known.load_revision : 0;
-  }
+  void begin_step(double from, double until) const { begin(from, until, 0); }
+  // Evaluations in [from, until] have the loads of their time, s.
+  void begin_interval(double from, double until) const { begin(from, until, 1); }
+  // The network's `load_revision`, up to date.
+  [[nodiscard]] std::uint64_t load_revision() const { return network().load_revision; }
+  // Of all nodes, or of evaluation.nodes each by itself.
   void evaluate(const springnet_evaluation& evaluation) const { check(table_->evaluate(table_->context, &evaluation)); }
-  void evaluate_nodes(const springnet_evaluation& evaluation, std::span<const std::uint32_t> nodes) const {
-    check(table_->evaluate_nodes(table_->context, &evaluation, nodes.data(), static_cast<std::uint32_t>(nodes.size())));
+  void evaluate_nodes(springnet_evaluation evaluation, std::span<const std::uint32_t> nodes) const {
+    static constexpr std::uint32_t none = 0;
+    evaluation.nodes = nodes.empty() ? &none : nodes.data();
+    evaluation.node_count = static_cast<std::uint32_t>(nodes.size());
+    evaluate(evaluation);
   }
   // One sweep. `update(const springnet_node_batch&)` replaces sweep.update and sweep.user; unless the sweep has an
   // order, it is called from several threads with different units. With sweep.lists it is given lists of nodes as well,
@@ -146,41 +127,73 @@ class Host {
     run_sweep(table_->sweep, sweep, update);
   }
 
-  // Computes the derivatives of the accelerations at a state, for the functions below.
-  void linearise(const springnet_evaluation& at) const { check(table_->linearise(table_->context, &at)); }
+  // Computes the derivatives of the accelerations at a state, for the functions below; elimination: see plugin.h.
+  void linearise(const springnet_evaluation& at, double elimination = 0.0) const {
+    auto request = sized<springnet_linearisation>();
+    request.at = &at;
+    request.elimination = elimination;
+    check(table_->linearise(table_->context, &request));
+  }
   // out = da/dp dp + da/dv dv; 3 node_count numbers each, x of all nodes, then y, then z.
   void jacobian_times(const double* dp, const double* dv, double* out) const {
-    check(table_->jacobian_times(table_->context, dp, dv, out));
+    auto request = sized<springnet_jacobian_product>();
+    request.dp = dp;
+    request.dv = dv;
+    request.out = out;
+    check(table_->jacobian_times(table_->context, &request));
+  }
+  // Change of the eliminated internal state, see springnet_internal_change; both outputs may be null.
+  void change_internal(const double* right_side, const double* dp, const double* dv, double* change,
+                       double* acceleration) const {
+    auto request = sized<springnet_internal_change>();
+    request.right_side = right_side;
+    request.dp = dp;
+    request.dv = dv;
+    request.change = change;
+    request.acceleration = acceleration;
+    check(table_->change_internal(table_->context, &request));
   }
   // Diagonal blocks of A = I - velocity_weight da/dv - position_weight da/dp: out[node][3][3].
   void diagonal_blocks(double velocity_weight, double position_weight, double* out) const {
-    check(table_->diagonal_blocks(table_->context, velocity_weight, position_weight, out));
+    auto request = sized<springnet_diagonal_blocks>();
+    request.velocity_weight = velocity_weight;
+    request.position_weight = position_weight;
+    request.out = out;
+    check(table_->diagonal_blocks(table_->context, &request));
   }
   void factorise(double velocity_weight, double position_weight) const {
-    check(table_->factorise(table_->context, velocity_weight, position_weight));
+    auto request = sized<springnet_factorisation>();
+    request.velocity_weight = velocity_weight;
+    request.position_weight = position_weight;
+    check(table_->factorise(table_->context, &request));
   }
   // A x = right_side, or A^T x = right_side, with the matrix factorised last; x may be right_side.
-  void solve(const double* right_side, double* x) const { check(table_->solve(table_->context, 0, right_side, x)); }
-  void solve_transposed(const double* right_side, double* x) const {
-    check(table_->solve(table_->context, 1, right_side, x));
-  }
+  void solve(const double* right_side, double* x) const { solve(right_side, x, 0); }
+  void solve_transposed(const double* right_side, double* x) const { solve(right_side, x, 1); }
 
   // `values` and `directions` (null: not wanted) have network().event_count entries.
   void event_values(const springnet_evaluation& at, double* values, std::int32_t* directions) const {
-    check(table_->event_values(table_->context, &at, values, directions));
+    auto request = sized<springnet_event_values>();
+    request.at = &at;
+    request.values = values;
+    request.directions = directions;
+    check(table_->event_values(table_->context, &request));
   }
   void fire_events(double time, springnet_state& state, const std::int32_t* fired) const {
-    check(table_->fire_events(table_->context, time, &state, fired));
+    auto request = sized<springnet_event_firing>();
+    request.time = time;
+    request.state = &state;
+    request.fired = fired;
+    check(table_->fire_events(table_->context, &request));
   }
   struct Span {
     double from, until;  // s
   };
   // Time, s, at which a node first touches a surface in a part of a step, even if it has left again by the end; empty
-  // if none does, or the host is older than ABI 1.3. `depth`: m; see plugin.h. `state_at(time, position, velocity)`
+  // if none does. `depth`: m; see plugin.h. `state_at(time, position, velocity)`
   // writes the state at a time of the step into springnet_vectors; an exception from it is rethrown.
   template <class StateAt>
   [[nodiscard]] std::optional<double> time_of_impact(Span step, Span part, double depth, StateAt&& state_at) const {
-    if (!SPRINGNET_HAS_FIELD(springnet_host, table_, time_of_impact)) return std::nullopt;
     using Callable = std::remove_reference_t<StateAt>;
     struct Call {
       Callable& state_at;
@@ -193,58 +206,66 @@ class Host {
     search.until = part.until;
     search.depth = depth;
     search.user = &call;
-    search.state_at = [](void* user, double time, springnet_vectors position,
-                         springnet_vectors velocity) -> springnet_status {
+    search.state_at = [](void* user, const springnet_dense_output* output) -> springnet_status {
       auto& self = *static_cast<Call*>(user);
       try {
-        self.state_at(time, position, velocity);
+        self.state_at(output->time, output->position, output->velocity);
         return SPRINGNET_OK;
       } catch (...) {
         self.error = std::current_exception();
         return SPRINGNET_FAILED;
       }
     };
-    double time = 0.0;
-    const springnet_status status = table_->time_of_impact(table_->context, &search, &time);
+    const springnet_status status = table_->time_of_impact(table_->context, &search);
     if (call.error) std::rethrow_exception(call.error);
     check(status);
-    return std::isnan(time) ? std::nullopt : std::optional(time);
+    return std::isnan(search.time) ? std::nullopt : std::optional(search.time);
   }
-  // Time of the next load switch or cut, s; infinity if there is none.
+  // Time of the next load switch, change of an input or cut, s; infinity if there is none.
   [[nodiscard]] double next_discontinuity(double time) const noexcept {
-    return table_->next_discontinuity(table_->context, time);
+    auto request = sized<springnet_discontinuity>();
+    request.after = time;
+    request.time = std::numeric_limits<double>::infinity();
+    static_cast<void>(table_->next_discontinuity(table_->context, &request));
+    return request.time;
   }
 
   // `state` and the committed state exchange their memory.
-  void commit(double time, springnet_state& state) const { check(table_->commit(table_->context, time, &state)); }
-
-  // Functions of ABI 1.1; they throw Failure if the host is older.
-  // The end of a sweep by itself; see plugin.h.
-  void constrain(const springnet_sweep& sweep) const {
-    require(SPRINGNET_HAS_FIELD(springnet_host, table_, constrain));
-    check(table_->constrain(table_->context, &sweep));
+  void commit(double time, springnet_state& state) const {
+    auto request = sized<springnet_commitment>();
+    request.time = time;
+    request.state = &state;
+    check(table_->commit(table_->context, &request));
   }
+
+  // The end of a sweep by itself; see plugin.h.
+  void constrain(const springnet_sweep& sweep) const { check(table_->constrain(table_->context, &sweep)); }
   // values -= W G^T (G W G^T)^-1 G values; mobility: [node_count][3][3] 1/kg, or null: the neurons' own.
   void project(const double* mobility, double* values) const {
-    require(SPRINGNET_HAS_FIELD(springnet_host, table_, project));
-    check(table_->project(table_->context, mobility, values));
+    auto request = sized<springnet_projection>();
+    request.mobility = mobility;
+    request.values = values;
+    check(table_->project(table_->context, &request));
   }
   // Projects positions and velocities of `state` onto the constraints at `time` (s).
   void project_state(double time, springnet_state& state) const { project_state(time, state.position, state.velocity); }
   void project_state(double time, const springnet_vectors& position, const springnet_vectors& velocity) const {
-    require(SPRINGNET_HAS_FIELD(springnet_host, table_, project_state));
-    check(table_->project_state(table_->context, time, position, velocity));
+    auto request = sized<springnet_state_projection>();
+    request.time = time;
+    request.position = position;
+    request.velocity = velocity;
+    check(table_->project_state(table_->context, &request));
   }
-  // A note to the user, once. No effect if the host is older.
+  // A note to the user, once.
   void note(const std::string& text) const noexcept {
-    if (SPRINGNET_HAS_FIELD(springnet_host, table_, note)) table_->note(table_->context, text.c_str());
+    auto request = sized<springnet_user_note>();
+    request.text = text.c_str();
+    static_cast<void>(table_->note(table_->context, &request));
   }
 
-  // Functions of ABI 1.4; they throw Failure if the host is older.
   // A sweep of the network linearised last, with an order; see plugin.h. `update` as in sweep().
   template <class Update>
   void linear_sweep(springnet_sweep sweep, Update&& update) const {
-    require(SPRINGNET_HAS_FIELD(springnet_host, table_, linear_sweep), "1.4");
     run_sweep(table_->linear_sweep, sweep, update);
   }
   // The dominant eigenvalue of a linear map. `map(double* x)` replaces x ([start.size()]) by its image; an exception
@@ -253,7 +274,6 @@ class Host {
   template <class Map>
   [[nodiscard]] Dominant dominant_eigenvalue(std::vector<double>& start, const DominantOptions& options,
                                              Map&& map) const {
-    require(SPRINGNET_HAS_FIELD(springnet_host, table_, dominant_eigenvalue), "1.4");
     using Callable = std::remove_reference_t<Map>;
     struct Call {
       Callable& map;
@@ -267,10 +287,10 @@ class Host {
     search.wanted = options.wanted;
     search.size = start.size();
     search.user = &call;
-    search.map = [](void* user, double* x) -> springnet_status {
+    search.map = [](void* user, const springnet_linear_image* image) -> springnet_status {
       auto& self = *static_cast<Call*>(user);
       try {
-        self.map(x);
+        self.map(image->x);
         return SPRINGNET_OK;
       } catch (...) {
         self.error = std::current_exception();
@@ -292,7 +312,6 @@ class Host {
     return result;
   }
 
-  // Functions of ABI 1.5; they throw Failure if the host is older.
   struct SystemWeights {
     double velocity;     // s
     double position;     // s^2
@@ -312,7 +331,6 @@ class Host {
   };
   // Solves A x = right_side among the changes that the constraints allow.
   Solved solve_system(const double* right_side, double accuracy, double* x) const {
-    require(SPRINGNET_HAS_FIELD(springnet_host, table_, solve_system), "1.5");
     auto solve = sized<springnet_linear_solve>();
     solve.right_side = right_side;
     solve.x = x;
@@ -321,22 +339,44 @@ class Host {
     return {solve.outcome, solve.residual, solve.iterations};
   }
 
-  // Wall time left for this advance(), s: infinity without a deadline, and with an older host; below 0 after it.
+  // Wall time left for this advance(), s: infinity without a deadline; below 0 after it.
   [[nodiscard]] double time_left() const noexcept {
-    if (!SPRINGNET_HAS_FIELD(springnet_host, table_, time_left)) return std::numeric_limits<double>::infinity();
-    return table_->time_left(table_->context);
+    auto request = sized<springnet_deadline>();
+    request.time_left = std::numeric_limits<double>::infinity();
+    static_cast<void>(table_->deadline(table_->context, &request));
+    return request.time_left;
   }
 
   // Reports a number for the summary, under `name`.
-  void report(const char* name, double value) const noexcept { table_->report(table_->context, name, value); }
+  void report(const char* name, double value) const noexcept {
+    auto request = sized<springnet_number_report>();
+    request.name = name;
+    request.value = value;
+    static_cast<void>(table_->report(table_->context, &request));
+  }
 
  private:
-  [[nodiscard]] const springnet_network& checked(const springnet_network* network) const {
-    if (network == nullptr) throw Failure(table_->message(table_->context)->text);
-    return *network;
+  [[nodiscard]] const springnet_network& query_network(bool with_neighbours) const {
+    auto query = sized<springnet_network_query>();
+    query.with_neighbours = with_neighbours ? 1 : 0;
+    check(table_->network(table_->context, &query));
+    return *query.network;
+  }
+  void begin(double from, double until, std::uint32_t own_steps) const {
+    auto interval = sized<springnet_interval>();
+    interval.own_steps = own_steps;
+    interval.from = from;
+    interval.until = until;
+    check(table_->begin(table_->context, &interval));
+  }
+  void solve(const double* right_side, double* x, std::uint32_t transposed) const {
+    auto request = sized<springnet_solve>();
+    request.transposed = transposed;
+    request.right_side = right_side;
+    request.x = x;
+    check(table_->solve(table_->context, &request));
   }
   void prepare_system(const SystemWeights& weights, const springnet_evaluation* at, bool exact) const {
-    require(SPRINGNET_HAS_FIELD(springnet_host, table_, solve_system), "1.5");
     auto system = sized<springnet_linear_system>();
     system.exact = exact ? 1 : 0;
     system.velocity_weight = weights.velocity;
@@ -354,27 +394,24 @@ class Host {
       std::exception_ptr error{};
     } call{update};
     sweep.user = &call;
-    sweep.update = [](void* user, const springnet_node_batch* batch) {
+    sweep.update = [](void* user, const springnet_node_batch* batch) -> springnet_status {
       auto& self = *static_cast<Call*>(user);
       try {
         self.update(*batch);
+        return SPRINGNET_OK;
       } catch (...) {
         if (!self.caught.test_and_set()) self.error = std::current_exception();
+        return SPRINGNET_FAILED;
       }
     };
     const springnet_status status = function(table_->context, &sweep);
     if (call.error) std::rethrow_exception(call.error);
     check(status);
   }
-  static void require(bool available, const char* since = "1.1") {
-    if (available) return;
-    throw Failure(std::string("the host is older than ABI ") + since +
-                  ", which this integrator needs; update the host");
-  }
   void check(springnet_status status) const {
     if (status == SPRINGNET_OK) return;
-    const springnet_message* message = table_->message(table_->context);
-    throw Failure(message == nullptr ? "the host gave no reason" : message->text, status);
+    const springnet_message* message = table_->message;
+    throw Failure(message == nullptr || message->text[0] == '\0' ? "the host gave no reason" : message->text, status);
   }
 
   const springnet_host* table_;

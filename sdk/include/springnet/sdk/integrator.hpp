@@ -19,7 +19,11 @@
 //     void limits(const springnet::sdk::LimitSink& sink);
 //
 // reports the largest time steps at the committed state, for `springnet inspect` (limits.hpp). Like advance(), it may
-// throw.
+// throw. One that integrates the internal state of laws (springnet_internal) declares
+//
+//     static constexpr bool integrates_states = true;
+//
+// and is refused where there is any if it does not.
 #pragma once
 
 #include <algorithm>
@@ -72,22 +76,35 @@ class Options {
 
 template <class Component>
 struct IntegratorGlue {
-  static constexpr std::uint32_t capabilities = 0;
+  static constexpr bool integrates_states = [] {
+    if constexpr (requires { Component::integrates_states; }) return Component::integrates_states;
+    return false;
+  }();
+  static constexpr std::uint64_t capabilities = integrates_states ? SPRINGNET_INTEGRATES_STATES : UINT64_C(0);
+  static constexpr std::uint64_t needs = 0;
+  // It may call all that this SDK declares.
+  static constexpr std::uint32_t needs_minor = SPRINGNET_ABI_MINOR;
 
-  static springnet_status create(const springnet_host* host, const double* options, void** integrator) noexcept {
-    *integrator = nullptr;
+  static springnet_status create(void*, springnet_integrator_creation* creation) noexcept {
+    creation->integrator = nullptr;
+    const springnet_host* const host = creation->host;
     return guarded(host, [&] {
-      if (host->struct_size < SPRINGNET_SIZE_TO(springnet_host, message)) {
-        throw Failure("the host's table of functions is smaller than that of ABI 1.0; update the host");
-      }
-      auto made = std::make_unique<Instance>(host, options);
-      *integrator = made.release();
+      if (host->struct_size < SPRINGNET_SIZE_TO(springnet_host, deadline))
+        throw Failure("the host's table of functions is smaller than that of ABI 2.0; update the host");
+      if (creation->option_count != parameters_of<Component>().size())
+        throw Failure("the host gave another number of options than the integrator declares");
+      auto made = std::make_unique<Instance>(host, creation->options);
+      creation->integrator = made.release();
       return springnet_status{SPRINGNET_OK};
     });
   }
-  static void destroy(void* integrator) noexcept { delete static_cast<Instance*>(integrator); }
-  static springnet_status advance(void* integrator, double until, springnet_step_report* report) noexcept {
+  static springnet_status destroy(void* integrator) noexcept {
+    delete static_cast<Instance*>(integrator);
+    return SPRINGNET_OK;
+  }
+  static springnet_status advance(void* integrator, const springnet_advance* advance) noexcept {
     auto& instance = *static_cast<Instance*>(integrator);
+    springnet_step_report* const report = advance->report;
     // The host's report may be smaller or larger than this one: exchange only the common part.
     auto full = sized<springnet_step_report>();
     const std::size_t shared = std::min<std::size_t>(report->struct_size, sizeof full);
@@ -95,7 +112,7 @@ struct IntegratorGlue {
     std::memcpy(&full, report, shared);
     full.struct_size = sizeof full;
     const springnet_status status =
-        guarded(instance.host, [&]() -> springnet_status { return instance.component.advance(until, full); });
+        guarded(instance.host, [&]() -> springnet_status { return instance.component.advance(advance->until, full); });
     std::memcpy(report, &full, shared);
     report->struct_size = size_of_host;
     return status;
@@ -117,7 +134,7 @@ struct IntegratorGlue {
   }
   static constexpr bool has_forget = requires(Component & component) { component.forget(); };
   static constexpr springnet_integrator implementation{
-      sizeof(springnet_integrator),  0, &create, &destroy, &advance, has_limits ? &limits : nullptr,
+      sizeof(springnet_integrator),  0, nullptr, &create, &destroy, &advance, has_limits ? &limits : nullptr,
       has_forget ? &forget : nullptr};
 
  private:
@@ -129,9 +146,7 @@ struct IntegratorGlue {
   };
 
   static springnet_status fail(const springnet_host* host, const char* why, springnet_status status) noexcept {
-    springnet_message* message =
-        SPRINGNET_HAS_FIELD(springnet_host, host, message) ? host->message(host->context) : nullptr;
-    detail::write_message(message, why);
+    detail::write_message(SPRINGNET_HAS_FIELD(springnet_host, host, message) ? host->message : nullptr, why);
     return status;
   }
   template <class Body>

@@ -42,7 +42,7 @@ class LimitSink {
     result.weight = limit.weight;
     result.node = limit.node;
     result.reason = limit.reason.empty() ? nullptr : limit.reason.c_str();
-    limits_->tell(limits_->context, &result);
+    static_cast<void>(limits_->tell(limits_->context, &result));
   }
   void none(const char* rule, std::string reason = {}) const {
     report(rule, {SPRINGNET_LIMIT_NONE, 0.0, 0.0, no_limit_node, std::move(reason)});

@@ -135,4 +135,83 @@ struct ParameterTable {
   static constexpr const springnet_parameter* const* pointer = count == 0 ? nullptr : addresses.data();
 };
 
+// An array of numbers that a law asks of a scene: table("force", "N", "tension at each length").increasing()
+struct Table {
+  const char* name = "";
+  const char* unit = "1";
+  const char* summary = "";
+  std::uint32_t flags = 0;
+  std::uint32_t least = 1;
+  std::int32_t other = -1;  // as long as which; -1: none
+  double smallest = -std::numeric_limits<double>::infinity();
+  double largest = std::numeric_limits<double>::infinity();
+
+  // Each value is greater than the one before.
+  [[nodiscard]] constexpr Table increasing() const {
+    Table t = *this;
+    t.flags |= SPRINGNET_INCREASING;
+    return t;
+  }
+  // A scene need not give it.
+  [[nodiscard]] constexpr Table optional() const {
+    Table t = *this;
+    t.flags |= SPRINGNET_OPTIONAL;
+    return t;
+  }
+  // It has this many values or more.
+  [[nodiscard]] constexpr Table at_least_values(std::uint32_t count) const {
+    Table t = *this;
+    t.least = count;
+    return t;
+  }
+  // It has as many values as table number `index`.
+  [[nodiscard]] constexpr Table as_long_as(std::int32_t index) const {
+    Table t = *this;
+    t.other = index;
+    return t;
+  }
+  [[nodiscard]] constexpr Table within(double low, double high) const {
+    Table t = *this;
+    t.smallest = low;
+    t.largest = high;
+    return t;
+  }
+};
+
+[[nodiscard]] constexpr Table table(const char* name, const char* unit, const char* summary) {
+  Table t;
+  t.name = name;
+  t.unit = unit;
+  t.summary = summary;
+  return t;
+}
+
+// As ParameterTable.
+template <class List>
+struct TableTable {
+  static constexpr std::size_t count = List::get().size();
+  static constexpr auto entries = [] {
+    std::array<springnet_table, count> result{};
+    for (std::size_t i = 0; i < count; ++i) {
+      const Table& t = List::get()[i];
+      result[i] = {sizeof(springnet_table),
+                   t.flags,
+                   t.name,
+                   t.unit,
+                   t.summary,
+                   t.least,
+                   t.other < 0 ? static_cast<std::uint32_t>(i) : static_cast<std::uint32_t>(t.other),
+                   t.smallest,
+                   t.largest};
+    }
+    return result;
+  }();
+  static constexpr auto addresses = [] {
+    std::array<const springnet_table*, count> result{};
+    for (std::size_t i = 0; i < count; ++i) result[i] = &entries[i];
+    return result;
+  }();
+  static constexpr const springnet_table* const* pointer = count == 0 ? nullptr : addresses.data();
+};
+
 }  // namespace springnet::sdk

@@ -158,16 +158,18 @@ struct NeuronGlue {
       requires(const Node<Dual<0>>& n, const Parameters<Dual<0>>& p) { Vector<Dual<0>>{Model::acceleration(n, p)}; },
       "a neuron needs: static auto acceleration(const auto& n, const auto& p), which returns a Vector");
 
-  static constexpr std::uint32_t capabilities = SPRINGNET_HAS_DERIVATIVES;
+  static constexpr std::uint64_t capabilities = SPRINGNET_HAS_DERIVATIVES;
+  static constexpr std::uint64_t needs = 0;
+  static constexpr std::uint32_t needs_minor = 0;
 
-  static springnet_status evaluate(const springnet_neuron_batch* batch) noexcept {
+  static springnet_status evaluate(void*, const springnet_neuron_batch* batch) noexcept {
     if (batch->struct_size < SPRINGNET_SIZE_TO(springnet_neuron_batch, message)) return SPRINGNET_FAILED;
     return detail::guarded(batch->message, [batch]() -> springnet_status {
       detail::run<NeuronKernel<Model>>(*batch);
       return SPRINGNET_OK;
     });
   }
-  static constexpr springnet_neuron_model implementation{sizeof(springnet_neuron_model), 0, &evaluate};
+  static constexpr springnet_neuron_model implementation{sizeof(springnet_neuron_model), 0, nullptr, &evaluate};
 };
 
 // Base of neurons; see the top of this file.

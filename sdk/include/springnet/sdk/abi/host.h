@@ -1,0 +1,304 @@
+/* Plugin ABI: the functions of the host that an integrator calls. See plugin.h. */
+#ifndef SPRINGNET_SDK_ABI_HOST_H
+#define SPRINGNET_SDK_ABI_HOST_H
+
+#include <springnet/sdk/abi/basics.h>
+#include <springnet/sdk/abi/network.h>
+
+#ifdef __cplusplus
+extern "C" {
+#endif
+
+typedef struct springnet_network_query {
+  uint32_t struct_size;
+  uint32_t with_neighbours;         /* 1: with the lists of neighbours; not within a sweep */
+  const springnet_network* network; /* out */
+} springnet_network_query;
+
+typedef struct springnet_state_creation {
+  uint32_t struct_size;
+  uint32_t reserved;
+  springnet_state* state; /* out */
+} springnet_state_creation;
+
+typedef struct springnet_committed {
+  uint32_t struct_size;
+  uint32_t reserved;
+  double time;                  /* out, s */
+  const springnet_state* state; /* out */
+} springnet_committed;
+
+typedef struct springnet_interval {
+  uint32_t struct_size;
+  /* 0: a step; loads are averaged over it, so that their impulse is exact for any step. 1: for methods that choose
+   * their own steps within; every evaluation has the loads of its time (at `until` the left limit). */
+  uint32_t own_steps;
+  double from, until; /* s */
+} springnet_interval;
+
+/* Where derivatives are taken. */
+typedef struct springnet_linearisation {
+  uint32_t struct_size;
+  uint32_t reserved;
+  const springnet_evaluation* at; /* its states; no outputs */
+  /* s. Above 0, without a time step of the states: internal states follow positions and velocities by
+   * dz = elimination (dr/dq dq + dr/dq' dq' + dr/dz dz), as in a step of an implicit method with that weight. 0: they
+   * stay as they are. */
+  double elimination;
+} springnet_linearisation;
+
+/* out = da/dp dp + da/dv dv, 3 node_count numbers each, x of all nodes, then y, then z. */
+typedef struct springnet_jacobian_product {
+  uint32_t struct_size;
+  uint32_t reserved;
+  const double *dp, *dv;
+  double* out;
+} springnet_jacobian_product;
+
+/* The eliminated internal state, with r the right-hand side of its equations [internal_count]:
+ * dz = (I - elimination dr/dz)^-1 (r + elimination (dr/dq dq + dr/dq' dq')). */
+typedef struct springnet_internal_change {
+  uint32_t struct_size;
+  uint32_t reserved;
+  const double* right_side; /* r */
+  const double *dp, *dv;    /* 3 node_count numbers each; null: 0 */
+  double* change;           /* out: dz; null: not wanted */
+  double* acceleration;     /* out: da/dz dz, 3 node_count numbers; null: not wanted */
+} springnet_internal_change;
+
+/* Diagonal 3x3 blocks of the matrix, row-major, [node_count][9]. */
+typedef struct springnet_diagonal_blocks {
+  uint32_t struct_size;
+  uint32_t reserved;
+  double velocity_weight, position_weight;
+  double* out;
+} springnet_diagonal_blocks;
+
+typedef struct springnet_factorisation {
+  uint32_t struct_size;
+  uint32_t reserved;
+  double velocity_weight, position_weight;
+} springnet_factorisation;
+
+typedef struct springnet_solve {
+  uint32_t struct_size;
+  uint32_t transposed;
+  const double* right_side;
+  double* x; /* may be right_side */
+} springnet_solve;
+
+/* A linear system of an implicit method: A = (1 + shift) I - velocity_weight da/dv - position_weight da/dp. */
+typedef struct springnet_linear_system {
+  uint32_t struct_size;
+  /* 1: A exactly. 0: the host may leave out parts of it that are small and costly, such as what is not symmetric. */
+  uint32_t exact;
+  double velocity_weight;         /* s */
+  double position_weight;         /* s^2 */
+  double shift;                   /* 1, at least 0 */
+  const springnet_evaluation* at; /* the state; null: that of the last `linearise`, and exactly */
+} springnet_linear_system;
+
+/* How a linear system was solved. */
+enum {
+  SPRINGNET_SOLVED = 0,
+  /* The iteration met a direction in which the matrix has negative curvature: x is the iterate before, 0 if there is
+   * none. A greater shift makes the matrix definite. */
+  SPRINGNET_TRUNCATED = 1,
+  /* x is not as accurate as asked for; `residual` may be that of the preconditioned system, which a stiff filling does
+   * not dominate as it does the residual */
+  SPRINGNET_STALLED = 2
+};
+
+/* Solves A x = right_side with the system prepared last. */
+typedef struct springnet_linear_solve {
+  uint32_t struct_size;
+  uint32_t outcome;         /* answer: SPRINGNET_SOLVED ... */
+  const double* right_side; /* [3 node_count], x of all nodes first; read as 0 for nodes that are fixed or held */
+  double* x;                /* [3 node_count]; may be right_side */
+  double accuracy;          /* of the residual, relative to the right-hand side, weighted with the masses */
+  double residual;          /* answer: as accuracy */
+  uint64_t iterations;      /* answer: of Krylov's method; 0 for a factorisation */
+} springnet_linear_solve;
+
+/* A linear map of vectors of a fixed length: replaces x by its image. */
+typedef struct springnet_linear_image {
+  uint32_t struct_size;
+  uint32_t reserved;
+  double* x;
+} springnet_linear_image;
+typedef springnet_status (*springnet_linear_map)(void* user, const springnet_linear_image* image);
+
+/* Which eigenvalue is wanted: that of the largest magnitude, or the rightmost one in the complex plane. */
+enum { SPRINGNET_LARGEST_MAGNITUDE = 0, SPRINGNET_LARGEST_REAL_PART = 1 };
+
+/* A search for the dominant eigenvalue of a map. A map that is symmetric in some inner product is best given in
+ * coordinates in which that is the Euclidean one (velocities times roots of masses). */
+typedef struct springnet_eigenvalue_search {
+  uint32_t struct_size;
+  uint32_t wanted; /* SPRINGNET_LARGEST_MAGNITUDE … */
+  uint64_t size;   /* length of the vectors */
+  springnet_linear_map map;
+  void* user;
+  double* start;              /* [size], not 0: where the search begins; out: a good start for a map nearly the same */
+  double tolerance;           /* of the residual, relative to the eigenvalue; > 0 */
+  uint64_t most_applications; /* of the map, about */
+  uint32_t most_vectors;      /* of `size` numbers, kept at a time */
+  uint32_t reserved;
+  double *mode_real, *mode_imaginary; /* out: [size] the eigenvector, norm 1; null: not wanted */
+  /* out */
+  double real, imaginary; /* the eigenvalue; infinity where an image was not finite */
+  double error;           /* norm of the residual, map(x) - eigenvalue x */
+  uint64_t applications;  /* used */
+} springnet_eigenvalue_search;
+
+/* Events: contact made (a gap falls through 0), contact released (a normal force rises through 0), rupture (a margin
+ * falls through 0). Both arrays have springnet_network::event_count entries. */
+typedef struct springnet_event_values {
+  uint32_t struct_size;
+  uint32_t reserved;
+  const springnet_evaluation* at;
+  double* values;
+  int32_t* directions; /* -1 falling, +1 rising, 0 either; may be null */
+} springnet_event_values;
+
+/* Carries out the events marked 1 in `fired`, and those that coincide with them, on the given state: projects positions
+ * onto surfaces, changes velocities, removes springs. */
+typedef struct springnet_event_firing {
+  uint32_t struct_size;
+  uint32_t reserved;
+  double time; /* s */
+  springnet_state* state;
+  const int32_t* fired;
+} springnet_event_firing;
+
+typedef struct springnet_discontinuity {
+  uint32_t struct_size;
+  uint32_t reserved;
+  double after; /* s */
+  double time;  /* out, s: the next at which a load or an input switches or a cut is due; infinity if there is none */
+} springnet_discontinuity;
+
+/* Makes `state` the committed state of the network at `time`: the two exchange their memory, and due ruptures and cuts
+ * are carried out. Pointers into either are invalid afterwards. */
+typedef struct springnet_commitment {
+  uint32_t struct_size;
+  uint32_t reserved;
+  double time; /* s */
+  springnet_state* state;
+} springnet_commitment;
+
+/* A number for the summary, by name; the last value counts. */
+typedef struct springnet_number_report {
+  uint32_t struct_size;
+  uint32_t reserved;
+  const char* name;
+  double value;
+} springnet_number_report;
+
+/* A note to the user, once: printed by the tool, kept in the summary. */
+typedef struct springnet_user_note {
+  uint32_t struct_size;
+  uint32_t reserved;
+  const char* text;
+} springnet_user_note;
+
+/* values -= W G^T (G W G^T)^-1 G values, 3n numbers; 0 for fixed and held nodes. G: derivatives of rigid connections
+ * and of surfaces that nodes slide on, at the state last given to `linearise`. W: `mobility`. Velocities so projected
+ * satisfy the constraints. */
+typedef struct springnet_projection {
+  uint32_t struct_size;
+  uint32_t reserved;
+  const double* mobility; /* [node_count][3][3] 1/kg; null: the neurons' own */
+  double* values;
+} springnet_projection;
+
+/* Projects positions and velocities at `time`, weighted with the masses, onto the constraints: fixation, prescribed
+ * motion, rigid connections, surfaces that nodes touch. */
+typedef struct springnet_state_projection {
+  uint32_t struct_size;
+  uint32_t reserved;
+  double time; /* s */
+  springnet_vectors position, velocity;
+} springnet_state_projection;
+
+typedef struct springnet_deadline {
+  uint32_t struct_size;
+  uint32_t reserved;
+  double time_left; /* out, s: infinity without a deadline */
+} springnet_deadline;
+
+/* Matrices A = I - velocity_weight da/dv - position_weight da/dp in 3n unknowns (x of all nodes, then y, then z), at
+ * the state last given to `linearise`. Rows of fixed and held nodes are those of the identity. With rigid connections
+ * or sliding nodes, `solve` returns the x with A x + W G^T (multipliers) = b and G x = G b. */
+typedef struct springnet_host {
+  uint32_t struct_size;
+  uint32_t abi_minor;
+  void* context;              /* first argument of every function below */
+  springnet_message* message; /* the reason why the last function failed; an integrator writes its own reason here */
+
+  springnet_status (*network)(void* context, springnet_network_query* query);
+  springnet_status (*create_state)(void* context, springnet_state_creation* creation);
+  springnet_status (*destroy_state)(void* context, springnet_state* state);
+  springnet_status (*committed)(void* context, springnet_committed* committed);
+
+  springnet_status (*begin)(void* context, const springnet_interval* interval);
+  springnet_status (*evaluate)(void* context, const springnet_evaluation* evaluation);
+  springnet_status (*sweep)(void* context, const springnet_sweep* sweep);
+
+  /* Derivatives of the accelerations. */
+  springnet_status (*linearise)(void* context, const springnet_linearisation* linearisation);
+  springnet_status (*jacobian_times)(void* context, const springnet_jacobian_product* product);
+  springnet_status (*change_internal)(void* context, const springnet_internal_change* change);
+  springnet_status (*diagonal_blocks)(void* context, const springnet_diagonal_blocks* blocks);
+  springnet_status (*factorise)(void* context, const springnet_factorisation* factorisation);
+  springnet_status (*solve)(void* context, const springnet_solve* solve);
+  /* Assembles a linear system and its preconditioner. It is kept, whatever is linearised later, until the next call or
+   * until nodes become fixed, held or free, springs or elements are removed (`revision`), or rigid connections and
+   * surfaces that nodes slide on have turned. */
+  springnet_status (*prepare_system)(void* context, const springnet_linear_system* system);
+  /* Solves it among the changes that rigid connections and surfaces allow; their forces F add F / mass to
+   * accelerations, independent of the neurons. SPRINGNET_RECOVERABLE if the matrix is singular. May replace the
+   * derivatives of `linearise` and the factors of `factorise`: do not use both kinds of systems at a time. */
+  springnet_status (*solve_system)(void* context, springnet_linear_solve* solve);
+  /* `sweep` with an order, of the network linearised at the state last given to `linearise`. The outputs are small
+   * changes: velocity u, and position w u with w = theta time_constant. A batch has a = da/dv u + da/dp w u, force m a
+   * and, with want_blocks, the node's own blocks of these derivatives. Fixed and held nodes get u = 0; the updates of
+   * the others are projected onto rigid connections and surfaces that they slide on, weighted with `inertia`; the host
+   * sets positions to w u. The start of the step, forces and time are neither read nor written; sets are updated one
+   * after another. Used to find the limits of methods with sweeps. */
+  springnet_status (*linear_sweep)(void* context, const springnet_sweep* sweep);
+  /* The dominant eigenvalue of a map, by Arnoldi's method with restarts. */
+  springnet_status (*dominant_eigenvalue)(void* context, springnet_eigenvalue_search* search);
+
+  springnet_status (*event_values)(void* context, const springnet_event_values* values);
+  springnet_status (*fire_events)(void* context, const springnet_event_firing* firing);
+  springnet_status (*next_discontinuity)(void* context, springnet_discontinuity* discontinuity);
+  /* When a node first touches a surface in the searched part of the step. Also finds nodes that have left again by the
+   * end, for example through a thin obstacle, which event_values at the ends does not show. The result does not depend
+   * on how a step is divided into searches. fire_events at that time, with nothing marked, carries out the touch. */
+  springnet_status (*time_of_impact)(void* context, springnet_impact_search* search);
+
+  springnet_status (*commit)(void* context, const springnet_commitment* commitment);
+
+  /* The end of a sweep by itself: constrains the outputs `next` by fixation, surfaces and rigid connections. `force` is
+   * read: net forces at (position, velocity), N. No update is called. Also contact in the two parts of a velocity
+   * Verlet step, by `contacts`. 2, the drift: `force` is that at the start, next_velocity v + h/2 a and next_position
+   * p + h (v + h/2 a). Nodes in contact, and those rigidly connected to them, are corrected; `status` then tells which
+   * nodes are in contact. 3, the kick, once after the drift: `force` is that at next_position, next_velocity the
+   * velocity at the end, corrected likewise; contacts are made and released. */
+  springnet_status (*constrain)(void* context, const springnet_sweep* sweep);
+  springnet_status (*project)(void* context, const springnet_projection* projection);
+  springnet_status (*project_state)(void* context, const springnet_state_projection* projection);
+
+  springnet_status (*report)(void* context, const springnet_number_report* report);
+  springnet_status (*note)(void* context, const springnet_user_note* note);
+  /* Wall time left until the present `advance` should end. Past it a method commits the best it has, with the outcome
+   * SPRINGNET_OUT_OF_TIME. solve_system ends soon after the deadline, with SPRINGNET_STALLED and an x on the way. */
+  springnet_status (*deadline)(void* context, springnet_deadline* deadline);
+} springnet_host;
+
+#ifdef __cplusplus
+}
+#endif
+
+#endif

@@ -1,0 +1,96 @@
+// What a law's formulas get: an element, and the table that the law made.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <span>
+#include <utility>
+
+#include <springnet/sdk/kernel.hpp>
+
+namespace springnet::sdk {
+
+// In place of a table, for laws without.
+struct NoTable {};
+
+// The inputs of a law for one element, besides its parameters. Table: what the law's prepare() returns.
+template <class Real, class Table = NoTable>
+struct Element {
+  Real q;          // the invariant: length, m; or relative speed, m/s
+  Real rate;       // dq/dt, if the law declares reads_rate
+  Real reference;  // rest length, m
+  double time;     // s, if the law declares reads_time
+  const Table& table;
+  const Real* states;
+  const Real* inputs;
+
+  [[nodiscard]] SPRINGNET_INLINE Real elongation() const { return q - reference; }            // m
+  [[nodiscard]] SPRINGNET_INLINE Real strain() const { return (q - reference) / reference; }  // 1
+  [[nodiscard]] SPRINGNET_INLINE const Real& state(std::size_t index) const { return states[index]; }
+  [[nodiscard]] SPRINGNET_INLINE const Real& input(std::size_t index) const { return inputs[index]; }
+};
+
+// Laws without `static constexpr bool reads_rate = true` (or reads_time) are compiled once with elements whose rate
+// (time) has this type, which has no operations: a compiler error that mentions it means that the law reads e.rate
+// (e.time).
+struct ReadsRateIsNotDeclared {};
+struct ReadsTimeIsNotDeclared {};
+using Rateless = Dual<7>;
+using Timeless = Dual<9>;
+template <class Table>
+struct Element<Rateless, Table> {
+  using Real = Rateless;
+  Real q;
+  ReadsRateIsNotDeclared rate;
+  Real reference;
+  double time;
+  const Table& table;
+  const Real* states;
+  const Real* inputs;
+  [[nodiscard]] Real elongation() const { return q - reference; }
+  [[nodiscard]] Real strain() const { return (q - reference) / reference; }
+  [[nodiscard]] const Real& state(std::size_t index) const { return states[index]; }
+  [[nodiscard]] const Real& input(std::size_t index) const { return inputs[index]; }
+};
+template <class Table>
+struct Element<Timeless, Table> {
+  using Real = Timeless;
+  Real q, rate;
+  Real reference;
+  ReadsTimeIsNotDeclared time;
+  const Table& table;
+  const Real* states;
+  const Real* inputs;
+  [[nodiscard]] Real elongation() const { return q - reference; }
+  [[nodiscard]] Real strain() const { return (q - reference) / reference; }
+  [[nodiscard]] const Real& state(std::size_t index) const { return states[index]; }
+  [[nodiscard]] const Real& input(std::size_t index) const { return inputs[index]; }
+};
+
+// A step of the internal state, for a law's own update(). The element is that at the end of the step; its states are
+// those at the start.
+template <class Real>
+struct Step {
+  Real start_q, start_rate;  // the invariant and its rate at the start
+  const Real* start_inputs;
+  double duration;  // s
+  int order;        // 1, or 2 if the law declares update_order = 2
+
+  [[nodiscard]] SPRINGNET_INLINE const Real& start_input(std::size_t index) const { return start_inputs[index]; }
+};
+
+// The arrays that a law declared as `tables`, in that order, and the parameters of the material.
+class TableSource {
+ public:
+  explicit TableSource(const springnet_preparation& preparation) : source_(&preparation) {}
+  // Empty if the scene has none. Valid during prepare().
+  [[nodiscard]] std::span<const double> operator[](std::size_t index) const {
+    return {source_->tables[index], source_->tables[index] == nullptr ? 0 : source_->lengths[index]};
+  }
+  [[nodiscard]] double parameter(std::size_t index) const { return source_->parameters[index]; }
+
+ private:
+  const springnet_preparation* source_;
+};
+
+}  // namespace springnet::sdk

@@ -1,0 +1,139 @@
+// What a law's class has, and whether that agrees with what it declares.
+#pragma once
+
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <span>
+#include <type_traits>
+#include <utility>
+
+#include <springnet/sdk/law/element.hpp>
+#include <springnet/sdk/metadata.hpp>
+
+namespace springnet::sdk {
+
+// The optional members of a law, one word each: using has = Has<Energy, Margin>;
+struct Energy {};  // energy(e, p)
+struct Margin {};  // margin(e, p)
+struct Update {};  // update(e, p, step)
+struct Start {};   // start(e, p)
+template <class... Members>
+struct Has {
+  template <class Member>
+  static constexpr bool names = (std::is_same_v<Member, Members> || ...);
+};
+
+namespace detail {
+
+template <class Law>
+struct TableOf {
+  using type = NoTable;
+};
+template <class Law>
+requires requires(const Law& law, const TableSource& source) { law.prepare(source); }
+struct TableOf<Law> {
+  using type = std::remove_cvref_t<decltype(std::declval<const Law&>().prepare(std::declval<const TableSource&>()))>;
+};
+
+}  // namespace detail
+
+template <class Law>
+struct LawTraits {
+  struct StateList {
+    static constexpr std::span<const Parameter> get() {
+      if constexpr (requires { Law::states; }) return Law::states;
+      return {};
+    }
+  };
+  struct InputList {
+    static constexpr std::span<const Parameter> get() {
+      if constexpr (requires { Law::inputs; }) return Law::inputs;
+      return {};
+    }
+  };
+  struct TableList {
+    static constexpr std::span<const Table> get() {
+      if constexpr (requires { Law::tables; }) return Law::tables;
+      return {};
+    }
+  };
+  static constexpr std::size_t parameter_count = parameters_of<Law>().size();
+  static constexpr std::size_t state_count = StateList::get().size();
+  static constexpr std::size_t input_count = InputList::get().size();
+  static constexpr std::size_t table_count = TableList::get().size();
+
+  using Table = typename detail::TableOf<Law>::type;
+  using Real = Dual<0>;
+  using E = Element<Real, Table>;
+  using P = Parameters<Real>;
+
+  static constexpr bool has_force = requires(const Law& law, const E& e, const P& p) { Real{law.force(e, p)}; };
+  static constexpr bool defines_energy = requires(const Law& law, const E& e, const P& p) { Real{law.energy(e, p)}; };
+  static constexpr bool defines_margin = requires(const Law& law, const E& e, const P& p) { Real{law.margin(e, p)}; };
+  static constexpr bool defines_rates = requires(const Law& law, const E& e, const P& p) { law.state_rates(e, p)[0]; };
+  static constexpr bool defines_update = requires(const Law& law, const E& e, const P& p, const Step<Real>& step) {
+    law.update(e, p, step)[0];
+  };
+  static constexpr bool defines_start = requires(const Law& law, const E& e, const P& p) { law.start(e, p)[0]; };
+  static constexpr bool defines_table = requires(const Law& law, const TableSource& source) { law.prepare(source); };
+
+  static constexpr bool has_energy = Law::has::template names<Energy>;
+  static constexpr bool has_margin = Law::has::template names<Margin>;
+  static constexpr bool has_update = Law::has::template names<Update>;
+  static constexpr bool has_start = Law::has::template names<Start>;
+  static constexpr bool reads_rate = Law::reads_rate && Law::invariant != SPRINGNET_RELATIVE_SPEED;
+
+  // Compiles the formulas for elements without a rate, or without a time.
+  template <class Probe>
+  static constexpr bool compiles_with() {
+    return +[](const Law& law, const Element<Probe, Table>& e, const Parameters<Probe>& p) {
+      static_cast<void>(law.force(e, p));
+      if constexpr (has_energy) static_cast<void>(law.energy(e, p));
+      if constexpr (has_margin) static_cast<void>(law.margin(e, p));
+      if constexpr (state_count > 0) static_cast<void>(law.state_rates(e, p));
+    } != nullptr;
+  }
+  static constexpr bool rate_is_declared() {
+    if constexpr (!reads_rate) return compiles_with<Rateless>();
+    return true;
+  }
+  static constexpr bool time_is_declared() {
+    if constexpr (!Law::reads_time) return compiles_with<Timeless>();
+    return true;
+  }
+
+  static constexpr std::uint64_t flag(bool present, std::uint64_t value) { return present ? value : 0u; }
+  static constexpr std::uint64_t capabilities =
+      SPRINGNET_HAS_DERIVATIVES | flag(parameter_count > 0, SPRINGNET_HAS_PARAMETER_DERIVATIVES) |
+      flag(has_energy, SPRINGNET_HAS_ENERGY) | flag(has_margin, SPRINGNET_HAS_RUPTURE) |
+      flag(Law::acts_in_compression, SPRINGNET_ACTS_IN_COMPRESSION) | flag(reads_rate, SPRINGNET_READS_RATE) |
+      flag(Law::monotone, SPRINGNET_MONOTONE) | flag(Law::not_zero_at_rest, SPRINGNET_NOT_ZERO_AT_REST) |
+      flag(Law::adds_power, SPRINGNET_ADDS_POWER) | flag(Law::reads_time, SPRINGNET_READS_TIME) |
+      flag(Law::calling_thread_only, SPRINGNET_CALLING_THREAD_ONLY) |
+      flag(Law::fits_elements, SPRINGNET_FITS_ELEMENTS) |
+      flag(Law::divides_by_reference, SPRINGNET_DIVIDES_BY_REFERENCE);
+  static constexpr std::uint64_t needs = flag(state_count > 0, SPRINGNET_NEEDS_STATES) |
+                                         flag(input_count > 0, SPRINGNET_NEEDS_INPUTS) |
+                                         flag(table_count > 0, SPRINGNET_NEEDS_TABLES);
+
+  static_assert(has_force, "a law needs: static auto force(const auto& e, const auto& p)");
+  static_assert(has_energy == defines_energy,
+                "`using has = Has<Energy>;` and energy(e, p) belong together: write both, or neither");
+  static_assert(has_margin == defines_margin,
+                "`using has = Has<Margin>;` and margin(e, p) belong together: write both, or neither");
+  static_assert(has_update == defines_update,
+                "`using has = Has<Update>;` and update(e, p, step) belong together: write both, or neither");
+  static_assert(has_start == defines_start,
+                "`using has = Has<Start>;` and start(e, p) belong together: write both, or neither");
+  static_assert((state_count > 0) == defines_rates,
+                "a law with `states` needs state_rates(e, p), and one with state_rates(e, p) needs `states`");
+  static_assert(state_count > 0 || !(has_update || has_start), "update() and start() are for laws with `states`");
+  static_assert((table_count > 0) == defines_table,
+                "a law with `tables` needs prepare(source), and one with prepare(source) needs `tables`");
+  static_assert(Law::update_order == 1 || Law::update_order == 2, "update_order is 1 or 2");
+  static_assert(rate_is_declared());
+  static_assert(time_is_declared());
+};
+
+}  // namespace springnet::sdk
