@@ -83,6 +83,15 @@ struct Simulation::Impl {
       throw Error(ErrorKind::input, fmt::format("spring {} does not exist: the network has springs 0 to {}", spring,
                                                 static_cast<std::int64_t>(engine.model().layout.spring_count()) - 1));
   }
+  // Of the element of a group at this place.
+  [[nodiscard]] std::vector<double> internal_states(std::size_t group, std::uint32_t place) const {
+    const layers::Layout& layout = engine.model().layout;
+    const layers::InternalLayout::OfGroup& own = layout.internal().group(group);
+    std::vector<double> states;
+    for (std::size_t j = 0; j < layout.laws().groups[group].state_count(); ++j)
+      states.push_back(engine.model().state.view.internal[own.first + j * own.count + place]);
+    return states;
+  }
   void check_element(ElementIndex element) const {
     if (element >= engine.model().layout.elements().count())
       throw Error(ErrorKind::input, fmt::format("element {} does not exist: the network has {} elements", element,
@@ -439,6 +448,20 @@ double Simulation::tension(SpringIndex spring) const {
              ? layers::spring_tension(engine.model().layout, engine.model().evaluator.instruction_set(),
                                       engine.model().time, engine.model().state.nodes(), spring)
              : 0.0;
+}
+std::vector<double> Simulation::internal_states(SpringIndex spring) const {
+  impl_->check_spring(spring);
+  const layers::Layout& layout = impl_->engine.model().layout;
+  const std::uint32_t group = layout.laws().group[spring];
+  return layout.internal().has(group) ? impl_->internal_states(group, layout.internal().of_spring(spring))
+                                      : std::vector<double>{};
+}
+std::vector<double> Simulation::element_internal_states(ElementIndex element) const {
+  impl_->check_element(element);
+  const layers::Layout& layout = impl_->engine.model().layout;
+  const std::uint32_t group = layout.elements().group(element);
+  return layout.internal().has(group) ? impl_->internal_states(group, layout.internal().of_element(element))
+                                      : std::vector<double>{};
 }
 void Simulation::tensions(std::vector<double>& out) const {
   const Engine& engine = impl_->engine;

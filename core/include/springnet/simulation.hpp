@@ -172,6 +172,11 @@ class Simulation {
   void tensions(std::vector<double>& out) const;
   void spring_energies(std::vector<double>& out) const;
 
+  // Internal states of a spring, or an element: those of its spring function in the order in which the law declares them,
+  // then those of its viscosity function. Empty if the laws have none. Those of a removed one stay as they were.
+  [[nodiscard]] std::vector<double> internal_states(SpringIndex spring) const;
+  [[nodiscard]] std::vector<double> element_internal_states(ElementIndex element) const;
+
   // For an element: the present value of the invariant, in its unit; the generalised force Q (N m, N/m, Pa for an
   // angle, an area, a volume; the pressure of an enclosed volume is -Q), > 0 if it acts to reduce the invariant, 0 for
   // a removed element; whether it is still there.

@@ -99,11 +99,9 @@ springnet_sweep Workspace::sweep_call(const Step& step, const springnet_state& r
   return call;
 }
 
-void Workspace::evaluate(const Step& step, const springnet_state& at) { evaluate(step, at, nullptr); }
-
-void Workspace::evaluate(const Step& step, const springnet_state& at, double* next_internal) {
+void Workspace::evaluate(const Step& step, const springnet_state& at) {
   springnet_evaluation evaluation = step.evaluation_at_end(at);
-  evaluation.internal = step.internal_step(next_internal);
+  evaluation.internal = step.internal_step(&at == &step.start ? nullptr : at.internal);
   evaluation.force = at.force;
   acceleration_.resize(step.network.node_count);  // not before: single sweeps do without
   evaluation.acceleration = acceleration_.view();
@@ -120,7 +118,7 @@ void Workspace::forget_constraint_force() noexcept {
 void Workspace::complete(Step& step) {
   if (step.evaluated) return;
   const springnet_state& outputs = *step.outputs;
-  evaluate(step, outputs, outputs.internal);
+  evaluate(step, outputs);
   step.residual = std::sqrt(residual(step, outputs).square);
   step.norm = step.time_constant * residual_norm_;
   step.finite = std::isfinite(step.residual);

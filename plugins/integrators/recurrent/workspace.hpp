@@ -52,7 +52,7 @@ class Workspace {
 
   // A sweep from `read` to `write`; without order.
   [[nodiscard]] springnet_sweep sweep_call(const Step& step, const springnet_state& read, const springnet_state& write);
-  // Forces and accelerations at `at`, at the end of the step.
+  // Forces and accelerations at `at`, at the end of the step, and the internal state of laws there.
   void evaluate(const Step& step, const springnet_state& at);
   // Forces and internal state of laws at the newest outputs, residual.
   void complete(Step& step);
@@ -83,7 +83,6 @@ class Workspace {
   ForceRecord record;
 
  private:
-  void evaluate(const Step& step, const springnet_state& at, double* next_internal);
   void find_free_accelerations(const Step& step);
 
   mutable std::array<sdk::State, 3> states_;  // made when first used: a single sweep needs one

@@ -106,13 +106,17 @@ class ImplicitStage {
     for (std::size_t j = 0; j < S; ++j) defect[j] = (base[j][i] - states[j]) + weight_ * rate[j];
     return solve_small<S>(matrix(by_states), defect);
   }
+  // Of a state near 0, by its declared scale.
+  SPRINGNET_INLINE static double rounding_of(std::size_t j) {
+    return 4.0 * std::numeric_limits<double>::epsilon() * Traits::StateList::get()[j].scale;
+  }
   // 0 if `rest` is so small that nothing is left after it: Newton's method converges quadratically. nan if it is nan.
   SPRINGNET_INLINE static double excess(const Values& start, const Values& at, const Values& rest) {
     constexpr double converged = 1e-9;
     double result = 0.0;
     for (std::size_t j = 0; j < S; ++j) {
       const double size = std::abs(at[j]) > std::abs(start[j]) ? std::abs(at[j]) : std::abs(start[j]);
-      const double over = std::abs(rest[j]) - converged * size;
+      const double over = std::abs(rest[j]) - (converged * size + rounding_of(j));
       result += over <= 0.0 ? 0.0 : over;
     }
     return result;
@@ -169,7 +173,7 @@ class ImplicitStage {
       bool moves = false;
       for (std::size_t j = 0; j < S; ++j) {
         const double scale = std::abs(trial[j]) > std::abs(at[j]) ? std::abs(trial[j]) : std::abs(at[j]);
-        moves = moves || !(std::abs(change[j]) <= settled * scale);
+        moves = moves || !(std::abs(change[j]) <= settled * scale + rounding_of(j));
       }
       if constexpr (S == 1) {
         // A kink may throw Newton's method from side to side: keep the two nearest, and halve between them.
@@ -211,7 +215,7 @@ class ImplicitStage {
     const Values change = correction(i, states, base);
     for (std::size_t j = 0; j < S; ++j) {
       const double size = std::abs(states[j]) + std::abs(base[j][i]);
-      if (!(std::abs(change[j]) <= rounding * (size > 0.0 ? size : Traits::StateList::get()[j].scale))) return false;
+      if (!(std::abs(change[j]) <= rounding * size + rounding_of(j))) return false;
     }
     return true;
   }
