@@ -1,10 +1,12 @@
-# What `cmake --install` puts where: library, headers, tool, documentation, examples and the CMake package. Plugins install themselves, where the
-# library looks for them (springnet_add_plugin).
+# What `cmake --install` puts where: library, headers, tool, documentation, examples, the template of a plugin and the
+# CMake package. Plugins install themselves, where the library looks for them (springnet_add_plugin).
 include(CMakePackageConfigHelpers)
 
 set(package_folder ${CMAKE_INSTALL_LIBDIR}/cmake/springnet)
 
-install(TARGETS springnet springnet_sdk EXPORT springnetTargets
+# Apart, because authors of plugins need nothing that the library needs.
+install(TARGETS springnet_sdk EXPORT springnetSdkTargets)
+install(TARGETS springnet EXPORT springnetTargets
   LIBRARY DESTINATION ${CMAKE_INSTALL_LIBDIR}
   ARCHIVE DESTINATION ${CMAKE_INSTALL_LIBDIR}
   RUNTIME DESTINATION ${CMAKE_INSTALL_BINDIR})
@@ -25,6 +27,11 @@ install(DIRECTORY ${PROJECT_SOURCE_DIR}/examples/ DESTINATION ${CMAKE_INSTALL_DA
   USE_SOURCE_PERMISSIONS
   PATTERN quickstart EXCLUDE PATTERN setup.bash EXCLUDE PATTERN picture EXCLUDE PATTERN three.png EXCLUDE)
 
+# A plugin to begin with.
+install(DIRECTORY ${PROJECT_SOURCE_DIR}/sdk/template/ DESTINATION ${CMAKE_INSTALL_DATAROOTDIR}/springnet/template
+  USE_SOURCE_PERMISSIONS)
+
+install(EXPORT springnetSdkTargets NAMESPACE springnet:: DESTINATION ${package_folder})
 install(EXPORT springnetTargets NAMESPACE springnet:: DESTINATION ${package_folder})
 configure_package_config_file(${CMAKE_CURRENT_LIST_DIR}/springnetConfig.cmake.in
   ${PROJECT_BINARY_DIR}/springnetConfig.cmake INSTALL_DESTINATION ${package_folder})
@@ -32,4 +39,5 @@ configure_package_config_file(${CMAKE_CURRENT_LIST_DIR}/springnetConfig.cmake.in
 # ABI's), which the host checks when it loads them.
 write_basic_package_version_file(${PROJECT_BINARY_DIR}/springnetConfigVersion.cmake COMPATIBILITY SameMinorVersion)
 install(FILES ${PROJECT_BINARY_DIR}/springnetConfig.cmake ${PROJECT_BINARY_DIR}/springnetConfigVersion.cmake
-  ${PROJECT_SOURCE_DIR}/sdk/cmake/SpringnetPlugin.cmake DESTINATION ${package_folder})
+  ${PROJECT_SOURCE_DIR}/sdk/cmake/SpringnetPlugin.cmake ${PROJECT_SOURCE_DIR}/sdk/cmake/springnet_plugin.map
+  DESTINATION ${package_folder})

@@ -27,6 +27,16 @@ std::vector<std::string> table_names() {
   return names;
 }
 
+std::vector<TableSummary> table_summaries() {
+  std::vector<TableSummary> summaries;
+  for (const tables::Table& table : tables::all()) {
+    summaries.push_back({std::string(table.name), tables::file_name(table, {}),
+                         csv_header(tables::form_of(table, {}, {})), std::string(table.content),
+                         table.numbers != nullptr});
+  }
+  return summaries;
+}
+
 struct TableWriter::Impl {
   Impl(const tables::Table& table, const OutputFile& path, const Network& network, const OutputOptions& options)
       : state(network), file(tables::create(table, path, network, options)), rows(table.writer(network, options)) {}

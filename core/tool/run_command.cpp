@@ -5,13 +5,13 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 #include <springnet/run.hpp>
+#include <springnet/tables.hpp>
 
 #include "commands.hpp"
 #include "common.hpp"
 #include "process.hpp"
 #include "profile_table.hpp"
 #include "progress.hpp"
-#include "tables/table.hpp"
 #include "text/counted.hpp"
 
 namespace springnet::tool {
@@ -31,9 +31,8 @@ Exit status:
   0 done   1 the simulation failed (its output up to then is kept)   2 usage or scene   3 plugin)";
 
 // "time,node,fx,fy,fz,tx,…": as many columns as fit.
-std::string heading(const tables::Table& table) {
+std::string heading(const std::string& header) {
   constexpr std::size_t max_length = 24;
-  const std::string header = csv_header(tables::form_of(table, {}, {}));
   if (header.size() <= max_length) return header;
   return header.substr(0, header.rfind(',', max_length - 2) + 1) + "…";
 }
@@ -43,9 +42,9 @@ std::string run_footer() {
       "Files in the output folder ([output] of the scene selects them, their content and how often they are "
       "written):\n";
   std::vector<std::string> binary;
-  for (const tables::Table& table : tables::all()) {
-    text += fmt::format("  {:16} {:26} {}\n", tables::file_name(table, {}), heading(table), table.content);
-    if (table.numbers != nullptr) binary.emplace_back(table.name);
+  for (const TableSummary& table : table_summaries()) {
+    text += fmt::format("  {:16} {:26} {}\n", table.file, heading(table.header), table.content);
+    if (table.has_binary_form) binary.push_back(table.name);
   }
   return text +
          fmt::format(R"(  vtk/run.pvd      for ParaView, if output.vtk = true

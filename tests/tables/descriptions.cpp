@@ -8,6 +8,7 @@
 #include <fmt/ranges.h>
 #include <springnet/error.hpp>
 #include <springnet/run.hpp>
+#include <springnet/tables.hpp>
 
 #include "csv.hpp"
 #include "facts.hpp"
@@ -56,6 +57,20 @@ TEST_CASE("the page about output lists exactly these tables with these columns")
     CHECK(files[k].starts_with(
         fmt::format("| `{}.csv` | `{}` | ", table.name, csv_header(tables::form_of(table, {}, {})))));
     if (table.numbers != nullptr) CHECK(page.find(fmt::format("`{}.bin`", table.name)) != std::string::npos);
+  }
+}
+
+TEST_CASE("the public summaries have all tables in the order of their names") {
+  const std::vector<TableSummary> summaries = table_summaries();
+  const std::vector<std::string> names = table_names();
+  REQUIRE(summaries.size() == names.size());
+  for (std::size_t k = 0; k < names.size(); ++k) {
+    CAPTURE(names[k]);
+    CHECK(summaries[k].name == names[k]);
+    CHECK(summaries[k].file == names[k] + ".csv");
+    CHECK(summaries[k].header.starts_with("time,"));
+    CHECK(!summaries[k].content.empty());
+    CHECK(summaries[k].has_binary_form == (tables::all()[k].numbers != nullptr));
   }
 }
 

@@ -4,6 +4,8 @@
 #include <stdexcept>
 #include <string>
 
+#include <springnet/export.hpp>
+
 namespace springnet {
 
 enum class ErrorKind {
@@ -12,7 +14,7 @@ enum class ErrorKind {
   plugin       // a plugin is missing, was refused, or violated its contract
 };
 
-class Error : public std::runtime_error {
+class SPRINGNET_API Error : public std::runtime_error {
  public:
   Error(ErrorKind kind, const std::string& message) : std::runtime_error(message), kind_(kind) {}
   [[nodiscard]] ErrorKind kind() const noexcept { return kind_; }

@@ -2,6 +2,7 @@
 
 #include <cstddef>
 
+#include <springnet/export.hpp>
 #include <springnet/simulation.hpp>
 
 namespace springnet {
@@ -18,6 +19,6 @@ struct EventCounts {
   std::size_t jammed = 0;            // nodes; each time counts
 };
 
-[[nodiscard]] EventCounts count_events(const Simulation& simulation);
+[[nodiscard]] SPRINGNET_API EventCounts count_events(const Simulation& simulation);
 
 }  // namespace springnet

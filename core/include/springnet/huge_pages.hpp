@@ -5,11 +5,13 @@
 #include <cstddef>
 #include <vector>
 
+#include <springnet/export.hpp>
+
 namespace springnet {
 
 // Asks the system for huge pages in [begin, begin + bytes). Call it before the memory is written. No effect on small
 // blocks, or where the system has none.
-void prefer_huge_pages(const void* begin, std::size_t bytes) noexcept;
+SPRINGNET_API void prefer_huge_pages(const void* begin, std::size_t bytes) noexcept;
 
 // Reserves room for `count` elements on huge pages.
 template <class Element>

@@ -10,6 +10,7 @@
 #include <string_view>
 #include <vector>
 
+#include <springnet/export.hpp>
 #include <springnet/network.hpp>
 #include <springnet/plugin_host.hpp>
 
@@ -116,7 +117,7 @@ struct InspectionOptions {
   bool adaptive_steps = false;         // the integrator divides time steps by an error test, as cvode does
 
   // The integrator's parameter theta; 1 if it is not given.
-  [[nodiscard]] double theta() const;
+  [[nodiscard]] SPRINGNET_API double theta() const;
 };
 
 // The slowest motion that springs resist, linearised at the start.
@@ -135,7 +136,7 @@ struct Hint {
   Kind kind;
   std::string text;  // sentences: the finding, with its numbers, and what to do
 };
-[[nodiscard]] std::string_view name_of(Hint::Kind kind) noexcept;  // "size", …, "time step", "kinks"
+[[nodiscard]] SPRINGNET_API std::string_view name_of(Hint::Kind kind) noexcept;  // "size", …, "time step", "kinks"
 
 struct Inspection {
   std::size_t nodes = 0, springs = 0, bodies = 0, fixed_nodes = 0, planes = 0, loads = 0, cuts = 0;
@@ -175,14 +176,14 @@ struct Inspection {
   std::vector<Hint> hints;
 
   // The limit with this name(). Throws Error(input) if there is none.
-  [[nodiscard]] const TimeConstantLimit& limit(std::string_view name) const;
+  [[nodiscard]] SPRINGNET_API const TimeConstantLimit& limit(std::string_view name) const;
 };
 
 // Throws Error(plugin) for a component that `plugins` does not have, Error(input) for parameters it does not take.
-[[nodiscard]] Inspection inspect(const Network& network, const PluginHost& plugins,
-                                 const InspectionOptions& options = {});
+[[nodiscard]] SPRINGNET_API Inspection inspect(const Network& network, const PluginHost& plugins,
+                                               const InspectionOptions& options = {});
 
 // As JSON.
-[[nodiscard]] std::string to_json(const Inspection& inspection);
+[[nodiscard]] SPRINGNET_API std::string to_json(const Inspection& inspection);
 
 }  // namespace springnet

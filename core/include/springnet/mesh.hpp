@@ -11,6 +11,7 @@
 #include <utility>
 #include <vector>
 
+#include <springnet/export.hpp>
 #include <springnet/loading.hpp>
 #include <springnet/network.hpp>
 
@@ -18,9 +19,9 @@ namespace springnet {
 
 // Nodes of a cell are in VTK's order, which is that of Gmsh's first-order elements too.
 enum class CellType : std::uint8_t { vertex, line, triangle, quadrilateral, tetrahedron, hexahedron, wedge, pyramid };
-[[nodiscard]] std::size_t corner_count(CellType type) noexcept;
-[[nodiscard]] int dimension_of(CellType type) noexcept;  // 0 to 3
-[[nodiscard]] std::string_view name_of(CellType type) noexcept;
+[[nodiscard]] SPRINGNET_API std::size_t corner_count(CellType type) noexcept;
+[[nodiscard]] SPRINGNET_API int dimension_of(CellType type) noexcept;  // 0 to 3
+[[nodiscard]] SPRINGNET_API std::string_view name_of(CellType type) noexcept;
 
 // A named set of cells and points: a physical group of Gmsh, a group of OBJ, a solid of STL.
 struct MeshGroup {
@@ -43,18 +44,18 @@ struct Mesh {
   [[nodiscard]] std::span<const std::uint32_t> cell(std::size_t index) const {
     return {corners.data() + offsets[index], offsets[index + 1] - offsets[index]};
   }
-  void add_cell(CellType type, std::span<const std::uint32_t> points_of_cell);
+  SPRINGNET_API void add_cell(CellType type, std::span<const std::uint32_t> points_of_cell);
 };
 
 // Whether the file has an extension that read_mesh accepts.
-[[nodiscard]] bool has_mesh_ending(const std::filesystem::path& file);
+[[nodiscard]] SPRINGNET_API bool has_mesh_ending(const std::filesystem::path& file);
 
 // Reads a mesh file. The extension selects the format: .msh (Gmsh 4.0 and 4.1, text and binary), .vtk (legacy, text and
 // binary: unstructured grid, polydata, structured grids), .vtu and .vtp (XML: text, inline binary, appended raw or
 // base64, zlib), .obj, .stl (text and binary; equal corners become one point). Points that no cell uses are left out,
 // with a note. Throws Error(input) with "file:line: what; what to do" (in binary parts the byte) if the file cannot be
 // read.
-[[nodiscard]] Mesh read_mesh(const std::filesystem::path& file, const LoadingCallback& loading = {});
+[[nodiscard]] SPRINGNET_API Mesh read_mesh(const std::filesystem::path& file, const LoadingCallback& loading = {});
 
 // Which edges become springs.
 struct EdgeOptions {
@@ -64,27 +65,27 @@ struct EdgeOptions {
 using Edge = std::pair<std::uint32_t, std::uint32_t>;  // lower point first
 
 // Edges of all cells and the requested diagonals, unique, in ascending order of points.
-[[nodiscard]] std::vector<Edge> edges_of(const Mesh& mesh, const EdgeOptions& options = {});
+[[nodiscard]] SPRINGNET_API std::vector<Edge> edges_of(const Mesh& mesh, const EdgeOptions& options = {});
 // The same for one cell: pairs of indices of its corners.
-[[nodiscard]] std::span<const std::array<std::uint8_t, 2>> edge_places(CellType type) noexcept;
-[[nodiscard]] std::span<const std::array<std::uint8_t, 2>> face_diagonal_places(CellType type) noexcept;
-[[nodiscard]] std::span<const std::array<std::uint8_t, 2>> space_diagonal_places(CellType type) noexcept;
+[[nodiscard]] SPRINGNET_API std::span<const std::array<std::uint8_t, 2>> edge_places(CellType type) noexcept;
+[[nodiscard]] SPRINGNET_API std::span<const std::array<std::uint8_t, 2>> face_diagonal_places(CellType type) noexcept;
+[[nodiscard]] SPRINGNET_API std::span<const std::array<std::uint8_t, 2>> space_diagonal_places(CellType type) noexcept;
 
 // Triangles of the surface: faces that belong to only one solid cell, outward; and surface cells, oriented as in the
 // file, except those that lie on a solid cell. Quadrilaterals are divided along their shorter diagonal.
-[[nodiscard]] std::vector<Face> surface_of(const Mesh& mesh);
+[[nodiscard]] SPRINGNET_API std::vector<Face> surface_of(const Mesh& mesh);
 // Orients triangles consistently, and closed parts outward. Throws Error(input) if an edge belongs to more than two
 // triangles or the surface cannot be oriented (a Möbius strip).
-[[nodiscard]] std::vector<Face> oriented(std::vector<Face> faces, std::span<const Vector3> points);
+[[nodiscard]] SPRINGNET_API std::vector<Face> oriented(std::vector<Face> faces, std::span<const Vector3> points);
 // Whether every edge belongs to two triangles.
-[[nodiscard]] bool is_closed(std::span<const Face> faces);
+[[nodiscard]] SPRINGNET_API bool is_closed(std::span<const Face> faces);
 // For each edge between two triangles: the edge's points, then the tips, as Invariant::dihedral takes them.
-[[nodiscard]] std::vector<std::array<std::uint32_t, 4>> hinges_of(std::span<const Face> faces);
+[[nodiscard]] SPRINGNET_API std::vector<std::array<std::uint32_t, 4>> hinges_of(std::span<const Face> faces);
 // Solid cells as tetrahedra of positive volume (hexahedra as six, wedges as three, pyramids as two).
-[[nodiscard]] std::vector<std::array<std::uint32_t, 4>> tetrahedra_of(const Mesh& mesh);
-[[nodiscard]] std::vector<std::array<std::uint32_t, 4>> tetrahedra_of(const Mesh& mesh, std::size_t cell);
+[[nodiscard]] SPRINGNET_API std::vector<std::array<std::uint32_t, 4>> tetrahedra_of(const Mesh& mesh);
+[[nodiscard]] SPRINGNET_API std::vector<std::array<std::uint32_t, 4>> tetrahedra_of(const Mesh& mesh, std::size_t cell);
 
 // Length, area or volume of a cell, depending on its dimension; m, m^2, m^3. Positive for either orientation.
-[[nodiscard]] double measure_of(const Mesh& mesh, std::size_t cell);
+[[nodiscard]] SPRINGNET_API double measure_of(const Mesh& mesh, std::size_t cell);
 
 }  // namespace springnet

@@ -7,6 +7,7 @@
 #include <string>
 #include <vector>
 
+#include <springnet/export.hpp>
 #include <springnet/mesh.hpp>
 
 namespace springnet {
@@ -48,12 +49,12 @@ struct MeshSummary {
 };
 
 // Throws nothing but std::bad_alloc.
-[[nodiscard]] MeshSummary summarise(const Mesh& mesh);
+[[nodiscard]] SPRINGNET_API MeshSummary summarise(const Mesh& mesh);
 
 // Guesses from the longest side of the bounding box only: organs and instruments are between 1 mm and 2 m long.
-[[nodiscard]] UnitGuess guess_unit(double size);
+[[nodiscard]] SPRINGNET_API UnitGuess guess_unit(double size);
 
 // As JSON; lengths in the unit of the file.
-[[nodiscard]] std::string to_json(const MeshSummary& summary);
+[[nodiscard]] SPRINGNET_API std::string to_json(const MeshSummary& summary);
 
 }  // namespace springnet

@@ -14,6 +14,7 @@
 
 #include <Eigen/Core>
 
+#include <springnet/export.hpp>
 #include <springnet/network_lists.hpp>
 #include <springnet/parameters.hpp>
 
@@ -47,8 +48,8 @@ enum class Invariant {
   volume,    // four: signed volume (b - a) . ((c - a) x (d - a)) / 6 of the tetrahedron, m^3
   enclosed_volume  // three a triangle of a closed surface, counterclockwise seen from outside: enclosed volume, m^3
 };
-[[nodiscard]] std::string_view name_of(Invariant invariant) noexcept;  // "angle", …
-[[nodiscard]] std::string_view unit_of(Invariant invariant) noexcept;  // "rad", "m^2", "m^3"
+[[nodiscard]] SPRINGNET_API std::string_view name_of(Invariant invariant) noexcept;  // "angle", …
+[[nodiscard]] SPRINGNET_API std::string_view unit_of(Invariant invariant) noexcept;  // "rad", "m^2", "m^3"
 
 // A law on an invariant of some nodes: bending, area, enclosed volume. The nodes get the forces -Q dq/dp.
 struct Element {
@@ -229,66 +230,67 @@ struct Lattice {
 class Network {
  public:
   // Neuron 0 is "point_mass" with its defaults; material 0 does not exist until it is added.
-  Network();
+  SPRINGNET_API Network();
 
   // Equal descriptions get the same index. Throw Error(input) for an empty id, a parameter that is not finite, or a
   // material without any function. Simulation checks them against the plugins.
-  std::uint32_t add_neuron(const LawUse& neuron);
-  MaterialIndex add_material(const Material& material);
+  SPRINGNET_API std::uint32_t add_neuron(const LawUse& neuron);
+  SPRINGNET_API MaterialIndex add_material(const Material& material);
 
   // Throws Error(input) for a non-finite number, a mass that is not above 0 or a neuron that does not exist. A fixed
   // node has no velocity.
-  NodeIndex add_node(const Node& node);
+  SPRINGNET_API NodeIndex add_node(const Node& node);
   // Rest length: the distance of the nodes unless given. Throws Error(input) for a node that does not exist, a node
   // joined to itself, a distance of 0 without a rest length, a rest length that is negative or not finite, a material
   // that does not exist.
-  SpringIndex add_spring(NodeIndex first, NodeIndex second, MaterialIndex material,
-                         std::optional<double> rest_length = std::nullopt);
+  SPRINGNET_API SpringIndex add_spring(NodeIndex first, NodeIndex second, MaterialIndex material,
+                                       std::optional<double> rest_length = std::nullopt);
   // Reference: the present value of the invariant unless given. Throws Error(input) for a number of nodes that does not
   // match the invariant, a node that does not exist or occurs twice in an angle, hinge, triangle or tetrahedron, a
   // surface that is not closed or not consistently oriented (every edge must belong to two triangles, once in each
   // direction), a material that does not exist, or a reference that is not finite.
-  ElementIndex add_element(Invariant invariant, std::vector<NodeIndex> nodes, MaterialIndex material,
-                           std::optional<double> reference = std::nullopt);
+  SPRINGNET_API ElementIndex add_element(Invariant invariant, std::vector<NodeIndex> nodes, MaterialIndex material,
+                                         std::optional<double> reference = std::nullopt);
   // Throws Error(input) for a node that does not exist or occurs twice.
-  void add_face(const Face& face);
+  SPRINGNET_API void add_face(const Face& face);
   // Adds a group to the body begun last. Throws Error(input) outside of a body, for a name that is empty or taken in
   // the body, and for a node that does not exist or belongs to another body.
-  void add_group(const std::string& name, std::vector<NodeIndex> nodes);
+  SPRINGNET_API void add_group(const std::string& name, std::vector<NodeIndex> nodes);
   // Nodes, springs, elements and faces added between these two calls form a body. Names are unique; throws Error(input)
   // otherwise.
-  void begin_body(const std::string& name);
-  void end_body();
+  SPRINGNET_API void begin_body(const std::string& name);
+  SPRINGNET_API void end_body();
   // Make room for so many nodes or springs in all, so that adding them one by one does not copy those before.
-  void reserve_nodes(std::size_t count);
-  void reserve_springs(std::size_t count);
+  SPRINGNET_API void reserve_nodes(std::size_t count);
+  SPRINGNET_API void reserve_springs(std::size_t count);
   // Adds a body from a lattice. `prototype` gives mass, neuron and velocity. Springs of one direction have bitwise
   // equal rest lengths. Its faces are its boundary, outward. Throws Error(input) for 0 nodes in a direction, a spacing
   // that is not above 0, or more nodes or springs than there are numbers or than fit into memory.
-  void add_lattice(const std::string& name, const Lattice& lattice, const Node& prototype, MaterialIndex material);
+  SPRINGNET_API void add_lattice(const std::string& name, const Lattice& lattice, const Node& prototype,
+                                 MaterialIndex material);
 
-  void fix(NodeIndex node);
+  SPRINGNET_API void fix(NodeIndex node);
   // These throw Error(input) for a node or spring that does not exist, a number that is not finite (the ends of a
   // load's window may be infinite), an empty window, a normal of length 0, a name that is taken, a polygon with fewer
   // than three corners or that is not planar; for a face with a node that does not exist or occurs twice, a traction or
   // pressure without faces, a course of more than one kind or whose times do not increase. A node listed twice in a
   // load counts once; a face listed twice is loaded twice.
-  void add_load(const Load& load);
-  void add_plane(const Plane& plane);
+  SPRINGNET_API void add_load(const Load& load);
+  SPRINGNET_API void add_plane(const Plane& plane);
   // Planes and instruments share one set of unique names. Throw Error(input) as above, and for a radius or a box's size
   // that is not above 0, a box whose axes are not a rotation or whose radius is more than half its smallest size, a
   // negative coefficient of friction, a restitution outside of 0 to 1; for an invalid motion: neither table nor
   // sinusoid, or both, times that do not increase, tables of different lengths, a negative frequency; and for an
   // invalid turn.
-  void add_instrument(const Instrument& instrument);
+  SPRINGNET_API void add_instrument(const Instrument& instrument);
   // A node can have only one motion; it counts as fixed, and its own velocity is ignored.
-  void add_move(const Move& move);
+  SPRINGNET_API void add_move(const Move& move);
   // Length: the distance of the nodes unless given. Throws Error(input) for a node that does not exist or is joined to
   // itself, two connections between the same nodes, a length that is not above 0 or differs from the distance by more
   // than 1e-8 of it.
-  RigidIndex add_rigid(NodeIndex first, NodeIndex second, std::optional<double> length = std::nullopt);
-  void add_cut(const Cut& cut);
-  void set_gravity(const Vector3& acceleration);  // m/s^2
+  SPRINGNET_API RigidIndex add_rigid(NodeIndex first, NodeIndex second, std::optional<double> length = std::nullopt);
+  SPRINGNET_API void add_cut(const Cut& cut);
+  SPRINGNET_API void set_gravity(const Vector3& acceleration);  // m/s^2
 
   [[nodiscard]] const NodeList& nodes() const noexcept { return nodes_; }
   [[nodiscard]] const SpringList& springs() const noexcept { return springs_; }
@@ -307,15 +309,15 @@ class Network {
 
   // Change what was added, with the same checks. A node with prescribed motion keeps it. The new position of a rigidly
   // connected node must keep the lengths.
-  void set_node(NodeIndex index, const Node& node);
-  void set_spring_material(SpringIndex spring, MaterialIndex material);
-  void set_rest_length(SpringIndex spring, double rest_length);
-  void set_reference(ElementIndex element, double reference);
+  SPRINGNET_API void set_node(NodeIndex index, const Node& node);
+  SPRINGNET_API void set_spring_material(SpringIndex spring, MaterialIndex material);
+  SPRINGNET_API void set_rest_length(SpringIndex spring, double rest_length);
+  SPRINGNET_API void set_reference(ElementIndex element, double reference);
 
   // The invariant of an element at the nodes' positions in this network, in its unit.
-  [[nodiscard]] double value_of(const Element& element) const;
+  [[nodiscard]] SPRINGNET_API double value_of(const Element& element) const;
   // Area vector of a face, along its outward normal, at the nodes' positions in this network, m^2.
-  [[nodiscard]] Vector3 area_of(const Face& face) const;
+  [[nodiscard]] SPRINGNET_API Vector3 area_of(const Face& face) const;
 
  private:
   void check_node(const Node& node, NodeIndex index) const;

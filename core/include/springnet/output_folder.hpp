@@ -10,6 +10,8 @@
 #include <utility>
 #include <vector>
 
+#include <springnet/export.hpp>
+
 namespace springnet {
 
 class OutputFolder;
@@ -23,10 +25,10 @@ class OutputFile {
   requires std::convertible_to<const Path&, std::filesystem::path> OutputFile(const Path& path) : path_(path) {}
 
   // A new file in the folder. Anything of that name, a link for instance, is removed first, never written through.
-  OutputFile(std::shared_ptr<const OutputFolder> folder, std::string name);
+  SPRINGNET_API OutputFile(std::shared_ptr<const OutputFolder> folder, std::string name);
 
   // This file while it is incomplete: "<name>.part" in the folder. Messages name the file itself.
-  [[nodiscard]] OutputFile part() const;
+  [[nodiscard]] SPRINGNET_API OutputFile part() const;
 
   [[nodiscard]] const std::filesystem::path& path() const noexcept { return path_; }                    // for messages
   [[nodiscard]] const std::shared_ptr<const OutputFolder>& folder() const noexcept { return folder_; }  // or null
@@ -40,7 +42,7 @@ class OutputFile {
 
 // A folder for output, held open, so that renaming or replacing its path does not redirect files. The folder that the
 // user names may be a link. Its contents are not trusted: no link in it is followed, and only regular files are opened.
-class OutputFolder {
+class SPRINGNET_API OutputFolder {
  public:
   using Pointer = std::shared_ptr<const OutputFolder>;
 
@@ -93,15 +95,15 @@ class OutputFolder {
 };
 
 // Name of a file while it is incomplete: "<name>.part".
-[[nodiscard]] std::string part_name(std::string_view name);
+[[nodiscard]] SPRINGNET_API std::string part_name(std::string_view name);
 
 // Writes a file that gets its name only once it is complete. Throws Error(simulation) if it cannot be written; an
 // earlier file of that name then stays.
-void write_whole(const OutputFile& file, std::string_view text);
+SPRINGNET_API void write_whole(const OutputFile& file, std::string_view text);
 
 // Opens the file for writing, on a descriptor above those of the standard streams. Throws Error(input) if it cannot.
-[[nodiscard]] int open_output(const OutputFile& file);
+[[nodiscard]] SPRINGNET_API int open_output(const OutputFile& file);
 // Does nothing unless it is a file or a link.
-void remove_output(const OutputFile& file) noexcept;
+SPRINGNET_API void remove_output(const OutputFile& file) noexcept;
 
 }  // namespace springnet

@@ -10,6 +10,7 @@
 #include <vector>
 
 #include <springnet/sdk/plugin.h>
+#include <springnet/export.hpp>
 #include <springnet/parameters.hpp>
 
 namespace springnet {
@@ -23,7 +24,7 @@ enum class ComponentKind : unsigned {
 };
 
 // "spring function", "viscosity function", "neuron", "integrator".
-[[nodiscard]] std::string_view name_of(ComponentKind kind) noexcept;
+[[nodiscard]] SPRINGNET_API std::string_view name_of(ComponentKind kind) noexcept;
 
 struct Component {
   const springnet_component* description;
@@ -49,7 +50,7 @@ struct Refusal {
   std::string reason;  // what is wrong and what to do
 };
 
-class PluginHost {
+class SPRINGNET_API PluginHost {
  public:
   // Nothing is loaded yet.
   PluginHost();
@@ -81,19 +82,22 @@ class PluginHost {
   [[nodiscard]] std::shared_ptr<const Component> require(ComponentKind kind, std::string_view id) const;
 
  private:
-  struct Impl;
+  struct SPRINGNET_LOCAL Impl;
   std::unique_ptr<Impl> impl_;
 };
 
 // Index of the parameter, or -1.
-[[nodiscard]] std::ptrdiff_t parameter_index(const springnet_component& component, std::string_view name) noexcept;
+[[nodiscard]] SPRINGNET_API std::ptrdiff_t parameter_index(const springnet_component& component,
+                                                           std::string_view name) noexcept;
 // Index of a choice of a SPRINGNET_CHOICE parameter, or -1.
-[[nodiscard]] std::ptrdiff_t choice_index(const springnet_parameter& parameter, std::string_view choice) noexcept;
+[[nodiscard]] SPRINGNET_API std::ptrdiff_t choice_index(const springnet_parameter& parameter,
+                                                        std::string_view choice) noexcept;
 // Empty if `value` is valid for the parameter, else what is wrong: "must be above 0 kg, is -1".
-[[nodiscard]] std::string check_value(const springnet_parameter& parameter, double value);
+[[nodiscard]] SPRINGNET_API std::string check_value(const springnet_parameter& parameter, double value);
 // Values in the order of the component's parameters, defaults filled in. Throws Error(input) for an unknown name (with
 // the nearest known ones), a missing required value or one out of range; `where` begins the message.
-[[nodiscard]] std::vector<double> complete_parameters(const springnet_component& component,
-                                                      const ParameterValues& given, std::string_view where);
+[[nodiscard]] SPRINGNET_API std::vector<double> complete_parameters(const springnet_component& component,
+                                                                    const ParameterValues& given,
+                                                                    std::string_view where);
 
 }  // namespace springnet

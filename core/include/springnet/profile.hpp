@@ -10,6 +10,8 @@
 #include <string_view>
 #include <vector>
 
+#include <springnet/export.hpp>
+
 namespace springnet {
 
 namespace profile {
@@ -33,14 +35,14 @@ struct Profile {
   std::vector<ProfileStage> stages;  // parts after the stage they belong to, the longest first
 };
 // "stage", "integrator", "spring function", …
-[[nodiscard]] std::string_view name_of(ProfileStage::Kind kind) noexcept;
+[[nodiscard]] SPRINGNET_API std::string_view name_of(ProfileStage::Kind kind) noexcept;
 // "sweep", "view.html"; of a component with its kind: "spring function linear".
-[[nodiscard]] std::string label_of(const ProfileStage& stage);
+[[nodiscard]] SPRINGNET_API std::string label_of(const ProfileStage& stage);
 
 // Takes the time of what runs within its scopes; Simulation opens one for each step. A step costs it about 0.1 us for
 // each call of a host function, and a percent of the work within. It records one thread at a time, with those that help
 // it: a scope that is opened while another thread has one open records nothing.
-class Profiler {
+class SPRINGNET_API Profiler {
  public:
   // trace_events: of how many stages the times are kept for write_trace(): the first half of them, and the last. About
   // 24 bytes each.

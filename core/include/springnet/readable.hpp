@@ -3,9 +3,11 @@
 
 #include <string>
 
+#include <springnet/export.hpp>
+
 namespace springnet {
 
 // "12 bytes", "3.4 MB"
-[[nodiscard]] std::string readable_bytes(double bytes);
+[[nodiscard]] SPRINGNET_API std::string readable_bytes(double bytes);
 
 }  // namespace springnet

@@ -9,12 +9,13 @@
 #include <string>
 #include <vector>
 
+#include <springnet/export.hpp>
 #include <springnet/output_folder.hpp>
 
 namespace springnet {
 
 // Reads a table up to its last complete record, also that of a run that failed or is still in progress.
-class RecordReader {
+class SPRINGNET_API RecordReader {
  public:
   // Throws Error(input) if the file cannot be read, is not such a table, or has no complete record yet.
   explicit RecordReader(const std::filesystem::path& file);
@@ -50,6 +51,6 @@ class RecordReader {
 // Writes the table as text: what the run would have written with output.format = "csv", but single precision numbers
 // with their fewer digits. Replaces an existing file. Throws Error(input) if a file cannot be read or created,
 // Error(simulation) if writing fails; the text then ends with its last complete record.
-void write_csv(RecordReader& records, const OutputFile& file);
+SPRINGNET_API void write_csv(RecordReader& records, const OutputFile& file);
 
 }  // namespace springnet

@@ -15,6 +15,7 @@
 
 #include <springnet/error.hpp>
 #include <springnet/events.hpp>
+#include <springnet/export.hpp>
 #include <springnet/plugin_host.hpp>
 #include <springnet/profile.hpp>
 #include <springnet/readable.hpp>
@@ -30,7 +31,7 @@ struct OutputEstimate {
   double bytes = 0.0;    // of all files
   std::vector<FileEstimate> files;
 };
-[[nodiscard]] OutputEstimate estimate_output(const Scene& scene);
+[[nodiscard]] SPRINGNET_API OutputEstimate estimate_output(const Scene& scene);
 
 struct RunProgress {
   double time;      // s, simulated
@@ -90,7 +91,7 @@ struct PluginUse {
   std::string file;  // its name without folder; empty if linked into the program
 };
 // Plugins of the network's laws and neurons and of the integrator, by id.
-[[nodiscard]] std::vector<PluginUse> plugins_used(const Scene& scene, const PluginHost& plugins);
+[[nodiscard]] SPRINGNET_API std::vector<PluginUse> plugins_used(const Scene& scene, const PluginHost& plugins);
 
 // A file that could not be written to the end of the run.
 struct CutShort {
@@ -148,11 +149,12 @@ struct RunSummary {
 // scene cannot be simulated, its output would not fit on the disk, another run is writing to the folder, or a folder
 // has the name of a file. The summary reports a later failure. The folder may be a link; links in it are replaced,
 // never followed.
-RunSummary run_scene(const Scene& scene, const std::shared_ptr<const PluginHost>& plugins, const RunOptions& options);
+SPRINGNET_API RunSummary run_scene(const Scene& scene, const std::shared_ptr<const PluginHost>& plugins,
+                                   const RunOptions& options);
 
 // The text of summary.json.
-[[nodiscard]] std::string to_json(const RunSummary& summary);
+[[nodiscard]] SPRINGNET_API std::string to_json(const RunSummary& summary);
 // The text of profile.json. steps: of the run, for the shares of one.
-[[nodiscard]] std::string to_json(const Profile& profile, std::uint64_t steps, unsigned threads);
+[[nodiscard]] SPRINGNET_API std::string to_json(const Profile& profile, std::uint64_t steps, unsigned threads);
 
 }  // namespace springnet

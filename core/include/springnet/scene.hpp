@@ -7,6 +7,7 @@
 #include <string_view>
 #include <vector>
 
+#include <springnet/export.hpp>
 #include <springnet/loading.hpp>
 #include <springnet/network.hpp>
 #include <springnet/simulation.hpp>
@@ -64,7 +65,7 @@ struct SceneOverride {
   std::string value;
 };
 // Throws Error(input) if the text has no '=' or no key.
-[[nodiscard]] SceneOverride parse_override(std::string_view text);
+[[nodiscard]] SPRINGNET_API SceneOverride parse_override(std::string_view text);
 
 // Whether a scene may name files outside of its folder, links resolved. Allow it only for scenes that you trust like a
 // program.
@@ -73,24 +74,26 @@ enum class OutsideFiles { refused, allowed };
 // Reads a scene from a file, pipe or device of at most 64 MB. Files that the scene names are relative to its folder.
 // Throws Error(input) with "file:line:column: key: what; what to do"; for a component that no plugin offers, with the
 // nearest names and the plugins that were refused.
-[[nodiscard]] Scene load_scene(const std::filesystem::path& file, const PluginHost& plugins,
-                               const std::vector<SceneOverride>& overrides = {},
-                               OutsideFiles outside = OutsideFiles::refused, const LoadingCallback& loading = {});
+[[nodiscard]] SPRINGNET_API Scene load_scene(const std::filesystem::path& file, const PluginHost& plugins,
+                                             const std::vector<SceneOverride>& overrides = {},
+                                             OutsideFiles outside = OutsideFiles::refused,
+                                             const LoadingCallback& loading = {});
 // The same from text; `name` replaces the file in messages, `folder` is the scene's folder. If that is empty, a scene
 // that names a file is an error, unless outside files are allowed and the path is absolute.
-[[nodiscard]] Scene parse_scene(std::string_view text, std::string_view name, const PluginHost& plugins,
-                                const std::vector<SceneOverride>& overrides = {},
-                                const std::filesystem::path& folder = {}, OutsideFiles outside = OutsideFiles::refused,
-                                const LoadingCallback& loading = {});
+[[nodiscard]] SPRINGNET_API Scene parse_scene(std::string_view text, std::string_view name, const PluginHost& plugins,
+                                              const std::vector<SceneOverride>& overrides = {},
+                                              const std::filesystem::path& folder = {},
+                                              OutsideFiles outside = OutsideFiles::refused,
+                                              const LoadingCallback& loading = {});
 
 // Scene::notes and likely mistakes, in plain sentences: cuts, loads and motions wholly outside of the simulated time.
-[[nodiscard]] std::vector<std::string> notes_of(const Scene& scene);
+[[nodiscard]] SPRINGNET_API std::vector<std::string> notes_of(const Scene& scene);
 
 // Throws Error(input), with the place in the scene, if a node starts behind a plane or inside an instrument by more
 // than rounding. A Simulation refuses such a network too, but does not know the scene.
-void check_starts(const Scene& scene);
+SPRINGNET_API void check_starts(const Scene& scene);
 
 // Every key a scene may have, as "body.mesh.lattice": the reference page is checked against it.
-[[nodiscard]] const std::vector<std::string>& scene_keys();
+[[nodiscard]] SPRINGNET_API const std::vector<std::string>& scene_keys();
 
 }  // namespace springnet

@@ -11,6 +11,7 @@
 
 #include <Eigen/Core>
 
+#include <springnet/export.hpp>
 #include <springnet/instruction_set.hpp>
 #include <springnet/network.hpp>
 #include <springnet/plugin_host.hpp>
@@ -31,7 +32,8 @@ struct SimulationOptions {
 
 // out_of_time: at a deadline (Simulation::step_within) the best state until then was taken.
 enum class Outcome { settled, oscillating, out_of_sweeps, diverging, out_of_time };
-[[nodiscard]] std::string_view name_of(Outcome outcome) noexcept;  // "settled", "oscillating", "out of sweeps", …
+// "settled", "oscillating", "out of sweeps", …
+[[nodiscard]] SPRINGNET_API std::string_view name_of(Outcome outcome) noexcept;
 
 // Report on the steps of the last call of step() or advance_to().
 struct StepReport {
@@ -77,7 +79,7 @@ struct LocalForce {
 using ConstNodeMap =
     Eigen::Map<const Eigen::Matrix<double, 3, Eigen::Dynamic, Eigen::RowMajor>, 0, Eigen::OuterStride<>>;
 
-class Simulation {
+class SPRINGNET_API Simulation {
  public:
   // Throws Error(input) or Error(plugin). `plugins` may be shared between simulations.
   Simulation(const Network& network, std::shared_ptr<const PluginHost> plugins, const SimulationOptions& options = {});
@@ -233,7 +235,7 @@ class Simulation {
   [[nodiscard]] const std::vector<std::string>& notes() const noexcept;
 
  private:
-  struct Impl;
+  struct SPRINGNET_LOCAL Impl;
   std::unique_ptr<Impl> impl_;
 };
 

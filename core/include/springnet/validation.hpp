@@ -13,6 +13,7 @@
 
 #include <springnet/error.hpp>
 #include <springnet/events.hpp>
+#include <springnet/export.hpp>
 #include <springnet/scene.hpp>
 #include <springnet/simulation.hpp>
 
@@ -100,24 +101,24 @@ struct Validation {
 
   [[nodiscard]] double uncertainty() const noexcept { return certification.max; }
   // An error as a fraction of the reference's maximum displacement; nan if nothing moves.
-  [[nodiscard]] double share_of_displacement(double error) const noexcept;
+  [[nodiscard]] SPRINGNET_API double share_of_displacement(double error) const noexcept;
   // Whether second_order finished and at least halves both errors of the scene's own run, or that run failed.
-  [[nodiscard]] bool second_order_is_better() const;
-  [[nodiscard]] const ValidationRun& run_of_scene() const;
+  [[nodiscard]] SPRINGNET_API bool second_order_is_better() const;
+  [[nodiscard]] SPRINGNET_API const ValidationRun& run_of_scene() const;
   // Whether the scene's own run is within `tolerance` m of the true solution, the reference's uncertainty included.
-  [[nodiscard]] bool within(double tolerance) const;
+  [[nodiscard]] SPRINGNET_API bool within(double tolerance) const;
 };
 
 // Runs the scene in the reference integrator `cvode` (twice, with different tolerances) and in the scene's integrator
 // (`recurrent` if that is the reference) with each time step, and once with theta = 0.5. All runs advance together from
 // record time to record time, so that no trajectory is stored. A failed run stays in the result with its outcome.
 // Throws Error(input) for unusable time steps, Error(plugin), and Error(simulation) if the reference fails.
-[[nodiscard]] Validation validate(const Scene& scene, const std::shared_ptr<const PluginHost>& plugins,
-                                  const ValidationOptions& options = {});
+[[nodiscard]] SPRINGNET_API Validation validate(const Scene& scene, const std::shared_ptr<const PluginHost>& plugins,
+                                                const ValidationOptions& options = {});
 
 // Slope of log(errors) over log(time_steps) by least squares; nan with fewer than two points above `floor`.
-[[nodiscard]] double observed_order(const std::vector<double>& time_steps, const std::vector<double>& errors,
-                                    double floor = 0.0);
+[[nodiscard]] SPRINGNET_API double observed_order(const std::vector<double>& time_steps,
+                                                  const std::vector<double>& errors, double floor = 0.0);
 
 // Record times for the given time steps: multiples of an interval that all of them divide, if there is one at or near
 // the wanted interval, and the duration. Throws Error(input) for a time step outside (0, duration].
@@ -125,12 +126,12 @@ struct RecordTimes {
   std::vector<double> times;                 // s, from 0
   std::vector<double> shortened_time_steps;  // those that do not divide the interval
 };
-[[nodiscard]] RecordTimes common_record_times(double duration, double wanted_interval,
-                                              const std::vector<double>& time_steps);
+[[nodiscard]] SPRINGNET_API RecordTimes common_record_times(double duration, double wanted_interval,
+                                                            const std::vector<double>& time_steps);
 
 // The text of validation.json; a self-contained page with table and plots; the table as text.
-[[nodiscard]] std::string to_json(const Validation& validation);
-[[nodiscard]] std::string to_html(const Validation& validation);
-[[nodiscard]] std::string to_table(const Validation& validation);
+[[nodiscard]] SPRINGNET_API std::string to_json(const Validation& validation);
+[[nodiscard]] SPRINGNET_API std::string to_html(const Validation& validation);
+[[nodiscard]] SPRINGNET_API std::string to_table(const Validation& validation);
 
 }  // namespace springnet

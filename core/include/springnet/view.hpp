@@ -6,6 +6,7 @@
 #include <string>
 #include <vector>
 
+#include <springnet/export.hpp>
 #include <springnet/output_folder.hpp>
 #include <springnet/plugin_host.hpp>
 #include <springnet/scene.hpp>
@@ -21,7 +22,7 @@ struct ViewOptions {
 // Collects the records of a run and writes the page. The size of the page bounds the memory: once there are more
 // records than fit, every second one is dropped, evenly over the run; of a network with more springs than can be drawn,
 // some are left out. The page and left_out() report both. The first and the last record are always there.
-class ViewWriter {
+class SPRINGNET_API ViewWriter {
  public:
   // Writes a page that says that the run has not ended. Throws Error(input) if it cannot be created. The scene must
   // outlive the writer.
@@ -42,11 +43,11 @@ class ViewWriter {
   [[nodiscard]] const std::vector<std::string>& left_out() const noexcept;
 
  private:
-  struct Impl;
+  struct SPRINGNET_LOCAL Impl;
   std::unique_ptr<Impl> impl_;
 };
 
 // Upper bound for the size of a run's page, bytes; 0 if the scene requests none.
-[[nodiscard]] double estimate_view(const Scene& scene);
+[[nodiscard]] SPRINGNET_API double estimate_view(const Scene& scene);
 
 }  // namespace springnet

@@ -4,6 +4,7 @@
 #include <cstdint>
 #include <memory>
 
+#include <springnet/export.hpp>
 #include <springnet/network.hpp>
 #include <springnet/output_folder.hpp>
 #include <springnet/scene.hpp>
@@ -14,7 +15,7 @@ namespace springnet {
 // Writes into a folder, which is created if necessary: for each record net_<number>.vtu, also surfaces_<number>.vtp if
 // there are planes or instruments, and run.pvd, which lists them with their times and is complete after each record.
 // core/docs/output.md lists the data.
-class VtkWriter {
+class SPRINGNET_API VtkWriter {
  public:
   // Throws Error(input) if the folder or run.pvd cannot be created, Error(simulation) if it cannot be written.
   VtkWriter(const OutputFile& folder, const Network& network, const OutputOptions& options = {});
@@ -26,7 +27,7 @@ class VtkWriter {
   [[nodiscard]] std::uintmax_t bytes() const noexcept;  // of all files
 
  private:
-  struct Impl;
+  struct SPRINGNET_LOCAL Impl;
   std::unique_ptr<Impl> impl_;
 };
 
