@@ -59,7 +59,7 @@ TEST_CASE("a good plugin offers its components, with where they come from") {
   batch.count = 1;
   batch.q = &length;
   batch.force = &force;
-  CHECK(component->law().evaluate(&batch) == SPRINGNET_OK);
+  CHECK(component->law().evaluate(component->law().context, &batch) == SPRINGNET_OK);
   CHECK(force == 2.5);
 }
 
@@ -126,8 +126,8 @@ TEST_CASE("every file that is not a plugin is refused with the reason and the re
       {"missing_symbol", {"(undefined symbol: springnet_fixture_nowhere)", "linked with"}},
       {"no_entry", {"no symbol springnet_plugin_entry", "export it"}},
       {"other_magic", {"magic number", "SDK"}},
-      {"other_major", {"plugin ABI 2.", "reads 1.x", "rebuild the plugin"}},
-      {"smaller_struct", {"has 48 bytes", "needs 64", "rebuild the plugin"}},
+      {"other_major", {"plugin ABI 1.", "reads 2.x", "rebuild the plugin"}},
+      {"smaller_struct", {"has 48 bytes", "needs 72", "rebuild the plugin"}},
       {"out_of_range", {"'stiffness'", "default must be at least 0 N/m, is -1", "correct default or bounds"}},
   };
   for (const Case& c : cases) {
@@ -142,6 +142,37 @@ TEST_CASE("every file that is not a plugin is refused with the reason and the re
   }
 }
 
+TEST_CASE("a file without a note of this ABI is refused before it is opened: its constructors do not run") {
+  struct Case {
+    std::string name;
+    std::vector<std::string> words;
+  };
+  const std::vector<Case> cases{
+      {"no_note", {"it has no note", "was not opened", "rebuild the plugin"}},
+      {"foreign_note", {"it has no note", "was not opened"}},
+      {"damaged_note", {"it has no note", "was not opened"}},
+      {"earlier_note", {"built for plugin ABI 1.", "reads 2.x", "or use a springnet of ABI 1"}},
+      {"later_note", {"built for plugin ABI 3.", "reads 2.x", "or use a springnet of ABI 3"}},
+      {"needy_note", {"it needs plugin ABI 2.7", "use a newer springnet"}},
+  };
+  const char* const trace = "SPRINGNET_FIXTURE_CONSTRUCTED";
+  unsetenv(trace);
+  for (const Case& c : cases) {
+    CAPTURE(c.name);
+    PluginHost host;
+    CHECK_FALSE(host.load(fixture(c.name)));
+    CHECK(std::getenv(trace) == nullptr);
+    REQUIRE(host.refusals().size() == 1);
+    CAPTURE(host.refusals()[0].reason);
+    for (const std::string& word : c.words) CHECK(contains(host.refusals()[0].reason, word));
+  }
+  // Of a file with its note they do.
+  PluginHost host;
+  CHECK(host.load(fixture("constructed")));
+  CHECK(std::getenv(trace) != nullptr);
+  unsetenv(trace);
+}
+
 TEST_CASE("a file that is not there is refused") {
   PluginHost host;
   CHECK_FALSE(host.load(fixtures / "nowhere.springnet.so"));
@@ -149,22 +180,37 @@ TEST_CASE("a file that is not there is refused") {
   CHECK(contains(host.refusals()[0].reason, "cannot be opened (No such file"));
 }
 
-TEST_CASE("of two plugins with the same kind and id the first is kept") {
+TEST_CASE("of two files with a plugin of one id the first is kept") {
   PluginHost host;
   REQUIRE(host.load(fixture("good")));
   CHECK_FALSE(host.load(fixture("same_id")));
   CHECK(host.components().size() == 1);
   const std::string reason = host.refusals().back().reason;
   CAPTURE(reason);
-  CHECK(contains(reason, "spring function 'fixture' is already provided by org.example.fixture 1.2.3"));
+  CHECK(contains(reason,
+                 "spring function 'fixture' is already provided by a plugin of the same id, "
+                 "org.example.fixture 1.2.3"));
   CHECK(contains(reason, fixture("good").string()));
-  CHECK(contains(reason, "rename it, or remove"));
+  CHECK(contains(reason, "remove one of the two"));
 
   // The other way round it is the other one that is kept.
   PluginHost reverse;
   REQUIRE(reverse.load(fixture("same_id")));
   CHECK_FALSE(reverse.load(fixture("good")));
-  CHECK(std::string(reverse.components()[0]->plugin->id) == "org.example.rival");
+  CHECK(std::string(reverse.components()[0]->plugin->version) == "2.0.0");
+}
+
+TEST_CASE("plugins of two ids may offer the same component; one that names it says whose") {
+  PluginHost host;
+  REQUIRE(host.load(fixture("good")));
+  REQUIRE(host.load(fixture("same_component")));
+  CHECK(host.refusals().empty());
+  CHECK(host.components().size() == 2);
+  CHECK_THROWS_WITH_AS(static_cast<void>(host.find(ComponentKind::spring_function, "fixture")),
+                       doctest::Contains("'fixture@org.example.fixture' or 'fixture@org.example.rival'"),
+                       springnet::Error);
+  CHECK(host.require(ComponentKind::spring_function, "fixture@org.example.fixture")->file == fixture("good"));
+  CHECK(host.require(ComponentKind::spring_function, "fixture@org.example.rival")->file == fixture("same_component"));
 }
 
 TEST_CASE("the same file twice is one plugin, and no refusal") {
@@ -186,7 +232,7 @@ TEST_CASE("components outlive the host that loaded them") {
   CHECK(component->id() == "fixture");
   springnet_law_batch nothing{};
   nothing.struct_size = sizeof nothing;
-  CHECK(component->law().evaluate(&nothing) == SPRINGNET_OK);
+  CHECK(component->law().evaluate(component->law().context, &nothing) == SPRINGNET_OK);
 }
 
 TEST_CASE("a folder: files by name, other endings ignored, a missing folder recorded") {
@@ -211,7 +257,7 @@ TEST_CASE("default search: folders given, then SPRINGNET_PLUGIN_PATH, then the l
   const PluginHost host = PluginHost::with_default_search({fixtures / "same_id"});
   const auto fixture_law = host.find(ComponentKind::spring_function, "fixture");
   REQUIRE(fixture_law != nullptr);
-  CHECK(std::string(fixture_law->plugin->id) == "org.example.rival");  // the folder given came first
+  CHECK(std::string(fixture_law->plugin->version) == "2.0.0");  // the folder given came first
   const auto refused = [&](const fs::path& file) {
     return std::any_of(host.refusals().begin(), host.refusals().end(),
                        [&](const springnet::Refusal& refusal) { return refusal.file == file; });
@@ -269,7 +315,7 @@ TEST_CASE("an unknown component: nearest names, all known ones, and refused file
   }
   CAPTURE(message);
   CHECK(contains(message, "there is no spring function 'fixtrue'; did you mean 'fixture'?"));
-  CHECK(contains(message, fixture("other_major").string() + ": built for plugin ABI 2."));
+  CHECK(contains(message, fixture("other_major").string() + ": built for plugin ABI 1."));
 
   try {
     static_cast<void>(host.require(ComponentKind::neuron, "fixture"));

@@ -1,4 +1,7 @@
 /* A plugin in C11 against the bare ABI. Each fixture defines one of the macros below to make one thing wrong. */
+#define _POSIX_C_SOURCE 200809L
+#include <stdlib.h>
+
 #include <springnet/sdk/plugin.h>
 
 #ifndef MAGIC
@@ -29,7 +32,39 @@
 double springnet_fixture_nowhere(double);
 #endif
 
-static springnet_status evaluate(const springnet_law_batch* batch) {
+#ifndef VERSION
+#define VERSION "1.2.3"
+#endif
+
+#if defined(OTHER_NOTE) /* longer than that of 2.0, as that of a later minor version */
+#ifndef NOTE_NAME
+#define NOTE_NAME SPRINGNET_NOTE_NAME
+#endif
+#ifndef NOTE_NAME_SIZE
+#define NOTE_NAME_SIZE sizeof NOTE_NAME
+#endif
+#ifndef NOTE_MAJOR
+#define NOTE_MAJOR ABI_MAJOR
+#endif
+#ifndef NOTE_NEEDS
+#define NOTE_NEEDS 0
+#endif
+struct long_note {
+  springnet_note note;
+  uint32_t tail[2];
+};
+static const struct long_note note __attribute__((used, section(".note.springnet"), aligned(4))) = {
+    {NOTE_NAME_SIZE, 24, SPRINGNET_NOTE_TYPE, NOTE_NAME, NOTE_MAJOR, ABI_MINOR, NOTE_NEEDS, 0}, {1, 2}};
+#elif !defined(NO_NOTE)
+SPRINGNET_PLUGIN_NOTE(0);
+#endif
+
+#ifdef CONSTRUCTOR /* leaves a trace of its own if the file is opened */
+__attribute__((constructor)) static void constructed(void) { setenv("SPRINGNET_FIXTURE_CONSTRUCTED", "yes", 1); }
+#endif
+
+static springnet_status evaluate(void* context, const springnet_law_batch* batch) {
+  (void)context;
   for (uint32_t i = 0; i < batch->count; ++i) {
     batch->force[i] = batch->q[i];
 #ifdef CALLS_NOWHERE
@@ -49,8 +84,11 @@ static const springnet_parameter stiffness = {.struct_size = sizeof(springnet_pa
                                               .largest = 1e9,
                                               .scale = 1};
 static const springnet_parameter* const parameters[] = {&stiffness};
-static const springnet_law law = {
-    .struct_size = sizeof(springnet_law), .invariant = SPRINGNET_LENGTH, .evaluate = evaluate};
+static const springnet_law law = {.struct_size = sizeof(springnet_law),
+                                  .invariant = SPRINGNET_LENGTH,
+                                  .update_order = 1,
+                                  .largest_stretch = 1e9,
+                                  .evaluate = evaluate};
 static const springnet_component component = {.struct_size = sizeof(springnet_component),
                                               .kind = SPRINGNET_SPRING_FUNCTION,
                                               .id = COMPONENT_ID,
@@ -81,7 +119,7 @@ const entry springnet_plugin_entry = {.plugin = {.magic = MAGIC,
                                                  .abi_minor = ABI_MINOR,
                                                  .component_count = 1,
                                                  .id = PLUGIN_ID,
-                                                 .version = "1.2.3",
+                                                 .version = VERSION,
                                                  .author = "tests",
                                                  .licence = "MIT",
                                                  .components = components}};

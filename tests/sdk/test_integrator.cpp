@@ -26,6 +26,7 @@ struct FakeHost {
   springnet_network net{};
   springnet_state state{};
   int states = 0;
+  springnet_status update = SPRINGNET_OK;  // of the last node update
   bool out_of_memory = false;
   springnet_host table{};
 
@@ -36,96 +37,145 @@ struct FakeHost {
     std::strcpy(text.text, "said the host");
     table.struct_size = sizeof table;
     table.context = this;
-    table.network = [](void* c) -> const springnet_network* { return &of(c).net; };
-    table.state_create = [](void* c) -> springnet_state* {
-      if (of(c).out_of_memory) return nullptr;
-      ++of(c).states;
-      return new springnet_state{of(c).state};
+    table.message = &text;
+    table.network = [](void* c, springnet_network_query* q) {
+      q->network = &of(c).net;
+      return q->with_neighbours != 0 ? of(c).note("neighbours") : springnet_status{SPRINGNET_OK};
     };
-    table.state_destroy = [](void* c, springnet_state* s) {
+    table.create_state = [](void* c, springnet_state_creation* creation) -> springnet_status {
+      if (of(c).out_of_memory) return SPRINGNET_FAILED;
+      ++of(c).states;
+      creation->state = new springnet_state{of(c).state};
+      return SPRINGNET_OK;
+    };
+    table.destroy_state = [](void* c, springnet_state* s) -> springnet_status {
       --of(c).states;
       delete s;
+      return SPRINGNET_OK;
     };
-    table.committed = [](void* c, double* time) -> const springnet_state* {
-      *time = 1.5;
-      return &of(c).state;
+    table.committed = [](void* c, springnet_committed* r) -> springnet_status {
+      r->time = 1.5;
+      r->state = &of(c).state;
+      return SPRINGNET_OK;
     };
-    table.begin_step = [](void* c, double from, double until) {
-      return of(c).note("begin_step", from == 1.0 && until == 2.0);
+    table.begin = [](void* c, const springnet_interval* r) {
+      return of(c).note(r->own_steps != 0 ? "begin own steps" : "begin", r, r->from == 1.0 && r->until == 2.0);
     };
-    table.begin_interval = [](void* c, double from, double until) {
-      return of(c).note("begin_interval", from == 1.0 && until == 2.0);
-    };
-    table.evaluate = [](void* c, const springnet_evaluation* e) { return of(c).note("evaluate", e->time == 3.0); };
-    table.evaluate_nodes = [](void* c, const springnet_evaluation* e, const std::uint32_t* nodes, std::uint32_t n) {
-      return of(c).note("evaluate_nodes", e->time == 3.0 && n == 2 && nodes[1] == 5);
+    table.evaluate = [](void* c, const springnet_evaluation* e) {
+      if (e->nodes == nullptr) return of(c).note("evaluate", e, e->time == 3.0);
+      return of(c).note("evaluate nodes", e, e->time == 3.0 && (e->node_count == 0 || e->nodes[1] == 5));
     };
     table.sweep = [](void* c, const springnet_sweep* s) {
       auto batch = sized<springnet_node_batch>();
       for (batch.first = 0; batch.first < 4; batch.first += 2) {
         batch.count = 2;
-        s->update(s->user, &batch);
+        of(c).update = s->update(s->user, &batch);
       }
-      return of(c).note("sweep", s->time == 4.0);
+      return of(c).note("sweep", s, s->time == 4.0);
     };
-    table.linearise = [](void* c, const springnet_evaluation* e) { return of(c).note("linearise", e->time == 3.0); };
-    table.jacobian_times = [](void* c, const double* dp, const double* dv, double* out) {
-      *out = *dp - *dv;
-      return of(c).note("jacobian_times");
+    table.linearise = [](void* c, const springnet_linearisation* r) {
+      return of(c).note("linearise", r, r->at->time == 3.0 && (r->elimination == 0.0 || r->elimination == 0.25));
     };
-    table.diagonal_blocks = [](void* c, double v, double p, double* out) {
-      *out = v - p;
-      return of(c).note("diagonal_blocks");
+    table.jacobian_times = [](void* c, const springnet_jacobian_product* r) {
+      *r->out = *r->dp - *r->dv;
+      return of(c).note("jacobian_times", r);
     };
-    table.factorise = [](void* c, double v, double p) { return of(c).note("factorise", v == 0.1 && p == 0.2); };
-    table.solve = [](void* c, std::int32_t transposed, const double* b, double* x) {
-      *x = *b;
-      return of(c).note(transposed != 0 ? "solve transposed" : "solve");
+    table.change_internal = [](void* c, const springnet_internal_change* r) {
+      *r->change = *r->right_side + 2.0 * *r->dp;
+      *r->acceleration = *r->dv;
+      return of(c).note("change_internal", r);
     };
-    table.event_values = [](void* c, const springnet_evaluation*, double* values, std::int32_t* directions) {
-      *values = 0.5;
-      *directions = -1;
-      return of(c).note("event_values");
+    table.diagonal_blocks = [](void* c, const springnet_diagonal_blocks* r) {
+      *r->out = r->velocity_weight - r->position_weight;
+      return of(c).note("diagonal_blocks", r);
     };
-    table.fire_events = [](void* c, double time, springnet_state* s, const std::int32_t* fired) {
-      return of(c).note("fire_events", time == 5.0 && s != nullptr && *fired == 1);
+    table.factorise = [](void* c, const springnet_factorisation* r) {
+      return of(c).note("factorise", r, r->velocity_weight == 0.1 && r->position_weight == 0.2);
     };
-    table.time_of_impact = [](void* c, const springnet_impact_search* search, double* time) {
-      const springnet_status status = search->state_at(search->user, 0.5 * (search->from + search->until), {}, {});
-      *time = search->step_until < 9.0 ? search->until : std::numeric_limits<double>::quiet_NaN();
-      const bool complete = search->struct_size == sizeof *search && search->step_from == 1.0 && search->depth == 0.1;
-      return status != SPRINGNET_OK ? status : of(c).note("time_of_impact", complete);
+    table.solve = [](void* c, const springnet_solve* r) {
+      *r->x = *r->right_side;
+      return of(c).note(r->transposed != 0 ? "solve transposed" : "solve", r);
+    };
+    table.prepare_system = [](void* c, const springnet_linear_system* r) {
+      const bool complete = r->velocity_weight == 0.1 && r->position_weight == 0.2 && r->shift == 0.3;
+      return of(c).note(r->exact != 0 ? "prepare_system exactly" : "prepare_system", r,
+                        complete && (r->exact != 0) == (r->at == nullptr));
+    };
+    table.solve_system = [](void* c, springnet_linear_solve* r) {
+      *r->x = 2.0 * *r->right_side;
+      r->outcome = SPRINGNET_STALLED;
+      r->residual = 0.5 * r->accuracy;
+      r->iterations = 4;
+      return of(c).note("solve_system", r);
+    };
+    table.event_values = [](void* c, const springnet_event_values* r) {
+      *r->values = 0.5;
+      *r->directions = -1;
+      return of(c).note("event_values", r, r->at->time == 3.0);
+    };
+    table.fire_events = [](void* c, const springnet_event_firing* r) {
+      return of(c).note("fire_events", r, r->time == 5.0 && r->state != nullptr && *r->fired == 1);
+    };
+    table.time_of_impact = [](void* c, springnet_impact_search* search) {
+      auto output = sized<springnet_dense_output>();
+      output.time = 0.5 * (search->from + search->until);
+      const springnet_status status = search->state_at(search->user, &output);
+      search->time = search->step_until < 9.0 ? search->until : std::numeric_limits<double>::quiet_NaN();
+      const bool complete = search->step_from == 1.0 && search->depth == 0.1;
+      return status != SPRINGNET_OK ? status : of(c).note("time_of_impact", search, complete);
     };
     table.linear_sweep = [](void* c, const springnet_sweep* s) {
       auto batch = sized<springnet_node_batch>();
       batch.first = 3;
-      s->update(s->user, &batch);
-      return of(c).note("linear_sweep", s->order_count == 1);
+      of(c).update = s->update(s->user, &batch);
+      return of(c).note("linear_sweep", s, s->order_count == 1);
     };
     table.dominant_eigenvalue = [](void* c, springnet_eigenvalue_search* search) {
-      const springnet_status status = search->map(search->user, search->start);
+      auto image = sized<springnet_linear_image>();
+      image.x = search->start;
+      const springnet_status status = search->map(search->user, &image);
       search->real = search->start[0];
       search->imaginary = -1.0;
       search->error = search->tolerance;
       search->applications = 1;
       search->mode_imaginary[1] = 7.0;
-      const bool complete = search->struct_size == sizeof *search && search->size == 2 && search->most_vectors == 40 &&
-                            search->wanted == SPRINGNET_LARGEST_REAL_PART;
-      return status != SPRINGNET_OK ? status : of(c).note("dominant_eigenvalue", complete);
+      const bool complete =
+          search->size == 2 && search->most_vectors == 40 && search->wanted == SPRINGNET_LARGEST_REAL_PART;
+      return status != SPRINGNET_OK ? status : of(c).note("dominant_eigenvalue", search, complete);
     };
-    table.next_discontinuity = [](void*, double time) { return time + 1.0; };
-    table.commit = [](void* c, double time, springnet_state* s) {
-      return of(c).note("commit", time == 6.0 && s != nullptr);
+    table.next_discontinuity = [](void*, springnet_discontinuity* r) -> springnet_status {
+      r->time = r->after + 1.0;
+      return SPRINGNET_OK;
     };
-    table.report = [](void* c, const char* name, double value) {
-      of(c).calls.push_back(std::string(name) + " " + std::to_string(static_cast<int>(value)));
+    table.commit = [](void* c, const springnet_commitment* r) {
+      return of(c).note("commit", r, r->time == 6.0 && r->state != nullptr);
     };
-    table.message = [](void* c) { return &of(c).text; };
+    table.constrain = [](void* c, const springnet_sweep* s) { return of(c).note("constrain", s, s->time == 4.0); };
+    table.project = [](void* c, const springnet_projection* r) {
+      *r->values = *r->mobility;
+      return of(c).note("project", r);
+    };
+    table.project_state = [](void* c, const springnet_state_projection* r) {
+      return of(c).note("project_state", r, r->time == 6.5);
+    };
+    table.report = [](void* c, const springnet_number_report* r) {
+      return of(c).note(std::string(r->name) + " " + std::to_string(static_cast<int>(r->value)), r);
+    };
+    table.note = [](void* c, const springnet_user_note* r) { return of(c).note(r->text, r); };
+    table.deadline = [](void*, springnet_deadline* r) -> springnet_status {
+      r->time_left = 30.0;
+      return SPRINGNET_OK;
+    };
   }
   static FakeHost& of(void* context) { return *static_cast<FakeHost*>(context); }
-  springnet_status note(const char* name, bool as_expected = true) {
-    calls.push_back(as_expected ? name : std::string(name) + " with other arguments");
+  springnet_status note(const std::string& name) {
+    calls.push_back(name);
     return answer;
+  }
+  // A request must say its size.
+  template <class Request>
+  springnet_status note(const std::string& name, const Request* request, bool as_expected = true) {
+    return note(as_expected && request->struct_size == sizeof *request ? name : name + " with other arguments");
   }
 };
 
@@ -169,16 +219,32 @@ constexpr const springnet_component& scripted = ComponentEntry<Scripted>::value;
 const springnet_integrator& functions = *static_cast<const springnet_integrator*>(scripted.implementation);
 constexpr std::array<double, 4> options{1.0, 1e-8, 12.0, 1.0};
 
+// Creates an integrator with the first `count` options.
+springnet_status create(const springnet_integrator& table, FakeHost& host, void*& integrator,
+                        std::uint32_t count = options.size()) {
+  auto creation = sized<springnet_integrator_creation>();
+  creation.host = &host.table;
+  creation.option_count = count;
+  creation.options = options.data();
+  creation.integrator = integrator;
+  const springnet_status status = table.create(table.context, &creation);
+  integrator = creation.integrator;
+  return status;
+}
+
 // One advance() that runs `script`.
 springnet_status run(FakeHost& host, springnet_status (*script)(Host&, springnet_step_report&),
                      springnet_step_report* report = nullptr) {
   void* integrator = nullptr;
-  REQUIRE(functions.create(&host.table, options.data(), &integrator) == SPRINGNET_OK);
+  REQUIRE(create(functions, host, integrator) == SPRINGNET_OK);
   CHECK(Scripted::alive == 1);
   Scripted::script = script;
   auto own = sized<springnet_step_report>();
-  const springnet_status status = functions.advance(integrator, 8.0, report != nullptr ? report : &own);
-  functions.destroy(integrator);
+  auto request = sized<springnet_advance>();
+  request.until = 8.0;
+  request.report = report != nullptr ? report : &own;
+  const springnet_status status = functions.advance(integrator, &request);
+  CHECK(functions.destroy(integrator) == SPRINGNET_OK);
   CHECK(Scripted::alive == 0);
   CHECK(host.states == 0);
   return status;
@@ -190,6 +256,8 @@ TEST_CASE("an integrator reaches every function of the host") {
   FakeHost host;
   const springnet_status status = run(host, [](Host& h, springnet_step_report& report) -> springnet_status {
     CHECK(h.network().node_count == 7);
+    CHECK(h.network_with_neighbours().node_count == 7);
+    CHECK(h.time_left() == 30.0);
     CHECK(h.table().struct_size == sizeof(springnet_host));
     CHECK(h.committed().time == 1.5);
     h.begin_step(1.0, 2.0);
@@ -200,16 +268,22 @@ TEST_CASE("an integrator reaches every function of the host") {
     h.evaluate(at);
     const std::uint32_t nodes[] = {3, 5};
     h.evaluate_nodes(at, nodes);
+    h.evaluate_nodes(at, {});  // of no nodes, not of all
     auto sweep = sized<springnet_sweep>();
     sweep.time = 4.0;
     std::uint32_t updated = 0;
     h.sweep(sweep, [&](const springnet_node_batch& batch) { updated += batch.first + batch.count; });
     CHECK(updated == 6);
     h.linearise(at);
+    h.linearise(at, 0.25);
     const double one = 1.0, two = 2.0;
     double out = 0.0;
     h.jacobian_times(&one, &two, &out);
     CHECK(out == -1.0);
+    double acceleration = 0.0;
+    h.change_internal(&one, &two, &one, &out, &acceleration);
+    CHECK(out == 5.0);
+    CHECK(acceleration == 1.0);
     h.diagonal_blocks(0.5, 0.25, &out);
     CHECK(out == 0.25);
     h.factorise(0.1, 0.2);
@@ -217,6 +291,13 @@ TEST_CASE("an integrator reaches every function of the host") {
     CHECK(out == 2.0);
     h.solve_transposed(&one, &out);
     CHECK(out == 1.0);
+    h.prepare_system({0.1, 0.2, 0.3}, at, false);
+    h.prepare_system({0.1, 0.2, 0.3});
+    const Host::Solved solved = h.solve_system(&two, 0.5, &out);
+    CHECK(out == 4.0);
+    CHECK(solved.outcome == SPRINGNET_STALLED);
+    CHECK(solved.residual == 0.25);
+    CHECK(solved.iterations == 4);
     std::int32_t direction = 0;
     h.event_values(at, &out, &direction);
     CHECK(out == 0.5);
@@ -245,50 +326,48 @@ TEST_CASE("an integrator reaches every function of the host") {
     const auto no_image = [](double*) { throw Failure("no image"); };
     CHECK_THROWS_WITH_AS(static_cast<void>(h.dominant_eigenvalue(start, dominant, no_image)), "no image", Failure);
     CHECK(h.next_discontinuity(7.0) == 8.0);
+    h.constrain(sweep);
+    h.project(&two, &out);
+    CHECK(out == 2.0);
+    h.project_state(6.5, *state);
     h.commit(6.0, *state);
     h.report("sweeps", 9.0);
+    h.note("slowly");
     report.outcome = SPRINGNET_SETTLED;
     return SPRINGNET_OK;
   });
   CHECK(status == SPRINGNET_OK);
-  CHECK(host.calls == std::vector<std::string>{"begin_step", "begin_interval", "evaluate", "evaluate_nodes", "sweep",
-                                               "linearise", "jacobian_times", "diagonal_blocks", "factorise", "solve",
-                                               "solve transposed", "event_values", "fire_events", "time_of_impact",
-                                               "time_of_impact", "linear_sweep", "dominant_eigenvalue", "commit",
-                                               "sweeps 9"});
-}
-
-TEST_CASE("with a host before ABI 1.2, begin_interval falls back to begin_step") {
-  FakeHost host;
-  host.table.struct_size = offsetof(springnet_host, begin_interval);
-  CHECK(run(host, [](Host& h, springnet_step_report&) -> springnet_status {
-          h.begin_interval(1.0, 2.0);
-          return SPRINGNET_OK;
-        }) == SPRINGNET_OK);
-  CHECK(host.calls == std::vector<std::string>{"begin_step"});
-}
-
-TEST_CASE("with a host before ABI 1.3, time_of_impact finds nothing") {
-  FakeHost host;
-  host.table.struct_size = offsetof(springnet_host, time_of_impact);
-  CHECK(run(host, [](Host& h, springnet_step_report&) -> springnet_status {
-          const auto state_at = [](double, const springnet_vectors&, const springnet_vectors&) {};
-          CHECK_FALSE(h.time_of_impact({1.0, 3.0}, {1.0, 3.0}, 0.1, state_at).has_value());
-          return SPRINGNET_OK;
-        }) == SPRINGNET_OK);
-  CHECK(host.calls.empty());
-}
-
-TEST_CASE("with a host before ABI 1.4, an eigenvalue search fails and names the version") {
-  FakeHost host;
-  host.table.struct_size = offsetof(springnet_host, linear_sweep);
-  CHECK(run(host, [](Host& h, springnet_step_report&) -> springnet_status {
-          std::vector<double> start{1.0};
-          static_cast<void>(h.dominant_eigenvalue(start, {}, [](double*) {}));
-          return SPRINGNET_OK;
-        }) == SPRINGNET_FAILED);
-  CHECK(std::string(host.text.text).find("older than ABI 1.4") != std::string::npos);
-  CHECK(host.calls.empty());
+  CHECK(host.calls == std::vector<std::string>{"neighbours",
+                                               "begin",
+                                               "begin own steps",
+                                               "evaluate",
+                                               "evaluate nodes",
+                                               "evaluate nodes",
+                                               "sweep",
+                                               "linearise",
+                                               "linearise",
+                                               "jacobian_times",
+                                               "change_internal",
+                                               "diagonal_blocks",
+                                               "factorise",
+                                               "solve",
+                                               "solve transposed",
+                                               "prepare_system",
+                                               "prepare_system exactly",
+                                               "solve_system",
+                                               "event_values",
+                                               "fire_events",
+                                               "time_of_impact",
+                                               "time_of_impact",
+                                               "linear_sweep",
+                                               "dominant_eigenvalue",
+                                               "constrain",
+                                               "project",
+                                               "project_state",
+                                               "commit",
+                                               "sweeps 9",
+                                               "slowly"});
+  CHECK(host.update == SPRINGNET_OK);
 }
 
 namespace {
@@ -298,6 +377,7 @@ class Limited : public Integrator {
  public:
   static constexpr const char* id = "limited";
   static constexpr const char* summary = "reports limits";
+  static constexpr bool integrates_states = true;
   static inline bool fails = false;
   explicit Limited(Host, Options) {}
   springnet_status advance(double, springnet_step_report&) { return SPRINGNET_OK; }
@@ -319,12 +399,13 @@ TEST_CASE("an integrator class with limits() reports them; one without has no su
   REQUIRE(reports);
   FakeHost host;
   void* integrator = nullptr;
-  REQUIRE(limited.create(&host.table, nullptr, &integrator) == SPRINGNET_OK);
+  REQUIRE(create(limited, host, integrator, 0) == SPRINGNET_OK);
   std::vector<std::string> reported;
-  springnet_limits sink{sizeof sink, 0, &reported, [](void* context, const springnet_limit* limit) {
+  springnet_limits sink{sizeof sink, 0, &reported, [](void* context, const springnet_limit* limit) -> springnet_status {
                           static_cast<std::vector<std::string>*>(context)->push_back(
                               std::string(limit->rule) + " " + std::to_string(limit->kind) + " " +
                               (limit->reason == nullptr ? std::to_string(limit->node) : limit->reason));
+                          return SPRINGNET_OK;
                         }};
   CHECK(limited.limits(integrator, &sink) == SPRINGNET_OK);
   CHECK(reported == std::vector<std::string>{"leap 1 3", " 2 4294967295", "hop 3 it is dark"});
@@ -332,7 +413,7 @@ TEST_CASE("an integrator class with limits() reports them; one without has no su
   CHECK(limited.limits(integrator, &sink) == SPRINGNET_FAILED);
   Limited::fails = false;
   CHECK(std::string(host.text.text) == "no derivatives");
-  limited.destroy(integrator);
+  CHECK(limited.destroy(integrator) == SPRINGNET_OK);
 }
 
 TEST_CASE("a failed host call becomes an exception, and its status that of advance") {
@@ -381,6 +462,7 @@ TEST_CASE("an exception of a node update fails the advance after the sweep has e
           return SPRINGNET_OK;
         }) == SPRINGNET_FAILED);
   CHECK(std::string(host.text.text) == "node 0");          // the first exception
+  CHECK(host.update == SPRINGNET_FAILED);                  // so that the host may end the sweep
   CHECK(host.calls == std::vector<std::string>{"sweep"});  // the sweep was completed
 }
 
@@ -415,23 +497,35 @@ TEST_CASE("an integrator that cannot be constructed leaves nothing behind") {
   FakeHost host;
   void* integrator = &host;
   Scripted::read_undeclared = true;
-  CHECK(functions.create(&host.table, options.data(), &integrator) == SPRINGNET_FAILED);
+  CHECK(create(functions, host, integrator) == SPRINGNET_FAILED);
   Scripted::read_undeclared = false;
   CHECK(integrator == nullptr);
   CHECK(host.states == 0);
   CHECK(std::string(host.text.text) == "the integrator reads an option that it does not declare: colour");
 
   host.out_of_memory = true;
-  CHECK(functions.create(&host.table, options.data(), &integrator) == SPRINGNET_FAILED);
+  CHECK(create(functions, host, integrator) == SPRINGNET_FAILED);
   host.out_of_memory = false;
 
-  host.table.struct_size = 64;
-  CHECK(functions.create(&host.table, options.data(), &integrator) == SPRINGNET_FAILED);
+  CHECK(create(functions, host, integrator, 3) == SPRINGNET_FAILED);
+  CHECK(std::string(host.text.text) == "the host gave another number of options than the integrator declares");
+
+  host.table.struct_size = offsetof(springnet_host, deadline);
+  CHECK(create(functions, host, integrator) == SPRINGNET_FAILED);
+  CHECK(integrator == nullptr);
+  CHECK(std::string(host.text.text).find("smaller than that of ABI 2.0") != std::string::npos);
+  host.table.struct_size = offsetof(springnet_host, message);  // it has no place for a reason
+  CHECK(create(functions, host, integrator) == SPRINGNET_FAILED);
   CHECK(integrator == nullptr);
 }
 
 TEST_CASE("metadata of an integrator come from its class") {
   CHECK(scripted.kind == SPRINGNET_INTEGRATOR);
   CHECK(scripted.parameter_count == 4);
+  CHECK(scripted.capabilities == 0);
+  CHECK(scripted.needs == 0);
+  CHECK(scripted.needs_minor == SPRINGNET_ABI_MINOR);
   CHECK(functions.struct_size == sizeof(springnet_integrator));
+  CHECK((functions.forget == nullptr));
+  CHECK(ComponentEntry<Limited>::value.capabilities == SPRINGNET_INTEGRATES_STATES);
 }

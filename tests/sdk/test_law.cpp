@@ -3,6 +3,8 @@
 
 #include <array>
 #include <cmath>
+#include <cstdint>
+#include <initializer_list>
 #include <stdexcept>
 #include <string>
 #include <vector>
@@ -18,40 +20,46 @@ using namespace springnet::test;
 // Everything at once: two states, two inputs, a table, time, energy, margin, rate.
 //   Q = k (q - l0) (1 + a s0) + c q' + z0 z1 + table[1] t
 struct Everything : SpringFunction {
+  using has = Has<Energy, Margin>;
   static constexpr const char* id = "everything";
   static constexpr const char* summary = "uses all that a law may use";
   static constexpr const char* reference = "none";
   static constexpr bool reads_rate = true;
+  static constexpr bool reads_time = true;
   static constexpr bool acts_in_compression = false;
   static constexpr Parameter parameters[] = {number("stiffness", "N/m", "k"), number("damping", "N s/m", "c")};
-  static constexpr Parameter states[] = {number("damage", "1", "grows").preset(0), number("creep", "m", "").preset(1)};
+  static constexpr Parameter states[] = {number("damage", "1", "grows").preset(0).at_least(0),
+                                         number("creep", "m", "").preset(1).at_least(-1).at_most(9)};
   static constexpr Parameter inputs[] = {number("activation", "1", "of a muscle").preset(0),
                                          number("temperature", "K", "").preset(300)};
-  struct Table {
+  static constexpr Table tables[] = {
+      table("curve", "N/s", "slope over time").at_least_values(2).within(-10, 10).increasing(),
+      table("other", "1", "not read").optional().as_long_as(0)};
+  struct Curve {
     std::vector<double> values;
+    double stiffness;
   };
-  static Table prepare(const TableSource& source) {
-    const auto curve = source.array("curve");
+  static Curve prepare(const TableSource& source) {
+    const auto curve = source[0];
     if (curve.size() != 2) throw std::runtime_error("curve: needs two numbers");
-    return {{curve.begin(), curve.end()}};
+    return {{curve.begin(), curve.end()}, source.parameter(0)};
   }
 
   template <class Real>
-  static Real force(const Element<Real>& e, const Parameters<Real>& p) {
-    const Table& table = e.table;
+  static Real force(const Element<Real, Curve>& e, const Parameters<Real>& p) {
     return p[0] * e.elongation() * (1.0 + e.input(0) * 2.0) + p[1] * e.rate + e.state(0) * e.state(1) +
-           table.values[1] * e.time;
+           e.table.values[1] * e.time;
   }
   template <class Real>
-  static Real energy(const Element<Real>& e, const Parameters<Real>& p) {
+  static Real energy(const Element<Real, Curve>& e, const Parameters<Real>& p) {
     return 0.5 * p[0] * e.elongation() * e.elongation();
   }
   template <class Real>
-  static Real margin(const Element<Real>& e, const Parameters<Real>&) {
+  static Real margin(const Element<Real, Curve>& e, const Parameters<Real>&) {
     return 1.0 - e.state(0);
   }
   template <class Real>
-  static std::array<Real, 2> state_rates(const Element<Real>& e, const Parameters<Real>& p) {
+  static std::array<Real, 2> state_rates(const Element<Real, Curve>& e, const Parameters<Real>& p) {
     return {abs(e.rate) - e.state(0), p[0] * e.input(1) - e.state(1)};
   }
 };
@@ -81,17 +89,31 @@ constexpr const springnet_component& everything = ComponentEntry<Everything>::va
 constexpr const springnet_component& throwing = ComponentEntry<Throwing>::value;
 constexpr const springnet_component& speed = ComponentEntry<Speed>::value;
 
-const double curve[] = {3.0, 7.0};
-const double* find_curve(void*, const char* name, std::uint64_t* count) {
-  if (std::string(name) != "curve") return nullptr;
-  *count = 2;
-  return curve;
-}
-const double* find_nothing(void*, const char*, std::uint64_t*) { return nullptr; }
+constexpr std::array<double, 2> curve{3.0, 7.0}, material{2.0, 0.7};
 
-springnet_table_source source_of(const double* (*array)(void*, const char*, std::uint64_t*)) {
-  return {sizeof(springnet_table_source), 0, nullptr, array};
-}
+// A preparation with the curve, or without; the second table is not given.
+struct Preparation {
+  std::array<const double*, 2> tables{};
+  std::array<std::uint64_t, 2> lengths{};
+  springnet_message message{};
+  springnet_preparation request{};
+  explicit Preparation(bool with_curve) {
+    if (with_curve) {
+      tables[0] = curve.data();
+      lengths[0] = curve.size();
+    }
+    request.struct_size = sizeof request;
+    request.table_count = 2;
+    request.tables = tables.data();
+    request.lengths = lengths.data();
+    request.parameters = material.data();
+    request.message = &message;
+  }
+  Preparation(const Preparation&) = delete;
+  Preparation& operator=(const Preparation&) = delete;
+  springnet_status prepare(const springnet_law& law) { return law.prepare(law.context, &request); }
+  springnet_status release(const springnet_law& law) { return law.release(law.context, &request); }
+};
 
 Array ramp(std::uint32_t count, double from, double step) {
   Array result(count);
@@ -122,7 +144,9 @@ TEST_CASE("metadata of a law come from its class") {
   CHECK(everything.parameter_count == 2);
   CHECK(everything.capabilities ==
         (SPRINGNET_HAS_ENERGY | SPRINGNET_HAS_DERIVATIVES | SPRINGNET_HAS_PARAMETER_DERIVATIVES |
-         SPRINGNET_HAS_RUPTURE | SPRINGNET_READS_RATE | SPRINGNET_HAS_STATE_DERIVATIVES));
+         SPRINGNET_HAS_RUPTURE | SPRINGNET_READS_RATE | SPRINGNET_READS_TIME));
+  CHECK(everything.needs == (SPRINGNET_NEEDS_STATES | SPRINGNET_NEEDS_INPUTS | SPRINGNET_NEEDS_TABLES));
+  CHECK(everything.needs_minor == 0);
   const springnet_law& law = law_of(everything);
   CHECK(law.struct_size == sizeof(springnet_law));
   CHECK(law.invariant == SPRINGNET_LENGTH);
@@ -130,7 +154,23 @@ TEST_CASE("metadata of a law come from its class") {
   CHECK(law.input_count == 2);
   CHECK(std::string(law.states[1]->name) == "creep");
   CHECK(law.states[1]->default_value == 1.0);
+  CHECK(law.states[1]->smallest == -1.0);
+  CHECK(law.states[1]->largest == 9.0);
   CHECK(std::string(law.inputs[1]->unit) == "K");
+  REQUIRE(law.table_count == 2);
+  CHECK(std::string(law.tables[0]->name) == "curve");
+  CHECK(std::string(law.tables[0]->unit) == "N/s");
+  CHECK(law.tables[0]->flags == SPRINGNET_INCREASING);
+  CHECK(law.tables[0]->least == 2);
+  CHECK(law.tables[0]->as_long_as == 0);
+  CHECK(law.tables[0]->smallest == -10.0);
+  CHECK(law.tables[0]->largest == 10.0);
+  CHECK(law.tables[1]->flags == SPRINGNET_OPTIONAL);
+  CHECK(law.tables[1]->as_long_as == 0);
+  CHECK((law.update != nullptr));
+  CHECK(law.update_order == 2);
+  CHECK(law.reads_start == 0);
+  CHECK((law.start == nullptr));
 
   CHECK(speed.kind == SPRINGNET_VISCOSITY_FUNCTION);
   CHECK(std::string(speed.reference).empty());
@@ -138,24 +178,26 @@ TEST_CASE("metadata of a law come from its class") {
   // A relative speed has no rate.
   CHECK(speed.capabilities == (SPRINGNET_HAS_DERIVATIVES | SPRINGNET_ACTS_IN_COMPRESSION));
   CHECK(law_of(speed).invariant == SPRINGNET_RELATIVE_SPEED);
+  CHECK(speed.needs == 0);
+  CHECK((law_of(speed).update == nullptr));
   CHECK((law_of(speed).prepare == nullptr));
   CHECK((law_of(speed).release == nullptr));
 }
 
 TEST_CASE("state, inputs, time and table reach the formula, and every output comes back") {
   const springnet_law& law = law_of(everything);
-  void* table = nullptr;
-  springnet_message message{};
-  const auto source = source_of(&find_curve);
-  REQUIRE(law.prepare(&source, &table, &message) == SPRINGNET_OK);
+  Preparation preparation(true);
+  REQUIRE(preparation.prepare(law) == SPRINGNET_OK);
+  const void* const table = preparation.request.prepared;
   REQUIRE(table != nullptr);
+  CHECK(static_cast<const Everything::Curve*>(table)->stiffness == 2.0);
 
   for (const std::uint32_t count : {1u, 2u, 255u, 256u, 257u, 1000u}) {
     CAPTURE(count);
     const LawInput in = input_of(count, table);
     const LawAnswer out = evaluate(everything, in);
     REQUIRE(out.status == SPRINGNET_OK);
-    bool force = true, energy = true, margin = true, rates = true, by = true;
+    bool force = true, energy = true, margin = true, rates = true, by = true, energy_by = true, rates_by = true;
     for (std::uint32_t i = 0; i < count; ++i) {
       const double k = in.parameters[0][i], c = in.parameters[1][0];
       const double x = in.q[i] - in.reference[i], u = in.rate[i];
@@ -169,14 +211,27 @@ TEST_CASE("state, inputs, time and table reach the formula, and every output com
       by = by && out.by_q[i] == k * (1.0 + s0 * 2.0) && out.by_rate[i] == c &&
            out.by_parameters[0][i] == x * (1.0 + s0 * 2.0) && out.by_parameters[1][i] == u &&
            out.by_states[0][i] == z1 && out.by_states[1][i] == z0;
+      energy_by = energy_by && std::abs(out.energy_by_q[i] - k * x) <= 1e-15 * k && out.energy_by_states[0][i] == 0.0 &&
+                  out.energy_by_states[1][i] == 0.0;
+      const double sign = u < 0.0 ? -1.0 : 1.0;
+      const auto is = [i](const std::vector<Array>& lists, std::initializer_list<double> values) {
+        bool same = lists.size() == values.size();
+        for (std::size_t j = 0; same && j < lists.size(); ++j) same = lists[j][i] == values.begin()[j];
+        return same;
+      };
+      rates_by = rates_by && is(out.rates_by_q, {0.0, 0.0}) && (u == 0.0 || is(out.rates_by_rate, {sign, 0.0})) &&
+                 is(out.rates_by_states, {-1.0, 0.0, 0.0, -1.0}) && is(out.rates_by_parameters, {0.0, 0.0, s1, 0.0});
     }
     CHECK(force);
     CHECK(energy);
     CHECK(margin);
     CHECK(rates);
     CHECK(by);
+    CHECK(energy_by);
+    CHECK(rates_by);
   }
-  law.release(table);
+  CHECK(preparation.release(law) == SPRINGNET_OK);
+  CHECK(preparation.request.prepared == nullptr);
 }
 
 TEST_CASE("outputs that are not wanted may be null") {
@@ -186,18 +241,17 @@ TEST_CASE("outputs that are not wanted may be null") {
   batch.count = 2;
   batch.q = q;
   batch.force_by_q = by_q;
-  REQUIRE(law_of(speed).evaluate(&batch) == SPRINGNET_OK);
+  REQUIRE(law_of(speed).evaluate(nullptr, &batch) == SPRINGNET_OK);
   CHECK(by_q[0] == 2.0);
   CHECK(by_q[1] == 6.0);
 }
 
 TEST_CASE("a failed prepare() gives its message") {
-  void* table = &table;
-  springnet_message message{};
-  const auto source = source_of(&find_nothing);
-  CHECK(law_of(everything).prepare(&source, &table, &message) == SPRINGNET_FAILED);
-  CHECK(std::string(message.text) == "curve: needs two numbers");
-  CHECK(table == nullptr);
+  Preparation preparation(false);
+  preparation.request.prepared = &preparation;
+  CHECK(preparation.prepare(law_of(everything)) == SPRINGNET_FAILED);
+  CHECK(std::string(preparation.message.text) == "curve: needs two numbers");
+  CHECK(preparation.request.prepared == nullptr);
 }
 
 TEST_CASE("no exception leaves a law") {
@@ -223,7 +277,7 @@ TEST_CASE("violations of the contract by the host are reported") {
   batch.message = &message;
   const auto refusal = [&](const springnet_component& component) {
     message.text[0] = '\0';
-    CHECK(law_of(component).evaluate(&batch) == SPRINGNET_FAILED);
+    CHECK(law_of(component).evaluate(nullptr, &batch) == SPRINGNET_FAILED);
     return std::string(message.text);
   };
   CHECK(refusal(speed) == "the host gave no invariant");
@@ -231,6 +285,8 @@ TEST_CASE("violations of the contract by the host are reported") {
   CHECK(refusal(everything) == "the law reads the rate, which the host did not give");
   batch.rate = &one;
   CHECK(refusal(everything) == "the host did not prepare the table of the law");
+  batch.table = &one;  // not read: the batch is refused
+  CHECK(refusal(everything) == "the host gave no internal state");
   batch.energy = &one;
   CHECK(refusal(speed) == "the host asked for an energy, which the law does not have");
   batch.energy = nullptr;
@@ -249,10 +305,9 @@ TEST_CASE("an unknown instruction set gives the generic result") {
 }
 
 TEST_CASE("the glue gives the same bits for every instruction set, tile and stride") {
-  void* table = nullptr;
-  const auto source = source_of(&find_curve);
-  REQUIRE(law_of(everything).prepare(&source, &table, nullptr) == SPRINGNET_OK);
-  const LawInput in = input_of(1000, table);
+  Preparation preparation(true);
+  REQUIRE(preparation.prepare(law_of(everything)) == SPRINGNET_OK);
+  const LawInput in = input_of(1000, preparation.request.prepared);
   const LawAnswer whole = evaluate(everything, in);
   for (const std::uint32_t set : instruction_sets()) {
     for (const std::uint32_t tile : {1u, 3u, 17u, 255u, 256u, 300u, 1000u}) {
@@ -266,7 +321,7 @@ TEST_CASE("the glue gives the same bits for every instruction set, tile and stri
   spread.parameters[1].assign(1000, in.parameters[1][0]);
   spread.inputs[0].assign(1000, in.inputs[0][0]);
   CHECK(same_bits(evaluate(everything, spread), whole));
-  law_of(everything).release(table);
+  CHECK(preparation.release(law_of(everything)) == SPRINGNET_OK);
 }
 
 TEST_CASE("messages are cut at whole characters") {

@@ -74,7 +74,7 @@ struct Nodes {
       batch.acceleration_by_velocity = by_velocity.data() + 9 * std::size_t{first};
       batch.message = message;
       const auto& model = *static_cast<const springnet_neuron_model*>(odd.implementation);
-      const springnet_status status = model.evaluate(&batch);
+      const springnet_status status = model.evaluate(model.context, &batch);
       if (status != SPRINGNET_OK) return status;
     }
     return SPRINGNET_OK;
@@ -87,6 +87,7 @@ TEST_CASE("metadata of a neuron come from its class") {
   CHECK(odd.kind == SPRINGNET_NEURON);
   CHECK(odd.parameter_count == 2);
   CHECK(odd.capabilities == SPRINGNET_HAS_DERIVATIVES);
+  CHECK(odd.needs == 0);
 }
 
 TEST_CASE("acceleration of a neuron against the formula in plain numbers") {

@@ -28,7 +28,9 @@ struct LawAnswer {
   springnet_status status = SPRINGNET_OK;
   std::string message;
   Array force, energy, by_q, by_rate, margin;
-  std::vector<Array> by_parameters, by_states, state_rates;
+  Array energy_by_q;
+  std::vector<Array> by_parameters, by_states, state_rates, energy_by_states;
+  std::vector<Array> rates_by_q, rates_by_rate, rates_by_states, rates_by_parameters;
 };
 
 inline const springnet_law& law_of(const springnet_component& component) {
@@ -60,17 +62,22 @@ inline LawAnswer evaluate(const springnet_component& component, const LawInput& 
   answer.by_q.resize(input.count);
   answer.by_rate.resize(input.count);
   if (has_energy) answer.energy.resize(input.count);
+  if (has_energy) answer.energy_by_q.resize(input.count);
   if (has_margin) answer.margin.resize(input.count);
   answer.by_parameters.assign(component.parameter_count, Array(input.count));
   answer.by_states.assign(law.state_count, Array(input.count));
   answer.state_rates.assign(law.state_count, Array(input.count));
+  if (has_energy) answer.energy_by_states.assign(law.state_count, Array(input.count));
+  answer.rates_by_q.assign(law.state_count, Array(input.count));
+  answer.rates_by_rate.assign(law.state_count, Array(input.count));
+  answer.rates_by_states.assign(std::size_t{law.state_count} * law.state_count, Array(input.count));
+  answer.rates_by_parameters.assign(std::size_t{law.state_count} * component.parameter_count, Array(input.count));
 
   if (tile == 0) tile = input.count;
   for (std::uint32_t first = 0; first < input.count; first += tile) {
     const auto at = [first](const Array& array) { return array.data() + (array.size() == 1 ? 0 : first); };
     const auto stride = [&input](const Array& array) { return array.size() == 1 && input.count != 1 ? 0u : 1u; };
     std::vector<const double*> parameters, inputs, states;
-    std::vector<double*> by_parameters, by_states, state_rates;
     std::vector<std::uint32_t> parameter_strides, input_strides;
     for (const Array& each : input.parameters) {
       parameters.push_back(at(each));
@@ -81,9 +88,16 @@ inline LawAnswer evaluate(const springnet_component& component, const LawInput& 
       input_strides.push_back(stride(each));
     }
     for (const Array& each : input.states) states.push_back(each.data() + first);
-    for (Array& each : answer.by_parameters) by_parameters.push_back(each.data() + first);
-    for (Array& each : answer.by_states) by_states.push_back(each.data() + first);
-    for (Array& each : answer.state_rates) state_rates.push_back(each.data() + first);
+    const auto list = [first](std::vector<Array>& arrays) {
+      std::vector<double*> result;
+      for (Array& each : arrays) result.push_back(each.data() + first);
+      return result;
+    };
+    const auto by_parameters = list(answer.by_parameters), by_states = list(answer.by_states);
+    const auto state_rates = list(answer.state_rates), energy_by_states = list(answer.energy_by_states);
+    const auto rates_by_q = list(answer.rates_by_q), rates_by_rate = list(answer.rates_by_rate);
+    const auto rates_by_states = list(answer.rates_by_states);
+    const auto rates_by_parameters = list(answer.rates_by_parameters);
 
     springnet_message message{};
     springnet_law_batch batch{};
@@ -109,8 +123,14 @@ inline LawAnswer evaluate(const springnet_component& component, const LawInput& 
     batch.margin = has_margin ? answer.margin.data() + first : nullptr;
     batch.state_rates = state_rates.data();
     batch.force_by_states = by_states.data();
+    batch.energy_by_q = has_energy ? answer.energy_by_q.data() + first : nullptr;
+    batch.energy_by_states = energy_by_states.data();
+    batch.rates_by_q = rates_by_q.data();
+    batch.rates_by_rate = rates_by_rate.data();
+    batch.rates_by_states = rates_by_states.data();
+    batch.rates_by_parameters = rates_by_parameters.data();
     batch.message = &message;
-    answer.status = law.evaluate(&batch);
+    answer.status = law.evaluate(law.context, &batch);
     answer.message = message.text;
     if (answer.status != SPRINGNET_OK) break;
   }
@@ -129,7 +149,10 @@ inline bool same_bits(const LawAnswer& a, const LawAnswer& b) {
   };
   return same_bits(a.force, b.force) && same_bits(a.energy, b.energy) && same_bits(a.by_q, b.by_q) &&
          same_bits(a.by_rate, b.by_rate) && same_bits(a.margin, b.margin) && same(a.by_parameters, b.by_parameters) &&
-         same(a.by_states, b.by_states) && same(a.state_rates, b.state_rates);
+         same(a.by_states, b.by_states) && same(a.state_rates, b.state_rates) &&
+         same_bits(a.energy_by_q, b.energy_by_q) && same(a.energy_by_states, b.energy_by_states) &&
+         same(a.rates_by_q, b.rates_by_q) && same(a.rates_by_rate, b.rates_by_rate) &&
+         same(a.rates_by_states, b.rates_by_states) && same(a.rates_by_parameters, b.rates_by_parameters);
 }
 
 // f'(x) by the central difference of eighth order: truncation error h^8 f^(9) / 630, rounding error about

@@ -119,10 +119,11 @@ TEST_CASE("a refused plugin that would provide a law of the scene is noted with 
   const auto shown = testing::springnet(folder, "plugin show linear --kind spring --json").json();
   const std::string own = shown[0]["file"].get<std::string>();
   const std::string arguments = "run pair.toml --set 'body.0.spring={type=\"linear\"}' --plugins " +
-                                (std::filesystem::path(SPRINGNET_FIXTURES) / "rival").string();
+                                (std::filesystem::path(SPRINGNET_FIXTURES) / "double").string();
   const auto notes = testing::springnet(folder, arguments + " --json").json()["notes"];
   CAPTURE(notes);
-  CHECK(has(notes, own + ": spring function 'linear' is already provided by org.example.rival 1.2.3"));
+  CHECK(has(notes, own + ": spring function 'linear' is already provided by a plugin of the same id, "
+                         "springnet.spring.linear 1.2.3"));
   CHECK(testing::springnet(folder, arguments).out.find("note: Plugin refused: " + own) != std::string::npos);
 }
 

@@ -13,7 +13,6 @@ struct Linear : SpringFunction {
       number("stiffness", "N/m", "tension per elongation").at_least(0).learnable()};
 
   static auto force(const auto& e, const auto& p) { return p[0] * e.elongation(); }
-
   static auto energy(const auto& e, const auto& p) { return 0.5 * p[0] * e.elongation() * e.elongation(); }
 };
 }  // namespace
