@@ -56,7 +56,7 @@ const springnet_plugin& plain_plugin() {
   static const springnet_component component = [] {
     springnet_component linear = *plugins()->require(ComponentKind::spring_function, "linear")->description;
     linear.id = "plain";
-    linear.capabilities &= ~std::uint32_t{SPRINGNET_HAS_DERIVATIVES | SPRINGNET_HAS_PARAMETER_DERIVATIVES};
+    linear.capabilities &= ~(SPRINGNET_HAS_DERIVATIVES | SPRINGNET_HAS_PARAMETER_DERIVATIVES);
     return linear;
   }();
   static const springnet_component* const components[] = {&component};

@@ -29,12 +29,12 @@ struct Instance {
 };
 
 springnet_status step(const springnet_host* host, double until, springnet_step_report* report, bool misbehave) {
-  double from = 0.0;
-  const springnet_state* now = host->committed(host->context, &from);
-  if (const springnet_status begun = host->begin_step(host->context, from, until); begun != SPRINGNET_OK) return begun;
-  springnet_state* next = host->state_create(host->context);
-  const std::uint32_t nodes = host->network(host->context)->node_count;
-  for (std::uint32_t k = 0; k < nodes; ++k) {
+  StepContext h{host, host->context, 0.0, until, nullptr, report};
+  const springnet_state* now = h.committed(&h.from);
+  const double from = h.from;
+  if (const springnet_status begun = h.begin(from, until); begun != SPRINGNET_OK) return begun;
+  springnet_state* next = h.state = h.create_state();
+  for (std::uint32_t k = 0; k < h.nodes(); ++k) {
     const auto move = [&](const double* p, const double* v, double* to_p, double* to_v) {
       to_p[k] = p[k] + 1e-3 * (until - from) * v[k];
       to_v[k] = v[k];
@@ -45,43 +45,48 @@ springnet_status step(const springnet_host* host, double until, springnet_step_r
   }
   springnet_status status = SPRINGNET_OK;
   if (misbehave) {
-    status = (*misdeed)({host, host->context, from, until, next, report});
+    status = (*misdeed)(h);
     // Where the host let it through, a step without fault follows: the case has to be refused for itself.
     if (when != When::and_then_commits && (status != SPRINGNET_OK || !step_follows)) return status;
     double committed = 0.0;
-    host->committed(host->context, &committed);
+    h.committed(&committed);
     if (committed >= until) return SPRINGNET_OK;  // the host took a time that it must not take
     return step(host, until, report, false);
   }
-  status = host->commit(host->context, until, next);
-  host->state_destroy(host->context, next);
+  status = h.commit(until, next);
+  h.destroy_state(next);
   report->outcome = SPRINGNET_SETTLED;
   report->steps = report->sweeps = 1;
   return status;
 }
 
-springnet_status create(const springnet_host* host, const double*, void** integrator) {
-  *integrator = new Instance{host};
+springnet_status create(void*, springnet_integrator_creation* creation) {
+  creation->integrator = new Instance{creation->host};
   if (when != When::on_creation) return SPRINGNET_OK;
   auto report = sdk::sized<springnet_step_report>();
-  return step(host, 0.05, &report, true);
+  return step(creation->host, 0.05, &report, true);
 }
-void destroy(void* integrator) { delete static_cast<Instance*>(integrator); }
-springnet_status advance(void* integrator, double until, springnet_step_report* report) {
+springnet_status destroy(void* integrator) {
+  delete static_cast<Instance*>(integrator);
+  return SPRINGNET_OK;
+}
+springnet_status advance(void* integrator, const springnet_advance* request) {
   const bool misbehave = when == When::in_the_second_step ? ++advances == 2 : true;
-  return step(static_cast<Instance*>(integrator)->host, until, report, misbehave);
+  return step(static_cast<Instance*>(integrator)->host, request->until, request->report, misbehave);
 }
 
 constexpr springnet_integrator implementation{
-    sizeof(springnet_integrator), 0, create, destroy, advance, nullptr, nullptr};
+    sizeof(springnet_integrator), 0, nullptr, create, destroy, advance, nullptr, nullptr};
 constexpr springnet_component component{
-    sizeof(springnet_component), SPRINGNET_INTEGRATOR, "hostile", "", "", 0, 0, nullptr, &implementation};
+    sizeof(springnet_component), SPRINGNET_INTEGRATOR, "hostile", "", "", 0, 0, 0, 0, nullptr, &implementation};
 constexpr const springnet_component* components[] = {&component};
 constexpr springnet_plugin plugin{SPRINGNET_MAGIC,
                                   sizeof(springnet_plugin),
                                   SPRINGNET_ABI_MAJOR,
                                   SPRINGNET_ABI_MINOR,
+                                  0,
                                   1,
+                                  0,
                                   "test.hostile",
                                   "1",
                                   "tests",

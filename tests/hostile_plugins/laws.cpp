@@ -91,7 +91,7 @@ double nonsense() {
                                     : std::numeric_limits<double>::infinity();
 }
 
-springnet_status evaluate_law(const springnet_law_batch* batch) {
+springnet_status evaluate_law(void*, const springnet_law_batch* batch) {
   springnet_status status;
   const bool bad = misbehaves(batch->message, status);
   for (std::uint32_t i = 0; i < batch->count; ++i) {
@@ -107,7 +107,7 @@ springnet_status evaluate_law(const springnet_law_batch* batch) {
   return status;
 }
 
-springnet_status evaluate_neuron(const springnet_neuron_batch* batch) {
+springnet_status evaluate_neuron(void*, const springnet_neuron_batch* batch) {
   springnet_status status;
   const bool bad = misbehaves(batch->message, status);
   for (std::uint32_t i = 0; i < batch->count; ++i) {
@@ -128,23 +128,41 @@ springnet_status evaluate_neuron(const springnet_neuron_batch* batch) {
   return status;
 }
 
-constexpr std::uint32_t can =
+constexpr std::uint64_t can =
     SPRINGNET_HAS_ENERGY | SPRINGNET_HAS_DERIVATIVES | SPRINGNET_HAS_RUPTURE | SPRINGNET_ACTS_IN_COMPRESSION;
-constexpr springnet_law law{sizeof(springnet_law), SPRINGNET_LENGTH, 0,      0, nullptr, nullptr,
-                            evaluate_law,          nullptr,          nullptr};
-constexpr springnet_neuron_model neuron{sizeof(springnet_neuron_model), 0, evaluate_neuron};
+constexpr springnet_law law = [] {
+  springnet_law result{};
+  result.struct_size = sizeof result;
+  result.invariant = SPRINGNET_LENGTH;
+  result.update_order = 1;
+  result.largest_stretch = std::numeric_limits<double>::infinity();
+  result.evaluate = evaluate_law;
+  return result;
+}();
+constexpr springnet_neuron_model neuron{sizeof(springnet_neuron_model), 0, nullptr, evaluate_neuron};
 constexpr springnet_component spring_function{
-    sizeof(springnet_component), SPRINGNET_SPRING_FUNCTION, "hostile", "", "", can, 0, nullptr, &law};
+    sizeof(springnet_component), SPRINGNET_SPRING_FUNCTION, "hostile", "", "", can, 0, 0, 0, nullptr, &law};
 constexpr springnet_component viscosity_function{
-    sizeof(springnet_component), SPRINGNET_VISCOSITY_FUNCTION, "hostile", "", "", can, 0, nullptr, &law};
-constexpr springnet_component neuron_component{
-    sizeof(springnet_component), SPRINGNET_NEURON, "hostile", "", "", SPRINGNET_HAS_DERIVATIVES, 0, nullptr, &neuron};
+    sizeof(springnet_component), SPRINGNET_VISCOSITY_FUNCTION, "hostile", "", "", can, 0, 0, 0, nullptr, &law};
+constexpr springnet_component neuron_component{sizeof(springnet_component),
+                                               SPRINGNET_NEURON,
+                                               "hostile",
+                                               "",
+                                               "",
+                                               SPRINGNET_HAS_DERIVATIVES,
+                                               0,
+                                               0,
+                                               0,
+                                               nullptr,
+                                               &neuron};
 constexpr const springnet_component* components[] = {&spring_function, &viscosity_function, &neuron_component};
 constexpr springnet_plugin plugin{SPRINGNET_MAGIC,
                                   sizeof(springnet_plugin),
                                   SPRINGNET_ABI_MAJOR,
                                   SPRINGNET_ABI_MINOR,
+                                  0,
                                   3,
+                                  0,
                                   "test.hostile",
                                   "1",
                                   "tests",

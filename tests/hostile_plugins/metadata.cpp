@@ -18,7 +18,7 @@ using namespace springnet::testing;
 
 namespace {
 
-springnet_status evaluate(const springnet_law_batch* batch) {
+springnet_status evaluate(void*, const springnet_law_batch* batch) {
   for (std::uint32_t i = 0; i < batch->count; ++i) {
     if (batch->force != nullptr) batch->force[i] = batch->q[i] - 1.0;
     for (double* values : {batch->energy, batch->force_by_q, batch->force_by_rate, batch->margin})
@@ -36,15 +36,25 @@ struct Description {
   springnet_parameter kind{
       sizeof(springnet_parameter), SPRINGNET_CHOICE, "kind", "1", "of it", 0.0, 0.0, 1.0, 1.0, 0, 2, choices.data()};
   std::array<const springnet_parameter*, 2> parameters{&stiffness, &kind};
-  springnet_law law{sizeof(springnet_law), SPRINGNET_LENGTH, 0, 0, nullptr, nullptr, evaluate, nullptr, nullptr};
+  springnet_law law = [] {
+    springnet_law result{};
+    result.struct_size = sizeof result;
+    result.invariant = SPRINGNET_LENGTH;
+    result.update_order = 1;
+    result.largest_stretch = std::numeric_limits<double>::infinity();
+    result.evaluate = evaluate;
+    return result;
+  }();
   springnet_component component{
-      sizeof(springnet_component), SPRINGNET_SPRING_FUNCTION, "hostile", "", "", 0, 2, parameters.data(), &law};
+      sizeof(springnet_component), SPRINGNET_SPRING_FUNCTION, "hostile", "", "", 0, 0, 0, 2, parameters.data(), &law};
   std::array<const springnet_component*, 1> components{&component};
   springnet_plugin plugin{SPRINGNET_MAGIC,
                           sizeof(springnet_plugin),
                           SPRINGNET_ABI_MAJOR,
                           SPRINGNET_ABI_MINOR,
+                          0,
                           1,
+                          0,
                           "test.hostile",
                           "1",
                           "tests",
@@ -58,7 +68,7 @@ class Mutation {
   Mutation(std::uint64_t seed, Description& d) : random_(seed), long_text_(1'000'000, 'x'), d_(d) {}
 
   void once() {
-    switch (pick(22)) {
+    switch (pick(29)) {
       case 0:
         return set(d_.plugin.magic, {0, 1, ~std::uint64_t{0}});
       case 1:
@@ -86,7 +96,7 @@ class Mutation {
       case 12:
         return set(d_.component.summary, texts());
       case 13:
-        return set(d_.component.capabilities, {0, 1, 8, 0xffffffffu});
+        return set(d_.component.capabilities, {0, 1, 8, 0xffffffffu, ~std::uint64_t{0}});
       case 14:
         return set(d_.component.parameter_count, {0, 1, 2, 4097, 0xffffffffu});
       case 15:
@@ -101,6 +111,20 @@ class Mutation {
         return set(d_.law.evaluate, {nullptr, evaluate});
       case 20:
         return set(d_.parameters[pick(2)], {nullptr, &d_.stiffness, &d_.kind});
+      case 21:
+        return set(d_.plugin.needs_minor, {0, 1, 0xffffffffu});
+      case 22:
+        return set(d_.component.needs, {0, 1, 7, 8, ~std::uint64_t{0}});
+      case 23:
+        return set(d_.component.needs_minor, {0, 1, 0xffffffffu});
+      case 24:
+        return set(d_.law.input_count, {0, 1, 4097, 0xffffffffu});
+      case 25:
+        return set(d_.law.table_count, {0, 1, 4097, 0xffffffffu});
+      case 26:
+        return set(d_.law.update_order, {0, 1, 2, 3, 0xffffffffu});
+      case 27:
+        return set(pick(2) == 0 ? d_.law.smallest_stretch : d_.law.largest_stretch, numbers());
       default:
         return change(pick(2) == 0 ? d_.stiffness : d_.kind);
     }

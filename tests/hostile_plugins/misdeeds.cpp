@@ -2,8 +2,10 @@
 
 #include <algorithm>
 #include <cmath>
+#include <iterator>
 #include <limits>
 #include <stdexcept>
+#include <type_traits>
 #include <utility>
 
 namespace springnet::testing {
@@ -13,7 +15,7 @@ constexpr double nan_value = std::numeric_limits<double>::quiet_NaN();
 constexpr double infinite = std::numeric_limits<double>::infinity();
 
 springnet_state* another(const StepContext& h) {
-  springnet_state* state = h.host->state_create(h.context);
+  springnet_state* state = h.create_state();
   for (std::uint32_t k = 0; k < h.nodes(); ++k) {
     for (auto [to, from] :
          {std::pair{state->position, h.state->position}, std::pair{state->velocity, h.state->velocity}}) {
@@ -25,7 +27,17 @@ springnet_state* another(const StepContext& h) {
   return state;
 }
 
-springnet_status commit(const StepContext& h, double time) { return h.host->commit(h.context, time, h.state); }
+springnet_status commit(const StepContext& h, double time) { return h.commit(time, h.state); }
+
+springnet_status solves_for_nothing(const StepContext& h) {
+  const auto system = sdk::sized<springnet_solve>();
+  return h.host->solve(h.context, &system);
+}
+springnet_status wants_blocks_nowhere(const StepContext& h) {
+  auto blocks = sdk::sized<springnet_diagonal_blocks>();
+  blocks.velocity_weight = blocks.position_weight = 1.0;
+  return h.host->diagonal_blocks(h.context, &blocks);
+}
 
 // Commits a state that a change has spoilt.
 Misdeed commits(std::function<void(springnet_state&)> change) {
@@ -46,14 +58,14 @@ std::vector<Case> requests(const char* name, std::function<void(springnet_evalua
                      }});
   };
   add([](const StepContext& h, const springnet_evaluation& at) { return h.host->evaluate(h.context, &at); });
-  add([](const StepContext& h, const springnet_evaluation& at) { return h.host->linearise(h.context, &at); });
+  add([](const StepContext& h, const springnet_evaluation& at) { return h.linearise(&at); });
   add([](const StepContext& h, const springnet_evaluation& at) {
     const std::uint32_t node = 0;
-    return h.host->evaluate_nodes(h.context, &at, &node, 1);
+    return h.evaluate_nodes(at, &node, 1);
   });
   add([](const StepContext& h, const springnet_evaluation& at) {
-    std::vector<double> values(h.host->network(h.context)->event_count + 1);
-    return h.host->event_values(h.context, &at, values.data(), nullptr);
+    std::vector<double> values(h.network().event_count + 1);
+    return h.event_values(&at, values.data());
   });
   return cases;
 }
@@ -83,7 +95,7 @@ Misdeed sweeps_in_sets(std::vector<std::uint32_t> order, std::vector<std::uint32
 Misdeed sweeps_linearly(std::function<void(springnet_sweep&)> change) {
   return [change = std::move(change)](const StepContext& h) {
     const springnet_evaluation at = h.at();
-    if (const springnet_status status = h.host->linearise(h.context, &at); status != SPRINGNET_OK) return status;
+    if (const springnet_status status = h.linearise(&at); status != SPRINGNET_OK) return status;
     std::vector<std::uint32_t> order(h.nodes());
     for (std::uint32_t k = 0; k < order.size(); ++k) order[k] = k;
     springnet_sweep sweep = h.sweep_in(order);
@@ -97,7 +109,7 @@ Misdeed seeks_eigenvalue(std::function<void(springnet_eigenvalue_search&)> chang
     double start[3] = {1.0, 2.0, 3.0};
     auto search = sdk::sized<springnet_eigenvalue_search>();
     search.size = 3;
-    search.map = [](void*, double*) -> springnet_status { return SPRINGNET_OK; };
+    search.map = [](void*, const springnet_linear_image*) -> springnet_status { return SPRINGNET_OK; };
     search.start = start;
     search.tolerance = 1e-3;
     search.most_applications = 10;
@@ -106,6 +118,53 @@ Misdeed seeks_eigenvalue(std::function<void(springnet_eigenvalue_search&)> chang
     return h.host->dominant_eigenvalue(h.context, &search);
   };
 }
+// Every function with a request that is null or ends before its last field.
+template <class Request>
+void add_short(std::vector<Case>& cases, const char* name,
+               springnet_status (*springnet_host::*function)(void*, Request*)) {
+  using Value = std::remove_const_t<Request>;
+  for (const std::uint32_t size : {0u, 4u, 8u, static_cast<std::uint32_t>(sizeof(Value)) - 8u})
+    cases.push_back({name, [=](const StepContext& h) {
+                       const springnet_evaluation at = h.at();
+                       if (const springnet_status status = h.linearise(&at); status != SPRINGNET_OK) return status;
+                       auto request = sdk::sized<Value>();
+                       request.struct_size = size;
+                       return (h.host->*function)(h.context, size == 0 ? nullptr : &request);
+                     }});
+}
+std::vector<Case> short_requests() {
+  std::vector<Case> cases;
+  using H = springnet_host;
+  add_short(cases, "a short network", &H::network);
+  add_short(cases, "a short create_state", &H::create_state);
+  add_short(cases, "a short committed", &H::committed);
+  add_short(cases, "a short begin", &H::begin);
+  add_short(cases, "a short evaluate", &H::evaluate);
+  add_short(cases, "a short sweep", &H::sweep);
+  add_short(cases, "a short linearise", &H::linearise);
+  add_short(cases, "a short jacobian_times", &H::jacobian_times);
+  add_short(cases, "a short change_internal", &H::change_internal);
+  add_short(cases, "a short diagonal_blocks", &H::diagonal_blocks);
+  add_short(cases, "a short factorise", &H::factorise);
+  add_short(cases, "a short solve", &H::solve);
+  add_short(cases, "a short prepare_system", &H::prepare_system);
+  add_short(cases, "a short solve_system", &H::solve_system);
+  add_short(cases, "a short linear_sweep", &H::linear_sweep);
+  add_short(cases, "a short dominant_eigenvalue", &H::dominant_eigenvalue);
+  add_short(cases, "a short event_values", &H::event_values);
+  add_short(cases, "a short fire_events", &H::fire_events);
+  add_short(cases, "a short next_discontinuity", &H::next_discontinuity);
+  add_short(cases, "a short time_of_impact", &H::time_of_impact);
+  add_short(cases, "a short commit", &H::commit);
+  add_short(cases, "a short constrain", &H::constrain);
+  add_short(cases, "a short project", &H::project);
+  add_short(cases, "a short project_state", &H::project_state);
+  add_short(cases, "a short report", &H::report);
+  add_short(cases, "a short note", &H::note);
+  add_short(cases, "a short deadline", &H::deadline);
+  return cases;
+}
+
 // Calls something from the update of the nodes, and fails if that was let through.
 Misdeed updates(std::function<springnet_status(const StepContext&)> call, bool ordered) {
   return [call = std::move(call), ordered](const StepContext& h) {
@@ -118,9 +177,10 @@ Misdeed updates(std::function<springnet_status(const StepContext&)> call, bool o
     for (std::uint32_t k = 0; k < order.size(); ++k) order[k] = k;
     springnet_sweep sweep = ordered ? h.sweep_in(order) : h.sweep(*another(h));
     sweep.user = &user;
-    sweep.update = [](void* data, const springnet_node_batch*) {
+    sweep.update = [](void* data, const springnet_node_batch*) -> springnet_status {
       auto& self = *static_cast<User*>(data);
       self.status = std::max(self.status, self.call(self.hands));
+      return SPRINGNET_OK;
     };
     const springnet_status status = h.host->sweep(h.context, &sweep);
     return status != SPRINGNET_OK ? status : user.status;
@@ -148,31 +208,31 @@ std::vector<Case> all_cases() {
       {"commits an infinite position", commits([](springnet_state& s) { s.position.x[5] = infinite; })},
       {"commits a velocity of nan", commits([](springnet_state& s) { s.velocity.z[1] = nan_value; })},
       {"commits an infinite velocity", commits([](springnet_state& s) { s.velocity.x[0] = -infinite; })},
-      {"commits no state", [](const StepContext& h) { return h.host->commit(h.context, h.until, nullptr); }},
+      {"commits no state", [](const StepContext& h) { return h.commit(h.until, nullptr); }},
       {"commits a state of its own",
        [](const StepContext& h) {
          springnet_state own = *h.state;
-         return h.host->commit(h.context, h.until, &own);
+         return h.commit(h.until, &own);
        }},
       {"commits what is committed",
        [](const StepContext& h) {
          double time = 0.0;
-         return h.host->commit(h.context, h.until, const_cast<springnet_state*>(h.host->committed(h.context, &time)));
+         return h.commit(h.until, const_cast<springnet_state*>(h.committed(&time)));
        }},
       {"commits a state that was destroyed",
        [](const StepContext& h) {
          springnet_state* state = another(h);
-         h.host->state_destroy(h.context, state);
-         return h.host->commit(h.context, h.until, state);
+         h.destroy_state(state);
+         return h.commit(h.until, state);
        }},
       {"destroys states twice, and others",
        [](const StepContext& h) {
          springnet_state* state = another(h);
          springnet_state own{};
          for (springnet_state* each : {state, state, &own, static_cast<springnet_state*>(nullptr)})
-           h.host->state_destroy(h.context, each);
+           h.destroy_state(each);
          double time = 0.0;
-         h.host->state_destroy(h.context, const_cast<springnet_state*>(h.host->committed(h.context, &time)));
+         h.destroy_state(const_cast<springnet_state*>(h.committed(&time)));
          return commit(h, h.until);
        },
        false},
@@ -192,36 +252,43 @@ std::vector<Case> all_cases() {
          static_cast<void>(commit(h, 0.5 * (h.from + h.until)));
          return commit(h, h.from);
        }},
-      {"begins no step", [](const StepContext& h) { return h.host->begin_step(h.context, h.from, h.from); }},
-      {"begins a step backwards", [](const StepContext& h) { return h.host->begin_step(h.context, h.until, h.from); }},
-      {"begins at nan s", [](const StepContext& h) { return h.host->begin_step(h.context, nan_value, h.until); }},
-      {"ends at nan s", [](const StepContext& h) { return h.host->begin_step(h.context, h.from, nan_value); }},
+      {"begins no step", [](const StepContext& h) { return h.begin(h.from, h.from); }},
+      {"begins a step backwards", [](const StepContext& h) { return h.begin(h.until, h.from); }},
+      {"begins at nan s", [](const StepContext& h) { return h.begin(nan_value, h.until); }},
+      {"ends at nan s", [](const StepContext& h) { return h.begin(h.from, nan_value); }},
       {"evaluates nothing", [](const StepContext& h) { return h.host->evaluate(h.context, nullptr); }},
       {"linearises nothing", [](const StepContext& h) { return h.host->linearise(h.context, nullptr); }},
+      {"linearises at no state", [](const StepContext& h) { return h.linearise(nullptr); }},
+      {"eliminates over nan s",
+       [](const StepContext& h) {
+         const springnet_evaluation at = h.at();
+         return h.linearise(&at, nan_value);
+       }},
+      {"eliminates over a negative time",
+       [](const StepContext& h) {
+         const springnet_evaluation at = h.at();
+         return h.linearise(&at, -1.0);
+       }},
+      {"commits without a request", [](const StepContext& h) { return h.host->commit(h.context, nullptr); }},
       {"sweeps nothing", [](const StepContext& h) { return h.host->sweep(h.context, nullptr); }},
       {"constrains nothing", [](const StepContext& h) { return h.host->constrain(h.context, nullptr); }},
       {"evaluates a node that is not there",
        [](const StepContext& h) {
          const std::uint32_t nodes[] = {0, h.nodes()};
          const springnet_evaluation at = h.at();
-         return h.host->evaluate_nodes(h.context, &at, nodes, 2);
+         return h.evaluate_nodes(at, nodes, 2);
        }},
       {"evaluates node 4294967295",
        [](const StepContext& h) {
          const std::uint32_t node = 0xffffffffu;
          const springnet_evaluation at = h.at();
-         return h.host->evaluate_nodes(h.context, &at, &node, 1);
-       }},
-      {"evaluates no nodes",
-       [](const StepContext& h) {
-         const springnet_evaluation at = h.at();
-         return h.host->evaluate_nodes(h.context, &at, nullptr, 3);
+         return h.evaluate_nodes(at, &node, 1);
        }},
       {"evaluates 4294967295 nodes",
        [](const StepContext& h) {
          const std::uint32_t node = 0;
          const springnet_evaluation at = h.at();
-         return h.host->evaluate_nodes(h.context, &at, &node, 0xffffffffu);
+         return h.evaluate_nodes(at, &node, 0xffffffffu);
        }},
       {"sweeps without an update", sweeps([](springnet_sweep& s) { s.update = nullptr; })},
       {"sweeps without positions", sweeps([](springnet_sweep& s) {
@@ -283,117 +350,100 @@ std::vector<Case> all_cases() {
       {"multiplies before it linearises",
        [](const StepContext& h) {
          std::vector<double> x(3 * h.nodes());
-         return h.host->jacobian_times(h.context, x.data(), x.data(), x.data());
+         return h.jacobian_times(x.data(), x.data(), x.data());
        }},
       {"projects before it linearises",
        [](const StepContext& h) {
          std::vector<double> x(3 * h.nodes());
-         return h.host->project(h.context, nullptr, x.data());
+         return h.project(x.data());
        }},
       {"factorises nan",
        [](const StepContext& h) {
          const springnet_evaluation at = h.at();
-         static_cast<void>(h.host->linearise(h.context, &at));
-         return h.host->factorise(h.context, nan_value, 1.0);
+         static_cast<void>(h.linearise(&at));
+         return h.factorise(nan_value, 1.0);
        }},
       {"solves for nothing",
        [](const StepContext& h) {
          const springnet_evaluation at = h.at();
-         static_cast<void>(h.host->linearise(h.context, &at));
-         static_cast<void>(h.host->factorise(h.context, 0.1, 0.01));
-         return h.host->solve(h.context, 0, nullptr, nullptr);
+         static_cast<void>(h.linearise(&at));
+         static_cast<void>(h.factorise(0.1, 0.01));
+         return solves_for_nothing(h);
        }},
       {"multiplies nothing",
        [](const StepContext& h) {
          const springnet_evaluation at = h.at();
-         static_cast<void>(h.host->linearise(h.context, &at));
-         return h.host->jacobian_times(h.context, nullptr, nullptr, nullptr);
+         static_cast<void>(h.linearise(&at));
+         return h.jacobian_times(nullptr, nullptr, nullptr);
        }},
       {"wants blocks nowhere",
        [](const StepContext& h) {
          const springnet_evaluation at = h.at();
-         static_cast<void>(h.host->linearise(h.context, &at));
-         return h.host->diagonal_blocks(h.context, 1.0, 1.0, nullptr);
+         static_cast<void>(h.linearise(&at));
+         return wants_blocks_nowhere(h);
        }},
       {"projects nothing",
        [](const StepContext& h) {
          const springnet_evaluation at = h.at();
-         static_cast<void>(h.host->linearise(h.context, &at));
-         return h.host->project(h.context, nullptr, nullptr);
+         static_cast<void>(h.linearise(&at));
+         return h.project(nullptr);
        }},
-      {"projects no state",
-       [=](const StepContext& h) { return h.host->project_state(h.context, h.until, nothing, h.state->velocity); }},
+      {"projects no state", [=](const StepContext& h) { return h.project_state(h.until, nothing, h.state->velocity); }},
       {"projects at nan s",
-       [](const StepContext& h) {
-         return h.host->project_state(h.context, nan_value, h.state->position, h.state->velocity);
-       }},
+       [](const StepContext& h) { return h.project_state(nan_value, h.state->position, h.state->velocity); }},
       {"asks for events nowhere",
        [](const StepContext& h) {
          const springnet_evaluation at = h.at();
-         return h.host->event_values(h.context, &at, nullptr, nullptr);
+         return h.event_values(&at, nullptr);
        }},
-      {"fires nothing", [](const StepContext& h) { return h.host->fire_events(h.context, h.until, h.state, nullptr); }},
+      {"fires nothing", [](const StepContext& h) { return h.fire_events(h.until, h.state, nullptr); }},
       {"fires on no state",
        [](const StepContext& h) {
-         const std::vector<std::int32_t> fired(h.host->network(h.context)->event_count);
-         return h.host->fire_events(h.context, h.until, nullptr, fired.data());
+         const std::vector<std::int32_t> fired(h.network().event_count);
+         return h.fire_events(h.until, nullptr, fired.data());
        }},
       {"fires at nan s",
        [](const StepContext& h) {
-         const std::vector<std::int32_t> fired(h.host->network(h.context)->event_count);
-         return h.host->fire_events(h.context, nan_value, h.state, fired.data());
+         const std::vector<std::int32_t> fired(h.network().event_count);
+         return h.fire_events(nan_value, h.state, fired.data());
        }},
       {"fires all events there are",
        [](const StepContext& h) {
-         const std::vector<std::int32_t> fired(h.host->network(h.context)->event_count, 1);
-         const springnet_status status = h.host->fire_events(h.context, h.until, h.state, fired.data());
+         const std::vector<std::int32_t> fired(h.network().event_count, 1);
+         const springnet_status status = h.fire_events(h.until, h.state, fired.data());
          return status == SPRINGNET_OK ? commit(h, h.until) : status;
        },
        false},
-      {"searches nothing for touches",
-       [](const StepContext& h) {
-         double time = 0.0;
-         return h.host->time_of_impact(h.context, nullptr, &time);
-       }},
-      {"searches for touches and has no place for the time",
-       [](const StepContext& h) {
-         springnet_impact_search search = h.search();
-         return h.host->time_of_impact(h.context, &search, nullptr);
-       }},
+      {"searches nothing for touches", [](const StepContext& h) { return h.host->time_of_impact(h.context, nullptr); }},
       {"searches a step that goes back",
        [](const StepContext& h) {
          springnet_impact_search search = h.search();
          std::swap(search.step_from, search.step_until);
-         double time = 0.0;
-         return h.host->time_of_impact(h.context, &search, &time);
+         return h.host->time_of_impact(h.context, &search);
        }},
       {"searches a part that is none",
        [](const StepContext& h) {
          springnet_impact_search search = h.search();
          search.until = nan_value;
-         double time = 0.0;
-         return h.host->time_of_impact(h.context, &search, &time);
+         return h.host->time_of_impact(h.context, &search);
        }},
       {"searches in front of surfaces",
        [](const StepContext& h) {
          springnet_impact_search search = h.search();
          search.depth = -1.0;
-         double time = 0.0;
-         return h.host->time_of_impact(h.context, &search, &time);
+         return h.host->time_of_impact(h.context, &search);
        }},
       {"searches and knows no states",
        [](const StepContext& h) {
          springnet_impact_search search = h.search();
          search.state_at = nullptr;
-         double time = 0.0;
-         return h.host->time_of_impact(h.context, &search, &time);
+         return h.host->time_of_impact(h.context, &search);
        }},
       {"searches among states that are no numbers",
        [](const StepContext& h) {
          springnet_impact_search search = h.search();
-         double time = 0.0;
-         const springnet_status status = h.host->time_of_impact(h.context, &search, &time);
-         return status == SPRINGNET_OK && std::isnan(time) ? commit(h, h.until) : status;
+         const springnet_status status = h.host->time_of_impact(h.context, &search);
+         return status == SPRINGNET_OK && std::isnan(search.time) ? commit(h, h.until) : status;
        },
        false},
       {"sweeps linearly before it linearised",
@@ -406,7 +456,7 @@ std::vector<Case> all_cases() {
       {"sweeps linearly without an update", sweeps_linearly([](springnet_sweep& s) { s.update = nullptr; })},
       {"sweeps linearly in a step of nothing", sweeps_linearly([](springnet_sweep& s) { s.time_constant = 0.0; })},
       {"sweeps linearly in a step of nan s", sweeps_linearly([](springnet_sweep& s) { s.time_constant = nan_value; })},
-      {"sweeps linearly as ABI 1.0 did", sweeps_linearly([](springnet_sweep& s) { s.struct_size = 208; })},
+      {"sweeps linearly a short struct", sweeps_linearly([](springnet_sweep& s) { s.struct_size = 288; })},
       {"sweeps linearly without velocities", sweeps_linearly([](springnet_sweep& s) { s.velocity.y = nullptr; })},
       {"sweeps linearly to somewhere else",
        sweeps_linearly([](springnet_sweep& s) { s.next_velocity = s.next_position; })},
@@ -422,10 +472,11 @@ std::vector<Case> all_cases() {
       {"seeks an eigenvalue without memory", seeks_eigenvalue([](auto& s) { s.most_vectors = 0; })},
       {"reports and notes nothing",
        [](const StepContext& h) {
-         h.host->report(h.context, nullptr, nan_value);
-         h.host->note(h.context, nullptr);
-         static_cast<void>(h.host->committed(h.context, nullptr));
-         static_cast<void>(h.host->next_discontinuity(h.context, nan_value));
+         h.report_number(nullptr, nan_value);
+         h.note(nullptr);
+         auto next = sized<springnet_discontinuity>();
+         next.after = nan_value;
+         static_cast<void>(h.host->next_discontinuity(h.context, &next));
          return commit(h, h.until);
        },
        false},
@@ -433,8 +484,8 @@ std::vector<Case> all_cases() {
        [](const StepContext& h) {
          for (int k = 0; k < 3000; ++k) {
            const std::string name = "\x1b[31m\xff" + std::to_string(k) + std::string(5000, '\n');
-           h.host->report(h.context, name.c_str(), infinite);
-           h.host->note(h.context, name.c_str());
+           h.report_number(name.c_str(), infinite);
+           h.note(name.c_str());
          }
          return commit(h, h.until);
        },
@@ -443,15 +494,27 @@ std::vector<Case> all_cases() {
        [](const StepContext& h) -> springnet_status {
          const springnet_evaluation at = h.at();
          const springnet_host& t = *h.host;
+         auto query = sized<springnet_network_query>();
+         auto creation = sized<springnet_state_creation>();
+         auto committed = sized<springnet_committed>();
+         auto commitment = sized<springnet_commitment>();
+         commitment.time = h.until;
+         commitment.state = h.state;
+         auto interval = sized<springnet_interval>();
+         interval.until = 1.0;
+         auto number = sized<springnet_number_report>();
+         number.name = "a";
+         auto text = sized<springnet_user_note>();
+         text.text = "a";
+         auto next = sized<springnet_discontinuity>();
+         auto left = sized<springnet_deadline>();
+         const springnet_status all[] = {
+             t.network(nullptr, &query),  t.create_state(nullptr, &creation), t.committed(nullptr, &committed),
+             t.evaluate(nullptr, &at),    t.commit(nullptr, &commitment),     t.sweep(nullptr, nullptr),
+             t.begin(nullptr, &interval), t.destroy_state(nullptr, h.state),  t.report(nullptr, &number),
+             t.note(nullptr, &text),      t.deadline(nullptr, &left),         t.next_discontinuity(nullptr, &next)};
          const bool harmless =
-             t.network(nullptr) == nullptr && t.state_create(nullptr) == nullptr &&
-             t.committed(nullptr, nullptr) == nullptr && t.message(nullptr) == nullptr &&
-             t.evaluate(nullptr, &at) == SPRINGNET_FAILED && t.commit(nullptr, h.until, h.state) == SPRINGNET_FAILED &&
-             t.sweep(nullptr, nullptr) == SPRINGNET_FAILED && t.begin_step(nullptr, 0, 1) == SPRINGNET_FAILED;
-         t.state_destroy(nullptr, h.state);
-         t.report(nullptr, "a", 1.0);
-         t.note(nullptr, "a");
-         static_cast<void>(t.next_discontinuity(nullptr, 0.0));
+             std::all_of(std::begin(all), std::end(all), [](springnet_status s) { return s == SPRINGNET_FAILED; });
          return harmless ? commit(h, h.until) : SPRINGNET_FAILED;
        },
        false},
@@ -460,7 +523,7 @@ std::vector<Case> all_cases() {
       {"returns that nothing settled", [](const StepContext&) -> springnet_status { return SPRINGNET_UNSETTLED; }},
       {"fills the message",
        [](const StepContext& h) -> springnet_status {
-         springnet_message& message = *h.host->message(h.context);
+         springnet_message& message = *h.host->message;
          std::fill_n(message.text, sizeof message.text, '\x1b');
          return SPRINGNET_FAILED;
        },
@@ -483,11 +546,19 @@ std::vector<Case> all_cases() {
       {"throws in an ordered update",
        updates([](const StepContext&) -> springnet_status { throw std::runtime_error("thrown"); }, true), false},
       {"throws a number in an update", updates([](const StepContext&) -> springnet_status { throw 7; }, false), false},
+      {"updates that fail",
+       [](const StepContext& h) {
+         springnet_sweep sweep = h.sweep(*another(h));
+         sweep.update = [](void*, const springnet_node_batch*) -> springnet_status { return SPRINGNET_FAILED; };
+         const springnet_status status = h.host->sweep(h.context, &sweep);
+         return status == SPRINGNET_OK ? commit(h, h.until) : status;
+       },
+       false},
       {"updates that note and report",
        updates(
            [](const StepContext& h) -> springnet_status {
-             h.host->note(h.context, "from an update");
-             h.host->report(h.context, "updates", 1.0);
+             h.note("from an update");
+             h.report_number("updates", 1.0);
              return SPRINGNET_OK;
            },
            false),
@@ -510,12 +581,11 @@ std::vector<Case> all_cases() {
     });
     add("linearises in an update", [](const StepContext& h) {
       const springnet_evaluation at = h.at();
-      return h.host->linearise(h.context, &at);
+      return h.linearise(&at);
     });
-    add("begins a step in an update",
-        [](const StepContext& h) { return h.host->begin_step(h.context, h.from, h.until); });
+    add("begins a step in an update", [](const StepContext& h) { return h.begin(h.from, h.until); });
     add("makes a state in an update", [](const StepContext& h) -> springnet_status {
-      return h.host->state_create(h.context) == nullptr ? SPRINGNET_FAILED : SPRINGNET_OK;
+      return h.create_state() == nullptr ? SPRINGNET_FAILED : SPRINGNET_OK;
     });
   }
   const auto spoil = [&](const char* name, std::function<void(springnet_evaluation&)> change) {
@@ -531,6 +601,11 @@ std::vector<Case> all_cases() {
   spoil("asks for a part of the accelerations",
         [](springnet_evaluation& at) { at.acceleration.x = const_cast<double*>(at.position.x); });
   spoil("asks with a short struct", [](springnet_evaluation& at) { at.struct_size = 16; });
+  spoil("asks with a short struct of internal state", [](springnet_evaluation& at) {
+    static constexpr springnet_internal little{8, 0, 0.0, nullptr, nullptr, nullptr};
+    at.internal = &little;
+  });
+  for (Case& each : short_requests()) cases.push_back(std::move(each));
   return cases;
 }
 

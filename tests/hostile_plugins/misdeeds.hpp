@@ -19,7 +19,100 @@ struct StepContext {
   springnet_state* state;  // the committed one, advanced by explicit Euler: valid to commit at `until`
   springnet_step_report* report;
 
-  [[nodiscard]] std::uint32_t nodes() const { return host->network(context)->node_count; }
+  [[nodiscard]] const springnet_network& network() const {
+    auto query = sdk::sized<springnet_network_query>();
+    host->network(context, &query);
+    return *query.network;
+  }
+  [[nodiscard]] std::uint32_t nodes() const { return network().node_count; }
+
+  // The functions of the host with their arguments put into requests. Null: there was none.
+  [[nodiscard]] springnet_state* create_state() const {
+    auto creation = sdk::sized<springnet_state_creation>();
+    return host->create_state(context, &creation) == SPRINGNET_OK ? creation.state : nullptr;
+  }
+  springnet_status destroy_state(springnet_state* any) const { return host->destroy_state(context, any); }
+  const springnet_state* committed(double* time) const {
+    auto answer = sdk::sized<springnet_committed>();
+    if (host->committed(context, &answer) != SPRINGNET_OK) return nullptr;
+    *time = answer.time;
+    return answer.state;
+  }
+  [[nodiscard]] springnet_status begin(double begin, double end) const {
+    auto interval = sdk::sized<springnet_interval>();
+    interval.from = begin;
+    interval.until = end;
+    return host->begin(context, &interval);
+  }
+  [[nodiscard]] springnet_status commit(double time, springnet_state* any) const {
+    auto commitment = sdk::sized<springnet_commitment>();
+    commitment.time = time;
+    commitment.state = any;
+    return host->commit(context, &commitment);
+  }
+  [[nodiscard]] springnet_status evaluate_nodes(springnet_evaluation at, const std::uint32_t* some,
+                                                std::uint32_t count) const {
+    at.nodes = some;
+    at.node_count = count;
+    return host->evaluate(context, &at);
+  }
+  [[nodiscard]] springnet_status linearise(const springnet_evaluation* at, double elimination = 0.0) const {
+    auto request = sdk::sized<springnet_linearisation>();
+    request.at = at;
+    request.elimination = elimination;
+    return host->linearise(context, &request);
+  }
+  [[nodiscard]] springnet_status jacobian_times(const double* dp, const double* dv, double* out) const {
+    auto product = sdk::sized<springnet_jacobian_product>();
+    product.dp = dp;
+    product.dv = dv;
+    product.out = out;
+    return host->jacobian_times(context, &product);
+  }
+  [[nodiscard]] springnet_status factorise(double velocity_weight, double position_weight) const {
+    auto request = sdk::sized<springnet_factorisation>();
+    request.velocity_weight = velocity_weight;
+    request.position_weight = position_weight;
+    return host->factorise(context, &request);
+  }
+  [[nodiscard]] springnet_status project(double* values) const {
+    auto projection = sdk::sized<springnet_projection>();
+    projection.values = values;
+    return host->project(context, &projection);
+  }
+  [[nodiscard]] springnet_status project_state(double time, const springnet_vectors& position,
+                                               const springnet_vectors& velocity) const {
+    auto projection = sdk::sized<springnet_state_projection>();
+    projection.time = time;
+    projection.position = position;
+    projection.velocity = velocity;
+    return host->project_state(context, &projection);
+  }
+  [[nodiscard]] springnet_status event_values(const springnet_evaluation* at, double* values) const {
+    auto request = sdk::sized<springnet_event_values>();
+    request.at = at;
+    request.values = values;
+    return host->event_values(context, &request);
+  }
+  [[nodiscard]] springnet_status fire_events(double time, springnet_state* any, const std::int32_t* fired) const {
+    auto firing = sdk::sized<springnet_event_firing>();
+    firing.time = time;
+    firing.state = any;
+    firing.fired = fired;
+    return host->fire_events(context, &firing);
+  }
+  void report_number(const char* name, double value) const {
+    auto number = sdk::sized<springnet_number_report>();
+    number.name = name;
+    number.value = value;
+    host->report(context, &number);
+  }
+  void note(const char* text) const {
+    auto given = sdk::sized<springnet_user_note>();
+    given.text = text;
+    host->note(context, &given);
+  }
+
   [[nodiscard]] springnet_evaluation at() const { return sdk::evaluation_at(until, *state); }
   // A search for touches in the whole step, whose states are nan.
   [[nodiscard]] springnet_impact_search search() const {
@@ -27,9 +120,8 @@ struct StepContext {
     search.step_from = search.from = from;
     search.step_until = search.until = until;
     search.user = const_cast<StepContext*>(this);
-    search.state_at = [](void* user, double, springnet_vectors position,
-                         springnet_vectors velocity) -> springnet_status {
-      for (const springnet_vectors& each : {position, velocity})
+    search.state_at = [](void* user, const springnet_dense_output* output) -> springnet_status {
+      for (const springnet_vectors& each : {output->position, output->velocity})
         for (double* axis : {each.x, each.y, each.z})
           std::fill_n(axis, static_cast<const StepContext*>(user)->nodes(), std::numeric_limits<double>::quiet_NaN());
       return SPRINGNET_OK;
@@ -47,7 +139,7 @@ struct StepContext {
     sweep.next_velocity = next.velocity;
     sweep.force = next.force;
     sweep.user = const_cast<StepContext*>(this);
-    sweep.update = [](void*, const springnet_node_batch*) {};
+    sweep.update = [](void*, const springnet_node_batch*) -> springnet_status { return SPRINGNET_OK; };
     return sweep;
   }
   // The same node by node, in place.

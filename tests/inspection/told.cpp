@@ -20,29 +20,31 @@ namespace {
 const springnet_host* host_of_instance = nullptr;
 std::function<springnet_status(const springnet_limits&)> told;
 
-springnet_status create(const springnet_host* host, const double*, void** integrator) {
-  host_of_instance = host;
-  *integrator = &host_of_instance;
+springnet_status create(void*, springnet_integrator_creation* creation) {
+  host_of_instance = creation->host;
+  creation->integrator = &host_of_instance;
   return SPRINGNET_OK;
 }
-void destroy(void*) {}
-springnet_status advance(void*, double, springnet_step_report*) { return SPRINGNET_FAILED; }
+springnet_status destroy(void*) { return SPRINGNET_OK; }
+springnet_status advance(void*, const springnet_advance*) { return SPRINGNET_FAILED; }
 springnet_status limits(void*, const springnet_limits* sink) { return told(*sink); }
 
-constexpr springnet_integrator functions{sizeof(springnet_integrator), 0, create, destroy, advance, limits, nullptr};
-// As one that was compiled against ABI 1.3.
-constexpr springnet_integrator old_functions{
-    SPRINGNET_SIZE_TO(springnet_integrator, advance), 0, create, destroy, advance, limits, nullptr};
+constexpr springnet_integrator functions{
+    sizeof(springnet_integrator), 0, nullptr, create, destroy, advance, limits, nullptr};
+constexpr springnet_integrator functions_without{
+    sizeof(springnet_integrator), 0, nullptr, create, destroy, advance, nullptr, nullptr};
 constexpr springnet_component teller{
-    sizeof(springnet_component), SPRINGNET_INTEGRATOR, "teller", "", "", 0, 0, nullptr, &functions};
+    sizeof(springnet_component), SPRINGNET_INTEGRATOR, "teller", "", "", 0, 0, 0, 0, nullptr, &functions};
 constexpr springnet_component silent{
-    sizeof(springnet_component), SPRINGNET_INTEGRATOR, "silent", "", "", 0, 0, nullptr, &old_functions};
+    sizeof(springnet_component), SPRINGNET_INTEGRATOR, "silent", "", "", 0, 0, 0, 0, nullptr, &functions_without};
 constexpr const springnet_component* components[] = {&teller, &silent};
 constexpr springnet_plugin plugin{SPRINGNET_MAGIC,
                                   sizeof(springnet_plugin),
                                   SPRINGNET_ABI_MAJOR,
                                   SPRINGNET_ABI_MINOR,
+                                  0,
                                   2,
+                                  0,
                                   "test.teller",
                                   "1",
                                   "tests",
@@ -94,9 +96,8 @@ TEST_CASE("every installed integrator tells its limit, the scene's first") {
   CHECK(inspect(pair(), *testing::plugins()).limits.front().name() == "synchronous");
 }
 
-TEST_CASE(
-    "an integrator of ABI 1.3 tells nothing, one that tells is in the JSON, under its own name if another has it") {
-  const Inspection found = inspect_with([](const springnet_limits& sink) {
+TEST_CASE("an integrator without limits() tells nothing, one that tells is in the JSON, under its own name if needed") {
+  const Inspection found = inspect_with([](const springnet_limits& sink) -> springnet_status {
     springnet_limit one = limit(SPRINGNET_LIMIT_KNOWN, "wavefront", 0.25);
     one.weight = 0.5;
     one.node = 1;
@@ -138,8 +139,11 @@ TEST_CASE("nonsense that an integrator tells, or does, is a limit that is unknow
         }).find("out of luck") != std::string::npos);
   // Neither may it change the network that others are asked about.
   const std::string refused = unknown([](const springnet_limits&) -> springnet_status {
-    springnet_state* state = host_of_instance->state_create(host_of_instance->context);
-    return host_of_instance->commit(host_of_instance->context, 0.0, state);
+    auto creation = sdk::sized<springnet_state_creation>();
+    host_of_instance->create_state(host_of_instance->context, &creation);
+    auto commitment = sdk::sized<springnet_commitment>();
+    commitment.state = creation.state;
+    return host_of_instance->commit(host_of_instance->context, &commitment);
   });
   CHECK(refused.find("springnet_host::commit") != std::string::npos);
   const Inspection many = inspect_with([](const springnet_limits& sink) -> springnet_status {

@@ -56,20 +56,30 @@ int idle_instance = 0;
 constexpr springnet_integrator idle_functions{
     sizeof(springnet_integrator),
     0,
-    [](const springnet_host*, const double*, void** integrator) -> springnet_status {
-      *integrator = &idle_instance;
+    nullptr,
+    [](void*, springnet_integrator_creation* creation) -> springnet_status {
+      creation->integrator = &idle_instance;
       return SPRINGNET_OK;
     },
-    [](void*) {},
-    [](void*, double, springnet_step_report*) -> springnet_status { return SPRINGNET_OK; },
+    [](void*) -> springnet_status { return SPRINGNET_OK; },
+    [](void*, const springnet_advance*) -> springnet_status { return SPRINGNET_OK; },
     nullptr,
     nullptr};
 constexpr springnet_component idle{
-    sizeof(springnet_component), SPRINGNET_INTEGRATOR, "idle", "", "", 0, 0, nullptr, &idle_functions};
+    sizeof(springnet_component), SPRINGNET_INTEGRATOR, "idle", "", "", 0, 0, 0, 0, nullptr, &idle_functions};
 constexpr const springnet_component* idle_components[] = {&idle};
-constexpr springnet_plugin idle_plugin{
-    SPRINGNET_MAGIC, sizeof(springnet_plugin), SPRINGNET_ABI_MAJOR, SPRINGNET_ABI_MINOR, 1, "test.idle", "1", "tests",
-    "MIT",           idle_components};
+constexpr springnet_plugin idle_plugin{SPRINGNET_MAGIC,
+                                       sizeof(springnet_plugin),
+                                       SPRINGNET_ABI_MAJOR,
+                                       SPRINGNET_ABI_MINOR,
+                                       0,
+                                       1,
+                                       0,
+                                       "test.idle",
+                                       "1",
+                                       "tests",
+                                       "MIT",
+                                       idle_components};
 
 }  // namespace
 

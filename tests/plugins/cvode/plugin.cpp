@@ -415,13 +415,6 @@ TEST_CASE("messages of failures name the cause and the remedy; nothing is printe
     contains(message, "max_order");
     contains(message, " 5");
   }
-  SUBCASE("laws with memory") {
-    SmallHost host(1);
-    make_linear(host, 1.0, 0.0);
-    host.network().internal_count = 1;
-    REQUIRE(host.create(options(bdf, direct)) == "");
-    contains(host.advance(1.0), "internal state");
-  }
 }
 
 TEST_CASE("a force that is not finite for a trial step shortens the step") {

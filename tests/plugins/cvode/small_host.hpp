@@ -2,6 +2,7 @@
 // its host (which calls, how often, what after a failure) can be seen and provoked here without the engine.
 #pragma once
 
+#include <algorithm>
 #include <cmath>
 #include <cstdint>
 #include <cstdio>
@@ -15,13 +16,17 @@
 
 #include <Eigen/Dense>
 
-#include <springnet/sdk/plugin.h>
 #include <springnet/plugin_host.hpp>
+#include <springnet/sdk/host.hpp>
 
 class SmallHost {
  public:
   using Vector = Eigen::VectorXd;  // 3 node_count: x of all nodes, then y, then z
   using Matrix = Eigen::MatrixXd;
+  template <class Struct>
+  static Struct sized() {
+    return springnet::sdk::sized<Struct>();
+  }
   struct Event {
     std::function<double(double time, const Vector& p, const Vector& v)> value;
     std::int32_t direction;
@@ -70,14 +75,23 @@ class SmallHost {
   std::string create(const springnet::ParameterValues& options) {
     network_.event_count = static_cast<std::uint32_t>(events.size());
     const auto values = springnet::complete_parameters(*component().description, options, "test");
-    return description().create(&table_, values.data(), &integrator_) == SPRINGNET_OK ? "" : message_.text;
+    auto creation = sized<springnet_integrator_creation>();
+    creation.host = &table_;
+    creation.option_count = static_cast<std::uint32_t>(values.size());
+    creation.options = values.data();
+    const springnet_status status = description().create(description().context, &creation);
+    integrator_ = creation.integrator;
+    return status == SPRINGNET_OK ? "" : message_.text;
   }
   // Empty, or why it failed.
   std::string advance(double until) {
     report = {};
     report.struct_size = sizeof report;
     message_ = {};
-    return description().advance(integrator_, until, &report) == SPRINGNET_OK ? "" : message_.text;
+    auto request = sized<springnet_advance>();
+    request.until = until;
+    request.report = &report;
+    return description().advance(integrator_, &request) == SPRINGNET_OK ? "" : message_.text;
   }
   springnet_step_report report{};
   springnet_network& network() { return network_; }
@@ -149,15 +163,26 @@ class SmallHost {
 inline void SmallHost::fill_table() {
   table_.struct_size = sizeof table_;
   table_.context = this;
-  table_.network = [](void* self) -> const springnet_network* { return &of(self).network_; };
-  table_.state_create = [](void* self) -> springnet_state* { return new State(of(self).size_); };
-  table_.state_destroy = [](void*, springnet_state* state) { delete static_cast<State*>(state); };
-  table_.committed = [](void* self, double* time) -> const springnet_state* {
-    *time = of(self).time_;
-    return of(self).committed_.get();
+  table_.message = &message_;
+  table_.network = [](void* self, springnet_network_query* query) -> springnet_status {
+    query->network = &of(self).network_;
+    return SPRINGNET_OK;
   };
-  table_.begin_interval = table_.begin_step = [](void* self, double from, double until) -> springnet_status {
-    of(self).steps_begun.emplace_back(from, until);
+  table_.create_state = [](void* self, springnet_state_creation* creation) -> springnet_status {
+    creation->state = new State(of(self).size_);
+    return SPRINGNET_OK;
+  };
+  table_.destroy_state = [](void*, springnet_state* state) -> springnet_status {
+    delete static_cast<State*>(state);
+    return SPRINGNET_OK;
+  };
+  table_.committed = [](void* self, springnet_committed* answer) -> springnet_status {
+    answer->time = of(self).time_;
+    answer->state = of(self).committed_.get();
+    return SPRINGNET_OK;
+  };
+  table_.begin = [](void* self, const springnet_interval* interval) -> springnet_status {
+    of(self).steps_begun.emplace_back(interval->from, interval->until);
     return SPRINGNET_OK;
   };
   table_.evaluate = [](void* self, const springnet_evaluation* e) -> springnet_status {
@@ -172,25 +197,26 @@ inline void SmallHost::fill_table() {
     write(a, e->force);  // every mass is 1 kg
     return SPRINGNET_OK;
   };
-  table_.linearise = [](void* self, const springnet_evaluation* e) -> springnet_status {
+  table_.linearise = [](void* self, const springnet_linearisation* request) -> springnet_status {
     SmallHost& host = of(self);
+    const springnet_evaluation* const e = request->at;
     ++host.linearisations;
     std::tie(host.by_position_, host.by_velocity_) =
         host.derivatives(e->time, read(e->position, host.size_), read(e->velocity, host.size_));
     return SPRINGNET_OK;
   };
-  table_.jacobian_times = [](void* self, const double* dp, const double* dv, double* out) -> springnet_status {
+  table_.jacobian_times = [](void* self, const springnet_jacobian_product* product) -> springnet_status {
     SmallHost& host = of(self);
     ++host.products;
-    const Eigen::Map<const Vector> p(dp, host.size_);
-    const Eigen::Map<const Vector> v(dv, host.size_);
-    Eigen::Map<Vector>(out, host.size_) = Vector(host.by_position_ * p + host.by_velocity_ * v);
+    const Eigen::Map<const Vector> p(product->dp, host.size_);
+    const Eigen::Map<const Vector> v(product->dv, host.size_);
+    Eigen::Map<Vector>(product->out, host.size_) = Vector(host.by_position_ * p + host.by_velocity_ * v);
     return SPRINGNET_OK;
   };
-  table_.diagonal_blocks = [](void* self, double velocity_weight, double position_weight,
-                              double* out) -> springnet_status {
+  table_.diagonal_blocks = [](void* self, const springnet_diagonal_blocks* blocks) -> springnet_status {
     SmallHost& host = of(self);
-    const Matrix all = host.matrix(velocity_weight, position_weight);
+    const Matrix all = host.matrix(blocks->velocity_weight, blocks->position_weight);
+    double* out = blocks->out;
     const Eigen::Index n = host.size_ / 3;
     for (Eigen::Index node = 0; node < n; ++node) {
       for (Eigen::Index row = 0; row < 3; ++row) {
@@ -199,53 +225,54 @@ inline void SmallHost::fill_table() {
     }
     return SPRINGNET_OK;
   };
-  table_.factorise = [](void* self, double velocity_weight, double position_weight) -> springnet_status {
+  table_.factorise = [](void* self, const springnet_factorisation* weights) -> springnet_status {
     SmallHost& host = of(self);
     ++host.factorisations;
-    host.factors_.compute(host.matrix(velocity_weight, position_weight));
+    host.factors_.compute(host.matrix(weights->velocity_weight, weights->position_weight));
     return SPRINGNET_OK;
   };
-  table_.solve = [](void* self, std::int32_t, const double* right_side, double* x) -> springnet_status {
+  table_.solve = [](void* self, const springnet_solve* system) -> springnet_status {
     SmallHost& host = of(self);
-    const Vector b = Eigen::Map<const Vector>(right_side, host.size_);
-    Eigen::Map<Vector>(x, host.size_) = host.factors_.solve(b);
+    const Vector b = Eigen::Map<const Vector>(system->right_side, host.size_);
+    Eigen::Map<Vector>(system->x, host.size_) = host.factors_.solve(b);
     return SPRINGNET_OK;
   };
-  table_.event_values = [](void* self, const springnet_evaluation* at, double* values,
-                           std::int32_t* directions) -> springnet_status {
+  table_.event_values = [](void* self, const springnet_event_values* request) -> springnet_status {
     SmallHost& host = of(self);
-    const Vector p = read(at->position, host.size_);
-    const Vector v = read(at->velocity, host.size_);
+    const Vector p = read(request->at->position, host.size_);
+    const Vector v = read(request->at->velocity, host.size_);
     for (std::size_t i = 0; i < host.events.size(); ++i) {
-      values[i] = host.events[i].value(at->time, p, v);
-      directions[i] = host.events[i].direction;
+      request->values[i] = host.events[i].value(request->at->time, p, v);
+      request->directions[i] = host.events[i].direction;
     }
     return SPRINGNET_OK;
   };
-  table_.fire_events = [](void* self, double, springnet_state* state, const std::int32_t* fired) -> springnet_status {
+  table_.fire_events = [](void* self, const springnet_event_firing* firing) -> springnet_status {
     SmallHost& host = of(self);
-    auto& at = *static_cast<State*>(state);
+    auto& at = *static_cast<State*>(firing->state);
     const std::vector<Event> before = host.events;  // an event may change the list
     for (std::size_t i = 0; i < before.size(); ++i) {
-      if (fired[i] != 0) before[i].happen(host, at.p, at.v);
+      if (firing->fired[i] != 0) before[i].happen(host, at.p, at.v);
     }
     host.network_.event_count = static_cast<std::uint32_t>(host.events.size());
     host.change();
     return SPRINGNET_OK;
   };
-  table_.time_of_impact = [](void*, const springnet_impact_search*, double* time) -> springnet_status {
-    *time = std::numeric_limits<double>::quiet_NaN();
+  table_.time_of_impact = [](void*, springnet_impact_search* search) -> springnet_status {
+    search->time = std::numeric_limits<double>::quiet_NaN();
     return SPRINGNET_OK;
   };
-  table_.next_discontinuity = [](void* self, double time) {
+  table_.next_discontinuity = [](void* self, springnet_discontinuity* next) -> springnet_status {
+    next->time = std::numeric_limits<double>::infinity();
     for (const double each : of(self).discontinuities) {
-      if (each > time) return each;
+      if (each > next->after) next->time = std::min(next->time, each);
     }
-    return std::numeric_limits<double>::infinity();
+    return SPRINGNET_OK;
   };
-  table_.commit = [](void* self, double time, springnet_state* state) -> springnet_status {
+  table_.commit = [](void* self, const springnet_commitment* commitment) -> springnet_status {
     SmallHost& host = of(self);
-    host.committed_->swap(*static_cast<State*>(state));
+    const double time = commitment->time;
+    host.committed_->swap(*static_cast<State*>(commitment->state));
     host.time_ = time;
     host.commits.push_back(time);
     for (const double each : host.discontinuities) {
@@ -254,6 +281,8 @@ inline void SmallHost::fill_table() {
     host.at_commit(time);
     return SPRINGNET_OK;
   };
-  table_.report = [](void* self, const char* name, double value) { of(self).reported[name] = value; };
-  table_.message = [](void* self) -> springnet_message* { return &of(self).message_; };
+  table_.report = [](void* self, const springnet_number_report* number) -> springnet_status {
+    of(self).reported[number->name] = number->value;
+    return SPRINGNET_OK;
+  };
 }

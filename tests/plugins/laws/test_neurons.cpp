@@ -35,7 +35,7 @@ Answer evaluate(const char* id, const std::array<double, 3>& force, const std::a
   batch.acceleration_by_position = answer.by_position.data();
   batch.acceleration_by_velocity = answer.by_velocity.data();
   const auto& model = *static_cast<const springnet_neuron_model*>(shipped(SPRINGNET_NEURON, id).implementation);
-  REQUIRE(model.evaluate(&batch) == SPRINGNET_OK);
+  REQUIRE(model.evaluate(model.context, &batch) == SPRINGNET_OK);
   return answer;
 }
 

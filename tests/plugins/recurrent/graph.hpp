@@ -46,6 +46,9 @@ struct Graph {
     network.user_number = user_number.data();
     network.neighbour_start = neighbour_start.data();
     network.neighbours = neighbours.data();
+    // Each has other connections than the ones before.
+    static std::uint64_t graphs = 0;
+    network.connection_revision = ++graphs;
   }
   [[nodiscard]] springnet_const_vectors forces() const { return {force[0].data(), force[1].data(), force[2].data()}; }
 };

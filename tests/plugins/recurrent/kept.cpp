@@ -29,11 +29,11 @@ struct Fragile : sdk::SpringFunction {
 };
 using Linear = sdk::ComponentEntry<Fragile>;
 const springnet_law& linear_law() { return *static_cast<const springnet_law*>(Linear::value.implementation); }
-springnet_status refuse_long_ones(const springnet_law_batch* batch) {
+springnet_status refuse_long_ones(void* context, const springnet_law_batch* batch) {
   const double most = batch->force_by_q != nullptr ? 1.4 : 1.6;  // m, of a length of 1 m
   for (std::uint32_t i = 0; i < batch->count; ++i)
     if (batch->q[i] > most) return SPRINGNET_RECOVERABLE;
-  return linear_law().evaluate(batch);
+  return linear_law().evaluate(context, batch);
 }
 const springnet_law fragile_law = [] {
   springnet_law law = linear_law();
