@@ -296,6 +296,14 @@ CompiledLaws compile_laws(const Network& network, const PluginHost& plugins) {
   return compiled;
 }
 
+bool CompiledLaws::on_one_thread() const noexcept {
+  return std::any_of(groups.begin(), groups.end(),
+                     [](const Group& group) { return group.can(SPRINGNET_CALLING_THREAD_ONLY); }) ||
+         std::any_of(neurons.begin(), neurons.end(), [](const NeuronKind& neuron) {
+           return (neuron.component->description->capabilities & SPRINGNET_CALLING_THREAD_ONLY) != 0;
+         });
+}
+
 springnet_status require_derivatives(const Component& component, springnet_message& message) {
   if ((component.description->capabilities & SPRINGNET_HAS_DERIVATIVES) != 0) return SPRINGNET_OK;
   const char* header = component.kind() == ComponentKind::neuron ? "neuron" : "law";

@@ -93,6 +93,9 @@ struct CompiledLaws {
   RowNumbers row;                                    // [spring] row in its group
   Column<std::uint32_t> element_group, element_row;  // [element]
   std::vector<NeuronKind> neurons;                   // as Network::neurons()
+
+  // Whether a law or neuron may be called from the thread alone that runs the simulation.
+  [[nodiscard]] bool on_one_thread() const noexcept;
 };
 [[nodiscard]] CompiledLaws compile_laws(const Network& network, const PluginHost& plugins);
 

@@ -32,7 +32,7 @@ std::vector<double> masses(const Network& network, const std::vector<std::uint32
 Model::Model(const Network& network, const PluginHost& plugins, const SimulationOptions& options)
     : layout(network, plugins, options.renumber, options.threads),
       mass(masses(network, layout.ordering().user)),
-      evaluator(layout, mass, options.instruction_set, options.threads),
+      evaluator(layout, mass, options.instruction_set, layout.laws().on_one_thread() ? 1 : options.threads),
       loads(network, layout),
       constraints(network, layout.ordering().user, layout.ordering().engine, mass),
       contact(constraints.contact()),
