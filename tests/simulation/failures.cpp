@@ -8,6 +8,7 @@
 #include <springnet/error.hpp>
 
 #define SPRINGNET_STATIC_PLUGIN failures
+#include <springnet/sdk/integrator.hpp>
 #include <springnet/sdk/law.hpp>
 #include <springnet/sdk/neuron.hpp>
 
@@ -38,7 +39,7 @@ struct Throws : sdk::SpringFunction {
 struct Remembers : sdk::SpringFunction {
   static constexpr const char* id = "remembers";
   static constexpr const char* summary = "has internal state";
-  static constexpr sdk::Parameter states[] = {sdk::number("damage", "1", "0 is whole")};
+  static constexpr sdk::Parameter states[] = {sdk::number("damage", "1", "0 is whole").preset(0).at_least(0)};
   static auto force(const auto& e, const auto&) { return e.q * e.state(0); }
   template <class Real>
   static std::array<Real, 1> state_rates(const sdk::Element<Real>& e, const sdk::Parameters<Real>&) {
@@ -46,8 +47,52 @@ struct Remembers : sdk::SpringFunction {
   }
 };
 
+struct Steered : sdk::SpringFunction {
+  static constexpr const char* id = "steered";
+  static constexpr const char* summary = "reads a signal";
+  static constexpr sdk::Parameter inputs[] = {sdk::number("activation", "1", "of a muscle").preset(0)};
+  static auto force(const auto& e, const auto&) { return e.q * e.input(0); }
+};
+
+struct Measured : sdk::SpringFunction {
+  static constexpr const char* id = "measured";
+  static constexpr const char* summary = "reads a curve";
+  static constexpr sdk::Table tables[] = {sdk::table("curve", "N", "tension")};
+  static double prepare(const sdk::TableSource& source) { return source[0][0]; }
+  static auto force(const auto& e, const auto&) { return e.q * e.table; }
+};
+
+// A law of an area, and one that needs a reference value.
+struct Skin : sdk::SpringFunction {
+  static constexpr const char* id = "skin";
+  static constexpr const char* summary = "of an area";
+  static constexpr std::uint32_t invariant = SPRINGNET_AREA;
+  static auto force(const auto& e, const auto&) { return e.elongation(); }
+};
+struct LengthOnly : sdk::SpringFunction {
+  static constexpr const char* id = "length_only";
+  static constexpr const char* summary = "does not say that it fits elements";
+  static auto force(const auto& e, const auto&) { return e.elongation(); }
+};
+struct Strained : sdk::SpringFunction {
+  static constexpr const char* id = "strained";
+  static constexpr const char* summary = "of the strain";
+  static constexpr bool fits_elements = true;
+  static constexpr bool divides_by_reference = true;
+  static auto force(const auto& e, const auto&) { return e.strain(); }
+};
+
+class Forgetful : public sdk::Integrator {
+ public:
+  static constexpr const char* id = "forgetful";
+  static constexpr const char* summary = "does not integrate internal state";
+  Forgetful(sdk::Host, sdk::Options) {}
+  springnet_status advance(double, springnet_step_report&) { return SPRINGNET_FAILED; }
+};
+
 // A finitely extensible spring (Warner 1972): beyond its limit the formula's force is finite, its energy is not.
 struct Fene : sdk::SpringFunction {
+  using has = sdk::Has<sdk::Energy>;
   static constexpr const char* id = "fene";
   static constexpr const char* summary = "force grows without bound towards a greatest length";
   static constexpr sdk::Parameter parameters[] = {sdk::number("stiffness", "N/m", "at length 0").at_least(0),
@@ -79,8 +124,8 @@ struct ThrowingNeuron : sdk::Neuron {
 
 }  // namespace
 
-SPRINGNET_PLUGIN("test.failures", "1.0.0", "springnet", "MIT", NanBeyond, Throws, Remembers, Fene, NanNeuron,
-                 ThrowingNeuron);
+SPRINGNET_PLUGIN("test.failures", "1.0.0", "springnet", "MIT", NanBeyond, Throws, Remembers, Steered, Measured, Skin,
+                 LengthOnly, Strained, Forgetful, Fene, NanNeuron, ThrowingNeuron);
 
 using namespace springnet;
 using namespace springnet::testing;
@@ -139,12 +184,47 @@ TEST_CASE("an exception of a law becomes the error of the step") {
   }
 }
 
-TEST_CASE("a law with internal state is refused by name") {
-  Network net;
-  net.add_node(point({0, 0, 0}));
-  net.add_node(point({1, 0, 0}));
-  net.add_spring(0, 1, net.add_material({LawUse{"remembers", {}}, std::nullopt}));
-  CHECK_THROWS_WITH_AS(Simulation(net, host(), {}), doctest::Contains("'remembers': has internal state"), Error);
+TEST_CASE("laws that read signals or tables are refused by name") {
+  for (const auto& [id, reason] : {std::pair{"steered", "'steered': reads input signals"},
+                                   std::pair{"measured", "'measured': prepares a table"}}) {
+    const Network net = oscillator(Material{LawUse{id, {}}, std::nullopt}, 1.0, 0.0);
+    CHECK_THROWS_WITH_AS(Simulation(net, host(), {}), doctest::Contains(reason), Error);
+  }
+}
+
+TEST_CASE("an integrator that does not integrate internal state is refused where a law has some") {
+  const Network net = oscillator(Material{LawUse{"remembers", {}}, std::nullopt}, 1.0, 0.0);
+  SimulationOptions options;
+  CHECK_NOTHROW(Simulation(net, host(), options));
+  options.integrator = {"forgetful", {}};
+  CHECK_THROWS_WITH_AS(Simulation(net, host(), options),
+                       doctest::Contains("integrator 'forgetful' does not integrate the internal state of laws"),
+                       Error);
+  const Network without = oscillator(damped(1.0, 0.0), 1.0, 0.0);
+  CHECK_NOTHROW(Simulation(without, host(), options));
+}
+
+TEST_CASE("laws are used on elements that they are made for, or declare to fit") {
+  const auto with = [](const char* law, Invariant invariant, double reference) {
+    Network net;
+    net.add_node(point({0, 0, 0}));
+    net.add_node(point({1, 0, 0}));
+    net.add_node(point({0, 1, 0}));
+    const MaterialIndex material = net.add_material({LawUse{law, {}}, std::nullopt});
+    net.set_reference(net.add_element(invariant, {0, 1, 2}, material), reference);
+    return net;
+  };
+  CHECK_NOTHROW(Simulation(with("skin", Invariant::area, 0.5), host(), {}));
+  CHECK_NOTHROW(Simulation(with("skin", Invariant::area, 0.0), host(), {}));
+  CHECK_NOTHROW(Simulation(with("strained", Invariant::area, 0.5), host(), {}));
+  CHECK_THROWS_WITH_AS(Simulation(with("skin", Invariant::angle, 0.5), host(), {}),
+                       doctest::Contains("'skin' reads an area"), Error);
+  CHECK_THROWS_WITH_AS(Simulation(with("length_only", Invariant::area, 0.5), host(), {}),
+                       doctest::Contains("'length_only' reads a length; use a law on the length that declares"), Error);
+  CHECK_THROWS_WITH_AS(Simulation(with("strained", Invariant::area, 0.0), host(), {}),
+                       doctest::Contains("'strained' divides by the reference value, which is 0 here"), Error);
+  const Network spring = oscillator(Material{LawUse{"skin", {}}, std::nullopt}, 1.0, 0.0);
+  CHECK_THROWS_WITH_AS(Simulation(spring, host(), {}), doctest::Contains("'skin' reads an area"), Error);
 }
 
 TEST_CASE("unknown laws and integrators give the nearest name, parameters out of range their own") {

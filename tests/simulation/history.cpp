@@ -8,6 +8,7 @@
 
 #include <springnet/error.hpp>
 #include <springnet/plugin_host.hpp>
+#include <springnet/sdk/host.hpp>
 
 #include "constraints/vectors.hpp"
 #include "generator.hpp"
@@ -42,7 +43,10 @@ class Driven {
     springnet_step_report report{};
     report.struct_size = sizeof report;
     engine_.calls().begin_advance(until);
-    return component_->integrator().advance(integrator_, until, &report) == SPRINGNET_OK;
+    auto request = sdk::sized<springnet_advance>();
+    request.until = until;
+    request.report = &report;
+    return component_->integrator().advance(integrator_, &request) == SPRINGNET_OK;
   }
   // The host forgets, and all that the integrator could keep is gone with it.
   void begin_anew() {
@@ -65,7 +69,9 @@ class Driven {
     system.shift = 2.0;
     system.at = &at;
     static_cast<void>(host_.prepare_system(host_.context, &system));
-    static_cast<void>(host_.linearise(host_.context, &at));
+    auto linearisation = sdk::sized<springnet_linearisation>();
+    linearisation.at = &at;
+    static_cast<void>(host_.linearise(host_.context, &linearisation));
   }
   [[nodiscard]] Engine& engine() noexcept { return engine_; }
 
@@ -73,7 +79,12 @@ class Driven {
   void create() {
     const std::vector<double> values =
         complete_parameters(*component_->description, options_.integrator.parameters, "integrator");
-    REQUIRE(component_->integrator().create(&host_, values.data(), &integrator_) == SPRINGNET_OK);
+    auto creation = sdk::sized<springnet_integrator_creation>();
+    creation.host = &host_;
+    creation.option_count = static_cast<std::uint32_t>(values.size());
+    creation.options = values.data();
+    REQUIRE(component_->integrator().create(component_->integrator().context, &creation) == SPRINGNET_OK);
+    integrator_ = creation.integrator;
   }
 
   SimulationOptions options_;

@@ -57,7 +57,7 @@ void check_matrix_free(PreparedSystem& system, double shift, double accuracy, do
   CHECK(system.answer.residual <= accuracy);
   CHECK(system.answer.iterations > 0);
   const springnet_evaluation at = system.evaluation();
-  REQUIRE(system.table.linearise(system.table.context, &at) == SPRINGNET_OK);
+  REQUIRE(system.linearise(at) == SPRINGNET_OK);
   CHECK(system.residual_of(b, system.x) <= accuracy + left_out);
   const std::size_t n = system.node_count();
   for (std::size_t i = 0; i < 3 * n; ++i)
@@ -141,7 +141,7 @@ TEST_CASE(
       REQUIRE(system.prepare(t, t * t, 0.0, false) == SPRINGNET_OK);
       REQUIRE(system.solve(b, 1e-4) == SPRINGNET_OK);
       const springnet_evaluation at = system.evaluation();
-      REQUIRE(system.table.linearise(system.table.context, &at) == SPRINGNET_OK);
+      REQUIRE(system.linearise(at) == SPRINGNET_OK);
       const double residual = system.residual_of(b, system.x);
       if (system.answer.outcome == SPRINGNET_SOLVED) CHECK(residual <= 1e-3);
       if (decades == 6.0) CHECK(system.answer.outcome == SPRINGNET_SOLVED);

@@ -286,8 +286,8 @@ TEST_CASE("a prepared system survives later derivatives and factorisations, and 
   const Eigen::VectorXd before = system.x;
   PreparedSystem other(net, 1, InstructionSet::best, 0.3);
   springnet_evaluation elsewhere = other.evaluation();
-  REQUIRE(system.table.linearise(system.table.context, &elsewhere) == SPRINGNET_OK);
-  REQUIRE(system.table.factorise(system.table.context, 3.0 * t, t) == SPRINGNET_OK);
+  REQUIRE(system.linearise(elsewhere) == SPRINGNET_OK);
+  REQUIRE(system.factorise(3.0 * t, t) == SPRINGNET_OK);
   REQUIRE(system.solve(b, 1e-12) == SPRINGNET_OK);
   CHECK(system.x == before);
   // With the derivatives at hand: those of `elsewhere`.
@@ -301,14 +301,14 @@ TEST_CASE("a factorisation of the host's and one of the integrator's do not meet
   const Eigen::VectorXd b = system.right_side();
   Eigen::VectorXd own = b, again = b, first;
   REQUIRE(system.prepare(t, t * t) == SPRINGNET_OK);
-  REQUIRE(system.table.factorise(system.table.context, 0.5 * t, 0.1 * t * t) == SPRINGNET_OK);
-  REQUIRE(system.table.solve(system.table.context, 0, b.data(), own.data()) == SPRINGNET_OK);
+  REQUIRE(system.factorise(0.5 * t, 0.1 * t * t) == SPRINGNET_OK);
+  REQUIRE(system.solve_factorised(b.data(), own.data()) == SPRINGNET_OK);
   REQUIRE(system.solve(b, unreachable) == SPRINGNET_OK);
   REQUIRE(system.answer.iterations == 0);
   first = system.x;
-  REQUIRE(system.table.solve(system.table.context, 0, b.data(), again.data()) == SPRINGNET_OK);
+  REQUIRE(system.solve_factorised(b.data(), again.data()) == SPRINGNET_OK);
   CHECK(own == again);
-  REQUIRE(system.table.factorise(system.table.context, 0.2 * t, 0.3 * t * t) == SPRINGNET_OK);
+  REQUIRE(system.factorise(0.2 * t, 0.3 * t * t) == SPRINGNET_OK);
   REQUIRE(system.solve(b, unreachable) == SPRINGNET_OK);
   CHECK(system.x == first);
 }

@@ -8,6 +8,8 @@
 
 #include <Eigen/Dense>
 
+#include <springnet/sdk/host.hpp>
+
 #include "nets.hpp"
 #include "simulation/engine.hpp"
 #include "simulation/host_table.hpp"
@@ -20,8 +22,13 @@ class PreparedSystem {
   explicit PreparedSystem(const Network& net, unsigned threads = 1, InstructionSet set = InstructionSet::best,
                           double stir = 0.0)
       : engine(net, *plugins(), options(threads, set)), table(make_host_table(engine)) {
-    REQUIRE(table.begin_step(table.context, 0.0, 1e-3) == SPRINGNET_OK);
-    const springnet_state* state = table.committed(table.context, &time);
+    auto interval = sdk::sized<springnet_interval>();
+    interval.until = 1e-3;
+    REQUIRE(table.begin(table.context, &interval) == SPRINGNET_OK);
+    auto committed = sdk::sized<springnet_committed>();
+    REQUIRE(table.committed(table.context, &committed) == SPRINGNET_OK);
+    const springnet_state* state = committed.state;
+    time = committed.time;
     const std::size_t n = node_count();
     const double* position[3] = {state->position.x, state->position.y, state->position.z};
     const double* velocity[3] = {state->velocity.x, state->velocity.y, state->velocity.z};
@@ -46,6 +53,25 @@ class PreparedSystem {
     return at;
   }
 
+  springnet_status linearise(const springnet_evaluation& at, double elimination = 0.0) {
+    auto request = sdk::sized<springnet_linearisation>();
+    request.at = &at;
+    request.elimination = elimination;
+    return table.linearise(table.context, &request);
+  }
+  springnet_status factorise(double velocity_weight, double position_weight) {
+    auto request = sdk::sized<springnet_factorisation>();
+    request.velocity_weight = velocity_weight;
+    request.position_weight = position_weight;
+    return table.factorise(table.context, &request);
+  }
+  // With the factors of the integrator's own.
+  springnet_status solve_factorised(const double* right_side, double* solution) {
+    auto request = sdk::sized<springnet_solve>();
+    request.right_side = right_side;
+    request.x = solution;
+    return table.solve(table.context, &request);
+  }
   springnet_status prepare(double velocity_weight, double position_weight, double shift = 0.0, bool exact = true,
                            bool at_state = true) {
     const springnet_evaluation at = evaluation();

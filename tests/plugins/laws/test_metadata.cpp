@@ -105,3 +105,23 @@ TEST_CASE("flags of the shipped laws: quantities read, functions provided") {
   CHECK((viscosity("relative").capabilities & SPRINGNET_READS_RATE) == 0);
   CHECK((viscosity("linear").capabilities & SPRINGNET_HAS_ENERGY) == 0);
 }
+
+TEST_CASE("promises of the shipped laws: which fit elements, divide by the reference, are monotone") {
+  const auto has = [](const springnet_component& component, std::uint64_t flag) {
+    return (component.capabilities & flag) != 0;
+  };
+  for (const char* id : {"linear", "nonlinear", "exponential", "rupturing"}) {
+    CAPTURE(std::string(id));
+    const std::string name = id;
+    CHECK(has(spring(id), SPRINGNET_FITS_ELEMENTS));
+    CHECK(has(spring(id), SPRINGNET_DIVIDES_BY_REFERENCE) == (name == "exponential"));
+    CHECK(has(spring(id), SPRINGNET_MONOTONE) == (name == "linear" || name == "exponential"));
+    CHECK_FALSE(has(spring(id), SPRINGNET_NOT_ZERO_AT_REST | SPRINGNET_ADDS_POWER | SPRINGNET_READS_TIME));
+    CHECK(spring(id).needs == 0);
+  }
+  for (const char* id : {"linear", "power"}) {
+    CHECK(has(viscosity(id), SPRINGNET_FITS_ELEMENTS));
+    CHECK(has(viscosity(id), SPRINGNET_MONOTONE));
+  }
+  CHECK_FALSE(has(viscosity("relative"), SPRINGNET_FITS_ELEMENTS));
+}
