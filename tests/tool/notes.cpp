@@ -127,6 +127,22 @@ TEST_CASE("a refused plugin that would provide a law of the scene is noted with 
   CHECK(testing::springnet(folder, arguments).out.find("note: Plugin refused: " + own) != std::string::npos);
 }
 
+TEST_CASE("a scene says whose law it means where two plugins have one of that name") {
+  const TemporaryFolder folder;
+  folder.write("pair.toml", testing::pair_scene);
+  const std::string arguments =
+      "run pair.toml --json --plugins " + (std::filesystem::path(SPRINGNET_FIXTURES) / "rival").string();
+  const auto ambiguous = testing::springnet(folder, arguments);
+  CHECK(ambiguous.status != 0);
+  CHECK(ambiguous.err.find("pair.toml") != std::string::npos);
+  CHECK(ambiguous.err.find("'linear@org.example.rival' or 'linear@springnet.spring.linear'") != std::string::npos);
+  for (const char* law : {"linear@org.example.rival", "linear@springnet.spring.linear"}) {
+    CAPTURE(std::string(law));
+    CHECK(testing::springnet(folder, arguments + " --set 'body.0.spring={type=\"" + law + "\",stiffness=4}'").status ==
+          0);
+  }
+}
+
 TEST_CASE("refused plugins that do not matter to the run are counted in one note") {
   const TemporaryFolder folder;
   folder.write("pair.toml", testing::pair_scene);

@@ -60,7 +60,7 @@ TEST_CASE("plugin show has parameters with unit, default, bounds and choices") {
   const auto components = answer.json();
   REQUIRE(components.size() == 1);
   CHECK(components[0]["kind"] == "integrator");
-  CHECK(components[0]["abi"].get<std::string>().starts_with("1."));
+  CHECK(components[0]["abi"].get<std::string>().starts_with("2."));
   const auto& update = components[0]["parameters"][0];
   CHECK(update["name"] == "update");
   CHECK(update["type"] == "choice");
