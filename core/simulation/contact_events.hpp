@@ -28,6 +28,12 @@ class ContactEvents {
   };
   // For the present revision of the model.
   [[nodiscard]] const std::vector<Source>& sources();
+  // To be called when a state is committed. Offsets of sources follow the state that was committed after the change of
+  // the network, whoever asked for them in between.
+  void committed() noexcept {
+    if (committed_revision_ != model_.revision) sources_revision_ = 0;
+    committed_revision_ = model_.revision;
+  }
   // Of these, and after them of the springs and elements that may break.
   [[nodiscard]] std::size_t count() { return sources().size() + topology_.rupturing_count(); }
   // Values and directions of all of them, as in springnet_host::event_values.
@@ -51,6 +57,7 @@ class ContactEvents {
   Topology& topology_;
   std::vector<Source> sources_;
   std::uint64_t sources_revision_ = 0;
+  std::uint64_t committed_revision_ = 0;  // of the network at the last commit
 };
 
 }  // namespace springnet

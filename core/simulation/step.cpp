@@ -131,6 +131,7 @@ springnet_status Engine::commit(double time, State& state) {
   model_.state.swap(state);
   const double from = model_.time;
   model_.time = time;
+  contact_events_.committed();
   model_.stale.reactions = true;
   model_.stale.forces = model_.state.view.force_is_current == 0;
   model_.time_before = from;

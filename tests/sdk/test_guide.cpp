@@ -15,6 +15,7 @@ extern const springnet_plugin springnet_plugin_entry_example_3;
 extern const springnet_plugin springnet_plugin_entry_example_4;
 extern const springnet_plugin springnet_plugin_entry_example_5;
 extern const springnet_plugin springnet_plugin_entry_example_6;
+extern const springnet_plugin springnet_plugin_entry_example_7;
 }
 
 namespace {
@@ -24,7 +25,7 @@ std::shared_ptr<const PluginHost> plugins() {
   auto host = std::make_shared<PluginHost>(PluginHost::with_default_search());
   for (const springnet_plugin* plugin :
        {&springnet_plugin_entry_example_1, &springnet_plugin_entry_example_3, &springnet_plugin_entry_example_4,
-        &springnet_plugin_entry_example_5, &springnet_plugin_entry_example_6}) {
+        &springnet_plugin_entry_example_5, &springnet_plugin_entry_example_6, &springnet_plugin_entry_example_7}) {
     CAPTURE(std::string(plugin->id));
     CHECK(host->add(*plugin));
   }
@@ -87,8 +88,29 @@ TEST_CASE("the engine breaks the guide's brittle spring, and refuses its muscle"
   simulation.advance_to(1.0);
   CHECK(simulation.live_spring_count() == 0);
 
-  const Network with_memory = swinging({"muscle", {{"relaxation_time", 1.0}}}, {"point_mass", {}});
-  CHECK_THROWS_WITH_AS(Simulation(with_memory, host, options), doctest::Contains("internal state"), Error);
+  const Network with_input = swinging({"muscle_of_curve", {}}, {"point_mass", {}});
+  CHECK_THROWS_WITH_AS(Simulation(with_input, host, options), doctest::Contains("reads input signals"), Error);
+}
+
+TEST_CASE("the guide's law with memory relaxes, and its integrator, which knows of no states, refuses it") {
+  const auto host = plugins();
+  Network network;
+  network.add_node({});
+  network.add_node({.position = {1.5, 0.0, 0.0}});
+  network.fix(0);
+  network.fix(1);
+  const LawUse law{"relaxing", {{"stiffness", 4.0}, {"relaxation_time", 0.5}}};
+  network.add_spring(0, 1, network.add_material({law, {}}), 1.0);
+  SimulationOptions options;
+  options.time_step = 0.001;
+  Simulation simulation(network, host, options);
+  CHECK(simulation.internal_states(0) == std::vector<double>{0.5});  // it begins without tension
+  simulation.move_node(1, {2.0, 0.0, 0.0}, 0.001);
+  simulation.advance_to(1.001);
+  CHECK(simulation.tension(0) == doctest::Approx(4.0 * 0.5 * std::exp(-1.0 / 0.5)).epsilon(5e-3));
+  options.integrator = {"euler", {}};
+  CHECK_THROWS_WITH_AS(Simulation(network, host, options), doctest::Contains("does not integrate the internal state"),
+                       Error);
 }
 
 TEST_CASE("inspect reports the actual limit of the guide's integrator") {

@@ -174,8 +174,8 @@ class SPRINGNET_API Simulation {
   void tensions(std::vector<double>& out) const;
   void spring_energies(std::vector<double>& out) const;
 
-  // Internal states of a spring, or an element: those of its spring function in the order in which the law declares them,
-  // then those of its viscosity function. Empty if the laws have none. Those of a removed one stay as they were.
+  // Internal states of a spring, or an element: those of its spring function in the order in which the law declares
+  // them, then those of its viscosity function. Empty if the laws have none. Those of a removed one stay as they were.
   [[nodiscard]] std::vector<double> internal_states(SpringIndex spring) const;
   [[nodiscard]] std::vector<double> element_internal_states(ElementIndex element) const;
 

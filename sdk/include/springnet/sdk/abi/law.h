@@ -118,8 +118,8 @@ typedef struct springnet_law {
   uint32_t state_count;
   uint32_t input_count;
   uint32_t table_count;
-  uint32_t update_order;                    /* 1 or 2: the highest of `update` */
-  uint32_t reads_start;                     /* 1: steps of order 1 read the invariant at their start, too */
+  uint32_t update_order; /* 1 or 2: the highest of `update` */
+  uint32_t reads_start;  /* 1: steps of order 1 read the invariant at their start, too */
   uint32_t reserved;
   const springnet_parameter* const* states; /* name, unit, bounds, scale; default: value at the start */
   const springnet_parameter* const* inputs; /* default: while a scene gives no signal */
