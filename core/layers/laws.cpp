@@ -298,7 +298,7 @@ CompiledLaws compile_laws(const Network& network, const PluginHost& plugins) {
 
 bool CompiledLaws::on_one_thread() const noexcept {
   return std::any_of(groups.begin(), groups.end(),
-                     [](const Group& group) { return group.can(SPRINGNET_CALLING_THREAD_ONLY); }) ||
+                     [](const Group& each) { return each.can(SPRINGNET_CALLING_THREAD_ONLY); }) ||
          std::any_of(neurons.begin(), neurons.end(), [](const NeuronKind& neuron) {
            return (neuron.component->description->capabilities & SPRINGNET_CALLING_THREAD_ONLY) != 0;
          });
