@@ -221,7 +221,7 @@ constexpr std::array<double, 4> options{1.0, 1e-8, 12.0, 1.0};
 
 // Creates an integrator with the first `count` options.
 springnet_status create(const springnet_integrator& table, FakeHost& host, void*& integrator,
-                        std::uint32_t count = options.size()) {
+                        std::uint32_t count = static_cast<std::uint32_t>(options.size())) {
   auto creation = sized<springnet_integrator_creation>();
   creation.host = &host.table;
   creation.option_count = count;
