@@ -41,7 +41,7 @@ struct Damaging : SpringFunction {
     // Below the threshold the strain is not divided by.
     const auto strain = max(e.strain(), p[threshold_strain]);
     const auto aim = min(share * (1.0 - p[threshold_strain] / strain), 1.0);
-    return std::array{max(aim - e.state(damage), 0.0) / p[relaxation_time]};
+    return std::array{max(aim - e.state(damage), 0.0) * (1.0 / p[relaxation_time])};
   }
 };
 

@@ -35,7 +35,7 @@ struct Plastic : SpringFunction {
   static auto state_rates(const auto& e, const auto& p) {
     const auto drive = force(e, p) - p[hardening] * e.state(flow);
     const auto over = max(drive - p[yield_tension], 0.0) + min(drive + p[yield_tension], 0.0);
-    return std::array{over / (p[stiffness] * p[relaxation_time])};
+    return std::array{over * (1.0 / (p[stiffness] * p[relaxation_time]))};
   }
 };
 

@@ -34,7 +34,7 @@ struct StandardLinearSolid : SpringFunction {
   }
 
   static auto state_rates(const auto& e, const auto& p) {
-    return std::array{(e.elongation() - e.state(flow)) / p[relaxation_time]};
+    return std::array{(e.elongation() - e.state(flow)) * (1.0 / p[relaxation_time])};
   }
 
   static auto start(const auto& e, const auto& p) {

@@ -81,16 +81,16 @@ class Streams {
 // Kernel::run(batch), compiled for the instruction set that the host chose. An unknown set, or one of another
 // processor family, falls back to the generic code, which gives the same bits.
 template <class Kernel, class Batch>
-void run_generic(const Batch& batch) {
+SPRINGNET_FLATTEN void run_generic(const Batch& batch) {
   Kernel::run(batch);
 }
 #if defined(__x86_64__) && defined(__GNUC__) && !defined(SPRINGNET_GENERIC_ONLY)
 template <class Kernel, class Batch>
-[[gnu::target("avx2"), gnu::flatten]] void run_avx2(const Batch& batch) {
+[[gnu::target("avx2")]] SPRINGNET_FLATTEN void run_avx2(const Batch& batch) {
   Kernel::run(batch);
 }
 template <class Kernel, class Batch>
-[[gnu::target(SPRINGNET_TARGET_AVX512), gnu::flatten]] void run_avx512(const Batch& batch) {
+[[gnu::target(SPRINGNET_TARGET_AVX512)]] SPRINGNET_FLATTEN void run_avx512(const Batch& batch) {
   Kernel::run(batch);
 }
 #endif

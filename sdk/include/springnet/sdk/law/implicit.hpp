@@ -59,21 +59,24 @@ class ImplicitStage {
 
   // False: the state of an element was not found.
   SPRINGNET_INLINE bool solve(const Base& base, Base& next) const {
-    double off[chunk_size];  // > 0: not found in two iterations
-    double most_off = 0.0;
-    for (std::uint32_t i = 0; i < chunk_.count; ++i) {
-      Values start, first, second;
+    // Two iterations with the derivatives of the first, in a loop that vectorises.
+    double off[chunk_size];  // 0: found
+    const std::uint32_t count = chunk_.count;
+    SPRINGNET_INDEPENDENT_ITERATIONS
+    for (std::uint32_t i = 0; i < count; ++i) {
+      Values start, defect, second;
       for (std::size_t j = 0; j < S; ++j) start[j] = chunk_.states[j][i];
-      const Values change = correction(i, start, base);
-      for (std::size_t j = 0; j < S; ++j) first[j] = start[j] + change[j];
-      const Values rest = correction(i, first, base);
-      for (std::size_t j = 0; j < S; ++j) second[j] = first[j] + rest[j];
-      for (std::size_t j = 0; j < S; ++j) next[j][i] = second[j];
-      off[i] = excess(start, first, rest) + outside(second);
-      most_off = off[i] > most_off || off[i] != off[i] ? off[i] : most_off;
+      const Matrix A = newton_matrix(i, start, base, defect);
+      const Values change = solve_small<S>(A, defect);
+      for (std::size_t j = 0; j < S; ++j) second[j] = start[j] + change[j];
+      const Values rest = solve_small<S>(A, defect_of(i, second, base));
+      for (std::size_t j = 0; j < S; ++j) next[j][i] = second[j] = second[j] + rest[j];
+      off[i] = excess(start, change, rest) + outside(second);
     }
-    if (most_off == 0.0) return true;
-    for (std::uint32_t i = 0; i < chunk_.count; ++i)
+    std::uint64_t not_found = 0;
+    for (std::uint32_t i = 0; i < count; ++i) not_found += off[i] == 0.0 ? 0u : 1u;
+    if (not_found == 0) return true;
+    for (std::uint32_t i = 0; i < count; ++i)
       if (!(off[i] == 0.0) && !search(i, base, next)) return false;
     return true;
   }
@@ -98,26 +101,41 @@ class ImplicitStage {
   [[nodiscard]] SPRINGNET_INLINE double weight() const { return weight_; }
 
  private:
-  // Newton's: (I - weight dr/dz) correction = base + weight r - z
-  SPRINGNET_INLINE Values correction(std::uint32_t i, const Values& states, const Base& base) const {
-    Values rate, defect;
+  // Newton's method: (I - weight dr/dz) correction = defect, base + weight r - z.
+  SPRINGNET_INLINE Matrix newton_matrix(std::uint32_t i, const Values& states, const Base& base, Values& defect) const {
+    Values rate;
     Matrix by_states;
     rates(i, states, rate, by_states);
     for (std::size_t j = 0; j < S; ++j) defect[j] = (base[j][i] - states[j]) + weight_ * rate[j];
-    return solve_small<S>(matrix(by_states), defect);
+    return matrix(by_states);
+  }
+  SPRINGNET_INLINE Values correction(std::uint32_t i, const Values& states, const Base& base) const {
+    Values defect;
+    const Matrix A = newton_matrix(i, states, base, defect);
+    return solve_small<S>(A, defect);
+  }
+  SPRINGNET_INLINE Values defect_of(std::uint32_t i, const Values& states, const Base& base) const {
+    LawArguments<Law, Dual<0>> a(chunk_, constants_, i, Kind{});
+    for (std::size_t j = 0; j < S; ++j) a.states[j] = states[j];
+    const std::array<Dual<0>, S> r = chunk_.law->state_rates(a.element, a.values());
+    Values defect;
+    for (std::size_t j = 0; j < S; ++j) defect[j] = (base[j][i] - states[j]) + weight_ * r[j].value;
+    return defect;
   }
   // Of a state near 0, by its declared scale.
   SPRINGNET_INLINE static double rounding_of(std::size_t j) {
     return 4.0 * std::numeric_limits<double>::epsilon() * Traits::StateList::get()[j].scale;
   }
-  // 0 if `rest` is so small that nothing is left after it: Newton's method converges quadratically. nan if it is nan.
-  SPRINGNET_INLINE static double excess(const Values& start, const Values& at, const Values& rest) {
-    constexpr double converged = 1e-9;
+  // 0 if the second correction is rounding, or what would follow it, about rest^2 / change; nan if it is nan.
+  SPRINGNET_INLINE static double excess(const Values& start, const Values& change, const Values& rest) {
+    constexpr double rounding = 16.0 * std::numeric_limits<double>::epsilon();
     double result = 0.0;
     for (std::size_t j = 0; j < S; ++j) {
-      const double size = std::abs(at[j]) > std::abs(start[j]) ? std::abs(at[j]) : std::abs(start[j]);
-      const double over = std::abs(rest[j]) - (converged * size + rounding_of(j));
-      result += over <= 0.0 ? 0.0 : over;
+      const double size = std::abs(start[j]) + std::abs(change[j]);
+      const double least = rounding * size + rounding_of(j);
+      const double last = std::abs(rest[j]) - least;
+      const double following = rest[j] * rest[j] - 0.25 * least * std::abs(change[j]);
+      result += last <= 0.0 || following <= 0.0 ? 0.0 : std::abs(last);
     }
     return result;
   }
@@ -138,20 +156,18 @@ class ImplicitStage {
     }
   }
   double norm(std::uint32_t i, const Values& states, const Base& base) const {
-    Values rate;
-    Matrix by_states;
-    rates(i, states, rate, by_states);
+    const Values defect = defect_of(i, states, base);
     double sum = 0.0;
     for (std::size_t j = 0; j < S; ++j) {
-      const double defect = ((base[j][i] - states[j]) + weight_ * rate[j]) / Traits::StateList::get()[j].scale;
-      sum += defect * defect;
+      const double scaled = defect[j] / Traits::StateList::get()[j].scale;
+      sum += scaled * scaled;
     }
     return std::sqrt(sum);
   }
 
   // Newton's method with a line search on the defect, from where the step starts, within bounds. With one state also
   // between two points where the defect has opposite signs, once they are known.
-  bool search(std::uint32_t i, const Base& base, Base& next) const {
+  SPRINGNET_APART bool search(std::uint32_t i, const Base& base, Base& next) const {
     constexpr int most_iterations = 200, most_halvings = 40;
     constexpr double settled = 4.0 * std::numeric_limits<double>::epsilon();
     Values at;
@@ -177,7 +193,7 @@ class ImplicitStage {
       }
       if constexpr (S == 1) {
         // A kink may throw Newton's method from side to side: keep the two nearest, and halve between them.
-        const double defect = defect_of_one(i, at[0], base);
+        const double defect = defect_of(i, at, base)[0];
         (defect > 0.0 ? low : high) = at[0];
         if (moves && !(trial_size < size) && low == low && high == high) {
           const double middle = low + 0.5 * (high - low);
@@ -202,12 +218,6 @@ class ImplicitStage {
     }
     for (std::size_t j = 0; j < S; ++j) next[j][i] = at[j];
     return is_solution(i, at, base);
-  }
-  double defect_of_one(std::uint32_t i, double state, const Base& base) const {
-    Values rate;
-    Matrix by_states;
-    rates(i, {state}, rate, by_states);
-    return (base[0][i] - state) + weight_ * rate[0];
   }
   // Whether what is left of the defect is the rounding of its terms; a bound may hold the state back from there.
   bool is_solution(std::uint32_t i, const Values& states, const Base& base) const {

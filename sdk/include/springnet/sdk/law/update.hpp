@@ -30,9 +30,8 @@ class UpdateKernel {
   static constexpr std::size_t P = Traits::parameter_count;
   static constexpr std::size_t S = Traits::state_count;
   static constexpr std::size_t I = Traits::input_count;
-  // Derivatives by q, its rate and the states at the start.
-  static constexpr std::size_t D = 2 + S;
-  static constexpr double g = 0.29289321881345248;  // 1 - 1/sqrt(2)
+  static constexpr std::size_t along = Traits::reads_rate ? 2 : 1;  // derivatives by q, and by its rate
+  static constexpr double g = 0.29289321881345248;                  // 1 - 1/sqrt(2)
   static constexpr double carried = (1.0 - g) / g;
 
  public:
@@ -57,6 +56,16 @@ class UpdateKernel {
   struct Between {
     double q[detail::chunk_size], rate[detail::chunk_size];
     double inputs[I == 0 ? 1 : I][detail::chunk_size];
+  };
+
+  // What the stages of a chunk were, for their derivatives. Chunks have the states at the start.
+  template <Varying varying>
+  struct Stages {
+    const Chunk &end, &middle;
+    const Array &first, &next;  // states found
+    double time_step;
+    std::array<double, Chunk::N> fixed = detail::constants_of<varying>(end);
+    std::array<double, Chunk::N> fixed_middle = detail::constants_of<varying>(middle);
   };
 
   template <Varying varying>
@@ -106,65 +115,58 @@ class UpdateKernel {
     return detail::ImplicitStage<Law, varying>(second, g * h).solve(base, next);
   }
 
-  // The arguments of element i with the derivatives that seed(arguments) gives them; those of the states are 0.
-  template <class Real, Varying varying, class Seed>
-  SPRINGNET_INLINE static std::array<Real, S> seeded_rates(const Chunk& c, const std::array<double, Chunk::N>& fixed,
-                                                           std::uint32_t i, Kind<varying> kind, double share,
-                                                           const std::array<double, S>& states, const Seed& seed) {
-    Arguments<Real> a(c, fixed, i, kind);
+  // A stage's solution `value` as a function of N seeds, by the implicit function theorem:
+  // (I - weight dr/dz) dZ = d(base) + weight dr. The rates are evaluated once, with derivatives by seeds and by states.
+  template <std::size_t N, Varying varying, class Seed>
+  SPRINGNET_INLINE static std::array<Dual<N>, S> implicit(const Chunk& c, const std::array<double, Chunk::N>& fixed,
+                                                          std::uint32_t i, Kind<varying> kind, double weight,
+                                                          double share, const std::array<Dual<N>, S>& base,
+                                                          const std::array<double, S>& value, const Seed& seed) {
+    Arguments<Dual<N + S>> a(c, fixed, i, kind);
     seed(a, share);
-    for (std::size_t j = 0; j < S; ++j) a.states[j] = states[j];
-    return c.law->state_rates(a.element, a.values());
-  }
-
-  // A stage's solution `value` as a function of the seeds, by the implicit function theorem:
-  // (I - weight dr/dz) dZ = d(base) + weight dr.
-  template <class Real, Varying varying, class Seed>
-  SPRINGNET_INLINE static std::array<Real, S> implicit(const Chunk& c, std::uint32_t i, Kind<varying> kind,
-                                                       double weight, double share, const std::array<Real, S>& base,
-                                                       const std::array<double, S>& value, const Seed& seed) {
-    const detail::ImplicitStage<Law, varying> stage(c, weight);
-    std::array<double, S> rate;
-    std::array<std::array<double, S>, S> by_states;
-    stage.rates(i, value, rate, by_states);
-    const auto fixed = detail::constants_of<varying>(c);
-    std::array<Real, S> right = seeded_rates<Real>(c, fixed, i, kind, share, value, seed);
+    for (std::size_t j = 0; j < S; ++j) a.states[j] = Dual<N + S>::variable(value[j], N + j);
+    const std::array<Dual<N + S>, S> rates = c.law->state_rates(a.element, a.values());
+    std::array<std::array<double, S>, S> matrix;
+    std::array<Dual<N>, S> right;
     for (std::size_t j = 0; j < S; ++j) {
-      right[j] = base[j] + weight * right[j];
-      right[j].value = 0.0;
+      for (std::size_t k = 0; k < S; ++k) matrix[j][k] = (j == k ? 1.0 : 0.0) - weight * rates[j].derivatives[N + k];
+      for (std::size_t k = 0; k < N; ++k)
+        right[j].derivatives[k] = base[j].derivatives[k] + weight * rates[j].derivatives[k];
     }
-    std::array<Real, S> result = detail::solve_small<S>(stage.matrix(by_states), right);
+    std::array<Dual<N>, S> result = detail::solve_small<S>(matrix, right);
     for (std::size_t j = 0; j < S; ++j) result[j].value = value[j];
     return result;
   }
 
   // seed(arguments, share): sets derivatives of arguments that are at the share of the way to the end; 1: at the end.
   // of_start: derivatives of the states at the start.
-  template <class Real, Varying varying, class Seed, class OfStart>
-  SPRINGNET_INLINE static std::array<Real, S> next_of(const springnet_law_update& u, const Chunk& c, const Chunk& stage,
-                                                      std::uint32_t i, Kind<varying> kind, const Array& first,
-                                                      const Array& next, const Seed& seed, const OfStart& of_start) {
-    std::array<Real, S> start;
+  template <std::size_t N, int order, Varying varying, class Seed, class OfStart>
+  SPRINGNET_INLINE static std::array<Dual<N>, S> next_of(const Stages<varying>& stages, std::uint32_t i,
+                                                         Kind<varying> kind, const Seed& seed,
+                                                         const OfStart& of_start) {
+    std::array<Dual<N>, S> start;
     std::array<double, S> value;
     for (std::size_t j = 0; j < S; ++j) {
-      start[j] = c.states[j][i];
+      start[j] = stages.end.states[j][i];
       of_start(start[j], j);
-      value[j] = next[j][i];
+      value[j] = stages.next[j][i];
     }
-    if (u.order < 2) return implicit<Real>(c, i, kind, u.time_step, 1.0, start, value, seed);
+    const double h = stages.time_step;
+    if constexpr (order == 1) return implicit<N>(stages.end, stages.fixed, i, kind, h, 1.0, start, value, seed);
     std::array<double, S> between;
-    for (std::size_t j = 0; j < S; ++j) between[j] = first[j][i];
-    const double weight = g * u.time_step;
-    const std::array<Real, S> middle = implicit<Real>(stage, i, kind, weight, g, start, between, seed);
+    for (std::size_t j = 0; j < S; ++j) between[j] = stages.first[j][i];
+    const std::array<Dual<N>, S> middle =
+        implicit<N>(stages.middle, stages.fixed_middle, i, kind, g * h, g, start, between, seed);
     for (std::size_t j = 0; j < S; ++j) start[j] = start[j] + carried * (middle[j] - start[j]);
-    return implicit<Real>(c, i, kind, weight, 1.0, start, value, seed);
+    return implicit<N>(stages.end, stages.fixed, i, kind, g * h, 1.0, start, value, seed);
   }
 
   // By the law's own update().
-  template <class Real, Varying varying, class Seed, class OfStart>
-  SPRINGNET_INLINE static std::array<Real, S> own(const springnet_law_update& u, const Chunk& c, std::uint32_t i,
-                                                  Kind<varying> kind, const Seed& seed, const OfStart& of_start) {
-    const auto fixed = detail::constants_of<varying>(c);
+  template <std::size_t N, Varying varying, class Seed, class OfStart>
+  SPRINGNET_INLINE static std::array<Dual<N>, S> own(const springnet_law_update& u, const Chunk& c,
+                                                     const std::array<double, Chunk::N>& fixed, std::uint32_t i,
+                                                     Kind<varying> kind, const Seed& seed, const OfStart& of_start) {
+    using Real = Dual<N>;
     Arguments<Real> a(c, fixed, i, kind);
     seed(a, 1.0);
     for (std::size_t j = 0; j < S; ++j) of_start(a.states[j], j);
@@ -183,16 +185,17 @@ class UpdateKernel {
     Chunk stage = c;
     const auto nothing = [](auto&, std::size_t) {};
     if constexpr (Traits::has_update) {
-      bool finite = true;
+      const auto fixed = detail::constants_of<varying>(c);
+      std::uint64_t not_finite = 0;
       for (std::uint32_t i = 0; i < c.count; ++i) {
-        const auto states = own<Dual<0>>(
-            u, c, i, kind, [](auto&, double) {}, nothing);
+        const auto states = own<0>(
+            u, c, fixed, i, kind, [](auto&, double) {}, nothing);
         for (std::size_t j = 0; j < S; ++j) {
           next[j][i] = states[j].value;
-          finite = finite && states[j].value - states[j].value == 0.0;
+          not_finite += states[j].value - states[j].value == 0.0 ? 0u : 1u;
         }
       }
-      if (!finite) return false;
+      if (not_finite > 0) return false;
     } else {
       if (u.order >= 2) stage = between<varying>(u, c, memory);
       if (!solve<varying>(u, c, stage, first, next)) return false;
@@ -202,15 +205,23 @@ class UpdateKernel {
     Chunk end = c;  // with the states there
     for (std::size_t j = 0; j < S; ++j) end.states[j] = next[j];
     at_end(b, end, kind);
-    const auto next_with = [&](std::uint32_t i, auto real, const auto& seed, const auto& of_start) {
-      using Real = decltype(real);
-      if constexpr (Traits::has_update)
-        return own<Real>(u, c, i, kind, seed, of_start);
+    // next_with(i, derivatives, seed, of_start): the states at the end with that many derivatives.
+    if constexpr (Traits::has_update) {
+      const auto fixed = detail::constants_of<varying>(c);
+      all_derivatives(u, end, kind, [&](std::uint32_t i, auto count, const auto& seed, const auto& of_start) {
+        return own<decltype(count)::value>(u, c, fixed, i, kind, seed, of_start);
+      });
+    } else {
+      const Stages<varying> stages{c, stage, first, next, u.time_step};
+      if (u.order < 2)
+        all_derivatives(u, end, kind, [&](std::uint32_t i, auto count, const auto& seed, const auto& of_start) {
+          return next_of<decltype(count)::value, 1>(stages, i, kind, seed, of_start);
+        });
       else
-        return next_of<Real>(u, c, stage, i, kind, first, next, seed, of_start);
-    };
-    derivatives(u, end, kind, next_with);
-    if constexpr (P > 0) parameter_derivatives(u, end, kind, next_with);
+        all_derivatives(u, end, kind, [&](std::uint32_t i, auto count, const auto& seed, const auto& of_start) {
+          return next_of<decltype(count)::value, 2>(stages, i, kind, seed, of_start);
+        });
+    }
     return true;
   }
 
@@ -234,35 +245,65 @@ class UpdateKernel {
   }
 
   template <Varying varying, class NextWith>
+  SPRINGNET_INLINE static void all_derivatives(const springnet_law_update& u, const Chunk& end, Kind<varying> kind,
+                                               const NextWith& next_with) {
+    const springnet_law_batch& b = *u.batch;
+    // By states only where somebody asks: Newton's method for the nodes does not.
+    if (detail::any(b.force_by_states, S) || detail::any(u.next_by_states, S * S))
+      derivatives<along + S>(u, end, kind, next_with);
+    else if (b.force_by_q != nullptr || b.force_by_rate != nullptr || detail::any(u.next_by_q, S) ||
+             detail::any(u.next_by_rate, S))
+      derivatives<along>(u, end, kind, next_with);
+    if constexpr (P > 0) parameter_derivatives(u, end, kind, next_with);
+  }
+
+  // By q and its rate, and with N greater than `along` by the states at the start.
+  template <std::size_t N, Varying varying, class NextWith>
   SPRINGNET_INLINE static void derivatives(const springnet_law_update& u, const Chunk& end, Kind<varying> kind,
                                            const NextWith& next_with) {
     const springnet_law_batch& b = *u.batch;
-    if (b.force_by_q == nullptr && b.force_by_rate == nullptr && !detail::any(b.force_by_states, S) &&
-        !detail::any(u.next_by_q, S) && !detail::any(u.next_by_rate, S) && !detail::any(u.next_by_states, S * S))
-      return;
-    using Real = Dual<D>;
+    constexpr bool by_states = N > along;
+    // Where each derivative goes: the force's, then those of each state. What nobody asks for goes nowhere.
+    double unwanted[detail::chunk_size];
+    std::array<std::array<double*, N>, S + 1> out;
+    for (std::size_t row = 0; row <= S; ++row) {
+      const auto to = [&](double* array) { return array == nullptr ? unwanted : array; };
+      const std::size_t j = row - 1;  // state
+      out[row][0] = to(row == 0 ? (b.force_by_q == nullptr ? nullptr : b.force_by_q + end.begin)
+                                : detail::from(u.next_by_q, j, end.begin));
+      if constexpr (Traits::reads_rate)
+        out[row][1] = to(row == 0 ? (b.force_by_rate == nullptr ? nullptr : b.force_by_rate + end.begin)
+                                  : detail::from(u.next_by_rate, j, end.begin));
+      for (std::size_t k = 0; by_states && k < S; ++k)
+        out[row][along + k] = to(row == 0 ? detail::from(b.force_by_states, k, end.begin)
+                                          : detail::from(u.next_by_states, j * S + k, end.begin));
+    }
     const auto seed = [](auto& a, double share) {
       a.element.q.derivatives[0] = share;
       if constexpr (Traits::reads_rate) a.element.rate.derivatives[1] = share;
     };
+    const auto of_start = [](auto& state, std::size_t j) {
+      if constexpr (by_states) state.derivatives[along + j] = 1.0;
+    };
     const auto fixed = detail::constants_of<varying>(end);
+    SPRINGNET_INDEPENDENT_ITERATIONS
     for (std::uint32_t i = 0; i < end.count; ++i) {
-      const std::array<Real, S> next =
-          next_with(i, Real{}, seed, [](auto& state, std::size_t j) { state.derivatives[2 + j] = 1.0; });
-      Arguments<Real> a(end, fixed, i, kind);
+      const std::array<Dual<N>, S> next = next_with(i, std::integral_constant<std::size_t, N>{}, seed, of_start);
+      Arguments<Dual<N>> a(end, fixed, i, kind);
       seed(a, 1.0);
       a.states = next;
-      const Real force = end.law->force(a.element, a.values());
-      const std::uint32_t at = end.begin + i;
-      if (b.force_by_q != nullptr) b.force_by_q[at] = force.derivatives[0];
-      if (b.force_by_rate != nullptr) b.force_by_rate[at] = force.derivatives[1];
-      for (std::size_t j = 0; j < S; ++j) {
-        if (double* out = detail::from(b.force_by_states, j, at)) *out = force.derivatives[2 + j];
-        if (double* out = detail::from(u.next_by_q, j, at)) *out = next[j].derivatives[0];
-        if (double* out = detail::from(u.next_by_rate, j, at)) *out = next[j].derivatives[1];
-        for (std::size_t k = 0; k < S; ++k)
-          if (double* out = detail::from(u.next_by_states, j * S + k, at)) *out = next[j].derivatives[2 + k];
+      const Dual<N> force = end.law->force(a.element, a.values());
+      for (std::size_t k = 0; k < N; ++k) {
+        out[0][k][i] = force.derivatives[k];
+        for (std::size_t j = 0; j < S; ++j) out[1 + j][k][i] = next[j].derivatives[k];
       }
+    }
+    if constexpr (!Traits::reads_rate) {
+      const auto zero = [&](double* array) {
+        if (array != nullptr) std::fill_n(array, end.count, 0.0);
+      };
+      zero(b.force_by_rate == nullptr ? nullptr : b.force_by_rate + end.begin);
+      for (std::size_t j = 0; j < S; ++j) zero(detail::from(u.next_by_rate, j, end.begin));
     }
   }
 
@@ -280,7 +321,8 @@ class UpdateKernel {
       if (!wanted) continue;
       const auto seed = [p](auto& a, double) { a.parameters[p].derivatives[0] = 1.0; };
       for (std::uint32_t i = 0; i < end.count; ++i) {
-        const std::array<Real, S> next = next_with(i, Real{}, seed, [](auto&, std::size_t) {});
+        const std::array<Real, S> next =
+            next_with(i, std::integral_constant<std::size_t, 1>{}, seed, [](auto&, std::size_t) {});
         Arguments<Real> a(end, fixed, i, kind);
         seed(a, 1.0);
         a.states = next;

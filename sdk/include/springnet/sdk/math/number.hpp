@@ -16,8 +16,12 @@
 
 #if defined(__GNUC__) || defined(__clang__)
 #define SPRINGNET_INLINE __attribute__((always_inline)) inline
+#define SPRINGNET_APART __attribute__((noinline))  // what loops call for a rare element
+#define SPRINGNET_FLATTEN __attribute__((flatten))
 #else
 #define SPRINGNET_INLINE inline
+#define SPRINGNET_APART
+#define SPRINGNET_FLATTEN
 #endif
 
 namespace springnet::sdk::detail {
