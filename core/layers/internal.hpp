@@ -11,7 +11,7 @@ namespace springnet::layers {
 struct CompiledLaws;
 struct Group;
 
-// Most states, and most input signals, of one law.
+// Most states of one law.
 inline constexpr std::size_t max_states = 8;
 
 // What the elimination of internal states needs later, [internal_count] each.

@@ -9,6 +9,31 @@
 namespace springnet::layers {
 namespace {
 
+// The input signals of the members of a batch of one law: one number where all have the same signal, else one each.
+class InputValues {
+ public:
+  // column(index, stride): the numbers of the signals, one or one each.
+  template <class Column>
+  void read(const Law& law, const Signals& signals, std::size_t size, double time, double time_step,
+            const Column& column) {
+    for (std::size_t k = 0; k < law.input_count; ++k) {
+      const double* const numbers = column(law.first_input_column + k, strides[k]);
+      const auto signal = [&](std::size_t i) { return static_cast<std::uint32_t>(numbers[i]); };
+      const std::size_t count = strides[k] == 0 ? 1 : size;
+      for (std::size_t i = 0; i < count; ++i) now_[k][i] = signals.at(signal(i), time);
+      now[k] = now_[k];
+      if (!(time_step > 0.0)) continue;
+      for (std::size_t i = 0; i < count; ++i) start_[k][i] = signals.at_start(signal(i), time, time_step);
+      start[k] = start_[k];
+    }
+  }
+  const double *now[max_inputs], *start[max_inputs];
+  std::uint32_t strides[max_inputs];
+
+ private:
+  double now_[max_inputs][states_batch], start_[max_inputs][states_batch];
+};
+
 springnet_status evaluate_law(const LawBatch& laws, const Law& law, std::uint32_t instruction_set, double time,
                               const LawOutputs& out, springnet_message& message) {
   const Group& group = laws.group;
@@ -24,7 +49,7 @@ springnet_status evaluate_law(const LawBatch& laws, const Law& law, std::uint32_
   constexpr std::size_t most_expanded = states_batch;
   alignas(64) double expanded[(max_parameters + 1) * most_expanded];
   const bool uniform = rows.columns == nullptr && (rows.rows == nullptr || group.row_count() == 1);
-  const bool whole = (uniform || rows.columns != nullptr) && law.state_count == 0;
+  const bool whole = (uniform || rows.columns != nullptr) && law.state_count == 0 && law.input_count == 0;
   const std::size_t batch_size = whole ? count : most_expanded;
 
   springnet_law_batch batch{};
@@ -48,6 +73,14 @@ springnet_status evaluate_law(const LawBatch& laws, const Law& law, std::uint32_
       for (std::size_t i = 0; i < size; ++i) copy[i] = values[rows.rows[begin + i]];
       return copy;
     };
+    InputValues inputs;
+    if (law.input_count > 0) {
+      const InternalView* const view = law.state_count > 0 ? laws.internal.view : nullptr;
+      inputs.read(law, *group.signals, size, time, view == nullptr ? 0.0 : view->time_step,
+                  [&](std::size_t index, std::uint32_t& stride) { return column(index, 0, stride); });
+      batch.inputs = inputs.now;
+      batch.input_strides = inputs.strides;
+    }
     reference = column(0, 0, batch.reference_stride);
     for (std::size_t k = 0; k < law.parameter_count; ++k)
       parameters[k] = column(law.first_column + k, k + 1, strides[k]);
@@ -63,7 +96,7 @@ springnet_status evaluate_law(const LawBatch& laws, const Law& law, std::uint32_
     batch.margin = at(out.margin);
     const springnet_status status = call_component(*law.component, message, [&](springnet_message& own) {
       batch.message = &own;
-      if (law.state_count > 0) return evaluate_with_states(laws.internal, law, begin, batch);
+      if (law.state_count > 0) return evaluate_with_states(laws.internal, law, begin, inputs.start, batch);
       const springnet_law& functions = law.component->law();
       return functions.evaluate(functions.context, &batch);
     });

@@ -59,9 +59,9 @@ using PairOutputs = std::array<LawOutputs, 2>;  // as Group::laws()
 inline constexpr std::size_t states_batch = 128;
 
 // Evaluates one law with internal state on members [begin, begin + call.count) of a batch, count at most states_batch.
-// `call` is complete but for the states; it may get other outputs.
+// `call` is complete but for the states; it may get other outputs. start_inputs: where a step starts, if there is one.
 springnet_status evaluate_with_states(const InternalSelection& internal, const Law& law, std::size_t begin,
-                                      springnet_law_batch& call);
+                                      const double* const* start_inputs, springnet_law_batch& call);
 
 // Evaluates the laws of the batch's group, the spring function first; outputs of a law that the group does not have are
 // left alone. Does not throw. Returns the status of the first law that failed, with a message that names it, its plugin

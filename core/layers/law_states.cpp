@@ -51,7 +51,8 @@ class Access {
   std::size_t size_;
 };
 
-springnet_status step(const InternalView& view, const Law& law, const Access& access, springnet_law_batch& call) {
+springnet_status step(const InternalView& view, const Law& law, const Access& access, const double* const* start_inputs,
+                      springnet_law_batch& call) {
   const springnet_law& functions = law.component->law();
   alignas(64) double start_q[most], start_rate[most];
   Lists<max_states> next;
@@ -60,6 +61,7 @@ springnet_status step(const InternalView& view, const Law& law, const Access& ac
   update.order = std::min(view.order, law.update_order);
   update.batch = &call;
   update.time_step = view.time_step;
+  update.start_inputs = start_inputs;
   if (view.start_q != nullptr) {
     access.gather(view.start_q, 0, start_q);
     update.start_q = start_q;
@@ -138,7 +140,7 @@ springnet_status begin_states(const Law& law, const Access& access, springnet_la
 }  // namespace
 
 springnet_status evaluate_with_states(const InternalSelection& internal, const Law& law, std::size_t begin,
-                                      springnet_law_batch& call) {
+                                      const double* const* start_inputs, springnet_law_batch& call) {
   const springnet_law& functions = law.component->law();
   const InternalView* const view = internal.group == nullptr ? nullptr : internal.view;
   Lists<max_states> states;
@@ -151,7 +153,7 @@ springnet_status evaluate_with_states(const InternalSelection& internal, const L
   const Access access(internal, law, begin, call.count);
   if (view->start != nullptr) return begin_states(law, access, call, view->start);
   for (std::size_t j = 0; j < law.state_count; ++j) access.gather(view->values, j, states.values[j]);
-  if (view->time_step > 0.0) return step(*view, law, access, call);
+  if (view->time_step > 0.0) return step(*view, law, access, start_inputs, call);
   if (view->elimination > 0.0 && call.force_by_q != nullptr) return eliminate(*view, law, access, call);
   if (view->rates == nullptr) return functions.evaluate(functions.context, &call);
   Lists<max_states> rates;

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <bit>
+#include <map>
 
 #include <springnet/error.hpp>
 
@@ -35,7 +36,8 @@ Law resolve(const std::optional<LawUse>& use, ComponentKind kind, std::size_t fi
     refuse(fmt::format("reads invariant number {}", implementation.invariant));
   if (implementation.state_count > max_states)
     refuse(fmt::format("has {} internal states, more than {}", implementation.state_count, max_states));
-  if (implementation.input_count > 0) refuse("reads input signals");
+  if (implementation.input_count > max_inputs)
+    refuse(fmt::format("reads {} input signals, more than {}", implementation.input_count, max_inputs));
   if (implementation.prepare != nullptr) refuse("prepares a table");
   if (description.parameter_count > max_parameters)
     refuse(fmt::format("has {} parameters, more than {}", description.parameter_count, max_parameters));
@@ -43,6 +45,7 @@ Law resolve(const std::optional<LawUse>& use, ComponentKind kind, std::size_t fi
   law.relative = implementation.invariant == SPRINGNET_RELATIVE_SPEED;
   law.reads_rate = !law.relative && (description.capabilities & SPRINGNET_READS_RATE) != 0;
   law.parameter_count = description.parameter_count;
+  law.input_count = implementation.input_count;
   law.state_count = implementation.state_count;
   law.update_order = implementation.update_order;
   law.reads_start = implementation.reads_start != 0;
@@ -108,9 +111,10 @@ void check_use(const Law& law, Invariant invariant, double reference, std::size_
                        reference));
 }
 
-// Key of a row: the material, and the rest length or reference.
+// Key of a row: the material, the rest length or reference, and the signals.
 struct RowKey {
   std::uint32_t material;
+  std::uint32_t inputs;  // set of InputSets
   double reference;
 };
 
@@ -134,12 +138,14 @@ class RowKeys {
   static constexpr std::uint32_t none = 0xffffffffu;
 
   static bool is_same(const RowKey& a, const RowKey& b) {
-    return a.material == b.material && detail::SameBits<double>::of(a.reference, b.reference);
+    return a.material == b.material && a.inputs == b.inputs &&
+           detail::SameBits<double>::of(a.reference, b.reference);
   }
   // Of the key, or the free one where it belongs.
   [[nodiscard]] std::size_t place_of(const RowKey& key) const {
     const std::size_t mask = places_.size() - 1;
-    std::uint64_t hash = (std::bit_cast<std::uint64_t>(key.reference) ^ key.material * 0xff51afd7ed558ccdu);
+    std::uint64_t hash = (std::bit_cast<std::uint64_t>(key.reference) ^ key.material * 0xff51afd7ed558ccdu) +
+                         key.inputs * 0xc4ceb9fe1a85ec53u;
     hash = (hash ^ hash >> 32) * 0x9e3779b97f4a7c15u;
     std::size_t at = (hash ^ hash >> 29) & mask;
     while (places_[at] != none && !is_same(keys_[places_[at]], key)) at = (at + 1) & mask;
@@ -158,17 +164,18 @@ class RowKeys {
 // Numbers the rows of the groups. The number of a key of springs or elements becomes that of a row in its group.
 class Rows {
  public:
-  Rows(std::vector<Group>& groups, const std::vector<MaterialLaws>& materials)
-      : groups_(groups), materials_(materials) {}
+  Rows(std::vector<Group>& groups, const std::vector<MaterialLaws>& materials, const InputSets& inputs,
+       Signals& signals)
+      : groups_(groups), materials_(materials), inputs_(inputs), signals_(signals) {}
 
-  // Of springs or elements with these materials and references.
+  // Of springs or elements with these materials, sets of signals and references.
   template <class References>
-  Column<std::uint32_t> of(std::size_t count, const Column<MaterialIndex>& materials, const References& references,
-                           bool all_alike) {
+  Column<std::uint32_t> of(std::size_t count, const Column<MaterialIndex>& materials,
+                           const Column<std::uint32_t>& sets, const References& references, bool all_alike) {
     Column<std::uint32_t> rows;
     if (count == 0) return rows;
-    if (all_alike) {
-      rows.append(count, row_of({materials[0], references(0)}));
+    if (all_alike && sets.is_uniform()) {
+      rows.append(count, row_of({materials[0], sets[0], references(0)}));
       return rows;
     }
     // Pieces by themselves, then their keys in the order of the pieces: the numbers do not depend on the threads.
@@ -181,7 +188,7 @@ class Rows {
     for (std::size_t p = 0; p < pieces; ++p) {
       RowKeys own;
       for (std::size_t i = p * piece; i < std::min(count, (p + 1) * piece); ++i)
-        row[i] = own.number_of({materials[i], references(i)});
+        row[i] = own.number_of({materials[i], sets[i], references(i)});
       keys[p] = own.keys();
     }
     if (materials.is_uniform()) {
@@ -216,11 +223,28 @@ class Rows {
     const auto row = static_cast<std::uint32_t>(group.row_count());
     group.columns[0].push_back(key.reference);
     for (std::size_t k = 0; k < material.parameters.size(); ++k) group.columns[k + 1].push_back(material.parameters[k]);
+    for (const Law* const law : group.laws()) {
+      for (std::size_t k = 0; k < law->input_count; ++k)
+        group.columns[law->first_input_column + k].push_back(signal_of(key.inputs, *law->component->law().inputs[k]));
+    }
     return row;
+  }
+  // An input that has no signal has the declared value.
+  double signal_of(std::uint32_t set, const springnet_parameter& input) {
+    std::uint32_t signal = inputs_.signal(set, input.name);
+    if (signal == InputSets::none) {
+      const auto [place, is_new] = constants_.try_emplace(input.default_value, 0u);
+      if (is_new) place->second = signals_.add_constant(input.default_value);
+      signal = place->second;
+    }
+    return signal;
   }
 
   std::vector<Group>& groups_;
   const std::vector<MaterialLaws>& materials_;
+  const InputSets& inputs_;
+  Signals& signals_;
+  std::map<double, std::uint32_t> constants_;  // their signals
   RowKeys known_;
   std::vector<std::uint32_t> rows_;  // [key's number]
 };
@@ -240,19 +264,26 @@ Column<std::uint32_t> groups_of(const Column<MaterialIndex>& used, const std::ve
 
 CompiledLaws compile_laws(const Network& network, const PluginHost& plugins) {
   CompiledLaws compiled;
+  for (const Input& input : network.inputs())
+    compiled.inputs.push_back({input.name, readers_of(network, input, plugins)});
+  compiled.signals = std::make_unique<Signals>(network.inputs());
   std::vector<MaterialLaws> materials;
   for (const Material& material : network.materials()) {
     std::vector<double> parameters;
-    const Law spring = resolve(material.spring, ComponentKind::spring_function, 1, plugins, parameters);
+    Law spring = resolve(material.spring, ComponentKind::spring_function, 1, plugins, parameters);
     Law viscosity =
         resolve(material.viscosity, ComponentKind::viscosity_function, 1 + parameters.size(), plugins, parameters);
     viscosity.first_state = spring.state_count;
+    spring.first_input_column = 1 + parameters.size();
+    viscosity.first_input_column = spring.first_input_column + spring.input_count;
     std::uint32_t index = 0;
     while (index < compiled.groups.size() && (compiled.groups[index].spring.component != spring.component ||
                                               compiled.groups[index].viscosity.component != viscosity.component))
       ++index;
     if (index == compiled.groups.size()) {
-      compiled.groups.push_back({spring, viscosity, std::vector<Column<double>>(1 + parameters.size())});
+      compiled.groups.push_back(
+          {spring, viscosity, std::vector<Column<double>>(viscosity.first_input_column + viscosity.input_count)});
+      if (spring.input_count + viscosity.input_count > 0) compiled.groups.back().signals = compiled.signals.get();
     }
     materials.push_back({index, std::move(parameters)});
   }
@@ -265,10 +296,11 @@ CompiledLaws compile_laws(const Network& network, const PluginHost& plugins) {
     check_use(group.viscosity, s);
     if (compiled.group.is_uniform()) break;  // the others have the same laws
   }
-  Rows rows(compiled.groups, materials);
+  const InputSets inputs(network);
+  Rows rows(compiled.groups, materials, inputs, *compiled.signals);
   const Column<double>& rest_lengths = springs.rest_lengths();
   compiled.row = RowNumbers(rows.of(
-      springs.size(), springs.materials(), [&](std::size_t s) { return rest_lengths[s]; },
+      springs.size(), springs.materials(), inputs.of_springs(), [&](std::size_t s) { return rest_lengths[s]; },
       springs.materials().is_uniform() && rest_lengths.is_uniform()));
 
   const std::vector<Element>& elements = network.elements();
@@ -282,7 +314,7 @@ CompiledLaws compile_laws(const Network& network, const PluginHost& plugins) {
     check_use(group.viscosity, elements[e].invariant, elements[e].reference, e);
   }
   compiled.element_row = rows.of(
-      elements.size(), element_materials, [&](std::size_t e) { return elements[e].reference; }, false);
+      elements.size(), element_materials, inputs.of_elements(), [&](std::size_t e) { return elements[e].reference; }, false);
 
   for (const LawUse& use : network.neurons()) {
     NeuronKind neuron;

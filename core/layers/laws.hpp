@@ -12,17 +12,22 @@
 #include <springnet/network.hpp>
 #include <springnet/plugin_host.hpp>
 
+#include "layers/input_sets.hpp"
 #include "layers/internal.hpp"
+#include "layers/signals.hpp"
 
 namespace springnet::layers {
 
 inline constexpr std::size_t max_parameters = 32;  // of one law
+inline constexpr std::size_t max_inputs = 8;
 
 // A spring function or viscosity function, or none.
 struct Law {
   std::shared_ptr<const Component> component;
   std::size_t parameter_count = 0;
   std::size_t first_column = 0;  // of its parameters in Group::columns
+  std::size_t input_count = 0;
+  std::size_t first_input_column = 0;  // of the numbers of its signals
   std::size_t state_count = 0;
   std::size_t first_state = 0;     // among those of its group
   std::uint32_t update_order = 1;  // the highest of its steps
@@ -42,11 +47,13 @@ struct Law {
 };
 
 // Springs and elements with the same two laws. columns[0] is the rest length or reference value, followed by the
-// parameters of the spring function and of the viscosity function; each distinct combination is a row.
+// parameters of the spring function and of the viscosity function, then by the numbers of the signals that these read as
+// inputs; each distinct combination is a row.
 struct Group {
   Law spring;
   Law viscosity;
   std::vector<Column<double>> columns;
+  const Signals* signals = nullptr;  // null if the laws have no inputs
 
   [[nodiscard]] std::size_t row_count() const noexcept { return columns[0].size(); }
   [[nodiscard]] bool is_same(std::size_t column) const noexcept { return columns[column].is_uniform(); }
@@ -85,7 +92,7 @@ class RowNumbers {
 };
 
 // Groups and rows of all springs and elements of a network, and the neurons of its nodes. Throws Error if a component
-// does not exist, a parameter is out of range, a law needs what this version does not provide (inputs, tables), or a
+// does not exist, a parameter is out of range, a law needs what this version does not provide (tables), or a
 // law is used on an invariant that it does not read.
 struct CompiledLaws {
   std::vector<Group> groups;
@@ -93,6 +100,12 @@ struct CompiledLaws {
   RowNumbers row;                                    // [spring] row in its group
   Column<std::uint32_t> element_group, element_row;  // [element]
   std::vector<NeuronKind> neurons;                   // as Network::neurons()
+  std::unique_ptr<Signals> signals;                  // numbered as Network::inputs(), then constants
+  struct SignalInput {
+    std::string name;
+    std::vector<InputReader> readers;
+  };
+  std::vector<SignalInput> inputs;  // as Network::inputs()
 
   // Whether a law or neuron may be called from the thread alone that runs the simulation.
   [[nodiscard]] bool on_one_thread() const noexcept;

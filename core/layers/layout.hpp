@@ -34,6 +34,8 @@ class Layout {
 
   [[nodiscard]] const Ordering& ordering() const noexcept { return ordering_; }
   [[nodiscard]] const CompiledLaws& laws() const noexcept { return laws_; }
+  // Set by who simulates the network, between evaluations.
+  [[nodiscard]] Signals& signals() noexcept { return *laws_.signals; }
   [[nodiscard]] const ElementLayout& elements() const noexcept { return elements_; }
   [[nodiscard]] const LoadedFaces& loaded_faces() const noexcept { return loaded_faces_; }
   [[nodiscard]] const InternalLayout& internal() const noexcept { return internal_; }

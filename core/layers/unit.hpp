@@ -98,7 +98,7 @@ class SegmentColumns {
   [[nodiscard]] const double* const* data() const noexcept { return columns_; }
 
  private:
-  const double* columns_[2 * max_parameters + 1];
+  const double* columns_[2 * (max_parameters + max_inputs) + 1];
 };
 
 }  // namespace springnet::layers

@@ -64,7 +64,7 @@ class Engine {
 
  private:
   // sweeps_follow: as for commit_jumps().
-  springnet_status begin(Loads::Change loads, bool sweeps_follow);
+  springnet_status begin(double from, double until, Loads::Change loads, bool sweeps_follow);
   // Settles contacts and ruptures after changes from outside.
   springnet_status settle();
   // End of a step, with sweeps or another method: makes the committed state satisfy its constraints.

@@ -92,6 +92,7 @@ void Model::start_internal() {
 }
 
 layers::ExternalForces Model::external_at(double at) {
+  layout.signals().sample(at);
   loads.follow(interval.at(at).rate);
   return loads.external();
 }

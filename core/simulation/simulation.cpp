@@ -78,6 +78,13 @@ struct Simulation::Impl {
                                                 std::int64_t{engine.model().layout.node_count()} - 1));
     return engine.model().layout.ordering().engine[node];
   }
+  const layers::CompiledLaws::SignalInput& input(InputIndex number) const {
+    const auto& inputs = engine.model().layout.laws().inputs;
+    if (number >= inputs.size())
+      throw Error(ErrorKind::input,
+                  fmt::format("input signal {} does not exist: the network has {}", number, inputs.size()));
+    return inputs[number];
+  }
   void check_spring(SpringIndex spring) const {
     if (spring >= engine.model().layout.spring_count())
       throw Error(ErrorKind::input, fmt::format("spring {} does not exist: the network has springs 0 to {}", spring,
@@ -526,6 +533,25 @@ void Simulation::set_gravity(const Vector3& acceleration) {
   check_finite(acceleration, "gravity");
   impl_->engine.model().loads.set_gravity(acceleration);
   impl_->engine.model().changed();
+}
+void Simulation::set_input(InputIndex input, double value) {
+  Model& model = impl_->engine.model();
+  layers::check_input_value(impl_->input(input).readers, value, fmt::format("value of input signal {}:", input));
+  model.layout.signals().hold(input, value);
+  model.changed();
+}
+void Simulation::set_input(std::string_view name, double value) {
+  const auto& inputs = impl_->engine.model().layout.laws().inputs;
+  for (InputIndex k = 0; k < inputs.size(); ++k)
+    if (!name.empty() && inputs[k].name == name) return set_input(k, value);
+  std::vector<std::string> known;
+  for (const auto& input : inputs) known.push_back(input.name);
+  throw Error(ErrorKind::input, fmt::format("there is no input signal '{}'; {}", printable(std::string(name)),
+                                            suggestion(name, known)));
+}
+double Simulation::input_value(InputIndex input) const {
+  static_cast<void>(impl_->input(input));
+  return impl_->engine.model().layout.signals().at(input, time());
 }
 void Simulation::set_position(NodeIndex node, const Vector3& position) {
   check_finite(position, fmt::format("position of node {}", node));

@@ -38,19 +38,20 @@ springnet_status Engine::begin_step(double from, double until) {
     ++model_.load_revision;
     model_.stale.reactions = model_.stale.forces = true;
   }
-  return begin(loads, swept_);
+  return begin(from, until, loads, swept_);
 }
 
 springnet_status Engine::begin_interval(double from, double until) {
   model_.step_length = 0.0;
   model_.interval = until > from ? Interval{from, until} : Interval{};
-  return begin(model_.loads.begin_following(from), false);
+  return begin(from, until, model_.loads.begin_following(from), false);
 }
 
-springnet_status Engine::begin(Loads::Change loads, bool sweeps_follow) {
+springnet_status Engine::begin(double from, double until, Loads::Change loads, bool sweeps_follow) {
   model_.begin_internal_steps();
   model_.journal.non_finite.clear();
-  if (loads == Loads::Change::switched) model_.changed();
+  const bool signals_jump = model_.layout.signals().set_interval(from, until);
+  if (loads == Loads::Change::switched || signals_jump) model_.changed();
   springnet_status status = model_.stale.contacts ? settle() : SPRINGNET_OK;
   if (status == SPRINGNET_OK && std::exchange(model_.jumps_due, false)) {
     const Interval interval = model_.interval;
@@ -109,7 +110,8 @@ springnet_status Engine::project_state(double time, const springnet_vectors& pos
 }
 
 double Engine::next_discontinuity(double time) const noexcept {
-  return std::min({model_.loads.next_switch(time), model_.contact.next_change(time), topology_.next_cut(time)});
+  return std::min({model_.loads.next_switch(time), model_.layout.signals().next_kink(time),
+                   model_.contact.next_change(time), topology_.next_cut(time)});
 }
 
 void Engine::forget() noexcept {

@@ -17,6 +17,7 @@
 #include <springnet/export.hpp>
 #include <springnet/network_lists.hpp>
 #include <springnet/parameters.hpp>
+#include <springnet/signal.hpp>
 
 namespace springnet {
 
@@ -290,6 +291,10 @@ class Network {
   // than 1e-8 of it.
   SPRINGNET_API RigidIndex add_rigid(NodeIndex first, NodeIndex second, std::optional<double> length = std::nullopt);
   SPRINGNET_API void add_cut(const Cut& cut);
+  // Throws Error(input) for an empty input, a name that is taken, a spring or element that does not exist, no spring and
+  // no element, or an invalid signal. Simulation checks that a law of one of them has the input, and that the signal
+  // stays within the bounds which the laws declare.
+  SPRINGNET_API InputIndex add_input(const Input& input);
   SPRINGNET_API void set_gravity(const Vector3& acceleration);  // m/s^2
 
   [[nodiscard]] const NodeList& nodes() const noexcept { return nodes_; }
@@ -305,6 +310,7 @@ class Network {
   [[nodiscard]] const std::vector<Move>& moves() const noexcept { return moves_; }
   [[nodiscard]] const std::vector<Rigid>& rigids() const noexcept { return rigids_; }
   [[nodiscard]] const std::vector<Cut>& cuts() const noexcept { return cuts_; }
+  [[nodiscard]] const std::vector<Input>& inputs() const noexcept { return inputs_; }
   [[nodiscard]] const Vector3& gravity() const noexcept { return gravity_; }
 
   // Change what was added, with the same checks. A node with prescribed motion keeps it. The new position of a rigidly
@@ -341,11 +347,13 @@ class Network {
   std::vector<Move> moves_;
   std::vector<Rigid> rigids_;
   std::vector<Cut> cuts_;
+  std::vector<Input> inputs_;
   Vector3 gravity_ = Vector3::Zero();
   bool in_body_ = false;
   std::unordered_set<NodeIndex> moving_nodes_;    // nodes of all moves
   std::unordered_set<std::uint64_t> rigid_ends_;  // lower node number 2^32 + upper one
   std::unordered_set<std::string> body_names_;
+  std::unordered_set<std::string> input_names_;
   std::unordered_set<std::string> group_names_;                  // of the last body that has groups
   std::unordered_map<std::string, std::uint32_t> neuron_index_;  // by a string that identifies the use
   std::unordered_map<std::string, MaterialIndex> material_index_;

@@ -7,6 +7,7 @@
 #include <map>
 #include <memory>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include <Eigen/Core>
@@ -195,6 +196,12 @@ class SPRINGNET_API Simulation {
   // Sets a force on a node, N, in addition to the scene's loads, until it is set again.
   void set_force(NodeIndex node, const Vector3& force);
   void set_gravity(const Vector3& acceleration);
+  // From now on the input signal has this value, in the unit that laws declare, in place of its course: by its number
+  // in the network, or its name. Throw Error(input) if there is none, or the value is out of the laws' bounds.
+  void set_input(InputIndex input, double value);
+  void set_input(std::string_view name, double value);
+  // The present value of an input signal.
+  [[nodiscard]] double input_value(InputIndex input) const;
   // Changes of the state by the embedding program. A position behind a plane is refused (Error(input)). A velocity away
   // from the surface releases a held node; any other leaves it held, at rest.
   void set_position(NodeIndex node, const Vector3& position);

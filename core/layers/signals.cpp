@@ -1,0 +1,78 @@
+#include "layers/signals.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+namespace springnet::layers {
+
+Signals::Signals(const std::vector<Input>& inputs) {
+  for (const Input& input : inputs) {
+    courses_.emplace_back(input.signal);
+    if (!courses_.back().is_constant()) varying_.push_back(static_cast<std::uint32_t>(courses_.size() - 1));
+    sampled_.push_back(courses_.back().at(0.0));
+  }
+  at_start_ = sampled_;
+}
+
+std::uint32_t Signals::add_constant(double value) {
+  Signal constant;
+  constant.mean = value;
+  courses_.emplace_back(constant);
+  sampled_.push_back(value);
+  at_start_.push_back(value);
+  return static_cast<std::uint32_t>(courses_.size() - 1);
+}
+
+void Signals::sample_all(double effective_time, std::vector<double>& values) const {
+  for (const std::uint32_t each : varying_) values[each] = courses_[each].at(effective_time);
+}
+
+bool Signals::set_interval(double from, double until) {
+  if (varying_.empty()) return false;
+  const bool step = std::isfinite(until) && until > from;
+  from_ = from;
+  until_ = step ? until : std::numeric_limits<double>::infinity();
+  slack_ = std::max(4.0 * std::numeric_limits<double>::epsilon() * std::abs(from), step ? 1e-12 * (until - from) : 0.0);
+  bool jumps = false;
+  for (const std::uint32_t each : varying_)
+    jumps = jumps || courses_[each].jumps_within(from - slack_, from + slack_);
+  sample_all(effective(from), at_start_);
+  sampled_time_ = from;
+  sampled_ = at_start_;
+  return jumps;
+}
+
+double Signals::effective(double time) const noexcept {
+  if (std::abs(time - from_) <= slack_) return from_ + slack_;
+  return time >= until_ - slack_ && std::isfinite(until_) ? time - 2.0 * slack_ : time;
+}
+
+void Signals::sample(double time) {
+  if (varying_.empty() || time == sampled_time_) return;
+  sample_all(effective(time), sampled_);
+  sampled_time_ = time;
+}
+
+void Signals::hold(std::uint32_t signal, double value) {
+  Signal constant;
+  constant.mean = value;
+  courses_[signal] = SignalCourse(constant);
+  varying_.erase(std::remove(varying_.begin(), varying_.end(), signal), varying_.end());
+  sampled_[signal] = at_start_[signal] = value;
+}
+
+double Signals::at_start(std::uint32_t signal, double time, double time_step) const {
+  const double start = time - time_step;
+  // The difference of two times is not exactly the third.
+  if (std::abs(start - from_) <= 1e-9 * time_step) return at_start_[signal];
+  return courses_[signal].at(effective(start));
+}
+
+double Signals::next_kink(double time) const {
+  double next = std::numeric_limits<double>::infinity();
+  for (const std::uint32_t each : varying_) next = std::min(next, courses_[each].next_kink(time));
+  return next;
+}
+
+}  // namespace springnet::layers

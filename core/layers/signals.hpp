@@ -1,0 +1,52 @@
+// The input signals of laws while a network is simulated: their values at the times of evaluations.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <limits>
+#include <vector>
+
+#include "network/signal_course.hpp"
+
+namespace springnet::layers {
+
+class Signals {
+ public:
+  Signals() = default;
+  // Numbered as the inputs of the network.
+  explicit Signals(const std::vector<Input>& inputs);
+
+  // Another signal, of the same value at all times; returns its number.
+  std::uint32_t add_constant(double value);
+
+  // The present step, s: signals are left limits at its end and right limits at its start. Returns whether one jumps
+  // at the start. An end that is not after the start: no step, right limits everywhere.
+  bool set_interval(double from, double until);
+  // To be called before evaluations at a time, s, on several threads, which then cost little.
+  void sample(double time);
+  // From now on the signal has this value.
+  void hold(std::uint32_t signal, double value);
+
+  // At the time of an evaluation, s.
+  [[nodiscard]] double at(std::uint32_t signal, double time) const {
+    return time == sampled_time_ ? sampled_[signal] : courses_[signal].at(effective(time));
+  }
+  // Where a step of `time_step` seconds up to `time` starts.
+  [[nodiscard]] double at_start(std::uint32_t signal, double time, double time_step) const;
+  // The next time after `time` at which one of them jumps or has a kink, s; infinity if there is none.
+  [[nodiscard]] double next_kink(double time) const;
+
+ private:
+  [[nodiscard]] double effective(double time) const noexcept;
+  void sample_all(double effective_time, std::vector<double>& values) const;
+
+  std::vector<SignalCourse> courses_;
+  std::vector<std::uint32_t> varying_;  // not constant
+  double from_ = 0.0;  // s
+  double until_ = std::numeric_limits<double>::infinity();
+  double slack_ = 0.0;                  // s, far less than the step: times this near are those of its ends
+  double sampled_time_ = 0.0;           // s
+  std::vector<double> sampled_, at_start_;
+};
+
+}  // namespace springnet::layers

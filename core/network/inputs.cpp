@@ -1,0 +1,57 @@
+// Input signals of a network.
+#include <algorithm>
+#include <cmath>
+
+#include "network/checks.hpp"
+
+namespace springnet {
+namespace {
+
+using namespace checks;
+
+void check_signal(const Signal& signal, const std::string& what) {
+  const bool table = !signal.times.empty() || !signal.values.empty();
+  if (table && signal.frequency != 0.0) fail(fmt::format("{} has a table and a frequency: give one", what));
+  if (table) {
+    check_times(signal.times, signal.values.size(), "values", what);
+    for (std::size_t k = 0; k < signal.values.size(); ++k) {
+      if (!std::isfinite(signal.values[k]))
+        fail(fmt::format("{}: a value must be finite, entry {} of its table has {}", what, k, signal.values[k]));
+    }
+  }
+  if (!(std::isfinite(signal.frequency) && signal.frequency >= 0.0))
+    fail(fmt::format("{}: its frequency must be a finite number of at least 0 Hz, is {}", what, signal.frequency));
+  for (const double value : {signal.mean, signal.amplitude, signal.phase}) {
+    if (!std::isfinite(value))
+      fail(fmt::format("{}: mean, amplitude and phase must be finite, one is {}", what, value));
+  }
+}
+
+template <class Index>
+void sort_members(std::vector<Index>& members, std::size_t count, const char* kind, const std::string& what) {
+  std::sort(members.begin(), members.end());
+  members.erase(std::unique(members.begin(), members.end()), members.end());
+  if (!members.empty() && members.back() >= count)
+    fail(fmt::format("{} is for {} {}: there are only {} {}s", what, kind, members.back(), count, kind));
+}
+
+}  // namespace
+
+InputIndex Network::add_input(const Input& input) {
+  if (input.input.empty()) fail("an input signal does not say which input of laws it is for: give `input`");
+  const std::string what = input.name.empty() ? fmt::format("the signal for the input '{}'", input.input)
+                                              : fmt::format("the input signal '{}'", input.name);
+  if (!input.name.empty() && input_names_.contains(input.name))
+    fail(fmt::format("two input signals have the name '{}': rename one", input.name));
+  check_signal(input.signal, what);
+  Input added = input;
+  sort_members(added.springs, springs_.size(), "spring", what);
+  sort_members(added.elements, elements_.size(), "element", what);
+  if (added.springs.empty() && added.elements.empty())
+    fail(fmt::format("{} is for no spring and no element: list some", what));
+  if (!added.name.empty()) input_names_.insert(added.name);
+  inputs_.push_back(std::move(added));
+  return static_cast<InputIndex>(inputs_.size() - 1);
+}
+
+}  // namespace springnet
