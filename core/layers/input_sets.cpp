@@ -63,9 +63,8 @@ std::vector<bool> materials_reading(const Network& network, std::string_view inp
   std::vector<bool> reading;
   for (const Material& material : network.materials()) {
     bool reads = false;
-    for_laws(material, plugins, [&](const std::shared_ptr<const Component>& law) {
-      reads = reads || find_input(*law, input) != nullptr;
-    });
+    for_laws(material, plugins,
+             [&](const std::shared_ptr<const Component>& law) { reads = reads || find_input(*law, input) != nullptr; });
     reading.push_back(reads);
   }
   return reading;
@@ -87,8 +86,8 @@ std::vector<InputReader> readers_of(const Network& network, const Input& input, 
     for_laws(network.materials()[material], plugins, [&](const std::shared_ptr<const Component>& law) {
       for (std::uint32_t k = 0; k < law->law().input_count; ++k) known.insert(law->law().inputs[k]->name);
       const springnet_parameter* const declared = find_input(*law, input.input);
-      const bool is_new = std::none_of(readers.begin(), readers.end(),
-                                       [&](const InputReader& reader) { return reader.law == law; });
+      const bool is_new =
+          std::none_of(readers.begin(), readers.end(), [&](const InputReader& reader) { return reader.law == law; });
       if (declared != nullptr && is_new) readers.push_back({law, declared});
     });
   }

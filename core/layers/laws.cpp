@@ -138,8 +138,7 @@ class RowKeys {
   static constexpr std::uint32_t none = 0xffffffffu;
 
   static bool is_same(const RowKey& a, const RowKey& b) {
-    return a.material == b.material && a.inputs == b.inputs &&
-           detail::SameBits<double>::of(a.reference, b.reference);
+    return a.material == b.material && a.inputs == b.inputs && detail::SameBits<double>::of(a.reference, b.reference);
   }
   // Of the key, or the free one where it belongs.
   [[nodiscard]] std::size_t place_of(const RowKey& key) const {
@@ -170,8 +169,8 @@ class Rows {
 
   // Of springs or elements with these materials, sets of signals and references.
   template <class References>
-  Column<std::uint32_t> of(std::size_t count, const Column<MaterialIndex>& materials,
-                           const Column<std::uint32_t>& sets, const References& references, bool all_alike) {
+  Column<std::uint32_t> of(std::size_t count, const Column<MaterialIndex>& materials, const Column<std::uint32_t>& sets,
+                           const References& references, bool all_alike) {
     Column<std::uint32_t> rows;
     if (count == 0) return rows;
     if (all_alike && sets.is_uniform()) {
@@ -314,7 +313,8 @@ CompiledLaws compile_laws(const Network& network, const PluginHost& plugins) {
     check_use(group.viscosity, elements[e].invariant, elements[e].reference, e);
   }
   compiled.element_row = rows.of(
-      elements.size(), element_materials, inputs.of_elements(), [&](std::size_t e) { return elements[e].reference; }, false);
+      elements.size(), element_materials, inputs.of_elements(), [&](std::size_t e) { return elements[e].reference; },
+      false);
 
   for (const LawUse& use : network.neurons()) {
     NeuronKind neuron;

@@ -47,8 +47,8 @@ struct Law {
 };
 
 // Springs and elements with the same two laws. columns[0] is the rest length or reference value, followed by the
-// parameters of the spring function and of the viscosity function, then by the numbers of the signals that these read as
-// inputs; each distinct combination is a row.
+// parameters of the spring function and of the viscosity function, then by the numbers of the signals that these read
+// as inputs; each distinct combination is a row.
 struct Group {
   Law spring;
   Law viscosity;

@@ -35,8 +35,7 @@ bool Signals::set_interval(double from, double until) {
   until_ = step ? until : std::numeric_limits<double>::infinity();
   slack_ = std::max(4.0 * std::numeric_limits<double>::epsilon() * std::abs(from), step ? 1e-12 * (until - from) : 0.0);
   bool jumps = false;
-  for (const std::uint32_t each : varying_)
-    jumps = jumps || courses_[each].jumps_within(from - slack_, from + slack_);
+  for (const std::uint32_t each : varying_) jumps = jumps || courses_[each].jumps_within(from - slack_, from + slack_);
   sample_all(effective(from), at_start_);
   sampled_time_ = from;
   sampled_ = at_start_;

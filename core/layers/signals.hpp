@@ -42,10 +42,10 @@ class Signals {
 
   std::vector<SignalCourse> courses_;
   std::vector<std::uint32_t> varying_;  // not constant
-  double from_ = 0.0;  // s
+  double from_ = 0.0;                   // s
   double until_ = std::numeric_limits<double>::infinity();
-  double slack_ = 0.0;                  // s, far less than the step: times this near are those of its ends
-  double sampled_time_ = 0.0;           // s
+  double slack_ = 0.0;         // s, far less than the step: times this near are those of its ends
+  double sampled_time_ = 0.0;  // s
   std::vector<double> sampled_, at_start_;
 };
 

@@ -1,11 +1,11 @@
 #include <algorithm>
-#include <set>
 
 #include <fmt/format.h>
 
 #include <springnet/printable.hpp>
 #include <springnet/suggestion.hpp>
 
+#include "scene/element_sets.hpp"
 #include "scene/parts.hpp"
 #include "scene/select.hpp"
 
@@ -24,36 +24,14 @@ void read_quantities(const Value& value, OutputOptions& output) {
   }
 }
 
-const ElementSet& find_set(const Value& name, const std::vector<ElementSet>& sets) {
-  const std::string wanted = name.text();
-  const auto found = std::find_if(sets.begin(), sets.end(), [&](const ElementSet& set) { return set.name == wanted; });
-  if (found != sets.end()) return *found;
-  std::vector<std::string> known;
-  for (const ElementSet& set : sets) {
-    if (!set.name.empty()) known.push_back(set.name);
-  }
-  if (known.empty()) {
-    name.fail(
-        fmt::format("there is no [[element]] '{}': none has a name; give it one (element.name)", printable(wanted)));
-  }
-  const std::string nearest = suggestion(wanted, known);
-  name.fail(fmt::format("there is no [[element]] '{}'{}{}; known: {}", printable(wanted), nearest.empty() ? "" : "; ",
-                        nearest, list_of(known)));
-}
-
 void read_recorded_elements(const Value& value, const std::vector<ElementSet>& sets, OutputOptions& output) {
   if (value.is_boolean()) {
     output.elements = value.boolean();
     return;
   }
   if (!value.is_list()) value.wrong_type("true, false or a list of names of [[element]]");
-  std::set<ElementIndex> numbers;
-  for (const Value& name : value.elements()) {
-    const ElementSet& set = find_set(name, sets);
-    for (ElementIndex k = 0; k < set.count; ++k) numbers.insert(set.first + k);
-  }
-  if (numbers.empty()) value.fail("names no element; leave out the file: output.elements = false");
-  output.element_numbers.assign(numbers.begin(), numbers.end());
+  output.element_numbers = select_elements(value, sets);
+  if (output.element_numbers.empty()) value.fail("names no element; leave out the file: output.elements = false");
 }
 
 }  // namespace

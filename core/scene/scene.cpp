@@ -75,6 +75,7 @@ Scene parse_scene(std::string_view text, std::string_view name, const PluginHost
   scene::read_elements(root, plugins, shapes, result);
   scene::read_changes(root, plugins, shapes, result);
   scene::read_surroundings(root, result);
+  scene::read_inputs(root, plugins, files, result);
   scene::read_starts(root, files, result.network);
   scene::read_output(root, result);
   return result;

@@ -9,6 +9,7 @@
 #include <springnet/printable.hpp>
 #include <springnet/profile.hpp>
 #include <springnet/simulation.hpp>
+#include <springnet/suggestion.hpp>
 
 #include "layers/elements/queries.hpp"
 #include "layers/springs/queries.hpp"
@@ -546,8 +547,8 @@ void Simulation::set_input(std::string_view name, double value) {
     if (!name.empty() && inputs[k].name == name) return set_input(k, value);
   std::vector<std::string> known;
   for (const auto& input : inputs) known.push_back(input.name);
-  throw Error(ErrorKind::input, fmt::format("there is no input signal '{}'; {}", printable(std::string(name)),
-                                            suggestion(name, known)));
+  throw Error(ErrorKind::input,
+              fmt::format("there is no input signal '{}'; {}", printable(std::string(name)), suggestion(name, known)));
 }
 double Simulation::input_value(InputIndex input) const {
   static_cast<void>(impl_->input(input));

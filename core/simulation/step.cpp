@@ -110,7 +110,7 @@ springnet_status Engine::project_state(double time, const springnet_vectors& pos
 }
 
 double Engine::next_discontinuity(double time) const noexcept {
-  return std::min({model_.loads.next_switch(time), model_.layout.signals().next_kink(time),
+  return std::min({model_.loads.next_switch(time), model_.layout.laws().signals->next_kink(time),
                    model_.contact.next_change(time), topology_.next_cut(time)});
 }
 

@@ -73,6 +73,11 @@ bool is_law(const Component& component) {
   return component.kind() == ComponentKind::spring_function || component.kind() == ComponentKind::viscosity_function;
 }
 
+std::vector<const springnet_parameter*> inputs_of(const Component& component) {
+  if (!is_law(component)) return {};
+  return {component.law().inputs, component.law().inputs + component.law().input_count};
+}
+
 std::vector<const springnet_parameter*> states_of(const Component& component) {
   if (!is_law(component)) return {};
   return {component.law().states, component.law().states + component.law().state_count};
@@ -181,6 +186,8 @@ Json json_of(const Component& component) {
   for (const springnet_parameter* parameter : parameters_of(component)) parameters.push_back(json_of(*parameter));
   Json states = Json::array();
   for (const springnet_parameter* state : states_of(component)) states.push_back(json_of(*state));
+  Json inputs = Json::array();
+  for (const springnet_parameter* input : inputs_of(component)) inputs.push_back(json_of(*input));
   return {{"id", component.id()},
           {"kind", name_of(component.kind())},
           {"version", plugin.version},
@@ -193,7 +200,8 @@ Json json_of(const Component& component) {
           {"reference", component.description->reference},
           {"capabilities", capabilities_of(component)},
           {"parameters", parameters},
-          {"states", states}};
+          {"states", states},
+          {"inputs", inputs}};
 }
 
 void print_json(const Json& document) {
@@ -263,13 +271,13 @@ void print_parameters(const Component& component) {
   fmt::print("{}", align_columns(rows));
 }
 
-void print_states(const Component& component) {
-  const std::vector<const springnet_parameter*> states = states_of(component);
-  if (states.empty()) return;
-  std::vector<std::vector<std::string>> rows{{"INTERNAL STATE", "UNIT", "AT START", "VALUES", ""}};
-  for (const springnet_parameter* state : states)
-    rows.push_back({state->name, shown(state->unit), value_text(*state, state->default_value), bounds_text(*state),
-                    shown(state->summary)});
+// Internal states or inputs.
+void print_quantities(const char* what, const char* value, const std::vector<const springnet_parameter*>& quantities) {
+  if (quantities.empty()) return;
+  std::vector<std::vector<std::string>> rows{{what, "UNIT", value, "VALUES", ""}};
+  for (const springnet_parameter* each : quantities)
+    rows.push_back({each->name, shown(each->unit), value_text(*each, each->default_value), bounds_text(*each),
+                    shown(each->summary)});
   fmt::print("\n{}", align_columns(rows));
 }
 
@@ -291,7 +299,8 @@ void print_component(const Component& component) {
   rows.push_back({"file", file_of(component)});
   fmt::print("{}\n", align_columns(rows));
   print_parameters(component);
-  print_states(component);
+  print_quantities("INTERNAL STATE", "AT START", states_of(component));
+  print_quantities("INPUT", "WITHOUT A SIGNAL", inputs_of(component));
   fmt::print("\n  in a scene:\n    {}\n", scene_line(component));
 }
 

@@ -291,9 +291,9 @@ class Network {
   // than 1e-8 of it.
   SPRINGNET_API RigidIndex add_rigid(NodeIndex first, NodeIndex second, std::optional<double> length = std::nullopt);
   SPRINGNET_API void add_cut(const Cut& cut);
-  // Throws Error(input) for an empty input, a name that is taken, a spring or element that does not exist, no spring and
-  // no element, or an invalid signal. Simulation checks that a law of one of them has the input, and that the signal
-  // stays within the bounds which the laws declare.
+  // Throws Error(input) for an empty input, a name that is taken, a spring or element that does not exist, no spring
+  // and no element, or an invalid signal. Simulation checks that a law of one of them has the input, and that the
+  // signal stays within the bounds which the laws declare.
   SPRINGNET_API InputIndex add_input(const Input& input);
   SPRINGNET_API void set_gravity(const Vector3& acceleration);  // m/s^2
 

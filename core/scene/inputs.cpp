@@ -1,0 +1,136 @@
+// [[input]]: signals over time that laws read.
+#include <algorithm>
+#include <array>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include <fmt/format.h>
+
+#include "layers/input_sets.hpp"
+#include "scene/csv_columns.hpp"
+#include "scene/element_sets.hpp"
+#include "scene/parts.hpp"
+#include "scene/select.hpp"
+#include "scene/time_table.hpp"
+
+namespace springnet::scene {
+namespace {
+
+constexpr std::array<std::string_view, 4> courses{"times", "file", "sinusoid", "value"};
+
+// The one of `courses` that is given.
+std::string_view course_of(const Table& table) {
+  std::string_view course;
+  for (const std::string_view key : courses) {
+    const auto value = table.find(key);
+    if (!value) continue;
+    if (!course.empty()) value->fail(fmt::format("cannot be combined with '{}'; remove one", course));
+    course = key;
+  }
+  if (course.empty())
+    table.fail("gives no signal; add times = […] with values = […], file = \"….csv\", sinusoid = { … } or value = …");
+  return course;
+}
+
+void read_lists(const Table& table, Signal& signal) {
+  const Value times = table.need("times");
+  for (const Value& time : times.elements()) {
+    const double number = time.number();
+    if (!signal.times.empty() && !(signal.times.back() < number))
+      time.fail(fmt::format("times must increase, but {} s follows {} s; sort them, and give each time once", number,
+                            signal.times.back()));
+    signal.times.push_back(number);
+  }
+  if (signal.times.size() < 2) times.fail(fmt::format("needs two times or more, has {}", signal.times.size()));
+  const Value values = table.need("values");
+  for (const Value& value : values.elements()) signal.values.push_back(value.number());
+  if (signal.values.size() != signal.times.size())
+    values.fail(
+        fmt::format("has {} values for {} times; give one for each", signal.values.size(), signal.times.size()));
+}
+
+void read_file(const Table& table, const Files& files, const std::string& input, Signal& signal) {
+  const Value file = table.need("file");
+  const auto column = table.find("column");
+  const std::filesystem::path path = files.resolve(file);
+  CsvColumns columns = file.at_this_place([&] {
+    return read_csv_columns(path, {"time", column ? column->text() : input});
+  });
+  const std::vector<double>& times = columns.values[0];
+  if (times.size() < 2) file.fail(fmt::format("has {} rows below its header; give two or more", times.size()));
+  for (std::size_t k = 1; k < times.size(); ++k) {
+    if (!(times[k - 1] < times[k]))
+      file.fail(fmt::format("line {} of the file: times must increase; sort the rows, and give each time once",
+                            columns.lines[k]));
+  }
+  signal.times = std::move(columns.values[0]);
+  signal.values = std::move(columns.values[1]);
+}
+
+Signal read_signal(const Table& table, const Files& files, const std::string& input) {
+  Signal signal;
+  const std::string_view course = course_of(table);
+  const auto requires_key = [&](const char* key, bool fits, const char* wanted) {
+    const auto given = table.find(key);
+    if (given && !fits) given->fail(fmt::format("requires {}; remove it", wanted));
+  };
+  requires_key("values", course == "times", "'times'");
+  requires_key("column", course == "file", "'file'");
+  requires_key("interpolation", course == "times" || course == "file", "'times' or 'file'");
+  if (course == "times") read_lists(table, signal);
+  if (course == "file") read_file(table, files, input, signal);
+  if (course == "value") signal.mean = table.need("value").number();
+  if (course == "sinusoid") {
+    const Table keys = table.need("sinusoid").table("input.sinusoid");
+    signal.frequency = keys.need("frequency").number_above_0("Hz");
+    signal.amplitude = keys.need("amplitude").number();
+    if (const auto mean = keys.find("mean")) signal.mean = mean->number();
+    if (const auto phase = keys.find("phase")) signal.phase = phase->number();
+  }
+  if (const auto interpolation = table.find("interpolation")) {
+    using enum Signal::Interpolation;
+    constexpr std::array kinds{hold, linear, cubic};
+    signal.interpolation = kinds.at(interpolation->choice({"hold", "linear", "cubic"}));
+  }
+  return signal;
+}
+
+// Those selected, or all, as far as a law of theirs has the input.
+void read_members(const Table& table, const PluginHost& plugins, const Scene& scene, Input& input) {
+  const Network& network = scene.network;
+  const auto select = table.find("select"), elements = table.find("elements");
+  const std::vector<bool> reads = layers::materials_reading(network, input.input, plugins);
+  if (select) input.springs = select_springs(*select, network);
+  if (elements) input.elements = select_elements(*elements, scene.elements);
+  if (!select && !elements) {
+    for (SpringIndex k = 0; k < network.springs().size(); ++k) input.springs.push_back(k);
+    for (ElementIndex k = 0; k < network.elements().size(); ++k) input.elements.push_back(k);
+  }
+  // None that does: add_input and Simulation say so, with all that were selected.
+  Input reading = input;
+  std::erase_if(reading.springs, [&](SpringIndex k) { return !reads[network.springs()[k].material]; });
+  std::erase_if(reading.elements, [&](ElementIndex k) { return !reads[network.elements()[k].material]; });
+  if (!reading.springs.empty() || !reading.elements.empty()) input = std::move(reading);
+}
+
+}  // namespace
+
+void read_inputs(const Table& root, const PluginHost& plugins, const Files& files, Scene& scene) {
+  std::size_t selected = 0;
+  for (const Value& value : root.tables("input")) {
+    const Table table = value.table("input");
+    Input input;
+    const Value name = table.need("input");
+    input.input = name.text();
+    if (const auto given = table.find("name")) input.name = given->text();
+    read_members(table, plugins, scene, input);
+    count_selected(value, input.springs.size() + input.elements.size(), selected);
+    input.signal = read_signal(table, files, input.input);
+    const auto readers = name.at_this_place([&] { return layers::readers_of(scene.network, input, plugins); });
+    static_cast<void>(readers);
+    value.at_this_place([&] { return scene.network.add_input(input); });
+  }
+}
+
+}  // namespace springnet::scene
