@@ -67,7 +67,7 @@ std::vector<Driving> drivings() {
            table({0, 0.4, 0.8}, {2, -5, 4}, hold),
            [](double t) { return t < 0.4   ? 2.0
                                  : t < 0.8 ? -5.0
-                                           : 3.0; },
+                                           : 4.0; },
            {0.4, 0.8}},
           {"linear",
            table({0, 0.4, 0.8}, {0, 4, -2}, linear),
