@@ -33,6 +33,6 @@ void read_changes(const Table& root, const PluginHost& plugins, const std::vecto
 void read_loads(const Table& root, const std::vector<Shape>& shapes, Scene& scene);  // [[force]]
 void read_surroundings(const Table& root, Scene& scene);  // [[move]], [[plane]], [[instrument]]
 // [output], read last: its selections refer to the whole network and all elements.
-void read_output(const Table& root, Scene& scene);
+void read_output(const Table& root, const PluginHost& plugins, Scene& scene);
 
 }  // namespace springnet::scene

@@ -76,7 +76,7 @@ Scene parse_scene(std::string_view text, std::string_view name, const PluginHost
   scene::read_changes(root, plugins, shapes, result);
   scene::read_surroundings(root, result);
   scene::read_starts(root, files, result.network);
-  scene::read_output(root, result);
+  scene::read_output(root, plugins, result);
   return result;
 }
 

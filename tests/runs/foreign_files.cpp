@@ -18,8 +18,8 @@ namespace fs = std::filesystem;
 
 namespace {
 
-const char* const names[] = {"events.csv",   "trajectory.csv", "reactions.csv",    "surfaces.csv",
-                             "rigid.csv",    "springs.csv",    "elements.csv",     "view.html",
+const char* const names[] = {"events.csv",   "trajectory.csv", "reactions.csv",    "surfaces.csv", "rigid.csv",
+                             "springs.csv",  "elements.csv",   "view.html",        "states.csv",   "energies.csv",
                              "summary.json", "view.html.part", "summary.json.part"};
 
 // A scene that writes every kind of file.
@@ -35,7 +35,7 @@ Scene scene_with_everything() {
   scene.duration = 0.3;
   scene.options.time_step = 0.1;
   scene.options.threads = 1;
-  scene.output.reactions = scene.output.vtk = true;
+  scene.output.reactions = scene.output.vtk = scene.output.energies = scene.output.states = true;
   scene.output.springs = {0, 1};
   return scene;
 }
