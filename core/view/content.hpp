@@ -39,6 +39,7 @@ struct Content {
   std::vector<std::string> notes;
   std::string failure{};                        // why the run failed; empty if it did not
   std::shared_ptr<const PluginHost> plugins{};  // for the units of laws
+  std::vector<LawStates> law_states{};          // laws of springs and elements that have internal states
   States states{};
 };
 

@@ -41,10 +41,12 @@ FrameWidths widths_of(const Content& content) {
 }
 
 Content make_content(const Scene& scene, double size, const PluginHost* plugins) {
-  States states =
-      states_of(scene.network, plugins != nullptr ? find_law_states(scene.network, *plugins) : scene.output.law_states);
+  std::vector<LawStates> law_states =
+      plugins != nullptr ? find_law_states(scene.network, *plugins) : scene.output.law_states;
+  States states = states_of(scene.network, law_states);
   Content content{
       scene, select(scene, states, size), plotted_elements(scene.network), {}, Frames({0, 0, 0, 0}, 2, 0), {}, {}};
+  content.law_states = std::move(law_states);
   content.states = std::move(states);
   count_states(scene.network, content.selection, content.states);
   content.forces = forces_of(scene.network, content.selection);

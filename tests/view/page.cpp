@@ -533,6 +533,8 @@ TEST_CASE("a page with internal states has them all, within its estimate") {
   run(scene, folder);
   const std::string page = page_in(folder);
   const nlohmann::json about = description(page);
+  CHECK(about["energy_leaves_out"] ==
+        nlohmann::json::array({"the work of moved nodes", "damping", "what laws with memory dissipate"}));
   CHECK(about["states"].size() == 2);
   CHECK(about["material_states"] == nlohmann::json::array({{0}, {1}, nlohmann::json::array()}));
   std::size_t with_states = 0;
