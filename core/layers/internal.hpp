@@ -31,9 +31,10 @@ struct InternalView {
   // Invariants and rates at the start of the step, in the place of each law's first state; null: not known.
   const double* start_q = nullptr;
   const double* start_rate = nullptr;
-  double* next = nullptr;   // out, with a time step: at its end
-  double* rates = nullptr;  // out, without one
-  double* start = nullptr;  // out, and nothing else: the states with which laws begin
+  double* next = nullptr;              // out, with a time step: at its end
+  double* rates = nullptr;             // out, without one
+  double* energy_by_states = nullptr;  // out, with rates: dE/dz of laws that have an energy
+  double* start = nullptr;             // out, and nothing else: the states with which laws begin
   // s; above 0, without a time step: derivatives are those with states that follow (springnet_linearisation).
   double elimination = 0.0;
   EliminationRecord* record = nullptr;  // out, with elimination

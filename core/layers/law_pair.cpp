@@ -94,6 +94,7 @@ springnet_status evaluate_law(const LawBatch& laws, const Law& law, std::uint32_
     batch.force_by_q = at(out.by_q);
     batch.force_by_rate = at(out.by_rate);
     batch.margin = at(out.margin);
+    batch.energy_by_q = at(out.energy_by_q);
     const springnet_status status = call_component(*law.component, message, [&](springnet_message& own) {
       batch.message = &own;
       if (law.state_count > 0) return evaluate_with_states(laws.internal, law, begin, inputs.start, batch);

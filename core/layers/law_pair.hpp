@@ -49,9 +49,10 @@ struct LawBatch {
 struct LawOutputs {
   double* force = nullptr;  // null, and no margin: the law is not evaluated
   double* by_q = nullptr;
-  double* by_rate = nullptr;  // 0 for a law that does not read the rate
-  double* energy = nullptr;   // J; nan for a law without one
-  double* margin = nullptr;   // to rupture; infinity for a law that cannot rupture
+  double* by_rate = nullptr;      // 0 for a law that does not read the rate
+  double* energy = nullptr;       // J; nan for a law without one
+  double* margin = nullptr;       // to rupture; infinity for a law that cannot rupture
+  double* energy_by_q = nullptr;  // dE/dq; null for a law without an energy
 };
 using PairOutputs = std::array<LawOutputs, 2>;  // as Group::laws()
 

@@ -157,10 +157,15 @@ springnet_status evaluate_with_states(const InternalSelection& internal, const L
   if (view->elimination > 0.0 && call.force_by_q != nullptr) return eliminate(*view, law, access, call);
   if (view->rates == nullptr) return functions.evaluate(functions.context, &call);
   Lists<max_states> rates;
+  Lists<max_states> by_states;
+  const bool energies = view->energy_by_states != nullptr && law.can(SPRINGNET_HAS_ENERGY);
   call.state_rates = rates.first(law.state_count);
+  if (energies) call.energy_by_states = by_states.first(law.state_count);
   const springnet_status status = functions.evaluate(functions.context, &call);
-  for (std::size_t j = 0; status == SPRINGNET_OK && j < law.state_count; ++j)
+  for (std::size_t j = 0; status == SPRINGNET_OK && j < law.state_count; ++j) {
     access.scatter(rates.values[j], j, view->rates);
+    if (energies) access.scatter(by_states.values[j], j, view->energy_by_states);
+  }
   return status;
 }
 

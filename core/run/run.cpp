@@ -270,6 +270,7 @@ RunSummary run_scene(const Scene& scene, const std::shared_ptr<const PluginHost>
   if (options.realtime != 0.0) pace.emplace(options.realtime, 0.0, clock);
   check_starts(scene);
   SimulationOptions simulated = scene.options;
+  if (scene.output.energies) simulated.dissipated_energy = true;
   if (!simulated.profiler && (options.profile || options.trace))
     simulated.profiler = std::make_shared<Profiler>(options.trace ? run_trace_events : 0);
   std::optional<Profiler::Scope> whole(std::in_place, simulated.profiler.get(), "run");

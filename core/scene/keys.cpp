@@ -37,6 +37,8 @@ constexpr std::array keys{
     Key{"output.surfaces", "true or false"},
     Key{"output.rigid", "true or false"},
     Key{"output.elements", "true, false or a list of names of [[element]]"},
+    Key{"output.energies", "true or false"},
+    Key{"output.states", "true or false"},
     Key{"output.nodes", "a selection of nodes"},
     Key{"output.springs", "a selection of springs"},
     Key{"output.quantities", "a list of 'position', 'velocity', 'force'"},

@@ -35,6 +35,6 @@ void read_surroundings(const Table& root, Scene& scene);  // [[move]], [[plane]]
 // [[input]], after all springs and elements have their laws.
 void read_inputs(const Table& root, const PluginHost& plugins, const Files& files, Scene& scene);
 // [output], read last: its selections refer to the whole network and all elements.
-void read_output(const Table& root, Scene& scene);
+void read_output(const Table& root, const PluginHost& plugins, Scene& scene);
 
 }  // namespace springnet::scene

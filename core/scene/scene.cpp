@@ -77,7 +77,7 @@ Scene parse_scene(std::string_view text, std::string_view name, const PluginHost
   scene::read_surroundings(root, result);
   scene::read_inputs(root, plugins, files, result);
   scene::read_starts(root, files, result.network);
-  scene::read_output(root, result);
+  scene::read_output(root, plugins, result);
   return result;
 }
 

@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <cmath>
+#include <limits>
 
 #include <springnet/error.hpp>
 
@@ -28,6 +29,7 @@ Engine::Engine(const Network& network, const PluginHost& plugins, const Simulati
   if (topology_.perform_due_ruptures() != SPRINGNET_OK) throw Error(ErrorKind::simulation, model_.journal.message.text);
   model_.scales = find_scales(model_);
   start_constraints(model_, size_of(network));
+  if (options.dissipated_energy) dissipation_ = std::make_unique<DissipationLedger>();
 }
 
 Engine::~Engine() = default;
@@ -49,6 +51,10 @@ const Reactions& Engine::reactions() {
 Vector3 Engine::reaction_of(std::uint32_t node, std::size_t surface) {
   return model_.constraints.share_of(*model_.placement(model_.time), node, surface,
                                      vector_at(model_.state.view.position, node), reactions().node[node]);
+}
+
+double Engine::dissipated_energy() const noexcept {
+  return dissipation_ ? dissipation_->total() : std::numeric_limits<double>::quiet_NaN();
 }
 
 double Engine::potential_energy() {

@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "simulation/contact_events.hpp"
+#include "simulation/dissipation_ledger.hpp"
 #include "simulation/impulse_ledger.hpp"
 #include "simulation/integrator_calls.hpp"
 #include "simulation/linear_model.hpp"
@@ -60,6 +61,8 @@ class Engine {
   [[nodiscard]] Vector3 reaction_of(std::uint32_t node, std::size_t surface);
   // J, of springs, elements and gravity. If it is not finite, a note names the time and the law.
   [[nodiscard]] double potential_energy();
+  // J since the start; nan unless the options ask for it.
+  [[nodiscard]] double dissipated_energy() const noexcept;
   [[nodiscard]] LocalForceModel& local_force();
 
  private:
@@ -83,8 +86,9 @@ class Engine {
   IntegratorCalls calls_;
   Sweep sweep_;
   ImpulseLedger ledger_;
-  std::shared_ptr<VerletContact> verlet_;  // contact in the last step of velocity Verlet; null: none
-  bool swept_ = false;                     // the last commit was one of sweeps; false after forget()
+  std::unique_ptr<DissipationLedger> dissipation_;  // null: not asked for
+  std::shared_ptr<VerletContact> verlet_;           // contact in the last step of velocity Verlet; null: none
+  bool swept_ = false;                              // the last commit was one of sweeps; false after forget()
   Reactions reactions_;
   std::unique_ptr<LocalForceModel> local_force_;  // null: not asked for yet
   bool energy_noted_ = false;

@@ -11,6 +11,7 @@
 #include <springnet/simulation.hpp>
 #include <springnet/suggestion.hpp>
 
+#include "layers/dissipation.hpp"
 #include "layers/elements/queries.hpp"
 #include "layers/springs/queries.hpp"
 #include "network/checks.hpp"
@@ -164,6 +165,17 @@ void check_finite(const Vector3& value, std::string_view what) {
 }
 
 Vector3 column(const springnet_vectors& v, std::uint32_t k) { return {v.x[k], v.y[k], v.z[k]}; }
+
+std::vector<InternalState> names_of_states(const layers::Group& group) {
+  std::vector<InternalState> names;
+  for (const layers::Law* const law : group.laws()) {
+    for (std::size_t j = 0; j < law->state_count; ++j) {
+      const springnet_parameter& state = *law->component->law().states[j];
+      names.push_back({state.name, state.unit, law == &group.viscosity});
+    }
+  }
+  return names;
+}
 
 }  // namespace
 
@@ -483,6 +495,29 @@ void Simulation::spring_energies(std::vector<double>& out) const {
   layers::spring_energies(engine.model().layout, engine.model().evaluator.instruction_set(), engine.model().time,
                           engine.model().state.nodes(), out.data());
 }
+std::vector<InternalState> Simulation::internal_state_names(SpringIndex spring) const {
+  impl_->check_spring(spring);
+  const layers::CompiledLaws& laws = impl_->engine.model().layout.laws();
+  return names_of_states(laws.groups[laws.group[spring]]);
+}
+std::vector<InternalState> Simulation::element_internal_state_names(ElementIndex element) const {
+  impl_->check_element(element);
+  const layers::Layout& layout = impl_->engine.model().layout;
+  return names_of_states(layout.laws().groups[layout.elements().group(element)]);
+}
+void Simulation::dissipations(std::vector<double>& out) const {
+  const Model& model = impl_->engine.model();
+  layers::Losses losses;
+  layers::evaluate_losses(model.layout, model.evaluator.instruction_set(), model.time, model.state.nodes(), losses);
+  out.assign(spring_count(), 0.0);
+  layers::add_spring_dissipations(model.layout, losses, out.data());
+}
+double Simulation::element_dissipation(ElementIndex element) const {
+  if (!element_alive(element)) return 0.0;
+  const Model& model = impl_->engine.model();
+  return layers::element_dissipation(model.layout, model.evaluator.instruction_set(), model.time, model.state.nodes(),
+                                     element);
+}
 bool Simulation::alive(SpringIndex spring) const {
   impl_->check_spring(spring);
   return impl_->engine.model().layout.alive(spring);
@@ -511,6 +546,13 @@ double Simulation::kinetic_energy() const {
   return sum;
 }
 double Simulation::potential_energy() const { return impl_->engine.potential_energy(); }
+double Simulation::dissipated_power() const {
+  const Model& model = impl_->engine.model();
+  layers::Losses losses;
+  layers::evaluate_losses(model.layout, model.evaluator.instruction_set(), model.time, model.state.nodes(), losses);
+  return layers::known_dissipation(model.layout, losses);
+}
+double Simulation::dissipated_energy() const noexcept { return impl_->engine.dissipated_energy(); }
 Vector3 Simulation::momentum() const {
   Vector3 sum = Vector3::Zero();
   for (std::uint32_t k = 0; k < node_count(); ++k)

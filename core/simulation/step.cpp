@@ -62,6 +62,7 @@ springnet_status Engine::begin(double from, double until, Loads::Change loads, b
   model_.contact.begin_step(model_.placement_now());
   sweep_.forget();
   if (status == SPRINGNET_OK) status = ledger_.begin_step();
+  if (dissipation_) dissipation_->begin_step(model_);
   return status;
 }
 
@@ -143,6 +144,7 @@ springnet_status Engine::commit(double time, State& state) {
   const bool jumps = change <= time && !model_.jumps_due;
   swept_ = sweep_.done().any;
   springnet_status status = swept_ ? commit_sweeps() : commit_solution(state, jumps);
+  if (dissipation_) dissipation_->end_step(model_);
   if (status == SPRINGNET_OK && jumps) status = commit_jumps(from, false);
   if (status != SPRINGNET_OK) return status;
   committed_events_ = model_.journal.events().size();

@@ -92,6 +92,7 @@ std::optional<FileEstimate> estimate(const Table& table, const Network& network,
     return FileEstimate{file, header + records * static_cast<double>(record_bytes(form, options.precision)), true};
   }
   const RowCount count = count_rows(table, network, options);
+  if (std::isnan(count.rows)) return std::nullopt;
   return FileEstimate{file, records * (count.rows * row_length(table, options, count.count_bound) + count.text), false};
 }
 

@@ -39,7 +39,7 @@ struct Columns {
 
 // Upper bounds for a record, for the estimate.
 struct RowCount {
-  double rows = 0.0;
+  double rows = 0.0;         // nan: not known
   double count_bound = 1.0;  // numbers in columns of counts are below this
   double text = 0.0;         // characters in the columns of text, of all rows
 };

@@ -32,6 +32,7 @@ void write_frames(std::ostream& out, const Frames& frames, const std::optional<R
   write_block(out, "contact", frames.contact.numbers());
   write_block(out, "load_resultants", frames.resultants.numbers());
   write_block(out, "arrow_forces", frames.forces.numbers());
+  write_block(out, "states", frames.states.numbers());
   if (ranges) {
     write_rounded(out, "positions", frames.positions.numbers(), ranges->positions);
     write_rounded(out, "speeds", frames.speeds.numbers(), ranges->speeds);
@@ -140,6 +141,7 @@ double raw_frame_bytes(const Content& content, bool rounded) {
       static_cast<double>(content.scene.network.planes().size() + content.scene.network.instruments().size());
   const auto arrows = static_cast<double>(content.forces.loads.size() + content.forces.arrows.size());
   return (rounded ? 2.0 : 4.0) * (4.0 * nodes + springs) + std::ceil(nodes / 8.0) + 28.0 * surfaces + 12.0 * arrows +
+         4.0 * static_cast<double>(content.states.numbers) +
          8.0 * static_cast<double>(fixed_scalars + content.elements.size());
 }
 
@@ -165,6 +167,7 @@ double base_bytes(const Content& content) {
   text += 200.0 * static_cast<double>(network.bodies().size() + network.materials().size() + content.elements.size());
   text += 400.0 * static_cast<double>(network.planes().size() + network.instruments().size());
   text += 60.0 * static_cast<double>(content.forces.loads.size());
+  text += 200.0 * static_cast<double>(content.states.all.size());
   double bytes = cost_of(static_cast<double>(content.selection.nodes.size()),
                          static_cast<double>(content.selection.springs.size()))
                      .once;

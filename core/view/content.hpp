@@ -15,6 +15,7 @@
 #include "view/frames.hpp"
 #include "view/rounding.hpp"
 #include "view/selection.hpp"
+#include "view/states.hpp"
 
 namespace springnet::view {
 
@@ -38,6 +39,8 @@ struct Content {
   std::vector<std::string> notes;
   std::string failure{};                        // why the run failed; empty if it did not
   std::shared_ptr<const PluginHost> plugins{};  // for the units of laws
+  std::vector<LawStates> law_states{};          // laws of springs and elements that have internal states
+  States states{};
 };
 
 // Elements that get a curve: all if they are few, else the enclosed volumes.

@@ -111,6 +111,13 @@ Json loads_of(const Content& content) {
   return loads;
 }
 
+// Colours of springs besides tension and speed, and which of them a spring of each material has.
+Json states_of(const Content& content) {
+  Json states = Json::array();
+  for (const States::Of& each : content.states.all) states.push_back({{"label", each.label}, {"unit", each.unit}});
+  return states;
+}
+
 }  // namespace
 
 std::string describe(const Content& content, bool rounded) {
@@ -138,6 +145,8 @@ std::string describe(const Content& content, bool rounded) {
             {"curves", elements_of(content)},
             {"forces", content.forces.all},
             {"loads", loads_of(content)},
+            {"states", states_of(content)},
+            {"material_states", content.states.of_material},
             {"energy_leaves_out", left_out_of_energy(content)},
             {"failure", content.failure},
             {"notes", content.notes}};

@@ -42,6 +42,7 @@ std::vector<std::string> left_out_of_energy(const Content& content) {
   if (any_moving(network.planes()) || any_moving(network.instruments())) sources.emplace_back("moving obstacles");
   if (!sources.empty()) parts.push_back(fmt::format("the work of {}", fmt::join(sources, " and ")));
   if (has_damping(network)) parts.emplace_back("damping");
+  if (!content.law_states.empty()) parts.emplace_back("what laws with memory dissipate");
   if (!network.planes().empty() || !network.instruments().empty()) parts.emplace_back("contact");
   if (!content.removed.empty()) parts.emplace_back("removed springs");
   if (content.plugins) {

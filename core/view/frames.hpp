@@ -34,7 +34,7 @@ constexpr std::size_t surface_numbers = 7;  // per surface and frame
 
 struct FrameWidths {
   std::size_t scalars, nodes, springs, surfaces;
-  std::size_t loads = 0, arrows = 0;
+  std::size_t loads = 0, arrows = 0, states = 0;
 };
 
 // Records 0, stride, 2 stride, … and the last one; at most `capacity` frames (2 or more), then the stride doubles.
@@ -52,6 +52,7 @@ class Frames {
   Rows<float> surfaces;        // of each surface: x, y, z, m; the quaternion x, y, z, w of its rotation since the start
   Rows<float> resultants;      // x, y, z of each load, N
   Rows<float> forces;          // x, y, z of each arrow at a node, N
+  Rows<float> states;          // internal states, spring by spring (States)
   Rows<std::uint8_t> contact;  // a bit per node
 
   [[nodiscard]] std::size_t count() const noexcept { return count_; }
@@ -68,6 +69,7 @@ class Frames {
     work(surfaces);
     work(resultants);
     work(forces);
+    work(states);
     work(contact);
   }
   void halve();

@@ -16,12 +16,6 @@ namespace springnet::view {
 
 namespace {
 
-// A diverging run has numbers beyond the range of float.
-float to_float(double number) {
-  constexpr double max = std::numeric_limits<float>::max();
-  return static_cast<float>(std::clamp(number, -max, max));
-}
-
 // Fewer frames do not show a motion: springs are left out to have this many.
 constexpr double min_frames = 60.0;
 
@@ -29,24 +23,37 @@ double expected_records(const Scene& scene) {
   return std::floor(scene.duration / std::max(scene.output.interval, scene.options.time_step)) + 2.0;
 }
 
-Selection select(const Scene& scene, double size) {
+Selection select(const Scene& scene, const States& states, double size) {
   const double frames = std::min(expected_records(scene), min_frames);
-  return view::select(scene.network, frames, 0.75 * std::max(size - program_bytes(), 0.0));
+  return view::select(scene.network, frames, 0.75 * std::max(size - program_bytes(), 0.0),
+                      4.0 * mean_states(scene.network, states));
 }
 
-FrameWidths widths_of(const Network& network, const Selection& selection, std::size_t elements, const Forces& forces) {
-  return {fixed_scalars + elements, selection.nodes.size(),
-          selection.springs.size(), network.planes().size() + network.instruments().size(),
-          forces.loads.size(),      forces.arrows.size()};
+FrameWidths widths_of(const Content& content) {
+  const Network& network = content.scene.network;
+  return {fixed_scalars + content.elements.size(),
+          content.selection.nodes.size(),
+          content.selection.springs.size(),
+          network.planes().size() + network.instruments().size(),
+          content.forces.loads.size(),
+          content.forces.arrows.size(),
+          content.states.numbers};
 }
 
-Content make_content(const Scene& scene, double size) {
-  Content content{scene, select(scene, size), plotted_elements(scene.network), {}, Frames({0, 0, 0, 0}, 2, 0), {}, {}};
+Content make_content(const Scene& scene, double size, const PluginHost* plugins) {
+  std::vector<LawStates> law_states =
+      plugins != nullptr ? find_law_states(scene.network, *plugins) : scene.output.law_states;
+  States states = states_of(scene.network, law_states);
+  Content content{
+      scene, select(scene, states, size), plotted_elements(scene.network), {}, Frames({0, 0, 0, 0}, 2, 0), {}, {}};
+  content.law_states = std::move(law_states);
+  content.states = std::move(states);
+  count_states(scene.network, content.selection, content.states);
   content.forces = forces_of(scene.network, content.selection);
   const double max_frames = (size - base_bytes(content)) / frame_bytes(content, true);
   const auto capacity = static_cast<std::size_t>(std::clamp(max_frames, 2.0, 1e9));
-  content.frames = Frames(widths_of(scene.network, content.selection, content.elements.size(), content.forces),
-                          capacity, static_cast<std::size_t>(std::min(expected_records(scene), 1e6)));
+  content.frames =
+      Frames(widths_of(content), capacity, static_cast<std::size_t>(std::min(expected_records(scene), 1e6)));
   return content;
 }
 
@@ -59,7 +66,7 @@ springnet again.</p>
 }  // namespace
 
 PageWriter::PageWriter(const OutputFile& file, const Scene& scene, const ViewOptions& options)
-    : file_(file), size_(options.size), content_(make_content(scene, size_)) {
+    : file_(file), size_(options.size), content_(make_content(scene, size_, options.plugins.get())) {
   content_.plugins = options.plugins;
   left_out_ = content_.selection.notes;
   left_out_.insert(left_out_.end(), content_.forces.notes.begin(), content_.forces.notes.end());
@@ -84,6 +91,8 @@ void PageWriter::record(const Record& record) {
   take_surfaces(record.simulation());
   take_forces(content_.forces, content_.scene.network, record.simulation(), content_.frames.resultants.last(),
               content_.frames.forces.last());
+  take_states(content_.states, content_.scene.network, content_.selection, record.simulation(),
+              content_.frames.states.last());
 }
 
 void PageWriter::take_events(const Simulation& simulation) {
@@ -193,7 +202,7 @@ namespace springnet {
 
 double estimate_view(const Scene& scene) {
   if (!scene.output.view) return 0.0;
-  const view::Content content = view::make_content(scene, scene.output.view_size);
+  const view::Content content = view::make_content(scene, scene.output.view_size, nullptr);
   const double base = view::base_bytes(content);
   const double all = base + view::expected_records(scene) * view::frame_bytes(content, false);
   // The first and the last record are always there, whatever the size.

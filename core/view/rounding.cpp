@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <span>
 
 #include <fmt/format.h>
@@ -49,6 +50,11 @@ Range symmetric_range(const std::vector<float>& numbers, const Frames& frames, c
 }
 
 }  // namespace
+
+float to_float(double number) {
+  constexpr double max = std::numeric_limits<float>::max();
+  return static_cast<float>(std::clamp(number, -max, max));
+}
 
 Ranges ranges_of(const Frames& frames) {
   Ranges ranges;

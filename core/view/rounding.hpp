@@ -9,6 +9,9 @@
 
 namespace springnet::view {
 
+// A diverging run has numbers beyond the range of float.
+[[nodiscard]] float to_float(double number);
+
 struct Range {
   float low = 0.0F, high = 0.0F;
   bool clipped = false;  // there are numbers outside

@@ -49,10 +49,11 @@ std::vector<bool> nodes_of(const Network& network, const std::vector<SpringIndex
 
 double count(const std::vector<bool>& used) { return static_cast<double>(std::count(used.begin(), used.end(), true)); }
 
-void thin(const Network& network, double frames, double bytes, Selection& selection, std::vector<bool>& used) {
+void thin(const Network& network, double frames, double bytes, double more, Selection& selection,
+          std::vector<bool>& used) {
   const Cost of_node = cost_of(1.0, 0.0), of_spring = cost_of(0.0, 1.0);
   const double node_bytes = of_node.once + frames * of_node.frame;
-  const double spring_bytes = of_spring.once + frames * of_spring.frame;
+  const double spring_bytes = of_spring.once + frames * (of_spring.frame + more);
   const auto total = static_cast<double>(selection.springs.size());
   const auto all_faces = static_cast<double>(network.faces().size());
   if (all_faces * face_bytes > 0.5 * bytes) {
@@ -100,15 +101,16 @@ Cost cost_of(double nodes, double springs) {
   return {9.0 * nodes + 20.0 * springs, 8.125 * nodes + 2.0 * springs};
 }
 
-Selection select(const Network& network, double frames, double bytes) {
+Selection select(const Network& network, double frames, double bytes, double more) {
   Selection selection;
   selection.springs.resize(network.springs().size());
   for (SpringIndex k = 0; k < selection.springs.size(); ++k) selection.springs[k] = k;
   std::vector<bool> used(network.nodes().size(), true);
 
   const Cost cost = cost_of(static_cast<double>(network.nodes().size()), static_cast<double>(network.springs().size()));
-  const double whole = cost.once + frames * cost.frame + static_cast<double>(network.faces().size()) * face_bytes;
-  if (whole > bytes) thin(network, frames, bytes, selection, used);
+  const double whole = cost.once + frames * (cost.frame + more * static_cast<double>(network.springs().size())) +
+                       static_cast<double>(network.faces().size()) * face_bytes;
+  if (whole > bytes) thin(network, frames, bytes, more, selection, used);
 
   for (NodeIndex k = 0; k < used.size(); ++k) {
     if (used[k]) selection.nodes.push_back(k);

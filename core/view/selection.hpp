@@ -21,8 +21,8 @@ struct Selection {
 };
 
 // Everything, if that many frames take at most `bytes` (before base64). Otherwise as many springs as fit, evenly
-// spread: those on faces, if there are faces.
-[[nodiscard]] Selection select(const Network& network, double frames, double bytes);
+// spread: those on faces, if there are faces. more: further bytes of a spring in a frame, on average.
+[[nodiscard]] Selection select(const Network& network, double frames, double bytes, double more = 0.0);
 
 // Bytes needed once, and per frame, with 16 bit numbers in frames.
 struct Cost {

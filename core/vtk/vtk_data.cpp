@@ -47,7 +47,7 @@ class SpringsByEnds {
 
 }  // namespace
 
-VtkNet::VtkNet(const Network& network)
+VtkNet::VtkNet(const Network& network, const std::vector<LawStates>& law_states)
     : nodes(network.nodes().size()),
       springs(network.springs().size()),
       rigids(network.rigids().size()),
@@ -91,6 +91,24 @@ VtkNet::VtkNet(const Network& network)
   energy.resize(types.size(), none);
   strain.resize(types.size(), none);
   broken.resize(types.size());
+  states_of_material_.resize(network.materials().size());
+  for (const ComponentKind kind : {ComponentKind::spring_function, ComponentKind::viscosity_function}) {
+    const bool viscosity = kind == ComponentKind::viscosity_function;
+    for (const LawStates& law : law_states) {
+      if (law.kind != kind) continue;
+      for (MaterialIndex m = 0; m < network.materials().size(); ++m) {
+        const std::optional<LawUse>& use = viscosity ? network.materials()[m].viscosity : network.materials()[m].spring;
+        for (std::size_t j = 0; use && use->id == law.law && j < law.states.size(); ++j)
+          states_of_material_[m].push_back(states.size() + j);
+      }
+      for (const InternalState& state : law.states)
+        states.push_back(
+            {(viscosity ? "viscosity " : "") + law.law + ' ' + state.name, std::vector<double>(types.size(), none)});
+    }
+  }
+  for (SpringIndex k = 0; !states.empty() && k < springs; ++k)
+    if (const MaterialIndex m = network.springs().materials()[k]; !states_of_material_[m].empty())
+      springs_with_states_.emplace_back(k, m);
 }
 
 void VtkNet::take(const Record& record) {
@@ -115,6 +133,10 @@ void VtkNet::take(const Record& record) {
     broken[k] = simulation.alive(k) ? 0 : 1;
     strain[k] = rest_lengths_[k] > 0.0 ? lengths[k] / rest_lengths_[k] - 1.0 : none;
   }
+  for (const auto& [spring, material] : springs_with_states_) {
+    const std::vector<double> values = simulation.internal_states(spring);
+    for (std::size_t j = 0; j < values.size(); ++j) states[states_of_material_[material][j]].values[spring] = values[j];
+  }
   for (RigidIndex k = 0; k < rigids; ++k) tension[springs + k] = simulation.rigid_force(k);
   auto spring = edge_springs_.begin();
   for (std::size_t k = 0; k < faces; ++k) {
@@ -128,26 +150,29 @@ void VtkNet::take(const Record& record) {
 VtkFile VtkNet::file(OutputOptions::Precision precision) const {
   const Type real = real_of(precision);
   const std::size_t cells = types.size();
-  return {VtkKind::unstructured,
-          nodes,
-          cells,
-          {{Place::field, "TimeValue", Type::float64, 1, 1, &time},
-           {Place::points, "Points", real, 3, nodes, places},
-           {Place::cells, "connectivity", Type::int64, 1, connectivity.size(), connectivity.data()},
-           {Place::cells, "offsets", Type::int64, 1, cells, offsets.data()},
-           {Place::cells, "types", Type::uint8, 1, cells, types.data()},
-           {Place::point_data, "velocity", real, 3, nodes, velocities},
-           {Place::point_data, "force", real, 3, nodes, forces},
-           {Place::point_data, "contact", Type::uint8, 1, nodes, contact.data()},
-           {Place::point_data, "surface", Type::int64, 1, nodes, surface.data()},
-           {Place::point_data, "fixed", Type::uint8, 1, nodes, fixed.data()},
-           {Place::point_data, "node", Type::int64, 1, nodes, node.data()},
-           {Place::cell_data, "tension", real, 1, cells, tension.data()},
-           {Place::cell_data, "energy", real, 1, cells, energy.data()},
-           {Place::cell_data, "strain", real, 1, cells, strain.data()},
-           {Place::cell_data, "broken", Type::uint8, 1, cells, broken.data()},
-           {Place::cell_data, "kind", Type::uint8, 1, cells, kind.data()},
-           {Place::cell_data, "number", Type::int64, 1, cells, number.data()}}};
+  VtkFile file{VtkKind::unstructured,
+               nodes,
+               cells,
+               {{Place::field, "TimeValue", Type::float64, 1, 1, &time},
+                {Place::points, "Points", real, 3, nodes, places},
+                {Place::cells, "connectivity", Type::int64, 1, connectivity.size(), connectivity.data()},
+                {Place::cells, "offsets", Type::int64, 1, cells, offsets.data()},
+                {Place::cells, "types", Type::uint8, 1, cells, types.data()},
+                {Place::point_data, "velocity", real, 3, nodes, velocities},
+                {Place::point_data, "force", real, 3, nodes, forces},
+                {Place::point_data, "contact", Type::uint8, 1, nodes, contact.data()},
+                {Place::point_data, "surface", Type::int64, 1, nodes, surface.data()},
+                {Place::point_data, "fixed", Type::uint8, 1, nodes, fixed.data()},
+                {Place::point_data, "node", Type::int64, 1, nodes, node.data()},
+                {Place::cell_data, "tension", real, 1, cells, tension.data()},
+                {Place::cell_data, "energy", real, 1, cells, energy.data()},
+                {Place::cell_data, "strain", real, 1, cells, strain.data()},
+                {Place::cell_data, "broken", Type::uint8, 1, cells, broken.data()},
+                {Place::cell_data, "kind", Type::uint8, 1, cells, kind.data()},
+                {Place::cell_data, "number", Type::int64, 1, cells, number.data()}}};
+  for (const InternalStateArray& state : states)
+    file.arrays.push_back({Place::cell_data, state.name, real, 1, cells, state.values.data()});
+  return file;
 }
 
 VtkSurfaces::VtkSurfaces(const Network& network)

@@ -2,6 +2,8 @@
 #pragma once
 
 #include <cstdint>
+#include <string>
+#include <utility>
 #include <vector>
 
 #include <springnet/network.hpp>
@@ -15,7 +17,8 @@ namespace springnet {
 
 // Nodes, springs, rigid connections and faces.
 struct VtkNet {
-  explicit VtkNet(const Network& network);
+  // law_states: laws whose internal states are written.
+  explicit VtkNet(const Network& network, const std::vector<LawStates>& law_states = {});
   void take(const Record& record);
   // The last record; valid as long as that record, to whose arrays it refers. Before the first record it has sizes
   // only.
@@ -31,8 +34,16 @@ struct VtkNet {
   std::vector<std::int64_t> connectivity, offsets, number;
   std::vector<std::uint8_t> types, kind, broken;
   std::vector<double> tension, energy, strain;
+  struct InternalStateArray {
+    std::string name;  // "plastic flow"
+    std::vector<double> values;
+  };
+  std::vector<InternalStateArray> states;
 
  private:
+  // Of a spring of each material: numbers in `states`, in the order of Simulation::internal_states().
+  std::vector<std::vector<std::size_t>> states_of_material_;
+  std::vector<std::pair<SpringIndex, MaterialIndex>> springs_with_states_;
   std::vector<double> rest_lengths_;  // m
   // Springs along the edges of all faces, face by face, and where those of each face end.
   std::vector<SpringIndex> edge_springs_;

@@ -30,6 +30,10 @@ OutputFolder::Pointer make(const OutputFile& folder) {
                          : OutputFolder::make(folder.path());
 }
 
+std::vector<LawStates> states_of(const OutputOptions& options) {
+  return options.states ? options.law_states : std::vector<LawStates>();
+}
+
 }  // namespace
 
 std::string vtk_index_name() { return fmt::format("{}/{}", vtk_folder, index_name); }
@@ -55,7 +59,7 @@ std::vector<std::string> vtk_series_files(const OutputFolder& folder) {
 
 double vtk_record_bytes(const Network& network, const OutputOptions& options) {
   const VtkSurfaces surfaces(network);
-  double bytes = static_cast<double>(vtk_bytes(VtkNet(network).file(options.precision)));
+  double bytes = static_cast<double>(vtk_bytes(VtkNet(network, states_of(options)).file(options.precision)));
   if (!surfaces.empty()) bytes += static_cast<double>(vtk_bytes(surfaces.file(options.precision)));
   return bytes;
 }
@@ -73,7 +77,7 @@ double vtk_index_bytes(const Network& network, double records) {
 VtkSeries::VtkSeries(const OutputFile& folder, const Network& network, const OutputOptions& options)
     : folder_(make(folder)),
       precision_(options.precision),
-      net_(network),
+      net_(network, states_of(options)),
       surfaces_(network),
       index_({folder_, index_name}) {
   index_.write(index_begin.data(), index_begin.size());

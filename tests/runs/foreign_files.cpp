@@ -18,8 +18,8 @@ namespace fs = std::filesystem;
 
 namespace {
 
-const char* const names[] = {"events.csv",   "trajectory.csv", "reactions.csv",    "surfaces.csv",
-                             "rigid.csv",    "springs.csv",    "elements.csv",     "view.html",
+const char* const names[] = {"events.csv",   "trajectory.csv", "reactions.csv",    "surfaces.csv", "rigid.csv",
+                             "springs.csv",  "elements.csv",   "view.html",        "states.csv",   "energies.csv",
                              "summary.json", "view.html.part", "summary.json.part"};
 
 // A scene that writes every kind of file.
@@ -35,7 +35,7 @@ Scene scene_with_everything() {
   scene.duration = 0.3;
   scene.options.time_step = 0.1;
   scene.options.threads = 1;
-  scene.output.reactions = scene.output.vtk = true;
+  scene.output.reactions = scene.output.vtk = scene.output.energies = scene.output.states = true;
   scene.output.springs = {0, 1};
   return scene;
 }
@@ -46,7 +46,7 @@ RunSummary run(const fs::path& folder, const std::function<bool(const RunProgres
 
 void check_files(const RunSummary& summary, const fs::path& folder) {
   CHECK_MESSAGE(!summary.failure, summary.error);
-  CHECK(summary.files.size() == 10);
+  CHECK(summary.files.size() == 12);
   for (const std::string& name : summary.files) {
     CAPTURE(name);
     CHECK(fs::symlink_status(folder / name).type() == fs::file_type::regular);
@@ -174,7 +174,7 @@ TEST_CASE("a file that is removed or replaced during the run is reported, and no
       CHECK(summary.failure == ErrorKind::simulation);
       CHECK(summary.error.find(std::string(name) + ": was removed or replaced") != std::string::npos);
       CHECK(std::count(summary.files.begin(), summary.files.end(), name) == 0);
-      CHECK(summary.files.size() == 9);
+      CHECK(summary.files.size() == 11);
       CHECK(summary.cut_short.empty());
     }
   }

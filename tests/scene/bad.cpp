@@ -109,6 +109,8 @@ TEST_CASE("wrong types") {
       {added("[output]\nquantities = ^[]"), {"output.quantities", "quantity", "output.trajectory = false"}},
       {added("[output]\nformat = ^\"binry\""), {"output.format", "did you mean 'binary'"}},
       {added("[output]\nprecision = ^\"half\""), {"output.precision", "must be one of 'double', 'single'"}},
+      {added("[output]\nstates = ^true"), {"output.states", "no spring or element", "internal states"}},
+      {added("[output]\nenergies = ^1"), {"output.energies", "true or false | is a number"}},
       {added("[output]\nvtk_interval = ^-1"), {"output.vtk_interval", "at least 0"}},
       {added("^[fix]\nselect = { nodes = [0] }"), {"[[fix]]"}},
       {added("[[fix]]\nselect = ^[0]"), {"fix.0.select", "table with a selection | is a list"}},

@@ -23,6 +23,8 @@ reactions = true
 surfaces = false
 rigid = false
 elements = false
+energies = true
+states = false
 nodes = { body = "chain" }
 springs = { body = "block", springs = [0, 5] }
 quantities = ["force", "position"]

@@ -111,6 +111,9 @@ TEST_CASE("every key: simulation and output") {
   CHECK_FALSE(scene.output.surfaces);
   CHECK_FALSE(scene.output.rigid);
   CHECK_FALSE(scene.output.elements);
+  CHECK(scene.output.energies);
+  CHECK_FALSE(scene.output.states);
+  CHECK(scene.output.law_states.empty());
   CHECK(scene.output.nodes == std::vector<springnet::NodeIndex>{8, 9, 10});
   CHECK(scene.output.springs == std::vector<springnet::SpringIndex>{0, 5});
   CHECK(scene.output.position);

@@ -109,6 +109,8 @@ TEST_CASE("a writer of each table makes the file that a run makes") {
   net.set_gravity({0, 0, -10});
   net.add_element(Invariant::angle, {0, 1, 2},
                   net.add_material({LawUse{"linear", {{"stiffness", 2.0}}}, std::nullopt}));
+  net.add_spring(0, 2,
+                 net.add_material({LawUse{"maxwell", {{"stiffness", 9.0}, {"relaxation_time", 0.2}}}, std::nullopt}));
   net.add_rigid(2, 3);
   net.add_plane({"floor, wet", Vector3(0, 0, -0.3), Vector3::UnitZ()});
   Scene scene;
@@ -117,7 +119,8 @@ TEST_CASE("a writer of each table makes the file that a run makes") {
   scene.options.time_step = 0.0625;  // times are sums of powers of two, not rounded
   scene.options.threads = 1;
   scene.output.reactions = scene.output.force = true;
-  scene.output.springs = {0, 2};
+  scene.output.springs = {0, 3};
+  scene.output.states = scene.output.energies = scene.options.dissipated_energy = true;
   scene.output.view = false;
   const TemporaryFolder folder;
   for (const auto format : {OutputOptions::Format::csv, OutputOptions::Format::binary}) {
@@ -162,7 +165,7 @@ TEST_CASE("an estimate has room for the longest numbers") {
   CHECK(bytes("surfaces") == 2 * (2 * (size(time + ",11\n") + 12 * size(number)) + size(",0") + size(",\"a,b\"")));
   CHECK(bytes("reactions") == 2 * 12 * (size(time + ",11,\n") + 9 * size(number) + size("0;") + size("\"a,b\";")));
   for (const tables::Table& table : tables::all()) {
-    if (table.name == "events") CHECK_FALSE(tables::estimate(table, net, options, 2.0));
+    if (table.name == "events" || table.name == "states") CHECK_FALSE(tables::estimate(table, net, options, 2.0));
   }
 }
 
@@ -203,8 +206,9 @@ TEST_CASE("a table that does not exist is refused") {
     FAIL_CHECK("it was not refused");
   } catch (const Error& error) {
     CAPTURE(error.what());
-    CHECK(testing::has_facts(error.what(),
-                             "'trajectories' | events, trajectory, reactions, surfaces, rigid, springs, elements"));
+    CHECK(testing::has_facts(
+        error.what(),
+        "'trajectories' | events, trajectory, reactions, surfaces, rigid, springs, elements, states, energies"));
   }
   CHECK_FALSE(std::filesystem::exists(folder.path() / "a.csv"));
 }

@@ -458,3 +458,58 @@ TEST_CASE("records inside the steps of an integrator leave no gaps in the curve 
   CHECK(found["facts"].get<std::string>().find("records every 0.002 s") != std::string::npos);
   CHECK(found["facts"].get<std::string>().find("time step") == std::string::npos);
 }
+
+TEST_CASE("internal states are colours of springs, and values of the one that is picked") {
+  const TemporaryFolder folder;
+  const Scene scene = testing::with_memory();
+  REQUIRE_FALSE(run_scene(scene, plugins(), {folder.path(), "memory", {}}).failure);
+  const Visit page = visit(folder, address(folder, "selftest=1"), "--dump-dom");
+  CHECK(console(page.log) == "");
+  const nlohmann::json found = element(page.dom, "selftest");
+  CHECK(found["errors"] == nlohmann::json::array());
+  REQUIRE(found["states"].size() == 2);
+  for (const auto& each : found["states"]) {
+    CHECK(each["changed"].get<int>() > 1000);
+    CHECK(each["bar"].get<int>() > 0);
+    CHECK(each["legend"].get<std::string>().find("pale: springs without it") != std::string::npos);
+  }
+  CHECK(found["states"][0]["legend"].get<std::string>().starts_with("flow of plastic, m"));
+  CHECK(found["states"][1]["legend"].get<std::string>().starts_with("damage of damaging"));
+  CHECK(found["states"][0]["option"] == "flow of plastic (m)");
+  // Every value of every spring at the end.
+  Simulation simulation(scene.network, plugins(), scene.options);
+  simulation.advance_to(scene.duration);
+  const nlohmann::json& values = found["state_values"];
+  REQUIRE(values.size() == scene.network.springs().size());
+  std::size_t with_flow = 0, with_damage = 0;
+  for (SpringIndex k = 0; k < values.size(); ++k) {
+    CAPTURE(k);
+    const std::vector<double> states = simulation.internal_states(k);
+    const bool damage = !states.empty() && simulation.internal_state_names(k)[0].name == "damage";
+    for (const bool of_damage : {false, true}) {
+      const nlohmann::json& value = values[k][of_damage ? 1 : 0];
+      if (states.empty() || damage != of_damage) {
+        CHECK(value.is_null());
+        continue;
+      }
+      ++(of_damage ? with_damage : with_flow);
+      CHECK(value.get<double>() == doctest::Approx(states[0]).epsilon(1e-6));
+    }
+  }
+  CHECK(with_flow > 10);
+  CHECK(with_damage > 10);
+  // A picture of a state differs from that of another, and the address selects it.
+  const auto picture = [&](const std::string& hash) {
+    const Visit visited = visit(folder, address(folder, hash), "--screenshot=picture.png");
+    CHECK(console(visited.log) == "");
+    return testing::read_text(folder.path() / "picture.png");
+  };
+  CHECK(picture("time=1&color=flow%20of%20plastic") != picture("time=1"));
+}
+
+TEST_CASE("a page of laws without memory offers no states") {
+  const TemporaryFolder folder;
+  REQUIRE_FALSE(run_scene(testing::barely_bent(), plugins(), {folder.path(), "beam", {}}).failure);
+  const nlohmann::json found = element(visit(folder, address(folder, "selftest=1"), "--dump-dom").dom, "selftest");
+  CHECK(found["states"] == nlohmann::json::array());
+}

@@ -525,3 +525,27 @@ TEST_CASE("a page whose program alone exceeds the requested size says so") {
   }));
   CHECK_FALSE(notes_size(16e6));
 }
+
+TEST_CASE("a page with internal states has them all, within its estimate") {
+  const TemporaryFolder folder;
+  Scene scene = testing::with_memory();
+  scene.output.law_states = find_law_states(scene.network, *plugins());
+  run(scene, folder);
+  const std::string page = page_in(folder);
+  const nlohmann::json about = description(page);
+  CHECK(about["energy_leaves_out"] ==
+        nlohmann::json::array({"the work of moved nodes", "damping", "what laws with memory dissipate"}));
+  CHECK(about["states"].size() == 2);
+  CHECK(about["material_states"] == nlohmann::json::array({{0}, {1}, nlohmann::json::array()}));
+  std::size_t with_states = 0;
+  for (const Spring& spring : scene.network.springs()) with_states += spring.material < 2 ? 1 : 0;
+  CHECK(block<float>(page, "states").size() == about["frames"].get<std::size_t>() * with_states);
+  CHECK(static_cast<double>(page.size()) <= estimate_view(scene));
+  CHECK(static_cast<double>(page.size()) >= 0.9 * estimate_view(scene));
+  // A page that is too large keeps within its limit.
+  scene.options.time_step = 0.0005;
+  scene.output.view_size = view::program_bytes() + 2e5;
+  run(scene, folder);
+  CHECK(static_cast<double>(page_in(folder).size()) <= scene.output.view_size);
+  CHECK(description(page_in(folder))["states"].size() == 2);
+}

@@ -99,4 +99,49 @@ inline Scene with_elements(int sides = 1) {
   return scene;
 }
 
+// A grid of springs that is pulled apart: one half yields, some of the other half take damage, the rest has no memory.
+inline Scene with_memory() {
+  Scene scene;
+  Network& network = scene.network;
+  const std::vector<MaterialIndex> materials{
+      network.add_material({LawUse{"plastic", {{"stiffness", 40.0}, {"yield_tension", 1.0}, {"relaxation_time", 0.05}}},
+                            LawUse{"linear", {{"damping", 0.5}}}}),
+      network.add_material(
+          {LawUse{
+               "damaging",
+               {{"stiffness", 40.0}, {"threshold_strain", 0.02}, {"softening_strain", 2.0}, {"relaxation_time", 0.05}}},
+           std::nullopt}),
+      network.add_material({LawUse{"linear", {{"stiffness", 40.0}}}, LawUse{"linear", {{"damping", 0.5}}}})};
+  constexpr NodeIndex wide = 8, high = 5;
+  for (NodeIndex j = 0; j < high; ++j) {
+    for (NodeIndex i = 0; i < wide; ++i) {
+      Node node;
+      node.position = Vector3(i, j, 0.0);
+      node.mass = 0.1;
+      node.fixed = i == 0;
+      network.add_node(node);
+    }
+  }
+  const auto number = [](NodeIndex i, NodeIndex j) { return i + wide * j; };
+  for (NodeIndex j = 0; j < high; ++j) {
+    for (NodeIndex i = 0; i < wide; ++i) {
+      const MaterialIndex material = materials[i < 4 ? 0 : j % 2 == 0 ? 1 : 2];
+      if (i + 1 < wide) network.add_spring(number(i, j), number(i + 1, j), material);
+      if (j + 1 < high) network.add_spring(number(i, j), number(i, j + 1), material);
+      if (i + 1 < wide && j + 1 < high) network.add_spring(number(i, j), number(i + 1, j + 1), material);
+    }
+  }
+  Motion pull;
+  pull.times = {0.0, 1.0};
+  pull.displacements = {Vector3::Zero(), Vector3(1.5, 0.0, 0.0)};
+  std::vector<NodeIndex> right;
+  for (NodeIndex j = 0; j < high; ++j) right.push_back(number(wide - 1, j));
+  network.add_move({right, pull});
+  scene.title = "A grid that yields and tears";
+  scene.duration = 1.0;
+  scene.options.time_step = 0.02;
+  scene.options.threads = 1;
+  return scene;
+}
+
 }  // namespace springnet::testing

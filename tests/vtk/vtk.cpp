@@ -224,6 +224,31 @@ TEST_CASE("a record for ParaView has positions, springs and all data of the stat
   CHECK(touched);
 }
 
+TEST_CASE("internal states of springs are data of their cells, if the scene records states") {
+  const TemporaryFolder folder;
+  Scene scene = scene_of_everything();
+  Network& net = scene.network;
+  const LawUse plastic{"plastic", {{"stiffness", 40.0}, {"yield_tension", 0.1}, {"relaxation_time", 0.02}}};
+  const SpringIndex spring = net.add_spring(0, 4, net.add_material({plastic, std::nullopt}));
+  run(scene, folder);
+  CHECK(read(folder.path() / "vtk" / "net_000003.vtu").arrays.count("plastic flow") == 0);
+  scene.output.states = true;
+  scene.output.law_states = find_law_states(net, *plugins());
+  run(scene, folder);
+  Simulation simulation(net, plugins(), scene.options);
+  const Grid grid = read(folder.path() / "vtk" / "net_000003.vtu");
+  simulation.advance_to(grid.arrays.at("TimeValue").values.at(0));
+  const auto& flow = grid.arrays.at("plastic flow");
+  CHECK(flow.section == "CellData");
+  REQUIRE(flow.values.size() == grid.cells);
+  CHECK(simulation.internal_states(spring)[0] != 0.0);
+  for (std::size_t cell = 0; cell < grid.cells; ++cell) {
+    CAPTURE(cell);
+    if (cell == spring) CHECK(flow.values[cell] == simulation.internal_states(spring)[0]);
+    if (cell != spring) CHECK(std::isnan(flow.values[cell]));
+  }
+}
+
 TEST_CASE("a triangle is broken once a spring along any of its edges is") {
   const TemporaryFolder folder;
   Scene scene = scene_of_everything();  // cuts spring 2, between nodes 1 and 2, at 0.12 s

@@ -14,6 +14,15 @@
 
 namespace springnet {
 
+// The internal states of a law.
+struct LawStates {
+  ComponentKind kind;  // spring function or viscosity function
+  std::string law;
+  std::vector<InternalState> states;
+};
+// Of the laws of the network's materials, those that have any.
+[[nodiscard]] SPRINGNET_API std::vector<LawStates> find_law_states(const Network& network, const PluginHost& plugins);
+
 // Outputs of a run. core/docs/output.md describes the files.
 struct OutputOptions {
   enum class Format { csv, binary };
@@ -26,6 +35,8 @@ struct OutputOptions {
   bool surfaces = true;                       // if there are planes or instruments
   bool rigid = true;                          // if there are rigid connections
   bool elements = true;                       // if there are any
+  bool energies = false;                      // of the whole, and what laws have dissipated
+  bool states = false;                        // internal states of laws, of `springs` (empty: of all) and elements
   std::vector<NodeIndex> nodes;               // of trajectory and reactions, ascending; empty: all
   std::vector<SpringIndex> springs;           // whose forces are recorded, ascending; empty: none
   std::vector<ElementIndex> element_numbers;  // of the elements recorded, ascending; empty: all
@@ -39,6 +50,9 @@ struct OutputOptions {
   double vtk_interval = 0.0;  // s, shortest interval; 0: at every record
   bool view = true;           // view.html
   double view_size = 16e6;    // bytes that view.html should not exceed
+  // For estimates of sizes, and states in VTK files: laws of the network that have internal states. Scenes that are
+  // read have it; for others see find_law_states().
+  std::vector<LawStates> law_states;
 };
 
 // The elements of one [[element]], consecutive.

@@ -27,6 +27,9 @@ struct SimulationOptions {
   unsigned threads = 0;  // 0: chosen by machine and size of the network. 1: starts no thread.
   InstructionSet instruction_set = InstructionSet::best;
   bool renumber = true;  // false: node k of the user is column k of positions()
+  // Sums up what laws dissipate (Simulation::dissipated_energy()): an evaluation of all laws for each step, on one
+  // thread. It changes no other result.
+  bool dissipated_energy = false;
   // Takes the time of the steps (profile.hpp), and of nothing else of the simulation; null: nothing.
   std::shared_ptr<Profiler> profiler{};
 };
@@ -79,6 +82,14 @@ struct LocalForce {
 // Vector quantities of all nodes without a copy: 3 x nodes, one row a coordinate, in the engine's order of nodes.
 using ConstNodeMap =
     Eigen::Map<const Eigen::Matrix<double, 3, Eigen::Dynamic, Eigen::RowMajor>, 0, Eigen::OuterStride<>>;
+
+// An internal state of a law, as the law declares it.
+struct InternalState {
+  std::string name;           // "flow"
+  std::string unit;           // SI, for a law of a length; "1": dimensionless
+  bool of_viscosity = false;  // of the viscosity function, else of the spring function
+  bool operator==(const InternalState&) const = default;
+};
 
 class SPRINGNET_API Simulation {
  public:
@@ -170,15 +181,27 @@ class SPRINGNET_API Simulation {
   // Tension of a spring, N (0 for a removed one); whether it is still there.
   [[nodiscard]] double tension(SpringIndex spring) const;
   [[nodiscard]] bool alive(SpringIndex spring) const;
-  // For all springs at once, [user's number], faster than one by one: tensions, N, and stored energies of the spring
-  // functions, J (0 for removed springs; nan for laws without an energy). Replace the contents of `out`.
+  // For all springs at once, [user's number], faster than one by one: tensions, N, and energies stored by their laws, J
+  // (0 for removed springs; nan where the spring function has no energy). Replace the contents of `out`.
   void tensions(std::vector<double>& out) const;
   void spring_energies(std::vector<double>& out) const;
+
+  // Power that the laws of each spring, or of an element, dissipate at the present state, W: of a law with an energy E
+  //   D = (Q - dE/dq) q' - dE/dz z',
+  // with its force Q, invariant q, internal states z and their rates; of a viscosity function without an energy Q q',
+  // and Q |v| where it acts along the relative velocity v. Below 0 only where a law adds power (SPRINGNET_ADDS_POWER).
+  // 0 for removed ones; nan where the spring function has no energy, so that it is not known what of its power is
+  // stored.
+  void dissipations(std::vector<double>& out) const;
+  [[nodiscard]] double element_dissipation(ElementIndex element) const;
 
   // Internal states of a spring, or an element: those of its spring function in the order in which the law declares
   // them, then those of its viscosity function. Empty if the laws have none. Those of a removed one stay as they were.
   [[nodiscard]] std::vector<double> internal_states(SpringIndex spring) const;
   [[nodiscard]] std::vector<double> element_internal_states(ElementIndex element) const;
+  // What these are, in the same order.
+  [[nodiscard]] std::vector<InternalState> internal_state_names(SpringIndex spring) const;
+  [[nodiscard]] std::vector<InternalState> element_internal_state_names(ElementIndex element) const;
 
   // For an element: the present value of the invariant, in its unit; the generalised force Q (N m, N/m, Pa for an
   // angle, an area, a volume; the pressure of an enclosed volume is -Q), > 0 if it acts to reduce the invariant, 0 for
@@ -190,6 +213,15 @@ class SPRINGNET_API Simulation {
   // Energies, J. Potential energy: laws that have one, and gravity relative to the origin.
   [[nodiscard]] double kinetic_energy() const;
   [[nodiscard]] double potential_energy() const;
+  // Of all springs and elements together: dissipations() where they are known, W; and their sum over time since the
+  // start, J (nan unless SimulationOptions::dissipated_energy). Over each committed step it is
+  //   (R0 + R1) (q1 - q0) / 2 - (dE/dz0 + dE/dz1) (z1 - z0) / 2,   R = Q - dE/dq,
+  // for laws along the relative velocity the trapezoidal rule over the power: second order in the step, and bounded for
+  // however stiff damping and relaxation. Where no loads, moved nodes, contacts, drag of neurons or removed springs do
+  // work, kinetic_energy() + potential_energy() + dissipated_energy() is constant to the order of the integrator, at
+  // most the second in the time step; that includes cvode, whose states between the ends of time steps it does not see.
+  [[nodiscard]] double dissipated_power() const;
+  [[nodiscard]] double dissipated_energy() const noexcept;
   [[nodiscard]] Vector3 momentum() const;          // kg m/s
   [[nodiscard]] Vector3 angular_momentum() const;  // kg m^2/s about the origin
 

@@ -81,15 +81,18 @@ double element_force(const Layout& layout, InstructionSet set, double time, cons
 double element_energy(const Layout& layout, InstructionSet set, double time, const NodeArrays& nodes) {
   double sum = 0.0;
   for (std::uint32_t e = 0; e < layout.elements().count(); ++e) {
-    if (!layout.elements().alive(e) || !group_of(layout, e).spring.can(SPRINGNET_HAS_ENERGY)) continue;
-    double force = 0.0, energy = 0.0;
-    PairOutputs out{};  // of the spring function alone
-    out[0].force = &force;
-    out[0].energy = &energy;
+    if (!layout.elements().alive(e) || !group_of(layout, e).can(SPRINGNET_HAS_ENERGY)) continue;
+    double force = 0.0, energy[2] = {0.0, 0.0};
+    PairOutputs out{};  // of these laws alone
+    for (std::size_t k = 0; k < out.size(); ++k) {
+      if (!group_of(layout, e).laws()[k]->can(SPRINGNET_HAS_ENERGY)) continue;
+      out[k].force = &force;
+      out[k].energy = &energy[k];
+    }
     springnet_message message{};
     if (evaluate_element(layout, set, time, nodes, e, element_state(layout, nodes, e), out, message) != SPRINGNET_OK)
       return std::numeric_limits<double>::quiet_NaN();
-    sum += energy;
+    sum += energy[0] + energy[1];
   }
   return sum;
 }

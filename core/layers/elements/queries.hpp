@@ -26,7 +26,7 @@ springnet_status evaluate_element(const Layout& layout, InstructionSet set, doub
 // Q of a live element, summed over both laws; nan where one fails.
 [[nodiscard]] double element_force(const Layout& layout, InstructionSet set, double time, const NodeArrays& nodes,
                                    std::uint32_t element);
-// Energy stored in all live elements whose spring function has an energy, J; nan if one fails.
+// Energy stored by all laws of live elements that have an energy, J; nan if one fails.
 [[nodiscard]] double element_energy(const Layout& layout, InstructionSet set, double time, const NodeArrays& nodes);
 
 // Live elements one of whose laws can rupture, and, in the same order, the smaller margin of their two laws. Returns

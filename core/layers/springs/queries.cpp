@@ -54,19 +54,24 @@ void for_each_batch(const Layout& layout, InstructionSet set, double time, const
   }
 }
 
-// Energies of the spring functions that have one: what(spring, J), nan where a law fails.
+// Energies of the laws that have one: what(spring, J), nan where a law fails.
 template <class What>
 void for_each_energy(const Layout& layout, InstructionSet set, double time, const NodeArrays& nodes, const What& what) {
-  double force[max_segment], energy[max_segment];
-  PairOutputs out{};  // of the spring function alone
-  out[0].force = force;
-  out[0].energy = energy;
+  double force[max_segment], energy[2][max_segment];
   for (std::size_t g = 0; g < layout.laws().groups.size(); ++g) {
-    if (!layout.laws().groups[g].spring.can(SPRINGNET_HAS_ENERGY)) continue;
+    const Group& group = layout.laws().groups[g];
+    if (!group.can(SPRINGNET_HAS_ENERGY)) continue;
+    PairOutputs out{};  // of these laws alone
+    for (std::size_t k = 0; k < out.size(); ++k) {
+      std::fill_n(energy[k], max_segment, 0.0);
+      if (!group.laws()[k]->can(SPRINGNET_HAS_ENERGY)) continue;
+      out[k].force = force;
+      out[k].energy = energy[k];
+    }
     for_each_batch(layout, set, time, nodes, g, out,
                    [&](const std::uint32_t* springs, std::size_t count, springnet_status status) {
                      for (std::size_t i = 0; i < count; ++i)
-                       what(springs[i], status == SPRINGNET_OK ? energy[i] : std::nan(""));
+                       what(springs[i], status == SPRINGNET_OK ? energy[0][i] + energy[1][i] : std::nan(""));
                    });
   }
 }
@@ -103,10 +108,10 @@ void spring_tensions(const Layout& layout, InstructionSet set, double time, cons
 
 void spring_energies(const Layout& layout, InstructionSet set, double time, const NodeArrays& nodes, double* out) {
   std::fill_n(out, layout.spring_count(), 0.0);
+  for_each_energy(layout, set, time, nodes, [out](std::uint32_t s, double energy) { out[s] = energy; });
   for (std::size_t g = 0; g < layout.laws().groups.size(); ++g)
     if (const Law& law = layout.laws().groups[g].spring; law && !law.can(SPRINGNET_HAS_ENERGY))
       for (const std::uint32_t s : layout.springs_of(g)) out[s] = std::nan("");
-  for_each_energy(layout, set, time, nodes, [out](std::uint32_t s, double energy) { out[s] = energy; });
 }
 
 double spring_energy(const Layout& layout, InstructionSet set, double time, const NodeArrays& nodes) {

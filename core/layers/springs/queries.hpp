@@ -22,10 +22,10 @@ springnet_status evaluate_springs(const Layout& layout, InstructionSet set, doub
                                     std::uint32_t spring);
 // The same of all springs; 0 for removed ones, nan where a law fails. out: [spring_count]
 void spring_tensions(const Layout& layout, InstructionSet set, double time, const NodeArrays& nodes, double* out);
-// Energy stored by the spring function of each spring, J; 0 for removed springs and viscous connections, nan for a law
-// that has no energy or fails. out: [spring_count]
+// Energy stored by the laws of each spring, J; 0 for removed springs and viscosity functions without an energy, nan for
+// a spring function that has none, or a law that fails. out: [spring_count]
 void spring_energies(const Layout& layout, InstructionSet set, double time, const NodeArrays& nodes, double* out);
-// Energy stored in all live springs whose spring function has an energy, J; nan if one fails.
+// Energy stored by all laws of live springs that have an energy, J; nan if one fails.
 [[nodiscard]] double spring_energy(const Layout& layout, InstructionSet set, double time, const NodeArrays& nodes);
 
 // Live springs one of whose laws can rupture, and, in the same order, the smaller margin of their two laws. Returns the

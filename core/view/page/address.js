@@ -20,6 +20,8 @@
   ["springs", "broken", "nodes", "faces", "instruments", "forces"].forEach(function (what) { s.shown[what] = flag(what, s.shown[what]); });
   const colour = parameters.get("color") || parameters.get("colour");
   if (["tension", "speed", "contact"].includes(colour)) s.shown.colour = colour;
+  const state = s.run.about.states.findIndex(function (each) { return each.label === colour; });
+  if (state >= 0) s.shown.colour = "state" + state;
   if (parameters.get("forces") === "nodes") s.shown.arrows = "nodes";
   const displacement = number("displacement", 1);
   if (displacement > 0) s.exaggeration = displacement;

@@ -16,9 +16,9 @@
   const sequential = table([[120, 130, 145], [66, 90, 160], [125, 60, 150], [205, 70, 100], [240, 130, 45], [250, 190, 30]]);
 
   s.colours = {
-    tension: { table: diverging, symmetric: true },
-    speed: { table: sequential, symmetric: false },
-    free: [92, 104, 118], fixed: [0, 0, 0], moved: [120, 40, 160], contact: [240, 130, 20], plain: [140, 148, 158], rigid: [40, 44, 50],
+    tension: { table: diverging },
+    speed: { table: sequential },
+    free: [92, 104, 118], fixed: [0, 0, 0], moved: [120, 40, 160], contact: [240, 130, 20], plain: [140, 148, 158], without: [228, 231, 235], rigid: [40, 44, 50],
     force: [26, 127, 70],
     // Offset in a table of the colour of `value`, for values up to `range`.
     offset: function (value, range, symmetric) {

@@ -57,6 +57,18 @@
     faces: block("faces", Uint32Array), face_frames: block("face_frames", Uint32Array),
     positions: rows("positions", 3 * nodes), speeds: rows("speeds", nodes), tensions: rows("tensions", springs)
   };
+  // Internal states of laws, spring by spring: those of its material, which are numbers in about.states.
+  run.states = { numbers: block("states", Float32Array), first: new Uint32Array(springs), width: 0 };
+  const material_states = about.material_states;
+  for (let k = 0; k < springs; ++k) {
+    run.states.first[k] = run.states.width;
+    run.states.width += material_states[run.materials[k]].length;
+  }
+  // Of spring k; null if it does not have this state.
+  run.state = function (frame, k, which) {
+    const place = material_states[run.materials[k]].indexOf(which);
+    return place < 0 ? null : run.states.numbers[frame * run.states.width + run.states.first[k] + place];
+  };
   // x, y, z of each load's resultant and of each arrow at a node, N
   run.arrow_nodes = block("arrow_nodes", Uint32Array);
   run.all_resultants = block("load_resultants", Float32Array);
@@ -137,8 +149,38 @@
     const max = largest(values), common = quantile(values, 0.995);
     return { max: max, shown: max > 0 ? s.round_up(common > 0 ? common : max) : 0 };
   }
+  // Of one state over all springs that have it; `symmetric` if it has both signs.
+  function state_range(which) {
+    const own = [];
+    let low = 0;
+    for (let frame = 0; frame < run.frames; ++frame) {
+      if (!nearby[frame]) continue;
+      for (let k = 0; k < springs; ++k) {
+        const value = run.state(frame, k, which);
+        if (value === null) continue;
+        own.push(value);
+        low = Math.min(low, value);
+      }
+    }
+    const values = { numbers: own.length, at: function (k) { return own[k]; } };
+    const max = largest(values);
+    return { max: max, shown: max > 0 ? s.round_up(max) : 0, symmetric: low < 0 };
+  }
   run.tension_range = range(run.tensions);
   run.speed_range = range(run.speeds);
+
+  // What colours show: value in s.shown.colour; `of_state`: number in about.states.
+  const state_ranges = [];
+  run.quantity = function (name) {
+    if (name.startsWith("state")) {
+      const which = Number(name.slice(5)), state = about.states[which];
+      const found = state_ranges[which] || (state_ranges[which] = state_range(which));
+      return { title: state.label, unit: state.unit, range: found, symmetric: found.symmetric, of_state: which };
+    }
+    const tension = name === "tension";
+    return { title: tension ? "tension of springs" : "speed", unit: tension ? "N" : "m/s",
+             range: tension ? run.tension_range : run.speed_range, symmetric: tension };
+  };
 
   // The last frame that is not after the time.
   run.frame_at = function (time) {

@@ -21,24 +21,24 @@
       element("legend-title").textContent = "orange: in contact";
       return;
     }
-    const tension = quantity === "tension", kind = s.colours[quantity];
-    const range = tension ? run.tension_range : run.speed_range, unit = tension ? "N" : "m/s";
-    element("legend-title").textContent = (tension ? "tension of springs" : "speed") + (range.shown > 0 ? ", " : ": 0 ") + unit;
+    const tension = quantity === "tension", shown = run.quantity(quantity), range = shown.range, unit = shown.unit;
+    const table = shown.symmetric ? s.colours.tension.table : s.colours.speed.table;
+    element("legend-title").textContent = shown.title + (range.shown > 0 ? (unit ? ", " : "") : ": 0 ") + unit;
     element("legend-bar").hidden = range.shown === 0;
     if (range.shown === 0) return;
     const bar = element("legend-bar"), context = bar.getContext("2d");
     for (let x = 0; x < bar.width; ++x) {
       const at = 3 * Math.round(255 * x / (bar.width - 1));
-      context.fillStyle = "rgb(" + kind.table.slice(at, at + 3).join(",") + ")";
+      context.fillStyle = "rgb(" + table.slice(at, at + 3).join(",") + ")";
       context.fillRect(x, 0, 1, bar.height);
     }
-    const ticks = tension ? [-range.shown, 0, range.shown] : [0, range.shown / 2, range.shown];
+    const ticks = shown.symmetric ? [-range.shown, 0, range.shown] : [0, range.shown / 2, range.shown];
     ticks.forEach(function (value) {
       const tick = document.createElement("span");
-      tick.textContent = (tension && value > 0 ? "+" : "") + s.number(value);
+      tick.textContent = (shown.symmetric && value > 0 ? "+" : "") + s.number(value);
       element("legend-ticks").append(tick);
     });
-    let note = tension ? "blue: compression, grey: slack, red: tension" : "";
+    let note = tension ? "blue: compression, grey: slack, red: tension" : shown.of_state !== undefined ? "pale: springs without it" : "";
     if (range.max > range.shown) note += (note ? "; " : "") + "beyond: up to " + s.number(range.max, 3) + " " + unit;
     element("legend-note").textContent = note;
   }

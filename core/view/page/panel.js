@@ -97,6 +97,9 @@
       s.labels.exaggeration();
       refit();
     });
+    about.states.forEach(function (state, k) {
+      element("colour").append(new Option(state.label + (state.unit ? " (" + state.unit + ")" : ""), "state" + k));
+    });
     element("colour").value = s.shown.colour;
     element("colour").addEventListener("change", function (event) {
       s.shown.colour = event.target.value;

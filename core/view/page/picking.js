@@ -122,6 +122,10 @@
     } else {
       rows.push(["tension", s.number(s.round_to(run.tensions.row(frame)[k], run.tensions.step)) + " N"]);
     }
+    run.about.material_states[run.materials[k]].forEach(function (which) {
+      const state = run.about.states[which];
+      rows.push([state.label, s.number(run.state(frame, k, which), 5) + (state.unit ? " " + state.unit : "")]);
+    });
     rows.push(["law", run.about.materials[run.materials[k]]]);
     return rows;
   };

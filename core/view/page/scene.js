@@ -50,8 +50,8 @@
     function show_springs(frame, positions) {
       const quantity = s.shown.colour, ends = run.ends;
       const values = quantity === "tension" ? run.tensions.row(frame) : run.speeds.row(frame);
-      const range = quantity === "tension" ? run.tension_range.shown : run.speed_range.shown;
-      const kind = colours[quantity] || colours.speed;
+      const shown = run.quantity(quantity), range = shown.range.shown, state = shown.of_state;
+      const table = shown.symmetric ? colours.tension.table : colours.speed.table;
       springs.begin();
       broken.begin();
       for (let k = 0; k < run.springs; ++k) {
@@ -62,8 +62,9 @@
         } else if (quantity === "contact") {
           springs.add(positions, a, b, run.in_contact(frame, a) && run.in_contact(frame, b) ? colours.contact : colours.plain, 0);
         } else {
-          const value = quantity === "tension" ? values[k] : 0.5 * (values[a] + values[b]);
-          springs.add(positions, a, b, kind.table, colours.offset(value, range, kind.symmetric));
+          const value = state !== undefined ? run.state(frame, k, state) : quantity === "tension" ? values[k] : 0.5 * (values[a] + values[b]);
+          if (value === null) springs.add(positions, a, b, colours.without, 0);
+          else springs.add(positions, a, b, table, colours.offset(value, range, shown.symmetric));
         }
       }
       springs.end();

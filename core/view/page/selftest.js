@@ -77,7 +77,7 @@
       select.value = quantity;
       select.dispatchEvent(new Event("change", { bubbles: true }));
       const after = scene.pixels();
-      const found = { legend: document.getElementById("legend").textContent, changed: differences(before, after),
+      const found = { option: select.selectedOptions[0].textContent, legend: document.getElementById("legend").textContent, changed: differences(before, after),
                       bar: document.getElementById("legend-bar").offsetHeight };
       select.value = "tension";
       select.dispatchEvent(new Event("change", { bubbles: true }));
@@ -164,6 +164,10 @@
     result.resized = resized();
     result.numbers = numbers_shown();
     result.speed = coloured("speed");
+    result.states = run.about.states.map(function (_, k) { return coloured("state" + k); });
+    result.state_values = Array.from(run.materials, function (_, k) {
+      return run.about.states.map(function (_, which) { return run.state(last, k, which); });
+    });
     if (run.has_contact) result.contact = coloured("contact");
     result.stretches_at_start = Array.from(run.rest_lengths, function (_, k) { return Object.fromEntries(s.numbers_of({ spring: k }, 0)).stretch; });
     result.exaggerated = exaggerated();
