@@ -13,6 +13,7 @@
 #include <springnet/plugin_host.hpp>
 
 #include "layers/internal.hpp"
+#include "layers/prepared.hpp"
 
 namespace springnet::layers {
 
@@ -28,8 +29,9 @@ struct Law {
   std::uint32_t update_order = 1;  // the highest of its steps
   bool reads_start = false;        // its steps of order 1 do
   bool reads_rate = false;
-  bool relative = false;        // reads the relative speed, acts along the relative velocity
-  std::uint32_t invariant = 0;  // SPRINGNET_LENGTH …
+  bool relative = false;                     // reads the relative speed, acts along the relative velocity
+  std::uint32_t invariant = 0;               // SPRINGNET_LENGTH …
+  std::shared_ptr<const Prepared> prepared;  // null: the law prepares nothing
 
   explicit operator bool() const noexcept { return component != nullptr; }
   [[nodiscard]] bool can(std::uint64_t capability) const noexcept {
@@ -41,8 +43,8 @@ struct Law {
   }
 };
 
-// Springs and elements with the same two laws. columns[0] is the rest length or reference value, followed by the
-// parameters of the spring function and of the viscosity function; each distinct combination is a row.
+// Springs and elements with the same two laws and prepared tables. columns[0] is the rest length or reference value,
+// followed by the parameters of the spring function and of the viscosity function; each distinct combination is a row.
 struct Group {
   Law spring;
   Law viscosity;
@@ -85,8 +87,8 @@ class RowNumbers {
 };
 
 // Groups and rows of all springs and elements of a network, and the neurons of its nodes. Throws Error if a component
-// does not exist, a parameter is out of range, a law needs what this version does not provide (inputs, tables), or a
-// law is used on an invariant that it does not read.
+// does not exist, a parameter is out of range, a law needs what this version does not provide (inputs) or cannot
+// prepare its tables, or a law is used on an invariant that it does not read.
 struct CompiledLaws {
   std::vector<Group> groups;
   Column<std::uint32_t> group;                       // [spring]
