@@ -58,6 +58,7 @@ springnet_status evaluate_law(const LawBatch& laws, const Law& law, std::uint32_
   batch.time = time;
   batch.parameters = parameters;
   batch.parameter_strides = strides;
+  if (law.prepared) batch.table = law.prepared->data();
 
   for (std::size_t begin = 0; begin < count; begin += batch_size) {
     const std::size_t size = count - begin < batch_size ? count - begin : batch_size;

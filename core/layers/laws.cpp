@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <array>
 #include <bit>
 #include <map>
 
@@ -21,7 +22,7 @@ struct MaterialLaws {
 };
 
 Law resolve(const std::optional<LawUse>& use, ComponentKind kind, std::size_t first_column, const PluginHost& plugins,
-            std::vector<double>& parameters) {
+            std::vector<double>& parameters, PreparedTables& prepared, std::size_t material) {
   Law law;
   if (!use) return law;
   law.component = plugins.require(kind, use->id);
@@ -38,7 +39,6 @@ Law resolve(const std::optional<LawUse>& use, ComponentKind kind, std::size_t fi
     refuse(fmt::format("has {} internal states, more than {}", implementation.state_count, max_states));
   if (implementation.input_count > max_inputs)
     refuse(fmt::format("reads {} input signals, more than {}", implementation.input_count, max_inputs));
-  if (implementation.prepare != nullptr) refuse("prepares a table");
   if (description.parameter_count > max_parameters)
     refuse(fmt::format("has {} parameters, more than {}", description.parameter_count, max_parameters));
   law.invariant = implementation.invariant;
@@ -51,6 +51,11 @@ Law resolve(const std::optional<LawUse>& use, ComponentKind kind, std::size_t fi
   law.reads_start = implementation.reads_start != 0;
   law.first_column = first_column;
   const std::vector<double> values = complete_parameters(description, use->parameters, where);
+  try {
+    law.prepared = prepared.of(law.component, values, complete_tables(description, use->tables, where));
+  } catch (const Error& error) {
+    throw Error(error.kind(), fmt::format("material {}: {}", material, error.what()));
+  }
   parameters.insert(parameters.end(), values.begin(), values.end());
   return law;
 }
@@ -267,24 +272,26 @@ CompiledLaws compile_laws(const Network& network, const PluginHost& plugins) {
     compiled.inputs.push_back({input.name, readers_of(network, input, plugins)});
   compiled.signals = std::make_unique<Signals>(network.inputs());
   std::vector<MaterialLaws> materials;
+  PreparedTables prepared;
+  std::map<std::array<const void*, 4>, std::uint32_t> known_groups;
   for (const Material& material : network.materials()) {
     std::vector<double> parameters;
-    Law spring = resolve(material.spring, ComponentKind::spring_function, 1, plugins, parameters);
-    Law viscosity =
-        resolve(material.viscosity, ComponentKind::viscosity_function, 1 + parameters.size(), plugins, parameters);
+    Law spring =
+        resolve(material.spring, ComponentKind::spring_function, 1, plugins, parameters, prepared, materials.size());
+    Law viscosity = resolve(material.viscosity, ComponentKind::viscosity_function, 1 + parameters.size(), plugins,
+                            parameters, prepared, materials.size());
     viscosity.first_state = spring.state_count;
     spring.first_input_column = 1 + parameters.size();
     viscosity.first_input_column = spring.first_input_column + spring.input_count;
-    std::uint32_t index = 0;
-    while (index < compiled.groups.size() && (compiled.groups[index].spring.component != spring.component ||
-                                              compiled.groups[index].viscosity.component != viscosity.component))
-      ++index;
-    if (index == compiled.groups.size()) {
+    const auto [group, is_new] = known_groups.try_emplace(
+        {spring.component.get(), viscosity.component.get(), spring.prepared.get(), viscosity.prepared.get()},
+        static_cast<std::uint32_t>(compiled.groups.size()));
+    if (is_new) {
       compiled.groups.push_back(
           {spring, viscosity, std::vector<Column<double>>(viscosity.first_input_column + viscosity.input_count)});
       if (spring.input_count + viscosity.input_count > 0) compiled.groups.back().signals = compiled.signals.get();
     }
-    materials.push_back({index, std::move(parameters)});
+    materials.push_back({group->second, std::move(parameters)});
   }
 
   const SpringList& springs = network.springs();
@@ -323,6 +330,7 @@ CompiledLaws compile_laws(const Network& network, const PluginHost& plugins) {
       throw Error(ErrorKind::plugin, fmt::format("neuron '{}' has more than {} parameters", use.id, max_parameters));
     neuron.parameters =
         complete_parameters(*neuron.component->description, use.parameters, fmt::format("neuron '{}'", use.id));
+    static_cast<void>(complete_tables(*neuron.component->description, use.tables, fmt::format("neuron '{}'", use.id)));
     compiled.neurons.push_back(std::move(neuron));
   }
   return compiled;

@@ -14,6 +14,7 @@
 
 #include "layers/input_sets.hpp"
 #include "layers/internal.hpp"
+#include "layers/prepared.hpp"
 #include "layers/signals.hpp"
 
 namespace springnet::layers {
@@ -33,8 +34,9 @@ struct Law {
   std::uint32_t update_order = 1;  // the highest of its steps
   bool reads_start = false;        // its steps of order 1 do
   bool reads_rate = false;
-  bool relative = false;        // reads the relative speed, acts along the relative velocity
-  std::uint32_t invariant = 0;  // SPRINGNET_LENGTH …
+  bool relative = false;                     // reads the relative speed, acts along the relative velocity
+  std::uint32_t invariant = 0;               // SPRINGNET_LENGTH …
+  std::shared_ptr<const Prepared> prepared;  // null: the law prepares nothing
 
   explicit operator bool() const noexcept { return component != nullptr; }
   [[nodiscard]] bool can(std::uint64_t capability) const noexcept {
@@ -46,9 +48,9 @@ struct Law {
   }
 };
 
-// Springs and elements with the same two laws. columns[0] is the rest length or reference value, followed by the
-// parameters of the spring function and of the viscosity function, then by the numbers of the signals that these read
-// as inputs; each distinct combination is a row.
+// Springs and elements with the same two laws and prepared tables. columns[0] is the rest length or reference value,
+// followed by the parameters of the spring function and of the viscosity function, then by the numbers of the signals
+// that these read as inputs; each distinct combination is a row.
 struct Group {
   Law spring;
   Law viscosity;
@@ -92,8 +94,8 @@ class RowNumbers {
 };
 
 // Groups and rows of all springs and elements of a network, and the neurons of its nodes. Throws Error if a component
-// does not exist, a parameter is out of range, a law needs what this version does not provide (tables), or a
-// law is used on an invariant that it does not read.
+// does not exist, a parameter is out of range, a law cannot prepare its tables or is used on an invariant that it does
+// not read, or nobody reads a signal.
 struct CompiledLaws {
   std::vector<Group> groups;
   Column<std::uint32_t> group;                       // [spring]

@@ -1,6 +1,7 @@
 #include <algorithm>
 #include <bit>
 #include <cmath>
+#include <cstring>
 
 #include "network/checks.hpp"
 
@@ -25,7 +26,30 @@ std::string key_of(const LawUse& use, std::string_view what) {
     const double positive_zero = value == 0.0 ? 0.0 : value;
     key += fmt::format("{}:{}={:x};", name.size(), name, std::bit_cast<std::uint64_t>(positive_zero));
   }
+  for (const auto& [name, values] : use.tables) {
+    key += fmt::format("{}:{}[{}]", name.size(), name, values.size());
+    const std::size_t begin = key.size();
+    key.resize(begin + values.size() * sizeof(double));
+    for (std::size_t k = 0; k < values.size(); ++k) {
+      if (!std::isfinite(values[k])) {
+        fail(fmt::format("{} '{}': table '{}': row {} must be a finite number, is {}", what, use.id, name, k + 1,
+                         values[k]));
+      }
+      const double positive_zero = values[k] == 0.0 ? 0.0 : values[k];
+      std::memcpy(key.data() + begin + k * sizeof(double), &positive_zero, sizeof(double));
+    }
+  }
   return key;
+}
+
+// Numbers in the tables of all materials, which are kept for each: 0.8 GB with the keys.
+constexpr std::size_t most_in_tables = 50'000'000;
+
+std::size_t count_table_values(const std::optional<LawUse>& use) {
+  std::size_t count = 0;
+  if (use)
+    for (const auto& [name, values] : use->tables) count += values.size();
+  return count;
 }
 
 void check_rest_length(double length) {
@@ -53,7 +77,14 @@ MaterialIndex Network::add_material(const Material& material) {
   const std::string viscosity = material.viscosity ? key_of(*material.viscosity, "viscosity function") : "";
   const auto [found, is_new] = material_index_.emplace(fmt::format("{}\n{}{}", spring.size(), spring, viscosity),
                                                        static_cast<MaterialIndex>(materials_.size()));
-  if (is_new) materials_.push_back(material);
+  if (!is_new) return found->second;
+  const std::size_t more = count_table_values(material.spring) + count_table_values(material.viscosity);
+  if (table_values_ + more > most_in_tables) {
+    material_index_.erase(found);
+    fail(fmt::format("the tables of all materials have more than {} values: leave out some points", most_in_tables));
+  }
+  table_values_ += more;
+  materials_.push_back(material);
   return found->second;
 }
 

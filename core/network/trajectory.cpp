@@ -5,6 +5,7 @@
 #include <numbers>
 
 #include <springnet/sdk/math.hpp>
+#include <springnet/sdk/table.hpp>
 
 namespace springnet {
 
@@ -18,30 +19,16 @@ Trajectory::Trajectory(const Motion& motion) : motion_(motion) {
   if (motion_.interpolation == Motion::Interpolation::smooth) find_slopes();
 }
 
-// Fritsch and Carlson: a cubic between two entries is monotone if its end slopes, divided by the secant, are not
-// negative and lie in the disc of radius 3 around 0. Slopes start as those of the parabola through three entries and
-// are scaled onto the disc. The first and the last are 0: the motion starts and ends at rest.
+// The first and the last slope are 0: the motion starts and ends at rest.
 void Trajectory::find_slopes() {
   const std::vector<double>& t = motion_.times;
   const std::vector<Vector3>& y = motion_.displacements;
-  const std::size_t count = t.size();
-  slopes_.assign(count, Vector3::Zero());
+  slopes_.assign(t.size(), Vector3::Zero());
   for (Eigen::Index axis = 0; axis < 3; ++axis) {
-    const auto secant = [&](std::size_t k) { return (y[k + 1][axis] - y[k][axis]) / (t[k + 1] - t[k]); };
-    for (std::size_t k = 1; k + 1 < count; ++k) {
-      const double before = secant(k - 1), after = secant(k);
-      if (!(before * after > 0)) continue;  // a local extremum or next to a level piece: slope 0
-      const double share = (t[k + 1] - t[k]) / (t[k + 1] - t[k - 1]);
-      slopes_[k][axis] = share * before + (1 - share) * after;
-    }
-    for (std::size_t k = 0; k + 1 < count; ++k) {
-      const double slope = secant(k);
-      if (slope == 0) continue;  // both end slopes are 0 already
-      const double size = std::hypot(slopes_[k][axis] / slope, slopes_[k + 1][axis] / slope);
-      if (size <= 3) continue;
-      slopes_[k][axis] *= 3 / size;
-      slopes_[k + 1][axis] *= 3 / size;
-    }
+    sdk::monotone_slopes(
+        t.size(), [&](std::size_t k) { return t[k]; },
+        [&](std::size_t k) { return (y[k + 1][axis] - y[k][axis]) / (t[k + 1] - t[k]); },
+        [&](std::size_t k) -> double& { return slopes_[k][axis]; });
   }
 }
 

@@ -141,12 +141,15 @@ std::string missing_function(const std::string& owner, std::string_view function
   return fmt::format("{} has no function '{}': provide one", owner, function);
 }
 
-std::string check_tables(const springnet_law& law, const std::string& owner) {
+// Tables are keys in scenes beside parameters and inputs.
+std::string check_tables(const springnet_component& component, const springnet_law& law, const std::string& owner) {
   if (law.table_count == 0) return {};
   if (law.table_count > max_count)
     return fmt::format("{} claims to have {} tables: {}", owner, law.table_count, rebuild);
   if (law.tables == nullptr) return fmt::format("{}: its list of tables is a null pointer: set it", owner);
   std::set<std::string_view> names;
+  for (std::uint32_t i = 0; i < component.parameter_count; ++i) names.insert(component.parameters[i]->name);
+  for (std::uint32_t i = 0; i < law.input_count; ++i) names.insert(law.inputs[i]->name);
   for (std::uint32_t i = 0; i < law.table_count; ++i) {
     const std::string what = fmt::format("{}: table {}", owner, i);
     const springnet_table* const table = law.tables[i];
@@ -159,6 +162,11 @@ std::string check_tables(const springnet_law& law, const std::string& owner) {
       return fmt::format("{} has no unit or summary: fill them in, \"1\" for no unit", named);
     if (std::string wrong = check_lengths(named, {{"unit", table->unit}, {"summary", table->summary}}); !wrong.empty())
       return wrong;
+    if ((table->flags & ~std::uint32_t{SPRINGNET_INCREASING | SPRINGNET_OPTIONAL}) != 0)
+      return fmt::format("{} has flags {:#x}, which springnet does not know: {}", named, table->flags, rebuild);
+    if (table->least > most_table_values)
+      return fmt::format("{} asks for {} values or more, a table has at most {}: ask for fewer", named, table->least,
+                         most_table_values);
     if (table->as_long_as >= law.table_count)
       return fmt::format("{} is to be as long as table {}, of {}: give the number of a table", named, table->as_long_as,
                          law.table_count);
@@ -188,7 +196,7 @@ std::string check_law(const springnet_component& component, const std::string& o
   }
   std::string wrong = check_parameters(law->states, law->state_count, component.kind, owner, "state");
   if (wrong.empty()) wrong = check_parameters(law->inputs, law->input_count, component.kind, owner, "input");
-  return wrong.empty() ? check_tables(*law, owner) : wrong;
+  return wrong.empty() ? check_tables(component, *law, owner) : wrong;
 }
 
 std::string check_neuron(const springnet_component& component, const std::string& owner) {

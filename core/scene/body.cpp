@@ -21,10 +21,10 @@ const char* const needs_a_law =
     "…, … }";
 
 // Includes the mass, unless it follows from a density.
-Node read_prototype(const Table& body, const PluginHost& plugins, Network& network) {
+Node read_prototype(const Table& body, const PluginHost& plugins, const Files& files, Network& network) {
   Node node;
   const Table neuron = body.need("neuron").open_table("body.neuron");
-  const LawUse use = read_component(neuron, "type", ComponentKind::neuron, plugins);
+  const LawUse use = read_component(neuron, "type", ComponentKind::neuron, plugins, files);
   const auto mass = neuron.find("mass");
   if (mass && body.has("density")) {
     mass->fail("cannot be combined with 'density', which gives the masses; remove one of them");
@@ -85,9 +85,9 @@ struct BodyReader {
         [&] { checks::check_lattice(name, lattice, network.nodes().size(), network.springs().size()); });
     const auto cells = lazily<Mesh>([&] { return mesh_of(lattice); });
     const auto edges = lazily<std::vector<Edge>>([&] { return edges_of(cells(), edge_options(lattice.diagonals)); });
-    const Node prototype = read_prototype(body, plugins, network);
+    const Node prototype = read_prototype(body, plugins, files, network);
     const std::vector<double> masses = read_masses(body, cells);
-    const std::vector<MaterialIndex> materials = read_materials(body, cells, edges, plugins, network, notes);
+    const std::vector<MaterialIndex> materials = read_materials(body, cells, edges, plugins, files, network, notes);
     const bool one_node = lattice.nodes == std::array<std::uint32_t, 3>{1, 1, 1};
     if (materials.empty() && !one_node) body.fail(needs_a_law);
     files.tell("building the lattice", std::size_t{lattice.nodes[0]} * lattice.nodes[1] * lattice.nodes[2]);
@@ -114,9 +114,9 @@ struct BodyReader {
     const std::vector<Edge> edges = edges_of(mesh, read.edges);
     const auto cells = [&]() -> const Mesh& { return mesh; };
     const auto springs = [&]() -> const std::vector<Edge>& { return edges; };
-    const Node prototype = read_prototype(body, plugins, network);
+    const Node prototype = read_prototype(body, plugins, files, network);
     const std::vector<double> masses = read_masses(body, cells);
-    const std::vector<MaterialIndex> materials = read_materials(body, cells, springs, plugins, network, notes);
+    const std::vector<MaterialIndex> materials = read_materials(body, cells, springs, plugins, files, network, notes);
     if (materials.empty() && !edges.empty()) body.fail(needs_a_law);
     files.tell(fmt::format("adding {} springs", grouped(edges.size())), edges.size());
     table.value().at_this_place(
@@ -133,9 +133,10 @@ struct BodyReader {
     }
     const auto cells = [&]() -> const Mesh& { return mesh; };
     const auto sorted_edges = [&]() -> const std::vector<Edge>& { return edges; };
-    const Node prototype = read_prototype(body, plugins, network);
+    const Node prototype = read_prototype(body, plugins, files, network);
     const std::vector<double> masses = read_masses(body, cells);
-    const std::vector<MaterialIndex> materials = read_materials(body, cells, sorted_edges, plugins, network, notes);
+    const std::vector<MaterialIndex> materials =
+        read_materials(body, cells, sorted_edges, plugins, files, network, notes);
     if (materials.empty() && mesh.cell_count() > 0) body.fail(needs_a_law);
 
     network.begin_body(name);

@@ -19,7 +19,7 @@ void require_one_of(const Table& table, const std::vector<std::string>& keys) {
   table.fail("changes nothing; add one or more of " + list);
 }
 
-void read_node_change(const Table& table, const PluginHost& plugins, Network& network) {
+void read_node_change(const Table& table, const PluginHost& plugins, const Files& files, Network& network) {
   require_one_of(table, {"mass", "velocity", "neuron"});
   const std::vector<NodeIndex> nodes = select_nodes(table.need("select"), network);
   std::optional<double> mass;
@@ -28,8 +28,8 @@ void read_node_change(const Table& table, const PluginHost& plugins, Network& ne
   if (const auto value = table.find("mass")) mass = value->number_above_0("kg");
   if (const auto value = table.find("velocity")) velocity = value->vector();
   if (const auto value = table.find("neuron")) {
-    neuron =
-        network.add_neuron(read_component(value->open_table("node.neuron"), "type", ComponentKind::neuron, plugins));
+    neuron = network.add_neuron(
+        read_component(value->open_table("node.neuron"), "type", ComponentKind::neuron, plugins, files));
   }
   for (const NodeIndex index : nodes) {
     Node node = network.nodes()[index];
@@ -47,20 +47,21 @@ struct FunctionChange {
 };
 
 FunctionChange read_function_change(const Table& table, std::string_view key, ComponentKind kind,
-                                    const PluginHost& plugins) {
+                                    const PluginHost& plugins, const Files& files) {
   const std::optional<Value> value = table.find(key);
   if (!value) return {};
   if (value->is_text()) {
     if (value->text() != "none") value->fail("must be a table { type = …, … }, or \"none\" to remove the function");
     return {true, std::nullopt};
   }
-  return {true, read_component(value->open_table(fmt::format("spring.{}", key)), "type", kind, plugins)};
+  return {true, read_component(value->open_table(fmt::format("spring.{}", key)), "type", kind, plugins, files)};
 }
 
 void change_materials(const Table& table, const std::vector<SpringIndex>& springs, const PluginHost& plugins,
-                      Network& network) {
-  const FunctionChange spring = read_function_change(table, "spring", ComponentKind::spring_function, plugins);
-  const FunctionChange viscosity = read_function_change(table, "viscosity", ComponentKind::viscosity_function, plugins);
+                      const Files& files, Network& network) {
+  const FunctionChange spring = read_function_change(table, "spring", ComponentKind::spring_function, plugins, files);
+  const FunctionChange viscosity =
+      read_function_change(table, "viscosity", ComponentKind::viscosity_function, plugins, files);
   if (!spring.given && !viscosity.given) return;
   std::map<MaterialIndex, MaterialIndex> changed;
   for (const SpringIndex index : springs) {
@@ -80,10 +81,10 @@ void change_materials(const Table& table, const std::vector<SpringIndex>& spring
   }
 }
 
-void read_spring_change(const Table& table, const PluginHost& plugins, Network& network) {
+void read_spring_change(const Table& table, const PluginHost& plugins, const Files& files, Network& network) {
   require_one_of(table, {"spring", "viscosity", "rest_length", "rest_length_scale"});
   const std::vector<SpringIndex> springs = select_springs(table.need("select"), network);
-  change_materials(table, springs, plugins, network);
+  change_materials(table, springs, plugins, files, network);
   const auto length = table.find("rest_length");
   const auto scale = table.find("rest_length_scale");
   if (length && scale) scale->fail("cannot be combined with 'rest_length'; remove one of them");
@@ -125,10 +126,11 @@ void read_cut(const Table& table, std::size_t& selected, Network& network) {
 
 }  // namespace
 
-void read_changes(const Table& root, const PluginHost& plugins, const std::vector<Shape>& shapes, Scene& scene) {
+void read_changes(const Table& root, const PluginHost& plugins, const Files& files, const std::vector<Shape>& shapes,
+                  Scene& scene) {
   Network& network = scene.network;
-  for (const Value& value : root.tables("node")) read_node_change(value.table("node"), plugins, network);
-  for (const Value& value : root.tables("spring")) read_spring_change(value.table("spring"), plugins, network);
+  for (const Value& value : root.tables("node")) read_node_change(value.table("node"), plugins, files, network);
+  for (const Value& value : root.tables("spring")) read_spring_change(value.table("spring"), plugins, files, network);
   for (const Value& value : root.tables("fix")) read_fix(value.table("fix"), network);
   read_loads(root, shapes, scene);
   std::size_t selected = 0;

@@ -8,6 +8,8 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
+#include "scene/law_tables.hpp"
+
 namespace springnet::scene {
 namespace {
 
@@ -48,19 +50,20 @@ LawUse begin_use(const Value& name, const Component& component, ComponentKind ki
     name.fail(fmt::format("{} '{}' has no parameter '{}', which is set here; choose one that has it", name_of(kind),
                           component.id(), parameter));
   }
-  return {name.text(), supplied};  // with its plugin's id, if that is given
+  return {name.text(), supplied, {}};  // with its plugin's id, if that is given
 }
 
 }  // namespace
 
 LawUse read_component(const Table& table, std::string_view name_key, ComponentKind kind, const PluginHost& plugins,
-                      const ParameterValues& supplied) {
+                      const Files& files, const ParameterValues& supplied) {
   const Value name = table.need(name_key);
   const std::shared_ptr<const Component> component = find_component(name, kind, plugins);
   const springnet_component& description = *component->description;
   LawUse use = begin_use(name, *component, kind, supplied);
 
-  const std::vector<std::string> names = parameters_of(description);
+  std::vector<std::string> names = parameters_of(description);
+  for (const springnet_table* declared : tables_of(description)) names.emplace_back(declared->name);
   table.check_keys(names, fmt::format("{} '{}'", name_of(kind), use.id));
 
   for (std::uint32_t i = 0; i < description.parameter_count; ++i) {
@@ -72,7 +75,9 @@ LawUse read_component(const Table& table, std::string_view name_key, ComponentKi
     if (const std::string wrong = check_value(parameter, value); !wrong.empty()) given->fail(wrong);
     use.parameters.emplace(parameter.name, value);
   }
+  use.tables = read_law_tables(table, description, files);
   static_cast<void>(complete_parameters(description, use.parameters, table.value().where()));
+  static_cast<void>(complete_tables(description, use.tables, table.value().where()));
   return use;
 }
 
@@ -81,14 +86,15 @@ LawUse read_component_name(const Value& name, ComponentKind kind, const PluginHo
   const std::shared_ptr<const Component> component = find_component(name, kind, plugins);
   LawUse use = begin_use(name, *component, kind, supplied);
   static_cast<void>(complete_parameters(*component->description, use.parameters, name.where()));
+  static_cast<void>(complete_tables(*component->description, use.tables, name.where()));
   return use;
 }
 
-Material read_material(const Table& table, const PluginHost& plugins) {
+Material read_material(const Table& table, const PluginHost& plugins, const Files& files) {
   const auto read = [&](std::string_view key, ComponentKind kind) -> std::optional<LawUse> {
     const std::optional<Value> value = table.find(key);
     if (!value) return std::nullopt;
-    return read_component(value->open_table(fmt::format("{}.{}", table.schema(), key)), "type", kind, plugins);
+    return read_component(value->open_table(fmt::format("{}.{}", table.schema(), key)), "type", kind, plugins, files);
   };
   return {read("spring", ComponentKind::spring_function), read("viscosity", ComponentKind::viscosity_function)};
 }

@@ -19,8 +19,9 @@ constexpr std::size_t max_springs_found = 10'000'000;
 constexpr std::size_t max_rigid_a_node = 20;
 
 // `found` counts the springs found by all tables.
-void read_connection(const Table& connect, const PluginHost& plugins, std::size_t& found, Network& network) {
-  const Material material = read_material(connect, plugins);
+void read_connection(const Table& connect, const PluginHost& plugins, const Files& files, std::size_t& found,
+                     Network& network) {
+  const Material material = read_material(connect, plugins, files);
   if (!material.spring && !material.viscosity) {
     connect.fail("neither 'spring' nor 'viscosity' says what the springs are made of; add spring = { type = …, … }");
   }
@@ -111,10 +112,10 @@ void read_rigid(const Table& rigid, Network& network, std::vector<std::string>& 
 
 }  // namespace
 
-void read_connections(const Table& root, const PluginHost& plugins, Scene& scene) {
+void read_connections(const Table& root, const PluginHost& plugins, const Files& files, Scene& scene) {
   std::size_t found = 0;
   for (const Value& connection : root.tables("connect")) {
-    read_connection(connection.table("connect"), plugins, found, scene.network);
+    read_connection(connection.table("connect"), plugins, files, found, scene.network);
   }
   for (const Value& rigid : root.tables("rigid")) read_rigid(rigid.table("rigid"), scene.network, scene.notes);
 }

@@ -164,14 +164,14 @@ NodeLists read_lists(const Value& lists, const Table& table, const Network& netw
   return result;
 }
 
-void read_element(const Table& table, const PluginHost& plugins, const std::vector<Shape>& shapes,
+void read_element(const Table& table, const PluginHost& plugins, const Files& files, const std::vector<Shape>& shapes,
                   std::set<std::string>& names, Scene& scene) {
   Network& network = scene.network;
   const auto name = table.find("name");
   if (name && !names.insert(name->text()).second) name->fail("another [[element]] has this name; names are unique");
   const auto invariant = static_cast<Invariant>(
       table.need("invariant").choice({"angle", "dihedral", "area", "volume", "enclosed_volume"}));
-  const Material material = read_material(table, plugins);
+  const Material material = read_material(table, plugins, files);
   if (!material.spring && !material.viscosity) {
     table.fail("neither 'spring' nor 'viscosity' says what the elements do; add spring = { type = …, … }");
   }
@@ -217,10 +217,11 @@ void read_element(const Table& table, const PluginHost& plugins, const std::vect
 
 }  // namespace
 
-void read_elements(const Table& root, const PluginHost& plugins, const std::vector<Shape>& shapes, Scene& scene) {
+void read_elements(const Table& root, const PluginHost& plugins, const Files& files, const std::vector<Shape>& shapes,
+                   Scene& scene) {
   std::set<std::string> names;
   for (const Value& value : root.tables("element")) {
-    read_element(value.table("element"), plugins, shapes, names, scene);
+    read_element(value.table("element"), plugins, files, shapes, names, scene);
   }
 }
 

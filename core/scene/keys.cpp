@@ -16,7 +16,8 @@ struct Key {
 };
 
 // "select.…" are the keys of every table that selects nodes or springs: node.select, connect.from and so on. "motion.…"
-// and "turn.…" are those of motion and turn of planes and instruments.
+// and "turn.…" are those of motion and turn of planes and instruments, "values.…" those of every list of numbers that
+// may come from a file.
 constexpr std::array keys{
     Key{"version", "a whole number, 1"},
     Key{"title", "a text"},
@@ -219,6 +220,8 @@ constexpr std::array keys{
     Key{"select.sphere", "a table with center and radius"},
     Key{"select.sphere.center", "three numbers [x, y, z], m"},
     Key{"select.sphere.radius", "a number above 0, m"},
+    Key{"values.file", "the name of a CSV file"},
+    Key{"values.column", "the name of a column"},
     Key{"motion.table", "a list of rows [t, x, y, z], s and m"},
     Key{"motion.interpolation", "'smooth' or 'linear'"},
     Key{"motion.sinusoid", "a table with amplitude and frequency"},
@@ -252,6 +255,7 @@ std::string_view form_of(std::string_view key) {
 std::string_view form_of_table(std::string_view table) {
   if (table == "select") return "a table with a selection";
   if (table == "motion") return "a table with table or sinusoid";
+  if (table == "values") return "a list of numbers, or a table with file and column";
   if (table == "turn") return "a table with axis, and rate or table";
   const Key* found = find_key(table);
   return found != nullptr && found->form.starts_with("a table") ? found->form : "a table";

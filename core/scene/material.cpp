@@ -33,8 +33,8 @@ struct Springs {
   }
 };
 
-Springs read_springs(const Table& body, const Table& table, const PluginHost& plugins) {
-  Springs springs{read_material(body, plugins)};
+Springs read_springs(const Table& body, const Table& table, const PluginHost& plugins, const Files& files) {
+  Springs springs{read_material(body, plugins, files)};
   if (springs.material.spring) {
     body.find("spring")->fail("cannot be combined with 'material', which says what springs are made of; remove one");
   }
@@ -45,8 +45,8 @@ Springs read_springs(const Table& body, const Table& table, const PluginHost& pl
   } else if (law->is_text()) {
     springs.material.spring = read_component_name(*law, ComponentKind::spring_function, plugins, supplied);
   } else {
-    springs.material.spring =
-        read_component(law->open_table("body.material.law"), "type", ComponentKind::spring_function, plugins, supplied);
+    springs.material.spring = read_component(law->open_table("body.material.law"), "type",
+                                             ComponentKind::spring_function, plugins, files, supplied);
   }
   if (const auto time = table.find("damping_time")) {
     springs.damping_time = time->number_from_0("s");
@@ -92,7 +92,7 @@ std::vector<double> read_masses(const Table& body, const Cells& cells) {
 
 std::vector<MaterialIndex> read_materials(const Table& body, const Cells& cells,
                                           const std::function<const std::vector<Edge>&()>& edges,
-                                          const PluginHost& plugins, Network& network,
+                                          const PluginHost& plugins, const Files& files, Network& network,
                                           std::vector<std::string>& notes) {
   const auto value = body.find("material");
   if (!value) {
@@ -102,12 +102,12 @@ std::vector<MaterialIndex> read_materials(const Table& body, const Cells& cells,
       }
       if (body.has(key)) static_cast<void>(body.find(key)->number_above_0(""));
     }
-    const Material material = read_material(body, plugins);
+    const Material material = read_material(body, plugins, files);
     if (!material.spring && !material.viscosity) return {};
     return {network.add_material(material)};
   }
   const Table table = value->table("body.material");
-  const Springs springs = read_springs(body, table, plugins);
+  const Springs springs = read_springs(body, table, plugins, files);
   const double modulus = table.need("youngs_modulus").number_above_0("Pa");
   const std::string name = body.need("name").text();
   const NetStiffness net =

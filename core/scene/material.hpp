@@ -9,6 +9,7 @@
 #include <springnet/network.hpp>
 #include <springnet/plugin_host.hpp>
 
+#include "scene/files.hpp"
 #include "scene/reader.hpp"
 
 namespace springnet::scene {
@@ -23,7 +24,7 @@ using Cells = std::function<const Mesh&()>;
 // each from body.material. `edges` are sorted and unique. Notes name the body.
 [[nodiscard]] std::vector<MaterialIndex> read_materials(const Table& body, const Cells& cells,
                                                         const std::function<const std::vector<Edge>&()>& edges,
-                                                        const PluginHost& plugins, Network& network,
+                                                        const PluginHost& plugins, const Files& files, Network& network,
                                                         std::vector<std::string>& notes);
 
 }  // namespace springnet::scene

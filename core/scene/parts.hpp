@@ -26,10 +26,13 @@ using Shape = std::variant<std::monostate, Mesh, Lattice>;
 // body.mesh.start: moves nodes to their start positions, after all rest lengths have been taken.
 void read_starts(const Table& root, const Files& files, Network& network);
 // [[element]]
-void read_elements(const Table& root, const PluginHost& plugins, const std::vector<Shape>& shapes, Scene& scene);
-void read_connections(const Table& root, const PluginHost& plugins, Scene& scene);  // [[connect]], [[rigid]]
+void read_elements(const Table& root, const PluginHost& plugins, const Files& files, const std::vector<Shape>& shapes,
+                   Scene& scene);
+void read_connections(const Table& root, const PluginHost& plugins, const Files& files,
+                      Scene& scene);  // [[connect]], [[rigid]]
 // [[node]], [[spring]], [[fix]], [[force]], [[cut]]
-void read_changes(const Table& root, const PluginHost& plugins, const std::vector<Shape>& shapes, Scene& scene);
+void read_changes(const Table& root, const PluginHost& plugins, const Files& files, const std::vector<Shape>& shapes,
+                  Scene& scene);
 void read_loads(const Table& root, const std::vector<Shape>& shapes, Scene& scene);  // [[force]]
 void read_surroundings(const Table& root, Scene& scene);  // [[move]], [[plane]], [[instrument]]
 // [[input]], after all springs and elements have their laws.

@@ -154,6 +154,25 @@ std::vector<Value> Value::elements() const {
   return values;
 }
 
+Value Value::element(std::size_t index) const {
+  return {node_->as_array()->at(index), fmt::format("{}.{}", path_, index), document_};
+}
+
+std::vector<double> Value::numbers(std::size_t most) const {
+  const toml::array* array = node_->as_array();
+  if (array == nullptr) wrong_type("a list of numbers");
+  if (array->size() > most) {
+    fail(fmt::format("must have at most {} numbers, has {}; leave out some", grouped(most), grouped(array->size())));
+  }
+  std::vector<double> values;
+  values.reserve(array->size());
+  for (const toml::node& node : *array) {
+    const std::optional<double> value = node.is_number() ? node.value<double>() : std::nullopt;
+    values.push_back(value && std::isfinite(*value) ? *value : element(values.size()).number());
+  }
+  return values;
+}
+
 std::vector<Value> Value::elements(std::size_t count) const {
   std::vector<Value> values = elements();
   if (values.size() != count) fail(fmt::format("must have {} elements, has {}", count, values.size()));

@@ -50,6 +50,8 @@ class Value {
   [[nodiscard]] bool is_list() const noexcept { return node_->is_array(); }
   [[nodiscard]] std::vector<Value> elements() const;
   [[nodiscard]] std::vector<Value> elements(std::size_t count) const;  // exactly so many
+  [[nodiscard]] Value element(std::size_t index) const;                // of a list that has it
+  [[nodiscard]] std::vector<double> numbers(std::size_t most) const;   // a list of finite numbers, at most so many
 
   // A table with no keys other than those of `schema`.
   [[nodiscard]] Table table(std::string_view schema) const;

@@ -32,7 +32,7 @@ void check_version(const Table& root) {
       given, springnet::version(), scene_version, scene_version));
 }
 
-void read_simulation(const Table& root, const PluginHost& plugins, Scene& result) {
+void read_simulation(const Table& root, const PluginHost& plugins, const Files& files, Scene& result) {
   const Table table = root.need("simulation").table("simulation");
   SimulationOptions& options = result.options;
   result.duration = table.need("duration").number_from_0("s");
@@ -40,7 +40,7 @@ void read_simulation(const Table& root, const PluginHost& plugins, Scene& result
   if (const auto integrator = table.find("integrator")) {
     options.integrator = integrator->is_text() ? read_component_name(*integrator, ComponentKind::integrator, plugins)
                                                : read_component(integrator->open_table("simulation.integrator"), "name",
-                                                                ComponentKind::integrator, plugins);
+                                                                ComponentKind::integrator, plugins, files);
   }
   if (const auto threads = table.find("threads")) {
     options.threads = static_cast<unsigned>(threads->integer(0, std::int64_t{max_threads}));
@@ -66,14 +66,14 @@ Scene parse_scene(std::string_view text, std::string_view name, const PluginHost
   const scene::Files files{folder, outside, loading};
   Scene result;
   if (const auto title = root.find("title")) result.title = title->prose();
-  scene::read_simulation(root, plugins, result);
+  scene::read_simulation(root, plugins, files, result);
   if (const auto gravity = root.find("gravity")) {
     result.network.set_gravity(gravity->table("gravity").need("acceleration").vector());
   }
   const std::vector<scene::Shape> shapes = scene::read_bodies(root, plugins, files, result);
-  scene::read_connections(root, plugins, result);
-  scene::read_elements(root, plugins, shapes, result);
-  scene::read_changes(root, plugins, shapes, result);
+  scene::read_connections(root, plugins, files, result);
+  scene::read_elements(root, plugins, files, shapes, result);
+  scene::read_changes(root, plugins, files, shapes, result);
   scene::read_surroundings(root, result);
   scene::read_inputs(root, plugins, files, result);
   scene::read_starts(root, files, result.network);

@@ -1,6 +1,7 @@
 #include <algorithm>
 #include <array>
 #include <memory>
+#include <span>
 
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
@@ -88,6 +89,10 @@ std::vector<const springnet_parameter*> parameters_of(const Component& component
   return {description.parameters, description.parameters + description.parameter_count};
 }
 
+std::span<const springnet_table* const> tables_of(const Component& component) {
+  return springnet::tables_of(*component.description);
+}
+
 // Makes texts of a plugin's author and file names printable.
 std::string shown(const char* text) {
   constexpr std::size_t max_length = 400;
@@ -159,6 +164,10 @@ std::string scene_line(const Component& component) {
                                               : parameter->default_value;
     text += fmt::format(", {} = {}", parameter->name, value_text(*parameter, value));
   }
+  for (const springnet_table* table : tables_of(component)) {
+    if ((table->flags & SPRINGNET_OPTIONAL) != 0) continue;
+    text += fmt::format(", {} = {{ file = \"{}.csv\" }}", table->name, component.id());
+  }
   return fmt::format("{} = {{ {} }}", key, text);
 }
 
@@ -178,6 +187,29 @@ Json json_of(const springnet_parameter& parameter) {
           {"scale", parameter.scale},
           {"learnable", (parameter.flags & SPRINGNET_LEARNABLE) != 0},
           {"choices", choices}};
+}
+
+// The table that has as many values, or null.
+const springnet_table* as_long_as(const Component& component, std::size_t table) {
+  const std::uint32_t other = tables_of(component)[table]->as_long_as;
+  return other == table ? nullptr : tables_of(component)[other];
+}
+
+Json json_of_tables(const Component& component) {
+  Json tables = Json::array();
+  for (const springnet_table* table : tables_of(component)) {
+    const springnet_table* const other = as_long_as(component, tables.size());
+    tables.push_back({{"name", table->name},
+                      {"unit", table->unit},
+                      {"summary", table->summary},
+                      {"required", (table->flags & SPRINGNET_OPTIONAL) == 0},
+                      {"increasing", (table->flags & SPRINGNET_INCREASING) != 0},
+                      {"least", std::max(table->least, 1u)},
+                      {"as_long_as", other == nullptr ? Json(nullptr) : Json(other->name)},
+                      {"smallest", table->smallest},
+                      {"largest", table->largest}});
+  }
+  return tables;
 }
 
 Json json_of(const Component& component) {
@@ -201,7 +233,8 @@ Json json_of(const Component& component) {
           {"capabilities", capabilities_of(component)},
           {"parameters", parameters},
           {"states", states},
-          {"inputs", inputs}};
+          {"inputs", inputs},
+          {"tables", json_of_tables(component)}};
 }
 
 void print_json(const Json& document) {
@@ -281,6 +314,28 @@ void print_quantities(const char* what, const char* value, const std::vector<con
   fmt::print("\n{}", align_columns(rows));
 }
 
+void print_tables(const Component& component) {
+  const std::span<const springnet_table* const> tables = tables_of(component);
+  if (tables.empty()) return;
+  std::vector<std::vector<std::string>> rows{{"TABLE", "UNIT", "LENGTH", "VALUES", ""}};
+  for (std::size_t k = 0; k < tables.size(); ++k) {
+    const springnet_table& table = *tables[k];
+    const springnet_table* const other = as_long_as(component, k);
+    springnet_parameter bounds{};
+    bounds.type = SPRINGNET_NUMBER;
+    bounds.smallest = table.smallest;
+    bounds.largest = table.largest;
+    const bool increasing = (table.flags & SPRINGNET_INCREASING) != 0;
+    const bool optional = (table.flags & SPRINGNET_OPTIONAL) != 0;
+    std::string length =
+        other == nullptr ? fmt::format("at least {}", std::max(table.least, 1u)) : fmt::format("as {}", other->name);
+    if (optional) length += ", or none";
+    rows.push_back({table.name, shown(table.unit), length, bounds_text(bounds) + (increasing ? ", increasing" : ""),
+                    shown(table.summary)});
+  }
+  fmt::print("\n{}", align_columns(rows));
+}
+
 void print_component(const Component& component) {
   const springnet_plugin& plugin = *component.plugin;
   fmt::print("{} ({})\n  {}\n\n", component.id(), name_of(component.kind()), shown(component.description->summary));
@@ -301,6 +356,7 @@ void print_component(const Component& component) {
   print_parameters(component);
   print_quantities("INTERNAL STATE", "AT START", states_of(component));
   print_quantities("INPUT", "WITHOUT A SIGNAL", inputs_of(component));
+  print_tables(component);
   fmt::print("\n  in a scene:\n    {}\n", scene_line(component));
 }
 

@@ -4,6 +4,8 @@
 
 #include <fmt/format.h>
 
+#include "text/counted.hpp"
+
 namespace springnet::view {
 
 namespace {
@@ -28,7 +30,11 @@ std::string text_of(const PluginHost* plugins, ComponentKind kind, const LawUse&
     text += fmt::format("{}{} {:g}{}", separator, name, value, unit_of(plugins, kind, use.id, name));
     separator = ", ";
   }
-  return use.parameters.empty() ? text : text + ")";
+  for (const auto& [name, values] : use.tables) {
+    text += fmt::format("{}{} {}", separator, name, counted(values.size(), "value"));
+    separator = ", ";
+  }
+  return use.parameters.empty() && use.tables.empty() ? text : text + ")";
 }
 
 std::string text_of(const PluginHost* plugins, const Material& material) {

@@ -187,6 +187,9 @@ TEST_CASE("a plugin that misdescribes itself is refused with the reason") {
       {[](Sample& s) { s.tables[0] = nullptr; }, "table 0 is a null pointer"},
       {[](Sample& s) { s.table.name = "Curve"; }, "has the name 'Curve'"},
       {[](Sample& s) { s.table.name = "type"; }, "its name is taken"},
+      {[](Sample& s) { s.table.name = "kind"; }, "its name is taken"},  // by a parameter
+      {[](Sample& s) { s.table.flags = 4; }, "has flags 0x4"},
+      {[](Sample& s) { s.table.least = 1'000'001; }, "asks for 1000001 values"},
       {[](Sample& s) { s.table.unit = ""; }, "no unit or summary"},
       {[](Sample& s) { s.table.summary = nullptr; }, "no unit or summary"},
       {[](Sample& s) { s.table.as_long_as = 1; }, "as long as table 1, of 1"},

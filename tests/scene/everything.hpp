@@ -197,7 +197,7 @@ name = "chain"
 nodes = [[10, 0, 0], [11, 0, 0], [13, 1, 0]]
 springs = [[0, 1], [1, 2]]
 neuron = { type = "point_mass", mass = 1.0 }
-spring = { type = "linear", stiffness = 1.0 }
+spring = { type = "table", elongations = { file = "curve.csv", column = "elongation" }, forces = [-1, 0, 2, 5] }
 
 [[element]]
 name = "filling"

@@ -23,7 +23,7 @@ std::string read_page() {
 std::set<std::string> listed() { return {springnet::scene_keys().begin(), springnet::scene_keys().end()}; }
 
 // Where the keys of a table are listed: those of selections once, as "select.…", those of obstacles' motions and turns
-// likewise.
+// and of columns of files likewise.
 std::string listed_path(const std::string& path) {
   if (path.ends_with(".select") || path == "rigid.springs" || path == "output.nodes" || path == "output.springs") {
     return "select";
@@ -33,6 +33,7 @@ std::string listed_path(const std::string& path) {
       if (path == std::string(joined) + end) return "select";
     }
   }
+  if (path.ends_with(".elongations")) return "values";
   for (const char* shared : {"motion", "turn"}) {
     if (path.ends_with(std::string(".") + shared)) return shared;
   }
@@ -96,6 +97,7 @@ TEST_CASE("a date is refused where the value of any key is expected, so that eve
       places.clear();
       for (const char* place : {"fix", "node", "cut", "spring", "force"}) places.push_back(place + ("." + key));
     }
+    if (key.starts_with("values.")) places = {"body.spring.elongations." + key.substr(7)};
     if (key.starts_with("motion.") || key.starts_with("turn.")) places = {"plane." + key, "instrument." + key};
     toml::table table;
     const bool spoilt = [&] {

@@ -16,6 +16,7 @@ extern const springnet_plugin springnet_plugin_entry_example_4;
 extern const springnet_plugin springnet_plugin_entry_example_5;
 extern const springnet_plugin springnet_plugin_entry_example_6;
 extern const springnet_plugin springnet_plugin_entry_example_7;
+extern const springnet_plugin springnet_plugin_entry_example_8;
 }
 
 namespace {
@@ -25,7 +26,8 @@ std::shared_ptr<const PluginHost> plugins() {
   auto host = std::make_shared<PluginHost>(PluginHost::with_default_search());
   for (const springnet_plugin* plugin :
        {&springnet_plugin_entry_example_1, &springnet_plugin_entry_example_3, &springnet_plugin_entry_example_4,
-        &springnet_plugin_entry_example_5, &springnet_plugin_entry_example_6, &springnet_plugin_entry_example_7}) {
+        &springnet_plugin_entry_example_5, &springnet_plugin_entry_example_6, &springnet_plugin_entry_example_7,
+        &springnet_plugin_entry_example_8}) {
     CAPTURE(std::string(plugin->id));
     CHECK(host->add(*plugin));
   }
@@ -111,6 +113,22 @@ TEST_CASE("the guide's law with memory relaxes, and its integrator, which knows 
   options.integrator = {"euler", {}};
   CHECK_THROWS_WITH_AS(Simulation(network, host, options), doctest::Contains("does not integrate the internal state"),
                        Error);
+}
+
+TEST_CASE("the guide's law with tables pulls by what it prepared") {
+  const auto host = plugins();
+  Network network;
+  network.add_node({});
+  network.add_node({.position = {1.5, 0.0, 0.0}});
+  network.fix(0);
+  // A share that grows linearly: the tension is quadratic.
+  LawUse law{"fibre", {{"stiffness", 4.0}}, {{"strains", {0.0, 0.5, 1.0}}, {"shares", {0.0, 0.5, 1.0}}}};
+  network.add_spring(0, 1, network.add_material({law, {}}), 1.0);
+  const Simulation simulation(network, host, {});
+  CHECK(simulation.tension(0) == doctest::Approx(4.0 * 0.5 * 0.5 / 2.0));
+  law.tables["strains"][0] = 0.1;
+  network.set_spring_material(0, network.add_material({law, {}}));
+  CHECK_THROWS_WITH_AS(Simulation(network, host, {}), doctest::Contains("the first strain must be 0"), Error);
 }
 
 TEST_CASE("inspect reports the actual limit of the guide's integrator") {

@@ -184,9 +184,9 @@ TEST_CASE("an exception of a law becomes the error of the step") {
   }
 }
 
-TEST_CASE("laws that read signals or tables are refused by name") {
+TEST_CASE("laws that read signals, or have no table, are refused by name") {
   for (const auto& [id, reason] : {std::pair{"steered", "'steered': reads input signals"},
-                                   std::pair{"measured", "'measured': prepares a table"}}) {
+                                   std::pair{"measured", "'measured' needs the table 'curve' (N: tension)"}}) {
     const Network net = oscillator(Material{LawUse{id, {}}, std::nullopt}, 1.0, 0.0);
     CHECK_THROWS_WITH_AS(Simulation(net, host(), {}), doctest::Contains(reason), Error);
   }

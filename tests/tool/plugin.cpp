@@ -84,6 +84,25 @@ TEST_CASE("plugin show has parameters with unit, default, bounds and choices") {
   }
 }
 
+TEST_CASE("plugin show has tables with unit and rules") {
+  const TemporaryFolder folder;
+  const auto tables = testing::springnet(folder, "plugin show table --json").json()[0]["tables"];
+  REQUIRE(tables.size() == 2);
+  CHECK(tables[0]["name"] == "elongations");
+  CHECK(tables[0]["unit"] == "m");
+  CHECK(tables[0]["increasing"] == true);
+  CHECK(tables[0]["required"] == true);
+  CHECK(tables[0]["least"] == 2);
+  CHECK(tables[0]["as_long_as"].is_null());
+  CHECK(tables[1]["as_long_as"] == "elongations");
+  const std::string text = testing::springnet(folder, "plugin show table").out;
+  for (const char* part : {"TABLE", "elongations", "at least 2", "any, increasing", "forces", "as elongations"}) {
+    CAPTURE(part);
+    CHECK(text.find(part) != std::string::npos);
+  }
+  CHECK(testing::springnet(folder, "plugin show linear --kind spring").out.find("TABLE") == std::string::npos);
+}
+
 TEST_CASE("a name of several kinds is shown for each, or for the requested kind") {
   const TemporaryFolder folder;
   CHECK(testing::springnet(folder, "plugin show linear --json").json().size() == 2);
@@ -96,6 +115,7 @@ TEST_CASE("a name of several kinds is shown for each, or for the requested kind"
 TEST_CASE("the line that plugin show prints for a scene is valid in a scene") {
   const TemporaryFolder folder;
   folder.write("pair.toml", testing::pair_scene);
+  folder.write("table.csv", "elongations,forces\n-1,-1\n1,1\n");
   const auto line_of = [&](const std::string& arguments) {
     const std::string text = testing::springnet(folder, "plugin show " + arguments).out;
     const std::size_t line = text.find("= {", text.find("in a scene:"));
@@ -108,7 +128,7 @@ TEST_CASE("the line that plugin show prints for a scene is valid in a scene") {
   };
   for (const Place& place :
        {Place{"linear --kind spring", "body.0.spring"}, Place{"nonlinear", "body.0.spring"},
-        Place{"exponential", "body.0.spring"}, Place{"rupturing", "body.0.spring"},
+        Place{"exponential", "body.0.spring"}, Place{"rupturing", "body.0.spring"}, Place{"table", "body.0.spring"},
         Place{"linear --kind viscosity", "body.0.viscosity"}, Place{"relative", "body.0.viscosity"},
         Place{"power", "body.0.viscosity"}, Place{"point_mass", "body.0.neuron"}, Place{"dragged", "body.0.neuron"},
         Place{"recurrent", "simulation.integrator"}, Place{"cvode", "simulation.integrator"}}) {

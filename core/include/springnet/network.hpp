@@ -28,6 +28,7 @@ using ElementIndex = std::uint32_t;
 struct LawUse {
   std::string id;
   ParameterValues parameters;
+  TableValues tables{};  // of a law that declares some
   friend bool operator==(const LawUse&, const LawUse&) = default;
 };
 
@@ -233,8 +234,9 @@ class Network {
   // Neuron 0 is "point_mass" with its defaults; material 0 does not exist until it is added.
   SPRINGNET_API Network();
 
-  // Equal descriptions get the same index. Throw Error(input) for an empty id, a parameter that is not finite, or a
-  // material without any function. Simulation checks them against the plugins.
+  // Equal descriptions get the same index. Throw Error(input) for an empty id, a parameter or a row of a table that is
+  // not finite, a material without any function, or more than 50 million values in the tables of all materials.
+  // Simulation checks them against the plugins.
   SPRINGNET_API std::uint32_t add_neuron(const LawUse& neuron);
   SPRINGNET_API MaterialIndex add_material(const Material& material);
 
@@ -349,6 +351,7 @@ class Network {
   std::vector<Cut> cuts_;
   std::vector<Input> inputs_;
   Vector3 gravity_ = Vector3::Zero();
+  std::size_t table_values_ = 0;  // of all materials
   bool in_body_ = false;
   std::unordered_set<NodeIndex> moving_nodes_;    // nodes of all moves
   std::unordered_set<std::uint64_t> rigid_ends_;  // lower node number 2^32 + upper one

@@ -5,6 +5,8 @@
 #include <cstddef>
 #include <filesystem>
 #include <memory>
+#include <optional>
+#include <span>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -99,5 +101,24 @@ class SPRINGNET_API PluginHost {
 [[nodiscard]] SPRINGNET_API std::vector<double> complete_parameters(const springnet_component& component,
                                                                     const ParameterValues& given,
                                                                     std::string_view where);
+
+// Numbers in a table of a law.
+inline constexpr std::size_t most_table_values = 1'000'000;
+
+// What is wrong with the values of a table: `row` counts from 0; none if it is their number.
+struct TableMistake {
+  std::optional<std::size_t> row;
+  std::string what;  // "must be above the one before, 0.5 m, is 0.4; …"
+};
+[[nodiscard]] SPRINGNET_API std::optional<TableMistake> check_table(const springnet_table& table,
+                                                                    std::span<const double> values);
+// The tables that the component declares; none unless it is a law.
+[[nodiscard]] SPRINGNET_API std::span<const springnet_table* const> tables_of(const springnet_component& component);
+// Tables in the order of the component's, empty for optional ones that are not given; they point into `given`. Throws
+// Error(input) for an unknown name, a missing table, one of a wrong length, or a value that check_table() refuses;
+// messages count rows from 1.
+[[nodiscard]] SPRINGNET_API std::vector<std::span<const double>> complete_tables(const springnet_component& component,
+                                                                                 const TableValues& given,
+                                                                                 std::string_view where);
 
 }  // namespace springnet

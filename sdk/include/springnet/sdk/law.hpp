@@ -25,7 +25,8 @@
 //   state_rates(e, p)                       std::array<Real, S>: dz/dt of the S states
 //   static constexpr Parameter inputs[]     input signals (preset = where a scene gives none)
 //   static constexpr Table tables[]         arrays of numbers, and
-//   prepare(const TableSource&)             what is made of them once for a material, read as e.table
+//   prepare(const TableSource&)             what is made of them once for a material, read as e.table: an object of
+//                                           any type; table.hpp has curves
 //   static constexpr …                      what LawDefaults below lists: what the law reads, and what it promises
 //
 // The functions must be pure: they read only their arguments (and constant members, in a law of a host) and may be
@@ -107,7 +108,10 @@ struct LawGlue {
   }
 
   static springnet_status prepare(void* context, springnet_preparation* preparation) noexcept {
+    if (preparation->struct_size < SPRINGNET_SIZE_TO(springnet_preparation, message)) return SPRINGNET_FAILED;
     preparation->prepared = nullptr;
+    if (preparation->table_count < Traits::table_count)
+      return refuse(preparation->message, "the host does not know all tables of the law");
     return detail::guarded(preparation->message, [&]() -> springnet_status {
       if constexpr (Traits::table_count > 0) {
         const TableSource source(*preparation);
