@@ -15,6 +15,11 @@ extern const springnet_plugin springnet_plugin_entry_spring_linear;
 extern const springnet_plugin springnet_plugin_entry_spring_nonlinear;
 extern const springnet_plugin springnet_plugin_entry_spring_exponential;
 extern const springnet_plugin springnet_plugin_entry_spring_rupturing;
+extern const springnet_plugin springnet_plugin_entry_spring_muscle;
+extern const springnet_plugin springnet_plugin_entry_spring_maxwell;
+extern const springnet_plugin springnet_plugin_entry_spring_standard_linear_solid;
+extern const springnet_plugin springnet_plugin_entry_spring_plastic;
+extern const springnet_plugin springnet_plugin_entry_spring_damaging;
 extern const springnet_plugin springnet_plugin_entry_viscosity_linear;
 extern const springnet_plugin springnet_plugin_entry_viscosity_relative;
 extern const springnet_plugin springnet_plugin_entry_viscosity_power;
@@ -25,12 +30,20 @@ extern const springnet_plugin springnet_plugin_entry_neuron_dragged;
 namespace springnet::test {
 
 inline const std::vector<const springnet_plugin*>& shipped_plugins() {
-  static const std::vector<const springnet_plugin*> plugins{
-      &springnet_plugin_entry_spring_linear,      &springnet_plugin_entry_spring_nonlinear,
-      &springnet_plugin_entry_spring_exponential, &springnet_plugin_entry_spring_rupturing,
-      &springnet_plugin_entry_viscosity_linear,   &springnet_plugin_entry_viscosity_relative,
-      &springnet_plugin_entry_viscosity_power,    &springnet_plugin_entry_neuron_point_mass,
-      &springnet_plugin_entry_neuron_dragged};
+  static const std::vector<const springnet_plugin*> plugins{&springnet_plugin_entry_spring_linear,
+                                                            &springnet_plugin_entry_spring_nonlinear,
+                                                            &springnet_plugin_entry_spring_exponential,
+                                                            &springnet_plugin_entry_spring_rupturing,
+                                                            &springnet_plugin_entry_spring_muscle,
+                                                            &springnet_plugin_entry_spring_maxwell,
+                                                            &springnet_plugin_entry_spring_standard_linear_solid,
+                                                            &springnet_plugin_entry_spring_plastic,
+                                                            &springnet_plugin_entry_spring_damaging,
+                                                            &springnet_plugin_entry_viscosity_linear,
+                                                            &springnet_plugin_entry_viscosity_relative,
+                                                            &springnet_plugin_entry_viscosity_power,
+                                                            &springnet_plugin_entry_neuron_point_mass,
+                                                            &springnet_plugin_entry_neuron_dragged};
   return plugins;
 }
 
