@@ -116,6 +116,29 @@ void check_use(const Law& law, Invariant invariant, double reference, std::size_
                        reference));
 }
 
+// Looks at the rows of springs, of which there are few in a regular net, and for the spring only when one is wrong.
+void check_rest_lengths(const SpringList& springs, const CompiledLaws& compiled) {
+  const auto divides = [](const Law& law) { return law.can(SPRINGNET_DIVIDES_BY_REFERENCE); };
+  const auto wrong = [&](const Group& group) {
+    if (!divides(group.spring) && !divides(group.viscosity)) return false;
+    const Column<double>& lengths = group.columns[0];
+    for (std::size_t row = 0; row < (lengths.is_uniform() ? 1 : group.row_count()); ++row)
+      if (group.row_count() > 0 && !(lengths[row] > 0.0)) return true;
+    return false;
+  };
+  if (std::none_of(compiled.groups.begin(), compiled.groups.end(), wrong)) return;
+  for (std::size_t s = 0; s < springs.size(); ++s) {
+    const Group& group = compiled.groups[compiled.group[s]];
+    const double length = springs.rest_lengths()[s];
+    if (length > 0.0 || !wrong(group)) continue;
+    const Component& law = *(divides(group.spring) ? group.spring : group.viscosity).component;
+    throw Error(ErrorKind::input,
+                fmt::format("spring {}: {} '{}' divides by the rest length, which is {} here; give one above 0, or use "
+                            "another law",
+                            s, name_of(law.kind()), law.id(), length));
+  }
+}
+
 // Key of a row: the material, the rest length or reference, and the signals.
 struct RowKey {
   std::uint32_t material;
@@ -308,6 +331,7 @@ CompiledLaws compile_laws(const Network& network, const PluginHost& plugins) {
   compiled.row = RowNumbers(rows.of(
       springs.size(), springs.materials(), inputs.of_springs(), [&](std::size_t s) { return rest_lengths[s]; },
       springs.materials().is_uniform() && rest_lengths.is_uniform()));
+  check_rest_lengths(springs, compiled);
 
   const std::vector<Element>& elements = network.elements();
   Column<MaterialIndex> element_materials;

@@ -233,7 +233,8 @@ void Network::add_lattice(const std::string& name, const Lattice& lattice, const
 
   begin_body(name);
   const auto first = static_cast<NodeIndex>(nodes_.size());
-  const auto [nx, ny, nz] = lattice.nodes;
+  // No structured binding: Clang cannot share one with the threads of a parallel region.
+  const std::uint32_t nx = lattice.nodes[0], ny = lattice.nodes[1], nz = lattice.nodes[2];
   Vector3* const positions = nodes_.append(static_cast<std::size_t>(nodes), node);
   const bool one_length = std::all_of(directions.begin(), directions.end(), [&](const Direction& direction) {
     return detail::SameBits<double>::of(direction.length, directions.front().length);

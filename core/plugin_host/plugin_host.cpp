@@ -7,11 +7,13 @@
 #include <fmt/format.h>
 
 #include <springnet/error.hpp>
+#include <springnet/host_laws.hpp>
 #include <springnet/plugin_host.hpp>
 #include <springnet/printable.hpp>
 #include <springnet/suggestion.hpp>
 
 #include "plugin_host/check_plugin.hpp"
+#include "plugin_host/host_plugin.hpp"
 #include "plugin_host/library.hpp"
 
 namespace springnet {
@@ -59,13 +61,13 @@ struct PluginHost::Impl {
 
   // Takes all components of the plugin or none: half a plugin would hide that something is wrong. Those that need a
   // newer host are named as refused.
-  bool take(const springnet_plugin& plugin, const fs::path& file) {
+  bool take(const springnet_plugin& plugin, const fs::path& file, const std::shared_ptr<const void>& owner = nullptr) {
     const PluginCheck check = check_plugin(plugin);
     if (!check.wrong.empty()) return refuse(file, check.wrong);
     std::vector<std::shared_ptr<const Component>> taken;
     for (std::uint32_t i = 0; i < plugin.component_count; ++i) {
       if (!check.not_usable[i].empty()) continue;
-      taken.push_back(std::make_shared<const Component>(Component{plugin.components[i], &plugin, file}));
+      taken.push_back(std::make_shared<const Component>(Component{plugin.components[i], &plugin, file, owner}));
       for (const auto& other : all(taken.back()->kind(), taken.back()->id())) {
         if (other->plugin == &plugin) return true;  // the same plugin again
         if (std::string_view(other->plugin->id) != plugin.id) continue;
@@ -81,8 +83,8 @@ struct PluginHost::Impl {
   }
 
   static std::string owner_of(const Component& component) {
-    const std::string owner =
-        fmt::format("{} {}", printable(component.plugin->id), printable(component.plugin->version));
+    const std::string version = printable(component.plugin->version);
+    const std::string owner = printable(component.plugin->id) + (version.empty() ? "" : " ") + version;
     return component.file.empty() ? owner
                                   : fmt::format("{} ({})", owner, printable(component.file.string(), max_path_length));
   }
@@ -157,6 +159,17 @@ bool PluginHost::load(const fs::path& file) {
 }
 
 bool PluginHost::add(const springnet_plugin& plugin) { return impl_->take(plugin, {}); }
+
+std::shared_ptr<const Component> PluginHost::add(const HostComponent& component, std::string_view plugin,
+                                                 std::string_view version) {
+  const auto made = std::make_shared<const HostPlugin>(component, plugin, version);
+  if (!impl_->take(made->plugin, {}, made)) {
+    const std::string reason = std::move(impl_->refusals.back().reason);
+    impl_->refusals.pop_back();  // the caller learns of it now
+    throw Error(ErrorKind::plugin, reason);
+  }
+  return impl_->components.back();
+}
 
 const std::vector<std::shared_ptr<const Component>>& PluginHost::components() const noexcept {
   return impl_->components;

@@ -140,8 +140,18 @@ std::string bounds_text(const springnet_parameter& parameter) {
   return parameter.type == SPRINGNET_INTEGER ? "whole" : "any";
 }
 
+// The id, with the plugin's where several have one of the kind and id.
+std::string name_in_scenes(const PluginHost& host, const Component& component) {
+  const auto& all = host.components();
+  const auto same = std::count_if(all.begin(), all.end(), [&component](const auto& other) {
+    return other->kind() == component.kind() && other->id() == component.id();
+  });
+  const std::string id(component.id());
+  return same < 2 ? id : id + '@' + shown(component.plugin->id);
+}
+
 // A line of a scene that uses the component.
-std::string scene_line(const Component& component) {
+std::string scene_line(const Component& component, const std::string& name) {
   std::string key, text;
   switch (component.kind()) {
     case ComponentKind::spring_function:
@@ -157,7 +167,7 @@ std::string scene_line(const Component& component) {
       key = "integrator", text = "name";
       break;
   }
-  text = fmt::format("{} = \"{}\"", text, component.id());
+  text = fmt::format("{} = \"{}\"", text, name);
   if (component.kind() == ComponentKind::neuron) text += ", mass = 1";
   for (const springnet_parameter* parameter : parameters_of(component)) {
     const double value = required(*parameter) ? std::clamp(parameter->scale, parameter->smallest, parameter->largest)
@@ -336,7 +346,7 @@ void print_tables(const Component& component) {
   fmt::print("\n{}", align_columns(rows));
 }
 
-void print_component(const Component& component) {
+void print_component(const PluginHost& host, const Component& component) {
   const springnet_plugin& plugin = *component.plugin;
   fmt::print("{} ({})\n  {}\n\n", component.id(), name_of(component.kind()), shown(component.description->summary));
   std::vector<std::vector<std::string>> rows;
@@ -357,7 +367,7 @@ void print_component(const Component& component) {
   print_quantities("INTERNAL STATE", "AT START", states_of(component));
   print_quantities("INPUT", "WITHOUT A SIGNAL", inputs_of(component));
   print_tables(component);
-  fmt::print("\n  in a scene:\n    {}\n", scene_line(component));
+  fmt::print("\n  in a scene:\n    {}\n", scene_line(component, name_in_scenes(host, component)));
 }
 
 int show(const PluginArguments& plugins, const std::string& id, const std::string& kind_word, bool json) {
@@ -365,11 +375,11 @@ int show(const PluginArguments& plugins, const std::string& id, const std::strin
   std::vector<std::shared_ptr<const Component>> found;
   for (const KindWord& kind : kind_words) {
     if (!kind_word.empty() && kind_word != kind.word) continue;
-    if (!kind_word.empty()) {
-      found.push_back(host->require(kind.kind, id));
-    } else if (auto component = host->find(kind.kind, id)) {
-      found.push_back(std::move(component));
+    for (const auto& component : host->components()) {
+      const bool named = component->id() == id || fmt::format("{}@{}", component->id(), component->plugin->id) == id;
+      if (component->kind() == kind.kind && named) found.push_back(component);
     }
+    if (!kind_word.empty() && found.empty()) static_cast<void>(host->require(kind.kind, id));  // throws
   }
   if (found.empty()) {
     std::vector<std::string> known;
@@ -391,7 +401,7 @@ int show(const PluginArguments& plugins, const std::string& id, const std::strin
   }
   for (std::size_t k = 0; k < found.size(); ++k) {
     if (k > 0) fmt::print("\n");
-    print_component(*found[k]);
+    print_component(*host, *found[k]);
   }
   return done;
 }

@@ -57,16 +57,21 @@ function(springnet_add_plugin name)
   endif()
 endfunction()
 
+# springnet_add_law_flags(target): compiles a program's own laws (springnet/host_laws.hpp) as those of plugins are.
+function(springnet_add_law_flags target)
+  # Without contraction a kernel gives the same bits for every instruction set and tile size. The loops of laws vectorise
+  # only if a square root need not set errno and what is computed for a branch not taken need not be hidden, and if a
+  # long formula is compiled into them: gnu::flatten keeps to GCC's limit for inlined functions.
+  target_compile_options(${target} PRIVATE -ffp-contract=off -fno-math-errno -fno-trapping-math
+    $<$<CXX_COMPILER_ID:GNU>:--param=max-inline-insns-single=20000>)
+endfunction()
+
 function(_springnet_plugin_flags target)
   target_compile_features(${target} PRIVATE cxx_std_20)
   set_target_properties(${target} PROPERTIES CXX_EXTENSIONS OFF POSITION_INDEPENDENT_CODE ON
     C_VISIBILITY_PRESET hidden CXX_VISIBILITY_PRESET hidden VISIBILITY_INLINES_HIDDEN ON)
-  # Without contraction a kernel gives the same bits for every instruction set and tile size. The loops of laws vectorise
-  # only if a square root need not set errno and what is computed for a branch not taken need not be hidden, and if a
-  # long formula is compiled into them: gnu::flatten keeps to GCC's limit for inlined functions.
-  target_compile_options(${target} PRIVATE -ffp-contract=off -fno-math-errno -fno-trapping-math $<$<CONFIG:Release>:-O3>
-    $<$<CXX_COMPILER_ID:GNU>:--param=max-inline-insns-single=20000>
-    $<$<CXX_COMPILER_ID:GNU>:-fno-gnu-unique>)
+  springnet_add_law_flags(${target})
+  target_compile_options(${target} PRIVATE $<$<CONFIG:Release>:-O3> $<$<CXX_COMPILER_ID:GNU>:-fno-gnu-unique>)
   target_link_libraries(${target} PRIVATE springnet::sdk ${ARGN} $<TARGET_NAME_IF_EXISTS:springnet_build_flags>)
 endfunction()
 

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <memory>
 #include <string>
+#include <vector>
 
 #include <springnet/error.hpp>
 #include <springnet/inspection.hpp>
@@ -18,6 +19,8 @@ extern const springnet_plugin springnet_plugin_entry_example_6;
 extern const springnet_plugin springnet_plugin_entry_example_7;
 extern const springnet_plugin springnet_plugin_entry_example_8;
 }
+
+std::shared_ptr<springnet::PluginHost> plugins_with_own_laws(const std::vector<double>& measured, double gain);
 
 namespace {
 using namespace springnet;
@@ -58,6 +61,27 @@ TEST_CASE("the engine takes the laws, the neuron and the integrator of the guide
   CHECK(simulation.time() == doctest::Approx(1.0));
   CHECK(simulation.position(47).z() < 2.0);  // it sank
   CHECK(simulation.sweeps() == 100);         // two parts of fifty steps
+}
+
+TEST_CASE("the engine takes the laws of a host of the guide") {
+  const auto host = plugins_with_own_laws({10.0, 0.0, 5.0}, 3.0);
+  const auto stretched = [](const LawUse& law) {
+    Network net;
+    Node first, second;
+    first.fixed = true;
+    second.position = {1.2, 0, 0};
+    second.velocity = {0.5, 0, 0};
+    second.neuron = net.add_neuron({"added_mass", {}});
+    net.add_node(first);
+    net.add_node(second);
+    net.add_spring(0, 1, net.add_material({law, LawUse{"honey", {{"drag", 0.4}}}}), 1.0);
+    return net;
+  };
+  const double damping = 0.4 * 0.5 * 1.25;  // N, of honey at 0.5 m/s
+  const Simulation muscle(stretched({"muscle", {{"strength", 2.0}}}), host, {});
+  CHECK(muscle.tension(0) == doctest::Approx(2.0 * (10.0 * 0.2 + 5.0 * 0.008) + damping).epsilon(1e-12));
+  const Simulation gained(stretched({"gained", {{"stiffness", 2.0}}}), host, {});
+  CHECK(gained.tension(0) == doctest::Approx(3.0 * 2.0 * 0.2 + damping).epsilon(1e-12));
 }
 
 TEST_CASE("the guide's integrator is the single synchronous sweep of the recurrent network, bit for bit") {

@@ -227,6 +227,33 @@ TEST_CASE("laws are used on elements that they are made for, or declare to fit")
   CHECK_THROWS_WITH_AS(Simulation(spring, host(), {}), doctest::Contains("'skin' reads an area"), Error);
 }
 
+TEST_CASE("a law that divides by the rest length is refused on a spring without one, by the spring's number") {
+  Network net;
+  const MaterialIndex fine = net.add_material(damped(1.0, 0.0));
+  const MaterialIndex strained = net.add_material({LawUse{"strained", {}}, std::nullopt});
+  const MaterialIndex exponential = net.add_material({LawUse{"exponential", {{"stiffness", 1.0}}}, std::nullopt});
+  for (int k = 0; k < 5; ++k) net.add_node(point({double(k), 0, 0}));
+  net.add_spring(0, 1, fine, 0.0);  // this law does not divide
+  net.add_spring(1, 2, strained, 1.0);
+  net.add_spring(2, 3, strained, 2.0);
+  CHECK_NOTHROW(Simulation(net, host(), {}));
+  net.add_spring(3, 4, exponential, 0.0);
+  CHECK_THROWS_WITH_AS(Simulation(net, host(), {}),
+                       "spring 3: spring function 'exponential' divides by the rest length, which is 0 here; give one "
+                       "above 0, or use another law",
+                       Error);
+  // All springs alike.
+  const Network alike = [&] {
+    Network one;
+    for (int k = 0; k < 3; ++k) one.add_node(point({double(k), 0, 0}));
+    const MaterialIndex material = one.add_material({LawUse{"strained", {}}, std::nullopt});
+    for (SpringIndex s = 0; s < 2; ++s) one.add_spring(s, s + 1, material, 0.0);
+    return one;
+  }();
+  CHECK_THROWS_WITH_AS(Simulation(alike, host(), {}), doctest::Contains("spring 0: spring function 'strained' divides"),
+                       Error);
+}
+
 TEST_CASE("unknown laws and integrators give the nearest name, parameters out of range their own") {
   Network net;
   net.add_node(point({0, 0, 0}));

@@ -112,6 +112,21 @@ TEST_CASE("a name of several kinds is shown for each, or for the requested kind"
   CHECK(one.out.find("linear (spring function)") == std::string::npos);
 }
 
+TEST_CASE("components of one name in several plugins are all shown, each with its full name for scenes") {
+  const TemporaryFolder folder;
+  const std::string rival = " --plugins '" SPRINGNET_FIXTURES "/rival'";
+  const Answer both = testing::springnet(folder, "plugin show linear --kind spring" + rival);
+  CHECK(both.status == 0);
+  CHECK(both.err.empty());
+  CHECK(both.out.find("type = \"linear@org.example.rival\"") != std::string::npos);
+  CHECK(both.out.find("type = \"linear@springnet.spring.linear\"") != std::string::npos);
+  CHECK(testing::springnet(folder, "plugin show linear --json" + rival).json().size() == 3);
+  const auto one = testing::springnet(folder, "plugin show linear@org.example.rival --json" + rival).json();
+  REQUIRE(one.size() == 1);
+  CHECK(one[0]["plugin"] == "org.example.rival");
+  CHECK(testing::springnet(folder, "plugin show liner --kind spring" + rival).status == 3);
+}
+
 TEST_CASE("the line that plugin show prints for a scene is valid in a scene") {
   const TemporaryFolder folder;
   folder.write("pair.toml", testing::pair_scene);

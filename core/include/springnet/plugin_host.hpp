@@ -1,5 +1,6 @@
-// The components (laws, neurons, integrators) that a program can use: loaded from shared libraries, or registered
-// statically. A component is named by kind and id; its metadata is that of the C ABI (sdk/plugin.h).
+// The components (laws, neurons, integrators) that a program can use: loaded from shared libraries, linked into the
+// program, or made by it (host_laws.hpp). A component is named by kind and id; its metadata is that of the C ABI
+// (sdk/plugin.h).
 #pragma once
 
 #include <cstddef>
@@ -17,6 +18,8 @@
 
 namespace springnet {
 
+class HostComponent;
+
 // SPRINGNET_SPRING_FUNCTION and so on, as a type.
 enum class ComponentKind : unsigned {
   spring_function = SPRINGNET_SPRING_FUNCTION,
@@ -31,7 +34,8 @@ enum class ComponentKind : unsigned {
 struct Component {
   const springnet_component* description;
   const springnet_plugin* plugin;
-  std::filesystem::path file;  // empty if registered statically
+  std::filesystem::path file;         // empty if it comes from the program itself
+  std::shared_ptr<const void> owner;  // of what the pointers refer to; null if that stays as long as the process
 
   [[nodiscard]] ComponentKind kind() const noexcept { return static_cast<ComponentKind>(description->kind); }
   [[nodiscard]] std::string_view id() const noexcept { return description->id; }
@@ -73,6 +77,12 @@ class SPRINGNET_API PluginHost {
   bool load(const std::filesystem::path& file);
   // Adds a plugin linked into the program; `plugin` must outlive the host. Returns false like load().
   bool add(const springnet_plugin& plugin);
+  // Adds a law, neuron or integrator that the program made (host_laws.hpp), as part of a plugin of this id; several of
+  // one id are added one by one. What it refers to lives as long as anything uses it. Not while another thread uses the
+  // host; simulations that were made before go on with what they have. Throws Error(plugin) if it is refused, as where
+  // `plugin` has a component of that kind and id already.
+  std::shared_ptr<const Component> add(const HostComponent& component, std::string_view plugin = "host",
+                                       std::string_view version = "");
 
   [[nodiscard]] const std::vector<std::shared_ptr<const Component>>& components() const noexcept;
   [[nodiscard]] const std::vector<Refusal>& refusals() const noexcept;

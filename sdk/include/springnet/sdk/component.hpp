@@ -22,17 +22,21 @@ struct ComponentEntry {
     return "";
   }
   using Glue = typename Component::template Glue<Component>;
-  static constexpr springnet_component value{sizeof(springnet_component),
-                                             Component::kind,
-                                             Component::id,
-                                             Component::summary,
-                                             reference(),
-                                             Glue::capabilities,
-                                             Glue::needs,
-                                             Glue::needs_minor,
-                                             static_cast<std::uint32_t>(ParameterTable<ParameterList>::count),
-                                             ParameterTable<ParameterList>::pointer,
-                                             &Glue::implementation};
+  // With an implementation, which must outlive all uses.
+  static constexpr springnet_component with(const void* implementation) {
+    return {sizeof(springnet_component),
+            Component::kind,
+            Component::id,
+            Component::summary,
+            reference(),
+            Glue::capabilities,
+            Glue::needs,
+            Glue::needs_minor,
+            static_cast<std::uint32_t>(ParameterTable<ParameterList>::count),
+            ParameterTable<ParameterList>::pointer,
+            implementation};
+  }
+  static constexpr springnet_component value = with(&Glue::implementation);
 };
 
 template <class... Components>

@@ -148,7 +148,17 @@ struct LawGlue {
             Traits::table_count > 0 ? &prepare : nullptr,
             Traits::table_count > 0 ? &release : nullptr};
   }
-  static constexpr springnet_law implementation = with(nullptr);
+
+ private:
+  static constexpr springnet_law without_object() {
+    static_assert(std::is_empty_v<Law> && std::is_default_constructible_v<Law>,
+                  "a law of a plugin has no members, for there is no object of it; a program gives one with members to "
+                  "springnet::spring_function or viscosity_function (host_laws.hpp)");
+    return with(nullptr);
+  }
+
+ public:
+  static constexpr springnet_law implementation = without_object();
 
  private:
   static const Law* law(void* context) noexcept {

@@ -102,29 +102,31 @@ template <class Component>
   return {};
 }
 
+// The C struct of a parameter; it refers to the texts and choices of `p`.
+[[nodiscard]] constexpr springnet_parameter to_abi(const Parameter& p) {
+  return {sizeof(springnet_parameter),
+          p.type,
+          p.name,
+          p.unit,
+          p.summary,
+          p.default_value,
+          p.smallest,
+          p.largest,
+          p.scale,
+          p.flags,
+          p.choice_count,
+          p.choice_count == 0 ? nullptr : p.choices.data()};
+}
+
 // The C structs of an array of parameters, in constant memory. `List::get()` returns a std::span<const Parameter> of
 // static storage.
 template <class List>
 struct ParameterTable {
   static constexpr std::size_t count = List::get().size();
 
-  static constexpr springnet_parameter convert(const Parameter& p) {
-    return {sizeof(springnet_parameter),
-            p.type,
-            p.name,
-            p.unit,
-            p.summary,
-            p.default_value,
-            p.smallest,
-            p.largest,
-            p.scale,
-            p.flags,
-            p.choice_count,
-            p.choice_count == 0 ? nullptr : p.choices.data()};
-  }
   static constexpr auto entries = [] {
     std::array<springnet_parameter, count> result{};
-    for (std::size_t i = 0; i < count; ++i) result[i] = convert(List::get()[i]);
+    for (std::size_t i = 0; i < count; ++i) result[i] = to_abi(List::get()[i]);
     return result;
   }();
   static constexpr auto addresses = [] {

@@ -7,13 +7,15 @@
 //   };
 //
 // acceleration() gets a Node<Real> and Parameters<Real> and returns a Vector<Real>; Real is a dual number, without
-// derivatives for the accelerations themselves. It must be pure, like a law.
+// derivatives for the accelerations themselves. It must be pure, like a law: it reads only its arguments (and constant
+// members, in a neuron of a host).
 #pragma once
 
 #include <algorithm>
 #include <array>
 #include <cstddef>
 #include <cstdint>
+#include <type_traits>
 
 #include <springnet/sdk/component.hpp>
 #include <springnet/sdk/kernel.hpp>
@@ -58,7 +60,13 @@ class NeuronKernel {
   static constexpr std::size_t P = parameters_of<Model>().size();
 
  public:
-  SPRINGNET_INLINE static void run(const springnet_neuron_batch& b) {
+  struct Call {
+    const Model* model;
+    const springnet_neuron_batch* batch;
+    std::uint32_t instruction_set;
+  };
+  SPRINGNET_INLINE static void run(const Call& call) {
+    const springnet_neuron_batch& b = *call.batch;
     const detail::Streams<P> streams(b.parameters, b.parameter_strides, b.count);
     for (std::uint32_t begin = 0; begin < b.count; begin += detail::chunk_size) {
       Chunk chunk{};
@@ -66,9 +74,9 @@ class NeuronKernel {
       chunk.count = std::min(detail::chunk_size, b.count - begin);
       for (std::size_t j = 0; j < P; ++j) chunk.parameters[j] = streams.at(j, begin);
       if (streams.uniform()) {
-        evaluate<true>(b, chunk);
+        evaluate<true>(*call.model, b, chunk);
       } else {
-        evaluate<false>(b, chunk);
+        evaluate<false>(*call.model, b, chunk);
       }
     }
   }
@@ -99,7 +107,7 @@ class NeuronKernel {
   }
 
   template <bool uniform>
-  SPRINGNET_INLINE static void accelerations(const springnet_neuron_batch& batch, const Chunk& c) {
+  SPRINGNET_INLINE static void accelerations(const Model& model, const springnet_neuron_batch& batch, const Chunk& c) {
     // A copy, which outputs cannot overlap, from the chunk's first node on: the loop's index is that of the arrays.
     springnet_neuron_batch b = batch;
     b.force = from(batch.force, c.begin);
@@ -115,7 +123,7 @@ class NeuronKernel {
     SPRINGNET_INDEPENDENT_ITERATIONS
     for (std::size_t i = 0; i < count; ++i) {
       const auto own = uniform ? fixed : parameters_at<Real, uniform>(c, i);
-      const Vector<Real> a = Model::acceleration(node_at<Real>(b, i), Parameters<Real>(own.data()));
+      const Vector<Real> a = model.acceleration(node_at<Real>(b, i), Parameters<Real>(own.data()));
       x[i] = a.x.value;
       y[i] = a.y.value;
       z[i] = a.z.value;
@@ -123,7 +131,7 @@ class NeuronKernel {
   }
   // out[node][row][column] = d a_row / d (what)_column.
   template <By what, bool uniform>
-  SPRINGNET_INLINE static void block(const springnet_neuron_batch& b, const Chunk& c, double* out) {
+  SPRINGNET_INLINE static void block(const Model& model, const springnet_neuron_batch& b, const Chunk& c, double* out) {
     using Real = Dual<3>;
     for (std::uint32_t i = 0; i < c.count; ++i) {
       const std::uint32_t k = c.begin + i;
@@ -133,7 +141,7 @@ class NeuronKernel {
       variables.y.derivatives[1] = 1.0;
       variables.z.derivatives[2] = 1.0;
       const auto own = parameters_at<Real, uniform>(c, i);
-      const Vector<Real> a = Model::acceleration(node, Parameters<Real>(own.data()));
+      const Vector<Real> a = model.acceleration(node, Parameters<Real>(own.data()));
       double* nine = out + 9 * std::size_t{k};
       for (std::size_t j = 0; j < 3; ++j) {
         nine[j] = a.x.derivatives[j];
@@ -144,37 +152,68 @@ class NeuronKernel {
   }
 
   template <bool uniform>
-  SPRINGNET_INLINE static void evaluate(const springnet_neuron_batch& b, const Chunk& c) {
-    if (b.acceleration.x != nullptr) accelerations<uniform>(b, c);
-    if (b.acceleration_by_force != nullptr) block<By::force, uniform>(b, c, b.acceleration_by_force);
-    if (b.acceleration_by_position != nullptr) block<By::position, uniform>(b, c, b.acceleration_by_position);
-    if (b.acceleration_by_velocity != nullptr) block<By::velocity, uniform>(b, c, b.acceleration_by_velocity);
+  SPRINGNET_INLINE static void evaluate(const Model& model, const springnet_neuron_batch& b, const Chunk& c) {
+    if (b.acceleration.x != nullptr) accelerations<uniform>(model, b, c);
+    if (b.acceleration_by_force != nullptr) block<By::force, uniform>(model, b, c, b.acceleration_by_force);
+    if (b.acceleration_by_position != nullptr) block<By::position, uniform>(model, b, c, b.acceleration_by_position);
+    if (b.acceleration_by_velocity != nullptr) block<By::velocity, uniform>(model, b, c, b.acceleration_by_velocity);
   }
 };
 
+// springnet_neuron_model for a neuron's class. A context is an object of it; a null pointer stands for one without
+// members.
 template <class Model>
 struct NeuronGlue {
   static_assert(
-      requires(const Node<Dual<0>>& n, const Parameters<Dual<0>>& p) { Vector<Dual<0>>{Model::acceleration(n, p)}; },
+      requires(const Model& model, const Node<Dual<0>>& n, const Parameters<Dual<0>>& p) {
+        Vector<Dual<0>>{model.acceleration(n, p)};
+      },
       "a neuron needs: static auto acceleration(const auto& n, const auto& p), which returns a Vector");
 
-  static constexpr std::uint64_t capabilities = SPRINGNET_HAS_DERIVATIVES;
+  static constexpr std::uint64_t capabilities =
+      SPRINGNET_HAS_DERIVATIVES | (Model::calling_thread_only ? SPRINGNET_CALLING_THREAD_ONLY : std::uint64_t{0});
   static constexpr std::uint64_t needs = 0;
   static constexpr std::uint32_t needs_minor = 0;
 
-  static springnet_status evaluate(void*, const springnet_neuron_batch* batch) noexcept {
+  static springnet_status evaluate(void* context, const springnet_neuron_batch* batch) noexcept {
     if (batch->struct_size < SPRINGNET_SIZE_TO(springnet_neuron_batch, message)) return SPRINGNET_FAILED;
-    return detail::guarded(batch->message, [batch]() -> springnet_status {
-      detail::run<NeuronKernel<Model>>(*batch);
+    return detail::guarded(batch->message, [&]() -> springnet_status {
+      detail::run<NeuronKernel<Model>>(
+          typename NeuronKernel<Model>::Call{model(context), batch, batch->instruction_set});
       return SPRINGNET_OK;
     });
   }
-  static constexpr springnet_neuron_model implementation{sizeof(springnet_neuron_model), 0, nullptr, &evaluate};
+  // With a context, which must outlive all uses.
+  static constexpr springnet_neuron_model with(void* context) {
+    return {sizeof(springnet_neuron_model), 0, context, &evaluate};
+  }
+
+ private:
+  static constexpr springnet_neuron_model without_object() {
+    static_assert(std::is_empty_v<Model> && std::is_default_constructible_v<Model>,
+                  "a neuron of a plugin has no members, for there is no object of it; a program gives one with members "
+                  "to springnet::neuron (host_laws.hpp)");
+    return with(nullptr);
+  }
+
+ public:
+  static constexpr springnet_neuron_model implementation = without_object();
+
+ private:
+  static const Model* model(void* context) noexcept {
+    if constexpr (std::is_empty_v<Model> && std::is_default_constructible_v<Model>) {
+      static constexpr Model without_members{};
+      return &without_members;
+    } else {
+      return static_cast<const Model*>(context);
+    }
+  }
 };
 
 // Base of neurons; see the top of this file.
 struct Neuron : ElementaryFunctions {
   static constexpr std::uint32_t kind = SPRINGNET_NEURON;
+  static constexpr bool calling_thread_only = false;
   template <class Model>
   using Glue = NeuronGlue<Model>;
 };

@@ -4,6 +4,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <span>
+#include <type_traits>
 #include <utility>
 
 #include <springnet/sdk/kernel.hpp>
@@ -13,13 +14,26 @@ namespace springnet::sdk {
 // In place of a table, for laws without.
 struct NoTable {};
 
+// Laws without `static constexpr bool reads_rate = true` (or reads_time) are compiled once with elements whose rate
+// (time) has this type, which has no operations: a compiler error that mentions it means that the law reads e.rate
+// (e.time).
+struct ReadsRateIsNotDeclared {};
+struct ReadsTimeIsNotDeclared {};
+// Numbers of such elements. No formula that is evaluated has as many derivatives: a law's step has 2 + 8 at most.
+inline constexpr std::size_t max_states = 8;
+using Rateless = Dual<max_states + 3>;
+using Timeless = Dual<max_states + 4>;
+
 // The inputs of a law for one element, besides its parameters. Table: what the law's prepare() returns.
 template <class Real, class Table = NoTable>
 struct Element {
+  using Rate = std::conditional_t<std::is_same_v<Real, Rateless>, ReadsRateIsNotDeclared, Real>;
+  using Time = std::conditional_t<std::is_same_v<Real, Timeless>, ReadsTimeIsNotDeclared, double>;
+
   Real q;          // the invariant: length, m; or relative speed, m/s
-  Real rate;       // dq/dt, if the law declares reads_rate
+  Rate rate;       // dq/dt, if the law declares reads_rate
   Real reference;  // rest length, m
-  double time;     // s, if the law declares reads_time
+  Time time;       // s, if the law declares reads_time
   const Table& table;
   const Real* states;
   const Real* inputs;
@@ -28,43 +42,6 @@ struct Element {
   [[nodiscard]] SPRINGNET_INLINE Real strain() const { return (q - reference) / reference; }  // 1
   [[nodiscard]] SPRINGNET_INLINE const Real& state(std::size_t index) const { return states[index]; }
   [[nodiscard]] SPRINGNET_INLINE const Real& input(std::size_t index) const { return inputs[index]; }
-};
-
-// Laws without `static constexpr bool reads_rate = true` (or reads_time) are compiled once with elements whose rate
-// (time) has this type, which has no operations: a compiler error that mentions it means that the law reads e.rate
-// (e.time).
-struct ReadsRateIsNotDeclared {};
-struct ReadsTimeIsNotDeclared {};
-using Rateless = Dual<7>;
-using Timeless = Dual<9>;
-template <class Table>
-struct Element<Rateless, Table> {
-  using Real = Rateless;
-  Real q;
-  ReadsRateIsNotDeclared rate;
-  Real reference;
-  double time;
-  const Table& table;
-  const Real* states;
-  const Real* inputs;
-  [[nodiscard]] Real elongation() const { return q - reference; }
-  [[nodiscard]] Real strain() const { return (q - reference) / reference; }
-  [[nodiscard]] const Real& state(std::size_t index) const { return states[index]; }
-  [[nodiscard]] const Real& input(std::size_t index) const { return inputs[index]; }
-};
-template <class Table>
-struct Element<Timeless, Table> {
-  using Real = Timeless;
-  Real q, rate;
-  Real reference;
-  ReadsTimeIsNotDeclared time;
-  const Table& table;
-  const Real* states;
-  const Real* inputs;
-  [[nodiscard]] Real elongation() const { return q - reference; }
-  [[nodiscard]] Real strain() const { return (q - reference) / reference; }
-  [[nodiscard]] const Real& state(std::size_t index) const { return states[index]; }
-  [[nodiscard]] const Real& input(std::size_t index) const { return inputs[index]; }
 };
 
 // A step of the internal state, for a law's own update(). The element is that at the end of the step; its states are

@@ -87,11 +87,14 @@ struct LawTraits {
   // Compiles the formulas for elements without a rate, or without a time.
   template <class Probe>
   static constexpr bool compiles_with() {
-    return +[](const Law& law, const Element<Probe, Table>& e, const Parameters<Probe>& p) {
+    return +[](const Law& law, const Element<Probe, Table>& e, const Parameters<Probe>& p,
+               [[maybe_unused]] const Step<Probe>& step) {
       static_cast<void>(law.force(e, p));
       if constexpr (has_energy) static_cast<void>(law.energy(e, p));
       if constexpr (has_margin) static_cast<void>(law.margin(e, p));
       if constexpr (state_count > 0) static_cast<void>(law.state_rates(e, p));
+      if constexpr (has_update) static_cast<void>(law.update(e, p, step));
+      if constexpr (has_start) static_cast<void>(law.start(e, p));
     } != nullptr;
   }
   static constexpr bool rate_is_declared() {
@@ -128,6 +131,7 @@ struct LawTraits {
                 "`using has = Has<Start>;` and start(e, p) belong together: write both, or neither");
   static_assert((state_count > 0) == defines_rates,
                 "a law with `states` needs state_rates(e, p), and one with state_rates(e, p) needs `states`");
+  static_assert(state_count <= max_states, "a law has at most 8 states");
   static_assert(state_count > 0 || !(has_update || has_start), "update() and start() are for laws with `states`");
   static_assert((table_count > 0) == defines_table,
                 "a law with `tables` needs prepare(source), and one with prepare(source) needs `tables`");
