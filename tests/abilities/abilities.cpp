@@ -98,15 +98,35 @@ std::vector<Law> laws() {
   const auto of = [](LawUse spring) { return Material{std::move(spring), basic.viscosity}; };
   const auto with = [](LawUse viscosity) { return Material{basic.spring, std::move(viscosity)}; };
   const auto none = [](Network&) {};
-  std::vector<Law> all{{"spring `linear`", basic, none},
-                       {"spring `nonlinear`", of({"nonlinear", {{"stiffness", 50}, {"cubic", 100}}}), none},
-                       {"spring `exponential`", of({"exponential", {{"stiffness", 50}, {"exponent", 3}}}), none},
-                       {"spring `rupturing`", of({"rupturing", {{"stiffness", 50}, {"strength", 1}}}), none},
-                       {"spring in plain C, without derivatives", of({"plain", {{"stiffness", 50}}}), none},
-                       {"viscosity `power`", with({"power", {{"damping", 1}, {"exponent", 1.7}}}), none},
-                       {"viscosity `relative`", with({"relative", {{"damping", 1}}}), none},
-                       {"viscosity alone", {std::nullopt, basic.viscosity}, none},
-                       {"neuron `dragged`", basic, none, {"dragged", {{"drag", 0.5}}}}};
+  const auto pulling = [](Network& net) {
+    Input input;
+    input.input = "activation";
+    for (SpringIndex k = 0; k < net.springs().size(); ++k) input.springs.push_back(k);
+    input.signal.times = {0.0, 0.01, 0.03};
+    input.signal.values = {0.0, 0.5, 0.2};
+    net.add_input(input);
+  };
+  std::vector<Law> all{
+      {"spring `linear`", basic, none},
+      {"spring `nonlinear`", of({"nonlinear", {{"stiffness", 50}, {"cubic", 100}}}), none},
+      {"spring `exponential`", of({"exponential", {{"stiffness", 50}, {"exponent", 3}}}), none},
+      {"spring `rupturing`", of({"rupturing", {{"stiffness", 50}, {"strength", 1}}}), none},
+      {"spring `maxwell`", of({"maxwell", {{"stiffness", 50}, {"relaxation_time", 0.1}}}), none},
+      {"spring `standard_linear_solid`",
+       of({"standard_linear_solid", {{"stiffness", 40}, {"fast_stiffness", 20}, {"relaxation_time", 0.1}}}), none},
+      {"spring `plastic`",
+       of({"plastic", {{"stiffness", 50}, {"yield_tension", 0.5}, {"hardening", 5}, {"relaxation_time", 0.05}}}), none},
+      {"spring `damaging`",
+       of({"damaging",
+           {{"stiffness", 50}, {"threshold_strain", 0.01}, {"softening_strain", 0.2}, {"relaxation_time", 0.05}}}),
+       none},
+      {"spring `table`", of({"table", {}, {{"elongations", {-0.5, 0, 1}}, {"forces", {-30, 0, 50}}}}), none},
+      {"spring `muscle`", of({"muscle", {{"strength", 5}}}), pulling, {"point_mass", {}}, false},
+      {"spring in plain C, without derivatives", of({"plain", {{"stiffness", 50}}}), none},
+      {"viscosity `power`", with({"power", {{"damping", 1}, {"exponent", 1.7}}}), none},
+      {"viscosity `relative`", with({"relative", {{"damping", 1}}}), none},
+      {"viscosity alone", {std::nullopt, basic.viscosity}, none},
+      {"neuron `dragged`", basic, none, {"dragged", {{"drag", 0.5}}}}};
   const Material weak = damped(5.0, 0.1);
   for (const Invariant invariant :
        {Invariant::angle, Invariant::dihedral, Invariant::area, Invariant::volume, Invariant::enclosed_volume})

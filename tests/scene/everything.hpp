@@ -216,4 +216,33 @@ reference = 3.0
 
 [[fix]]
 select = { group = ["left", "right"] }
+
+[[body]]
+name = "arm"
+nodes = [[20, 0, 0], [21, 0, 0]]
+springs = [[0, 1]]
+neuron = { type = "point_mass", mass = 1.0 }
+spring = { type = "muscle", strength = 10.0 }
+
+[[input]]
+input = "activation"
+name = "left"
+select = { body = "arm" }
+elements = ["filling"]
+times = [0, 0.5, 1]
+values = [0, 1, 0.25]
+interpolation = "cubic"
+
+[[input]]
+input = "activation"
+file = "curve.csv"
+column = "activation"
+
+[[input]]
+input = "activation"
+sinusoid = { frequency = 2.0, amplitude = 0.25, mean = 0.5, phase = 0.1 }
+
+[[input]]
+input = "activation"
+value = 0.5
 )";
