@@ -79,7 +79,7 @@ void check_input_value(const std::vector<InputReader>& readers, double value, st
   }
 }
 
-std::vector<InputReader> readers_of(const Network& network, const Input& input, const PluginHost& plugins) {
+std::vector<InputReader> find_readers(const Network& network, const Input& input, const PluginHost& plugins) {
   std::vector<InputReader> readers;
   std::set<std::string> known;
   for (const MaterialIndex material : materials_of(network, input)) {
@@ -92,6 +92,11 @@ std::vector<InputReader> readers_of(const Network& network, const Input& input, 
     });
   }
   if (readers.empty()) refuse_unread(input, known);
+  return readers;
+}
+
+std::vector<InputReader> readers_of(const Network& network, const Input& input, const PluginHost& plugins) {
+  std::vector<InputReader> readers = find_readers(network, input, plugins);
   const Signal& signal = input.signal;
   const std::string what = description_of(input);
   for (std::size_t k = 0; k < signal.values.size(); ++k)  // between them the signal does not overshoot

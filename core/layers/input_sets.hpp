@@ -20,8 +20,10 @@ struct InputReader {
   std::shared_ptr<const Component> law;
   const springnet_parameter* declared;
 };
-// The laws of the input's springs and elements that read it. Throws Error(input) if there is none, or the signal leaves
-// the bounds of one.
+// The laws of the input's springs and elements that read it. Throws Error(input) if there is none.
+[[nodiscard]] std::vector<InputReader> find_readers(const Network& network, const Input& input,
+                                                    const PluginHost& plugins);
+// The same, and throws if the signal leaves the bounds of one.
 [[nodiscard]] std::vector<InputReader> readers_of(const Network& network, const Input& input,
                                                   const PluginHost& plugins);
 // Throws Error(input), beginning with `what`, if the value is out of the bounds of a reader.

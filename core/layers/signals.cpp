@@ -12,7 +12,7 @@ Signals::Signals(const std::vector<Input>& inputs) {
     if (!courses_.back().is_constant()) varying_.push_back(static_cast<std::uint32_t>(courses_.size() - 1));
     sampled_.push_back(courses_.back().at(0.0));
   }
-  at_start_ = sampled_;
+  at_start_ = at_end_ = sampled_;
 }
 
 std::uint32_t Signals::add_constant(double value) {
@@ -21,35 +21,46 @@ std::uint32_t Signals::add_constant(double value) {
   courses_.emplace_back(constant);
   sampled_.push_back(value);
   at_start_.push_back(value);
+  at_end_.push_back(value);
   return static_cast<std::uint32_t>(courses_.size() - 1);
 }
 
-void Signals::sample_all(double effective_time, std::vector<double>& values) const {
-  for (const std::uint32_t each : varying_) values[each] = courses_[each].at(effective_time);
+void Signals::sample_all(double time, std::vector<double>& values) const {
+  for (const std::uint32_t each : varying_) values[each] = value(each, time);
 }
 
-bool Signals::set_interval(double from, double until) {
+bool Signals::set_interval(double from, double until, double time_step) {
   if (varying_.empty()) return false;
   const bool step = std::isfinite(until) && until > from;
   from_ = from;
   until_ = step ? until : std::numeric_limits<double>::infinity();
-  slack_ = std::max(4.0 * std::numeric_limits<double>::epsilon() * std::abs(from), step ? 1e-12 * (until - from) : 0.0);
+  const double latest = step ? std::max(std::abs(from), std::abs(until)) : std::abs(from);
+  slack_ = std::max(4.0 * std::numeric_limits<double>::epsilon() * latest,
+                    step ? 1e-9 * std::min(until - from, time_step) : 0.0);
+  sample_all(from, at_start_);
   bool jumps = false;
-  for (const std::uint32_t each : varying_) jumps = jumps || courses_[each].jumps_within(from - slack_, from + slack_);
-  sample_all(effective(from), at_start_);
+  for (const std::uint32_t each : varying_) {
+    if (!courses_[each].jumps()) continue;
+    jumps = jumps || at_start_[each] != at_end_[each];
+    at_end_[each] = step ? value(each, until) : at_start_[each];
+  }
   sampled_time_ = from;
   sampled_ = at_start_;
   return jumps;
 }
 
-double Signals::effective(double time) const noexcept {
+double Signals::value(std::uint32_t signal, double time) const {
+  return courses_[signal].at(courses_[signal].jumps() ? one_sided(time) : time);
+}
+
+double Signals::one_sided(double time) const noexcept {
   if (std::abs(time - from_) <= slack_) return from_ + slack_;
-  return time >= until_ - slack_ && std::isfinite(until_) ? time - 2.0 * slack_ : time;
+  return std::abs(time - until_) <= slack_ ? until_ - slack_ : time;
 }
 
 void Signals::sample(double time) {
   if (varying_.empty() || time == sampled_time_) return;
-  sample_all(effective(time), sampled_);
+  sample_all(time, sampled_);
   sampled_time_ = time;
 }
 
@@ -58,14 +69,14 @@ void Signals::hold(std::uint32_t signal, double value) {
   constant.mean = value;
   courses_[signal] = SignalCourse(constant);
   varying_.erase(std::remove(varying_.begin(), varying_.end(), signal), varying_.end());
-  sampled_[signal] = at_start_[signal] = value;
+  sampled_[signal] = at_start_[signal] = at_end_[signal] = value;
 }
 
 double Signals::at_start(std::uint32_t signal, double time, double time_step) const {
   const double start = time - time_step;
   // The difference of two times is not exactly the third.
   if (std::abs(start - from_) <= 1e-9 * time_step) return at_start_[signal];
-  return courses_[signal].at(effective(start));
+  return value(signal, start);
 }
 
 double Signals::next_kink(double time) const {

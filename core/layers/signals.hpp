@@ -12,7 +12,6 @@ namespace springnet::layers {
 
 class Signals {
  public:
-  Signals() = default;
   // Numbered as the inputs of the network.
   explicit Signals(const std::vector<Input>& inputs);
 
@@ -20,8 +19,9 @@ class Signals {
   std::uint32_t add_constant(double value);
 
   // The present step, s: signals are left limits at its end and right limits at its start. Returns whether one jumps
-  // at the start. An end that is not after the start: no step, right limits everywhere.
-  bool set_interval(double from, double until);
+  // there, the first time that a step starts at the jump. An end that is not after the start: no step, right limits
+  // everywhere. time_step: s, the user's; times that differ by a billionth of it, or of the step, are the same.
+  bool set_interval(double from, double until, double time_step);
   // To be called before evaluations at a time, s, on several threads, which then cost little.
   void sample(double time);
   // From now on the signal has this value.
@@ -29,7 +29,7 @@ class Signals {
 
   // At the time of an evaluation, s.
   [[nodiscard]] double at(std::uint32_t signal, double time) const {
-    return time == sampled_time_ ? sampled_[signal] : courses_[signal].at(effective(time));
+    return time == sampled_time_ ? sampled_[signal] : value(signal, time);
   }
   // Where a step of `time_step` seconds up to `time` starts.
   [[nodiscard]] double at_start(std::uint32_t signal, double time, double time_step) const;
@@ -37,16 +37,19 @@ class Signals {
   [[nodiscard]] double next_kink(double time) const;
 
  private:
-  [[nodiscard]] double effective(double time) const noexcept;
-  void sample_all(double effective_time, std::vector<double>& values) const;
+  [[nodiscard]] double value(std::uint32_t signal, double time) const;
+  // The time at which a signal that jumps is to be read.
+  [[nodiscard]] double one_sided(double time) const noexcept;
+  void sample_all(double time, std::vector<double>& values) const;
 
   std::vector<SignalCourse> courses_;
   std::vector<std::uint32_t> varying_;  // not constant
   double from_ = 0.0;                   // s
   double until_ = std::numeric_limits<double>::infinity();
-  double slack_ = 0.0;         // s, far less than the step: times this near are those of its ends
+  double slack_ = 0.0;         // s: times this near are those of its ends
   double sampled_time_ = 0.0;  // s
   std::vector<double> sampled_, at_start_;
+  std::vector<double> at_end_;  // of the step before, for those that jump
 };
 
 }  // namespace springnet::layers

@@ -51,10 +51,6 @@ double SignalCourse::at(double time) const {
   }
 }
 
-bool SignalCourse::jumps_within(double after, double until) const {
-  return kind_ == Kind::hold && at(after) != at(until);
-}
-
 double SignalCourse::next_kink(double time) const {
   if (kind_ == Kind::curve) return curve_.next_change(time);
   if (kind_ == Kind::hold) {

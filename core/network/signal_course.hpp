@@ -15,8 +15,8 @@ class SignalCourse {
   // At a time, s; where it jumps, its right limit.
   [[nodiscard]] double at(double time) const;
   [[nodiscard]] bool is_constant() const noexcept { return kind_ == Kind::constant; }
-  // Whether it jumps at a time in (after, until], s.
-  [[nodiscard]] bool jumps_within(double after, double until) const;
+  // Whether it has jumps.
+  [[nodiscard]] bool jumps() const noexcept { return kind_ == Kind::hold; }
   // The next time after `time` at which the value or one of its derivatives jumps, s; infinity if there is none.
   [[nodiscard]] double next_kink(double time) const;
 

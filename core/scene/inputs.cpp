@@ -1,6 +1,7 @@
 // [[input]]: signals over time that laws read.
 #include <algorithm>
 #include <array>
+#include <cmath>
 #include <string>
 #include <utility>
 #include <vector>
@@ -19,6 +20,15 @@ namespace {
 
 constexpr std::array<std::string_view, 4> courses{"times", "file", "sinusoid", "value"};
 
+// Values of all signals of a scene.
+constexpr std::size_t most_values = 10'000'000;
+
+using Readers = std::vector<layers::InputReader>;
+
+void check_value_at(const Value& place, const Readers& readers, double number, std::string_view what) {
+  place.at_this_place([&] { layers::check_input_value(readers, number, what); });
+}
+
 // The one of `courses` that is given.
 std::string_view course_of(const Table& table) {
   std::string_view course;
@@ -33,7 +43,7 @@ std::string_view course_of(const Table& table) {
   return course;
 }
 
-void read_lists(const Table& table, Signal& signal) {
+void read_lists(const Table& table, const Readers& readers, Signal& signal) {
   const Value times = table.need("times");
   for (const Value& time : times.elements()) {
     const double number = time.number();
@@ -44,19 +54,23 @@ void read_lists(const Table& table, Signal& signal) {
   }
   if (signal.times.size() < 2) times.fail(fmt::format("needs two times or more, has {}", signal.times.size()));
   const Value values = table.need("values");
-  for (const Value& value : values.elements()) signal.values.push_back(value.number());
+  for (const Value& value : values.elements()) {
+    signal.values.push_back(value.number());
+    check_value_at(value, readers, signal.values.back(), "the value");
+  }
   if (signal.values.size() != signal.times.size())
     values.fail(
         fmt::format("has {} values for {} times; give one for each", signal.values.size(), signal.times.size()));
 }
 
-void read_file(const Table& table, const Files& files, const std::string& input, Signal& signal) {
+void read_file(const Table& table, const Files& files, const std::string& input, const Readers& readers,
+               Signal& signal) {
   const Value file = table.need("file");
   const auto column = table.find("column");
+  const std::string name = column ? column->text() : input;
+  if (name == "time") file.fail("the column 'time' has the times; name that of the values by 'column'");
   const std::filesystem::path path = files.resolve(file);
-  CsvColumns columns = file.at_this_place([&] {
-    return read_csv_columns(path, {"time", column ? column->text() : input});
-  });
+  CsvColumns columns = file.at_this_place([&] { return read_csv_columns(path, {"time", name}); });
   const std::vector<double>& times = columns.values[0];
   if (times.size() < 2) file.fail(fmt::format("has {} rows below its header; give two or more", times.size()));
   for (std::size_t k = 1; k < times.size(); ++k) {
@@ -64,11 +78,14 @@ void read_file(const Table& table, const Files& files, const std::string& input,
       file.fail(fmt::format("line {} of the file: times must increase; sort the rows, and give each time once",
                             columns.lines[k]));
   }
+  for (std::size_t k = 0; k < times.size(); ++k)
+    check_value_at(file, readers, columns.values[1][k],
+                   fmt::format("line {} of the file: the value", columns.lines[k]));
   signal.times = std::move(columns.values[0]);
   signal.values = std::move(columns.values[1]);
 }
 
-Signal read_signal(const Table& table, const Files& files, const std::string& input) {
+Signal read_signal(const Table& table, const Files& files, const std::string& input, const Readers& readers) {
   Signal signal;
   const std::string_view course = course_of(table);
   const auto requires_key = [&](const char* key, bool fits, const char* wanted) {
@@ -78,15 +95,21 @@ Signal read_signal(const Table& table, const Files& files, const std::string& in
   requires_key("values", course == "times", "'times'");
   requires_key("column", course == "file", "'file'");
   requires_key("interpolation", course == "times" || course == "file", "'times' or 'file'");
-  if (course == "times") read_lists(table, signal);
-  if (course == "file") read_file(table, files, input, signal);
-  if (course == "value") signal.mean = table.need("value").number();
+  if (course == "times") read_lists(table, readers, signal);
+  if (course == "file") read_file(table, files, input, readers, signal);
+  if (course == "value") {
+    signal.mean = table.need("value").number();
+    check_value_at(table.need("value"), readers, signal.mean, "the value");
+  }
   if (course == "sinusoid") {
     const Table keys = table.need("sinusoid").table("input.sinusoid");
     signal.frequency = keys.need("frequency").number_above_0("Hz");
     signal.amplitude = keys.need("amplitude").number();
     if (const auto mean = keys.find("mean")) signal.mean = mean->number();
     if (const auto phase = keys.find("phase")) signal.phase = phase->number();
+    const double swing = std::abs(signal.amplitude);
+    check_value_at(table.need("sinusoid"), readers, signal.mean - swing, "its least value");
+    check_value_at(table.need("sinusoid"), readers, signal.mean + swing, "its greatest value");
   }
   if (const auto interpolation = table.find("interpolation")) {
     using enum Signal::Interpolation;
@@ -117,7 +140,7 @@ void read_members(const Table& table, const PluginHost& plugins, const Scene& sc
 }  // namespace
 
 void read_inputs(const Table& root, const PluginHost& plugins, const Files& files, Scene& scene) {
-  std::size_t selected = 0;
+  std::size_t selected = 0, values = 0;
   for (const Value& value : root.tables("input")) {
     const Table table = value.table("input");
     Input input;
@@ -126,9 +149,11 @@ void read_inputs(const Table& root, const PluginHost& plugins, const Files& file
     if (const auto given = table.find("name")) input.name = given->text();
     read_members(table, plugins, scene, input);
     count_selected(value, input.springs.size() + input.elements.size(), selected);
-    input.signal = read_signal(table, files, input.input);
-    const auto readers = name.at_this_place([&] { return layers::readers_of(scene.network, input, plugins); });
-    static_cast<void>(readers);
+    const Readers readers = name.at_this_place([&] { return layers::find_readers(scene.network, input, plugins); });
+    input.signal = read_signal(table, files, input.input, readers);
+    values += input.signal.values.size();
+    if (values > most_values)
+      value.fail(fmt::format("the signals of the scene have more than {} values; leave out some", most_values));
     value.at_this_place([&] { return scene.network.add_input(input); });
   }
 }

@@ -588,9 +588,14 @@ void Simulation::set_input(std::string_view name, double value) {
   for (InputIndex k = 0; k < inputs.size(); ++k)
     if (!name.empty() && inputs[k].name == name) return set_input(k, value);
   std::vector<std::string> known;
-  for (const auto& input : inputs) known.push_back(input.name);
+  for (const auto& input : inputs)
+    if (!input.name.empty()) known.push_back(input.name);
+  const std::string nearest = suggestion(name, known);
   throw Error(ErrorKind::input,
-              fmt::format("there is no input signal '{}'; {}", printable(std::string(name)), suggestion(name, known)));
+              fmt::format("there is no input signal '{}'; {}", printable(std::string(name)),
+                          known.empty()     ? std::string("none has a name: give it one, or use its number")
+                          : nearest.empty() ? fmt::format("{} have other names, as '{}'", known.size(), known.front())
+                                            : nearest));
 }
 double Simulation::input_value(InputIndex input) const {
   static_cast<void>(impl_->input(input));

@@ -50,7 +50,7 @@ springnet_status Engine::begin_interval(double from, double until) {
 springnet_status Engine::begin(double from, double until, Loads::Change loads, bool sweeps_follow) {
   model_.begin_internal_steps();
   model_.journal.non_finite.clear();
-  const bool signals_jump = model_.layout.signals().set_interval(from, until);
+  const bool signals_jump = model_.layout.signals().set_interval(from, until, model_.time_step);
   if (loads == Loads::Change::switched || signals_jump) model_.changed();
   springnet_status status = model_.stale.contacts ? settle() : SPRINGNET_OK;
   if (status == SPRINGNET_OK && std::exchange(model_.jumps_due, false)) {

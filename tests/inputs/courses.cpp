@@ -78,18 +78,25 @@ TEST_CASE("a sinusoid has no kinks, a constant does not vary") {
 TEST_CASE("in a step signals are right limits at its start and left limits at its end") {
   layers::Signals signals({input_of(table({0, 0.3}, {1, 2}, hold))});
   const double jump = 0.1 + 0.2;  // a little after 0.3
-  CHECK_FALSE(signals.set_interval(0.2, jump));
+  CHECK_FALSE(signals.set_interval(0.2, jump, 0.1));
   CHECK(signals.at(0, 0.2) == 1);
   CHECK(signals.at(0, jump) == 1);
   signals.sample(jump);
   CHECK(signals.at(0, jump) == 1);
-  CHECK(signals.set_interval(jump, 0.4));
+  CHECK(signals.set_interval(jump, 0.4, 0.1));
+  CHECK_FALSE(signals.set_interval(jump, 0.4, 0.1));  // a step that is made again
   CHECK(signals.at(0, jump) == 2);
   CHECK(signals.at_start(0, 0.4, 0.4 - jump) == 2);
   // Times a little before the jump are those of the jump, too.
-  CHECK(signals.set_interval(std::nextafter(0.3, 0.0), 0.4));
-  CHECK(signals.at(0, std::nextafter(0.3, 0.0)) == 2);
+  layers::Signals early({input_of(table({0, 0.3}, {1, 2}, hold))});
+  CHECK_FALSE(early.set_interval(0.2, std::nextafter(0.3, 0.0), 0.1));
+  CHECK(early.set_interval(std::nextafter(0.3, 0.0), 0.4, 0.1));
+  CHECK(early.at(0, std::nextafter(0.3, 0.0)) == 2);
   CHECK(signals.next_kink(0.1) == 0.3);
+  // However far the end of a step is, signals without jumps are read at the time itself.
+  layers::Signals long_step({input_of(table({0, 1}, {0, 1}, linear))});
+  CHECK_FALSE(long_step.set_interval(0.2, 1e9, 0.1));
+  CHECK(long_step.at(0, 0.2 + 1e-6) == doctest::Approx(0.2 + 1e-6).epsilon(1e-14));
   signals.hold(0, 9);
   CHECK(signals.at(0, 0.35) == 9);
   CHECK(signals.next_kink(0.1) == never);

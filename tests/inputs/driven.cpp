@@ -130,6 +130,17 @@ TEST_CASE("a trapezoidal step is exact between jumps of a signal at the ends of 
   }
 }
 
+TEST_CASE("a step with located events is divided at each of the jumps within it") {
+  // 2 N, from 0.1 s on -5 N, from 0.3 s on 4 N; steps of 0.4 s.
+  const auto value = [](double t) { return t < 0.1 ? 2.0 : t < 0.3 ? -5.0 : 4.0; };
+  const Integrals exact = integrate(value, {0.1, 0.3}, end);
+  Simulation simulation = simulate_with_inputs(driven({"motor", {}}, table({0, 0.1, 0.3}, {2, -5, 4}, hold), false),
+                                               recurrent(newton, 1e-12, {{"theta", 0.5}, {"events", 1}}), 0.4);
+  simulation.advance_to(end);
+  CHECK(simulation.position(1)[0] == doctest::Approx(1.5 - exact.twice / mass).epsilon(1e-12));
+  CHECK(simulation.velocity(1)[0] == doctest::Approx(-exact.once / mass).epsilon(1e-12));
+}
+
 // z' = (u - z) / tau with u from straight pieces: z = u - s tau + (z0 - u0 + s tau) exp(-t / tau) on each.
 TEST_CASE("a state that follows a signal converges in the order of its method") {
   constexpr double tau = 0.15;

@@ -125,7 +125,8 @@ TEST_CASE("what a scene's signal lacks or has too much of is said with its place
   says(refusal("input = 'tension'\ntimes = [0, 2, 1]\nvalues = [0, 1, 2]"), "scene.toml:24:16");
   says(refusal("input = 'tension'\ntimes = [0]\nvalues = [0]"), "two times or more");
   says(refusal("input = 'tension'\ntimes = [0, nan]\nvalues = [0, 1]"), "scene.toml:24:13");
-  says(refusal("input = 'tension'\ntimes = [0, 1]\nvalues = [0, 99]"), "entry 1 of its table must be at most 50");
+  says(refusal("input = 'tension'\ntimes = [0, 1]\nvalues = [0, 99]"),
+       "scene.toml:25:14: input.0.values.1: the value must be at most 50 N");
   says(refusal("input = 'tension'\ntimes = [0, 1]\nvalues = [0, 9]\ninterpolation = 'smooth'"), "'cubic'");
   says(refusal("input = 'tension'\nvalue = 99"), "must be at most 50 N");
   says(refusal("input = 'tensoin'\nvalue = 1"), "did you mean 'tension'");

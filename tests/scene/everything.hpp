@@ -235,7 +235,7 @@ interpolation = "cubic"
 
 [[input]]
 input = "activation"
-file = "curve.csv"
+file = "activation.csv"
 column = "activation"
 
 [[input]]

@@ -14,7 +14,8 @@ using InputIndex = std::uint32_t;
 // A table, a sinusoid, or a constant (neither), in the unit of the input.
 struct Signal {
   // hold: the value of an entry until the next one, where it jumps. linear: straight between entries. cubic: monotone
-  // between entries with a continuous slope, without overshoot (Fritsch and Carlson, SIAM J. Numer. Anal. 17, 1980).
+  // between entries with a continuous slope, level at both ends, without overshoot (Fritsch and Carlson, SIAM J. Numer.
+  // Anal. 17, 1980).
   enum class Interpolation { hold, linear, cubic };
   Interpolation interpolation = Interpolation::linear;
   std::vector<double> times;   // s, increasing; constant before the first and after the last entry

@@ -37,7 +37,11 @@ struct Muscle : SpringFunction {
           .preset(1.4)
           .learnable(),
       number("width", "1", "w: of the fibres' force over length").above(0).preset(0.45).learnable(0.5),
-      number("passive_stiffness", "1", "k: how fast the passive force grows").above(0).preset(5).learnable(5),
+      number("passive_stiffness", "1", "k: how fast the passive force grows")
+          .at_least(0.001)
+          .at_most(100)
+          .preset(5)
+          .learnable(5),
       number("passive_strain", "1", "e: strain at which the passive force is the strength")
           .above(0)
           .preset(0.6)

@@ -1,7 +1,7 @@
 // The internal state of an element at the end of an implicit stage: Z with Z = base + weight r(Z), where r are the
 // rates of its law at the stage's invariant, inputs and time. Newton's method with derivatives from dual numbers.
 //
-// All elements of a chunk take two iterations together, which solve laws that are linear in their state, and most
+// All elements of a chunk take three iterations together, which solve laws that are linear in their state, and most
 // others; the rest go on one by one, with damping and within the bounds that the law declares. What happens to an
 // element depends on itself alone, so chunks of any size give the same bits.
 #pragma once
@@ -59,7 +59,7 @@ class ImplicitStage {
 
   // False: the state of an element was not found.
   SPRINGNET_INLINE bool solve(const Base& base, Base& next) const {
-    // Two iterations with the derivatives of the first, in a loop that vectorises.
+    // Three iterations with the derivatives of the first, in a loop that vectorises.
     double off[chunk_size];  // 0: found
     const std::uint32_t count = chunk_.count;
     SPRINGNET_INDEPENDENT_ITERATIONS
@@ -69,9 +69,11 @@ class ImplicitStage {
       const Matrix A = newton_matrix(i, start, base, defect);
       const Values change = solve_small<S>(A, defect);
       for (std::size_t j = 0; j < S; ++j) second[j] = start[j] + change[j];
+      const Values before = solve_small<S>(A, defect_of(i, second, base));
+      for (std::size_t j = 0; j < S; ++j) second[j] = second[j] + before[j];
       const Values rest = solve_small<S>(A, defect_of(i, second, base));
       for (std::size_t j = 0; j < S; ++j) next[j][i] = second[j] = second[j] + rest[j];
-      off[i] = excess(start, change, rest) + outside(second);
+      off[i] = excess(second, before, rest) + outside(second);
     }
     std::uint64_t not_found = 0;
     for (std::uint32_t i = 0; i < count; ++i) not_found += off[i] == 0.0 ? 0u : 1u;
@@ -126,15 +128,16 @@ class ImplicitStage {
   SPRINGNET_INLINE static double rounding_of(std::size_t j) {
     return 4.0 * std::numeric_limits<double>::epsilon() * Traits::StateList::get()[j].scale;
   }
-  // 0 if the second correction is rounding, or what would follow it, about rest^2 / change; nan if it is nan.
-  SPRINGNET_INLINE static double excess(const Values& start, const Values& change, const Values& rest) {
+  // 0 if the last correction is rounding, or what would follow it is, by the one before: about rest^2 / before. (Not by
+  // the first one: a kink between would hide.) nan if it is nan.
+  SPRINGNET_INLINE static double excess(const Values& states, const Values& before, const Values& rest) {
     constexpr double rounding = 16.0 * std::numeric_limits<double>::epsilon();
     double result = 0.0;
     for (std::size_t j = 0; j < S; ++j) {
-      const double size = std::abs(start[j]) + std::abs(change[j]);
+      const double size = std::abs(states[j]);
       const double least = rounding * size + rounding_of(j);
       const double last = std::abs(rest[j]) - least;
-      const double following = rest[j] * rest[j] - 0.25 * least * std::abs(change[j]);
+      const double following = rest[j] * rest[j] - 0.25 * least * std::abs(before[j]);
       result += last <= 0.0 || following <= 0.0 ? 0.0 : std::abs(last);
     }
     return result;
