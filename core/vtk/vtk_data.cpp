@@ -92,10 +92,10 @@ VtkNet::VtkNet(const Network& network, const std::vector<LawStates>& law_states)
   strain.resize(types.size(), none);
   broken.resize(types.size());
   states_of_material_.resize(network.materials().size());
-  for (const ComponentKind kind : {ComponentKind::spring_function, ComponentKind::viscosity_function}) {
-    const bool viscosity = kind == ComponentKind::viscosity_function;
+  for (const ComponentKind function : {ComponentKind::spring_function, ComponentKind::viscosity_function}) {
+    const bool viscosity = function == ComponentKind::viscosity_function;
     for (const LawStates& law : law_states) {
-      if (law.kind != kind) continue;
+      if (law.kind != function) continue;
       for (MaterialIndex m = 0; m < network.materials().size(); ++m) {
         const std::optional<LawUse>& use = viscosity ? network.materials()[m].viscosity : network.materials()[m].spring;
         for (std::size_t j = 0; use && use->id == law.law && j < law.states.size(); ++j)
