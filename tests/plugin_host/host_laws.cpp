@@ -92,7 +92,8 @@ TEST_CASE("an object lives as long as a host, a simulation or a component that u
     std::string id = "renamed_" + std::string(100, 'x');  // on the heap, gone at the end of the block
     id.resize(40);
     auto host = shipped();
-    host->add(scaled(3.0, alive).renamed(id), std::string("org.example.") + "game", std::string("1.") + "2");
+    const std::string plugin = "org.example.game", version = "1.2";  // gone, too
+    host->add(scaled(3.0, alive).renamed(id), plugin, version);
     CHECK(alive == 1);
     PluginHost moved = std::move(*host);
     CHECK(alive == 1);
