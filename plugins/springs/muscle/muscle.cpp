@@ -64,7 +64,7 @@ struct Muscle : SpringFunction {
   static auto force(const auto& e, const auto& p) {
     const auto stretch = e.strain();
     const auto v = e.rate * (1.0 / (e.reference * p[maximum_speed]));
-    const auto fibres = exp(-stretch * stretch * (1.0 / p[width])) * force_of_speed(v, p);
+    const auto fibres = exp(stretch * stretch * (-1.0 / p[width])) * force_of_speed(v, p);
     const auto tissue =
         expm1(max(stretch, 0.0) * (p[passive_stiffness] / p[passive_strain])) * (1.0 / expm1(p[passive_stiffness]));
     return p[strength] * (e.input(activation) * fibres + tissue + p[damping] * v);
