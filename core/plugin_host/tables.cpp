@@ -75,7 +75,7 @@ std::vector<std::span<const double>> complete_tables(const springnet_component& 
   std::vector<bool> is_given(tables.size(), false);
   for (const auto& [name, values] : given) {
     const auto found =
-        std::find_if(tables.begin(), tables.end(), [&](const springnet_table* table) { return name == table->name; });
+        std::ranges::find_if(tables, [&wanted = name](const springnet_table* table) { return wanted == table->name; });
     if (found == tables.end()) {
       std::vector<std::string> known;
       for (const springnet_table* table : tables) known.emplace_back(table->name);

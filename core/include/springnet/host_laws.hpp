@@ -29,6 +29,7 @@
 #include <limits>
 #include <memory>
 #include <string>
+#include <string_view>
 #include <type_traits>
 #include <utility>
 
@@ -93,9 +94,9 @@ class Description {
   // e.q is the relative speed: of viscosity functions.
   [[nodiscard]] auto on_relative_speed() const { return reading<Reads::relative_speed>(); }
 
-  [[nodiscard]] Description reference(std::string text) const {
+  [[nodiscard]] Description reference(std::string_view text) const {
     Description result = *this;
-    result.literature = std::move(text);
+    result.literature = text;
     return result;
   }
   // As the constants of laws of these names (sdk/README.md).
@@ -134,11 +135,11 @@ class Description {
 
 // describe("cubic", "T = s x^3", number("stiffness", "N/m", "…").at_least(0), …)
 template <std::same_as<sdk::Parameter>... Parameters>
-[[nodiscard]] Description<sizeof...(Parameters)> describe(std::string id, std::string summary,
+[[nodiscard]] Description<sizeof...(Parameters)> describe(std::string_view id, std::string_view summary,
                                                           const Parameters&... parameters) {
   Description<sizeof...(Parameters)> result{};
-  result.id = std::move(id);
-  result.summary = std::move(summary);
+  result.id = id;
+  result.summary = summary;
   result.parameters = {parameters...};
   return result;
 }
