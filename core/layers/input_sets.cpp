@@ -4,6 +4,7 @@
 #include <cmath>
 #include <map>
 #include <set>
+#include <string>
 #include <utility>
 
 #include <fmt/format.h>
@@ -108,7 +109,7 @@ std::vector<InputReader> readers_of(const Network& network, const Input& input, 
   return readers;
 }
 
-InputSets::InputSets(const Network& network) : inputs_(network.inputs()) {
+InputSets::InputSets(const Network& network, const PluginHost& plugins) : inputs_(network.inputs()) {
   if (inputs_.empty()) {
     springs_.append(network.springs().size(), 0);
     elements_.append(network.elements().size(), 0);
@@ -116,8 +117,13 @@ InputSets::InputSets(const Network& network) : inputs_(network.inputs()) {
   }
   std::vector<std::uint32_t> of_spring(network.springs().size()), of_element(network.elements().size());
   std::map<std::pair<std::uint32_t, InputIndex>, std::uint32_t> known;
+  std::map<std::string, std::vector<bool>> reading;  // [name of the input][material]
   for (InputIndex k = 0; k < inputs_.size(); ++k) {
-    const auto add = [&](std::uint32_t& set) {
+    const auto [found, first] = reading.try_emplace(inputs_[k].input);
+    if (first) found->second = materials_reading(network, inputs_[k].input, plugins);
+    // Signals that no law of a member reads are left out: sets that differ by them would split rows.
+    const auto add = [&, &reads = found->second](std::uint32_t& set, MaterialIndex material) {
+      if (!reads[material]) return;
       const auto [place, is_new] = known.try_emplace({set, k}, static_cast<std::uint32_t>(sets_.size()));
       if (is_new) {
         std::vector<InputIndex> signals;
@@ -128,11 +134,24 @@ InputSets::InputSets(const Network& network) : inputs_(network.inputs()) {
       }
       set = place->second;
     };
-    for (const SpringIndex spring : inputs_[k].springs) add(of_spring[spring]);
-    for (const ElementIndex element : inputs_[k].elements) add(of_element[element]);
+    for (const SpringIndex spring : inputs_[k].springs) add(of_spring[spring], network.springs().materials()[spring]);
+    for (const ElementIndex element : inputs_[k].elements)
+      add(of_element[element], network.elements()[element].material);
   }
-  for (const std::uint32_t set : of_spring) springs_.push_back(set);
-  for (const std::uint32_t set : of_element) elements_.push_back(set);
+  const std::vector<std::uint32_t> numbers = numbers_of_equal_sets();
+  for (const std::uint32_t set : of_spring) springs_.push_back(numbers[set]);
+  for (const std::uint32_t set : of_element) elements_.push_back(numbers[set]);
+}
+
+// Signals that were overridden on the way leave several sets that end alike.
+std::vector<std::uint32_t> InputSets::numbers_of_equal_sets() const {
+  std::vector<std::uint32_t> numbers;
+  std::map<std::vector<InputIndex>, std::uint32_t> first;
+  for (std::vector<InputIndex> set : sets_) {
+    std::sort(set.begin(), set.end());
+    numbers.push_back(first.try_emplace(std::move(set), static_cast<std::uint32_t>(numbers.size())).first->second);
+  }
+  return numbers;
 }
 
 std::uint32_t InputSets::signal(std::uint32_t set, std::string_view input) const {

@@ -34,7 +34,7 @@ class InputSets {
  public:
   static constexpr std::uint32_t none = 0xffffffffu;
 
-  explicit InputSets(const Network& network);
+  InputSets(const Network& network, const PluginHost& plugins);
 
   [[nodiscard]] const Column<std::uint32_t>& of_springs() const noexcept { return springs_; }
   [[nodiscard]] const Column<std::uint32_t>& of_elements() const noexcept { return elements_; }
@@ -42,6 +42,9 @@ class InputSets {
   [[nodiscard]] std::uint32_t signal(std::uint32_t set, std::string_view input) const;
 
  private:
+  // [set] The first one with the same signals.
+  [[nodiscard]] std::vector<std::uint32_t> numbers_of_equal_sets() const;
+
   const std::vector<Input>& inputs_;
   std::vector<std::vector<InputIndex>> sets_{{}};
   Column<std::uint32_t> springs_, elements_;

@@ -325,7 +325,7 @@ CompiledLaws compile_laws(const Network& network, const PluginHost& plugins) {
     check_use(group.viscosity, s);
     if (compiled.group.is_uniform()) break;  // the others have the same laws
   }
-  const InputSets inputs(network);
+  const InputSets inputs(network, plugins);
   Rows rows(compiled.groups, materials, inputs, *compiled.signals);
   const Column<double>& rest_lengths = springs.rest_lengths();
   compiled.row = RowNumbers(rows.of(
@@ -347,7 +347,13 @@ CompiledLaws compile_laws(const Network& network, const PluginHost& plugins) {
       elements.size(), element_materials, inputs.of_elements(), [&](std::size_t e) { return elements[e].reference; },
       false);
 
-  for (const LawUse& use : network.neurons()) {
+  // The default neuron that no node has may be ambiguous, or not exist.
+  std::vector<bool> in_use(network.neurons().size(), false);
+  for (const Node& node : network.nodes()) in_use[node.neuron] = true;
+  for (std::size_t k = 0; k < in_use.size(); ++k) {
+    compiled.neuron_number.push_back(static_cast<std::uint32_t>(compiled.neurons.size()));
+    if (!in_use[k]) continue;
+    const LawUse& use = network.neurons()[k];
     NeuronKind neuron;
     neuron.component = plugins.require(ComponentKind::neuron, use.id);
     if (neuron.component->description->parameter_count > max_parameters)

@@ -101,7 +101,8 @@ struct CompiledLaws {
   Column<std::uint32_t> group;                       // [spring]
   RowNumbers row;                                    // [spring] row in its group
   Column<std::uint32_t> element_group, element_row;  // [element]
-  std::vector<NeuronKind> neurons;                   // as Network::neurons()
+  std::vector<NeuronKind> neurons;                   // those that nodes have
+  std::vector<std::uint32_t> neuron_number;          // [number in Network::neurons()] in `neurons`
   std::unique_ptr<Signals> signals;                  // numbered as Network::inputs(), then constants
   struct SignalInput {
     std::string name;

@@ -37,7 +37,8 @@ Layout::Layout(const Network& network, const PluginHost& plugins, bool renumber,
   }
   std::sort(rigid_.begin(), rigid_.end());
   neuron_kind_.resize(nodes);
-  for (std::size_t k = 0; k < nodes; ++k) neuron_kind_[k] = network.nodes()[ordering_.user[k]].neuron;
+  for (std::size_t k = 0; k < nodes; ++k)
+    neuron_kind_[k] = laws_.neuron_number[network.nodes()[ordering_.user[k]].neuron];
 
   units_.resize(ordering_.unit_start.size() - 1);
   for (std::size_t u = 0; u < units_.size(); ++u) {

@@ -18,6 +18,16 @@ void check_signal(const Signal& signal, const std::string& what) {
       if (!std::isfinite(signal.values[k]))
         fail(fmt::format("{}: a value must be finite, entry {} of its table has {}", what, k, signal.values[k]));
     }
+    for (std::size_t k = 1; k < signal.values.size() && signal.interpolation != Signal::Interpolation::hold; ++k) {
+      const double step = signal.values[k] - signal.values[k - 1];
+      // Three times as much stands in Hermite's cubic.
+      if (!std::isfinite(3.0 * step) || !std::isfinite(3.0 * (step / (signal.times[k] - signal.times[k - 1])))) {
+        fail(fmt::format(
+            "{}: from entry {} of its table to the next it changes too fast, from {} to {} in {}; give "
+            "smaller values, or times that are farther apart",
+            what, k - 1, signal.values[k - 1], signal.values[k], seconds(signal.times[k] - signal.times[k - 1])));
+      }
+    }
   }
   if (!(std::isfinite(signal.frequency) && signal.frequency >= 0.0))
     fail(fmt::format("{}: its frequency must be a finite number of at least 0 Hz, is {}", what, signal.frequency));

@@ -42,7 +42,8 @@ std::string key_of(const LawUse& use, std::string_view what) {
   return key;
 }
 
-// Numbers in the tables of all materials, which are kept for each: 0.8 GB with the keys.
+// Numbers in the tables of all materials, which are kept for each: 0.8 GB with the keys. What laws prepare from them
+// comes to that while a simulation exists: 2 GB for "table".
 constexpr std::size_t most_in_tables = 50'000'000;
 
 std::size_t count_table_values(const std::optional<LawUse>& use) {

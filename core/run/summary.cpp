@@ -42,7 +42,10 @@ std::vector<PluginUse> plugins_used(const Scene& scene, const PluginHost& plugin
     uses.push_back({plugin.id, plugin.version, component->file.filename().string()});
   };
   add(ComponentKind::integrator, scene.options.integrator.id);
-  for (const LawUse& neuron : scene.network.neurons()) add(ComponentKind::neuron, neuron.id);
+  std::vector<bool> in_use(scene.network.neurons().size(), false);
+  for (const Node& node : scene.network.nodes()) in_use[node.neuron] = true;
+  for (std::size_t k = 0; k < in_use.size(); ++k)
+    if (in_use[k]) add(ComponentKind::neuron, scene.network.neurons()[k].id);
   for (const Material& material : scene.network.materials()) {
     if (material.spring) add(ComponentKind::spring_function, material.spring->id);
     if (material.viscosity) add(ComponentKind::viscosity_function, material.viscosity->id);

@@ -2,12 +2,14 @@
 
 #include <algorithm>
 #include <memory>
+#include <span>
 #include <string>
 #include <vector>
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
+#include "layers/prepared.hpp"
 #include "scene/law_tables.hpp"
 
 namespace springnet::scene {
@@ -53,6 +55,17 @@ LawUse begin_use(const Value& name, const Component& component, ComponentKind ki
   return {name.text(), supplied, {}};  // with its plugin's id, if that is given
 }
 
+// What is missing, and what the law itself refuses, is told at this place.
+void check_use(const LawUse& use, const std::shared_ptr<const Component>& component, const Value& place) {
+  const springnet_component& description = *component->description;
+  const std::vector<double> parameters = complete_parameters(description, use.parameters, place.where());
+  const std::vector<std::span<const double>> tables = complete_tables(description, use.tables, place.where());
+  const ComponentKind kind = component->kind();
+  const bool is_law = kind == ComponentKind::spring_function || kind == ComponentKind::viscosity_function;
+  if (!is_law || component->law().prepare == nullptr) return;
+  place.at_this_place([&] { return layers::Prepared(component, parameters, tables); });
+}
+
 }  // namespace
 
 LawUse read_component(const Table& table, std::string_view name_key, ComponentKind kind, const PluginHost& plugins,
@@ -76,8 +89,7 @@ LawUse read_component(const Table& table, std::string_view name_key, ComponentKi
     use.parameters.emplace(parameter.name, value);
   }
   use.tables = read_law_tables(table, description, files);
-  static_cast<void>(complete_parameters(description, use.parameters, table.value().where()));
-  static_cast<void>(complete_tables(description, use.tables, table.value().where()));
+  check_use(use, component, table.value());
   return use;
 }
 
@@ -85,8 +97,7 @@ LawUse read_component_name(const Value& name, ComponentKind kind, const PluginHo
                            const ParameterValues& supplied) {
   const std::shared_ptr<const Component> component = find_component(name, kind, plugins);
   LawUse use = begin_use(name, *component, kind, supplied);
-  static_cast<void>(complete_parameters(*component->description, use.parameters, name.where()));
-  static_cast<void>(complete_tables(*component->description, use.tables, name.where()));
+  check_use(use, component, name);
   return use;
 }
 

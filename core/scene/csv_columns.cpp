@@ -2,9 +2,9 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 #include <optional>
 #include <system_error>
+#include <utility>
 
 #include <fmt/format.h>
 
@@ -20,7 +20,6 @@ namespace {
 
 constexpr std::size_t max_path_length = 200;  // characters of it in messages
 static_assert(largest_csv <= largest_scene, "read_scene_text reads no more");
-constexpr std::size_t not_asked_for = std::numeric_limits<std::size_t>::max();
 
 std::string_view without_spaces(std::string_view text) {
   constexpr std::string_view spaces = " \t\r";
@@ -75,60 +74,80 @@ std::size_t for_each_cell(std::string_view line, const Take& take) {
   }
 }
 
-double number_in(std::string_view cell, const std::string& column, const Reader& reader) {
-  double value = 0.0;
-  if (cell.empty()) {
-    reader.fail(fmt::format("column '{}' has no value here; fill it in, or remove the row", printable(column)));
-  }
-  if (!meshes::parse_real(cell, value)) {
-    reader.fail(fmt::format("column '{}' must have a number here, with a point for the decimals", printable(column)));
-  }
-  if (!std::isfinite(value)) {
-    reader.fail(fmt::format("column '{}' must have a finite number here; remove the row", printable(column)));
-  }
-  return value;
+// What is wrong with a cell that should be a finite number; nothing if it is one.
+std::string_view read_number(std::string_view cell, double& value) {
+  if (cell.empty()) return "has no value here; fill it in, or remove the row";
+  if (!meshes::parse_real(cell, value)) return "must have a number here, with a point for the decimals";
+  if (!std::isfinite(value)) return "must have a finite number here; remove the row";
+  return {};
 }
 
 }  // namespace
 
-CsvColumns parse_csv_columns(std::string_view text, std::string_view name, const std::vector<std::string>& names) {
-  Reader reader(text, name);
+CsvTable::CsvTable(std::string_view text, std::string name, std::size_t most_cells) : file_(std::move(name)) {
+  Reader reader(text, file_);
   const std::optional<std::string_view> header = reader.next();
   if (!header) reader.fail("the file has no header line; begin it with the names of its columns, separated by commas");
-
-  std::vector<std::size_t> asked;  // [column of the file] which of `names`
-  const std::size_t width = for_each_cell(*header, [&](std::size_t, std::string_view cell) {
-    const auto found = std::find(names.begin(), names.end(), without_quotes(cell));
-    asked.push_back(found == names.end() ? not_asked_for : static_cast<std::size_t>(found - names.begin()));
+  header_line_ = reader.line();
+  const std::size_t width = for_each_cell(*header, [&](std::size_t column, std::string_view cell) {
+    if (column == most_csv_columns)
+      reader.fail(fmt::format("the file has more than {} columns; leave out some", grouped(most_csv_columns)));
+    columns_.push_back({std::string(without_quotes(cell)), {}});
   });
-  for (std::size_t k = 0; k < names.size(); ++k) {
-    const auto count = std::count(asked.begin(), asked.end(), k);
-    if (count == 1) continue;
-    if (count > 1) reader.fail(fmt::format("two columns are named '{}'; rename one", printable(names[k])));
-    reader.fail(
-        fmt::format("no column is named '{}' (this header line has {} names, separated by commas); correct the name",
-                    printable(names[k]), width));
-  }
-
-  CsvColumns result;
-  result.values.resize(names.size());
   while (const std::optional<std::string_view> row = reader.next()) {
-    if (result.lines.size() == most_csv_rows) {
+    if (lines_.size() == most_csv_rows)
       reader.fail(fmt::format("the file has more than {} rows; leave out some", grouped(most_csv_rows)));
+    if ((lines_.size() + 1) * width > most_cells) {
+      reader.fail(fmt::format("the CSV files of the scene have more than {} cells; leave out columns or rows",
+                              grouped(most_csv_cells)));
     }
-    const std::size_t count = for_each_cell(*row, [&](std::size_t column, std::string_view cell) {
-      if (column >= width || asked[column] == not_asked_for) return;
-      result.values[asked[column]].push_back(number_in(cell, names[asked[column]], reader));
+    const std::size_t count = for_each_cell(*row, [&](std::size_t number, std::string_view cell) {
+      if (number >= width) return;
+      Column& column = columns_[number];
+      double value = 0.0;
+      const std::string_view wrong = read_number(cell, value);
+      column.values.push_back(value);
+      if (wrong.empty() || column.wrong_line > 0) return;
+      column.wrong_line = reader.line();
+      column.wrong = wrong;
     });
     if (count != width) {
       reader.fail(fmt::format("this row has {} cells, the header line has {}; separate them by commas", count, width));
     }
-    result.lines.push_back(reader.line());
+    lines_.push_back(reader.line());
   }
+}
+
+CsvColumns CsvTable::columns(const std::vector<std::string>& names) const {
+  const auto fail = [&](std::uint32_t line, std::string_view what) {
+    throw Error(ErrorKind::input, fmt::format("{}:{}: {}", printable(file_, max_path_length), line, what));
+  };
+  CsvColumns result;
+  const Column* first_wrong = nullptr;
+  for (const std::string& name : names) {
+    const auto is_named = [&](const Column& column) { return column.name == name; };
+    const auto found = std::find_if(columns_.begin(), columns_.end(), is_named);
+    if (found == columns_.end()) {
+      fail(header_line_,
+           fmt::format("no column is named '{}' (this header line has {} names, separated by commas); correct the name",
+                       printable(name), columns_.size()));
+    }
+    if (std::find_if(found + 1, columns_.end(), is_named) != columns_.end())
+      fail(header_line_, fmt::format("two columns are named '{}'; rename one", printable(name)));
+    if (found->wrong_line > 0 && (first_wrong == nullptr || found->wrong_line < first_wrong->wrong_line))
+      first_wrong = &*found;
+    result.values.push_back(found->values);
+  }
+  if (first_wrong != nullptr) {
+    // Named as asked for: the same text, which is not from the file.
+    fail(first_wrong->wrong_line, fmt::format("column '{}' {}", printable(first_wrong->name), first_wrong->wrong));
+  }
+  result.lines = lines_;
   return result;
 }
 
-CsvColumns read_csv_columns(const std::filesystem::path& file, const std::vector<std::string>& names) {
+const CsvTable& CsvFiles::read(const std::filesystem::path& file) {
+  if (const auto known = known_.find(file); known != known_.end()) return known->second;
   const auto fail = [&](std::string_view what) {
     throw Error(ErrorKind::input, fmt::format("{}: {}", printable(file.string(), max_path_length), what));
   };
@@ -139,7 +158,9 @@ CsvColumns read_csv_columns(const std::filesystem::path& file, const std::vector
   if (!std::filesystem::is_regular_file(status)) fail("this is not a file; name a CSV file");
   const std::string text = read_scene_text(file);
   if (text.size() > largest_csv) fail(fmt::format("the file has more than {} bytes; shorten it", grouped(largest_csv)));
-  return parse_csv_columns(text, file.string(), names);
+  const CsvTable& table = known_.try_emplace(file, text, file.string(), most_csv_cells - cells_).first->second;
+  cells_ += table.cells();
+  return table;
 }
 
 }  // namespace springnet::scene

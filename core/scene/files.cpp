@@ -47,4 +47,9 @@ std::filesystem::path Files::resolve(const Value& name) const {
   return path;
 }
 
+CsvColumns Files::csv_columns(const Value& name, const std::vector<std::string>& columns) const {
+  const std::filesystem::path path = resolve(name);
+  return name.at_this_place([&] { return csv->read(path).columns(columns); });
+}
+
 }  // namespace springnet::scene

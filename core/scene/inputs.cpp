@@ -2,6 +2,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <map>
 #include <string>
 #include <utility>
 #include <vector>
@@ -9,7 +10,6 @@
 #include <fmt/format.h>
 
 #include "layers/input_sets.hpp"
-#include "scene/csv_columns.hpp"
 #include "scene/element_sets.hpp"
 #include "scene/parts.hpp"
 #include "scene/select.hpp"
@@ -69,8 +69,7 @@ void read_file(const Table& table, const Files& files, const std::string& input,
   const auto column = table.find("column");
   const std::string name = column ? column->text() : input;
   if (name == "time") file.fail("the column 'time' has the times; name that of the values by 'column'");
-  const std::filesystem::path path = files.resolve(file);
-  CsvColumns columns = file.at_this_place([&] { return read_csv_columns(path, {"time", name}); });
+  CsvColumns columns = files.csv_columns(file, {"time", name});
   const std::vector<double>& times = columns.values[0];
   if (times.size() < 2) file.fail(fmt::format("has {} rows below its header; give two or more", times.size()));
   for (std::size_t k = 1; k < times.size(); ++k) {
@@ -119,35 +118,59 @@ Signal read_signal(const Table& table, const Files& files, const std::string& in
   return signal;
 }
 
+// What reads an input of a name.
+struct Reading {
+  std::vector<bool> materials;  // [material]
+  std::vector<SpringIndex> springs;
+  std::vector<ElementIndex> elements;
+};
+
+Reading find_reading(const std::string& input, const PluginHost& plugins, const Network& network) {
+  Reading reading{layers::materials_reading(network, input, plugins), {}, {}};
+  const SpringList& springs = network.springs();
+  const Column<MaterialIndex>& materials = springs.materials();
+  for (SpringIndex k = 0; k < springs.size(); ++k)
+    if (reading.materials[materials[k]]) reading.springs.push_back(k);
+  for (ElementIndex k = 0; k < network.elements().size(); ++k)
+    if (reading.materials[network.elements()[k].material]) reading.elements.push_back(k);
+  return reading;
+}
+
 // Those selected, or all, as far as a law of theirs has the input.
-void read_members(const Table& table, const PluginHost& plugins, const Scene& scene, Input& input) {
+void read_members(const Table& table, const Reading& reading, const Scene& scene, Input& input) {
   const Network& network = scene.network;
   const auto select = table.find("select"), elements = table.find("elements");
-  const std::vector<bool> reads = layers::materials_reading(network, input.input, plugins);
-  if (select) input.springs = select_springs(*select, network);
-  if (elements) input.elements = select_elements(*elements, scene.elements);
   if (!select && !elements) {
+    input.springs = reading.springs;
+    input.elements = reading.elements;
+    // None: find_readers then tells what inputs there are.
+    if (!input.springs.empty() || !input.elements.empty()) return;
     for (SpringIndex k = 0; k < network.springs().size(); ++k) input.springs.push_back(k);
     for (ElementIndex k = 0; k < network.elements().size(); ++k) input.elements.push_back(k);
+    return;
   }
-  // None that does: add_input and Simulation say so, with all that were selected.
-  Input reading = input;
-  std::erase_if(reading.springs, [&](SpringIndex k) { return !reads[network.springs()[k].material]; });
-  std::erase_if(reading.elements, [&](ElementIndex k) { return !reads[network.elements()[k].material]; });
-  if (!reading.springs.empty() || !reading.elements.empty()) input = std::move(reading);
+  if (select) input.springs = select_springs(*select, network);
+  if (elements) input.elements = select_elements(*elements, scene.elements);
+  Input those = input;
+  std::erase_if(those.springs, [&](SpringIndex k) { return !reading.materials[network.springs()[k].material]; });
+  std::erase_if(those.elements, [&](ElementIndex k) { return !reading.materials[network.elements()[k].material]; });
+  if (!those.springs.empty() || !those.elements.empty()) input = std::move(those);
 }
 
 }  // namespace
 
 void read_inputs(const Table& root, const PluginHost& plugins, const Files& files, Scene& scene) {
   std::size_t selected = 0, values = 0;
+  std::map<std::string, Reading> known;  // by the name of the input
   for (const Value& value : root.tables("input")) {
     const Table table = value.table("input");
     Input input;
     const Value name = table.need("input");
     input.input = name.text();
     if (const auto given = table.find("name")) input.name = given->text();
-    read_members(table, plugins, scene, input);
+    const auto [reading, is_new] = known.try_emplace(input.input);
+    if (is_new) reading->second = find_reading(input.input, plugins, scene.network);
+    read_members(table, reading->second, scene, input);
     count_selected(value, input.springs.size() + input.elements.size(), selected);
     const Readers readers = name.at_this_place([&] { return layers::find_readers(scene.network, input, plugins); });
     input.signal = read_signal(table, files, input.input, readers);

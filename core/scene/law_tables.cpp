@@ -4,8 +4,6 @@
 
 #include <springnet/printable.hpp>
 
-#include "scene/csv_columns.hpp"
-
 namespace springnet::scene {
 namespace {
 
@@ -22,11 +20,11 @@ std::vector<double> read_column(const Table& given, const springnet_table& decla
   const Value file = given.need("file");
   const auto column = given.find("column");
   const std::string name = column ? column->text() : declared.name;
-  const std::filesystem::path path = files.resolve(file);
-  CsvColumns read = file.at_this_place([&] { return read_csv_columns(path, {name}); });
+  CsvColumns read = files.csv_columns(file, {name});
   if (const auto wrong = check_table(declared, read.values[0])) {
     const std::string line = wrong->row ? fmt::format(":{}", read.lines[*wrong->row]) : std::string();
-    file.fail(fmt::format("{}{}: column '{}' {}", printable(path.string(), 200), line, printable(name), wrong->what));
+    file.fail(fmt::format("{}{}: column '{}' {}", printable(files.resolve(file).string(), 200), line, printable(name),
+                          wrong->what));
   }
   return std::move(read.values[0]);
 }

@@ -40,6 +40,7 @@ std::vector<std::string> left_out_of_energy(const Content& content) {
   if (content.forces.all > 0) sources.emplace_back("loads");
   if (!network.moves().empty()) sources.emplace_back("moved nodes");
   if (any_moving(network.planes()) || any_moving(network.instruments())) sources.emplace_back("moving obstacles");
+  if (!network.inputs().empty()) sources.emplace_back("input signals");
   if (!sources.empty()) parts.push_back(fmt::format("the work of {}", fmt::join(sources, " and ")));
   if (has_damping(network)) parts.emplace_back("damping");
   if (!content.law_states.empty()) parts.emplace_back("what laws with memory dissipate");

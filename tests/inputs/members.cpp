@@ -5,6 +5,7 @@
 #include <doctest/doctest.h>
 
 #include "laws.hpp"
+#include "layers/input_sets.hpp"
 
 namespace {
 
@@ -75,6 +76,45 @@ TEST_CASE("of several signals for the same input the last one counts") {
   }
   const Simulation simulation = simulate_with_inputs(net, recurrent(newton, 1e-9), 0.1);
   CHECK(simulation.tension(0) == 5.0);
+}
+
+TEST_CASE("sets of signals differ in nothing that no law reads") {
+  Network net;
+  for (int k = 0; k < 4; ++k) net.add_node(point({double(k), 0, 0}));
+  const MaterialIndex motor = net.add_material({LawUse{"motor", {}}, std::nullopt});
+  const MaterialIndex linear = net.add_material({LawUse{"linear", {{"stiffness", 1.0}}}, std::nullopt});
+  net.add_spring(0, 1, motor);
+  net.add_spring(1, 2, motor);
+  net.add_spring(2, 3, linear);
+  const auto add = [&](std::vector<SpringIndex> springs) {
+    Input input;
+    input.input = "tension";
+    input.springs = std::move(springs);
+    input.signal = constant(1.0);
+    net.add_input(input);
+  };
+  add({0});
+  add({0, 1, 2});
+  const layers::InputSets sets(net, *plugins_with_inputs());
+  CHECK(sets.of_springs()[0] == sets.of_springs()[1]);  // the first signal of spring 0 is overridden
+  CHECK(sets.signal(sets.of_springs()[0], "tension") == 1);
+  CHECK(sets.of_springs()[2] == 0);  // reads nothing
+}
+
+TEST_CASE("a signal that changes too fast for numbers is refused") {
+  Network net = oscillator({LawUse{"motor", {}}, std::nullopt}, 1.0, 0.5);
+  Input input;
+  input.input = "tension";
+  input.springs = {0};
+  for (const auto interpolation : {Signal::Interpolation::linear, Signal::Interpolation::cubic}) {
+    input.signal = table({0, 1, 1 + 1e-15}, {0, 1, 1e300}, interpolation);
+    CHECK_THROWS_WITH(net.add_input(input),
+                      doctest::Contains("from entry 1 of its table to the next it changes too fast"));
+    input.signal = table({0, 1}, {-1e308, 1e308}, interpolation);
+    CHECK_THROWS_WITH(net.add_input(input), doctest::Contains("from entry 0"));
+  }
+  input.signal = table({0, 1, 1 + 1e-15}, {0, 1, 1e300}, Signal::Interpolation::hold);
+  CHECK_NOTHROW(net.add_input(input));
 }
 
 TEST_CASE("elements read signals, too") {

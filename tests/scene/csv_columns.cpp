@@ -13,14 +13,15 @@
 
 using springnet::Error;
 using springnet::scene::CsvColumns;
-using springnet::scene::parse_csv_columns;
+using springnet::scene::CsvFiles;
+using springnet::scene::CsvTable;
 using springnet::testing::has_facts;
 
 namespace {
 
 std::string refusal(const std::string& text, const std::vector<std::string>& names = {"time", "value"}) {
   try {
-    static_cast<void>(parse_csv_columns(text, "a.csv", names));
+    static_cast<void>(CsvTable(text, "a.csv").columns(names));
   } catch (const Error& error) {
     CHECK(error.kind() == springnet::ErrorKind::input);
     return error.what();
@@ -30,7 +31,7 @@ std::string refusal(const std::string& text, const std::vector<std::string>& nam
 
 std::string refusal_of_file(const std::filesystem::path& file) {
   try {
-    static_cast<void>(springnet::scene::read_csv_columns(file, {"time"}));
+    static_cast<void>(CsvFiles().read(file).columns({"time"}));
   } catch (const Error& error) {
     return error.what();
   }
@@ -40,10 +41,12 @@ std::string refusal_of_file(const std::filesystem::path& file) {
 }  // namespace
 
 TEST_CASE("columns come by name, in the order asked for, with the lines of their rows") {
-  const CsvColumns read = parse_csv_columns(
-      "\xEF\xBB\xBF# measured on Monday\r\n\r\n \"value\", note ,time\r\n 1.5 ,first,\t0\r\n# a "
-      "break\n\n-2e-3,,+1\n4,x,2",
-      "a.csv", {"time", "value"});
+  const CsvColumns read =
+      CsvTable(
+          "\xEF\xBB\xBF# measured on Monday\r\n\r\n \"value\", note ,time\r\n 1.5 ,first,\t0\r\n# a "
+          "break\n\n-2e-3,,+1\n4,x,2",
+          "a.csv")
+          .columns({"time", "value"});
   REQUIRE(read.values.size() == 2);
   CHECK(read.values[0] == std::vector<double>{0, 1, 2});
   CHECK(read.values[1] == std::vector<double>{1.5, -2e-3, 4});
@@ -51,8 +54,8 @@ TEST_CASE("columns come by name, in the order asked for, with the lines of their
 }
 
 TEST_CASE("a header line alone has no rows; one column may be asked for") {
-  CHECK(parse_csv_columns("time,value\n", "a.csv", {"time", "value"}).lines.empty());
-  CHECK(parse_csv_columns("time\n1\n2\n", "a.csv", {"time"}).values[0] == std::vector<double>{1, 2});
+  CHECK(CsvTable("time,value\n", "a.csv").columns({"time", "value"}).lines.empty());
+  CHECK(CsvTable("time\n1\n2\n", "a.csv").columns({"time"}).values[0] == std::vector<double>{1, 2});
 }
 
 TEST_CASE("what is wrong is told with its line, and nothing of the file is quoted") {
@@ -78,9 +81,33 @@ TEST_CASE("a file has at most a million rows, which take a moment") {
   std::string text = "time\n";
   for (std::size_t k = 0; k < springnet::scene::most_csv_rows; ++k) text += "1\n";
   const auto begin = std::chrono::steady_clock::now();
-  CHECK(parse_csv_columns(text, "a.csv", {"time"}).lines.size() == springnet::scene::most_csv_rows);
+  CHECK(CsvTable(text, "a.csv").columns({"time"}).lines.size() == springnet::scene::most_csv_rows);
   CHECK(std::chrono::steady_clock::now() - begin < std::chrono::seconds(10));
   CHECK(has_facts(refusal(text + "1\n", {"time"}), "a.csv:1000002: | more than 1,000,000 rows"));
+}
+
+TEST_CASE("a file is read once; its other columns may be anything") {
+  const springnet::testing::TemporaryFolder folder;
+  const std::filesystem::path file = folder.path() / "a.csv";
+  std::ofstream(file) << "time,note,value\n0,first,5\n1,second,\n";
+  CsvFiles files;
+  CHECK(files.read(file).columns({"time"}).values[0] == std::vector<double>{0, 1});
+  std::filesystem::remove(file);
+  const CsvTable& again = files.read(file);
+  CHECK(again.cells() == 6);
+  CHECK_THROWS_WITH(static_cast<void>(again.columns({"time", "value"})),
+                    doctest::Contains("a.csv:3: column 'value' has no value"));
+  CHECK_THROWS_WITH(static_cast<void>(again.columns({"value", "note"})),
+                    doctest::Contains("a.csv:2: column 'note' must"));
+}
+
+TEST_CASE("wide files and many cells are refused") {
+  std::string wide = "time";
+  for (std::size_t k = 1; k < springnet::scene::most_csv_columns; ++k) wide += ",";
+  CHECK(refusal(wide, {"time"}).empty());
+  CHECK(has_facts(refusal(wide + ",", {"time"}), "a.csv:1: | more than 16,384 columns"));
+  CHECK_THROWS_WITH(CsvTable("a,b\n1,2\n3,4\n", "a.csv", 3),
+                    doctest::Contains("a.csv:3: the CSV files of the scene have more than"));
 }
 
 TEST_CASE("only regular files of a size are read") {

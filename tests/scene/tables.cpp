@@ -131,6 +131,11 @@ TEST_CASE("a table has at most a million values") {
                  "body.0.spring.forces: | at most 1,000,000 numbers, has 1,000,001"));
 }
 
+TEST_CASE("what a law refuses of its tables is told where they stand") {
+  CHECK(contains(refusal(with_law("elongations = [0, 1, 1.0000000000000002], forces = [0, 1, 1e300]")),
+                 "body.0.spring: | 'table' | slope after point 2 is not finite"));
+}
+
 TEST_CASE("every place of a law takes tables, connections, elements and changes of springs too") {
   const std::string law =
       R"({ type = "table", elongations = { file = "curve.csv", column = "elongation" }, forces = [-1, 0, 2, 5] })";

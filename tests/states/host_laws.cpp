@@ -41,7 +41,7 @@ std::shared_ptr<const PluginHost> with_own_laws() {
   host->add(viscosity_function(describe("linear", "dashpot", number("damping", "N s/m", "of the dashpot")),
                                [one = 1.0](const auto& e, const auto& p) { return p[0] * e.rate * one; }),
             "own");
-  host->add(neuron(describe("own_mass", "a = F / m"), [](const auto& n, const auto&) { return n.force / n.mass; }),
+  host->add(neuron(describe("point_mass", "a = F / m"), [](const auto& n, const auto&) { return n.force / n.mass; }),
             "own");
   return host;
 }
@@ -51,7 +51,7 @@ Network swinging(LawUse law, const std::string& owner) {
   law.id += owner;
   Network net;
   const MaterialIndex material = net.add_material({law, LawUse{"linear" + owner, {{"damping", 0.4}}}});
-  const std::uint32_t model = net.add_neuron({owner.empty() ? "point_mass" : "own_mass", {}});
+  const std::uint32_t model = net.add_neuron({"point_mass" + owner, {}});
   for (int k = 0; k < 6; ++k) {
     springnet::Node node = point({0.5 * k, 0.1 * (k % 2), 0}, 0.1, {0.3 * k, 0, 0.2});
     node.fixed = k == 0;
@@ -105,6 +105,11 @@ TEST_CASE("laws of the host have the bits of the same laws in plugins, in every 
             run(swinging({"linear", {{"stiffness", 61.0}}}, "@own"), host, single_sweep()).position(5));
     }
   }
+  // Which of the two neurons by default? None of the networks above asks, because their nodes say it.
+  Network unclear = swinging({"linear", {{"stiffness", 60.0}}}, "@own");
+  unclear.add_node(point({9, 9, 9}));
+  CHECK_THROWS_WITH(run(unclear, host, single_sweep()),
+                    doctest::Contains("2 plugins have a neuron 'point_mass': say which"));
   CHECK(broken > 0);  // the margin of the host's law is asked
 }
 
