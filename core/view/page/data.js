@@ -129,52 +129,38 @@
   }
   const nearby = frames_nearby();
 
-  // The magnitude that `share` of the values do not exceed: single peaks must not compress the colour scale.
-  function quantile(values, share) {
-    const sample = [];
-    const stride = Math.max(1, Math.floor(values.numbers / 200000));
-    const width = values.numbers / run.frames;
-    for (let k = 0; k < values.numbers; k += stride) {
-      if (nearby[Math.floor(k / width)]) sample.push(Math.abs(values.at(k)));
-    }
-    sample.sort(function (a, b) { return a - b; });
-    return sample.length ? sample[Math.min(sample.length - 1, Math.floor(share * sample.length))] : 0;
-  }
-  function largest(values) {
-    let max = 0;
-    for (let k = 0; k < values.numbers; ++k) max = Math.max(max, Math.abs(values.at(k)));
-    return max;
-  }
-  function range(values) {
-    const max = largest(values), common = quantile(values, 0.995);
-    return { max: max, shown: max > 0 ? s.round_up(common > 0 ? common : max) : 0 };
-  }
-  // Of one state over all springs that have it; `symmetric` if it has both signs.
-  function state_range(which) {
-    const own = [];
-    let low = 0;
-    for (let frame = 0; frame < run.frames; ++frame) {
-      if (!nearby[frame]) continue;
-      for (let k = 0; k < springs; ++k) {
-        const value = run.state(frame, k, which);
+  // Range of colours for numbers of all frames; null: no number. Single peaks must not compress the colour scale: it shows
+  // what 99.5 % of a sample of the magnitudes do not exceed. `symmetric` if there are both signs.
+  function range(per_frame, at) {
+    const numbers = run.frames * per_frame, stride = Math.max(1, Math.floor(numbers / 200000)), sample = [];
+    let max = 0, low = 0;
+    for (let frame = 0, k = 0; frame < run.frames; ++frame) {
+      for (let place = 0; place < per_frame; ++place, ++k) {
+        const value = at(frame, place);
         if (value === null) continue;
-        own.push(value);
+        max = Math.max(max, Math.abs(value));
         low = Math.min(low, value);
+        if (k % stride === 0 && nearby[frame]) sample.push(Math.abs(value));
       }
     }
-    const values = { numbers: own.length, at: function (k) { return own[k]; } };
-    const max = largest(values);
-    return { max: max, shown: max > 0 ? s.round_up(max) : 0, symmetric: low < 0 };
+    sample.sort(function (a, b) { return a - b; });
+    const common = sample.length ? sample[Math.min(sample.length - 1, Math.floor(0.995 * sample.length))] : 0;
+    return { max: max, shown: max > 0 ? s.round_up(common > 0 ? common : max) : 0, symmetric: low < 0 };
   }
-  run.tension_range = range(run.tensions);
-  run.speed_range = range(run.speeds);
+  function range_of(values) {
+    const width = values.numbers / run.frames;
+    return range(width, function (frame, k) { return values.at(frame * width + k); });
+  }
+  run.tension_range = range_of(run.tensions);
+  run.speed_range = range_of(run.speeds);
 
   // What colours show: value in s.shown.colour; `of_state`: number in about.states.
   const state_ranges = [];
   run.quantity = function (name) {
     if (name.startsWith("state")) {
       const which = Number(name.slice(5)), state = about.states[which];
-      const found = state_ranges[which] || (state_ranges[which] = state_range(which));
+      const found = state_ranges[which] || (state_ranges[which] =
+        range(springs, function (frame, k) { return run.state(frame, k, which); }));
       return { title: state.label, unit: state.unit, range: found, symmetric: found.symmetric, of_state: which };
     }
     const tension = name === "tension";

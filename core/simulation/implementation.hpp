@@ -1,0 +1,139 @@
+// What a simulation consists of, for the sources of Simulation's functions.
+#pragma once
+
+#include <cmath>
+#include <cstdint>
+#include <memory>
+#include <new>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include <fmt/format.h>
+
+#include <springnet/error.hpp>
+#include <springnet/simulation.hpp>
+
+#include "network/checks.hpp"
+#include "plugin_host/call.hpp"
+#include "simulation/engine.hpp"
+#include "simulation/host_table.hpp"
+
+namespace springnet {
+
+struct Simulation::Impl {
+  Impl(const Network& network, std::shared_ptr<const PluginHost> plugin_host, const SimulationOptions& given)
+      : plugins(std::move(plugin_host)),
+        options(given),
+        component(plugins->require(ComponentKind::integrator, given.integrator.id)),
+        engine(network, *plugins, given),
+        host(make_host_table(engine)) {
+    create_integrator();
+  }
+  ~Impl() { destroy_integrator(); }
+  Impl(const Impl&) = delete;
+  Impl& operator=(const Impl&) = delete;
+
+  // How a call of the integrator ended. `broken`: it violated plugin.h.
+  struct Ending {
+    springnet_status status = SPRINGNET_FAILED;
+    bool broken = false;
+    std::string text;  // why, unless the status is OK
+    // Only the text of an exception crosses the C ABI.
+    [[nodiscard]] bool out_of_memory() const {
+      return status != SPRINGNET_OK && (text == std::bad_alloc().what() || text == "out of memory");
+    }
+  };
+  template <class Function>
+  Ending call(const Function& function);
+  [[nodiscard]] std::string broken_by(std::string_view what) const {
+    return fmt::format("{}: {}", full_name_with_file(*component), what);
+  }
+  void create_integrator();
+  void destroy_integrator() noexcept;
+  void drop_history();
+  void advance(double until);
+  [[nodiscard]] std::uint32_t engine_node(NodeIndex node) const {
+    if (node >= engine.model().layout.node_count())
+      throw Error(ErrorKind::input, fmt::format("node {} does not exist: the network has nodes 0 to {}", node,
+                                                std::int64_t{engine.model().layout.node_count()} - 1));
+    return engine.model().layout.ordering().engine[node];
+  }
+  const layers::CompiledLaws::SignalInput& input(InputIndex number) const {
+    const auto& inputs = engine.model().layout.laws().inputs;
+    if (number >= inputs.size())
+      throw Error(ErrorKind::input,
+                  fmt::format("input signal {} does not exist: the network has {}", number, inputs.size()));
+    return inputs[number];
+  }
+  void check_spring(SpringIndex spring) const {
+    if (spring >= engine.model().layout.spring_count())
+      throw Error(ErrorKind::input, fmt::format("spring {} does not exist: the network has springs 0 to {}", spring,
+                                                static_cast<std::int64_t>(engine.model().layout.spring_count()) - 1));
+  }
+  // Of the element of a group at this place.
+  [[nodiscard]] std::vector<double> internal_states(std::size_t group, std::uint32_t place) const {
+    const layers::Layout& layout = engine.model().layout;
+    const layers::InternalLayout::OfGroup& own = layout.internal().group(group);
+    std::vector<double> states;
+    for (std::size_t j = 0; j < layout.laws().groups[group].state_count(); ++j)
+      states.push_back(engine.model().state.view.internal[own.first + j * own.count + place]);
+    return states;
+  }
+  void check_element(ElementIndex element) const {
+    if (element >= engine.model().layout.elements().count())
+      throw Error(ErrorKind::input, fmt::format("element {} does not exist: the network has {} elements", element,
+                                                engine.model().layout.elements().count()));
+  }
+  void check_surface_index(std::size_t surface) const {
+    if (surface >= engine.model().contact.obstacles().size())
+      throw Error(ErrorKind::input, fmt::format("surface {} does not exist: the network has {} planes and instruments",
+                                                surface, engine.model().contact.obstacles().size()));
+  }
+  void check_arrival(const Vector3& position, double until) const {
+    if (!position.allFinite() || !std::isfinite(until) || !(until > engine.model().time))
+      throw Error(ErrorKind::input,
+                  fmt::format("a motion to ({}, {}, {}) that ends at {}: the position must be finite, and the time "
+                              "after {}, which is now",
+                              position[0], position[1], position[2], checks::seconds(until),
+                              checks::seconds(engine.model().time)));
+  }
+  // Of a local force model, s.
+  [[nodiscard]] double local_time(double over) const {
+    constexpr double longest = 1e100;  // s
+    if (!(over >= 0.0 && over <= longest))
+      throw Error(ErrorKind::input, fmt::format("local force model: over must be 0 (the time step) to 1e100 s, is {}",
+                                                checks::seconds(over)));
+    return over > 0.0 ? over : options.time_step;
+  }
+  [[nodiscard]] const Obstacle& surface(std::size_t index) const {
+    check_surface_index(index);
+    return engine.model().contact.obstacles()[index];
+  }
+  // At the present time.
+  [[nodiscard]] Pose pose(std::size_t index) const { return surface(index).at(engine.model().now()); }
+  template <class Visit>
+  void for_each_touching(std::size_t index, Visit visit) const {
+    check_surface_index(index);
+    for (std::uint32_t k = 0; k < engine.model().layout.node_count(); ++k)
+      if (engine.model().contact.committed(k).has(static_cast<std::int32_t>(index))) visit(k);
+  }
+  [[nodiscard]] ConstNodeMap map(const springnet_vectors& v) const {
+    const std::uint32_t n = engine.model().layout.node_count();
+    return {v.x, 3, static_cast<Eigen::Index>(n), Eigen::OuterStride<>(static_cast<Eigen::Index>(pitch_of(n)))};
+  }
+
+  std::shared_ptr<const PluginHost> plugins;
+  SimulationOptions options;
+  std::shared_ptr<const Component> component;
+  mutable Engine engine;  // evaluates forces on demand
+  springnet_host host;
+  void* integrator = nullptr;
+  StepReport last;
+  std::uint64_t steps = 0, sweeps = 0;
+  // The next step ends at grid_start + (grid_steps + 1) time_step, so that rounding does not add up.
+  double grid_start = 0.0;
+  std::uint64_t grid_steps = 0;
+};
+
+}  // namespace springnet
