@@ -237,22 +237,71 @@ BENCHMARK(tearing)
     ->UseRealTime()
     ->Unit(benchmark::kMillisecond);
 
-// The same with laws that need an exponential or a power for each spring; linear ones beside them.
-void laws(benchmark::State& state, const LawUse& spring, const LawUse& viscosity) {
-  single_sweep_of(state, lattice(static_cast<std::uint32_t>(state.range(0)), spring, viscosity), 1);
-}
+// The same with other laws, beside linear ones: functions, internal states, signals, tables.
 const LawUse linear_spring{"linear", {{"stiffness", 100.0}}}, linear_damper{"linear", {{"damping", 0.1}}};
-BENCHMARK_CAPTURE(laws, linear, linear_spring, linear_damper)->ArgName("nodes_a_side")->Arg(4)->Arg(32)->UseRealTime();
-BENCHMARK_CAPTURE(laws, exponential, LawUse{"exponential", {{"stiffness", 100.0}, {"exponent", 3.0}}}, linear_damper)
-    ->ArgName("nodes_a_side")
-    ->Arg(4)
-    ->Arg(32)
-    ->UseRealTime();
-BENCHMARK_CAPTURE(laws, power, linear_spring, LawUse{"power", {{"damping", 0.1}, {"exponent", 1.7}}})
-    ->ArgName("nodes_a_side")
-    ->Arg(4)
-    ->Arg(32)
-    ->UseRealTime();
+const struct {
+  const char* name;
+  LawUse spring, viscosity = linear_damper;
+} other_laws[] = {
+    {"linear", linear_spring},
+    {"exponential", {"exponential", {{"stiffness", 100.0}, {"exponent", 3.0}}}},
+    {"power", linear_spring, {"power", {{"damping", 0.1}, {"exponent", 1.7}}}},
+    {"table", {"table", {}, {{"elongations", {-0.5, -0.1, 0.0, 0.1, 0.5}}, {"forces", {-60, -10, 0, 10, 60}}}}},
+    {"muscle", {"muscle", {{"strength", 10.0}}}},
+    {"maxwell", {"maxwell", {{"stiffness", 100.0}, {"relaxation_time", 0.1}}}},
+    {"standard_linear_solid",
+     {"standard_linear_solid", {{"stiffness", 50.0}, {"fast_stiffness", 50.0}, {"relaxation_time", 0.1}}}},
+    {"plastic",
+     {"plastic", {{"stiffness", 100.0}, {"yield_tension", 0.01}, {"hardening", 50.0}, {"relaxation_time", 0.1}}}},
+    {"damaging",
+     {"damaging",
+      {{"stiffness", 100.0}, {"threshold_strain", 1e-4}, {"softening_strain", 10.0}, {"relaxation_time", 0.1}}}},
+};
+
+springnet::Network lattice_of(std::uint32_t nodes_a_side, const LawUse& spring, const LawUse& viscosity) {
+  springnet::Network network = lattice(nodes_a_side, spring, viscosity);
+  if (spring.id != "muscle") return network;
+  springnet::Input activation;
+  activation.input = "activation";
+  for (springnet::SpringIndex k = 0; k < network.springs().size(); ++k) activation.springs.push_back(k);
+  activation.signal.mean = activation.signal.amplitude = 0.1;
+  activation.signal.frequency = 1.0;  // Hz
+  network.add_input(activation);
+  return network;
+}
+
+// Sweeps of Newton's method from one end of a step to the other; items_per_second counts sweeps of all springs.
+void newton_of(benchmark::State& state, const springnet::Network& network) {
+  const springnet::SimulationOptions options{
+      .time_step = 0.01,
+      .integrator = {"recurrent", {{"update", choice("recurrent", "update", "newton")}}},
+      .threads = 1};
+  springnet::Simulation simulation(network, plugins(), options);
+  simulation.step();
+  std::uint64_t sweeps = 0;
+  for ([[maybe_unused]] auto iteration : state) sweeps += simulation.step().sweeps;
+  state.SetItemsProcessed(static_cast<std::int64_t>(sweeps * simulation.spring_count()));
+}
+
+void register_laws() {
+  for (const auto& law : other_laws) {
+    const auto net = [&law](const benchmark::State& state) {
+      return lattice_of(static_cast<std::uint32_t>(state.range(0)), law.spring, law.viscosity);
+    };
+    benchmark::RegisterBenchmark((std::string("laws/") + law.name).c_str(),
+                                 [net](benchmark::State& state) { single_sweep_of(state, net(state), 1); })
+        ->ArgName("nodes_a_side")
+        ->Arg(4)
+        ->Arg(32)
+        ->UseRealTime();
+    benchmark::RegisterBenchmark((std::string("newton/") + law.name).c_str(),
+                                 [net](benchmark::State& state) { newton_of(state, net(state)); })
+        ->ArgName("nodes_a_side")
+        ->Arg(16)
+        ->UseRealTime()
+        ->Unit(benchmark::kMillisecond);
+  }
+}
 
 // Repeats the first 5 s of the cube's fall (touch-down at 0.9 s, deepest at 3.95 s), one step per iteration.
 void cube_steps(benchmark::State& state, const springnet::SimulationOptions& options) {
@@ -295,6 +344,7 @@ int main(int argc, char** argv) {
   benchmark::Initialize(&argc, argv);
   if (benchmark::ReportUnrecognizedArguments(argc, argv)) return 2;
   try {
+    register_laws();
     benchmark::RunSpecifiedBenchmarks();
   } catch (const springnet::Error& error) {
     benchmark::Shutdown();

@@ -69,7 +69,7 @@ TEST_CASE("examples are listed and copied, and the copies run") {
   const Answer list = testing::springnet(folder, "new --example");
   CHECK(list.status == 0);
   CHECK(list.err.empty());
-  for (const char* name : {"bladder", "cube", "host", "instruments", "plugin", "sheet", "tube"}) {
+  for (const char* name : {"bladder", "cube", "host", "instruments", "plugin", "sheet", "tube", "worm"}) {
     CAPTURE(name);
     CHECK(has(list.out, std::string("\n  ") + name + " "));
   }
