@@ -2,6 +2,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <map>
 #include <string>
 #include <utility>
 #include <vector>
@@ -120,10 +121,10 @@ Signal read_signal(const Table& table, const Files& files, const std::string& in
 }
 
 // Those selected, or all, as far as a law of theirs has the input.
-void read_members(const Table& table, const PluginHost& plugins, const Scene& scene, Input& input) {
+// reads: [material] whether a law of its has the input.
+void read_members(const Table& table, const std::vector<bool>& reads, const Scene& scene, Input& input) {
   const Network& network = scene.network;
   const auto select = table.find("select"), elements = table.find("elements");
-  const std::vector<bool> reads = layers::materials_reading(network, input.input, plugins);
   if (select) input.springs = select_springs(*select, network);
   if (elements) input.elements = select_elements(*elements, scene.elements);
   if (!select && !elements) {
@@ -141,13 +142,16 @@ void read_members(const Table& table, const PluginHost& plugins, const Scene& sc
 
 void read_inputs(const Table& root, const PluginHost& plugins, const Files& files, Scene& scene) {
   std::size_t selected = 0, values = 0;
+  std::map<std::string, std::vector<bool>> reads;  // of each input: by all its signals, of which there may be many
   for (const Value& value : root.tables("input")) {
     const Table table = value.table("input");
     Input input;
     const Value name = table.need("input");
     input.input = name.text();
     if (const auto given = table.find("name")) input.name = given->text();
-    read_members(table, plugins, scene, input);
+    const auto [known, is_new] = reads.try_emplace(input.input);
+    if (is_new) known->second = layers::materials_reading(scene.network, input.input, plugins);
+    read_members(table, known->second, scene, input);
     count_selected(value, input.springs.size() + input.elements.size(), selected);
     const Readers readers = name.at_this_place([&] { return layers::find_readers(scene.network, input, plugins); });
     input.signal = read_signal(table, files, input.input, readers);
