@@ -10,11 +10,16 @@
 namespace springnet::layers {
 namespace {
 
-// An energy that is a function of what the law's force acts along.
-bool has_energy(const Law& law) { return law.can(SPRINGNET_HAS_ENERGY) && !law.relative; }
+// An energy that is a function of what the law's force acts along, with its derivatives.
+bool has_energy(const Law& law) {
+  return law.can(SPRINGNET_HAS_ENERGY) && law.can(SPRINGNET_HAS_DERIVATIVES) && !law.relative;
+}
 
-// Of a spring function without an energy nobody knows what of its power is stored.
-bool is_known(const Law& law, std::size_t k) { return k == 1 || has_energy(law); }
+// Of a spring function without an energy, and of a law that has one without derivatives, nobody knows what of its power
+// is stored.
+bool is_known(const Law& law, std::size_t k) {
+  return has_energy(law) || (k == 1 && (law.relative || !law.can(SPRINGNET_HAS_ENERGY)));
+}
 
 // Where a law answers for some members, [law][member].
 struct Answers {

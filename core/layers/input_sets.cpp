@@ -32,8 +32,8 @@ const springnet_parameter* find_input(const Component& component, std::string_vi
 }
 
 std::string description_of(const Input& input) {
-  return input.name.empty() ? fmt::format("the signal for the input '{}'", input.input)
-                            : fmt::format("the input signal '{}'", input.name);
+  return input.name.empty() ? fmt::format("the signal for the input '{}'", printable(input.input))
+                            : fmt::format("the input signal '{}'", printable(input.name));
 }
 
 std::set<MaterialIndex> materials_of(const Network& network, const Input& input) {

@@ -2,6 +2,12 @@
 
 #include <Eigen/Dense>
 #include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include <fmt/format.h>
+
+#include <springnet/sdk/message.hpp>
 
 #include "layers/law_pair.hpp"
 
@@ -51,6 +57,30 @@ class Access {
   std::size_t size_;
 };
 
+// Whether states that a law gives are finite and, but for rounding, within the bounds that it declares; else the
+// message says which is not.
+bool are_within_bounds(const Law& law, const Access& access, const double (*states)[most], const char* when,
+                       const springnet_law_batch& call) {
+  constexpr double rounding = 1e-9, largest = std::numeric_limits<double>::max();
+  for (std::size_t j = 0; j < law.state_count; ++j) {
+    const springnet_parameter& state = *law.component->law().states[j];
+    const double slack = rounding * state.scale;
+    const double from = std::max(state.smallest - slack - rounding * std::abs(state.smallest), -largest);
+    const double to = std::min(state.largest + slack + rounding * std::abs(state.largest), largest);
+    const auto is_outside = [&](std::size_t i) { return !((states[j][i] >= from) & (states[j][i] <= to)); };
+    unsigned outside = 0;  // nearly always none: a loop that vectorises
+    for (std::size_t i = 0; i < call.count; ++i) outside |= static_cast<unsigned>(is_outside(i));
+    for (std::size_t i = 0; outside != 0 && i < call.count; ++i) {
+      if (!is_outside(i) || access.is_silent(i)) continue;
+      sdk::detail::write_message(
+          call.message,
+          fmt::format("its internal state '{}' {} {}, out of its bounds", state.name, when, states[j][i]).c_str());
+      return false;
+    }
+  }
+  return true;
+}
+
 springnet_status step(const InternalView& view, const Law& law, const Access& access, const double* const* start_inputs,
                       springnet_law_batch& call) {
   const springnet_law& functions = law.component->law();
@@ -73,6 +103,7 @@ springnet_status step(const InternalView& view, const Law& law, const Access& ac
   if (view.next != nullptr) update.next = next.first(law.state_count);
   const springnet_status status = functions.update(functions.context, &update);
   if (status != SPRINGNET_OK || view.next == nullptr) return status;
+  if (!are_within_bounds(law, access, next.values, "becomes", call)) return SPRINGNET_RECOVERABLE;
   for (std::size_t j = 0; j < law.state_count; ++j) access.scatter(next.values[j], j, view.next);
   return status;
 }
@@ -133,7 +164,9 @@ springnet_status begin_states(const Law& law, const Access& access, springnet_la
   call.force = nullptr;
   const springnet_status status =
       functions.start == nullptr ? springnet_status{SPRINGNET_OK} : functions.start(functions.context, &start);
-  for (std::size_t j = 0; status == SPRINGNET_OK && j < law.state_count; ++j) access.scatter(states.values[j], j, out);
+  if (status != SPRINGNET_OK) return status;
+  if (!are_within_bounds(law, access, states.values, "starts at", call)) return SPRINGNET_FAILED;
+  for (std::size_t j = 0; j < law.state_count; ++j) access.scatter(states.values[j], j, out);
   return status;
 }
 
@@ -158,7 +191,8 @@ springnet_status evaluate_with_states(const InternalSelection& internal, const L
   if (view->rates == nullptr) return functions.evaluate(functions.context, &call);
   Lists<max_states> rates;
   Lists<max_states> by_states;
-  const bool energies = view->energy_by_states != nullptr && law.can(SPRINGNET_HAS_ENERGY);
+  const bool energies =
+      view->energy_by_states != nullptr && law.can(SPRINGNET_HAS_ENERGY) && law.can(SPRINGNET_HAS_DERIVATIVES);
   call.state_rates = rates.first(law.state_count);
   if (energies) call.energy_by_states = by_states.first(law.state_count);
   const springnet_status status = functions.evaluate(functions.context, &call);

@@ -2,6 +2,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include <springnet/printable.hpp>
+
 #include "network/checks.hpp"
 
 namespace springnet {
@@ -17,6 +19,9 @@ void check_signal(const Signal& signal, const std::string& what) {
     for (std::size_t k = 0; k < signal.values.size(); ++k) {
       if (!std::isfinite(signal.values[k]))
         fail(fmt::format("{}: a value must be finite, entry {} of its table has {}", what, k, signal.values[k]));
+      if (k > 0 && !std::isfinite(signal.times[k] - signal.times[k - 1]))
+        fail(fmt::format("{}: entries {} and {} of its table are too far apart: their difference is not finite", what,
+                         k - 1, k));
     }
     for (std::size_t k = 1; k < signal.values.size() && signal.interpolation != Signal::Interpolation::hold; ++k) {
       const double step = signal.values[k] - signal.values[k - 1];
@@ -29,8 +34,9 @@ void check_signal(const Signal& signal, const std::string& what) {
       }
     }
   }
-  if (!(std::isfinite(signal.frequency) && signal.frequency >= 0.0))
-    fail(fmt::format("{}: its frequency must be a finite number of at least 0 Hz, is {}", what, signal.frequency));
+  constexpr double fastest = 1e300;  // Hz: its angular frequency is finite
+  if (!(signal.frequency <= fastest && signal.frequency >= 0.0))
+    fail(fmt::format("{}: its frequency must be from 0 to {} Hz, is {}", what, fastest, signal.frequency));
   for (const double value : {signal.mean, signal.amplitude, signal.phase}) {
     if (!std::isfinite(value))
       fail(fmt::format("{}: mean, amplitude and phase must be finite, one is {}", what, value));
@@ -49,10 +55,10 @@ void sort_members(std::vector<Index>& members, std::size_t count, const char* ki
 
 InputIndex Network::add_input(const Input& input) {
   if (input.input.empty()) fail("an input signal does not say which input of laws it is for: give `input`");
-  const std::string what = input.name.empty() ? fmt::format("the signal for the input '{}'", input.input)
-                                              : fmt::format("the input signal '{}'", input.name);
+  const std::string what = input.name.empty() ? fmt::format("the signal for the input '{}'", printable(input.input))
+                                              : fmt::format("the input signal '{}'", printable(input.name));
   if (!input.name.empty() && input_names_.contains(input.name))
-    fail(fmt::format("two input signals have the name '{}': rename one", input.name));
+    fail(fmt::format("two input signals have the name '{}': rename one", printable(input.name)));
   check_signal(input.signal, what);
   Input added = input;
   sort_members(added.springs, springs_.size(), "spring", what);

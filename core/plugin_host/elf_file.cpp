@@ -37,13 +37,18 @@ struct Version {
   std::uint32_t abi_major, abi_minor, needs_minor;
 };
 
-// Looks for the plugin's note in a segment of notes, which lies within the file. False: it cannot be read.
-bool find_note(std::ifstream& in, std::uint64_t begin, std::uint64_t size, std::optional<Version>& found) {
+// Of a file with more than these there are none to find: segments may overlap, each with notes by the million.
+constexpr std::size_t most_notes = 10'000;
+
+// Looks for the plugin's note in a segment of notes, which lies within the file. False: it cannot be read. read_before:
+// notes of this file.
+bool find_note(std::ifstream& in, std::uint64_t begin, std::uint64_t size, std::size_t& read_before,
+               std::optional<Version>& found) {
   constexpr std::uint64_t alignment = 4;
   const auto padded = [](std::uint64_t bytes) { return (bytes + alignment - 1) / alignment * alignment; };
   constexpr std::string_view name = SPRINGNET_NOTE_NAME;
   std::uint64_t at = 0;
-  while (within(at, sizeof(ElfW(Nhdr)), size)) {
+  while (within(at, sizeof(ElfW(Nhdr)), size) && read_before++ < most_notes) {
     ElfW(Nhdr) header;
     if (!read(in, begin + at, header)) return false;
     const std::uint64_t text = at + sizeof header, description = text + padded(header.n_namesz);
@@ -87,6 +92,7 @@ ElfCheck check_elf(const std::filesystem::path& file) {
   std::ifstream in(file, std::ios::binary);
   if (failed || !in) return {"it cannot be read", {}};
   std::optional<Version> note;
+  std::size_t notes = 0;
   ElfW(Ehdr) header;
   if (size < sizeof header) return {"file too short", {}};
   if (!read(in, 0, header)) return {"it cannot be read", {}};
@@ -102,7 +108,7 @@ ElfCheck check_elf(const std::filesystem::path& file) {
     if ((segment.p_type == PT_LOAD || segment.p_type == PT_NOTE) && !within(segment.p_offset, segment.p_filesz, size))
       return {truncated, {}};
     if (segment.p_type != PT_NOTE || note) continue;
-    if (!find_note(in, segment.p_offset, segment.p_filesz, note)) return {"it cannot be read", {}};
+    if (!find_note(in, segment.p_offset, segment.p_filesz, notes, note)) return {"it cannot be read", {}};
   }
   return {{}, judge(note)};
 }

@@ -115,7 +115,7 @@ HostComponent::HostComponent(const springnet_component& description, std::shared
 HostComponent HostComponent::renamed(const std::string& id) const {
   springnet_component other = copy_->component;
   other.id = id.c_str();
-  return {other, copy_};
+  return {other, copy_->owner};
 }
 
 const springnet_component& HostComponent::description() const noexcept { return copy_->component; }

@@ -101,4 +101,9 @@ TEST_CASE("a network refuses signals that are none") {
   CHECK(says(refusal(wave), "greatest value"));
   wave.frequency = -1;
   CHECK(says(refusal(wave), "frequency"));
+  wave.amplitude = 1;
+  wave.frequency = 1e308;  // times 2 pi it is infinite
+  CHECK(says(refusal(wave), "frequency"));
+  CHECK(says(refusal(table({-1e308, 1e308}, {0, 1}, linear)), "too far apart"));
+  CHECK(refusal(constant(2), "\x1b[2J").find('\x1b') == std::string::npos);
 }

@@ -1,9 +1,14 @@
 // Plugins as files: what is accepted, what is refused and with which words, and where files are searched.
 #include <algorithm>
+#include <chrono>
 #include <cstdlib>
 #include <filesystem>
+#include <fstream>
 #include <string>
 
+#if defined(__linux__)
+#include <link.h>
+#endif
 #include <sys/stat.h>
 
 #include <doctest/doctest.h>
@@ -172,6 +177,35 @@ TEST_CASE("a file without a note of this ABI is refused before it is opened: its
   CHECK(std::getenv(trace) != nullptr);
   unsetenv(trace);
 }
+
+#if defined(__linux__)
+TEST_CASE("a file whose segments are the same millions of notes is refused at once") {
+  constexpr std::size_t segments = 60'000, notes = 1'200'000;
+  ElfW(Ehdr) header{};
+  std::copy_n(ELFMAG, SELFMAG, header.e_ident);
+  header.e_ident[EI_CLASS] = ELFCLASS64;
+  header.e_phoff = sizeof header;
+  header.e_phentsize = sizeof(ElfW(Phdr));
+  header.e_phnum = segments;
+  ElfW(Phdr) segment{};
+  segment.p_type = PT_NOTE;
+  segment.p_offset = sizeof header + segments * sizeof segment;
+  segment.p_filesz = notes;
+  const springnet::testing::TemporaryFolder folder;
+  const fs::path file = folder.path() / "notes.springnet.so";
+  std::ofstream out(file, std::ios::binary);
+  out.write(reinterpret_cast<const char*>(&header), sizeof header);
+  for (std::size_t k = 0; k < segments; ++k) out.write(reinterpret_cast<const char*>(&segment), sizeof segment);
+  out << std::string(notes, '\0');
+  out.close();
+  PluginHost host;
+  const auto start = std::chrono::steady_clock::now();
+  CHECK_FALSE(host.load(file));
+  CHECK(std::chrono::steady_clock::now() - start < std::chrono::seconds(20));  // an hour if it read all of them
+  REQUIRE(host.refusals().size() == 1);
+  CHECK(contains(host.refusals()[0].reason, "it has no note"));
+}
+#endif
 
 TEST_CASE("a file that is not there is refused") {
   PluginHost host;

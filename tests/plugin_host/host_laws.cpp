@@ -142,6 +142,17 @@ TEST_CASE("what is refused is freed, and the host goes on") {
   CHECK(alive == 2);
 }
 
+TEST_CASE("a component keeps its object alone, however often it was renamed") {
+  int alive = 0;
+  {
+    HostComponent component = scaled(1.0, alive);
+    for (int k = 0; k < 200'000; ++k)
+      component = component.renamed("other");  // a chain of all would overflow the stack
+    CHECK(alive == 1);
+  }
+  CHECK(alive == 0);
+}
+
 TEST_CASE("an id that a plugin has, too, is ambiguous unless the plugin is named") {
   const auto host = shipped();
   host->add(spring_function(describe("linear", "twice as stiff", sdk::number("stiffness", "N/m", "half of it")),

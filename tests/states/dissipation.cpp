@@ -5,6 +5,8 @@
 #include <numeric>
 #include <random>
 
+#include <springnet/host_laws.hpp>
+
 #include <doctest/doctest.h>
 
 #include "law_call.hpp"
@@ -348,4 +350,52 @@ TEST_CASE("changes from outside and cuts between steps dissipate nothing") {
   simulation.advance_to(0.5);
   CHECK(simulation.dissipated_energy() == until_cut);
   CHECK(simulation.dissipated_power() == 0.0);
+}
+
+namespace {
+
+// Laws in C may leave out derivatives, and then have an energy all the same.
+springnet_status evaluate_without_derivatives(void*, const springnet_law_batch* batch) {
+  for (std::uint32_t i = 0; i < batch->count; ++i) {
+    const double x = batch->q[i] - batch->reference[batch->reference_stride * i];
+    if (batch->force != nullptr) batch->force[i] = 3.0 * x;
+    if (batch->energy != nullptr) batch->energy[i] = 1.5 * x * x;
+  }
+  return SPRINGNET_OK;
+}
+
+}  // namespace
+
+TEST_CASE("what a law with an energy but without derivatives dissipates is not known") {
+  springnet_law law{};
+  law.struct_size = sizeof law;
+  law.invariant = SPRINGNET_LENGTH;
+  law.update_order = 1;
+  law.largest_stretch = 10;
+  law.evaluate = evaluate_without_derivatives;
+  springnet_component component{};
+  component.struct_size = sizeof component;
+  component.id = "plain";
+  component.summary = component.reference = "";
+  component.capabilities = SPRINGNET_HAS_ENERGY | SPRINGNET_ACTS_IN_COMPRESSION;
+  component.implementation = &law;
+  const auto host = std::make_shared<PluginHost>(PluginHost::with_default_search());
+  for (const std::uint32_t kind : {SPRINGNET_SPRING_FUNCTION, SPRINGNET_VISCOSITY_FUNCTION}) {
+    component.kind = kind;
+    host->add(HostComponent(component, nullptr));
+  }
+  for (const bool viscosity : {false, true}) {
+    Network net;
+    net.add_node(point({0, 0, 0}, 1.0, {0.5, 0, 0}));
+    net.add_node(point({1, 0, 0}));
+    const LawUse plain{"plain", {}};
+    net.add_spring(0, 1, net.add_material(viscosity ? Material{hooke, plain} : Material{plain, std::nullopt}), 1.2);
+    Simulation simulation(net, host, with_energy(single_sweep(), 0.01));
+    simulation.advance_to(0.1);
+    CHECK(simulation.dissipated_energy() == 0.0);  // it counts as one without an energy
+    CHECK(simulation.dissipated_power() == 0.0);
+    std::vector<double> powers;
+    simulation.dissipations(powers);
+    CHECK(std::isnan(powers[0]));
+  }
 }

@@ -7,6 +7,7 @@
 
 #include <doctest/doctest.h>
 
+#include <springnet/error.hpp>
 #include <springnet/host_laws.hpp>
 
 // The sources of the plugins, for their classes alone.
@@ -156,5 +157,55 @@ TEST_CASE("a law of the host steps its states by its own update") {
     simulation.advance_to(end);
     CHECK(simulation.tension(0) ==
           doctest::Approx(k * x * std::exp(-end / tau)).epsilon(method.order == 0 ? 1e-6 : 1e-12));
+  }
+}
+
+namespace {
+
+// Its state leaves the bounds that it declares: with the start, or with the steps.
+struct Unbounded : sdk::SpringFunction {
+  using has = sdk::Has<sdk::Start, sdk::Update>;
+  static constexpr const char *id = "unbounded", *summary = "T = z";
+  static constexpr sdk::Parameter states[] = {
+      sdk::number("share", "1", "z").preset(0).at_least(0).at_most(1).learnable(0.1)};
+  double begin, rate;
+
+  static auto force(const auto& e, const auto&) { return e.state(0) + 0.0 * e.q; }
+  auto start(const auto& e, const auto&) const { return std::array{begin + 0.0 * e.q}; }
+  auto state_rates(const auto& e, const auto&) const { return std::array{rate + 0.0 * e.q}; }
+  auto update(const auto& e, const auto&, const auto& step) const {
+    return std::array{e.state(0) + step.duration * rate + 0.0 * e.q};
+  }
+};
+
+}  // namespace
+
+TEST_CASE("a state out of its bounds, or not a number, ends the run with an error that names law and state") {
+  for (const StateMethod& method : state_methods(1e-9)) {
+    CAPTURE(method.name);
+    const auto message = [&](double begin, double rate) -> std::string {
+      const auto host = std::make_shared<PluginHost>(PluginHost::with_default_search());
+      host->add(spring_function(Unbounded{{}, begin, rate}));
+      Network net;
+      net.add_node(point({0, 0, 0}));
+      net.add_node(point({1, 0, 0}));
+      net.add_spring(0, 1, net.add_material({LawUse{"unbounded", {}}, std::nullopt}), 1.0);
+      SimulationOptions options;
+      options.time_step = 0.02;
+      options.integrator = method.integrator;
+      try {
+        Simulation(net, host, options).advance_to(0.2);
+      } catch (const Error& error) {
+        return error.what();
+      }
+      return {};
+    };
+    CHECK(message(0, 4.9) == "");  // up to 0.98
+    for (const std::string& refused : {message(1.5, 0), message(std::nan(""), 0), message(0, 20)}) {
+      CAPTURE(refused);
+      CHECK(refused.find("'share'") != std::string::npos);
+    }
+    CHECK(message(1.5, 0).find("'unbounded' of plugin host failed: its internal state 'share' starts at 1.5") !=
+          std::string::npos);
   }
 }

@@ -23,7 +23,9 @@ constexpr std::uint64_t max_events_at_once = 16;
 
 // Whether two times differ by at most this many roundings.
 bool same_time(double a, double b, double roundings) noexcept {
-  return std::abs(b - a) <= roundings * std::numeric_limits<double>::epsilon() * std::max(std::abs(a), std::abs(b));
+  constexpr double least = 1e-100;  // s: products of shorter steps are 0
+  const double rounding = std::numeric_limits<double>::epsilon() * std::max(std::abs(a), std::abs(b));
+  return std::abs(b - a) <= std::max(roundings * rounding, least);
 }
 constexpr double shortest_step = 16.0;    // roundings: CVODE cannot step between closer times
 constexpr double root_accuracy = 1000.0;  // roundings: CVODE locates roots to 100 of the time and of the step
