@@ -54,7 +54,7 @@ void inspect_springs(const StartingNetwork& start, Inspection& result) {
     widen(result.length, springs[s].length);
     widen(result.rest_length, spring.rest_length);
     if (material.spring) widen(result.stiffness, springs[s].stiffness);
-    if (material.viscosity) widen(result.damping, springs[s].damping());
+    if (material.viscosity || springs[s].damping() != 0.0) widen(result.damping, springs[s].damping());
     const bool relaxed = std::abs(springs[s].length - spring.rest_length) <= 1e-9 * spring.rest_length;
     result.springs_under_load += material.spring && !relaxed ? 1 : 0;
   }

@@ -7,6 +7,7 @@
 #include <springnet/error.hpp>
 
 #include "layers/elements/invariant.hpp"
+#include "layers/elements/queries.hpp"
 #include "layers/kernels.hpp"
 #include "layers/springs/blocks.hpp"
 #include "layers/springs/queries.hpp"
@@ -33,6 +34,7 @@ Network at_rest(const Network& network, const std::vector<std::uint8_t>& free) {
   for (const Element& e : network.elements()) result.add_element(e.invariant, e.nodes, e.material, e.reference);
   for (const Rigid& rigid : network.rigids()) result.add_rigid(rigid.first, rigid.second, rigid.length);
   for (const Load& load : network.loads()) result.add_load(load);
+  for (const Input& input : network.inputs()) result.add_input(input);
   for (const Cut& cut : network.cuts())
     if (cut.time <= 0.0) result.add_cut(cut);
   result.set_gravity(network.gravity());
@@ -65,6 +67,7 @@ StartingNetwork::StartingNetwork(const Network& network, const PluginHost& plugi
     for (Eigen::Index c = 0; c < 3; ++c) coordinates_[c][engine_node(k)] = network.nodes()[k].position[c];
   nodes_ = {coordinates_[0].data(), coordinates_[1].data(), coordinates_[2].data(),
             zero_.data(),           zero_.data(),           zero_.data()};
+  if (survey_) nodes_.internal = survey_->engine().model().state.nodes().internal;  // else as laws declare
   linearise_springs();
   linearise_elements();
 }
@@ -140,12 +143,10 @@ void StartingNetwork::linearise_elements() {
     const layers::Group& group = layout_->laws().groups[elements.group(e)];
     if (!has_derivatives(group.spring) || !has_derivatives(group.viscosity)) continue;
     double force[2] = {0.0, 0.0}, by_q[2] = {0.0, 0.0}, by_rate[2] = {0.0, 0.0};
-    const double rate = 0.0;
     springnet_message message{};
-    const layers::LawBatch batch{group, 1, {nullptr, elements.row(e)}, &value, &rate};
     const layers::PairOutputs out{layers::LawOutputs{&force[0], &by_q[0], &by_rate[0]},
                                   layers::LawOutputs{&force[1], &by_q[1], &by_rate[1]}};
-    if (layers::evaluate_laws(batch, set, 0.0, out, message) != SPRINGNET_OK) continue;
+    if (layers::evaluate_element(*layout_, set, 0.0, nodes_, e, {value, 0.0}, out, message) != SPRINGNET_OK) continue;
     element.force = force[0] + force[1];
     element.stiffness = by_q[0] + by_q[1];
     element.damping = by_rate[0] + by_rate[1];

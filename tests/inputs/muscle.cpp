@@ -68,6 +68,8 @@ TEST_CASE("the slope over the speed is continuous where a muscle is at rest") {
   const double before = (at(0) - at(-d)) / d, after = (at(d) - at(0)) / d;
   CHECK(before == doctest::Approx(F * (1 + 1 / c)).epsilon(1e-4));
   CHECK(after == doctest::Approx(before).epsilon(1e-4));
+  for (const double v : {-1e-300, -0.0, 0.0, 1e-300})
+    CHECK(evaluate({{l0, v, 1.0}}).by_rate[0] == doctest::Approx(F * (1 + 1 / c) / (l0 * v_max)).epsilon(1e-14));
 }
 
 TEST_CASE("derivatives are those of the tension") {

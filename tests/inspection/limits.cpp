@@ -170,6 +170,33 @@ TEST_CASE("viscosity alone: t 2 d / m = 1; drag alone: t b / m = 1") {
   }
 }
 
+TEST_CASE("a muscle has the activation of its signal at the start: t^2 k / m + t d / m = 1") {
+  constexpr double F = 50.0, L = 0.8, l0 = 1.0 / L, w = 0.45, c = 0.25, fastest = 10.0;
+  for (const double activation : {0.0, 0.5, 1.0}) {
+    Network net;
+    net.add_node(testing::point({0, 0, 0}));
+    net.add_node(testing::point({1, 0, 0}));
+    net.fix(0);
+    net.add_spring(0, 1, net.add_material({LawUse{"muscle", {{"strength", F}}}, std::nullopt}), l0);
+    Input input;
+    input.input = "activation";
+    input.springs = {0};
+    input.signal.interpolation = Signal::Interpolation::hold;
+    input.signal.times = {-1, 0, 1};
+    input.signal.values = {0.25, activation, 0.75};
+    net.add_input(input);
+    // Shorter than its rest length: no passive tissue.
+    const double fibres = activation * F * std::exp(-(L - 1.0) * (L - 1.0) / w);
+    const double k = fibres * 2.0 * (1.0 - L) / w / l0;
+    const double d = (fibres * (1.0 + 1.0 / c) + 0.1 * F) / (fastest * l0);
+    const double limit = k > 0.0 ? (-d + std::sqrt(d * d + 4.0 * k)) / (2.0 * k) : 1.0 / d;
+    CHECK(limit_of(net, "synchronous").time_constant == doctest::Approx(limit).epsilon(tolerance));
+    const auto damping = inspect(net, *plugins(), {}).damping;
+    REQUIRE(damping);
+    CHECK(damping->largest == doctest::Approx(d));
+  }
+}
+
 TEST_CASE("two blocks with all diagonals, one of them dragged, have a limit") {
   Network net;
   const MaterialIndex material = net.add_material(testing::damped(100.0, 5.0));

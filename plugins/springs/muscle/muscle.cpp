@@ -55,9 +55,11 @@ struct Muscle : SpringFunction {
 
   // Of the fibres, over the speed in units of v_max.
   static auto force_of_speed(const auto& v, const auto& p) {
-    const auto shortening = max(1.0 + min(v, 0.0), 0.0) / (1.0 - min(v, 0.0) * (1.0 / p[curvature]));
+    // Where v is 0 only one of the two has the derivative of v.
+    const auto shorter = min(v, 0.0), longer = v - shorter;
+    const auto shortening = max(1.0 + shorter, 0.0) / (1.0 - shorter * (1.0 / p[curvature]));
     const auto more = p[lengthening_force] - 1.0;
-    const auto x = max(v, 0.0) * ((1.0 + 1.0 / p[curvature]) / more);
+    const auto x = longer * ((1.0 + 1.0 / p[curvature]) / more);
     return shortening + more * x / (1.0 + x);
   }
 
