@@ -41,7 +41,8 @@ class Reader {
   }
 
   [[noreturn]] void fail(std::string_view what) const {
-    throw Error(ErrorKind::input, fmt::format("{}:{}: {}", printable(name_, max_path_length), line_, what));
+    throw Error(ErrorKind::input,
+                fmt::format("{}:{}: {}", printable(name_, max_path_length), std::max(line_, 1u), what));
   }
   [[nodiscard]] std::uint32_t line() const noexcept { return line_; }
 
@@ -142,6 +143,7 @@ CsvColumns CsvTable::columns(const std::vector<std::string>& names) const {
     // Named as asked for: the same text, which is not from the file.
     fail(first_wrong->wrong_line, fmt::format("column '{}' {}", printable(first_wrong->name), first_wrong->wrong));
   }
+  result.file = printable(file_, max_path_length);
   result.lines = lines_;
   return result;
 }

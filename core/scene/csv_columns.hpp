@@ -19,7 +19,9 @@ inline constexpr std::size_t most_csv_cells = 20'000'000;
 
 struct CsvColumns {
   std::vector<std::vector<double>> values;  // [column][row], columns as asked for
-  std::vector<std::uint32_t> lines;         // [row] of the file, from 1: for messages
+  std::string file;                         // the place of a row in messages: "file:line"
+  std::vector<std::uint32_t> lines;         // [row], from 1
+  [[nodiscard]] std::string place(std::size_t row) const { return file + ":" + std::to_string(lines[row]); }
 };
 
 // A file, read once, whatever number of its columns is asked for. Messages quote nothing from the file: a scene may

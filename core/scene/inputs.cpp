@@ -74,12 +74,15 @@ void read_file(const Table& table, const Files& files, const std::string& input,
   if (times.size() < 2) file.fail(fmt::format("has {} rows below its header; give two or more", times.size()));
   for (std::size_t k = 1; k < times.size(); ++k) {
     if (!(times[k - 1] < times[k]))
-      file.fail(fmt::format("line {} of the file: times must increase; sort the rows, and give each time once",
-                            columns.lines[k]));
+      file.fail(fmt::format("{}: times must increase; sort the rows, and give each time once", columns.place(k)));
   }
-  for (std::size_t k = 0; k < times.size(); ++k)
-    check_value_at(file, readers, columns.values[1][k],
-                   fmt::format("line {} of the file: the value", columns.lines[k]));
+  for (std::size_t k = 0; k < times.size(); ++k) {
+    const auto refuses = [value = columns.values[1][k]](const layers::InputReader& reader) {
+      return !check_value(*reader.declared, value).empty();
+    };
+    if (std::any_of(readers.begin(), readers.end(), refuses))  // a text only then: there may be a million rows
+      check_value_at(file, readers, columns.values[1][k], columns.place(k) + ": the value");
+  }
   signal.times = std::move(columns.values[0]);
   signal.values = std::move(columns.values[1]);
 }

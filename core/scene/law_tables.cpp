@@ -22,8 +22,7 @@ std::vector<double> read_column(const Table& given, const springnet_table& decla
   const std::string name = column ? column->text() : declared.name;
   CsvColumns read = files.csv_columns(file, {name});
   if (const auto wrong = check_table(declared, read.values[0])) {
-    const std::string line = wrong->row ? fmt::format(":{}", read.lines[*wrong->row]) : std::string();
-    file.fail(fmt::format("{}{}: column '{}' {}", printable(files.resolve(file).string(), 200), line, printable(name),
+    file.fail(fmt::format("{}: column '{}' {}", wrong->row ? read.place(*wrong->row) : read.file, printable(name),
                           wrong->what));
   }
   return std::move(read.values[0]);

@@ -24,16 +24,16 @@ void check_finite(const Vector3& value, std::string_view what) {
 
 void Simulation::set_force(NodeIndex node, const Vector3& force) {
   check_finite(force, fmt::format("force on node {}", node));
-  impl_->engine.model().loads.set_host_force(impl_->engine_node(node), force);
+  impl_->between_steps().engine.model().loads.set_host_force(impl_->engine_node(node), force);
   impl_->engine.model().changed();
 }
 void Simulation::set_gravity(const Vector3& acceleration) {
   check_finite(acceleration, "gravity");
-  impl_->engine.model().loads.set_gravity(acceleration);
+  impl_->between_steps().engine.model().loads.set_gravity(acceleration);
   impl_->engine.model().changed();
 }
 void Simulation::set_input(InputIndex input, double value) {
-  Model& model = impl_->engine.model();
+  Model& model = impl_->between_steps().engine.model();
   layers::check_input_value(impl_->input(input).readers, value, fmt::format("value of input signal {}:", input));
   model.layout.signals().hold(input, value);
   model.changed();
@@ -67,7 +67,7 @@ void Simulation::set_position(NodeIndex node, const Vector3& position) {
                   fmt::format("position of node {}: it is {:.3g} m {} {}; move it outside, or fix the node first", node,
                               -distance, contact.obstacles()[j].is_plane() ? "behind" : "inside", contact.name_of(j)));
   }
-  springnet::set_node(impl_->engine.model(), k, position, std::nullopt);
+  springnet::set_node(impl_->between_steps().engine.model(), k, position, std::nullopt);
 }
 void Simulation::set_velocity(NodeIndex node, const Vector3& velocity) {
   check_finite(velocity, fmt::format("velocity of node {}", node));
@@ -75,39 +75,39 @@ void Simulation::set_velocity(NodeIndex node, const Vector3& velocity) {
   if (impl_->engine.model().contact.fixed()[k] != 0)
     throw Error(ErrorKind::input,
                 fmt::format("node {} is fixed and has no velocity; set_fixed(node, false) first", node));
-  springnet::set_node(impl_->engine.model(), k, std::nullopt, velocity);
+  springnet::set_node(impl_->between_steps().engine.model(), k, std::nullopt, velocity);
 }
 void Simulation::set_fixed(NodeIndex node, bool fixed) {
-  springnet::set_fixed(impl_->engine.model(), impl_->engine_node(node), fixed);
+  springnet::set_fixed(impl_->between_steps().engine.model(), impl_->engine_node(node), fixed);
 }
 void Simulation::move_surface(std::size_t surface, const Vector3& position, double time) {
   impl_->check_surface_index(surface);
   impl_->check_arrival(position, time);
-  springnet::move_surface(impl_->engine.model(), surface, position, time);
+  springnet::move_surface(impl_->between_steps().engine.model(), surface, position, time);
 }
 void Simulation::move_node(NodeIndex node, const Vector3& position, double time) {
   impl_->check_arrival(position, time);
-  springnet::move_node(impl_->engine.model(), impl_->engine_node(node), position, time);
+  springnet::move_node(impl_->between_steps().engine.model(), impl_->engine_node(node), position, time);
 }
 LocalForce Simulation::local_force(NodeIndex node, double over) {
   const std::uint32_t k = impl_->engine_node(node);
   if (impl_->engine.model().contact.fixed()[k] == 0)
     throw Error(ErrorKind::input, fmt::format("node {} is free: nothing holds it; set_fixed or move_node first", node));
-  const double step = impl_->local_time(over);
+  const double step = impl_->between_steps().local_time(over);
   return {time(), position(node), -reaction(node), impl_->engine.local_force().stiffness_of_node(k, step)};
 }
 LocalForce Simulation::local_surface_force(std::size_t surface, double over) {
   impl_->check_surface_index(surface);
-  const double step = impl_->local_time(over);
+  const double step = impl_->between_steps().local_time(over);
   return {time(), surface_position(surface), surface_force(surface),
           impl_->engine.local_force().stiffness_of_surface(surface, step)};
 }
 std::size_t Simulation::cut(const std::vector<SpringIndex>& springs) {
   for (const SpringIndex s : springs) impl_->check_spring(s);
-  return impl_->engine.topology().cut(springs);
+  return impl_->between_steps().engine.topology().cut(springs);
 }
 std::size_t Simulation::cut_polygon(const std::vector<Vector3>& corners) {
-  return impl_->engine.topology().cut(CuttingPolygon(corners));
+  return impl_->between_steps().engine.topology().cut(CuttingPolygon(corners));
 }
 
 }  // namespace springnet

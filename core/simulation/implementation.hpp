@@ -46,6 +46,15 @@ struct Simulation::Impl {
   };
   template <class Function>
   Ending call(const Function& function);
+  // For steps and changes, which laws and integrators must not ask for while they are called.
+  Impl& between_steps() {
+    if (in_step)
+      throw Error(
+          ErrorKind::input,
+          "a simulation cannot be stepped or changed within its own step, by a law, neuron or integrator: do it "
+          "between two steps");
+    return *this;
+  }
   [[nodiscard]] std::string broken_by(std::string_view what) const {
     return fmt::format("{}: {}", full_name_with_file(*component), what);
   }
@@ -131,6 +140,7 @@ struct Simulation::Impl {
   void* integrator = nullptr;
   StepReport last;
   std::uint64_t steps = 0, sweeps = 0;
+  bool in_step = false;  // a call of the integrator
   // The next step ends at grid_start + (grid_steps + 1) time_step, so that rounding does not add up.
   double grid_start = 0.0;
   std::uint64_t grid_steps = 0;

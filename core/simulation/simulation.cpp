@@ -40,6 +40,11 @@ template <class Function>
 Simulation::Impl::Ending Simulation::Impl::call(const Function& function) {
   engine.model().journal.message.text[0] = '\0';
   Ending end;
+  struct Guard {
+    bool& in_step;
+    ~Guard() { in_step = false; }
+  } const guard{in_step};
+  in_step = true;
   try {
     end.status = function();
     if (end.status == SPRINGNET_OK) return end;
@@ -181,7 +186,7 @@ Simulation::Simulation(Simulation&&) noexcept = default;
 Simulation& Simulation::operator=(Simulation&&) noexcept = default;
 
 const StepReport& Simulation::step() {
-  impl_->last = {};
+  impl_->between_steps().last = {};
   const double until = impl_->grid_start + static_cast<double>(impl_->grid_steps + 1) * impl_->options.time_step;
   impl_->advance(until);
   ++impl_->grid_steps;
@@ -194,13 +199,13 @@ const StepReport& Simulation::step_within(double seconds) {
   struct Guard {
     Deadline& deadline;
     ~Guard() { deadline.clear(); }
-  } const guard{impl_->engine.model().deadline};
+  } const guard{impl_->between_steps().engine.model().deadline};
   guard.deadline.set(seconds);
   return step();
 }
 
 const StepReport& Simulation::advance_to(double until) {
-  Impl& impl = *impl_;
+  Impl& impl = impl_->between_steps();
   if (!(until >= time()) || !std::isfinite(until))
     throw Error(ErrorKind::input,
                 fmt::format("cannot advance from {} to {}", checks::seconds(time()), checks::seconds(until)));
@@ -225,6 +230,6 @@ const StepReport& Simulation::advance_to(double until) {
   return impl.last;
 }
 
-void Simulation::drop_history() { impl_->drop_history(); }
+void Simulation::drop_history() { impl_->between_steps().drop_history(); }
 
 }  // namespace springnet

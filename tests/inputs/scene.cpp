@@ -106,7 +106,7 @@ TEST_CASE("signals from a CSV file") {
   says(refusal("input = 'tension'\nfile = 'none.csv'", folder.path()), "none.csv");
   says(refusal("input = 'tension'\nfile = '../emg.csv'", folder.path()), "scene.toml:24:8");
   std::ofstream(folder.path() / "back.csv") << "time,tension\n0,1\n1,2\n0.5,3\n";
-  says(refusal("input = 'tension'\nfile = 'back.csv'", folder.path()), "line 4 of the file: times must increase");
+  says(refusal("input = 'tension'\nfile = 'back.csv'", folder.path()), "back.csv:4: times must increase");
   std::ofstream(folder.path() / "one.csv") << "time,tension\n0,1\n";
   says(refusal("input = 'tension'\nfile = 'one.csv'", folder.path()), "two or more");
   std::ofstream(folder.path() / "text.csv") << "time,tension\n0,1\n1,much\n";

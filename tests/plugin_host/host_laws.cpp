@@ -264,6 +264,43 @@ TEST_CASE("what a law of the host throws ends the step with an error that names 
   }
 }
 
+TEST_CASE("a law cannot step or change the simulation that evaluates it") {
+  const std::vector<std::pair<const char*, std::function<void(Simulation&)>>> misdeeds{
+      {"step", [](Simulation& own) { own.step(); }},
+      {"advance_to", [](Simulation& own) { own.advance_to(9.0); }},
+      {"drop_history", [](Simulation& own) { own.drop_history(); }},
+      {"set_force",
+       [](Simulation& own) {
+         own.set_force(1, {0, 0, 1});
+       }},
+      {"set_velocity",
+       [](Simulation& own) {
+         own.set_velocity(1, {0, 0, 1});
+       }},
+      {"cut", [](Simulation& own) { own.cut({0}); }}};
+  for (const auto& [name, misdeed] : misdeeds) {
+    CAPTURE(name);
+    Simulation* running = nullptr;
+    const auto host = shipped();
+    host->add(spring_function(describe("meddling", "changes what evaluates it"),
+                              [&running, &does = misdeed](const auto& e, const auto&) {
+                                if (running != nullptr) does(*running);
+                                return 3.0 * e.q;
+                              }));
+    SimulationOptions given = options();
+    given.threads = 1;
+    Simulation simulation(hanging({"meddling", {}}), host, given);
+    simulation.step();
+    running = &simulation;
+    CHECK_THROWS_WITH(
+        simulation.step(),
+        doctest::Contains(
+            "'meddling' of plugin host failed: a simulation cannot be stepped or changed within its own step"));
+    running = nullptr;
+    CHECK_NOTHROW(simulation.step());
+  }
+}
+
 namespace {
 
 // A law as a binding of another language makes it: functions in C with a context, and one that frees the context.

@@ -59,7 +59,7 @@ TEST_CASE("a header line alone has no rows; one column may be asked for") {
 }
 
 TEST_CASE("what is wrong is told with its line, and nothing of the file is quoted") {
-  CHECK(has_facts(refusal(""), "a.csv: | header line"));
+  CHECK(has_facts(refusal(""), "a.csv:1: | header line"));
   CHECK(has_facts(refusal("# nothing\n\n"), "a.csv:2: | header line"));
   CHECK(has_facts(refusal("\ntime,secret\n"), "a.csv:2: | no column | 'value' | 2 names"));
   CHECK(has_facts(refusal("time,value,time\n"), "a.csv:1: | two columns | 'time'"));
