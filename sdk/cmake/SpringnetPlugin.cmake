@@ -61,9 +61,9 @@ endfunction()
 function(springnet_add_law_flags target)
   # Without contraction a kernel gives the same bits for every instruction set and tile size. The loops of laws vectorise
   # only if a square root need not set errno and what is computed for a branch not taken need not be hidden, and if a
-  # long formula is compiled into them: gnu::flatten keeps to GCC's limit for inlined functions.
+  # long formula is compiled into them: gnu::flatten keeps to the limits of GCC for inlined functions and their files.
   target_compile_options(${target} PRIVATE -ffp-contract=off -fno-math-errno -fno-trapping-math
-    $<$<CXX_COMPILER_ID:GNU>:--param=max-inline-insns-single=20000>)
+    $<$<CXX_COMPILER_ID:GNU>:--param=max-inline-insns-single=20000 --param=inline-unit-growth=10000>)
 endfunction()
 
 function(_springnet_plugin_flags target)
