@@ -23,7 +23,8 @@ InternalLayout::InternalLayout(const CompiledLaws& laws, const std::vector<std::
     group.first = count_;
     for (const Law* const law : laws.groups[g].laws()) {
       for (std::size_t j = 0; j < law->state_count && group.count > 0; ++j) {
-        ranges_.push_back({sizeof(springnet_internal_range), 0, count_, group.count, law->component->law().states[j]});
+        ranges_.push_back({sizeof(springnet_internal_range), 0, count_, group.count, law->component->law().states[j],
+                           law->component->description->id});
         count_ += group.count;
       }
       own_updates_ = own_updates_ || (law->state_count > 0 && law->reads_start);

@@ -19,7 +19,7 @@
   check(springnet_neuron_model, evaluate, 24)           \
   check(springnet_state, reserved, 96)                  \
   check(springnet_internal, rates, 40)                  \
-  check(springnet_internal_range, state, 32)            \
+  check(springnet_internal_range, law, 40)              \
   check(springnet_network, internal_range_count, 184)   \
   check(springnet_evaluation, free_acceleration, 176)   \
   check(springnet_node_batch, reserved, 96)             \

@@ -31,8 +31,9 @@ const double* Equations::within_bounds(const double* internal) {
     for (std::uint64_t i = range.first; i < range.first + range.count; ++i) {
       const double inside = std::clamp(bounded_[i], range.state->smallest, range.state->largest);
       if (!(std::abs(bounded_[i] - inside) <= allowed + slack * tolerances_.relative * std::abs(inside)))
-        throw sdk::Failure(std::string("the internal state '") + range.state->name + "' of a law left its bounds",
-                           SPRINGNET_RECOVERABLE);
+        throw sdk::Failure(
+            std::string("the internal state '") + range.state->name + "' of '" + range.law + "' left its bounds",
+            SPRINGNET_RECOVERABLE);
       bounded_[i] = inside;
     }
   }

@@ -49,6 +49,7 @@ typedef struct springnet_internal_range {
   uint32_t reserved;
   uint64_t first, count;
   const springnet_parameter* state; /* name, unit, bounds, and scale for tolerances */
+  const char* law;                  /* id, for messages */
 } springnet_internal_range;
 
 /* The network as an integrator sees it. `revision` increases with every change after which a multistep method must

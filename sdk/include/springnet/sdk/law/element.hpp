@@ -19,10 +19,11 @@ struct NoTable {};
 // (e.time).
 struct ReadsRateIsNotDeclared {};
 struct ReadsTimeIsNotDeclared {};
-// Numbers of such elements. No formula that is evaluated has as many derivatives: a law's step has 2 + 8 at most.
+// Numbers of such elements. No formula that is evaluated has as many derivatives: the equations of a step have 2 + 8 + 8
+// at most.
 inline constexpr std::size_t max_states = 8;
-using Rateless = Dual<max_states + 3>;
-using Timeless = Dual<max_states + 4>;
+using Rateless = Dual<3 * max_states>;
+using Timeless = Dual<3 * max_states + 1>;
 
 // The inputs of a law for one element, besides its parameters. Table: what the law's prepare() returns.
 template <class Real, class Table = NoTable>
