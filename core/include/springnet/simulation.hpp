@@ -217,9 +217,10 @@ class SPRINGNET_API Simulation {
   // start, J (nan unless SimulationOptions::dissipated_energy). Over each committed step it is
   //   (R0 + R1) (q1 - q0) / 2 - (dE/dz0 + dE/dz1) (z1 - z0) / 2,   R = Q - dE/dq,
   // for laws along the relative velocity the trapezoidal rule over the power: second order in the step, and bounded for
-  // however stiff damping and relaxation. Where no loads, moved nodes, input signals, contacts, drag of neurons or removed springs do
-  // work, kinetic_energy() + potential_energy() + dissipated_energy() is constant to the order of the integrator, at
-  // most the second in the time step; that includes cvode, whose states between the ends of time steps it does not see.
+  // however stiff damping and relaxation. Where no loads, moved nodes, input signals, contacts, drag of neurons or
+  // removed springs do work, kinetic_energy() + potential_energy() + dissipated_energy() is constant to the order of
+  // the integrator, at most the second in the time step; that includes cvode, whose states between the ends of time
+  // steps it does not see.
   [[nodiscard]] double dissipated_power() const;
   [[nodiscard]] double dissipated_energy() const noexcept;
   [[nodiscard]] Vector3 momentum() const;          // kg m/s

@@ -19,8 +19,8 @@ struct NoTable {};
 // (e.time).
 struct ReadsRateIsNotDeclared {};
 struct ReadsTimeIsNotDeclared {};
-// Numbers of such elements. No formula that is evaluated has as many derivatives: the equations of a step have 2 + 8 + 8
-// at most.
+// Numbers of such elements. No formula that is evaluated has as many derivatives: those of a step have at most two for
+// each state, and two more.
 inline constexpr std::size_t max_states = 8;
 using Rateless = Dual<3 * max_states>;
 using Timeless = Dual<3 * max_states + 1>;
