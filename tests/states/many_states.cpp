@@ -1,11 +1,13 @@
-// Laws with any number of internal states that a law may have, and states that cannot be found.
+// Laws with any number of internal states that a law may have.
+#include <array>
 #include <cmath>
-#include <string>
+#include <cstddef>
+#include <memory>
 #include <utility>
+#include <vector>
 
 #include <doctest/doctest.h>
 
-#include <springnet/error.hpp>
 #include <springnet/host_laws.hpp>
 
 #include "methods.hpp"
@@ -101,63 +103,4 @@ void check_relaxing() {
 TEST_CASE("laws with one to eight states relax as their closed forms, in every integrator") {
   [&]<std::size_t... N>(std::index_sequence<N...>) { (check_relaxing<N + 1>(), ...); }
   (std::make_index_sequence<most>());
-}
-
-namespace {
-
-// z' = z^2: a backward Euler step of h from z has a solution if 4 h z <= 1.
-struct Growing : sdk::SpringFunction {
-  static constexpr const char *id = "growing", *summary = "T = z";
-  static constexpr sdk::Parameter states[] = {
-      sdk::number("growth", "N", "z").preset(1).at_least(0).at_most(50).learnable(1)};
-  static auto force(const auto& e, const auto&) { return e.state(0) + 0.0 * e.q; }
-  static auto state_rates(const auto& e, const auto&) { return std::array{e.state(0) * e.state(0)}; }
-};
-
-// The steps of "adapt": halves of halves, until there is a solution.
-double grow(double z, double duration) {
-  if (4.0 * duration * z > 1.0) return grow(grow(z, duration / 2), duration / 2);
-  return (1.0 - std::sqrt(1.0 - 4.0 * duration * z)) / (2.0 * duration);
-}
-
-Simulation growing(double unsettled) {
-  const auto host = std::make_shared<PluginHost>(PluginHost::with_default_search());
-  host->add(spring_function(Growing{}));
-  SimulationOptions options;
-  options.time_step = 0.2;
-  options.integrator = recurrent(newton, 1e-9, {{"unsettled", unsettled}});
-  return {held({"growing", {}}), host, options};
-}
-
-}  // namespace
-
-TEST_CASE("where a state cannot be found, adapt divides the step, and error says whose it is and keeps what there is") {
-  constexpr double error = 0, adapt = 2;
-  Simulation divided = growing(adapt);
-  double z = 1.0;
-  for (int k = 0; k < 3; ++k) {
-    divided.step();
-    z = grow(z, 0.2);
-    CHECK(divided.internal_states(0)[0] == doctest::Approx(z).epsilon(1e-10));
-  }
-  CHECK(divided.time() == doctest::Approx(0.6));
-
-  Simulation stopped = growing(error);
-  stopped.step();
-  const double first = grow(1.0, 0.2);
-  CHECK(stopped.internal_states(0)[0] == doctest::Approx(first).epsilon(1e-10));
-  std::string message;
-  try {
-    stopped.step();
-  } catch (const Error& failure) {
-    CHECK(failure.kind() == ErrorKind::simulation);
-    message = failure.what();
-  }
-  INFO(message);
-  for (const char* part : {"0.2 s", "'growing'", "'growth'", "spring 0", "adapt"}) {
-    CAPTURE(part);
-    CHECK(message.find(part) != std::string::npos);
-  }
-  CHECK(stopped.time() == doctest::Approx(0.2));
-  CHECK(stopped.internal_states(0)[0] == doctest::Approx(first).epsilon(1e-10));
 }
