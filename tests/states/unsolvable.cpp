@@ -137,19 +137,16 @@ TEST_CASE("without adapt the run ends with an error that names law, spring and t
     CAPTURE(summary.error);
     CHECK(has_all(summary.error, {"'runaway'", "spring 1", "internal state"}));
     CHECK(summary.simulated == doctest::Approx(static_cast<double>(steps) * h));
-    MESSAGE(summary.error);
 
     if (method.integrator.id != "recurrent") continue;
     const TemporaryFolder whole;
     const RunSummary adapted =
-        run_scene(scene_with(*host, dividing(method.integrator), h, duration), host, {whole.path(), "runaway", {}});
+        run_scene(scene_with(*host, dividing(method.integrator), h, static_cast<double>(steps + 1) * h), host,
+                  {whole.path(), "runaway", {}});
     CAPTURE(adapted.error);
     CHECK_FALSE(adapted.failure);
     const Csv states = read_csv(whole.path() / "states.csv");
-    REQUIRE(states.rows.size() == 16);
-    for (std::size_t k = steps; k < 15; ++k) {
-      CHECK(states.number(k, 5) == doctest::Approx(z).epsilon(1e-8));
-      z = divided(method.order, z, h);
-    }
+    REQUIRE(states.rows.size() == steps + 2);
+    CHECK(states.number(steps + 1, 5) == doctest::Approx(divided(method.order, z, h)).epsilon(1e-8));
   }
 }
