@@ -14,6 +14,10 @@ using namespace checks;
 void check_signal(const Signal& signal, const std::string& what) {
   const bool table = !signal.times.empty() || !signal.values.empty();
   if (table && signal.frequency != 0.0) fail(fmt::format("{} has a table and a frequency: give one", what));
+  using enum Signal::Interpolation;
+  if (signal.interpolation != hold && signal.interpolation != linear && signal.interpolation != cubic)
+    fail(fmt::format("{} has the unknown interpolation {}: give hold, linear or cubic", what,
+                     static_cast<int>(signal.interpolation)));
   if (table) {
     check_times(signal.times, signal.values.size(), "values", what);
     for (std::size_t k = 0; k < signal.values.size(); ++k) {
@@ -23,7 +27,7 @@ void check_signal(const Signal& signal, const std::string& what) {
         fail(fmt::format("{}: entries {} and {} of its table are too far apart: their difference is not finite", what,
                          k - 1, k));
     }
-    for (std::size_t k = 1; k < signal.values.size() && signal.interpolation != Signal::Interpolation::hold; ++k) {
+    for (std::size_t k = 1; k < signal.values.size() && signal.interpolation != hold; ++k) {
       const double step = signal.values[k] - signal.values[k - 1];
       // Three times as much stands in Hermite's cubic.
       if (!std::isfinite(3.0 * step) || !std::isfinite(3.0 * (step / (signal.times[k] - signal.times[k - 1])))) {

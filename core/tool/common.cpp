@@ -104,6 +104,7 @@ void PluginArguments::add_to(CLI::App& command) {
                   "repeated")
       ->type_name("DIR")
       ->expected(1)
+      ->allow_extra_args(false)  // else the scene after the folder counts as another folder
       ->multi_option_policy(CLI::MultiOptionPolicy::TakeAll);
 }
 
@@ -185,6 +186,7 @@ void SceneArguments::add_to(CLI::App& command, bool simulation) {
   command.add_option("--set", sets, "Replace or add a key of the scene; the value is TOML. May be repeated")
       ->type_name("KEY=VALUE")
       ->expected(1)
+      ->allow_extra_args(false)  // else the scene after it counts as another change
       ->multi_option_policy(CLI::MultiOptionPolicy::TakeAll);
   command.add_flag("--allow-outside", allow_outside,
                    "Allow the scene to name files outside its folder, directly or through links");

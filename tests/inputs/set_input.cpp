@@ -90,6 +90,7 @@ TEST_CASE("a network refuses signals that are none") {
   CHECK(says(refusal(table({0}, {0}, linear)), "two entries"));
   CHECK(says(refusal(table({0, 1}, {0, std::numeric_limits<double>::infinity()}, linear)), "entry 1"));
   CHECK(says(refusal(table({0, 1}, {0, 60}, linear)), "entry 1 of its table must be at most 50"));
+  CHECK(says(refusal(table({0, 1}, {0, 1}, static_cast<Signal::Interpolation>(9))), "unknown interpolation 9"));
   CHECK(says(refusal(constant(2), ""), "give `input`"));
   CHECK(says(refusal(constant(2), "tensions"), "did you mean 'tension'"));
   CHECK(says(refusal(constant(2), "tension", {}), "for no spring"));

@@ -106,6 +106,8 @@ TEST_CASE("a folder without plugins is noted") {
   folder.write("mine/readme.txt", "to come");
   const std::string note = "There is no plugin (*.springnet.so) in mine";
   CHECK(testing::springnet(folder, "run pair.toml --plugins mine").out.find("note: " + note) != std::string::npos);
+  CHECK(testing::springnet(folder, "run --plugins mine --set 'simulation.time_step=0.1' pair.toml")
+            .out.find("note: " + note) != std::string::npos);
   CHECK(testing::springnet(folder, "plugin list --plugins mine").out.find(note) != std::string::npos);
   CHECK(has(testing::springnet(folder, "run pair.toml --json --plugins mine").json()["notes"], note));
   // One that is not there at all as well.
