@@ -31,6 +31,13 @@ inline void check_finite(const Vector3& v, std::string_view what) {
   if (!v.allFinite()) fail(fmt::format("{} must be finite, is {}", what, text(v)));
 }
 
+// A program may have cast any number to it.
+inline void check_interpolation(Motion::Interpolation interpolation, std::string_view what) {
+  if (interpolation != Motion::Interpolation::linear && interpolation != Motion::Interpolation::smooth)
+    fail(fmt::format("{} has the unknown interpolation {}: give linear or smooth", what,
+                     static_cast<int>(interpolation)));
+}
+
 // Sorts and removes duplicates.
 inline void sort(std::vector<NodeIndex>& nodes) {
   std::sort(nodes.begin(), nodes.end());

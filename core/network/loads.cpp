@@ -16,6 +16,7 @@ void check_course(const Course& course) {
   const bool sinusoid = course.frequency != 0.0, ramp = course.ramp != 0.0;
   if (table + sinusoid + ramp > 1) fail("a load's course has more than one of table, sinusoid and ramp: give one");
   if (table) {
+    check_interpolation(course.interpolation, "a load's course");
     check_times(course.times, course.factors.size(), "factors", "a load's course");
     for (std::size_t k = 0; k < course.factors.size(); ++k) {
       if (!std::isfinite(course.factors[k]))

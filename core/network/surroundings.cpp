@@ -12,6 +12,7 @@ namespace {
 using namespace checks;
 
 void check_table(const Motion& motion, std::string_view what) {
+  check_interpolation(motion.interpolation, what);
   check_times(motion.times, motion.displacements.size(), "displacements", what);
   for (std::size_t k = 0; k < motion.displacements.size(); ++k) {
     if (!motion.displacements[k].allFinite()) {
@@ -68,6 +69,7 @@ void check_turn(const Turn& turn, std::string_view what) {
     check_window(turn.from, turn.until, what);
     return;
   }
+  check_interpolation(turn.interpolation, what);
   check_times(turn.times, turn.angles.size(), "angles", what);
   for (std::size_t k = 0; k < turn.angles.size(); ++k) {
     if (!std::isfinite(turn.angles[k])) {

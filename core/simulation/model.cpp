@@ -86,9 +86,10 @@ layers::InternalView Model::internal_for(const springnet_internal* request) {
 
 void Model::start_internal() {
   if (!layout.internal().any()) return;
-  if (layers::start_states(layout, evaluator.instruction_set(), time, state.nodes(), state.view.internal,
-                           journal.message) != SPRINGNET_OK)
-    throw Error(ErrorKind::simulation, journal.message.text);
+  const springnet_status status = layers::start_states(layout, evaluator.instruction_set(), time, state.nodes(),
+                                                       state.view.internal, journal.message);
+  if (status == SPRINGNET_OK) return;
+  throw Error(status == SPRINGNET_RECOVERABLE ? ErrorKind::simulation : ErrorKind::plugin, journal.message.text);
 }
 
 layers::ExternalForces Model::external_at(double at) {

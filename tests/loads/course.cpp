@@ -116,11 +116,13 @@ TEST_CASE("the mean over a step is the integral, over any kinks and however shor
 
 TEST_CASE("invalid loads are refused") {
   const auto has = [](const std::string& text, const char* part) { return text.find(part) != std::string::npos; };
-  Course two = table(Motion::Interpolation::linear), falls = two, short_table = two, slow;
+  Course two = table(Motion::Interpolation::linear), falls = two, short_table = two, odd = two, slow;
   two.ramp = 1.0;
   falls.times[2] = 0.7;
   short_table.factors.pop_back();
+  odd.interpolation = static_cast<Motion::Interpolation>(9);
   slow.frequency = -1.0;
+  CHECK(has(refusal(with(odd)), "unknown interpolation 9"));
   CHECK(has(refusal(with(two)), "more than one of table, sinusoid and ramp"));
   CHECK(has(refusal(with(falls)), "must increase"));
   CHECK(has(refusal(with(short_table)), "4 times and 3 factors"));

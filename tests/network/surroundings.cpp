@@ -254,6 +254,9 @@ TEST_CASE("obstacles that turn") {
   wrong.angles = {0, 1};
   wrong.times = {1, 1};
   turn_refused(wrong, "times | increase");
+  wrong.times = {0, 1};
+  wrong.interpolation = static_cast<Motion::Interpolation>(9);
+  turn_refused(wrong, "unknown interpolation 9 | linear or smooth");
 }
 
 TEST_CASE("restitution is 0 to 1") {
@@ -363,6 +366,9 @@ TEST_CASE("motions that are refused") {
   motion_refused(table({0, inf}, {Vector3::Zero(), Vector3::UnitX()}), "entry 1 | infinity");
   motion_refused(table({nan_value, 1}, {Vector3::Zero(), Vector3::UnitX()}), "entry 0 | not a number");
   motion_refused(table({0, 1}, {Vector3::Zero(), {0, nan_value, 0}}), "entry 1 | [0, nan, 0]");
+  Motion unknown = table({0, 1}, {Vector3::Zero(), Vector3::UnitX()});
+  unknown.interpolation = static_cast<Motion::Interpolation>(9);
+  motion_refused(unknown, "unknown interpolation 9 | linear or smooth");
 
   motion_refused(sinusoid({0, 0, inf}, 1), "amplitude | [0, 0, inf]");
   for (const double frequency : {0.0, -2.0, nan_value, inf}) {

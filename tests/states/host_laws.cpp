@@ -183,6 +183,7 @@ struct Unbounded : sdk::SpringFunction {
 TEST_CASE("a state out of its bounds, or not a number, ends the run with an error that names law and state") {
   for (const StateMethod& method : state_methods(1e-9)) {
     CAPTURE(method.name);
+    ErrorKind kind{};
     const auto message = [&](double begin, double rate) -> std::string {
       const auto host = std::make_shared<PluginHost>(PluginHost::with_default_search());
       host->add(spring_function(Unbounded{{}, begin, rate}));
@@ -196,6 +197,7 @@ TEST_CASE("a state out of its bounds, or not a number, ends the run with an erro
       try {
         Simulation(net, host, options).advance_to(0.2);
       } catch (const Error& error) {
+        kind = error.kind();
         return error.what();
       }
       return {};
@@ -207,5 +209,6 @@ TEST_CASE("a state out of its bounds, or not a number, ends the run with an erro
     }
     CHECK(message(1.5, 0).find("'unbounded' of plugin host failed: its internal state 'share' starts at 1.5") !=
           std::string::npos);
+    CHECK(kind == ErrorKind::plugin);
   }
 }
