@@ -11,6 +11,7 @@
 #include <cmath>
 #include <compare>
 #include <cstddef>
+#include <type_traits>
 
 #include <springnet/sdk/math.hpp>
 
@@ -18,16 +19,20 @@ namespace springnet::sdk {
 
 // Dual<0> is a value without derivatives, of the size of a double: laws and neurons get it for what they compute
 // itself. It is not double, so that an unqualified exp(x) in a formula is the one here and never that of the C library.
-template <std::size_t N>
+// T: type of the value and the derivatives; with Dual in place of double, derivatives have derivatives in turn.
+template <std::size_t N, class T = double>
 struct Dual {
-  double value = 0.0;
-  [[no_unique_address]] std::array<double, N> derivatives{};
+  T value = 0.0;
+  [[no_unique_address]] std::array<T, N> derivatives{};
 
   constexpr Dual() = default;
   // A constant; implicit, so that laws may mix numbers and duals.
   SPRINGNET_INLINE constexpr Dual(double constant) : value(constant) {}  // NOLINT(google-explicit-constructor)
+  SPRINGNET_INLINE constexpr Dual(const T& constant)                     // NOLINT(google-explicit-constructor)
+      requires(!std::is_same_v<T, double>)
+      : value(constant) {}
   // The variable with number `index`.
-  [[nodiscard]] static constexpr Dual variable(double value, std::size_t index) {
+  [[nodiscard]] static constexpr Dual variable(T value, std::size_t index) {
     Dual result(value);
     result.derivatives[index] = 1.0;
     return result;
@@ -63,12 +68,12 @@ struct Dual {
   }
   SPRINGNET_INLINE constexpr Dual& operator*=(double b) {
     value *= b;
-    for (double& d : derivatives) d *= b;
+    for (T& d : derivatives) d *= b;
     return *this;
   }
   SPRINGNET_INLINE constexpr Dual& operator/=(double b) {
     value /= b;
-    for (double& d : derivatives) d /= b;
+    for (T& d : derivatives) d /= b;
     return *this;
   }
 
@@ -98,26 +103,34 @@ struct Dual {
 };
 
 // The value without derivatives; also for double.
-template <std::size_t N>
-[[nodiscard]] SPRINGNET_INLINE constexpr double value_of(const Dual<N>& x) {
-  return x.value;
-}
 [[nodiscard]] SPRINGNET_INLINE constexpr double value_of(double x) { return x; }
+template <std::size_t N, class T>
+[[nodiscard]] SPRINGNET_INLINE constexpr double value_of(const Dual<N, T>& x) {
+  return value_of(x.value);
+}
 
 namespace detail {
 // f(x) with f'(x) = slope.
-template <std::size_t N>
-SPRINGNET_INLINE Dual<N> chain(const Dual<N>& x, double value, double slope) {
-  Dual<N> result(value);
+template <std::size_t N, class T>
+SPRINGNET_INLINE Dual<N, T> chain(const Dual<N, T>& x, const T& value, const T& slope) {
+  Dual<N, T> result(value);
   for (std::size_t i = 0; i < N; ++i) result.derivatives[i] = slope * x.derivatives[i];
   return result;
 }
+// Whether a number is 0 with all of its own derivatives.
+[[nodiscard]] SPRINGNET_INLINE constexpr bool is_nothing(double x) { return x == 0.0; }
+template <std::size_t N, class T>
+[[nodiscard]] SPRINGNET_INLINE constexpr bool is_nothing(const Dual<N, T>& x) {
+  bool result = is_nothing(x.value);
+  for (const T& d : x.derivatives) result = result && is_nothing(d);
+  return result;
+}
 // The same if the slope may be infinite: constants stay constants.
-template <std::size_t N>
-SPRINGNET_INLINE Dual<N> chain_steep(const Dual<N>& x, double value, double slope) {
-  Dual<N> result(value);
+template <std::size_t N, class T>
+SPRINGNET_INLINE Dual<N, T> chain_steep(const Dual<N, T>& x, const T& value, const T& slope) {
+  Dual<N, T> result(value);
   for (std::size_t i = 0; i < N; ++i) {
-    result.derivatives[i] = x.derivatives[i] == 0.0 ? 0.0 : slope * x.derivatives[i];
+    result.derivatives[i] = is_nothing(x.derivatives[i]) ? T(0.0) : slope * x.derivatives[i];
   }
   return result;
 }
@@ -133,75 +146,76 @@ using std::abs, std::floor, std::ceil, std::min, std::max, std::clamp;
   return x < low ? low : (high < x ? high : x);
 }
 
-template <std::size_t N>
-[[nodiscard]] SPRINGNET_INLINE Dual<N> abs(const Dual<N>& x) {
-  const double slope = x.value > 0.0 ? 1.0 : (x.value < 0.0 ? -1.0 : 0.0);
-  return detail::chain(x, std::abs(x.value), slope);
+template <std::size_t N, class T>
+[[nodiscard]] SPRINGNET_INLINE Dual<N, T> abs(const Dual<N, T>& x) {
+  const T slope = x.value > 0.0 ? T(1.0) : (x.value < 0.0 ? T(-1.0) : T(0.0));
+  return detail::chain(x, abs(x.value), slope);
 }
 // As std::min and std::max: the first argument if both are equal or either is NaN.
-template <std::size_t N>
-[[nodiscard]] SPRINGNET_INLINE constexpr Dual<N> min(const Dual<N>& a, const Dual<N>& b) {
+template <std::size_t N, class T>
+[[nodiscard]] SPRINGNET_INLINE constexpr Dual<N, T> min(const Dual<N, T>& a, const Dual<N, T>& b) {
   return b.value < a.value ? b : a;
 }
-template <std::size_t N>
-[[nodiscard]] SPRINGNET_INLINE constexpr Dual<N> min(const Dual<N>& a, double b) {
-  return min(a, Dual<N>(b));
+template <std::size_t N, class T>
+[[nodiscard]] SPRINGNET_INLINE constexpr Dual<N, T> min(const Dual<N, T>& a, double b) {
+  return min(a, Dual<N, T>(b));
 }
-template <std::size_t N>
-[[nodiscard]] SPRINGNET_INLINE constexpr Dual<N> min(double a, const Dual<N>& b) {
-  return min(Dual<N>(a), b);
+template <std::size_t N, class T>
+[[nodiscard]] SPRINGNET_INLINE constexpr Dual<N, T> min(double a, const Dual<N, T>& b) {
+  return min(Dual<N, T>(a), b);
 }
-template <std::size_t N>
-[[nodiscard]] SPRINGNET_INLINE constexpr Dual<N> max(const Dual<N>& a, const Dual<N>& b) {
+template <std::size_t N, class T>
+[[nodiscard]] SPRINGNET_INLINE constexpr Dual<N, T> max(const Dual<N, T>& a, const Dual<N, T>& b) {
   return a.value < b.value ? b : a;
 }
-template <std::size_t N>
-[[nodiscard]] SPRINGNET_INLINE constexpr Dual<N> max(const Dual<N>& a, double b) {
-  return max(a, Dual<N>(b));
+template <std::size_t N, class T>
+[[nodiscard]] SPRINGNET_INLINE constexpr Dual<N, T> max(const Dual<N, T>& a, double b) {
+  return max(a, Dual<N, T>(b));
 }
-template <std::size_t N>
-[[nodiscard]] SPRINGNET_INLINE constexpr Dual<N> max(double a, const Dual<N>& b) {
-  return max(Dual<N>(a), b);
+template <std::size_t N, class T>
+[[nodiscard]] SPRINGNET_INLINE constexpr Dual<N, T> max(double a, const Dual<N, T>& b) {
+  return max(Dual<N, T>(a), b);
 }
 
-template <std::size_t N>
-[[nodiscard]] SPRINGNET_INLINE constexpr Dual<N> clamp(const Dual<N>& x, const Dual<N>& low, const Dual<N>& high) {
+template <std::size_t N, class T>
+[[nodiscard]] SPRINGNET_INLINE constexpr Dual<N, T> clamp(const Dual<N, T>& x, const Dual<N, T>& low,
+                                                          const Dual<N, T>& high) {
   return x.value < low.value ? low : (high.value < x.value ? high : x);
 }
-template <std::size_t N>
-[[nodiscard]] SPRINGNET_INLINE constexpr Dual<N> clamp(const Dual<N>& x, double low, double high) {
-  return clamp(x, Dual<N>(low), Dual<N>(high));
+template <std::size_t N, class T>
+[[nodiscard]] SPRINGNET_INLINE constexpr Dual<N, T> clamp(const Dual<N, T>& x, double low, double high) {
+  return clamp(x, Dual<N, T>(low), Dual<N, T>(high));
 }
-template <std::size_t N>
-[[nodiscard]] SPRINGNET_INLINE constexpr Dual<N> clamp(const Dual<N>& x, const Dual<N>& low, double high) {
-  return clamp(x, low, Dual<N>(high));
+template <std::size_t N, class T>
+[[nodiscard]] SPRINGNET_INLINE constexpr Dual<N, T> clamp(const Dual<N, T>& x, const Dual<N, T>& low, double high) {
+  return clamp(x, low, Dual<N, T>(high));
 }
-template <std::size_t N>
-[[nodiscard]] SPRINGNET_INLINE constexpr Dual<N> clamp(const Dual<N>& x, double low, const Dual<N>& high) {
-  return clamp(x, Dual<N>(low), high);
+template <std::size_t N, class T>
+[[nodiscard]] SPRINGNET_INLINE constexpr Dual<N, T> clamp(const Dual<N, T>& x, double low, const Dual<N, T>& high) {
+  return clamp(x, Dual<N, T>(low), high);
 }
-template <std::size_t N>
-[[nodiscard]] SPRINGNET_INLINE Dual<N> floor(const Dual<N>& x) {
-  return Dual<N>(std::floor(x.value));
+template <std::size_t N, class T>
+[[nodiscard]] SPRINGNET_INLINE Dual<N, T> floor(const Dual<N, T>& x) {
+  return Dual<N, T>(floor(value_of(x)));
 }
-template <std::size_t N>
-[[nodiscard]] SPRINGNET_INLINE Dual<N> ceil(const Dual<N>& x) {
-  return Dual<N>(std::ceil(x.value));
+template <std::size_t N, class T>
+[[nodiscard]] SPRINGNET_INLINE Dual<N, T> ceil(const Dual<N, T>& x) {
+  return Dual<N, T>(ceil(value_of(x)));
 }
 
-template <std::size_t N>
-[[nodiscard]] SPRINGNET_INLINE Dual<N> sqrt(const Dual<N>& x) {
-  const double root = sdk::sqrt(x.value);
+template <std::size_t N, class T>
+[[nodiscard]] SPRINGNET_INLINE Dual<N, T> sqrt(const Dual<N, T>& x) {
+  const T root = sqrt(x.value);
   return detail::chain_steep(x, root, 0.5 / root);
 }
-template <std::size_t N>
-[[nodiscard]] SPRINGNET_INLINE Dual<N> cbrt(const Dual<N>& x) {
-  const double root = sdk::cbrt(x.value);
+template <std::size_t N, class T>
+[[nodiscard]] SPRINGNET_INLINE Dual<N, T> cbrt(const Dual<N, T>& x) {
+  const T root = cbrt(x.value);
   return detail::chain_steep(x, root, 1.0 / (3.0 * root * root));
 }
-template <std::size_t N>
-[[nodiscard]] SPRINGNET_INLINE Dual<N> hypot(const Dual<N>& x, const Dual<N>& y) {
-  Dual<N> result(sdk::hypot(x.value, y.value));
+template <std::size_t N, class T>
+[[nodiscard]] SPRINGNET_INLINE Dual<N, T> hypot(const Dual<N, T>& x, const Dual<N, T>& y) {
+  Dual<N, T> result(hypot(x.value, y.value));
   if (result.value != 0.0) {
     for (std::size_t i = 0; i < N; ++i) {
       result.derivatives[i] = (x.value / result.value) * x.derivatives[i] + (y.value / result.value) * y.derivatives[i];
@@ -209,102 +223,103 @@ template <std::size_t N>
   }
   return result;
 }
-template <std::size_t N>
-[[nodiscard]] SPRINGNET_INLINE Dual<N> hypot(const Dual<N>& x, double y) {
-  return hypot(x, Dual<N>(y));
+template <std::size_t N, class T>
+[[nodiscard]] SPRINGNET_INLINE Dual<N, T> hypot(const Dual<N, T>& x, double y) {
+  return hypot(x, Dual<N, T>(y));
 }
-template <std::size_t N>
-[[nodiscard]] SPRINGNET_INLINE Dual<N> hypot(double x, const Dual<N>& y) {
-  return hypot(Dual<N>(x), y);
+template <std::size_t N, class T>
+[[nodiscard]] SPRINGNET_INLINE Dual<N, T> hypot(double x, const Dual<N, T>& y) {
+  return hypot(Dual<N, T>(x), y);
 }
-template <std::size_t N>
-[[nodiscard]] SPRINGNET_INLINE Dual<N> exp(const Dual<N>& x) {
-  const double value = sdk::exp(x.value);
+template <std::size_t N, class T>
+[[nodiscard]] SPRINGNET_INLINE Dual<N, T> exp(const Dual<N, T>& x) {
+  const T value = exp(x.value);
   return detail::chain(x, value, value);
 }
-template <std::size_t N>
-[[nodiscard]] SPRINGNET_INLINE Dual<N> expm1(const Dual<N>& x) {
-  return detail::chain(x, sdk::expm1(x.value), sdk::exp(x.value));
+template <std::size_t N, class T>
+[[nodiscard]] SPRINGNET_INLINE Dual<N, T> expm1(const Dual<N, T>& x) {
+  return detail::chain(x, expm1(x.value), exp(x.value));
 }
-template <std::size_t N>
-[[nodiscard]] SPRINGNET_INLINE Dual<N> log(const Dual<N>& x) {
-  return detail::chain_steep(x, sdk::log(x.value), 1.0 / x.value);
+template <std::size_t N, class T>
+[[nodiscard]] SPRINGNET_INLINE Dual<N, T> log(const Dual<N, T>& x) {
+  return detail::chain_steep(x, log(x.value), 1.0 / x.value);
 }
-template <std::size_t N>
-[[nodiscard]] SPRINGNET_INLINE Dual<N> log1p(const Dual<N>& x) {
-  return detail::chain_steep(x, sdk::log1p(x.value), 1.0 / (1.0 + x.value));
+template <std::size_t N, class T>
+[[nodiscard]] SPRINGNET_INLINE Dual<N, T> log1p(const Dual<N, T>& x) {
+  return detail::chain_steep(x, log1p(x.value), 1.0 / (1.0 + x.value));
 }
-template <std::size_t N>
-[[nodiscard]] SPRINGNET_INLINE Dual<N> log10(const Dual<N>& x) {
-  return detail::chain_steep(x, sdk::log10(x.value), 0x1.bcb7b1526e50ep-2 / x.value);  // log10 e
+template <std::size_t N, class T>
+[[nodiscard]] SPRINGNET_INLINE Dual<N, T> log10(const Dual<N, T>& x) {
+  return detail::chain_steep(x, log10(x.value), 0x1.bcb7b1526e50ep-2 / x.value);  // log10 e
 }
-template <std::size_t N>
-[[nodiscard]] SPRINGNET_INLINE Dual<N> pow(const Dual<N>& x, double exponent) {
-  const double slope = exponent == 0.0 ? 0.0 : exponent * sdk::pow(x.value, exponent - 1.0);
-  return detail::chain_steep(x, sdk::pow(x.value, exponent), slope);
+template <std::size_t N, class T>
+[[nodiscard]] SPRINGNET_INLINE Dual<N, T> pow(const Dual<N, T>& x, double exponent) {
+  const T slope = exponent == 0.0 ? T(0.0) : exponent * pow(x.value, exponent - 1.0);
+  return detail::chain_steep(x, pow(x.value, exponent), slope);
 }
-template <std::size_t N>
-[[nodiscard]] SPRINGNET_INLINE Dual<N> pow(const Dual<N>& x, const Dual<N>& exponent) {
-  Dual<N> result = pow(x, exponent.value);
+template <std::size_t N, class T>
+[[nodiscard]] SPRINGNET_INLINE Dual<N, T> pow(const Dual<N, T>& x, const Dual<N, T>& exponent) {
+  const T by_x = exponent.value == 0.0 ? T(0.0) : exponent.value * pow(x.value, exponent.value - 1.0);
+  Dual<N, T> result = detail::chain_steep(x, pow(x.value, exponent.value), by_x);
   for (std::size_t i = 0; i < N; ++i) {
     // d/dy x^y = x^y log x, which tends to 0 with x^y.
-    if (exponent.derivatives[i] != 0.0 && result.value != 0.0) {
-      result.derivatives[i] += result.value * sdk::log(x.value) * exponent.derivatives[i];
+    if (!detail::is_nothing(exponent.derivatives[i]) && result.value != 0.0) {
+      result.derivatives[i] += result.value * log(x.value) * exponent.derivatives[i];
     }
   }
   return result;
 }
-template <std::size_t N>
-[[nodiscard]] SPRINGNET_INLINE Dual<N> pow(double x, const Dual<N>& exponent) {
-  return pow(Dual<N>(x), exponent);
+template <std::size_t N, class T>
+[[nodiscard]] SPRINGNET_INLINE Dual<N, T> pow(double x, const Dual<N, T>& exponent) {
+  return pow(Dual<N, T>(x), exponent);
 }
 // As pow, for normal x > 0; see sdk/math/power.hpp.
-template <std::size_t N>
-[[nodiscard]] SPRINGNET_INLINE Dual<N> quick_pow(const Dual<N>& x, const Dual<N>& exponent) {
-  Dual<N> result(sdk::quick_pow(x.value, exponent.value));
+template <std::size_t N, class T>
+[[nodiscard]] SPRINGNET_INLINE Dual<N, T> quick_pow(const Dual<N, T>& x, const Dual<N, T>& exponent) {
+  Dual<N, T> result(quick_pow(x.value, exponent.value));
   for (std::size_t i = 0; i < N; ++i) {
     result.derivatives[i] =
-        result.value * (exponent.value * (x.derivatives[i] / x.value) + sdk::log(x.value) * exponent.derivatives[i]);
+        result.value * (exponent.value * (x.derivatives[i] / x.value) + log(x.value) * exponent.derivatives[i]);
   }
   return result;
 }
-template <std::size_t N>
-[[nodiscard]] SPRINGNET_INLINE Dual<N> quick_pow(const Dual<N>& x, double exponent) {
-  return quick_pow(x, Dual<N>(exponent));
+template <std::size_t N, class T>
+[[nodiscard]] SPRINGNET_INLINE Dual<N, T> quick_pow(const Dual<N, T>& x, double exponent) {
+  return quick_pow(x, Dual<N, T>(exponent));
 }
-template <std::size_t N>
-[[nodiscard]] SPRINGNET_INLINE Dual<N> quick_pow(double x, const Dual<N>& exponent) {
-  return quick_pow(Dual<N>(x), exponent);
+template <std::size_t N, class T>
+[[nodiscard]] SPRINGNET_INLINE Dual<N, T> quick_pow(double x, const Dual<N, T>& exponent) {
+  return quick_pow(Dual<N, T>(x), exponent);
 }
-template <std::size_t N>
-[[nodiscard]] SPRINGNET_INLINE Dual<N> sin(const Dual<N>& x) {
-  return detail::chain(x, sdk::sin(x.value), sdk::cos(x.value));
+template <std::size_t N, class T>
+[[nodiscard]] SPRINGNET_INLINE Dual<N, T> sin(const Dual<N, T>& x) {
+  return detail::chain(x, sin(x.value), cos(x.value));
 }
-template <std::size_t N>
-[[nodiscard]] SPRINGNET_INLINE Dual<N> cos(const Dual<N>& x) {
-  return detail::chain(x, sdk::cos(x.value), -sdk::sin(x.value));
+template <std::size_t N, class T>
+[[nodiscard]] SPRINGNET_INLINE Dual<N, T> cos(const Dual<N, T>& x) {
+  return detail::chain(x, cos(x.value), -sin(x.value));
 }
-template <std::size_t N>
-[[nodiscard]] SPRINGNET_INLINE Dual<N> tan(const Dual<N>& x) {
-  const double value = sdk::tan(x.value);
+template <std::size_t N, class T>
+[[nodiscard]] SPRINGNET_INLINE Dual<N, T> tan(const Dual<N, T>& x) {
+  const T value = tan(x.value);
   return detail::chain(x, value, 1.0 + value * value);
 }
-template <std::size_t N>
-[[nodiscard]] SPRINGNET_INLINE Dual<N> asin(const Dual<N>& x) {
-  return detail::chain_steep(x, sdk::asin(x.value), 1.0 / sdk::sqrt((1.0 - x.value) * (1.0 + x.value)));
+template <std::size_t N, class T>
+[[nodiscard]] SPRINGNET_INLINE Dual<N, T> asin(const Dual<N, T>& x) {
+  return detail::chain_steep(x, asin(x.value), 1.0 / sqrt((1.0 - x.value) * (1.0 + x.value)));
 }
-template <std::size_t N>
-[[nodiscard]] SPRINGNET_INLINE Dual<N> acos(const Dual<N>& x) {
-  return detail::chain_steep(x, sdk::acos(x.value), -1.0 / sdk::sqrt((1.0 - x.value) * (1.0 + x.value)));
+template <std::size_t N, class T>
+[[nodiscard]] SPRINGNET_INLINE Dual<N, T> acos(const Dual<N, T>& x) {
+  return detail::chain_steep(x, acos(x.value), -1.0 / sqrt((1.0 - x.value) * (1.0 + x.value)));
 }
-template <std::size_t N>
-[[nodiscard]] SPRINGNET_INLINE Dual<N> atan(const Dual<N>& x) {
-  return detail::chain(x, sdk::atan(x.value), 1.0 / (1.0 + x.value * x.value));
+template <std::size_t N, class T>
+[[nodiscard]] SPRINGNET_INLINE Dual<N, T> atan(const Dual<N, T>& x) {
+  return detail::chain(x, atan(x.value), 1.0 / (1.0 + x.value * x.value));
 }
-template <std::size_t N>
-[[nodiscard]] SPRINGNET_INLINE Dual<N> atan2(const Dual<N>& y, const Dual<N>& x) {
-  Dual<N> result(sdk::atan2(y.value, x.value));
-  const double square = x.value * x.value + y.value * y.value;
+template <std::size_t N, class T>
+[[nodiscard]] SPRINGNET_INLINE Dual<N, T> atan2(const Dual<N, T>& y, const Dual<N, T>& x) {
+  Dual<N, T> result(atan2(y.value, x.value));
+  const T square = x.value * x.value + y.value * y.value;
   if (square != 0.0) {
     for (std::size_t i = 0; i < N; ++i) {
       result.derivatives[i] = (x.value * y.derivatives[i] - y.value * x.derivatives[i]) / square;
@@ -312,31 +327,31 @@ template <std::size_t N>
   }
   return result;
 }
-template <std::size_t N>
-[[nodiscard]] SPRINGNET_INLINE Dual<N> atan2(const Dual<N>& y, double x) {
-  return atan2(y, Dual<N>(x));
+template <std::size_t N, class T>
+[[nodiscard]] SPRINGNET_INLINE Dual<N, T> atan2(const Dual<N, T>& y, double x) {
+  return atan2(y, Dual<N, T>(x));
 }
-template <std::size_t N>
-[[nodiscard]] SPRINGNET_INLINE Dual<N> atan2(double y, const Dual<N>& x) {
-  return atan2(Dual<N>(y), x);
+template <std::size_t N, class T>
+[[nodiscard]] SPRINGNET_INLINE Dual<N, T> atan2(double y, const Dual<N, T>& x) {
+  return atan2(Dual<N, T>(y), x);
 }
-template <std::size_t N>
-[[nodiscard]] SPRINGNET_INLINE Dual<N> sinh(const Dual<N>& x) {
-  return detail::chain(x, sdk::sinh(x.value), sdk::cosh(x.value));
+template <std::size_t N, class T>
+[[nodiscard]] SPRINGNET_INLINE Dual<N, T> sinh(const Dual<N, T>& x) {
+  return detail::chain(x, sinh(x.value), cosh(x.value));
 }
-template <std::size_t N>
-[[nodiscard]] SPRINGNET_INLINE Dual<N> cosh(const Dual<N>& x) {
-  return detail::chain(x, sdk::cosh(x.value), sdk::sinh(x.value));
+template <std::size_t N, class T>
+[[nodiscard]] SPRINGNET_INLINE Dual<N, T> cosh(const Dual<N, T>& x) {
+  return detail::chain(x, cosh(x.value), sinh(x.value));
 }
-template <std::size_t N>
-[[nodiscard]] SPRINGNET_INLINE Dual<N> tanh(const Dual<N>& x) {
-  const double value = sdk::tanh(x.value);
+template <std::size_t N, class T>
+[[nodiscard]] SPRINGNET_INLINE Dual<N, T> tanh(const Dual<N, T>& x) {
+  const T value = tanh(x.value);
   return detail::chain(x, value, (1.0 - value) * (1.0 + value));
 }
-template <std::size_t N>
-[[nodiscard]] SPRINGNET_INLINE Dual<N> erf(const Dual<N>& x) {
+template <std::size_t N, class T>
+[[nodiscard]] SPRINGNET_INLINE Dual<N, T> erf(const Dual<N, T>& x) {
   constexpr double two_over_root_pi = 0x1.20dd750429b6dp+0;
-  return detail::chain(x, sdk::erf(x.value), two_over_root_pi * sdk::exp(-x.value * x.value));
+  return detail::chain(x, erf(x.value), two_over_root_pi * exp(-x.value * x.value));
 }
 
 }  // namespace springnet::sdk

@@ -48,12 +48,15 @@ inline constexpr std::uint32_t chunk_size = 256;
 template <std::size_t Count, bool first_apart = false>
 class Streams {
  public:
-  SPRINGNET_INLINE Streams(const double* const* arrays, const std::uint32_t* strides, std::uint32_t count) {
+  // expanded: as if none were uniform.
+  SPRINGNET_INLINE Streams(const double* const* arrays, const std::uint32_t* strides, std::uint32_t count,
+                           bool expanded = false) {
     for (std::size_t j = 0; j < Count; ++j) {
       source_[j] = arrays[j];
       stride_[j] = strides[j];
       rest_is_uniform_ = rest_is_uniform_ && (j == 0 || strides[j] == 0);
     }
+    rest_is_uniform_ = rest_is_uniform_ && !expanded;
     uniform_ = rest_is_uniform_ && (Count == 0 || strides[0] == 0);
     if (first_apart ? rest_is_uniform_ : uniform_) return;
     const std::uint32_t length = std::min(count, chunk_size);

@@ -20,7 +20,11 @@
 //   Margin   margin(e, p)                   1 when unloaded; the element breaks where it is <= 0
 //   Update   update(e, p, step)             std::array<Real, S>: the states at the end of a step (law/element.hpp)
 //   Start    start(e, p)                    std::array<Real, S>: the states at the start, if not as declared
-// and without being named there:
+// A law may give its energy alone, without force(): its force is then the derivative. And without being named there:
+//   static constexpr Scalar invariants[]    up to seven scalars of the nodes of a `shape`, in place of one: force()
+//   then
+//                                           returns std::array<Real, N>, and e.q[i], e.rate[i], e.reference[i] are
+//                                           read (law/invariants.hpp)
 //   static constexpr Parameter states[]     internal state, with bounds and scale (preset = value at the start), and
 //   state_rates(e, p)                       std::array<Real, S>: dz/dt of the S states
 //   static constexpr Parameter inputs[]     input signals (preset = where a scene gives none)
@@ -33,9 +37,11 @@
 // called from any thread. A result that is not finite ends the run with an error that names the law and the spring.
 #pragma once
 
+#include <algorithm>
 #include <array>
 #include <cstddef>
 #include <cstdint>
+#include <cstring>
 #include <limits>
 #include <type_traits>
 
@@ -54,10 +60,12 @@ struct LawGlue {
 
   static constexpr std::uint64_t capabilities = Traits::capabilities;
   static constexpr std::uint64_t needs = Traits::needs;
-  static constexpr std::uint32_t needs_minor = 0;
+  static constexpr std::uint32_t needs_minor = Traits::several ? 1 : 0;
 
   static springnet_status evaluate(void* context, const springnet_law_batch* batch) noexcept {
     if (batch->struct_size < SPRINGNET_SIZE_TO(springnet_law_batch, message)) return SPRINGNET_FAILED;
+    springnet_law_batch older;  // of a host of ABI 2.0
+    batch = &complete(*batch, older);
     if (const char* mistake = mistake_in(*batch)) return refuse(batch->message, mistake);
     return detail::guarded(batch->message, [&]() -> springnet_status {
       detail::run<LawKernel<Law>>(typename LawKernel<Law>::Call{law(context), batch, batch->instruction_set});
@@ -67,11 +75,19 @@ struct LawGlue {
 
   static springnet_status update(void* context, const springnet_law_update* update) noexcept {
     if (update->struct_size < SPRINGNET_SIZE_TO(springnet_law_update, next_by_parameters)) return SPRINGNET_FAILED;
-    const springnet_law_batch& batch = *update->batch;
+    springnet_law_batch older;
+    const springnet_law_batch& batch = complete(*update->batch, older);
+    springnet_law_update whole{};
+    std::memcpy(&whole, update, std::min<std::size_t>(update->struct_size, sizeof whole));
+    whole.batch = &batch;
+    update = &whole;
     if (const char* mistake = mistake_in(batch)) return refuse(batch.message, mistake);
     if (!(update->time_step > 0.0)) return refuse(batch.message, "the host asked for a step that takes no time");
     const bool reads_start = update->order >= 2 || Traits::has_update;
-    if (reads_start && (update->start_q == nullptr || (Traits::reads_rate && update->start_rate == nullptr)))
+    const bool lacks_start = Traits::several
+                                 ? lacks(update->start_values, update->start_rates)
+                                 : update->start_q == nullptr || (Traits::reads_rate && update->start_rate == nullptr);
+    if (reads_start && lacks_start)
       return refuse(batch.message, "the host did not give the invariant at the start of the step");
     return detail::guarded(batch.message, [&]() -> springnet_status {
       if constexpr (S > 0) {
@@ -129,7 +145,7 @@ struct LawGlue {
   // With a context, which must outlive all uses.
   static constexpr springnet_law with(void* context) {
     return {sizeof(springnet_law),
-            Law::invariant,
+            Traits::several ? std::uint32_t{SPRINGNET_SEVERAL} : Law::invariant,
             static_cast<std::uint32_t>(S),
             static_cast<std::uint32_t>(Traits::input_count),
             static_cast<std::uint32_t>(Traits::table_count),
@@ -146,7 +162,12 @@ struct LawGlue {
             S > 0 ? &update : nullptr,
             Traits::has_start ? &start : nullptr,
             Traits::table_count > 0 ? &prepare : nullptr,
-            Traits::table_count > 0 ? &release : nullptr};
+            Traits::table_count > 0 ? &release : nullptr,
+            static_cast<std::uint32_t>(Law::shape),
+            Traits::several ? static_cast<std::uint32_t>(Traits::invariant_count) : 0u,
+            detail::ScalarTable<typename Traits::InvariantList>::pointer,
+            Law::reads_direction ? 1u : 0u,
+            0};
   }
 
  private:
@@ -173,10 +194,34 @@ struct LawGlue {
     detail::write_message(message, why);
     return SPRINGNET_FAILED;
   }
+  // A batch with the fields of this version: those that an older host does not have are null.
+  static const springnet_law_batch& complete(const springnet_law_batch& batch, springnet_law_batch& memory) noexcept {
+    if (batch.struct_size >= SPRINGNET_SIZE_TO(springnet_law_batch, derivatives)) return batch;
+    memory = {};
+    std::memcpy(&memory, &batch, std::min<std::size_t>(batch.struct_size, sizeof memory));
+    return memory;
+  }
+  // Of a law over several invariants: whether values or rates that it reads are missing.
+  static bool lacks(const double* const* values, const double* const* rates) noexcept {
+    for (std::size_t j = 0; j < Traits::invariant_count; ++j) {
+      if (!Traits::reads_value(j)) continue;
+      if (values == nullptr || values[j] == nullptr) return true;
+      if (Traits::reads_rate && (rates == nullptr || rates[j] == nullptr)) return true;
+    }
+    return false;
+  }
   // Describes a violation of the contract by the host; null if there is none.
   static const char* mistake_in(const springnet_law_batch& b) noexcept {
-    if (b.q == nullptr) return "the host gave no invariant";
-    if (Traits::reads_rate && b.rate == nullptr) return "the law reads the rate, which the host did not give";
+    if constexpr (Traits::several) {
+      if (lacks(b.values, b.rates)) return "the host did not give all invariants that the law reads, or their rates";
+      for (std::size_t j = 0; j < Traits::invariant_count; ++j)
+        if (b.references == nullptr || b.references[j] == nullptr) return "the host gave no reference values";
+      for (std::size_t j = 0; Law::reads_direction && j < 3; ++j)
+        if (b.direction == nullptr || b.direction[j] == nullptr) return "the host gave no direction";
+    } else {
+      if (b.q == nullptr) return "the host gave no invariant";
+      if (Traits::reads_rate && b.rate == nullptr) return "the law reads the rate, which the host did not give";
+    }
     if (!Traits::has_energy && (b.energy != nullptr || b.energy_by_q != nullptr))
       return "the host asked for an energy, which the law does not have";
     if (!Traits::has_margin && b.margin != nullptr) return "the host asked for a margin, which the law does not have";
@@ -201,6 +246,9 @@ struct LawDefaults : ElementaryFunctions {
   static constexpr double smallest_stretch = 0.0;
   static constexpr double largest_stretch = std::numeric_limits<double>::infinity();
   static constexpr int update_order = 1;
+  // Of a law with a list of invariants: the nodes of its elements, and whether these have a direction.
+  static constexpr Shape shape = Shape::none;
+  static constexpr bool reads_direction = false;
   template <class Law>
   using Glue = LawGlue<Law>;
 };

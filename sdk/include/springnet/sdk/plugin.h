@@ -32,7 +32,7 @@ extern "C" {
 
 #define SPRINGNET_MAGIC UINT64_C(0x54454e474e525053) /* "SPRNGNET" in little-endian memory */
 #define SPRINGNET_ABI_MAJOR 2u
-#define SPRINGNET_ABI_MINOR 0u
+#define SPRINGNET_ABI_MINOR 1u
 
 /* Component kinds. */
 enum {
@@ -58,11 +58,13 @@ enum {
 #define SPRINGNET_CALLING_THREAD_ONLY (UINT64_C(1) << 20)  /* call it from the thread that runs the simulation alone */
 #define SPRINGNET_FITS_ELEMENTS (UINT64_C(1) << 21)        /* a law of a length that any other invariant may replace */
 #define SPRINGNET_DIVIDES_BY_REFERENCE (UINT64_C(1) << 22) /* it needs a reference value above 0 */
+#define SPRINGNET_HAS_ALL_DERIVATIVES (UINT64_C(1) << 7)   /* 2.1: fills springnet_law_batch::derivatives */
 
 /* What a component needs of a host; a host refuses a component with a bit that it does not know. */
 #define SPRINGNET_NEEDS_STATES (UINT64_C(1) << 0)
 #define SPRINGNET_NEEDS_INPUTS (UINT64_C(1) << 1)
 #define SPRINGNET_NEEDS_TABLES (UINT64_C(1) << 2)
+#define SPRINGNET_NEEDS_SEVERAL (UINT64_C(1) << 3) /* 2.1: laws over several invariants */
 
 typedef struct springnet_component {
   uint32_t struct_size;

@@ -14,13 +14,39 @@ extern "C" {
  * SPRINGNET_FITS_ELEMENTS, with the units of the invariant for all elements of more than two nodes. A law on another
  * invariant is used for elements of that kind only. */
 enum {
-  SPRINGNET_LENGTH = 1,         /* q = |p1 - p2|, rate n.(v1 - v2); reference: rest length */
-  SPRINGNET_RELATIVE_SPEED = 2, /* q = |v1 - v2|, no rate; the force acts along v1 - v2; springs only */
-  SPRINGNET_ANGLE = 3,          /* rad: between two edges, 0 to pi, or of a hinge between two triangles, -pi to pi */
-  SPRINGNET_AREA = 4,           /* m^2, of a triangle */
-  SPRINGNET_VOLUME = 5,         /* m^3, of a tetrahedron (signed), or enclosed by a surface */
-  SPRINGNET_ENCLOSED_VOLUME = 6 /* m^3, enclosed by a surface of triangles */
+  SPRINGNET_LENGTH = 1,          /* q = |p1 - p2|, rate n.(v1 - v2); reference: rest length */
+  SPRINGNET_RELATIVE_SPEED = 2,  /* q = |v1 - v2|, no rate; the force acts along v1 - v2; springs only */
+  SPRINGNET_ANGLE = 3,           /* rad: between two edges, 0 to pi, or of a hinge between two triangles, -pi to pi */
+  SPRINGNET_AREA = 4,            /* m^2, of a triangle */
+  SPRINGNET_VOLUME = 5,          /* m^3, of a tetrahedron (signed), or enclosed by a surface */
+  SPRINGNET_ENCLOSED_VOLUME = 6, /* m^3, enclosed by a surface of triangles */
+  SPRINGNET_SEVERAL = 7,         /* 2.1: up to SPRINGNET_MOST_INVARIANTS scalars, springnet_law::invariants */
+  SPRINGNET_DIHEDRAL = 8         /* rad, -pi to pi: one of several */
 };
+
+/* Most scalars that one law reads. */
+#define SPRINGNET_MOST_INVARIANTS 7u
+
+/* The nodes of an element whose law reads several scalars of them. */
+enum {
+  SPRINGNET_CHAIN = 1,      /* three nodes a, b, c: springs a b and b c */
+  SPRINGNET_TRIANGLE = 2,   /* three */
+  SPRINGNET_HINGE = 3,      /* four: the edge a b, then the tips c and d of the triangles (a, b, c) and (b, a, d) */
+  SPRINGNET_TETRAHEDRON = 4 /* four */
+};
+
+/* One of several scalars of an element's nodes. */
+enum {
+  /* The law reads its reference value alone: the host neither computes its value nor applies a force to it. */
+  SPRINGNET_REFERENCE_ONLY = 1u << 0
+};
+typedef struct springnet_invariant {
+  uint32_t struct_size;
+  uint32_t kind;       /* SPRINGNET_LENGTH, _ANGLE (of three nodes), _AREA, _VOLUME (of a tetrahedron) or _DIHEDRAL */
+  uint32_t corners[4]; /* which nodes of the element, in the order of that kind; what it has no use for is 0 */
+  uint32_t flags;      /* SPRINGNET_REFERENCE_ONLY */
+  uint32_t reserved;
+} springnet_invariant;
 
 /* One tile of elements. Input arrays have `count` values, or one if the stride is 0. Output arrays have `count` values,
  * or are null if not wanted. Arrays do not overlap. The outputs of an element depend on its own inputs only, so any
@@ -58,6 +84,22 @@ typedef struct springnet_law_batch {
   double* const* rates_by_states;     /* [S][S] dr_i/dz_j at i S + j */
   double* const* rates_by_parameters; /* [S][P] at i P + j */
   springnet_message* message;         /* filled on failure; may be null */
+  /* 2.1. Of a law over N = springnet_law::invariant_count invariants, in place of q, rate, reference, force and their
+   * derivatives, which are then null; arrays of `count` values each. Those of a reference-only invariant are null, but
+   * for its reference. */
+  const double* const* values;     /* [N] q_i */
+  const double* const* rates;      /* [N] dq_i/dt; null unless SPRINGNET_READS_RATE */
+  const double* const* references; /* [N] */
+  /* [3] of a law that reads a direction: its components at rest in the edges from the element's first node to the
+   * others, a = sum_k direction_k (p_k+1 - p_0), |a| = 1; of three nodes the first two. */
+  const double* const* direction;
+  double* const* forces; /* [N] Q_i, generalised forces: nodes get -sum_i Q_i dq_i/dp */
+  /* Any first derivatives, of laws over one invariant (N = 1) or several: [rows][columns], row by row. Rows: the N
+   * forces, the energy, the margin, the S rates of the states (in an update: the states at its end). Columns: the N
+   * values, their N rates, the N references, P parameters, S states, I inputs, the time, the 3 components of the
+   * direction; in an update then the N values, N rates and I inputs at its start. An energy or margin that the law does
+   * not have must be null; what does not depend on a column gets zeros. */
+  double* const* derivatives;
 } springnet_law_batch;
 
 /* A step of the internal state: from `batch->states`, those of the start, to Z at batch->time, where q and rate are
@@ -75,6 +117,9 @@ typedef struct springnet_law_update {
   double* const* next_by_rate;       /* [S] dZ/dq' */
   double* const* next_by_states;     /* [S][S] dZ_i/dz_j at i S + j */
   double* const* next_by_parameters; /* [S][P] at i P + j */
+  /* 2.1. Of a law over several invariants, in place of start_q, start_rate and the derivatives above. */
+  const double* const* start_values; /* [N] */
+  const double* const* start_rates;  /* [N]; null unless SPRINGNET_READS_RATE */
 } springnet_law_update;
 
 /* The internal state at the start of a run, of elements as they are then. */
@@ -136,6 +181,12 @@ typedef struct springnet_law {
   springnet_status (*prepare)(void* context, springnet_preparation* preparation);
   /* Frees what `prepare` made; its `prepared` alone is read. */
   springnet_status (*release)(void* context, springnet_preparation* preparation);
+  /* 2.1. If `invariant` is SPRINGNET_SEVERAL; such a law has SPRINGNET_NEEDS_SEVERAL. */
+  uint32_t shape;           /* SPRINGNET_CHAIN … */
+  uint32_t invariant_count; /* 1 to SPRINGNET_MOST_INVARIANTS */
+  const springnet_invariant* const* invariants;
+  uint32_t reads_direction; /* 1: elements need a direction of the material */
+  uint32_t reserved_2;
 } springnet_law;
 
 #ifdef __cplusplus

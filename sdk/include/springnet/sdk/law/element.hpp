@@ -1,6 +1,7 @@
 // What a law's formulas get: an element, and the table that the law made.
 #pragma once
 
+#include <array>
 #include <cstddef>
 #include <cstdint>
 #include <span>
@@ -29,7 +30,7 @@ using Timeless = Dual<3 * max_states + 1>;
 template <class Real, class Table = NoTable>
 struct Element {
   using Rate = std::conditional_t<std::is_same_v<Real, Rateless>, ReadsRateIsNotDeclared, Real>;
-  using Time = std::conditional_t<std::is_same_v<Real, Timeless>, ReadsTimeIsNotDeclared, double>;
+  using Time = std::conditional_t<std::is_same_v<Real, Timeless>, ReadsTimeIsNotDeclared, Real>;
 
   Real q;          // the invariant: length, m; or relative speed, m/s
   Rate rate;       // dq/dt, if the law declares reads_rate
@@ -41,6 +42,27 @@ struct Element {
 
   [[nodiscard]] SPRINGNET_INLINE Real elongation() const { return q - reference; }            // m
   [[nodiscard]] SPRINGNET_INLINE Real strain() const { return (q - reference) / reference; }  // 1
+  [[nodiscard]] SPRINGNET_INLINE const Real& state(std::size_t index) const { return states[index]; }
+  [[nodiscard]] SPRINGNET_INLINE const Real& input(std::size_t index) const { return inputs[index]; }
+};
+
+// The same for a law over N invariants, in the order of its list `invariants`.
+template <class Real, std::size_t N, class Table = NoTable>
+struct SeveralOf {
+  using Rate = typename Element<Real, Table>::Rate;
+  using Time = typename Element<Real, Table>::Time;
+
+  std::array<Real, N> q;          // the invariants: m, rad, m^2, m^3; unset where only the reference is read
+  std::array<Rate, N> rate;       // their rates, if the law declares reads_rate
+  std::array<Real, N> reference;  // their values at rest
+  // Of the material at rest, if the law declares reads_direction: its components in the edges from node 0 to the
+  // others, sum_k direction[k] (p_k+1 - p_0), of length 1.
+  std::array<Real, 3> direction;
+  Time time;  // s, if the law declares reads_time
+  const Table& table;
+  const Real* states;
+  const Real* inputs;
+
   [[nodiscard]] SPRINGNET_INLINE const Real& state(std::size_t index) const { return states[index]; }
   [[nodiscard]] SPRINGNET_INLINE const Real& input(std::size_t index) const { return inputs[index]; }
 };

@@ -1,14 +1,67 @@
-// The loops of springnet_law::evaluate.
+// The loops of springnet_law::evaluate: forces; forces and their tangent; any other derivatives, some at a time. Each
+// loop evaluates a formula once for an element, whatever it writes.
 #pragma once
 
 #include <algorithm>
 #include <array>
 #include <cstddef>
 #include <cstdint>
+#include <utility>
 
 #include <springnet/sdk/law/batch.hpp>
 
 namespace springnet::sdk {
+
+// Derivatives that one evaluation carries, of those beyond the tangent.
+inline constexpr std::size_t derivatives_at_a_time = 4;
+
+namespace detail {
+
+// The argument of a law's formulas with the number `column` of its Jacobian, or null if it does not read it.
+template <class Law, std::size_t column, class Arguments>
+SPRINGNET_INLINE auto* argument_of(Arguments& a) {
+  using Traits = LawTraits<Law>;
+  constexpr JacobianLayout layout = Traits::jacobian;
+  constexpr std::size_t V = Traits::invariant_count;
+  if constexpr (column < layout.rate()) {
+    if constexpr (Traits::reads_value(column))
+      return &a.q(column);
+    else
+      return static_cast<decltype(&a.reference(0))>(nullptr);
+  } else if constexpr (column < layout.reference()) {
+    if constexpr (Traits::reads_rate && Traits::reads_value(column - V))
+      return &a.rate(column - V);
+    else
+      return static_cast<decltype(&a.reference(0))>(nullptr);
+  } else if constexpr (column < layout.parameter(0)) {
+    return &a.reference(column - layout.reference());
+  } else if constexpr (column < layout.state(0)) {
+    return &a.parameters[column - layout.parameter(0)];
+  } else if constexpr (column < layout.input(0)) {
+    return &a.states[column - layout.state(0)];
+  } else if constexpr (column < layout.time()) {
+    return &a.inputs[column - layout.input(0)];
+  } else if constexpr (column == layout.time()) {
+    if constexpr (Law::reads_time)
+      return &a.element.time;
+    else
+      return static_cast<decltype(&a.reference(0))>(nullptr);
+  } else {
+    if constexpr (Law::reads_direction)
+      return &a.element.direction[column - layout.direction(0)];
+    else
+      return static_cast<decltype(&a.reference(0))>(nullptr);
+  }
+}
+
+// Calls what(std::integral_constant<std::size_t, i>) for i from 0 to before count.
+template <std::size_t count, class What>
+SPRINGNET_INLINE void unrolled(const What& what) {
+  [&]<std::size_t... i>(std::index_sequence<i...>) { (what(std::integral_constant<std::size_t, i>{}), ...); }
+  (std::make_index_sequence<count>{});
+}
+
+}  // namespace detail
 
 template <class Law>
 class LawKernel {
@@ -19,8 +72,11 @@ class LawKernel {
   using Kind = std::integral_constant<Varying, varying>;
   template <class Real>
   using Arguments = detail::LawArguments<Law, Real>;
+  static constexpr std::size_t V = Traits::invariant_count;
   static constexpr std::size_t P = Traits::parameter_count;
   static constexpr std::size_t S = Traits::state_count;
+  static constexpr JacobianLayout layout = Traits::jacobian;
+  static constexpr std::size_t columns = layout.columns(false);
 
  public:
   struct Call {
@@ -30,154 +86,230 @@ class LawKernel {
   };
   SPRINGNET_INLINE static void run(const Call& call) {
     const springnet_law_batch& b = *call.batch;
-    detail::for_each_chunk(*call.law, b, [&](const Chunk& chunk, auto kind) { evaluate(b, chunk, kind); });
+    const Wanted wanted(b);
+    if (wanted.plain)
+      detail::for_each_chunk(*call.law, b, [&](const Chunk& chunk, auto kind) { evaluate(b, wanted, chunk, kind); });
+    if (wanted.rest)
+      detail::for_each_chunk<true>(*call.law, b, [&](const Chunk& chunk, auto kind) { rest(b, chunk, kind); });
   }
 
  private:
   struct Force {
     template <class Real>
-    SPRINGNET_INLINE static Real of(const Law& law, const Arguments<Real>& a) {
-      return law.force(a.element, a.values());
+    SPRINGNET_INLINE static std::array<Real, V> of(const Law& law, const Arguments<Real>& a) {
+      return detail::forces_of<Law>(law, a);
     }
   };
   struct EnergyValue {
     template <class Real>
-    SPRINGNET_INLINE static Real of(const Law& law, const Arguments<Real>& a) {
-      return law.energy(a.element, a.values());
+    SPRINGNET_INLINE static std::array<Real, 1> of(const Law& law, const Arguments<Real>& a) {
+      return {law.energy(a.element, a.values())};
     }
   };
   struct MarginValue {
     template <class Real>
-    SPRINGNET_INLINE static Real of(const Law& law, const Arguments<Real>& a) {
-      return law.margin(a.element, a.values());
+    SPRINGNET_INLINE static std::array<Real, 1> of(const Law& law, const Arguments<Real>& a) {
+      return {law.margin(a.element, a.values())};
+    }
+  };
+  struct Rates {
+    template <class Real>
+    SPRINGNET_INLINE static std::array<Real, S> of(const Law& law, const Arguments<Real>& a) {
+      return law.state_rates(a.element, a.values());
     }
   };
 
+  // What is asked for, beside single outputs.
+  struct Wanted {
+    bool tangent, plain, rest;
+    explicit Wanted(const springnet_law_batch& b) {
+      const bool forces = Traits::several ? detail::any(b.forces, V) : b.force != nullptr;
+      // Of a law over several invariants its columns are those of the values, and of their rates if it reads these.
+      tangent = Traits::several ? detail::any_column(b.derivatives, V, columns, 0, tangent_columns)
+                                : b.force_by_q != nullptr || b.force_by_rate != nullptr;
+      plain = forces || tangent || b.energy != nullptr || b.margin != nullptr;
+      constexpr std::size_t first = Traits::several ? tangent_columns : 0;
+      rest = detail::any_column(b.derivatives, layout.rows(), columns, first, columns - first) ||
+             (Traits::several && detail::any_column(b.derivatives + V * columns, layout.rows() - V, columns, 0, first));
+      if constexpr (!Traits::several) rest = rest || detail::any(b.force_by_parameters, P) || b.energy_by_q != nullptr;
+      if constexpr (S > 0)
+        rest = rest || detail::any(b.state_rates, S) || detail::any(b.rates_by_q, S) ||
+               detail::any(b.rates_by_rate, S) || detail::any(b.rates_by_states, S * S) ||
+               detail::any(b.rates_by_parameters, S * P) || detail::any(b.force_by_states, S) ||
+               detail::any(b.energy_by_states, S);
+    }
+  };
+  static constexpr std::size_t tangent_columns = Traits::reads_rate ? 2 * V : V;
+
   template <class Quantity, Varying varying>
-  SPRINGNET_INLINE static void values(const Chunk& c, Kind<varying> kind, double* array) {
+  SPRINGNET_INLINE static void value(const Chunk& c, Kind<varying> kind, double* array) {
     double* __restrict out = array + c.begin;
     const auto fixed = detail::constants_of<varying>(c);
     for (std::uint32_t i = 0; i < c.count; ++i) {
       const Arguments<Dual<0>> a(c, fixed, i, kind);
-      out[i] = Quantity::of(*c.law, a).value;
+      out[i] = Quantity::of(*c.law, a)[0].value;
     }
   }
-  // dQ/dq, and dQ/dq' for a law that reads it; either output may be null.
+  // Of a law over one invariant: its force, dQ/dq, and dQ/dq' if it reads that; each may be null.
   template <Varying varying>
-  SPRINGNET_INLINE static void derivatives(const Chunk& c, Kind<varying> kind, double* by_q, double* by_rate) {
-    double unwanted[detail::chunk_size];
-    double* __restrict out_q = by_q != nullptr ? by_q + c.begin : unwanted;
-    const auto fixed = detail::constants_of<varying>(c);
-    if constexpr (Traits::reads_rate) {
-      double unwanted_too[detail::chunk_size];
-      double* __restrict out_rate = by_rate != nullptr ? by_rate + c.begin : unwanted_too;
-      for (std::uint32_t i = 0; i < c.count; ++i) {
-        Arguments<Dual<2>> a(c, fixed, i, kind);
-        a.element.q.derivatives[0] = 1.0;
-        a.element.rate.derivatives[1] = 1.0;
-        const Dual<2> force = c.law->force(a.element, a.values());
-        out_q[i] = force.derivatives[0];
-        out_rate[i] = force.derivatives[1];
-      }
-    } else {
-      if (by_rate != nullptr) std::fill_n(by_rate + c.begin, c.count, 0.0);
-      if (by_q == nullptr) return;
-      for (std::uint32_t i = 0; i < c.count; ++i) {
-        Arguments<Dual<1>> a(c, fixed, i, kind);
-        a.element.q.derivatives[0] = 1.0;
-        const Dual<1> force = c.law->force(a.element, a.values());
-        out_q[i] = force.derivatives[0];
-      }
-    }
-  }
-  // Of force or energy by one argument, which `argument(arguments)` returns.
-  template <class Quantity, Varying varying, class Argument>
-  SPRINGNET_INLINE static void derivative_by(const Chunk& c, Kind<varying> kind, double* array,
-                                             const Argument& argument) {
-    double* __restrict out = array + c.begin;
-    const auto fixed = detail::constants_of<varying>(c);
-    for (std::uint32_t i = 0; i < c.count; ++i) {
-      Arguments<Dual<1>> a(c, fixed, i, kind);
-      argument(a).derivatives[0] = 1.0;
-      out[i] = Quantity::of(*c.law, a).derivatives[0];
-    }
-  }
-  template <class Quantity, Varying varying>
-  SPRINGNET_INLINE static void by_states(const Chunk& c, Kind<varying> kind, double* const* arrays) {
-    if constexpr (S > 0) {
-      for (std::size_t j = 0; arrays != nullptr && j < S; ++j)
-        if (arrays[j] != nullptr)
-          derivative_by<Quantity>(
-              c, kind, arrays[j], [j](auto& a) -> auto& { return a.states[j]; });
-    }
-  }
-
-  // Rates of the states, and their derivatives by q, its rate, states and parameters.
-  template <Varying varying>
-  SPRINGNET_INLINE static void rates(const springnet_law_batch& b, const Chunk& c, Kind<varying> kind) {
-    const auto fixed = detail::constants_of<varying>(c);
-    if (detail::any(b.state_rates, S)) {
-      for (std::uint32_t i = 0; i < c.count; ++i) {
-        const Arguments<Dual<0>> a(c, fixed, i, kind);
-        const std::array<Dual<0>, S> rates = c.law->state_rates(a.element, a.values());
-        for (std::size_t j = 0; j < S; ++j)
-          if (b.state_rates[j] != nullptr) b.state_rates[j][c.begin + i] = rates[j].value;
-      }
-    }
-    const auto by = [&](double* const* lists, std::size_t row, std::size_t column, const auto& argument) {
-      bool wanted = false;
-      for (std::size_t s = 0; lists != nullptr && s < S; ++s) wanted = wanted || lists[s * row + column] != nullptr;
-      if (!wanted) return;
-      for (std::uint32_t i = 0; i < c.count; ++i) {
-        Arguments<Dual<1>> a(c, fixed, i, kind);
-        argument(a).derivatives[0] = 1.0;
-        const std::array<Dual<1>, S> rates = c.law->state_rates(a.element, a.values());
-        for (std::size_t s = 0; s < S; ++s)
-          if (double* out = detail::from(lists, s * row + column, c.begin)) out[i] = rates[s].derivatives[0];
-      }
+  SPRINGNET_INLINE static void force_and_tangent(const Chunk& c, Kind<varying> kind, double* force, double* by_q,
+                                                 double* by_rate) {
+    double unwanted[3][detail::chunk_size];
+    const auto to = [&](double* array, std::size_t sink) {
+      return array != nullptr ? array + c.begin : unwanted[sink];
     };
-    by(
-        b.rates_by_q, 1, 0, [](auto& a) -> auto& { return a.element.q; });
-    if constexpr (Traits::reads_rate) {
-      by(
-          b.rates_by_rate, 1, 0, [](auto& a) -> auto& { return a.element.rate; });
-    } else {
-      for (std::size_t s = 0; s < S; ++s)
-        if (double* out = detail::from(b.rates_by_rate, s, c.begin)) std::fill_n(out, c.count, 0.0);
+    double* __restrict out = to(force, 0);
+    double* __restrict out_q = to(by_q, 1);
+    constexpr std::size_t N = Traits::reads_rate ? 2 : 1;
+    [[maybe_unused]] double* __restrict out_rate = to(by_rate, 2);
+    const auto fixed = detail::constants_of<varying>(c);
+    SPRINGNET_INDEPENDENT_ITERATIONS
+    for (std::uint32_t i = 0; i < c.count; ++i) {
+      Arguments<Dual<N>> a(c, fixed, i, kind);
+      a.q(0).derivatives[0] = 1.0;
+      if constexpr (Traits::reads_rate) a.rate(0).derivatives[1] = 1.0;
+      const Dual<N> result = detail::forces_of<Law>(*c.law, a)[0];
+      out[i] = result.value;
+      out_q[i] = result.derivatives[0];
+      if constexpr (Traits::reads_rate) out_rate[i] = result.derivatives[1];
     }
-    for (std::size_t j = 0; j < S; ++j)
-      by(
-          b.rates_by_states, S, j, [j](auto& a) -> auto& { return a.states[j]; });
-    if constexpr (P > 0) {
-      for (std::size_t j = 0; j < P; ++j)
-        by(
-            b.rates_by_parameters, P, j, [j](auto& a) -> auto& { return a.parameters[j]; });
-    }
+    if (!Traits::reads_rate && by_rate != nullptr) std::fill_n(by_rate + c.begin, c.count, 0.0);
   }
 
+  // Values and derivatives of a quantity by `width` columns from `first` on, in one loop: to_value(row), to(row,
+  // column) are where they go, or null.
+  template <class Quantity, std::size_t rows, std::size_t first, std::size_t width, Varying varying, class ToValue,
+            class To>
+  SPRINGNET_INLINE static void derivatives(const Chunk& c, Kind<varying> kind, const ToValue& to_value, const To& to) {
+    using Real = Dual<width>;
+    double unwanted[detail::chunk_size];
+    std::array<double*, rows> values;
+    std::array<std::array<double*, width>, rows> out;
+    const auto or_unwanted = [&](double* array) { return array != nullptr ? array : unwanted; };
+    for (std::size_t row = 0; row < rows; ++row) {
+      values[row] = or_unwanted(to_value(row));
+      for (std::size_t k = 0; k < width; ++k) out[row][k] = or_unwanted(to(row, first + k));
+    }
+    const auto fixed = detail::constants_of<varying>(c);
+    const std::uint32_t count = c.count;
+    SPRINGNET_INDEPENDENT_ITERATIONS
+    for (std::uint32_t i = 0; i < count; ++i) {
+      Arguments<Real> a(c, fixed, i, kind);
+      detail::unrolled<width>([&](auto k) {
+        if (auto* argument = detail::argument_of<Law, first + k.value>(a)) argument->derivatives[k.value] = 1.0;
+      });
+      const std::array<Real, rows> result = Quantity::of(*c.law, a);
+      for (std::size_t row = 0; row < rows; ++row) {
+        values[row][i] = result[row].value;
+        for (std::size_t k = 0; k < width; ++k) out[row][k][i] = result[row].derivatives[k];
+      }
+    }
+  }
+  // All columns from `first` to before `last` of a quantity, some at a time, as far as `to` asks for them.
+  template <class Quantity, std::size_t rows, std::size_t first, std::size_t last, Varying varying, class ToValue,
+            class To>
+  SPRINGNET_INLINE static void columns_of(const Chunk& c, Kind<varying> kind, const ToValue& to_value, const To& to) {
+    constexpr std::size_t groups = (last - first + derivatives_at_a_time - 1) / derivatives_at_a_time;
+    bool values_wanted = false;
+    for (std::size_t row = 0; row < rows; ++row) values_wanted = values_wanted || to_value(row) != nullptr;
+    detail::unrolled<groups>([&](auto group) {
+      constexpr std::size_t begin = first + group.value * derivatives_at_a_time;
+      constexpr std::size_t width = std::min(derivatives_at_a_time, last - begin);
+      bool wanted = false;
+      for (std::size_t row = 0; row < rows; ++row)
+        for (std::size_t k = 0; k < width; ++k) wanted = wanted || to(row, begin + k) != nullptr;
+      if (!wanted) return;
+      if (values_wanted)
+        derivatives<Quantity, rows, begin, width>(c, kind, to_value, to);
+      else
+        derivatives<Quantity, rows, begin, width>(
+            c, kind, [](std::size_t) -> double* { return nullptr; }, to);
+      values_wanted = false;
+    });
+    if (values_wanted) derivatives<Quantity, rows, first, 0>(c, kind, to_value, to);
+  }
+
+  // Forces, the tangent, energy and margin.
   template <Varying varying>
-  SPRINGNET_INLINE static void evaluate(const springnet_law_batch& b, const Chunk& c, Kind<varying> kind) {
-    if (b.force != nullptr) values<Force>(c, kind, b.force);
+  SPRINGNET_INLINE static void evaluate(const springnet_law_batch& b, const Wanted& wanted, const Chunk& c,
+                                        Kind<varying> kind) {
+    if constexpr (Traits::several) {
+      const auto to_value = [&](std::size_t row) { return detail::from(b.forces, row, c.begin); };
+      if (wanted.tangent) {
+        columns_of<Force, V, 0, tangent_columns>(c, kind, to_value, [&](std::size_t row, std::size_t column) {
+          return detail::from(b.derivatives, row * columns + column, c.begin);
+        });
+      } else if (detail::any(b.forces, V)) {
+        derivatives<Force, V, 0, 0>(c, kind, to_value, [](std::size_t, std::size_t) -> double* { return nullptr; });
+      }
+    } else if (wanted.tangent) {
+      force_and_tangent(c, kind, b.force, b.force_by_q, b.force_by_rate);
+    } else if (b.force != nullptr) {
+      value<Force>(c, kind, b.force);
+    }
     if constexpr (Traits::has_energy) {
-      if (b.energy != nullptr) values<EnergyValue>(c, kind, b.energy);
-      if (b.energy_by_q != nullptr)
-        derivative_by<EnergyValue>(
-            c, kind, b.energy_by_q, [](auto& a) -> auto& { return a.element.q; });
-      by_states<EnergyValue>(c, kind, b.energy_by_states);
+      if (b.energy != nullptr) value<EnergyValue>(c, kind, b.energy);
     }
     if constexpr (Traits::has_margin) {
-      if (b.margin != nullptr) values<MarginValue>(c, kind, b.margin);
+      if (b.margin != nullptr) value<MarginValue>(c, kind, b.margin);
     }
-    if (b.force_by_q != nullptr || b.force_by_rate != nullptr) derivatives(c, kind, b.force_by_q, b.force_by_rate);
-    if constexpr (P > 0) {
-      for (std::size_t j = 0; b.force_by_parameters != nullptr && j < P; ++j)
-        if (b.force_by_parameters[j] != nullptr)
-          derivative_by<Force>(
-              c, kind, b.force_by_parameters[j], [j](auto& a) -> auto& { return a.parameters[j]; });
-    }
-    if constexpr (S > 0) {
-      by_states<Force>(c, kind, b.force_by_states);
-      rates(b, c, kind);
+  }
+
+  // All other derivatives, from the matrix of a batch and from the arrays that laws over one invariant have for some.
+  SPRINGNET_INLINE static void rest(const springnet_law_batch& b, const Chunk& c, Kind<Varying::all> kind) {
+    const auto at = [&](std::size_t row, std::size_t column) {
+      return detail::from(b.derivatives, row * columns + column, c.begin);
+    };
+    const auto no_value = [](std::size_t) -> double* { return nullptr; };
+    quantity<Force, V, 0>(c, kind, no_value, at, [&](std::size_t, std::size_t column) -> double* {
+      if (Traits::several) return nullptr;
+      if (column >= layout.parameter(0) && column < layout.state(0))
+        return detail::from(b.force_by_parameters, column - layout.parameter(0), c.begin);
+      if (column >= layout.state(0) && column < layout.input(0))
+        return detail::from(b.force_by_states, column - layout.state(0), c.begin);
+      return nullptr;
+    });
+    if constexpr (Traits::has_energy)
+      quantity<EnergyValue, 1, layout.energy()>(c, kind, no_value, at, [&](std::size_t, std::size_t column) -> double* {
+        if (Traits::several) return nullptr;
+        if (column == layout.value()) return b.energy_by_q == nullptr ? nullptr : b.energy_by_q + c.begin;
+        if (column >= layout.state(0) && column < layout.input(0))
+          return detail::from(b.energy_by_states, column - layout.state(0), c.begin);
+        return nullptr;
+      });
+    if constexpr (Traits::has_margin)
+      quantity<MarginValue, 1, layout.margin()>(c, kind, no_value, at,
+                                                [](std::size_t, std::size_t) -> double* { return nullptr; });
+    if constexpr (S > 0)
+      quantity<Rates, S, layout.state_row(0)>(
+          c, kind, [&](std::size_t row) { return detail::from(b.state_rates, row, c.begin); }, at,
+          [&](std::size_t row, std::size_t column) -> double* {
+            if (!Traits::several && column == layout.value()) return detail::from(b.rates_by_q, row, c.begin);
+            if (!Traits::several && column == layout.rate()) return detail::from(b.rates_by_rate, row, c.begin);
+            if (column >= layout.parameter(0) && column < layout.state(0))
+              return detail::from(b.rates_by_parameters, row * P + column - layout.parameter(0), c.begin);
+            if (column >= layout.state(0) && column < layout.input(0))
+              return detail::from(b.rates_by_states, row * S + column - layout.state(0), c.begin);
+            return nullptr;
+          });
+  }
+  // The rows of a quantity, which begin with row `row_0` of the matrix. Where `also` names an array of its own for a
+  // derivative, that one gets it; if both do, the matrix's array gets a copy.
+  template <class Quantity, std::size_t rows, std::size_t row_0, class ToValue, class At, class Also>
+  SPRINGNET_INLINE static void quantity(const Chunk& c, Kind<Varying::all> kind, const ToValue& to_value, const At& at,
+                                        const Also& also) {
+    constexpr bool is_several_forces = Traits::several && row_0 == 0;
+    constexpr std::size_t first = is_several_forces ? tangent_columns : 0;  // the tangent's have been done
+    columns_of<Quantity, rows, first, columns>(c, kind, to_value, [&](std::size_t row, std::size_t column) {
+      double* const own = also(row, column);
+      return own != nullptr ? own : at(row_0 + row, column);
+    });
+    for (std::size_t row = 0; row < rows; ++row) {
+      for (std::size_t column = first; column < columns; ++column) {
+        const double* const own = also(row, column);
+        double* const copy = at(row_0 + row, column);
+        if (own != nullptr && copy != nullptr && own != copy) std::copy_n(own, c.count, copy);
+      }
     }
   }
 };

@@ -15,6 +15,7 @@
 #include <cstdint>
 
 #include <springnet/sdk/law/implicit.hpp>
+#include <springnet/sdk/law/kernel.hpp>
 
 namespace springnet::sdk {
 
@@ -30,8 +31,10 @@ class UpdateKernel {
   static constexpr std::size_t P = Traits::parameter_count;
   static constexpr std::size_t S = Traits::state_count;
   static constexpr std::size_t I = Traits::input_count;
+  static constexpr std::size_t V = Traits::invariant_count;
   static constexpr std::size_t along = Traits::reads_rate ? 2 : 1;  // derivatives by q, and by its rate
-  static constexpr double g = 0.29289321881345248;                  // 1 - 1/sqrt(2)
+  static constexpr JacobianLayout layout = Traits::jacobian;
+  static constexpr double g = 0.29289321881345248;  // 1 - 1/sqrt(2)
   static constexpr double carried = (1.0 - g) / g;
 
  public:
@@ -54,7 +57,7 @@ class UpdateKernel {
 
   // What a chunk is at the first stage of order 2, at the share g of the step.
   struct Between {
-    double q[detail::chunk_size], rate[detail::chunk_size];
+    double q[V][detail::chunk_size], rate[V][detail::chunk_size];
     double inputs[I == 0 ? 1 : I][detail::chunk_size];
   };
 
@@ -74,11 +77,14 @@ class UpdateKernel {
     const auto mix = [&c](const double* start, const double* end, double* out) {
       for (std::uint32_t i = 0; i < c.count; ++i) out[i] = start[i] + g * (end[i] - start[i]);
     };
-    mix(u.start_q + c.begin, c.q, memory.q);
-    stage.q = memory.q;
-    if constexpr (Traits::reads_rate) {
-      mix(u.start_rate + c.begin, c.rate, memory.rate);
-      stage.rate = memory.rate;
+    for (std::size_t j = 0; j < V; ++j) {
+      if (!Traits::reads_value(j)) continue;
+      mix((Traits::several ? u.start_values[j] : u.start_q) + c.begin, c.q[j], memory.q[j]);
+      stage.q[j] = memory.q[j];
+      if constexpr (Traits::reads_rate) {
+        mix((Traits::several ? u.start_rates[j] : u.start_rate) + c.begin, c.rate[j], memory.rate[j]);
+        stage.rate[j] = memory.rate[j];
+      }
     }
     for (std::size_t j = 0; j < I; ++j) {
       const bool apart = u.batch->input_strides[j] != 0;
@@ -174,6 +180,7 @@ class UpdateKernel {
     for (std::size_t j = 0; j < I; ++j) inputs[j] = u.start_inputs[j][u.batch->input_strides[j] != 0 ? c.begin + i : 0];
     Step<Real> step{u.start_q[c.begin + i], 0.0, inputs.data(), u.time_step, static_cast<int>(u.order)};
     if constexpr (Traits::reads_rate) step.start_rate = u.start_rate[c.begin + i];
+    if constexpr (requires { seed.at_start(step, inputs); }) seed.at_start(step, inputs);
     return c.law->update(a.element, a.values(), step);
   }
 
@@ -235,7 +242,16 @@ class UpdateKernel {
         out[i] = quantity(a).value;
       }
     };
-    if (b.force != nullptr) values(b.force, [&](const auto& a) { return end.law->force(a.element, a.values()); });
+    if constexpr (Traits::several) {
+      for (std::uint32_t i = 0; detail::any(b.forces, V) && i < end.count; ++i) {
+        const Arguments<Dual<0>> a(end, fixed, i, kind);
+        const std::array<Dual<0>, V> forces = detail::forces_of<Law>(*end.law, a);
+        for (std::size_t j = 0; j < V; ++j)
+          if (double* out = detail::from(b.forces, j, end.begin)) out[i] = forces[j].value;
+      }
+    } else if (b.force != nullptr) {
+      values(b.force, [&](const auto& a) { return detail::forces_of<Law>(*end.law, a)[0]; });
+    }
     if constexpr (Traits::has_energy) {
       if (b.energy != nullptr) values(b.energy, [&](const auto& a) { return end.law->energy(a.element, a.values()); });
     }
@@ -248,13 +264,91 @@ class UpdateKernel {
   SPRINGNET_INLINE static void all_derivatives(const springnet_law_update& u, const Chunk& end, Kind<varying> kind,
                                                const NextWith& next_with) {
     const springnet_law_batch& b = *u.batch;
-    // By states only where somebody asks: Newton's method for the nodes does not.
-    if (detail::any(b.force_by_states, S) || detail::any(u.next_by_states, S * S))
-      derivatives<along + S>(u, end, kind, next_with);
-    else if (b.force_by_q != nullptr || b.force_by_rate != nullptr || detail::any(u.next_by_q, S) ||
-             detail::any(u.next_by_rate, S))
-      derivatives<along>(u, end, kind, next_with);
-    if constexpr (P > 0) parameter_derivatives(u, end, kind, next_with);
+    if constexpr (!Traits::several) {
+      // By states only where somebody asks: Newton's method for the nodes does not.
+      if (detail::any(b.force_by_states, S) || detail::any(u.next_by_states, S * S))
+        derivatives<along + S>(u, end, kind, next_with);
+      else if (b.force_by_q != nullptr || b.force_by_rate != nullptr || detail::any(u.next_by_q, S) ||
+               detail::any(u.next_by_rate, S))
+        derivatives<along>(u, end, kind, next_with);
+      if constexpr (P > 0) parameter_derivatives(u, end, kind, next_with);
+    }
+    if (b.derivatives != nullptr) matrix(u, end, kind, next_with);
+  }
+
+  // Derivatives of the arguments by `width` columns of the matrix from `first` on, for arguments that are at the share
+  // of the way to the end.
+  template <std::size_t first, std::size_t width>
+  struct ColumnSeed {
+    SPRINGNET_INLINE void operator()(auto& a, double share) const {
+      detail::unrolled<width>([&](auto k) {
+        constexpr std::size_t column = first + k.value;
+        constexpr bool moves = column < layout.reference() || (column >= layout.input(0) && column < layout.time());
+        if constexpr (column < layout.columns(false)) {
+          if (auto* argument = detail::argument_of<Law, column>(a))
+            argument->derivatives[k.value] = moves ? share : 1.0;
+        } else if constexpr (column < layout.start_rate()) {
+          constexpr std::size_t j = column - layout.start_value();
+          if (Traits::reads_value(j)) a.q(j).derivatives[k.value] = 1.0 - share;
+        } else if constexpr (column < layout.start_input(0)) {
+          constexpr std::size_t j = column - layout.start_rate();
+          if constexpr (Traits::reads_rate)
+            if (Traits::reads_value(j)) a.rate(j).derivatives[k.value] = 1.0 - share;
+        } else {
+          a.inputs[column - layout.start_input(0)].derivatives[k.value] = 1.0 - share;
+        }
+      });
+    }
+    SPRINGNET_INLINE void at_start(auto& step, auto& inputs) const {
+      detail::unrolled<width>([&](auto k) {
+        constexpr std::size_t column = first + k.value;
+        if constexpr (column == layout.start_value()) step.start_q.derivatives[k.value] = 1.0;
+        if constexpr (column == layout.start_rate()) step.start_rate.derivatives[k.value] = 1.0;
+        if constexpr (column >= layout.start_input(0))
+          inputs[column - layout.start_input(0)].derivatives[k.value] = 1.0;
+      });
+    }
+  };
+
+  // springnet_law_batch::derivatives, some columns at a time.
+  template <Varying varying, class NextWith>
+  SPRINGNET_INLINE static void matrix(const springnet_law_update& u, const Chunk& end, Kind<varying> kind,
+                                      const NextWith& next_with) {
+    const springnet_law_batch& b = *u.batch;
+    constexpr std::size_t columns = layout.columns(true), rows = layout.rows();
+    constexpr std::size_t groups = (columns + derivatives_at_a_time - 1) / derivatives_at_a_time;
+    const auto fixed = detail::constants_of<varying>(end);
+    detail::unrolled<groups>([&](auto group) {
+      constexpr std::size_t first = group.value * derivatives_at_a_time;
+      constexpr std::size_t width = std::min(derivatives_at_a_time, columns - first);
+      if (!detail::any_column(b.derivatives, rows, columns, first, width)) return;
+      using Real = Dual<width>;
+      double unwanted[detail::chunk_size];
+      std::array<std::array<double*, width>, rows> out;
+      for (std::size_t row = 0; row < rows; ++row)
+        for (std::size_t k = 0; k < width; ++k) {
+          double* const to = detail::from(b.derivatives, row * columns + first + k, end.begin);
+          out[row][k] = to != nullptr ? to : unwanted;
+        }
+      const ColumnSeed<first, width> seed;
+      const auto of_start = [](auto& state, std::size_t j) {
+        if (layout.state(j) - first < width) state.derivatives[layout.state(j) - first] = 1.0;
+      };
+      for (std::uint32_t i = 0; i < end.count; ++i) {
+        const std::array<Real, S> next = next_with(i, std::integral_constant<std::size_t, width>{}, seed, of_start);
+        Arguments<Real> a(end, fixed, i, kind);
+        seed(a, 1.0);
+        a.states = next;
+        const auto write = [&](std::size_t row, const Real& result) {
+          for (std::size_t k = 0; k < width; ++k) out[row][k][i] = result.derivatives[k];
+        };
+        const std::array<Real, V> forces = detail::forces_of<Law>(*end.law, a);
+        for (std::size_t j = 0; j < V; ++j) write(layout.force(j), forces[j]);
+        if constexpr (Traits::has_energy) write(layout.energy(), end.law->energy(a.element, a.values()));
+        if constexpr (Traits::has_margin) write(layout.margin(), end.law->margin(a.element, a.values()));
+        for (std::size_t j = 0; j < S; ++j) write(layout.state_row(j), next[j]);
+      }
+    });
   }
 
   // By q and its rate, and with N greater than `along` by the states at the start.
@@ -279,8 +373,8 @@ class UpdateKernel {
                                           : detail::from(u.next_by_states, j * S + k, end.begin));
     }
     const auto seed = [](auto& a, double share) {
-      a.element.q.derivatives[0] = share;
-      if constexpr (Traits::reads_rate) a.element.rate.derivatives[1] = share;
+      a.q(0).derivatives[0] = share;
+      if constexpr (Traits::reads_rate) a.rate(0).derivatives[1] = share;
     };
     const auto of_start = [](auto& state, std::size_t j) {
       if constexpr (by_states) state.derivatives[along + j] = 1.0;
@@ -292,7 +386,7 @@ class UpdateKernel {
       Arguments<Dual<N>> a(end, fixed, i, kind);
       seed(a, 1.0);
       a.states = next;
-      const Dual<N> force = end.law->force(a.element, a.values());
+      const Dual<N> force = detail::forces_of<Law>(*end.law, a)[0];
       for (std::size_t k = 0; k < N; ++k) {
         out[0][k][i] = force.derivatives[k];
         for (std::size_t j = 0; j < S; ++j) out[1 + j][k][i] = next[j].derivatives[k];
@@ -326,7 +420,7 @@ class UpdateKernel {
         Arguments<Real> a(end, fixed, i, kind);
         seed(a, 1.0);
         a.states = next;
-        if (by_parameter != nullptr) by_parameter[i] = end.law->force(a.element, a.values()).derivatives[0];
+        if (by_parameter != nullptr) by_parameter[i] = detail::forces_of<Law>(*end.law, a)[0].derivatives[0];
         for (std::size_t j = 0; j < S; ++j)
           if (double* out = detail::from(u.next_by_parameters, j * P + p, end.begin)) out[i] = next[j].derivatives[0];
       }
