@@ -54,8 +54,8 @@ Bottleneck bottleneck(const StartingNetwork& start, NodeIndex node, double w) {
   std::sort(shares.begin(), shares.end(), [](const auto& a, const auto& b) { return a.element < b.element; });
   for (const layers::ElementShare& share : shares) {
     const ElementAtStart& element = start.elements()[share.element];
-    const double square = element.gradient[share.place].squaredNorm();
-    offer(element.stiffness * square, element.damping * square, std::nullopt, share.element);
+    if (element.own_stiffness.empty()) continue;
+    offer(element.own_stiffness[share.place], element.own_damping[share.place], std::nullopt, share.element);
   }
   return result;
 }
@@ -72,10 +72,7 @@ bool plainly_definite(const StartingNetwork& start) {
                        return !(s.stiffness < 0.0) && !pushes && !(s.axial_damping < 0.0) && !(s.general_damping < 0.0);
                      }) &&
          std::all_of(start.elements().begin(), start.elements().end(),
-                     [](const ElementAtStart& e) {
-                       return e.stiffness >= 0.0 && e.damping >= 0.0 &&
-                              std::abs(e.force) <= no_load * e.stiffness * e.scale;
-                     }) &&
+                     [](const ElementAtStart& e) { return e.definite; }) &&
          std::none_of(network.loads().begin(), network.loads().end(), follows);
 }
 

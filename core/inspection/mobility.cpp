@@ -168,13 +168,9 @@ void count_mechanisms(const StartingNetwork& start, const std::vector<std::uint3
   for (std::size_t e = 0; e < start.elements().size(); ++e) {
     const ElementAtStart& element = start.elements()[e];
     const Element& described = network.elements()[e];
-    if (element.stiffness == 0.0 || !network.materials()[described.material].spring) continue;
-    if (described.invariant == Invariant::enclosed_volume) {
-      volumes.add(element.nodes, element.gradient);
-      continue;
-    }
-    all.add(element.nodes, element.gradient);
-    all.add(element.nodes, element.across);
+    if (!network.materials()[described.material].spring) continue;
+    Directions& directions = described.invariant == Invariant::enclosed_volume ? volumes : all;
+    for (const std::vector<Vector3>& direction : element.directions) directions.add(element.nodes, direction);
   }
   for (const Rigid& connection : network.rigids()) {
     all.add(connection.first, connection.second);

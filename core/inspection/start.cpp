@@ -1,8 +1,10 @@
 #include "inspection/start.hpp"
 
+#include <Eigen/Eigenvalues>
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <memory>
 
 #include <springnet/error.hpp>
 
@@ -31,7 +33,12 @@ Network at_rest(const Network& network, const std::vector<std::uint8_t>& free) {
     result.add_node(node);
   }
   for (const Spring& s : network.springs()) result.add_spring(s.first, s.second, s.material, s.rest_length);
-  for (const Element& e : network.elements()) result.add_element(e.invariant, e.nodes, e.material, e.reference);
+  for (const Element& e : network.elements()) {
+    if (reads_several(e.invariant))
+      result.add_element(e.invariant, e.nodes, e.material, e.rest, e.direction);
+    else
+      result.add_element(e.invariant, e.nodes, e.material, e.reference);
+  }
   for (const Rigid& rigid : network.rigids()) result.add_rigid(rigid.first, rigid.second, rigid.length);
   for (const Load& load : network.loads()) result.add_load(load);
   for (const Input& input : network.inputs()) result.add_input(input);
@@ -121,6 +128,10 @@ void StartingNetwork::linearise_elements() {
     for (const std::uint32_t node : elements.nodes(e)) element.nodes.push_back(user[node]);
     element.across.assign(element.nodes.size(), Vector3::Zero());
     const Invariant invariant = elements.invariant(e);
+    if (reads_several(invariant)) {
+      linearise_several(e, element);
+      continue;
+    }
     double value = 0.0;
     if (invariant == Invariant::enclosed_volume) {
       const layers::Enclosure& closed = elements.enclosures()[enclosure++].shape;
@@ -138,6 +149,8 @@ void StartingNetwork::linearise_elements() {
       element.gradient.assign(blocks.row[0], blocks.row[0] + element.nodes.size());
       element.across.assign(blocks.row[1], blocks.row[1] + element.nodes.size());
     }
+    element.directions = {element.gradient};
+    if (invariant != Invariant::enclosed_volume) element.directions.push_back(element.across);
     const bool is_angle = invariant == Invariant::angle || invariant == Invariant::dihedral;
     element.scale = is_angle ? 1.0 : std::abs(value);
     const layers::Group& group = layout_->laws().groups[elements.group(e)];
@@ -150,6 +163,73 @@ void StartingNetwork::linearise_elements() {
     element.force = force[0] + force[1];
     element.stiffness = by_q[0] + by_q[1];
     element.damping = by_rate[0] + by_rate[1];
+    for (const Vector3& gradient : element.gradient) {
+      element.own_stiffness.push_back(element.stiffness * gradient.squaredNorm());
+      element.own_damping.push_back(element.damping * gradient.squaredNorm());
+    }
+    // Smaller forces, relative to stiffness times size, are rounding.
+    constexpr double no_load = 1e-12;
+    element.definite = element.stiffness >= 0.0 && element.damping >= 0.0 &&
+                       std::abs(element.force) <= no_load * element.stiffness * element.scale;
+    if (element.stiffness == 0.0) element.directions.clear();
+  }
+}
+
+// From the derivatives of the forces on its nodes: their eigenvectors are the directions in which it resists.
+void StartingNetwork::linearise_several(std::uint32_t e, ElementAtStart& element) {
+  const layers::Group& group = layout_->laws().groups[layout_->elements().group(e)];
+  const std::size_t count = element.nodes.size();
+  element.own_stiffness.assign(count, unknown);
+  element.own_damping.assign(count, unknown);
+  const auto query = std::make_unique<layers::SeveralQuery>();
+  springnet_message message{};
+  if (layers::evaluate_several_element(*layout_, set, 0.0, nodes_, e, layers::SeveralWanted::tangent, *query,
+                                       message) != SPRINGNET_OK)
+    return;
+  const auto tangent = std::make_unique<layers::SeveralTangent>();
+  const auto rate_gradients = std::make_unique<layers::SeveralRateGradients>();
+  const auto blocks = std::make_unique<layers::SeveralBlocks>();
+  if (!layers::tangent_of(group, query->answers, 1, *tangent)) return;
+  const layers::Kernels& kernels = layers::kernels_for(set);
+  layers::several_blocks(kernels, group.scalars, query->geometry, 1, *tangent, *rate_gradients, *blocks);
+  const double* q[2][layers::max_scalars];
+  layers::forces_of(group, query->answers, q);
+  double forces[3][layers::max_corners];
+  kernels.several.forces(group.scalars, query->geometry, 1, q, {forces[0], forces[1], forces[2], 1});
+  const auto size = static_cast<Eigen::Index>(3 * count);
+  Eigen::MatrixXd stiffness(size, size), damping = Eigen::MatrixXd::Zero(size, size);
+  for (std::size_t i = 0; i < count; ++i)
+    for (std::size_t j = 0; j < count; ++j)
+      for (std::size_t k = 0; k < 9; ++k) {
+        const auto row = static_cast<Eigen::Index>(3 * i + k / 3), column = static_cast<Eigen::Index>(3 * j + k % 3);
+        stiffness(row, column) = blocks->stiffness[i][j][k][0];
+        if (tangent->has_rates) damping(row, column) = blocks->damping[i][j][k][0];
+      }
+  const auto largest = [](const Eigen::MatrixXd& block) {
+    return Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd>(0.5 * (block + block.transpose())).eigenvalues().maxCoeff();
+  };
+  double extent = 0.0, force = 0.0;
+  for (std::size_t i = 0; i < count; ++i) {
+    const auto at = static_cast<Eigen::Index>(3 * i);
+    element.own_stiffness[i] = largest(stiffness.block(at, at, 3, 3));
+    element.own_damping[i] = largest(damping.block(at, at, 3, 3));
+    for (std::size_t c = 0; c < 3; ++c) {
+      force = std::max(force, std::abs(forces[c][i]));
+      extent = std::max(extent, std::abs(query->geometry.position[3 * i + c][0]));
+    }
+  }
+  const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> elastic(0.5 * (stiffness + stiffness.transpose()));
+  const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> viscous(0.5 * (damping + damping.transpose()));
+  constexpr double rounding = 1e-10;
+  const double greatest = elastic.eigenvalues().cwiseAbs().maxCoeff();
+  element.definite = elastic.eigenvalues().minCoeff() >= -rounding * greatest && force <= rounding * greatest * extent &&
+                     viscous.eigenvalues().minCoeff() >= -rounding * viscous.eigenvalues().cwiseAbs().maxCoeff();
+  for (Eigen::Index k = 0; k < size; ++k) {
+    if (!(std::abs(elastic.eigenvalues()[k]) > rounding * greatest)) continue;
+    std::vector<Vector3> direction;
+    for (std::size_t i = 0; i < count; ++i)
+      direction.emplace_back(elastic.eigenvectors().col(k).segment<3>(static_cast<Eigen::Index>(3 * i)));
+    element.directions.push_back(std::move(direction));
   }
 }
 

@@ -72,8 +72,46 @@ double over_states(const Layout& layout, const Law& law, std::size_t group, std:
   return sum;
 }
 
+// Sum over the scalars of a law of an element.
+template <class What>
+double over_scalars(const Law& law, const What& what) {
+  double sum = 0.0;
+  for (std::size_t i = 0; i < law.scalar_count; ++i) sum += what(law.scalar[i]);
+  return sum;
+}
+
+// At the element's state, which `nodes` has.
+Losses::Several several_losses(const Layout& layout, InstructionSet set, double time, const NodeArrays& nodes,
+                               std::uint32_t element) {
+  const Group& group = layout.laws().groups[layout.elements().group(element)];
+  const auto query = std::make_unique_for_overwrite<SeveralQuery>();
+  springnet_message message{};
+  const springnet_status status =
+      evaluate_several_element(layout, set, time, nodes, element, SeveralWanted::forces, *query, message);
+  Losses::Several out{};
+  for (std::size_t s = 0; s < group.scalars.count; ++s) {
+    if (group.scalars.scalar[s].reference_only) continue;
+    out.q[s] = query->geometry.value[s][0];
+    out.rate[s] = query->geometry.rate[s][0];
+  }
+  for (std::size_t k = 0; k < 2; ++k) {
+    const Law& law = *group.laws()[k];
+    if (!law || has_energy(law)) continue;  // what derives from an energy dissipates nothing
+    for (std::size_t i = 0; i < law.scalar_count; ++i) {
+      const std::size_t s = law.scalar[i];
+      if (group.scalars.scalar[s].reference_only) continue;
+      out.force[k][s] = status == SPRINGNET_OK ? query->answers.force[k][s][0] : std::nan("");
+    }
+  }
+  return out;
+}
+
 double power(const Layout& layout, const Losses& at, const Law& law, std::size_t k, std::size_t member,
              std::size_t group, std::uint32_t place) {
+  if (law.scalar_count > 0) {
+    const Losses::Several& own = at.several[member - layout.spring_count()];
+    return over_scalars(law, [&](std::size_t s) { return own.force[k][s] * own.rate[s]; });
+  }
   return at.force[k][member] * at.rate[k][member] -
          over_states(layout, law, group, place, [&](std::uint64_t z) { return at.energy_by_states[z] * at.rates[z]; });
 }
@@ -125,6 +163,11 @@ void evaluate_losses(const Layout& layout, InstructionSet set, double time, cons
   for (std::uint32_t e = 0; e < layout.elements().count(); ++e) {
     if (!layout.elements().alive(e)) continue;
     const Group& group = layout.laws().groups[layout.elements().group(e)];
+    if (reads_several(layout.elements().invariant(e))) {
+      out.several.resize(layout.elements().count());
+      out.several[e] = several_losses(layout, set, time, own, e);
+      continue;
+    }
     const ElementState state = element_state(layout, nodes, e);
     springnet_message message{};
     const springnet_status status =
@@ -150,6 +193,17 @@ double element_dissipation(const Layout& layout, InstructionSet set, double time
                            std::uint32_t element) {
   const std::size_t g = layout.elements().group(element);
   const Group& group = layout.laws().groups[g];
+  if (reads_several(layout.elements().invariant(element))) {
+    const Losses::Several own = several_losses(layout, set, time, nodes, element);
+    double power = 0.0;
+    for (std::size_t k = 0; k < 2; ++k) {
+      const Law& law = *group.laws()[k];
+      if (!law) continue;
+      if (!is_known(law, k)) return std::nan("");
+      power += over_scalars(law, [&](std::size_t s) { return own.force[k][s] * own.rate[s]; });
+    }
+    return power;
+  }
   const auto count = static_cast<std::size_t>(layout.internal().count());
   const auto rates = std::make_unique_for_overwrite<double[]>(count);
   const auto energy_by_states = std::make_unique_for_overwrite<double[]>(count);
@@ -190,6 +244,14 @@ double known_dissipation(const Layout& layout, const Losses& start, const Losses
   for_each_law(
       layout, true, [&](const Law& law, std::size_t k, std::size_t member, std::size_t group, std::uint32_t place) {
         if (!is_known(law, k)) return;
+        if (law.scalar_count > 0) {
+          const Losses::Several& from = start.several[member - layout.spring_count()];
+          const Losses::Several& to = end.several[member - layout.spring_count()];
+          sum += 0.5 * over_scalars(law, [&](std::size_t s) {
+                   return (from.force[k][s] + to.force[k][s]) * (to.q[s] - from.q[s]);
+                 });
+          return;
+        }
         const double force_0 = start.force[k][member], force_1 = end.force[k][member];
         const double work =
             law.relative ? (force_0 * start.rate[k][member] + force_1 * end.rate[k][member]) * (end.time - start.time)

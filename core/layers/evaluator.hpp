@@ -160,6 +160,11 @@ class Evaluator {
                                springnet_message& message) const;
   springnet_status add_elements_of(std::uint32_t node, double time, const NodeArrays& nodes,
                                    const EnclosureVolumes* volumes, NodeSums& sums, springnet_message& message) const;
+  // Of up to several_batch elements of one group whose laws read several scalars.
+  springnet_status add_several_of(std::span<const ElementShare> shares, double time, const NodeArrays& nodes,
+                                  NodeSums& sums, springnet_message& message) const;
+  springnet_status evaluate_several_batch(const ElementBatch& batch, double time, const NodeArrays& nodes,
+                                          springnet_message& message) const;
 
   const Layout& layout_;
   const std::vector<double>& mass_;

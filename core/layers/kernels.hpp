@@ -6,6 +6,7 @@
 #include <cstdint>
 
 #include "layers/elements/kernels.hpp"
+#include "layers/elements/several_kernels.hpp"
 
 namespace springnet::layers {
 
@@ -143,6 +144,7 @@ struct Kernels {
   // Whether all numbers of three arrays are finite.
   bool (*all_finite)(const double* x, const double* y, const double* z, std::size_t count);
   ElementKernels elements;
+  SeveralKernels several;
 };
 
 namespace generic {

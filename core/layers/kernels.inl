@@ -507,6 +507,7 @@ bool all_finite(const double* x, const double* y, const double* z, std::size_t c
 }  // namespace
 
 #include "layers/elements/kernels.inl"
+#include "layers/elements/several_kernels.inl"
 
 const Kernels& kernels() {
   static constexpr Kernels table{gather<Reads::length>,
@@ -531,7 +532,8 @@ const Kernels& kernels() {
                                  all_positive,
                                  all_finite,
                                  {geometry_of<Measure::angle>, geometry_of<Measure::dihedral>,
-                                  geometry_of<Measure::area>, geometry_of<Measure::volume>, corner_forces}};
+                                  geometry_of<Measure::area>, geometry_of<Measure::volume>, corner_forces},
+                                 {several_geometry, several_forces, several_blocks}};
   return table;
 }
 

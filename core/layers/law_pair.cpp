@@ -2,6 +2,9 @@
 
 #include <algorithm>
 #include <limits>
+#include <optional>
+
+#include <springnet/sdk/law/jacobian.hpp>
 
 #include "plugin_host/call.hpp"
 #include "profile/stage.hpp"
@@ -34,6 +37,52 @@ class InputValues {
   double now_[max_inputs][states_batch], start_[max_inputs][states_batch];
 };
 
+// The pointers of a call to a law over several scalars.
+class SeveralCall {
+ public:
+  SeveralCall(const Law& law, const SeveralInputs& inputs, const LawOutputs& out)
+      : law_(law),
+        inputs_(inputs),
+        out_(out),
+        layout_{law.scalar_count, law.parameter_count, law.state_count, law.input_count} {
+    if (out.derivatives) std::fill_n(matrix_.begin(), layout_.rows() * layout_.columns(false), nullptr);
+  }
+  // From member `begin` on.
+  void set(std::size_t begin, springnet_law_batch& batch) {
+    const auto at = [begin](auto* array) { return array == nullptr ? nullptr : array + begin; };
+    for (std::size_t i = 0; i < law_.scalar_count; ++i) {
+      const std::size_t s = law_.scalar[i];
+      value_[i] = at(inputs_.value[s]);
+      rate_[i] = law_.reads_rate ? at(inputs_.rate[s]) : nullptr;
+      reference_[i] = at(inputs_.reference[s]);
+      force_[i] = out_.several == nullptr ? nullptr : at(out_.several->force[s]);
+      for (std::size_t j = 0; out_.derivatives && j < law_.scalar_count; ++j) {
+        const std::size_t from = max_scalars * s + law_.scalar[j];
+        double** const row = matrix_.data() + layout_.force(i) * layout_.columns(false);
+        row[layout_.value(j)] = at(out_.several->by_value[from]);
+        row[layout_.rate(j)] = law_.reads_rate ? at(out_.several->by_rate[from]) : nullptr;
+      }
+    }
+    for (std::size_t c = 0; c < 3; ++c) direction_[c] = at(inputs_.direction[c]);
+    batch.values = value_;
+    batch.rates = law_.reads_rate ? rate_ : nullptr;
+    batch.references = reference_;
+    batch.direction = law_.reads_direction ? direction_ : nullptr;
+    batch.forces = force_;
+    batch.derivatives = out_.derivatives ? matrix_.data() : nullptr;
+  }
+
+ private:
+  const Law& law_;
+  const SeveralInputs& inputs_;
+  const LawOutputs& out_;
+  sdk::JacobianLayout layout_;
+  const double *value_[max_scalars], *rate_[max_scalars], *reference_[max_scalars], *direction_[3];
+  double* force_[max_scalars];
+  static constexpr sdk::JacobianLayout largest{max_scalars, max_parameters, max_states, max_inputs};
+  std::array<double*, largest.rows() * largest.columns(false)> matrix_;  // not initialised without derivatives
+};
+
 springnet_status evaluate_law(const LawBatch& laws, const Law& law, std::uint32_t instruction_set, double time,
                               const LawOutputs& out, springnet_message& message) {
   const Group& group = laws.group;
@@ -58,6 +107,8 @@ springnet_status evaluate_law(const LawBatch& laws, const Law& law, std::uint32_
   batch.time = time;
   batch.parameters = parameters;
   batch.parameter_strides = strides;
+  std::optional<SeveralCall> several;
+  if (law.scalar_count > 0) several.emplace(law, *laws.several, out);
   if (law.prepared) batch.table = law.prepared->data();
 
   for (std::size_t begin = 0; begin < count; begin += batch_size) {
@@ -86,9 +137,13 @@ springnet_status evaluate_law(const LawBatch& laws, const Law& law, std::uint32_
     for (std::size_t k = 0; k < law.parameter_count; ++k)
       parameters[k] = column(law.first_column + k, k + 1, strides[k]);
     batch.count = static_cast<std::uint32_t>(size);
-    batch.q = q + begin;
-    batch.rate = rate == nullptr ? nullptr : rate + begin;
-    batch.reference = reference;
+    if (several) {
+      several->set(begin, batch);
+    } else {
+      batch.q = q + begin;
+      batch.rate = rate == nullptr ? nullptr : rate + begin;
+      batch.reference = reference;
+    }
     const auto at = [begin](double* array) { return array == nullptr ? nullptr : array + begin; };
     batch.force = at(out.force);
     batch.energy = at(out.energy);
@@ -119,8 +174,9 @@ springnet_status evaluate_laws(const LawBatch& batch, InstructionSet set, double
   const std::array<const Law*, 2> laws = batch.group.laws();
   for (std::size_t k = 0; k < laws.size(); ++k) {
     const Law& law = *laws[k];
-    if (!law || (out[k].force == nullptr && out[k].margin == nullptr)) continue;
+    if (!law || (out[k].force == nullptr && out[k].margin == nullptr && out[k].several == nullptr)) continue;
     LawOutputs own = out[k];
+    if (own.derivatives && require_derivatives(*law.component, message) != SPRINGNET_OK) return SPRINGNET_FAILED;
     if (own.by_q != nullptr && require_derivatives(*law.component, message) != SPRINGNET_OK) return SPRINGNET_FAILED;
     if (own.by_rate != nullptr && !law.reads_rate) fill(own.by_rate, 0.0);
     if (own.energy != nullptr && !law.can(SPRINGNET_HAS_ENERGY))

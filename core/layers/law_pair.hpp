@@ -34,6 +34,21 @@ struct InternalSelection {
   }
 };
 
+// What laws over several scalars read, by the list of their group: [scalar][count]; null where no law reads it.
+struct SeveralInputs {
+  const double* value[max_scalars];
+  const double* rate[max_scalars];
+  const double* reference[max_scalars];
+  const double* direction[3];
+};
+// Where one of them writes, by that list: Q_i, dQ_i/dq_j and dQ_i/dq_j' at max_scalars i + j. null: not wanted; what the
+// law does not read is not written.
+struct SeveralOutputs {
+  double* force[max_scalars]{};
+  double* by_value[max_scalars * max_scalars]{};
+  double* by_rate[max_scalars * max_scalars]{};
+};
+
 // Springs, or elements, of one group. Arrays are [count].
 struct LawBatch {
   const Group& group;
@@ -43,6 +58,7 @@ struct LawBatch {
   const double* rate;             // dq/dt; may be null where no law of the group reads it
   const double* speed = nullptr;  // |dv|, m/s; may be null where no law of the group reads it
   InternalSelection internal{};
+  const SeveralInputs* several = nullptr;  // in place of q, rate, speed
 };
 
 // Where one law of a batch writes its answers, [count] each; null where they are not wanted.
@@ -53,6 +69,8 @@ struct LawOutputs {
   double* energy = nullptr;       // J; nan for a law without one
   double* margin = nullptr;       // to rupture; infinity for a law that cannot rupture
   double* energy_by_q = nullptr;  // dE/dq; null for a law without an energy
+  const SeveralOutputs* several = nullptr;  // in place of the force and its derivatives
+  bool derivatives = false;                 // of several
 };
 using PairOutputs = std::array<LawOutputs, 2>;  // as Group::laws()
 

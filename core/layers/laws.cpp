@@ -5,11 +5,13 @@
 #include <algorithm>
 #include <array>
 #include <bit>
+#include <cmath>
 #include <map>
 
 #include <springnet/error.hpp>
 
 #include "layers/kernels.hpp"
+#include "network/corners.hpp"
 #include "plugin_host/call.hpp"
 #include "plugin_host/message.hpp"
 
@@ -33,7 +35,7 @@ Law resolve(const std::optional<LawUse>& use, ComponentKind kind, std::size_t fi
     throw Error(ErrorKind::plugin,
                 fmt::format("{}: {}, which this version of springnet does not evaluate; use another law", where, what));
   };
-  if (implementation.invariant < SPRINGNET_LENGTH || implementation.invariant > SPRINGNET_ENCLOSED_VOLUME)
+  if (implementation.invariant < SPRINGNET_LENGTH || implementation.invariant > SPRINGNET_SEVERAL)
     refuse(fmt::format("reads invariant number {}", implementation.invariant));
   if (implementation.state_count > max_states)
     refuse(fmt::format("has {} internal states, more than {}", implementation.state_count, max_states));
@@ -43,6 +45,11 @@ Law resolve(const std::optional<LawUse>& use, ComponentKind kind, std::size_t fi
     refuse(fmt::format("has {} parameters, more than {}", description.parameter_count, max_parameters));
   law.invariant = implementation.invariant;
   law.relative = implementation.invariant == SPRINGNET_RELATIVE_SPEED;
+  if (implementation.invariant == SPRINGNET_SEVERAL) {
+    law.scalar_count = implementation.invariant_count;
+    law.reads_direction = implementation.reads_direction != 0;
+    if (implementation.state_count > 0) refuse("has internal states and reads several invariants");
+  }
   law.reads_rate = !law.relative && (description.capabilities & SPRINGNET_READS_RATE) != 0;
   law.parameter_count = description.parameter_count;
   law.input_count = implementation.input_count;
@@ -60,6 +67,45 @@ Law resolve(const std::optional<LawUse>& use, ComponentKind kind, std::size_t fi
   return law;
 }
 
+ElementScalar scalar_of(const springnet_invariant& from) {
+  ElementScalar scalar{Measure::length, (from.flags & SPRINGNET_REFERENCE_ONLY) != 0, {}};
+  if (from.kind == SPRINGNET_ANGLE) scalar.measure = Measure::angle;
+  if (from.kind == SPRINGNET_AREA) scalar.measure = Measure::area;
+  if (from.kind == SPRINGNET_VOLUME) scalar.measure = Measure::volume;
+  if (from.kind == SPRINGNET_DIHEDRAL) scalar.measure = Measure::dihedral;
+  for (std::size_t c = 0; c < scalar.corner_count(); ++c) scalar.corner[c] = static_cast<std::uint8_t>(from.corners[c]);
+  return scalar;
+}
+
+// The scalars of both laws, each once.
+ScalarList join_scalars(Law& spring, Law& viscosity, std::size_t material) {
+  ScalarList list;
+  for (Law* const law : {&spring, &viscosity}) {
+    if (!*law || law->scalar_count == 0) continue;
+    const springnet_law& from = law->component->law();
+    list.corners = from.shape == SPRINGNET_CHAIN || from.shape == SPRINGNET_TRIANGLE ? 3 : 4;
+    for (std::uint32_t i = 0; i < law->scalar_count; ++i) {
+      const ElementScalar scalar = scalar_of(*from.invariants[i]);
+      const auto begin = list.scalar.begin(), end = begin + static_cast<std::ptrdiff_t>(list.count);
+      const auto known = std::find_if(begin, end, [&](const ElementScalar& other) {
+        return other.measure == scalar.measure && other.corner == scalar.corner;
+      });
+      if (known == end) {
+        if (list.count == max_scalars)
+          throw Error(ErrorKind::input,
+                      fmt::format("material {}: '{}' and '{}' together read more than {} scalars of an element; use "
+                                  "laws that read the same ones",
+                                  material, spring.component->id(), viscosity.component->id(), max_scalars));
+        list.scalar[list.count++] = scalar;
+      } else if (!scalar.reference_only) {
+        known->reference_only = false;
+      }
+      law->scalar[i] = static_cast<std::uint8_t>(known - begin);
+    }
+  }
+  return list;
+}
+
 // For messages.
 std::string_view reading(std::uint32_t invariant) {
   switch (invariant) {
@@ -73,13 +119,30 @@ std::string_view reading(std::uint32_t invariant) {
       return "a volume";
     case SPRINGNET_ENCLOSED_VOLUME:
       return "an enclosed volume";
+    case SPRINGNET_SEVERAL:
+      return "several scalars of an element";
     default:
       return "a length";
   }
 }
 
+// The elements that a law over several scalars is for.
+Invariant shape_of(const Law& law) {
+  switch (law.component->law().shape) {
+    case SPRINGNET_CHAIN:
+      return Invariant::chain;
+    case SPRINGNET_TRIANGLE:
+      return Invariant::triangle;
+    case SPRINGNET_HINGE:
+      return Invariant::hinge;
+    default:
+      return Invariant::tetrahedron;
+  }
+}
+
 // A law of a length is a formula in one scalar and its rate; its author says whether it may be used on any invariant.
 bool fits(const Law& law, Invariant invariant) {
+  if (reads_several(invariant) || law.scalar_count > 0) return law.scalar_count > 0 && shape_of(law) == invariant;
   switch (law.invariant) {
     case SPRINGNET_LENGTH:
       return law.can(SPRINGNET_FITS_ELEMENTS);
@@ -102,18 +165,49 @@ void check_use(const Law& law, std::size_t spring) {
               fmt::format("spring {}: {} '{}' reads {}; use a law on the length or the relative speed of two nodes",
                           spring, name_of(law.component->kind()), law.component->id(), reading(law.invariant)));
 }
-void check_use(const Law& law, Invariant invariant, double reference, std::size_t element) {
+// Whether the nodes at rest are a body of their shape: laws divide by its size.
+template <class Refuse>
+void check_shape(const Element& element, const Refuse& refuse) {
+  double longest = 0.0;
+  for (const Vector3& a : element.rest)
+    for (const Vector3& b : element.rest) longest = std::max(longest, (a - b).norm());
+  constexpr double least = 1e-10;  // of the size of a regular one: below it rounding decides
+  const auto flat = [&](double size, double dimension) {
+    return !(std::abs(size) > least * std::pow(longest, dimension));
+  };
+  const auto area = [&](std::size_t a, std::size_t b, std::size_t c) {
+    return 0.5 * (element.rest[b] - element.rest[a]).cross(element.rest[c] - element.rest[a]).norm();
+  };
+  if (element.invariant == Invariant::tetrahedron && flat(element.reference, 3.0))
+    refuse("needs a volume at rest, and the four nodes lie in a plane; move one of them, or leave the element out");
+  if (element.invariant == Invariant::tetrahedron && element.reference < 0.0)
+    refuse("needs a volume above 0 at rest; exchange two of its nodes");
+  if (element.invariant == Invariant::triangle && flat(element.reference, 2.0))
+    refuse("needs an area at rest, and the three nodes lie on a line; move one of them, or leave the element out");
+  if (element.invariant == Invariant::hinge && (flat(area(0, 1, 2), 2.0) || flat(area(0, 1, 3), 2.0)))
+    refuse("needs two triangles at rest, and one has no area; move a node, or leave the element out");
+}
+void check_use(const Law& law, const Element& own, std::size_t element) {
   if (!law) return;
+  const Invariant invariant = own.invariant;
   const auto refuse = [&](std::string_view what) {
     throw Error(ErrorKind::input, fmt::format("element {} ({}): {} '{}' {}", element, name_of(invariant),
                                               name_of(law.component->kind()), law.component->id(), what));
   };
+  if (law.scalar_count > 0 && shape_of(law) != invariant)
+    refuse(fmt::format("is for elements of {}; give it those, or use another law", name_of(shape_of(law))));
+  if (law.scalar_count == 0 && reads_several(invariant))
+    refuse(fmt::format("reads {}; use a law over several scalars of a {}, or elements of {}", reading(law.invariant),
+                       name_of(invariant), name_of(value_invariant(invariant))));
+  if (law.reads_direction && own.direction == Vector3::Zero())
+    refuse("reads a direction of the material; give the element one");
+  if (law.scalar_count > 0) return check_shape(own, refuse);
   if (!fits(law, invariant))
     refuse(fmt::format("reads {}; use a law on the length that declares that it fits elements, or one made for this",
                        reading(law.invariant)));
-  if (law.can(SPRINGNET_DIVIDES_BY_REFERENCE) && !(reference > 0.0))
+  if (law.can(SPRINGNET_DIVIDES_BY_REFERENCE) && !(own.reference > 0.0))
     refuse(fmt::format("divides by the reference value, which is {} here; give one above 0, or use another law",
-                       reference));
+                       own.reference));
 }
 
 // Looks at the rows of springs, of which there are few in a regular net, and for the spring only when one is wrong.
@@ -306,6 +400,7 @@ CompiledLaws compile_laws(const Network& network, const PluginHost& plugins) {
     viscosity.first_state = spring.state_count;
     spring.first_input_column = 1 + parameters.size();
     viscosity.first_input_column = spring.first_input_column + spring.input_count;
+    const ScalarList scalars = join_scalars(spring, viscosity, materials.size());
     const auto [group, is_new] = known_groups.try_emplace(
         {spring.component.get(), viscosity.component.get(), spring.prepared.get(), viscosity.prepared.get()},
         static_cast<std::uint32_t>(compiled.groups.size()));
@@ -313,6 +408,7 @@ CompiledLaws compile_laws(const Network& network, const PluginHost& plugins) {
       compiled.groups.push_back(
           {spring, viscosity, std::vector<Column<double>>(viscosity.first_input_column + viscosity.input_count)});
       if (spring.input_count + viscosity.input_count > 0) compiled.groups.back().signals = compiled.signals.get();
+      compiled.groups.back().scalars = scalars;
     }
     materials.push_back({group->second, std::move(parameters)});
   }
@@ -340,12 +436,13 @@ CompiledLaws compile_laws(const Network& network, const PluginHost& plugins) {
   compiled.element_group = groups_of(element_materials, materials);
   for (std::size_t e = 0; e < elements.size(); ++e) {
     const Group& group = compiled.groups[compiled.element_group[e]];
-    check_use(group.spring, elements[e].invariant, elements[e].reference, e);
-    check_use(group.viscosity, elements[e].invariant, elements[e].reference, e);
+    check_use(group.spring, elements[e], e);
+    check_use(group.viscosity, elements[e], e);
   }
+  // The references of several scalars are with the elements, so that these share rows.
   compiled.element_row = rows.of(
-      elements.size(), element_materials, inputs.of_elements(), [&](std::size_t e) { return elements[e].reference; },
-      false);
+      elements.size(), element_materials, inputs.of_elements(),
+      [&](std::size_t e) { return reads_several(elements[e].invariant) ? 0.0 : elements[e].reference; }, false);
 
   // The default neuron that no node has may be ambiguous, or not exist.
   std::vector<bool> in_use(network.neurons().size(), false);
@@ -375,7 +472,9 @@ bool CompiledLaws::on_one_thread() const noexcept {
 }
 
 springnet_status require_derivatives(const Component& component, springnet_message& message) {
-  if ((component.description->capabilities & SPRINGNET_HAS_DERIVATIVES) != 0) return SPRINGNET_OK;
+  const bool several = component.kind() != ComponentKind::neuron && component.law().invariant == SPRINGNET_SEVERAL;
+  const std::uint64_t needed = several ? SPRINGNET_HAS_ALL_DERIVATIVES : SPRINGNET_HAS_DERIVATIVES;
+  if ((component.description->capabilities & needed) != 0) return SPRINGNET_OK;
   const char* header = component.kind() == ComponentKind::neuron ? "neuron" : "law";
   set_message(message, fmt::format("{} '{}' offers no derivatives, which implicit methods need; write it with "
                                    "springnet/sdk/{}.hpp, or choose an explicit method",

@@ -12,6 +12,7 @@
 #include <springnet/network.hpp>
 #include <springnet/plugin_host.hpp>
 
+#include "layers/elements/scalars.hpp"
 #include "layers/input_sets.hpp"
 #include "layers/internal.hpp"
 #include "layers/prepared.hpp"
@@ -36,6 +37,10 @@ struct Law {
   bool reads_rate = false;
   bool relative = false;                     // reads the relative speed, acts along the relative velocity
   std::uint32_t invariant = 0;               // SPRINGNET_LENGTH …
+  // Of a law over several scalars: where each of them is in the list of its group.
+  std::uint32_t scalar_count = 0;
+  std::array<std::uint8_t, max_scalars> scalar{};
+  bool reads_direction = false;
   std::shared_ptr<const Prepared> prepared;  // null: the law prepares nothing
 
   explicit operator bool() const noexcept { return component != nullptr; }
@@ -56,6 +61,7 @@ struct Group {
   Law viscosity;
   std::vector<Column<double>> columns;
   const Signals* signals = nullptr;  // null if the laws have no inputs
+  ScalarList scalars{};              // of laws over several
 
   [[nodiscard]] std::size_t row_count() const noexcept { return columns[0].size(); }
   [[nodiscard]] bool is_same(std::size_t column) const noexcept { return columns[column].is_uniform(); }
@@ -65,6 +71,8 @@ struct Group {
   [[nodiscard]] bool can(std::uint64_t capability) const noexcept {
     return spring.can(capability) || viscosity.can(capability);
   }
+  [[nodiscard]] bool reads_rate() const noexcept { return spring.reads_rate || viscosity.reads_rate; }
+  [[nodiscard]] bool reads_direction() const noexcept { return spring.reads_direction || viscosity.reads_direction; }
 };
 
 // A neuron with its parameters; nodes refer to it by index.

@@ -1,3 +1,4 @@
+#include <algorithm>
 #include <cmath>
 
 #include <Eigen/Geometry>
@@ -39,6 +40,32 @@ std::vector<std::array<std::uint32_t, 4>> tetrahedra_of(const Mesh& mesh, std::s
     if (volume == 0.0) continue;
     if (volume < 0.0) std::swap(nodes[2], nodes[3]);
     result.push_back(nodes);
+  }
+  return result;
+}
+
+std::vector<std::array<std::uint32_t, 4>> conforming_tetrahedra_of(const Mesh& mesh, std::size_t cell) {
+  const auto corners = mesh.cell(cell);
+  if (mesh.types[cell] == CellType::tetrahedron) return tetrahedra_of(mesh, cell);
+  std::vector<std::array<std::uint32_t, 4>> result;
+  const auto faces = meshes::face_places(mesh.types[cell]);
+  if (faces.empty()) return result;
+  const bool inside_out = meshes::solid_volume(mesh, cell) < 0.0;
+  // The lowest point of the cell is the tip of all of them; their bases are the triangles of the faces without it.
+  const std::uint32_t tip = *std::min_element(corners.begin(), corners.end());
+  for (const auto& places : faces) {
+    std::array<std::uint32_t, 4> face{};
+    const std::size_t size = places[3] == meshes::no_corner ? 3 : 4;
+    for (std::size_t k = 0; k < size; ++k) face[k] = corners[places[k]];
+    if (std::find(face.begin(), face.begin() + size, tip) != face.begin() + size) continue;
+    // A quadrilateral is divided from its lowest point.
+    std::rotate(face.begin(), std::min_element(face.begin(), face.begin() + size), face.begin() + size);
+    for (std::size_t k = 1; k + 1 < size; ++k) {
+      // Faces are counterclockwise from outside: seen from the tip, clockwise.
+      std::array<std::uint32_t, 4> nodes{tip, face[0], face[k], face[k + 1]};
+      if (inside_out) std::swap(nodes[2], nodes[3]);
+      result.push_back(nodes);
+    }
   }
   return result;
 }

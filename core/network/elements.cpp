@@ -40,6 +40,21 @@ void check_closed(const std::vector<NodeIndex>& nodes) {
   }
 }
 
+// Of three or four points; d is not read for three.
+double value_at(Invariant invariant, const invariants::Point& a, const invariants::Point& b,
+                const invariants::Point& c, const invariants::Point& d) {
+  switch (value_invariant(invariant)) {
+    case Invariant::angle:
+      return invariants::angle(a, b, c);
+    case Invariant::dihedral:
+      return invariants::dihedral(a, b, c, d);
+    case Invariant::area:
+      return invariants::area(a, b, c);
+    default:
+      return invariants::volume(a, b, c, d);
+  }
+}
+
 }  // namespace
 
 std::string_view name_of(Invariant invariant) noexcept {
@@ -52,6 +67,14 @@ std::string_view name_of(Invariant invariant) noexcept {
       return "area";
     case Invariant::volume:
       return "volume";
+    case Invariant::chain:
+      return "chain";
+    case Invariant::triangle:
+      return "triangle";
+    case Invariant::hinge:
+      return "hinge";
+    case Invariant::tetrahedron:
+      return "tetrahedron";
     case Invariant::enclosed_volume:
       break;
   }
@@ -59,20 +82,73 @@ std::string_view name_of(Invariant invariant) noexcept {
 }
 
 std::string_view unit_of(Invariant invariant) noexcept {
-  switch (invariant) {
+  switch (value_invariant(invariant)) {
     case Invariant::angle:
     case Invariant::dihedral:
       return "rad";
     case Invariant::area:
       return "m^2";
-    case Invariant::volume:
-    case Invariant::enclosed_volume:
-      break;
+    default:
+      return "m^3";
   }
-  return "m^3";
 }
 
 ElementIndex Network::add_element(Invariant invariant, std::vector<NodeIndex> nodes, MaterialIndex material,
+                                  std::optional<double> reference) {
+  if (reads_several(invariant) && !reference) return add_element(invariant, std::move(nodes), material, {}, {0, 0, 0});
+  if (reads_several(invariant)) {
+    fail(fmt::format("an element of {} has several reference values: give the positions of its nodes at rest instead",
+                     name_of(invariant)));
+  }
+  return add_checked(invariant, std::move(nodes), material, reference);
+}
+
+ElementIndex Network::add_element(Invariant shape, std::vector<NodeIndex> nodes, MaterialIndex material,
+                                  std::vector<Vector3> rest, const Vector3& direction) {
+  if (!reads_several(shape)) {
+    fail(fmt::format("an element of {} has one reference value: positions at rest are for laws over several scalars",
+                     name_of(shape)));
+  }
+  const ElementIndex element = add_checked(shape, std::move(nodes), material, std::nullopt);
+  try {
+    set_rest(element, std::move(rest), direction);
+  } catch (...) {
+    elements_.pop_back();
+    throw;
+  }
+  return element;
+}
+
+void Network::set_rest(ElementIndex index, std::vector<Vector3> rest, const Vector3& direction) {
+  if (index >= elements_.size()) fail(fmt::format("there is no element {}, only {}", index, elements_.size()));
+  Element& element = elements_[index];
+  const std::string what = fmt::format("an element of {}", name_of(element.invariant));
+  if (!reads_several(element.invariant)) fail(fmt::format("{} has one reference value: use set_reference", what));
+  if (rest.empty())
+    for (const NodeIndex node : element.nodes) rest.push_back(nodes_[node].position);
+  if (rest.size() != element.nodes.size())
+    fail(fmt::format("{}: it has {} nodes, but {} positions at rest", what, element.nodes.size(), rest.size()));
+  for (const Vector3& position : rest)
+    if (!position.allFinite()) fail(fmt::format("{}: its positions at rest must be finite numbers", what));
+  if (!direction.allFinite()) fail(fmt::format("{}: its direction must have finite numbers", what));
+  Vector3 along = Vector3::Zero();
+  if (direction != Vector3::Zero()) {
+    along = direction.stableNormalized();
+    if (rest.size() == 3) {
+      const Vector3 normal = (rest[1] - rest[0]).cross(rest[2] - rest[0]).stableNormalized();
+      along -= normal.dot(along) * normal;
+      constexpr double least = 1e-6;  // sine of the angle to the normal: below it the plane's direction is rounding
+      if (!(along.norm() > least)) fail(fmt::format("{}: its direction is normal to it: give one in its plane", what));
+      along.normalize();
+    }
+  }
+  const auto p = [&rest](std::size_t k) -> invariants::Point { return {rest[k][0], rest[k][1], rest[k][2]}; };
+  element.reference = value_at(element.invariant, p(0), p(1), p(2), rest.size() > 3 ? p(3) : p(2));
+  element.rest = std::move(rest);
+  element.direction = along;
+}
+
+ElementIndex Network::add_checked(Invariant invariant, std::vector<NodeIndex> nodes, MaterialIndex material,
                                   std::optional<double> reference) {
   if (elements_.size() >= max_count) fail(fmt::format("a network has at most {} elements", max_count));
   const std::string what = fmt::format("an element of {}", name_of(invariant));
@@ -107,6 +183,10 @@ ElementIndex Network::add_element(Invariant invariant, std::vector<NodeIndex> no
 
 void Network::set_reference(ElementIndex element, double reference) {
   if (element >= elements_.size()) fail(fmt::format("there is no element {}, only {}", element, elements_.size()));
+  if (reads_several(elements_[element].invariant)) {
+    fail(fmt::format("element {} ({}) has several reference values: use set_rest", element,
+                     name_of(elements_[element].invariant)));
+  }
   if (!std::isfinite(reference)) {
     fail(fmt::format("the reference of an element must be a finite number, is {}", reference));
   }
@@ -118,18 +198,8 @@ double Network::value_of(const Element& element) const {
     const Vector3& at = nodes_[element.nodes[k]].position;
     return {at[0], at[1], at[2]};
   };
-  switch (element.invariant) {
-    case Invariant::angle:
-      return invariants::angle(p(0), p(1), p(2));
-    case Invariant::dihedral:
-      return invariants::dihedral(p(0), p(1), p(2), p(3));
-    case Invariant::area:
-      return invariants::area(p(0), p(1), p(2));
-    case Invariant::volume:
-      return invariants::volume(p(0), p(1), p(2), p(3));
-    case Invariant::enclosed_volume:
-      break;
-  }
+  if (element.invariant != Invariant::enclosed_volume)
+    return value_at(element.invariant, p(0), p(1), p(2), corners_of(element.invariant) > 3 ? p(3) : p(2));
   // Relative to a node of the surface: far from the origin the sum would lose significant digits.
   const invariants::Point origin = p(0);
   double sum = 0.0;

@@ -40,6 +40,9 @@ SPRINGNET_INLINE double root(double x) { return __builtin_sqrt(x); }
 
 using Point = Triple<double>;  // m
 
+// m
+SPRINGNET_INLINE double length(const Point& a, const Point& b) { return root(dot(a - b, a - b)); }
+
 // Of the corner b, in rad, between 0 and pi.
 SPRINGNET_INLINE double angle(const Point& a, const Point& b, const Point& c) {
   const Point u = a - b, w = c - b, n = cross(u, w);

@@ -3,6 +3,7 @@
 #include <string.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <cstddef>
 #include <cstdint>
@@ -179,6 +180,45 @@ std::string check_tables(const springnet_component& component, const springnet_l
   return {};
 }
 
+// The list of a law over several invariants.
+std::string check_invariants(const springnet_component& component, const springnet_law& law, const std::string& owner) {
+  if (law.invariant != SPRINGNET_SEVERAL) return {};
+  if (std::string wrong = check_struct(&law, SPRINGNET_LAW_SIZE_2_1, owner + ": its law"); !wrong.empty()) return wrong;
+  if ((component.needs & SPRINGNET_NEEDS_SEVERAL) == 0)
+    return fmt::format("{} reads several invariants: set SPRINGNET_NEEDS_SEVERAL", owner);
+  if (law.shape < SPRINGNET_CHAIN || law.shape > SPRINGNET_TETRAHEDRON)
+    return fmt::format("{} is for elements of shape {}, which springnet does not know: {}", owner, law.shape, rebuild);
+  const std::uint32_t corners = law.shape == SPRINGNET_CHAIN || law.shape == SPRINGNET_TRIANGLE ? 3 : 4;
+  if (law.invariant_count < 1 || law.invariant_count > SPRINGNET_MOST_INVARIANTS)
+    return fmt::format("{} reads {} invariants: list 1 to {}", owner, law.invariant_count, SPRINGNET_MOST_INVARIANTS);
+  if (law.invariants == nullptr) return fmt::format("{}: its list of invariants is a null pointer: set it", owner);
+  std::set<std::array<std::uint32_t, 5>> known;
+  for (std::uint32_t i = 0; i < law.invariant_count; ++i) {
+    const springnet_invariant* const one = law.invariants[i];
+    const std::string what = fmt::format("{}: invariant {}", owner, i);
+    if (std::string wrong = check_struct(one, SPRINGNET_INVARIANT_SIZE_2_1, what); !wrong.empty()) return wrong;
+    std::uint32_t count = 0;
+    if (one->kind == SPRINGNET_LENGTH) count = 2;
+    if (one->kind == SPRINGNET_ANGLE || one->kind == SPRINGNET_AREA) count = 3;
+    if (one->kind == SPRINGNET_VOLUME || one->kind == SPRINGNET_DIHEDRAL) count = 4;
+    if (count == 0) return fmt::format("{} is of kind {}, which is not one of several: {}", what, one->kind, rebuild);
+    if ((one->flags & ~std::uint32_t{SPRINGNET_REFERENCE_ONLY}) != 0)
+      return fmt::format("{} has flags {:#x}, which springnet does not know: {}", what, one->flags, rebuild);
+    for (std::uint32_t a = 0; a < count; ++a) {
+      if (one->corners[a] >= corners)
+        return fmt::format("{} has the corner {}, its elements have {}: number them from 0", what, one->corners[a],
+                           corners);
+      for (std::uint32_t b = 0; b < a; ++b)
+        if (one->corners[a] == one->corners[b])
+          return fmt::format("{} has the corner {} twice: give different ones", what, one->corners[a]);
+    }
+    std::array<std::uint32_t, 5> key{one->kind, 0, 0, 0, 0};
+    std::copy_n(one->corners, count, key.begin() + 1);
+    if (!known.insert(key).second) return fmt::format("{} is there already: list each one once", what);
+  }
+  return {};
+}
+
 std::string check_law(const springnet_component& component, const std::string& owner) {
   const auto* law = static_cast<const springnet_law*>(component.implementation);
   if (std::string wrong = check_struct(law, SPRINGNET_LAW_SIZE_2_0, owner + ": its law"); !wrong.empty()) return wrong;
@@ -194,7 +234,8 @@ std::string check_law(const springnet_component& component, const std::string& o
   if (law->invariant == SPRINGNET_RELATIVE_SPEED && (component.capabilities & SPRINGNET_READS_RATE) != 0) {
     return fmt::format("{} reads the rate of the relative speed, which has none: drop SPRINGNET_READS_RATE", owner);
   }
-  std::string wrong = check_parameters(law->states, law->state_count, component.kind, owner, "state");
+  std::string wrong = check_invariants(component, *law, owner);
+  if (wrong.empty()) wrong = check_parameters(law->states, law->state_count, component.kind, owner, "state");
   if (wrong.empty()) wrong = check_parameters(law->inputs, law->input_count, component.kind, owner, "input");
   return wrong.empty() ? check_tables(component, *law, owner) : wrong;
 }
@@ -218,7 +259,8 @@ std::string check_integrator(const springnet_component& component, const std::st
 
 // Why this host cannot use a component whose struct and id are valid, although its plugin may be all right.
 std::string why_not_usable(const springnet_component& component) {
-  constexpr std::uint64_t known = SPRINGNET_NEEDS_STATES | SPRINGNET_NEEDS_INPUTS | SPRINGNET_NEEDS_TABLES;
+  constexpr std::uint64_t known =
+      SPRINGNET_NEEDS_STATES | SPRINGNET_NEEDS_INPUTS | SPRINGNET_NEEDS_TABLES | SPRINGNET_NEEDS_SEVERAL;
   const char* const remedy = "use a newer springnet";
   if (component.needs_minor > SPRINGNET_ABI_MINOR)
     return fmt::format("component '{}' needs plugin ABI {}.{}, this springnet has {}.{}: {}", component.id,

@@ -50,6 +50,8 @@ struct HostComponent::Copy {
   std::deque<std::vector<const char*>> choices;
   std::deque<std::vector<const springnet_parameter*>> parameter_lists;
   std::vector<const springnet_table*> table_list;
+  std::deque<springnet_invariant> invariants;
+  std::vector<const springnet_invariant*> invariant_list;
   springnet_law law;
   springnet_neuron_model neuron;
   springnet_integrator integrator;
@@ -86,6 +88,9 @@ struct HostComponent::Copy {
       table_list.push_back(&table);
     }
     law.tables = table_list.data();
+    for (std::uint32_t i = 0; i < law.invariant_count; ++i)
+      invariant_list.push_back(&invariants.emplace_back(common_part(*given.invariants[i])));
+    law.invariants = invariant_list.data();
     component.implementation = &law;
   }
   const char* text(const char* given) { return texts.emplace_back(given).c_str(); }

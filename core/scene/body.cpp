@@ -56,8 +56,9 @@ struct BodyReader {
   std::string name;
   const PluginHost& plugins;
   const Files& files;
-  Network& network;
-  std::vector<std::string>& notes;
+  Scene& scene;
+  Network& network = scene.network;
+  std::vector<std::string>& notes = scene.notes;
 
   // Sets the material of each spring of the last body to that of its edge.
   void set_materials(const std::vector<Edge>& edges, const std::vector<MaterialIndex>& materials) const {
@@ -87,6 +88,13 @@ struct BodyReader {
     const auto edges = lazily<std::vector<Edge>>([&] { return edges_of(cells(), edge_options(lattice.diagonals)); });
     const Node prototype = read_prototype(body, plugins, files, network);
     const std::vector<double> masses = read_masses(body, cells);
+    if (const auto elements = read_element_material(body, plugins, files, network)) {
+      if (lattice.diagonals != Diagonals::none)
+        mesh.need("diagonals").fail("has no meaning without springs; remove it");
+      mesh.value().at_this_place([&] { add_mesh_body(name, cells(), {}, prototype, masses, {}, network, notes); });
+      add_body_elements(body, *elements, cells(), scene);
+      return lattice;
+    }
     const std::vector<MaterialIndex> materials = read_materials(body, cells, edges, plugins, files, network, notes);
     const bool one_node = lattice.nodes == std::array<std::uint32_t, 3>{1, 1, 1};
     if (materials.empty() && !one_node) body.fail(needs_a_law);
@@ -116,6 +124,12 @@ struct BodyReader {
     const auto springs = [&]() -> const std::vector<Edge>& { return edges; };
     const Node prototype = read_prototype(body, plugins, files, network);
     const std::vector<double> masses = read_masses(body, cells);
+    if (const auto elements = read_element_material(body, plugins, files, network)) {
+      table.value().at_this_place([&] { add_mesh_body(name, mesh, {}, prototype, masses, {}, network, notes); });
+      files.tell("adding elements", mesh.cell_count());
+      add_body_elements(body, *elements, mesh, scene);
+      return std::move(read.mesh);
+    }
     const std::vector<MaterialIndex> materials = read_materials(body, cells, springs, plugins, files, network, notes);
     if (materials.empty() && !edges.empty()) body.fail(needs_a_law);
     files.tell(fmt::format("adding {} springs", grouped(edges.size())), edges.size());
@@ -135,6 +149,8 @@ struct BodyReader {
     const auto sorted_edges = [&]() -> const std::vector<Edge>& { return edges; };
     const Node prototype = read_prototype(body, plugins, files, network);
     const std::vector<double> masses = read_masses(body, cells);
+    if (read_element_material(body, plugins, files, network))
+      body.find("material")->fail("is for cells, and a body of nodes and springs has none; use a mesh");
     const std::vector<MaterialIndex> materials =
         read_materials(body, cells, sorted_edges, plugins, files, network, notes);
     if (materials.empty() && mesh.cell_count() > 0) body.fail(needs_a_law);
@@ -199,7 +215,7 @@ std::vector<Shape> read_bodies(const Table& root, const PluginHost& plugins, con
     const Value name = body.need("name");
     if (!names.insert(name.text()).second) name.fail("another body has this name; names are unique");
     const Checked before{.springs = network.springs().size()};
-    shapes.push_back(BodyReader{body, name.text(), plugins, files, network, scene.notes}.read());
+    shapes.push_back(BodyReader{.body = body, .name = name.text(), .plugins = plugins, .files = files, .scene = scene}.read());
     placed_by(body).at_this_place([&] { check_spacing(network, before); });
     if (const auto scale = body.find("rest_length_scale")) scale_rest_lengths(*scale, network);
   }

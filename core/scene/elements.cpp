@@ -61,13 +61,15 @@ NodeLists find_triangles(const Network& network, const Chosen& chosen) {
   return triangles;
 }
 
-NodeLists find_tetrahedra(const Network& network, const Chosen& chosen, const std::vector<Shape>& shapes) {
+NodeLists find_tetrahedra(const Network& network, const Chosen& chosen, const std::vector<Shape>& shapes,
+                          bool conforming) {
   NodeLists tetrahedra;
   for (std::size_t k = 0; k < shapes.size(); ++k) {
     const NodeIndex first = network.bodies()[k].first_node;
     const auto add = [&](const Mesh& mesh) {
       for (std::size_t cell = 0; cell < mesh.cell_count(); ++cell) {
-        for (std::array<std::uint32_t, 4> nodes : tetrahedra_of(mesh, cell)) {
+        for (std::array<std::uint32_t, 4> nodes :
+             conforming ? conforming_tetrahedra_of(mesh, cell) : tetrahedra_of(mesh, cell)) {
           for (NodeIndex& node : nodes) node += first;
           if (chosen.has_part(k, cell, nodes)) tetrahedra.emplace_back(nodes.begin(), nodes.end());
         }
@@ -124,19 +126,23 @@ NodeLists find_elements(const Value& selection, Invariant invariant, const Netwo
   std::string_view what;
   switch (invariant) {
     case Invariant::angle:
+    case Invariant::chain:
       found = find_angles(network, chosen.nodes());
       what = "has no node with exactly two springs";
       break;
     case Invariant::dihedral:
+    case Invariant::hinge:
       found = find_hinges(network, chosen);
       what = "has no two triangles with a common edge among the faces of a body";
       break;
     case Invariant::area:
+    case Invariant::triangle:
       found = find_triangles(network, chosen);
       what = "has no triangle among the faces of a body";
       break;
     case Invariant::volume:
-      found = find_tetrahedra(network, chosen, shapes);
+    case Invariant::tetrahedron:
+      found = find_tetrahedra(network, chosen, shapes, reads_several(invariant));
       what = "has no solid cell of a mesh";
       break;
     case Invariant::enclosed_volume:
@@ -164,13 +170,26 @@ NodeLists read_lists(const Value& lists, const Table& table, const Network& netw
   return result;
 }
 
+// Lengths at rest are those of the present times a factor.
+void add_several(Network& network, Invariant shape, const std::vector<NodeIndex>& nodes, MaterialIndex material,
+                 double factor, const Vector3& direction) {
+  std::vector<Vector3> rest;
+  const Vector3& origin = network.nodes()[nodes[0]].position;
+  for (const NodeIndex node : nodes)
+    rest.push_back(factor == 1.0 ? network.nodes()[node].position
+                                 : Vector3(origin + factor * (network.nodes()[node].position - origin)));
+  network.add_element(shape, nodes, material, std::move(rest), direction);
+}
+
 void read_element(const Table& table, const PluginHost& plugins, const Files& files, const std::vector<Shape>& shapes,
                   std::set<std::string>& names, Scene& scene) {
   Network& network = scene.network;
   const auto name = table.find("name");
   if (name && !names.insert(name->text()).second) name->fail("another [[element]] has this name; names are unique");
   const auto invariant = static_cast<Invariant>(
-      table.need("invariant").choice({"angle", "dihedral", "area", "volume", "enclosed_volume"}));
+      table.need("invariant")
+          .choice({"angle", "dihedral", "area", "volume", "enclosed_volume", "chain", "triangle", "hinge",
+                   "tetrahedron"}));
   const Material material = read_material(table, plugins, files);
   if (!material.spring && !material.viscosity) {
     table.fail("neither 'spring' nor 'viscosity' says what the elements do; add spring = { type = …, … }");
@@ -188,6 +207,17 @@ void read_element(const Table& table, const PluginHost& plugins, const Files& fi
   std::optional<double> given;
   if (reference) given = reference->number();
   const double factor = scale ? scale->number() : 1.0;
+  const bool several = reads_several(invariant);
+  if (several && reference)
+    reference->fail(fmt::format("has no meaning for a {}, whose laws have a reference value for each scalar; write "
+                                "reference_scale, a factor on lengths at rest",
+                                name_of(invariant)));
+  if (several && scale && !(factor > 0.0)) scale->fail("must be above 0, a factor on lengths at rest");
+  const auto direction = table.find("direction");
+  if (direction && !several)
+    direction->fail(fmt::format("has no meaning for {}; it is for laws over several scalars that read a direction",
+                                name_of(invariant)));
+  const Vector3 along = direction ? direction->vector() : Vector3::Zero();
 
   const NodeLists elements =
       lists ? read_lists(*lists, table, network) : find_elements(*selection, invariant, network, shapes);
@@ -196,6 +226,10 @@ void read_element(const Table& table, const PluginHost& plugins, const Files& fi
   const std::vector<Value> places = lists ? lists->elements() : std::vector<Value>();
   for (std::size_t k = 0; k < elements.size(); ++k) {
     (lists ? places[k] : *selection).at_this_place([&] {
+      if (several) {
+        add_several(network, invariant, elements[k], index, factor, along);
+        return;
+      }
       const ElementIndex element = network.add_element(invariant, elements[k], index, given);
       if (scale) network.set_reference(element, factor * network.elements()[element].reference);
     });

@@ -27,4 +27,17 @@ using Cells = std::function<const Mesh&()>;
                                                         const PluginHost& plugins, const Files& files, Network& network,
                                                         std::vector<std::string>& notes);
 
+// What a body is made of if its material has a law over several scalars: elements in its cells in place of springs.
+struct ElementMaterial {
+  Invariant shape;  // tetrahedron, or triangle
+  MaterialIndex material;
+  std::optional<MaterialIndex> bending;  // of hinges between triangles
+  Vector3 direction = Vector3::Zero();
+};
+// None if the body has no such material.
+[[nodiscard]] std::optional<ElementMaterial> read_element_material(const Table& body, const PluginHost& plugins,
+                                                                   const Files& files, Network& network);
+// Adds them to the body added last, which has the cells of the mesh.
+void add_body_elements(const Table& body, const ElementMaterial& material, const Mesh& mesh, Scene& scene);
+
 }  // namespace springnet::scene

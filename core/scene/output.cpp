@@ -27,11 +27,26 @@ void read_quantities(const Value& value, OutputOptions& output) {
 void read_recorded_elements(const Value& value, const std::vector<ElementSet>& sets, OutputOptions& output) {
   if (value.is_boolean()) {
     output.elements = value.boolean();
+    output.element_numbers.clear();
     return;
   }
   if (!value.is_list()) value.wrong_type("true, false or a list of names of [[element]]");
+  output.elements = true;
   output.element_numbers = select_elements(value, sets);
   if (output.element_numbers.empty()) value.fail("names no element; leave out the file: output.elements = false");
+}
+
+// Elements of which bodies consist are recorded on request: a solid has more of them than nodes.
+void leave_out_bodies(Scene& scene) {
+  bool any = false;
+  std::vector<ElementIndex> others;
+  for (const ElementSet& set : scene.elements) {
+    any = any || set.of == ElementSet::Of::body;
+    for (ElementIndex k = 0; set.of == ElementSet::Of::table && k < set.count; ++k) others.push_back(set.first + k);
+  }
+  if (!any) return;
+  scene.output.elements = !others.empty();
+  scene.output.element_numbers = std::move(others);
 }
 
 // Whether a spring or element that is recorded has a law with internal states.
@@ -58,6 +73,7 @@ void read_output(const Table& root, const PluginHost& plugins, Scene& scene) {
   const Network& network = scene.network;
   OutputOptions& output = scene.output;
   output.law_states = find_law_states(network, plugins);
+  leave_out_bodies(scene);
   const auto value = root.find("output");
   if (!value) return;
   const Table table = value->table("output");

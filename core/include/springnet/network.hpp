@@ -48,10 +48,18 @@ enum class Invariant {
              // their normals, 0: flat, > 0: the tips lie on the side opposite to the normals; rad
   area,      // three: area of the triangle, m^2
   volume,    // four: signed volume (b - a) . ((c - a) x (d - a)) / 6 of the tetrahedron, m^3
-  enclosed_volume  // three a triangle of a closed surface, counterclockwise seen from outside: enclosed volume, m^3
+  enclosed_volume,  // three a triangle of a closed surface, counterclockwise seen from outside: enclosed volume, m^3
+  // For laws that read several scalars of the nodes: which ones, the law says. As the value of such an element counts
+  // the angle, area, dihedral angle or volume of its nodes.
+  chain,       // three nodes, as an angle
+  triangle,    // three, as an area
+  hinge,       // four, as a dihedral
+  tetrahedron  // four, as a volume
 };
 [[nodiscard]] SPRINGNET_API std::string_view name_of(Invariant invariant) noexcept;  // "angle", …
 [[nodiscard]] SPRINGNET_API std::string_view unit_of(Invariant invariant) noexcept;  // "rad", "m^2", "m^3"
+// Whether elements are for laws that read several scalars.
+[[nodiscard]] constexpr bool reads_several(Invariant invariant) noexcept { return invariant >= Invariant::chain; }
 
 // A law on an invariant of some nodes: bending, area, enclosed volume. The nodes get the forces -Q dq/dp.
 struct Element {
@@ -59,6 +67,10 @@ struct Element {
   std::vector<NodeIndex> nodes;
   MaterialIndex material;
   double reference;  // rest value, in the unit of the invariant
+  // For laws over several scalars: the nodes' positions at rest, m, up to a rigid motion, from which the reference
+  // values of all scalars follow; and a direction of the material in that configuration, of length 1, or 0.
+  std::vector<Vector3> rest{};
+  Vector3 direction = Vector3::Zero();
 };
 
 // A triangle of a body's surface, counterclockwise seen from outside, for display, selections and loads. It has no
@@ -254,6 +266,12 @@ class Network {
   // direction), a material that does not exist, or a reference that is not finite.
   SPRINGNET_API ElementIndex add_element(Invariant invariant, std::vector<NodeIndex> nodes, MaterialIndex material,
                                          std::optional<double> reference = std::nullopt);
+  // The same for laws over several scalars: shape is one that reads several. rest: positions of the nodes at rest, m;
+  // empty: those at present. direction: of the material in the configuration at rest, of any length; zero: none. In a
+  // triangle its part in the plane counts. Throws Error(input) as above, for a number of positions that is not that of
+  // the nodes, numbers that are not finite, and a direction normal to a triangle.
+  SPRINGNET_API ElementIndex add_element(Invariant shape, std::vector<NodeIndex> nodes, MaterialIndex material,
+                                         std::vector<Vector3> rest, const Vector3& direction = Vector3::Zero());
   // Throws Error(input) for a node that does not exist or occurs twice.
   SPRINGNET_API void add_face(const Face& face);
   // Adds a group to the body begun last. Throws Error(input) outside of a body, for a name that is empty or taken in
@@ -320,7 +338,10 @@ class Network {
   SPRINGNET_API void set_node(NodeIndex index, const Node& node);
   SPRINGNET_API void set_spring_material(SpringIndex spring, MaterialIndex material);
   SPRINGNET_API void set_rest_length(SpringIndex spring, double rest_length);
+  // Not of elements whose laws read several scalars.
   SPRINGNET_API void set_reference(ElementIndex element, double reference);
+  // Of those: positions of the nodes at rest, and the direction of the material there, as in add_element.
+  SPRINGNET_API void set_rest(ElementIndex element, std::vector<Vector3> rest, const Vector3& direction);
 
   // The invariant of an element at the nodes' positions in this network, in its unit.
   [[nodiscard]] SPRINGNET_API double value_of(const Element& element) const;
@@ -330,6 +351,8 @@ class Network {
  private:
   void check_node(const Node& node, NodeIndex index) const;
   void check_spring(SpringIndex spring) const;
+  ElementIndex add_checked(Invariant invariant, std::vector<NodeIndex> nodes, MaterialIndex material,
+                           std::optional<double> reference);
   void check_material(MaterialIndex material) const;
   void check_lengths(NodeIndex node, const Vector3& position) const;
   void check_ends(NodeIndex first, NodeIndex second, std::string_view what) const;

@@ -55,11 +55,13 @@ struct OutputOptions {
   std::vector<LawStates> law_states;
 };
 
-// The elements of one [[element]], consecutive.
+// The elements of one [[element]], or of a body that consists of elements, consecutive.
 struct ElementSet {
-  std::string name;  // may be empty
+  enum class Of { table, body };
+  std::string name;  // of the table, may be empty; or of the body
   ElementIndex first;
   ElementIndex count;
+  Of of = Of::table;
 };
 
 struct Scene {

@@ -2,8 +2,11 @@
 // over them vectorise.
 #pragma once
 
+#include <cstdint>
+
 #include <springnet/sdk/dual.hpp>
 
+#include "layers/elements/scalars.hpp"
 #include "network/invariant_values.hpp"
 
 namespace springnet::layers {
@@ -79,8 +82,6 @@ SPRINGNET_INLINE void volume_gradients(const Triple<T>& a, const Triple<T>& b, c
   by_a = -(by_b + by_c + by_d);
 }
 
-// Invariant, for kernels: the header of networks has more than plain loops.
-enum class Measure { angle, dihedral, area, volume };
 
 // dq/dp of the corners; d is neither read nor written for three points.
 template <Measure measure, class T>

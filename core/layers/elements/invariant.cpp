@@ -17,7 +17,7 @@ constexpr double rounding = 1e-13;
 
 template <class T>
 void gradients_at(Invariant invariant, const Triple<T>* p, Triple<T>* g) {
-  switch (invariant) {
+  switch (value_invariant(invariant)) {
     case Invariant::angle:
       return angle_gradients(p[0], p[1], p[2], g[0], g[1], g[2]);
     case Invariant::dihedral:
@@ -26,13 +26,13 @@ void gradients_at(Invariant invariant, const Triple<T>* p, Triple<T>* g) {
       return area_gradients(p[0], p[1], p[2], g[0], g[1], g[2]);
     case Invariant::volume:
       return volume_gradients(p[0], p[1], p[2], p[3], g[0], g[1], g[2], g[3]);
-    case Invariant::enclosed_volume:
+    default:
       return;
   }
 }
 
 double value(Invariant invariant, const Point* p) {
-  switch (invariant) {
+  switch (value_invariant(invariant)) {
     case Invariant::angle:
       return invariants::angle(p[0], p[1], p[2]);
     case Invariant::dihedral:
@@ -41,10 +41,9 @@ double value(Invariant invariant, const Point* p) {
       return invariants::area(p[0], p[1], p[2]);
     case Invariant::volume:
       return invariants::volume(p[0], p[1], p[2], p[3]);
-    case Invariant::enclosed_volume:
-      break;
+    default:
+      return 0.0;
   }
-  return 0.0;
 }
 
 // Completes a Hessian whose columns of corners 1, 2, .. are known: those of corner 0 are minus their sum, because an

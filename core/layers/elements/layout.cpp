@@ -1,9 +1,52 @@
 #include "layers/elements/layout.hpp"
 
+#include <Eigen/Dense>
 #include <algorithm>
 #include <tuple>
 
+#include "network/invariant_values.hpp"
+
 namespace springnet::layers {
+namespace {
+
+// The scalars of a list at the rest configuration of an element: by the same operations as the kernels', so that an
+// element there reads its references to the bit.
+SeveralRest rest_of(const ScalarList& list, const Element& element) {
+  SeveralRest rest;
+  const auto at = [&](std::uint8_t corner) -> invariants::Point {
+    const Vector3 p = element.rest[corner] - element.rest[0];
+    return {p[0], p[1], p[2]};
+  };
+  for (std::size_t s = 0; s < list.count; ++s) {
+    const auto& c = list.scalar[s].corner;
+    switch (list.scalar[s].measure) {
+      case Measure::length:
+        rest.reference[s] = invariants::length(at(c[0]), at(c[1]));
+        break;
+      case Measure::angle:
+        rest.reference[s] = invariants::angle(at(c[0]), at(c[1]), at(c[2]));
+        break;
+      case Measure::dihedral:
+        rest.reference[s] = invariants::dihedral(at(c[0]), at(c[1]), at(c[2]), at(c[3]));
+        break;
+      case Measure::area:
+        rest.reference[s] = invariants::area(at(c[0]), at(c[1]), at(c[2]));
+        break;
+      case Measure::volume:
+        rest.reference[s] = invariants::volume(at(c[0]), at(c[1]), at(c[2]), at(c[3]));
+        break;
+    }
+  }
+  if (element.direction == Vector3::Zero()) return rest;
+  Eigen::Matrix<double, 3, Eigen::Dynamic, 0, 3, 3> edges(3, static_cast<Eigen::Index>(list.corners - 1));
+  for (std::size_t k = 1; k < list.corners; ++k)
+    edges.col(static_cast<Eigen::Index>(k - 1)) = element.rest[k] - element.rest[0];
+  const Eigen::VectorXd components = edges.colPivHouseholderQr().solve(element.direction);
+  for (std::size_t k = 0; k + 1 < list.corners; ++k) rest.direction[k] = components[static_cast<Eigen::Index>(k)];
+  return rest;
+}
+
+}  // namespace
 
 ElementLayout::ElementLayout(const Network& network, const CompiledLaws& laws, const std::vector<std::uint32_t>& engine)
     : laws_(laws), start_(1, 0) {
@@ -21,6 +64,11 @@ ElementLayout::ElementLayout(const Network& network, const CompiledLaws& laws, c
     }
     nodes_.insert(nodes_.end(), nodes.begin(), nodes.end());
     start_.push_back(nodes_.size());
+    if (reads_several(elements[e].invariant)) {
+      first_several_.resize(elements.size());
+      first_several_[e] = e - static_cast<std::uint32_t>(rest_.size());
+      rest_.push_back(rest_of(laws.groups[group(e)].scalars, elements[e]));
+    }
   }
   live_enclosures_ = enclosures_.size();
 
@@ -61,7 +109,8 @@ void ElementLayout::make_batches() {
   for (std::uint32_t begin = 0; begin < batched_.size();) {
     const std::uint32_t e = batched_[begin];
     std::uint32_t end = begin + 1;
-    while (end < batched_.size() && end - begin < element_batch && invariant_[batched_[end]] == invariant_[e] &&
+    const std::size_t most = reads_several(invariant_[e]) ? several_batch : element_batch;
+    while (end < batched_.size() && end - begin < most && invariant_[batched_[end]] == invariant_[e] &&
            group(batched_[end]) == group(e))
       ++end;
     const bool one_row = std::all_of(batched_.begin() + begin, batched_.begin() + end,
@@ -84,6 +133,16 @@ void ElementLayout::fill_batches() {
     row_.push_back(row(e));
     reference_.push_back(reference(e));
     for (std::size_t c = 0; c < max_corners; ++c) corner_[c].push_back(own[std::min(c, own.size() - 1)]);
+  }
+  for (std::vector<double>& values : several_reference_) values.clear();
+  for (std::vector<double>& values : several_direction_) values.clear();
+  first_several_batched_ = batched_.size();
+  for (std::size_t i = 0; i < batched_.size(); ++i) {
+    if (!reads_several(invariant_[batched_[i]])) continue;
+    first_several_batched_ = std::min(first_several_batched_, i);
+    const SeveralRest& own = rest(batched_[i]);
+    for (std::size_t k = 0; k < max_scalars; ++k) several_reference_[k].push_back(own.reference[k]);
+    for (std::size_t c = 0; c < 3; ++c) several_direction_[c].push_back(own.direction[c]);
   }
   const auto pitch = static_cast<std::uint32_t>(batched_.size());
   force_slots_.resize(shares_.size());

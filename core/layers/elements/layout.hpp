@@ -1,6 +1,7 @@
 // The elements in memory: their nodes, the elements of each node, and batches for the evaluation of laws.
 #pragma once
 
+#include <array>
 #include <cstdint>
 #include <span>
 #include <utility>
@@ -23,6 +24,12 @@ struct ElementShare {
   std::uint32_t enclosure;  // index into enclosures(); no_enclosure for an element of three or four nodes
 };
 inline constexpr std::uint32_t no_enclosure = 0xffffffffu;
+
+// What the scalars of an element are at rest, and its direction.
+struct SeveralRest {
+  std::array<double, max_scalars> reference{};  // [scalar of the group's list]
+  std::array<double, 3> direction{};            // components in the edges from the first corner
+};
 
 // Live elements of three or four nodes with the same invariant and laws: batched()[begin, begin + count).
 struct ElementBatch {
@@ -79,6 +86,17 @@ class ElementLayout {
     internal_ = &internal;
     fill_places();
   }
+  // Of elements whose laws read several scalars; also of removed ones.
+  [[nodiscard]] const SeveralRest& rest(std::uint32_t element) const noexcept {
+    return rest_[element - first_several_[element]];
+  }
+  // [scalar], [component]: arrays over the members of such a batch.
+  void several_arrays(const ElementBatch& batch, const double* (&references)[max_scalars],
+                      const double* (&direction)[3]) const noexcept {
+    const std::size_t at = batch.begin - first_several_batched_;
+    for (std::size_t s = 0; s < max_scalars; ++s) references[s] = several_reference_[s].data() + at;
+    for (std::size_t c = 0; c < 3; ++c) direction[c] = several_direction_[c].data() + at;
+  }
   // [share of the node] where the force of an element of three or four nodes on the node is in arrays over the corners
   // of batched(): place * batched().size() + index in batched(). As many as shares(node) that are no enclosures.
   [[nodiscard]] std::span<const std::uint32_t> force_slots(std::uint32_t node) const noexcept {
@@ -115,8 +133,10 @@ class ElementLayout {
   [[nodiscard]] bool is_side(std::uint32_t element, std::size_t i, std::size_t j) const noexcept {
     switch (invariant_[element]) {
       case Invariant::dihedral:
+      case Invariant::hinge:
         return i != 2 || j != 3;
       case Invariant::angle:
+      case Invariant::chain:
         return i != 0 || j != 2;
       default:
         return true;
@@ -125,6 +145,10 @@ class ElementLayout {
 
   const CompiledLaws& laws_;
   std::vector<Invariant> invariant_;
+  std::vector<std::uint32_t> first_several_;  // [element] its number less its index in rest_; empty: there are none
+  std::vector<SeveralRest> rest_;
+  std::size_t first_several_batched_ = 0;  // they come last in batched()
+  std::vector<double> several_reference_[max_scalars], several_direction_[3];  // [batched, from there on]
   std::vector<std::uint8_t> alive_;
   std::size_t live_count_ = 0, live_enclosures_ = 0;
   std::vector<std::size_t> start_;

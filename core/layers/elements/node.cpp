@@ -71,6 +71,12 @@ springnet_status Evaluator::add_elements_of(std::uint32_t node, double time, con
            elements.invariant(shares[end].element) == invariant)
       ++end;
     const std::size_t count = end - begin;
+    if (reads_several(invariant)) {
+      const springnet_status status = add_several_of(shares.subspan(begin, count), time, nodes, sums, message);
+      if (status != SPRINGNET_OK) return status;
+      begin = end;
+      continue;
+    }
     const Group& group = layout_.laws().groups[first.group];
     for (std::size_t i = 0; i < count; ++i) seen.rows[i] = elements.row(shares[begin + i].element);
     if (layout_.internal().has(first.group))

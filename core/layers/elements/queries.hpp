@@ -6,6 +6,7 @@
 #include <string>
 #include <vector>
 
+#include "layers/elements/several.hpp"
 #include "layers/failure.hpp"
 #include "layers/instruction_set.hpp"
 #include "layers/law_pair.hpp"
@@ -23,7 +24,15 @@ struct ElementState {
 springnet_status evaluate_element(const Layout& layout, InstructionSet set, double time, const NodeArrays& nodes,
                                   std::uint32_t element, const ElementState& state, const PairOutputs& out,
                                   springnet_message& message);
-// Q of a live element, summed over both laws; nan where one fails.
+// The laws of one element that read several scalars; `geometry` and `out` have it as member 0.
+struct SeveralQuery {
+  SeveralGeometry geometry;
+  SeveralAnswers answers;
+};
+springnet_status evaluate_several_element(const Layout& layout, InstructionSet set, double time,
+                                          const NodeArrays& nodes, std::uint32_t element, SeveralWanted wanted,
+                                          SeveralQuery& out, springnet_message& message);
+// Q of a live element, summed over both laws; nan where one fails, and for laws over several scalars.
 [[nodiscard]] double element_force(const Layout& layout, InstructionSet set, double time, const NodeArrays& nodes,
                                    std::uint32_t element);
 // Energy stored by all laws of live elements that have an energy, J; nan if one fails.

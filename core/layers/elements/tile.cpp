@@ -9,6 +9,7 @@
 #include <springnet/sdk/message.hpp>
 
 #include "layers/elements/blocks.hpp"
+#include "layers/elements/several.hpp"
 #include "layers/evaluator.hpp"
 #include "profile/stage.hpp"
 
@@ -50,6 +51,7 @@ void Evaluator::measure(Invariant invariant, const BatchCorners& corners, const 
 
 springnet_status Evaluator::evaluate_batch(const ElementBatch& batch, double time, const NodeArrays& nodes,
                                            springnet_message& message) const {
+  if (reads_several(batch.invariant)) return evaluate_several_batch(batch, time, nodes, message);
   const ElementLayout& elements = layout_.elements();
   const Group& group = layout_.laws().groups[batch.group];
   BatchGeometry geometry;  // not initialised: written before it is read
@@ -70,6 +72,25 @@ springnet_status Evaluator::evaluate_batch(const ElementBatch& batch, double tim
   kernels_.elements.forces(geometry, corners_of(batch.invariant), batch.count, group.spring ? force[0] : nullptr,
                            group.viscosity ? force[1] : nullptr,
                            {at(corner_force_[0]), at(corner_force_[1]), at(corner_force_[2]), pitch});
+  return SPRINGNET_OK;
+}
+
+springnet_status Evaluator::evaluate_several_batch(const ElementBatch& batch, double time, const NodeArrays& nodes,
+                                                   springnet_message& message) const {
+  const ElementLayout& elements = layout_.elements();
+  const Group& group = layout_.laws().groups[batch.group];
+  const SeveralMembers members = members_of(elements, batch);
+  SeveralGeometry geometry;  // not initialised: written before it is read
+  kernels_.several.geometry(group.scalars, members.corners, members.reference, nodes, group.reads_rate(), geometry);
+  SeveralAnswers answers;
+  const springnet_status status =
+      evaluate_several(group, members, geometry, set_, time, SeveralWanted::forces, answers, message);
+  if (status != SPRINGNET_OK) return status;
+  const double* q[2][max_scalars];
+  forces_of(group, answers, q);
+  const auto at = [&](std::vector<double>& forces) { return forces.data() + batch.begin; };
+  kernels_.several.forces(group.scalars, geometry, batch.count, q,
+                          {at(corner_force_[0]), at(corner_force_[1]), at(corner_force_[2]), elements.batched().size()});
   return SPRINGNET_OK;
 }
 

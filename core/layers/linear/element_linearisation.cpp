@@ -1,5 +1,6 @@
 #include "layers/linear/element_linearisation.hpp"
 
+#include "layers/elements/several.hpp"
 #include "profile/stage.hpp"
 
 namespace springnet::layers {
@@ -12,6 +13,19 @@ void for_each_enclosure(std::span<const ElementShare> shares, const What& what) 
 }
 
 }  // namespace
+
+// Of one batch at a time.
+struct ElementLinearisation::SeveralWork {
+  SeveralGeometry geometry;
+  SeveralAnswers answers;
+  SeveralTangent tangent;
+  SeveralRateGradients rate_gradients;
+  SeveralBlocks blocks;
+};
+
+ElementLinearisation::ElementLinearisation(const Layout& layout, const Evaluator& evaluator)
+    : layout_(layout), evaluator_(evaluator) {}
+ElementLinearisation::~ElementLinearisation() = default;
 
 // Q and its derivatives for elements with the same laws.
 springnet_status ElementLinearisation::evaluate_elements(const ElementBatch& batch, double time,
@@ -87,6 +101,40 @@ void ElementLinearisation::add(const ElementBlocks& blocks, std::size_t count, c
     for (std::size_t j = 0; j < count; ++j) damping_[*targets++] += blocks.damping_block(i, j);
 }
 
+springnet_status ElementLinearisation::update_several(const ElementBatch& batch, double time, const NodeArrays& nodes,
+                                                      const std::uint32_t*& targets, springnet_message& message) {
+  const profile::Tile measured;
+  const profile::Part part("elements");
+  if (several_ == nullptr) several_ = std::make_unique<SeveralWork>();
+  SeveralWork& work = *several_;
+  const Group& group = layout_.laws().groups[batch.group];
+  const InstructionSet set = evaluator_.instruction_set();
+  const Kernels& kernels = kernels_for(set);
+  const SeveralMembers members = members_of(layout_.elements(), batch);
+  kernels.several.geometry(group.scalars, members.corners, members.reference, nodes, group.reads_rate(), work.geometry);
+  const springnet_status status = evaluate_several(group, members, work.geometry, set, time, SeveralWanted::tangent,
+                                                   work.answers, message);
+  if (status != SPRINGNET_OK) return status;
+  finite_ = tangent_of(group, work.answers, batch.count, work.tangent) && finite_;
+  several_blocks(kernels, group.scalars, work.geometry, batch.count, work.tangent, work.rate_gradients, work.blocks);
+  if (work.tangent.has_rates && !damped_) {
+    damping_.assign(rows_.count(), Block::Zero());
+    damped_ = true;
+  }
+  const auto add = [](Block& block, const double (*rows)[several_batch], std::size_t i) {
+    for (Eigen::Index r = 0; r < 3; ++r)
+      for (Eigen::Index c = 0; c < 3; ++c) block(r, c) += rows[3 * r + c][i];
+  };
+  const std::size_t count = group.scalars.corners;
+  for (std::size_t i = 0; i < batch.count; ++i)
+    for (std::size_t a = 0; a < count; ++a)
+      for (std::size_t b = 0; b < count; ++b, ++targets) {
+        add(stiffness_[*targets], work.blocks.stiffness[a][b], i);
+        if (work.tangent.has_rates) add(damping_[*targets], work.blocks.damping[a][b], i);
+      }
+  return SPRINGNET_OK;
+}
+
 springnet_status ElementLinearisation::update(double time, const NodeArrays& nodes, const double* pressure,
                                               springnet_message& message) {
   const ElementLayout& elements = layout_.elements();
@@ -102,6 +150,11 @@ springnet_status ElementLinearisation::update(double time, const NodeArrays& nod
   ElementBlocks blocks;
   const std::uint32_t* targets = targets_.data();
   for (const ElementBatch& batch : elements.batches()) {
+    if (reads_several(batch.invariant)) {
+      const springnet_status status = update_several(batch, time, nodes, targets, message);
+      if (status != SPRINGNET_OK) return status;
+      continue;
+    }
     const std::uint32_t* members = elements.batched().data() + batch.begin;
     for (std::size_t i = 0; i < batch.count; ++i) {
       const std::span<const std::uint32_t> own = elements.nodes(members[i]);

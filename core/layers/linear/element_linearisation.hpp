@@ -7,6 +7,7 @@
 #pragma once
 
 #include <cstdint>
+#include <memory>
 #include <vector>
 
 #include "layers/elements/blocks.hpp"
@@ -18,7 +19,8 @@ namespace springnet::layers {
 class ElementLinearisation {
  public:
   // Layout and evaluator must outlive it.
-  ElementLinearisation(const Layout& layout, const Evaluator& evaluator) : layout_(layout), evaluator_(evaluator) {}
+  ElementLinearisation(const Layout& layout, const Evaluator& evaluator);
+  ~ElementLinearisation();
 
   // Computes all blocks and vectors at a state. pressure: Pa, [load], or null. SPRINGNET_FAILED if a law has no
   // derivatives.
@@ -77,6 +79,8 @@ class ElementLinearisation {
   springnet_status evaluate_elements(const ElementBatch& batch, double time, const NodeArrays& nodes,
                                      const std::uint32_t* members, const double* q, const double* rate,
                                      ElementForce* forces, springnet_message& message);
+  springnet_status update_several(const ElementBatch& batch, double time, const NodeArrays& nodes,
+                                  const std::uint32_t*& targets, springnet_message& message);
   springnet_status update_enclosures(double time, const NodeArrays& nodes, springnet_message& message);
   void make_pattern();
   void add_pressures(const NodeArrays& nodes, const double* pressure);
@@ -94,6 +98,8 @@ class ElementLinearisation {
   std::vector<std::uint32_t> face_targets_;       // of each node, for each of its faces: itself, next, last
   std::vector<std::uint32_t> enclosure_targets_;  // of live enclosures, [spoke]
   std::vector<EnclosureDerivatives> enclosures_;
+  struct SeveralWork;
+  std::unique_ptr<SeveralWork> several_;  // null until an element's laws read several scalars
   // The factor of g in the rank-one term of an enclosure, by u of one of its nodes.
   [[nodiscard]] Vector3 weight_of(const EnclosureDerivatives& own, std::size_t place) const {
     return (position_weight_ * own.law.by_q + velocity_weight_ * own.law.by_rate) * own.gradient[place] +

@@ -5,6 +5,7 @@
 #pragma once
 
 #include <array>
+#include <bit>
 #include <cstddef>
 #include <cstdint>
 #include <initializer_list>
@@ -54,6 +55,10 @@ struct Parameter {
     Parameter p = *this;
     p.largest = value;
     return p;
+  }
+  // At most the largest number below `value`, which is above 0.
+  [[nodiscard]] constexpr Parameter below(double value) const {
+    return at_most(std::bit_cast<double>(std::bit_cast<std::uint64_t>(value) - 1));
   }
   // Identification may change it; `typical` is its usual magnitude, above 0.
   [[nodiscard]] constexpr Parameter learnable(double typical = 1.0) const {

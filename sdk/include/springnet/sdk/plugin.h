@@ -130,6 +130,8 @@ typedef struct springnet_note {
 #define SPRINGNET_PARAMETER_SIZE_2_0 SPRINGNET_SIZE_TO(springnet_parameter, choices)
 #define SPRINGNET_TABLE_SIZE_2_0 SPRINGNET_SIZE_TO(springnet_table, largest)
 #define SPRINGNET_LAW_SIZE_2_0 SPRINGNET_SIZE_TO(springnet_law, release)
+#define SPRINGNET_LAW_SIZE_2_1 SPRINGNET_SIZE_TO(springnet_law, reserved_2) /* over several invariants */
+#define SPRINGNET_INVARIANT_SIZE_2_1 SPRINGNET_SIZE_TO(springnet_invariant, reserved)
 #define SPRINGNET_NEURON_MODEL_SIZE_2_0 SPRINGNET_SIZE_TO(springnet_neuron_model, evaluate)
 #define SPRINGNET_INTEGRATOR_SIZE_2_0 SPRINGNET_SIZE_TO(springnet_integrator, forget)
 

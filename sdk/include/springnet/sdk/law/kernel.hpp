@@ -87,8 +87,10 @@ class LawKernel {
   SPRINGNET_INLINE static void run(const Call& call) {
     const springnet_law_batch& b = *call.batch;
     const Wanted wanted(b);
+    // Formulas over several invariants are long: compiled for one kind of chunks alone.
     if (wanted.plain)
-      detail::for_each_chunk(*call.law, b, [&](const Chunk& chunk, auto kind) { evaluate(b, wanted, chunk, kind); });
+      detail::for_each_chunk<Traits::several>(
+          *call.law, b, [&](const Chunk& chunk, auto kind) { evaluate(b, wanted, chunk, kind); });
     if (wanted.rest)
       detail::for_each_chunk<true>(*call.law, b, [&](const Chunk& chunk, auto kind) { rest(b, chunk, kind); });
   }
@@ -129,8 +131,9 @@ class LawKernel {
                                 : b.force_by_q != nullptr || b.force_by_rate != nullptr;
       plain = forces || tangent || b.energy != nullptr || b.margin != nullptr;
       constexpr std::size_t first = Traits::several ? tangent_columns : 0;
-      rest = detail::any_column(b.derivatives, layout.rows(), columns, first, columns - first) ||
-             (Traits::several && detail::any_column(b.derivatives + V * columns, layout.rows() - V, columns, 0, first));
+      rest = detail::any_column(b.derivatives, layout.rows(), columns, first, columns - first);
+      if (Traits::several && b.derivatives != nullptr)
+        rest = rest || detail::any_column(b.derivatives + V * columns, layout.rows() - V, columns, 0, first);
       if constexpr (!Traits::several) rest = rest || detail::any(b.force_by_parameters, P) || b.energy_by_q != nullptr;
       if constexpr (S > 0)
         rest = rest || detail::any(b.state_rates, S) || detail::any(b.rates_by_q, S) ||

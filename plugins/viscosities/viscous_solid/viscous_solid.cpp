@@ -1,0 +1,53 @@
+// Viscous stress of a tetrahedron by the rate of Green's strain, E' = C' / 2, per volume at rest:
+//   S = 2 eta E' + (zeta - 2 eta / 3) (tr E') 1,
+// which dissipates S : E' >= 0 and does not resist rotation. With `solid` a Kelvin-Voigt material.
+#include <springnet/sdk/law.hpp>
+#include <springnet/sdk/law/simplex.hpp>
+
+namespace {
+using namespace springnet::sdk;
+
+struct ViscousSolid : ViscosityFunction {
+  enum { shear_viscosity, bulk_viscosity };
+  static constexpr const char* id = "viscous_solid";
+  static constexpr const char* summary = "tetrahedron with viscous stresses by the rate of its strain";
+  static constexpr const char* reference = "J. Lubliner, Plasticity Theory, 1990, 1.5 (Kelvin model)";
+  static constexpr Shape shape = Shape::tetrahedron;
+  static constexpr Scalar invariants[] = {SPRINGNET_TETRAHEDRON_EDGES, at_rest(volume_of(0, 1, 2, 3))};
+  static constexpr Parameter parameters[] = {
+      number("shear_viscosity", "Pa s", "eta").at_least(0).learnable(),
+      number("bulk_viscosity", "Pa s", "zeta, at changes of volume").preset(0).at_least(0).learnable(1)};
+
+  template <class Real>
+  static std::array<Real, 7> force(const SeveralOf<Real, 7>& e, const Parameters<Real>& p) {
+    const Symmetric<Real, 3> rest = gram<3>(e.reference, e.reference);
+    Symmetric<Real, 3> inverse = rest.adjugate();
+    const Real per_determinant = 1.0 / (36.0 * e.reference[6] * e.reference[6]);
+    for (Real& entry : inverse.entries) entry *= per_determinant;
+    const Symmetric<Real, 3> rate = gram<3>(e.q, e.rate);  // G' / 2
+    const Real trace = contracted(inverse, rate), lambda = p[bulk_viscosity] - 2.0 / 3.0 * p[shear_viscosity];
+    // R^-1 (G' / 2) R^-1
+    Symmetric<Real, 3> stress;
+    Real product[3][3];
+    for (std::size_t i = 0; i < 3; ++i)
+      for (std::size_t j = 0; j < 3; ++j) {
+        product[i][j] = 0.0;
+        for (std::size_t k = 0; k < 3; ++k) product[i][j] += inverse(i, k) * rate(k, j);
+      }
+    for (std::size_t i = 0; i < 3; ++i)
+      for (std::size_t j = i; j < 3; ++j) {
+        Real sum = 0.0;
+        for (std::size_t k = 0; k < 3; ++k) sum += product[i][k] * inverse(k, j);
+        // S : E' with E' similar to R^-1 G' / 2: half of S, by G'.
+        stress.entries[Symmetric<Real, 3>::at(i, j)] =
+            0.5 * e.reference[6] * (2.0 * p[shear_viscosity] * sum + lambda * trace * inverse(i, j));
+      }
+    std::array<Real, 7> result{};
+    add_edge_forces(stress, e.q, result.data());
+    return result;
+  }
+};
+
+}  // namespace
+
+SPRINGNET_PLUGIN("springnet.viscosity.viscous_solid", "0.1.0", "springnet", "MIT", ViscousSolid);

@@ -1,0 +1,98 @@
+// Strains of triangles and tetrahedra from the lengths of their edges, for laws over these.
+//
+// With edges e_k from corner 0 to corner k + 1, G_ij = e_i . e_j follows from squared lengths,
+//   G_ii = l_0i^2,  2 G_ij = l_0i^2 + l_0j^2 - l_ij^2,
+// and so does that at rest, R. The Cauchy-Green tensor C in the material's orthonormal axes is similar to R^-1 G, so that
+//   tr C = R^-1 : G,  tr C^2 = (R^-1 G) : (R^-1 G)^T,  det C = det G / det R;
+// a unit vector a = sum_k a_k e_k of the material at rest has a . C a = a^T G a.
+#pragma once
+
+#include <array>
+#include <cstddef>
+
+#include <springnet/sdk/law/invariants.hpp>
+
+namespace springnet::sdk {
+
+// The lengths that Simplex<D> reads, first in a law's list: edges from corner 0, then between the others.
+#define SPRINGNET_TRIANGLE_EDGES \
+  ::springnet::sdk::length_of(0, 1), ::springnet::sdk::length_of(0, 2), ::springnet::sdk::length_of(1, 2)
+#define SPRINGNET_TETRAHEDRON_EDGES                                                                             \
+  ::springnet::sdk::length_of(0, 1), ::springnet::sdk::length_of(0, 2), ::springnet::sdk::length_of(0, 3),      \
+      ::springnet::sdk::length_of(1, 2), ::springnet::sdk::length_of(1, 3), ::springnet::sdk::length_of(2, 3)
+
+// A symmetric matrix of D rows by its entries 11, 22, (33,) 12, (13, 23).
+template <class Real, std::size_t D>
+struct Symmetric {
+  static constexpr std::size_t size = D * (D + 1) / 2;
+  static constexpr std::size_t at(std::size_t i, std::size_t j) {
+    if (i == j) return i;
+    return D == 2 ? 2 : D + (i + j - 1);  // 12, 13, 23
+  }
+  std::array<Real, size> entries;
+  [[nodiscard]] SPRINGNET_INLINE const Real& operator()(std::size_t i, std::size_t j) const { return entries[at(i, j)]; }
+
+  [[nodiscard]] SPRINGNET_INLINE Real determinant() const {
+    const auto& m = *this;
+    if constexpr (D == 2)
+      return m(0, 0) * m(1, 1) - m(0, 1) * m(0, 1);
+    else
+      return m(0, 0) * (m(1, 1) * m(2, 2) - m(1, 2) * m(1, 2)) - m(0, 1) * (m(0, 1) * m(2, 2) - m(1, 2) * m(0, 2)) +
+             m(0, 2) * (m(0, 1) * m(1, 2) - m(1, 1) * m(0, 2));
+  }
+  // Its inverse times the determinant.
+  [[nodiscard]] SPRINGNET_INLINE Symmetric adjugate() const {
+    const auto& m = *this;
+    if constexpr (D == 2)
+      return {{m(1, 1), m(0, 0), -m(0, 1)}};
+    else
+      return {{m(1, 1) * m(2, 2) - m(1, 2) * m(1, 2), m(0, 0) * m(2, 2) - m(0, 2) * m(0, 2),
+               m(0, 0) * m(1, 1) - m(0, 1) * m(0, 1), m(0, 2) * m(1, 2) - m(0, 1) * m(2, 2),
+               m(0, 1) * m(1, 2) - m(0, 2) * m(1, 1), m(0, 2) * m(0, 1) - m(1, 2) * m(0, 0)}};
+  }
+};
+
+// A : B
+template <class Real, std::size_t D>
+[[nodiscard]] SPRINGNET_INLINE Real contracted(const Symmetric<Real, D>& a, const Symmetric<Real, D>& b) {
+  Real sum = a(0, 0) * b(0, 0);
+  for (std::size_t i = 1; i < D; ++i) sum += a(i, i) * b(i, i);
+  for (std::size_t i = 0; i < D; ++i)
+    for (std::size_t j = i + 1; j < D; ++j) sum += 2.0 * a(i, j) * b(i, j);
+  return sum;
+}
+
+// The Gram matrix G of an element's edges from the lengths in `l`, as in the lists above; of their products with
+// themselves if l = m. l, m: lengths, or lengths and rates, whose products are half of the rates of G.
+template <std::size_t D, class Lengths, class Others>
+[[nodiscard]] SPRINGNET_INLINE auto gram(const Lengths& l, const Others& m) {
+  using Real = std::remove_cvref_t<decltype(l[0] * m[0])>;
+  Symmetric<Real, D> g;
+  std::array<Real, Symmetric<Real, D>::size> square;
+  for (std::size_t k = 0; k < square.size(); ++k) square[k] = l[k] * m[k];
+  for (std::size_t i = 0; i < D; ++i) g.entries[i] = square[i];
+  for (std::size_t i = 0; i < D; ++i)
+    for (std::size_t j = i + 1; j < D; ++j) {
+      const std::size_t edge = Symmetric<Real, D>::at(i, j);
+      g.entries[edge] = 0.5 * (square[i] + square[j] - square[edge]);
+    }
+  return g;
+}
+
+// Of lengths: dW/dl_k from S = dW/dG, where W depends on G_ij and G_ji together (the derivative by each half of both).
+template <std::size_t D, class Real, class Lengths>
+SPRINGNET_INLINE void add_edge_forces(const Symmetric<Real, D>& s, const Lengths& l, Real* forces) {
+  for (std::size_t i = 0; i < D; ++i) {
+    Real sum = s(i, i);
+    for (std::size_t j = 0; j < D; ++j)
+      if (j != i) sum += s(i, j);
+    forces[i] += 2.0 * sum * l[i];
+  }
+  for (std::size_t i = 0; i < D; ++i)
+    for (std::size_t j = i + 1; j < D; ++j) {
+      const std::size_t edge = Symmetric<Real, D>::at(i, j);
+      forces[edge] += -2.0 * s(i, j) * l[edge];
+    }
+}
+
+}  // namespace springnet::sdk
