@@ -11,6 +11,7 @@
 #include "commands.hpp"
 #include "common.hpp"
 #include "text_table.hpp"
+#include "what_it_reads.hpp"
 
 namespace springnet::tool {
 
@@ -241,6 +242,7 @@ Json json_of(const Component& component) {
           {"abi", fmt::format("{}.{}", plugin.abi_major, plugin.abi_minor)},
           {"reference", component.description->reference},
           {"capabilities", capabilities_of(component)},
+          {"reads", is_law(component) ? Json(what_it_reads(component.law())) : Json(nullptr)},
           {"parameters", parameters},
           {"states", states},
           {"inputs", inputs},
@@ -353,8 +355,7 @@ void print_component(const PluginHost& host, const Component& component) {
   const std::string reference = shown(component.description->reference);
   if (!reference.empty()) rows.push_back({"reference", reference});
   if (is_law(component)) {
-    const bool speed = component.law().invariant == SPRINGNET_RELATIVE_SPEED;
-    rows.push_back({"reads", speed ? "the relative speed of two nodes, m/s" : "the distance of two nodes, m"});
+    rows.push_back({"reads", what_it_reads(component.law())});
   }
   const std::vector<std::string> can = capabilities_of(component);
   if (!can.empty()) rows.push_back({"can", fmt::format("{}", fmt::join(can, ", "))});

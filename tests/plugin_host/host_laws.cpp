@@ -190,9 +190,10 @@ TEST_CASE("descriptions of lambdas arrive as written") {
   CHECK(std::string_view(description.summary) == "pulls");
   CHECK(std::string_view(description.reference) == "A. V. Hill 1938");
   CHECK(description.capabilities ==
-        (SPRINGNET_HAS_ENERGY | SPRINGNET_HAS_DERIVATIVES | SPRINGNET_HAS_PARAMETER_DERIVATIVES | SPRINGNET_READS_RATE |
-         SPRINGNET_READS_TIME | SPRINGNET_ADDS_POWER | SPRINGNET_NOT_ZERO_AT_REST | SPRINGNET_DIVIDES_BY_REFERENCE |
-         SPRINGNET_FITS_ELEMENTS | SPRINGNET_MONOTONE | SPRINGNET_CALLING_THREAD_ONLY));
+        (SPRINGNET_HAS_ENERGY | SPRINGNET_HAS_DERIVATIVES | SPRINGNET_HAS_ALL_DERIVATIVES |
+         SPRINGNET_HAS_PARAMETER_DERIVATIVES | SPRINGNET_READS_RATE | SPRINGNET_READS_TIME | SPRINGNET_ADDS_POWER |
+         SPRINGNET_NOT_ZERO_AT_REST | SPRINGNET_DIVIDES_BY_REFERENCE | SPRINGNET_FITS_ELEMENTS | SPRINGNET_MONOTONE |
+         SPRINGNET_CALLING_THREAD_ONLY));
   REQUIRE(description.parameter_count == 2);
   const springnet_parameter& strength = *description.parameters[0];
   CHECK(std::string_view(strength.unit) == "N");
@@ -209,7 +210,8 @@ TEST_CASE("descriptions of lambdas arrive as written") {
                                                 [](const auto& e, const auto&) { return e.q * e.q; }));
   CHECK(drag->kind() == ComponentKind::viscosity_function);
   CHECK(drag->law().invariant == SPRINGNET_RELATIVE_SPEED);
-  CHECK(drag->description->capabilities == (SPRINGNET_HAS_DERIVATIVES | SPRINGNET_ACTS_IN_COMPRESSION));
+  CHECK(drag->description->capabilities ==
+        (SPRINGNET_HAS_DERIVATIVES | SPRINGNET_HAS_ALL_DERIVATIVES | SPRINGNET_ACTS_IN_COMPRESSION));
   const auto model = host.add(
       neuron(describe("heavy", "twice the mass"), [](const auto& n, const auto&) { return n.force / n.mass; }));
   CHECK(model->kind() == ComponentKind::neuron);

@@ -224,6 +224,27 @@ springs = [[0, 1]]
 neuron = { type = "point_mass", mass = 1.0 }
 spring = { type = "muscle", strength = 10.0 }
 
+[[body]]
+name = "fibres"
+mesh = { lattice = [2, 2, 3], spacing = 1.0, origin = [30, 0, 0] }
+neuron = { type = "point_mass" }
+density = 1000.0
+material = { youngs_modulus = 1e4, poisson_ratio = 0.45, damping_time = 0.01, direction = [0, 0, 1], law = { type = "fibre_solid", fibre_modulus = 1e5 } }
+
+[[body]]
+name = "skin"
+mesh = { lattice = [3, 3, 1], spacing = 1.0, origin = [40, 0, 0] }
+neuron = { type = "point_mass" }
+density = 1000.0
+thickness = 0.001
+material = { youngs_modulus = 1e4, poisson_ratio = 0.3, bending = true, law = { type = "membrane", model = "st_venant_kirchhoff" } }
+
+[[element]]
+invariant = "tetrahedron"
+select = { body = "fibres" }
+direction = [1, 0, 0]
+spring = { type = "fibre_solid", youngs_modulus = 1.0, poisson_ratio = 0.3, fibre_modulus = 1.0 }
+
 [[input]]
 input = "activation"
 name = "left"

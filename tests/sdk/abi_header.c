@@ -2,7 +2,7 @@
 #include "abi_sizes.h"
 
 #define COUNT(type, last, end) +(SPRINGNET_SIZE_TO(type, last) != end)
-unsigned springnet_ends_wrong_in_c(void) { return (unsigned)(0 SPRINGNET_ENDS_2_0(COUNT)); }
+unsigned springnet_ends_wrong_in_c(void) { return (unsigned)(0 SPRINGNET_ENDS_2_0(COUNT) SPRINGNET_ENDS_2_1(COUNT)); }
 
 /* What a host requires at least. */
 _Static_assert(SPRINGNET_PLUGIN_SIZE_2_0 == 72, "frozen");

@@ -59,6 +59,13 @@
   check(springnet_component, implementation, 72)        \
   check(springnet_plugin, components, 72)               \
   check(springnet_note, reserved, 40)
+
+/* The same for what ABI 2.1 added. */
+#define SPRINGNET_ENDS_2_1(check)              \
+  check(springnet_law_batch, derivatives, 264) \
+  check(springnet_law_update, start_rates, 104) \
+  check(springnet_invariant, reserved, 32)     \
+  check(springnet_law, reserved_2, 144)
 /* clang-format on */
 
 #ifdef __cplusplus

@@ -42,6 +42,17 @@ struct Mistaken : SpringFunction {
   using has = Has<Start>;
   static auto force(const auto& e, const auto&) { return e.q; }
   static auto start(const auto& e, const auto&) { return std::array{e.q}; }
+#elif defined(CORNER_OF_ANOTHER_SHAPE)
+  static constexpr Shape shape = Shape::triangle;
+  static constexpr Scalar invariants[] = {length_of(0, 1), length_of(1, 3)};
+  static auto force(const auto& e, const auto&) { return e.q; }
+#elif defined(SHAPE_WITHOUT_LIST)
+  static constexpr Shape shape = Shape::triangle;
+  static auto force(const auto& e, const auto&) { return e.q; }
+#elif defined(ONE_FORCE_FOR_SEVERAL)
+  static constexpr Shape shape = Shape::triangle;
+  static constexpr Scalar invariants[] = {length_of(0, 1), length_of(1, 2)};
+  static auto force(const auto& e, const auto&) { return e.q[0]; }
 #endif
 };
 

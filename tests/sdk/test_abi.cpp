@@ -5,13 +5,14 @@
 
 #include "abi_sizes.h"
 
-TEST_CASE("structs of ABI 2.0 end at their frozen sizes, in C and in C++") {
+TEST_CASE("structs of ABI 2.x end at their frozen sizes, in C and in C++") {
 #define CHECK_END(type, last, end)               \
   {                                              \
     INFO(#type " up to " #last);                 \
     CHECK(SPRINGNET_SIZE_TO(type, last) == end); \
   }
   SPRINGNET_ENDS_2_0(CHECK_END)
+  SPRINGNET_ENDS_2_1(CHECK_END)
   CHECK(springnet_ends_wrong_in_c() == 0);
 }
 

@@ -18,6 +18,7 @@ extern const springnet_plugin springnet_plugin_entry_example_5;
 extern const springnet_plugin springnet_plugin_entry_example_6;
 extern const springnet_plugin springnet_plugin_entry_example_7;
 extern const springnet_plugin springnet_plugin_entry_example_8;
+extern const springnet_plugin springnet_plugin_entry_example_several;
 }
 
 std::shared_ptr<springnet::PluginHost> plugins_with_own_laws(const std::vector<double>& measured, double gain);
@@ -30,7 +31,7 @@ std::shared_ptr<const PluginHost> plugins() {
   for (const springnet_plugin* plugin :
        {&springnet_plugin_entry_example_1, &springnet_plugin_entry_example_3, &springnet_plugin_entry_example_4,
         &springnet_plugin_entry_example_5, &springnet_plugin_entry_example_6, &springnet_plugin_entry_example_7,
-        &springnet_plugin_entry_example_8}) {
+        &springnet_plugin_entry_example_8, &springnet_plugin_entry_example_several}) {
     CAPTURE(std::string(plugin->id));
     CHECK(host->add(*plugin));
   }
@@ -188,5 +189,47 @@ TEST_CASE("inspect reports the actual limit of the guide's integrator") {
     Simulation simulation(network, host, options);
     for (int step = 0; step < 200; ++step) simulation.step();
     CHECK((simulation.velocity(1).norm() < 1e-3) == (share < 1.0));
+  }
+}
+
+TEST_CASE("the law of the guide over several invariants, which gives its energy alone") {
+  const auto host = plugins();
+  Network network;
+  const MaterialIndex skin =
+      network.add_material({LawUse{"skin", {{"stiffness", 5.0}, {"stiffening", 2.0}}}, std::nullopt});
+  const std::vector<Vector3> rest{{0.0, 0.0, 0.0}, {1.0, 0.0, 0.0}, {0.2, 0.9, 0.0}};
+  std::vector<Vector3> now{{0.1, 0.0, 0.2}, {1.3, 0.1, 0.0}, {0.1, 1.2, 0.3}};
+  for (const Vector3& position : now) {
+    Node node;
+    node.position = position;
+    network.add_node(node);
+  }
+  network.add_element(Invariant::triangle, {0, 1, 2}, skin, rest);
+  // Its formula once more, by the positions.
+  const auto energy = [&](const std::vector<Vector3>& p) {
+    double sides = 0.0;
+    for (std::size_t k = 0; k < 3; ++k) {
+      const std::size_t next = (k + 1) % 3;
+      sides += std::pow((p[next] - p[k]).norm() - (rest[next] - rest[k]).norm(), 2.0);
+    }
+    const auto area = [](const std::vector<Vector3>& q) { return 0.5 * (q[1] - q[0]).cross(q[2] - q[0]).norm(); };
+    return 0.5 * 5.0 * sides * (1.0 + 2.0 * std::pow(area(p) / area(rest) - 1.0, 2.0));
+  };
+  SimulationOptions options;
+  options.time_step = 1e-3;
+  const Simulation simulation(network, host, options);
+  CHECK(simulation.potential_energy() == doctest::Approx(energy(now)).epsilon(1e-13));
+  // Central differences of sixth order: what is left is rounding of the energy over the step.
+  for (std::size_t k = 0; k < 3; ++k) {
+    for (Eigen::Index c = 0; c < 3; ++c) {
+      const auto at = [&](double x) {
+        std::vector<Vector3> moved = now;
+        moved[k][c] += x;
+        return energy(moved);
+      };
+      constexpr double h = 1e-2;
+      const double slope = (45 * (at(h) - at(-h)) - 9 * (at(2 * h) - at(-2 * h)) + (at(3 * h) - at(-3 * h))) / (60 * h);
+      CHECK(simulation.forces()(static_cast<Eigen::Index>(k), c) == doctest::Approx(-slope).epsilon(1e-8));
+    }
   }
 }

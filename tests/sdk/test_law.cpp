@@ -143,8 +143,8 @@ TEST_CASE("metadata of a law come from its class") {
   CHECK(std::string(everything.reference) == "none");
   CHECK(everything.parameter_count == 2);
   CHECK(everything.capabilities ==
-        (SPRINGNET_HAS_ENERGY | SPRINGNET_HAS_DERIVATIVES | SPRINGNET_HAS_PARAMETER_DERIVATIVES |
-         SPRINGNET_HAS_RUPTURE | SPRINGNET_READS_RATE | SPRINGNET_READS_TIME));
+        (SPRINGNET_HAS_ENERGY | SPRINGNET_HAS_DERIVATIVES | SPRINGNET_HAS_ALL_DERIVATIVES |
+         SPRINGNET_HAS_PARAMETER_DERIVATIVES | SPRINGNET_HAS_RUPTURE | SPRINGNET_READS_RATE | SPRINGNET_READS_TIME));
   CHECK(everything.needs == (SPRINGNET_NEEDS_STATES | SPRINGNET_NEEDS_INPUTS | SPRINGNET_NEEDS_TABLES));
   CHECK(everything.needs_minor == 0);
   const springnet_law& law = law_of(everything);
@@ -176,7 +176,8 @@ TEST_CASE("metadata of a law come from its class") {
   CHECK(std::string(speed.reference).empty());
   CHECK(speed.parameters == nullptr);
   // A relative speed has no rate.
-  CHECK(speed.capabilities == (SPRINGNET_HAS_DERIVATIVES | SPRINGNET_ACTS_IN_COMPRESSION));
+  CHECK(speed.capabilities ==
+        (SPRINGNET_HAS_DERIVATIVES | SPRINGNET_HAS_ALL_DERIVATIVES | SPRINGNET_ACTS_IN_COMPRESSION));
   CHECK(law_of(speed).invariant == SPRINGNET_RELATIVE_SPEED);
   CHECK(speed.needs == 0);
   CHECK((law_of(speed).update == nullptr));

@@ -20,9 +20,15 @@ extern const springnet_plugin springnet_plugin_entry_spring_maxwell;
 extern const springnet_plugin springnet_plugin_entry_spring_standard_linear_solid;
 extern const springnet_plugin springnet_plugin_entry_spring_plastic;
 extern const springnet_plugin springnet_plugin_entry_spring_damaging;
+extern const springnet_plugin springnet_plugin_entry_spring_membrane;
+extern const springnet_plugin springnet_plugin_entry_spring_solid;
+extern const springnet_plugin springnet_plugin_entry_spring_fibre_solid;
+extern const springnet_plugin springnet_plugin_entry_spring_shell;
 extern const springnet_plugin springnet_plugin_entry_viscosity_linear;
 extern const springnet_plugin springnet_plugin_entry_viscosity_relative;
 extern const springnet_plugin springnet_plugin_entry_viscosity_power;
+extern const springnet_plugin springnet_plugin_entry_viscosity_viscous_membrane;
+extern const springnet_plugin springnet_plugin_entry_viscosity_viscous_solid;
 extern const springnet_plugin springnet_plugin_entry_neuron_point_mass;
 extern const springnet_plugin springnet_plugin_entry_neuron_dragged;
 }
@@ -39,9 +45,15 @@ inline const std::vector<const springnet_plugin*>& shipped_plugins() {
                                                             &springnet_plugin_entry_spring_standard_linear_solid,
                                                             &springnet_plugin_entry_spring_plastic,
                                                             &springnet_plugin_entry_spring_damaging,
+                                                            &springnet_plugin_entry_spring_membrane,
+                                                            &springnet_plugin_entry_spring_solid,
+                                                            &springnet_plugin_entry_spring_fibre_solid,
+                                                            &springnet_plugin_entry_spring_shell,
                                                             &springnet_plugin_entry_viscosity_linear,
                                                             &springnet_plugin_entry_viscosity_relative,
                                                             &springnet_plugin_entry_viscosity_power,
+                                                            &springnet_plugin_entry_viscosity_viscous_membrane,
+                                                            &springnet_plugin_entry_viscosity_viscous_solid,
                                                             &springnet_plugin_entry_neuron_point_mass,
                                                             &springnet_plugin_entry_neuron_dragged};
   return plugins;

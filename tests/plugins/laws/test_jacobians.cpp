@@ -1,0 +1,170 @@
+// Every first derivative of every shipped law, over one invariant and several, against differences of its own answers.
+#include <doctest/doctest.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstring>
+#include <random>
+#include <string>
+#include <vector>
+
+#include "jacobian_call.hpp"
+#include "shipped.hpp"
+
+using namespace springnet::test;
+
+namespace {
+
+// Lengths and the volume of a tetrahedron, or the lengths of a triangle, by a law's list.
+std::vector<double> scalars(const springnet_law& law, const std::vector<std::array<double, 3>>& p) {
+  const auto minus = [&](std::uint32_t a, std::uint32_t b) {
+    return std::array{p[a][0] - p[b][0], p[a][1] - p[b][1], p[a][2] - p[b][2]};
+  };
+  std::vector<double> values;
+  for (std::uint32_t i = 0; i < law.invariant_count; ++i) {
+    const springnet_invariant& one = *law.invariants[i];
+    const auto u = minus(one.corners[1], one.corners[0]);
+    if (one.kind == SPRINGNET_LENGTH) {
+      values.push_back(std::hypot(u[0], u[1], u[2]));
+    } else if (one.kind == SPRINGNET_VOLUME) {
+      const auto v = minus(one.corners[2], one.corners[0]), w = minus(one.corners[3], one.corners[0]);
+      values.push_back((u[0] * (v[1] * w[2] - v[2] * w[1]) - u[1] * (v[0] * w[2] - v[2] * w[0]) +
+                        u[2] * (v[0] * w[1] - v[1] * w[0])) /
+                       6.0);
+    } else {
+      values.push_back(0.3);  // an angle
+    }
+  }
+  return values;
+}
+
+// A random point of all columns: values near the references, parameters within their bounds.
+std::vector<double> random_point(const JacobianCall& call, std::mt19937_64& random) {
+  std::uniform_real_distribution<double> unit(0.0, 1.0);
+  std::vector<double> at(call.layout.columns(true), 0.0);
+  const auto sides = [&](double spread) {
+    std::vector<std::array<double, 3>> corners{{0, 0, 0}, {1, 0.1, 0}, {0.2, 1.1, 0.1}, {0.3, 0.2, 0.9}};
+    for (auto& corner : corners)
+      for (double& x : corner) x += spread * (unit(random) - 0.5);
+    return scalars(*call.law, corners);
+  };
+  if (call.several) {
+    const std::vector<double> rest = sides(0.2), now = sides(0.5), start = sides(0.5);
+    for (std::size_t i = 0; i < call.layout.invariants; ++i) {
+      at[call.layout.reference(i)] = rest[i];
+      at[call.layout.value(i)] = now[i];
+      at[call.layout.start_value(i)] = start[i];
+      at[call.layout.rate(i)] = unit(random) - 0.5;
+      at[call.layout.start_rate(i)] = unit(random) - 0.5;
+    }
+  } else {
+    at[call.layout.reference()] = 1.0 + 0.2 * unit(random);
+    at[call.layout.value()] = 1.05 + 0.4 * unit(random);
+    at[call.layout.start_value()] = 1.0 + 0.4 * unit(random);
+    at[call.layout.rate()] = 0.1 + 0.3 * unit(random);
+    at[call.layout.start_rate()] = 0.1 + 0.3 * unit(random);
+  }
+  const auto within = [&](const springnet_parameter& p) {
+    const double low = std::max(p.smallest, -0.8), high = std::min(p.largest, low + 1.5);
+    return low + (0.15 + 0.7 * unit(random)) * (high - low);
+  };
+  for (std::size_t i = 0; i < call.layout.parameters; ++i) {
+    const springnet_parameter& parameter = *call.component->parameters[i];
+    double& value = at[call.layout.parameter(i)];
+    value = within(parameter);
+    if (parameter.type != SPRINGNET_NUMBER) value = unit(random) < 0.5 ? 0.0 : 1.0;
+    if (std::string(parameter.name) == "poisson_ratio") value = -0.4 + 0.85 * unit(random);
+  }
+  for (std::size_t i = 0; i < call.layout.states; ++i) at[call.layout.state(i)] = 0.1 * within(*call.law->states[i]);
+  for (std::size_t i = 0; i < call.layout.inputs; ++i) {
+    at[call.layout.input(i)] = within(*call.law->inputs[i]);
+    at[call.layout.start_input(i)] = within(*call.law->inputs[i]);
+  }
+  at[call.layout.time()] = unit(random);
+  for (std::size_t i = 0; i < 3; ++i) at[call.layout.direction(i)] = 0.2 + unit(random);
+  return at;
+}
+
+// Sixth-order central differences of all rows by a column, and a bound of their error: what halving the step changes.
+struct Difference {
+  std::vector<double> value, error;
+};
+Difference difference(const JacobianCall& call, const std::vector<double>& at, std::size_t column) {
+  const auto slope = [&](double h) {
+    const auto value = [&](double x) {
+      std::vector<double> moved = at;
+      moved[column] += x;
+      return call(moved);
+    };
+    const auto a1 = value(h), b1 = value(-h), a2 = value(2 * h), b2 = value(-2 * h), a3 = value(3 * h),
+               b3 = value(-3 * h);
+    std::vector<double> result;
+    for (std::size_t r = 0; r < a1.size(); ++r)
+      result.push_back((45 * (a1[r] - b1[r]) - 9 * (a2[r] - b2[r]) + (a3[r] - b3[r])) / (60 * h));
+    return result;
+  };
+  Difference result{slope(5e-4), slope(1e-3)};
+  for (std::size_t r = 0; r < result.value.size(); ++r) result.error[r] = std::abs(result.error[r] - result.value[r]);
+  return result;
+}
+
+void check(JacobianCall call, std::uint64_t seed, bool derivatives_of_switches) {
+  std::mt19937_64 random(seed);
+  for (int sample = 0; sample < 12; ++sample) {
+    const std::vector<double> at = random_point(call, random);
+    std::vector<double> matrix;
+    const std::vector<double> rows = call(at, &matrix);
+    CHECK(rows == call(at));  // the same bits with derivatives as without
+    for (const std::uint32_t set : instruction_sets()) {
+      JacobianCall other = call;
+      other.instruction_set = set;
+      std::vector<double> same;
+      static_cast<void>(other(at, &same));
+      CHECK(std::memcmp(same.data(), matrix.data(), matrix.size() * sizeof(double)) == 0);
+    }
+    for (std::size_t column = 0; column < call.columns(); ++column) {
+      const bool is_parameter = column >= call.layout.parameter(0) && column < call.layout.state(0);
+      if (is_parameter && !derivatives_of_switches &&
+          call.component->parameters[column - call.layout.parameter(0)]->type != SPRINGNET_NUMBER)
+        continue;
+      const Difference numeric = difference(call, at, column);
+      for (std::size_t row = 0; row < rows.size(); ++row) {
+        if (!call.has_row(row)) continue;
+        CAPTURE(std::string(call.component->id));
+        CAPTURE(call.time_step);
+        CAPTURE(call.order);
+        CAPTURE(row);
+        CAPTURE(column);
+        CAPTURE(at);
+        const double exact = matrix[row * call.columns() + column];
+        // Rounding of rows over the step, and what is left of the formula's seventh derivative; a kink within the step
+        // shows in `error`.
+        const double rounding = 1e-12 * (std::abs(rows[row]) + 1.0) / 5e-4;
+        CHECK(std::abs(exact - numeric.value[row]) <= rounding + 3.0 * numeric.error[row]);
+      }
+    }
+  }
+}
+
+}  // namespace
+
+TEST_CASE("all first derivatives of all shipped laws, by differences") {
+  std::uint64_t seed = 1;
+  for (const springnet_plugin* plugin : shipped_plugins()) {
+    for (std::uint32_t i = 0; i < plugin->component_count; ++i) {
+      const springnet_component& component = *plugin->components[i];
+      if (component.kind != SPRINGNET_SPRING_FUNCTION && component.kind != SPRINGNET_VISCOSITY_FUNCTION) continue;
+      JacobianCall call(component);
+      CHECK(call.can(SPRINGNET_HAS_ALL_DERIVATIVES));
+      check(call, ++seed, false);
+      if (call.layout.states == 0) continue;
+      for (const std::uint32_t order : {1u, 2u}) {
+        call.time_step = 0.05;
+        call.order = order;
+        check(call, ++seed, false);
+      }
+      call.time_step = 0.0;
+    }
+  }
+}
