@@ -94,6 +94,7 @@ struct LawGlue {
         bool found = true;
         detail::run<UpdateKernel<Law>>(
             typename UpdateKernel<Law>::Call{law(context), update, batch.instruction_set, &found});
+        if (found && batch.derivatives != nullptr) found = UpdateKernel<Law>::run_matrix(*law(context), *update);
         if (!found) {
           detail::write_message(batch.message,
                                 "no internal state satisfies the equation of its step within the bounds that the law "

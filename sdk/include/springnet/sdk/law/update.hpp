@@ -48,8 +48,16 @@ class UpdateKernel {
     const springnet_law_update& u = *call.update;
     bool found = true;
     detail::for_each_chunk(*call.law, *u.batch,
-                           [&](const Chunk& chunk, auto kind) { found = update(u, chunk, kind) && found; });
+                           [&](const Chunk& chunk, auto kind) { found = update<false>(u, chunk, kind) && found; });
     *call.found = found;
+  }
+  // springnet_law_batch::derivatives: compiled once, for one instruction set and one kind of chunks, since a step with
+  // its derivatives is long.
+  static bool run_matrix(const Law& law, const springnet_law_update& u) {
+    bool found = true;
+    detail::for_each_chunk<true>(law, *u.batch,
+                                 [&](const Chunk& chunk, auto kind) { found = update<true>(u, chunk, kind) && found; });
+    return found;
   }
 
  private:
@@ -184,7 +192,7 @@ class UpdateKernel {
     return c.law->update(a.element, a.values(), step);
   }
 
-  template <Varying varying>
+  template <bool matrix_alone, Varying varying>
   SPRINGNET_INLINE static bool update(const springnet_law_update& u, const Chunk& c, Kind<varying> kind) {
     const springnet_law_batch& b = *u.batch;
     Array first, next;
@@ -207,27 +215,30 @@ class UpdateKernel {
       if (u.order >= 2) stage = between<varying>(u, c, memory);
       if (!solve<varying>(u, c, stage, first, next)) return false;
     }
-    for (std::size_t j = 0; j < S; ++j)
+    for (std::size_t j = 0; !matrix_alone && j < S; ++j)
       if (double* out = detail::from(u.next, j, c.begin)) std::copy_n(next[j], c.count, out);
     Chunk end = c;  // with the states there
     for (std::size_t j = 0; j < S; ++j) end.states[j] = next[j];
-    at_end(b, end, kind);
+    if constexpr (!matrix_alone) at_end(b, end, kind);
     // next_with(i, derivatives, seed, of_start): the states at the end with that many derivatives.
     if constexpr (Traits::has_update) {
       const auto fixed = detail::constants_of<varying>(c);
-      all_derivatives(u, end, kind, [&](std::uint32_t i, auto count, const auto& seed, const auto& of_start) {
-        return own<decltype(count)::value>(u, c, fixed, i, kind, seed, of_start);
-      });
+      derivatives_of<matrix_alone>(u, end, kind,
+                                   [&](std::uint32_t i, auto count, const auto& seed, const auto& of_start) {
+                                     return own<decltype(count)::value>(u, c, fixed, i, kind, seed, of_start);
+                                   });
     } else {
       const Stages<varying> stages{c, stage, first, next, u.time_step};
       if (u.order < 2)
-        all_derivatives(u, end, kind, [&](std::uint32_t i, auto count, const auto& seed, const auto& of_start) {
-          return next_of<decltype(count)::value, 1>(stages, i, kind, seed, of_start);
-        });
+        derivatives_of<matrix_alone>(u, end, kind,
+                                     [&](std::uint32_t i, auto count, const auto& seed, const auto& of_start) {
+                                       return next_of<decltype(count)::value, 1>(stages, i, kind, seed, of_start);
+                                     });
       else
-        all_derivatives(u, end, kind, [&](std::uint32_t i, auto count, const auto& seed, const auto& of_start) {
-          return next_of<decltype(count)::value, 2>(stages, i, kind, seed, of_start);
-        });
+        derivatives_of<matrix_alone>(u, end, kind,
+                                     [&](std::uint32_t i, auto count, const auto& seed, const auto& of_start) {
+                                       return next_of<decltype(count)::value, 2>(stages, i, kind, seed, of_start);
+                                     });
     }
     return true;
   }
@@ -260,11 +271,13 @@ class UpdateKernel {
     }
   }
 
-  template <Varying varying, class NextWith>
-  SPRINGNET_INLINE static void all_derivatives(const springnet_law_update& u, const Chunk& end, Kind<varying> kind,
-                                               const NextWith& next_with) {
+  template <bool matrix_alone, Varying varying, class NextWith>
+  SPRINGNET_INLINE static void derivatives_of(const springnet_law_update& u, const Chunk& end, Kind<varying> kind,
+                                              const NextWith& next_with) {
     const springnet_law_batch& b = *u.batch;
-    if constexpr (!Traits::several) {
+    if constexpr (matrix_alone) {
+      matrix(u, end, kind, next_with);
+    } else if constexpr (!Traits::several) {
       // By states only where somebody asks: Newton's method for the nodes does not.
       if (detail::any(b.force_by_states, S) || detail::any(u.next_by_states, S * S))
         derivatives<along + S>(u, end, kind, next_with);
@@ -273,7 +286,6 @@ class UpdateKernel {
         derivatives<along>(u, end, kind, next_with);
       if constexpr (P > 0) parameter_derivatives(u, end, kind, next_with);
     }
-    if (b.derivatives != nullptr) matrix(u, end, kind, next_with);
   }
 
   // Derivatives of the arguments by `width` columns of the matrix from `first` on, for arguments that are at the share
