@@ -42,9 +42,10 @@ struct Membrane : SpringFunction {
     }
     const Real mu = p[youngs_modulus] / (2.0 * (1.0 + nu)), trace = contracted(inverse, now) / square;
     const Real kappa = 1.0 / (1.0 - 2.0 * nu), j2 = now.determinant() / square;  // kappa over mu
-    // The minimum over z: with j z = j^2 (1 + kappa) / (1 + kappa j^2) = y.
-    const Real y = j2 * (1.0 + kappa) / (1.0 + kappa * j2), z2 = (1.0 + kappa) * y / (1.0 + kappa * j2);
-    return volume * mu * (0.5 * (trace + z2 - 3.0) - (y - 1.0) + 0.5 * kappa * (y - 1.0) * (y - 1.0));
+    // The minimum over z: with j z - 1 = (j^2 - 1) / (1 + kappa j^2) = y, without the difference of two numbers near 1
+    // that kappa would amplify.
+    const Real y = (j2 - 1.0) / (1.0 + kappa * j2), z = (1.0 + kappa) / (1.0 + kappa * j2);  // over j
+    return volume * mu * (0.5 * (trace + j2 * z * z - 3.0) - y + 0.5 * kappa * y * y);
   }
 
   template <class Real>
@@ -65,8 +66,8 @@ struct Membrane : SpringFunction {
       const Real mu = volume * p[youngs_modulus] / (2.0 * (1.0 + nu)), kappa = 1.0 / (1.0 - 2.0 * nu);
       const Real j2 = now.determinant() * per_square, z = (1.0 + kappa) / (1.0 + kappa * j2);  // over j
       by_trace = 0.5 * mu;
-      // At the minimum dW/dj^2 = (-mu + kappa (j z - 1)) z / (2 j).
-      by_determinant = 0.5 * mu * z * (kappa * (j2 * z - 1.0) - 1.0);
+      // At the minimum dW/dj^2 = (-mu + kappa (j z - 1)) z / (2 j), with j z - 1 as in the energy.
+      by_determinant = 0.5 * mu * z * (kappa * (j2 - 1.0) / (1.0 + kappa * j2) - 1.0);
     }
     const Symmetric<Real, 2> adjugate = own.adjugate();
     Symmetric<Real, 2> stress;
