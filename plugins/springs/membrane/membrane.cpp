@@ -42,9 +42,10 @@ struct Membrane : SpringFunction {
     }
     const Real mu = p[youngs_modulus] / (2.0 * (1.0 + nu)), trace = contracted(inverse, now) / square;
     const Real kappa = 1.0 / (1.0 - 2.0 * nu), j2 = now.determinant() / square;  // kappa over mu
-    // The minimum over z: with j z = j^2 (1 + kappa) / (1 + kappa j^2) = y.
-    const Real y = j2 * (1.0 + kappa) / (1.0 + kappa * j2), z2 = (1.0 + kappa) * y / (1.0 + kappa * j2);
-    return volume * mu * (0.5 * (trace + z2 - 3.0) - (y - 1.0) + 0.5 * kappa * (y - 1.0) * (y - 1.0));
+    // The minimum over z: with j z - 1 = (j^2 - 1) / (1 + kappa j^2) = y, without the difference of two numbers near 1
+    // that kappa would amplify.
+    const Real y = (j2 - 1.0) / (1.0 + kappa * j2), z = (1.0 + kappa) / (1.0 + kappa * j2);  // over j
+    return volume * mu * (0.5 * (trace + j2 * z * z - 3.0) - y + 0.5 * kappa * y * y);
   }
 
   template <class Real>
@@ -53,21 +54,17 @@ struct Membrane : SpringFunction {
     const Real square = rest.determinant(), per_square = 1.0 / square, nu = p[poisson_ratio];
     const Real volume = 0.5 * sqrt(square) * p[thickness];
     const Symmetric<Real, 2> inverse = rest.adjugate();
-    // dW/dG = by_trace R^-1 + by_determinant adj(G), or adj(G - R), both over det R.
-    Real by_trace, by_determinant;
-    Symmetric<Real, 2> own = now;
-    if (p[model] > 0.5) {
-      for (std::size_t k = 0; k < 3; ++k) own.entries[k] -= rest.entries[k];
-      const Real factor = volume * p[youngs_modulus] / (2.0 * (1.0 - nu * nu));
-      by_trace = 0.5 * factor * contracted(inverse, own) * per_square;
-      by_determinant = -0.5 * factor * (1.0 - nu);
-    } else {
-      const Real mu = volume * p[youngs_modulus] / (2.0 * (1.0 + nu)), kappa = 1.0 / (1.0 - 2.0 * nu);
-      const Real j2 = now.determinant() * per_square, z = (1.0 + kappa) / (1.0 + kappa * j2);  // over j
-      by_trace = 0.5 * mu;
-      // At the minimum dW/dj^2 = (-mu + kappa (j z - 1)) z / (2 j).
-      by_determinant = 0.5 * mu * z * (kappa * (j2 * z - 1.0) - 1.0);
-    }
+    // dW/dG = by_trace R^-1 + by_determinant adj(G), or adj(G - R), both over det R. Both models without a branch, which
+    // would keep the loop over elements from being vectorised.
+    const Real plain = p[model], other = 1.0 - plain;  // 0 and 1, or 1 and 0
+    Symmetric<Real, 2> own;
+    for (std::size_t k = 0; k < 3; ++k) own.entries[k] = now.entries[k] - plain * rest.entries[k];
+    const Real hooke = 0.5 * volume * p[youngs_modulus] / (1.0 + nu), mu = other * hooke, kappa = 1.0 / (1.0 - 2.0 * nu);
+    const Real factor = 0.5 * plain * hooke / (1.0 - nu);
+    const Real by_trace = factor * contracted(inverse, own) * per_square + 0.5 * mu;
+    // At the minimum dW/dj^2 = (-mu + kappa (j z - 1)) z / (2 j), with j z - 1 as in the energy.
+    const Real j2 = now.determinant() * per_square, below = 1.0 / (1.0 + kappa * j2);
+    const Real by_determinant = 0.5 * (mu * (1.0 + kappa) * below * (kappa * (j2 - 1.0) * below - 1.0) - plain * hooke);
     const Symmetric<Real, 2> adjugate = own.adjugate();
     Symmetric<Real, 2> stress;
     for (std::size_t k = 0; k < 3; ++k)

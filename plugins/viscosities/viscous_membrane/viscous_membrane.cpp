@@ -26,16 +26,10 @@ struct ViscousMembrane : ViscosityFunction {
     for (Real& entry : inverse.entries) entry *= per_square;
     const Symmetric<Real, 2> rate = gram<2>(e.q, e.rate);  // G' / 2
     const Real trace = contracted(inverse, rate), lambda = p[area_viscosity] - p[shear_viscosity];
-    Real product[2][2];
-    for (std::size_t i = 0; i < 2; ++i)
-      for (std::size_t j = 0; j < 2; ++j) product[i][j] = inverse(i, 0) * rate(0, j) + inverse(i, 1) * rate(1, j);
-    Symmetric<Real, 2> stress;
-    for (std::size_t i = 0; i < 2; ++i)
-      for (std::size_t j = i; j < 2; ++j)
-        stress.entries[Symmetric<Real, 2>::at(i, j)] =
-            0.5 * area *
-            (2.0 * p[shear_viscosity] * (product[i][0] * inverse(0, j) + product[i][1] * inverse(1, j)) +
-             lambda * trace * inverse(i, j));
+    Symmetric<Real, 2> stress = sandwich(inverse, rate);
+    const Real by_rate = area * p[shear_viscosity], by_trace = 0.5 * area * lambda * trace;
+    for (std::size_t k = 0; k < 3; ++k)
+      stress.entries[k] = by_rate * stress.entries[k] + by_trace * inverse.entries[k];
     std::array<Real, 3> result{};
     add_edge_forces(stress, e.q, result.data());
     return result;

@@ -26,22 +26,11 @@ struct ViscousSolid : ViscosityFunction {
     for (Real& entry : inverse.entries) entry *= per_determinant;
     const Symmetric<Real, 3> rate = gram<3>(e.q, e.rate);  // G' / 2
     const Real trace = contracted(inverse, rate), lambda = p[bulk_viscosity] - 2.0 / 3.0 * p[shear_viscosity];
-    // R^-1 (G' / 2) R^-1
-    Symmetric<Real, 3> stress;
-    Real product[3][3];
-    for (std::size_t i = 0; i < 3; ++i)
-      for (std::size_t j = 0; j < 3; ++j) {
-        product[i][j] = 0.0;
-        for (std::size_t k = 0; k < 3; ++k) product[i][j] += inverse(i, k) * rate(k, j);
-      }
-    for (std::size_t i = 0; i < 3; ++i)
-      for (std::size_t j = i; j < 3; ++j) {
-        Real sum = 0.0;
-        for (std::size_t k = 0; k < 3; ++k) sum += product[i][k] * inverse(k, j);
-        // S : E' with E' similar to R^-1 G' / 2: half of S, by G'.
-        stress.entries[Symmetric<Real, 3>::at(i, j)] =
-            0.5 * e.reference[6] * (2.0 * p[shear_viscosity] * sum + lambda * trace * inverse(i, j));
-      }
+    // S : E' with E' similar to R^-1 G' / 2: half of S, by G'.
+    Symmetric<Real, 3> stress = sandwich(inverse, rate);
+    const Real by_rate = e.reference[6] * p[shear_viscosity], by_trace = 0.5 * e.reference[6] * lambda * trace;
+    for (std::size_t k = 0; k < 6; ++k)
+      stress.entries[k] = by_rate * stress.entries[k] + by_trace * inverse.entries[k];
     std::array<Real, 7> result{};
     add_edge_forces(stress, e.q, result.data());
     return result;

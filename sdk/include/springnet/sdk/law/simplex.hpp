@@ -62,6 +62,36 @@ template <class Real, std::size_t D>
   return sum;
 }
 
+namespace detail {
+
+// Entry i, j of the product of two symmetric matrices.
+template <std::size_t i, std::size_t j, class Real, std::size_t D>
+[[nodiscard]] SPRINGNET_INLINE Real product_entry(const Symmetric<Real, D>& a, const Symmetric<Real, D>& b) {
+  Real sum = a(i, 0) * b(0, j) + a(i, 1) * b(1, j);
+  if constexpr (D == 3) sum += a(i, 2) * b(2, j);
+  return sum;
+}
+
+}  // namespace detail
+
+// A B A. Written out: loops over its entries would not be unrolled where numbers carry derivatives, and keep the loop
+// over elements from being vectorised.
+template <class Real, std::size_t D>
+[[nodiscard]] SPRINGNET_INLINE Symmetric<Real, D> sandwich(const Symmetric<Real, D>& a, const Symmetric<Real, D>& b) {
+  using detail::product_entry;
+  const Real p00 = product_entry<0, 0>(a, b), p01 = product_entry<0, 1>(a, b);
+  const Real p10 = product_entry<1, 0>(a, b), p11 = product_entry<1, 1>(a, b);
+  if constexpr (D == 2) {
+    return {{p00 * a(0, 0) + p01 * a(1, 0), p10 * a(0, 1) + p11 * a(1, 1), p00 * a(0, 1) + p01 * a(1, 1)}};
+  } else {
+    const Real p02 = product_entry<0, 2>(a, b), p12 = product_entry<1, 2>(a, b);
+    const Real p20 = product_entry<2, 0>(a, b), p21 = product_entry<2, 1>(a, b), p22 = product_entry<2, 2>(a, b);
+    return {{p00 * a(0, 0) + p01 * a(1, 0) + p02 * a(2, 0), p10 * a(0, 1) + p11 * a(1, 1) + p12 * a(2, 1),
+             p20 * a(0, 2) + p21 * a(1, 2) + p22 * a(2, 2), p00 * a(0, 1) + p01 * a(1, 1) + p02 * a(2, 1),
+             p00 * a(0, 2) + p01 * a(1, 2) + p02 * a(2, 2), p10 * a(0, 2) + p11 * a(1, 2) + p12 * a(2, 2)}};
+  }
+}
+
 // The Gram matrix G of an element's edges from the lengths in `l`, as in the lists above; of their products with
 // themselves if l = m. l, m: lengths, or lengths and rates, whose products are half of the rates of G.
 template <std::size_t D, class Lengths, class Others>
