@@ -34,6 +34,10 @@ class InputValues {
   double now_[max_inputs][states_batch], start_[max_inputs][states_batch];
 };
 
+// Entries of the greatest Jacobian.
+constexpr sdk::JacobianLayout greatest{1, max_parameters, max_states, max_inputs};
+constexpr std::size_t most_derivatives = greatest.rows() * greatest.columns(true);
+
 springnet_status evaluate_law(const LawBatch& laws, const Law& law, std::uint32_t instruction_set, double time,
                               const LawOutputs& out, springnet_message& message) {
   const Group& group = laws.group;
@@ -51,6 +55,13 @@ springnet_status evaluate_law(const LawBatch& laws, const Law& law, std::uint32_
   const bool uniform = rows.columns == nullptr && (rows.rows == nullptr || group.row_count() == 1);
   const bool whole = (uniform || rows.columns != nullptr) && law.state_count == 0 && law.input_count == 0;
   const std::size_t batch_size = whole ? count : most_expanded;
+
+  double* derivatives[most_derivatives];
+  double* by_parameters[max_parameters];
+  const std::size_t derivative_count =
+      out.derivatives == nullptr
+          ? 0
+          : jacobian_of(law).rows() * jacobian_of(law).columns(steps_states(law, laws.internal.view));
 
   springnet_law_batch batch{};
   batch.struct_size = sizeof batch;
@@ -96,6 +107,14 @@ springnet_status evaluate_law(const LawBatch& laws, const Law& law, std::uint32_
     batch.force_by_rate = at(out.by_rate);
     batch.margin = at(out.margin);
     batch.energy_by_q = at(out.energy_by_q);
+    if (out.derivatives != nullptr) {
+      for (std::size_t i = 0; i < derivative_count; ++i) derivatives[i] = at(out.derivatives[i]);
+      batch.derivatives = derivatives;
+    }
+    if (out.by_parameters != nullptr) {
+      for (std::size_t i = 0; i < law.parameter_count; ++i) by_parameters[i] = at(out.by_parameters[i]);
+      batch.force_by_parameters = by_parameters;
+    }
     const springnet_status status = call_component(*law.component, message, [&](springnet_message& own) {
       batch.message = &own;
       if (law.state_count > 0) return evaluate_with_states(laws.internal, law, begin, inputs.start, batch);
@@ -119,7 +138,9 @@ springnet_status evaluate_laws(const LawBatch& batch, InstructionSet set, double
   const std::array<const Law*, 2> laws = batch.group.laws();
   for (std::size_t k = 0; k < laws.size(); ++k) {
     const Law& law = *laws[k];
-    if (!law || (out[k].force == nullptr && out[k].margin == nullptr)) continue;
+    if (!law || (out[k].force == nullptr && out[k].margin == nullptr && out[k].derivatives == nullptr &&
+                 out[k].by_parameters == nullptr))
+      continue;
     LawOutputs own = out[k];
     if (own.by_q != nullptr && require_derivatives(*law.component, message) != SPRINGNET_OK) return SPRINGNET_FAILED;
     if (own.by_rate != nullptr && !law.reads_rate) fill(own.by_rate, 0.0);

@@ -53,6 +53,7 @@ void LinearModel::forget() noexcept {
 
 springnet_status LinearModel::linearise(const springnet_evaluation& at, double elimination) {
   sweep_.reset();
+  response_.forget();
   at_hand_ = false;
   if (factors_.owner == Factors::Owner::system) factors_.owner = Factors::Owner::nobody;
   factors_.current = false;
@@ -79,6 +80,13 @@ springnet_status LinearModel::add_constraints(const springnet_evaluation& at) {
     const RigidConnections::Rod& rod = model_.rigid.rods()[r];
     blocks_.add_bond(rod.first, rod.second, constraints.rod_geometric_stiffness(r, at.position, known().tensions()[r]));
   }
+  if (!ConstrainedResponse::has_friction(model_)) return SPRINGNET_OK;
+  std::vector<std::uint32_t> sliding;
+  for (const ConstraintRow& row : constraints.rows())
+    if (row.surface >= 0) sliding.push_back(row.first);  // ascending
+  sliding.erase(std::unique(sliding.begin(), sliding.end()), sliding.end());
+  if (const springnet_status status = known().prepare(std::move(sliding)); status != SPRINGNET_OK) return status;
+  if (const springnet_status status = response_.find(model_, known()); status != SPRINGNET_OK) return status;
   for (const ConstraintRow& row : constraints.rows()) {
     if (!constraints.friction_follows_slip(row)) continue;
     Vector3 reaction;
@@ -105,9 +113,32 @@ springnet_status LinearModel::change_internal(const springnet_internal_change& r
   return model_.constraints.rows().empty() ? SPRINGNET_OK : project(nullptr, request.acceleration);
 }
 
-springnet_status LinearModel::times(const double* dp, const double* dv, double* out) {
+springnet_status LinearModel::times(const double* dp, const double* dv, bool true_friction, double* out) {
   blocks_.times(dp, dv, out);
-  return model_.constraints.rows().empty() ? SPRINGNET_OK : project(nullptr, out);
+  if (true_friction)
+    respond(false, out);
+  else if (!model_.constraints.rows().empty())
+    return project(nullptr, out);
+  return SPRINGNET_OK;
+}
+
+springnet_status LinearModel::transposed_times(const double* weights, bool true_friction, double* by_position,
+                                               double* by_velocity) {
+  weights_of_free_.assign(weights, weights + 3 * model_.mass.size());
+  double* const own = weights_of_free_.data();
+  if (true_friction)
+    respond(true, own);
+  else if (const springnet_status status = project(nullptr, own, true); status != SPRINGNET_OK)
+    return status;
+  blocks_.transposed_times(own, by_position, by_velocity);
+  return SPRINGNET_OK;
+}
+
+void LinearModel::respond(bool transposed, double* values) {
+  if (response_.known())
+    response_.apply(transposed, values);
+  else
+    model_.constraints.project_change(nullptr, values, transposed);
 }
 
 void LinearModel::diagonal_blocks(double velocity_weight, double position_weight, double* out) const {
@@ -305,8 +336,8 @@ springnet_status LinearModel::sweep(const springnet_sweep& request, const spring
   return SPRINGNET_OK;
 }
 
-springnet_status LinearModel::project(const double* mobility, double* values) {
-  model_.constraints.project_change(mobility, values);
+springnet_status LinearModel::project(const double* mobility, double* values, bool transposed) {
+  model_.constraints.project_change(mobility, values, transposed);
   return SPRINGNET_OK;
 }
 
