@@ -80,7 +80,7 @@ springnet_status LinearModel::add_constraints(const springnet_evaluation& at) {
     const RigidConnections::Rod& rod = model_.rigid.rods()[r];
     blocks_.add_bond(rod.first, rod.second, constraints.rod_geometric_stiffness(r, at.position, known().tensions()[r]));
   }
-  if (!ConstrainedResponse::has_friction(model_)) return SPRINGNET_OK;
+  if (constraints.rows().empty()) return SPRINGNET_OK;
   std::vector<std::uint32_t> sliding;
   for (const ConstraintRow& row : constraints.rows())
     if (row.surface >= 0) sliding.push_back(row.first);  // ascending
@@ -115,10 +115,12 @@ springnet_status LinearModel::change_internal(const springnet_internal_change& r
 
 springnet_status LinearModel::times(const double* dp, const double* dv, bool true_friction, double* out) {
   blocks_.times(dp, dv, out);
-  if (true_friction)
-    respond(false, out);
-  else if (!model_.constraints.rows().empty())
-    return project(nullptr, out);
+  if (!true_friction || !response_.known())
+    return model_.constraints.rows().empty() ? SPRINGNET_OK : project(nullptr, out);
+  response_.add_forces(dp, out);
+  response_.apply(false, out);
+  response_.add_rates(dp, dv, out);
+  hold(out);
   return SPRINGNET_OK;
 }
 
@@ -126,12 +128,27 @@ springnet_status LinearModel::transposed_times(const double* weights, bool true_
                                                double* by_velocity) {
   weights_of_free_.assign(weights, weights + 3 * model_.mass.size());
   double* const own = weights_of_free_.data();
-  if (true_friction)
-    respond(true, own);
-  else if (const springnet_status status = project(nullptr, own, true); status != SPRINGNET_OK)
-    return status;
+  hold(own);
+  const bool responds = true_friction && response_.known();
+  if (responds)
+    response_.apply(true, own);
+  else
+    model_.constraints.project_change(nullptr, own, true);
   blocks_.transposed_times(own, by_position, by_velocity);
+  if (!responds) return SPRINGNET_OK;
+  response_.add_forces_transposed(own, by_position);
+  weights_of_free_.assign(weights, weights + 3 * model_.mass.size());
+  hold(own);
+  response_.add_rates_transposed(own, by_position, by_velocity);
   return SPRINGNET_OK;
+}
+
+// Fixed and held nodes do not answer.
+void LinearModel::hold(double* values) const {
+  const std::size_t n = model_.mass.size();
+  for (std::size_t k = 0; k < n; ++k)
+    if (model_.contact.constrained()[k] != 0)
+      for (std::size_t c = 0; c < 3; ++c) values[c * n + k] = 0.0;
 }
 
 void LinearModel::respond(bool transposed, double* values) {

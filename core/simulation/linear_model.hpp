@@ -73,6 +73,7 @@ class LinearModel {
   // Whether the preconditioner of the matrix-free solver is good enough for the net.
   [[nodiscard]] bool suits_matrix_free();
   [[nodiscard]] bool is_thin();
+  void hold(double* values) const;
   // The state at which a matrix-free system was prepared, in case that its solution stalls and it has to be assembled.
   void keep_state(const springnet_evaluation& at);
   springnet_status assemble_kept();
@@ -90,7 +91,7 @@ class LinearModel {
 
   Model& model_;
   layers::Linearisation blocks_;
-  ConstrainedResponse response_;             // known where friction acts
+  ConstrainedResponse response_;             // known where there are constraint rows
   layers::InternalElimination elimination_;  // of blocks_
   // What is prepared: a matrix, or springs.
   enum class Prepared : std::uint8_t { nothing, assembled, matrix_free };

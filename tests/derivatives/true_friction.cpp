@@ -52,6 +52,53 @@ TEST_CASE("accelerations of nodes that slide on a floor, by positions and veloci
   check_jacobian(smooth, 0, true);
 }
 
+TEST_CASE("accelerations of nodes with rigid connections, some of which slide") {
+  for (const Friction& friction : {Friction{Friction::Kind::none, 0.0}, Friction{Friction::Kind::coulomb, 0.3}}) {
+    HostAt at(on_floor({friction, true}).net());
+    REQUIRE(sliding_nodes(at, Contact::Slip::ongoing) >= 5);
+    check_jacobian(at, SPRINGNET_TRUE_FRICTION, true);
+    check_jacobian(at, 0, false);  // without changes of the directions of connections in the constraints
+  }
+}
+
+TEST_CASE("accelerations of nodes that slide on a sphere that turns, a capsule, and a turntable") {
+  Network net;
+  net.set_gravity({0.2, -0.1, -9.81});
+  Instrument sphere, capsule;
+  sphere.name = "sphere";
+  sphere.first = sphere.second = {0, 0, -2};
+  sphere.radius = 2.0;
+  sphere.friction = {Friction::Kind::coulomb, 0.2};
+  sphere.turn = Turn{};
+  sphere.turn->axis = {0.1, 0.2, 1.0};
+  sphere.turn->rate = 0.5;
+  capsule.name = "capsule";
+  capsule.first = {10, -3, -1};
+  capsule.second = {10, 3, -1};
+  capsule.radius = 1.0;
+  capsule.friction = {Friction::Kind::coulomb, 0.1};
+  net.add_instrument(sphere);
+  net.add_instrument(capsule);
+  Plane table{"turntable", {0, 0, -5}, Vector3::UnitZ()};
+  table.friction = {Friction::Kind::coulomb, 0.15};
+  table.turn = Turn{};
+  table.turn->rate = 0.7;
+  net.add_plane(table);
+  const Vector3 on_sphere = Vector3(0.3, 0.2, 1.0).normalized(), on_capsule = Vector3(0.2, 0.0, 1.0).normalized();
+  net.add_node(point(sphere.first + 2.0 * on_sphere, 1.0, on_sphere.cross(Vector3(0.4, -1.0, 0.3))));
+  net.add_node(point({10 + on_capsule[0], 0.5, -1 + on_capsule[2]}, 1.2, on_capsule.cross(Vector3(0.5, 0.7, 0.2))));
+  net.add_node(point({4, 3, -5}, 0.9, {0.5, 0.3, 0.0}));
+  const MaterialIndex material = net.add_material(damped(3.0, 0.2));
+  for (NodeIndex k = 0; k < 3; ++k) {
+    const Vector3 up = net.nodes()[k].position + Vector3(0.4, -0.3, 1.0);
+    net.add_spring(k, net.add_node(point(up, 1.0, {0.1, 0.2, -0.1})), material, 0.9);
+  }
+  HostAt at(net);
+  REQUIRE(sliding_nodes(at, Contact::Slip::ongoing) == 3);
+  check_jacobian(at, SPRINGNET_TRUE_FRICTION, true);
+  check_jacobian(at, 0, false);
+}
+
 TEST_CASE("accelerations of nodes that begin to slide") {
   HostAt at(on_floor({{Friction::Kind::coulomb, 0.3}, false, true}).net());
   REQUIRE(sliding_nodes(at, Contact::Slip::starting) >= 3);
