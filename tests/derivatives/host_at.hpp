@@ -66,6 +66,8 @@ class HostAt {
     position = other.position;
     velocity = other.velocity;
     internal = other.internal;
+    // Where steps of internal states start; laws may have begun with others.
+    std::copy(internal.begin(), internal.end(), engine.model().state.view.internal);
     time = other.time;
     time_step = other.time_step;
     order = other.order;
