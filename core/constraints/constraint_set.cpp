@@ -191,30 +191,37 @@ Matrix3 ConstraintSet::friction_derivative(const Placement& at, const Constraint
   return friction_by_velocity(strength, slip, row.direction);
 }
 
-void ConstraintSet::project_change(const double* mobility, double* values) {
+void ConstraintSet::project_change(const double* mobility, double* values, bool transposed) {
   const std::size_t n = mass_.size();
-  for (std::size_t k = 0; k < n; ++k) {
-    if (contact_.constrained()[k] == 0) continue;
-    for (std::size_t c = 0; c < 3; ++c) values[c * n + k] = 0.0;
-  }
+  const auto hold = [&] {
+    for (std::size_t k = 0; k < n; ++k) {
+      if (contact_.constrained()[k] == 0) continue;
+      for (std::size_t c = 0; c < 3; ++c) values[c * n + k] = 0.0;
+    }
+  };
+  hold();
   if (linearised_.rows.empty()) return;
   const std::size_t wanted = mobility == nullptr ? 0 : 9 * n;
   const bool same = linearised_.factorised && linearised_.mobility.size() == wanted &&
                     std::equal(linearised_.mobility.begin(), linearised_.mobility.end(), mobility);
+  const auto mobility_of = [&](std::uint32_t node) -> Matrix3 {
+    if (mobility == nullptr || contact_.constrained()[node] != 0) return rigid_.mobility(node);
+    return Eigen::Map<const Eigen::Matrix<double, 3, 3, Eigen::RowMajor>>(mobility + 9 * std::size_t{node});
+  };
+  ConstraintSystem& system = linearised_.system;
   if (!same) {
     linearised_.mobility.assign(mobility, mobility + wanted);
-    linearised_.system.set(linearised_.rows, [&](std::uint32_t node) -> Matrix3 {
-      if (mobility == nullptr || contact_.constrained()[node] != 0) return rigid_.mobility(node);
-      return Eigen::Map<const Eigen::Matrix<double, 3, 3, Eigen::RowMajor>>(mobility + 9 * std::size_t{node});
-    });
+    system.set(linearised_.rows, mobility_of);
     linearised_.factorised = true;
   }
   const auto at = [&](std::uint32_t k) { return Vector3(values[k], values[n + k], values[2 * n + k]); };
-  linearised_.system.for_each_change(linearised_.system.solve(-linearised_.system.rates(at)),
-                                     [&](std::uint32_t node, const Vector3& change) {
-                                       for (std::size_t c = 0; c < 3; ++c)
-                                         values[c * n + node] += change[static_cast<Eigen::Index>(c)];
-                                     });
+  const auto add = [&](std::uint32_t node, const Vector3& change) {
+    for (std::size_t c = 0; c < 3; ++c) values[c * n + node] += change[static_cast<Eigen::Index>(c)];
+  };
+  if (!transposed) return system.for_each_change(system.solve(-system.rates(at)), add);
+  const auto moved = [&](std::uint32_t k) -> Vector3 { return mobility_of(k).transpose() * at(k); };
+  system.for_each_impulse(system.solve(-system.rates(moved)), add);
+  hold();
 }
 
 void ConstraintSet::add_rates(const std::function<double(const ConstraintRow&)>& rate, double* values) {

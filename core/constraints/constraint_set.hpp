@@ -107,7 +107,8 @@ class ConstraintSet {
                                             const springnet_const_vectors& velocity, const Vector3& reaction) const;
   // Projects a change of velocities ([3 node], by components) onto those that the rows allow, in the norm of the
   // inverse of `mobility` ([node] 3x3, row by row; null: 1/mass).
-  void project_change(const double* mobility, double* values);
+  // transposed: by the transposed projection, of weights of such changes.
+  void project_change(const double* mobility, double* values, bool transposed = false);
   // The same with the rows as they are now, kept for many changes ([node][3]). mobility: [node] 3x3, symmetric, which
   // must outlive it.
   [[nodiscard]] layers::Projection projection(const std::vector<double>& mobility) const;

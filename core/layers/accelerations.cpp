@@ -14,7 +14,8 @@ namespace springnet::layers {
 springnet_status Evaluator::accelerations(std::uint32_t first, std::uint32_t count, double time,
                                           const NodeArrays& nodes, const double* const force[3],
                                           double* const acceleration[3], double* by_force, double* by_position,
-                                          double* by_velocity, springnet_message& message) const {
+                                          double* by_velocity, const NeuronScalars& scalars,
+                                          springnet_message& message) const {
   const std::vector<std::uint32_t>& kinds = layout_.neuron_kind();
   const bool one_kind = layout_.laws().neurons.size() == 1;
   for (std::uint32_t begin = 0; begin < count;) {
@@ -34,6 +35,14 @@ springnet_status Evaluator::accelerations(std::uint32_t first, std::uint32_t cou
     batch.acceleration_by_force = block(by_force);
     batch.acceleration_by_position = block(by_position);
     batch.acceleration_by_velocity = block(by_velocity);
+    const auto vectors = [begin](double* values) { return values == nullptr ? nullptr : values + 3 * begin; };
+    batch.acceleration_by_mass = vectors(scalars.by_mass);
+    batch.acceleration_by_time = vectors(scalars.by_time);
+    double* by_parameters[max_parameters];
+    if (scalars.by_parameters != nullptr) {
+      std::transform(scalars.by_parameters, scalars.by_parameters + kind.parameters.size(), by_parameters, vectors);
+      batch.acceleration_by_parameters = by_parameters;
+    }
     if (const springnet_status status = call_neuron(kind, batch, node, message); status != SPRINGNET_OK) return status;
     begin = end;
   }

@@ -37,6 +37,13 @@ struct NodeDerivatives {
   double by_position[9];  // da/dp, 1/s^2
 };
 
+// Derivatives of accelerations by what neurons read besides force, position and velocity: [node][3] each, or null.
+struct NeuronScalars {
+  double* by_mass = nullptr;               // m/(s^2 kg)
+  double* by_time = nullptr;               // m/s^3
+  double* const* by_parameters = nullptr;  // [max_parameters], each may be null
+};
+
 // Up to together_limit nodes to evaluate together, node by node.
 struct NodeList {
   std::span<const std::uint32_t> nodes;
@@ -96,7 +103,15 @@ class Evaluator {
   // [count] arrays; the derivative blocks, [count][9], may be null.
   springnet_status accelerations(std::uint32_t first, std::uint32_t count, double time, const NodeArrays& nodes,
                                  const double* const force[3], double* const acceleration[3], double* by_force,
-                                 double* by_position, double* by_velocity, springnet_message& message) const;
+                                 double* by_position, double* by_velocity, springnet_message& message) const {
+    return accelerations(first, count, time, nodes, force, acceleration, by_force, by_position, by_velocity, {},
+                         message);
+  }
+  // The same with further derivatives, of neurons that have them.
+  springnet_status accelerations(std::uint32_t first, std::uint32_t count, double time, const NodeArrays& nodes,
+                                 const double* const force[3], double* const acceleration[3], double* by_force,
+                                 double* by_position, double* by_velocity, const NeuronScalars& scalars,
+                                 springnet_message& message) const;
   // The same for nodes of a list, whose values are `own`: [component][i] of nodes[i].
   springnet_status accelerations(std::span<const std::uint32_t> list, const ListedNodes& own, double time,
                                  const double* const force[3], double* const acceleration[3],

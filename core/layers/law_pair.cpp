@@ -45,7 +45,7 @@ class SeveralCall {
         inputs_(inputs),
         out_(out),
         layout_{law.scalar_count, law.parameter_count, law.state_count, law.input_count} {
-    if (out.derivatives) std::fill_n(matrix_.begin(), layout_.rows() * layout_.columns(false), nullptr);
+    if (out.several_tangent) std::fill_n(matrix_.begin(), layout_.rows() * layout_.columns(false), nullptr);
   }
   // From member `begin` on.
   void set(std::size_t begin, springnet_law_batch& batch) {
@@ -56,7 +56,7 @@ class SeveralCall {
       rate_[i] = law_.reads_rate ? at(inputs_.rate[s]) : nullptr;
       reference_[i] = at(inputs_.reference[s]);
       force_[i] = out_.several == nullptr ? nullptr : at(out_.several->force[s]);
-      for (std::size_t j = 0; out_.derivatives && j < law_.scalar_count; ++j) {
+      for (std::size_t j = 0; out_.several_tangent && j < law_.scalar_count; ++j) {
         const std::size_t from = max_scalars * s + law_.scalar[j];
         double** const row = matrix_.data() + layout_.force(i) * layout_.columns(false);
         row[layout_.value(j)] = at(out_.several->by_value[from]);
@@ -69,7 +69,7 @@ class SeveralCall {
     batch.references = reference_;
     batch.direction = law_.reads_direction ? direction_ : nullptr;
     batch.forces = force_;
-    batch.derivatives = out_.derivatives ? matrix_.data() : nullptr;
+    batch.derivatives = out_.several_tangent ? matrix_.data() : nullptr;
   }
 
  private:
@@ -82,6 +82,10 @@ class SeveralCall {
   static constexpr sdk::JacobianLayout largest{max_scalars, max_parameters, max_states, max_inputs};
   std::array<double*, largest.rows() * largest.columns(false)> matrix_;  // not initialised without derivatives
 };
+
+// Entries of the greatest Jacobian.
+constexpr sdk::JacobianLayout greatest{1, max_parameters, max_states, max_inputs};
+constexpr std::size_t most_derivatives = greatest.rows() * greatest.columns(true);
 
 springnet_status evaluate_law(const LawBatch& laws, const Law& law, std::uint32_t instruction_set, double time,
                               const LawOutputs& out, springnet_message& message) {
@@ -100,6 +104,13 @@ springnet_status evaluate_law(const LawBatch& laws, const Law& law, std::uint32_
   const bool uniform = rows.columns == nullptr && (rows.rows == nullptr || group.row_count() == 1);
   const bool whole = (uniform || rows.columns != nullptr) && law.state_count == 0 && law.input_count == 0;
   const std::size_t batch_size = whole ? count : most_expanded;
+
+  double* derivatives[most_derivatives];
+  double* by_parameters[max_parameters];
+  const std::size_t derivative_count =
+      out.derivatives == nullptr
+          ? 0
+          : jacobian_of(law).rows() * jacobian_of(law).columns(steps_states(law, laws.internal.view));
 
   springnet_law_batch batch{};
   batch.struct_size = sizeof batch;
@@ -151,6 +162,14 @@ springnet_status evaluate_law(const LawBatch& laws, const Law& law, std::uint32_
     batch.force_by_rate = at(out.by_rate);
     batch.margin = at(out.margin);
     batch.energy_by_q = at(out.energy_by_q);
+    if (out.derivatives != nullptr) {
+      for (std::size_t i = 0; i < derivative_count; ++i) derivatives[i] = at(out.derivatives[i]);
+      batch.derivatives = derivatives;
+    }
+    if (out.by_parameters != nullptr) {
+      for (std::size_t i = 0; i < law.parameter_count; ++i) by_parameters[i] = at(out.by_parameters[i]);
+      batch.force_by_parameters = by_parameters;
+    }
     const springnet_status status = call_component(*law.component, message, [&](springnet_message& own) {
       batch.message = &own;
       if (law.state_count > 0) return evaluate_with_states(laws.internal, law, begin, inputs.start, batch);
@@ -174,9 +193,11 @@ springnet_status evaluate_laws(const LawBatch& batch, InstructionSet set, double
   const std::array<const Law*, 2> laws = batch.group.laws();
   for (std::size_t k = 0; k < laws.size(); ++k) {
     const Law& law = *laws[k];
-    if (!law || (out[k].force == nullptr && out[k].margin == nullptr && out[k].several == nullptr)) continue;
+    if (!law || (out[k].force == nullptr && out[k].margin == nullptr && out[k].several == nullptr &&
+                 out[k].derivatives == nullptr && out[k].by_parameters == nullptr))
+      continue;
     LawOutputs own = out[k];
-    if (own.derivatives && require_derivatives(*law.component, message) != SPRINGNET_OK) return SPRINGNET_FAILED;
+    if (own.several_tangent && require_derivatives(*law.component, message) != SPRINGNET_OK) return SPRINGNET_FAILED;
     if (own.by_q != nullptr && require_derivatives(*law.component, message) != SPRINGNET_OK) return SPRINGNET_FAILED;
     if (own.by_rate != nullptr && !law.reads_rate) fill(own.by_rate, 0.0);
     if (own.energy != nullptr && !law.can(SPRINGNET_HAS_ENERGY))

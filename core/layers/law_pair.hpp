@@ -5,6 +5,8 @@
 #include <array>
 #include <cstddef>
 
+#include <springnet/sdk/law/jacobian.hpp>
+
 #include "layers/instruction_set.hpp"
 #include "layers/kernels.hpp"
 #include "layers/laws.hpp"
@@ -63,16 +65,28 @@ struct LawBatch {
 
 // Where one law of a batch writes its answers, [count] each; null where they are not wanted.
 struct LawOutputs {
-  double* force = nullptr;  // null, and no margin: the law is not evaluated
+  double* force = nullptr;  // null, and no margin nor other derivatives: the law is not evaluated
   double* by_q = nullptr;
   double* by_rate = nullptr;      // 0 for a law that does not read the rate
   double* energy = nullptr;       // J; nan for a law without one
   double* margin = nullptr;       // to rupture; infinity for a law that cannot rupture
   double* energy_by_q = nullptr;  // dE/dq; null for a law without an energy
   const SeveralOutputs* several = nullptr;  // in place of the force and its derivatives
-  bool derivatives = false;                 // of several
+  bool several_tangent = false;             // whether derivatives of several are wanted
+  // [Jacobian of the law], see springnet_law_batch::derivatives; null: none of it is wanted.
+  double* const* derivatives = nullptr;
+  // [parameter] dQ/d(parameter), each may be null, of a law without those; null: none is wanted.
+  double* const* by_parameters = nullptr;
 };
 using PairOutputs = std::array<LawOutputs, 2>;  // as Group::laws()
+
+// The derivatives that laws with SPRINGNET_HAS_ALL_DERIVATIVES give; in a step of internal states those of the step.
+[[nodiscard]] inline sdk::JacobianLayout jacobian_of(const Law& law) noexcept {
+  return {1, law.parameter_count, law.state_count, law.input_count};
+}
+[[nodiscard]] inline bool steps_states(const Law& law, const InternalView* view) noexcept {
+  return law.state_count > 0 && view != nullptr && view->time_step > 0.0;
+}
 
 // Members of a law with internal state that are evaluated in one call.
 inline constexpr std::size_t states_batch = 128;

@@ -12,6 +12,7 @@
 #include "layers/springs/queries.hpp"
 #include "profile/stage.hpp"
 #include "simulation/local_force.hpp"
+#include "simulation/parameter_model.hpp"
 #include "simulation/start.hpp"
 
 namespace springnet {
@@ -33,6 +34,11 @@ Engine::Engine(const Network& network, const PluginHost& plugins, const Simulati
 }
 
 Engine::~Engine() = default;
+
+ParameterModel& Engine::parameters() {
+  if (!parameters_) parameters_ = std::make_unique<ParameterModel>(model_);
+  return *parameters_;
+}
 
 LocalForceModel& Engine::local_force() {
   if (!local_force_) local_force_ = std::make_unique<LocalForceModel>(model_);

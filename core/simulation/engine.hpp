@@ -20,6 +20,7 @@
 namespace springnet {
 
 class LocalForceModel;
+class ParameterModel;
 class VerletContact;
 
 class Engine {
@@ -52,6 +53,7 @@ class Engine {
   [[nodiscard]] LinearModel& linear() noexcept { return linear_; }
   [[nodiscard]] ContactEvents& contact_events() noexcept { return contact_events_; }
   [[nodiscard]] Topology& topology() noexcept { return topology_; }
+  [[nodiscard]] ParameterModel& parameters();
   [[nodiscard]] IntegratorCalls& calls() noexcept { return calls_; }
 
   // ---- for Simulation ----
@@ -91,6 +93,7 @@ class Engine {
   bool swept_ = false;                              // the last commit was one of sweeps; false after forget()
   Reactions reactions_;
   std::unique_ptr<LocalForceModel> local_force_;  // null: not asked for yet
+  std::unique_ptr<ParameterModel> parameters_;    // likewise
   bool energy_noted_ = false;
   std::size_t committed_events_ = 0;   // events when the last commit ended
   std::set<std::size_t> left_behind_;  // noted by note_left_behind()

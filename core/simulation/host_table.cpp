@@ -13,6 +13,8 @@
 
 #include "profile/stage.hpp"
 #include "simulation/dominant.hpp"
+#include "simulation/event_derivatives.hpp"
+#include "simulation/parameter_model.hpp"
 #include "simulation/requests.hpp"
 
 namespace springnet {
@@ -77,6 +79,11 @@ Request& sized_request(Request* request, const char* name, std::size_t min_size)
   if (request == nullptr) throw Error(ErrorKind::plugin, fmt::format("the {} is a null pointer", name));
   require_size(request->struct_size, name, min_size);
   return *request;
+}
+
+// The bits of a request's kind, of which these are known.
+void require_kind(std::uint32_t kind, std::uint32_t known) {
+  if ((kind & ~known) != 0) throw Error(ErrorKind::plugin, fmt::format("kind {} has bits that are not known", kind));
 }
 
 springnet_status network(void* context, springnet_network_query* request) {
@@ -153,7 +160,35 @@ springnet_status jacobian_times(void* context, const springnet_jacobian_product*
     require_array(product.dp, "dp");
     require_array(product.dv, "dv");
     require_array(product.out, "out");
-    return engine.linear().times(product.dp, product.dv, product.out);
+    require_kind(product.kind, SPRINGNET_TRUE_FRICTION);
+    return engine.linear().times(product.dp, product.dv, product.kind == SPRINGNET_TRUE_FRICTION, product.out);
+  });
+}
+springnet_status jacobian_transposed_times(void* context, const springnet_transposed_product* request) {
+  return linearised(context, "jacobian_transposed_times", [&](Engine& engine) {
+    const springnet_transposed_product& product = SPRINGNET_REQUEST(springnet_transposed_product, request, by_velocity);
+    require_array(product.weights, "weights");
+    require_array(product.by_position, "by_position");
+    require_array(product.by_velocity, "by_velocity");
+    require_kind(product.kind, SPRINGNET_TRUE_FRICTION);
+    return engine.linear().transposed_times(product.weights, product.kind == SPRINGNET_TRUE_FRICTION,
+                                            product.by_position, product.by_velocity);
+  });
+}
+springnet_status parameter_tangent(void* context, const springnet_parameter_product* request) {
+  return outside_of_sweeps(context, "parameter_tangent",
+                           [&](Engine& engine) { return engine.parameters().tangent(checked(request)); });
+}
+springnet_status parameter_cotangent(void* context, const springnet_parameter_product* request) {
+  return outside_of_sweeps(context, "parameter_cotangent",
+                           [&](Engine& engine) { return engine.parameters().cotangent(checked(request)); });
+}
+springnet_status event_derivative(void* context, springnet_event_derivative* request) {
+  return outside_of_sweeps(context, "event_derivative", "events", [&](Engine& engine) {
+    springnet_event_derivative& derivative = SPRINGNET_REQUEST(springnet_event_derivative, request, by_time);
+    static_cast<void>(checked(derivative.at));
+    check_sets(derivative.sets, derivative.set_count);
+    return find_event_derivative(engine.model(), engine.contact_events(), engine.topology(), derivative);
   });
 }
 springnet_status change_internal(void* context, const springnet_internal_change* request) {
@@ -255,7 +290,14 @@ springnet_status project(void* context, const springnet_projection* request) {
   return linearised(context, "project", [&](Engine& engine) {
     const springnet_projection& projection = SPRINGNET_REQUEST(springnet_projection, request, values);
     require_array(projection.values, "values");
-    return engine.linear().project(projection.mobility, projection.values);
+    require_kind(projection.kind, SPRINGNET_TRANSPOSED | SPRINGNET_TRUE_FRICTION);
+    const bool transposed = (projection.kind & SPRINGNET_TRANSPOSED) != 0;
+    if ((projection.kind & SPRINGNET_TRUE_FRICTION) == 0)
+      return engine.linear().project(projection.mobility, projection.values, transposed);
+    if (projection.mobility != nullptr)
+      throw Error(ErrorKind::plugin, "with SPRINGNET_TRUE_FRICTION, mobility must be a null pointer");
+    engine.linear().respond(transposed, projection.values);
+    return springnet_status{SPRINGNET_OK};
   });
 }
 springnet_status project_state(void* context, const springnet_state_projection* request) {
@@ -357,6 +399,10 @@ springnet_host make_host_table(Engine& engine) {
   host.report = report;
   host.note = note;
   host.deadline = deadline;
+  host.jacobian_transposed_times = jacobian_transposed_times;
+  host.parameter_tangent = parameter_tangent;
+  host.parameter_cotangent = parameter_cotangent;
+  host.event_derivative = event_derivative;
   return host;
 }
 

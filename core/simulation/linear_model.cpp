@@ -53,6 +53,7 @@ void LinearModel::forget() noexcept {
 
 springnet_status LinearModel::linearise(const springnet_evaluation& at, double elimination) {
   sweep_.reset();
+  response_.forget();
   at_hand_ = false;
   if (factors_.owner == Factors::Owner::system) factors_.owner = Factors::Owner::nobody;
   factors_.current = false;
@@ -79,6 +80,13 @@ springnet_status LinearModel::add_constraints(const springnet_evaluation& at) {
     const RigidConnections::Rod& rod = model_.rigid.rods()[r];
     blocks_.add_bond(rod.first, rod.second, constraints.rod_geometric_stiffness(r, at.position, known().tensions()[r]));
   }
+  if (constraints.rows().empty()) return SPRINGNET_OK;
+  std::vector<std::uint32_t> sliding;
+  for (const ConstraintRow& row : constraints.rows())
+    if (row.surface >= 0) sliding.push_back(row.first);  // ascending
+  sliding.erase(std::unique(sliding.begin(), sliding.end()), sliding.end());
+  if (const springnet_status status = known().prepare(std::move(sliding)); status != SPRINGNET_OK) return status;
+  if (const springnet_status status = response_.find(model_, known()); status != SPRINGNET_OK) return status;
   for (const ConstraintRow& row : constraints.rows()) {
     if (!constraints.friction_follows_slip(row)) continue;
     Vector3 reaction;
@@ -105,9 +113,49 @@ springnet_status LinearModel::change_internal(const springnet_internal_change& r
   return model_.constraints.rows().empty() ? SPRINGNET_OK : project(nullptr, request.acceleration);
 }
 
-springnet_status LinearModel::times(const double* dp, const double* dv, double* out) {
+springnet_status LinearModel::times(const double* dp, const double* dv, bool true_friction, double* out) {
   blocks_.times(dp, dv, out);
-  return model_.constraints.rows().empty() ? SPRINGNET_OK : project(nullptr, out);
+  if (!true_friction || !response_.known())
+    return model_.constraints.rows().empty() ? SPRINGNET_OK : project(nullptr, out);
+  response_.add_forces(dp, out);
+  response_.apply(false, out);
+  response_.add_rates(dp, dv, out);
+  hold(out);
+  return SPRINGNET_OK;
+}
+
+springnet_status LinearModel::transposed_times(const double* weights, bool true_friction, double* by_position,
+                                               double* by_velocity) {
+  weights_of_free_.assign(weights, weights + 3 * model_.mass.size());
+  double* const own = weights_of_free_.data();
+  hold(own);
+  const bool responds = true_friction && response_.known();
+  if (responds)
+    response_.apply(true, own);
+  else
+    model_.constraints.project_change(nullptr, own, true);
+  blocks_.transposed_times(own, by_position, by_velocity);
+  if (!responds) return SPRINGNET_OK;
+  response_.add_forces_transposed(own, by_position);
+  weights_of_free_.assign(weights, weights + 3 * model_.mass.size());
+  hold(own);
+  response_.add_rates_transposed(own, by_position, by_velocity);
+  return SPRINGNET_OK;
+}
+
+// Fixed and held nodes do not answer.
+void LinearModel::hold(double* values) const {
+  const std::size_t n = model_.mass.size();
+  for (std::size_t k = 0; k < n; ++k)
+    if (model_.contact.constrained()[k] != 0)
+      for (std::size_t c = 0; c < 3; ++c) values[c * n + k] = 0.0;
+}
+
+void LinearModel::respond(bool transposed, double* values) {
+  if (response_.known())
+    response_.apply(transposed, values);
+  else
+    model_.constraints.project_change(nullptr, values, transposed);
 }
 
 void LinearModel::diagonal_blocks(double velocity_weight, double position_weight, double* out) const {
@@ -305,8 +353,8 @@ springnet_status LinearModel::sweep(const springnet_sweep& request, const spring
   return SPRINGNET_OK;
 }
 
-springnet_status LinearModel::project(const double* mobility, double* values) {
-  model_.constraints.project_change(mobility, values);
+springnet_status LinearModel::project(const double* mobility, double* values, bool transposed) {
+  model_.constraints.project_change(mobility, values, transposed);
   return SPRINGNET_OK;
 }
 

@@ -11,6 +11,7 @@
 #include "layers/linear/iterative_solver.hpp"
 #include "layers/linear/linearisation.hpp"
 #include "layers/linear/matrix_free.hpp"
+#include "simulation/constrained_response.hpp"
 #include "simulation/model.hpp"
 #include "simulation/requests.hpp"
 
@@ -29,8 +30,11 @@ class LinearModel {
   springnet_status change_internal(const springnet_internal_change& request);
   // Whether there are derivatives: nothing has been removed from the network since.
   [[nodiscard]] bool known() const noexcept { return blocks_.known(); }
-  // out = da/dp dp + da/dv dv, 3n numbers each, x of all nodes first.
-  springnet_status times(const double* dp, const double* dv, double* out);
+  // out = da/dp dp + da/dv dv, 3n numbers each, x of all nodes first. true_friction: see SPRINGNET_TRUE_FRICTION.
+  springnet_status times(const double* dp, const double* dv, bool true_friction, double* out);
+  // by_position = (da/dp)^T weights, by_velocity = (da/dv)^T weights.
+  springnet_status transposed_times(const double* weights, bool true_friction, double* by_position,
+                                    double* by_velocity);
   // Diagonal blocks of I - velocity_weight da/dv - position_weight da/dp, [node][9].
   void diagonal_blocks(double velocity_weight, double position_weight, double* out) const;
   springnet_status factorise(double velocity_weight, double position_weight);
@@ -44,7 +48,9 @@ class LinearModel {
   // The matrices by themselves.
   [[nodiscard]] layers::Linearisation& matrices() noexcept { return blocks_; }
   // Projects velocities onto the constraints, see springnet_host::project.
-  springnet_status project(const double* mobility, double* values);
+  springnet_status project(const double* mobility, double* values, bool transposed = false);
+  // The same as accelerations answer, with friction that follows normal reactions.
+  void respond(bool transposed, double* values);
   // Drops derivatives, the prepared system and patterns.
   void forget() noexcept;
   // To be called after springs or elements were removed.
@@ -67,6 +73,7 @@ class LinearModel {
   // Whether the preconditioner of the matrix-free solver is good enough for the net.
   [[nodiscard]] bool suits_matrix_free();
   [[nodiscard]] bool is_thin();
+  void hold(double* values) const;
   // The state at which a matrix-free system was prepared, in case that its solution stalls and it has to be assembled.
   void keep_state(const springnet_evaluation& at);
   springnet_status assemble_kept();
@@ -84,6 +91,7 @@ class LinearModel {
 
   Model& model_;
   layers::Linearisation blocks_;
+  ConstrainedResponse response_;             // known where there are constraint rows
   layers::InternalElimination elimination_;  // of blocks_
   // What is prepared: a matrix, or springs.
   enum class Prepared : std::uint8_t { nothing, assembled, matrix_free };
@@ -103,6 +111,7 @@ class LinearModel {
   std::vector<double> right_side_, solution_;  // [node][3] and one more
   std::unique_ptr<LinearSweep> sweep_;         // of blocks_; null: not made since linearise()
   OrderCheck order_check_;
+  std::vector<double> weights_of_free_;                   // of transposed_times
   std::vector<double> internal_change_, internal_force_;  // of change_internal
 };
 

@@ -17,6 +17,9 @@ const springnet_network& NetworkInfo::now() {
   for (const springnet_internal_range& range : layout.internal().ranges()) internal_ranges_.push_back(&range);
   info_.internal_ranges = internal_ranges_.data();
   info_.internal_range_count = internal_ranges_.size();
+  info_.spring_number_count = layout.spring_count();
+  info_.element_number_count = layout.elements().count();
+  info_.input_count = layout.laws().inputs.size();
   info_.revision = model_.revision;
   info_.unit_count = static_cast<std::uint32_t>(layout.units().size());
   info_.event_count = static_cast<std::uint32_t>(events_.count());

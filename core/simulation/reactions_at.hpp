@@ -59,6 +59,7 @@ class ReactionsAt {
   // Acceleration of a node whose cluster is known: without rigid connections and obstacles, and with them, m/s^2.
   [[nodiscard]] Vector3 free(std::uint32_t node) const { return part(free_, node); }
   [[nodiscard]] Vector3 bound(std::uint32_t node) const { return part(bound_, node); }
+  [[nodiscard]] const springnet_const_vectors& all_positions() const noexcept { return position_; }
   [[nodiscard]] const Placement& placement() const noexcept { return *placement_; }
   [[nodiscard]] const std::vector<double>& tensions() const noexcept { return tension_; }  // [rod] N
 

@@ -22,6 +22,8 @@ constexpr std::size_t sweep_size = SPRINGNET_SIZE_TO(springnet_sweep, internal);
 constexpr std::size_t impact_search_size = SPRINGNET_SIZE_TO(springnet_impact_search, time);
 constexpr std::size_t linear_system_size = SPRINGNET_SIZE_TO(springnet_linear_system, at);
 constexpr std::size_t linear_solve_size = SPRINGNET_SIZE_TO(springnet_linear_solve, iterations);
+constexpr std::size_t parameter_product_size = SPRINGNET_SIZE_TO(springnet_parameter_product, internal);
+constexpr std::size_t parameter_set_size = SPRINGNET_SIZE_TO(springnet_parameter_set, values);
 constexpr std::size_t eigenvalue_size = SPRINGNET_SIZE_TO(springnet_eigenvalue_search, applications);
 
 [[noreturn]] void refuse(const std::string& what) { throw Error(ErrorKind::plugin, what); }
@@ -150,6 +152,29 @@ const springnet_sweep& checked(const springnet_sweep* sweep, std::uint32_t node_
   if (request.order_count > node_count)
     refuse(fmt::format("the order has {} nodes, the network {}", request.order_count, node_count));
   return request;
+}
+
+const springnet_parameter_product& checked(const springnet_parameter_product* product) {
+  const springnet_parameter_product& request = sized(product, "springnet_parameter_product", parameter_product_size);
+  static_cast<void>(checked(request.at));
+  if (request.force == nullptr && request.acceleration == nullptr && request.internal == nullptr)
+    refuse("force, acceleration and internal are all null pointers");
+  check_sets(request.sets, request.set_count);
+  return request;
+}
+
+void check_sets(const springnet_parameter_set* const* sets, std::uint32_t count) {
+  if (count > 0) require_array(sets, "sets");
+  for (std::uint32_t i = 0; i < count; ++i) {
+    const springnet_parameter_set& set = sized(sets[i], "springnet_parameter_set", parameter_set_size);
+    if (set.kind < SPRINGNET_BY_REFERENCE || set.kind > SPRINGNET_BY_TIME)
+      refuse(fmt::format("the kind of parameter set {} is {}, must be {} to {}", i, set.kind, SPRINGNET_BY_REFERENCE,
+                         SPRINGNET_BY_TIME));
+    const bool is_named = set.kind == SPRINGNET_BY_SPRING_PARAMETER || set.kind == SPRINGNET_BY_VISCOSITY_PARAMETER ||
+                          set.kind == SPRINGNET_BY_NEURON_PARAMETER;
+    if (is_named) require_array(set.parameter, "the name of a parameter");
+    require_array(set.values, "values");
+  }
 }
 
 springnet_eigenvalue_search& checked(springnet_eigenvalue_search* search) {

@@ -31,6 +31,9 @@ const springnet_sweep& checked(const springnet_sweep* sweep, std::uint32_t node_
 [[nodiscard]] springnet_sweep complete(const springnet_sweep& request);
 // A sweep of the linearised network.
 const springnet_sweep& checked_linear(const springnet_sweep* sweep, std::uint32_t node_count);
+// Sets of parameters, with weights or a place for the answer.
+const springnet_parameter_product& checked(const springnet_parameter_product* product);
+void check_sets(const springnet_parameter_set* const* sets, std::uint32_t count);
 // A search for an eigenvalue.
 springnet_eigenvalue_search& checked(springnet_eigenvalue_search* search);
 

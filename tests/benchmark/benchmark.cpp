@@ -2,22 +2,24 @@
 // second: springs x steps for a step of one sweep, springs x sweeps (evaluations of all springs) for steps that
 // iterate. Lattices have axial and space-diagonal springs with linear stiffness and axial damping.
 #include <algorithm>
-#include <array>
+#include <chrono>
 #include <cstdint>
 #include <cstdio>
 #include <memory>
-#include <set>
 #include <string>
-#include <utility>
 #include <vector>
 
 #include <benchmark/benchmark.h>
 
 #include <springnet/error.hpp>
+#include <springnet/sdk/host.hpp>
 #include <springnet/simulation.hpp>
 
-#include "layers/linear/linearisation.hpp"
-#include "simulation/sweep.hpp"  // internal: there is no public way to evaluate without a step
+// internal: there is no public way to evaluate without a step
+#include "layers/instruction_set.hpp"
+#include "simulation/engine.hpp"
+#include "simulation/host_table.hpp"
+#include "simulation/sweep.hpp"
 
 namespace {
 
@@ -134,109 +136,120 @@ void hinges(benchmark::State& state) {
 }
 BENCHMARK(hinges)->Name("hinges/nodes_a_side:21/threads:1")->Unit(benchmark::kMicrosecond);
 
-// A block of cubes in six tetrahedra each, or a sheet of squares in two triangles each, with nodes out of place and in
-// motion: of elements with a law and a viscosity, or of springs on the edges.
-springnet::Network simplices(int cells, bool solid, const springnet::Material& law, bool springs) {
-  springnet::Network network;
-  const auto material = network.add_material(law);
-  const int side = cells + 1, depth = solid ? side : 1;
-  std::uint64_t random = 1;
-  const auto shift = [&random] {
-    random = random * 6364136223846793005U + 1442695040888963407U;
-    return 0.2 * (static_cast<double>(random >> 11) * 0x1p-53 - 0.5);
-  };
-  const auto at = [side](int i, int j, int k) { return static_cast<springnet::NodeIndex>(i + side * (j + side * k)); };
-  std::vector<Vector3> rest;
-  for (int k = 0; k < depth; ++k)
-    for (int j = 0; j < side; ++j)
-      for (int i = 0; i < side; ++i) {
-        rest.emplace_back(i, j, k);
-        springnet::Node node;
-        node.position = rest.back() + Vector3(shift(), shift(), shift());
-        node.velocity = {shift(), shift(), shift()};
-        network.add_node(node);
-      }
-  std::set<std::pair<springnet::NodeIndex, springnet::NodeIndex>> edges;
-  const auto add = [&](std::vector<springnet::NodeIndex> nodes) {
-    std::vector<Vector3> own;
-    for (const auto node : nodes) own.push_back(rest[node]);
-    if (nodes.size() == 4 && (own[1] - own[0]).cross(own[2] - own[0]).dot(own[3] - own[0]) < 0.0) {
-      std::swap(nodes[2], nodes[3]);
-      std::swap(own[2], own[3]);
-    }
-    if (!springs) {
-      network.add_element(solid ? springnet::Invariant::tetrahedron : springnet::Invariant::triangle, nodes, material,
-                          own);
-      return;
-    }
-    for (const auto a : nodes)
-      for (const auto b : nodes)
-        if (a < b && edges.emplace(a, b).second) network.add_spring(a, b, material, (rest[a] - rest[b]).norm());
-  };
-  for (int k = 0; k < (solid ? cells : 1); ++k)
-    for (int j = 0; j < cells; ++j)
-      for (int i = 0; i < cells; ++i) {
-        if (!solid) {
-          add({at(i, j, 0), at(i + 1, j, 0), at(i + 1, j + 1, 0)});
-          add({at(i, j, 0), at(i + 1, j + 1, 0), at(i, j + 1, 0)});
-          continue;
-        }
-        std::array<std::size_t, 3> axes{0, 1, 2};
-        do {
-          std::array<int, 3> place{i, j, k};
-          std::vector<springnet::NodeIndex> nodes{at(i, j, k)};
-          for (const std::size_t axis : axes) {
-            ++place[axis];
-            nodes.push_back(at(place[0], place[1], place[2]));
-          }
-          add(nodes);
-        } while (std::next_permutation(axes.begin(), axes.end()));
-      }
-  return network;
+// ---- derivatives, in units of the forces ----
+
+// The shortest time of a call, s, of some hundred: what interrupts it only adds to the others.
+template <class Call>
+double shortest(const Call& call) {
+  double least = 1.0;
+  for (int i = 0; i < 400; ++i) {
+    const auto before = std::chrono::steady_clock::now();
+    call();
+    least = std::min(least, std::chrono::duration<double>(std::chrono::steady_clock::now() - before).count());
+  }
+  return least;
 }
 
-// Net forces of such a net, or all its derivatives; items_per_second counts elements or springs, and an
-// element compares with its six or three edges as springs.
-void simplices_of(benchmark::State& state, bool solid, const springnet::Material& law, bool springs, bool tangent) {
-  const springnet::Network network = simplices(solid ? 15 : 80, solid, law, springs);
-  springnet::Model model(network, *plugins(), {.threads = 1});
-  springnet::Sweep sweep(model);
-  springnet_evaluation request{};
-  request.struct_size = sizeof request;
-  request.position = springnet::read_only(model.state.view.position);
-  request.velocity = springnet::read_only(model.state.view.velocity);
-  const springnet_state& at = model.state.view;
-  const springnet::layers::NodeArrays nodes{at.position.x, at.position.y, at.position.z,
-                                            at.velocity.x, at.velocity.y, at.velocity.z};
-  const std::vector<double> mass(network.nodes().size(), 1.0);
-  const springnet::layers::Evaluator evaluator(model.layout, mass, springnet::InstructionSet::best, 1);
-  const std::vector<std::uint8_t> constrained(network.nodes().size(), 0);
-  springnet::layers::Linearisation linearisation(model.layout, evaluator, constrained);
-  springnet_message message{};
-  for ([[maybe_unused]] auto iteration : state) {
-    const springnet_status status = tangent ? linearisation.update(0.0, nodes, {}, message) : sweep.evaluate(request);
-    if (status != SPRINGNET_OK) state.SkipWithError("a law failed");
+// A law on arrays that stay in the cache, as the engine calls it: with one parameter for all, and rest lengths and
+// states of each. Counters: forces and tangent, and the derivatives by all parameters, in units of the time of forces.
+void law_derivatives(benchmark::State& state, const char* id, const springnet::ParameterValues& given) {
+  constexpr std::uint32_t count = 1024;
+  const auto component = plugins()->require(springnet::ComponentKind::spring_function, id);
+  const springnet_component& description = *component->description;
+  const springnet_law& law = component->law();
+  std::uint64_t random = 1;
+  const auto numbers = [&](double from, double to) {
+    std::vector<double> result(count);
+    for (double& value : result) {
+      random = random * 6364136223846793005U + 1442695040888963407U;
+      value = from + (to - from) * (static_cast<double>(random >> 11) * 0x1p-53);
+    }
+    return result;
+  };
+  const std::vector<double> q = numbers(0.9, 1.3), rate = numbers(-1.0, 1.0), reference = numbers(0.9, 1.1);
+  std::vector<double> parameter(description.parameter_count);
+  std::vector<const double*> parameters, states;
+  std::vector<std::vector<double>> state_values, by_parameter;
+  std::vector<double*> by_parameters;
+  for (std::size_t i = 0; i < parameter.size(); ++i) {
+    const auto found = given.find(description.parameters[i]->name);
+    parameter[i] = found == given.end() ? description.parameters[i]->default_value : found->second;
+    parameters.push_back(&parameter[i]);
+    by_parameter.emplace_back(count);
   }
-  const std::size_t items = springs ? network.springs().size() : network.elements().size();
-  state.SetItemsProcessed(state.iterations() * static_cast<std::int64_t>(items));
+  for (std::vector<double>& each : by_parameter) by_parameters.push_back(each.data());
+  for (std::size_t i = 0; i < law.state_count; ++i) state_values.push_back(numbers(0.0, 0.1));
+  for (const std::vector<double>& each : state_values) states.push_back(each.data());
+  const std::vector<std::uint32_t> strides(parameter.size(), 0);
+  std::vector<double> force(count), by_q(count), by_rate(count);
+  springnet_law_batch batch{};
+  batch.struct_size = sizeof batch;
+  batch.count = count;
+  batch.instruction_set =
+      springnet::layers::abi_number(springnet::layers::choose_instruction_set(springnet::InstructionSet::best));
+  batch.q = q.data();
+  batch.rate = (description.capabilities & SPRINGNET_READS_RATE) != 0 ? rate.data() : nullptr;
+  batch.reference = reference.data();
+  batch.reference_stride = 1;
+  batch.parameters = parameters.data();
+  batch.parameter_strides = strides.data();
+  batch.states = states.data();
+  batch.force = force.data();
+  const auto call = [&] {
+    if (law.evaluate(law.context, &batch) != SPRINGNET_OK) state.SkipWithError("the law failed");
+    benchmark::ClobberMemory();
+  };
+  const double forces = shortest(call);
+  batch.force_by_q = by_q.data();
+  if (batch.rate != nullptr) batch.force_by_rate = by_rate.data();
+  const double tangent = shortest(call);
+  batch.force = batch.force_by_q = batch.force_by_rate = nullptr;
+  batch.force_by_parameters = by_parameters.data();
+  const double gradients = shortest(call);
+  batch.force_by_parameters = nullptr;
+  batch.force = force.data();
+  for ([[maybe_unused]] auto iteration : state) call();
+  state.SetItemsProcessed(state.iterations() * count);
+  state.counters["forces_and_tangent_in_forces"] = tangent / forces;
+  state.counters["all_parameters_in_forces"] = gradients / forces;
 }
-const springnet::Material damped_spring{LawUse{"linear", {{"stiffness", 1.0}}}, LawUse{"linear", {{"damping", 0.1}}}};
-const springnet::Material plain_spring{LawUse{"linear", {{"stiffness", 1.0}}}, std::nullopt};
-const LawUse solid_law{"solid", {{"youngs_modulus", 1.0}, {"poisson_ratio", 0.4}}};
-const LawUse membrane_law{"membrane", {{"youngs_modulus", 1.0}, {"poisson_ratio", 0.4}, {"thickness", 0.1}}};
-const springnet::Material damped_solid{solid_law, LawUse{"viscous_solid", {{"shear_viscosity", 0.1}}}};
-const springnet::Material damped_membrane{membrane_law, LawUse{"viscous_membrane", {{"shear_viscosity", 0.1}}}};
-#define SPRINGNET_SIMPLICES(name, solid, elements, springs)                                                      \
-  BENCHMARK_CAPTURE(simplices_of, name##_forces, solid, elements, false, false)->Unit(benchmark::kMicrosecond);  \
-  BENCHMARK_CAPTURE(simplices_of, name##_forces_of_springs, solid, springs, true, false)                         \
-      ->Unit(benchmark::kMicrosecond);                                                                           \
-  BENCHMARK_CAPTURE(simplices_of, name##_tangent, solid, elements, false, true)->Unit(benchmark::kMicrosecond);  \
-  BENCHMARK_CAPTURE(simplices_of, name##_tangent_of_springs, solid, springs, true, true)->Unit(benchmark::kMicrosecond)
-SPRINGNET_SIMPLICES(solid, true, (springnet::Material{solid_law, std::nullopt}), plain_spring);
-SPRINGNET_SIMPLICES(damped_solid, true, damped_solid, damped_spring);
-SPRINGNET_SIMPLICES(membrane, false, (springnet::Material{membrane_law, std::nullopt}), plain_spring);
-SPRINGNET_SIMPLICES(damped_membrane, false, damped_membrane, damped_spring);
-#undef SPRINGNET_SIMPLICES
+BENCHMARK_CAPTURE(law_derivatives, linear, "linear", {{"stiffness", 3.0}})->Unit(benchmark::kNanosecond);
+BENCHMARK_CAPTURE(law_derivatives, nonlinear, "nonlinear", {{"stiffness", 3.0}, {"cubic", 2.0}, {"quintic", 1.0}})
+    ->Unit(benchmark::kNanosecond);
+BENCHMARK_CAPTURE(law_derivatives, exponential, "exponential", {{"stiffness", 3.0}})->Unit(benchmark::kNanosecond);
+BENCHMARK_CAPTURE(law_derivatives, maxwell, "maxwell", {{"stiffness", 3.0}, {"relaxation_time", 0.2}})
+    ->Unit(benchmark::kNanosecond);
+
+// Of a net: the gradient by the stiffness and damping of every spring and all masses, a tangent along the same, and
+// products with the transposed derivatives. Counters: in units of one evaluation of all forces.
+void net_derivatives(benchmark::State& state) {
+  const springnet::SimulationOptions options{.threads = 1};
+  springnet::Engine engine(lattice(static_cast<std::uint32_t>(state.range(0)), 100.0, 0.1), *plugins(), options);
+  const springnet_host table = springnet::make_host_table(engine);
+  const springnet::sdk::Host host(table);
+  host.begin_step(0.0, 1e-3);
+  springnet_evaluation at = springnet::sdk::evaluation_at(0.0, host.committed().state);
+  const std::size_t n = host.network().node_count, springs = host.network().spring_number_count;
+  std::vector<double> stiffness(springs), damping(springs), mass(n), weights(3 * n, 1.0), out(9 * n);
+  const springnet::sdk::Host::ParameterSet sets[] = {{SPRINGNET_BY_SPRING_PARAMETER, stiffness, "stiffness"},
+                                                     {SPRINGNET_BY_VISCOSITY_PARAMETER, damping, "damping"},
+                                                     {SPRINGNET_BY_MASS, mass}};
+  springnet_evaluation with_forces = at;
+  with_forces.force = {out.data(), out.data() + n, out.data() + 2 * n};
+  const double forces = shortest([&] { host.evaluate(with_forces); });
+  const double gradient = shortest([&] { host.parameter_cotangent(at, sets, {nullptr, weights.data()}); });
+  const double tangent = shortest([&] { host.parameter_tangent(at, sets, {nullptr, out.data()}); });
+  const double linearise = shortest([&] { host.linearise(at); });
+  const double transposed =
+      shortest([&] { host.jacobian_transposed_times(weights.data(), out.data(), out.data() + 3 * n); });
+  for ([[maybe_unused]] auto iteration : state) host.evaluate(with_forces);
+  state.SetItemsProcessed(state.iterations() * static_cast<std::int64_t>(springs));
+  state.counters["gradient_in_forces"] = gradient / forces;
+  state.counters["tangent_in_forces"] = tangent / forces;
+  state.counters["linearise_in_forces"] = linearise / forces;
+  state.counters["transposed_in_forces"] = transposed / forces;
+}
+BENCHMARK(net_derivatives)->ArgName("nodes_a_side")->Arg(4)->Arg(32)->Unit(benchmark::kMicrosecond);
 
 // A step of one synchronous sweep: symplectic Euler. The network stays the same size and in motion for any number of
 // steps (t_c^2 k/m = 0.01, far inside the stable range, and little damping), so every step costs as much as the first.

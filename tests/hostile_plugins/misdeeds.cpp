@@ -118,6 +118,55 @@ Misdeed seeks_eigenvalue(std::function<void(springnet_eigenvalue_search&)> chang
     return h.host->dominant_eigenvalue(h.context, &search);
   };
 }
+// Products by parameters with a request, or its only set, that a change has spoilt.
+std::vector<Case> parameter_products(
+    const char* name, std::function<void(springnet_parameter_product&, springnet_parameter_set&)> change) {
+  using Function = springnet_status (*springnet_host::*)(void*, const springnet_parameter_product*);
+  std::vector<Case> cases;
+  for (const Function function : {&springnet_host::parameter_tangent, &springnet_host::parameter_cotangent})
+    cases.push_back({name, [=](const StepContext& h) {
+                       const springnet_evaluation at = h.at();
+                       std::vector<double> forces(3 * h.nodes()), masses(h.nodes());
+                       auto set = sdk::sized<springnet_parameter_set>();
+                       set.kind = SPRINGNET_BY_MASS;
+                       set.values = masses.data();
+                       const springnet_parameter_set* const sets[] = {&set};
+                       auto product = sdk::sized<springnet_parameter_product>();
+                       product.at = &at;
+                       product.sets = sets;
+                       product.set_count = 1;
+                       product.force = forces.data();
+                       change(product, set);
+                       return (h.host->*function)(h.context, &product);
+                     }});
+  return cases;
+}
+std::vector<Case> all_parameter_products() {
+  using P = springnet_parameter_product;
+  using S = springnet_parameter_set;
+  std::vector<Case> cases;
+  for (const std::vector<Case>&some :
+       {parameter_products("differentiates at no state", [](P&p, S&) { p.at = nullptr; }),
+        parameter_products("differentiates nothing", [](P&p, S&) { p.force = nullptr; }),
+        parameter_products("differentiates by no sets", [](P&p, S&) { p.sets = nullptr; }),
+        parameter_products("differentiates by a short set", [](P&, S&s) { s.struct_size = 24; }),
+        parameter_products("differentiates by kind 0", [](P&, S&s) { s.kind = 0; }),
+        parameter_products("differentiates by kind 99", [](P&, S&s) { s.kind = 99; }),
+        parameter_products("differentiates by values nowhere", [](P&, S&s) { s.values = nullptr; }),
+        parameter_products("differentiates by a signal that is not there",
+                           [](P&, S&s) {
+                             s.kind = SPRINGNET_BY_INPUT;
+                             s.input = 0xffffffffu;
+                           }),
+        parameter_products("differentiates by a parameter without a name",
+                           [](P&, S&s) { s.kind = SPRINGNET_BY_SPRING_PARAMETER; }),
+        parameter_products("differentiates by a parameter of nothing", [](P&, S&s) {
+          s.kind = SPRINGNET_BY_NEURON_PARAMETER;
+          s.parameter = "weight of the soul";
+        })})
+    cases.insert(cases.end(), some.begin(), some.end());
+  return cases;
+}
 // Every function with a request that is null or ends before its last field.
 template <class Request>
 void add_short(std::vector<Case>& cases, const char* name,
@@ -162,6 +211,10 @@ std::vector<Case> short_requests() {
   add_short(cases, "a short report", &H::report);
   add_short(cases, "a short note", &H::note);
   add_short(cases, "a short deadline", &H::deadline);
+  add_short(cases, "a short jacobian_transposed_times", &H::jacobian_transposed_times);
+  add_short(cases, "a short parameter_tangent", &H::parameter_tangent);
+  add_short(cases, "a short parameter_cotangent", &H::parameter_cotangent);
+  add_short(cases, "a short event_derivative", &H::event_derivative);
   return cases;
 }
 
@@ -351,6 +404,33 @@ std::vector<Case> all_cases() {
        [](const StepContext& h) {
          std::vector<double> x(3 * h.nodes());
          return h.jacobian_times(x.data(), x.data(), x.data());
+       }},
+      {"multiplies transposed before it linearises",
+       [](const StepContext& h) {
+         std::vector<double> x(9 * h.nodes());
+         auto product = sdk::sized<springnet_transposed_product>();
+         product.weights = x.data();
+         product.by_position = x.data() + 3 * h.nodes();
+         product.by_velocity = x.data() + 6 * h.nodes();
+         return h.host->jacobian_transposed_times(h.context, &product);
+       }},
+      {"projects in an unknown way",
+       [](const StepContext& h) {
+         const springnet_evaluation at = h.at();
+         static_cast<void>(h.linearise(&at));
+         std::vector<double> x(3 * h.nodes());
+         auto projection = sdk::sized<springnet_projection>();
+         projection.values = x.data();
+         projection.kind = 4;
+         return h.host->project(h.context, &projection);
+       }},
+      {"differentiates event 4294967295",
+       [](const StepContext& h) {
+         const springnet_evaluation at = h.at();
+         auto derivative = sdk::sized<springnet_event_derivative>();
+         derivative.at = &at;
+         derivative.event = 0xffffffffu;
+         return h.host->event_derivative(h.context, &derivative);
        }},
       {"projects before it linearises",
        [](const StepContext& h) {
@@ -606,6 +686,7 @@ std::vector<Case> all_cases() {
     at.internal = &little;
   });
   for (Case& each : short_requests()) cases.push_back(std::move(each));
+  for (Case& each : all_parameter_products()) cases.push_back(std::move(each));
   return cases;
 }
 

@@ -80,6 +80,27 @@ struct FakeHost {
       *r->out = *r->dp - *r->dv;
       return of(c).note("jacobian_times", r);
     };
+    table.jacobian_transposed_times = [](void* c, const springnet_transposed_product* r) {
+      *r->by_position = 2.0 * *r->weights;
+      *r->by_velocity = 3.0 * *r->weights;
+      return of(c).note("jacobian_transposed_times", r, r->kind == SPRINGNET_TRUE_FRICTION);
+    };
+    table.parameter_tangent = [](void* c, const springnet_parameter_product* r) {
+      *r->force = *r->sets[0]->values;
+      *r->acceleration = *r->sets[1]->values;
+      const bool good = r->set_count == 2 && r->internal == nullptr && r->sets[0]->kind == SPRINGNET_BY_MASS &&
+                        r->sets[1]->of_elements == 1 && r->sets[1]->parameter == std::string("stiffness");
+      return of(c).note("parameter_tangent", r, good);
+    };
+    table.parameter_cotangent = [](void* c, const springnet_parameter_product* r) {
+      *r->sets[0]->values += *r->force;
+      return of(c).note("parameter_cotangent", r, r->set_count == 1);
+    };
+    table.event_derivative = [](void* c, springnet_event_derivative* r) {
+      *r->by_position = 4.0;
+      r->by_time = 5.0;
+      return of(c).note("event_derivative", r, r->event == 6 && r->set_count == 0);
+    };
     table.change_internal = [](void* c, const springnet_internal_change* r) {
       *r->change = *r->right_side + 2.0 * *r->dp;
       *r->acceleration = *r->dv;
@@ -280,6 +301,20 @@ TEST_CASE("an integrator reaches every function of the host") {
     double out = 0.0;
     h.jacobian_times(&one, &two, &out);
     CHECK(out == -1.0);
+    double second = 0.0;
+    h.jacobian_transposed_times(&two, &out, &second, SPRINGNET_TRUE_FRICTION);
+    CHECK(out == 4.0);
+    CHECK(second == 6.0);
+    std::vector<double> masses{7.0}, stiffnesses{8.0};
+    const Host::ParameterSet sets[] = {{SPRINGNET_BY_MASS, masses},
+                                       {SPRINGNET_BY_SPRING_PARAMETER, stiffnesses, "stiffness", nullptr, true}};
+    h.parameter_tangent(at, sets, {&out, &second});
+    CHECK(out == 7.0);
+    CHECK(second == 8.0);
+    h.parameter_cotangent(at, std::span(sets).first(1), {&out});
+    CHECK(masses[0] == 14.0);
+    CHECK(h.event_derivative(at, 6, &out, nullptr) == 5.0);
+    CHECK(out == 4.0);
     double acceleration = 0.0;
     h.change_internal(&one, &two, &one, &out, &acceleration);
     CHECK(out == 5.0);
@@ -347,6 +382,10 @@ TEST_CASE("an integrator reaches every function of the host") {
                                                "linearise",
                                                "linearise",
                                                "jacobian_times",
+                                               "jacobian_transposed_times",
+                                               "parameter_tangent",
+                                               "parameter_cotangent",
+                                               "event_derivative",
                                                "change_internal",
                                                "diagonal_blocks",
                                                "factorise",

@@ -39,6 +39,9 @@ struct Nodes {
   Array mass, b, c;
   std::array<Array, 3> a;
   Array by_force, by_position, by_velocity;
+  Array by_mass, by_time, by_b, by_c;
+  double time = 0.5;
+  std::uint32_t struct_size = sizeof(springnet_neuron_batch);
 
   explicit Nodes(std::uint32_t n) : count(n), mass(n), b(n), c{0.02} {
     for (std::size_t j = 0; j < 9; ++j) {
@@ -53,15 +56,16 @@ struct Nodes {
   springnet_status evaluate(std::uint32_t set, std::uint32_t tile, springnet_message* message = nullptr) {
     for (Array& each : a) each.assign(count, 0.0);
     for (Array* each : {&by_force, &by_position, &by_velocity}) each->assign(9 * std::size_t{count}, 0.0);
+    for (Array* each : {&by_mass, &by_time, &by_b, &by_c}) each->assign(3 * std::size_t{count}, 0.0);
     for (std::uint32_t first = 0; first < count; first += tile) {
       const auto at = [&](std::size_t j) { return in[j].data() + first; };
       const double* parameters[] = {b.data() + first, c.data()};
       const std::uint32_t strides[] = {1, 0};
       springnet_neuron_batch batch{};
-      batch.struct_size = sizeof batch;
+      batch.struct_size = struct_size;
       batch.count = std::min(tile, count - first);
       batch.instruction_set = set;
-      batch.time = 0.5;
+      batch.time = time;
       batch.force = {at(0), at(1), at(2)};
       batch.position = {at(3), at(4), at(5)};
       batch.velocity = {at(6), at(7), at(8)};
@@ -72,6 +76,10 @@ struct Nodes {
       batch.acceleration_by_force = by_force.data() + 9 * std::size_t{first};
       batch.acceleration_by_position = by_position.data() + 9 * std::size_t{first};
       batch.acceleration_by_velocity = by_velocity.data() + 9 * std::size_t{first};
+      double* const by_parameters[] = {by_b.data() + 3 * std::size_t{first}, by_c.data() + 3 * std::size_t{first}};
+      batch.acceleration_by_mass = by_mass.data() + 3 * std::size_t{first};
+      batch.acceleration_by_time = by_time.data() + 3 * std::size_t{first};
+      batch.acceleration_by_parameters = by_parameters;
       batch.message = message;
       const auto& model = *static_cast<const springnet_neuron_model*>(odd.implementation);
       const springnet_status status = model.evaluate(model.context, &batch);
@@ -86,7 +94,7 @@ struct Nodes {
 TEST_CASE("metadata of a neuron come from its class") {
   CHECK(odd.kind == SPRINGNET_NEURON);
   CHECK(odd.parameter_count == 2);
-  CHECK(odd.capabilities == SPRINGNET_HAS_DERIVATIVES);
+  CHECK(odd.capabilities == (SPRINGNET_HAS_DERIVATIVES | SPRINGNET_HAS_PARAMETER_DERIVATIVES));
   CHECK(odd.needs == 0);
 }
 
@@ -127,6 +135,39 @@ TEST_CASE("derivative blocks of a neuron against differences") {
   }
 }
 
+TEST_CASE("derivatives of a neuron by mass, time and parameters against differences") {
+  Nodes nodes(3);
+  REQUIRE(nodes.evaluate(SPRINGNET_GENERIC, 3) == SPRINGNET_OK);
+  const Nodes at = nodes;
+  const auto check = [&](const Array& derivatives, std::size_t i, double value, const auto& set) {
+    for (std::size_t row = 0; row < 3; ++row) {
+      const auto f = [&](double x) {
+        Nodes moved = at;
+        set(moved, x);
+        REQUIRE(moved.evaluate(SPRINGNET_GENERIC, 3) == SPRINGNET_OK);
+        return moved.a[row][i];
+      };
+      // Powers of the mass: truncation (h / m)^8; rounding, 2e-16 / 1e-2.
+      const double expected = springnet::test::derivative(f, value, 1e-2);
+      CHECK(std::abs(derivatives[3 * i + row] - expected) < 1e-12);
+    }
+  };
+  for (std::size_t i = 0; i < 3; ++i) {
+    check(at.by_mass, i, at.mass[i], [i](Nodes& n, double x) { n.mass[i] = x; });
+    check(at.by_time, i, at.time, [](Nodes& n, double x) { n.time = x; });
+    check(at.by_b, i, at.b[i], [i](Nodes& n, double x) { n.b[i] = x; });
+    check(at.by_c, i, at.c[0], [](Nodes& n, double x) { n.c[0] = x; });
+  }
+}
+
+TEST_CASE("a host of ABI 2.0 is not asked for derivatives by mass, time and parameters") {
+  Nodes nodes(2);
+  nodes.struct_size = SPRINGNET_SIZE_TO(springnet_neuron_batch, message);
+  REQUIRE(nodes.evaluate(SPRINGNET_GENERIC, 2) == SPRINGNET_OK);
+  for (const Array* each : {&nodes.by_mass, &nodes.by_time, &nodes.by_b, &nodes.by_c}) CHECK(*each == Array(6, 0.0));
+  CHECK(nodes.by_force[0] != 0.0);
+}
+
 TEST_CASE("a neuron gives the same bits for every instruction set and tile") {
   Nodes whole(600);
   REQUIRE(whole.evaluate(SPRINGNET_GENERIC, 600) == SPRINGNET_OK);
@@ -138,6 +179,10 @@ TEST_CASE("a neuron gives the same bits for every instruction set and tile") {
       CHECK(same_bits(nodes.by_force, whole.by_force));
       CHECK(same_bits(nodes.by_position, whole.by_position));
       CHECK(same_bits(nodes.by_velocity, whole.by_velocity));
+      CHECK(same_bits(nodes.by_mass, whole.by_mass));
+      CHECK(same_bits(nodes.by_time, whole.by_time));
+      CHECK(same_bits(nodes.by_b, whole.by_b));
+      CHECK(same_bits(nodes.by_c, whole.by_c));
     }
   }
 }

@@ -104,7 +104,7 @@ springnet_status evaluate_several(const Group& group, const SeveralMembers& memb
       }
     }
     out[k].several = &outputs[k];
-    out[k].derivatives = tangent;
+    out[k].several_tangent = tangent;
     if (wanted == SeveralWanted::forces_and_energies) out[k].energy = answers.energy[k];
     if (wanted == SeveralWanted::margins) out[k].margin = answers.margin[k];
   }

@@ -238,6 +238,39 @@ Vector3 ElementLinearisation::force(std::uint32_t node, const double* dp, const 
   return sum;
 }
 
+void ElementLinearisation::prepare_transposed(const double* weights) {
+  const ElementLayout& elements = layout_.elements();
+  const std::size_t n = layout_.node_count();
+  for (std::size_t s = 0; s < enclosures_.size(); ++s) {
+    EnclosureDerivatives& own = enclosures_[s];
+    own.product = 0.0;
+    if (!elements.alive(elements.enclosures()[s].element)) continue;
+    const std::vector<std::uint32_t>& nodes = elements.enclosures()[s].shape.nodes();
+    for (std::size_t place = 0; place < nodes.size(); ++place) {
+      const std::uint32_t k = nodes[place];
+      own.product += own.gradient[place].dot(Vector3(weights[k], weights[n + k], weights[2 * n + k]));
+    }
+  }
+}
+
+void ElementLinearisation::add_transposed(std::uint32_t node, const double* weights, Vector3& by_position,
+                                          Vector3& by_velocity) const {
+  const std::size_t n = layout_.node_count();
+  for (std::size_t b = rows_.begin(node); b < rows_.end(node); ++b) {
+    const std::uint32_t other = rows_.other(b);
+    const std::uint32_t mirrored = rows_.find(other, node);
+    const Vector3 weight(weights[other], weights[n + other], weights[2 * n + other]);
+    by_position -= stiffness_[mirrored].transpose() * weight;
+    if (damped_) by_velocity -= damping_[mirrored].transpose() * weight;
+  }
+  for_each_enclosure(layout_.elements().shares(node), [&](const ElementShare& share) {
+    const EnclosureDerivatives& own = enclosures_[share.enclosure];
+    const Vector3 &g = own.gradient[share.place], &h = own.rate_gradient[share.place];
+    by_position -= own.product * (own.law.by_q * g + own.law.by_rate * h);
+    by_velocity -= own.product * own.law.by_rate * g;
+  });
+}
+
 void ElementLinearisation::track(const double* const u[3]) {
   const ElementLayout& elements = layout_.elements();
   for (std::size_t s = 0; s < enclosures_.size(); ++s) {

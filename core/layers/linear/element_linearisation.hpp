@@ -38,6 +38,10 @@ class ElementLinearisation {
   void prepare(const double* dp, const double* dv);
   // Change of the force on a node for these dp (m) and dv (m/s), N.
   [[nodiscard]] Vector3 force(std::uint32_t node, const double* dp, const double* dv) const;
+  // The same transposed, for weights of forces on nodes: prepare_transposed(), then of each node what is added to the
+  // weights of its position and velocity.
+  void prepare_transposed(const double* weights);
+  void add_transposed(std::uint32_t node, const double* weights, Vector3& by_position, Vector3& by_velocity) const;
   // Node by node, for dv = velocity_weight u and dp = position_weight u: the change of the force on a node due to all
   // other nodes. Call track() first and add_change() after every change of u; [3] components, [node].
   void set_weights(double velocity_weight, double position_weight) {
@@ -74,7 +78,7 @@ class ElementLinearisation {
     ElementForce law;
     std::vector<Vector3> gradient;       // g, [place]
     std::vector<Vector3> rate_gradient;  // h, [place]
-    double product = 0.0;                // of prepare(), or track()
+    double product = 0.0;                // of prepare(), prepare_transposed() or track()
   };
   springnet_status evaluate_elements(const ElementBatch& batch, double time, const NodeArrays& nodes,
                                      const std::uint32_t* members, const double* q, const double* rate,

@@ -154,6 +154,55 @@ void Linearisation::times(const double* dp, const double* dv, double* out) {
   }
 }
 
+// The blocks of a spring are the same seen from either end, and those of elements have a symmetric pattern: each node
+// sums over its own springs and blocks.
+void Linearisation::transposed_times(const double* weights, double* by_position, double* by_velocity) {
+  layout_.need_incidence();  // before threads do
+  const std::size_t n = layout_.node_count();
+  const auto at = [n](const double* values, std::size_t k) {
+    return Vector3(values[k], values[n + k], values[2 * n + k]);
+  };
+  const auto put = [n](double* values, std::size_t k, const Vector3& value) {
+    for (std::size_t c = 0; c < 3; ++c) values[c * n + k] = value[static_cast<Eigen::Index>(c)];
+  };
+  force_weights_.resize(3 * n);
+  const int threads = static_cast<int>(evaluator_.threads());
+#pragma omp parallel for schedule(static) num_threads(threads)
+  for (std::int64_t node = 0; node < static_cast<std::int64_t>(n); ++node) {
+    const auto k = static_cast<std::uint32_t>(node);
+    put(force_weights_.data(), k,
+        constrained_[k] != 0 ? Vector3(Vector3::Zero()) : Vector3(block(by_force_, k).transpose() * at(weights, k)));
+  }
+  const double* const f = force_weights_.data();
+  const bool elements = elements_.any();
+  if (elements) elements_.prepare_transposed(f);
+#pragma omp parallel for schedule(static) num_threads(threads)
+  for (std::int64_t node = 0; node < static_cast<std::int64_t>(n); ++node) {
+    const auto k = static_cast<std::uint32_t>(node);
+    Vector3 p = Vector3::Zero(), v = Vector3::Zero();
+    if (constrained_[k] == 0) {
+      p = block(by_position_, k).transpose() * at(weights, k);
+      v = block(by_velocity_, k).transpose() * at(weights, k);
+    }
+    if (elements) elements_.add_transposed(k, f, p, v);
+    const Vector3 own = at(f, k);
+    for (const Incident* i = layout_.incident_begin(k); i != layout_.incident_end(k); ++i) {
+      const Vector3 between = own - at(f, i->other);
+      p -= block(stiffness_, i->spring).transpose() * between;
+      v -= block(damping_, i->spring).transpose() * between;
+    }
+    put(by_position, k, p);
+    put(by_velocity, k, v);
+  }
+  for (const Bond& bond : bonds_) {
+    const Vector3 change = bond.stiffness.transpose() * (at(f, bond.first) - at(f, bond.second));
+    for (std::size_t c = 0; c < 3; ++c) {
+      by_position[c * n + bond.first] -= change[static_cast<Eigen::Index>(c)];
+      by_position[c * n + bond.second] += change[static_cast<Eigen::Index>(c)];
+    }
+  }
+}
+
 void Linearisation::accelerations(const double* force, double* out) const {
   const std::size_t n = layout_.node_count();
   for (std::uint32_t k = 0; k < n; ++k) {

@@ -46,6 +46,8 @@ class Linearisation {
   [[nodiscard]] bool known() const noexcept { return known_; }
   // out = da/dp dp + da/dv dv; 3n numbers each, x of all nodes first.
   void times(const double* dp, const double* dv, double* out);
+  // by_position = (da/dp)^T weights, by_velocity = (da/dv)^T weights; arrays as above.
+  void transposed_times(const double* weights, double* by_position, double* by_velocity);
   // out = da/dF force, with forces on nodes, N; arrays as above.
   void accelerations(const double* force, double* out) const;
   // Diagonal blocks of I - velocity_weight da/dv - position_weight da/dp, [node][9].
@@ -130,6 +132,7 @@ class Linearisation {
   ElementLinearisation elements_;
   LowRank vectors_;  // rank-one terms of enclosures, as of the last factorisation
   std::vector<double> force_[3], acceleration_[3];
+  std::vector<double> force_weights_;  // [3 node], of transposed_times
   bool known_ = false;
   bool pattern_known_ = false;
   std::unique_ptr<System> system_;

@@ -13,6 +13,7 @@ namespace {
 struct Answer {
   std::array<double, 3> acceleration;
   std::array<double, 9> by_force, by_position, by_velocity;
+  std::array<double, 3> by_mass, by_parameter;
 };
 
 Answer evaluate(const char* id, const std::array<double, 3>& force, const std::array<double, 3>& velocity, double mass,
@@ -34,6 +35,9 @@ Answer evaluate(const char* id, const std::array<double, 3>& force, const std::a
   batch.acceleration_by_force = answer.by_force.data();
   batch.acceleration_by_position = answer.by_position.data();
   batch.acceleration_by_velocity = answer.by_velocity.data();
+  double* const by_parameters[] = {answer.by_parameter.data()};
+  batch.acceleration_by_mass = answer.by_mass.data();
+  batch.acceleration_by_parameters = by_parameters;
   const auto& model = *static_cast<const springnet_neuron_model*>(shipped(SPRINGNET_NEURON, id).implementation);
   REQUIRE(model.evaluate(model.context, &batch) == SPRINGNET_OK);
   return answer;
@@ -50,6 +54,7 @@ TEST_CASE("point_mass: a = F / m") {
     CHECK(answer.by_force == diagonal(0.25));
     CHECK(answer.by_position == diagonal(0.0));
     CHECK(answer.by_velocity == diagonal(0.0));
+    CHECK(answer.by_mass == std::array<double, 3>{-0.125, 0.25, -0.5});  // -F / m^2
   }
 }
 
@@ -61,5 +66,7 @@ TEST_CASE("dragged: a = (F - drag v) / m") {
     CHECK(answer.by_force == diagonal(0.25));
     CHECK(answer.by_position == diagonal(0.0));
     CHECK(answer.by_velocity == diagonal(-0.5));
+    CHECK(answer.by_mass == std::array<double, 3>{0.0, 0.5, -0.125});         // -(F - drag v) / m^2
+    CHECK(answer.by_parameter == std::array<double, 3>{-0.25, -0.5, -0.75});  // -v / m
   }
 }

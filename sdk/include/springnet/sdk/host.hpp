@@ -134,13 +134,26 @@ class Host {
     request.elimination = elimination;
     check(table_->linearise(table_->context, &request));
   }
-  // out = da/dp dp + da/dv dv; 3 node_count numbers each, x of all nodes, then y, then z.
-  void jacobian_times(const double* dp, const double* dv, double* out) const {
+  // out = da/dp dp + da/dv dv; 3 node_count numbers each, x of all nodes, then y, then z. kind: 0, or
+  // SPRINGNET_TRUE_FRICTION.
+  void jacobian_times(const double* dp, const double* dv, double* out, std::uint32_t kind = 0) const {
     auto request = sized<springnet_jacobian_product>();
+    request.kind = kind;
     request.dp = dp;
     request.dv = dv;
     request.out = out;
     check(table_->jacobian_times(table_->context, &request));
+  }
+  // by_position = (da/dp)^T weights, by_velocity = (da/dv)^T weights; arrays and kinds as above.
+  void jacobian_transposed_times(const double* weights, double* by_position, double* by_velocity,
+                                 std::uint32_t kind = 0) const {
+    need(SPRINGNET_HAS_FIELD(springnet_host, table_, jacobian_transposed_times), "jacobian_transposed_times");
+    auto request = sized<springnet_transposed_product>();
+    request.kind = kind;
+    request.weights = weights;
+    request.by_position = by_position;
+    request.by_velocity = by_velocity;
+    check(table_->jacobian_transposed_times(table_->context, &request));
   }
   // Change of the eliminated internal state, see springnet_internal_change; both outputs may be null.
   void change_internal(const double* right_side, const double* dp, const double* dv, double* change,
@@ -170,6 +183,50 @@ class Host {
   // A x = right_side, or A^T x = right_side, with the matrix factorised last; x may be right_side.
   void solve(const double* right_side, double* x) const { solve(right_side, x, 0); }
   void solve_transposed(const double* right_side, double* x) const { solve(right_side, x, 1); }
+
+  // What forces and accelerations are differentiated by; see springnet_parameter_set.
+  struct ParameterSet {
+    std::uint32_t kind;  // SPRINGNET_BY_REFERENCE ...
+    std::span<double> values;
+    const char* parameter = nullptr;  // its name
+    const char* component = nullptr;  // id of the law or neuron; null: any
+    bool of_elements = false;
+    std::uint32_t input = 0;
+  };
+  // Arrays of a product by parameters, see springnet_parameter_product; null: not wanted.
+  struct ParameterArrays {
+    double* force = nullptr;
+    double* acceleration = nullptr;
+    double* internal = nullptr;
+  };
+  // out = d(out)/d(values) values, summed over the sets.
+  void parameter_tangent(const springnet_evaluation& at, std::span<const ParameterSet> sets,
+                         const ParameterArrays& out) const {
+    need(SPRINGNET_HAS_FIELD(springnet_host, table_, parameter_tangent), "parameter_tangent");
+    parameter_product(table_->parameter_tangent, at, sets, out);
+  }
+  // values += (d(weighted)/d(values))^T weights; the weights are only read.
+  void parameter_cotangent(const springnet_evaluation& at, std::span<const ParameterSet> sets,
+                           const ParameterArrays& weights) const {
+    need(SPRINGNET_HAS_FIELD(springnet_host, table_, parameter_cotangent), "parameter_cotangent");
+    parameter_product(table_->parameter_cotangent, at, sets, weights);
+  }
+  // Of the value of an event: of a gap or of a margin of rupture. Arrays have 3 node_count numbers; null: not wanted.
+  // Adds derivatives by parameters to the values of sets; returns that by time.
+  double event_derivative(const springnet_evaluation& at, std::uint32_t event, double* by_position, double* by_velocity,
+                          std::span<const ParameterSet> sets = {}) const {
+    need(SPRINGNET_HAS_FIELD(springnet_host, table_, event_derivative), "event_derivative");
+    const Sets list(sets);
+    auto request = sized<springnet_event_derivative>();
+    request.event = event;
+    request.at = &at;
+    request.by_position = by_position;
+    request.by_velocity = by_velocity;
+    request.sets = list.pointers.data();
+    request.set_count = static_cast<std::uint32_t>(list.pointers.size());
+    check(table_->event_derivative(table_->context, &request));
+    return request.by_time;
+  }
 
   // `values` and `directions` (null: not wanted) have network().event_count entries.
   void event_values(const springnet_evaluation& at, double* values, std::int32_t* directions) const {
@@ -241,8 +298,10 @@ class Host {
   // The end of a sweep by itself; see plugin.h.
   void constrain(const springnet_sweep& sweep) const { check(table_->constrain(table_->context, &sweep)); }
   // values -= W G^T (G W G^T)^-1 G values; mobility: [node_count][3][3] 1/kg, or null: the neurons' own.
-  void project(const double* mobility, double* values) const {
+  // kind: 0, or SPRINGNET_TRANSPOSED, SPRINGNET_TRUE_FRICTION or both (then with a null mobility).
+  void project(const double* mobility, double* values, std::uint32_t kind = 0) const {
     auto request = sized<springnet_projection>();
+    request.kind = kind;
     request.mobility = mobility;
     request.values = values;
     check(table_->project(table_->context, &request));
@@ -356,6 +415,40 @@ class Host {
   }
 
  private:
+  // A function that came with ABI 2.1.
+  void need(bool has, const char* function) const {
+    if (!has) throw Failure(std::string(function) + " needs a host of ABI 2.1 or newer");
+  }
+  struct Sets {
+    explicit Sets(std::span<const ParameterSet> sets) {
+      for (const ParameterSet& each : sets) {
+        auto set = sized<springnet_parameter_set>();
+        set.kind = each.kind;
+        set.of_elements = each.of_elements ? 1 : 0;
+        set.input = each.input;
+        set.component = each.component;
+        set.parameter = each.parameter;
+        set.values = each.values.data();
+        values.push_back(set);
+      }
+      for (const springnet_parameter_set& set : values) pointers.push_back(&set);
+    }
+    std::vector<springnet_parameter_set> values;
+    std::vector<const springnet_parameter_set*> pointers;
+  };
+  void parameter_product(springnet_status (*function)(void*, const springnet_parameter_product*),
+                         const springnet_evaluation& at, std::span<const ParameterSet> sets,
+                         const ParameterArrays& arrays) const {
+    const Sets list(sets);
+    auto request = sized<springnet_parameter_product>();
+    request.set_count = static_cast<std::uint32_t>(list.pointers.size());
+    request.at = &at;
+    request.sets = list.pointers.data();
+    request.force = arrays.force;
+    request.acceleration = arrays.acceleration;
+    request.internal = arrays.internal;
+    check(function(table_->context, &request));
+  }
   [[nodiscard]] const springnet_network& query_network(bool with_neighbours) const {
     auto query = sized<springnet_network_query>();
     query.with_neighbours = with_neighbours ? 1 : 0;

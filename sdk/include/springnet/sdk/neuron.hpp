@@ -16,6 +16,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <type_traits>
+#include <utility>
 
 #include <springnet/sdk/component.hpp>
 #include <springnet/sdk/kernel.hpp>
@@ -52,12 +53,14 @@ struct Node {
   Vector<Real> position;  // m
   Vector<Real> velocity;  // m/s
   Real mass;              // kg
-  double time;            // s
+  Real time;              // s
 };
 
 template <class Model>
 class NeuronKernel {
   static constexpr std::size_t P = parameters_of<Model>().size();
+  // Mass, time, parameters; so many derivatives are found by one evaluation.
+  static constexpr std::size_t scalars = 2 + P, scalars_at_a_time = 4;
 
  public:
   struct Call {
@@ -68,11 +71,13 @@ class NeuronKernel {
   SPRINGNET_INLINE static void run(const Call& call) {
     const springnet_neuron_batch& b = *call.batch;
     const detail::Streams<P> streams(b.parameters, b.parameter_strides, b.count);
+    const std::array<double*, scalars> by_scalars = wanted_scalars(b);
     for (std::uint32_t begin = 0; begin < b.count; begin += detail::chunk_size) {
       Chunk chunk{};
       chunk.begin = begin;
       chunk.count = std::min(detail::chunk_size, b.count - begin);
       for (std::size_t j = 0; j < P; ++j) chunk.parameters[j] = streams.at(j, begin);
+      chunk.by_scalars = by_scalars;
       if (streams.uniform()) {
         evaluate<true>(*call.model, b, chunk);
       } else {
@@ -85,8 +90,20 @@ class NeuronKernel {
   struct Chunk {
     std::uint32_t begin, count;
     std::array<const double*, P> parameters;
+    std::array<double*, scalars> by_scalars;  // [node of the batch][3], or null
   };
   enum class By { force, position, velocity };
+
+  // Where the derivatives by mass, time and parameters go; a host of ABI 2.0 does not ask for any.
+  SPRINGNET_INLINE static std::array<double*, scalars> wanted_scalars(const springnet_neuron_batch& b) {
+    std::array<double*, scalars> result{};
+    if (!SPRINGNET_HAS_FIELD(springnet_neuron_batch, &b, acceleration_by_parameters)) return result;
+    result[0] = b.acceleration_by_mass;
+    result[1] = b.acceleration_by_time;
+    for (std::size_t j = 0; b.acceleration_by_parameters != nullptr && j < P; ++j)
+      result[2 + j] = b.acceleration_by_parameters[j];
+    return result;
+  }
 
   template <class Real>
   SPRINGNET_INLINE static Vector<Real> load(const springnet_const_vectors& v, std::size_t i) {
@@ -151,12 +168,54 @@ class NeuronKernel {
     }
   }
 
+  // The scalar with a number: mass, time, parameters.
+  template <std::size_t number, class Real>
+  SPRINGNET_INLINE static Real& scalar(Node<Real>& node, std::array<Real, P>& parameters) {
+    if constexpr (number == 0)
+      return node.mass;
+    else if constexpr (number == 1)
+      return node.time;
+    else
+      return parameters[number - 2];
+  }
+  // out[node][row] = d a_row / d scalar for some scalars from number `first` on, if any of them is wanted.
+  template <std::size_t first, bool uniform, std::size_t... j>
+  SPRINGNET_INLINE static void by_scalars(const Model& model, const springnet_neuron_batch& b, const Chunk& c,
+                                          std::index_sequence<j...>) {
+    using Real = Dual<sizeof...(j)>;
+    if (!(false || ... || (c.by_scalars[first + j] != nullptr))) return;
+    for (std::uint32_t i = 0; i < c.count; ++i) {
+      const std::uint32_t k = c.begin + i;
+      Node<Real> node = node_at<Real>(b, k);
+      auto own = parameters_at<Real, uniform>(c, i);
+      ((scalar<first + j>(node, own).derivatives[j] = 1.0), ...);
+      const Vector<Real> a = model.acceleration(node, Parameters<Real>(own.data()));
+      const auto store = [&](double* out, std::size_t column) {
+        if (out == nullptr) return;
+        double* const three = out + 3 * std::size_t{k};
+        three[0] = a.x.derivatives[column];
+        three[1] = a.y.derivatives[column];
+        three[2] = a.z.derivatives[column];
+      };
+      (store(c.by_scalars[first + j], j), ...);
+    }
+  }
+  template <bool uniform, std::size_t... group>
+  SPRINGNET_INLINE static void by_all_scalars(const Model& model, const springnet_neuron_batch& b, const Chunk& c,
+                                              std::index_sequence<group...>) {
+    (by_scalars<group * scalars_at_a_time, uniform>(
+         model, b, c, std::make_index_sequence<std::min(scalars_at_a_time, scalars - group * scalars_at_a_time)>{}),
+     ...);
+  }
+
   template <bool uniform>
   SPRINGNET_INLINE static void evaluate(const Model& model, const springnet_neuron_batch& b, const Chunk& c) {
     if (b.acceleration.x != nullptr) accelerations<uniform>(model, b, c);
     if (b.acceleration_by_force != nullptr) block<By::force, uniform>(model, b, c, b.acceleration_by_force);
     if (b.acceleration_by_position != nullptr) block<By::position, uniform>(model, b, c, b.acceleration_by_position);
     if (b.acceleration_by_velocity != nullptr) block<By::velocity, uniform>(model, b, c, b.acceleration_by_velocity);
+    constexpr std::size_t groups = (scalars + scalars_at_a_time - 1) / scalars_at_a_time;
+    by_all_scalars<uniform>(model, b, c, std::make_index_sequence<groups>{});
   }
 };
 
@@ -171,7 +230,8 @@ struct NeuronGlue {
       "a neuron needs: static auto acceleration(const auto& n, const auto& p), which returns a Vector");
 
   static constexpr std::uint64_t capabilities =
-      SPRINGNET_HAS_DERIVATIVES | (Model::calling_thread_only ? SPRINGNET_CALLING_THREAD_ONLY : std::uint64_t{0});
+      SPRINGNET_HAS_DERIVATIVES | SPRINGNET_HAS_PARAMETER_DERIVATIVES |
+      (Model::calling_thread_only ? SPRINGNET_CALLING_THREAD_ONLY : std::uint64_t{0});
   static constexpr std::uint64_t needs = 0;
   static constexpr std::uint32_t needs_minor = 0;
 

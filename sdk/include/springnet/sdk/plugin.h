@@ -45,7 +45,7 @@ enum {
 /* What a component provides beyond its force (or acceleration). */
 #define SPRINGNET_HAS_ENERGY (UINT64_C(1) << 0)
 #define SPRINGNET_HAS_DERIVATIVES (UINT64_C(1) << 1) /* by q, its rate and states; of the states' rates; F, p, v */
-#define SPRINGNET_HAS_PARAMETER_DERIVATIVES (UINT64_C(1) << 2) /* by each parameter */
+#define SPRINGNET_HAS_PARAMETER_DERIVATIVES (UINT64_C(1) << 2) /* by each parameter; 2.1: neurons, by mass and time */
 #define SPRINGNET_HAS_RUPTURE (UINT64_C(1) << 3)         /* writes a margin; the element is removed once it is <= 0 */
 #define SPRINGNET_ACTS_IN_COMPRESSION (UINT64_C(1) << 4) /* pushes as well as pulls */
 #define SPRINGNET_READS_RATE (UINT64_C(1) << 5)          /* else the host does not compute the rate */

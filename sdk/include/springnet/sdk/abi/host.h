@@ -47,13 +47,30 @@ typedef struct springnet_linearisation {
   double elimination;
 } springnet_linearisation;
 
+/* 2.1: kinds of products and projections. */
+enum {
+  SPRINGNET_TRANSPOSED = 1u << 0, /* by the transposed matrix; of projections only */
+  /* Friction of nodes that slide follows their normal reaction, as in the motion itself: accelerations change by
+   * W (G^T - B) (multipliers), where B has the friction that a unit normal reaction causes. Without it normal reactions
+   * count as constant, as in the systems of implicit methods. */
+  SPRINGNET_TRUE_FRICTION = 1u << 1
+};
+
 /* out = da/dp dp + da/dv dv, 3 node_count numbers each, x of all nodes, then y, then z. */
 typedef struct springnet_jacobian_product {
   uint32_t struct_size;
-  uint32_t reserved;
+  uint32_t kind; /* 2.1: 0, or SPRINGNET_TRUE_FRICTION */
   const double *dp, *dv;
   double* out;
 } springnet_jacobian_product;
+
+/* 2.1: by_position = (da/dp)^T weights, by_velocity = (da/dv)^T weights; arrays as above. */
+typedef struct springnet_transposed_product {
+  uint32_t struct_size;
+  uint32_t kind; /* 0, or SPRINGNET_TRUE_FRICTION */
+  const double* weights;
+  double *by_position, *by_velocity; /* out; not `weights` */
+} springnet_transposed_product;
 
 /* The eliminated internal state, with r the right-hand side of its equations [internal_count]:
  * dz = (I - elimination dr/dz)^-1 (r + elimination (dr/dq dq + dr/dq' dq')). */
@@ -207,7 +224,7 @@ typedef struct springnet_user_note {
  * satisfy the constraints. */
 typedef struct springnet_projection {
   uint32_t struct_size;
-  uint32_t reserved;
+  uint32_t kind;          /* 2.1: SPRINGNET_TRANSPOSED | SPRINGNET_TRUE_FRICTION; 0: as described above */
   const double* mobility; /* [node_count][3][3] 1/kg; null: the neurons' own */
   double* values;
 } springnet_projection;
@@ -220,6 +237,59 @@ typedef struct springnet_state_projection {
   double time; /* s */
   springnet_vectors position, velocity;
 } springnet_state_projection;
+
+/* 2.1: what forces and accelerations are differentiated by. */
+enum {
+  SPRINGNET_BY_REFERENCE = 1,           /* reference values: rest lengths (m), or as the invariant */
+  SPRINGNET_BY_SPRING_PARAMETER = 2,    /* a parameter of spring functions */
+  SPRINGNET_BY_VISCOSITY_PARAMETER = 3, /* of viscosity functions */
+  SPRINGNET_BY_MASS = 4,                /* kg: neurons read it, and weights depend on it */
+  SPRINGNET_BY_NEURON_PARAMETER = 5,    /* a parameter of neurons */
+  SPRINGNET_BY_INPUT = 6,               /* the value of one of the network's input signals, now */
+  SPRINGNET_BY_TIME = 7                 /* s: that laws and neurons read; signals and loads stay as they are */
+};
+
+/* Scalars of one kind, one for each of these: springs, elements (by their numbers in the network, removed ones
+ * included), nodes (the engine's numbers), or a single one for an input signal and the time. */
+typedef struct springnet_parameter_set {
+  uint32_t struct_size;
+  uint32_t kind;         /* SPRINGNET_BY_REFERENCE … */
+  uint32_t of_elements;  /* 1: of elements in place of springs */
+  uint32_t input;        /* number of the signal: in the order in which the network has them */
+  const char* component; /* id of the law or neuron; null: of all that have a parameter of this name */
+  const char* parameter; /* its name */
+  /* A tangent reads the direction, a cotangent adds its answers; what has no such parameter, or was removed, is left
+   * alone. */
+  double* values;
+} springnet_parameter_set;
+
+/* Derivatives of net forces F, accelerations a and internal states by parameters, at a state that is held. Internal
+ * states are held, too, and what is differentiated is their rates; or, with a time step (springnet_internal), it is the
+ * states at its end, which forces follow: then all derivatives are total ones of the step. Arrays `force` and
+ * `acceleration` have 3 node_count numbers, x of all nodes, then y, then z, `internal` has internal_count; null: not
+ * wanted, or no weights.
+ * Tangent: force = sum_sets dF/d(values) values, the others likewise. Cotangent: values += (dF/d(values))^T force +
+ * (da/d(values))^T acceleration + … . Accelerations are those of the constrained motion. */
+typedef struct springnet_parameter_product {
+  uint32_t struct_size;
+  uint32_t set_count;
+  const springnet_evaluation* at; /* the state; no outputs */
+  const springnet_parameter_set* const* sets;
+  double *force, *acceleration, *internal; /* tangent: out; cotangent: read */
+} springnet_parameter_product;
+
+/* 2.1: derivatives of one event function at a state, of those that depend on no force: gaps of touches, and margins of
+ * ruptures with internal states as for springnet_parameter_product. SPRINGNET_FAILED for others. */
+typedef struct springnet_event_derivative {
+  uint32_t struct_size;
+  uint32_t event; /* its number in event_values */
+  const springnet_evaluation* at;
+  double *by_position, *by_velocity;          /* out: [3 node_count], x of all nodes first; null: not wanted */
+  const springnet_parameter_set* const* sets; /* values += d(value)/d(values) */
+  uint32_t set_count;
+  uint32_t reserved;
+  double by_time; /* out: 1/s times the unit of the value, as obstacles move and laws read the time */
+} springnet_event_derivative;
 
 typedef struct springnet_deadline {
   uint32_t struct_size;
@@ -295,6 +365,15 @@ typedef struct springnet_host {
   /* Wall time left until the present `advance` should end. Past it a method commits the best it has, with the outcome
    * SPRINGNET_OUT_OF_TIME. solve_system ends soon after the deadline, with SPRINGNET_STALLED and an x on the way. */
   springnet_status (*deadline)(void* context, springnet_deadline* deadline);
+
+  /* 2.1 */
+  /* jacobian_times by the transposed matrices. */
+  springnet_status (*jacobian_transposed_times)(void* context, const springnet_transposed_product* product);
+  /* Derivatives by parameters, times a direction, and weighted derivatives by them. Independent of `linearise`. They
+   * need laws and neurons that give them: SPRINGNET_FAILED with a message that names one that does not. */
+  springnet_status (*parameter_tangent)(void* context, const springnet_parameter_product* product);
+  springnet_status (*parameter_cotangent)(void* context, const springnet_parameter_product* product);
+  springnet_status (*event_derivative)(void* context, springnet_event_derivative* derivative);
 } springnet_host;
 
 #ifdef __cplusplus

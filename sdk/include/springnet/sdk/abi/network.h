@@ -88,6 +88,9 @@ typedef struct springnet_network {
   uint64_t connection_revision; /* increases with `revision` when neighbours change; from 1 on */
   const springnet_internal_range* const* internal_ranges; /* [internal_range_count] they cover the internal state */
   uint64_t internal_range_count;
+  /* 2.1: springs, elements and input signals that the network was made with, removed ones included: the lengths of
+   * arrays by their numbers (springnet_parameter_set). */
+  uint64_t spring_number_count, element_number_count, input_count;
 } springnet_network;
 
 /* Evaluation of the layers at a state: springs, loads, neurons. Outputs that are not wanted are null (all three

@@ -26,6 +26,10 @@ typedef struct springnet_neuron_batch {
   double* acceleration_by_position;  /* [count][3][3] 1/s^2 */
   double* acceleration_by_velocity;  /* [count][3][3] 1/s */
   springnet_message* message;
+  /* 2.1, of neurons with SPRINGNET_HAS_PARAMETER_DERIVATIVES: three consecutive numbers a node, or null. */
+  double* acceleration_by_mass;              /* [count][3] m/(s^2 kg) */
+  double* acceleration_by_time;              /* [count][3] m/s^3, where the formula itself reads the time */
+  double* const* acceleration_by_parameters; /* [parameter_count], each [count][3] or null; null: none is wanted */
 } springnet_neuron_batch;
 
 typedef struct springnet_neuron_model {

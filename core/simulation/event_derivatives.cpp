@@ -1,0 +1,206 @@
+#include "simulation/event_derivatives.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <limits>
+#include <memory>
+#include <vector>
+
+#include <springnet/error.hpp>
+
+#include "constraints/vectors.hpp"
+#include "layers/elements/queries.hpp"
+#include "layers/springs/queries.hpp"
+#include "plugin_host/call.hpp"
+#include "simulation/parameter_model.hpp"
+
+namespace springnet {
+namespace {
+
+using layers::Law;
+using layers::LawOutputs;
+using layers::PairOutputs;
+
+// The margin of one law of a spring or element and its derivatives; a law that cannot rupture has an infinite one.
+class Margin {
+ public:
+  Margin(const Law& law, const layers::SetsOfGroup::OfLaw& sets, const layers::InternalView& internal)
+      : law_(law), sets_(sets), by_slots_(sets.slots.size(), 0.0) {
+    if (!law.can(SPRINGNET_HAS_RUPTURE)) return;
+    if (!law.can(SPRINGNET_HAS_ALL_DERIVATIVES))
+      throw Error(ErrorKind::plugin,
+                  fmt::format("{} does not give the derivatives of its rupture margin; build it with an SDK of ABI 2.1 "
+                              "or newer",
+                              full_name(*law.component)));
+    const sdk::JacobianLayout jacobian = layers::jacobian_of(law);
+    const std::size_t columns = jacobian.columns(layers::steps_states(law, &internal));
+    pointers_.assign(jacobian.rows() * columns, nullptr);
+    double** const row = pointers_.data() + jacobian.margin() * columns;
+    row[jacobian.value()] = &by_q;
+    if (law.reads_rate) row[jacobian.rate()] = &by_rate;
+    if (law.can(SPRINGNET_READS_TIME)) row[jacobian.time()] = &by_time;
+    for (std::size_t i = 0; i < by_slots_.size(); ++i) {
+      double*& place = row[sets.slots[i].column];
+      if (place == nullptr) place = &by_slots_[i];
+    }
+  }
+  [[nodiscard]] LawOutputs outputs() {
+    LawOutputs out{};
+    if (pointers_.empty()) return out;
+    out.margin = &value;
+    out.derivatives = pointers_.data();
+    return out;
+  }
+  [[nodiscard]] bool is_relative() const noexcept { return law_.relative; }
+  // Adds its derivatives by sets, of a member of the group in this row.
+  void add_to(const layers::ResolvedSets& all, const layers::Group& group, std::uint32_t row,
+              std::uint32_t member) const {
+    for (const layers::SetsOfGroup::Entry& entry : sets_.entries) {
+      const layers::ParameterSet& set = all.sets()[entry.set];
+      if (set.kind == layers::ParameterSet::Kind::input &&
+          static_cast<std::uint32_t>(group.columns[entry.signal_column][row]) != set.input)
+        continue;
+      const bool is_time = set.kind == layers::ParameterSet::Kind::time;  // asked for in any case
+      set.values[set.is_one() ? 0 : member] += is_time ? by_time : by_slots_[entry.slot];
+    }
+  }
+
+  double value = std::numeric_limits<double>::infinity();
+  double by_q = 0.0, by_rate = 0.0, by_time = 0.0;
+
+ private:
+  const Law& law_;
+  const layers::SetsOfGroup::OfLaw& sets_;
+  std::vector<double> by_slots_;
+  std::vector<double*> pointers_;
+};
+
+// Writes the answer, node by node.
+class Answer {
+ public:
+  Answer(springnet_event_derivative& request, std::size_t n) : request_(request), n_(n) {
+    request.by_time = 0.0;
+    for (double* const array : {request.by_position, request.by_velocity})
+      if (array != nullptr) std::fill_n(array, 3 * n, 0.0);
+  }
+  void add(std::uint32_t node, const Vector3& by_position, const Vector3& by_velocity) {
+    add(request_.by_position, node, by_position);
+    add(request_.by_velocity, node, by_velocity);
+  }
+  void set_time(double by_time) { request_.by_time = by_time; }
+
+ private:
+  void add(double* values, std::uint32_t node, const Vector3& change) const {
+    for (std::size_t c = 0; values != nullptr && c < 3; ++c)
+      values[c * n_ + node] += change[static_cast<Eigen::Index>(c)];
+  }
+  springnet_event_derivative& request_;
+  std::size_t n_;
+};
+
+springnet_status of_spring(Model& model, std::uint32_t spring, double time, const layers::NodeArrays& nodes,
+                           const layers::ResolvedSets& sets, Answer& answer) {
+  const layers::Group& group = model.layout.group_of(spring);
+  const layers::SetsOfGroup& wanted = sets.of(model.layout.laws().group[spring], false);
+  Margin margins[2] = {{group.spring, wanted.laws[0], *nodes.internal},
+                       {group.viscosity, wanted.laws[1], *nodes.internal}};
+  const auto geometry = std::make_unique<layers::SegmentGeometry>();
+  const springnet_status status = layers::evaluate_springs(
+      model.layout, model.evaluator.instruction_set(), time, nodes, model.layout.laws().group[spring], &spring, 1,
+      *geometry, {margins[0].outputs(), margins[1].outputs()}, model.journal.message);
+  if (status != SPRINGNET_OK) return status;
+  const Margin& least = margins[margins[1].value < margins[0].value ? 1 : 0];
+  const Vector3 n(geometry->nx[0], geometry->ny[0], geometry->nz[0]);
+  const Vector3 s(geometry->sx[0], geometry->sy[0], geometry->sz[0]);
+  Vector3 by_position = Vector3::Zero(), by_velocity = Vector3::Zero();
+  if (least.is_relative()) {
+    by_velocity = least.by_q * s;
+  } else {
+    by_position = least.by_q * n;
+    if (geometry->length[0] > 0.0)
+      by_position += least.by_rate * (geometry->speed[0] * s - geometry->rate[0] * n) / geometry->length[0];
+    by_velocity = least.by_rate * n;
+  }
+  answer.add(model.layout.first(spring), by_position, by_velocity);
+  answer.add(model.layout.second(spring), -by_position, -by_velocity);
+  answer.set_time(least.by_time);
+  least.add_to(sets, group, model.layout.laws().row[spring], spring);
+  return status;
+}
+
+springnet_status of_element(Model& model, std::uint32_t element, double time, const layers::NodeArrays& nodes,
+                            const layers::ResolvedSets& sets, Answer& answer) {
+  const layers::ElementLayout& elements = model.layout.elements();
+  const layers::Group& group = model.layout.laws().groups[elements.group(element)];
+  const layers::SetsOfGroup& wanted = sets.of(elements.group(element), true);
+  Margin margins[2] = {{group.spring, wanted.laws[0], *nodes.internal},
+                       {group.viscosity, wanted.laws[1], *nodes.internal}};
+  const springnet_status status =
+      layers::evaluate_element(model.layout, model.evaluator.instruction_set(), time, nodes, element,
+                               layers::element_state(model.layout, nodes, element),
+                               {margins[0].outputs(), margins[1].outputs()}, model.journal.message);
+  if (status != SPRINGNET_OK) return status;
+  const Margin& least = margins[margins[1].value < margins[0].value ? 1 : 0];
+  const auto add = [&](std::uint32_t node, const Vector3& gradient, const Vector3& rate_gradient) {
+    answer.add(node, least.by_q * gradient + least.by_rate * rate_gradient, least.by_rate * gradient);
+  };
+  answer.set_time(least.by_time);
+  least.add_to(sets, group, elements.row(element), element);
+  if (elements.invariant(element) == Invariant::enclosed_volume) {
+    for (const layers::ElementLayout::EnclosureElement& enclosure : elements.enclosures()) {
+      if (enclosure.element != element) continue;
+      for (std::size_t place = 0; place < enclosure.shape.size(); ++place)
+        add(enclosure.shape.nodes()[place], enclosure.shape.gradient(place, nodes),
+            enclosure.shape.rate_gradient(place, nodes));
+    }
+    return status;
+  }
+  const std::span<const std::uint32_t> own = elements.nodes(element);
+  layers::Corners corners;
+  layers::FirstOrder first;
+  layers::SecondOrder second;
+  layers::gather(own.data(), own.size(), nodes, corners);
+  layers::first_order(elements.invariant(element), corners, first);
+  layers::second_order(elements.invariant(element), corners, second);
+  for (std::size_t i = 0; i < own.size(); ++i) add(own[i], first.gradient[i], second.rate_gradient[i]);
+  return status;
+}
+
+}  // namespace
+
+springnet_status find_event_derivative(Model& model, ContactEvents& events, Topology& topology,
+                                       springnet_event_derivative& request) {
+  using Kind = ContactEvents::Source::Kind;
+  const springnet_evaluation& at = *request.at;
+  const std::vector<ContactEvents::Source>& sources = events.sources();
+  const Topology::Rupturing& breaking = topology.rupturing();
+  if (request.event >= sources.size() + breaking.count())
+    throw Error(ErrorKind::plugin, fmt::format("event {} does not exist: the network has {}", request.event,
+                                               sources.size() + breaking.count()));
+  Answer answer(request, model.node_count());
+  if (request.event < sources.size()) {
+    const ContactEvents::Source& source = sources[request.event];
+    if (source.kind != Kind::touch)
+      throw Error(ErrorKind::plugin,
+                  fmt::format("event {} of node {} follows from forces or from the slip; derivatives are given of gaps "
+                              "and margins of rupture alone",
+                              request.event, model.user_number(source.index)));
+    const std::shared_ptr<const Placement> placement = model.placement(at.time);
+    const Vector3 p = vector_at(at.position, source.index);
+    const Vector3 n = model.contact.normal(*placement, source.surface, p);
+    answer.add(source.index, n, Vector3::Zero());
+    answer.set_time(-n.dot(Contact::velocity(*placement, source.surface, p)));
+    return SPRINGNET_OK;
+  }
+  layers::InternalView internal = model.internal_for(at.internal);
+  internal.next = internal.rates = nullptr;
+  const layers::NodeArrays nodes = node_arrays(at.position, at.velocity, internal);
+  const std::size_t i = request.event - sources.size();
+  const layers::ResolvedSets sets = resolve_sets(model.layout, request.sets, request.set_count, false);
+  return i < breaking.springs.size()
+             ? of_spring(model, breaking.springs[i], at.time, nodes, sets, answer)
+             : of_element(model, breaking.elements[i - breaking.springs.size()], at.time, nodes, sets, answer);
+}
+
+}  // namespace springnet
