@@ -606,6 +606,7 @@ std::vector<Case> all_cases() {
     at.internal = &little;
   });
   for (Case& each : short_requests()) cases.push_back(std::move(each));
+  for (Case& each : cases_2_1()) cases.push_back(std::move(each));
   return cases;
 }
 

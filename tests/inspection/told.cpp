@@ -87,6 +87,7 @@ TEST_CASE("every installed integrator tells its limit, the scene's first") {
   CHECK(found.limit("verlet").set_by->elastic_share + found.limit("verlet").set_by->viscous_share ==
         doctest::Approx(1.0 - 0.5 * h * 0.2).epsilon(5e-3));
   CHECK(found.limit("cvode").kind == Kind::none);
+  CHECK(found.limit("generalized_alpha").kind == Kind::none);
   CHECK_FALSE(found.limit("cvode").reason.empty());
   CHECK(found.limit("synchronous").integrator == "recurrent");
   CHECK(found.limit("synchronous").time_constant ==

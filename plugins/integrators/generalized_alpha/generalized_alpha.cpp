@@ -19,6 +19,7 @@
 #include <cstdint>
 #include <limits>
 #include <optional>
+#include <span>
 #include <string>
 #include <utility>
 #include <vector>
@@ -46,6 +47,8 @@ class Field {
   [[nodiscard]] double& operator[](std::size_t i) noexcept { return values_[i]; }
   [[nodiscard]] double operator[](std::size_t i) const noexcept { return values_[i]; }
   [[nodiscard]] std::size_t size() const noexcept { return values_.size(); }
+  [[nodiscard]] std::span<double> values() noexcept { return values_; }
+  [[nodiscard]] std::span<const double> values() const noexcept { return values_; }
   void clear() { std::fill(values_.begin(), values_.end(), 0.0); }
   operator springnet_vectors() noexcept { return {data(), data() + nodes_, data() + 2 * nodes_}; }
   operator springnet_const_vectors() const noexcept {
@@ -67,6 +70,7 @@ class GeneralizedAlpha : public Integrator {
       "Chung, Hulbert: A time integration algorithm for structural dynamics with improved numerical dissipation: the "
       "generalized-alpha method (J. Appl. Mech. 60, 1993)";
   static constexpr bool integrates_states = true;
+  static constexpr bool locates_events = true;
   static constexpr Parameter parameters[] = {
       number("spectral_radius", "1", "what a step leaves of motions much faster than it; 1: no damping")
           .preset(0.8)
@@ -148,12 +152,36 @@ class GeneralizedAlpha : public Integrator {
     }
   }
 
-  void forget() noexcept { kept_length_ = 0.0; }
+  void forget() noexcept { kept_length_ = last_end_ = last_start_ = 0.0; }
+  void save(const ByteSink& sink) const {
+    sink.put(kept_revision_ == host_.network().revision ? kept_length_ : 0.0);
+    sink.put(extrapolates_);
+    sink.put_all(kept_.values());
+  }
+  void restore(std::span<const std::byte> bytes) {
+    forget();
+    ByteSource source(bytes);
+    double length = 0.0;
+    source.get(length);
+    source.get(extrapolates_);
+    source.get_all(kept_.values());
+    if (!source.is_empty()) throw Failure("the memory is that of a larger network");
+    kept_length_ = length;
+    kept_revision_ = host_.network().revision;
+  }
+  // The commit has exchanged the memory of both ends.
+  void interpolate(double time, const springnet_vectors& position, const springnet_vectors& velocity) const {
+    if (!(last_start_ < last_end_ && time >= last_start_ && time <= last_end_))
+      throw Failure("no step that ended without an event includes that time");
+    const double h = last_end_ - last_start_;
+    between({*next_, host_.committed().state, h}, (time - last_start_) / h, position, velocity);
+  }
 
  private:
   // Solves the step for new_, and writes the state at its end to next_. False if a smaller step is needed.
   bool settle(double from, double to, springnet_step_report& report) {
     h_ = to - from;
+    last_start_ = last_end_ = 0.0;  // next_ is overwritten
     const bool starts = kept_revision_ != host_.network().revision || std::abs(kept_length_ - h_) > 1e-6 * h_;
     step_rule_ = starts ? Rule{0.0, rule_.alpha_f, 0.5, 1.0} : rule_;
     if (starts) kept_.clear();
@@ -353,6 +381,8 @@ class GeneralizedAlpha : public Integrator {
     host_.commit(to, *next_);
     kept_ = new_;
     kept_length_ = h_;
+    last_start_ = from;
+    last_end_ = to;
     return false;
   }
   springnet_internal states_until(double from, double time) const {
@@ -382,23 +412,29 @@ class GeneralizedAlpha : public Integrator {
     directions_.resize(values.size());
     host_.event_values(evaluation, values.data(), directions_.data());
   }
-  // The step's interpolation: cubic in the positions.
-  void interpolate(double from, double time, const springnet_vectors& position, const springnet_vectors& velocity) {
-    const springnet_state& now = host_.committed().state;
-    const double s = (time - from) / h_, r = 1.0 - s;
-    const auto p = components(now.position), v = components(now.velocity);
-    const auto q = components(next_->position), w = components(next_->velocity);
+  // The interpolation of a step: cubic in the positions; s from 0 to 1.
+  struct Ends {
+    const springnet_state &start, &end;
+    double length;  // s
+  };
+  void between(const Ends& ends, double s, const springnet_vectors& position, const springnet_vectors& velocity) const {
+    const double r = 1.0 - s, h = ends.length;
+    const auto p = components(ends.start.position), v = components(ends.start.velocity);
+    const auto q = components(ends.end.position), w = components(ends.end.velocity);
     const auto to_p = components(position), to_v = components(velocity);
     for (std::size_t c = 0; c < 3; ++c) {
       for (std::size_t k = 0; k < nodes_; ++k) {
         const double way = q[c][k] - p[c][k];
-        to_p[c][k] = p[c][k] + s * s * (3.0 - 2.0 * s) * way + h_ * s * r * (r * v[c][k] - s * w[c][k]);
-        to_v[c][k] = 6.0 * s * r * (way / h_) + r * (1.0 - 3.0 * s) * v[c][k] + s * (3.0 * s - 2.0) * w[c][k];
+        to_p[c][k] = p[c][k] + s * s * (3.0 - 2.0 * s) * way + h * s * r * (r * v[c][k] - s * w[c][k]);
+        to_v[c][k] = 6.0 * s * r * (way / h) + r * (1.0 - 3.0 * s) * v[c][k] + s * (3.0 * s - 2.0) * w[c][k];
       }
     }
   }
+  void within(double from, double time, const springnet_vectors& position, const springnet_vectors& velocity) const {
+    between({host_.committed().state, *next_, h_}, (time - from) / h_, position, velocity);
+  }
   void find_state(double from, double time) {
-    interpolate(from, time, found_->position, found_->velocity);
+    within(from, time, found_->position, found_->velocity);
     found_->force_is_current = 0;
     step_states(from, time, *found_);
   }
@@ -455,7 +491,7 @@ class GeneralizedAlpha : public Integrator {
     if (network.surface_count > 0) {
       const auto impact = host_.time_of_impact(
           {from, to}, {from, time}, 1e-9 * network.length_scale,
-          [&](double at, const springnet_vectors& p, const springnet_vectors& v) { interpolate(from, at, p, v); });
+          [&](double at, const springnet_vectors& p, const springnet_vectors& v) { within(from, at, p, v); });
       touches = impact.has_value() && *impact < time;
       if (touches) time = *impact;
     }
@@ -541,6 +577,7 @@ class GeneralizedAlpha : public Integrator {
   double kept_length_ = 0.0;
   std::uint64_t kept_revision_ = 0;
   bool extrapolates_ = true;
+  double last_start_ = 0.0, last_end_ = 0.0;  // s, of the step that can be interpolated; equal: none
 
   double h_ = 0.0;   // s
   std::string why_;  // the last step did not converge

@@ -1,19 +1,11 @@
 // The generalized-alpha method, and its numbers, for tests.
 #pragma once
 
-#include <complex>
-
 #include <Eigen/Core>
 
 #include "nets.hpp"
 
 namespace springnet::testing {
-
-inline LawUse generalized_alpha(double spectral_radius, ParameterValues more = {}) {
-  more["spectral_radius"] = spectral_radius;
-  more.try_emplace("tolerance", 1e-12);
-  return {"generalized_alpha", std::move(more)};
-}
 
 // The map (p, h v, h^2 a) from one step to the next for x'' = -omega^2 x - 2 decay x', after Chung and Hulbert 1993.
 inline Eigen::Matrix3d amplification(double rho, double omega, double decay, double h) {
