@@ -320,7 +320,7 @@ class GeneralizedAlpha : public Integrator {
     return size;
   }
 
-  // The state at the end of the step by new_. Nodes that are fixed, moved or held are where they have to be.
+  // The state at the end of the step by new_. Nodes that are fixed or moved are where they have to be.
   void end_state() {
     const springnet_state& now = host_.committed().state;
     const auto p = components(now.position), v = components(now.velocity);
@@ -356,7 +356,7 @@ class GeneralizedAlpha : public Integrator {
     prescribed_.clear();
     const springnet_network& network = host_.network();
     for (std::uint32_t k = 0; k < nodes_; ++k)
-      if (network.fixed[k] != 0 || network.held[k] != 0) prescribed_.push_back({k, {}, {}});
+      if (network.fixed[k] != 0) prescribed_.push_back({k, {}, {}});
     if (prescribed_.empty()) return;
     const std::vector<Prescribed> nodes = std::move(prescribed_);
     prescribed_.clear();
