@@ -183,6 +183,37 @@ springnet_status ContactEvents::values(const springnet_evaluation& request, doub
                            values + all.size());
 }
 
+void ContactEvents::names(std::uint32_t* kinds, std::uint32_t* who, std::uint32_t* surfaces) {
+  constexpr std::uint32_t none = 0xffffffffu;
+  std::size_t place = 0;
+  const auto put = [&](std::uint32_t kind, std::uint32_t whose, std::uint32_t surface) {
+    if (kinds != nullptr) kinds[place] = kind;
+    if (who != nullptr) who[place] = whose;
+    if (surfaces != nullptr) surfaces[place] = surface;
+    ++place;
+  };
+  const auto kind_of = [](Kind kind) -> std::uint32_t {
+    switch (kind) {
+      case Kind::touch:
+        return SPRINGNET_EVENT_TOUCH;
+      case Kind::release:
+        return SPRINGNET_EVENT_RELEASE;
+      case Kind::slip:
+        return SPRINGNET_EVENT_SLIP;
+      case Kind::rest:
+        return SPRINGNET_EVENT_REST;
+      case Kind::seam:
+        return SPRINGNET_EVENT_SEAM;
+      default:
+        return SPRINGNET_EVENT_SLIP_CHANGE;
+    }
+  };
+  for (const Source& source : sources()) put(kind_of(source.kind), source.index, source.surface);
+  const Topology::Rupturing& breaking = topology_.rupturing();
+  for (const std::uint32_t spring : breaking.springs) put(SPRINGNET_EVENT_SPRING_RUPTURE, spring, none);
+  for (const std::uint32_t element : breaking.elements) put(SPRINGNET_EVENT_ELEMENT_RUPTURE, element, none);
+}
+
 bool ContactEvents::is_impacting(const Source& source, const Placement& at, const State& state,
                                  double tolerance) const {
   const Vector3 p = vector_at(state.view.position, source.index);

@@ -38,6 +38,8 @@ class ContactEvents {
   [[nodiscard]] std::size_t count() { return sources().size() + topology_.rupturing_count(); }
   // Values and directions of all of them, as in springnet_host::event_values.
   springnet_status values(const springnet_evaluation& at, double* values, std::int32_t* directions);
+  // What they are, as in springnet_event_values; null: not wanted.
+  void names(std::uint32_t* kinds, std::uint32_t* who, std::uint32_t* surfaces);
   // Carries out the events marked in `fired`, and touches within the contact tolerance; then evaluates the forces of
   // `state`.
   springnet_status fire(double time, State& state, const std::int32_t* fired);

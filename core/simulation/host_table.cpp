@@ -9,10 +9,9 @@
 #include <string>
 
 #include <springnet/error.hpp>
-#include <springnet/sdk/message.hpp>
 
-#include "profile/stage.hpp"
 #include "simulation/dominant.hpp"
+#include "simulation/host_calls.hpp"
 #include "simulation/event_derivatives.hpp"
 #include "simulation/parameter_model.hpp"
 #include "simulation/requests.hpp"
@@ -20,66 +19,7 @@
 namespace springnet {
 namespace {
 
-Engine& engine_of(void* context) { return *static_cast<Engine*>(context); }
-
-// Runs the action of one host function on behalf of an integrator.
-template <class Action>
-springnet_status guarded(void* context, const char* function, const Action& action) noexcept {
-  if (context == nullptr) return SPRINGNET_FAILED;
-  Engine& engine = engine_of(context);
-  const auto refuse = [&](const char* reason, bool misuse) noexcept {
-    try {
-      engine.calls().refuse(misuse ? fmt::format("springnet_host::{}: {}", function, reason) : std::string(reason),
-                            misuse);
-    } catch (const std::exception&) {
-      sdk::detail::write_message(&engine.model().journal.message, "out of memory");
-    }
-  };
-  try {
-    return action(engine);
-  } catch (const Error& error) {
-    refuse(error.what(), error.kind() == ErrorKind::plugin);
-  } catch (const std::exception& error) {
-    refuse(error.what(), false);
-  } catch (...) {
-    refuse("unknown failure in the host", false);
-  }
-  return SPRINGNET_FAILED;
-}
-
-// The same for functions that change the engine or use its buffers. Each is a stage of a profile, by its own name
-// unless another one is given.
-template <class Action>
-springnet_status outside_of_sweeps(void* context, const char* function, const char* stage_name,
-                                   const Action& action) noexcept {
-  return guarded(context, function, [&](Engine& engine) -> springnet_status {
-    engine.calls().require_no_callback();
-    const profile::Stage stage(stage_name);
-    return action(engine);
-  });
-}
-template <class Action>
-springnet_status outside_of_sweeps(void* context, const char* function, const Action& action) noexcept {
-  return outside_of_sweeps(context, function, function, action);
-}
-
-// The same for functions of the derivatives, which need a call of linearise first.
-template <class Action>
-springnet_status linearised(void* context, const char* function, const Action& action) noexcept {
-  return outside_of_sweeps(context, function, [&](Engine& engine) -> springnet_status {
-    if (!engine.linear().known()) throw Error(ErrorKind::plugin, "derivatives were asked for before linearise");
-    return action(engine);
-  });
-}
-
-// A request, which carries its own size; `last`: its last field in ABI 2.0.
-#define SPRINGNET_REQUEST(type, request, last) sized_request(request, #type, SPRINGNET_SIZE_TO(type, last))
-template <class Request>
-Request& sized_request(Request* request, const char* name, std::size_t min_size) {
-  if (request == nullptr) throw Error(ErrorKind::plugin, fmt::format("the {} is a null pointer", name));
-  require_size(request->struct_size, name, min_size);
-  return *request;
-}
+using namespace host_calls;
 
 // The bits of a request's kind, of which these are known.
 void require_kind(std::uint32_t kind, std::uint32_t known) {
@@ -244,6 +184,8 @@ springnet_status event_values(void* context, const springnet_event_values* reque
   return outside_of_sweeps(context, "event_values", "events", [&](Engine& engine) {
     const springnet_event_values& events = SPRINGNET_REQUEST(springnet_event_values, request, directions);
     if (engine.network_info().event_count > 0) require_array(events.values, "values");
+    if (SPRINGNET_HAS_FIELD(springnet_event_values, &events, surfaces))
+      engine.contact_events().names(events.kinds, events.who, events.surfaces);
     return engine.contact_events().values(checked(events.at), events.values, events.directions);
   });
 }
@@ -322,7 +264,6 @@ springnet_status linear_sweep(void* context, const springnet_sweep* request) {
     return engine.linear().sweep(checked_linear(request, engine.model().node_count()), engine.network_info());
   });
 }
-#undef SPRINGNET_REQUEST
 
 struct MapFailed {
   springnet_status status;
@@ -403,6 +344,7 @@ springnet_host make_host_table(Engine& engine) {
   host.parameter_tangent = parameter_tangent;
   host.parameter_cotangent = parameter_cotangent;
   host.event_derivative = event_derivative;
+  add_functions_2_1(host);
   return host;
 }
 

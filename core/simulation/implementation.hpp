@@ -5,6 +5,7 @@
 #include <cstdint>
 #include <memory>
 #include <new>
+#include <optional>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -61,6 +62,10 @@ struct Simulation::Impl {
   void create_integrator();
   void destroy_integrator() noexcept;
   void drop_history();
+  [[nodiscard]] std::string integrator_memory();
+  void set_integrator_memory(std::string_view memory);
+  [[nodiscard]] std::optional<Simulation::Between> between(double time);
+  void require_abilities() const;
   void advance(double until);
   [[nodiscard]] std::uint32_t engine_node(NodeIndex node) const {
     if (node >= engine.model().layout.node_count())

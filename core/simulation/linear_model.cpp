@@ -340,6 +340,37 @@ springnet_status LinearModel::solve_directly(springnet_linear_solve& request, co
   return SPRINGNET_OK;
 }
 
+springnet_status LinearModel::rows(springnet_system_rows& out) {
+  if (prepared_ == Prepared::nothing) {
+    set_message(model_.journal.message, "system_rows was called without a prepared system");
+    return SPRINGNET_FAILED;
+  }
+  if (prepared_ == Prepared::matrix_free)
+    if (const springnet_status status = assemble_kept(); status != SPRINGNET_OK) return status;
+  const layers::BlockArrays arrays = system_.arrays();
+  out.row_start = arrays.start;
+  out.columns = arrays.column;
+  out.blocks = arrays.values;
+  low_rank_start_.assign(1, 0);
+  low_rank_nodes_.clear();
+  low_rank_g_.clear();
+  low_rank_w_.clear();
+  for (const layers::BlockSystem::RankOne& term : system_.enclosures()) {
+    for (std::size_t i = 0; i < term.nodes.size(); ++i) {
+      low_rank_nodes_.push_back(term.nodes[i]);
+      low_rank_g_.insert(low_rank_g_.end(), term.g[i].data(), term.g[i].data() + 3);
+      low_rank_w_.insert(low_rank_w_.end(), term.w[i].data(), term.w[i].data() + 3);
+    }
+    low_rank_start_.push_back(low_rank_nodes_.size());
+  }
+  out.low_rank_count = static_cast<std::uint32_t>(low_rank_start_.size() - 1);
+  out.low_rank_start = low_rank_start_.data();
+  out.low_rank_nodes = low_rank_nodes_.data();
+  out.low_rank_g = low_rank_g_.data();
+  out.low_rank_w = low_rank_w_.data();
+  return SPRINGNET_OK;
+}
+
 springnet_status LinearModel::sweep(const springnet_sweep& request, const springnet_network& network) {
   const springnet_sweep sweep = complete(request);
   order_check_.check(sweep, network, model_.layout);

@@ -42,6 +42,8 @@ class LinearModel {
   // Assembles a system with the derivatives at hand, which is then kept; and solves it, see springnet_host.
   springnet_status prepare(const springnet_linear_system& request);
   springnet_status solve_prepared(springnet_linear_solve& request);
+  // The prepared system by rows, see springnet_system_rows.
+  springnet_status rows(springnet_system_rows& out);
   // A sweep of the linearised network in an order, see springnet_host::linear_sweep; `network.revision` shows changes
   // of its connections.
   springnet_status sweep(const springnet_sweep& request, const springnet_network& network);
@@ -113,6 +115,10 @@ class LinearModel {
   OrderCheck order_check_;
   std::vector<double> weights_of_free_;                   // of transposed_times
   std::vector<double> internal_change_, internal_force_;  // of change_internal
+  // Rank-one terms of `rows`, one after another.
+  std::vector<std::uint64_t> low_rank_start_;
+  std::vector<std::uint32_t> low_rank_nodes_;
+  std::vector<double> low_rank_g_, low_rank_w_;
 };
 
 }  // namespace springnet

@@ -36,6 +36,18 @@ std::string_view name_of(Outcome outcome) noexcept {
   return "unknown";
 }
 
+void Simulation::Impl::require_abilities() const {
+  const std::uint64_t abilities = component->description->capabilities;
+  const auto refuse = [&](const char* what) {
+    throw Error(ErrorKind::input, fmt::format("integrator '{}' does not handle {}, which this network has; use another "
+                                              "one, such as recurrent, verlet or generalized_alpha",
+                                              options.integrator.id, what));
+  };
+  if ((abilities & SPRINGNET_WITHOUT_CONTACT) != 0 && !engine.model().contact.obstacles().empty())
+    refuse("contact with planes and instruments");
+  if ((abilities & SPRINGNET_WITHOUT_RIGID) != 0 && engine.model().rigid.any()) refuse("rigid connections");
+}
+
 template <class Function>
 Simulation::Impl::Ending Simulation::Impl::call(const Function& function) {
   engine.model().journal.message.text[0] = '\0';
@@ -72,6 +84,7 @@ void Simulation::Impl::create_integrator() {
                 fmt::format("integrator '{}' does not integrate the internal state of laws, which laws of this network "
                             "have; use another one, such as recurrent, cvode or verlet",
                             options.integrator.id));
+  require_abilities();
   springnet_integrator_creation creation{sizeof creation, static_cast<std::uint32_t>(values.size()), &host,
                                          values.data(), nullptr};
   const springnet_integrator& functions = component->integrator();
@@ -122,6 +135,10 @@ void Simulation::Impl::advance(double until) {
   report.start_node = 0xffffffffu;
   report.position_error = std::numeric_limits<double>::quiet_NaN();
   engine.calls().begin_advance(until);
+  const struct Asked {
+    Deadline& deadline;
+    ~Asked() { deadline.forget_asking(); }
+  } asked{engine.model().deadline};
   Ending end = call([&] {
     const profile::Stage stage(component->description->id, profile::Kind::integrator);
     const springnet_advance request{sizeof request, 0, until, &report};
@@ -165,6 +182,67 @@ void Simulation::Impl::advance(double until) {
   if (!engine.model().journal.non_finite.empty() && text.find(engine.model().journal.non_finite) == std::string::npos)
     text += fmt::format("; {}", engine.model().journal.non_finite);
   throw Error(end.broken ? ErrorKind::plugin : ErrorKind::simulation, text);
+}
+
+namespace {
+
+// Begins the bytes: whose memory they are.
+std::string heading_of(const Component& component) {
+  return fmt::format("{}@{} {}\n", component.description->id, component.plugin->id, component.plugin->version);
+}
+
+}  // namespace
+
+std::string Simulation::Impl::integrator_memory() {
+  const springnet_integrator& functions = component->integrator();
+  if (!SPRINGNET_HAS_FIELD(springnet_integrator, &functions, save) || functions.save == nullptr) return {};
+  std::string memory = heading_of(*component);
+  springnet_byte_sink sink{sizeof sink, 0, &memory, [](void* context, const void* bytes, std::uint64_t count) {
+                             try {
+                               static_cast<std::string*>(context)->append(static_cast<const char*>(bytes), count);
+                               return springnet_status{SPRINGNET_OK};
+                             } catch (const std::exception&) {
+                               return springnet_status{SPRINGNET_FAILED};
+                             }
+                           }};
+  const Ending end = call([&] { return functions.save(integrator, &sink); });
+  if (end.status != SPRINGNET_OK) throw Error(ErrorKind::plugin, end.broken ? end.text : broken_by(end.text));
+  return memory;
+}
+
+void Simulation::Impl::set_integrator_memory(std::string_view memory) {
+  drop_history();
+  const springnet_integrator& functions = component->integrator();
+  const std::string heading = heading_of(*component);
+  if (!SPRINGNET_HAS_FIELD(springnet_integrator, &functions, restore) || functions.restore == nullptr)
+    throw Error(ErrorKind::input, fmt::format("integrator '{}' takes up no memory", options.integrator.id));
+  if (!memory.starts_with(heading))
+    throw Error(ErrorKind::input,
+                fmt::format("the memory is not of integrator {}", heading.substr(0, heading.size() - 1)));
+  memory.remove_prefix(heading.size());
+  const springnet_bytes bytes{sizeof bytes, 0, memory.data(), memory.size()};
+  const Ending end = call([&] { return functions.restore(integrator, &bytes); });
+  if (end.status == SPRINGNET_OK) return;
+  drop_history();
+  if (end.broken) throw Error(ErrorKind::plugin, end.text);
+  throw Error(ErrorKind::input, fmt::format("integrator '{}': {}", options.integrator.id, end.text));
+}
+
+std::optional<Simulation::Between> Simulation::Impl::between(double time) {
+  const springnet_integrator& functions = component->integrator();
+  if (!SPRINGNET_HAS_FIELD(springnet_integrator, &functions, interpolate) || functions.interpolate == nullptr)
+    return {};
+  const auto n = static_cast<Eigen::Index>(engine.model().node_count());
+  Eigen::Matrix<double, Eigen::Dynamic, 3> p(n, 3), v(n, 3);
+  springnet_dense_output output{};
+  output.struct_size = sizeof output;
+  output.time = time;
+  output.position = {p.col(0).data(), p.col(1).data(), p.col(2).data()};
+  output.velocity = {v.col(0).data(), v.col(1).data(), v.col(2).data()};
+  const Ending end = call([&] { return functions.interpolate(integrator, &output); });
+  if (end.broken) throw Error(ErrorKind::plugin, end.text);
+  if (end.status != SPRINGNET_OK) return {};
+  return Between{p.transpose(), v.transpose()};
 }
 
 Simulation::Simulation(const Network& network, std::shared_ptr<const PluginHost> plugins,
@@ -231,5 +309,11 @@ const StepReport& Simulation::advance_to(double until) {
 }
 
 void Simulation::drop_history() { impl_->between_steps().drop_history(); }
+std::string Simulation::integrator_memory() { return impl_->between_steps().integrator_memory(); }
+void Simulation::set_integrator_memory(std::string_view memory) {
+  impl_->between_steps().set_integrator_memory(memory);
+}
+std::optional<Simulation::Between> Simulation::between(double time) { return impl_->between_steps().between(time); }
+void Simulation::ask_to_stop() noexcept { impl_->engine.model().deadline.ask_to_stop(); }
 
 }  // namespace springnet

@@ -47,7 +47,7 @@ struct Capability {
   std::uint64_t bit;
   const char* text;
 };
-constexpr std::array<Capability, 14> capabilities{
+constexpr std::array<Capability, 19> capabilities{
     {{SPRINGNET_HAS_ENERGY, "energy"},
      {SPRINGNET_HAS_DERIVATIVES, "derivatives"},
      {SPRINGNET_HAS_PARAMETER_DERIVATIVES, "derivatives with respect to parameters"},
@@ -55,6 +55,11 @@ constexpr std::array<Capability, 14> capabilities{
      {SPRINGNET_ACTS_IN_COMPRESSION, "acts in compression"},
      {SPRINGNET_READS_RATE, "reads the rate"},
      {SPRINGNET_INTEGRATES_STATES, "integrates the internal state of laws"},
+     {SPRINGNET_LOCATES_EVENTS, "locates events in time"},
+     {SPRINGNET_CHOOSES_STEPS, "chooses its steps"},
+     {SPRINGNET_HAS_DENSE_OUTPUT, "dense output"},
+     {SPRINGNET_WITHOUT_CONTACT, "without contact"},
+     {SPRINGNET_WITHOUT_RIGID, "without rigid connections"},
      {SPRINGNET_MONOTONE, "monotone"},
      {SPRINGNET_NOT_ZERO_AT_REST, "not zero at rest"},
      {SPRINGNET_ADDS_POWER, "adds power"},

@@ -226,6 +226,7 @@ std::vector<Method> methods() {
   all.push_back({"`cvode`, `bdf`", cvode(1e-6)});
   all.push_back({"`cvode`, `adams`", cvode(1e-6, {{"method", 1}})});
   all.push_back({"`verlet`", {"verlet", {}}});
+  all.push_back({"`generalized_alpha`", {"generalized_alpha", {}}});
   return all;
 }
 

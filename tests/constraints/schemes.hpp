@@ -29,6 +29,7 @@ inline std::vector<Scheme> stepping_schemes(double force_tolerance) {
     }
   }
   schemes.push_back({"verlet", {"verlet", {}}, 2.0});
+  schemes.push_back({"generalized_alpha", generalized_alpha(), 2.0});
   return schemes;
 }
 inline std::vector<Scheme> reference_schemes() {

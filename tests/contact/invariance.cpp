@@ -117,6 +117,7 @@ TEST_CASE("contact looks the same turned, mirrored, and in other units") {
       std::vector<Scheme> schemes = {{"newton, theta 1/2", {}, 2.0},
                                      {"wavefront, theta 1", {}, 1.0},
                                      {"verlet", {"verlet", {}}, 2.0},
+                                     {"generalized_alpha", generalized_alpha(), 2.0},
                                      {"bdf", cvode(1e-11), 0.0}};
       for (const Scheme& scheme : schemes) {
         INFO(example.name << ", " << view.name << ": " << scheme.name);

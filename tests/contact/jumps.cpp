@@ -67,7 +67,7 @@ TEST_CASE("a jump of a moved node gives impulses to the nodes joined to it, to o
   for (const Jump& jump : jumps()) {
     const Network net = pulled(jump.jump, jump.floor);
     for (const LawUse& integrator : {cvode(1e-10), recurrent(newton, 1e-11), recurrent(newton, 1e-11, {{"theta", 0.5}}),
-                                     recurrent(newton, 1e-11, {{"events", 1.0}}), LawUse{"verlet", {}}}) {
+                                     recurrent(newton, 1e-11, {{"events", 1.0}}), LawUse{"verlet", {}}, generalized_alpha()}) {
       INFO(jump.name << ", " << integrator.id);
       constexpr double step = 1e-3;
       Simulation s = simulate(net, integrator, step);
@@ -90,7 +90,7 @@ TEST_CASE("a jump of a moved node gives impulses to the nodes joined to it, to o
 }
 
 TEST_CASE("a node that a program moves from one moment to the next has the impulse of that") {
-  for (const LawUse& integrator : {cvode(1e-10), recurrent(newton, 1e-11), LawUse{"verlet", {}}}) {
+  for (const LawUse& integrator : {cvode(1e-10), recurrent(newton, 1e-11), LawUse{"verlet", {}}, generalized_alpha()}) {
     INFO(integrator.id);
     const Vector3 target(0.02, 0, 1.01);
     Simulation s = simulate(pulled(Vector3::Zero(), false), integrator, 0.001);

@@ -39,7 +39,7 @@ TEST_CASE("rigid bodies that tumble onto surfaces do not stop the network") {
 }
 
 TEST_CASE("no obstacle pulls at rigid bodies that tumble, by a force or by an impulse") {
-  std::vector<Scheme> schemes = {{"verlet", {"verlet", {}}, 2.0}};
+  std::vector<Scheme> schemes = {{"verlet", {"verlet", {}}, 2.0}, {"generalized_alpha", generalized_alpha(), 2.0}};
   for (const double theta : {1.0, 0.5})
     for (const double events : {0.0, 1.0})
       schemes.push_back({"theta " + std::to_string(theta) + ", events " + std::to_string(events),

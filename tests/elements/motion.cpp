@@ -196,7 +196,7 @@ TEST_CASE("a straight chain with damped angles that is struck sideways keeps its
   const double until = 1.0;
   Simulation reference = simulate(net, cvode(1e-10), until);
   reference.step();
-  for (const LawUse& method : {recurrent(newton, 1e-12, {{"theta", 0.5}}), LawUse{"verlet", {}}}) {
+  for (const LawUse& method : {recurrent(newton, 1e-12, {{"theta", 0.5}}), LawUse{"verlet", {}}, generalized_alpha()}) {
     CAPTURE(method.id);
     double error[2];
     for (int i = 0; i < 2; ++i) {

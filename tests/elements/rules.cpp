@@ -93,6 +93,7 @@ TEST_CASE("first and second order against CVODE") {
   // Up to the next order in the step.
   CHECK(ratio(recurrent(newton, 1e-11), 0.001) == doctest::Approx(2.0).epsilon(0.1));
   CHECK(ratio(recurrent(block, 1e-11, {{"theta", 0.5}}), 0.002) == doctest::Approx(4.0).epsilon(0.1));
+  CHECK(ratio(generalized_alpha(), 0.001) == doctest::Approx(4.0).epsilon(0.15));
   CHECK(ratio({"verlet", {}}, 0.001) > 1.8);  // first order at least: forces depend on velocities
 }
 

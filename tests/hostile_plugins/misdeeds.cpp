@@ -687,6 +687,7 @@ std::vector<Case> all_cases() {
   });
   for (Case& each : short_requests()) cases.push_back(std::move(each));
   for (Case& each : all_parameter_products()) cases.push_back(std::move(each));
+  for (Case& each : cases_2_1()) cases.push_back(std::move(each));
   return cases;
 }
 

@@ -162,5 +162,7 @@ struct Case {
 };
 
 std::vector<Case> all_cases();
+// Those of the functions that came with ABI 2.1.
+std::vector<Case> cases_2_1();
 
 }  // namespace springnet::testing

@@ -26,7 +26,7 @@ Network driven(const Signal& signal, const char* name = "drive") {
 TEST_CASE("a program that sets a signal step by step gets the motion of a signal that holds") {
   const std::vector<double> times{0, 0.1, 0.25, 0.4}, values{3, -4, 1, 8};
   for (const LawUse& method : {recurrent(newton, 1e-12), recurrent(wavefront, 1e-12, {{"theta", 0.5}}), single_sweep(),
-                               LawUse{"verlet", {}}, cvode(1e-9)}) {
+                               LawUse{"verlet", {}}, generalized_alpha(), cvode(1e-9)}) {
     CAPTURE(method.id);
     Simulation told = simulate_with_inputs(driven(constant(0)), method, 0.05);
     Simulation known = simulate_with_inputs(driven(table(times, values, Signal::Interpolation::hold)), method, 0.05);

@@ -30,9 +30,9 @@ springnet_status advance(void*, const springnet_advance*) { return SPRINGNET_FAI
 springnet_status limits(void*, const springnet_limits* sink) { return told(*sink); }
 
 constexpr springnet_integrator functions{
-    sizeof(springnet_integrator), 0, nullptr, create, destroy, advance, limits, nullptr};
+    sizeof(springnet_integrator), 0, nullptr, create, destroy, advance, limits, nullptr, nullptr, nullptr, nullptr};
 constexpr springnet_integrator functions_without{
-    sizeof(springnet_integrator), 0, nullptr, create, destroy, advance, nullptr, nullptr};
+    sizeof(springnet_integrator), 0, nullptr, create, destroy, advance, nullptr, nullptr, nullptr, nullptr, nullptr};
 constexpr springnet_component teller{
     sizeof(springnet_component), SPRINGNET_INTEGRATOR, "teller", "", "", 0, 0, 0, 0, nullptr, &functions};
 constexpr springnet_component silent{
@@ -87,6 +87,7 @@ TEST_CASE("every installed integrator tells its limit, the scene's first") {
   CHECK(found.limit("verlet").set_by->elastic_share + found.limit("verlet").set_by->viscous_share ==
         doctest::Approx(1.0 - 0.5 * h * 0.2).epsilon(5e-3));
   CHECK(found.limit("cvode").kind == Kind::none);
+  CHECK(found.limit("generalized_alpha").kind == Kind::none);
   CHECK_FALSE(found.limit("cvode").reason.empty());
   CHECK(found.limit("synchronous").integrator == "recurrent");
   CHECK(found.limit("synchronous").time_constant ==

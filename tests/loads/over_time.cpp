@@ -128,6 +128,7 @@ TEST_CASE("orders of convergence hold under a load that changes continuously") {
   CHECK(ratio(recurrent(newton, 1e-13), 0.005) == doctest::Approx(2.0).epsilon(0.1));
   CHECK(ratio(recurrent(newton, 1e-13, {{"theta", 0.5}}), 0.02) == doctest::Approx(4.0).epsilon(0.1));
   CHECK(ratio({"verlet", {}}, 0.01) == doctest::Approx(4.0).epsilon(0.15));
+  CHECK(ratio(generalized_alpha(), 0.01) == doctest::Approx(4.0).epsilon(0.15));
 }
 
 TEST_CASE("a load that rises presses a node down, and one that swings lifts it again") {

@@ -194,6 +194,7 @@ TEST_CASE("after drop_history the steps are those of a new integrator, bit by bi
   CHECK(history_matters(net, with(cvode(1e-6), 0.01)));
   CHECK(history_matters(net, with(cvode(1e-6, {{"linear_solver", 2}}), 0.01)));
   history_matters(net, with({"verlet", {}}, 0.002));
+  CHECK(history_matters(net, with(testing::generalized_alpha(), 0.02)));
 }
 
 TEST_CASE("drop_history drops the estimate of the forces' rounding") {
@@ -229,6 +230,7 @@ TEST_CASE("after drop_history random nets go on as with a new integrator") {
       }
     }
     history_matters(net, with({"verlet", {{"substeps", 20}}}, 0.002));
+    history_matters(net, with(testing::generalized_alpha(), 0.002));
   }
   CHECK(mattered > 4);
 }

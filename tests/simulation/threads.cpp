@@ -83,6 +83,7 @@ const std::vector<Case>& cases() {
                                      {"newton", recurrent(newton, tolerance), 0.05},
                                      {"newton, theta 1/2", recurrent(newton, tolerance, {{"theta", 0.5}}), 0.05},
                                      {"verlet", {"verlet", {}}, 0.02},
+                                     {"generalized_alpha", testing::generalized_alpha(), 0.02},
                                      {"cvode", cvode(1e-4), 0.01}};
   return all;
 }

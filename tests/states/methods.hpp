@@ -19,6 +19,8 @@ inline constexpr double states_tolerance = 1e-10;  // relative, of the reference
 inline std::vector<StateMethod> state_methods(double force_tolerance) {
   std::vector<StateMethod> methods{{"single sweep", single_sweep(), 1},
                                    {"verlet", {"verlet", {}}, 2},
+                                   {"generalized_alpha", generalized_alpha(), 2},
+                                   {"generalized_alpha, 0", generalized_alpha(0.0), 2},
                                    {"bdf direct", cvode(states_tolerance, {{"linear_solver", 1}}), 0},
                                    {"bdf krylov", cvode(states_tolerance, {{"linear_solver", 2}}), 0},
                                    {"adams", cvode(states_tolerance, {{"method", 1}}), 0}};

@@ -51,6 +51,10 @@ inline Simulation simulate(const Network& network, const LawUse& integrator, dou
   return {network, plugins(), options};
 }
 
+inline LawUse generalized_alpha(double spectral_radius = 0.8) {
+  return {"generalized_alpha", {{"spectral_radius", spectral_radius}, {"tolerance", 1e-12}}};
+}
+
 // Stiffness N/m; damping N s/m along the spring, 0: none.
 inline Material damped(double stiffness, double damping) {
   Material material{LawUse{"linear", {{"stiffness", stiffness}}}, std::nullopt};

@@ -64,6 +64,9 @@ constexpr springnet_integrator idle_functions{
     [](void*) -> springnet_status { return SPRINGNET_OK; },
     [](void*, const springnet_advance*) -> springnet_status { return SPRINGNET_OK; },
     nullptr,
+    nullptr,
+    nullptr,
+    nullptr,
     nullptr};
 constexpr springnet_component idle{
     sizeof(springnet_component), SPRINGNET_INTEGRATOR, "idle", "", "", 0, 0, 0, 0, nullptr, &idle_functions};

@@ -6,6 +6,7 @@
 #include <limits>
 #include <map>
 #include <memory>
+#include <optional>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -122,6 +123,21 @@ class SPRINGNET_API Simulation {
   // object. Throws Error(plugin) if the integrator breaks a rule; Error(input) if it has no way to forget and cannot be
   // created anew.
   void drop_history();
+  // From any thread, also within a signal handler: the step that is being made, or the next one, ends as soon as its
+  // integrator can, with Outcome::out_of_time and the best state it has (step_within). One that cannot ends as usual.
+  void ask_to_stop() noexcept;
+  // What the integrator keeps from one step to the next, as bytes for set_integrator_memory() of a simulation of the
+  // same network, options and state: it then goes on with the same bits. Empty where the integrator cannot tell it;
+  // such a simulation goes on as after drop_history(). The bytes are for the same machine and version.
+  [[nodiscard]] std::string integrator_memory();
+  // Throws Error(input) if these are not of this integrator; it then keeps nothing, as after drop_history().
+  void set_integrator_memory(std::string_view memory);
+  // Positions and velocities, columns as in positions(), at a time (s) within the integrator's last step. Empty where
+  // it has none: it has no dense output, the time is another one, or an event ended the step.
+  struct Between {
+    Eigen::Matrix3Xd positions, velocities;
+  };
+  [[nodiscard]] std::optional<Between> between(double time);
 
   [[nodiscard]] double time() const noexcept;
   [[nodiscard]] double time_step() const noexcept;

@@ -1,6 +1,7 @@
-// A point of wall time until which something is to be done.
+// A point of wall time until which something is to be done, or until somebody asks to stop.
 #pragma once
 
+#include <atomic>
 #include <chrono>
 #include <cstdint>
 #include <limits>
@@ -19,18 +20,25 @@ class Deadline {
              std::chrono::duration_cast<Clock::duration>(std::chrono::duration<double>(seconds > 0.0 ? seconds : 0.0));
   }
   void clear() noexcept { is_set_ = false; }
-  [[nodiscard]] bool is_set() const noexcept { return is_set_; }
+  // From any thread, or a signal handler: as if the time were over.
+  void ask_to_stop() noexcept { asked_.store(true, std::memory_order_relaxed); }
+  void forget_asking() noexcept { asked_.store(false, std::memory_order_relaxed); }
+  [[nodiscard]] bool is_asked() const noexcept { return asked_.load(std::memory_order_relaxed); }
+  [[nodiscard]] bool is_set() const noexcept { return is_set_ || is_asked(); }
   // s; below 0 after it, infinity if there is none.
   [[nodiscard]] double left() const {
+    if (is_asked()) return -1.0;
     if (!is_set_) return std::numeric_limits<double>::infinity();
     return std::chrono::duration<double>(end_ - Clock::now()).count();
   }
-  [[nodiscard]] bool has_passed() const { return is_set_ && left() <= 0.0; }
+  [[nodiscard]] bool has_passed() const { return is_set() && left() <= 0.0; }
 
  private:
   using Clock = std::chrono::steady_clock;
   static constexpr double longest = 1e8;  // s; the clock's range ends somewhere beyond
   bool is_set_ = false;
+  std::atomic<bool> asked_{false};
+  static_assert(std::atomic<bool>::is_always_lock_free);
   Clock::time_point end_{};
 };
 

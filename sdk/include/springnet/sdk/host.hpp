@@ -10,6 +10,7 @@
 #include <exception>
 #include <limits>
 #include <memory>
+#include <mutex>
 #include <new>
 #include <optional>
 #include <span>
@@ -236,6 +237,23 @@ class Host {
     request.directions = directions;
     check(table_->event_values(table_->context, &request));
   }
+  // The same with what each event is and whose: kinds, nodes (or springs, elements), surfaces. Needs ABI 2.1 of the
+  // host.
+  struct EventNames {
+    std::uint32_t *kinds, *who, *surfaces;  // [event_count]; null: not wanted
+  };
+  void event_values(const springnet_evaluation& at, double* values, std::int32_t* directions,
+                    const EventNames& names) const {
+    require(SPRINGNET_HAS_FIELD(springnet_host, table_, part_forces), "event names");
+    auto request = sized<springnet_event_values>();
+    request.at = &at;
+    request.values = values;
+    request.directions = directions;
+    request.kinds = names.kinds;
+    request.who = names.who;
+    request.surfaces = names.surfaces;
+    check(table_->event_values(table_->context, &request));
+  }
   void fire_events(double time, springnet_state& state, const std::int32_t* fired) const {
     auto request = sized<springnet_event_firing>();
     request.time = time;
@@ -406,6 +424,78 @@ class Host {
     return request.time_left;
   }
 
+  // ---- from ABI 2.1 of the host on; with an older host they throw Failure
+
+  // Forces of some parts, SPRINGNET_PART_SPRINGS | …, on all nodes, N.
+  void part_forces(const springnet_evaluation& at, std::uint32_t parts, const springnet_vectors& force) const {
+    require(SPRINGNET_HAS_FIELD(springnet_host, table_, part_forces), "part_forces");
+    auto request = sized<springnet_part_forces>();
+    request.at = &at;
+    request.parts = parts;
+    request.force = force;
+    check(table_->part_forces(table_->context, &request));
+  }
+  // Springs or elements one by one; see springnet_element_view. `view.at` and the arrays that are wanted are set.
+  void view_elements(springnet_element_view& view) const {
+    require(SPRINGNET_HAS_FIELD(springnet_host, table_, view_elements), "view_elements");
+    view.struct_size = sizeof view;
+    check(table_->view_elements(table_->context, &view));
+  }
+  [[nodiscard]] springnet_balance balance(const springnet_evaluation& at) const {
+    require(SPRINGNET_HAS_FIELD(springnet_host, table_, balance), "balance");
+    auto request = sized<springnet_balance>();
+    request.at = &at;
+    check(table_->balance(table_->context, &request));
+    request.at = nullptr;
+    return request;
+  }
+  // body(begin, end) for parts of 0 … count - 1, in several threads; `part`: things in a part. An exception from it is
+  // rethrown, the one of the first part that threw.
+  template <class Body>
+  void parallel_for(std::uint64_t count, Body&& body, std::uint64_t part = 0) const {
+    require(SPRINGNET_HAS_FIELD(springnet_host, table_, parallel_for), "parallel_for");
+    struct Call {
+      std::remove_reference_t<Body>& body;
+      std::mutex caught{};
+      std::uint64_t where = 0;
+      std::exception_ptr error{};
+    } call{body};
+    auto loop = sized<springnet_loop>();
+    loop.count = count;
+    loop.part = part;
+    loop.user = &call;
+    loop.body = [](void* user, std::uint64_t begin, std::uint64_t end) -> springnet_status {
+      auto& self = *static_cast<Call*>(user);
+      try {
+        self.body(begin, end);
+        return SPRINGNET_OK;
+      } catch (...) {
+        const std::lock_guard<std::mutex> lock(self.caught);
+        if (!self.error || begin < self.where) {
+          self.error = std::current_exception();
+          self.where = begin;
+        }
+        return SPRINGNET_FAILED;
+      }
+    };
+    const springnet_status status = table_->parallel_for(table_->context, &loop);
+    if (call.error) std::rethrow_exception(call.error);
+    check(status);
+  }
+  // The prepared system by rows.
+  [[nodiscard]] springnet_system_rows system_rows() const {
+    require(SPRINGNET_HAS_FIELD(springnet_host, table_, system_rows), "system_rows");
+    auto rows = sized<springnet_system_rows>();
+    check(table_->system_rows(table_->context, &rows));
+    return rows;
+  }
+  // SPRINGNET_GO_ON, or why the step should end early.
+  [[nodiscard]] std::uint32_t stop_reason() const noexcept {
+    auto request = sized<springnet_stop>();
+    if (SPRINGNET_HAS_FIELD(springnet_host, table_, stop)) static_cast<void>(table_->stop(table_->context, &request));
+    return request.reason;
+  }
+
   // Reports a number for the summary, under `name`.
   void report(const char* name, double value) const noexcept {
     auto request = sized<springnet_number_report>();
@@ -500,6 +590,9 @@ class Host {
     const springnet_status status = function(table_->context, &sweep);
     if (call.error) std::rethrow_exception(call.error);
     check(status);
+  }
+  static void require(bool has, const char* what) {
+    if (!has) throw Failure(std::string("the host is older than ABI 2.1 and has no ") + what + "; update it");
   }
   void check(springnet_status status) const {
     if (status == SPRINGNET_OK) return;

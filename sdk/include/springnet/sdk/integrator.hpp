@@ -23,7 +23,16 @@
 //
 //     static constexpr bool integrates_states = true;
 //
-// and is refused where there is any if it does not.
+// and is refused where there is any if it does not. More that it may declare in this way, for `plugin show`:
+// locates_events, chooses_steps; without_contact and without_rigid, where the host then refuses such networks. And more
+// members, each optional:
+//
+//     void forget();                                       // drops what it keeps from one advance() to the next
+//     void save(const ByteSink& sink) const;               // writes it
+//     void restore(std::span<const std::byte> bytes);      // takes it up again
+//     void interpolate(double time, const springnet_vectors& position, const springnet_vectors& velocity);
+//
+// The last one writes the state at a time within the last committed step, and throws Failure where it cannot.
 #pragma once
 
 #include <algorithm>
@@ -36,6 +45,7 @@
 #include <stdexcept>
 #include <string>
 #include <string_view>
+#include <type_traits>
 
 #include <springnet/sdk/component.hpp>
 #include <springnet/sdk/host.hpp>
@@ -74,13 +84,73 @@ class Options {
   const double* values_;
 };
 
+// Where save() writes: numbers and arrays of them, as they are in memory.
+class ByteSink {
+ public:
+  explicit ByteSink(const springnet_byte_sink& sink) noexcept : sink_(&sink) {}
+  void write(const void* bytes, std::size_t count) const {
+    if (sink_->write(sink_->context, bytes, count) != SPRINGNET_OK)
+      throw Failure("the host could not take the integrator's memory");
+  }
+  template <class Number>
+  void put(const Number& number) const {
+    static_assert(std::is_trivially_copyable_v<Number>);
+    write(&number, sizeof number);
+  }
+  template <class Number>
+  void put_all(std::span<const Number> numbers) const {
+    write(numbers.data(), numbers.size_bytes());
+  }
+
+ private:
+  const springnet_byte_sink* sink_;
+};
+
+// Reads what a ByteSink wrote, in the same order. Throws Failure at the end of the bytes.
+class ByteSource {
+ public:
+  explicit ByteSource(std::span<const std::byte> bytes) noexcept : left_(bytes) {}
+  void read(void* to, std::size_t count) {
+    if (count > left_.size()) throw Failure("the integrator's memory is too short");
+    if (count > 0) std::memcpy(to, left_.data(), count);
+    left_ = left_.subspan(count);
+  }
+  template <class Number>
+  void get(Number& number) {
+    static_assert(std::is_trivially_copyable_v<Number>);
+    read(&number, sizeof number);
+  }
+  template <class Number>
+  void get_all(std::span<Number> numbers) {
+    read(numbers.data(), numbers.size_bytes());
+  }
+  [[nodiscard]] bool is_empty() const noexcept { return left_.empty(); }
+
+ private:
+  std::span<const std::byte> left_;
+};
+
 template <class Component>
 struct IntegratorGlue {
   static constexpr bool integrates_states = [] {
     if constexpr (requires { Component::integrates_states; }) return Component::integrates_states;
     return false;
   }();
-  static constexpr std::uint64_t capabilities = integrates_states ? SPRINGNET_INTEGRATES_STATES : UINT64_C(0);
+  static constexpr bool has_interpolate = requires(Component & component, const springnet_vectors& vectors) {
+    component.interpolate(0.0, vectors, vectors);
+  };
+  static constexpr std::uint64_t capabilities = [] {
+    std::uint64_t bits = integrates_states ? SPRINGNET_INTEGRATES_STATES : UINT64_C(0);
+    if constexpr (requires { Component::locates_events; })
+      if (Component::locates_events) bits |= SPRINGNET_LOCATES_EVENTS;
+    if constexpr (requires { Component::chooses_steps; })
+      if (Component::chooses_steps) bits |= SPRINGNET_CHOOSES_STEPS;
+    if constexpr (requires { Component::without_contact; })
+      if (Component::without_contact) bits |= SPRINGNET_WITHOUT_CONTACT;
+    if constexpr (requires { Component::without_rigid; })
+      if (Component::without_rigid) bits |= SPRINGNET_WITHOUT_RIGID;
+    return has_interpolate ? bits | SPRINGNET_HAS_DENSE_OUTPUT : bits;
+  }();
   static constexpr std::uint64_t needs = 0;
   // It may call all that this SDK declares.
   static constexpr std::uint32_t needs_minor = SPRINGNET_ABI_MINOR;
@@ -133,9 +203,45 @@ struct IntegratorGlue {
     });
   }
   static constexpr bool has_forget = requires(Component & component) { component.forget(); };
-  static constexpr springnet_integrator implementation{
-      sizeof(springnet_integrator),  0, nullptr, &create, &destroy, &advance, has_limits ? &limits : nullptr,
-      has_forget ? &forget : nullptr};
+  static springnet_status save(void* integrator, const springnet_byte_sink* sink) noexcept {
+    auto& instance = *static_cast<Instance*>(integrator);
+    return guarded(instance.host, [&]() -> springnet_status {
+      if constexpr (has_save) instance.component.save(ByteSink(*sink));
+      return SPRINGNET_OK;
+    });
+  }
+  static constexpr bool has_save = requires(const Component& component, const ByteSink& sink) { component.save(sink); };
+  static springnet_status restore(void* integrator, const springnet_bytes* bytes) noexcept {
+    auto& instance = *static_cast<Instance*>(integrator);
+    return guarded(instance.host, [&]() -> springnet_status {
+      if constexpr (has_restore) {
+        instance.component.restore(std::span(static_cast<const std::byte*>(bytes->bytes), bytes->count));
+      }
+      return SPRINGNET_OK;
+    });
+  }
+  static constexpr bool has_restore = requires(Component & component, std::span<const std::byte> bytes) {
+    component.restore(bytes);
+  };
+  static_assert(has_save == has_restore, "an integrator has both save and restore, or neither");
+  static springnet_status interpolate(void* integrator, const springnet_dense_output* output) noexcept {
+    auto& instance = *static_cast<Instance*>(integrator);
+    return guarded(instance.host, [&]() -> springnet_status {
+      if constexpr (has_interpolate) instance.component.interpolate(output->time, output->position, output->velocity);
+      return SPRINGNET_OK;
+    });
+  }
+  static constexpr springnet_integrator implementation{sizeof(springnet_integrator),
+                                                       0,
+                                                       nullptr,
+                                                       &create,
+                                                       &destroy,
+                                                       &advance,
+                                                       has_limits ? &limits : nullptr,
+                                                       has_forget ? &forget : nullptr,
+                                                       has_save ? &save : nullptr,
+                                                       has_restore ? &restore : nullptr,
+                                                       has_interpolate ? &interpolate : nullptr};
 
  private:
   struct Instance {

@@ -50,6 +50,13 @@ enum {
 #define SPRINGNET_ACTS_IN_COMPRESSION (UINT64_C(1) << 4) /* pushes as well as pulls */
 #define SPRINGNET_READS_RATE (UINT64_C(1) << 5)          /* else the host does not compute the rate */
 #define SPRINGNET_INTEGRATES_STATES (UINT64_C(1) << 6)   /* an integrator: networks with internal state */
+/* What an integrator does, for those who choose one; `plugin show` lists it. A host refuses a network with contact or
+ * rigid connections where the integrator declares that it has none. */
+#define SPRINGNET_LOCATES_EVENTS (UINT64_C(1) << 10)   /* in time: contact, slip, rupture, not only at ends of steps */
+#define SPRINGNET_CHOOSES_STEPS (UINT64_C(1) << 11)    /* by an estimate of its error */
+#define SPRINGNET_HAS_DENSE_OUTPUT (UINT64_C(1) << 12) /* `interpolate` */
+#define SPRINGNET_WITHOUT_CONTACT (UINT64_C(1) << 13)  /* networks with planes or instruments are refused */
+#define SPRINGNET_WITHOUT_RIGID (UINT64_C(1) << 14)    /* networks with rigid connections are refused */
 /* What its author promises, and a checker can verify. */
 #define SPRINGNET_MONOTONE (UINT64_C(1) << 16)             /* the force never falls as q or its rate grows */
 #define SPRINGNET_NOT_ZERO_AT_REST (UINT64_C(1) << 17)     /* it exerts a force at the reference value, at rest */

@@ -168,6 +168,19 @@ typedef struct springnet_eigenvalue_search {
   uint64_t applications;  /* used */
 } springnet_eigenvalue_search;
 
+/* What an event is. */
+enum {
+  SPRINGNET_EVENT_TOUCH = 1,   /* a gap closes */
+  SPRINGNET_EVENT_RELEASE = 2, /* a normal force ends */
+  SPRINGNET_EVENT_SLIP = 3,    /* a sticking node reaches the limit of friction */
+  SPRINGNET_EVENT_REST = 4,    /* a slip ends */
+  SPRINGNET_EVENT_SLIP_CHANGE =
+      5,                    /* a slip becomes so slow that friction keeps its direction, quick again, or stalls */
+  SPRINGNET_EVENT_SEAM = 6, /* a sliding node crosses a line where the curvature of its surface jumps */
+  SPRINGNET_EVENT_SPRING_RUPTURE = 7, /* a margin falls through 0 */
+  SPRINGNET_EVENT_ELEMENT_RUPTURE = 8
+};
+
 /* Events: contact made (a gap falls through 0), contact released (a normal force rises through 0), rupture (a margin
  * falls through 0). Both arrays have springnet_network::event_count entries. */
 typedef struct springnet_event_values {
@@ -176,6 +189,10 @@ typedef struct springnet_event_values {
   const springnet_evaluation* at;
   double* values;
   int32_t* directions; /* -1 falling, +1 rising, 0 either; may be null */
+  /* From ABI 2.1 on; [event_count], each null where it is not wanted. They change only together with `revision`. */
+  uint32_t* kinds;    /* SPRINGNET_EVENT_TOUCH ... */
+  uint32_t* who;      /* a node, engine's number; for ruptures the number of the spring or element, as in the scene */
+  uint32_t* surfaces; /* that the node touches, as in the scene: planes, then instruments; 0xffffffff: none */
 } springnet_event_values;
 
 /* Carries out the events marked 1 in `fired`, and those that coincide with them, on the given state: projects positions
@@ -297,6 +314,90 @@ typedef struct springnet_deadline {
   double time_left; /* out, s: infinity without a deadline */
 } springnet_deadline;
 
+/* Parts of the net forces. */
+#define SPRINGNET_PART_SPRINGS 1u             /* spring functions of springs */
+#define SPRINGNET_PART_VISCOSITIES 2u         /* viscosity functions of springs */
+#define SPRINGNET_PART_ELEMENTS 4u            /* spring functions of elements */
+#define SPRINGNET_PART_ELEMENT_VISCOSITIES 8u /* viscosity functions of elements */
+#define SPRINGNET_PART_GRAVITY 16u
+#define SPRINGNET_PART_LOADS 32u /* forces, tractions and pressures */
+
+/* Forces of some parts on all nodes. All six add up to the net force of `evaluate`, to rounding. */
+typedef struct springnet_part_forces {
+  uint32_t struct_size;
+  uint32_t parts;                 /* SPRINGNET_PART_SPRINGS | ... */
+  const springnet_evaluation* at; /* its state; no outputs */
+  springnet_vectors force;        /* out: [node_count] N */
+} springnet_part_forces;
+
+/* Springs, or elements, one by one: with q the value of its invariant (length, angle, area, volume) member i exerts
+ * -Q dq/dp on each of its nodes, Q = Q_spring + Q_viscosity. Numbers are those of the scene, removed ones included,
+ * which have no nodes and zeros. Arrays are null where they are not wanted. */
+typedef struct springnet_element_view {
+  uint32_t struct_size;
+  uint32_t of_elements;           /* 0: springs; 1: elements */
+  uint64_t first, count;          /* members first ... first + count - 1 */
+  const springnet_evaluation* at; /* its state; no outputs */
+  uint64_t node_capacity;         /* of `nodes` and `gradients` */
+  uint64_t node_total;            /* out: of all members; `nodes` and `gradients` need that much room */
+  uint64_t* node_start;           /* out: [count + 1] places in `nodes` */
+  uint32_t* nodes;                /* out: [node_total] engine's numbers */
+  double* gradients;              /* out: [node_total][3] dq/dp */
+  double *value, *rate;           /* out: [count] q and dq/dt; m, rad, m^2 or m^3, and per second */
+  double* reference;              /* out: [count] rest length, or value at rest */
+  double* force;                  /* out: [count][2] Q of the spring function, of the viscosity function; N, N m, ... */
+  double* by_value;               /* out: [count][2] dQ/dq; needs laws with derivatives */
+  double* by_rate;                /* out: [count][2] dQ/dq'; likewise */
+  /* out: [count] 1: the viscosity function acts along the relative velocity of both ends. It is none of these numbers.
+   */
+  uint32_t* relative;
+} springnet_element_view;
+
+/* Energy and momentum at a state. */
+typedef struct springnet_balance {
+  uint32_t struct_size;
+  uint32_t reserved;
+  const springnet_evaluation* at; /* its state; no outputs */
+  double potential;               /* out, J: of laws that have an energy, and of gravity; nan if one fails */
+  double kinetic;                 /* out, J */
+  double momentum[3];             /* out, kg m/s */
+  double angular_momentum[3];     /* out, kg m^2/s, about the origin */
+} springnet_balance;
+
+/* A loop in the host's threads: body(user, begin, end) for parts of 0 ... count - 1, each in one call, in any order.
+ * The parts do not depend on the number of threads, so neither do results that each part computes by itself. Host
+ * functions must not be called from a body, but those that may be within a sweep's update. */
+typedef struct springnet_loop {
+  uint32_t struct_size;
+  uint32_t reserved;
+  uint64_t count;
+  uint64_t part;                                                      /* things in a part; 0: 1024 */
+  springnet_status (*body)(void* user, uint64_t begin, uint64_t end); /* if some fail: the status of the first part */
+  void* user;
+} springnet_loop;
+
+/* The system prepared last, row by row: S = M A, with M the masses (kg), is
+ *   S = blocks + sum over i of g_i w_i^T,
+ * the latter of enclosed volumes. Rows and columns of fixed and held nodes are zero but for their own block.
+ * Constraints are not in it. The arrays live until the next call that prepares, linearises or changes the network. */
+typedef struct springnet_system_rows {
+  uint32_t struct_size;
+  uint32_t low_rank_count;               /* out: number of enclosed volumes */
+  const uint32_t* row_start;             /* out: [node_count + 1] */
+  const uint32_t* columns;               /* out: nodes; ascending in a row */
+  const double* blocks;                  /* out: [row_start[node_count]][9], each block column by column, kg */
+  const uint64_t* low_rank_start;        /* out: [low_rank_count + 1] */
+  const uint32_t* low_rank_nodes;        /* out: nodes where g and w are not 0 */
+  const double *low_rank_g, *low_rank_w; /* out: [place][3] */
+} springnet_system_rows;
+
+/* Whether the step should end early. */
+enum { SPRINGNET_GO_ON = 0, SPRINGNET_STOP_DEADLINE = 1, SPRINGNET_STOP_ASKED = 2 };
+typedef struct springnet_stop {
+  uint32_t struct_size;
+  uint32_t reason; /* out: SPRINGNET_GO_ON ... */
+} springnet_stop;
+
 /* Matrices A = I - velocity_weight da/dv - position_weight da/dp in 3n unknowns (x of all nodes, then y, then z), at
  * the state last given to `linearise`. Rows of fixed and held nodes are those of the identity. With rigid connections
  * or sliding nodes, `solve` returns the x with A x + W G^T (multipliers) = b and G x = G b. */
@@ -374,6 +475,14 @@ typedef struct springnet_host {
   springnet_status (*parameter_tangent)(void* context, const springnet_parameter_product* product);
   springnet_status (*parameter_cotangent)(void* context, const springnet_parameter_product* product);
   springnet_status (*event_derivative)(void* context, springnet_event_derivative* derivative);
+  springnet_status (*part_forces)(void* context, const springnet_part_forces* forces);
+  springnet_status (*view_elements)(void* context, springnet_element_view* view);
+  springnet_status (*balance)(void* context, springnet_balance* balance);
+  springnet_status (*parallel_for)(void* context, const springnet_loop* loop);
+  springnet_status (*system_rows)(void* context, springnet_system_rows* rows);
+  /* Why the present `advance` should end early: its deadline has passed, or the program asked for it. What `deadline`
+   * says of a method then holds for both; `deadline` answers -1 s once the program has asked. */
+  springnet_status (*stop)(void* context, springnet_stop* stop);
 } springnet_host;
 
 #ifdef __cplusplus

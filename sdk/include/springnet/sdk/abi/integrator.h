@@ -78,6 +78,21 @@ typedef struct springnet_advance {
   springnet_step_report* report;
 } springnet_advance;
 
+/* Takes bytes from an integrator that saves its memory; any number of calls, one after another. */
+typedef struct springnet_byte_sink {
+  uint32_t struct_size;
+  uint32_t reserved;
+  void* context;
+  springnet_status (*write)(void* context, const void* bytes, uint64_t count);
+} springnet_byte_sink;
+
+typedef struct springnet_bytes {
+  uint32_t struct_size;
+  uint32_t reserved;
+  const void* bytes; /* all that was written, in one piece */
+  uint64_t count;
+} springnet_bytes;
+
 /* All functions are called from the thread that created the integrator. Reasons of failure go to
  * springnet_host::message.
  */
@@ -97,6 +112,17 @@ typedef struct springnet_integrator {
   /* Drops all that is kept from one call of `advance` to the next (derivatives, steps taken, estimates), so that the
    * next one gives the same bits as that of an integrator created now. Null where the integrator keeps nothing. */
   springnet_status (*forget)(void* integrator);
+
+  /* From ABI 2.1 on; null where an integrator has none of it. */
+  /* Writes what the next `advance` needs of the ones before: with it an integrator created anew, of the same options,
+   * on the same network and committed state, gives the same bits. The bytes need not be portable between machines. */
+  springnet_status (*save)(void* integrator, const springnet_byte_sink* sink);
+  /* Takes it up again. The committed state and `revision` are those that it belongs to, whatever their numbers were.
+   * Fails on bytes that are not of this integrator and network, and then keeps nothing, as after `forget`. */
+  springnet_status (*restore)(void* integrator, const springnet_bytes* bytes);
+  /* Positions and velocities at a time within the last step that it committed, [node_count] each. Fails at other times,
+   * and where it has no interpolation, as at a step that ended with an event. */
+  springnet_status (*interpolate)(void* integrator, const springnet_dense_output* output);
 } springnet_integrator;
 
 #ifdef __cplusplus

@@ -1,0 +1,40 @@
+// Contact, friction, rupture and cuts in the integrator generalized_alpha.
+#include <doctest/doctest.h>
+
+#include <cmath>
+
+#include <springnet/error.hpp>
+
+#include "chung_hulbert.hpp"
+
+using namespace springnet;
+using namespace springnet::testing;
+
+namespace {
+
+double greatest_distance(const Simulation& a, const Simulation& b) {
+  double worst = 0.0;
+  for (NodeIndex k = 0; k < a.node_count(); ++k) worst = std::max(worst, (a.position(k) - b.position(k)).norm());
+  return worst;
+}
+
+}  // namespace
+
+TEST_CASE("cuts, ruptures and contacts happen as in the reference, at their times") {
+  Network net = cube(30.0, 1.0, 2.0, 0.05);
+  net.add_cut({0.4, {0, 1, 2}, {}});
+  const MaterialIndex weak =
+      net.add_material({LawUse{"rupturing", {{"stiffness", 5.0}, {"strength", 0.1}}}, std::nullopt});
+  for (const SpringIndex s : {50u, 90u, 130u}) net.set_spring_material(s, weak);
+  Simulation reference = simulate(net, cvode(1e-10), 0.004);
+  reference.advance_to(0.8);
+  double worst[2];
+  for (int i = 0; i < 2; ++i) {
+    Simulation s = simulate(net, generalized_alpha(0.8), i == 0 ? 0.004 : 0.002);
+    s.advance_to(0.8);
+    CHECK(s.live_spring_count() == reference.live_spring_count());
+    worst[i] = greatest_distance(s, reference);
+  }
+  CHECK(std::log2(worst[0] / worst[1]) >= 1.7);
+  CHECK(worst[1] <= 1e-4);
+}
