@@ -222,7 +222,8 @@ void StartingNetwork::linearise_several(std::uint32_t e, ElementAtStart& element
   const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> viscous(0.5 * (damping + damping.transpose()));
   constexpr double rounding = 1e-10;
   const double greatest = elastic.eigenvalues().cwiseAbs().maxCoeff();
-  element.definite = elastic.eigenvalues().minCoeff() >= -rounding * greatest && force <= rounding * greatest * extent &&
+  element.definite = elastic.eigenvalues().minCoeff() >= -rounding * greatest &&
+                     force <= rounding * greatest * extent &&
                      viscous.eigenvalues().minCoeff() >= -rounding * viscous.eigenvalues().cwiseAbs().maxCoeff();
   for (Eigen::Index k = 0; k < size; ++k) {
     if (!(std::abs(elastic.eigenvalues()[k]) > rounding * greatest)) continue;

@@ -35,9 +35,9 @@ struct ElementAtStart {
   std::vector<Vector3> gradient;  // dq/dp, [node]
   std::vector<Vector3> across;    // [node] for a straight angle the second direction in which it bends, else 0
   // Of elements of all kinds; those above have no meaning where laws read several scalars.
-  std::vector<double> own_stiffness, own_damping;   // [node] greatest of its own block, N/m, N s/m; nan where unknown
-  std::vector<std::vector<Vector3>> directions{};   // [.][node] in which the element resists
-  bool definite = false;                            // certainly feeds no energy into any motion
+  std::vector<double> own_stiffness, own_damping;  // [node] greatest of its own block, N/m, N s/m; nan where unknown
+  std::vector<std::vector<Vector3>> directions{};  // [.][node] in which the element resists
+  bool definite = false;                           // certainly feeds no energy into any motion
 };
 
 class StartingNetwork {

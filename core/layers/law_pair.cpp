@@ -7,6 +7,7 @@
 #include <springnet/sdk/law/jacobian.hpp>
 
 #include "plugin_host/call.hpp"
+#include "plugin_host/message.hpp"
 #include "profile/stage.hpp"
 
 namespace springnet::layers {
@@ -197,6 +198,10 @@ springnet_status evaluate_laws(const LawBatch& batch, InstructionSet set, double
                  out[k].derivatives == nullptr && out[k].by_parameters == nullptr))
       continue;
     LawOutputs own = out[k];
+    if (law.scalar_count > 0 && batch.several == nullptr) {
+      set_message(message, full_name(*law.component) + " reads several scalars, which are not known here");
+      return SPRINGNET_FAILED;
+    }
     if (own.several_tangent && require_derivatives(*law.component, message) != SPRINGNET_OK) return SPRINGNET_FAILED;
     if (own.by_q != nullptr && require_derivatives(*law.component, message) != SPRINGNET_OK) return SPRINGNET_FAILED;
     if (own.by_rate != nullptr && !law.reads_rate) fill(own.by_rate, 0.0);

@@ -43,8 +43,8 @@ struct SeveralInputs {
   const double* reference[max_scalars];
   const double* direction[3];
 };
-// Where one of them writes, by that list: Q_i, dQ_i/dq_j and dQ_i/dq_j' at max_scalars i + j. null: not wanted; what the
-// law does not read is not written.
+// Where one of them writes, by that list: Q_i, dQ_i/dq_j and dQ_i/dq_j' at max_scalars i + j. null: not wanted; what
+// the law does not read is not written.
 struct SeveralOutputs {
   double* force[max_scalars]{};
   double* by_value[max_scalars * max_scalars]{};
@@ -67,10 +67,10 @@ struct LawBatch {
 struct LawOutputs {
   double* force = nullptr;  // null, and no margin nor other derivatives: the law is not evaluated
   double* by_q = nullptr;
-  double* by_rate = nullptr;      // 0 for a law that does not read the rate
-  double* energy = nullptr;       // J; nan for a law without one
-  double* margin = nullptr;       // to rupture; infinity for a law that cannot rupture
-  double* energy_by_q = nullptr;  // dE/dq; null for a law without an energy
+  double* by_rate = nullptr;                // 0 for a law that does not read the rate
+  double* energy = nullptr;                 // J; nan for a law without one
+  double* margin = nullptr;                 // to rupture; infinity for a law that cannot rupture
+  double* energy_by_q = nullptr;            // dE/dq; null for a law without an energy
   const SeveralOutputs* several = nullptr;  // in place of the force and its derivatives
   bool several_tangent = false;             // whether derivatives of several are wanted
   // [Jacobian of the law], see springnet_law_batch::derivatives; null: none of it is wanted.

@@ -35,8 +35,8 @@ struct Law {
   std::uint32_t update_order = 1;  // the highest of its steps
   bool reads_start = false;        // its steps of order 1 do
   bool reads_rate = false;
-  bool relative = false;                     // reads the relative speed, acts along the relative velocity
-  std::uint32_t invariant = 0;               // SPRINGNET_LENGTH …
+  bool relative = false;        // reads the relative speed, acts along the relative velocity
+  std::uint32_t invariant = 0;  // SPRINGNET_LENGTH …
   // Of a law over several scalars: where each of them is in the list of its group.
   std::uint32_t scalar_count = 0;
   std::array<std::uint8_t, max_scalars> scalar{};

@@ -41,8 +41,8 @@ void check_closed(const std::vector<NodeIndex>& nodes) {
 }
 
 // Of three or four points; d is not read for three.
-double value_at(Invariant invariant, const invariants::Point& a, const invariants::Point& b,
-                const invariants::Point& c, const invariants::Point& d) {
+double value_at(Invariant invariant, const invariants::Point& a, const invariants::Point& b, const invariants::Point& c,
+                const invariants::Point& d) {
   switch (value_invariant(invariant)) {
     case Invariant::angle:
       return invariants::angle(a, b, c);

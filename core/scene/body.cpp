@@ -215,7 +215,8 @@ std::vector<Shape> read_bodies(const Table& root, const PluginHost& plugins, con
     const Value name = body.need("name");
     if (!names.insert(name.text()).second) name.fail("another body has this name; names are unique");
     const Checked before{.springs = network.springs().size()};
-    shapes.push_back(BodyReader{.body = body, .name = name.text(), .plugins = plugins, .files = files, .scene = scene}.read());
+    shapes.push_back(
+        BodyReader{.body = body, .name = name.text(), .plugins = plugins, .files = files, .scene = scene}.read());
     placed_by(body).at_this_place([&] { check_spacing(network, before); });
     if (const auto scale = body.find("rest_length_scale")) scale_rest_lengths(*scale, network);
   }

@@ -16,8 +16,7 @@ namespace {
 std::shared_ptr<const Component> element_law(const Table& material, const PluginHost& plugins) {
   const auto law = material.find("law");
   if (!law) return nullptr;
-  const std::string id =
-      law->is_text() ? law->text() : law->open_table("body.material.law").need("type").text();
+  const std::string id = law->is_text() ? law->text() : law->open_table("body.material.law").need("type").text();
   std::shared_ptr<const Component> component;
   try {
     component = plugins.require(ComponentKind::spring_function, id);
@@ -66,22 +65,22 @@ struct Reader {
     const auto own = body.find("viscosity");
     const auto time = table.find("damping_time");
     const double damping_time = time ? time->number_from_0("s") : 0.0;
-    if (own && time) time->fail("cannot be combined with 'viscosity', which says what damps the body; remove one of them");
+    if (own && time)
+      time->fail("cannot be combined with 'viscosity', which says what damps the body; remove one of them");
     if (own) return read_material(body, plugins, files).viscosity;
     if (!(damping_time > 0.0)) return std::nullopt;
     const double modulus = number(table, "youngs_modulus", "Pa"), nu = poisson_ratio();
     const double shear = modulus / (2.0 * (1.0 + nu));
     if (shape == Invariant::tetrahedron) {
       const double bulk = modulus / (3.0 * (1.0 - 2.0 * nu));
-      return LawUse{"viscous_solid",
-                    {{"shear_viscosity", damping_time * shear}, {"bulk_viscosity", damping_time * bulk}},
-                    {}};
+      return LawUse{
+          "viscous_solid", {{"shear_viscosity", damping_time * shear}, {"bulk_viscosity", damping_time * bulk}}, {}};
     }
     const double thickness = number(body, "thickness", "m"), of_area = modulus * nu / (1.0 - nu * nu) + shear;
-    return LawUse{"viscous_membrane",
-                  {{"shear_viscosity", damping_time * thickness * shear},
-                   {"area_viscosity", damping_time * thickness * of_area}},
-                  {}};
+    return LawUse{
+        "viscous_membrane",
+        {{"shear_viscosity", damping_time * thickness * shear}, {"area_viscosity", damping_time * thickness * of_area}},
+        {}};
   }
 };
 
@@ -115,8 +114,8 @@ std::optional<ElementMaterial> read_element_material(const Table& body, const Pl
   if (direction) {
     result.direction = direction->vector();
     if (description.reads_direction == 0)
-      direction->fail(fmt::format("has no meaning for '{}', which is the same in all directions; remove it",
-                                  component->id()));
+      direction->fail(
+          fmt::format("has no meaning for '{}', which is the same in all directions; remove it", component->id()));
     if (result.direction == Vector3::Zero()) direction->fail("is 0; give one of any length");
   } else if (description.reads_direction != 0) {
     table.fail(fmt::format("has no 'direction', which '{}' reads; add direction = [x, y, z]", component->id()));
@@ -146,8 +145,9 @@ void add_body_elements(const Table& body, const ElementMaterial& material, const
         add(Invariant::tetrahedron, {first + nodes[0], first + nodes[1], first + nodes[2], first + nodes[3]},
             material.material, material.direction);
     if (network.elements().size() == begin)
-      place.fail("is for tetrahedra, and the mesh of the body has no solid cell; use a law for triangles, or a mesh with "
-                 "solid cells");
+      place.fail(
+          "is for tetrahedra, and the mesh of the body has no solid cell; use a law for triangles, or a mesh with "
+          "solid cells");
   } else {
     const std::vector<std::size_t> bearing = bearing_cells(mesh);
     if (std::any_of(bearing.begin(), bearing.end(),

@@ -24,7 +24,9 @@ const ElementSet& find_set(const Value& name, const std::vector<ElementSet>& set
   }
   if (known.empty()) {
     name.fail(
-        fmt::format("there is no [[element]] '{}': none has a name; give it one (element.name), or name a body that consists of elements", printable(wanted)));
+        fmt::format("there is no [[element]] '{}': none has a name; give it one (element.name), or name a body that "
+                    "consists of elements",
+                    printable(wanted)));
   }
   const std::string nearest = suggestion(wanted, known);
   name.fail(fmt::format("there is no [[element]] '{}'{}{}; known: {}", printable(wanted), nearest.empty() ? "" : "; ",

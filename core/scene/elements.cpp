@@ -186,10 +186,9 @@ void read_element(const Table& table, const PluginHost& plugins, const Files& fi
   Network& network = scene.network;
   const auto name = table.find("name");
   if (name && !names.insert(name->text()).second) name->fail("another [[element]] has this name; names are unique");
-  const auto invariant = static_cast<Invariant>(
-      table.need("invariant")
-          .choice({"angle", "dihedral", "area", "volume", "enclosed_volume", "chain", "triangle", "hinge",
-                   "tetrahedron"}));
+  const auto invariant = static_cast<Invariant>(table.need("invariant")
+                                                    .choice({"angle", "dihedral", "area", "volume", "enclosed_volume",
+                                                             "chain", "triangle", "hinge", "tetrahedron"}));
   const Material material = read_material(table, plugins, files);
   if (!material.spring && !material.viscosity) {
     table.fail("neither 'spring' nor 'viscosity' says what the elements do; add spring = { type = …, … }");
@@ -209,9 +208,10 @@ void read_element(const Table& table, const PluginHost& plugins, const Files& fi
   const double factor = scale ? scale->number() : 1.0;
   const bool several = reads_several(invariant);
   if (several && reference)
-    reference->fail(fmt::format("has no meaning for a {}, whose laws have a reference value for each scalar; write "
-                                "reference_scale, a factor on lengths at rest",
-                                name_of(invariant)));
+    reference->fail(
+        fmt::format("has no meaning for a {}, whose laws have a reference value for each scalar; write "
+                    "reference_scale, a factor on lengths at rest",
+                    name_of(invariant)));
   if (several && scale && !(factor > 0.0)) scale->fail("must be above 0, a factor on lengths at rest");
   const auto direction = table.find("direction");
   if (direction && !several)

@@ -11,8 +11,8 @@
 #include <springnet/error.hpp>
 
 #include "simulation/dominant.hpp"
-#include "simulation/host_calls.hpp"
 #include "simulation/event_derivatives.hpp"
+#include "simulation/host_calls.hpp"
 #include "simulation/parameter_model.hpp"
 #include "simulation/requests.hpp"
 

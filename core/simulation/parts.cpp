@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <limits>
 #include <memory>
 #include <span>
 #include <vector>
@@ -114,6 +115,27 @@ springnet_status add_springs(Model& model, const At& at, std::uint32_t parts, co
   return SPRINGNET_OK;
 }
 
+// Of an element whose laws read several scalars.
+springnet_status add_several(Model& model, const At& at, std::uint32_t parts, std::uint32_t element,
+                             const springnet_vectors& force) {
+  const layers::Layout& layout = model.layout;
+  const layers::Group& group = layout.laws().groups[layout.elements().group(element)];
+  const auto query = std::make_unique_for_overwrite<layers::SeveralQuery>();
+  const springnet_status status = layers::evaluate_several_element(
+      layout, at.set, at.time, at.nodes, element, layers::SeveralWanted::forces, *query, model.journal.message);
+  if (status != SPRINGNET_OK) return status;
+  const double* q[2][layers::max_scalars];
+  layers::forces_of(group, query->answers, q);
+  for (std::size_t k = 0; k < 2; ++k)
+    if ((parts & element_parts[k]) == 0) std::fill_n(q[k], layers::max_scalars, nullptr);
+  double forces[3][layers::max_corners];
+  layers::kernels_for(at.set).several.forces(group.scalars, query->geometry, 1, q,
+                                             {forces[0], forces[1], forces[2], 1});
+  const std::span<const std::uint32_t> nodes = layout.elements().nodes(element);
+  for (std::size_t i = 0; i < nodes.size(); ++i) add(force, nodes[i], {forces[0][i], forces[1][i], forces[2][i]});
+  return SPRINGNET_OK;
+}
+
 springnet_status add_elements(Model& model, const At& at, std::uint32_t parts, const springnet_vectors& force) {
   const layers::Layout& layout = model.layout;
   layers::PairAnswers<1> answers{};
@@ -121,6 +143,11 @@ springnet_status add_elements(Model& model, const At& at, std::uint32_t parts, c
   Gradients gradients;
   for (std::uint32_t e = 0; e < layout.elements().count(); ++e) {
     if (!layout.elements().alive(e)) continue;
+    if (reads_several(layout.elements().invariant(e))) {
+      if (const springnet_status status = add_several(model, at, parts, e, force); status != SPRINGNET_OK)
+        return status;
+      continue;
+    }
     gradients.find(layout, at, e);
     const springnet_status status =
         layers::evaluate_element(layout, at.set, at.time, at.nodes, e, gradients.state, wanted, model.journal.message);
@@ -238,6 +265,8 @@ springnet_status view_springs(Model& model, const At& at, springnet_element_view
 
 springnet_status view_bodies(Model& model, const At& at, springnet_element_view& view, Places& places) {
   const layers::Layout& layout = model.layout;
+  constexpr double nan = std::numeric_limits<double>::quiet_NaN();
+  constexpr layers::PairAnswers<1> no_answers{{{nan}, {nan}}, {{nan}, {nan}}, {{nan}, {nan}}, {{nan}, {nan}}};
   layers::PairAnswers<1> answers{};
   layers::PairOutputs wanted{};
   if (wants_laws(view)) wanted = answers.outputs(wants_derivatives(view), false);
@@ -250,9 +279,12 @@ springnet_status view_bodies(Model& model, const At& at, springnet_element_view&
       continue;
     }
     gradients.find(layout, at, e);
-    const springnet_status status =
-        layers::evaluate_element(layout, at.set, at.time, at.nodes, e, gradients.state, wanted, model.journal.message);
+    const bool several = reads_several(layout.elements().invariant(e));
+    const springnet_status status = several ? springnet_status{SPRINGNET_OK}
+                                            : layers::evaluate_element(layout, at.set, at.time, at.nodes, e,
+                                                                       gradients.state, wanted, model.journal.message);
     if (status != SPRINGNET_OK) return status;
+    if (several) answers = no_answers;
     for (std::size_t k = 0; k < gradients.nodes.size(); ++k) places.add(gradients.nodes[k], gradients.by[k]);
     put_state(view, i, gradients.state.value, gradients.state.rate, layout.elements().reference(e));
     put(view, i, layout.laws().groups[layout.elements().group(e)],

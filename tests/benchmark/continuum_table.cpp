@@ -13,8 +13,8 @@
 #include <string>
 #include <vector>
 
-#include <Eigen/SparseCholesky>
 #include <fmt/format.h>
+#include <Eigen/SparseCholesky>
 
 #include "layers/layout.hpp"
 #include "layers/linear/linearisation.hpp"
@@ -71,7 +71,9 @@ class Statics {
     held_[3 * node + static_cast<std::size_t>(axis)] = true;
     x_[3 * static_cast<Eigen::Index>(node) + axis] = displacement;
   }
-  void add_force(std::size_t node, const Vector3& force) { load_.segment<3>(3 * static_cast<Eigen::Index>(node)) += force; }
+  void add_force(std::size_t node, const Vector3& force) {
+    load_.segment<3>(3 * static_cast<Eigen::Index>(node)) += force;
+  }
   void solve() {
     std::vector<int> number(held_.size(), -1);
     int count = 0;
@@ -82,7 +84,8 @@ class Statics {
     for (Eigen::Index i = 0; i < size(); ++i)
       if (number[static_cast<std::size_t>(i)] >= 0) right[number[static_cast<std::size_t>(i)]] = load_[i];
     for (const auto& entry : stiffness_) {
-      const int row = number[static_cast<std::size_t>(entry.row())], column = number[static_cast<std::size_t>(entry.col())];
+      const int row = number[static_cast<std::size_t>(entry.row())],
+                column = number[static_cast<std::size_t>(entry.col())];
       if (row < 0) continue;
       if (column >= 0)
         own.emplace_back(row, column, entry.value());
@@ -97,7 +100,9 @@ class Statics {
     for (Eigen::Index i = 0; i < size(); ++i)
       if (number[static_cast<std::size_t>(i)] >= 0) x_[i] = solution[number[static_cast<std::size_t>(i)]];
   }
-  [[nodiscard]] Vector3 displacement(std::size_t node) const { return x_.segment<3>(3 * static_cast<Eigen::Index>(node)); }
+  [[nodiscard]] Vector3 displacement(std::size_t node) const {
+    return x_.segment<3>(3 * static_cast<Eigen::Index>(node));
+  }
   // Twice the energy of the displacements, J.
   [[nodiscard]] double work() const {
     double sum = 0.0;
@@ -122,8 +127,8 @@ Material membrane(double nu, double thickness) {
           std::nullopt};
 }
 
-// A box of cubes with a side of 1 / cells m, `length` m long, each in five tetrahedra, mirrored from cube to cube. Points
-// inside are moved at random by up to 0.2 of the spacing.
+// A box of cubes with a side of 1 / cells m, `length` m long, each in five tetrahedra, mirrored from cube to cube.
+// Points inside are moved at random by up to 0.2 of the spacing.
 Simplices box(double length, std::uint32_t cells) {
   Simplices mesh;
   const auto along = static_cast<std::uint32_t>(std::lround(length)) * cells;
@@ -216,7 +221,8 @@ double cantilever(double nu, std::uint32_t cells) {
   for_each_part_of_end(mesh, length, [&](NodeIndex k, double part) { statics.add_force(k, {0, part, 0}); });
   statics.solve();
   double deflection = 0.0;
-  for_each_part_of_end(mesh, length, [&](NodeIndex k, double part) { deflection += part * statics.displacement(k).y(); });
+  for_each_part_of_end(mesh, length,
+                       [&](NodeIndex k, double part) { deflection += part * statics.displacement(k).y(); });
   const double shear_modulus = modulus / (2.0 * (1.0 + nu)), kappa = 10.0 * (1.0 + nu) / (12.0 + 11.0 * nu);
   return deflection / (4.0 * length * length * length / modulus + length / (kappa * shear_modulus)) - 1.0;
 }
@@ -307,7 +313,8 @@ double sphere(double nu, std::uint32_t cells) {
   double mean = 0.0;
   for (NodeIndex k = 0; k < columns; ++k) mean += area[k] / whole * statics.displacement(k).dot(directions[k]);
   const double a3 = inner * inner * inner, b3 = outer * outer * outer;
-  const double exact = a3 / (modulus * (b3 - a3)) * ((1.0 - 2.0 * nu) * inner + 0.5 * (1.0 + nu) * b3 / (inner * inner));
+  const double exact =
+      a3 / (modulus * (b3 - a3)) * ((1.0 - 2.0 * nu) * inner + 0.5 * (1.0 + nu) * b3 / (inner * inner));
   return mean / exact - 1.0;
 }
 
@@ -330,7 +337,8 @@ std::string row_of(const std::string& test, const std::string& nu, const std::ve
     last = error(cells);
     row += fmt::format(" {} |", percent(last));
   }
-  return row + (std::abs(last) > 1e-10 && before / last > 0.0 ? fmt::format(" {:.1f} |", std::log2(before / last)) : " |");
+  return row +
+         (std::abs(last) > 1e-10 && before / last > 0.0 ? fmt::format(" {:.1f} |", std::log2(before / last)) : " |");
 }
 
 std::vector<std::function<std::string()>> rows() {
@@ -338,7 +346,8 @@ std::vector<std::function<std::string()>> rows() {
   std::vector<std::function<std::string()>> result{
       [=] { return row_of("bar, E", "0.45", coarse, [](std::uint32_t n) { return tension(0.45, n).modulus; }); },
       [=] {
-        return row_of("bar, Poisson ratio", "0.45", coarse, [](std::uint32_t n) { return tension(0.45, n).poisson_ratio; });
+        return row_of("bar, Poisson ratio", "0.45", coarse,
+                      [](std::uint32_t n) { return tension(0.45, n).poisson_ratio; });
       },
       [=] { return row_of("block, G", "0.45", coarse, [](std::uint32_t n) { return shear(0.45, n); }); },
       [=] { return row_of("Cook's membrane", "1/3", all, cook); }};

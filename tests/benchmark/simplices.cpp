@@ -119,11 +119,11 @@ const LawUse solid_law{"solid", {{"youngs_modulus", 1.0}, {"poisson_ratio", 0.4}
 const LawUse membrane_law{"membrane", {{"youngs_modulus", 1.0}, {"poisson_ratio", 0.4}, {"thickness", 0.1}}};
 const springnet::Material damped_solid{solid_law, LawUse{"viscous_solid", {{"shear_viscosity", 0.1}}}};
 const springnet::Material damped_membrane{membrane_law, LawUse{"viscous_membrane", {{"shear_viscosity", 0.1}}}};
-#define SPRINGNET_SIMPLICES(name, solid, elements, springs)                                                      \
-  BENCHMARK_CAPTURE(simplices_of, name##_forces, solid, elements, false, false)->Unit(benchmark::kMicrosecond);  \
-  BENCHMARK_CAPTURE(simplices_of, name##_forces_of_springs, solid, springs, true, false)                         \
-      ->Unit(benchmark::kMicrosecond);                                                                           \
-  BENCHMARK_CAPTURE(simplices_of, name##_tangent, solid, elements, false, true)->Unit(benchmark::kMicrosecond);  \
+#define SPRINGNET_SIMPLICES(name, solid, elements, springs)                                                     \
+  BENCHMARK_CAPTURE(simplices_of, name##_forces, solid, elements, false, false)->Unit(benchmark::kMicrosecond); \
+  BENCHMARK_CAPTURE(simplices_of, name##_forces_of_springs, solid, springs, true, false)                        \
+      ->Unit(benchmark::kMicrosecond);                                                                          \
+  BENCHMARK_CAPTURE(simplices_of, name##_tangent, solid, elements, false, true)->Unit(benchmark::kMicrosecond); \
   BENCHMARK_CAPTURE(simplices_of, name##_tangent_of_springs, solid, springs, true, true)->Unit(benchmark::kMicrosecond)
 SPRINGNET_SIMPLICES(solid, true, (springnet::Material{solid_law, std::nullopt}), plain_spring);
 SPRINGNET_SIMPLICES(damped_solid, true, damped_solid, damped_spring);

@@ -90,9 +90,9 @@ TEST_CASE("a host moves a node and a surface from where they are to where it say
   floor.name = "floor";
   floor.point = {0, 0, -1};
   net.add_plane(floor);
-  for (const Scheme& scheme : {Scheme{"recurrent", recurrent(newton, 1e-9), 1.0}, Scheme{"cvode", cvode(1e-8), 0.0},
-                               Scheme{"verlet", {"verlet", {}}, 2.0},
-                               Scheme{"generalized_alpha", generalized_alpha(), 2.0}}) {
+  for (const Scheme& scheme :
+       {Scheme{"recurrent", recurrent(newton, 1e-9), 1.0}, Scheme{"cvode", cvode(1e-8), 0.0},
+        Scheme{"verlet", {"verlet", {}}, 2.0}, Scheme{"generalized_alpha", generalized_alpha(), 2.0}}) {
     INFO(scheme.name);
     Simulation simulation = simulate(net, scheme.integrator, 0.01);
     simulation.advance_to(0.1);
@@ -289,8 +289,8 @@ TEST_CASE("impulses of a tool that a program moves by fits and starts are what t
   Network net;
   net.add_node(point({0, 0, 0}, mass));
   net.add_plane({.name = "bat", .point = {0, 0, 0}, .normal = {0, 0, 1}, .friction = {Friction::Kind::none}});
-  for (const LawUse& integrator :
-       {recurrent(newton, 1e-12), recurrent(wavefront, 1e-12), cvode(1e-10), LawUse{"verlet", {}}, generalized_alpha()}) {
+  for (const LawUse& integrator : {recurrent(newton, 1e-12), recurrent(wavefront, 1e-12), cvode(1e-10),
+                                   LawUse{"verlet", {}}, generalized_alpha()}) {
     INFO(integrator.id);
     Simulation s = simulate(net, integrator, step);
     double height = 0.0;

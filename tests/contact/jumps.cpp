@@ -66,8 +66,9 @@ std::vector<Jump> jumps() {
 TEST_CASE("a jump of a moved node gives impulses to the nodes joined to it, to obstacles and to its motion") {
   for (const Jump& jump : jumps()) {
     const Network net = pulled(jump.jump, jump.floor);
-    for (const LawUse& integrator : {cvode(1e-10), recurrent(newton, 1e-11), recurrent(newton, 1e-11, {{"theta", 0.5}}),
-                                     recurrent(newton, 1e-11, {{"events", 1.0}}), LawUse{"verlet", {}}, generalized_alpha()}) {
+    for (const LawUse& integrator :
+         {cvode(1e-10), recurrent(newton, 1e-11), recurrent(newton, 1e-11, {{"theta", 0.5}}),
+          recurrent(newton, 1e-11, {{"events", 1.0}}), LawUse{"verlet", {}}, generalized_alpha()}) {
       INFO(jump.name << ", " << integrator.id);
       constexpr double step = 1e-3;
       Simulation s = simulate(net, integrator, step);

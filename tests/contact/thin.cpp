@@ -133,7 +133,8 @@ TEST_CASE("a node that enters and leaves an obstacle within a step touches it, a
 TEST_CASE("integrators that decide contact within a step stop at thin obstacles") {
   for (const Thin& scene : {plate(), bead()}) {
     INFO(scene.name);
-    for (const LawUse& integrator : {recurrent(newton, 1e-11), recurrent(block, 1e-11), LawUse{"verlet", {}}, generalized_alpha()}) {
+    for (const LawUse& integrator :
+         {recurrent(newton, 1e-11), recurrent(block, 1e-11), LawUse{"verlet", {}}, generalized_alpha()}) {
       INFO(integrator.id);
       CHECK(std::abs(first_touch(to_end(scene, integrator)) - scene.touch) <= 0.01);  // the end of its step
     }
@@ -162,8 +163,8 @@ TEST_CASE("a node that passes by an obstacle does not touch it") {
     const Thin full = scene == &past ? plate() : bead();
     for (const Instrument& instrument : full.net.instruments()) scene->net.add_instrument(instrument);
     INFO(scene->name);
-    for (const LawUse& integrator :
-         {cvode(1e-8), recurrent(newton, 1e-11, {{"events", 1.0}}), recurrent(newton, 1e-11), LawUse{"verlet", {}}, generalized_alpha()})
+    for (const LawUse& integrator : {cvode(1e-8), recurrent(newton, 1e-11, {{"events", 1.0}}), recurrent(newton, 1e-11),
+                                     LawUse{"verlet", {}}, generalized_alpha()})
       CHECK(std::isnan(first_touch(to_end(*scene, integrator))));
   }
 }

@@ -6,8 +6,8 @@
 #include <doctest/doctest.h>
 
 #include "../layers/random_net.hpp"
-#include "layers/elements/queries.hpp"
 #include "laws.hpp"
+#include "layers/elements/queries.hpp"
 
 using namespace springnet;
 using namespace springnet::testing;
@@ -113,7 +113,8 @@ TEST_CASE("with two curvatures equilateral triangles store D/2 (k1^2 + k2^2 - 2/
     CAPTURE(angle);
     const Triangles lattice(4, angle);
     Plate plate(lattice);
-    for (const auto& [k1, k2] : {std::pair(1.0, 0.0), std::pair(1.0, 1.0), std::pair(1.0, -1.0), std::pair(0.4, -1.7)}) {
+    for (const auto& [k1, k2] :
+         {std::pair(1.0, 0.0), std::pair(1.0, 1.0), std::pair(1.0, -1.0), std::pair(0.4, -1.7)}) {
       constexpr double small = 1e-5;  // 1/m: slopes of 1e-4, whose squares are neglected
       const double energy = plate.energy([k1 = k1, k2 = k2](const Vector3& p) {
         return Vector3(p.x(), p.y(), 0.5 * small * (k1 * p.x() * p.x() + k2 * p.y() * p.y()));

@@ -44,8 +44,8 @@ Network net_of(const Case& one, double strain, unsigned seed) {
     net = element_net(solid_mesh(2, Vector3(2.0, 2.0, 2.0), seed), one.material, Vector3(1.0, 2.0, 3.0));
   } else {
     const SimplexMesh<3> sheet = sheet_mesh(3, 3.0, 3.0, seed);
-    net = element_net(sheet, one.shape == Invariant::triangle ? one.material : Material{membrane_law(1.0, 0.3, 0.1),
-                                                                                        std::nullopt});
+    net = element_net(
+        sheet, one.shape == Invariant::triangle ? one.material : Material{membrane_law(1.0, 0.3, 0.1), std::nullopt});
     if (one.shape == Invariant::hinge) {
       const MaterialIndex index = net.add_material(one.material);
       for (const auto& hinge : hinges_of(sheet)) net.add_element(Invariant::hinge, {hinge.begin(), hinge.end()}, index);

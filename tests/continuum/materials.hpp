@@ -82,8 +82,7 @@ struct PlaneStress {
   [[nodiscard]] double energy(const Matrix3& f) const {
     if (neo_hookean) return thickness * NeoHookean{modulus, nu}.energy(relaxed(f));
     const Eigen::Matrix2d e = green(f);
-    return thickness * modulus / (2.0 * (1.0 - nu * nu)) *
-           (nu * e.trace() * e.trace() + (1.0 - nu) * (e * e).trace());
+    return thickness * modulus / (2.0 * (1.0 - nu * nu)) * (nu * e.trace() * e.trace() + (1.0 - nu) * (e * e).trace());
   }
   // N/m; the third column is 0.
   [[nodiscard]] Matrix3 stress(const Matrix3& f) const {

@@ -6,8 +6,8 @@
 #include <springnet/error.hpp>
 
 #include "../layers/random_net.hpp"
-#include "layers/elements/queries.hpp"
 #include "laws.hpp"
+#include "layers/elements/queries.hpp"
 
 using namespace springnet;
 using namespace springnet::testing;
@@ -90,8 +90,9 @@ TEST_CASE("solids pass the patch test, in any state, inside out too") {
     Patch<4> patch(mesh, element_net(mesh, {solid_law(3.0, nu), std::nullopt}, Vector3::Zero(), random_rotation(random),
                                      random_vector(random)));
     for (int i = 0; i < 40; ++i) {
-      const Matrix3 f = i % 2 == 0 ? Matrix3(random_matrix(random))
-                                   : Matrix3(random_rotation(random) * (Matrix3::Identity() + 0.3 * random_matrix(random)));
+      const Matrix3 f = i % 2 == 0
+                            ? Matrix3(random_matrix(random))
+                            : Matrix3(random_rotation(random) * (Matrix3::Identity() + 0.3 * random_matrix(random)));
       inverted += f.determinant() < 0.0 ? 1 : 0;
       patch.deform(f);
       CHECK(patch.error(material.stress(f)) < rounding);
@@ -115,8 +116,8 @@ TEST_CASE("solids with fibres pass the patch test") {
         Patch<4> patch(mesh, element_net(mesh, {fibre_solid_law(matrix, fibres), std::nullopt}, 3.0 * fibres.along,
                                          random_rotation(random), random_vector(random)));
         for (int i = 0; i < 10; ++i) {
-          const Matrix3 f = i % 2 == 0 ? Matrix3(random_matrix(random))
-                                       : Matrix3(Matrix3::Identity() + 0.3 * random_matrix(random));
+          const Matrix3 f =
+              i % 2 == 0 ? Matrix3(random_matrix(random)) : Matrix3(Matrix3::Identity() + 0.3 * random_matrix(random));
           patch.deform(f);
           CHECK(patch.error(matrix.stress(f) + fibres.stress(f)) < rounding);
           const double expected = matrix.energy(f) + fibres.energy(f);
@@ -162,10 +163,9 @@ TEST_CASE("for small strains solids and membranes are Hooke's, with the E and nu
     // Of second order in the strain of 1e-5, times (1 - 2 nu)^-1; rounding over it.
     CHECK(SmallStrain<4>(patch, gradient, hooke(3.0, nu, strain)).error < 1e-8);
     Matrix3 plane_stress = Matrix3::Zero();
-    plane_stress.topLeftCorner<2, 2>() =
-        0.2 * 3.0 / (1.0 - nu * nu) *
-        ((1.0 - nu) * strain.topLeftCorner<2, 2>() +
-         nu * strain.topLeftCorner<2, 2>().trace() * Eigen::Matrix2d::Identity());
+    plane_stress.topLeftCorner<2, 2>() = 0.2 * 3.0 / (1.0 - nu * nu) *
+                                         ((1.0 - nu) * strain.topLeftCorner<2, 2>() +
+                                          nu * strain.topLeftCorner<2, 2>().trace() * Eigen::Matrix2d::Identity());
     for (const bool neo_hookean : {true, false}) {
       Patch<3> flat(sheet, element_net(sheet, {membrane_law(3.0, nu, 0.2, neo_hookean), std::nullopt}));
       CHECK(SmallStrain<3>(flat, gradient, plane_stress).error < 1e-8);
@@ -179,7 +179,8 @@ TEST_CASE("fibres make a solid transversely isotropic: stiffer along them by the
   const NeoHookean matrix{3.0, 0.3};
   const Fibres fibres{5.0, 0.8, true, random_vector(random).normalized()};
   Patch<4> patch(mesh, element_net(mesh, {fibre_solid_law(matrix, fibres), std::nullopt}, fibres.along));
-  // Uniaxial stress along the fibres: the strain that the matrix would have with a modulus larger by that of the fibres.
+  // Uniaxial stress along the fibres: the strain that the matrix would have with a modulus larger by that of the
+  // fibres.
   const double modulus = matrix.modulus + fibres.modulus;
   const Matrix3 along = fibres.along * fibres.along.transpose();
   const Matrix3 strain = 1.0 / modulus * (along - matrix.nu * (Matrix3::Identity() - along));

@@ -77,8 +77,7 @@ TEST_CASE("a viscous membrane has the tensions F S, S = 2 eta E' + (zeta - eta) 
     fixture.external.gravity.setZero();
     for (int i = 0; i < 20; ++i) {
       const Matrix3 f = random_matrix(random), rate = random_matrix(random);
-      const Eigen::Matrix2d strain_rate =
-          0.5 * (rate.transpose() * f + f.transpose() * rate).topLeftCorner<2, 2>();
+      const Eigen::Matrix2d strain_rate = 0.5 * (rate.transpose() * f + f.transpose() * rate).topLeftCorner<2, 2>();
       const Eigen::Matrix2d stress =
           2.0 * shear * strain_rate + (area - shear) * strain_rate.trace() * Eigen::Matrix2d::Identity();
       Matrix3 piola = Matrix3::Zero();

@@ -61,7 +61,8 @@ Eigen::MatrixXd run(const Network& net, const LawUse& integrator, unsigned threa
 
 TEST_CASE("elementary functions: the same bits for every instruction set and number of threads") {
   const Network net = everything();
-  for (const LawUse& integrator : {single_sweep(), recurrent(newton, 1e-6), LawUse{"verlet", {}}, generalized_alpha()}) {
+  for (const LawUse& integrator :
+       {single_sweep(), recurrent(newton, 1e-6), LawUse{"verlet", {}}, generalized_alpha()}) {
     CAPTURE(integrator.id);
     const Eigen::MatrixXd one = run(net, integrator, 1, InstructionSet::generic);
     CHECK(one.allFinite());

@@ -177,8 +177,8 @@ TEST_CASE("no law that promises not to add power dissipates less than nothing, a
 }
 
 TEST_CASE("dissipation is never negative along a motion, also where springs are cut") {
-  for (const LawUse& integrator :
-       {recurrent(newton, 1e-9), recurrent(newton, 1e-9, {{"theta", 0.5}}), LawUse{"verlet", {}}, generalized_alpha(), single_sweep()}) {
+  for (const LawUse& integrator : {recurrent(newton, 1e-9), recurrent(newton, 1e-9, {{"theta", 0.5}}),
+                                   LawUse{"verlet", {}}, generalized_alpha(), single_sweep()}) {
     CAPTURE(integrator.id);
     Simulation simulation(closed_net(3), plugins(), with_energy(integrator, 0.005));
     std::vector<double> powers, energies;

@@ -84,11 +84,12 @@ using Edge = std::pair<std::uint32_t, std::uint32_t>;  // lower point first
 // Solid cells as tetrahedra of positive volume (hexahedra as six, wedges as three, pyramids as two).
 [[nodiscard]] SPRINGNET_API std::vector<std::array<std::uint32_t, 4>> tetrahedra_of(const Mesh& mesh);
 [[nodiscard]] SPRINGNET_API std::vector<std::array<std::uint32_t, 4>> tetrahedra_of(const Mesh& mesh, std::size_t cell);
-// A solid cell as tetrahedra that fit together with those of its neighbours: quadrilaterals are divided from their lowest
-// point, cells from theirs (J. Dompierre et al., How to subdivide pyramids, prisms and hexahedra into tetrahedra, 8th
-// Int. Meshing Roundtable, 1999). Tetrahedra of strongly distorted cells may have no volume, or a negative one.
+// A solid cell as tetrahedra that fit together with those of its neighbours: quadrilaterals are divided from their
+// lowest point, cells from theirs (J. Dompierre et al., How to subdivide pyramids, prisms and hexahedra into
+// tetrahedra, 8th Int. Meshing Roundtable, 1999). Tetrahedra of strongly distorted cells may have no volume, or a
+// negative one.
 [[nodiscard]] SPRINGNET_API std::vector<std::array<std::uint32_t, 4>> conforming_tetrahedra_of(const Mesh& mesh,
-                                                                                              std::size_t cell);
+                                                                                               std::size_t cell);
 
 // Length, area or volume of a cell, depending on its dimension; m, m^2, m^3. Positive for either orientation.
 [[nodiscard]] SPRINGNET_API double measure_of(const Mesh& mesh, std::size_t cell);

@@ -82,7 +82,6 @@ SPRINGNET_INLINE void volume_gradients(const Triple<T>& a, const Triple<T>& b, c
   by_a = -(by_b + by_c + by_d);
 }
 
-
 // dq/dp of the corners; d is neither read nor written for three points.
 template <Measure measure, class T>
 SPRINGNET_INLINE void gradients(const Triple<T>& a, const Triple<T>& b, const Triple<T>& c, const Triple<T>& d,

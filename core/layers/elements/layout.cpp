@@ -13,6 +13,7 @@ namespace {
 // element there reads its references to the bit.
 SeveralRest rest_of(const ScalarList& list, const Element& element) {
   SeveralRest rest;
+  rest.value = element.reference;
   const auto at = [&](std::uint8_t corner) -> invariants::Point {
     const Vector3 p = element.rest[corner] - element.rest[0];
     return {p[0], p[1], p[2]};

@@ -27,6 +27,7 @@ inline constexpr std::uint32_t no_enclosure = 0xffffffffu;
 
 // What the scalars of an element are at rest, and its direction.
 struct SeveralRest {
+  double value = 0.0;                           // of the element as a whole: Element::reference
   std::array<double, max_scalars> reference{};  // [scalar of the group's list]
   std::array<double, 3> direction{};            // components in the edges from the first corner
 };
@@ -51,6 +52,7 @@ class ElementLayout {
   [[nodiscard]] std::uint32_t group(std::uint32_t element) const noexcept { return laws_.element_group[element]; }
   [[nodiscard]] std::uint32_t row(std::uint32_t element) const noexcept { return laws_.element_row[element]; }
   [[nodiscard]] double reference(std::uint32_t element) const noexcept {
+    if (reads_several(invariant_[element])) return rest(element).value;
     return laws_.groups[group(element)].columns[0][row(element)];
   }
   // Nodes of an element as the engine numbers them, each once: its corners, or those of its enclosure by place.
@@ -147,7 +149,7 @@ class ElementLayout {
   std::vector<Invariant> invariant_;
   std::vector<std::uint32_t> first_several_;  // [element] its number less its index in rest_; empty: there are none
   std::vector<SeveralRest> rest_;
-  std::size_t first_several_batched_ = 0;  // they come last in batched()
+  std::size_t first_several_batched_ = 0;                                      // they come last in batched()
   std::vector<double> several_reference_[max_scalars], several_direction_[3];  // [batched, from there on]
   std::vector<std::uint8_t> alive_;
   std::size_t live_count_ = 0, live_enclosures_ = 0;

@@ -175,7 +175,8 @@ void several_blocks(const Kernels& kernels, const ScalarList& list, const Severa
         rate_gradients.value[s][c][i] = second.rate_gradient[c / 3][static_cast<Eigen::Index>(c % 3)];
     }
     const std::size_t padded = (count + chunk_springs - 1) / chunk_springs * chunk_springs;
-    for (std::size_t c = 0; c < 12; ++c) std::fill(rate_gradients.value[s][c] + count, rate_gradients.value[s][c] + padded, 0.0);
+    for (std::size_t c = 0; c < 12; ++c)
+      std::fill(rate_gradients.value[s][c] + count, rate_gradients.value[s][c] + padded, 0.0);
   }
   kernels.several.blocks(list, geometry, count, tangent, rate_gradients, out);
   for (std::size_t s = 0; s < list.count; ++s) {
@@ -212,12 +213,12 @@ void several_own_blocks(const ScalarList& list, const SeveralGeometry& geometry,
       const Vector3& n = gradient[s];
       stiffness += tangent.force[s][i] / length * (Block::Identity() - n * n.transpose());
       if (!tangent.has_rates) continue;
-      const Vector3 v = triple(geometry.velocity + 3 * scalar.corner[c], i) -
-                        triple(geometry.velocity + 3 * scalar.corner[1 - c], i);
+      const Vector3 v =
+          triple(geometry.velocity + 3 * scalar.corner[c], i) - triple(geometry.velocity + 3 * scalar.corner[1 - c], i);
       rate_gradient[s] = (v - n * n.dot(v)) / length;
     } else {
-      const OwnSecondOrder own = own_second_order(invariant_of(scalar.measure),
-                                                  corners_of(scalar, geometry, i, tangent.has_rates), c);
+      const OwnSecondOrder own =
+          own_second_order(invariant_of(scalar.measure), corners_of(scalar, geometry, i, tangent.has_rates), c);
       stiffness += tangent.force[s][i] * own.hessian;
       rate_gradient[s] = own.rate_gradient;
     }

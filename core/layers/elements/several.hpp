@@ -59,8 +59,7 @@ springnet_status evaluate_several(const Group& group, const SeveralMembers& memb
                                   InstructionSet set, double time, SeveralWanted wanted, SeveralAnswers& out,
                                   springnet_message& message);
 // The forces of both laws for the kernels: null for scalars that a law does not read.
-void forces_of(const Group& group, const SeveralAnswers& answers,
-               const double* (&out)[2][max_scalars]) noexcept;
+void forces_of(const Group& group, const SeveralAnswers& answers, const double* (&out)[2][max_scalars]) noexcept;
 // Sums up what both laws answered with SeveralWanted::tangent. False: a number is not finite.
 [[nodiscard]] bool tangent_of(const Group& group, const SeveralAnswers& answers, std::size_t count,
                               SeveralTangent& out) noexcept;

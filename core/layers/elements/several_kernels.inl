@@ -56,15 +56,13 @@ void gather_corners(const ScalarList& list, const BatchCorners& corners, const N
 void length_of(const std::array<std::uint8_t, 4>& corner, std::size_t padded, bool rates, SeveralGeometry& g,
                std::size_t s) {
   for (std::size_t at = 0; at < padded; at += chunk_springs) {
-    const Eights d =
-        minus(load_triple(g.position + 3 * corner[0], at), load_triple(g.position + 3 * corner[1], at));
+    const Eights d = minus(load_triple(g.position + 3 * corner[0], at), load_triple(g.position + 3 * corner[1], at));
     const Eight length = root(dot_of(d, d)), inverse = 1.0 / or_one(length);
     const Eights n = times(inverse, d);
     store(length, g.value[s] + at);
     store_triple(n, g.gradient[s], at);
     if (!rates) continue;
-    const Eights v =
-        minus(load_triple(g.velocity + 3 * corner[0], at), load_triple(g.velocity + 3 * corner[1], at));
+    const Eights v = minus(load_triple(g.velocity + 3 * corner[0], at), load_triple(g.velocity + 3 * corner[1], at));
     store(dot_of(n, v), g.rate[s] + at);
   }
 }

@@ -89,8 +89,9 @@ springnet_status Evaluator::evaluate_several_batch(const ElementBatch& batch, do
   const double* q[2][max_scalars];
   forces_of(group, answers, q);
   const auto at = [&](std::vector<double>& forces) { return forces.data() + batch.begin; };
-  kernels_.several.forces(group.scalars, geometry, batch.count, q,
-                          {at(corner_force_[0]), at(corner_force_[1]), at(corner_force_[2]), elements.batched().size()});
+  kernels_.several.forces(
+      group.scalars, geometry, batch.count, q,
+      {at(corner_force_[0]), at(corner_force_[1]), at(corner_force_[2]), elements.batched().size()});
   return SPRINGNET_OK;
 }
 

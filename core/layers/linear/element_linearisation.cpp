@@ -112,8 +112,8 @@ springnet_status ElementLinearisation::update_several(const ElementBatch& batch,
   const Kernels& kernels = kernels_for(set);
   const SeveralMembers members = members_of(layout_.elements(), batch);
   kernels.several.geometry(group.scalars, members.corners, members.reference, nodes, group.reads_rate(), work.geometry);
-  const springnet_status status = evaluate_several(group, members, work.geometry, set, time, SeveralWanted::tangent,
-                                                   work.answers, message);
+  const springnet_status status =
+      evaluate_several(group, members, work.geometry, set, time, SeveralWanted::tangent, work.answers, message);
   if (status != SPRINGNET_OK) return status;
   finite_ = tangent_of(group, work.answers, batch.count, work.tangent) && finite_;
   several_blocks(kernels, group.scalars, work.geometry, batch.count, work.tangent, work.rate_gradients, work.blocks);
@@ -121,7 +121,7 @@ springnet_status ElementLinearisation::update_several(const ElementBatch& batch,
     damping_.assign(rows_.count(), Block::Zero());
     damped_ = true;
   }
-  const auto add = [](Block& block, const double (*rows)[several_batch], std::size_t i) {
+  const auto add = [](Block& block, const double(*rows)[several_batch], std::size_t i) {
     for (Eigen::Index r = 0; r < 3; ++r)
       for (Eigen::Index c = 0; c < 3; ++c) block(r, c) += rows[3 * r + c][i];
   };

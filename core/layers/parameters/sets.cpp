@@ -84,9 +84,10 @@ void ResolvedSets::resolve_law(std::uint32_t number, const Group& group, std::si
   const bool has_all = law.can(SPRINGNET_HAS_ALL_DERIVATIVES);
   const auto add = [&](std::size_t column, std::string_view by, std::uint32_t signal_column = 0) {
     if (law.scalar_count > 0)
-      throw Error(ErrorKind::plugin, fmt::format("{} reads several scalars of an element: products by parameters do not "
-                                                 "cover such laws; leave it out of the parameter sets",
-                                                 full_name(*law.component)));
+      throw Error(ErrorKind::plugin,
+                  fmt::format("{} reads several scalars of an element: products by parameters do not "
+                              "cover such laws; leave it out of the parameter sets",
+                              full_name(*law.component)));
     if (!has_all) lacks(*law.component, by);
     own.entries.push_back({number, slots_of(own, column, false, jacobian, states), signal_column});
     found_[number] = 1;

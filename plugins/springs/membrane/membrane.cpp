@@ -1,5 +1,5 @@
-// A triangle of an elastic membrane under plane stress, of thickness t and area A0 at rest. C: the Cauchy-Green tensor in
-// its plane, E = (C - 1) / 2.
+// A triangle of an elastic membrane under plane stress, of thickness t and area A0 at rest. C: the Cauchy-Green tensor
+// in its plane, E = (C - 1) / 2.
 //   st_venant_kirchhoff: W = t A0 Y / (2 (1 - nu^2)) (nu (tr E)^2 + (1 - nu) E : E)
 //   neo_hookean: the material of `solid` with the stretch of the thickness, z, for which the stress across vanishes,
 //     W = t A0 min over z of mu/2 (tr C + z^2 - 3) - mu (j z - 1) + kappa/2 (j z - 1)^2,   j = A / A0,
@@ -33,8 +33,7 @@ struct Membrane : SpringFunction {
     const Symmetric<Real, 2> inverse = rest.adjugate();
     if (p[model] > 0.5) {
       // E is similar to R^-1 (G - R) / 2.
-      const Symmetric<Real, 2> change = {
-          {now(0, 0) - rest(0, 0), now(1, 1) - rest(1, 1), now(0, 1) - rest(0, 1)}};
+      const Symmetric<Real, 2> change = {{now(0, 0) - rest(0, 0), now(1, 1) - rest(1, 1), now(0, 1) - rest(0, 1)}};
       const Real trace = contracted(inverse, change) / (2.0 * square);
       const Real determinant = change.determinant() / (4.0 * square);
       return volume * p[youngs_modulus] / (2.0 * (1.0 - nu * nu)) *
@@ -54,12 +53,13 @@ struct Membrane : SpringFunction {
     const Real square = rest.determinant(), per_square = 1.0 / square, nu = p[poisson_ratio];
     const Real volume = 0.5 * sqrt(square) * p[thickness];
     const Symmetric<Real, 2> inverse = rest.adjugate();
-    // dW/dG = by_trace R^-1 + by_determinant adj(G), or adj(G - R), both over det R. Both models without a branch, which
-    // would keep the loop over elements from being vectorised.
+    // dW/dG = by_trace R^-1 + by_determinant adj(G), or adj(G - R), both over det R. Both models without a branch,
+    // which would keep the loop over elements from being vectorised.
     const Real plain = p[model], other = 1.0 - plain;  // 0 and 1, or 1 and 0
     Symmetric<Real, 2> own;
     for (std::size_t k = 0; k < 3; ++k) own.entries[k] = now.entries[k] - plain * rest.entries[k];
-    const Real hooke = 0.5 * volume * p[youngs_modulus] / (1.0 + nu), mu = other * hooke, kappa = 1.0 / (1.0 - 2.0 * nu);
+    const Real hooke = 0.5 * volume * p[youngs_modulus] / (1.0 + nu), mu = other * hooke,
+               kappa = 1.0 / (1.0 - 2.0 * nu);
     const Real factor = 0.5 * plain * hooke / (1.0 - nu);
     const Real by_trace = factor * contracted(inverse, own) * per_square + 0.5 * mu;
     // At the minimum dW/dj^2 = (-mu + kappa (j z - 1)) z / (2 j), with j z - 1 as in the energy.

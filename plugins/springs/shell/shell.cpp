@@ -1,11 +1,12 @@
 // Bending of a thin shell at the edge of two triangles: with the angle theta between their normals, the edge's length l
 // and the areas A1, A2 at rest,
 //   W = D l^2 / (2 (A1 + A2)) (theta - theta0)^2,   D = E t^3 / (12 (1 - nu^2)).
-// For equilateral triangles of any orientation the sum over all edges is, per area, with principal curvatures k1 and k2,
+// For equilateral triangles of any orientation the sum over all edges is, per area, with principal curvatures k1 and
+// k2,
 //   D/2 (k1^2 + k2^2 - 2/3 k1 k2):
 // exactly that of a plate, D/2 k^2, where it is bent about one axis, as a cylinder. What a plate adds for two
-// curvatures, D nu k1 k2, it does not follow: that is -D/3 k1 k2 for every nu, which a hinge, with its one angle, cannot
-// know. Other triangles have other energies, which depend on the direction of bending.
+// curvatures, D nu k1 k2, it does not follow: that is -D/3 k1 k2 for every nu, which a hinge, with its one angle,
+// cannot know. Other triangles have other energies, which depend on the direction of bending.
 #include <springnet/sdk/law.hpp>
 
 namespace {

@@ -1,7 +1,7 @@
 // A compressible neo-Hookean tetrahedron. Per volume at rest, with I1 = tr C and J = V / V0 (signed),
 //   W = mu/2 (I1 - 3) - mu (J - 1) + kappa/2 (J - 1)^2,   mu = E / (2 (1 + nu)),  kappa = mu / (1 - 2 nu).
-// Near rest it is Hooke's law with E and nu. kappa > 0 for every nu in (-1, 1/2), and W is finite for every J, so that a
-// tetrahedron that was turned inside out is pushed back.
+// Near rest it is Hooke's law with E and nu. kappa > 0 for every nu in (-1, 1/2), and W is finite for every J, so that
+// a tetrahedron that was turned inside out is pushed back.
 #include <springnet/sdk/law.hpp>
 #include <springnet/sdk/law/simplex.hpp>
 

@@ -28,8 +28,7 @@ struct ViscousMembrane : ViscosityFunction {
     const Real trace = contracted(inverse, rate), lambda = p[area_viscosity] - p[shear_viscosity];
     Symmetric<Real, 2> stress = sandwich(inverse, rate);
     const Real by_rate = area * p[shear_viscosity], by_trace = 0.5 * area * lambda * trace;
-    for (std::size_t k = 0; k < 3; ++k)
-      stress.entries[k] = by_rate * stress.entries[k] + by_trace * inverse.entries[k];
+    for (std::size_t k = 0; k < 3; ++k) stress.entries[k] = by_rate * stress.entries[k] + by_trace * inverse.entries[k];
     std::array<Real, 3> result{};
     add_edge_forces(stress, e.q, result.data());
     return result;

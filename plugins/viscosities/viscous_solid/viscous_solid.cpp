@@ -29,8 +29,7 @@ struct ViscousSolid : ViscosityFunction {
     // S : E' with E' similar to R^-1 G' / 2: half of S, by G'.
     Symmetric<Real, 3> stress = sandwich(inverse, rate);
     const Real by_rate = e.reference[6] * p[shear_viscosity], by_trace = 0.5 * e.reference[6] * lambda * trace;
-    for (std::size_t k = 0; k < 6; ++k)
-      stress.entries[k] = by_rate * stress.entries[k] + by_trace * inverse.entries[k];
+    for (std::size_t k = 0; k < 6; ++k) stress.entries[k] = by_rate * stress.entries[k] + by_trace * inverse.entries[k];
     std::array<Real, 7> result{};
     add_edge_forces(stress, e.q, result.data());
     return result;

@@ -332,7 +332,8 @@ typedef struct springnet_part_forces {
 
 /* Springs, or elements, one by one: with q the value of its invariant (length, angle, area, volume) member i exerts
  * -Q dq/dp on each of its nodes, Q = Q_spring + Q_viscosity. Numbers are those of the scene, removed ones included,
- * which have no nodes and zeros. Arrays are null where they are not wanted. */
+ * which have no nodes and zeros. Elements whose laws read several scalars have the value, rate and gradients of their
+ * angle, area or volume, and nan for Q and its derivatives. Arrays are null where they are not wanted. */
 typedef struct springnet_element_view {
   uint32_t struct_size;
   uint32_t of_elements;           /* 0: springs; 1: elements */

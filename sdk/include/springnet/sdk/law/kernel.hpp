@@ -89,8 +89,8 @@ class LawKernel {
     const Wanted wanted(b);
     // Formulas over several invariants are long: compiled for one kind of chunks alone.
     if (wanted.plain)
-      detail::for_each_chunk<Traits::several>(
-          *call.law, b, [&](const Chunk& chunk, auto kind) { evaluate(b, wanted, chunk, kind); });
+      detail::for_each_chunk<Traits::several>(*call.law, b,
+                                              [&](const Chunk& chunk, auto kind) { evaluate(b, wanted, chunk, kind); });
     if (wanted.rest)
       detail::for_each_chunk<true>(*call.law, b, [&](const Chunk& chunk, auto kind) { rest(b, chunk, kind); });
   }

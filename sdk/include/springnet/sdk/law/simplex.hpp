@@ -2,7 +2,8 @@
 //
 // With edges e_k from corner 0 to corner k + 1, G_ij = e_i . e_j follows from squared lengths,
 //   G_ii = l_0i^2,  2 G_ij = l_0i^2 + l_0j^2 - l_ij^2,
-// and so does that at rest, R. The Cauchy-Green tensor C in the material's orthonormal axes is similar to R^-1 G, so that
+// and so does that at rest, R. The Cauchy-Green tensor C in the material's orthonormal axes is similar to R^-1 G, so
+// that
 //   tr C = R^-1 : G,  tr C^2 = (R^-1 G) : (R^-1 G)^T,  det C = det G / det R;
 // a unit vector a = sum_k a_k e_k of the material at rest has a . C a = a^T G a.
 #pragma once
@@ -17,8 +18,8 @@ namespace springnet::sdk {
 // The lengths that Simplex<D> reads, first in a law's list: edges from corner 0, then between the others.
 #define SPRINGNET_TRIANGLE_EDGES \
   ::springnet::sdk::length_of(0, 1), ::springnet::sdk::length_of(0, 2), ::springnet::sdk::length_of(1, 2)
-#define SPRINGNET_TETRAHEDRON_EDGES                                                                             \
-  ::springnet::sdk::length_of(0, 1), ::springnet::sdk::length_of(0, 2), ::springnet::sdk::length_of(0, 3),      \
+#define SPRINGNET_TETRAHEDRON_EDGES                                                                        \
+  ::springnet::sdk::length_of(0, 1), ::springnet::sdk::length_of(0, 2), ::springnet::sdk::length_of(0, 3), \
       ::springnet::sdk::length_of(1, 2), ::springnet::sdk::length_of(1, 3), ::springnet::sdk::length_of(2, 3)
 
 // A symmetric matrix of D rows by its entries 11, 22, (33,) 12, (13, 23).
@@ -30,7 +31,9 @@ struct Symmetric {
     return D == 2 ? 2 : D + (i + j - 1);  // 12, 13, 23
   }
   std::array<Real, size> entries;
-  [[nodiscard]] SPRINGNET_INLINE const Real& operator()(std::size_t i, std::size_t j) const { return entries[at(i, j)]; }
+  [[nodiscard]] SPRINGNET_INLINE const Real& operator()(std::size_t i, std::size_t j) const {
+    return entries[at(i, j)];
+  }
 
   [[nodiscard]] SPRINGNET_INLINE Real determinant() const {
     const auto& m = *this;
