@@ -258,6 +258,10 @@ class LawKernel {
     }
   }
 
+  // Whether a column is one of `count` from `first` on.
+  SPRINGNET_INLINE static bool is_among(std::size_t column, std::size_t first, std::size_t count) {
+    return column - first < count;
+  }
   // All other derivatives, from the matrix of a batch and from the arrays that laws over one invariant have for some.
   SPRINGNET_INLINE static void rest(const springnet_law_batch& b, const Chunk& c, Kind<Varying::all> kind) {
     const auto at = [&](std::size_t row, std::size_t column) {
@@ -266,9 +270,9 @@ class LawKernel {
     const auto no_value = [](std::size_t) -> double* { return nullptr; };
     quantity<Force, V, 0>(c, kind, no_value, at, [&](std::size_t, std::size_t column) -> double* {
       if (Traits::several) return nullptr;
-      if (column >= layout.parameter(0) && column < layout.state(0))
+      if (is_among(column, layout.parameter(0), P))
         return detail::from(b.force_by_parameters, column - layout.parameter(0), c.begin);
-      if (column >= layout.state(0) && column < layout.input(0))
+      if (is_among(column, layout.state(0), S))
         return detail::from(b.force_by_states, column - layout.state(0), c.begin);
       return nullptr;
     });
@@ -276,7 +280,7 @@ class LawKernel {
       quantity<EnergyValue, 1, layout.energy()>(c, kind, no_value, at, [&](std::size_t, std::size_t column) -> double* {
         if (Traits::several) return nullptr;
         if (column == layout.value()) return b.energy_by_q == nullptr ? nullptr : b.energy_by_q + c.begin;
-        if (column >= layout.state(0) && column < layout.input(0))
+        if (is_among(column, layout.state(0), S))
           return detail::from(b.energy_by_states, column - layout.state(0), c.begin);
         return nullptr;
       });
@@ -289,9 +293,9 @@ class LawKernel {
           [&](std::size_t row, std::size_t column) -> double* {
             if (!Traits::several && column == layout.value()) return detail::from(b.rates_by_q, row, c.begin);
             if (!Traits::several && column == layout.rate()) return detail::from(b.rates_by_rate, row, c.begin);
-            if (column >= layout.parameter(0) && column < layout.state(0))
+            if (is_among(column, layout.parameter(0), P))
               return detail::from(b.rates_by_parameters, row * P + column - layout.parameter(0), c.begin);
-            if (column >= layout.state(0) && column < layout.input(0))
+            if (is_among(column, layout.state(0), S))
               return detail::from(b.rates_by_states, row * S + column - layout.state(0), c.begin);
             return nullptr;
           });

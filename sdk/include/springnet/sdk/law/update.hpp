@@ -295,7 +295,7 @@ class UpdateKernel {
     SPRINGNET_INLINE void operator()(auto& a, double share) const {
       detail::unrolled<width>([&](auto k) {
         constexpr std::size_t column = first + k.value;
-        constexpr bool moves = column < layout.reference() || (column >= layout.input(0) && column < layout.time());
+        constexpr bool moves = column < layout.reference() || column - layout.input(0) < I;
         if constexpr (column < layout.columns(false)) {
           if (auto* argument = detail::argument_of<Law, column>(a))
             argument->derivatives[k.value] = moves ? share : 1.0;
