@@ -51,8 +51,9 @@ typedef struct springnet_linearisation {
 enum {
   SPRINGNET_TRANSPOSED = 1u << 0, /* by the transposed matrix; of projections only */
   /* Friction of nodes that slide follows their normal reaction, as in the motion itself: accelerations change by
-   * W (G^T - B) (multipliers), where B has the friction that a unit normal reaction causes. Without it normal reactions
-   * count as constant, as in the systems of implicit methods. */
+   * W (G^T - B) (multipliers), where B has the friction that a unit normal reaction causes. Products with derivatives
+   * then also have the changes of G, of the curvature terms and of the directions of friction with the state. Without
+   * it normal reactions count as constant, as in the systems of implicit methods. */
   SPRINGNET_TRUE_FRICTION = 1u << 1
 };
 
