@@ -215,7 +215,7 @@ TEST_CASE("descriptions of lambdas arrive as written") {
   const auto model = host.add(
       neuron(describe("heavy", "twice the mass"), [](const auto& n, const auto&) { return n.force / n.mass; }));
   CHECK(model->kind() == ComponentKind::neuron);
-  CHECK(model->description->capabilities == SPRINGNET_HAS_DERIVATIVES);
+  CHECK(model->description->capabilities == (SPRINGNET_HAS_DERIVATIVES | SPRINGNET_HAS_PARAMETER_DERIVATIVES));
 }
 
 TEST_CASE("a law can be added while simulations run, for those that come") {

@@ -153,7 +153,7 @@ TEST_CASE("missing laws and unknown components, with the nearest known ones") {
        {"body.0 | 'spring' | 'viscosity' | 'material'", "add spring = "}},
       {replaced(8, "spring = { type = ^\"linaer\", stiffness = 3.0 }"),
        {"body.0.spring.type", "no spring function 'linaer'", "did you mean 'linear'?",
-        "known: damaging, exponential, linear"}},
+        "known: damaging, exponential, fibre_solid, linear"}},
       {replaced(8, "spring = { type = ^\"relative\", damping = 3.0 }"), {"'relative' is a viscosity function"}},
       {replaced(7, "neuron = { type = ^\"point\", mass = 1.0 }"), {"'point' | did you mean 'point_mass'?"}},
       {"[simulation]\nintegrator = ^\"newton\"\nduration = 1\ntime_step = 1",

@@ -217,6 +217,7 @@ TEST_CASE("the law of the guide over several invariants, which gives its energy 
   };
   SimulationOptions options;
   options.time_step = 1e-3;
+  options.renumber = false;
   const Simulation simulation(network, host, options);
   CHECK(simulation.potential_energy() == doctest::Approx(energy(now)).epsilon(1e-13));
   // Central differences of sixth order: what is left is rounding of the energy over the step.

@@ -262,7 +262,7 @@ TEST_CASE("linear model: with rods under tension it is the derivative of the con
     Eigen::VectorXd d(3 * n), zero = Eigen::VectorXd::Zero(3 * n), derivative(3 * n);
     for (Eigen::Index i = 0; i < 3 * n; ++i) d[i] = std::sin(1.0 + 7.0 * trial + 3.0 * static_cast<double>(i));
     REQUIRE(alone.linear.project(nullptr, d.data()) == SPRINGNET_OK);
-    REQUIRE(alone.linear.times(d.data(), zero.data(), derivative.data()) == SPRINGNET_OK);
+    REQUIRE(alone.linear.times(d.data(), zero.data(), false, derivative.data()) == SPRINGNET_OK);
     // Central differences of second order, h = 1e-5: 1e-9 of entries of order 100, and rounding 1e-16 / h of them.
     constexpr double h = 1e-5;
     Eigen::VectorXd difference = (acceleration_at(start + h * d) - acceleration_at(start - h * d)) / (2.0 * h);

@@ -64,6 +64,8 @@ TEST_CASE("same bits for every instruction set, tile size and stride") {
   for (const springnet_plugin* plugin : shipped_plugins()) {
     const springnet_component& law = *plugin->components[0];
     if (law.kind == SPRINGNET_NEURON) continue;
+    // Those over several invariants: test_jacobians.cpp.
+    if (static_cast<const springnet_law*>(law.implementation)->invariant == SPRINGNET_SEVERAL) continue;
     CAPTURE(std::string(plugin->id));
     const std::uint32_t next = law.parameter_count > 5 ? 37 : 1;  // of so many, some
     for (std::uint32_t uniform = 0; uniform < 1u << law.parameter_count; uniform += next) {

@@ -168,3 +168,63 @@ TEST_CASE("all first derivatives of all shipped laws, by differences") {
     }
   }
 }
+
+TEST_CASE("laws over several invariants answer the same bits in batches as one by one, in every instruction set") {
+  std::mt19937_64 random(3);
+  for (const springnet_plugin* plugin : shipped_plugins()) {
+    const springnet_component& component = *plugin->components[0];
+    if (component.kind != SPRINGNET_SPRING_FUNCTION && component.kind != SPRINGNET_VISCOSITY_FUNCTION) continue;
+    const JacobianCall call(component);
+    if (!call.several) continue;
+    CAPTURE(std::string(component.id));
+    const sdk::JacobianLayout& layout = call.layout;
+    constexpr std::uint32_t count = 300;  // more than the kernels take at a time
+    std::vector<std::vector<double>> points, columns(layout.columns(false), std::vector<double>(count));
+    for (std::uint32_t i = 0; i < count; ++i) {
+      points.push_back(random_point(call, random));
+      points.back()[layout.time()] = 0.0;  // one for all
+      for (std::size_t c = 0; c < columns.size(); ++c) columns[c][i] = points.back()[c];
+    }
+    const auto list = [&](std::size_t first, std::size_t size) {
+      std::vector<const double*> pointers;
+      for (std::size_t k = 0; k < size; ++k) pointers.push_back(columns[first + k].data());
+      return pointers;
+    };
+    const auto values = list(layout.value(), layout.invariants), rates = list(layout.rate(), layout.invariants),
+               references = list(layout.reference(), layout.invariants),
+               parameters = list(layout.parameter(0), layout.parameters), direction = list(layout.direction(0), 3);
+    const std::vector<std::uint32_t> strides(layout.parameters, 1);
+    for (const std::uint32_t set : instruction_sets()) {
+      std::vector<std::vector<double>> forces(layout.invariants, std::vector<double>(count));
+      std::vector<std::vector<double>> matrix(layout.rows() * columns.size(), std::vector<double>(count));
+      std::vector<double*> to, derivatives;
+      for (auto& each : forces) to.push_back(each.data());
+      for (std::size_t k = 0; k < matrix.size(); ++k)
+        derivatives.push_back(k / columns.size() < layout.invariants ? matrix[k].data() : nullptr);
+      springnet_law_batch batch{};
+      batch.struct_size = sizeof batch;
+      batch.count = count;
+      batch.instruction_set = set;
+      batch.parameters = parameters.data();
+      batch.parameter_strides = strides.data();
+      batch.values = values.data();
+      batch.rates = rates.data();
+      batch.references = references.data();
+      batch.direction = direction.data();
+      batch.forces = to.data();
+      batch.derivatives = derivatives.data();
+      REQUIRE(call.law->evaluate(call.law->context, &batch) == SPRINGNET_OK);
+      for (std::uint32_t i = 0; i < count; ++i) {
+        std::vector<double> own;
+        const std::vector<double> rows = call(points[i], &own);
+        bool same = true;
+        for (std::size_t r = 0; r < layout.invariants; ++r) {
+          same = same && rows[r] == forces[r][i];
+          for (std::size_t c = 0; c < columns.size(); ++c)
+            same = same && own[r * columns.size() + c] == matrix[r * columns.size() + c][i];
+        }
+        CHECK(same);
+      }
+    }
+  }
+}
