@@ -230,7 +230,7 @@ TEST_CASE("the law of the guide over several invariants, which gives its energy 
       };
       constexpr double h = 1e-2;
       const double slope = (45 * (at(h) - at(-h)) - 9 * (at(2 * h) - at(-2 * h)) + (at(3 * h) - at(-3 * h))) / (60 * h);
-      CHECK(simulation.forces()(static_cast<Eigen::Index>(k), c) == doctest::Approx(-slope).epsilon(1e-8));
+      CHECK(simulation.forces()(c, static_cast<Eigen::Index>(k)) == doctest::Approx(-slope).epsilon(1e-8));
     }
   }
 }
