@@ -268,6 +268,7 @@ TEST_CASE("derivatives of every shipped law are those of its values, as it is an
       continue;
     const std::string id(component->id());
     CAPTURE(id);
+    if (component->law().invariant == SPRINGNET_SEVERAL) continue;  // tests/plugins/laws/test_jacobians.cpp
     if (component->law().table_count > 0) {
       // Give it a table here, or name it above.
       CHECK(std::count(without_a_table_here.begin(), without_a_table_here.end(), id) == 1);
