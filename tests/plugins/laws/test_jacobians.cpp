@@ -177,7 +177,7 @@ TEST_CASE("laws over several invariants answer the same bits in batches as one b
     const JacobianCall call(component);
     if (!call.several) continue;
     CAPTURE(std::string(component.id));
-    const sdk::JacobianLayout& layout = call.layout;
+    const springnet::sdk::JacobianLayout& layout = call.layout;
     constexpr std::uint32_t count = 300;  // more than the kernels take at a time
     std::vector<std::vector<double>> points, columns(layout.columns(false), std::vector<double>(count));
     for (std::uint32_t i = 0; i < count; ++i) {
