@@ -64,7 +64,7 @@ TEST_CASE("accelerations of nodes that slide on a floor, by positions and veloci
 TEST_CASE("accelerations of nodes with rigid connections, some of which slide") {
   for (const Friction& friction : {Friction{Friction::Kind::none, 0.0}, Friction{Friction::Kind::coulomb, 0.3}}) {
     HostAt at(on_floor({friction, true}).net());
-    REQUIRE(sliding_nodes(at, friction) >= 5);
+    REQUIRE(sliding_nodes(at, friction) >= 4);
     check_jacobian(at, SPRINGNET_TRUE_FRICTION, true);
     check_jacobian(at, 0, false);  // without changes of the directions of connections in the constraints
   }
@@ -130,7 +130,7 @@ TEST_CASE("constrained accelerations by stiffnesses and masses") {
       CAPTURE(rigid);
       const Parametrised given = on_floor({friction, rigid, false});
       HostAt at(given.net());
-      REQUIRE(sliding_nodes(at, friction) >= 5);
+      REQUIRE(sliding_nodes(at, friction) >= 4);
       check_parameters(given);
     }
   }

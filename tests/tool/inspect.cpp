@@ -27,8 +27,8 @@ TEST_CASE("inspect describes a scene, and writes nothing") {
   folder.write("pair.toml", testing::pair_scene);
   // t^2 k / m + t d / m = 1 with k / m = 2, d / m = 0.25: t = (-0.25 + sqrt(0.0625 + 8)) / 4 = 0.647.
   check_output(testing::springnet(folder, "inspect pair.toml"),
-               {"A pair", "2, 1 of them fixed", "linear (1)", "4 N/m", "0.5 N s/m", "synchronous  0.64",
-                "wavefront    0.64", "0.15 times", "newton       no limit", "node 1 (2 kg)", "spring 0",
+               {"A pair", "2, 1 of them fixed", "linear (1)", "4 N/m", "0.5 N s/m", "synchronous        0.64",
+                "wavefront          0.64", "0.15 times", "newton             no limit", "node 1 (2 kg)", "spring 0",
                 "k 4 N/m, d 0.5 N s/m", "nothing unusual", "2 motions as a rigid body"});
   CHECK_FALSE(std::filesystem::exists(folder.path() / "results"));
 }

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <array>
+#include <concepts>
 #include <cstddef>
 #include <cstdint>
 #include <span>
@@ -87,7 +88,7 @@ struct LawTraits {
   using ForceOf = std::conditional_t<several, std::array<Number, invariant_count>, Number>;
 
   static constexpr bool has_force = requires(const Law& law, const E& e, const P& p) {
-    ForceOf<Real>{law.force(e, p)};
+    { law.force(e, p) } -> std::convertible_to<ForceOf<Real>>;
   };
   static constexpr bool defines_energy = requires(const Law& law, const E& e, const P& p) { Real{law.energy(e, p)}; };
   static constexpr bool defines_margin = requires(const Law& law, const E& e, const P& p) { Real{law.margin(e, p)}; };
