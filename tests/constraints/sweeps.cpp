@@ -20,7 +20,7 @@ constexpr Friction smooth{Friction::Kind::none, 0.0};
 
 std::vector<Scheme> network_schemes(double force_tolerance) {
   std::vector<Scheme> schemes = stepping_schemes(force_tolerance);
-  schemes.pop_back();  // verlet
+  schemes.resize(schemes.size() - 2);  // verlet, generalized_alpha
   return schemes;
 }
 
