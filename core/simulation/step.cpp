@@ -171,6 +171,8 @@ springnet_status Engine::commit_solution(const State& before, bool jumps) {
   if (status == SPRINGNET_OK) status = model_.constraints.project(*now, position, velocity, model_.journal.message);
   if (status == SPRINGNET_OK) status = find_squeezed(model_);
   model_.contact.update_slip_directions(*now, read_only(position), read_only(velocity));
+  // An interval has more than one step: sticking nodes are carried from where they are now.
+  model_.contact.begin_step(now);
   return status;
 }
 

@@ -20,6 +20,23 @@ double greatest_distance(const Simulation& a, const Simulation& b) {
 
 }  // namespace
 
+TEST_CASE("a node that a moving floor catches within a step is carried from there, not from the start of the step") {
+  constexpr double rises = 0.4, ahead = 0.3, height = 0.0137, h = 0.01;
+  Network net;
+  net.add_node(point({0, 0, height}, 0.5, {ahead, 0, 0}));
+  Plane floor;
+  floor.friction.kind = Friction::Kind::held;
+  floor.motion.emplace();
+  floor.motion->interpolation = Motion::Interpolation::linear;
+  floor.motion->times = {0.0, 1.0};
+  floor.motion->displacements = {Vector3::Zero(), {0.2, 0, rises}};
+  net.add_plane(floor);
+  Simulation s = simulate(net, generalized_alpha(0.8), h);
+  s.advance_to(0.1);
+  const double touches = height / rises;
+  CHECK((s.position(0) - Vector3(ahead * touches + 0.2 * (0.1 - touches), 0, 0.1 * rises)).norm() <= 1e-9);
+}
+
 TEST_CASE("cuts, ruptures and contacts happen as in the reference, at their times") {
   Network net = cube(30.0, 1.0, 2.0, 0.05);
   net.add_cut({0.4, {0, 1, 2}, {}});
