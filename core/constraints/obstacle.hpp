@@ -58,6 +58,10 @@ class Obstacle {
   [[nodiscard]] bool turns() const noexcept { return turning_.turns(); }
   // It turns about its axis of symmetry, so that its shape stays in place: a drill, a turntable.
   [[nodiscard]] bool turns_in_place() const noexcept { return turns_in_place_; }
+  // Of its motion, with a turn at the distance `length` (m) from the axis, unless that leaves its shape in place; m/s.
+  [[nodiscard]] double typical_speed(double length) const noexcept {
+    return trajectory_.typical_speed() + (turns_in_place_ ? 0.0 : length * turning_.typical_rate());
+  }
   // The displacement, m, that puts the origin at `position` at `time`, s, with the rotation at that time.
   [[nodiscard]] Vector3 displacement_to(const Vector3& position, double time) const;
   // Replaces the motion; it turns as before.

@@ -28,6 +28,12 @@ Prescribed::Samples Prescribed::at(const SampleTime& time) const {
   return samples;
 }
 
+double Prescribed::typical_speed() const noexcept {
+  double speed = 0.0;
+  for (const Trajectory& trajectory : trajectories_) speed = std::max(speed, trajectory.typical_speed());
+  return speed;
+}
+
 double Prescribed::next_change(double time) const {
   double next = std::numeric_limits<double>::infinity();
   for (const Trajectory& trajectory : trajectories_) next = std::min(next, trajectory.next_change(time));

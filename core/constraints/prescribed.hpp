@@ -30,6 +30,8 @@ class Prescribed {
   [[nodiscard]] const Vector3& acceleration(const Samples& at, std::uint32_t node) const {
     return at[motion_of_[node]].acceleration;
   }
+  // The greatest of Trajectory::typical_speed(), m/s.
+  [[nodiscard]] double typical_speed() const noexcept;
   // The next time after `time` at which a velocity or acceleration may jump; s.
   [[nodiscard]] double next_change(double time) const;
   // The next such time of a motion of the scene, not set by set().

@@ -116,6 +116,16 @@ double Trajectory::angular_frequency(double time) const noexcept {
   return oscillates ? 2.0 * std::numbers::pi * motion_.frequency : 0.0;
 }
 
+double Trajectory::typical_speed() const noexcept {
+  if (!moves_) return 0.0;
+  const std::vector<Vector3>& y = motion_.displacements;
+  if (y.empty()) return 2.0 * std::numbers::pi * motion_.frequency * motion_.amplitude.norm();
+  double speed = 0.0;
+  for (std::size_t k = 1; k < y.size(); ++k)
+    speed = std::max(speed, (y[k] - y[k - 1]).norm() / (motion_.times[k] - motion_.times[k - 1]));
+  return speed;
+}
+
 double Trajectory::next_change(double time) const {
   constexpr double never = std::numeric_limits<double>::infinity();
   if (!moves_) return never;

@@ -27,6 +27,8 @@ class Trajectory {
   // Angular frequency of a sinusoid at a time, rad/s, and its amplitude, m; 0 for other motions.
   [[nodiscard]] double angular_frequency(double time) const noexcept;
   [[nodiscard]] const Vector3& amplitude() const noexcept { return motion_.amplitude; }
+  // Greatest speed of a sinusoid, greatest mean speed between two entries of a table, m/s.
+  [[nodiscard]] double typical_speed() const noexcept;
   // False if the displacement is 0 at all times.
   [[nodiscard]] bool moves() const noexcept { return moves_; }
 

@@ -1,6 +1,7 @@
 // Angle, rate and angular acceleration of a rotation at any time.
 #pragma once
 
+#include <cmath>
 #include <limits>
 
 #include <springnet/network.hpp>
@@ -24,6 +25,8 @@ class Turning {
   [[nodiscard]] Sample at(double time) const;
   // The next time after `time` at which they may jump, s; infinity if there is none.
   [[nodiscard]] double next_change(double time) const;
+  // The rate, or the greatest mean rate between two entries of a table, rad/s.
+  [[nodiscard]] double typical_rate() const noexcept { return rate_ != 0.0 ? std::abs(rate_) : table_.typical_speed(); }
   // False if the angle is 0 at all times.
   [[nodiscard]] bool turns() const noexcept { return rate_ != 0.0 || table_.moves(); }
 

@@ -22,9 +22,11 @@ namespace springnet {
 
 // Typical magnitudes of the network at its start, for tolerances; all above 0.
 struct Scales {
-  double length = 1.0;    // m: mean rest length; without springs, the distance of two nodes of an element
-  double velocity = 1.0;  // m/s: greatest initial speed, or that which the greatest acceleration reaches over `length`
-  double force = 1.0;     // N: greatest weight, load or net force of a node, or m v^2 / length
+  double length = 1.0;  // m: mean rest length; without springs, the distance of two nodes of an element
+  // m/s: greatest initial speed of a node, speed of a prescribed motion, or that which the greatest acceleration
+  // reaches over `length`
+  double velocity = 1.0;
+  double force = 1.0;  // N: greatest weight, load or net force of a node, or m v^2 / length
 };
 
 struct Model {

@@ -69,6 +69,11 @@ Scales find_scales(Model& model) {
     acceleration = std::max(acceleration, f / model.mass[k]);
     force = std::max({force, f, model.mass[k] * model.loads.gravity().norm(), model.mass[k] * v * v / length});
   }
+  // A network at rest that obstacles or moved nodes will set in motion has only forces of rounding yet.
+  double driven = model.contact.prescribed().typical_speed();
+  for (const Obstacle& obstacle : model.contact.obstacles()) driven = std::max(driven, obstacle.typical_speed(length));
+  speed = std::max(speed, driven);
+  force = std::max(force, mass * driven * driven / length);
   const auto positive_or = [](double value, double fallback) {
     return std::isfinite(value) && value > 0.0 ? value : fallback;
   };
