@@ -91,6 +91,7 @@ class GeneralizedAlpha : public Integrator {
         nodes_(host.network().node_count),
         next_(host.make_state()),
         found_(host.make_state()),
+        free_(host.make_state()),
         kept_(nodes_),
         new_(nodes_),
         position_(nodes_),
@@ -121,7 +122,7 @@ class GeneralizedAlpha : public Integrator {
       if (!settle(from, to, report)) {
         forget();
         successes = 0;
-        length = 0.5 * (to - from);
+        length = retry_ * (to - from);
         if (length < smallest) {
           report.outcome = SPRINGNET_OUT_OF_SWEEPS;
           throw Failure(why_ + "; halved " + std::to_string(halvings_) + " times, the step still does not converge",
@@ -181,6 +182,7 @@ class GeneralizedAlpha : public Integrator {
   // Solves the step for new_, and writes the state at its end to next_. False if a smaller step is needed.
   bool settle(double from, double to, springnet_step_report& report) {
     h_ = to - from;
+    retry_ = 0.5;
     last_start_ = last_end_ = 0.0;  // next_ is overwritten
     const bool starts = kept_revision_ != host_.network().revision || std::abs(kept_length_ - h_) > 1e-6 * h_;
     step_rule_ = starts ? Rule{0.0, rule_.alpha_f, 0.5, 1.0} : rule_;
@@ -190,6 +192,11 @@ class GeneralizedAlpha : public Integrator {
       predict();
       find_prescribed(to);
       if (!iterate(to, report)) return false;
+      if (constrained_) copy(*next_, *free_);
+      host_.project_state(to, *next_);
+      // In a bend the projection takes velocity that nodes had until there: the step is interpolated without.
+      bent_ = constrained_ && bends(*free_, *next_, 0.01);
+      if (bent_ && bends(*free_, *next_, 0.2)) return fail_at_bend(from);
       extrapolates_ = predicts_well();
       return true;
     } catch (const Failure& failure) {
@@ -226,8 +233,8 @@ class GeneralizedAlpha : public Integrator {
     const Host::SystemWeights weights{share * step_rule_.gamma * h_ / inertia,
                                       share * step_rule_.beta * h_ * h_ / inertia};
     const springnet_network& network = host_.network();
-    bool constrained = network.rigid_count > 0;
-    for (std::size_t k = 0; k < nodes_ && !constrained; ++k) constrained = network.touching[k] != 0;
+    constrained_ = network.rigid_count > 0;
+    for (std::size_t k = 0; k < nodes_ && !constrained_; ++k) constrained_ = network.touching[k] != 0;
 
     auto states = sized<springnet_internal>();
     states.order = 2;
@@ -253,7 +260,7 @@ class GeneralizedAlpha : public Integrator {
       evaluation.acceleration = evaluation.force = {};
       const auto split = [&] {
         tangential_ = difference_;
-        if (constrained) host_.project(nullptr, tangential_.data());
+        if (constrained_) host_.project(nullptr, tangential_.data());
         return measure();
       };
       const auto assemble = [&] {
@@ -340,6 +347,12 @@ class GeneralizedAlpha : public Integrator {
       }
     }
   }
+  void copy(const springnet_state& from, springnet_state& to) const {
+    for (std::size_t c = 0; c < 3; ++c) {
+      std::copy_n(components(from.position)[c], nodes_, components(to.position)[c]);
+      std::copy_n(components(from.velocity)[c], nodes_, components(to.velocity)[c]);
+    }
+  }
   void between() {
     const springnet_state& now = host_.committed().state;
     const auto p = components(now.position), v = components(now.velocity);
@@ -369,9 +382,41 @@ class GeneralizedAlpha : public Integrator {
     }
   }
 
+  // Whether a surface that a node slides on, or a rigid connection, turns over the step by more than about `angle`: the
+  // projection onto it takes that share of the node's velocity. At a sharp edge it would take all.
+  [[nodiscard]] bool bends(const springnet_state& free, const springnet_state& bound, double angle) const {
+    const springnet_network& network = host_.network();
+    const auto v = components(host_.committed().state.velocity), u = components(free.velocity),
+               w = components(bound.velocity);
+    for (std::size_t k = 0; k < nodes_; ++k) {
+      if (network.fixed[k] != 0 || network.held[k] != 0) continue;
+      double before = 0.0, gained = 0.0, lost = 0.0;
+      for (std::size_t c = 0; c < 3; ++c) {
+        before = std::hypot(before, v[c][k]);
+        gained = std::hypot(gained, u[c][k] - v[c][k]);
+        lost = std::hypot(lost, w[c][k] - u[c][k]);
+      }
+      if (lost > angle * (before + gained) + 1e-6 * network.velocity_scale) return true;
+    }
+    return false;
+  }
+  // The next try ends early in the bend, so that the event at its beginning is found.
+  bool fail_at_bend(double from) {
+    constexpr double accuracy = 1e-12;
+    double low = 0.0, high = 1.0;
+    while (high - low > accuracy) {
+      const double s = 0.5 * (low + high);
+      between({host_.committed().state, *free_, h_}, s, next_->position, next_->velocity);
+      copy(*next_, *found_);
+      host_.project_state(from + s * h_, *found_);
+      (bends(*next_, *found_, 0.1) ? high : low) = s;
+    }
+    retry_ = std::clamp(low, 1.0 / 64.0, 0.999);
+    return fail("constraints turn too sharply");
+  }
+
   // Commits the step, or its part up to the first event; true if there was one.
   bool finish(double from, double to, springnet_step_report& report) {
-    host_.project_state(to, *next_);
     next_->force_is_current = 0;
     step_states(from, to, *next_);
     ++report.steps;
@@ -431,10 +476,11 @@ class GeneralizedAlpha : public Integrator {
     }
   }
   void within(double from, double time, const springnet_vectors& position, const springnet_vectors& velocity) const {
-    between({host_.committed().state, *next_, h_}, (time - from) / h_, position, velocity);
+    between({host_.committed().state, bent_ ? *free_ : *next_, h_}, (time - from) / h_, position, velocity);
   }
   void find_state(double from, double time) {
     within(from, time, found_->position, found_->velocity);
+    if (bent_) host_.project_state(time, *found_);
     found_->force_is_current = 0;
     step_states(from, time, *found_);
   }
@@ -526,13 +572,14 @@ class GeneralizedAlpha : public Integrator {
     low_ = start_;
     const double accuracy =
         1e-11 * (to - from) + 4.0 * std::numeric_limits<double>::epsilon() * std::max(std::abs(from), std::abs(to));
-    for (int trial = 0; trial < 60 && high - low > accuracy; ++trial) {
+    for (int trial = 0; trial < 150 && high - low > accuracy; ++trial) {
       double share = 1.0;
       for (std::size_t i = 0; i < end_.size(); ++i) {
         if (fired_[i] == 0) continue;
         const double a = low_weight * std::abs(low_[i]), b = high_weight * std::abs(end_[i]);
         share = std::min(share, a + b > 0.0 ? a / (a + b) : 0.5);
       }
+      if (trial % 3 == 2) share = 0.5;  // a value that jumps, as a reaction does at a seam, misleads false position
       const double margin = 0.5 * accuracy / (high - low);
       const double time = low + (high - low) * std::clamp(share, std::min(margin, 0.5), std::max(1.0 - margin, 0.5));
       find_state(from, time);
@@ -568,8 +615,8 @@ class GeneralizedAlpha : public Integrator {
   int halvings_;
   std::int64_t most_events_;
   std::size_t nodes_;
-  State next_, found_;  // the end of the step; the state at an event
-  Field kept_, new_;    // a, A, m/s^2
+  State next_, found_, free_;  // the end of the step; the state at an event; the end before it is projected
+  Field kept_, new_;           // a, A, m/s^2
   Field position_, velocity_, acceleration_, force_, difference_, tangential_;
   std::vector<Prescribed> prescribed_;
 
@@ -579,8 +626,10 @@ class GeneralizedAlpha : public Integrator {
   bool extrapolates_ = true;
   double last_start_ = 0.0, last_end_ = 0.0;  // s, of the step that can be interpolated; equal: none
 
-  double h_ = 0.0;   // s
-  std::string why_;  // the last step did not converge
+  double h_ = 0.0;                           // s
+  bool constrained_ = false, bent_ = false;  // by surfaces or rigid connections
+  double retry_ = 0.5;                       // share of a step that failed to try next
+  std::string why_;                          // it failed
   bool out_of_time_ = false;
   std::int64_t events_ = 0;
   int instant_events_ = 0;  // in a row that took no time
