@@ -97,6 +97,9 @@ TEST_CASE("instruments push into a block: all integrators agree, forces are in b
     REQUIRE(reference.nodes_touching(0) > 0);
     REQUIRE(reference.nodes_touching(1) > 0);
     CHECK(reference.surface_force(0)[2] > 0.1);  // N: the block pushes back
+    // A few nodes touch, slip and stick once. The block is at rest at first: tolerances from its forces of rounding
+    // made hundreds of events of it.
+    CHECK(reference.events().size() <= 25);
     for (const Scheme& scheme : stepping_schemes(1e-9)) {
       INFO(scheme.name << ", friction " << static_cast<int>(friction.kind));
       Simulation s = simulate(net, scheme.integrator, 0.0025);
