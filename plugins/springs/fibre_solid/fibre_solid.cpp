@@ -53,15 +53,12 @@ struct FibreSolid : SpringFunction {
   static std::array<Real, 7> force(const SeveralOf<Real, 7>& e, const Parameters<Real>& p) {
     const Real mu = p[youngs_modulus] / (2.0 * (1.0 + p[poisson_ratio]));
     const Symmetric<Real, 3> rest = gram<3>(e.reference, e.reference);
-    Symmetric<Real, 3> stress = rest.adjugate();
-    const Real factor = mu / (72.0 * e.reference[6]);
-    for (Real& entry : stress.entries) entry *= factor;
     // V0 dW/dI4 a a^T
     const Real x = stretched(e, p);
     const Real along = 0.25 * e.reference[6] * p[fibre_modulus] * x * exp(p[fibre_stiffening] * x * x);
-    for (std::size_t i = 0; i < 3; ++i)
-      for (std::size_t j = i; j < 3; ++j)
-        stress.entries[Symmetric<Real, 3>::at(i, j)] += along * e.direction[i] * e.direction[j];
+    const auto& a = e.direction;
+    const Symmetric<Real, 3> fibres = {{a[0] * a[0], a[1] * a[1], a[2] * a[2], a[0] * a[1], a[0] * a[2], a[1] * a[2]}};
+    const Symmetric<Real, 3> stress = mu / (72.0 * e.reference[6]) * rest.adjugate() + along * fibres;
     std::array<Real, 7> result{};
     add_edge_forces(stress, e.q, result.data());
     const Real j = e.q[6] / e.reference[6] - 1.0;

@@ -33,7 +33,7 @@ struct Membrane : SpringFunction {
     const Symmetric<Real, 2> inverse = rest.adjugate();
     if (p[model] > 0.5) {
       // E is similar to R^-1 (G - R) / 2.
-      const Symmetric<Real, 2> change = {{now(0, 0) - rest(0, 0), now(1, 1) - rest(1, 1), now(0, 1) - rest(0, 1)}};
+      const Symmetric<Real, 2> change = now - rest;
       const Real trace = contracted(inverse, change) / (2.0 * square);
       const Real determinant = change.determinant() / (4.0 * square);
       return volume * p[youngs_modulus] / (2.0 * (1.0 - nu * nu)) *
@@ -56,8 +56,7 @@ struct Membrane : SpringFunction {
     // dW/dG = by_trace R^-1 + by_determinant adj(G), or adj(G - R), both over det R. Both models without a branch,
     // which would keep the loop over elements from being vectorised.
     const Real plain = p[model], other = 1.0 - plain;  // 0 and 1, or 1 and 0
-    Symmetric<Real, 2> own;
-    for (std::size_t k = 0; k < 3; ++k) own.entries[k] = now.entries[k] - plain * rest.entries[k];
+    const Symmetric<Real, 2> own = now - plain * rest;
     const Real hooke = 0.5 * volume * p[youngs_modulus] / (1.0 + nu), mu = other * hooke,
                kappa = 1.0 / (1.0 - 2.0 * nu);
     const Real factor = 0.5 * plain * hooke / (1.0 - nu);
@@ -65,10 +64,7 @@ struct Membrane : SpringFunction {
     // At the minimum dW/dj^2 = (-mu + kappa (j z - 1)) z / (2 j), with j z - 1 as in the energy.
     const Real j2 = now.determinant() * per_square, below = 1.0 / (1.0 + kappa * j2);
     const Real by_determinant = 0.5 * (mu * (1.0 + kappa) * below * (kappa * (j2 - 1.0) * below - 1.0) - plain * hooke);
-    const Symmetric<Real, 2> adjugate = own.adjugate();
-    Symmetric<Real, 2> stress;
-    for (std::size_t k = 0; k < 3; ++k)
-      stress.entries[k] = per_square * (by_trace * inverse.entries[k] + by_determinant * adjugate.entries[k]);
+    const Symmetric<Real, 2> stress = per_square * (by_trace * inverse + by_determinant * own.adjugate());
     std::array<Real, 3> result{};
     add_edge_forces(stress, e.q, result.data());
     return result;

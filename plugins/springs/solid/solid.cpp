@@ -35,9 +35,7 @@ struct Solid : SpringFunction {
     const Real mu = p[youngs_modulus] / (2.0 * (1.0 + p[poisson_ratio]));
     const Symmetric<Real, 3> rest = gram<3>(e.reference, e.reference);
     // V0 dW/dG = V0 mu/2 R^-1, where det R = (6 V0)^2
-    Symmetric<Real, 3> stress = rest.adjugate();
-    const Real factor = mu / (72.0 * e.reference[6]);
-    for (Real& entry : stress.entries) entry *= factor;
+    const Symmetric<Real, 3> stress = mu / (72.0 * e.reference[6]) * rest.adjugate();
     std::array<Real, 7> result{};
     add_edge_forces(stress, e.q, result.data());
     const Real j = e.q[6] / e.reference[6] - 1.0;

@@ -22,13 +22,11 @@ struct ViscousMembrane : ViscosityFunction {
   static std::array<Real, 3> force(const SeveralOf<Real, 3>& e, const Parameters<Real>& p) {
     const Symmetric<Real, 2> rest = gram<2>(e.reference, e.reference);
     const Real square = rest.determinant(), area = 0.5 * sqrt(square), per_square = 1.0 / square;
-    Symmetric<Real, 2> inverse = rest.adjugate();
-    for (Real& entry : inverse.entries) entry *= per_square;
+    const Symmetric<Real, 2> inverse = per_square * rest.adjugate();
     const Symmetric<Real, 2> rate = gram<2>(e.q, e.rate);  // G' / 2
     const Real trace = contracted(inverse, rate), lambda = p[area_viscosity] - p[shear_viscosity];
-    Symmetric<Real, 2> stress = sandwich(inverse, rate);
     const Real by_rate = area * p[shear_viscosity], by_trace = 0.5 * area * lambda * trace;
-    for (std::size_t k = 0; k < 3; ++k) stress.entries[k] = by_rate * stress.entries[k] + by_trace * inverse.entries[k];
+    const Symmetric<Real, 2> stress = by_rate * sandwich(inverse, rate) + by_trace * inverse;
     std::array<Real, 3> result{};
     add_edge_forces(stress, e.q, result.data());
     return result;

@@ -21,15 +21,12 @@ struct ViscousSolid : ViscosityFunction {
   template <class Real>
   static std::array<Real, 7> force(const SeveralOf<Real, 7>& e, const Parameters<Real>& p) {
     const Symmetric<Real, 3> rest = gram<3>(e.reference, e.reference);
-    Symmetric<Real, 3> inverse = rest.adjugate();
-    const Real per_determinant = 1.0 / (36.0 * e.reference[6] * e.reference[6]);
-    for (Real& entry : inverse.entries) entry *= per_determinant;
+    const Symmetric<Real, 3> inverse = 1.0 / (36.0 * e.reference[6] * e.reference[6]) * rest.adjugate();
     const Symmetric<Real, 3> rate = gram<3>(e.q, e.rate);  // G' / 2
     const Real trace = contracted(inverse, rate), lambda = p[bulk_viscosity] - 2.0 / 3.0 * p[shear_viscosity];
     // S : E' with E' similar to R^-1 G' / 2: half of S, by G'.
-    Symmetric<Real, 3> stress = sandwich(inverse, rate);
     const Real by_rate = e.reference[6] * p[shear_viscosity], by_trace = 0.5 * e.reference[6] * lambda * trace;
-    for (std::size_t k = 0; k < 6; ++k) stress.entries[k] = by_rate * stress.entries[k] + by_trace * inverse.entries[k];
+    const Symmetric<Real, 3> stress = by_rate * sandwich(inverse, rate) + by_trace * inverse;
     std::array<Real, 7> result{};
     add_edge_forces(stress, e.q, result.data());
     return result;

@@ -12,10 +12,71 @@
 #include <compare>
 #include <cstddef>
 #include <type_traits>
+#include <utility>
 
 #include <springnet/sdk/math.hpp>
 
 namespace springnet::sdk {
+
+namespace detail {
+// Calls what(std::integral_constant<std::size_t, i>) for i from 0 to before count. Loops would be unrolled late, after
+// the compiler has decided to keep arrays of numbers in memory, and a loop over elements with loops inside is not
+// vectorised.
+template <std::size_t count, class What>
+SPRINGNET_INLINE constexpr void unrolled(const What& what) {
+  [&]<std::size_t... i>(std::index_sequence<i...>) { (what(std::integral_constant<std::size_t, i>{}), ...); }
+  (std::make_index_sequence<count>{});
+}
+
+// Derivatives that the compiler knows to be 0, of constants, take no arithmetic. It may not leave that out by itself: 0
+// times infinity is not 0, and -0 + 0 is not -0.
+template <class T>
+SPRINGNET_INLINE constexpr bool is_known_zero(const T& x) {
+  if constexpr (std::is_same_v<T, double>)
+    return __builtin_constant_p(x) && x == 0.0;
+  else
+    return false;
+}
+template <class T, class Factor>
+SPRINGNET_INLINE constexpr T scaled(const T& derivative, const Factor& factor) {
+  return is_known_zero(derivative) ? T(0.0) : factor * derivative;
+}
+template <class T, class Divisor>
+SPRINGNET_INLINE constexpr T quotient(const T& derivative, const Divisor& divisor) {
+  return is_known_zero(derivative) ? T(0.0) : derivative / divisor;
+}
+template <class T>
+SPRINGNET_INLINE constexpr T sum(const T& a, const T& b) {
+  return is_known_zero(a) ? b : (is_known_zero(b) ? a : a + b);
+}
+template <class T>
+SPRINGNET_INLINE constexpr T difference(const T& a, const T& b) {
+  return is_known_zero(a) ? -b : (is_known_zero(b) ? a : a - b);
+}
+}  // namespace detail
+
+namespace detail {
+// The derivatives of Dual<0>: std::array<T, 0> would take room.
+template <class T>
+struct NoDerivatives {
+  [[nodiscard]] static constexpr std::size_t size() { return 0; }
+  [[nodiscard]] constexpr T* begin() { return nullptr; }
+  [[nodiscard]] constexpr T* end() { return nullptr; }
+  [[nodiscard]] constexpr const T* begin() const { return nullptr; }
+  [[nodiscard]] constexpr const T* end() const { return nullptr; }
+  // There is none.
+  [[nodiscard]] constexpr T& operator[](std::size_t) { return *begin(); }
+  [[nodiscard]] constexpr const T& operator[](std::size_t) const { return *begin(); }
+};
+template <std::size_t N, class T>
+struct DerivativesOf {
+  using Type = std::array<T, N>;
+};
+template <class T>
+struct DerivativesOf<0, T> {
+  using Type = NoDerivatives<T>;
+};
+}  // namespace detail
 
 // Dual<0> is a value without derivatives, of the size of a double: laws and neurons get it for what they compute
 // itself. It is not double, so that an unqualified exp(x) in a formula is the one here and never that of the C library.
@@ -23,7 +84,7 @@ namespace springnet::sdk {
 template <std::size_t N, class T = double>
 struct Dual {
   T value = 0.0;
-  [[no_unique_address]] std::array<T, N> derivatives{};
+  [[no_unique_address]] typename detail::DerivativesOf<N, T>::Type derivatives{};
 
   constexpr Dual() = default;
   // A constant; implicit, so that laws may mix numbers and duals.
@@ -38,26 +99,10 @@ struct Dual {
     return result;
   }
 
-  SPRINGNET_INLINE constexpr Dual& operator+=(const Dual& b) {
-    value += b.value;
-    for (std::size_t i = 0; i < N; ++i) derivatives[i] += b.derivatives[i];
-    return *this;
-  }
-  SPRINGNET_INLINE constexpr Dual& operator-=(const Dual& b) {
-    value -= b.value;
-    for (std::size_t i = 0; i < N; ++i) derivatives[i] -= b.derivatives[i];
-    return *this;
-  }
-  SPRINGNET_INLINE constexpr Dual& operator*=(const Dual& b) {
-    for (std::size_t i = 0; i < N; ++i) derivatives[i] = derivatives[i] * b.value + value * b.derivatives[i];
-    value *= b.value;
-    return *this;
-  }
-  SPRINGNET_INLINE constexpr Dual& operator/=(const Dual& b) {
-    value /= b.value;
-    for (std::size_t i = 0; i < N; ++i) derivatives[i] = (derivatives[i] - value * b.derivatives[i]) / b.value;
-    return *this;
-  }
+  SPRINGNET_INLINE constexpr Dual& operator+=(const Dual& b) { return *this = plus(*this, b, Indices()); }
+  SPRINGNET_INLINE constexpr Dual& operator-=(const Dual& b) { return *this = minus(*this, b, Indices()); }
+  SPRINGNET_INLINE constexpr Dual& operator*=(const Dual& b) { return *this = times(*this, b, Indices()); }
+  SPRINGNET_INLINE constexpr Dual& operator/=(const Dual& b) { return *this = over(*this, b, Indices()); }
   SPRINGNET_INLINE constexpr Dual& operator+=(double b) {
     value += b;
     return *this;
@@ -66,23 +111,11 @@ struct Dual {
     value -= b;
     return *this;
   }
-  SPRINGNET_INLINE constexpr Dual& operator*=(double b) {
-    value *= b;
-    for (T& d : derivatives) d *= b;
-    return *this;
-  }
-  SPRINGNET_INLINE constexpr Dual& operator/=(double b) {
-    value /= b;
-    for (T& d : derivatives) d /= b;
-    return *this;
-  }
+  SPRINGNET_INLINE constexpr Dual& operator*=(double b) { return *this = times(*this, b, Indices()); }
+  SPRINGNET_INLINE constexpr Dual& operator/=(double b) { return *this = over(*this, b, Indices()); }
 
   friend SPRINGNET_INLINE constexpr Dual operator+(const Dual& a) { return a; }
-  friend SPRINGNET_INLINE constexpr Dual operator-(const Dual& a) {
-    Dual result(-a.value);
-    for (std::size_t i = 0; i < N; ++i) result.derivatives[i] = -a.derivatives[i];
-    return result;
-  }
+  friend SPRINGNET_INLINE constexpr Dual operator-(const Dual& a) { return negative(a, Indices()); }
   friend SPRINGNET_INLINE constexpr Dual operator+(Dual a, const Dual& b) { return a += b; }
   friend SPRINGNET_INLINE constexpr Dual operator+(Dual a, double b) { return a += b; }
   friend SPRINGNET_INLINE constexpr Dual operator+(double a, Dual b) { return b += a; }
@@ -100,6 +133,47 @@ struct Dual {
   friend SPRINGNET_INLINE constexpr bool operator==(const Dual& a, double b) { return a.value == b; }
   friend SPRINGNET_INLINE constexpr auto operator<=>(const Dual& a, const Dual& b) { return a.value <=> b.value; }
   friend SPRINGNET_INLINE constexpr auto operator<=>(const Dual& a, double b) { return a.value <=> b; }
+
+ private:
+  using Indices = std::make_index_sequence<N>;
+  struct All {};
+  template <class... Derivatives>
+  SPRINGNET_INLINE constexpr Dual(All, const T& own, const Derivatives&... own_derivatives)
+      : value(own), derivatives{own_derivatives...} {}
+  // Results with all derivatives at once: loops would be unrolled late, after the compiler has decided to keep arrays
+  // in memory.
+  template <std::size_t... i>
+  SPRINGNET_INLINE static constexpr Dual plus(const Dual& a, const Dual& b, std::index_sequence<i...>) {
+    return Dual(All(), a.value + b.value, detail::sum(a.derivatives[i], b.derivatives[i])...);
+  }
+  template <std::size_t... i>
+  SPRINGNET_INLINE static constexpr Dual minus(const Dual& a, const Dual& b, std::index_sequence<i...>) {
+    return Dual(All(), a.value - b.value, detail::difference(a.derivatives[i], b.derivatives[i])...);
+  }
+  template <std::size_t... i>
+  SPRINGNET_INLINE static constexpr Dual times(const Dual& a, const Dual& b, std::index_sequence<i...>) {
+    return Dual(All(), a.value * b.value,
+                detail::sum(detail::scaled(a.derivatives[i], b.value), detail::scaled(b.derivatives[i], a.value))...);
+  }
+  template <std::size_t... i>
+  SPRINGNET_INLINE static constexpr Dual over(const Dual& a, const Dual& b, std::index_sequence<i...>) {
+    const T ratio = a.value / b.value;
+    return Dual(
+        All(), ratio,
+        detail::quotient(detail::difference(a.derivatives[i], detail::scaled(b.derivatives[i], ratio)), b.value)...);
+  }
+  template <std::size_t... i>
+  SPRINGNET_INLINE static constexpr Dual times(const Dual& a, double b, std::index_sequence<i...>) {
+    return Dual(All(), a.value * b, detail::scaled(a.derivatives[i], b)...);
+  }
+  template <std::size_t... i>
+  SPRINGNET_INLINE static constexpr Dual over(const Dual& a, double b, std::index_sequence<i...>) {
+    return Dual(All(), a.value / b, detail::quotient(a.derivatives[i], b)...);
+  }
+  template <std::size_t... i>
+  SPRINGNET_INLINE static constexpr Dual negative(const Dual& a, std::index_sequence<i...>) {
+    return Dual(All(), -a.value, (-a.derivatives[i])...);
+  }
 };
 
 // The value without derivatives; also for double.
@@ -114,7 +188,7 @@ namespace detail {
 template <std::size_t N, class T>
 SPRINGNET_INLINE Dual<N, T> chain(const Dual<N, T>& x, const T& value, const T& slope) {
   Dual<N, T> result(value);
-  for (std::size_t i = 0; i < N; ++i) result.derivatives[i] = slope * x.derivatives[i];
+  detail::unrolled<N>([&](auto i) { result.derivatives[i] = scaled(x.derivatives[i], slope); });
   return result;
 }
 // Whether a number is 0 with all of its own derivatives.
@@ -129,9 +203,8 @@ template <std::size_t N, class T>
 template <std::size_t N, class T>
 SPRINGNET_INLINE Dual<N, T> chain_steep(const Dual<N, T>& x, const T& value, const T& slope) {
   Dual<N, T> result(value);
-  for (std::size_t i = 0; i < N; ++i) {
-    result.derivatives[i] = is_nothing(x.derivatives[i]) ? T(0.0) : slope * x.derivatives[i];
-  }
+  detail::unrolled<N>(
+      [&](auto i) { result.derivatives[i] = is_nothing(x.derivatives[i]) ? T(0.0) : slope * x.derivatives[i]; });
   return result;
 }
 }  // namespace detail
@@ -217,9 +290,9 @@ template <std::size_t N, class T>
 [[nodiscard]] SPRINGNET_INLINE Dual<N, T> hypot(const Dual<N, T>& x, const Dual<N, T>& y) {
   Dual<N, T> result(hypot(x.value, y.value));
   if (result.value != 0.0) {
-    for (std::size_t i = 0; i < N; ++i) {
+    detail::unrolled<N>([&](auto i) {
       result.derivatives[i] = (x.value / result.value) * x.derivatives[i] + (y.value / result.value) * y.derivatives[i];
-    }
+    });
   }
   return result;
 }
@@ -261,12 +334,12 @@ template <std::size_t N, class T>
 [[nodiscard]] SPRINGNET_INLINE Dual<N, T> pow(const Dual<N, T>& x, const Dual<N, T>& exponent) {
   const T by_x = exponent.value == 0.0 ? T(0.0) : exponent.value * pow(x.value, exponent.value - 1.0);
   Dual<N, T> result = detail::chain_steep(x, pow(x.value, exponent.value), by_x);
-  for (std::size_t i = 0; i < N; ++i) {
+  detail::unrolled<N>([&](auto i) {
     // d/dy x^y = x^y log x, which tends to 0 with x^y.
     if (!detail::is_nothing(exponent.derivatives[i]) && result.value != 0.0) {
       result.derivatives[i] += result.value * log(x.value) * exponent.derivatives[i];
     }
-  }
+  });
   return result;
 }
 template <std::size_t N, class T>
@@ -277,10 +350,10 @@ template <std::size_t N, class T>
 template <std::size_t N, class T>
 [[nodiscard]] SPRINGNET_INLINE Dual<N, T> quick_pow(const Dual<N, T>& x, const Dual<N, T>& exponent) {
   Dual<N, T> result(quick_pow(x.value, exponent.value));
-  for (std::size_t i = 0; i < N; ++i) {
+  detail::unrolled<N>([&](auto i) {
     result.derivatives[i] =
         result.value * (exponent.value * (x.derivatives[i] / x.value) + log(x.value) * exponent.derivatives[i]);
-  }
+  });
   return result;
 }
 template <std::size_t N, class T>
@@ -321,9 +394,8 @@ template <std::size_t N, class T>
   Dual<N, T> result(atan2(y.value, x.value));
   const T square = x.value * x.value + y.value * y.value;
   if (square != 0.0) {
-    for (std::size_t i = 0; i < N; ++i) {
-      result.derivatives[i] = (x.value * y.derivatives[i] - y.value * x.derivatives[i]) / square;
-    }
+    detail::unrolled<N>(
+        [&](auto i) { result.derivatives[i] = (x.value * y.derivatives[i] - y.value * x.derivatives[i]) / square; });
   }
   return result;
 }
@@ -353,5 +425,7 @@ template <std::size_t N, class T>
   constexpr double two_over_root_pi = 0x1.20dd750429b6dp+0;
   return detail::chain(x, erf(x.value), two_over_root_pi * exp(-x.value * x.value));
 }
+
+static_assert(sizeof(Dual<0>) == sizeof(double));
 
 }  // namespace springnet::sdk

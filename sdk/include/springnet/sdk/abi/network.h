@@ -66,7 +66,8 @@ typedef struct springnet_network {
   uint32_t reserved;
   /* Typical magnitudes of the network at its start, for tolerances; all above 0. */
   double length_scale;   /* m: mean rest length */
-  double velocity_scale; /* m/s: greatest speed, or the one that the greatest acceleration reaches over length_scale */
+  double velocity_scale; /* m/s: greatest speed, of nodes and of what the scene moves, or the one that the greatest
+                            acceleration reaches over length_scale */
   double force_scale;    /* N: greatest weight, load or net force of a node, or m v^2 / length_scale */
   const double* mass;    /* [node_count] kg */
   const uint8_t* fixed;  /* [node_count] 1: fixed, or moved over time by the scene */

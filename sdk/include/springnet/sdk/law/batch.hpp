@@ -53,38 +53,37 @@ struct LawArguments {
                                 std::integral_constant<Varying, varying>)
       : element(unset(*c.table, c.time)) {
     if constexpr (Traits::several) {
-      for (std::size_t j = 0; j < Chunk::V; ++j) element.reference[j] = c.references[j][i];
-      for (std::size_t j = 0; j < Chunk::direction_count; ++j) element.direction[j] = c.direction[j][i];
+      unrolled<Chunk::V>([&](auto j) { element.reference[j] = c.references[j][i]; });
+      unrolled<Chunk::direction_count>([&](auto j) { element.direction[j] = c.direction[j][i]; });
     } else {
       element.reference = varying == Varying::nothing ? constants[0] : c.streams[0][i];
     }
-    for (std::size_t j = 0; j < Chunk::V; ++j) {
-      if (!Traits::reads_value(j)) continue;
-      q(j) = c.q[j][i];
-      if constexpr (Traits::reads_rate) rate(j) = c.rate[j][i];
-    }
-    for (std::size_t j = 0; j < Chunk::P; ++j)
-      parameters[j] = varying != Varying::all ? constants[1 + j] : c.streams[1 + j][i];
-    for (std::size_t j = 0; j < Chunk::I; ++j)
+    unrolled<Chunk::V>([&](auto j) {
+      if constexpr (Traits::reads_value(j)) {
+        q(j) = c.q[j][i];
+        if constexpr (Traits::reads_rate) rate(j) = c.rate[j][i];
+      }
+    });
+    unrolled<Chunk::P>(
+        [&](auto j) { parameters[j] = varying != Varying::all ? constants[1 + j] : c.streams[1 + j][i]; });
+    unrolled<Chunk::I>([&](auto j) {
       inputs[j] = varying != Varying::all ? constants[1 + Chunk::P + j] : c.streams[1 + Chunk::P + j][i];
-    for (std::size_t j = 0; j < Chunk::S; ++j) states[j] = c.states[j][i];
+    });
+    unrolled<Chunk::S>([&](auto j) { states[j] = c.states[j][i]; });
   }
   // The same arguments, with derivatives by other variables as well.
   template <class Other>
   SPRINGNET_INLINE explicit LawArguments(const LawArguments<Law, Other>& other)
       : element(unset(other.element.table, other.element.time)) {
-    const auto copy = [](const auto& from, auto& to) {
-      for (std::size_t j = 0; j < from.size(); ++j) to[j] = from[j];
-    };
-    copy(other.parameters, parameters);
-    copy(other.states, states);
-    copy(other.inputs, inputs);
-    for (std::size_t j = 0; j < Chunk::V; ++j) {
+    unrolled<Chunk::P>([&](auto j) { parameters[j] = other.parameters[j]; });
+    unrolled<Chunk::S>([&](auto j) { states[j] = other.states[j]; });
+    unrolled<Chunk::I>([&](auto j) { inputs[j] = other.inputs[j]; });
+    unrolled<Chunk::V>([&](auto j) {
       q(j) = other.q(j);
       reference(j) = other.reference(j);
       if constexpr (Traits::reads_rate) rate(j) = other.rate(j);
-    }
-    if constexpr (Traits::several) copy(other.element.direction, element.direction);
+    });
+    if constexpr (Law::reads_direction) unrolled<3>([&](auto j) { element.direction[j] = other.element.direction[j]; });
   }
   LawArguments(const LawArguments&) = delete;  // element points into it
   LawArguments& operator=(const LawArguments&) = delete;
@@ -125,8 +124,9 @@ SPRINGNET_INLINE std::array<Real, LawTraits<Law>::invariant_count> forces_of(con
   if constexpr (!Traits::has_force) {
     using Lifted = Dual<V, Real>;
     LawArguments<Law, Lifted> lifted(a);
-    for (std::size_t j = 0; j < V; ++j)
-      if (Traits::reads_value(j)) lifted.q(j).derivatives[j] = Real(1.0);
+    unrolled<V>([&](auto j) {
+      if constexpr (Traits::reads_value(j)) lifted.q(j).derivatives[j] = Real(1.0);
+    });
     return law.energy(lifted.element, lifted.values()).derivatives;
   } else if constexpr (Traits::several) {
     return law.force(a.element, a.values());

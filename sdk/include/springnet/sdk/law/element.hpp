@@ -20,11 +20,10 @@ struct NoTable {};
 // (e.time).
 struct ReadsRateIsNotDeclared {};
 struct ReadsTimeIsNotDeclared {};
-// Numbers of such elements. No formula that is evaluated has as many derivatives: those of a step have at most two for
-// each state, and two more.
+// Numbers of such elements: values, of types that no evaluation has.
 inline constexpr std::size_t max_states = 8;
-using Rateless = Dual<3 * max_states>;
-using Timeless = Dual<3 * max_states + 1>;
+using Rateless = Dual<0, Dual<0>>;
+using Timeless = Dual<0, Rateless>;
 
 // The inputs of a law for one element, besides its parameters. Table: what the law's prepare() returns.
 template <class Real, class Table = NoTable>

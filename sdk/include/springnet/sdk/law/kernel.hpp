@@ -6,6 +6,7 @@
 #include <array>
 #include <cstddef>
 #include <cstdint>
+#include <type_traits>
 #include <utility>
 
 #include <springnet/sdk/law/batch.hpp>
@@ -52,13 +53,6 @@ SPRINGNET_INLINE auto* argument_of(Arguments& a) {
     else
       return static_cast<decltype(&a.reference(0))>(nullptr);
   }
-}
-
-// Calls what(std::integral_constant<std::size_t, i>) for i from 0 to before count.
-template <std::size_t count, class What>
-SPRINGNET_INLINE void unrolled(const What& what) {
-  [&]<std::size_t... i>(std::index_sequence<i...>) { (what(std::integral_constant<std::size_t, i>{}), ...); }
-  (std::make_index_sequence<count>{});
 }
 
 }  // namespace detail
@@ -179,10 +173,10 @@ class LawKernel {
     if (!Traits::reads_rate && by_rate != nullptr) std::fill_n(by_rate + c.begin, c.count, 0.0);
   }
 
-  // Values and derivatives of a quantity by `width` columns from `first` on, in one loop: to_value(row), to(row,
-  // column) are where they go, or null.
-  template <class Quantity, std::size_t rows, std::size_t first, std::size_t width, Varying varying, class ToValue,
-            class To>
+  // Derivatives of a quantity by `width` columns from `first` on, and its values if asked for, in one loop:
+  // to_value(row), to(row, column) are where they go, or null.
+  template <class Quantity, std::size_t rows, std::size_t first, std::size_t width, bool with_values, Varying varying,
+            class ToValue, class To>
   SPRINGNET_INLINE static void derivatives(const Chunk& c, Kind<varying> kind, const ToValue& to_value, const To& to) {
     using Real = Dual<width>;
     double unwanted[detail::chunk_size];
@@ -190,7 +184,7 @@ class LawKernel {
     std::array<std::array<double*, width>, rows> out;
     const auto or_unwanted = [&](double* array) { return array != nullptr ? array : unwanted; };
     for (std::size_t row = 0; row < rows; ++row) {
-      values[row] = or_unwanted(to_value(row));
+      values[row] = with_values ? or_unwanted(to_value(row)) : nullptr;
       for (std::size_t k = 0; k < width; ++k) out[row][k] = or_unwanted(to(row, first + k));
     }
     const auto fixed = detail::constants_of<varying>(c);
@@ -202,34 +196,65 @@ class LawKernel {
         if (auto* argument = detail::argument_of<Law, first + k.value>(a)) argument->derivatives[k.value] = 1.0;
       });
       const std::array<Real, rows> result = Quantity::of(*c.law, a);
-      for (std::size_t row = 0; row < rows; ++row) {
-        values[row][i] = result[row].value;
-        for (std::size_t k = 0; k < width; ++k) out[row][k][i] = result[row].derivatives[k];
-      }
+      detail::unrolled<rows>([&](auto row) {
+        if constexpr (with_values) values[row][i] = result[row].value;
+        detail::unrolled<width>([&](auto k) { out[row][k][i] = result[row].derivatives[k]; });
+      });
     }
   }
-  // All columns from `first` to before `last` of a quantity, some at a time, as far as `to` asks for them.
-  template <class Quantity, std::size_t rows, std::size_t first, std::size_t last, Varying varying, class ToValue,
-            class To>
+  // Columns that one evaluation carries: some at a time, of one kind. What depends on other kinds alone is a constant
+  // then, which costs nothing; and gradients ask for parameters alone.
+  struct Groups {
+    std::array<std::size_t, columns + 1> begin;
+    std::size_t count;
+  };
+  static constexpr Groups groups_of(std::size_t first, std::size_t last) {
+    Groups groups{};
+    for (std::size_t column = first; column < last;) {
+      groups.begin[groups.count++] = column;
+      std::size_t end = std::min(last, column + derivatives_at_a_time);
+      for (const std::size_t border : {layout.parameter(0), layout.state(0), layout.time(), layout.direction(0)})
+        if (column < border) end = std::min(end, border);
+      for (const std::size_t border : {layout.rate(), layout.reference()})
+        if (Traits::several && column < border) end = std::min(end, border);
+      column = end;
+    }
+    groups.begin[groups.count] = last;
+    return groups;
+  }
+  // Whether a formula can depend on one of the columns, all of one kind, from `column` on.
+  static constexpr bool reads(std::size_t column) {
+    if (column >= layout.direction(0)) return Law::reads_direction;
+    if (column >= layout.time()) return Law::reads_time;
+    return !Traits::several || Traits::reads_rate || column < layout.rate() || column >= layout.reference();
+  }
+  // All columns from `first` to before `last` of a quantity, some at a time, as far as `to` asks for them, and with the
+  // first of them its values.
+  template <class Quantity, std::size_t rows, std::size_t first, std::size_t last, bool with_values, Varying varying,
+            class ToValue, class To>
   SPRINGNET_INLINE static void columns_of(const Chunk& c, Kind<varying> kind, const ToValue& to_value, const To& to) {
-    constexpr std::size_t groups = (last - first + derivatives_at_a_time - 1) / derivatives_at_a_time;
+    constexpr Groups groups = groups_of(first, last);
     bool values_wanted = false;
-    for (std::size_t row = 0; row < rows; ++row) values_wanted = values_wanted || to_value(row) != nullptr;
-    detail::unrolled<groups>([&](auto group) {
-      constexpr std::size_t begin = first + group.value * derivatives_at_a_time;
-      constexpr std::size_t width = std::min(derivatives_at_a_time, last - begin);
+    for (std::size_t row = 0; with_values && row < rows; ++row)
+      values_wanted = values_wanted || to_value(row) != nullptr;
+    detail::unrolled<groups.count>([&](auto group) {
+      constexpr std::size_t begin = groups.begin[group.value];
+      constexpr std::size_t width = groups.begin[group.value + 1] - begin;
       bool wanted = false;
       for (std::size_t row = 0; row < rows; ++row)
         for (std::size_t k = 0; k < width; ++k) wanted = wanted || to(row, begin + k) != nullptr;
       if (!wanted) return;
-      if (values_wanted)
-        derivatives<Quantity, rows, begin, width>(c, kind, to_value, to);
-      else
-        derivatives<Quantity, rows, begin, width>(
-            c, kind, [](std::size_t) -> double* { return nullptr; }, to);
-      values_wanted = false;
+      if constexpr (reads(begin)) {
+        derivatives<Quantity, rows, begin, width, with_values && group.value == 0>(c, kind, to_value, to);
+        if (group.value == 0) values_wanted = false;
+      } else {
+        for (std::size_t row = 0; row < rows; ++row)
+          for (std::size_t k = 0; k < width; ++k)
+            if (double* const zeros = to(row, begin + k)) std::fill_n(zeros, c.count, 0.0);
+      }
     });
-    if (values_wanted) derivatives<Quantity, rows, first, 0>(c, kind, to_value, to);
+    if constexpr (with_values)
+      if (values_wanted) derivatives<Quantity, rows, first, 0, true>(c, kind, to_value, to);
   }
 
   // Forces, the tangent, energy and margin.
@@ -239,11 +264,12 @@ class LawKernel {
     if constexpr (Traits::several) {
       const auto to_value = [&](std::size_t row) { return detail::from(b.forces, row, c.begin); };
       if (wanted.tangent) {
-        columns_of<Force, V, 0, tangent_columns>(c, kind, to_value, [&](std::size_t row, std::size_t column) {
+        columns_of<Force, V, 0, tangent_columns, true>(c, kind, to_value, [&](std::size_t row, std::size_t column) {
           return detail::from(b.derivatives, row * columns + column, c.begin);
         });
       } else if (detail::any(b.forces, V)) {
-        derivatives<Force, V, 0, 0>(c, kind, to_value, [](std::size_t, std::size_t) -> double* { return nullptr; });
+        derivatives<Force, V, 0, 0, true>(c, kind, to_value,
+                                          [](std::size_t, std::size_t) -> double* { return nullptr; });
       }
     } else if (wanted.tangent) {
       force_and_tangent(c, kind, b.force, b.force_by_q, b.force_by_rate);
@@ -258,6 +284,9 @@ class LawKernel {
     }
   }
 
+  struct NoValue {
+    constexpr double* operator()(std::size_t) const { return nullptr; }
+  };
   // Whether a column is one of `count` from `first` on.
   SPRINGNET_INLINE static bool is_among(std::size_t column, std::size_t first, std::size_t count) {
     return column - first < count;
@@ -267,7 +296,7 @@ class LawKernel {
     const auto at = [&](std::size_t row, std::size_t column) {
       return detail::from(b.derivatives, row * columns + column, c.begin);
     };
-    const auto no_value = [](std::size_t) -> double* { return nullptr; };
+    constexpr NoValue no_value;
     quantity<Force, V, 0>(c, kind, no_value, at, [&](std::size_t, std::size_t column) -> double* {
       if (Traits::several) return nullptr;
       if (is_among(column, layout.parameter(0), P))
@@ -307,10 +336,12 @@ class LawKernel {
                                         const Also& also) {
     constexpr bool is_several_forces = Traits::several && row_0 == 0;
     constexpr std::size_t first = is_several_forces ? tangent_columns : 0;  // the tangent's have been done
-    columns_of<Quantity, rows, first, columns>(c, kind, to_value, [&](std::size_t row, std::size_t column) {
-      double* const own = also(row, column);
-      return own != nullptr ? own : at(row_0 + row, column);
-    });
+    constexpr bool with_values = !std::is_same_v<ToValue, NoValue>;
+    columns_of<Quantity, rows, first, columns, with_values>(c, kind, to_value,
+                                                            [&](std::size_t row, std::size_t column) {
+                                                              double* const own = also(row, column);
+                                                              return own != nullptr ? own : at(row_0 + row, column);
+                                                            });
     for (std::size_t row = 0; row < rows; ++row) {
       for (std::size_t column = first; column < columns; ++column) {
         const double* const own = also(row, column);

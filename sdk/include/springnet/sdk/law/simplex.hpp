@@ -22,7 +22,8 @@ namespace springnet::sdk {
   ::springnet::sdk::length_of(0, 1), ::springnet::sdk::length_of(0, 2), ::springnet::sdk::length_of(0, 3), \
       ::springnet::sdk::length_of(1, 2), ::springnet::sdk::length_of(1, 3), ::springnet::sdk::length_of(2, 3)
 
-// A symmetric matrix of D rows by its entries 11, 22, (33,) 12, (13, 23).
+// A symmetric matrix of D rows by its entries 11, 22, (33,) 12, (13, 23). Its arithmetic is written out: with loops in
+// the formula of a law, the loop over elements is not vectorised.
 template <class Real, std::size_t D>
 struct Symmetric {
   static constexpr std::size_t size = D * (D + 1) / 2;
@@ -43,6 +44,22 @@ struct Symmetric {
       return m(0, 0) * (m(1, 1) * m(2, 2) - m(1, 2) * m(1, 2)) - m(0, 1) * (m(0, 1) * m(2, 2) - m(1, 2) * m(0, 2)) +
              m(0, 2) * (m(0, 1) * m(1, 2) - m(1, 1) * m(0, 2));
   }
+  friend SPRINGNET_INLINE Symmetric operator+(const Symmetric& a, const Symmetric& b) {
+    Symmetric result;
+    detail::unrolled<size>([&](auto k) { result.entries[k] = a.entries[k] + b.entries[k]; });
+    return result;
+  }
+  friend SPRINGNET_INLINE Symmetric operator-(const Symmetric& a, const Symmetric& b) {
+    Symmetric result;
+    detail::unrolled<size>([&](auto k) { result.entries[k] = a.entries[k] - b.entries[k]; });
+    return result;
+  }
+  friend SPRINGNET_INLINE Symmetric operator*(const Real& a, const Symmetric& b) {
+    Symmetric result;
+    detail::unrolled<size>([&](auto k) { result.entries[k] = a * b.entries[k]; });
+    return result;
+  }
+
   // Its inverse times the determinant.
   [[nodiscard]] SPRINGNET_INLINE Symmetric adjugate() const {
     const auto& m = *this;
@@ -55,14 +72,17 @@ struct Symmetric {
   }
 };
 
+// What follows is written out: loops in loops would stay where numbers carry derivatives, and then the loop over
+// elements is not vectorised.
+
 // A : B
 template <class Real, std::size_t D>
 [[nodiscard]] SPRINGNET_INLINE Real contracted(const Symmetric<Real, D>& a, const Symmetric<Real, D>& b) {
-  Real sum = a(0, 0) * b(0, 0);
-  for (std::size_t i = 1; i < D; ++i) sum += a(i, i) * b(i, i);
-  for (std::size_t i = 0; i < D; ++i)
-    for (std::size_t j = i + 1; j < D; ++j) sum += 2.0 * a(i, j) * b(i, j);
-  return sum;
+  if constexpr (D == 2)
+    return a(0, 0) * b(0, 0) + a(1, 1) * b(1, 1) + 2.0 * (a(0, 1) * b(0, 1));
+  else
+    return a(0, 0) * b(0, 0) + a(1, 1) * b(1, 1) + a(2, 2) * b(2, 2) +
+           2.0 * (a(0, 1) * b(0, 1) + a(0, 2) * b(0, 2) + a(1, 2) * b(1, 2));
 }
 
 namespace detail {
@@ -77,8 +97,7 @@ template <std::size_t i, std::size_t j, class Real, std::size_t D>
 
 }  // namespace detail
 
-// A B A. Written out: loops over its entries would not be unrolled where numbers carry derivatives, and keep the loop
-// over elements from being vectorised.
+// A B A
 template <class Real, std::size_t D>
 [[nodiscard]] SPRINGNET_INLINE Symmetric<Real, D> sandwich(const Symmetric<Real, D>& a, const Symmetric<Real, D>& b) {
   using detail::product_entry;
@@ -100,32 +119,31 @@ template <class Real, std::size_t D>
 template <std::size_t D, class Lengths, class Others>
 [[nodiscard]] SPRINGNET_INLINE auto gram(const Lengths& l, const Others& m) {
   using Real = std::remove_cvref_t<decltype(l[0] * m[0])>;
-  Symmetric<Real, D> g;
-  std::array<Real, Symmetric<Real, D>::size> square;
-  for (std::size_t k = 0; k < square.size(); ++k) square[k] = l[k] * m[k];
-  for (std::size_t i = 0; i < D; ++i) g.entries[i] = square[i];
-  for (std::size_t i = 0; i < D; ++i)
-    for (std::size_t j = i + 1; j < D; ++j) {
-      const std::size_t edge = Symmetric<Real, D>::at(i, j);
-      g.entries[edge] = 0.5 * (square[i] + square[j] - square[edge]);
-    }
-  return g;
+  const Real a = l[0] * m[0], b = l[1] * m[1];
+  if constexpr (D == 2) {
+    return Symmetric<Real, D>{{a, b, 0.5 * (a + b - l[2] * m[2])}};
+  } else {
+    const Real c = l[2] * m[2];
+    return Symmetric<Real, D>{
+        {a, b, c, 0.5 * (a + b - l[3] * m[3]), 0.5 * (a + c - l[4] * m[4]), 0.5 * (b + c - l[5] * m[5])}};
+  }
 }
 
 // Of lengths: dW/dl_k from S = dW/dG, where W depends on G_ij and G_ji together (the derivative by each half of both).
 template <std::size_t D, class Real, class Lengths>
 SPRINGNET_INLINE void add_edge_forces(const Symmetric<Real, D>& s, const Lengths& l, Real* forces) {
-  for (std::size_t i = 0; i < D; ++i) {
-    Real sum = s(i, i);
-    for (std::size_t j = 0; j < D; ++j)
-      if (j != i) sum += s(i, j);
-    forces[i] += 2.0 * sum * l[i];
+  if constexpr (D == 2) {
+    forces[0] += 2.0 * (s(0, 0) + s(0, 1)) * l[0];
+    forces[1] += 2.0 * (s(1, 1) + s(0, 1)) * l[1];
+    forces[2] -= 2.0 * s(0, 1) * l[2];
+  } else {
+    forces[0] += 2.0 * (s(0, 0) + s(0, 1) + s(0, 2)) * l[0];
+    forces[1] += 2.0 * (s(1, 1) + s(0, 1) + s(1, 2)) * l[1];
+    forces[2] += 2.0 * (s(2, 2) + s(0, 2) + s(1, 2)) * l[2];
+    forces[3] -= 2.0 * s(0, 1) * l[3];
+    forces[4] -= 2.0 * s(0, 2) * l[4];
+    forces[5] -= 2.0 * s(1, 2) * l[5];
   }
-  for (std::size_t i = 0; i < D; ++i)
-    for (std::size_t j = i + 1; j < D; ++j) {
-      const std::size_t edge = Symmetric<Real, D>::at(i, j);
-      forces[edge] += -2.0 * s(i, j) * l[edge];
-    }
 }
 
 }  // namespace springnet::sdk
