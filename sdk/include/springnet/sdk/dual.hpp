@@ -53,9 +53,12 @@ template <class T>
 SPRINGNET_INLINE constexpr T difference(const T& a, const T& b) {
   return is_known_zero(a) ? -b : (is_known_zero(b) ? a : a - b);
 }
-}  // namespace detail
 
-namespace detail {
+// An empty `mutable` member. Without it GCC (12) takes `const auto x = …;` for read-only memory, keeps it there instead
+// of in registers, and does not vectorise the loop around the formula.
+template <std::size_t N, class T>
+struct NotReadOnly {};
+
 // The derivatives of Dual<0>: std::array<T, 0> would take room.
 template <class T>
 struct NoDerivatives {
@@ -85,6 +88,7 @@ template <std::size_t N, class T = double>
 struct Dual {
   T value = 0.0;
   [[no_unique_address]] typename detail::DerivativesOf<N, T>::Type derivatives{};
+  [[no_unique_address]] mutable detail::NotReadOnly<N, T> not_read_only{};
 
   constexpr Dual() = default;
   // A constant; implicit, so that laws may mix numbers and duals.
@@ -426,6 +430,6 @@ template <std::size_t N, class T>
   return detail::chain(x, erf(x.value), two_over_root_pi * exp(-x.value * x.value));
 }
 
-static_assert(sizeof(Dual<0>) == sizeof(double));
+static_assert(sizeof(Dual<0>) == sizeof(double) && sizeof(Dual<3>) == 4 * sizeof(double));
 
 }  // namespace springnet::sdk

@@ -109,9 +109,11 @@ struct LawArguments {
   SPRINGNET_INLINE auto unset(const Table& table, const Time& time) {
     using E = typename Traits::template ElementOf<Real>;
     if constexpr (Traits::several)
-      return E{{}, {}, {}, {}, time, table, states.data(), inputs.data()};
+      return E{
+          {}, {}, {}, {}, time, table, Chunk::S > 0 ? states.data() : nullptr, Chunk::I > 0 ? inputs.data() : nullptr};
     else
-      return E{0.0, 0.0, 0.0, time, table, states.data(), inputs.data()};
+      return E{
+          0.0, 0.0, 0.0, time, table, Chunk::S > 0 ? states.data() : nullptr, Chunk::I > 0 ? inputs.data() : nullptr};
   }
 };
 
