@@ -107,6 +107,13 @@ std::string estimate_text(const OutputEstimate& estimate, const std::filesystem:
   return text;
 }
 
+// Empty for nets of elements alone.
+std::string springs_per_second(const RunSummary& summary) {
+  if (summary.springs == 0) return {};
+  return fmt::format(", {:.3g} million springs per second",
+                     summary.wall > 0.0 ? summary.spring_updates / summary.wall / 1e6 : 0.0);
+}
+
 // Notes from number `first` on; the earlier ones were printed before the run.
 std::string result_text(const RunSummary& summary, const std::filesystem::path& folder, std::size_t first) {
   const auto steps = static_cast<double>(summary.steps);
@@ -114,12 +121,10 @@ std::string result_text(const RunSummary& summary, const std::filesystem::path& 
   text += fmt::format("{}: {}, {}, {}\n", summary.scene, summary.integrator.id, counted(summary.nodes, "node"),
                       counted(summary.springs, "spring"));
   text += fmt::format("  outcome    {}\n", summary.outcome);
-  text += fmt::format(
-      "  simulated  {:g} s of {:g} s in {:.3g} s ({}): {}, {:.1f} sweeps per step, {:.3g} million springs per "
-      "second\n",
-      summary.simulated, summary.duration, summary.wall, multiple_of_real_time(summary), counted(summary.steps, "step"),
-      steps > 0.0 ? static_cast<double>(summary.sweeps) / steps : 0.0,
-      summary.wall > 0.0 ? summary.spring_updates / summary.wall / 1e6 : 0.0);
+  text +=
+      fmt::format("  simulated  {:g} s of {:g} s in {:.3g} s ({}): {}, {:.1f} sweeps per step{}\n", summary.simulated,
+                  summary.duration, summary.wall, multiple_of_real_time(summary), counted(summary.steps, "step"),
+                  steps > 0.0 ? static_cast<double>(summary.sweeps) / steps : 0.0, springs_per_second(summary));
   if (summary.pace) {
     const PaceReport& pace = *summary.pace;
     text += fmt::format("  pace       {:g} times real time, {:.3g} frames per second: {}, {} missed{}\n", pace.factor,
