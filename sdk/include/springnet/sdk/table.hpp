@@ -62,18 +62,18 @@ class MonotoneCubic {
   // enough apart for finite slopes.
   MonotoneCubic(std::span<const double> x, std::span<const double> y, Beyond beyond) { fit(x, y, beyond); }
 
-  // y(x); with dual numbers, with its derivatives. nan for nan and infinities.
-  template <std::size_t N>
-  [[nodiscard]] SPRINGNET_INLINE Dual<N> operator()(const Dual<N>& x) const {
-    const Piece& p = pieces_[piece_of(x.value)];
-    const double d = x.value - p.x;
+  // y(x); with dual numbers, with its derivatives, those of second order, too. nan for nan and infinities.
+  template <std::size_t N, class T>
+  [[nodiscard]] SPRINGNET_INLINE Dual<N, T> operator()(const Dual<N, T>& x) const {
+    const Piece& p = pieces_[piece_of(value_of(x))];
+    const T d = x.value - p.x;
     return detail::chain(x, p.value(d), p.slope(d));
   }
   // The integral of y from the first point to x, exact but for rounding; negative x too.
-  template <std::size_t N>
-  [[nodiscard]] SPRINGNET_INLINE Dual<N> integral(const Dual<N>& x) const {
-    const Piece& p = pieces_[piece_of(x.value)];
-    const double d = x.value - p.x;
+  template <std::size_t N, class T>
+  [[nodiscard]] SPRINGNET_INLINE Dual<N, T> integral(const Dual<N, T>& x) const {
+    const Piece& p = pieces_[piece_of(value_of(x))];
+    const T d = x.value - p.x;
     return detail::chain(x, p.integral(d), p.value(d));
   }
   [[nodiscard]] double operator()(double x) const { return (*this)(Dual<0>(x)).value; }
@@ -85,9 +85,16 @@ class MonotoneCubic {
   struct alignas(64) Piece {
     double x, c0, c1, c2, c3, before;
 
-    [[nodiscard]] SPRINGNET_INLINE double value(double d) const { return c0 + d * (c1 + d * (c2 + d * c3)); }
-    [[nodiscard]] SPRINGNET_INLINE double slope(double d) const { return c1 + d * (2.0 * c2 + d * (3.0 * c3)); }
-    [[nodiscard]] SPRINGNET_INLINE double integral(double d) const {
+    template <class T>
+    [[nodiscard]] SPRINGNET_INLINE T value(const T& d) const {
+      return c0 + d * (c1 + d * (c2 + d * c3));
+    }
+    template <class T>
+    [[nodiscard]] SPRINGNET_INLINE T slope(const T& d) const {
+      return c1 + d * (2.0 * c2 + d * (3.0 * c3));
+    }
+    template <class T>
+    [[nodiscard]] SPRINGNET_INLINE T integral(const T& d) const {
       return before + d * (c0 + d * (c1 / 2.0 + d * (c2 / 3.0 + d * (c3 / 4.0))));
     }
   };
