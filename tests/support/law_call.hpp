@@ -138,8 +138,12 @@ inline LawAnswer evaluate(const springnet_component& component, const LawInput& 
 }
 
 // Bit for bit, so that NaN equals NaN and 0 differs from -0.
+// One nan is as good as another: IEEE 754 leaves their signs open, and compilers swap the factors of products.
 inline bool same_bits(const Array& a, const Array& b) {
-  return a.size() == b.size() && (a.empty() || std::memcmp(a.data(), b.data(), a.size() * sizeof(double)) == 0);
+  const auto same = [](double x, double y) {
+    return std::memcmp(&x, &y, sizeof x) == 0 || (std::isnan(x) && std::isnan(y));
+  };
+  return std::equal(a.begin(), a.end(), b.begin(), b.end(), same);
 }
 inline bool same_bits(const LawAnswer& a, const LawAnswer& b) {
   const auto same = [](const std::vector<Array>& x, const std::vector<Array>& y) {
