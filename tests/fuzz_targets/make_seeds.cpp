@@ -29,6 +29,54 @@ std::string table(const std::string& numbers, std::size_t rows, bool single, std
   return bytes;
 }
 
+// Bodies and elements with several scalars, which name no file: the search has none, and would refuse the scene before
+// it reads them.
+constexpr const char* elements = R"([simulation]
+duration = 1.0
+time_step = 0.01
+
+[[body]]
+name = "fibres"
+mesh = { lattice = [2, 2, 3], spacing = 1.0 }
+neuron = { type = "point_mass" }
+density = 1000.0
+material = { youngs_modulus = 1e4, poisson_ratio = 0.45, damping_time = 0.01, direction = [0, 0, 1], law = { type = "fibre_solid", fibre_modulus = 1e5 } }
+
+[[body]]
+name = "skin"
+mesh = { lattice = [3, 3, 1], spacing = 1.0, origin = [10, 0, 0] }
+neuron = { type = "point_mass" }
+density = 1000.0
+thickness = 0.001
+material = { youngs_modulus = 1e4, poisson_ratio = -0.3, damping_time = 0.01, bending = true, law = { type = "membrane", model = "st_venant_kirchhoff" } }
+
+[[body]]
+name = "block"
+mesh = { lattice = [2, 2, 2], spacing = 1.0, origin = [20, 0, 0] }
+neuron = { type = "point_mass", mass = 1.0 }
+material = { youngs_modulus = 1e4, poisson_ratio = 0.3, law = "solid" }
+
+[[element]]
+name = "more"
+invariant = "tetrahedron"
+select = { body = "fibres" }
+direction = [1, 0, 0]
+spring = { type = "fibre_solid", youngs_modulus = 1.0, poisson_ratio = 0.3, fibre_modulus = 1.0 }
+viscosity = { type = "viscous_solid", shear_viscosity = 1.0 }
+reference_scale = 1.1
+
+[[element]]
+invariant = "triangle"
+body = "skin"
+nodes = [[0, 1, 3]]
+spring = { type = "membrane", youngs_modulus = 1.0, poisson_ratio = 0.3, thickness = 0.1 }
+
+[[element]]
+invariant = "hinge"
+select = { body = "skin" }
+spring = { type = "shell", youngs_modulus = 1.0, poisson_ratio = 0.3, thickness = 0.1 }
+)";
+
 }  // namespace
 
 int main(int argc, char** argv) {
@@ -44,6 +92,7 @@ int main(int argc, char** argv) {
   write("bin", "cut", table("null", 2, true, 2).substr(0, 200));
   write("toml", "everything", everything);
   write("toml", "everything_of_meshes", everything_of_meshes);
+  write("toml", "elements", elements);
   for (const auto& entry : std::filesystem::recursive_directory_iterator(EXAMPLES)) {
     if (entry.path().extension() == ".toml") write("toml", entry.path().stem().string(), read_text(entry.path()));
   }

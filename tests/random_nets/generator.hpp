@@ -36,9 +36,23 @@ class Dice {
   std::uint64_t state_;
 };
 
+// The other nodes, by distance.
+inline std::vector<NodeIndex> nearest_nodes(const Network& network, NodeIndex node) {
+  std::vector<NodeIndex> others;
+  for (NodeIndex k = 0; k < network.nodes().size(); ++k) {
+    if (k != node) others.push_back(k);
+  }
+  const auto distance = [&](NodeIndex k) {
+    return (network.nodes()[k].position - network.nodes()[node].position).squaredNorm();
+  };
+  std::sort(others.begin(), others.end(), [&](NodeIndex a, NodeIndex b) { return distance(a) < distance(b); });
+  return others;
+}
+
 class RandomNet {
  public:
-  explicit RandomNet(std::uint64_t seed) : dice_(seed) {
+  // smallest_share: of the greatest stiffness, damping and mass.
+  explicit RandomNet(std::uint64_t seed, double smallest_share = 1e-6) : range_(smallest_share), dice_(seed) {
     add_nodes();
     add_springs();
     Dice own(seed + 3000000);  // leaves the rest of the net unchanged by elements
@@ -56,7 +70,7 @@ class RandomNet {
 
  private:
   static constexpr double max_stiffness = 1e4, max_damping = 1e2, max_mass = 1e2;  // N/m, N s/m, kg
-  static constexpr double range = 1e-6;  // smallest over greatest: six decades
+  double range_;
 
   void add_nodes() {
     const auto count = static_cast<NodeIndex>(std::lround(dice_.decades(2.0, 200.0)));
@@ -66,7 +80,7 @@ class RandomNet {
       Node node;
       node.position = dice_.in_box(half);
       node.velocity = dice_.in_box(1.0);
-      node.mass = dice_.decades(range * max_mass, max_mass);
+      node.mass = dice_.decades(range_ * max_mass, max_mass);
       if (dice_.chance(0.2)) node.neuron = dragged;
       const NodeIndex index = network.add_node(node);
       if (dice_.chance(0.1)) network.fix(index);
@@ -74,7 +88,7 @@ class RandomNet {
   }
 
   LawUse spring_function() {
-    const double stiffness = dice_.decades(range * max_stiffness, max_stiffness);
+    const double stiffness = dice_.decades(range_ * max_stiffness, max_stiffness);
     switch (dice_.below(4)) {
       case 0:
         return {"linear", {{"stiffness", stiffness}}};
@@ -91,7 +105,7 @@ class RandomNet {
     }
   }
   LawUse viscosity_function() {
-    const double damping = dice_.decades(range * max_damping, max_damping);
+    const double damping = dice_.decades(range_ * max_damping, max_damping);
     switch (dice_.below(3)) {
       case 0:
         return {"linear", {{"damping", damping}}};
@@ -127,10 +141,10 @@ class RandomNet {
     if (count < 5) return;
     for (std::uint32_t i = 0; i < 1 + count / 4; ++i) {
       const std::vector<NodeIndex> near = nearest(dice_.below(count));
-      Material material{LawUse{"linear", {{"stiffness", dice_.decades(range * max_stiffness, 1e-2 * max_stiffness)}}},
+      Material material{LawUse{"linear", {{"stiffness", dice_.decades(range_ * max_stiffness, 1e-2 * max_stiffness)}}},
                         std::nullopt};
       if (dice_.chance(0.5))
-        material.viscosity = LawUse{"linear", {{"damping", dice_.decades(range * max_damping, 1e-2 * max_damping)}}};
+        material.viscosity = LawUse{"linear", {{"damping", dice_.decades(range_ * max_damping, 1e-2 * max_damping)}}};
       const MaterialIndex index = network.add_material(material);
       static constexpr Invariant kinds[] = {Invariant::angle, Invariant::dihedral, Invariant::area, Invariant::volume,
                                             Invariant::enclosed_volume};
@@ -146,18 +160,7 @@ class RandomNet {
     }
   }
 
-  // The other nodes, by distance.
-  [[nodiscard]] std::vector<NodeIndex> nearest(NodeIndex node) const {
-    std::vector<NodeIndex> others;
-    for (NodeIndex k = 0; k < network.nodes().size(); ++k) {
-      if (k != node) others.push_back(k);
-    }
-    const auto distance = [&](NodeIndex k) {
-      return (network.nodes()[k].position - network.nodes()[node].position).squaredNorm();
-    };
-    std::sort(others.begin(), others.end(), [&](NodeIndex a, NodeIndex b) { return distance(a) < distance(b); });
-    return others;
-  }
+  [[nodiscard]] std::vector<NodeIndex> nearest(NodeIndex node) const { return nearest_nodes(network, node); }
 
   // Pairs, chains and triangles.
   void add_rigids() {

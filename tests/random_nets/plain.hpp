@@ -1,11 +1,12 @@
-// Forces of a network and residuals of its steps by the formulas of the laws, spring by spring and element by element,
-// without any of the library's evaluation.
+// Forces of a network and steps of its internal states by the formulas of the laws, spring by spring and element by
+// element, without any of the library's evaluation.
 #pragma once
 
 #include <algorithm>
 #include <array>
 #include <cmath>
 #include <numbers>
+#include <optional>
 #include <stdexcept>
 #include <vector>
 
@@ -13,16 +14,22 @@
 #include <springnet/network.hpp>
 #include <springnet/sdk/dual.hpp>
 
+#include "plain_continuum.hpp"
+#include "plain_memory.hpp"
+
 namespace springnet::testing {
 
 struct PlainState {
   std::vector<Vector3> position;  // m
   std::vector<Vector3> velocity;  // m/s
+  // Internal state of each spring's and element's spring function, 0 where it has none; empty: all are 0.
+  std::vector<double> spring_memory{}, element_memory{};
 };
 
-inline double plain_tension(const LawUse& law, double length, double rest_length) {
+inline double plain_tension(const LawUse& law, double length, double rest_length, double memory = 0.0) {
   const auto p = [&](const char* name) { return law.parameters.at(name); };
   const double x = length - rest_length;
+  if (has_memory(law)) return plain_tension_with_memory(law, x, memory);
   if (law.id == "linear" || law.id == "rupturing") return p("stiffness") * x;
   if (law.id == "nonlinear") return p("stiffness") * x + p("cubic") * x * x * x;
   if (law.id == "exponential") {
@@ -108,6 +115,54 @@ inline PlainInvariant plain_invariant_of(const Element& element, const PlainStat
   return found;
 }
 
+// Of an element whose laws read several scalars.
+inline void add_continuum_forces(const Network& network, const Element& element, const PlainState& at,
+                                 std::vector<Vector3>& forces) {
+  const Material& material = network.materials()[element.material];
+  if (element.invariant == Invariant::hinge) {
+    // The angle of the nodes at rest, and its branch that is nearest to it.
+    Element dihedral{Invariant::dihedral, {0, 1, 2, 3}, element.material, 0.0};
+    dihedral.reference = plain_invariant_of(dihedral, {element.rest, std::vector<Vector3>(4, Vector3::Zero())}).value;
+    dihedral.nodes = element.nodes;
+    const PlainInvariant angle = plain_invariant_of(dihedral, at);
+    const double torque = plain_hinge_stiffness(*material.spring, element.rest) * (angle.value - dihedral.reference);
+    for (std::size_t i = 0; i < 4; ++i) forces[element.nodes[i]] -= torque * angle.gradient[i];
+    return;
+  }
+  std::vector<Vector3> position, velocity;
+  for (const NodeIndex node : element.nodes) {
+    position.push_back(at.position[node]);
+    velocity.push_back(at.velocity[node]);
+  }
+  const std::vector<Vector3> own = plain_simplex_forces(material, element, position, velocity);
+  for (std::size_t i = 0; i < own.size(); ++i) forces[element.nodes[i]] += own[i];
+}
+
+// Internal states at the end of a step of a length h (s) from those of `start`, by positions at both ends: `order` 1 is
+// backward Euler, 2 the method for theta below 1 and for integrators of second order.
+inline void advance_memory(const Network& network, const PlainState& start, PlainState& end, double h, int order) {
+  end.spring_memory.assign(network.springs().size(), 0.0);
+  end.element_memory.assign(network.elements().size(), 0.0);
+  for (std::size_t s = 0; s < network.springs().size(); ++s) {
+    const Spring& spring = network.springs()[s];
+    const std::optional<LawUse>& law = network.materials()[spring.material].spring;
+    if (!law || !has_memory(*law)) continue;
+    const auto stretch = [&](const PlainState& at) {
+      return (at.position[spring.first] - at.position[spring.second]).norm() - spring.rest_length;
+    };
+    end.spring_memory[s] =
+        plain_next(*law, order, h, stretch(start), stretch(end), spring.rest_length, start.spring_memory[s]);
+  }
+  for (std::size_t e = 0; e < network.elements().size(); ++e) {
+    const Element& element = network.elements()[e];
+    const std::optional<LawUse>& law = network.materials()[element.material].spring;
+    if (!law || !has_memory(*law)) continue;
+    const double before = plain_invariant_of(element, start).value - element.reference;
+    const double after = plain_invariant_of(element, end).value - element.reference;
+    end.element_memory[e] = plain_next(*law, order, h, before, after, element.reference, start.element_memory[e]);
+  }
+}
+
 // Net forces of springs, elements, loads without a time window, gravity and the neurons' drag, N.
 inline std::vector<Vector3> plain_forces(const Network& network, const PlainState& at, const std::vector<bool>& alive,
                                          const std::vector<bool>& elements_alive) {
@@ -129,7 +184,8 @@ inline std::vector<Vector3> plain_forces(const Network& network, const PlainStat
     const Vector3 direction = length > 0.0 ? Vector3(difference / length) : Vector3(Vector3::Zero());
     const Material& material = network.materials()[spring.material];
     Vector3 force = Vector3::Zero();
-    if (material.spring) force -= plain_tension(*material.spring, length, spring.rest_length) * direction;
+    const double memory = at.spring_memory.empty() ? 0.0 : at.spring_memory[s];
+    if (material.spring) force -= plain_tension(*material.spring, length, spring.rest_length, memory) * direction;
     if (material.viscosity) {
       force += plain_viscosity(*material.viscosity, direction, at.velocity[spring.first] - at.velocity[spring.second]);
     }
@@ -140,9 +196,14 @@ inline std::vector<Vector3> plain_forces(const Network& network, const PlainStat
     if (!elements_alive[e]) continue;
     const Element& element = network.elements()[e];
     const Material& material = network.materials()[element.material];
+    if (reads_several(element.invariant)) {
+      add_continuum_forces(network, element, at, forces);
+      continue;
+    }
     const PlainInvariant found = plain_invariant_of(element, at);
+    const double memory = at.element_memory.empty() ? 0.0 : at.element_memory[e];
     double force = 0.0;
-    if (material.spring) force += plain_tension(*material.spring, found.value, element.reference);
+    if (material.spring) force += plain_tension(*material.spring, found.value, element.reference, memory);
     if (material.viscosity) {
       // In one dimension: the force along x on the first of two ends that separate at this rate.
       force -= plain_viscosity(*material.viscosity, Vector3::UnitX(), found.rate * Vector3::UnitX()).x();

@@ -61,11 +61,28 @@
   check(springnet_note, reserved, 40)
 
 /* The same for what ABI 2.1 added. */
-#define SPRINGNET_ENDS_2_1(check)              \
-  check(springnet_law_batch, derivatives, 264) \
-  check(springnet_law_update, start_rates, 104) \
-  check(springnet_invariant, reserved, 32)     \
-  check(springnet_law, reserved_2, 144)
+#define SPRINGNET_ENDS_2_1(check)                                \
+  check(springnet_law_batch, derivatives, 264)                   \
+  check(springnet_law_update, start_rates, 104)                  \
+  check(springnet_invariant, reserved, 32)                       \
+  check(springnet_law, reserved_2, 144)                          \
+  check(springnet_neuron_batch, acceleration_by_parameters, 200) \
+  check(springnet_network, input_count, 208)                     \
+  check(springnet_transposed_product, by_velocity, 32)           \
+  check(springnet_event_values, surfaces, 56)                    \
+  check(springnet_parameter_set, values, 40)                     \
+  check(springnet_parameter_product, internal, 48)               \
+  check(springnet_event_derivative, by_time, 56)                 \
+  check(springnet_part_forces, force, 40)                        \
+  check(springnet_element_view, relative, 128)                   \
+  check(springnet_balance, angular_momentum, 80)                 \
+  check(springnet_loop, user, 40)                                \
+  check(springnet_system_rows, low_rank_w, 64)                   \
+  check(springnet_stop, reason, 8)                               \
+  check(springnet_host, stop, 328)                               \
+  check(springnet_byte_sink, write, 24)                          \
+  check(springnet_bytes, count, 24)                              \
+  check(springnet_integrator, interpolate, 80)
 /* clang-format on */
 
 #ifdef __cplusplus
