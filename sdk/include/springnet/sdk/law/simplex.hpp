@@ -22,8 +22,8 @@ namespace springnet::sdk {
   ::springnet::sdk::length_of(0, 1), ::springnet::sdk::length_of(0, 2), ::springnet::sdk::length_of(0, 3), \
       ::springnet::sdk::length_of(1, 2), ::springnet::sdk::length_of(1, 3), ::springnet::sdk::length_of(2, 3)
 
-// A symmetric matrix of D rows by its entries 11, 22, (33,) 12, (13, 23). Its arithmetic is written out: with loops in
-// the formula of a law, the loop over elements is not vectorised.
+// A symmetric matrix of D rows by its entries 11, 22, (33,) 12, (13, 23). Its arithmetic, as
+// that of what follows, is written out: loops in a formula keep the loop over elements from being vectorised.
 template <class Real, std::size_t D>
 struct Symmetric {
   static constexpr std::size_t size = D * (D + 1) / 2;
@@ -71,9 +71,6 @@ struct Symmetric {
                m(0, 1) * m(1, 2) - m(0, 2) * m(1, 1), m(0, 2) * m(0, 1) - m(1, 2) * m(0, 0)}};
   }
 };
-
-// What follows is written out: loops in loops would stay where numbers carry derivatives, and then the loop over
-// elements is not vectorised.
 
 // A : B
 template <class Real, std::size_t D>
