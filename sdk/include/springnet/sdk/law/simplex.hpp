@@ -22,8 +22,8 @@ namespace springnet::sdk {
   ::springnet::sdk::length_of(0, 1), ::springnet::sdk::length_of(0, 2), ::springnet::sdk::length_of(0, 3), \
       ::springnet::sdk::length_of(1, 2), ::springnet::sdk::length_of(1, 3), ::springnet::sdk::length_of(2, 3)
 
-// A symmetric matrix of D rows by its entries 11, 22, (33,) 12, (13, 23). Its arithmetic, as
-// that of what follows, is written out: loops in a formula keep the loop over elements from being vectorised.
+// A symmetric matrix of D rows by its entries 11, 22, (33,) 12, (13, 23). Its arithmetic, as that of what
+// follows, is written out: loops in a formula keep the loop over elements from being vectorised.
 template <class Real, std::size_t D>
 struct Symmetric {
   static constexpr std::size_t size = D * (D + 1) / 2;
