@@ -54,9 +54,15 @@ inline double plain_stage(const LawUse& law, double w, double x, double referenc
   return rate == 0.0 ? base : base + w * rate / (1.0 - w * slope);
 }
 
-// Backward Euler, or the two stages of Alexander's method with x in a straight line from that at the start.
+// Backward Euler. Of second order, with x in a straight line from that at the start: the two stages of Alexander's
+// method, or, where the rate has kinks, backward Euler in one step and in two halves, extrapolated.
 inline double plain_next(const LawUse& law, int order, double h, double x0, double x1, double reference, double z) {
   if (order == 1) return plain_stage(law, h, x1, reference, z);
+  if (law.id == "plastic" || law.id == "damaging") {
+    const double half = plain_stage(law, 0.5 * h, 0.5 * (x0 + x1), reference, z);
+    const double next = 2.0 * plain_stage(law, 0.5 * h, x1, reference, half) - plain_stage(law, h, x1, reference, z);
+    return law.id == "damaging" ? std::clamp(next, 0.0, 1.0) : next;
+  }
   const double g = 1.0 - std::sqrt(0.5);
   const double first = plain_stage(law, g * h, x0 + g * (x1 - x0), reference, z);
   return plain_stage(law, g * h, x1, reference, z + (1.0 - g) * (first - z) / g);

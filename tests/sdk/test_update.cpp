@@ -1,6 +1,7 @@
 // Steps of internal state through the C ABI: the SDK's own methods and a law's update(), their derivatives, start().
 #include <doctest/doctest.h>
 
+#include <algorithm>
 #include <array>
 #include <cmath>
 #include <cstdint>
@@ -20,6 +21,7 @@ struct Relaxing : SpringFunction {
   using has = Has<Start>;
   static constexpr const char* id = "relaxing";
   static constexpr const char* summary = "relaxes";
+  static constexpr bool smooth_rates = true;
   static constexpr Parameter parameters[] = {number("stiffness", "N/m", "k"), number("time", "s", "tau")};
   static constexpr Parameter states[] = {number("creep", "m", "z").preset(0)};
   static auto force(const auto& e, const auto& p) { return p[0] * (e.q - e.state(0)); }
@@ -55,6 +57,16 @@ struct Summing : SpringFunction {
   static auto update(const auto& e, const auto&, const auto& step) {
     return std::array{e.state(0) + step.duration * 0.5 * (e.q + step.start_q)};
   }
+};
+
+// Does not heal: z' = max(q - z, 0) / tau, with z at most 2.
+struct Ratchet : SpringFunction {
+  static constexpr const char* id = "ratchet";
+  static constexpr const char* summary = "goes one way";
+  static constexpr Parameter parameters[] = {number("time", "s", "tau")};
+  static constexpr Parameter states[] = {number("z", "1", "").preset(0).at_most(2)};
+  static auto force(const auto& e, const auto&) { return e.q - e.state(0); }
+  static auto state_rates(const auto& e, const auto& p) { return std::array{max(e.q - e.state(0), 0.0) / p[0]}; }
 };
 
 // Nothing within the bounds solves z = z0 + h: the rate is 1, and z may not be above 1.
@@ -163,6 +175,15 @@ Call coupled_call(std::uint32_t order) {
   return call;
 }
 
+Call ratchet_call(std::uint32_t order) {
+  Call call;
+  call.order = order;
+  call.z = {0.3};
+  call.parameters = {0.5};
+  return call;
+}
+
+constexpr const springnet_component& ratchet = ComponentEntry<Ratchet>::value;
 constexpr const springnet_component& relaxing = ComponentEntry<Relaxing>::value;
 constexpr const springnet_component& coupled = ComponentEntry<Coupled>::value;
 constexpr const springnet_component& summing = ComponentEntry<Summing>::value;
@@ -206,11 +227,49 @@ TEST_CASE("a step of order 2 is Alexander's method, and its error falls with the
 
 TEST_CASE("a state that relaxes in a millionth of the step follows without ringing") {
   for (const std::uint32_t order : {1u, 2u}) {
-    Call call = relaxing_call(order);
-    call.parameters[1] = 0.25e-6;
-    REQUIRE(call.run(relaxing) == SPRINGNET_OK);
-    CHECK(call.next[0] == doctest::Approx(1.5).epsilon(1e-5));
+    for (const bool one_way : {false, true}) {
+      Call call = one_way ? ratchet_call(order) : relaxing_call(order);
+      call.parameters.back() = 0.25e-6;
+      REQUIRE(call.run(one_way ? ratchet : relaxing) == SPRINGNET_OK);
+      CHECK(call.next[0] == doctest::Approx(1.5).epsilon(1e-5));
+    }
   }
+}
+
+TEST_CASE("rates with a kink: a step of order 2 is extrapolated from half steps, and does not go too far for good") {
+  // q = 1.2 + t, z' = max(q - z, 0) / tau from 0.3 on: as without the kink, which is not reached.
+  const auto error = [](double h) {
+    Call each = ratchet_call(2);
+    each.time_step = h;
+    each.q = 1.2 + h;
+    REQUIRE(each.run(ratchet) == SPRINGNET_OK);
+    const double tau = 0.5, exact = 1.2 + h - tau + (0.3 - 1.2 + tau) * std::exp(-h / tau);
+    return std::abs(each.next[0] - exact);
+  };
+  CHECK(error(0.02) / error(0.01) == doctest::Approx(8.0).epsilon(0.05));
+
+  // A constant q = 1.5, of which the state is 1.2 away: 1 - 2 / (1 + s/2)^2 + 1 / (1 + s) of the way in s relaxation
+  // times, which is 1.0362 at most.
+  double most = 0.0;
+  for (double s = 1.0 / 64.0; s <= 65536.0; s *= std::sqrt(2.0)) {
+    Call call = ratchet_call(2);
+    call.start_q = call.q;
+    call.parameters[0] = call.time_step / s;
+    REQUIRE(call.run(ratchet) == SPRINGNET_OK);
+    const double share = 1.0 - 2.0 / ((1.0 + 0.5 * s) * (1.0 + 0.5 * s)) + 1.0 / (1.0 + s);
+    CHECK(call.next[0] == doctest::Approx(0.3 + 1.2 * share).epsilon(1e-14));
+    most = std::max(most, share);
+  }
+  CHECK(most == doctest::Approx(1.0361).epsilon(2e-4));
+
+  // Where that is beyond a bound, the state is at the bound, and stays there.
+  Call call = ratchet_call(2);
+  call.start_q = call.q = 2.0;
+  call.parameters[0] = call.time_step / 16.0;
+  REQUIRE(call.run(ratchet) == SPRINGNET_OK);
+  CHECK(call.next[0] == 2.0);
+  CHECK(call.next_by_q[0] == 0.0);
+  CHECK(call.next_by_states[0] == 0.0);
 }
 
 TEST_CASE("total derivatives of a step against differences") {

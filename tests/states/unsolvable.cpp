@@ -76,9 +76,10 @@ std::optional<double> stage(double base, double weight) {
 
 std::optional<double> stepped(int order, double z, double h) {
   if (order == 1) return stage(z, h);
-  const double g = 1.0 - 1.0 / std::sqrt(2.0);
-  const std::optional<double> first = stage(z, g * h);
-  return first ? stage(z + (1.0 - g) / g * (*first - z), g * h) : std::nullopt;
+  const std::optional<double> whole = stage(z, h), half = stage(z, 0.5 * h);
+  const std::optional<double> both = half ? stage(*half, 0.5 * h) : std::nullopt;
+  if (!whole || !both) return std::nullopt;
+  return 2.0 * *both - *whole;
 }
 
 // Divided into halves as far as it takes.

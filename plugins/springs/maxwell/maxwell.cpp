@@ -16,6 +16,7 @@ struct Maxwell : SpringFunction {
   static constexpr const char* reference =
       "J. C. Maxwell, On the dynamical theory of gases, Phil. Trans. 157 (1867) 49";
   static constexpr bool fits_elements = true;
+  static constexpr bool smooth_rates = true;
   static constexpr Parameter parameters[] = {
       number("stiffness", "N/m", "of the spring: slope of the tension over a fast elongation").at_least(0).learnable(),
       number("relaxation_time", "s", "in which the tension falls to 1/e at constant length").above(0).learnable(),

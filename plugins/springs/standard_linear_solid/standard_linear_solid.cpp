@@ -17,6 +17,7 @@ struct StandardLinearSolid : SpringFunction {
       "a spring beside a spring and dashpot in series: relaxes and creeps to a finite stiffness";
   static constexpr const char* reference = "C. Zener, Elasticity and Anelasticity of Metals, 1948";
   static constexpr bool fits_elements = true;
+  static constexpr bool smooth_rates = true;
   static constexpr Parameter parameters[] = {
       number("stiffness", "N/m", "slope of the tension over a slow elongation").at_least(0).learnable(),
       number("fast_stiffness", "N/m", "what a fast elongation adds to it").at_least(0).learnable(),

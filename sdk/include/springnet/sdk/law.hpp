@@ -247,6 +247,7 @@ struct LawDefaults : ElementaryFunctions {
   static constexpr double smallest_stretch = 0.0;
   static constexpr double largest_stretch = std::numeric_limits<double>::infinity();
   static constexpr int update_order = 1;
+  static constexpr bool smooth_rates = false;
   // Of a law with a list of invariants: the nodes of its elements, and whether these have a direction.
   static constexpr Shape shape = Shape::none;
   static constexpr bool reads_direction = false;
